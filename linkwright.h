@@ -693,6 +693,14 @@ typedef struct lw_target_options {
                                  * the first is kept); functions are open                          */
     const char *length_unit;    /* NULL: by the file, else metre; overrules a "units" comment      */
     const char *angle_unit;     /* NULL: by the file, else radian; overrules likewise              */
+    const char *curve;          /* of a drawing: "2", "1,3", "all", or the name of a curve, group or
+                                 * layer; up to four curves become the points of one linkage.
+                                 * NULL: its only curve                                            */
+    int         stations;       /* stations on a path: > 0 that many, spread by length and curvature;
+                                 * 0: the rows of a table, 60 for each curve of a drawing; < 0: the
+                                 * points of a drawing as they are drawn                           */
+    double      smooth;         /* > 0: move the points of a path onto a smooth curve that none of
+                                 * them leaves by more than this [length unit of the target]       */
 } lw_target_options;
 
 /* From CSV text with a header x,y[,theta][,angle|t][,weight] or angle,theta[,weight] (docs/notation.md, "Target").
@@ -700,7 +708,8 @@ typedef struct lw_target_options {
 LW_API lw_status lw_target_parse(const char *text, size_t size, const char *file, const lw_target_options *options,
                                  lw_target **out, lw_error *error);
 
-/* From a file: CSV, or by the end of its name a path of an SVG or a curve of a DXF drawing. */
+/* From a file: CSV, or curves of an SVG or DXF drawing, recognised by its text.  The path may end in the curve that is
+ * wanted: "leg.svg#path10", "leg.dxf#2"; it overrules options->curve. */
 LW_API lw_status lw_target_load(const char *path, const lw_target_options *options, lw_target **out, lw_error *error);
 
 /* From arrays (n): x and y of a path [m], with theta, the angle of a tool, for a motion [rad]; or, for a function,
@@ -712,6 +721,9 @@ LW_API void      lw_target_destroy(lw_target *target);
 LW_API size_t    lw_target_n(const lw_target *target);
 LW_API bool      lw_target_closed(const lw_target *target);
 LW_API double    lw_target_length(const lw_target *target);          /* of the polygon through the stations [m]   */
+/* What was assumed when the target was read, as text for a person: the curve of a drawing, a unit that no file gives,
+ * how far smoothing moved the points; "": nothing.  Valid as long as the target. */
+LW_API const char *lw_target_note(const lw_target *target);
 
 /* Arrays (n) of the target; NULL where it has none. */
 LW_API void      lw_target_stations(const lw_target *target, const double **x, const double **y, const double **theta,

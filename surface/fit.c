@@ -54,6 +54,7 @@ void lw_target_destroy(lw_target *target)
 size_t lw_target_n(const lw_target *target) { return target->n; }
 bool   lw_target_closed(const lw_target *target) { return target->closed; }
 double lw_target_length(const lw_target *target) { return target->length; }
+const char *lw_target_note(const lw_target *target) { return target->note; }
 
 void lw_target_stations(const lw_target *target, const double **x, const double **y, const double **theta,
                         const double **angle)

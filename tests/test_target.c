@@ -245,9 +245,9 @@ static void options_overrule_comments(void)
     CHECK_INT(read_with("x_mm,y\n1,2\n", 11, &o, &t, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "units are mixed");
     CHECK_HAS(e.text, "the command line said cm");
-    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ -1, "mile", NULL }, &t, &e), LW_E_ARG);
+    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ .closed = -1, .length_unit = "mile" }, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "\"mile\"");
-    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ -1, NULL, "grad" }, &t, &e), LW_E_ARG);
+    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ .closed = -1, .angle_unit = "grad" }, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "\"grad\"");
 }
 
@@ -352,6 +352,92 @@ static void order_against_brute_force(void)
     }
 }
 
+/* ---- tables as programs write them ----------------------------------------------------------------------------- */
+
+/* The same three stations each time: (12.5, -3) (7, 4.25) (0, 1) mm. */
+static void tables_of_programs(void)
+{
+    static const struct { const char *text; size_t size; } rows[] = {
+#define ROW(text) { text, sizeof (text) - 1 }
+        ROW("x_mm,y_mm\n12.5,-3\n7,4.25\n0,1\n"),
+        ROW("\xef\xbb\xbfX [mm];Y [mm]\r\n12,5;-3\r\n7;4,25\r\n0;1\r\n"),                /* Excel, German */
+        ROW("sep=;\r\nx (mm);y (mm);\r\n12,5;-3;\r\n7;4,25;\r\n0;1;\r\n;;\r\n"),       /* Excel, empty column and row */
+        ROW("x/mm\ty/mm\n12,5\t-3\n7\t4,25\n0\t1\n"),
+        ROW("x [mm] y [mm]\n12.5 -3\n7 4.25\n0 1\n"),
+        ROW("\"x [mm]\",\"y [mm]\"\n\"12,5\",\"-3\"\n\"7\",\"4,25\"\n\"0\",\"1\"\n"),      /* LibreOffice, all quoted */
+        ROW("x[mm];y[mm]\n+1,25E+01;-3,0E+00\n7;4,25\n0;1\n"),
+        ROW("x_mm;y_mm\n12.5;\xe2\x88\x92""3\n7;4.25\n0;1\n"),                           /* U+2212 */
+        ROW("# units: mm\n12.5,-3\n7,4.25\n0,1\n"),                                       /* no header */
+        ROW("# units: mm\n12,5;-3\n7;4,25\n0;1\n"),
+        ROW("# units: mm\n12,5\t-3\n7\t4,25\n0\t1\n"),
+        ROW("# units: mm\n12,5 -3\n7 4,25\n0 1\n"),
+        ROW("x [millimetre],y\n12.5,-3\n7,4.25\n0,1\n"),
+        ROW("\xff\xfex\0_\0m\0m\0\t\0y\0\n\0" "1\0" "2\0,\0" "5\0\t\0-\0" "3\0\n\0" "7\0\t\0" "4\0,\0" "2\0" "5\0\n\0"
+            "0\0\t\0" "1\0\n\0"),
+        ROW("\xfe\xff\0x\0_\0m\0m\0,\0y\0\n\0" "1\0" "2\0.\0" "5\0,\0-\0" "3\0\n\0" "7\0,\0" "4\0.\0" "2\0" "5\0\n\0"
+            "0\0,\0" "1\0\n")
+#undef ROW
+    };
+    static const double want[][2] = { { 12.5, -3 }, { 7, 4.25 }, { 0, 1 } };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_target t;
+        lw_error e = { .text = "" };
+        CHECK_INT(read_with(rows[i].text, rows[i].size, NULL, &t, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_INT(t.n, 3);
+        for (size_t k = 0; k < t.n; k++) {
+            CHECK_NEAR(t.x[k], 1e-3*want[k][0], 1e-17, 0);
+            CHECK_NEAR(t.y[k], 1e-3*want[k][1], 1e-17, 0);
+        }
+        lw_target_free(&t);
+    }
+}
+
+static void angles_of_programs(void)
+{
+    static const char *const rows[] = {
+        "x [mm];y [mm];theta [deg];angle [deg]\n1;2;90;0\n3;4;180;36,5\n5;5;0;90\n",
+        "x (mm),y (mm),theta (\xc2\xb0),angle (\xb0)\n1,2,90,0\n3,4,180,36.5\n5,5,0,90\n",
+        "x [mm] y [mm] theta [degrees] t\n1 2 90 0\n3 4 180 .101388888888888888\n5 5 0 .25\n"
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_target t;
+        lw_error e = { .text = "" };
+        CHECK_INT(read_with(rows[i], strlen(rows[i]), NULL, &t, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        if (t.n != 3)
+            continue;
+        CHECK_NEAR(t.theta[1], LW_PI, 1e-15, 0);
+        CHECK_NEAR(t.angle[1], 36.5*LW_PI/180, 1e-15, 0);
+        lw_target_free(&t);
+    }
+}
+
+static void stations_of_a_table(void)
+{
+    static const char text[] = "x_mm,y_mm\n0,0\n30,0\n30,10\n0,10\n";
+    lw_target_options o = { .closed = 1, .stations = 40 };
+    lw_target t;
+    lw_error e = { .text = "" };
+    CHECK_INT(read_with(text, sizeof text - 1, &o, &t, &e), LW_OK);
+    CHECK_INT(t.n, 40);
+    CHECK_NEAR(t.length, 0.08, 1e-12, 0);
+    CHECK_INT(t.line[39], 5);
+    CHECK_HAS(t.note, "40 stations on the path through the 4 points");
+    lw_target_free(&t);
+    o = (lw_target_options){ .closed = -1, .smooth = 0.5 };
+    static const char noisy[] = "x_mm,y_mm\n0,0\n10,0.4\n20,-.4\n30,.4\n40,-.3\n50,.3\n60,-.4\n";
+    CHECK_INT(read_with(noisy, sizeof noisy - 1, &o, &t, &e), LW_OK);
+    for (size_t i = 0; i < t.n; i++)
+        CHECK(fabs(t.y[i]) < 2e-4);
+    CHECK_HAS(t.note, "smoothed: the path lies 0.3");
+    lw_target_free(&t);
+    static const char motion[] = "x,y,theta\n0,0,0\n1,0,0\n";
+    o.stations = 5;
+    CHECK_INT(read_with(motion, sizeof motion - 1, &o, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "only a path of x and y");
+}
+
 /* ---- faults ------------------------------------------------------------------------------------ */
 
 static void every_fault_has_its_place(void)
@@ -361,7 +447,7 @@ static void every_fault_has_its_place(void)
         { "# only\n\n# comments\n", 3, 1, "nothing is in this file" },
         { "x,y\n", 1, 1, "no stations follow" },
         { "x,y\n# closed: yes\n\n", 3, 1, "no stations follow" },
-        { "\xff\xfex\0", 1, 1, "UTF-16" },
+        { "\xff\xfex\0", 1, 1, "column \"y\" is missing" },
         { "x\n1\n", 1, 1, "column \"y\" is missing" },
         { "y,angle\n1,2\n", 1, 1, "column \"x\" is missing" },
         { "weight\n1\n", 1, 1, "column \"x\" is missing" },
@@ -384,8 +470,15 @@ static void every_fault_has_its_place(void)
         { "x,y,x2,y2\n1,2,3,inf\n", 2, 7, "y2 is \"inf\"" },
         { "x,y,angle,theta2\n1,2,0,0\n1,2,0,1\n", 3, 5, "" },
         { "x,y,x_furlong\n1,2,3\n", 1, 5, "unknown column \"x_furlong\"" },
-        { "x,y,\n1,2,3\n", 1, 5, "has no name" },
-        { "1,2\n3,4\n", 1, 1, "must name the columns" },
+        { "x,y,\n1,2,3\n", 2, 5, "more than the 2 fields" },
+        { "x,,y\n1,2,3\n", 1, 3, "has no name" },
+        { "1,2,3\n3,4,5\n", 1, 1, "only two columns need no names" },
+        { "x [furlong],y\n1,2\n", 1, 4, "unknown unit \"furlong\"" },
+        { "x,y,t [s]\n1,2,3\n", 1, 8, "t counts turns" },
+        { "x;y\n1,5;2.5\n", 2, 5, "mixes decimal commas and decimal points (line 2 has a comma)" },
+        { "x;y\n1.234,5;2\n", 2, 1, "separators of thousands" },
+        { "x\ty\n\"1,234\"\t2\n", 2, 2, "without quotes" },
+        { "x;y\n12 mm;2\n", 2, 1, "as x [mm]" },
         { "x,y;angle\n1,2;3\n", 1, 1, "commas and semicolons" },
         { "x,y,theta_mm\n1,2,3\n", 1, 5, "is no length, so mm cannot" },
         { "x_deg,y\n1,2\n", 1, 1, "is no angle, so deg cannot" },
@@ -413,9 +506,8 @@ static void every_fault_has_its_place(void)
         { "x,y\n,1\n", 2, 1, "the field of x is empty" },
         { "x,y\n1,2\n3\n", 3, 2, "this line has 1 of the 2 fields" },
         { "x,y\n1,2,3\n", 2, 5, "more than the 2 fields" },
-        { "x,y\n1,2,\n", 2, 5, "more than the 2 fields" },
         { "x,y\n1 2\n", 2, 1, "\"1 2\", which is no number" },
-        { "x;y\n1,5;2,5\n", 2, 1, "write decimals with a point" },
+        { "x,y\n1,5,2,5\n", 2, 5, "decimal commas need semicolons" },
         { "x y\n1 2 3\n", 2, 4, "more than the 2 fields" },
         { "x\ty\n1\t\t3\n", 2, 3, "the field of y is empty" },
         { "x,y,weight\n1,2,1\n1,2,-1\n", 3, 5, "a weight is at least 0" },
@@ -526,6 +618,9 @@ int main(void)
     RUN(few_stations_and_repeated_points);
     RUN(cyclic_order_is_order);
     RUN(order_against_brute_force);
+    RUN(tables_of_programs);
+    RUN(angles_of_programs);
+    RUN(stations_of_a_table);
     RUN(every_fault_has_its_place);
     RUN(as_many_rows_as_allowed);
     RUN(made_from_arrays);

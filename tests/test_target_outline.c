@@ -7,15 +7,23 @@
 typedef lw_status reader(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
                          lw_error *e);
 
-static lw_target read_text(reader *read, const char *text)
+static lw_target read_with(reader *read, const char *text, const lw_target_options *o)
 {
     lw_target t;
     lw_error e = { .text = "" };
-    CHECK_INT(read(text, strlen(text), "t", NULL, &t, &e), LW_OK);
+    CHECK_INT(read(text, strlen(text), "t", o, &t, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     if (t.n == 0)
         fprintf(stderr, "    %s: %ld:%ld\n", text, e.line, e.column);
     return t;
+}
+
+static lw_target read_text(reader *read, const char *text) { return read_with(read, text, NULL); }
+
+/* The points as they are drawn. */
+static lw_target read_drawn(reader *read, const char *text)
+{
+    return read_with(read, text, &(lw_target_options){ .closed = -1, .stations = -1 });
 }
 
 static void stations(const lw_target *t, int closed, const double (*want)[2], size_t n, double unit)
@@ -48,7 +56,7 @@ static void corners_are_stations(void)
         "<svg><path transform='scale(2) translate(1 1) rotate(180 2 2)' d='M5 5H0V2.5H5Z'/></svg>"
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t = read_text(lw_target_read_svg, rows[i]);
+        lw_target t = read_drawn(lw_target_read_svg, rows[i]);
         stations(&t, 1, square, 4, 1e-3);
         CHECK_TEXT(t.units.length, "mm");
         lw_target_free(&t);
@@ -57,18 +65,20 @@ static void corners_are_stations(void)
 
 static void units_of_drawings(void)
 {
-    lw_target t = read_text(lw_target_read_svg,
+    lw_target t = read_drawn(lw_target_read_svg,
                             "<svg width='12cm' viewBox='0 0 240 10'><path d='M0 0L2 0 2 4'/></svg>");
     CHECK_NEAR(t.x[1], 1e-3, 1e-17, 0);
     CHECK_INT(t.closed, 0);
     lw_target_free(&t);
     lw_error e;
     static const char text[] = "<svg><path d='M0 0L2 0 2 4'/></svg>";
-    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &(lw_target_options){ 1, "in", NULL }, &t, &e), LW_OK);
+    lw_target_options o = { .closed = 1, .length_unit = "in", .stations = -1 };
+    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &o, &t, &e), LW_OK);
     CHECK_NEAR(t.x[1], 2*0.0254, 1e-17, 0);
     CHECK_INT(t.closed, 1);
     lw_target_free(&t);
-    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &(lw_target_options){ 1, "ell", NULL }, &t, &e), LW_E_ARG);
+    o.length_unit = "ell";
+    CHECK_INT(lw_target_read_svg(text, sizeof text - 1, "t", &o, &t, &e), LW_E_ARG);
 }
 
 /* Evenly spread stations on a circle, whichever way it is said. */
@@ -171,16 +181,16 @@ static void polylines(void)
          "0\nLINE\n10\n4\n20\n3\n11\n4\n21\n0\n" TAIL)
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
-        lw_target t = read_text(lw_target_read_dxf, rows[i]);
+        lw_target t = read_drawn(lw_target_read_dxf, rows[i]);
         stations(&t, 1, want, 3, 1e-3);
         lw_target_free(&t);
     }
-    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nLINE\n10\n1\n20\n0\n11\n2\n21\n0\n"
+    lw_target t = read_drawn(lw_target_read_dxf, HEAD "0\nLINE\n10\n1\n20\n0\n11\n2\n21\n0\n"
                             "0\nLINE\n10\n0\n20\n1\n11\n1\n21\n0\n" TAIL);
     CHECK_INT(t.n, 3);                                     /* lines in any order, an open curve */
     CHECK_INT(t.closed, 0);
     lw_target_free(&t);
-    t = read_text(lw_target_read_dxf, "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n5\n0\nENDSEC\n"
+    t = read_drawn(lw_target_read_dxf, "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n5\n0\nENDSEC\n"
                   HEAD "0\nLINE\n10\n0\n20\n0\n11\n4\n21\n0\n" TAIL);
     CHECK_NEAR(t.x[1], 0.04, 1e-17, 0);
     CHECK_TEXT(t.units.length, "cm");
@@ -203,29 +213,261 @@ static void bulges_and_arcs(void)
     }
 }
 
+/* ---- shapes, against their equations --------------------------------------------------------------------------- */
+
+/* Largest value of (a x + c y + e)^2 + (b x + d y + f)^2 - 1 over the stations [mm]: 0 on an ellipse whose map to the
+ * unit circle is m. */
+static double off_ellipse(const lw_target *t, const double m[6])
+{
+    double most = 0;
+    for (size_t i = 0; i < t->n; i++) {
+        double x = 1e3*t->x[i], y = 1e3*t->y[i];
+        most = fmax(most, fabs(hypot(m[0]*x + m[2]*y + m[4], m[1]*x + m[3]*y + m[5]) - 1));
+    }
+    return most;
+}
+
+/* The map of an ellipse to the unit circle: half axes a, b; its first axis turned by angle; centre x, y. */
+static void ellipse_map(double a, double b, double angle, double x, double y, double m[6])
+{
+    double c = cos(angle), s = sin(angle);
+    m[0] = c/a;
+    m[1] = -s/b;
+    m[2] = s/a;
+    m[3] = c/b;
+    m[4] = -m[0]*x - m[2]*y;
+    m[5] = -m[1]*x - m[3]*y;
+}
+
+static void round_shapes(void)
+{
+    static const struct { const char *text; double a, b, degrees, x, y; } svg[] = {
+        { "<svg><circle cx='7' cy='3' r='2'/></svg>", 2, 2, 0, 7, -3 },
+        { "<svg><ellipse cx='-7' cy='30' rx='20' ry='5'/></svg>", 20, 5, 0, -7, -30 },
+        { "<svg><ellipse cx='4' rx='20' ry='5' transform='translate(10,-2) rotate(30)'/></svg>", 20, 5, -30,
+          10 + 3.4641016151377544, 0 },
+        { "<svg><g transform='scale(2,.5)'><g transform='matrix(0 1 -1 0 3 4)'><circle r='8'/></g></g></svg>", 16, 4, 0,
+          6, -2 },
+        { "<svg width='100mm' height='50mm' viewBox='0 0 1000 500'><circle cx='70' cy='30' r='20'/></svg>", 2, 2, 0, 7, -3 },
+        { "<svg width='96px' height='192' viewBox='0 0 50.8 50.8'><circle r='20'/></svg>", 10, 10, 0, 0, 0 },
+        { "<svg width='2in'><circle r='96'/></svg>", 25.4, 25.4, 0, 0, 0 },
+        { "<svg width='40mm' height='80mm'><circle r='1cm' cx='10mm'/></svg>", 10, 10, 0, 10, 0 },
+        { "<svg width='10mm' height='40mm' viewBox='0 0 10 20' preserveAspectRatio='none'><circle r='2'/></svg>", 2, 4, 0,
+          0, 0 },
+        { "<svg><svg x='5' y='1' width='20' height='20' viewBox='-1 -1 2 2'><circle r='1'/></svg></svg>", 10, 10, 0, 15, -11 },
+        { "<svg xmlns:xlink='x'><defs><circle id='c' r='3'/></defs><use xlink:href='#c' x='5' transform='scale(2)'/></svg>",
+          6, 6, 0, 10, 0 },
+        { "<svg><symbol id='s'><circle r='3'/></symbol><use href='#s' x='5' y='5'/></svg>", 3, 3, 0, 5, -5 },
+        { "<svg:svg><svg:path d='M3&#10;0A3 3 0 1 1-3,0&#xA;A3 3 0 1 1 3 0z'/></svg:svg>", 3, 3, 0, 0, 0 },
+        { "<!-- Generator: Adobe Illustrator 25.0 --><svg viewBox='0 0 72 72'><circle r='72'/></svg>", 25.4, 25.4, 0, 0, 0 }
+    };
+    static const struct { const char *text; double a, b, degrees, x, y; } dxf[] = {
+        { HEAD "0\nELLIPSE\n10\n3\n20\n4\n11\n0\n21\n10\n40\n0.5\n41\n0\n42\n6.283185307179586\n" TAIL, 10, 5, 90, 3, 4 },
+        { HEAD "0\nELLIPSE\n10\n3\n20\n4\n11\n6\n21\n8\n40\n0.25\n41\n1\n42\n5\n0\nELLIPSE\n10\n3\n20\n4\n11\n6\n21\n8\n"
+          "40\n0.25\n41\n5\n42\n1\n" TAIL, 10, 2.5, 53.13010235415598, 3, 4 },
+        { HEAD "0\nCIRCLE\n10\n3\n20\n4\n40\n5\n230\n-1\n" TAIL, 5, 5, 0, -3, 4 },
+        { "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nWheel\n10\n1\n20\n1\n0\nCIRCLE\n10\n1\n20\n1\n40\n2\n0\nENDBLK\n0\nENDSEC\n"
+          HEAD "0\nINSERT\n2\nWHEEL\n10\n10\n20\n20\n41\n3\n42\n-1\n50\n30\n" TAIL, 6, 2, 30, 10, 20 },
+        { "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nARC\n10\n1\n40\n2\n50\n10\n51\n200\n0\nARC\n10\n1\n40\n2\n50\n200\n51\n10\n0\n"
+          "ENDBLK\n0\nBLOCK\n2\nB\n10\n0\n20\n5\n0\nINSERT\n2\nA\n20\n5\n50\n90\n0\nENDBLK\n0\nENDSEC\n"
+          HEAD "0\nINSERT\n2\nB\n10\n7\n20\n0\n41\n2\n42\n2\n" TAIL, 4, 4, 0, 7, 2 },
+        /* a circle as a rational spline of degree 2 (Piegl & Tiller 1997, section 7.5) */
+        { HEAD "0\nSPLINE\n70\n11\n71\n2\n72\n12\n73\n9\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n2\n40\n2\n40\n3\n40\n3\n40\n4\n40\n4\n40\n4\n"
+          "41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n"
+          "10\n5\n20\n0\n10\n5\n20\n5\n10\n0\n20\n5\n10\n-5\n20\n5\n10\n-5\n20\n0\n10\n-5\n20\n-5\n10\n0\n20\n-5\n10\n5\n20\n-5\n"
+          "10\n5\n20\n0\n" TAIL, 5, 5, 0, 0, 0 }
+    };
+    double m[6];
+    for (size_t i = 0; i < sizeof svg/sizeof *svg; i++) {
+        lw_target t = read_text(lw_target_read_svg, svg[i].text);
+        ellipse_map(svg[i].a, svg[i].b, svg[i].degrees*LW_PI/180, svg[i].x, svg[i].y, m);
+        CHECK_NEAR(off_ellipse(&t, m), 0, 3.1e-4, 0);
+        CHECK_INT(t.closed, 1);
+        CHECK_INT(t.n, LW_OUTLINE_STATIONS);
+        lw_target_free(&t);
+    }
+    for (size_t i = 0; i < sizeof dxf/sizeof *dxf; i++) {
+        lw_target t = read_text(lw_target_read_dxf, dxf[i].text);
+        ellipse_map(dxf[i].a, dxf[i].b, dxf[i].degrees*LW_PI/180, dxf[i].x, dxf[i].y, m);
+        CHECK_NEAR(off_ellipse(&t, m), 0, 3.1e-4, 0);
+        CHECK_INT(t.closed, 1);
+        CHECK_INT(t.n, LW_OUTLINE_STATIONS);
+        lw_target_free(&t);
+    }
+}
+
+/* A cubic spline with one inner knot, against the recursion of its basis functions (Cox, de Boor). */
+static double basis(const double *knot, int i, int degree, double u)
+{
+    if (degree == 0)
+        return u >= knot[i] && (u < knot[i+1] || (u == 5 && knot[i+1] == 5 && knot[i] < 5));
+    double a = knot[i + degree] - knot[i], b = knot[i + degree + 1] - knot[i+1];
+    return (a > 0 ? (u - knot[i])/a*basis(knot, i, degree - 1, u) : 0)
+         + (b > 0 ? (knot[i + degree + 1] - u)/b*basis(knot, i + 1, degree - 1, u) : 0);
+}
+
+static void splines(void)
+{
+    static const double knot[] = { 0, 0, 0, 0, 2, 5, 5, 5, 5 }, x[] = { 0, 3, 8, 9, 4 }, y[] = { 0, 6, 7, -2, -3 };
+    char text[1024];
+    int n = snprintf(text, sizeof text, HEAD "0\nSPLINE\n8\nPATH\n70\n8\n71\n3\n");
+    for (int i = 0; i < 9; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, "40\n%g\n", knot[i]);
+    for (int i = 0; i < 5; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, "10\n%g\n20\n%g\n30\n0\n", x[i], y[i]);
+    snprintf(text + n, sizeof text - (size_t)n, TAIL);
+    lw_target t = read_text(lw_target_read_dxf, text);
+    CHECK_INT(t.closed, 0);
+    CHECK_HAS(t.note, "open curve 'PATH'");
+    for (size_t k = 0; k < t.n; k++) {
+        double least = INFINITY;
+        for (int i = 0; i <= 20000; i++) {
+            double p = 0, q = 0;
+            for (int b = 0; b < 5 && (i % 20 == 0 || least < 0.05); b++) {
+                double w = basis(knot, b, 3, 5*i/20000.0);
+                p += w*x[b];
+                q += w*y[b];
+            }
+            if (i % 20 == 0 || least < 0.05)
+                least = fmin(least, hypot(1e3*t.x[k] - p, 1e3*t.y[k] - q));
+        }
+        CHECK_NEAR(least, 0, 2e-3, 0);
+    }
+    lw_target_free(&t);
+}
+
+static void straight_shapes(void)
+{
+    static const double rect[][2] = { { 1, -2 }, { 11, -2 }, { 11, -7 }, { 1, -7 } }, line[][2] = { { 1, -2 }, { 4, -6 } };
+    lw_target t = read_drawn(lw_target_read_svg, "<svg><rect width='100%' height='100%'/><rect x='1' y='2' width='10' "
+                             "height='5'/></svg>");
+    stations(&t, 1, rect, 4, 1e-3);
+    lw_target_free(&t);
+    t = read_drawn(lw_target_read_svg, "<svg><line x1='1' y1='2' x2='4' y2='6'/></svg>");
+    stations(&t, 0, line, 2, 1e-3);
+    lw_target_free(&t);
+    t = read_text(lw_target_read_svg, "<svg><rect x='-10' y='-6' width='20' height='12' rx='4' ry='2'/></svg>");
+    for (size_t i = 0; i < t.n; i++) {                          /* its corners are quarters of ellipses */
+        double x = fabs(1e3*t.x[i]), y = fabs(1e3*t.y[i]);
+        bool corner = x > 6 && y > 4;
+        CHECK_NEAR(corner ? hypot((x - 6)/4, (y - 4)/2) : fmax(x/10, y/6), 1, 1e-4, 0);
+    }
+    lw_target_free(&t);
+}
+
+/* What is not seen is no target. */
+static void hidden_shapes(void)
+{
+    static const char *const svg[] = {
+        "<svg><g style='display:none'><circle r='1'/></g><circle r='5'/></svg>",
+        "<svg><g style='fill:none; display : none'><circle r='1'/></g><circle r='5'/></svg>",
+        "<svg><style>.a{fill:red}.st1,.st0{display:none;}</style><g class='x st0'><circle r='1'/></g><circle class='a' r='5'/></svg>",
+        "<svg><style><![CDATA[ .st10 { display:none } ]]></style><circle class='st1' r='5'/><circle class='st10' r='1'/></svg>",
+        "<svg><defs><circle r='1'/></defs><clipPath><rect width='3' height='3'/></clipPath><circle r='5'/></svg>",
+        "<svg><circle r='1' display='none'/><circle r='5'/><circle r='2' visibility='hidden'/></svg>",
+        "<svg><metadata><a><b>M 0 0</b></a></metadata><sodipodi:namedview><inkscape:grid/></sodipodi:namedview><circle r='5'/></svg>"
+    };
+    static const char *const dxf[] = {
+        HEAD "0\nCIRCLE\n8\nDefpoints\n40\n1\n0\nCIRCLE\n40\n5\n0\nCIRCLE\n67\n1\n40\n2\n0\nCIRCLE\n60\n1\n40\n3\n" TAIL,
+        "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n2\n0\nLAYER\n2\nFrozen\n70\n1\n62\n7\n0\nLAYER\n2\nOff\n70\n0\n62\n-3\n"
+        "0\nLAYER\n2\nOn\n70\n0\n62\n3\n0\nENDTAB\n0\nENDSEC\n"
+        HEAD "0\nCIRCLE\n8\nFROZEN\n40\n1\n0\nCIRCLE\n8\nOn\n40\n5\n0\nCIRCLE\n8\nOff\n40\n2\n0\nTEXT\n1\nabc\n40\n9\n" TAIL
+    };
+    for (size_t i = 0; i < sizeof svg/sizeof *svg; i++) {
+        lw_target t = read_text(lw_target_read_svg, svg[i]);
+        circle(&t, 0, 0, 5e-3);
+    }
+    for (size_t i = 0; i < sizeof dxf/sizeof *dxf; i++) {
+        lw_target t = read_text(lw_target_read_dxf, dxf[i]);
+        circle(&t, 0, 0, 5e-3);
+    }
+}
+
+/* ---- several curves ---------------------------------------------------------------------------------------------- */
+
+static const char three[] = "<svg xmlns:inkscape='i'><g inkscape:label='Foot path'><path id='p1' inkscape:label='toe' "
+    "d='M0 0L10 0L10 10L0 10z'/><circle id='heel' r='3' cx='20'/></g><path id='p3' d='M0 0L5 5'/></svg>";
+
+static void curves_by_name(void)
+{
+    static const struct { const char *name; size_t n_also; double size; } rows[] = {
+        { "1", 0, 14.142 }, { "toe", 0, 14.142 }, { "P1", 0, 14.142 }, { "heel", 0, 8.485 }, { "3", 0, 7.0711 },
+        { "Foot path", 1, 14.142 }, { "2,1", 1, 8.485 }, { "heel,toe", 1, 8.485 }
+    };
+    lw_error e = { .text = "" };
+    lw_target t;
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        t = read_with(lw_target_read_svg, three, &(lw_target_options){ .closed = -1, .curve = rows[i].name });
+        CHECK_INT(t.n_also, rows[i].n_also);
+        CHECK_NEAR(1e3*t.size, rows[i].size, 2e-2, 0);
+        lw_target_free(&t);
+    }
+    lw_target_options o = { .closed = -1, .curve = "toes" };
+    CHECK_INT(lw_target_read_svg(three, strlen(three), "t", &o, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "no curve 'toes' in this drawing; it has 1 'toe' closed 40 mm, 2 'heel' closed");
+    o.curve = "all";                                                    /* two closed, one open */
+    CHECK_INT(lw_target_read_svg(three, strlen(three), "t", &o, &t, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "closed and one open");
+    o.curve = "";
+    CHECK_INT(lw_target_read_svg(three, strlen(three), "t", &o, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_read_svg(three, strlen(three), "t", NULL, &t, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "FILE#1,2");
+}
+
+/* Pieces join where two ends meet, not where three do, and only within a layer. */
+static void pieces_join(void)
+{
+    static const struct { const char *text; int curves; } rows[] = {
+        { "0\nLINE\n11\n5\n0\nLINE\n10\n5\n11\n5\n21\n5\n", 1 },
+        { "0\nLINE\n11\n5\n0\nLINE\n10\n5\n11\n5\n21\n5\n0\nLINE\n10\n5\n11\n9\n", 3 },
+        { "0\nLINE\n11\n5\n0\nLINE\n8\nB\n10\n5\n11\n5\n21\n5\n", 2 },
+        { "0\nLINE\n11\n5\n0\nLINE\n10\n5.00001\n11\n5\n21\n5\n", 1 },
+        { "0\nLINE\n11\n5\n0\nLWPOLYLINE\n10\n5\n20\n0\n10\n5\n20\n3\n10\n8\n20\n3\n0\nARC\n10\n8\n20\n4\n40\n1\n50\n270\n51\n0\n", 1 }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        char text[512], want[32];
+        lw_error e = { .text = "" };
+        lw_target t;
+        snprintf(text, sizeof text, HEAD "%s" TAIL, rows[i].text);
+        snprintf(want, sizeof want, "has %d curves", rows[i].curves);
+        lw_status s = lw_target_read_dxf(text, strlen(text), "t", NULL, &t, &e);
+        CHECK_INT(s, rows[i].curves == 1 ? LW_OK : LW_E_NOTATION);
+        CHECK_HAS(rows[i].curves == 1 ? want : e.text, want);
+        lw_target_free(&t);
+    }
+}
+
+static void points_are_stations(void)
+{
+    static const double want[][2] = { { 3, 4 }, { 0, 0 }, { 7, -1 } };
+    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nPOINT\n10\n3\n20\n4\n0\nPOINT\n10\n0\n20\n0\n0\nPOINT\n10\n7\n20\n-1\n"
+                            TAIL);
+    stations(&t, 1, want, 3, 1e-3);                             /* closed by the rule of tables */
+    lw_target_free(&t);
+}
+
 /* ---- faults ------------------------------------------------------------------------------------------------ */
 
 static void faults(void)
 {
     static const struct { reader *read; const char *text; int line, column; const char *why; } rows[] = {
-        { lw_target_read_svg, "", 1, 1, "there is no path" },
-        { lw_target_read_svg, "<svg><rect width='3'/></svg>", 1, 29, "there is no path" },
+        { lw_target_read_svg, "", 1, 1, "there is no visible path" },
+        { lw_target_read_svg, "<svg><rect width='3'/><text>a</text></svg>", 1, 1, "convert text to paths" },
         { lw_target_read_svg, "<svg>\n<path d='L 1 1'/></svg>", 2, 10, "begins with M" },
         { lw_target_read_svg, "<svg><path d='M 1 x'/></svg>", 1, 19, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1 B 3'/></svg>", 1, 21, "one of M L" },
-        { lw_target_read_svg, "<svg><path d='M 1 1 2 2 M 3 3'/></svg>", 1, 25, "a second curve" },
+        { lw_target_read_svg, "<svg><path id='a' d='M 1 1 2 2 M 3 3\n4 4'/></svg>", 1, 1, "1 'a' open 1.41 mm, 2 'a'" },
         { lw_target_read_svg, "<svg><path d='M 1 1A1 1 0 2 0 3 3'/></svg>", 1, 27, "a flag of an arc" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e999 0'/></svg>", 1, 21, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e200 0'/></svg>", 1, 1, "too far away" },
         { lw_target_read_svg, "<svg><path d='M 1 1L2 0", 1, 15, "has no end" },
         { lw_target_read_svg, "<svg><g transform='turn(3)'>", 1, 20, "a transform is" },
         { lw_target_read_svg, "<svg><path d=3/></svg>", 1, 15, "a quote is expected" },
-        { lw_target_read_dxf, "", 1, 1, "there is no polyline" },
+        { lw_target_read_dxf, "", 1, 1, "no visible line, arc" },
         { lw_target_read_dxf, "x,y\n1,2\n", 1, 1, "no DXF text" },
         { lw_target_read_dxf, HEAD "0\nLINE\n10\nab\n", 8, 1, "a number is expected" },
-        { lw_target_read_dxf, HEAD "0\nLINE\n10\n0\n11\n1\n0\nLINE\n10\n5\n11\n6\n" TAIL, 16, 1,
-          "more than one curve" },
-        { lw_target_read_dxf, HEAD "0\nPOLYLINE\n0\nSEQEND\n0\nLWPOLYLINE\n" TAIL, 10, 1, "more than one polyline" }
+        { lw_target_read_dxf, HEAD "0\nLINE\n10\n0\n11\n1\n0\nLINE\n10\n5\n11\n6\n" TAIL, 12, 1,
+          "has 2 curves: 1 open 1 mm, 2 open 1 mm" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_target t;
@@ -248,6 +490,13 @@ int main(void)
     RUN(bent_curves);
     RUN(polylines);
     RUN(bulges_and_arcs);
+    RUN(round_shapes);
+    RUN(splines);
+    RUN(straight_shapes);
+    RUN(hidden_shapes);
+    RUN(curves_by_name);
+    RUN(pieces_join);
+    RUN(points_are_stations);
     RUN(faults);
     return check_end();
 }

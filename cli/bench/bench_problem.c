@@ -57,7 +57,7 @@ static void make_spec(cli_bench_problem *p)
 static lw_status add(const char *folder, const char *file, const cli_bench_figures *known,
                      cli_bench_problem **list, int *n, lw_error *e)
 {
-    static const lw_target_options by_file = { -1, NULL, NULL };
+    static const lw_target_options by_file = { .closed = -1 };
     char path[2048];
     cli_bench_problem *more = realloc(*list, sizeof **list*(size_t)(*n + 1));
     if (!more)

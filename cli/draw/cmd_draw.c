@@ -82,7 +82,7 @@ static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_
 
 static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
 {
-    static const lw_target_options by_file = { -1, NULL, NULL };
+    static const lw_target_options by_file = { .closed = -1 };
     const settings *s = call->settings;
     lw_target t = { 0 };
     lw_model *m = cli_read_model(call->parsed.word[0], s->result, e);

@@ -9,12 +9,12 @@
 
 typedef struct settings {
     const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
-    *gear_ratios,
+    *gear_ratios, *stations,
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
-    double      length_range[2], position_range[2], length_ratio;
+    double      length_range[2], position_range[2], length_ratio, smooth;
     bool        crank_only, full_turn, closed, open, exact;
 } settings;
 
@@ -106,6 +106,13 @@ static const cli_option options[] = {
       "the target is a closed curve, whatever its file says", 0, 0, NULL, NULL },
     { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL,
       "the target is an open curve, whatever its file says", 0, 0, NULL, "closed" },
+    { "smooth", 0, CLI_REAL, offsetof(settings, smooth), "DISTANCE", NULL,
+      "smooth the points of a noisy path: use the smoothest curve that none of them leaves by more than this distance, in "
+      "the length unit of the target; how far it lies from them is printed", 0, 1e300, NULL, NULL },
+    { "stations", 0, CLI_TEXT, offsetof(settings, stations), "N|drawn", NULL,
+      "spread N stations over the path by length and curvature, with the corners among them; 'drawn' takes the points of "
+      "a drawing as they are. Without it: the rows of a table, 60 stations on each curve of a drawing",
+      0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
       "unit of the lengths in the target: m, mm, cm, in, ...; without it as the file says, else m", 0, 0, NULL, NULL },
     { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "rad|deg|turn", NULL,
@@ -416,13 +423,26 @@ static lw_status read_input(const char *path, const lw_target_options *o, cli_fi
                           : cli_read_target(path, o, &set->target, e);
 }
 
+/* Value of --stations: a number, or "drawn". */
+static lw_status read_stations(const char *text, int *stations, lw_error *e)
+{
+    static const cli_option number = { .name = "stations", .kind = CLI_INT, .least = 2, .most = 10000 };
+    *stations = text ? -1 : 0;
+    return text && strcmp(text, "drawn") != 0 ? cli_value(&number, "stations", text, stations, e) : LW_OK;
+}
+
 static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
-    lw_target_options o = { s->closed ? 1 : s->open ? 0 : -1, s->length_unit, s->angle_unit };
+    lw_target_options o = { .closed = s->closed ? 1 : s->open ? 0 : -1, .length_unit = s->length_unit,
+                            .angle_unit = s->angle_unit, .smooth = s->smooth };
     set->path = path;
     cli_fit_name(path, set->name, sizeof set->name);
-    lw_status st = read_input(path, &o, set, e), why;
+    lw_status st = read_stations(s->stations, &o.stations, e), why;
+    if (st == LW_OK)
+        st = read_input(path, &o, set, e);
+    if (st == LW_OK && set->target.note[0])
+        cli_note(call, "%s: %s", path, set->target.note);
     if (st == LW_OK)
         st = make_spec(call, set, &set->spec, e);
     if (st != LW_OK)
@@ -577,14 +597,16 @@ static int run(const cli_call *call)
 
 const cli_command cli_fit_command = {
     .name = "fit",
-    .words = "TARGET.csv ...",
+    .words = "TARGET ...",
     .title = "find linkages whose point follows a path, or whose output follows a function",
     .examples =
         "  linkwright fit examples/walking-foot.csv                        the best four-bars\n"
         "  linkwright fit examples/ellipse.csv --type all -o found.json    all types with four links\n"
         "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
         "  linkwright fit path.csv --links 5 --joints r,p,g                also slots and gear pairs\n"
-        "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
+        "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n"
+        "  linkwright fit drawing.svg#toe --stations 40                    a curve of a drawing\n"
+        "  linkwright fit measured.csv --smooth 0.5                        points with noise\n",
     .about =
         "TARGET is a CSV file. Its columns say what is wanted:\n"
         "    x,y           a point shall follow this path\n"
@@ -592,7 +614,8 @@ const cli_command cli_fit_command = {
         "    angle,theta   the output shall have angle theta when the input has angle 'angle'\n"
         "A column 'angle' beside x,y gives the input angle of each point, 'weight' its weight. Columns\n"
         "x2,y2[,theta2] are further points of the same mechanism; theta2 alone is the angle of an output beside\n"
-        "the path. Instead of a CSV file, TASK.json holds a target with its conditions (docs/notation.md,\n"
+        "the path. An SVG or DXF drawing is a target too; of several curves, DRAWING.svg#NAME or #2 is one, and\n"
+        "#1,3 or #all are points of one linkage. Instead of a CSV file, TASK.json holds a target with its conditions (docs/notation.md,\n"
         "\"Target\" and \"Task\"). - is standard input.\n"
         "\n"
         "The search looks for dimensions with the smallest sum, over all points, of\n"

@@ -370,7 +370,7 @@ static lw_status run_final(job *b, lw_error *e)
 
 static lw_status run_all(job *b, lw_error *e)
 {
-    lw_target_options o = { -1, b->s->length_unit, NULL };
+    lw_target_options o = { .closed = -1, .length_unit = b->s->length_unit };
     lw_status st = cli_read_target(b->s->target, &o, &b->target, e);
     if (st != LW_OK)
         return st;

@@ -4,18 +4,83 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 #include "base/file.h"
 #include "optimise/task/target_outline.h"
 
+/* Files that are often handed in by mistake, by the bytes with which they begin. */
+static lw_status refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
+{
+    static const struct { const char *bytes; size_t n; const char *what; } rows[] = {
+        { "PK\3\4", 4, "a workbook (Excel, LibreOffice) or an archive; save the sheet as CSV" },
+        { "\xd0\xcf\x11\xe0", 4, "a workbook of Excel; save the sheet as CSV" },
+        { "AC10", 4, "a DWG drawing; save it as DXF" },
+        { "AutoCAD Binary DXF", 18, "a binary DXF; save it as DXF text (ASCII)" },
+        { "\x1f\x8b", 2, "compressed; unpack it first (an SVGZ is an SVG compressed by gzip)" },
+        { "%PDF", 4, "a PDF; save the drawing as SVG or DXF" },
+        { "%!PS", 4, "PostScript; save the drawing as SVG or DXF" },
+        { "\x89PNG", 4, "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that as SVG" },
+        { "\xff\xd8\xff", 3, "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that as SVG" },
+        { "GIF8", 4, "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that as SVG" },
+        { "ISO-10303-21", 12, "a STEP model; export the sketch of the curve as DXF or SVG" },
+        { "SQLite format 3", 15, "a catalogue of linkwright or another database, not a target; 'linkwright catalogue' "
+                                 "reads catalogues" }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
+        if (size >= rows[i].n && memcmp(text, rows[i].bytes, rows[i].n) == 0)
+            return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s", rows[i].what);
+    return LW_OK;
+}
+
+static bool ends_in(const char *path, const char *end)
+{
+    size_t n = strlen(path), m = strlen(end);
+    return n > m && strcasecmp(path + n - m, end) == 0;
+}
+
+lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path)
+{
+    size_t at = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    while (at < size && strchr(" \t\r\n", text[at]) && text[at])
+        at++;
+    size_t n = size - at, word = 0, line = 0;
+    const char *s = text + at;
+    if (ends_in(path, ".svg") || (n > 0 && *s == '<'))
+        return LW_TARGET_KIND_SVG;
+    while (line < n && s[line] != '\n' && s[line] != '\r')
+        line++;
+    for (word = line; word < n && strchr(" \t\r\n", s[word]) && s[word];)
+        word++;
+    bool dxf = (line == 1 && *s == '0' && n - word >= 7 && memcmp(s + word, "SECTION", 7) == 0)
+            || (line == 3 && memcmp(s, "999", 3) == 0);
+    return dxf || ends_in(path, ".dxf") ? LW_TARGET_KIND_DXF : LW_TARGET_KIND_TABLE;
+}
+
+/* The curve that a path names behind '#', as in "leg.svg#path10"; NULL: none. A file whose name holds '#' is that file. */
+static const char *find_curve(const char *path)
+{
+    const char *hash = strrchr(path, '#');
+    return hash && hash > path && access(path, F_OK) != 0 ? hash + 1 : NULL;
+}
+
 lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
 {
-    char *text = NULL;
+    char *text = NULL, file[4096];
     size_t size = 0;
-    lw_status s = lw_file_read(path, &text, &size, e);
-    const char *end = strrchr(path, '.');
+    lw_target_options mine = o ? *o : (lw_target_options){ .closed = -1 };
+    const char *curve = find_curve(path);
+    snprintf(file, sizeof file, "%.*s", curve ? (int)(curve - 1 - path) : (int)strlen(path), path);
+    mine.curve = curve ? curve : mine.curve;
+    lw_status s = lw_file_read(file, &text, &size, e);
+    *t = (lw_target){ .n = 0 };
     if (s == LW_OK)
-        s = (end && strcasecmp(end, ".svg") == 0 ? lw_target_read_svg
-             : end && strcasecmp(end, ".dxf") == 0 ? lw_target_read_dxf : lw_target_read)(text, size, path, o, t, e);
+        s = refuse_foreign(text, size, file, e);
+    lw_target_kind kind = s == LW_OK ? lw_target_kind_of(text, size, file) : LW_TARGET_KIND_TABLE;
+    if (s == LW_OK && kind == LW_TARGET_KIND_TABLE && curve)
+        s = lw_error_at(e, LW_E_ARG, file, 0, 0, "'#%s' names a curve of a drawing, but this is a table", curve);
+    if (s == LW_OK)
+        s = (kind == LW_TARGET_KIND_SVG ? lw_target_read_svg : kind == LW_TARGET_KIND_DXF ? lw_target_read_dxf
+             : lw_target_read)(text, size, file, &mine, t, e);
     free(text);
     return s;
 }

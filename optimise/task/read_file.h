@@ -4,7 +4,13 @@
 
 #include "optimise/task/task_file.h"
 
-/* CSV; by the end of the name SVG or DXF.  "-" is standard input.  LW_E_IO, and failures of the readers. */
+typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGET_KIND_DXF } lw_target_kind;
+
+/* What a text is read as: a drawing, by the end of its name or by how it begins, or else a table. */
+lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path);
+
+/* A table (CSV) or a drawing.  "FILE#NAME" names a curve of a drawing (lw_target_options.curve).  "-" is standard input.
+ * LW_E_IO, and failures of the readers. */
 lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
 /* A task with its target: its own stations, or the files it names, beside it; dwells put in.  o overrules the file,

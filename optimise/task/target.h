@@ -48,6 +48,7 @@ typedef struct lw_target {
     lw_also  also[LW_ALSO_MAX]; /* further points, in the order of their numbers          (n_also) */
     double   extent;            /* diagonal of the box of all points [m]; size when there is one   */
     lw_units units;
+    char     note[400];         /* what was assumed when it was read, for a person; "": nothing    */
     void    *store;             /* what _free frees                                                */
 } lw_target;
 

@@ -62,6 +62,15 @@ static bool next_word(lw_text_span *rest, lw_text_span *word)
 
 static const char *find_unit(lw_text_span word)
 {
+    static const struct { const char *word, *unit; } other[] = {
+        { "degree", "deg" }, { "degrees", "deg" }, { "\xc2\xb0", "deg" }, { "\xb0", "deg" },
+        { "inch", "in" }, { "inches", "in" }, { "\xc2\xb5m", "um" }, { "\xce\xbcm", "um" }, { "metre", "m" },
+        { "meter", "m" }, { "millimetre", "mm" }, { "millimeter", "mm" }, { "radian", "rad" }, { "radians", "rad" },
+        { "turns", "turn" }
+    };
+    for (int i = 0; i < COUNT(other); i++)
+        if (lw_span_is(word, other[i].word))
+            return other[i].unit;
     for (int i = 0; i < COUNT(unit_names); i++)
         if (lw_span_is(word, unit_names[i]))
             return unit_names[i];
@@ -176,17 +185,26 @@ static int find_column(lw_text_span name)
     return -1;
 }
 
-/* Split a unit off a name: "x_mm" is x in mm; "theta_in" is a name by itself, not an angle in inches. */
-static int split_name(lw_text_span name, const char **unit)
+/* Split a unit off a name: "x_mm", "x [mm]", "x (mm)" and "x/mm" are x in mm; "theta_in" is a name by itself, not an
+ * angle in inches. *fault: the text in brackets, if it is no unit. */
+static int split_name(lw_text_span name, const char **unit, lw_text_span *fault)
 {
     int found = find_column(name);
     *unit = NULL;
-    for (size_t i = name.n; found < 0 && i-- > 1; )
-        if (name.s[i] == '_') {
-            *unit = find_unit((lw_text_span){ name.s + i + 1, name.n - i - 1 });
-            found = *unit ? find_column((lw_text_span){ name.s, i }) : -1;
-            break;
-        }
+    *fault = (lw_text_span){ NULL, 0 };
+    for (size_t i = name.n; found < 0 && i-- > 1; ) {
+        char c = name.s[i], last = name.s[name.n - 1];
+        if (c != '_' && c != '/' && !(c == '[' && last == ']') && !(c == '(' && last == ')'))
+            continue;
+        bool bracket = c == '[' || c == '(';
+        lw_text_span word = lw_span_trim((lw_text_span){ name.s + i + 1, name.n - i - 1 - bracket });
+        int column = find_column(lw_span_trim((lw_text_span){ name.s, i }));
+        *unit = find_unit(word);
+        if (column >= 0 && !*unit && bracket)
+            *fault = word;
+        found = *unit || word.n == 0 ? column : -1;
+        break;
+    }
     return found;
 }
 
@@ -200,8 +218,8 @@ static lw_status unknown_column(const lw_header *h, lw_text_span name, long line
     if (name.n == 0)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "this column has no name");
     if (lw_number_parse(name.s, name.n, &number) == LW_OK)
-        return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "the first line must name the columns, this "
-                           "one begins with numbers; put a line such as x,y before it");
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "the first line holds numbers; only two columns need "
+                           "no names (x and y), put a line such as x,y,angle before more");
     snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
     const char *near = lw_suggest(word, names, COLUMN_COUNT);
     return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "unknown column %s%s%s%s; columns are x, y, theta, "
@@ -214,7 +232,12 @@ static lw_status take_column(lw_header *h, seen *f, lw_text_span name, long line
 {
     const char *unit;
     char text[48];
-    int c = split_name(name, &unit);
+    lw_text_span fault;
+    int c = split_name(name, &unit, &fault);
+    if (c < 0 && fault.s)
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, place + (long)(fault.s - name.s), "unknown unit %s; known are "
+                           "m, mm, cm, km, um, in, ft for lengths and rad, deg, turn for angles; t counts turns of the "
+                           "input, 0 to 1 is one turn", quote(fault, text));
     if (c < 0)
         return unknown_column(h, name, line, place, e);
     if (f->at[c] >= 0)
@@ -323,27 +346,88 @@ static lw_status assign_also(lw_header *h, const seen *f, int point, long line, 
     return LW_OK;
 }
 
+/* Is a line two numbers? They may have decimal commas, unless commas separate them. *number: it begins with one. */
+static bool is_pair(lw_text_span line, char separator, bool *number)
+{
+    size_t at = 0;
+    int n = 0;
+    lw_text_span f;
+    bool all = true;
+    *number = false;
+    for (; lw_field_next(line, separator, &at, &f); n += f.n > 0) {
+        char text[64];
+        double v;
+        size_t skip = f.n > 0 && f.s[0] == '+';
+        if (f.n == 0)
+            continue;
+        snprintf(text, sizeof text, "%.*s", f.n > 63 ? 63 : (int)f.n, f.s);
+        char *comma = strchr(text, ',');
+        if (comma)
+            *comma = '.';
+        bool is_number = lw_number_parse(text + skip, strlen(text + skip), &v) == LW_OK;
+        all = all && is_number;
+        *number = *number || (n == 0 && is_number);
+    }
+    return all && n == 2;
+}
+
+/* Find the separator of columns. In a line of names a comma is one; in numbers, it may be a decimal comma. */
 static lw_status find_separator(lw_header *h, lw_text_span line, long number, lw_error *e)
 {
-    bool comma = memchr(line.s, ',', line.n), semicolon = memchr(line.s, ';', line.n);
-    if (comma && semicolon)
+    line = lw_span_trim(line);
+    bool comma = memchr(line.s, ',', line.n), semicolon = memchr(line.s, ';', line.n), numbers;
+    char other = semicolon ? ';' : memchr(line.s, '\t', line.n) ? '\t' : ' ';
+    h->named = true;
+    if (!h->separator)
+        h->separator = comma ? ',' : other;
+    if (is_pair(line, h->separator, &numbers)) {
+        h->named = false;
+        return LW_OK;
+    }
+    if (comma && is_pair(line, other, &numbers)) {
+        h->separator = other;
+        h->named = false;
+    } else if (comma && semicolon && h->separator == ',') {
         return lw_error_at(e, LW_E_NOTATION, h->file, number, 1, "the header has commas and semicolons; separate "
                            "columns by one of them");
-    line = lw_span_trim(line);
-    h->separator = comma ? ',' : semicolon ? ';' : memchr(line.s, '\t', line.n) ? '\t' : ' ';
+    }
     return LW_OK;
+}
+
+/* Read the next name; a unit in brackets behind a blank belongs to it. */
+static bool next_name(const lw_header *h, lw_text_span line, size_t *at, lw_text_span *name)
+{
+    size_t ahead;
+    lw_text_span unit;
+    if (!lw_field_next(line, h->separator, at, name))
+        return false;
+    ahead = *at;
+    if (h->separator == ' ' && lw_field_next(line, ' ', &ahead, &unit) && (unit.s[0] == '[' || unit.s[0] == '(')) {
+        name->n = (size_t)(unit.s + unit.n - name->s);
+        *at = ahead;
+    }
+    return true;
 }
 
 lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e)
 {
     seen f;
     size_t at = 0;
+    static const lw_text_span pair[] = { { "x", 1 }, { "y", 1 } };
     lw_text_span name;
     lw_status s = find_separator(h, line, number, e);
     for (int i = 0; i < NUMBERED_COUNT; i++)
         f.at[i] = -1;
-    for (h->n_column = 0; s == LW_OK && lw_field_next(line, h->separator, &at, &name); h->n_column++)
-        s = take_column(h, &f, name, number, (long)(name.s - line.s) + 1, e);
+    h->n_column = 0;
+    if (s == LW_OK && !h->named)
+        for (; s == LW_OK && h->n_column < 2; h->n_column++)
+            s = take_column(h, &f, pair[h->n_column], number, 1, e);
+    else
+        for (; s == LW_OK && next_name(h, line, &at, &name); h->n_column++) {
+            if (name.n == 0 && lw_span_blank((lw_text_span){ name.s, line.n - (size_t)(name.s - line.s) }))
+                break;                             /* spreadsheets fill lines up */
+            s = take_column(h, &f, name, number, (long)(name.s - line.s) + 1, e);
+        }
     if (s == LW_OK)
         s = assign_angles(h, &f, number, e);
     if (s != LW_OK)

@@ -48,7 +48,7 @@ typedef struct lw_lines {
 
 lw_lines lw_lines_start(const char *text, size_t size);
 bool     lw_lines_next(lw_lines *l);
-bool     lw_span_blank(lw_text_span s);
+bool     lw_span_blank(lw_text_span s);                /* nothing but blanks and separators */
 lw_text_span  lw_span_trim(lw_text_span s);              /* blanks at both ends */
 bool     lw_span_is(lw_text_span s, const char *word);   /* capitals do not count */
 
@@ -60,7 +60,10 @@ bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *
 
 typedef struct lw_header {
     const char *file;
-    char        separator;
+    char        separator;                    /* 0: not known yet                 */
+    char        decimal;                      /* '.' or ',' in the numbers read so far, 0: none */
+    long        decimal_line;                 /* where the first one stands       */
+    bool        named;                        /* there is a line that names the columns */
     int         n_column;
     lw_target_field     role[LW_TARGET_FIELD_COUNT];      /* by column of the file             */
     int         column[LW_TARGET_FIELD_COUNT];    /* by role, -1: missing              */

@@ -1,14 +1,17 @@
-/* optimise/task/target_outline.h - targets from drawings: one curve out of an SVG or a DXF file.
+/* optimise/task/target_outline.h - targets from drawings: curves of an SVG or a DXF file.
  *
- *     SVG   the first <path> (M L H V C S Q T A Z, either case), <polyline> or <polygon> that is shown, with the
- *           transforms of its groups.  y of an SVG runs down and is turned up: (x, y) becomes the station (x, -y).
- *           Lengths are millimetres unless width and viewBox of the file say what a unit is.
- *     DXF   the one LWPOLYLINE or POLYLINE of the file (with bulges), else its LINEs, ARCs and CIRCLE, which must
- *           make one curve.  Lengths are millimetres unless $INSUNITS says otherwise.
+ *     SVG   path, polyline, polygon, line, rect, circle, ellipse and clones of them (use), with all transforms.  Each
+ *           part of a path that begins with M is a curve.  What is hidden or only defined is left out.  y runs down in
+ *           an SVG and is turned up: (x, y) becomes the station (x, -y).
+ *     DXF   LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE, POLYLINE, and INSERTs of blocks that hold them.  Open
+ *           pieces of one layer that meet end to end, two at a point, are one curve.  Layers that are off or frozen,
+ *           and the paper space, are left out.  A drawing of POINTs alone gives them as stations, in their order.
  *
- * The corners of a polygon are the stations, as many as there are; anything bent becomes
- * LW_OUTLINE_STATIONS stations in equal steps along it.  A curve is closed when it ends where it begins or the file
- * says so.  The options are those of target.h, a length unit overrules the file. */
+ * A drawing with one curve is a target.  Of several curves the options name one, or up to LW_ALSO_MAX + 1, which become
+ * the points of one linkage.  Stations are placed by length and curvature; corners are stations.  A curve is closed if
+ * the file says so, or if the gap between its ends is at most a twentieth of its length.
+ *
+ * Unit: that of the file ($INSUNITS; width, height and viewBox), else the millimetre; the options overrule it. */
 #ifndef LW_OPTIMISE_TASK_TARGET_OUTLINE_H
 #define LW_OPTIMISE_TASK_TARGET_OUTLINE_H
 

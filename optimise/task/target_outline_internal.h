@@ -1,30 +1,73 @@
-/* optimise/task/target_outline_internal.h - a curve that is read from a drawing, point by point. */
+/* optimise/task/target_outline_internal.h - the curves of a drawing, and how stations are placed on them. */
 #ifndef LW_OPTIMISE_TASK_TARGET_OUTLINE_INTERNAL_H
 #define LW_OPTIMISE_TASK_TARGET_OUTLINE_INTERNAL_H
 
 #include "base/vec2.h"
 #include "optimise/task/target_outline.h"
 
-#define LW_OUTLINE_MAX  1000000       /* points of a curve                                          */
+#define LW_OUTLINE_MAX  4000000       /* points of a drawing                                        */
+#define LW_CURVE_MAX    50000         /* curves, or pieces of them                                  */
 #define LW_OUTLINE_ARCS 128           /* steps of a curve segment, or of a turn of an arc           */
 
+/* An affine map: x' = a x + c y + e, y' = b x + d y + f. */
+typedef struct lw_affine { double a, b, c, d, e, f; } lw_affine;
+
+static inline lw_vec2 lw_affine_point(const lw_affine *m, lw_vec2 p)
+{
+    return lw_v2(m->a*p.x + m->c*p.y + m->e, m->b*p.x + m->d*p.y + m->f);
+}
+
+/* First n, then m. */
+static inline lw_affine lw_affine_product(const lw_affine *m, const lw_affine *n)
+{
+    return (lw_affine){ m->a*n->a + m->c*n->b, m->b*n->a + m->d*n->b, m->a*n->c + m->c*n->d, m->b*n->c + m->d*n->d,
+                        m->a*n->e + m->c*n->f + m->e, m->b*n->e + m->d*n->f + m->f };
+}
+
+/* A curve as a polygon of many points; its names are what a person may call it by. */
 typedef struct lw_outline {
     size_t   n, room;
-    lw_vec2 *p;                       /* malloc; in the drawing's units                             */
-    long    *line;                    /* line of the file of each point                             */
-    bool     curved;                  /* a part of it is curved                                     */
-    bool     closed;                  /* the file says so                                           */
-    bool     failed;                  /* no memory, or more than LW_OUTLINE_MAX                     */
+    lw_vec2 *p;                       /* in the drawing's units                (n) owned            */
+    long    *line;                    /* line of the file of each point        (n) owned            */
+    bool     closed;                  /* the file says so; the last point is not the first again    */
+    char     name[3][48];             /* its own, its label, its group or layer; "": none           */
 } lw_outline;
 
-void lw_outline_free(lw_outline *c);
-void lw_outline_add(lw_outline *c, lw_vec2 p, long line);        /* a repeated point is passed over  */
+typedef struct lw_outlines {
+    lw_outline *curve;                /* (n) owned                                                  */
+    int         n, room;
+    size_t      points;               /* of all curves                                              */
+    bool        failed;               /* no memory, or too many points or curves                    */
+    bool        only_points;          /* the curve is a list of points, not a line through them     */
+    const char *unit;                 /* length unit, and how many of it one unit of the drawing is */
+    double      scale;
+    bool        unit_given;           /* the file says so                                           */
+} lw_outlines;
 
-/* Add an arc from the last point of c about `at` by `sweep` [rad, either direction]; it ends exactly at `end`. */
-void lw_outline_arc(lw_outline *c, lw_vec2 at, double sweep, lw_vec2 end, long line);
+/* Begin a curve; it gets the points that follow. Repeated points are left out. */
+void lw_outlines_begin(lw_outlines *d, const char *name, const char *label, const char *group);
+void lw_outlines_add(lw_outlines *d, lw_vec2 p, long line);
+void lw_outlines_close(lw_outlines *d);
+void lw_outlines_free(lw_outlines *d);
 
-/* Make stations in metres; unit: name of the drawing's length unit. Frees c. */
-lw_status lw_outline_target(lw_outline *c, const char *file, const char *unit, const lw_target_options *o, lw_target *t,
-                            lw_error *e);
+/* Make stations in metres of the curves that the options name. */
+lw_status lw_outlines_target(lw_outlines *d, const char *file, const lw_target_options *o, lw_target *t, lw_error *e);
+
+/* ---- places along a curve (target_resample.c) ---- */
+
+/* Place m >= 2 stations along the polygon of n >= 2 points. Corners are stations, if they are not too many; between
+ * them, half of the stations follow the length and half the direction of the curve, if by_curvature, else all of them
+ * the length. from[i]: index of the point before station i. */
+lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from,
+                      lw_error *e);
+
+/* Move the points onto the smoothest cubic spline that no point leaves by more than `distance` (Reinsch 1967): the
+ * least integral of the squared second derivative by chord length. *rms, *most: the distances moved. Points that
+ * repeat the one before move with it. */
+lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most,
+                    lw_error *e);
+
+/* Smooth and resample a target as the options say; adds to its note. LW_E_ARG: it is no path, or has more columns. */
+lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e);
 
 #endif

@@ -1,9 +1,12 @@
 /* Read a target from CSV text (docs/notation.md, "Target"). */
 #include "optimise/task/target_internal.h"
+#include "optimise/task/target_outline_internal.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/number.h"
 
@@ -26,17 +29,66 @@ static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_l
     if (lw_number_parse(field.s, field.n, &v) == LW_E_NUMERIC)
         return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is too large: \"%.*s\"", name, n,
                            field.s);
-    const char *hint = h->separator != ',' && memchr(field.s, ',', field.n)
-                     ? "; write decimals with a point" : "";
-    return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is \"%.*s\", which is no number%s", name, n,
-                       field.s, hint);
+    return lw_error_at(e, LW_E_NOTATION, h->file, l->number, column, "%s is \"%.*s\", which is no number; units belong "
+                       "into the header, as %s [mm]", name, n, field.s, name);
 }
 
-static lw_status read_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field,
-                             double *out, lw_error *e)
+static lw_status bad_decimal(const lw_header *h, const lw_lines *l, lw_text_span field, const char *why, lw_error *e)
+{
+    return lw_error_at(e, LW_E_NOTATION, h->file, l->number, (long)(field.s - l->line.s) + 1, "\"%.*s\": %s",
+                       field.n > 40 ? 40 : (int)field.n, field.s, why);
+}
+
+/* Write a number as spreadsheets do in the way that lw_number_parse reads: without a plus, with a plain minus and with a
+ * decimal point. A comma is a decimal comma; commas and points do not mix. */
+static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span field, lw_text_span *plain, char *buf,
+                              size_t size, lw_error *e)
+{
+    static const char minus[] = "\xe2\x88\x92";                        /* U+2212 */
+    const char *comma = memchr(field.s, ',', field.n), *point = memchr(field.s, '.', field.n);
+    char mark = comma ? ',' : point ? '.' : 0;
+    bool quoted = field.s > l->line.s && field.s[-1] == '"';
+    size_t n = 0;
+    *plain = field;
+    if (field.n >= size)
+        return LW_OK;
+    if (comma && (point || memchr(comma + 1, ',', field.n - (size_t)(comma + 1 - field.s))))
+        return bad_decimal(h, l, field, "leave separators of thousands out", e);
+    if (comma && quoted && h->separator != ',' && field.s + field.n - comma == 4 && h->decimal != ',')
+        return bad_decimal(h, l, field, "this may be a separator of thousands or a decimal comma; write the number "
+                           "without quotes", e);
+    if (mark && h->decimal && h->decimal != mark) {
+        char why[96];
+        snprintf(why, sizeof why, "the file mixes decimal commas and decimal points (line %ld has a %s)",
+                 h->decimal_line, mark == ',' ? "point" : "comma");
+        return bad_decimal(h, l, field, why, e);
+    }
+    if (mark && !h->decimal) {
+        h->decimal = mark;
+        h->decimal_line = l->number;
+    }
+    for (size_t i = 0; i < field.n; i++) {
+        if (field.n - i >= 3 && memcmp(field.s + i, minus, 3) == 0) {
+            buf[n++] = '-';
+            i += 2;
+        } else if (i > 0 || field.s[i] != '+') {
+            buf[n++] = field.s[i] == ',' ? '.' : field.s[i];
+        }
+    }
+    *plain = (lw_text_span){ buf, n };
+    return LW_OK;
+}
+
+static lw_status read_number(lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, double *out,
+                             lw_error *e)
 {
     double v, most = lw_field_most(role);
-    if (lw_number_parse(field.s, field.n, &v) != LW_OK)
+    char buf[64];
+    lw_text_span plain;
+    lw_status s = plain_number(h, l, field, &plain, buf, sizeof buf, e);
+    if (s != LW_OK)
+        return s;
+    if (lw_number_parse(plain.s, plain.n, &v) != LW_OK)
         return bad_number(h, role, l, field, e);
     *out = v*h->factor[role];
     if (fabs(*out) <= most)
@@ -55,10 +107,10 @@ static lw_status wrong_count(const lw_header *h, const lw_lines *l, int n, size_
                            h->n_column);
     return lw_error_at(e, LW_E_NOTATION, h->file, l->number, (long)at + 1, "this line has more than the %d fields "
                        "that the header names%s", h->n_column,
-                       h->separator == ',' ? "; write decimals with a point" : "");
+                       h->separator == ',' ? "; decimal commas need semicolons or tabs between the columns" : "");
 }
 
-static lw_status read_row(const lw_header *h, const lw_lines *l, lw_target *t, size_t i, lw_error *e)
+static lw_status read_row(lw_header *h, const lw_lines *l, lw_target *t, size_t i, lw_error *e)
 {
     size_t at = 0, start = 0;
     lw_text_span field;
@@ -66,7 +118,9 @@ static lw_status read_row(const lw_header *h, const lw_lines *l, lw_target *t, s
     int n = 0;
     t->line[i] = l->number;
     for (; s == LW_OK && lw_field_next(l->line, h->separator, &at, &field); n++, start = at) {
-        if (n == h->n_column)
+        if (n >= h->n_column && field.n == 0)              /* spreadsheets fill rows up */
+            continue;
+        if (n >= h->n_column)
             return wrong_count(h, l, n + 1, start, e);
         lw_target_field role = h->role[n];
         s = read_number(h, role, l, field, &lw_target_array(t, role)[i], e);
@@ -97,11 +151,26 @@ static bool next_row(lw_lines *l)
     return false;
 }
 
-static lw_status refuse_foreign(const char *text, size_t size, const char *file, lw_error *e)
+/* Text in UTF-16 with a byte order mark, as Excel saves "Unicode text", in UTF-8 (malloc). */
+static char *from_utf16(const char *text, size_t size, size_t *n)
 {
-    if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
-        return lw_error_at(e, LW_E_NOTATION, file, 1, 1, "this text is in UTF-16; save it as UTF-8 or ASCII");
-    return LW_OK;
+    bool big = (unsigned char)text[0] == 0xfe;
+    char *out = malloc(size/2*3 + 1);
+    *n = 0;
+    for (size_t i = 2; out && i + 1 < size; i += 2) {
+        unsigned high = (unsigned char)text[i + !big], low = (unsigned char)text[i + big], c = high << 8 | low;
+        if (c < 0x80)
+            out[(*n)++] = (char)c;
+        else if (c < 0x800)
+            out[(*n)++] = (char)(0xc0 | c >> 6);
+        else {
+            out[(*n)++] = (char)(0xe0 | c >> 12);
+            out[(*n)++] = (char)(0x80 | (c >> 6 & 0x3f));
+        }
+        if (c >= 0x80)
+            out[(*n)++] = (char)(0x80 | (c & 0x3f));
+    }
+    return out;
 }
 
 static lw_status count_rows(const lw_header *h, lw_lines l, size_t *n, lw_error *e)
@@ -116,7 +185,7 @@ static lw_status count_rows(const lw_header *h, lw_lines l, size_t *n, lw_error 
     return LW_OK;
 }
 
-static lw_status read_rows(const lw_header *h, lw_lines l, lw_target *t, lw_error *e)
+static lw_status read_rows(lw_header *h, lw_lines l, lw_target *t, lw_error *e)
 {
     bool has[LW_TARGET_FIELD_COUNT];
     size_t n;
@@ -140,24 +209,51 @@ static lw_status read_rows(const lw_header *h, lw_lines l, lw_target *t, lw_erro
     return lw_error_at(e, LW_E_NOTATION, h->file, line, find_place(h, all, line, place.role), "%s", fault.text);
 }
 
+/* Read the line that names the columns; without one, two columns are x and y. l: then before the first row. */
+static lw_status read_columns(lw_header *h, lw_lines *l, lw_error *e)
+{
+    lw_lines before = *l;
+    if (!next_row(l))
+        return lw_error_at(e, LW_E_NOTATION, h->file, l->number > 0 ? l->number : 1, 1, "nothing is in this file but "
+                           "blank lines and comments; a target begins with a header such as x,y");
+    if (l->line.n >= 5 && strncasecmp(l->line.s, "sep=", 4) == 0) {      /* a line for Excel */
+        h->separator = l->line.s[4];
+        before = *l;
+        if (!next_row(l))
+            return lw_error_at(e, LW_E_NOTATION, h->file, l->number, 1, "no header and no stations follow this line");
+    }
+    lw_status s = lw_header_columns(h, l->line, l->number, e);
+    if (s == LW_OK && !h->named)
+        *l = before;
+    return s;
+}
+
 lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o,
                          lw_target *t, lw_error *e)
 {
+    lw_error why = { .text = "" };
+    *t = (lw_target){ .n = 0 };
+    if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0)) {
+        size_t n;
+        char *plain = from_utf16(text, size, &n);
+        lw_status s = plain ? lw_target_read(plain, n, file, o, t, e)
+                    : lw_error_set(e, LW_E_MEMORY, "out of memory for a target");
+        free(plain);
+        return s;
+    }
     lw_lines l = lw_lines_start(text, size);
     lw_header h = { .file = file, .closed = -1, .units = lw_units_si() };
-    lw_status s = refuse_foreign(text, size, file, e);
-    *t = (lw_target){ .n = 0 };
     for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
         h.column[role] = -1;
+    lw_status s = lw_header_comments(&h, o, l, e);
     if (s == LW_OK)
-        s = lw_header_comments(&h, o, l, e);
-    if (s == LW_OK && !next_row(&l))
-        s = lw_error_at(e, LW_E_NOTATION, file, l.number > 0 ? l.number : 1, 1, "nothing is in this file but "
-                        "blank lines and comments; a target begins with a header such as x,y");
-    if (s == LW_OK)
-        s = lw_header_columns(&h, l.line, l.number, e);
+        s = read_columns(&h, &l, e);
     if (s == LW_OK)
         s = read_rows(&h, l, t, e);
+    if (s == LW_OK && !h.named)
+        snprintf(t->note, sizeof t->note, "the columns have no names; they count as x, y in %s", t->units.length);
+    if (s == LW_OK && (s = lw_target_treat(t, o, &why)) != LW_OK)
+        lw_error_at(e, s, file, 0, 0, "%s", why.text);
     if (s != LW_OK)
         lw_target_free(t);
     return s;

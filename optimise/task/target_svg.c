@@ -1,4 +1,8 @@
-/* optimise/task/target_svg.c - read the first curve of an SVG file (paths: SVG 1.1, chapter 8). */
+/* optimise/task/target_svg.c - read the curves of an SVG file (SVG 1.1: chapters 7 to 9).
+ *
+ * The tags are read here and not by a library, because libxml2 and expat know the place of an element only; this
+ * reader names the line and column of a wrong number inside a path. */
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,19 +13,55 @@
 #include "optimise/task/target_outline_internal.h"
 
 #define DEPTH_MAX 64
+#define CLONE_MAX 64                   /* <use> elements in a file                                    */
+#define STYLE_MAX 8
+#define PIXEL     (25.4/96)            /* [mm]                                                        */
 
-typedef struct matrix { double a, b, c, d, e, f; } matrix;     /* x' = a x + c y + e, y' = b x + d y + f */
+typedef lw_affine matrix;
+
+/* The attributes that are read. */
+#define ATTRIBUTES(X) \
+    X(D, "d") X(POINTS, "points") X(TRANSFORM, "transform") X(ORIGIN, "transform-origin") X(WIDTH, "width") \
+    X(HEIGHT, "height") X(VIEW, "viewBox") X(ASPECT, "preserveAspectRatio") X(X, "x") X(Y, "y") X(X1, "x1") \
+    X(Y1, "y1") X(X2, "x2") X(Y2, "y2") X(CX, "cx") X(CY, "cy") X(R, "r") X(RX, "rx") X(RY, "ry") X(ID, "id") \
+    X(LABEL, "inkscape:label") X(VERSION, "inkscape:version") X(STYLE, "style") X(DISPLAY, "display") \
+    X(VISIBILITY, "visibility") X(CLASS, "class") X(HREF, "href") X(XLINK, "xlink:href")
+enum {
+#define X(key, name) ATTRIBUTE_##key,
+    ATTRIBUTES(X)
+#undef X
+    ATTRIBUTE_COUNT
+};
+
+typedef struct element {
+    char      name[24];
+    lw_cursor at;
+    lw_cursor value[ATTRIBUTE_COUNT];               /* text NULL: missing; size: end of the value        */
+    bool      ends, empty;                          /* </x>, <x/>                                        */
+} element;
+
+/* An open element. */
+typedef struct level { matrix m; bool hidden; char group[48]; } level;
 
 typedef struct reader {
-    lw_cursor  c;                      /* in the file                                              */
-    int        depth, hidden;          /* open elements; depth from which elements are hidden, or 0 */
-    matrix     m[DEPTH_MAX];
-    lw_outline out;
-    double     width, view;            /* of the root: in millimetres, in units; 0: not given      */
-    bool       found;
+    lw_cursor  c;                      /* the whole file                                              */
+    lw_outlines out;
+    lw_cursor  style[STYLE_MAX];       /* style sheets                                                */
+    int        n_style, clones;
+    bool       illustrator, has_text, rooted;
 } reader;
 
 /* ---- numbers -------------------------------------------------------------------------------------------- */
+
+/* Does the text begin with a line end or blank that is written as &#10; or &#xA;? */
+static bool begins_blank(const lw_cursor *c)
+{
+    static const char *const rows[] = { "&#10;", "&#xA;", "&#xa;", "&#13;", "&#xD;", "&#9;", "&#x9;", "&#32;", "&#x20;" };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
+        if (lw_cursor_begins(c, rows[i]))
+            return true;
+    return false;
+}
 
 static void skip_space(lw_cursor *c, bool comma)
 {
@@ -29,6 +69,8 @@ static void skip_space(lw_cursor *c, bool comma)
         int byte = lw_cursor_peek(c);
         if (byte == ',' && comma)
             comma = false;
+        else if (byte == '&' && begins_blank(c))
+            lw_cursor_step(c, (size_t)((const char *)memchr(c->text + c->at, ';', 6) - (c->text + c->at)));
         else if (byte != ' ' && byte != '\t' && byte != '\n' && byte != '\r')
             return;
     }
@@ -95,32 +137,40 @@ static lw_status take_flag(lw_cursor *c, bool *flag)
 /* ---- path data -------------------------------------------------------------------------------------------- */
 
 typedef struct pen {
-    lw_outline *out;
+    lw_outlines *out;
+    const char *name, *label, *group;  /* of its curves                                           */
     matrix      m;
     lw_vec2     at, start, handle;     /* current point, start of the subpath, last control point  */
     int         last;                  /* command, in capitals; 0: none                            */
-    bool        drawn;                 /* something was drawn since the first M                    */
+    bool        drawing;               /* a curve is begun                                         */
 } pen;
 
 /* Point on the page, with y up. */
 static lw_vec2 on_page(const matrix *m, lw_vec2 p)
 {
-    return lw_v2(m->a*p.x + m->c*p.y + m->e, -(m->b*p.x + m->d*p.y + m->f));
+    p = lw_affine_point(m, p);
+    return lw_v2(p.x, -p.y);
 }
 
-static void mark(pen *p, lw_vec2 q, long line) { lw_outline_add(p->out, on_page(&p->m, q), line); }
+static void mark(pen *p, lw_vec2 q, long line) { lw_outlines_add(p->out, on_page(&p->m, q), line); }
+
+static void begin_curve(pen *p, lw_vec2 at, long line)
+{
+    lw_outlines_begin(p->out, p->name, p->label, p->group);
+    p->at = p->start = at;
+    p->drawing = true;
+    mark(p, at, line);
+}
 
 static void line_to(pen *p, lw_vec2 q, long line)
 {
     mark(p, q, line);
     p->at = q;
-    p->drawn = true;
 }
 
 static void bezier(pen *p, lw_vec2 b, lw_vec2 c, lw_vec2 d, long line)
 {
     lw_vec2 a = p->at;
-    p->out->curved = true;
     for (int i = 1; i < LW_OUTLINE_ARCS; i++) {
         double t = (double)i/LW_OUTLINE_ARCS, s = 1 - t, w[4] = { s*s*s, 3*s*s*t, 3*s*t*t, t*t*t };
         mark(p, lw_v2(w[0]*a.x + w[1]*b.x + w[2]*c.x + w[3]*d.x, w[0]*a.y + w[1]*b.y + w[2]*c.y + w[3]*d.y), line);
@@ -145,7 +195,6 @@ static void arc_to(pen *p, lw_vec2 r, double turn, bool large, bool sweep, lw_ve
     double t0 = atan2((h.y - c.y)/r.y, (h.x - c.x)/r.x), t1 = atan2((-h.y - c.y)/r.y, (-h.x - c.x)/r.x), d = t1 - t0;
     d += sweep && d < 0 ? 2*LW_PI : !sweep && d > 0 ? -2*LW_PI : 0;
     lw_vec2 middle = lw_v2_scale(lw_v2_add(start, to), 0.5);
-    p->out->curved = true;
     for (int i = 1; i < LW_OUTLINE_ARCS; i++) {
         double t = t0 + d*i/LW_OUTLINE_ARCS;
         mark(p, lw_v2_add(middle, lw_v2_turn(lw_v2(c.x + r.x*cos(t), c.y + r.y*sin(t)), u)), line);
@@ -208,11 +257,8 @@ static lw_status do_command(lw_cursor *c, pen *p, int command, bool relative)
     lw_status s = LW_OK;
     switch (command) {
     case 'M':
-        s = take_point(c, base, &q);
-        if (s == LW_OK) {
-            mark(p, q, line);
-            p->at = p->start = q;
-        }
+        if ((s = take_point(c, base, &q)) == LW_OK)
+            begin_curve(p, q, line);
         break;
     case 'L':
         if ((s = take_point(c, base, &q)) == LW_OK)
@@ -233,7 +279,7 @@ static lw_status do_command(lw_cursor *c, pen *p, int command, bool relative)
     return s;
 }
 
-/* Read one curve. A second M after something was drawn is an error: it is not clear which curve is meant. */
+/* Read the curves of a path: each M begins one. */
 static lw_status read_path(lw_cursor *c, pen *p)
 {
     lw_status s = LW_OK;
@@ -243,17 +289,15 @@ static lw_status read_path(lw_cursor *c, pen *p)
     for (skip_space(c, false); s == LW_OK && lw_cursor_peek(c) >= 0; skip_space(c, command != 0)) {
         int byte = lw_cursor_peek(c);
         if (byte > 0 && strchr("MLHVCSQTAZmlhvcsqtaz", byte)) {
-            if ((p->drawn || p->out->closed) && (byte == 'M' || byte == 'm'))
-                return lw_cursor_fail(c, "the path begins a second curve here; a target is one curve, leave the others "
-                                      "out");
             relative = byte >= 'a';
             command = relative ? byte - 'a' + 'A' : byte;
             if (p->last == 0 && command != 'M')
                 return lw_cursor_fail(c, "a path begins with M");
             lw_cursor_next(c);
             if (command == 'Z') {
+                lw_outlines_close(p->out);
                 p->at = p->start;
-                p->out->closed = true;
+                p->drawing = false;
                 p->last = command;
                 continue;
             }
@@ -261,6 +305,8 @@ static lw_status read_path(lw_cursor *c, pen *p)
             return lw_cursor_fail(c, "one of M L H V C S Q T A Z or a number is expected, not %s",
                                   lw_byte_name(byte, name));
         }
+        if (command != 'M' && !p->drawing)             /* behind a Z the path goes on from where it began */
+            begin_curve(p, p->at, c->line);
         s = do_command(c, p, command, relative);
         command = command == 'M' ? 'L' : command;
     }
@@ -274,19 +320,15 @@ static lw_status read_points(lw_cursor *c, pen *p)
     for (skip_space(c, false); s == LW_OK && lw_cursor_peek(c) >= 0; skip_space(c, false)) {
         lw_vec2 q;
         s = take_point(c, lw_v2(0, 0), &q);
-        if (s == LW_OK)
+        if (s == LW_OK && !p->drawing)
+            begin_curve(p, q, c->line);
+        else if (s == LW_OK)
             line_to(p, q, c->line);
     }
     return s;
 }
 
 /* ---- transforms --------------------------------------------------------------------------------------------- */
-
-static matrix product(const matrix *m, const matrix *n)
-{
-    return (matrix){ m->a*n->a + m->c*n->b, m->b*n->a + m->d*n->b, m->a*n->c + m->c*n->d, m->b*n->c + m->d*n->d,
-                     m->a*n->e + m->c*n->f + m->e, m->b*n->e + m->d*n->f + m->f };
-}
 
 static lw_status make_transform(const lw_cursor *at, const char *name, const double *v, int n, matrix *m)
 {
@@ -335,19 +377,12 @@ static lw_status read_transform(lw_cursor *c, matrix *m)
         lw_status s = make_transform(&start, name, v, count, &own);
         if (s != LW_OK)
             return s;
-        *m = product(m, &own);
+        *m = lw_affine_product(m, &own);
     }
     return LW_OK;
 }
 
 /* ---- elements ------------------------------------------------------------------------------------------------- */
-
-typedef struct element {
-    char      name[24];
-    lw_cursor at;
-    lw_cursor d, points, transform, width, view;    /* values; text NULL: missing                */
-    bool      ends, empty;                          /* </x>, <x/>                                */
-} element;
 
 static bool skip_past(lw_cursor *c, const char *what)
 {
@@ -370,9 +405,10 @@ static size_t take_name(lw_cursor *c, char *name, size_t size)
 
 static lw_status take_attribute(lw_cursor *c, element *el)
 {
-    static const struct { const char *name; size_t place; } rows[] = {
-        { "d", offsetof(element, d) }, { "points", offsetof(element, points) }, { "width", offsetof(element, width) },
-        { "transform", offsetof(element, transform) }, { "viewBox", offsetof(element, view) }
+    static const char *const rows[] = {
+#define X(key, name) name,
+        ATTRIBUTES(X)
+#undef X
     };
     char name[24];
     if (take_name(c, name, sizeof name) == 0)
@@ -391,8 +427,8 @@ static lw_status take_attribute(lw_cursor *c, element *el)
     if (lw_cursor_next(c) < 0)
         return lw_cursor_fail(&value, "this is no SVG: the value of '%s' has no end", name);
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
-        if (strcmp(name, rows[i].name) == 0)
-            memcpy((char *)el + rows[i].place, &value, sizeof value);
+        if (strcmp(name, rows[i]) == 0)
+            el->value[i] = value;
     return LW_OK;
 }
 
@@ -421,6 +457,8 @@ static lw_status take_element(lw_cursor *c, element *el, bool *found)
         lw_cursor_next(c);
     if (take_name(c, el->name, sizeof el->name) == 0)
         return lw_cursor_fail(&el->at, "this is no SVG: a name is expected behind '<'");
+    if (strncmp(el->name, "svg:", 4) == 0)
+        memmove(el->name, el->name + 4, strlen(el->name + 4) + 1);
     lw_status s = LW_OK;
     for (skip_space(c, false); s == LW_OK; skip_space(c, false)) {
         int byte = lw_cursor_peek(c);
@@ -437,78 +475,413 @@ static lw_status take_element(lw_cursor *c, element *el, bool *found)
     return s;
 }
 
-/* Read the scale from width="120mm" and viewBox="x y 120 h". */
-static void read_scale(reader *r, const element *el)
+/* ---- lengths -------------------------------------------------------------------------------------------------- */
+
+/* A length in user units, px, or another unit (SVG 1.1, 7.10). *unit: size of the unit [mm]; 0: none is given. */
+static lw_status take_length(lw_cursor *c, double *v, double *unit)
 {
     static const struct { const char *unit; double mm; } rows[] = {
-        { "mm", 1 }, { "cm", 10 }, { "in", 25.4 }, { "pt", 25.4/72 }, { "pc", 25.4/6 }, { "Q", 0.25 }, { "px", 25.4/96 }
+        { "mm", 1 }, { "cm", 10 }, { "in", 25.4 }, { "pt", 25.4/72 }, { "pc", 25.4/6 }, { "Q", 0.25 }, { "px", PIXEL }
     };
-    lw_error quiet;
-    double width = 0, view[4] = { 0 };
-    if (!el->width.text || !el->view.text)
-        return;
-    lw_cursor w = el->width, v = el->view;
-    w.e = v.e = &quiet;
-    if (take_number(&w, &width) != LW_OK || take_numbers(&v, view, 4) != LW_OK || !(width > 0) || !(view[2] > 0))
-        return;
+    lw_status s = take_number(c, v);
+    *unit = 0;
+    if (s != LW_OK)
+        return s;
+    skip_space(c, false);
+    if (lw_cursor_peek(c) < 0)
+        return LW_OK;
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
-        if (w.size - w.at == strlen(rows[i].unit) && memcmp(w.text + w.at, rows[i].unit, w.size - w.at) == 0) {
-            r->width = width*rows[i].mm;
-            r->view = view[2];
+        if (lw_cursor_begins(c, rows[i].unit)) {
+            *unit = rows[i].mm;
+            lw_cursor_step(c, strlen(rows[i].unit));
+            return LW_OK;
         }
+    return lw_cursor_fail(c, "a length is a number, alone or with mm, cm, in, pt, pc, Q or px");
 }
 
-static bool hides(const char *name)
+static bool given(const element *el, int key) { return el->value[key].text != NULL; }
+
+/* The value of an attribute in user units; `usual` if it is missing. */
+static lw_status take_value(const element *el, int key, double usual, double *v)
 {
-    static const char *const rows[] = { "defs", "clipPath", "mask", "marker", "symbol", "pattern" };
+    double unit;
+    lw_cursor c = el->value[key];
+    *v = usual;
+    if (!c.text)
+        return LW_OK;
+    lw_status s = take_length(&c, v, &unit);
+    *v *= unit > 0 ? unit/PIXEL : 1;
+    return s;
+}
+
+static bool value_has(const element *el, int key, const char *word)
+{
+    lw_cursor c = el->value[key];
+    for (size_t n = strlen(word); c.text && c.at + n <= c.size; c.at++)
+        if (memcmp(c.text + c.at, word, n) == 0)
+            return true;
+    return false;
+}
+
+static void copy_value(const element *el, int key, char *out, size_t size)
+{
+    const lw_cursor *c = &el->value[key];
+    snprintf(out, size, "%.*s", c->text ? (int)fmin((double)(c->size - c->at), 1000) : 0, c->text ? c->text + c->at : "");
+}
+
+/* Size of the drawing's unit from width="120mm" height="80mm" viewBox="0 0 120 80" of the root: it is scaled evenly
+ * until it fits, unless preserveAspectRatio is "none". Files of Illustrator count in points, those of Inkscape before
+ * 0.92 in 1/90 inch, unless they say another size. */
+static void read_scale(reader *r, const element *el, matrix *m)
+{
+    lw_error quiet;
+    double v[2] = { 0, 0 }, unit[2] = { 0, 0 }, view[4] = { 0 };
+    lw_cursor c;
+    for (int i = 0; i < 2; i++) {
+        c = el->value[i ? ATTRIBUTE_HEIGHT : ATTRIBUTE_WIDTH];
+        c.e = &quiet;
+        if (!c.text || take_length(&c, &v[i], &unit[i]) != LW_OK || !(v[i] > 0))
+            unit[i] = 0;
+    }
+    c = el->value[ATTRIBUTE_VIEW];
+    c.e = &quiet;
+    bool boxed = c.text && take_numbers(&c, view, 4) == LW_OK && view[2] > 0 && view[3] > 0;
+    bool old = value_has(el, ATTRIBUTE_VERSION, "0.91") || value_has(el, ATTRIBUTE_VERSION, "0.48");
+    double pixel = old ? 25.4/90 : r->illustrator ? 25.4/72 : PIXEL, x = 0, y = 0;
+    for (int i = 0; i < 2; i++)
+        if (unit[i] == PIXEL)
+            unit[i] = pixel;
+    if (boxed && (unit[0] > 0 || unit[1] > 0)) {
+        x = unit[0] > 0 ? v[0]*unit[0]/view[2] : INFINITY;
+        y = unit[1] > 0 ? v[1]*unit[1]/view[3] : INFINITY;
+        if (!value_has(el, ATTRIBUTE_ASPECT, "none") || !isfinite(x) || !isfinite(y))
+            x = y = fmin(x, y);
+    } else if (!boxed && (unit[0] > 0 || unit[1] > 0)) {
+        x = y = pixel;
+    } else if (old || r->illustrator) {
+        x = y = pixel;
+    }
+    r->out.unit_given = x > 0;
+    r->out.scale = x > 0 ? x : 1;
+    if (x > 0)
+        m->d = y/x;
+}
+
+/* A drawing in a drawing is moved, and scaled to its width and height. */
+static lw_status enter_inner(const element *el, matrix *m)
+{
+    double x, y, w, h, view[4] = { 0 };
+    lw_cursor c = el->value[ATTRIBUTE_VIEW];
+    if (value_has(el, ATTRIBUTE_WIDTH, "%") || value_has(el, ATTRIBUTE_HEIGHT, "%"))
+        return LW_OK;
+    lw_status s = take_value(el, ATTRIBUTE_X, 0, &x);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_Y, 0, &y);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_WIDTH, 0, &w);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_HEIGHT, 0, &h);
+    if (s == LW_OK && c.text)
+        s = take_numbers(&c, view, 4);
+    if (s != LW_OK)
+        return s;
+    bool fits = view[2] > 0 && view[3] > 0 && w > 0 && h > 0;
+    double sx = fits ? w/view[2] : 1, sy = fits ? h/view[3] : 1;
+    if (!value_has(el, ATTRIBUTE_ASPECT, "none"))
+        sx = sy = fmin(sx, sy);
+    double left = fits ? (w - sx*view[2])/2 - sx*view[0] : 0, top = fits ? (h - sy*view[3])/2 - sy*view[1] : 0;
+    matrix own = { sx, 0, 0, sy, x + left, y + top };
+    *m = lw_affine_product(m, &own);
+    return LW_OK;
+}
+
+/* ---- what is hidden ------------------------------------------------------------------------------------------- */
+
+static bool never_drawn(const char *name)
+{
+    static const char *const rows[] = { "defs", "clipPath", "mask", "marker", "symbol", "pattern", "metadata",
+                                        "sodipodi:namedview", "foreignObject", "i:pgf", "flowRoot", "glyph", "font" };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
         if (strcmp(name, rows[i]) == 0)
             return true;
     return false;
 }
 
-static lw_status draw(reader *r, const element *el, const matrix *m)
+/* Is a property set to a word in declarations such as "fill:none; display : none"? */
+static bool declares(const char *text, size_t size, const char *key, const char *word)
 {
-    bool path = strcmp(el->name, "path") == 0, open = strcmp(el->name, "polyline") == 0;
-    lw_cursor c = path ? el->d : el->points;
-    if (!c.text || (!path && !open && strcmp(el->name, "polygon") != 0))
-        return LW_OK;
-    pen p = { .out = &r->out, .m = *m };
-    lw_status s = path ? read_path(&c, &p) : read_points(&c, &p);
-    if (!path && !open)
-        r->out.closed = true;
-    r->found = r->out.n > 0;
-    return s;
+    size_t n = strlen(key);
+    for (size_t i = 0; i + n <= size; i++) {
+        if (memcmp(text + i, key, n) != 0 || (i > 0 && (isalnum((unsigned char)text[i-1]) || text[i-1] == '-')))
+            continue;
+        size_t at = i + n;
+        while (at < size && isspace((unsigned char)text[at]))
+            at++;
+        if (at == size || text[at++] != ':')
+            continue;
+        while (at < size && isspace((unsigned char)text[at]))
+            at++;
+        if (at + strlen(word) <= size && memcmp(text + at, word, strlen(word)) == 0)
+            return true;
+    }
+    return false;
 }
 
-static lw_status enter(reader *r, const element *el)
+/* Is the class in the selector of a rule that hides? */
+static bool class_hides(const reader *r, const char *class, size_t size)
 {
-    matrix m = r->depth > 0 ? r->m[r->depth - 1] : (matrix){ .a = 1, .d = 1 };
-    lw_status s = LW_OK;
-    if (el->transform.text) {
-        lw_cursor c = el->transform;
-        s = read_transform(&c, &m);
+    for (int i = 0; i < r->n_style; i++) {
+        const char *s = r->style[i].text;
+        size_t end = r->style[i].size;
+        for (size_t at = r->style[i].at; at + size < end; at++) {
+            int next = (unsigned char)s[at + 1 + size];
+            if (s[at] != '.' || memcmp(s + at + 1, class, size) != 0 || isalnum(next) || next == '-' || next == '_')
+                continue;
+            const char *open = memchr(s + at, '{', end - at), *close = open ? memchr(open, '}', (size_t)(s + end - open))
+                             : NULL;
+            if (close && !memchr(s + at, '}', (size_t)(open - s) - at)
+                && declares(open, (size_t)(close - open), "display", "none"))
+                return true;
+        }
     }
-    if (s == LW_OK && r->depth == 0 && strcmp(el->name, "svg") == 0)
-        read_scale(r, el);
-    if (s == LW_OK && !r->hidden)
-        s = draw(r, el, &m);
-    if (s != LW_OK || el->empty)
+    return false;
+}
+
+static bool is_hidden(const reader *r, const element *el)
+{
+    const lw_cursor *style = &el->value[ATTRIBUTE_STYLE], *c = &el->value[ATTRIBUTE_CLASS];
+    const char *s = style->text ? style->text + style->at : "";
+    size_t size = style->text ? style->size - style->at : 0;
+    if (never_drawn(el->name) || value_has(el, ATTRIBUTE_DISPLAY, "none") || declares(s, size, "display", "none")
+        || value_has(el, ATTRIBUTE_VISIBILITY, "hidden") || declares(s, size, "visibility", "hidden"))
+        return true;
+    for (size_t at = c->at, n; c->text && at < c->size; at += n + 1) {
+        for (n = 0; at + n < c->size && !isspace((unsigned char)c->text[at + n]);)
+            n++;
+        if (n > 0 && class_hides(r, c->text + at, n))
+            return true;
+    }
+    return false;
+}
+
+/* ---- shapes --------------------------------------------------------------------------------------------------- */
+
+/* Draw a rectangle with rounded corners as a path does (SVG 1.1, 9.2). */
+static lw_status draw_rect(const element *el, pen *p)
+{
+    double v[6];
+    static const int key[] = { ATTRIBUTE_X, ATTRIBUTE_Y, ATTRIBUTE_WIDTH, ATTRIBUTE_HEIGHT, ATTRIBUTE_RX, ATTRIBUTE_RY };
+    lw_status s = LW_OK;
+    if (value_has(el, ATTRIBUTE_WIDTH, "%") || value_has(el, ATTRIBUTE_HEIGHT, "%"))
+        return LW_OK;                              /* the background of the page */
+    for (int i = 0; i < 6 && s == LW_OK; i++)
+        s = take_value(el, key[i], i < 4 ? 0 : -1, &v[i]);
+    if (s != LW_OK || !(v[2] > 0 && v[3] > 0))
         return s;
-    if (r->depth == DEPTH_MAX)
-        return lw_cursor_fail(&el->at, "elements are nested deeper than %d", DEPTH_MAX);
-    r->m[r->depth++] = m;
-    if (!r->hidden && hides(el->name))
-        r->hidden = r->depth;
+    double x = v[0], y = v[1], w = v[2], h = v[3], rx = v[4] < 0 ? v[5] : v[4], ry = v[5] < 0 ? v[4] : v[5];
+    rx = fmax(0, fmin(rx, w/2));
+    ry = fmax(0, fmin(ry, h/2));
+    lw_vec2 r = lw_v2(rx, ry);
+    long line = el->at.line;
+    begin_curve(p, lw_v2(x + rx, y), line);
+    line_to(p, lw_v2(x + w - rx, y), line);
+    arc_to(p, r, 0, false, true, lw_v2(x + w, y + ry), line);
+    line_to(p, lw_v2(x + w, y + h - ry), line);
+    arc_to(p, r, 0, false, true, lw_v2(x + w - rx, y + h), line);
+    line_to(p, lw_v2(x + rx, y + h), line);
+    arc_to(p, r, 0, false, true, lw_v2(x, y + h - ry), line);
+    line_to(p, lw_v2(x, y + ry), line);
+    arc_to(p, r, 0, false, true, lw_v2(x + rx, y), line);
+    lw_outlines_close(p->out);
     return LW_OK;
 }
 
-static void leave(reader *r)
+static lw_status draw_ellipse(const element *el, pen *p)
 {
-    if (r->hidden == r->depth)
-        r->hidden = 0;
-    if (r->depth > 0)
-        r->depth--;
+    double cx, cy, r, rx, ry;
+    lw_status s = take_value(el, ATTRIBUTE_CX, 0, &cx);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_CY, 0, &cy);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_R, 0, &r);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_RX, r, &rx);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_RY, r, &ry);
+    if (s != LW_OK || !(rx > 0 && ry > 0))
+        return s;
+    begin_curve(p, lw_v2(cx + rx, cy), el->at.line);
+    arc_to(p, lw_v2(rx, ry), 0, false, true, lw_v2(cx - rx, cy), el->at.line);
+    arc_to(p, lw_v2(rx, ry), 0, false, true, lw_v2(cx + rx, cy), el->at.line);
+    lw_outlines_close(p->out);
+    return LW_OK;
+}
+
+static lw_status draw_line(const element *el, pen *p)
+{
+    double v[4];
+    lw_status s = LW_OK;
+    for (int i = 0; i < 4 && s == LW_OK; i++)
+        s = take_value(el, ATTRIBUTE_X1 + i, 0, &v[i]);
+    if (s != LW_OK)
+        return s;
+    begin_curve(p, lw_v2(v[0], v[1]), el->at.line);
+    line_to(p, lw_v2(v[2], v[3]), el->at.line);
+    return LW_OK;
+}
+
+static lw_status draw(reader *r, const element *el, const level *in)
+{
+    char name[48], label[48];
+    copy_value(el, ATTRIBUTE_ID, name, sizeof name);
+    copy_value(el, ATTRIBUTE_LABEL, label, sizeof label);
+    pen p = { .out = &r->out, .m = in->m, .name = name, .label = label, .group = in->group };
+    lw_cursor d = el->value[ATTRIBUTE_D], points = el->value[ATTRIBUTE_POINTS];
+    bool polygon = strcmp(el->name, "polygon") == 0;
+    lw_status s = LW_OK;
+    if (strcmp(el->name, "path") == 0 && d.text)
+        return read_path(&d, &p);
+    if ((polygon || strcmp(el->name, "polyline") == 0) && points.text) {
+        s = read_points(&points, &p);
+        if (polygon && p.drawing)
+            lw_outlines_close(&r->out);
+        return s;
+    }
+    r->has_text = r->has_text || strcmp(el->name, "text") == 0;
+    return strcmp(el->name, "rect") == 0 ? draw_rect(el, &p)
+         : strcmp(el->name, "circle") == 0 || strcmp(el->name, "ellipse") == 0 ? draw_ellipse(el, &p)
+         : strcmp(el->name, "line") == 0 ? draw_line(el, &p) : LW_OK;
+}
+
+/* ---- the tree ------------------------------------------------------------------------------------------------- */
+
+static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in);
+
+/* Find the element with an id; behind it, *c is where its text begins. */
+static bool find_element(const reader *r, const char *id, lw_cursor *c)
+{
+    lw_error quiet;
+    bool more = true;
+    *c = r->c;
+    c->e = &quiet;
+    for (;;) {
+        element el;
+        char name[256];
+        lw_cursor start = *c;
+        if (take_element(c, &el, &more) != LW_OK || !more)
+            return false;
+        copy_value(&el, ATTRIBUTE_ID, name, sizeof name);
+        if (!el.ends && strcmp(name, id) == 0) {
+            *c = start;
+            c->e = r->c.e;
+            return true;
+        }
+    }
+}
+
+/* Draw a clone: <use href="#id" x y transform>. */
+static lw_status draw_clone(reader *r, const element *el, const level *in)
+{
+    int key = given(el, ATTRIBUTE_HREF) ? ATTRIBUTE_HREF : ATTRIBUTE_XLINK;
+    char id[256];
+    level own = *in;
+    double x, y;
+    lw_cursor c;
+    copy_value(el, key, id, sizeof id);
+    lw_status s = take_value(el, ATTRIBUTE_X, 0, &x);
+    if (s == LW_OK)
+        s = take_value(el, ATTRIBUTE_Y, 0, &y);
+    if (s != LW_OK || id[0] != '#' || !find_element(r, id + 1, &c))
+        return s;
+    if (++r->clones > CLONE_MAX)
+        return lw_cursor_fail(&el->at, "the drawing has more than %d clones, or one that holds itself; convert them to "
+                              "paths", CLONE_MAX);
+    matrix m = { 1, 0, 0, 1, x, y };
+    own.m = lw_affine_product(&in->m, &m);
+    copy_value(el, ATTRIBUTE_ID, own.group, sizeof own.group);
+    return read_tree(r, c, true, &own);
+}
+
+/* Set the map, the visibility and the group of an element's inside. */
+static lw_status open_level(reader *r, const element *el, bool root, level *l)
+{
+    const lw_cursor *style = &el->value[ATTRIBUTE_STYLE];
+    lw_status s = LW_OK;
+    if (root)
+        read_scale(r, el, &l->m);
+    if (given(el, ATTRIBUTE_TRANSFORM)) {
+        lw_cursor c = el->value[ATTRIBUTE_TRANSFORM];
+        if (given(el, ATTRIBUTE_ORIGIN))
+            return lw_cursor_fail(&el->value[ATTRIBUTE_ORIGIN], "transform-origin is not read; apply the transform to "
+                                  "the curve in the drawing program");
+        s = read_transform(&c, &l->m);
+    }
+    if (style->text && declares(style->text + style->at, style->size - style->at, "transform", ""))
+        return lw_cursor_fail(style, "a transform inside of a style is not read; apply it to the curve in the drawing "
+                              "program");
+    if (s == LW_OK && !root && strcmp(el->name, "svg") == 0)
+        s = enter_inner(el, &l->m);
+    l->hidden = l->hidden || is_hidden(r, el);
+    if (strcmp(el->name, "g") == 0 && (given(el, ATTRIBUTE_LABEL) || given(el, ATTRIBUTE_ID)))
+        copy_value(el, given(el, ATTRIBUTE_LABEL) ? ATTRIBUTE_LABEL : ATTRIBUTE_ID, l->group, sizeof l->group);
+    return s;
+}
+
+static void take_style(reader *r, lw_cursor *c)
+{
+    lw_cursor start = *c;
+    while (c->at < c->size && !lw_cursor_begins(c, "</"))
+        lw_cursor_next(c);
+    start.size = c->at;
+    if (r->n_style < STYLE_MAX)
+        r->style[r->n_style++] = start;
+}
+
+/* Draw the elements from c on; one: only the first one, with what it holds, even if it is only defined. */
+static lw_status read_tree(reader *r, lw_cursor c, bool one, const level *in)
+{
+    level open[DEPTH_MAX];
+    int depth = 0;
+    for (;;) {
+        element el;
+        bool more;
+        level l = depth > 0 ? open[depth - 1] : *in;
+        lw_status s = take_element(&c, &el, &more);
+        if (s != LW_OK || !more)
+            return s;
+        if (el.ends) {
+            depth -= depth > 0;
+        } else {
+            bool root = !r->rooted && strcmp(el.name, "svg") == 0;
+            r->rooted = r->rooted || root;
+            if (one && depth == 0 && strcmp(el.name, "symbol") == 0)
+                strcpy(el.name, "g");
+            s = open_level(r, &el, root, &l);
+            if (s == LW_OK && strcmp(el.name, "style") == 0 && !el.empty)
+                take_style(r, &c);
+            else if (s == LW_OK && !l.hidden && strcmp(el.name, "use") == 0)
+                s = draw_clone(r, &el, &l);
+            else if (s == LW_OK && !l.hidden)
+                s = draw(r, &el, &l);
+            if (s == LW_OK && !el.empty && depth == DEPTH_MAX)
+                s = lw_cursor_fail(&el.at, "elements are nested deeper than %d", DEPTH_MAX);
+            if (s != LW_OK)
+                return s;
+            if (!el.empty)
+                open[depth++] = l;
+        }
+        if (one && depth == 0)
+            return LW_OK;
+    }
+}
+
+static bool has_word(const char *text, size_t size, const char *word)
+{
+    size_t n = strlen(word);
+    for (size_t i = 0; i + n <= size; i++)
+        if (memcmp(text + i, word, n) == 0)
+            return true;
+    return false;
 }
 
 lw_status lw_target_read_svg(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
@@ -516,28 +889,17 @@ lw_status lw_target_read_svg(const char *text, size_t size, const char *file, co
 {
     lw_error own = { .text = "" };
     e = e ? e : &own;
-    reader *r = calloc(1, sizeof *r);
+    reader r = { .out = { .unit = "mm", .scale = 1 } };
+    level top = { .m = { .a = 1, .d = 1 } };
     *t = (lw_target){ .n = 0 };
-    if (!r)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory for a curve");
-    r->c = lw_cursor_start(text, size, file, e);
-    lw_status s = LW_OK;
-    bool more = true;
-    while (s == LW_OK && !r->found && more) {
-        element el;
-        s = take_element(&r->c, &el, &more);
-        if (s == LW_OK && more && el.ends)
-            leave(r);
-        else if (s == LW_OK && more)
-            s = enter(r, &el);
-    }
-    if (s == LW_OK && !r->found)
-        s = lw_cursor_fail(&r->c, "there is no path, polyline or polygon in this file");
-    for (size_t i = 0; s == LW_OK && r->view > 0 && i < r->out.n; i++)
-        r->out.p[i] = lw_v2_scale(r->out.p[i], r->width/r->view);
+    r.c = lw_cursor_start(text, size, file, e);
+    r.illustrator = has_word(text, size < 1000 ? size : 1000, "Adobe Illustrator");
+    lw_status s = read_tree(&r, r.c, false, &top);
+    if (s == LW_OK && r.out.n == 0)
+        s = lw_error_at(e, LW_E_NOTATION, file, 1, 1, "there is no visible path, line, polygon, rectangle, circle or "
+                        "ellipse in this drawing%s", r.has_text ? "; convert text to paths" : "");
     if (s == LW_OK)
-        s = lw_outline_target(&r->out, file, "mm", o, t, e);
-    lw_outline_free(&r->out);
-    free(r);
+        s = lw_outlines_target(&r.out, file, o, t, e);
+    lw_outlines_free(&r.out);
     return s;
 }

@@ -40,7 +40,12 @@ lw_text_span lw_span_trim(lw_text_span s)
     return s;
 }
 
-bool lw_span_blank(lw_text_span s) { return lw_span_trim(s).n == 0; }
+bool lw_span_blank(lw_text_span s)
+{
+    while (s.n > 0 && (is_blank(*s.s) || *s.s == ',' || *s.s == ';'))
+        s.s++, s.n--;
+    return s.n == 0;
+}
 
 bool lw_span_is(lw_text_span s, const char *word)
 {
@@ -66,6 +71,11 @@ bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *
         return false;                      /* the field after the last separator was the last one */
     }
     size_t start = i;
+    while (i < line.n && is_blank(line.s[i]) && line.s[i] != separator)
+        i++;
+    const char *quote = i < line.n && line.s[i] == '"' ? memchr(line.s + i + 1, '"', line.n - i - 1) : NULL;
+    if (quote)                             /* separators between quotes do not count */
+        i = (size_t)(quote - line.s);
     while (i < line.n && (separator == ' ' ? !is_blank(line.s[i]) : line.s[i] != separator))
         i++;
     *field = unquote(lw_span_trim((lw_text_span){ line.s + start, i - start }));

@@ -11,7 +11,9 @@ typedef lw_status read_outline(const char *text, size_t size, const char *file, 
 
 static inline int fuzz_outline(read_outline *read, const uint8_t *data, size_t size)
 {
-    static const lw_target_options option[] = { { -1, NULL, NULL }, { 1, "in", NULL }, { 0, "km", "deg" } };
+    static const lw_target_options option[] = { { .closed = -1 },
+        { .closed = 1, .length_unit = "in", .curve = "all" },
+        { .length_unit = "km", .angle_unit = "deg", .curve = "1", .stations = -1, .smooth = 0.1 } };
     for (int i = 0; i < 3; i++) {
         lw_target t;
         lw_error e = { .text = "" };

@@ -1,0 +1,227 @@
+/* Stations along a path and smoothing: invariants, and the least of what is minimised. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/rng.h"
+#include "optimise/task/target_outline_internal.h"
+#include "tests/check.h"
+
+/* A random closed or open polygon with a few sharp corners on a smooth curve. */
+static size_t draw(lw_rng *rng, lw_vec2 *p)
+{
+    size_t n = 20 + (size_t)(lw_rng_uniform(rng)*180);
+    double a = 0.2 + lw_rng_uniform(rng), b = lw_rng_uniform(rng);
+    for (size_t i = 0; i < n; i++) {
+        double u = 2*LW_PI*(double)i/(double)n;
+        p[i] = lw_v2(cos(u) + b*cos(2*u), a*sin(u) + 0.3*fabs(sin(3*u)));
+    }
+    return n;
+}
+
+static double off_polygon(lw_vec2 q, const lw_vec2 *p, size_t n, bool closed)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i + !closed < n; i++)
+        least = fmin(least, lw_v2_segment_distance(q, p[i], p[(i + 1) % n]));
+    return least;
+}
+
+static void stations_lie_on_the_path(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int trial = 0; trial < 200; trial++) {
+        lw_vec2 p[200], out[300];
+        size_t from[300], n = draw(&rng, p), m = 2 + (size_t)(lw_rng_uniform(&rng)*298);
+        bool closed = trial % 2, by_curvature = trial % 4 < 2;
+        double length = 0, longest = 0;
+        lw_error e;
+        CHECK_INT(lw_resample(p, n, closed, by_curvature, m, out, from, &e), LW_OK);
+        for (size_t i = 0; i + !closed < n; i++)
+            length += lw_v2_norm(lw_v2_sub(p[(i + 1) % n], p[i]));
+        for (size_t i = 0; i < m; i++) {
+            CHECK_NEAR(off_polygon(out[i], p, n, closed), 0, 1e-14, 0);
+            CHECK(from[i] < n && (i == 0 || from[i] + (closed ? n : 0) >= from[i-1]));
+            if (i + !closed < m)
+                longest = fmax(longest, lw_v2_norm(lw_v2_sub(out[(i + 1) % m], out[i])));
+        }
+        if (!closed) {
+            CHECK(out[0].x == p[0].x && out[0].y == p[0].y);
+            CHECK(out[m-1].x == p[n-1].x && out[m-1].y == p[n-1].y);
+        }
+        /* corners take a third of the stations at most, and of the others one half follows the length */
+        CHECK(m < 12 || longest <= 3.3*length/(double)(closed ? m : m - 1));
+    }
+}
+
+static void corners_are_kept(void)
+{
+    static const lw_vec2 square[] = { { 0, 0 }, { 3, 0 }, { 3, 1 }, { 0, 1 } };
+    lw_error e;
+    for (size_t m = 9; m < 100; m++) {
+        lw_vec2 out[100];
+        size_t from[100];
+        int found = 0;
+        CHECK_INT(lw_resample(square, 4, true, true, m, out, from, &e), LW_OK);
+        for (size_t i = 0; i < m; i++)
+            for (int k = 0; k < 4; k++)
+                found += out[i].x == square[k].x && out[i].y == square[k].y;
+        CHECK_INT(found, 4);
+    }
+}
+
+/* ---- smoothing ----------------------------------------------------------------------------------------------- */
+
+static void noisy_circle(lw_rng *rng, size_t n, double noise, double *x, double *y)
+{
+    for (size_t i = 0; i < n; i++) {
+        double u = 2*LW_PI*((double)i + 0.3*lw_rng_uniform(rng))/(double)n;
+        x[i] = cos(u) + noise*(2*lw_rng_uniform(rng) - 1);
+        y[i] = sin(u) + noise*(2*lw_rng_uniform(rng) - 1);
+    }
+}
+
+static void noise_goes(void)
+{
+    double all_before = 0, all_after = 0;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int trial = 0; trial < 50; trial++) {
+        double x[300], y[300], from[2][300], rms, most, noise = 0.01, before = 0, after = 0, worst = 0;
+        size_t n = 100 + 4*(size_t)trial;
+        lw_error e;
+        noisy_circle(&rng, n, noise, x, y);
+        memcpy(from[0], x, sizeof x);
+        memcpy(from[1], y, sizeof y);
+        CHECK_INT(lw_smooth(x, y, n, trial % 2, 1.2*noise, &rms, &most, &e), LW_OK);
+        for (size_t i = 0; i < n; i++) {
+            double d = hypot(x[i] - from[0][i], y[i] - from[1][i]);
+            worst = fmax(worst, d);
+            before += pow(hypot(from[0][i], from[1][i]) - 1, 2);
+            after += pow(hypot(x[i], y[i]) - 1, 2);
+        }
+        CHECK_NEAR(worst, most, 1e-12, 0);
+        CHECK(most <= 1.2*noise*(1 + 1e-9) && most > noise/2 && rms < most);
+        all_before += before;
+        all_after += after;
+    }
+    CHECK(all_after < 0.3*all_before);                /* the variance that is left, over all trials */
+}
+
+/* Neither the place of the first point of a closed curve, nor the direction, nor a turn of the plane matters. */
+static void smoothing_is_invariant(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int trial = 0; trial < 50; trial++) {
+        double x[60], y[60], u[60], v[60], rms, most, again, c = cos(trial), s = sin(trial);
+        size_t n = 6 + (size_t)trial, shift = (size_t)(lw_rng_uniform(&rng)*(double)n);
+        bool closed = trial % 3, back = trial % 2;
+        lw_error e;
+        noisy_circle(&rng, n, 0.05, x, y);
+        for (size_t i = 0; i < n; i++) {
+            size_t k = ((back ? n - 1 - i : i) + (closed ? shift : 0)) % n;
+            u[i] = c*x[k] - s*y[k] + 7;
+            v[i] = s*x[k] + c*y[k] - 3;
+        }
+        CHECK_INT(lw_smooth(x, y, n, closed, 0.04, &rms, &most, &e), LW_OK);
+        CHECK_INT(lw_smooth(u, v, n, closed, 0.04, &rms, &again, &e), LW_OK);
+        CHECK_NEAR(most, again, 1e-7, 0);
+        for (size_t i = 0; i < n; i++) {
+            size_t k = ((back ? n - 1 - i : i) + (closed ? shift : 0)) % n;
+            CHECK_NEAR(u[i], c*x[k] - s*y[k] + 7, 1e-7, 0);
+            CHECK_NEAR(v[i], s*x[k] + c*y[k] - 3, 1e-7, 0);
+        }
+    }
+}
+
+/* The integral of the squared second derivative of the natural (or periodic) cubic spline through z, from the
+ * tridiagonal equations of its second derivatives, solved by Gauss's method. */
+static double energy(const double *h, const double *z, size_t n, bool closed)
+{
+    static double a[64][65];
+    double sum = 0;
+    size_t m = closed ? n : n - 2, o = !closed;
+    memset(a, 0, sizeof a);
+    for (size_t i = 0; i < m; i++) {
+        size_t k = i + o, b = (k + n - 1) % n, f = (k + 1) % n;
+        a[i][i] += (h[b] + h[k])/3;
+        if (closed || i > 0)
+            a[i][(i + m - 1) % m] += h[b]/6;
+        if (closed || i + 1 < m)
+            a[i][(i + 1) % m] += h[k]/6;
+        a[i][m] = (z[f] - z[k])/h[k] - (z[k] - z[b])/h[b];
+    }
+    double r[64];
+    for (size_t i = 0; i < m; i++)
+        r[i] = a[i][m];
+    for (size_t i = 0; i < m; i++)
+        for (size_t k = 0; k < m; k++)
+            if (k != i) {
+                double f = a[k][i]/a[i][i];
+                for (size_t j = i; j <= m; j++)
+                    a[k][j] -= f*a[i][j];
+            }
+    for (size_t i = 0; i < m; i++)
+        sum += r[i]*a[i][m]/a[i][i];
+    return sum;
+}
+
+/* At the least of |z - p|^2 + lambda energy(z), the gradient of the energy is proportional to what the points moved. */
+static void smoothing_is_least(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 3);
+    for (int trial = 0; trial < 20; trial++) {
+        double x[40], y[40], from[2][40], h[40], rms, most, lambda = 0, greatest = 0;
+        size_t n = 8 + (size_t)trial;
+        bool closed = trial % 2;
+        lw_error e;
+        noisy_circle(&rng, n, 0.05, x, y);
+        memcpy(from[0], x, sizeof x);
+        memcpy(from[1], y, sizeof y);
+        for (size_t i = 0; i < n; i++)
+            h[i] = hypot(x[(i + 1) % n] - x[i], y[(i + 1) % n] - y[i]);
+        CHECK_INT(lw_smooth(x, y, n, closed, 0.03, &rms, &most, &e), LW_OK);
+        for (int round = 0; round < 2; round++)
+            for (size_t i = 0; i < n; i++) {
+                double step = 1e-4, kept = x[i];
+                x[i] = kept + step;
+                double up = energy(h, x, n, closed);
+                x[i] = kept - step;
+                double down = energy(h, x, n, closed), g = (up - down)/(2*step), moved = from[0][i] - kept;
+                x[i] = kept;
+                if (round == 0 && fabs(moved) > greatest) {      /* lambda from the point that moved most */
+                    greatest = fabs(moved);
+                    lambda = 2*moved/g;
+                }
+                if (round == 1)
+                    CHECK_NEAR(2*moved, lambda*g, 1e-6, 0);
+            }
+    }
+}
+
+static void smoothing_leaves_lines(void)
+{
+    double x[50], y[50], rms, most;
+    lw_error e;
+    for (int i = 0; i < 50; i++) {
+        x[i] = i + 0.2*sin(i);
+        y[i] = 3*x[i] - 1;
+    }
+    CHECK_INT(lw_smooth(x, y, 50, false, 0.1, &rms, &most, &e), LW_OK);
+    CHECK_NEAR(most, 0, 1e-9, 0);
+    CHECK_INT(lw_smooth(x, y, 4, true, 0.1, &rms, &most, &e), LW_OK);      /* too few to be smoothed */
+    CHECK_NEAR(most, 0, 0, 0);
+}
+
+int main(void)
+{
+    RUN(stations_lie_on_the_path);
+    RUN(corners_are_kept);
+    RUN(noise_goes);
+    RUN(smoothing_is_invariant);
+    RUN(smoothing_is_least);
+    RUN(smoothing_leaves_lines);
+    return check_end();
+}
