@@ -5,11 +5,11 @@
 
 lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e)
 {
-    return lw_chains_create_while(n_link, dof, n_thread, NULL, NULL, chains, e);
+    return lw_chains_create_while(n_link, dof, n_thread, NULL, NULL, NULL, chains, e);
 }
 
-lw_status lw_chains_create_while(int n_link, int dof, int n_thread, lw_structures_tick *tick, void *context,
-                                 lw_chains **chains, lw_error *e)
+lw_status lw_chains_create_while(int n_link, int dof, int n_thread, const char *stored, lw_structures_tick *tick,
+                                 void *context, lw_chains **chains, lw_error *e)
 {
     lw_numbers numbers;
     lw_status status = lw_numbers_for_links(n_link, dof, 0, &numbers, e);
@@ -20,11 +20,10 @@ lw_status lw_chains_create_while(int n_link, int dof, int n_thread, lw_structure
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     made->numbers = numbers;
     if (numbers.n_loop > 1)
-        status = lw_structures_create_while(numbers.n_loop, n_thread, tick, context, &made->structures);
+        status = lw_structures_stored(stored, numbers.n_loop, n_thread, tick, context, &made->structures, e);
     if (status != LW_OK) {
         free(made);
-        return lw_error_set(e, status, status == LW_STOPPED ? "stopped while the structures with %d loops were grown"
-                            : "the structures with %d loops do not fit into memory", numbers.n_loop);
+        return status;
     }
     *chains = made;
     return LW_OK;

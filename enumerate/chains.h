@@ -25,9 +25,10 @@ typedef struct lw_chains lw_chains;
 
 /* n_thread < 1: one per core.  LW_E_ARG with the equation when no chain has P links and F freedoms; LW_E_MEMORY. */
 lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e);
-/* The same; tick can stop it with LW_STOPPED, as for lw_structures_create_while. */
-lw_status lw_chains_create_while(int n_link, int dof, int n_thread, lw_structures_tick *tick, void *context,
-                                 lw_chains **chains, lw_error *e);
+/* The same; tick can stop it with LW_STOPPED, as for lw_structures_create_while.  The structures are read from the
+ * file `stored`, or written there, as by lw_structures_stored; NULL: no file. */
+lw_status lw_chains_create_while(int n_link, int dof, int n_thread, const char *stored, lw_structures_tick *tick,
+                                 void *context, lw_chains **chains, lw_error *e);
 void      lw_chains_free(lw_chains *chains);
 
 const lw_numbers    *lw_chains_numbers(const lw_chains *chains);

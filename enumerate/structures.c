@@ -1,6 +1,8 @@
 /* enumerate/structures.c - see structures.h. */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/file.h"
 #include "base/parallel.h"
 #include "enumerate/canon.h"
 #include "enumerate/grow.h"
@@ -42,6 +44,152 @@ void lw_structures_get(const lw_structures *set, int loops, size_t index, lw_str
     lw_derivation d;
     lw_structures_derive(set, loops, index, &d);
     (void)lw_derivation_replay(&d, s);      /* cannot fail: every ear in the set was valid when found */
+}
+
+/* ---- the file --------------------------------------------------------------------------------------- */
+
+#define FILE_NAME    "lwstruct"
+#define FILE_FORMAT  1
+#define FILE_RECORDS 4096         /* records written or read at once */
+
+static void put_number(uint8_t *at, uint64_t v, int size)
+{
+    for (int i = 0; i < size; i++)
+        at[i] = (uint8_t)(v >> 8*i);
+}
+
+static uint64_t get_number(const uint8_t *at, int size)
+{
+    uint64_t v = 0;
+    for (int i = size - 1; i >= 0; i--)
+        v = v << 8 | at[i];
+    return v;
+}
+
+static void put_record(uint8_t *at, const origin *o)
+{
+    put_number(at, o->parent, 4);
+    memcpy(at + 4, (const uint8_t[]){ o->ear.rule, o->ear.a, o->ear.b, o->n_circle }, 4);
+}
+
+uint64_t lw_structures_digest(const lw_structures *set, int loops)
+{
+    uint64_t h = 14695981039346656037u;               /* FNV-1a, a record at a time, then mixed */
+    for (int l = 3; l <= loops && l <= set->loops; l++)
+        for (size_t k = 0; k < set->level[l].n; k++) {
+            uint8_t record[8];
+            put_record(record, &set->level[l].origin[k]);
+            h = (h ^ get_number(record, 8))*1099511628211u;
+            h ^= h >> 29;
+        }
+    return h;
+}
+
+static bool write_level(const level *l, FILE *f)
+{
+    uint8_t buffer[FILE_RECORDS][8];
+    put_number(buffer[0], l->n, 8);
+    bool good = fwrite(buffer, 8, 1, f) == 1;
+    for (size_t k = 0; k < l->n && good; ) {
+        size_t n = 0;
+        for (; n < FILE_RECORDS && k < l->n; n++, k++)
+            put_record(buffer[n], &l->origin[k]);
+        good = fwrite(buffer, 8, n, f) == n;
+    }
+    return good;
+}
+
+lw_status lw_structures_write(const lw_structures *set, FILE *f)
+{
+    uint8_t head[16] = FILE_NAME, end[8];
+    put_number(head + 8, FILE_FORMAT, 4);
+    put_number(head + 12, (uint64_t)set->loops, 4);
+    put_number(end, lw_structures_digest(set, set->loops), 8);
+    bool good = fwrite(head, sizeof head, 1, f) == 1;
+    for (int l = 3; l <= set->loops && good; l++)
+        good = write_level(&set->level[l], f);
+    return good && fwrite(end, sizeof end, 1, f) == 1 ? LW_OK : LW_E_IO;
+}
+
+/* Does the ear fit the parent, and give this number of circles? */
+static bool record_valid(const origin *o, const lw_structures *set, int loops)
+{
+    if (o->parent >= set->level[loops - 1].n)
+        return false;
+    int n_circle = loops == 3 ? 2 : set->level[loops - 1].origin[o->parent].n_circle;
+    int n_line = n_circle + loops - 2, a = o->ear.a, b = o->ear.b;
+    switch ((lw_ear_rule)o->ear.rule) {
+    case LW_EAR_CIRCLES:     return a < b && b < n_circle && o->n_circle == n_circle;
+    case LW_EAR_CIRCLE_LINE: return a < n_circle && b < n_line && o->n_circle == n_circle + 1;
+    case LW_EAR_LINES:       return a < b && b < n_line && o->n_circle == n_circle + 2;
+    case LW_EAR_LINE:        return a == b && b < n_line && o->n_circle == n_circle + 2;
+    }
+    return false;
+}
+
+/* Read one level; false when the file ends too early or holds something else. */
+static bool read_level(lw_structures *set, int loops, FILE *f, lw_status *status)
+{
+    uint8_t buffer[FILE_RECORDS][8];
+    level *l = &set->level[loops];
+    if (fread(buffer, 8, 1, f) != 1)
+        return false;
+    size_t n = (size_t)get_number(buffer[0], 8), room = 0;
+    if (n == 0 || n > UINT32_MAX)
+        return false;
+    while (l->n < n) {
+        size_t more = n - l->n < FILE_RECORDS ? n - l->n : FILE_RECORDS;
+        if (fread(buffer, 8, more, f) != more)
+            return false;
+        if (l->n + more > room) {                     /* grows with what is really in the file */
+            room = 2*room + more;
+            origin *o = realloc(l->origin, room*sizeof *o);
+            *status = o ? LW_OK : LW_E_MEMORY;
+            if (!o)
+                return false;
+            l->origin = o;
+        }
+        for (size_t k = 0; k < more; k++) {
+            const uint8_t *r = buffer[k];
+            origin o = { (uint32_t)get_number(r, 4), { r[4], r[5], r[6] }, r[7] };
+            if (!record_valid(&o, set, loops))
+                return false;
+            l->origin[l->n++] = o;
+        }
+    }
+    return true;
+}
+
+lw_status lw_structures_read(FILE *f, const char *path, lw_structures **out, lw_error *e)
+{
+    uint8_t head[16], end[8];
+    lw_status status = LW_OK;
+    if (fread(head, sizeof head, 1, f) != 1 || memcmp(head, FILE_NAME, 8) != 0)
+        return lw_error_set(e, LW_E_NOTATION, "%s is no file of structures that linkwright stored", path);
+    uint64_t format = get_number(head + 8, 4), loops = get_number(head + 12, 4);
+    if (format != FILE_FORMAT || loops < 2 || loops > LW_LOOP_MAX)
+        return lw_error_set(e, LW_E_NOTATION, "%s: format %llu with %llu loops is not known here; this program reads "
+                            "format %d", path, (unsigned long long)format, (unsigned long long)loops, FILE_FORMAT);
+    lw_structures *set = calloc(1, sizeof *set);
+    if (!set)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    set->loops = (int)loops;
+    set->level[2].n = 1;
+    bool good = true;
+    for (int l = 3; l <= set->loops && good; l++)
+        good = read_level(set, l, f, &status);
+    good = good && fread(end, sizeof end, 1, f) == 1 && fgetc(f) == EOF
+         && get_number(end, 8) == lw_structures_digest(set, set->loops);
+    if (good) {
+        *out = set;
+        return LW_OK;
+    }
+    lw_structures_free(set);
+    if (status == LW_OK && ferror(f))
+        status = LW_E_IO;
+    return status == LW_OK ? lw_error_set(e, LW_E_NOTATION, "%s is damaged or cut short; remove it, and it is made again",
+                                          path)
+         : lw_error_set(e, status, "cannot read %s: %s", path, lw_status_text(status));
 }
 
 /* ---- candidates: the children of one block of parents ----------------------------------------------- */
@@ -245,4 +393,46 @@ void lw_structures_free(lw_structures *set)
     for (int l = 0; l <= LW_LOOP_MAX; l++)
         free(set->level[l].origin);
     free(set);
+}
+
+/* ---- made or read ------------------------------------------------------------------------------- */
+
+static lw_status read_stored(FILE *f, const char *path, int loops, lw_structures **set, lw_error *e)
+{
+    lw_status status = lw_structures_read(f, path, set, e);
+    fclose(f);
+    if (status != LW_OK || (*set)->loops >= loops)
+        return status;
+    status = lw_error_set(e, LW_E_NOTATION, "%s holds the structures up to %d loops, and %d are needed; name another "
+                          "file", path, (*set)->loops, loops);
+    lw_structures_free(*set);
+    return status;
+}
+
+lw_status lw_structures_stored(const char *path, int loops, int n_thread, lw_structures_tick *tick, void *context,
+                               lw_structures **set, lw_error *e)
+{
+    FILE *f = path ? fopen(path, "rb") : NULL;
+    if (f)
+        return read_stored(f, path, loops, set, e);
+    if (path && errno != ENOENT)
+        return lw_error_set(e, LW_E_IO, "cannot read %s: %s", path, strerror(errno));
+    lw_output o;
+    lw_status status = path ? lw_output_open(&o, path, e) : LW_OK;      /* before the work, to fail early */
+    if (status != LW_OK)
+        return status;
+    status = lw_structures_create_while(loops, n_thread, tick, context, set);
+    if (status != LW_OK)
+        (void)lw_error_set(e, status, status == LW_STOPPED ? "stopped while the structures with %d loops were grown"
+                           : "the structures with %d loops do not fit into memory", loops);
+    if (!path || status != LW_OK) {
+        if (path)
+            lw_output_abandon(&o);
+        return status;
+    }
+    (void)lw_structures_write(*set, o.f);                   /* the commit sees an error of the stream */
+    status = lw_output_commit(&o, e);
+    if (status != LW_OK)
+        lw_structures_free(*set);
+    return status;
 }

@@ -42,18 +42,26 @@ typedef struct lw_weighting_search {
     lw_weighting_lanes  *supply;                    /* (n_unknown + 1) most that unknowns k .. can add to each set */
     lw_weighting_lanes  *lack;                      /* (n_unknown + 1) by depth: what each set still lacks         */
     uint64_t  *inside;                    /* (sets) unknowns wholly inside a set                      */
+    uint64_t            *lacking;         /* (sets) scratch: those that lack one binary link           */
 } lw_weighting_search;
 
 /* State of the search: unknowns before `next` are set, the last of them to `before`. */
 typedef struct lw_weighting_state { int depth, next, before, left; } lw_weighting_state;
 
-/* Allocate memory for searches over w; start a search for automorphism g. */
+/* Allocate memory for searches over w; start a search for automorphism g.  The unknowns follow the lines
+ * in `order`, which keeps parallel lines together (n_line; NULL: their numbers). */
 lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w);
-void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g);
+void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *order);
 void      lw_search_close(lw_weighting_search *t);
 
-/* Unknowns that can be the next with a nonzero value. */
+/* Unknowns from s->next on that are inside every tight set. */
+uint64_t lw_weighting_allowed(const lw_weighting_search *t, const lw_weighting_state *s);
+
+/* Those that can be the next with a nonzero value: not tied to a line without binary links. */
 uint64_t lw_weighting_candidates(const lw_weighting_search *t, const lw_weighting_state *s);
+
+/* The unknowns inside each set that lacks one binary link: inside (sets).  Returns the number of such sets. */
+int lw_weighting_lacking_one(const lw_weighting_search *t, const lw_weighting_state *s, uint64_t *inside);
 
 /* Largest value of unknown k. */
 static inline int lw_search_most(const lw_weighting_search *t, const lw_weighting_state *s, int k)

@@ -9,25 +9,27 @@ lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w)
 {
     size_t n_block = (size_t)block_count(w), states = (size_t)(w->s.n_line + 1)*n_block;
     *t = (lw_weighting_search){ .n_block = (int)n_block, .most = w->most };
-    t->column = malloc(3*states*sizeof *t->column + 16*n_block*sizeof *t->inside);
+    t->column = malloc(3*states*sizeof *t->column + 2*16*n_block*sizeof *t->inside);
     if (!t->column)
         return LW_E_MEMORY;
     t->supply = t->column + states;
     t->lack = t->supply + states;
     t->inside = (uint64_t *)(t->lack + states);
+    t->lacking = t->inside + 16*n_block;
     return LW_OK;
 }
 
 void lw_search_close(lw_weighting_search *t) { free(t->column); }
 
-/* The cycles of lines of automorphism g, in the order of their first lines. */
-static void find_unknowns(const lw_weighting *w, size_t g, lw_weighting_search *t)
+/* The cycles of lines of automorphism g, in the order of their first lines in `order`. */
+static void find_unknowns(const lw_weighting *w, size_t g, const uint8_t *order, lw_weighting_search *t)
 {
     uint64_t seen = 0;
     t->n_unknown = 0;
     t->tied = t->single = 0;
     memset(t->column, 0, (size_t)(w->s.n_line*t->n_block)*sizeof *t->column);
-    for (int e = 0; e < w->s.n_line; e++) {
+    for (int i = 0; i < w->s.n_line; i++) {
+        int e = order ? order[i] : i;
         if (seen >> e & 1)
             continue;
         int k = t->n_unknown++, n = 0, from = w->s.end[e][0];
@@ -54,9 +56,9 @@ static void find_supply(lw_weighting_search *t)
     }
 }
 
-void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g)
+void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *order)
 {
-    find_unknowns(w, g, t);
+    find_unknowns(w, g, order, t);
     find_supply(t);
     memset(t->lack, 0, (size_t)t->n_block*sizeof *t->lack);
     for (int c = 0; c < w->critical.n; c++) {
@@ -67,20 +69,36 @@ void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g)
     }
 }
 
+/* Does BODY for each set c that lacks exactly n. */
+#define FOR_SETS_LACKING(t, s, n, c, BODY)                                                                  \
+    for (int b_ = 0; b_ < (t)->n_block; b_++) {                                                             \
+        lw_weighting_lanes found_ = (lw_weighting_lanes)((t)->lack[(s)->depth*(t)->n_block + b_] == (int8_t)(n)); \
+        uint64_t half_[2];                                                                                  \
+        memcpy(half_, &found_, sizeof half_);                                                               \
+        for (int h_ = 0; h_ < 2; h_++)                                                                      \
+            for (uint64_t rest_ = half_[h_] & 0x0101010101010101u; rest_; rest_ &= rest_ - 1) {             \
+                int c = 16*b_ + 8*h_ + __builtin_ctzll(rest_)/8;                                            \
+                BODY;                                                                                       \
+            }                                                                                               \
+    }
+
+uint64_t lw_weighting_allowed(const lw_weighting_search *t, const lw_weighting_state *s)
+{
+    uint64_t can = (((uint64_t)1 << t->n_unknown) - 1) & ~(uint64_t)0 << s->next;
+    FOR_SETS_LACKING(t, s, s->left, c, can &= t->inside[c])
+    return can;
+}
+
 uint64_t lw_weighting_candidates(const lw_weighting_search *t, const lw_weighting_state *s)
 {
-    const lw_weighting_lanes *lack = t->lack + s->depth*t->n_block;
-    uint64_t later = (((uint64_t)1 << t->n_unknown) - 1) & ~(uint64_t)0 << s->next;
-    uint64_t can = later & (~t->tied | (s->before ? (uint64_t)1 << s->next : 0));
-    for (int b = 0; b < t->n_block; b++) {
-        lw_weighting_lanes tight = (lw_weighting_lanes)(lack[b] == (int8_t)s->left);
-        uint64_t half[2];
-        memcpy(half, &tight, sizeof half);
-        for (int h = 0; h < 2; h++)
-            for (uint64_t rest = half[h] & 0x0101010101010101u; rest; rest &= rest - 1)
-                can &= t->inside[16*b + 8*h + __builtin_ctzll(rest)/8];
-    }
-    return can;
+    return lw_weighting_allowed(t, s) & (~t->tied | (s->before ? (uint64_t)1 << s->next : 0));
+}
+
+int lw_weighting_lacking_one(const lw_weighting_search *t, const lw_weighting_state *s, uint64_t *inside)
+{
+    int n = 0;
+    FOR_SETS_LACKING(t, s, 1, c, inside[n++] = t->inside[c])
+    return n;
 }
 
 bool lw_search_settle(const lw_weighting_search *t, const lw_weighting_state *s, int k, int n, lw_weighting_state *after)

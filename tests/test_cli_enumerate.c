@@ -103,6 +103,34 @@ static void resume_after_a_kill(void)
     expect("rm $D/*.partial; $P chains --links 6 -o $D/plain && rm $D/plain && ls $D/*.partial 2>&-", 2, "", NULL);
 }
 
+/* A kept count goes on where it ended, leaves complete parts alone, and sums files that are joined; the table is that of
+ * the count in one go. */
+static void kept_counts(void)
+{
+    expect("$P chains --links 16 --count --by assortment > $D/once; "
+           "$P chains --links 16 --count --by assortment --keep $D/k --structures $D/7.bin | cmp - $D/once && echo same",
+           0, "same\n", "complete: ");
+    expect("head -n 4 $D/k > $D/cut; printf 'part 5 struct' >> $D/cut; "
+           "$P chains --links 16 --count --keep $D/cut --structures $D/7.bin; sort $D/k > $D/a; sort $D/cut | cmp - $D/a",
+           0, "19819281\n", "each of the 5 parts once, with all 17133 structures");
+    expect("for r in 1 2; do $P chains --links 16 --count --keep $D/k$r --structures $D/7.bin --part $r/2 --quiet; "
+           "done | awk '{n += $1} END {print n}'", 0, "19819281\n", NULL);
+    expect("cat $D/k1 $D/k2 > $D/both; $P chains --links 16 --count --by assortment --keep $D/both | cmp - $D/once", 0,
+           "", "complete");
+    expect("LW_CLOCK_STEP=0.01 $C chains --links 16 --count --keep $D/late --structures $D/7.bin --time 0.01", 5, "0\n",
+           "holds 0 of 5 parts");
+    expect("cat $D/k1 >> $D/both; $P chains --links 16 --count --keep $D/both", 3, NULL, "a second time");
+    expect("sed -i 's/chains 4/chains 5/' $D/k2; $P chains --links 16 --count --keep $D/k2", 3, NULL, "k2:3:1: this part "
+           "is damaged");
+    expect("$P chains --links 14 --count --keep $D/k", 3, NULL, "16 links");
+    expect("$P chains --links 16 --planar --count --keep $D/k", 3, NULL, "filter none");
+    expect("printf hello > $D/text; $P chains --links 14 --count --keep $D/text; cat $D/text", 0, "hello", "kept count");
+    expect("$P structures --loops 6 --structures $D/7.bin --count", 0, "1198", NULL);
+    expect("$P structures --loops 8 --structures $D/7.bin --count", 3, NULL, "up to 7 loops");
+    expect("head -c 90000 $D/7.bin > $D/half; $P structures --loops 7 --structures $D/half", 3, NULL, "cut short");
+    expect("$P chains --links 8 --keep $D/k", 2, NULL, "--count");
+}
+
 /* Needs a program built with `make MPI=1`. */
 static void processes(void)
 {
@@ -119,6 +147,9 @@ static void processes(void)
            "| cmp - $D/one && echo same", 0, "same\n", NULL);
     expect("$RUN $P chains --links 12 --mpi --count --by assortment > $D/three; "
            "$P chains --links 12 --count --by assortment | cmp - $D/three && echo same", 0, "same\n", NULL);
+    expect("$P chains --links 16 --count --keep $D/m1 --part 2/3; $P chains --links 16 --count > $D/all; "
+           "$RUN $P chains --links 16 --count --mpi --keep $D/m1 --structures $D/m.bin | cmp - $D/all && echo same", 0,
+           "same\n", "complete");
     expect("$RUN $P chains --links 5 --dof 2 --mpi", 0, "Dhc\n", NULL);
     expect("$RUN $P chains --links 8 --mpi -o /no/such/folder/x", 3, NULL, "/no/such/folder");
     expect("$RUN $P chains --links 7 --mpi", 3, NULL, "P = F + 2 L + 1 - n2");
@@ -154,6 +185,7 @@ int main(void)
     RUN(chain_counts);
     RUN(chain_lists);
     RUN(resume);
+    RUN(kept_counts);
     RUN(resume_after_a_kill);
     RUN(processes);
     RUN(limits_and_faults);

@@ -63,7 +63,7 @@ static lw_status work_for_others(const cli_mpi_work *w)
 
 /* ---- process 0 ------------------------------------------------------------------------------------ */
 
-typedef struct kept { char *data; size_t size; bool here; } kept;
+typedef struct kept { char *data; size_t size; bool here; } kept;      /* data NULL: a task left out */
 
 typedef struct desk {
     const cli_mpi_work *w;
@@ -80,7 +80,18 @@ static void note_status(desk *d, lw_status status)
         d->status = status;
 }
 
-/* Receive one answer and keep it. Take all answers whose turn has come. */
+/* Take all answers whose turn has come. */
+static void take_early(desk *d)
+{
+    for (kept *a; (a = &d->early[d->turn % d->n_kept])->here; d->turn++) {
+        if (d->status == LW_OK && a->data)
+            note_status(d, d->w->take(d->w->context, d->turn, a->data + sizeof(heading), a->size - sizeof(heading)));
+        free(a->data);
+        *a = (kept){ 0 };
+    }
+}
+
+/* Receive one answer and keep it. */
 static void receive(desk *d)
 {
     MPI_Status from;
@@ -100,12 +111,18 @@ static void receive(desk *d)
         return;
     }
     d->early[h.task % d->n_kept] = (kept){ data, (size_t)size, true };
-    for (kept *a; (a = &d->early[d->turn % d->n_kept])->here; d->turn++) {
-        if (d->status == LW_OK)
-            note_status(d, d->w->take(d->w->context, d->turn, a->data + sizeof h, a->size - sizeof h));
-        free(a->data);
-        *a = (kept){ 0 };
-    }
+    take_early(d);
+}
+
+/* The next task is left out. */
+static bool skip_next(desk *d)
+{
+    if (d->next == d->w->n_task || d->next >= d->turn + d->n_kept || !d->w->skip
+        || !d->w->skip(d->w->context, d->next))
+        return false;
+    d->early[d->next++ % d->n_kept].here = true;
+    take_early(d);
+    return true;
 }
 
 /* Give tasks to idle processes; end them when no task is left. Returns how many were ended. */
@@ -113,6 +130,8 @@ static int hand_out(desk *d)
 {
     int n_left = 0;
     while (d->n_idle > 0) {
+        while (d->status == LW_OK && skip_next(d))
+            ;
         bool over = d->status != LW_OK || d->next == d->w->n_task;
         if (!over && d->next >= d->turn + d->n_kept)
             break;                               /* too far ahead of an answer that is still missing */
@@ -145,6 +164,8 @@ static lw_status work_alone(const cli_mpi_work *w)
     lw_status status = LW_OK;
     for (size_t k = 0; k < w->n_task && status == LW_OK; k++) {
         lw_bytes answer = { 0 };
+        if (w->skip && w->skip(w->context, k))
+            continue;
         status = w->work(w->context, k, &answer);
         if (status == LW_OK)
             status = answer.failed ? LW_E_MEMORY : w->take(w->context, k, answer.data ? answer.data : "", answer.size);

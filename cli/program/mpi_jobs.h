@@ -15,6 +15,7 @@ typedef struct cli_mpi_work {
     lw_status (*work)(void *context, size_t task, lw_bytes *answer);                     /* any process       */
     lw_status (*take)(void *context, size_t task, const char *answer, size_t size);      /* process 0, in order */
     void       *context;
+    bool      (*skip)(void *context, size_t task);    /* process 0: leave this task out; NULL: none */
 } cli_mpi_work;
 
 /* Was the program built with MPI? */

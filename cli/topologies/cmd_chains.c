@@ -13,12 +13,13 @@
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
 #include "enumerate/fractionated.h"
+#include "enumerate/kept.h"
 #include "grammar/graph6.h"
 
 typedef struct settings {
     int         links, dof, format, by;
     bool        count, planar, non_planar, fractionated, resume, mpi;
-    const char *part, *filter;
+    const char *part, *filter, *keep, *structures;
 } settings;
 
 static const cli_option options[] = {
@@ -46,6 +47,11 @@ static const cli_option options[] = {
       0, 0, NULL, NULL },
     { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
       "continue the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
+    { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
+      "count in parts, keep the numbers of each part in FILE, and leave out the parts that FILE holds already",
+      0, 0, "count", NULL },
+    { "structures", 0, CLI_INPUT, offsetof(settings, structures), "FILE", NULL,
+      "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, NULL },
     { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
       "share the work among all processes that mpirun started; process 0 writes", 0, 0, NULL, "part" },
     { .name = NULL }
@@ -66,6 +72,9 @@ typedef struct task {
     cli_resume              before;                       /* an interrupted listing that is continued */
     bool                    compared;                     /* its last line was compared            */
     lw_chain_table          table;
+    lw_kept                *kept;                         /* of --keep                             */
+    lw_error               *e;
+    int                     n_loop;
     size_t                  n_task;                       /* under mpirun                          */
     bool                    served;                       /* the other processes have been served  */
 } task;
@@ -138,20 +147,37 @@ static int read_settings(task *t)
     return CLI_DONE;
 }
 
+/* Parts of a kept count that this run adds up: those in the file, and all. */
+static int wanted_parts(const task *t, int *n_there)
+{
+    const lw_kept_head *h = t->kept ? lw_kept_head_of(t->kept) : NULL;
+    *n_there = h ? lw_kept_count(t->kept, t->how.part, t->how.n_part) : 0;
+    return h && h->n_part > t->how.part ? (h->n_part - t->how.part + t->how.n_part - 1)/t->how.n_part : h ? 0 : 1;
+}
+
+static bool kept_complete(const task *t)
+{
+    int n_there, n = wanted_parts(t, &n_there);
+    return n_there == n;
+}
+
 /* Report size and expected time before a large run starts. LW_E_MEMORY: it cannot fit. */
 static lw_status say_how_long(task *t, lw_error *error)
 {
     lw_estimate e;
     lw_numbers n;
     lw_status status = lw_numbers_for_links(t->s->links, t->s->dof, 0, &n, error);
-    if (status != LW_OK || n.n_loop < 6)
+    if (status != LW_OK || n.n_loop < 6 || kept_complete(t))
         return status;
+    int n_there, n_wanted = wanted_parts(t, &n_there);
     status = lw_chains_estimate(n.n_link, n.dof, &e, error);
     if (status != LW_OK)
         return status;
     int cores = t->how.n_thread < 1 ? lw_core_count() : t->how.n_thread;
     double work = t->s->count ? e.count_seconds : e.list_seconds*4;       /* writing takes longer than finding */
-    double seconds = (e.structure_seconds + work/t->how.n_part)/cores;
+    work *= (double)(n_wanted - n_there)/n_wanted/t->how.n_part;
+    bool stored = t->s->structures && access(t->s->structures, R_OK) == 0;
+    double seconds = ((stored ? 0 : e.structure_seconds) + work)/cores;
     t->expected = e.chains/t->how.n_part;
     if (seconds > 5)
         cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
@@ -183,11 +209,16 @@ static lw_status count_fractionated(void *context, const lw_chain *c, int n_brid
 
 static void write_json(task *t, const lw_chain_table *table)
 {
-    int n_loop = lw_chains_numbers(t->chains)->n_loop;
+    int n_loop = t->n_loop;
     cli_json j = cli_json_begin(t->out.f, 0);
     cli_json_object(&j, NULL);
     cli_json_int(&j, "links", t->s->links);
     cli_json_int(&j, "dof", t->s->dof);
+    if (t->kept) {
+        cli_json_int(&j, "parts", lw_kept_head_of(t->kept)->n_part);
+        cli_json_int(&j, "parts_counted", lw_kept_count(t->kept, t->how.part, t->how.n_part));
+        cli_json_seed(&j, "structures", lw_kept_head_of(t->kept)->n_structure);
+    }
     cli_json_seed(&j, "chains", table->total.n_chain);
     cli_json_seed(&j, "ground_links", table->total.n_ground);
     if (t->s->fractionated) {
@@ -213,7 +244,7 @@ static void write_json(task *t, const lw_chain_table *table)
 
 static void write_table(task *t, const lw_chain_table *table)
 {
-    int n_loop = lw_chains_numbers(t->chains)->n_loop;
+    int n_loop = t->n_loop;
     char head[16];
     fputc('#', t->out.f);
     for (int i = 2; i <= n_loop + 1; i++) {
@@ -251,7 +282,7 @@ static lw_status work_count(void *context, size_t k, lw_bytes *answer)
 {
     task *t = context;
     lw_chain_walk how = t->how;
-    lw_chain_table table;
+    lw_chain_table table = { .n_row = 0 };
     how.part = (int)k;
     how.n_part = (int)t->n_task;
     how.n_thread = 1;
@@ -263,46 +294,99 @@ static lw_status work_count(void *context, size_t k, lw_bytes *answer)
     return status;
 }
 
+static void add_row(lw_chain_table *table, size_t i, lw_tally n)
+{
+    table->row[i].n.n_chain += n.n_chain;
+    table->row[i].n.n_ground += n.n_ground;
+    table->total.n_chain += n.n_chain;
+    table->total.n_ground += n.n_ground;
+}
+
+static void clear_rows(lw_chain_table *table)
+{
+    for (size_t i = 0; i < table->n_row; i++)
+        table->row[i].n = (lw_tally){ 0, 0 };
+    table->total = (lw_tally){ 0, 0 };
+}
+
 static lw_status take_count(void *context, size_t k, const char *answer, size_t size)
 {
     task *t = context;
+    lw_status status = LW_OK;
+    if (t->kept)
+        clear_rows(&t->table);
     for (size_t i = 0; i < size/sizeof(lw_tally); i++) {
         lw_tally n;
         memcpy(&n, answer + i*sizeof n, sizeof n);
-        t->table.row[i].n.n_chain += n.n_chain;
-        t->table.row[i].n.n_ground += n.n_ground;
-        t->table.total.n_chain += n.n_chain;
-        t->table.total.n_ground += n.n_ground;
+        add_row(&t->table, i, n);
     }
-    return tick(t, (double)(k + 1)/(double)t->n_task) ? LW_OK : LW_STOPPED;
+    if (t->kept)
+        status = lw_kept_add(t->kept, (int)k, &t->table, t->e);
+    return status != LW_OK ? status : tick(t, (double)(k + 1)/(double)t->n_task) ? LW_OK : LW_STOPPED;
 }
 
-#define COUNT_TASKS 1000
+static bool is_kept(void *context, size_t k)
+{
+    task *t = context;
+    return t->kept && lw_kept_has(t->kept, (int)k);
+}
 
+/* A kept count has its own parts, any other a thousand. */
 static lw_status remote_count(task *t)
 {
     lw_chain_walk nothing = t->how;
-    nothing.part = COUNT_TASKS - 1;              /* only to get the rows of the table; counted again below */
-    nothing.n_part = COUNT_TASKS;
-    t->n_task = COUNT_TASKS;
+    t->n_task = t->s->keep ? (size_t)lw_kept_parts(t->chains) : 1000;
+    if (t->kept && (size_t)lw_kept_head_of(t->kept)->n_part != t->n_task)
+        return lw_error_set(t->e, LW_E_NOTATION, "%s has %d parts, where --mpi counts %zu; count without --mpi",
+                            t->s->keep, lw_kept_head_of(t->kept)->n_part, t->n_task);
+    nothing.part = 999999;                       /* only to get the rows of the table; counted again below */
+    nothing.n_part = 1000000;
     lw_status status = lw_chains_count(t->chains, &nothing, &t->table);
-    for (size_t i = 0; i < t->table.n_row; i++)
-        t->table.row[i].n = (lw_tally){ 0, 0 };
-    t->table.total = (lw_tally){ 0, 0 };
-    cli_mpi_work w = { COUNT_TASKS, work_count, take_count, t };
+    if (status == LW_OK)
+        clear_rows(&t->table);
+    cli_mpi_work w = { t->n_task, work_count, take_count, t, is_kept };
     t->served = true;
     lw_status run = cli_mpi_run(&w);
     return status == LW_OK ? run : status;
 }
 
+/* Report which parts a kept sum is made of. */
+static void say_kept(task *t)
+{
+    const lw_kept_head *h = lw_kept_head_of(t->kept);
+    int n, all = wanted_parts(t, &n);
+    if (n < all)
+        cli_note(t->call, "%s holds %d of %d parts; the same command counts the others", t->s->keep, n, all);
+    else if (t->how.n_part == 1)
+        cli_note(t->call, "complete: %s holds each of the %d parts once, with all %llu structures", t->s->keep, n,
+                 (unsigned long long)h->n_structure);
+    else
+        cli_note(t->call, "%s holds each of the %d parts %d, %d, ... of %d", t->s->keep, n, t->how.part + 1,
+                 t->how.part + 1 + t->how.n_part, h->n_part);
+}
+
+static lw_status count_kept(task *t)
+{
+    lw_status status = t->chains ? lw_kept_begin(t->kept, t->chains, t->e) : LW_OK;
+    if (status == LW_OK && !kept_complete(t))
+        status = t->s->mpi ? remote_count(t) : lw_kept_run(t->kept, t->chains, &t->how, t->e);
+    if (status < 0)
+        return status;
+    lw_chain_table_free(&t->table);
+    lw_status sum = lw_kept_sum(t->kept, t->how.part, t->how.n_part, &t->table);
+    say_kept(t);
+    return sum == LW_OK ? status : sum;
+}
+
 static lw_status count_all(task *t)
 {
-    lw_status status = t->s->mpi ? remote_count(t) : lw_chains_count(t->chains, &t->how, &t->table);
+    lw_status status = t->kept ? count_kept(t) : t->s->mpi ? remote_count(t)
+                     : lw_chains_count(t->chains, &t->how, &t->table);
     if (status == LW_OK && t->s->fractionated)
         status = lw_fractionated_each(t->s->links, t->s->dof, count_fractionated, t, NULL);
     cli_progress_end(&t->progress);
     if (status == LW_OK || status == LW_STOPPED) {
-        if (status == LW_STOPPED)
+        if (status == LW_STOPPED && !t->kept)
             cli_note(t->call, "stopped: the numbers count the chains found so far");
         write_counts(t, &t->table);
     }
@@ -412,8 +496,8 @@ static lw_status take_list(void *context, size_t k, const char *answer, size_t s
 static lw_status remote_list(task *t)
 {
     const lw_structures *set = lw_chains_structures(t->chains);
-    t->n_task = set ? lw_structures_count(set, lw_structures_loops(set)) : 1;
-    cli_mpi_work w = { t->n_task, work_list, take_list, t };
+    t->n_task = set ? lw_structures_count(set, t->n_loop) : 1;
+    cli_mpi_work w = { t->n_task, work_list, take_list, t, NULL };
     t->served = true;
     return cli_mpi_run(&w);
 }
@@ -452,11 +536,16 @@ static int finish(task *t, lw_status status, const lw_error *e)
 /* Make the structures, then list or count; done by process 0 if there are several. */
 static int enumerate(task *t, lw_error *e)
 {
-    lw_status status;
+    lw_status status = LW_OK;
     bool listing = !t->s->count && !t->notation->lines;
-    t->progress = cli_progress_begin(t->call, "structures", "structures");
-    status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, tick_structures, t, &t->chains, e);
-    cli_progress_end(&t->progress);
+    if (say_how_long(t, e) != LW_OK)
+        return cli_fail(t->call, e);
+    if (t->s->structures || !kept_complete(t)) {
+        t->progress = cli_progress_begin(t->call, "structures", "structures");
+        status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, t->s->structures,
+                                        tick_structures, t, &t->chains, e);
+        cli_progress_end(&t->progress);
+    }
     if (status != LW_OK)
         return cli_interrupted() && !cli_timed_out() ? CLI_DONE : cli_fail(t->call, e);
     t->progress = cli_progress_begin(t->call, "chains", "chains");
@@ -472,7 +561,7 @@ static int enumerate(task *t, lw_error *e)
 /* Work of the other processes: the same structures, then tasks from process 0. */
 static void help_out(task *t)
 {
-    if (lw_chains_create(t->s->links, t->s->dof, 1, &t->chains, NULL) == LW_OK)
+    if (lw_chains_create_while(t->s->links, t->s->dof, 1, t->s->structures, NULL, NULL, &t->chains, NULL) == LW_OK)
         (void)(t->s->count ? remote_count(t) : remote_list(t));
 }
 
@@ -487,7 +576,7 @@ static lw_status work_not(void *context, size_t k, lw_bytes *answer)
 
 static void end_remote(task *t)
 {
-    cli_mpi_work w = { 0, work_not, NULL, NULL };
+    cli_mpi_work w = { 0, work_not, NULL, NULL, NULL };
     if (!t->served)
         (void)cli_mpi_run(&w);
     cli_mpi_end();
@@ -497,19 +586,26 @@ static int run(const cli_call *call)
 {
     task t = { .call = call, .s = call->settings, .start = lw_clock_wall() };
     lw_error e = { 0 };
+    lw_numbers numbers;
+    t.e = &e;
     int code = read_settings(&t), rank = 0;
     if (code != CLI_DONE)
         return code;
     if (t.s->mpi)
         rank = cli_mpi_begin();
+    lw_status status = lw_numbers_for_links(t.s->links, t.s->dof, 0, &numbers, &e);
+    t.n_loop = status == LW_OK ? numbers.n_loop : 0;
+    if (status == LW_OK && rank == 0 && t.s->keep)
+        status = lw_kept_open(t.s->keep, t.s->links, t.s->dof, t.how.filter, &t.kept, &e);
     if (rank > 0)
         help_out(&t);
     else
-        code = say_how_long(&t, &e) == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
+        code = status == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
     if (t.s->mpi)
         end_remote(&t);
     free(t.before.last);
     lw_chain_table_free(&t.table);
+    lw_kept_close(t.kept);
     lw_chains_free(t.chains);
     return code;
 }
@@ -525,6 +621,7 @@ const cli_command cli_chains_command = {
         "  linkwright chains --links 9 --dof 2 --fractionated   also those that separate at a link\n"
         "  linkwright chains --links 16 --part 3/100 -o 3.g6    one of a hundred jobs of a cluster\n"
         "  linkwright chains --links 16 -o all.g6 --resume      continue after an interruption\n"
+        "  linkwright chains --links 18 --count --keep 18.parts --structures 9.bin   a count that survives interruptions\n"
         "  mpirun -n 64 linkwright chains --links 18 --count --mpi   on many machines\n",
     .about =
         "Every joint has one degree of freedom, and no part of a chain is rigid. Each chain is listed once. The\n"
@@ -534,6 +631,10 @@ const cli_command cli_chains_command = {
         "counting takes as long as listing. Before work of more than a few seconds, the expected time is printed.\n"
         "A listing in -o FILE is written to FILE.partial until it ends. After an interruption, --resume continues\n"
         "with either file; it compares the last line with the chain that belongs there.\n"
+        "--keep FILE counts in parts of some thousand structures and appends the numbers of each to FILE, with a\n"
+        "check sum. The same command continues after an interruption. Several processes each take --part R/M of the\n"
+        "parts and a FILE of their own; --keep with the joined files (cat) proves that each part is there once, and\n"
+        "prints the sum (docs/cluster.md). --structures FILE makes the structures once for all runs.\n"
         "Exit code 1: there is no such chain; 5: --time ended the work, and what was found is kept.\n",
     .options = options,
     .settings_size = sizeof(settings),

@@ -1,6 +1,7 @@
 /* linkwright structures - list every Franke structure with L loops, built by adding ears. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include "base/clock.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
@@ -13,7 +14,7 @@
 typedef struct settings {
     int         loops;
     bool        count, derive, planar, non_planar;
-    const char *replay;
+    const char *replay, *structures;
 } settings;
 
 static const cli_option options[] = {
@@ -28,6 +29,8 @@ static const cli_option options[] = {
       "only structures with a planar graph", 0, 0, NULL, "non-planar" },
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
       "only structures with a non-planar graph", 0, 0, NULL, NULL },
+    { "structures", 0, CLI_INPUT, offsetof(settings, structures), "FILE", NULL,
+      "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, "replay" },
     { "replay", 0, CLI_TEXT, offsetof(settings, replay), "DERIVATION", NULL,
       "print the structure that this derivation makes, step by step", 0, 0, NULL, "loops" },
     { .name = NULL }
@@ -148,7 +151,7 @@ static int run(const cli_call *call)
         return replay(call);
     if (!s->loops)
         return cli_usage(call, "how many loops? give --loops L");
-    if (s->loops > 8)
+    if (s->loops > 8 && !(s->structures && access(s->structures, R_OK) == 0))
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
     lw_estimate size;
     if (s->loops > 8 && lw_chains_estimate(2*s->loops + 2, 1, &size, &e) == LW_OK && size.bytes > cli_memory(call)) {
@@ -156,14 +159,10 @@ static int run(const cli_call *call)
         return cli_fail(call, &e);
     }
     watch w = { call, cli_progress_begin(call, "structures", "structures"), lw_clock_wall() };
-    lw_status status = lw_structures_create_while(s->loops, call->common.jobs, tick, &w, &set);
+    lw_status status = lw_structures_stored(s->structures, s->loops, call->common.jobs, tick, &w, &set, &e);
     cli_progress_end(&w.progress);
-    if (status != LW_OK) {
-        (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were "
-                           "complete"
-                           : "the structures with %d loops do not fit into memory", s->loops);
+    if (status != LW_OK)
         return cli_interrupted() && !cli_timed_out() ? CLI_DONE : cli_fail(call, &e);
-    }
     int code = CLI_DONE;
     if (cli_open(call, &o, &e) != LW_OK)
         code = cli_fail(call, &e);
@@ -181,6 +180,7 @@ const cli_command cli_structures_command = {
         "  linkwright structures --loops 3                  the four structures of eight-link chains\n"
         "  linkwright structures --loops 6 --count          1198, for each number of circles\n"
         "  linkwright structures --loops 4 --derive         how each structure grows\n"
+        "  linkwright structures --loops 9 --count --structures 9.bin   grow them once, for many later runs\n"
         "  linkwright structures --replay 'theta 3(1,2)'    follow a derivation\n",
     .about =
         "A structure shows the links with three or more joints as circles, and each string of binary links\n"
