@@ -1,10 +1,10 @@
 /* grammar/linkage.c - mobility, inputs, and the values of inputs in the posture. */
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 
 #include <math.h>
 #include <stdbool.h>
 
-int lw_linkage_mobility(const lw_linkage *k)
+int lw_assembly_mobility(const lw_assembly *k)
 {
     int freedom = 3*(k->n_link - 1);
     for (int i = 0; i < k->n_joint; i++)
@@ -12,7 +12,7 @@ int lw_linkage_mobility(const lw_linkage *k)
     return freedom;
 }
 
-int lw_linkage_free_inputs(const lw_linkage *k)
+int lw_assembly_free_inputs(const lw_assembly *k)
 {
     int n = 0;
     while (n < k->n_input && k->input[n].ratio == 0)
@@ -20,12 +20,12 @@ int lw_linkage_free_inputs(const lw_linkage *k)
     return n;
 }
 
-double lw_linkage_tied_input(const lw_linkage *k, int i, double first)
+double lw_assembly_tied_input(const lw_assembly *k, int i, double first)
 {
     return k->input[i].value + k->input[i].ratio*(first - k->input[0].value);
 }
 
-double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre)
+double lw_assembly_tie_unit(const lw_assembly *k, int i, double metre)
 {
     bool slides = lw_joint_slides(k->joint[k->input[i].joint].kind);
     bool first_slides = lw_joint_slides(k->joint[k->input[0].joint].kind);
@@ -41,7 +41,7 @@ static bool slides_on(const lw_joint *j, int link)
 }
 
 /* The x axis of a link, from one of its pins; not normalised. */
-static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
+static lw_vec2 x_axis(const lw_assembly *k, int joint, int link)
 {
     lw_vec2 from = k->joint[joint].at;
     for (int i = 0; i < k->n_joint; i++) {
@@ -60,7 +60,7 @@ static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
     return lw_v2(1, 0);
 }
 
-double lw_linkage_posture_input(const lw_linkage *k, int joint)
+double lw_assembly_posture_input(const lw_assembly *k, int joint)
 {
     const lw_joint *j = &k->joint[joint];
     if (!lw_joint_turns(j->kind))
@@ -76,4 +76,36 @@ double lw_linkage_posture_input(const lw_linkage *k, int joint)
         return direction[0];
     double turn = remainder(direction[1] - direction[0], 2*LW_PI);
     return turn <= -LW_PI ? LW_PI : turn;
+}
+
+/* ---- the same of a linkage ------------------------------------------------------------------------ */
+
+int lw_linkage_mobility(const lw_linkage *k)
+{
+    lw_assembly a = lw_linkage_view(k);
+    return lw_assembly_mobility(&a);
+}
+
+int lw_linkage_free_inputs(const lw_linkage *k)
+{
+    lw_assembly a = lw_linkage_view(k);
+    return lw_assembly_free_inputs(&a);
+}
+
+double lw_linkage_tied_input(const lw_linkage *k, int i, double first)
+{
+    lw_assembly a = lw_linkage_view(k);
+    return lw_assembly_tied_input(&a, i, first);
+}
+
+double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre)
+{
+    lw_assembly a = lw_linkage_view(k);
+    return lw_assembly_tie_unit(&a, i, metre);
+}
+
+double lw_linkage_posture_input(const lw_linkage *k, int joint)
+{
+    lw_assembly a = lw_linkage_view(k);
+    return lw_assembly_posture_input(&a, joint);
 }

@@ -3,7 +3,12 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum { FEW = 64 };                       /* up to so many parts are compared in pairs, without memory of their own */
+#define LW_PART_MAX 100000000            /* coordinates and rows are counted by int */
 
 static bool sane(double v) { return fabs(v) <= LW_COORDINATE_MAX; }      /* false for NaN too */
 static bool in_range(int i, int n) { return i >= 0 && i < n; }
@@ -12,32 +17,69 @@ static bool in_range(int i, int n) { return i >= 0 && i < n; }
 
 typedef struct name_list { const char *what, *first; size_t stride; int n; } name_list;
 
+static const char *name_of(const name_list *list, int i) { return list->first + (size_t)i*list->stride; }
+
+/* Index of an earlier part with the name of part i, -1: none. */
+static int same_name(const name_list *list, int i)
+{
+    for (int j = 0; j < i; j++)
+        if (strcmp(name_of(list, i), name_of(list, j)) == 0)
+            return j;
+    return -1;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* Are two names of a long list the same?  LW_E_MEMORY: not known. */
+static lw_status has_same_names(const name_list *list, bool *has)
+{
+    const char **name = malloc((size_t)list->n*sizeof *name);
+    *has = false;
+    if (!name)
+        return LW_E_MEMORY;
+    for (int i = 0; i < list->n; i++)
+        name[i] = name_of(list, i);
+    qsort(name, (size_t)list->n, sizeof *name, compare_names);
+    for (int i = 1; i < list->n && !*has; i++)
+        *has = strcmp(name[i - 1], name[i]) == 0;
+    free(name);
+    return LW_OK;
+}
+
 static lw_status check_names(const name_list *list, int *bad, lw_error *e)
 {
+    bool search = list->n <= FEW;
     for (int i = 0; i < list->n; i++) {
-        const char *name = list->first + (size_t)i*list->stride;
         *bad = i;
-        if (!memchr(name, '\0', LW_NAME_SIZE))
+        if (!memchr(name_of(list, i), '\0', LW_NAME_SIZE))
             return lw_error_set(e, LW_E_ARG, "the name of %s %d is not terminated", list->what, i + 1);
-        if (!*name)
+        if (!*name_of(list, i))
             return lw_error_set(e, LW_E_ARG, "%s %d has no name; give it one", list->what, i + 1);
-        for (int j = 0; j < i; j++)
-            if (strcmp(name, list->first + (size_t)j*list->stride) == 0)
-                return lw_error_set(e, LW_E_ARG, "%ss %d and %d are both called \"%s\"; names of %ss "
-                                    "must differ", list->what, j + 1, i + 1, name, list->what);
+    }
+    if (!search && has_same_names(list, &search) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; search && i < list->n; i++) {
+        int j = same_name(list, i);
+        *bad = i;
+        if (j >= 0)
+            return lw_error_set(e, LW_E_ARG, "%ss %d and %d are both called \"%s\"; names of %ss "
+                                "must differ", list->what, j + 1, i + 1, name_of(list, i), list->what);
     }
     return LW_OK;
 }
 
 /* ---- parts ------------------------------------------------------------------------------------ */
 
-static lw_status check_counts(const lw_linkage *k, lw_error *e)
+static lw_status check_counts(const lw_assembly *k, lw_error *e)
 {
     const struct { const char *what; int n, least, most; } count[] = {
-        { "links",   k->n_link,   2, LW_LINK_MAX },
-        { "joints",  k->n_joint,  1, LW_JOINT_MAX },
-        { "inputs",  k->n_input,  0, LW_INPUT_MAX },
-        { "tracers", k->n_tracer, 0, LW_TRACER_MAX },
+        { "links",   k->n_link,   2, LW_PART_MAX },
+        { "joints",  k->n_joint,  1, LW_PART_MAX },
+        { "inputs",  k->n_input,  0, LW_PART_MAX },
+        { "tracers", k->n_tracer, 0, LW_PART_MAX },
     };
     for (size_t i = 0; i < sizeof count/sizeof *count; i++)
         if (count[i].n < count[i].least || count[i].n > count[i].most)
@@ -73,7 +115,7 @@ static lw_status check_direction(const lw_joint *j, lw_error *e)
     return LW_OK;
 }
 
-static lw_status check_joint(const lw_linkage *k, const lw_joint *j, lw_error *e)
+static lw_status check_joint(const lw_assembly *k, const lw_joint *j, lw_error *e)
 {
     if (!lw_joint_is_kind((char)j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is of no known kind: r pin, t slider, p pin in "
@@ -90,7 +132,7 @@ static lw_status check_joint(const lw_linkage *k, const lw_joint *j, lw_error *e
     return check_direction(j, e);
 }
 
-static lw_status check_input(const lw_linkage *k, int i, lw_error *e)
+static lw_status check_input(const lw_assembly *k, int i, lw_error *e)
 {
     const lw_input *in = &k->input[i];
     if (!in_range(in->joint, k->n_joint))
@@ -115,7 +157,7 @@ static lw_status check_input(const lw_linkage *k, int i, lw_error *e)
     return LW_OK;
 }
 
-static lw_status check_tracer(const lw_linkage *k, const lw_tracer *t, lw_error *e)
+static lw_status check_tracer(const lw_assembly *k, const lw_tracer *t, lw_error *e)
 {
     if (!in_range(t->link, k->n_link))
         return lw_error_set(e, LW_E_ARG, "tracer \"%s\" sits on link number %d, which does not exist",
@@ -127,32 +169,38 @@ static lw_status check_tracer(const lw_linkage *k, const lw_tracer *t, lw_error 
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
-/* Index of a link that no path of joints connects to the ground; -1 if there is none. */
-static int find_loose_link(const lw_linkage *k)
+/* The link that stands for all links joined to `link` so far. */
+static int head_of(int *head, int link)
 {
-    bool reached[LW_LINK_MAX] = { false }, more = true;
-    reached[k->ground] = true;
-    while (more) {
-        more = false;
-        for (int i = 0; i < k->n_joint; i++) {
-            const int *link = k->joint[i].link;
-            if (reached[link[0]] != reached[link[1]])
-                reached[link[0]] = reached[link[1]] = more = true;
-        }
-    }
+    while (head[link] != link)
+        link = head[link] = head[head[link]];
+    return link;
+}
+
+/* Index of a link that no path of joints connects to the ground; -1 if there is none, -2 without memory. */
+static int find_loose_link(const lw_assembly *k)
+{
+    int few[FEW], *head = k->n_link > FEW ? malloc((size_t)k->n_link*sizeof *head) : few, loose = -1;
+    if (!head)
+        return -2;
     for (int i = 0; i < k->n_link; i++)
-        if (!reached[i])
-            return i;
-    return -1;
+        head[i] = i;
+    for (int i = 0; i < k->n_joint; i++)
+        head[head_of(head, k->joint[i].link[0])] = head_of(head, k->joint[i].link[1]);
+    for (int i = 0; i < k->n_link && loose < 0; i++)
+        loose = head_of(head, i) == head_of(head, k->ground) ? -1 : i;
+    if (head != few)
+        free(head);
+    return loose;
 }
 
 /* Names of links, joints and tracers first: later messages quote them. */
-static lw_status check_all_names(const lw_linkage *k, lw_linkage_place *place, lw_error *e)
+static lw_status check_all_names(const lw_assembly *k, lw_linkage_place *place, lw_error *e)
 {
     const struct { lw_linkage_part part; name_list names; } list[] = {
-        { LW_PART_LINK,   { "link",   k->link_name[0],   sizeof k->link_name[0], k->n_link } },
-        { LW_PART_JOINT,  { "joint",  k->joint[0].name,  sizeof k->joint[0],     k->n_joint } },
-        { LW_PART_TRACER, { "tracer", k->tracer[0].name, sizeof k->tracer[0],    k->n_tracer } },
+        { LW_PART_LINK,   { "link", (const char *)k->link_name, sizeof *k->link_name, k->n_link } },
+        { LW_PART_JOINT,  { "joint", (const char *)k->joint + offsetof(lw_joint, name), sizeof *k->joint, k->n_joint } },
+        { LW_PART_TRACER, { "tracer", (const char *)k->tracer + offsetof(lw_tracer, name), sizeof *k->tracer, k->n_tracer } },
     };
     lw_status s = LW_OK;
     for (size_t i = 0; s == LW_OK && i < sizeof list/sizeof *list; i++) {
@@ -162,7 +210,7 @@ static lw_status check_all_names(const lw_linkage *k, lw_linkage_place *place, l
     return s;
 }
 
-lw_status lw_linkage_find_fault(const lw_linkage *k, lw_linkage_place *place, lw_error *e)
+lw_status lw_assembly_find_fault(const lw_assembly *k, lw_linkage_place *place, lw_error *e)
 {
     lw_status s;
     *place = (lw_linkage_place){ LW_PART_WHOLE, 0 };
@@ -184,14 +232,30 @@ lw_status lw_linkage_find_fault(const lw_linkage *k, lw_linkage_place *place, lw
             return s;
     }
     *place = (lw_linkage_place){ LW_PART_LINK, find_loose_link(k) };
+    if (place->index == -2)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (place->index >= 0)
         return lw_error_set(e, LW_E_ARG, "no chain of joints ties link \"%s\" to the ground; join it or "
                             "leave it out", k->link_name[place->index]);
     return LW_OK;
 }
 
-lw_status lw_linkage_check(const lw_linkage *k, lw_error *e)
+lw_status lw_assembly_check(const lw_assembly *k, lw_error *e)
 {
     lw_linkage_place place;
-    return lw_linkage_find_fault(k, &place, e);
+    return lw_assembly_find_fault(k, &place, e);
+}
+
+lw_status lw_linkage_check(const lw_linkage *k, lw_error *e)
+{
+    const struct { const char *what; int n, most; } count[] = {
+        { "links", k->n_link, LW_LINK_MAX }, { "joints", k->n_joint, LW_JOINT_MAX },
+        { "inputs", k->n_input, LW_INPUT_MAX }, { "tracers", k->n_tracer, LW_TRACER_MAX },
+    };
+    for (size_t i = 0; i < sizeof count/sizeof *count; i++)
+        if (count[i].n > count[i].most)
+            return lw_error_set(e, LW_E_ARG, "a linkage has at most %d %s, this one has %d", count[i].most, count[i].what,
+                                count[i].n);
+    lw_assembly a = lw_linkage_view(k);
+    return lw_assembly_check(&a, e);
 }

@@ -2,7 +2,7 @@
 #ifndef LW_GRAMMAR_LINKAGE_INTERNAL_H
 #define LW_GRAMMAR_LINKAGE_INTERNAL_H
 
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 
 /* The faulty part of a linkage, from which the reader finds its place in the text. */
 typedef enum lw_linkage_part {
@@ -14,7 +14,7 @@ typedef struct lw_linkage_place {
     int             index;      /* of the link, joint, input or tracer */
 } lw_linkage_place;
 
-/* lw_linkage_check; on failure *place gets the faulty part. */
-lw_status lw_linkage_find_fault(const lw_linkage *k, lw_linkage_place *place, lw_error *e);
+/* lw_assembly_check; on failure *place gets the faulty part. */
+lw_status lw_assembly_find_fault(const lw_assembly *k, lw_linkage_place *place, lw_error *e);
 
 #endif

@@ -1,24 +1,30 @@
 /* grammar/linkage_read.c - a linkage from JSON (docs/notation.md, "Linkage").  This file checks types and names;
- * lw_linkage_find_fault checks the linkage as a whole, and its error gets a place in the text here. */
-#include "grammar/linkage.h"
+ * lw_assembly_find_fault checks the whole, and its error gets a place in the text here. */
+#include "grammar/assembly.h"
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "grammar/linkage_internal.h"
 #include "grammar/read_internal.h"
 
+/* Is there memory at p? */
+static lw_status has_memory(const void *p, lw_error *e)
+{
+    return p ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
 /* The link that a node names; a new name adds a link. */
-static lw_status meet_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
+static lw_status meet_link(const lw_json_node *n, lw_assembly *k, lw_error *e)
 {
     char name[LW_NAME_SIZE];
     lw_status s = lw_json_name(n, name, sizeof name, e);
     for (int i = 0; s == LW_OK && i < k->n_link; i++)
         if (strcmp(name, k->link_name[i]) == 0)
             return LW_OK;
-    if (s == LW_OK && k->n_link == LW_LINK_MAX)
-        s = lw_json_fault(n, e, "this is link number %d; at most %d are allowed", LW_LINK_MAX + 1, LW_LINK_MAX);
     if (s == LW_OK)
         strcpy(k->link_name[k->n_link++], name);
     return s;
@@ -68,7 +74,7 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
 }
 
 /* An element of "links": a name, or an object with the name and the masses of a model. */
-static lw_status read_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
+static lw_status read_link(const lw_json_node *n, lw_assembly *k, lw_error *e)
 {
     static const char *const known[] = { "name", "mass", "centre", "inertia" };
     lw_json_node name = *n;
@@ -86,12 +92,16 @@ static lw_status read_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
 }
 
 /* Without "links" the links are the ground and all links that joints name, in that order. */
-static lw_status gather_links(const lw_json_node *root, lw_linkage *k, lw_error *e)
+static lw_status gather_links(const lw_json_node *root, const lw_json_node *ground, lw_assembly *k, lw_error *e)
 {
     lw_json_node joints, links;
     lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK)
-        s = lw_read_list(&joints, 1, LW_JOINT_MAX, e);
+        s = lw_read_list(&joints, 1, SIZE_MAX, e);
+    if (s == LW_OK)
+        s = has_memory(k->link_name = calloc(2*lw_json_count(&joints) + 1, sizeof *k->link_name), e);
+    if (s == LW_OK && ground)
+        s = meet_link(ground, k, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
         s = lw_json_expect(&joint, LW_JSON_OBJECT, e);
@@ -107,23 +117,21 @@ static lw_status gather_links(const lw_json_node *root, lw_linkage *k, lw_error 
     return s;
 }
 
-static lw_status read_links(const lw_json_node *root, lw_linkage *k, lw_error *e)
+static lw_status read_links(const lw_json_node *root, lw_assembly *k, lw_error *e)
 {
     lw_json_node links, ground;
     bool has_ground = lw_json_member(root, "ground", &ground);
     lw_status s = LW_OK;
     if (lw_json_member(root, "links", &links)) {
-        s = lw_read_list(&links, 2, LW_LINK_MAX, e);
+        s = lw_read_list(&links, 2, SIZE_MAX, e);
+        if (s == LW_OK)
+            s = has_memory(k->link_name = calloc(lw_json_count(&links) + 1, sizeof *k->link_name), e);
         for (size_t i = 0; s == LW_OK && i < lw_json_count(&links); i++) {
             lw_json_node link = lw_json_element(&links, i);
             s = read_link(&link, k, e);
         }
-    } else {
-        if (has_ground)
-            s = meet_link(&ground, k, e);
-        if (s == LW_OK)
-            s = gather_links(root, k, e);
-    }
+    } else
+        s = gather_links(root, has_ground ? &ground : NULL, k, e);
     if (s == LW_OK && has_ground)
         return lw_read_link(&ground, k, &k->ground, e);
     for (int i = 0; s == LW_OK && i < k->n_link; i++)
@@ -135,7 +143,7 @@ static lw_status read_links(const lw_json_node *root, lw_linkage *k, lw_error *e
                                       "\"ground\"") : s;
 }
 
-static lw_status read_head(const lw_json_node *root, lw_linkage *k, lw_error *e)
+static lw_status read_head(const lw_json_node *root, lw_assembly *k, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input",
                                          "inputs", "tracers", "fit", "$schema", "gravity", "springs", "dampers",
@@ -190,7 +198,7 @@ static lw_status read_unit_vector(const lw_json_node *n, lw_vec2 *out, lw_error 
     return LW_OK;
 }
 
-static lw_status read_direction(const lw_json_node *joint, const lw_linkage *k, lw_joint *j, lw_error *e)
+static lw_status read_direction(const lw_json_node *joint, const lw_assembly *k, lw_joint *j, lw_error *e)
 {
     lw_json_node along, angle;
     bool has_along = lw_json_member(joint, "along", &along), has_angle = lw_json_member(joint, "angle", &angle);
@@ -226,7 +234,7 @@ static lw_status read_ratio(const lw_json_node *joint, lw_joint *j, lw_error *e)
     return lw_read_optional(joint, "ratio", 1, &j->ratio, &given, e);
 }
 
-static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *j, lw_error *e)
+static lw_status read_joint(const lw_json_node *joint, lw_assembly *k, lw_joint *j, lw_error *e)
 {
     static const char *const known[] = { "name", "kind", "links", "at", "along", "angle", "ratio", "friction",
                                          "stop", "clearance" };
@@ -254,26 +262,27 @@ static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *
 }
 
 /* Convert the ratio of a rack, which contains a length, and compute a contact point that was left out. */
-static lw_status finish_gear(const lw_json_node *joint, lw_linkage *k, int i, lw_error *e)
+static lw_status finish_gear(const lw_json_node *joint, lw_assembly *k, int i, lw_error *e)
 {
     lw_json_node at, ratio;
     lw_gear gear;
     lw_error why;
+    lw_vec2 contact;
     lw_joint *j = &k->joint[i];
     bool placed = lw_json_member(joint, "at", &at);
-    if (lw_linkage_gear(k, i, &gear, &why) != LW_OK)
+    if (lw_assembly_gear(k, i, &gear, NULL, &why) != LW_OK)
         return placed ? LW_OK : lw_json_fault(joint, e, "%s", why.text);
     lw_json_member(joint, "ratio", &ratio);
     j->ratio *= lw_linkage_gear_unit(&gear, k->units.metre);
     if (!(fabs(j->ratio) > 0 && fabs(j->ratio) <= LW_COORDINATE_MAX))
         return lw_json_fault(&ratio, e, "the ratio of a gear is a number other than 0");
-    if (!placed)
-        j->at = lw_linkage_contact(k, i, &gear);
+    if (!placed && lw_assembly_gear(k, i, &gear, &contact, &why) == LW_OK)
+        j->at = contact;
     return LW_OK;
 }
 
 /* A weld without a place is put where the other joints of its first link are. */
-static void finish_weld(lw_linkage *k, int i)
+static void finish_weld(lw_assembly *k, int i)
 {
     for (int j = 0; j < k->n_joint; j++)
         if (k->joint[j].kind != LW_JOINT_FIXED && (k->joint[j].link[0] == k->joint[i].link[0] ||
@@ -283,7 +292,7 @@ static void finish_weld(lw_linkage *k, int i)
         }
 }
 
-static lw_status finish_joint(const lw_json_node *joint, lw_linkage *k, int i, lw_error *e)
+static lw_status finish_joint(const lw_json_node *joint, lw_assembly *k, int i, lw_error *e)
 {
     lw_json_node at;
     if (lw_joint_has_ratio(k->joint[i].kind))
@@ -293,12 +302,14 @@ static lw_status finish_joint(const lw_json_node *joint, lw_linkage *k, int i, l
     return LW_OK;
 }
 
-static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *e)
+static lw_status read_joints(const lw_json_node *root, lw_assembly *k, lw_error *e)
 {
     lw_json_node joints;
     lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK)
-        s = lw_read_list(&joints, 1, LW_JOINT_MAX, e);
+        s = lw_read_list(&joints, 1, SIZE_MAX, e);
+    if (s == LW_OK)
+        s = has_memory(k->joint = calloc(lw_json_count(&joints) + 1, sizeof *k->joint), e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
         s = read_joint(&joint, k, &k->joint[i], e);
@@ -314,14 +325,14 @@ static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *
 /* ---- inputs and tracers ------------------------------------------------------------------------ */
 
 /* A tied input has no motion of its own. */
-static lw_status read_tie(const lw_json_node *input, const lw_linkage *k, lw_input *in, lw_error *e)
+static lw_status read_tie(const lw_json_node *input, const lw_assembly *k, lw_input *in, lw_error *e)
 {
     static const char *const own[] = { "first", "last", "motion", "speed" };
     lw_json_node n;
     bool given;
     if (!lw_json_member(input, "ratio", &n))
         return LW_OK;
-    double unit = lw_linkage_tie_unit(k, (int)(in - k->input), k->units.metre);
+    double unit = lw_assembly_tie_unit(k, (int)(in - k->input), k->units.metre);
     lw_status s = lw_read_optional(input, "ratio", unit, &in->ratio, &given, e);
     if (s == LW_OK && in->ratio == 0)
         return lw_json_fault(&n, e, "a ratio of 0 would hold the joint still; weld it, or leave \"ratio\" out");
@@ -332,11 +343,11 @@ static lw_status read_tie(const lw_json_node *input, const lw_linkage *k, lw_inp
     return s;
 }
 
-static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *in, bool *has_value, lw_error *e)
+static lw_status read_input(const lw_json_node *input, lw_assembly *k, lw_input *in, lw_error *e)
 {
     static const char *const known[] = { "joint", "value", "first", "last", "motion", "speed", "ratio" };
     lw_json_node joint;
-    bool has_first = false, has_last = false;
+    bool has_value, has_first = false, has_last = false;
     lw_status s = lw_json_expect(input, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(input, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(input, "joint", &joint, e)) == LW_OK)
@@ -344,7 +355,7 @@ static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *
     if (s != LW_OK)
         return s;
     double unit = lw_joint_slides(k->joint[in->joint].kind) ? k->units.metre : k->units.radian;
-    s = lw_read_optional(input, "value", unit, &in->value, has_value, e);
+    s = lw_read_optional(input, "value", unit, &in->value, &has_value, e);
     if (s == LW_OK)
         s = lw_read_optional(input, "first", unit, &in->first, &has_first, e);
     if (s == LW_OK)
@@ -354,26 +365,27 @@ static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *
     return s == LW_OK ? read_tie(input, k, in, e) : s;
 }
 
-static lw_status read_inputs(const lw_json_node *root, lw_linkage *k, bool has_value[LW_INPUT_MAX], lw_error *e)
+static lw_status read_inputs(const lw_json_node *root, lw_assembly *k, lw_error *e)
 {
     lw_json_node one, many;
     bool has_one = lw_json_member(root, "input", &one), has_many = lw_json_member(root, "inputs", &many);
     if (has_one && has_many)
         return lw_json_fault(&many, e, "both \"input\" and \"inputs\" are given; keep one");
-    if (has_one) {
-        k->n_input = 1;
-        return read_input(&one, k, &k->input[0], &has_value[0], e);
-    }
-    lw_status s = has_many ? lw_read_list(&many, 1, LW_INPUT_MAX, e) : LW_OK;
-    for (size_t i = 0; has_many && s == LW_OK && i < lw_json_count(&many); i++) {
-        lw_json_node input = lw_json_element(&many, i);
-        s = read_input(&input, k, &k->input[i], &has_value[i], e);
+    if (!has_one && !has_many)
+        return LW_OK;
+    lw_status s = has_many ? lw_read_list(&many, 1, SIZE_MAX, e) : LW_OK;
+    size_t n = s == LW_OK && has_many ? lw_json_count(&many) : 1;
+    if (s == LW_OK)
+        s = has_memory(k->input = calloc(n, sizeof *k->input), e);
+    for (size_t i = 0; s == LW_OK && i < n; i++) {
+        lw_json_node input = has_many ? lw_json_element(&many, i) : one;
         k->n_input++;
+        s = read_input(&input, k, &k->input[i], e);
     }
     return s;
 }
 
-static lw_status read_tracer(const lw_json_node *tracer, lw_linkage *k, lw_tracer *t, lw_error *e)
+static lw_status read_tracer(const lw_json_node *tracer, lw_assembly *k, lw_tracer *t, lw_error *e)
 {
     static const char *const known[] = { "name", "link", "at", "angle" };
     lw_json_node name, link, at;
@@ -391,12 +403,14 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_linkage *k, lw_trace
     return s;
 }
 
-static lw_status read_tracers(const lw_json_node *root, lw_linkage *k, lw_error *e)
+static lw_status read_tracers(const lw_json_node *root, lw_assembly *k, lw_error *e)
 {
     lw_json_node tracers;
     if (!lw_json_member(root, "tracers", &tracers))
         return LW_OK;
-    lw_status s = lw_read_list(&tracers, 0, LW_TRACER_MAX, e);
+    lw_status s = lw_read_list(&tracers, 0, SIZE_MAX, e);
+    if (s == LW_OK)
+        s = has_memory(k->tracer = calloc(lw_json_count(&tracers) + 1, sizeof *k->tracer), e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&tracers); i++) {
         lw_json_node tracer = lw_json_element(&tracers, i);
         s = read_tracer(&tracer, k, &k->tracer[i], e);
@@ -423,35 +437,52 @@ static lw_status fault_at(const lw_json_node *root, lw_linkage_place place, cons
     return lw_json_fault(&one, e, "%s", text);
 }
 
-lw_status lw_linkage_read_root(const lw_json_node *root, lw_linkage *k, lw_error *e)
+static bool input_has_value(const lw_json_node *root, int i)
 {
-    bool has_value[LW_INPUT_MAX] = { false };
+    lw_json_node inputs, input, value;
+    if (lw_json_member(root, "inputs", &inputs))
+        input = lw_json_element(&inputs, (size_t)i);
+    else
+        lw_json_member(root, "input", &input);
+    return lw_json_member(&input, "value", &value);
+}
+
+lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *k, lw_error *e)
+{
     lw_linkage_place place;
     lw_error fault;
     lw_status s = read_head(root, k, e);
     if (s == LW_OK)
         s = read_joints(root, k, e);
     if (s == LW_OK)
-        s = read_inputs(root, k, has_value, e);
+        s = read_inputs(root, k, e);
     if (s == LW_OK)
         s = read_tracers(root, k, e);
-    if (s == LW_OK && lw_linkage_find_fault(k, &place, &fault) != LW_OK)
+    lw_status found = s == LW_OK ? lw_assembly_find_fault(k, &place, &fault) : s;
+    if (s == LW_OK && found == LW_E_MEMORY)
+        return lw_error_set(e, found, "%s", fault.text);
+    if (s == LW_OK && found != LW_OK)
         s = fault_at(root, place, fault.text, e);
     for (int i = 0; s == LW_OK && i < k->n_input; i++)
-        if (!has_value[i])
-            k->input[i].value = lw_linkage_posture_input(k, k->input[i].joint);
+        if (!input_has_value(root, i))
+            k->input[i].value = lw_assembly_posture_input(k, k->input[i].joint);
     return s;
 }
 
 lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e)
 {
     lw_json json;
+    lw_error fault;
+    lw_assembly a = { .units = lw_units_si() };
     *k = (lw_linkage){ .units = lw_units_si() };
     lw_status s = lw_json_open(text, size, file, &json, e);
     if (s != LW_OK)
         return s;
     lw_json_node root = lw_json_root(&json);
-    s = lw_linkage_read_root(&root, k, e);
+    s = lw_assembly_read_root(&root, &a, e);
+    if (s == LW_OK && lw_assembly_linkage(&a, k, &fault) != LW_OK)
+        s = lw_json_fault(&root, e, "%s", fault.text);
+    lw_assembly_free(&a);
     lw_json_close(&json);
     return s;
 }

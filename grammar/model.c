@@ -1,11 +1,44 @@
-#include "grammar/model.h"
+#include "grammar/model_internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-void lw_model_from_linkage(const lw_linkage *k, lw_model *m)
+lw_status lw_model_reserve(lw_model *m)
 {
+    size_t joints = (size_t)m->linkage.n_joint, links = (size_t)m->linkage.n_link, inputs = (size_t)m->linkage.n_input;
+    m->motion = calloc(inputs + 1, sizeof *m->motion);
+    m->has_speed = calloc(inputs + 1, sizeof *m->has_speed);
+    m->speed = calloc(inputs + 1, sizeof *m->speed);
+    m->body = calloc(links + 1, sizeof *m->body);
+    m->friction = calloc(joints + 1, sizeof *m->friction);
+    m->stop = calloc(joints + 1, sizeof *m->stop);
+    m->clearance = calloc(joints + 1, sizeof *m->clearance);
+    m->small = malloc(sizeof *m->small);
+    if (m->small && lw_assembly_linkage(&m->linkage, m->small, NULL) != LW_OK) {
+        free(m->small);
+        m->small = NULL;
+    } else if (!m->small)
+        return LW_E_MEMORY;
+    return m->motion && m->has_speed && m->speed && m->body && m->friction && m->stop && m->clearance ? LW_OK : LW_E_MEMORY;
+}
+
+lw_status lw_model_from_linkage(const lw_linkage *k, lw_model *m)
+{
+    lw_assembly view = lw_linkage_view(k);
     memset(m, 0, sizeof *m);
-    m->linkage = *k;
+    lw_status s = lw_assembly_copy(&view, &m->linkage);
+    if (s == LW_OK)
+        s = lw_model_reserve(m);
+    if (s != LW_OK)
+        lw_model_free(m);
+    return s;
+}
+
+lw_status lw_model_small(const lw_model *m, const lw_linkage **k, lw_error *e)
+{
+    lw_linkage any;
+    *k = m->small;
+    return *k ? LW_OK : lw_assembly_linkage(&m->linkage, &any, e);
 }
 
 static int time_alone(void *context, const char *word, const char *name, char *why)
@@ -28,14 +61,21 @@ lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e
 
 void lw_model_free(lw_model *m)
 {
-    for (int i = 0; i < LW_INPUT_MAX; i++)
+    for (int i = 0; m->motion && i < m->linkage.n_input; i++)
         lw_expression_free(m->motion[i]);
-    for (int i = 0; i < LW_LOAD_MAX; i++) {
+    for (int i = 0; i < m->n_spring; i++)
         lw_expression_free(m->spring[i].law);
+    for (int i = 0; i < m->n_joint_spring; i++)
         lw_expression_free(m->joint_spring[i].law);
+    for (int i = 0; i < m->n_force; i++) {
         lw_expression_free(m->force[i].fx);
         lw_expression_free(m->force[i].fy);
         lw_expression_free(m->force[i].torque);
     }
+    void *const array[] = { m->motion, m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor,
+                            m->friction, m->stop, m->clearance, m->small };
+    for (size_t i = 0; i < sizeof array/sizeof *array; i++)
+        free(array[i]);
+    lw_assembly_free(&m->linkage);
     memset(m, 0, sizeof *m);
 }

@@ -8,9 +8,7 @@
 #define LW_GRAMMAR_MODEL_H
 
 #include "grammar/expression.h"
-#include "grammar/linkage.h"
-
-#define LW_LOAD_MAX 64               /* of springs, of dampers and of forces                        */
+#include "grammar/assembly.h"
 
 typedef struct lw_body {
     bool    given;                   /* the file gives a mass; otherwise all is 0                  */
@@ -85,20 +83,21 @@ typedef struct lw_motor {                /* torque-speed line at a joint        
 } lw_motor;
 
 typedef struct lw_model {
-    lw_linkage     linkage;
-    lw_expression *motion[LW_INPUT_MAX]; /* value of input i [rad] or [m] as a function of t; NULL: none */
-    bool           has_speed[LW_INPUT_MAX];
-    double         speed[LW_INPUT_MAX];  /* at t = 0 [rad/s] or [m/s]; the input then runs freely  */
-    lw_body        body[LW_LINK_MAX];
-    lw_vec2        gravity;              /* [m/s^2]                                                */
-    int            n_spring, n_joint_spring, n_force, n_motor;
-    lw_spring       spring[LW_LOAD_MAX];
-    lw_joint_spring joint_spring[LW_LOAD_MAX];
-    lw_force        force[LW_LOAD_MAX];
-    lw_motor        motor[LW_INPUT_MAX];
-    lw_friction     friction[LW_JOINT_MAX];
-    lw_joint_stop   stop[LW_JOINT_MAX];
-    lw_clearance    clearance[LW_JOINT_MAX];
+    lw_assembly     linkage;
+    lw_linkage     *small;               /* the same as read, for plans, drawings and exports; NULL: too large for one */
+    lw_expression **motion;              /* value of input i [rad] or [m] as a function of t; NULL: none */
+    bool           *has_speed;
+    double         *speed;               /* at t = 0 [rad/s] or [m/s]; the input then runs freely  */
+    lw_body        *body;                /* (n_link)                                               */
+    lw_vec2         gravity;             /* [m/s^2]                                                */
+    int              n_spring, n_joint_spring, n_force, n_motor;
+    lw_spring       *spring;
+    lw_joint_spring *joint_spring;
+    lw_force        *force;
+    lw_motor        *motor;
+    lw_friction     *friction;           /* (n_joint) of each joint                                */
+    lw_joint_stop   *stop;
+    lw_clearance    *clearance;
 } lw_model;
 
 /* The quantity of a variable in an expression: t; q, v: displacement and rate of a joint; x, y, vx, vy: position
@@ -109,16 +108,21 @@ typedef enum lw_quantity {
 } lw_quantity;
 
 /* A variable's number: quantity and the index of the joint, tracer or link it belongs to. */
-static inline int lw_variable(lw_quantity q, int index) { return 64*(int)q + index; }
+static inline int lw_variable(lw_quantity q, int index) { return 16*index + (int)q; }
+static inline lw_quantity lw_variable_quantity(int variable) { return (lw_quantity)(variable%16); }
+static inline int lw_variable_index(int variable) { return variable/16; }
 
 /* Read a model.  LW_E_NOTATION with line and column, for expressions too; m needs no _free after a failure. */
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);
 void      lw_model_free(lw_model *m);
 
+/* m->small.  LW_E_KIND when it is NULL; the text says how large the model is. */
+lw_status lw_model_small(const lw_model *m, const lw_linkage **k, lw_error *e);
+
 /* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
 
-/* A model of a linkage alone: no masses, no loads. */
-void      lw_model_from_linkage(const lw_linkage *k, lw_model *m);
+/* A model of a linkage alone: no masses, no loads.  LW_E_MEMORY: m is empty. */
+lw_status lw_model_from_linkage(const lw_linkage *k, lw_model *m);
 
 #endif

@@ -1,9 +1,12 @@
 /* grammar/model_read.c - a model from JSON (docs/notation.md, "Model"): first the linkage, by its own reader, then
  * drives and loads.  Positions and angles are in the units of the file, all other values in SI units. */
-#include "grammar/model.h"
+#include "grammar/model_internal.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
@@ -47,7 +50,7 @@ static lw_status read_numbers(const lw_json_node *object, const number *want, in
 /* The variables that an expression may use. */
 typedef enum { OF_TIME, OF_STATE, OF_LENGTH, OF_DISPLACEMENT } scope;
 
-typedef struct look { const lw_linkage *k; scope scope; } look;
+typedef struct look { const lw_assembly *k; scope scope; } look;
 
 #define WHY_SIZE 128      /* of grammar/expression.h */
 
@@ -60,7 +63,7 @@ static int find_name(const char *name, const char *first, size_t stride, int n)
 }
 
 /* A variable of the state of the linkage: word(name). */
-static int look_up_state(const lw_linkage *k, const char *word, const char *name, char *why)
+static int look_up_state(const lw_assembly *k, const char *word, const char *name, char *why)
 {
     static const struct { const char *word; lw_quantity quantity; char of; } known[] = {
         { "q", LW_QUANTITY_Q, 'j' }, { "v", LW_QUANTITY_V, 'j' }, { "x", LW_QUANTITY_X, 't' },
@@ -76,9 +79,9 @@ static int look_up_state(const lw_linkage *k, const char *word, const char *name
             snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
             return -1;
         }
-        int at = of == 'j' ? find_name(name, k->joint[0].name, sizeof k->joint[0], k->n_joint)
-               : of == 't' ? find_name(name, k->tracer[0].name, sizeof k->tracer[0], k->n_tracer)
-               :             find_name(name, k->link_name[0], sizeof k->link_name[0], k->n_link);
+        int at = of == 'j' ? find_name(name, (const char *)k->joint + offsetof(lw_joint, name), sizeof *k->joint, k->n_joint)
+               : of == 't' ? find_name(name, (const char *)k->tracer + offsetof(lw_tracer, name), sizeof *k->tracer, k->n_tracer)
+               :             find_name(name, (const char *)k->link_name, sizeof *k->link_name, k->n_link);
         if (at < 0)
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
         else if (of == 'j' && !lw_joint_can_drive(k->joint[at].kind))
@@ -110,7 +113,7 @@ static int look_up_variable(void *context, const char *word, const char *name, c
 }
 
 /* Numbers are expressions too. */
-static lw_status read_expression(const lw_json_node *object, const char *key, const lw_linkage *k, scope sc,
+static lw_status read_expression(const lw_json_node *object, const char *key, const lw_assembly *k, scope sc,
                                  lw_expression **out, lw_error *e)
 {
     lw_json_node n;
@@ -352,11 +355,6 @@ static lw_status read_load_joint(const lw_json_node *object, const char *what, l
     return s == LW_OK ? need_kind(&n, m, *joint, lw_joint_can_drive, drives, what, e) : s;
 }
 
-static lw_status full(const lw_json_node *n, const char *what, int count, int most, lw_error *e)
-{
-    return count < most ? LW_OK : lw_json_fault(n, e, "more than %d %s", most, what);
-}
-
 static lw_status law_alone(const lw_json_node *object, lw_error *e)
 {
     static const char *const other[] = { "stiffness", "damping", "free" };
@@ -396,8 +394,8 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
         { "free", m->linkage.units.metre, 0, INFINITY, &p->free, NULL },
     };
-    lw_status s = full(object, "springs and dampers between points", m->n_spring, LW_LOAD_MAX, e);
-    if (s == LW_OK && (s = read_load_name(object, what, index, p->name, e)) == LW_OK)
+    lw_status s = read_load_name(object, what, index, p->name, e);
+    if (s == LW_OK)
         s = read_ends(object, m, p, e);
     if (s != LW_OK)
         return s;
@@ -413,8 +411,8 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
                                    lw_error *e)
 {
     lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
-    lw_status s = full(object, "springs and dampers at joints", m->n_joint_spring, LW_LOAD_MAX, e);
-    if (s == LW_OK && (s = read_load_name(object, what, index, p->name, e)) == LW_OK)
+    lw_status s = read_load_name(object, what, index, p->name, e);
+    if (s == LW_OK)
         s = read_load_joint(object, what, m, &p->joint, e);
     if (s != LW_OK)
         return s;
@@ -504,20 +502,36 @@ typedef enum { SPRINGS, DAMPERS, FORCES, MOTORS } load;
 
 static lw_status read_loads(const lw_json_node *root, load which, lw_model *m, lw_error *e)
 {
-    static const struct { const char *key; size_t most; } list[] = {
-        [SPRINGS] = { "springs", 2*LW_LOAD_MAX }, [DAMPERS] = { "dampers", 2*LW_LOAD_MAX },
-        [FORCES] = { "forces", LW_LOAD_MAX }, [MOTORS] = { "motors", LW_INPUT_MAX },
+    static const char *const key[] = {
+        [SPRINGS] = "springs", [DAMPERS] = "dampers", [FORCES] = "forces", [MOTORS] = "motors"
     };
     lw_json_node all;
-    if (!lw_json_member(root, list[which].key, &all))
+    if (!lw_json_member(root, key[which], &all))
         return LW_OK;
-    lw_status s = lw_read_list(&all, 0, list[which].most, e);
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
         lw_json_node one = lw_json_element(&all, i);
         s = which == FORCES ? read_force(&one, i, m, e) : which == MOTORS ? read_motor(&one, i, m, e)
           : read_spring(&one, i, m, which == DAMPERS, e);
     }
     return s;
+}
+
+/* Number of the elements of a list, 0 if it is left out. */
+static size_t count_list(const lw_json_node *root, const char *key)
+{
+    lw_json_node all;
+    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
+}
+
+static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
+    m->spring = calloc(springs, sizeof *m->spring);
+    m->joint_spring = calloc(springs, sizeof *m->joint_spring);
+    m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
+    m->motor = calloc(count_list(root, "motors") + 1, sizeof *m->motor);
+    return m->spring && m->joint_spring && m->force && m->motor ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e)
@@ -529,7 +543,11 @@ lw_status lw_model_read(const char *text, size_t size, const char *file, lw_mode
     if (s != LW_OK)
         return s;
     lw_json_node root = lw_json_root(&json);
-    s = lw_linkage_read_root(&root, &m->linkage, e);
+    s = lw_assembly_read_root(&root, &m->linkage, e);
+    if (s == LW_OK && lw_model_reserve(m) != LW_OK)
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        s = reserve_loads(&root, m, e);
     if (s == LW_OK)
         s = read_bodies(&root, m, e);
     if (s == LW_OK)

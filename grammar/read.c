@@ -2,6 +2,9 @@
 #include "grammar/read_internal.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/suggest.h"
@@ -17,6 +20,8 @@ lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_erro
     size_t count = s == LW_OK ? lw_json_count(n) : least;
     if (count >= least && count <= most)
         return s;
+    if (most == SIZE_MAX)
+        return lw_json_fault(n, e, "a list of at least %zu is expected here, this one has %zu", least, count);
     if (least == most)
         return lw_json_fault(n, e, "a list of %zu is expected here, this one has %zu", least, count);
     return lw_json_fault(n, e, "a list of %zu to %zu is expected here, this one has %zu", least, most, count);
@@ -80,18 +85,33 @@ lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *c
     return lw_json_fault(n, e, "there is no %s \"%.40s\"", what, name);
 }
 
-lw_status lw_read_link(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e)
+/* A name of an array of names `stride` bytes apart. */
+static lw_status look_up(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
+                         lw_error *e)
 {
-    const char *names[LW_LINK_MAX];
-    for (int i = 0; i < k->n_link; i++)
-        names[i] = k->link_name[i];
-    return lw_read_look_up(n, "link", names, k->n_link, out, e);
+    lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    const char *name = lw_json_text(n);
+    for (*out = 0; *out < n_name; ++*out)
+        if (strcmp(name, first + (size_t)*out*stride) == 0)
+            return LW_OK;
+    const char **names = malloc((size_t)n_name*sizeof *names + 1);
+    if (!names)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < n_name; i++)
+        names[i] = first + (size_t)i*stride;
+    s = lw_read_look_up(n, what, names, n_name, out, e);
+    free(names);
+    return s;
 }
 
-lw_status lw_read_joint(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e)
+lw_status lw_read_link(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e)
 {
-    const char *names[LW_JOINT_MAX];
-    for (int i = 0; i < k->n_joint; i++)
-        names[i] = k->joint[i].name;
-    return lw_read_look_up(n, "joint", names, k->n_joint, out, e);
+    return look_up(n, "link", (const char *)k->link_name, sizeof *k->link_name, k->n_link, out, e);
+}
+
+lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e)
+{
+    return look_up(n, "joint", (const char *)k->joint + offsetof(lw_joint, name), sizeof *k->joint, k->n_joint, out, e);
 }

@@ -4,14 +4,14 @@
 #define LW_GRAMMAR_READ_INTERNAL_H
 
 #include "grammar/json_internal.h"
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 
 #define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
 
 /* A required member. */
 lw_status lw_read_need(const lw_json_node *object, const char *key, lw_json_node *out, lw_error *e);
 
-/* A list of `least` to `most` elements. */
+/* A list of `least` to `most` elements; SIZE_MAX: as many as memory holds. */
 lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_error *e);
 
 /* [x, y] times unit, within LW_COORDINATE_MAX. */
@@ -24,13 +24,14 @@ lw_status lw_read_optional(const lw_json_node *object, const char *key, double u
 /* Index of the name that a node contains; an error with a suggestion when the name is unknown. */
 lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name,
                           int *out, lw_error *e);
-lw_status lw_read_link(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e);
-lw_status lw_read_joint(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e);
+lw_status lw_read_link(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e);
+lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e);
 
 /* "units" of a root; u keeps its values where nothing is given. */
 lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e);
 
-/* A linkage from the root of a JSON text; members of a model are skipped. */
-lw_status lw_linkage_read_root(const lw_json_node *root, lw_linkage *k, lw_error *e);
+/* An assembly from the root of a JSON text; members of a model are skipped.  k needs lw_assembly_free also after a
+ * failure. */
+lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *k, lw_error *e);
 
 #endif

@@ -17,10 +17,12 @@
 
 lw_status lw_model_create(const lw_linkage *linkage, lw_model **out)
 {
-    *out = calloc(1, sizeof **out);
-    if (*out)
-        lw_model_from_linkage(linkage, *out);
-    return *out ? LW_OK : LW_E_MEMORY;
+    lw_model *m = calloc(1, sizeof *m);
+    lw_status s = m ? lw_model_from_linkage(linkage, m) : LW_E_MEMORY;
+    *out = s == LW_OK ? m : NULL;
+    if (s != LW_OK)
+        free(m);
+    return s;
 }
 
 lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error)
@@ -53,7 +55,7 @@ void lw_model_destroy(lw_model *model)
     free(model);
 }
 
-const lw_linkage *lw_model_linkage(const lw_model *model) { return &model->linkage; }
+const lw_linkage *lw_model_linkage(const lw_model *model) { return model->small; }
 
 lw_status lw_model_set_speed(lw_model *model, int input, double speed)
 {
@@ -139,7 +141,7 @@ static lw_status hand_over(void *context, const lw_moment *m)
 {
     const lw_simulation *s = context;
     const lw_system *sys = lw_dynamics_system(s->d);
-    const lw_linkage *k = &s->model->linkage;
+    const lw_assembly *k = &s->model->linkage;
     lw_link_motion link[LW_LINK_MAX] = { 0 };
     lw_link_acceleration acceleration[LW_LINK_MAX] = { 0 };
     lw_reaction joint[LW_JOINT_MAX];
@@ -240,10 +242,11 @@ typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; } vibratio
 static lw_status find_modes(vibrations *w, const lw_model *model, const lw_modes_options *o, lw_error *e)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_status s = lw_forces_system(model, &w->s, e);
+    lw_status s = lw_forces_system(model, false, &w->s, e);
+    if (s == LW_OK)
+        s = lw_forces_make(model, &w->s, NULL, &w->f, e);
     if (s != LW_OK)
         return s;
-    lw_forces_make(model, &w->s, NULL, &w->f);
     lw_system_posture(&w->s, q);
     return lw_modes_find(&w->f, o, 0, q, &w->modes, e);
 }
@@ -252,12 +255,16 @@ lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vi
                               lw_error *error)
 {
     lw_modes_options o = { .hold_inputs = hold, .rest = rest };
-    vibrations *w = malloc(sizeof *w);
+    vibrations *w = calloc(1, sizeof *w);
     lw_status s = w ? find_modes(w, model, &o, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < w->modes.n_mode; i++) {
         const lw_mode *m = &w->modes.mode[i];
         lw_vibration_info info = { m->re, m->im, m->frequency, m->natural, m->damping };
         s = visit(context, &info);
+    }
+    if (w) {
+        lw_forces_free(&w->f);
+        lw_system_free(&w->s);
     }
     free(w);
     return s;

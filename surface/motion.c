@@ -179,14 +179,16 @@ lw_status lw_motion_curves_create(const lw_linkage *linkage, int patience, uint6
     if (s == LW_OK)
         *out = m;
     else
-        free(m);
+        lw_motion_curves_destroy(m);
     return s;
 }
 
 void lw_motion_curves_destroy(lw_motion_curves *curves)
 {
-    if (curves)
+    if (curves) {
         lw_circuits_free(&curves->c);
+        lw_system_free(&curves->s);
+    }
     free(curves);
 }
 

@@ -70,6 +70,25 @@ static inline void drun_read(drun *d, const char *file)
     free(text);
 }
 
+/* The system outlives the run. */
+static inline void drun_copy_system(drun *d, const lw_system *s)
+{
+    int *inputs = calloc((size_t)s->n_input + 1, sizeof *inputs);
+    for (int i = 0; i < s->n_input; i++)
+        inputs[i] = i;
+    lw_system_free(&d->system);
+    CHECK_INT(lw_system_choose_inputs(s, inputs, s->n_input, &d->system), LW_OK);
+    free(inputs);
+}
+
+/* Copy the times and tracer points of a run. */
+static inline void drun_keep_path(drun *to, const drun *from)
+{
+    to->n_moment = from->n_moment;
+    memcpy(to->t, from->t, sizeof to->t);
+    memcpy(to->tracer, from->tracer, sizeof to->tracer);
+}
+
 /* Make and run with d->o; the model is kept. */
 static inline lw_status drun_go(drun *d)
 {
@@ -80,7 +99,7 @@ static inline lw_status drun_go(drun *d)
     d->status = lw_dynamics_make(&d->model, &d->o, &m, &d->e);
     if (d->status != LW_OK)
         return d->status;
-    d->system = *lw_dynamics_system(m);
+    drun_copy_system(d, lw_dynamics_system(m));
     d->status = lw_dynamics_run(m, drun_keep, d, &d->report, &d->e);
     lw_dynamics_free(m);
     return d->status;

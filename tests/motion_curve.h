@@ -25,6 +25,7 @@ static inline curve *follow(const lw_linkage *k, int most_segments)
 static inline void curve_free(curve *c)
 {
     lw_motion_curve_free(c->b);
+    lw_system_free(&c->s);
     free(c);
 }
 

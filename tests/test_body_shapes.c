@@ -135,7 +135,7 @@ static void pistons_stay_in_their_tubes(void)
     CHECK_INT(lw_file_read("examples/loader.json", &text, &size, &e), LW_OK);
     CHECK_INT(lw_model_read(text, size, "loader", &m, &e), LW_OK);
     o.model = &m;
-    CHECK_INT(lw_scene_make(&m.linkage, NULL, &o, &s, &e), LW_OK);
+    CHECK_INT(lw_scene_make(m.small, NULL, &o, &s, &e), LW_OK);
     for (int j = 2; j <= 6; j += 4) {
         lw_cylinder c;
         CHECK(lw_body_shapes_cylinder(&s, j, &c));

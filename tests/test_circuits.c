@@ -4,11 +4,12 @@
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/kinematics/motion.h"
 #include "tests/check.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_random.h"
 
 static int circuits(const lw_linkage *k, uint64_t seed)
 {
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     lw_circuits c;
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
@@ -71,7 +72,7 @@ static void both_branches_at_a_change_point(void)
 {
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[LW_SYSTEM_Q_MAX];
     lw_linkage l;
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     lw_circuits c;
     lw_error e = { 0 };
     fourbar_linkage(&l, k, 1, 0.5);

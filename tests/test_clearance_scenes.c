@@ -61,7 +61,7 @@ static long same_motion(const lw_model *m, double time, int samples, double tigh
     o.to = time, o.intervals = samples, o.relative = o.absolute = 1e-11;
     lw_status s = lw_dynamics_make(m, &o, &d, &e);
     if (s == LW_OK) {
-        t.s = *lw_dynamics_system(d);
+        t.s = *lw_dynamics_system(d);        /* as long as d */
         s = lw_dynamics_run(d, keep_twin, &t, &r, &e);
     }
     if (s != LW_OK)

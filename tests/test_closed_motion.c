@@ -9,6 +9,7 @@
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/kinematics/motion.h"
 #include "tests/check.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_random.h"
 
 /* Joints of pins: Stephenson III driven at the four-bar's rocker, Watt's six-bar, an eight-bar; a four-bar. */
@@ -110,7 +111,7 @@ static void limits_are_those_of_the_branch(void)
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);
-        lw_system y;
+        KEPT_SYSTEM y = { 0 };
         lw_motion_curve *b = NULL;
         if (s->status == LW_OK && s->cycle.n > 0 && lw_system_make(&k, NULL, 0, &y, NULL) == LW_OK
             && lw_motion_curve_create(&y, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, NULL) == LW_OK

@@ -2,6 +2,7 @@
 #include "mbs/constraints/continuation_internal.h"
 #include "base/rng.h"
 #include "tests/check.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_random.h"
 
 /* A crank and dyads of every kind, a slot, a rack and its pinion, a wheel on another wheel. */
@@ -68,7 +69,7 @@ static void the_bound_holds(void)
     lw_rng_seed(&r, check_seed(), 1);
     for (int trial = 0; trial < 300; trial++) {
         lw_linkage k;
-        lw_system s;
+        KEPT_SYSTEM s = { 0 };
         lw_continuation f;
         double q[LW_SYSTEM_Q_MAX];
         int all[LW_INPUT_MAX] = { 0 };
@@ -103,7 +104,7 @@ static void the_bound_is_sharp_for_pins(void)
     lw_rng_seed(&r, check_seed(), 2);
     for (int trial = 0; trial < 200; trial++) {
         lw_linkage k;
-        lw_system s;
+        KEPT_SYSTEM s = { 0 };
         lw_continuation f;
         double q[9];
         blank_linkage(&k, 4);
@@ -131,7 +132,7 @@ static void series_follow_the_curve(void)
     lw_rng_seed(&r, check_seed(), 3);
     for (int trial = 0; trial < 50; trial++) {
         lw_linkage k;
-        lw_system s;
+        KEPT_SYSTEM s = { 0 };
         lw_continuation f;
         double series[9*LW_SYSTEM_Q_MAX], at[LW_SYSTEM_Q_MAX], left[2];
         draw_linkage(&r, &k);
@@ -160,7 +161,7 @@ static void series_follow_the_curve(void)
 static void freedoms_by_rank(void)
 {
     lw_linkage k;
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     lw_continuation f;
     double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     for (int flat = 0; flat < 2; flat++) {                   /* a parallelogram, and its change point */

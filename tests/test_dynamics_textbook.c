@@ -214,11 +214,13 @@ static double lowest(int n, int mode)
     for (char *c = text; *c; c++)
         *c = *c == '\'' ? '"' : *c;
     drun_read_text(&d, text);
-    CHECK_INT(lw_forces_system(&d.model, &s, &e), LW_OK);
-    lw_forces_make(&d.model, &s, NULL, &f);
+    CHECK_INT(lw_forces_system(&d.model, false, &s, &e), LW_OK);
+    CHECK_INT(lw_forces_make(&d.model, &s, NULL, &f, &e), LW_OK);
     lw_system_posture(&s, q);
     CHECK_INT(lw_modes_find(&f, &(lw_modes_options){ 0 }, 0, q, &modes, &e), LW_OK);
     CHECK_INT(modes.n_mode, n);
+    lw_forces_free(&f);
+    lw_system_free(&s);
     lw_model_free(&d.model);
     return modes.mode[mode].im;
 }

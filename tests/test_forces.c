@@ -56,8 +56,8 @@ static void make(lw_rng *r, bool all)
     lw_status s = lw_model_read(text, strlen(text), "text", &model, &e);
     CHECK_TEXT(e.text, "");
     CHECK_INT(s, LW_OK);
-    CHECK_INT(lw_forces_system(&model, &sys, &e), LW_OK);
-    lw_forces_make(&model, &sys, NULL, &forces);
+    CHECK_INT(lw_forces_system(&model, false, &sys, &e), LW_OK);
+    CHECK_INT(lw_forces_make(&model, &sys, NULL, &forces, &e), LW_OK);
     CHECK_INT(forces.conservative, !all);
 }
 
@@ -112,6 +112,8 @@ static void derivatives(void)
             for (int i = 0; i < n; i++)
                 CHECK_NEAR(want[i*n + j%n], got[i], 1e-6, 1e-6);
         }
+        lw_forces_free(&forces);
+        lw_system_free(&sys);
         lw_model_free(&model);
     }
     CHECK(n_seen > 20*n_left);
@@ -148,6 +150,8 @@ static void potential_and_power(void)
         n_seen += kink == 0;
         if (kink == 0)
             CHECK_NEAR(work + rise, power, 1e-7*size, 0);
+        lw_forces_free(&forces);
+        lw_system_free(&sys);
         lw_model_free(&model);
     }
     CHECK(n_seen > 150);

@@ -1,5 +1,6 @@
 /* tests/test_hard_linkages.c - curves of postures of walkers, exact straight-line linkages, chains of parallelograms
  * and every eight-link chain. */
+#include "tests/kept_system.h"
 #include "enumerate/chains.h"
 #include "grammar/linkage.h"
 #include "mbs/kinematics/fourbar.h"
@@ -222,7 +223,7 @@ static void drive_every_joint(const lw_linkage *l, const double *q)
     for (int j = 0; j < l->n_joint; j++) {
         lw_linkage k = *l;
         double series[3*LW_SYSTEM_Q_MAX], phi[3*LW_SYSTEM_ROW_MAX], speed[3] = { 0, 1, 0 }, counted[3];
-        lw_system s;
+        KEPT_SYSTEM s = { 0 };
         lw_motion_curve *b;
         k.n_input = 0;
         add_input(&k, j, 0);

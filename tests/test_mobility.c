@@ -45,12 +45,12 @@ static lw_mobility find(const lw_linkage *k)
 /* What everybody agrees upon: n_q = rank + along, rows = rank + redundant, and the rest. */
 static void agrees(const lw_mobility *m)
 {
-    CHECK_INT(m->rank + m->along, m->system.n_q);
-    CHECK_INT(m->rank + m->n_redundant, m->system.n_row);
-    CHECK_INT(m->posture_rank + m->instant, m->system.n_q);
-    CHECK_INT(m->count, m->system.n_q - m->system.n_row);
+    CHECK_INT(m->rank + m->along, m->n_q);
+    CHECK_INT(m->rank + m->n_redundant, m->n_row);
+    CHECK_INT(m->posture_rank + m->instant, m->n_q);
+    CHECK_INT(m->count, m->n_q - m->n_row);
     CHECK(m->along >= m->freedom && m->instant >= m->freedom);
-    CHECK(m->kind != LW_MOBILITY_MOVES || (m->residual <= 1e-12*m->system.unit && m->distance > 0.05));
+    CHECK(m->kind != LW_MOBILITY_MOVES || (m->residual <= 1e-12*m->unit && m->distance > 0.05));
     CHECK_INT(m->kind == LW_MOBILITY_MOVES, m->freedom > 0);
     CHECK_INT(m->kind == LW_MOBILITY_RIGID, m->instant == 0);
 }
@@ -268,8 +268,8 @@ static void wedges(void)
     expect(&k, LW_MOBILITY_MOVES, 0, 1, 1, 1);
     expect_generic(&k, 1);                                 /* whatever their directions */
     lw_mobility m = find(&k);
-    CHECK_TEXT(m.system.row[m.redundant[0].row].what, "turn");
-    CHECK_INT(m.system.row[m.redundant[0].row].joint, 2);
+    CHECK_TEXT(m.redundant[0].row.what, "turn");
+    CHECK_INT(m.redundant[0].row.joint, 2);
     CHECK_INT(m.redundant[0].joints, 3);
 }
 
@@ -585,7 +585,7 @@ static void rounded_coordinates(void)
     CHECK_INT(lw_mobility_find(&k, &o, &m, NULL), LW_OK);
     CHECK_INT(m.freedom, 1);
     CHECK_INT(m.n_redundant, 1);
-    CHECK(m.residual < 1e-5*m.system.unit && m.residual > 1e-12);
+    CHECK(m.residual < 1e-5*m.unit && m.residual > 1e-12);
 }
 
 static void refused(void)

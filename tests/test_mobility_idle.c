@@ -2,6 +2,7 @@
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/motion_curve.h"
 #include "tests/check.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_linkage.h"
 
 static lw_mobility find(const lw_linkage *k)
@@ -17,7 +18,7 @@ static void a_roller_is_held(void)
 {
     lw_linkage k;
     uint64_t held;
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     lw_motion_curve *b;
     double q[9];
     blank_linkage(&k, 4);

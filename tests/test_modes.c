@@ -21,11 +21,12 @@ static scene *make(const char *format, ...)
     lw_error e = { 0 };
     lw_status st = lw_model_read(text, (size_t)n, "test", &s->m, &e);
     if (st == LW_OK)
-        st = lw_forces_system(&s->m, &s->s, &e);
+        st = lw_forces_system(&s->m, false, &s->s, &e);
+    if (st == LW_OK)
+        st = lw_forces_make(&s->m, &s->s, NULL, &s->f, &e);
     if (st != LW_OK)
         fprintf(stderr, "%ld:%ld %s\n", e.line, e.column, e.text);
     CHECK_INT(st, LW_OK);
-    lw_forces_make(&s->m, &s->s, NULL, &s->f);
     lw_system_posture(&s->s, s->q);
     return s;
 }
@@ -42,6 +43,8 @@ static lw_status find(scene *s, bool hold, bool rest)
 
 static void drop(scene *s)
 {
+    lw_forces_free(&s->f);
+    lw_system_free(&s->s);
     lw_model_free(&s->m);
     free(s);
 }

@@ -1,4 +1,5 @@
 /* tests/test_motion_curve.c - curves of postures against closed forms, against the second opinion, and closing. */
+#include "tests/kept_system.h"
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
@@ -442,7 +443,7 @@ static void curves_without_end(void)
 static void refuses_with_reasons(void)
 {
     lw_linkage l;
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     lw_motion_curve *b;
     lw_error e = { 0 };
     const lw_motion_curve_options o = { .input = 0 };
@@ -453,6 +454,7 @@ static void refuses_with_reasons(void)
     CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_ARG);
     CHECK_HAS(e.text, "no input");
     add_input(&l, 0, 0);
+    lw_system_free(&s);
     lw_system_make(&l, NULL, 0, &s, &e);
     CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_ARG);
     CHECK_HAS(e.text, "2 freedoms but 1 input; drive 1 more joint");
@@ -460,6 +462,7 @@ static void refuses_with_reasons(void)
     for (int i = 0; i < 3; i++)
         add_pin(&l, i, (i + 1)%3, lw_v2_polar(1, 2.2*i));
     add_input(&l, 0, 0);
+    lw_system_free(&s);
     lw_system_make(&l, NULL, 0, &s, &e);
     CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "cannot move");
@@ -471,6 +474,7 @@ static void refuses_with_reasons(void)
         add_pin(&l, 2 + i, 4 + i, lw_v2(2*i + 3, 0));
     }
     add_input(&l, 0, 0);
+    lw_system_free(&s);
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
     CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "it is a branch point");

@@ -18,6 +18,7 @@ static ride *start(const lw_linkage *k, lw_input_function *motion, void *context
 static void stop(ride *r)
 {
     lw_prescribed_motion_free(r->d);
+    lw_system_free(&r->s);
     free(r);
 }
 

@@ -170,7 +170,7 @@ static lw_status timed_scene(const char *path, double until, lw_model *m, lw_sce
         return st;
     o.model = m;
     o.until = until;
-    return lw_scene_make(&m->linkage, NULL, &o, s, &e);
+    return lw_scene_make(m->small, NULL, &o, s, &e);
 }
 
 /* Both cylinders of the loader run out together and rest after 2 s; both motors of the five-bar begin again after 1 s. */

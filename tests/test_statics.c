@@ -240,7 +240,7 @@ static void machines(void)
             drun_read_format(&d, watt, 0.1, 0.5);
         else
             drun_read(&d, i ? "examples/jansen.json" : "examples/andrews.json");
-        lw_linkage *k = &d.model.linkage;
+        lw_assembly *k = &d.model.linkage;
         for (int j = 0; j < k->n_joint; j++)
             for (int end = 0; end < 2; end++)
                 if (k->joint[j].link[end] != k->ground && !d.model.body[k->joint[j].link[end]].given)

@@ -54,6 +54,7 @@ static bool travel(const lw_linkage *k, size_t n, journey *to)
         }
     }
     lw_motion_curve_free(b);
+    lw_system_free(s);
     free(s);
     return to->limits > 0;
 }

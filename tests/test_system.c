@@ -2,6 +2,7 @@
 #include "mbs/constraints/system.h"
 #include "base/rng.h"
 #include "tests/check.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_linkage.h"
 
 static lw_vec2 draw_place(lw_rng *r) { return lw_v2(lw_rng_range(r, -2, 2), lw_rng_range(r, -2, 2)); }
@@ -61,7 +62,7 @@ static void the_posture_satisfies_its_rows(void)
         lw_linkage k;
         double q[LW_SYSTEM_Q_MAX], phi[LW_SYSTEM_ROW_MAX];
         draw_linkage(&r, &k);
-        lw_system s = make(&k);
+        KEPT_SYSTEM s = make(&k);
         CHECK_INT(s.n_q, 3*(k.n_link - 1));
         CHECK_INT(s.n_q - s.n_row, lw_linkage_mobility(&k));
         lw_system_posture(&s, q);
@@ -86,7 +87,7 @@ static void derivatives_agree_with_differences(void)
         static double jac[LW_SYSTEM_ROW_MAX*LW_SYSTEM_Q_MAX], row[LW_JOINT_MAX][LW_SYSTEM_Q_MAX];
         double q[LW_SYSTEM_Q_MAX], phi[3][LW_SYSTEM_ROW_MAX], filled = 0;
         draw_linkage(&r, &k);
-        lw_system s = make(&k);
+        KEPT_SYSTEM s = make(&k);
         draw_q(&r, &s, q);
         lw_system_rows(&s, q, phi[0], jac);
         for (int j = 0; j < k.n_joint; j++)
@@ -136,7 +137,7 @@ static void series_sum_to_the_rows(void)
         double at[LW_SYSTEM_Q_MAX], want[LW_SYSTEM_ROW_MAX], count[K + 1];
         lw_vec2 p[K + 1], sum = { 0, 0 };
         draw_linkage(&r, &k);
-        lw_system s = make(&k);
+        KEPT_SYSTEM s = make(&k);
         draw_q(&r, &s, q);
         for (int i = s.n_q; i < (K + 1)*s.n_q; i++)
             q[i] = lw_rng_range(&r, -1, 1);
@@ -187,7 +188,7 @@ static void cardan_gears_satisfy_the_rows(void)
     add_gear(&k, 0, 2, lw_v2(2, 0), 2);
     add_input(&k, 0, 0);
     add_tracer(&k, 2, lw_v2(2, 0));
-    lw_system s = make(&k);
+    KEPT_SYSTEM s = make(&k);
     CHECK_INT(s.n_q - s.n_row, 1);
     double start[6], q[6], phi[5];
     lw_system_posture(&s, start);
@@ -236,7 +237,7 @@ static void rack_and_pinion(void)
         CHECK_INT(g.carrier, 0);
         CHECK_INT(g.slider[way & 1 ? 0 : 1], 1);
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_linkage_contact(&k, 2, &g), contact)), 0, 1e-15, 0);
-        lw_system s = make(&k);
+        KEPT_SYSTEM s = make(&k);
         lw_system_posture(&s, q);
         double turn = 0.7;
         lw_vec2 rel = lw_v2_sub(lw_v2(q[0], q[1]), lw_v2_scale(lw_v2_sub(lw_v2(3, 4), s.origin), 1/s.unit));
@@ -309,7 +310,7 @@ static void a_written_posture_closes(void)
         add_input(&k, 0, 0.3);
         add_input(&k, 1, 0.2);
         add_tracer(&k, 3, draw_place(&r));
-        lw_system s = make(&k);
+        KEPT_SYSTEM s = make(&k);
         double turn = lw_rng_range(&r, -2, 2), way = lw_rng_range(&r, -2, 2), slot = lw_rng_range(&r, -2, 2);
         lw_vec2 o = k.joint[0].at, dir = lw_v2_polar(1, turn), along = lw_v2_turn(k.joint[1].along, dir);
         lw_system_posture(&s, q);
@@ -326,7 +327,7 @@ static void a_written_posture_closes(void)
         CHECK_NEAR(moved.input[1].value, 0.2 + way, 1e-14, 0);
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(moved.joint[0].at, o)), 0, 1e-14, 0);
         CHECK_NEAR(lw_v2_cross(moved.joint[1].along, along), 0, 1e-15, 0);
-        lw_system again = make(&moved);
+        KEPT_SYSTEM again = make(&moved);
         CHECK_NEAR(lw_system_measure(&s, 2, q, NULL)*s.unit, slot, 1e-14, 0);
         lw_system_posture(&again, q);
         lw_system_rows(&again, q, phi, NULL);
@@ -340,25 +341,29 @@ static void scale_and_references_may_be_given(void)
     lw_linkage k;
     lw_vec2 reference[2] = { { 0, 0 }, { 5, 6 } };
     lw_error e = { 0 };
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     double q[3];
     blank_linkage(&k, 2);
     add_pin(&k, 0, 1, lw_v2(1, 1));
     CHECK_INT(lw_system_make(&k, reference, 1.0, &s, &e), LW_OK);
     lw_system_posture(&s, q);
     CHECK(q[0] == 5 && q[1] == 6 && q[2] == 0 && s.unit == 1 && s.origin.x == 0 && s.origin.y == 0);
+    lw_system_free(&s);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);   /* no extent: any unit, or that of a tracer */
     CHECK(s.unit == 1 && s.origin.x == 1 && s.origin.y == 1);
     add_tracer(&k, 1, lw_v2(4, 5));
+    lw_system_free(&s);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);
     CHECK(s.unit == 5);
     k.joint[0].link[1] = 7;
+    lw_system_free(&s);
     CHECK_INT(lw_system_make(&k, NULL, 1, &s, &e), LW_E_ARG);
     CHECK_HAS(e.text, "J1");
     blank_linkage(&k, 3);
     add_pin(&k, 0, 1, lw_v2(1, 1));
     add_pin(&k, 1, 2, lw_v2(2, 1));
     add_gear(&k, 1, 2, lw_v2(3, 1), 2);
+    lw_system_free(&s);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_E_KIND);
     CHECK_HAS(e.text, "no link carries both");
 }

@@ -18,6 +18,7 @@
 #include "mbs/batch/pose.h"
 #include "mbs/dynamics/reactions.h"
 #include "tests/check.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_linkage.h"
 
 static const lw_plan_options all = { .tracers = 1, .all_joints = true, .kind = LW_PLAN_GEARED };
@@ -116,7 +117,7 @@ static void rows_against_differences(void)
         static double jac[LW_SYSTEM_ROW_MAX*LW_SYSTEM_Q_MAX];
         double q[3*LW_SYSTEM_Q_MAX], phi[3][LW_SYSTEM_ROW_MAX], series[3*LW_SYSTEM_ROW_MAX];
         lw_linkage k;
-        lw_system s;
+        KEPT_SYSTEM s = { 0 };
         if (trial % 2)
             five_bar(&k, -1.5, false);
         else
@@ -180,7 +181,7 @@ static void goes_with_the_first_in_time(void)
     for (int slides = 0; slides < 2; slides++) {
         lw_model m;
         lw_linkage k, there;
-        lw_system s;
+        KEPT_SYSTEM s = { 0 };
         lw_prescribed_motion *d;
         if (slides)
             crank_and_slide(&k);
@@ -492,7 +493,7 @@ static void derivatives(const lw_plan *plan, double *dim, const double *mode, do
 static void check_poses(const lw_linkage *k, const lw_plan *plan, double *dim, double *mode, double input)
 {
     static lw_pose here, there;
-    lw_system s;
+    KEPT_SYSTEM s = { 0 };
     double q[LW_SYSTEM_Q_MAX];
     CHECK_INT(lw_system_make(k, NULL, 0, &s, NULL), LW_OK);
     CHECK_INT(s.n_row, s.n_q - 1);

@@ -94,6 +94,7 @@ void lw_motion_path_free(lw_motion_path *c)
     lw_circuits_free(&c->curves);
     lw_prescribed_motion_free(c->drive);
     c->drive = NULL;
+    lw_system_free(&c->s);
 }
 
 /* Station of curve 0 where the input is u. u lies between the limits next to the pose. On a closed curve the pose

@@ -363,7 +363,7 @@ static bool inputs_are_alike(const lw_model *m, double a, double b)
     double u[2*LW_INPUT_MAX], v[2*LW_INPUT_MAX];
     lw_prescribed_motion_of_model((void *)m, a, 1, u);
     lw_prescribed_motion_of_model((void *)m, b, 1, v);
-    for (int i = 0; i < 2*lw_linkage_free_inputs(&m->linkage); i++)
+    for (int i = 0; i < 2*lw_assembly_free_inputs(&m->linkage); i++)
         if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
             return false;
     return true;

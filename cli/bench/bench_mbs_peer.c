@@ -120,6 +120,7 @@ static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const l
     lw_dynamics *d;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_bytes mjcf = { 0 };
+    const lw_linkage *k;
     double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     const char *more = beyond(m);
     o.formulation = LW_FORMULATION_INDEX1;
@@ -127,7 +128,9 @@ static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const l
     if (more)
         st = lw_error_set(e, LW_E_KIND, "'%s' has %s, which cannot be passed to other programs", p->name, more);
     if (st == LW_OK)
-        st = lw_export_mjcf(&m->linkage, &mjcf, e);
+        st = lw_model_small(m, &k, e);
+    if (st == LW_OK)
+        st = lw_export_mjcf(k, &mjcf, e);
     if (st == LW_OK)
         st = lw_dynamics_make(m, &o, &d, e);
     if (st == LW_OK) {

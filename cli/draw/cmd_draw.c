@@ -70,7 +70,10 @@ static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_
     lw_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = lw_scene_make(&m->linkage, t, &o, scene, e);
+    const lw_linkage *k;
+    lw_status st = lw_model_small(m, &k, e);
+    if (st == LW_OK)
+        st = lw_scene_make(k, t, &o, scene, e);
     if (st == LW_OK && scene->note[0])
         cli_note(call, "%s", scene->note);
     if (st == LW_OK)

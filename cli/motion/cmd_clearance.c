@@ -61,7 +61,7 @@ static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
     static const char *const name[] = { "rpm", "rad/s", "m/s" };
     static const double size[] = { 2*LW_PI/60, 1, 1 };
     const settings *s = call->settings;
-    const lw_linkage *k = &c->model->linkage;
+    const lw_assembly *k = &c->model->linkage;
     bool slides = k->n_input > 0 && lw_joint_slides(k->joint[k->input[0].joint].kind);
     int unit = slides && !cli_given(&call->parsed, "speed-unit") ? 2 : s->unit;
     if (s->speed && k->n_input == 0)

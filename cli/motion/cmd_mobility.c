@@ -95,7 +95,7 @@ static void write_redundant(FILE *f, const lw_linkage *k, const lw_mobility *m)
 {
     fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
     for (int i = 0; i < m->n_redundant; i++) {
-        const lw_system_row *row = &m->system.row[m->redundant[i].row];
+        const lw_system_row *row = &m->redundant[i].row;
         fprintf(f, "%-16s%s of %s", "", row->what, k->joint[row->joint].name);
         fputs(m->redundant[i].joints ? "  follows from " : "  says nothing", f);
         joints_text(f, k, m->redundant[i].joints);
@@ -108,7 +108,7 @@ static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
     bool moves = m->kind == LW_MOBILITY_MOVES;
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
     fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count,
-            m->system.n_body, m->system.n_row);
+            m->n_body, m->n_row);
     fprintf(f, "%-16s%d", "freedom", m->freedom);
     if (m->generic >= 0 && m->generic != m->freedom)
         fprintf(f, "  (%d with other dimensions)", m->generic);
@@ -123,7 +123,7 @@ static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
     fputc('\n', f);
     if (m->order > 1)
         fprintf(f, "%-16syields up to order %d\n", "", m->order);
-    fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->system.n_row, moves ? ", along the motion" : "");
+    fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, moves ? ", along the motion" : "");
     write_redundant(f, k, m);
     if (moves)
         fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->distance, m->residual);
@@ -155,7 +155,7 @@ static void json_redundant(cli_json *j, const lw_linkage *k, const lw_mobility *
 {
     cli_json_array(j, "redundant");
     for (int i = 0; i < m->n_redundant; i++) {
-        const lw_system_row *row = &m->system.row[m->redundant[i].row];
+        const lw_system_row *row = &m->redundant[i].row;
         cli_json_object(j, NULL);
         cli_json_text(j, "joint", k->joint[row->joint].name);
         cli_json_text(j, "row", row->what);
@@ -177,8 +177,8 @@ static void write_json(FILE *f, const lw_linkage *k, const lw_mobility *m)
     cli_json_int(&j, "freedom_other_dimensions", m->generic);
     cli_json_int(&j, "first_order_posture", m->instant);
     cli_json_int(&j, "first_order_motion", m->along);
-    cli_json_int(&j, "coordinates", m->system.n_q);
-    cli_json_int(&j, "rows", m->system.n_row);
+    cli_json_int(&j, "coordinates", m->n_q);
+    cli_json_int(&j, "rows", m->n_row);
     cli_json_int(&j, "rank", m->rank);
     cli_json_int(&j, "rank_posture", m->posture_rank);
     json_redundant(&j, k, m);

@@ -72,7 +72,7 @@ static lw_status drive(const cli_call *call, lw_model *m, lw_error *e)
         return LW_OK;
     if (m->linkage.n_input == 0)
         return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for inputs, and the model has none");
-    for (int i = 0; i < lw_linkage_free_inputs(&m->linkage); i++) {
+    for (int i = 0; i < lw_assembly_free_inputs(&m->linkage); i++) {
         if (m->motion[i])
             continue;
         snprintf(text, sizeof text, "%.17g + %.17g*t", m->linkage.input[i].value, s->speed);

@@ -25,6 +25,7 @@ typedef struct job {
     const cli_call *call;
     const settings *s;
     const lw_model *m;
+    lw_linkage     *k;                /* of the model, without idle freedoms                       */
     unsigned        tracers;          /* bit i: tracer i is printed                                */
     double          until;            /* wall time [s] at which to stop; 0: never                  */
 } job;
@@ -343,6 +344,7 @@ static void free_curves(cli_curve_trace *t)
     if (!t)
         return;
     lw_circuits_free(&t->curves);
+    lw_system_free(&t->s);
     free(t->groups);
     free(t);
 }
@@ -354,7 +356,7 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     if (!t)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     t->model = j->m;
-    t->k = &j->m->linkage;
+    t->k = j->k;
     t->rows = make_rows(j, t->k);
     lw_status st = lw_system_make(t->k, NULL, 0, &t->s, e);
     if (st == LW_OK)
@@ -405,7 +407,7 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
 
 static int in_time(const job *j)
 {
-    const lw_linkage *k = &j->m->linkage;
+    const lw_linkage *k = j->k;
     lw_error e = { 0 };
     double range[3];
     bool moved = false;
@@ -446,7 +448,7 @@ static int by_plan(const job *j, cli_trace *t)
 static int choose_way(const job *j)
 {
     const cli_call *call = j->call;
-    const lw_linkage *k = &j->m->linkage;
+    const lw_linkage *k = j->k;
     lw_error e = { 0 };
     if (j->s->explain)
         return explain(call, k, j->tracers);
@@ -498,11 +500,13 @@ static int run(const cli_call *call)
     lw_model *m = cli_read_model(call->parsed.word[0], s->result, &e);
     if (!m)
         return cli_fail(call, &e);
-    job j = { call, s, m, 0, until };
-    if (m->linkage.n_tracer == 0)
-        trace_pins(call, &m->linkage);
-    bool good = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK
-                && hold_idle(call, &m->linkage, &e) == LW_OK;
+    job j = { call, s, m, m->small, 0, until };
+    const lw_linkage *small;
+    bool good = lw_model_small(m, &small, &e) == LW_OK;
+    if (good && j.k->n_tracer == 0)
+        trace_pins(call, j.k);
+    good = good && choose_tracers(s, call->parsed.word[0], j.k, &j.tracers, &e) == LW_OK
+           && hold_idle(call, j.k, &e) == LW_OK;
     int code = good ? choose_way(&j) : fail_in(call, &e);
     cli_free_model(m);
     return code;

@@ -29,7 +29,7 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
 /* The order is the same as in cli_simulate_row. */
 void cli_simulate_columns(cli_simulate *s)
 {
-    const lw_linkage *k = &s->model->linkage;
+    const lw_assembly *k = &s->model->linkage;
     const lw_system *sys = lw_dynamics_system(s->d);
     const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
     double metre = 1/k->units.metre, radian = 1/k->units.radian;
@@ -79,7 +79,7 @@ void cli_simulate_columns(cli_simulate *s)
 static double *put_inputs(const cli_simulate *s, const lw_moment *m, double *to)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
-    const lw_linkage *k = &s->model->linkage;
+    const lw_assembly *k = &s->model->linkage;
     double drive[LW_INPUT_MAX];
     lw_measure z;
     lw_reactions_driving(s->d, m, drive);
@@ -203,7 +203,7 @@ lw_status cli_simulate_row(void *context, const lw_moment *m)
 /* " A B", the inputs that start at rest because their speed is not given. */
 static void name_inputs_at_rest(const cli_simulate *s, char *text, size_t size)
 {
-    const lw_linkage *k = &s->model->linkage;
+    const lw_assembly *k = &s->model->linkage;
     size_t used = 0;
     *text = '\0';
     for (int i = 0; i < lw_dynamics_system(s->d)->n_input && used < size; i++)

@@ -4,7 +4,7 @@
 
 lw_status cli_simulate_balance(cli_simulate *c, FILE *f, lw_error *e)
 {
-    const lw_linkage *k = &c->model->linkage;
+    const lw_assembly *k = &c->model->linkage;
     lw_counterweights found;
     lw_status s = lw_counterweights_find(c->model, lw_dynamics_system(c->d), c->n_row, c->q, &found, e);
     if (s != LW_OK)

@@ -177,6 +177,13 @@ static lw_status along(linear *l, lw_error *e)
     return s;
 }
 
+static void free_linear(linear *l)
+{
+    lw_forces_free(&l->f);
+    lw_system_free(&l->s);
+    free(l);
+}
+
 int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linear *o)
 {
     lw_error e = { 0 };
@@ -187,11 +194,11 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
         return cli_fail(call, &e);
     }
     l->call = call, l->m = m, l->o = o;
-    if (lw_forces_system(m, &l->s, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
-        free(l);
+    if (lw_forces_system(m, false, &l->s, &e) != LW_OK || lw_forces_make(m, &l->s, NULL, &l->f, &e) != LW_OK
+        || cli_open(call, &out, &e) != LW_OK) {
+        free_linear(l);
         return cli_fail(call, &e);
     }
-    lw_forces_make(m, &l->s, NULL, &l->f);
     lw_system_posture(&l->s, l->q);
     l->out = out.f;
     head(l);
@@ -210,6 +217,6 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
         cli_note(call, "%d peak%s of the free vibration: within %.2g %% of the eigenfrequencies", l->n_heard,
                  l->n_heard == 1 ? "" : "s", 100*l->worst);
     int code = s == LW_OK ? CLI_DONE : cli_fail(call, &e);
-    free(l);
+    free_linear(l);
     return cli_close(call, &out, code);
 }

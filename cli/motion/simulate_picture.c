@@ -64,7 +64,7 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
 static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
-    const lw_linkage *k = &s->model->linkage;
+    const lw_assembly *k = &s->model->linkage;
     size_t n = s->n_row, links = (size_t)k->n_link;
     double start[LW_SYSTEM_Q_MAX];
     lw_place *place = calloc(n*links + 1, sizeof *place);
@@ -97,7 +97,11 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
 {
     lw_scene scene;
-    lw_status st = lw_scene_make(&s->model->linkage, NULL, NULL, &scene, e);
+    const lw_linkage *k;
+    lw_status st = lw_model_small(s->model, &k, e);
+    if (st != LW_OK)
+        return st;
+    st = lw_scene_make(k, NULL, NULL, &scene, e);
     if (st == LW_OK)
         st = set_frames(s, &scene, e);
     if (st == LW_OK)

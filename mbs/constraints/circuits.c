@@ -43,14 +43,14 @@ static void free_closer(closer *c)
 /* Residuals of rows and resting inputs at q; returns the largest. */
 static double equations(closer *c, const double *q)
 {
-    lw_system_frames f;
+    lw_body_frame f[LW_LINK_MAX];
     double most = 0.0;
-    lw_system_place(c->s, q, &f);
+    lw_system_place(c->s, q, f);
     memset(c->rank.a, 0, (size_t)c->m*(size_t)c->n*sizeof *c->rank.a);
-    lw_system_fill(c->s, &f, c->rest, c->rank.a, 1, c->m);
+    lw_system_fill(c->s, f, c->rest, c->rank.a, 1, c->m);
     for (int i = 0; i < c->n_held; i++) {
         int r = c->s->n_row + i;
-        c->rest[r] = lw_system_count(c->s, &f, c->s->input_joint[c->held[i]], c->rank.a + r, c->m);
+        c->rest[r] = lw_system_count(c->s, f, c->s->input_joint[c->held[i]], c->rank.a + r, c->m);
     }
     for (int r = 0; r < c->m; r++)
         most = fmax(most, fabs(c->rest[r]));

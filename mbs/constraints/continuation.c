@@ -55,15 +55,15 @@ void lw_continuation_free(lw_continuation *f) { free(f->store); }
 static double assemble(lw_continuation *f, const double *q, bool derivatives)
 {
     const lw_system *s = f->s;
-    lw_system_frames at;
+    lw_body_frame at[LW_LINK_MAX];
     double most = 0.0, *jac = derivatives ? f->matrix : NULL;
     if (jac)
         memset(jac, 0, (size_t)f->m*(size_t)f->n*sizeof *jac);
-    lw_system_place(s, q, &at);
-    lw_system_fill(s, &at, f->rest, jac, 1, f->m);
+    lw_system_place(s, q, at);
+    lw_system_fill(s, at, f->rest, jac, 1, f->m);
     for (int i = 0; i < f->n_held; i++) {
         int r = s->n_row + i;
-        f->rest[r] = lw_system_count(s, &at, s->input_joint[f->held[i]], jac ? jac + r : NULL, f->m) - f->value[i];
+        f->rest[r] = lw_system_count(s, at, s->input_joint[f->held[i]], jac ? jac + r : NULL, f->m) - f->value[i];
     }
     if (f->plane) {
         double off = -f->distance;
@@ -174,10 +174,10 @@ static double dot(const lw_continuation *f, const double *a, const double *b)
 }
 
 /* The arms of body b at its pins, rotated by `by`, as right-hand side; false if it has none. */
-static bool stack_arms(const lw_continuation *f, const lw_system_frames *at, int b, lw_vec2 by, double *out)
+static bool stack_arms(const lw_continuation *f, const lw_body_frame *at, int b, lw_vec2 by, double *out)
 {
     bool any = false;
-    lw_vec2 dir = lw_v2_turn(at->dir[b + 1], by);
+    lw_vec2 dir = lw_v2_turn(at[b + 1].dir, by);
     memset(out, 0, (size_t)f->m*sizeof *out);
     for (int k = 0; k < f->s->n_joint; k++) {
         const lw_system_joint *j = &f->s->joint[k];
@@ -193,7 +193,7 @@ static bool stack_arms(const lw_continuation *f, const lw_system_frames *at, int
 }
 
 /* Largest length, over all bodies and rotations, of A^+ (second derivative by the body's rotation). */
-static double pin_bound(lw_continuation *f, const lw_system_frames *at)
+static double pin_bound(lw_continuation *f, const lw_body_frame *at)
 {
     double most = 0.0, *g = f->rest, *h = f->work;
     for (int b = 0; b < f->s->n_body; b++) {
@@ -211,12 +211,12 @@ static double pin_bound(lw_continuation *f, const lw_system_frames *at)
 /* The bilinear form of v . (p_1 - p_0), v carried by link 0, in the norms of (turn 0, turn 1, place 1, place 0), as
  * v . r_0 is constant: with D = |x_1 + r_1 - x_0|, at most D0 + what `reach` can add,
  *     (turn 0)^2 D,   (turn 1)^2 |a_1|,   turn 0 turn 1 |a_1|,   turn 0 place 1,   turn 0 place 0. */
-static double projection_norm(const lw_system_joint *j, const lw_system_frames *at, double reach)
+static double projection_norm(const lw_system_joint *j, const lw_body_frame *at, double reach)
 {
     int b0 = j->body[0] + 1, b1 = j->body[1] + 1;
     double arm = lw_v2_norm(j->arm[1]);
-    lw_vec2 r1 = lw_v2_turn(j->arm[1], at->dir[b1]);
-    double d = lw_v2_norm(lw_v2_sub(lw_v2_add(at->at[b1], r1), at->at[b0])) + reach*sqrt(2.0 + arm*arm);
+    lw_vec2 r1 = lw_v2_turn(j->arm[1], at[b1].dir);
+    double d = lw_v2_norm(lw_v2_sub(lw_v2_add(at[b1].at, r1), at[b0].at)) + reach*sqrt(2.0 + arm*arm);
     if (b0 == 0)
         return arm;
     return b1 == 0 ? sqrt(d*d + 2.0) : sqrt(d*d + 3.0*arm*arm + 4.0);
@@ -231,7 +231,7 @@ static double row_gain(lw_continuation *f, int row)
     return sqrt(dot(f, f->work, f->work));
 }
 
-static double projection_bound(lw_continuation *f, const lw_system_frames *at, double reach)
+static double projection_bound(lw_continuation *f, const lw_body_frame *at, double reach)
 {
     const lw_system *s = f->s;
     double sum = 0.0;
@@ -254,11 +254,11 @@ static double projection_bound(lw_continuation *f, const lw_system_frames *at, d
 
 double lw_continuation_bound(lw_continuation *f, const double *q)
 {
-    lw_system_frames at;
-    lw_system_place(f->s, q, &at);
-    double pins = pin_bound(f, &at), slides = projection_bound(f, &at, 0.0);
+    lw_body_frame at[LW_LINK_MAX];
+    lw_system_place(f->s, q, at);
+    double pins = pin_bound(f, at), slides = projection_bound(f, at, 0.0);
     if (slides > 0.0)                       /* the reach without growth is larger than the reach with it */
-        slides = projection_bound(f, &at, 1.0/(pins + slides));
+        slides = projection_bound(f, at, 1.0/(pins + slides));
     f->kappa = fmax(pins + slides, 1e-3);
     return f->kappa;
 }

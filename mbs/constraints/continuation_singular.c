@@ -69,12 +69,12 @@ double lw_continuation_locate(lw_continuation *f, int order, const double *serie
 /* Rows and driven inputs at q, by columns */
 static void fill(const lw_continuation *f, const double *q, int m, double *a)
 {
-    lw_system_frames at;
+    lw_body_frame at[LW_LINK_MAX];
     memset(a, 0, (size_t)m*(size_t)f->n*sizeof *a);
-    lw_system_place(f->s, q, &at);
-    lw_system_fill(f->s, &at, NULL, a, 1, m);
+    lw_system_place(f->s, q, at);
+    lw_system_fill(f->s, at, NULL, a, 1, m);
     for (int i = 0; i < f->n_held; i++)
-        lw_system_count(f->s, &at, f->s->input_joint[f->held[i]], a + f->s->n_row + i, m);
+        lw_system_count(f->s, at, f->s->input_joint[f->held[i]], a + f->s->n_row + i, m);
 }
 
 int lw_continuation_freedoms(const lw_continuation *f, const double *q, double *direction)

@@ -246,7 +246,7 @@ static void find_redundant(search *f)
             basis[n_basis++] = row;
         } else {
             f->m->redundant[f->m->n_redundant++] =
-                (lw_redundant){ row, partners(f, jac, basis, n_basis, row) };
+                (lw_redundant){ f->s->row[row], partners(f, jac, basis, n_basis, row) };
         }
     }
 }
@@ -325,20 +325,20 @@ static void disturb(lw_linkage *k, double size, lw_rng *r)
 static void find_generic(search *f, const lw_linkage *k, uint64_t seed)
 {
     lw_linkage other = *k;
-    lw_system *s = malloc(sizeof *s);
+    lw_system s;
     double q[LW_SYSTEM_Q_MAX];
     lw_rng r;
     lw_rng_seed(&r, seed, ATTEMPTS);
     disturb(&other, f->s->unit, &r);
     f->m->generic = -1;
-    if (s && lw_system_make(&other, NULL, 0, s, NULL) == LW_OK) {
+    if (lw_system_make(&other, NULL, 0, &s, NULL) == LW_OK) {
         const lw_system *own = f->d.s;
-        lw_system_posture(s, q);
-        f->d.s = s;
+        lw_system_posture(&s, q);
+        f->d.s = &s;
         f->m->generic = f->n_q - lw_drift_rank(&f->d, q, LW_RANK_ZERO);
         f->d.s = own;
     }
-    free(s);
+    lw_system_free(&s);
 }
 
 /* ---- the whole analysis --------------------------------------------------------------------------- */
@@ -419,10 +419,17 @@ lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw
     memset(m, 0, sizeof *m);
     if (!(o->tolerance >= 0 && o->tolerance <= 1e-4))
         return lw_error_set(e, LW_E_ARG, "the tolerance is %g; it must be 0 to 1e-4", o->tolerance);
-    search f = { .s = &m->system, .m = m };
-    lw_status status = lw_system_make(k, NULL, 0, f.s, e);
-    if (status != LW_OK)
+    lw_system system;
+    search f = { .s = &system, .m = m };
+    lw_status status = lw_system_make(k, NULL, 0, &system, e);
+    if (status != LW_OK) {
+        lw_system_free(&system);
         return status;
+    }
+    m->n_body = system.n_body;
+    m->n_q = system.n_q;
+    m->n_row = system.n_row;
+    m->unit = system.unit;
     size_t n = (size_t)f.s->n_q, top = LW_SYSTEM_ORDER_MAX + 1;
     size_t room = 2*n*n + top*(n + (size_t)f.s->n_row);    /* 2 n columns of motions; series in find_order */
     f.n_q = f.s->n_q;
@@ -432,6 +439,7 @@ lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw
         if (status == LW_OK)
             lw_drift_free(&f.d);
         free(f.block);
+        lw_system_free(&system);
         return lw_error_set(e, LW_E_MEMORY, memory);
     }
     f.best = (lw_mobility_pose){ .q = f.block, .motion = f.block + n };
@@ -439,5 +447,6 @@ lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw
     status = look(&f, k, o->seed);
     lw_drift_free(&f.d);
     free(f.block);
+    lw_system_free(&system);
     return status == LW_OK ? LW_OK : lw_error_set(e, status, memory);
 }

@@ -27,12 +27,13 @@ typedef struct lw_mobility_options {
     uint64_t seed;            /* of the random directions                                            */
 } lw_mobility_options;
 
-/* One redundant constraint: its row of lw_system, and the joints (as bits) whose rows imply it. */
-typedef struct lw_redundant { int row; uint64_t joints; } lw_redundant;
+/* One redundant constraint: its row, and the joints (as bits) whose rows imply it. */
+typedef struct lw_redundant { lw_system_row row; uint64_t joints; } lw_redundant;
 
 typedef struct lw_mobility {
     lw_mobility_kind kind;
-    lw_system system;
+    int    n_body, n_q, n_row;    /* of the system of the linkage, and its unit [m]                   */
+    double unit;
     int    count;             /* coordinates minus rows, welds included: Gruebler's count            */
     int    freedom;           /* dimension of the motion through the posture                         */
     int    least_freedom;     /* smaller if branches of different dimension meet in the posture      */

@@ -81,12 +81,12 @@ static void predict(const lw_newton *s, const place *from, double h, place *to)
 static double evaluate(const lw_newton *s, const double *z, double *rest, double *matrix)
 {
     const lw_system *p = &s->system;
-    lw_system_frames f;
+    lw_body_frame f[LW_LINK_MAX];
     double most = 0.0;
-    lw_system_place(p, z, &f);
-    lw_system_fill(p, &f, rest, matrix, 1, s->rows);
+    lw_system_place(p, z, f);
+    lw_system_fill(p, f, rest, matrix, 1, s->rows);
     for (int i = 0; i < p->n_input; i++)
-        rest[p->n_row + i] = lw_system_count(p, &f, p->input_joint[i], matrix ? matrix + p->n_row + i : NULL, s->rows);
+        rest[p->n_row + i] = lw_system_count(p, f, p->input_joint[i], matrix ? matrix + p->n_row + i : NULL, s->rows);
     rest[p->n_row] -= z[s->n];
     if (matrix)
         matrix[p->n_row + (long)s->rows*s->n] = -1.0;
@@ -532,8 +532,10 @@ lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e)
 
 void lw_newton_free(lw_newton *s)
 {
-    if (s)
+    if (s) {
+        lw_system_free(&s->system);
         free(s->store);
+    }
     free(s);
 }
 

@@ -407,7 +407,7 @@ void lw_prescribed_motion_of_model(void *context, double t, int order, double *u
         double ratio = m->linkage.input[i].ratio;
         for (int k = 0; k <= order; k++)
             out[k] = ratio != 0 ? ratio*u[k] : 0;
-        out[0] = ratio != 0 ? lw_linkage_tied_input(&m->linkage, i, u[0]) : m->linkage.input[i].value;
+        out[0] = ratio != 0 ? lw_assembly_tied_input(&m->linkage, i, u[0]) : m->linkage.input[i].value;
     }
 }
 

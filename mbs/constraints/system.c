@@ -1,6 +1,7 @@
 /* mbs/constraints/system.c - make the equations of a linkage: bodies, joints and rows. */
 #include "mbs/constraints/system.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- scale ------------------------------------------------------------------------------------- */
@@ -9,7 +10,7 @@
 /* Middle and size of the posture.  Differences are taken before sums, so that a posture far from the origin keeps its
  * digits. If all joints are at one point, the tracers define the size; without tracers any size will do, because
  * links only turn about that point. */
-static void measure_posture(const lw_linkage *k, lw_system *s)
+static void measure_posture(const lw_assembly *k, lw_system *s)
 {
     lw_vec2 first = { 0.0, 0.0 }, sum = { 0.0, 0.0 };
     int n = 0;
@@ -36,10 +37,10 @@ static lw_vec2 scaled(const lw_system *s, lw_vec2 at)
 
 /* ---- parts ------------------------------------------------------------------------------------- */
 
-static void make_bodies(const lw_linkage *k, const lw_vec2 *reference, lw_system *s)
+static void make_bodies(const lw_assembly *k, const lw_vec2 *reference, lw_system *s)
 {
-    lw_vec2 sum[LW_LINK_MAX] = { { 0.0, 0.0 } };
-    int n[LW_LINK_MAX] = { 0 };
+    lw_vec2 *sum = s->reference;             /* by link; body b is at most link b, so each is read before it is replaced */
+    int *n = s->link;
     for (int j = 0; j < k->n_joint; j++)
         for (int end = 0; end < 2; end++)
             if (lw_joint_has_position(k->joint[j].kind)) {
@@ -51,8 +52,8 @@ static void make_bodies(const lw_linkage *k, const lw_vec2 *reference, lw_system
         s->body[l] = l == k->ground ? -1 : s->n_body;
         if (l == k->ground)
             continue;
-        s->link[s->n_body] = l;
         s->reference[s->n_body] = reference ? scaled(s, reference[l]) : lw_v2_scale(sum[l], 1.0/(n[l] > 0 ? n[l] : 1));
+        s->link[s->n_body] = l;
         s->n_body++;
     }
     s->n_q = 3*s->n_body;
@@ -63,11 +64,11 @@ static void add_row(lw_system *s, int joint, const char *what)
     s->row[s->n_row++] = (lw_system_row){ joint, what };
 }
 
-static lw_status make_gear(const lw_linkage *k, int j, lw_system *s, lw_error *e)
+static lw_status make_gear(const lw_assembly *k, int j, lw_system *s, lw_error *e)
 {
     lw_system_joint *q = &s->joint[j];
     lw_gear g;
-    lw_status status = lw_linkage_gear(k, j, &g, e);
+    lw_status status = lw_assembly_gear(k, j, &g, NULL, e);
     if (status != LW_OK)
         return status;
     q->carrier = s->body[g.carrier];
@@ -80,7 +81,7 @@ static lw_status make_gear(const lw_linkage *k, int j, lw_system *s, lw_error *e
     return LW_OK;
 }
 
-static lw_status make_joint(const lw_linkage *k, int j, lw_system *s, lw_error *e)
+static lw_status make_joint(const lw_assembly *k, int j, lw_system *s, lw_error *e)
 {
     const lw_joint *from = &k->joint[j];
     lw_system_joint *q = &s->joint[j];
@@ -105,9 +106,9 @@ static lw_status make_joint(const lw_linkage *k, int j, lw_system *s, lw_error *
     return make_gear(k, j, s, e);
 }
 
-static void make_inputs(const lw_linkage *k, lw_system *s)
+static void make_inputs(const lw_assembly *k, lw_system *s)
 {
-    s->n_input = lw_linkage_free_inputs(k);
+    s->n_input = lw_assembly_free_inputs(k);
     s->n_tie = k->n_input - s->n_input;
     s->tie_row = s->n_row;
     for (int i = 0; i < k->n_input; i++) {
@@ -116,17 +117,59 @@ static void make_inputs(const lw_linkage *k, lw_system *s)
     }
     for (int i = 0; i < s->n_tie; i++) {
         int tied = s->n_input + i;
-        s->tie[i] = k->input[tied].ratio/lw_linkage_tie_unit(k, tied, s->unit);
+        s->tie[i] = k->input[tied].ratio/lw_assembly_tie_unit(k, tied, s->unit);
         add_row(s, k->input[tied].joint, "tie");
     }
+}
+
+typedef struct part { void *to; size_t n, size; } part;
+
+/* Zeroed memory of the arrays; row: most rows. */
+static lw_status reserve(lw_system *s, size_t links, size_t joints, size_t inputs, size_t tracers)
+{
+    const part parts[] = {
+        { &s->joint, joints, sizeof *s->joint }, { &s->row, 3*joints + inputs, sizeof *s->row },
+        { &s->reference, links, sizeof *s->reference }, { &s->tracer_arm, tracers, sizeof *s->tracer_arm },
+        { &s->input_value, inputs, sizeof *s->input_value }, { &s->tie, inputs, sizeof *s->tie },
+        { &s->link, links, sizeof *s->link }, { &s->body, links, sizeof *s->body },
+        { &s->input_joint, inputs, sizeof *s->input_joint }, { &s->tracer_body, tracers, sizeof *s->tracer_body },
+    };
+    size_t all = 0, used = 0;
+    for (size_t i = 0; i < sizeof parts/sizeof *parts; i++)
+        all += parts[i].n*parts[i].size;
+    s->memory = calloc(all + 1, 1);
+    if (!s->memory)
+        return LW_E_MEMORY;
+    for (size_t i = 0; i < sizeof parts/sizeof *parts; i++) {
+        void *at = (char *)s->memory + used;
+        memcpy(parts[i].to, &at, sizeof at);
+        used += parts[i].n*parts[i].size;
+    }
+    return LW_OK;
+}
+
+void lw_system_free(lw_system *s)
+{
+    free(s->memory);
+    memset(s, 0, sizeof *s);
 }
 
 lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
 {
     memset(s, 0, sizeof *s);
     lw_status status = lw_linkage_check(k, e);
+    lw_assembly a = lw_linkage_view(k);
+    return status == LW_OK ? lw_system_assemble(&a, reference, unit, s, e) : status;
+}
+
+lw_status lw_system_assemble(const lw_assembly *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
+{
+    memset(s, 0, sizeof *s);
+    lw_status status = lw_assembly_check(k, e);
     if (status != LW_OK)
         return status;
+    if (reserve(s, (size_t)k->n_link, (size_t)k->n_joint, (size_t)k->n_input, (size_t)k->n_tracer) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (unit > 0.0)
         s->unit = unit;
     else
@@ -142,6 +185,31 @@ lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double u
         s->tracer_arm[i] = lw_system_arm(s, s->tracer_body[i], k->tracer[i].at);
     }
     return status;
+}
+
+lw_status lw_system_choose_inputs(const lw_system *from, const int *inputs, int n, lw_system *s)
+{
+    size_t all = (size_t)(from->n_input + from->n_tie);
+    *s = *from;
+    if (reserve(s, (size_t)from->n_body + 1, (size_t)from->n_joint, all, (size_t)from->n_tracer) != LW_OK) {
+        memset(s, 0, sizeof *s);
+        return LW_E_MEMORY;
+    }
+    memcpy(s->link, from->link, (size_t)from->n_body*sizeof *s->link);
+    memcpy(s->body, from->body, (size_t)(from->n_body + 1)*sizeof *s->body);
+    memcpy(s->reference, from->reference, (size_t)from->n_body*sizeof *s->reference);
+    memcpy(s->joint, from->joint, (size_t)from->n_joint*sizeof *s->joint);
+    memcpy(s->row, from->row, (size_t)from->n_row*sizeof *s->row);
+    memcpy(s->tie, from->tie, (size_t)from->n_tie*sizeof *s->tie);
+    memcpy(s->tracer_body, from->tracer_body, (size_t)from->n_tracer*sizeof *s->tracer_body);
+    memcpy(s->tracer_arm, from->tracer_arm, (size_t)from->n_tracer*sizeof *s->tracer_arm);
+    s->n_input = n;
+    for (int i = 0; i < n + from->n_tie; i++) {
+        int old = i < n ? inputs[i] : from->n_input + i - n;
+        s->input_joint[i] = from->input_joint[old];
+        s->input_value[i] = from->input_value[old];
+    }
+    return LW_OK;
 }
 
 /* ---- postures ---------------------------------------------------------------------------------- */

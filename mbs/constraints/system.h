@@ -16,7 +16,7 @@
 #define LW_MBS_CONSTRAINTS_SYSTEM_H
 
 #include "grammar/expression.h"
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 
 #define LW_SYSTEM_ORDER_MAX LW_SERIES_ORDER_MAX
 #define LW_SYSTEM_Q_MAX   (3*(LW_LINK_MAX - 1))
@@ -45,32 +45,41 @@ typedef struct lw_system_joint {
 typedef struct lw_system {
     int     n_body, n_q, n_row, n_joint, n_tracer;
     int     n_input, n_tie;                /* independent inputs; tied inputs                         */
-    int     link[LW_LINK_MAX];             /* of body b                                               */
-    int     body[LW_LINK_MAX];             /* of link l; -1: ground                                   */
+    int    *link;                          /* of body b                                               */
+    int    *body;                          /* of link l; -1: ground                                   */
     lw_vec2 origin;                        /* [m]                                                     */
     double  unit;                          /* [m]                                                     */
-    lw_vec2 reference[LW_LINK_MAX];        /* of body b, in the posture, scaled                       */
-    lw_system_joint joint[LW_JOINT_MAX];
-    lw_system_row   row[LW_SYSTEM_ROW_MAX];
-    int     input_joint[LW_INPUT_MAX];     /* (n_input + n_tie)                                       */
-    double  input_value[LW_INPUT_MAX];     /* value of the input in the posture                       */
-    double  tie[LW_INPUT_MAX];             /* (n_tie) ratios to the first input, of turns or units     */
+    lw_vec2 *reference;                    /* of body b, in the posture, scaled                       */
+    lw_system_joint *joint;
+    lw_system_row   *row;
+    int    *input_joint;                   /* (n_input + n_tie)                                       */
+    double *input_value;                   /* value of the input in the posture                       */
+    double *tie;                           /* (n_tie) ratios to the first input, of turns or units     */
     int     tie_row;                       /* the first of their rows                                 */
-    int     tracer_body[LW_TRACER_MAX];
-    lw_vec2 tracer_arm[LW_TRACER_MAX];
+    int    *tracer_body;
+    lw_vec2 *tracer_arm;
+    void   *memory;                        /* of all arrays                                           */
 } lw_system;
 
 /* reference (n_link), [m]: reference points of the links; NULL: the middle of each link's joints.  unit 0: the size
  * of the posture (largest distance of a joint from the middle of the joints; if all joints are at one point, the
  * distance of a tracer, or 1 m), with the origin in that middle; otherwise the origin is (0, 0).  LW_E_KIND: a gear
- * without carrier (lw_linkage_gear).  Fails as lw_linkage_check. */
+ * without carrier (lw_linkage_gear).  Fails as lw_linkage_check.  s needs lw_system_free, after a failure too. */
 lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s,
                          lw_error *e);
+void      lw_system_free(lw_system *s);
+
+/* The same of an assembly.  Code that holds arrays of LW_SYSTEM_Q_MAX numbers takes systems of linkages only. */
+lw_status lw_system_assemble(const lw_assembly *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e);
+
+/* The same equations with other inputs: `inputs` (n), indices of those of `from`, and all that are tied.  *s needs
+ * lw_system_free. */
+lw_status lw_system_choose_inputs(const lw_system *from, const int *inputs, int n, lw_system *s);
 
 /* q (n_q) of the drawn posture. */
 void lw_system_posture(const lw_system *s, double *q);
 
-/* Phi (n_row), and its derivatives jac[row*n_q + i] when given (zeroed first). */
+/* For systems of linkages: Phi (n_row), and its derivatives jac[row*n_q + i] when given (zeroed first). */
 void lw_system_rows(const lw_system *s, const double *q, double *phi, double *jac);
 
 /* Factor of the rotation (or displacement) of side 0 or 1 in the row of gear j, which is the sum of both.  The

@@ -113,16 +113,17 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
     if (s == LW_OK)
         s = check_masses(m, e);
     if (s == LW_OK)
-        s = lw_forces_system(m, &c->s, e);
+        s = lw_forces_system(m, false, &c->s, e);
     if (s == LW_OK && c->s.n_tie > 0)
         s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which is not possible with "
                          "clearance; give each input its \"motion\"",
                          m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
+    if (s == LW_OK)
+        s = lw_forces_make(m, &c->s, NULL, &c->f, e);
     if (s != LW_OK) {
-        free(c);
+        lw_clearance_free(c);
         return s;
     }
-    lw_forces_make(m, &c->s, NULL, &c->f);
     bool opened[LW_JOINT_MAX] = { false }, apart[LW_JOINT_MAX] = { false };
     for (int i = 0; i < c->n_journal; i++) {
         lw_journal *j = &c->journal[i];
@@ -137,7 +138,7 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
     assert(c->n_friction <= LW_JOINT_MAX);
     c->n_stop = lw_rigid_stops_find(m, &c->s, c->stop);
     if (c->n_stop > LW_CLEARANCE_STOP_MAX) {
-        free(c);
+        lw_clearance_free(c);
         return lw_error_set(e, LW_E_ARG, "more than %d rigid stops in a model with clearance", LW_CLEARANCE_STOP_MAX);
     }
     lw_tree_make(&c->s, opened, apart, &c->tree);
@@ -159,5 +160,9 @@ void lw_clearance_plain(const lw_forces *f, lw_clearance_scene *c)
 
 void lw_clearance_free(lw_clearance_scene *scene)
 {
+    if (scene) {
+        lw_forces_free(&scene->f);
+        lw_system_free(&scene->s);
+    }
     free(scene);
 }

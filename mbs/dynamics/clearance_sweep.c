@@ -11,10 +11,13 @@
 /* Make a law: the model with the law in every joint with clearance.  NAN: as the model has it. */
 static lw_status make_law(const lw_sweep *c, lw_sweep_law *l, lw_error *e)
 {
+    size_t size = (size_t)c->m->linkage.n_joint*sizeof *l->m->clearance;
     l->m = malloc(sizeof *l->m);
-    if (!l->m)
+    l->clearance = malloc(size);
+    if (!l->m || !l->clearance)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     *l->m = *c->m;
+    l->m->clearance = memcpy(l->clearance, c->m->clearance, size);
     bool any = false;
     for (int j = 0; j < l->m->linkage.n_joint; j++) {
         lw_clearance *p = &l->m->clearance[j];
@@ -78,7 +81,8 @@ void lw_sweep_free(lw_sweep *c)
 {
     for (int i = 0; i < c->n_law; i++) {
         lw_clearance_free(c->law[i].scene);
-        free(c->law[i].m);                           /* a shallow copy: what it points to is the caller's */
+        free(c->law[i].clearance);
+        free(c->law[i].m);                           /* a shallow copy: the rest that it points to is the caller's */
     }
     for (int i = 0; c->row && i < c->n_row; i++)
         free(c->row[i].pass);

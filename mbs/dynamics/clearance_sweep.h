@@ -30,6 +30,7 @@ typedef struct lw_sweep_law {
     lw_clearance_model  model;            /* these three: of the first joint with clearance */
     double              stiffness, damping;
     lw_model           *m;
+    lw_clearance       *clearance;       /* of m */
     lw_clearance_scene *scene;
 } lw_sweep_law;
 

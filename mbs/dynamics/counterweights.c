@@ -21,7 +21,7 @@ typedef struct balance {
 /* Distance of a counterweight from its pin: that of the farthest other joint of the link. */
 static double radius_of(const balance *b, int l)
 {
-    const lw_linkage *linkage = &b->m->linkage;
+    const lw_assembly *linkage = &b->m->linkage;
     int link = b->s->link[b->body[l]];
     double farthest = 0;
     for (int j = 0; j < linkage->n_joint; j++)

@@ -334,8 +334,10 @@ static lw_status run_driven(lw_run *run)
     }
     if (s == LW_OK)
         s = run_all(z, y);
-    if (z)
+    if (z) {
         lw_prescribed_motion_free(z->motion);
+        lw_system_free(&z->system);
+    }
     free(z);
     free(y);
     return s;

@@ -22,21 +22,21 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 {
     const lw_system *s = &d->s;
     int row = s->n_row;
-    lw_system_place(s, q, &d->frames);
+    lw_system_place(s, q, d->frames);
     for (int r = 0; r < d->n_c; r++)                 /* other entries are 0 since lw_mbs_arrange */
         for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++)
             memset(d->jac + r*d->n_q + 3*d->row_body[r][k], 0, 3*sizeof *d->jac);
-    lw_system_fill(s, &d->frames, d->phi, d->jac, d->n_q, 1);
+    lw_system_fill(s, d->frames, d->phi, d->jac, d->n_q, 1);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
                                 d->model->linkage.joint[s->input_joint[d->driven[i]]].name, t);
-        d->phi[row] = lw_system_count(s, &d->frames, s->input_joint[d->driven[i]], d->jac + row*d->n_q, 1) - motion[0];
+        d->phi[row] = lw_system_count(s, d->frames, s->input_joint[d->driven[i]], d->jac + row*d->n_q, 1) - motion[0];
     }
     for (int i = 0; i < d->n_resting; i++, row++) {
         const lw_rigid_stop *stop = &d->stop[d->resting[i]];
-        d->phi[row] = lw_system_count(s, &d->frames, stop->joint, d->jac + row*d->n_q, 1) - stop->limit;
+        d->phi[row] = lw_system_count(s, d->frames, stop->joint, d->jac + row*d->n_q, 1) - stop->limit;
     }
     return LW_OK;
 }
@@ -63,16 +63,16 @@ static joint_motion joint_motion_of(const lw_dynamics *d, const lw_system_joint 
     double w[2];
     for (int end = 0; end < 2; end++) {
         int b = j->body[end];
-        lw_vec2 r = lw_v2_turn(j->arm[end], d->frames.dir[b + 1]);
+        lw_vec2 r = lw_v2_turn(j->arm[end], d->frames[b + 1].dir);
         w[end] = b < 0 ? 0 : v[3*b + 2];
-        p[end] = lw_v2_add(d->frames.at[b + 1], r);
+        p[end] = lw_v2_add(d->frames[b + 1].at, r);
         dp[end] = lw_v2_add(b < 0 ? lw_v2(0, 0) : lw_v2(v[3*b], v[3*b + 1]), lw_v2_scale(lw_v2_perp(r), w[end]));
         ddp[end] = lw_v2_scale(r, -w[end]*w[end]);
     }
     z.d = lw_v2_sub(p[1], p[0]);
     z.dd = lw_v2_sub(dp[1], dp[0]);
     z.ddd = lw_v2_sub(ddp[1], ddp[0]);
-    z.u = lw_v2_turn(j->along, d->frames.dir[j->body[0] + 1]);
+    z.u = lw_v2_turn(j->along, d->frames[j->body[0] + 1].dir);
     z.du = lw_v2_scale(lw_v2_perp(z.u), w[0]);
     z.ddu = lw_v2_scale(z.u, -w[0]*w[0]);
     return z;

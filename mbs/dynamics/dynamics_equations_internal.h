@@ -47,7 +47,7 @@ struct lw_dynamics {
     unsigned char *near;                      /* (n_c*n_c) scratch for the pattern */
     int     row_body[LW_MBS_ROW_MAX][LW_SYSTEM_ROW_BODIES];
     /* at the posture last factored */
-    lw_system_frames frames;
+    lw_body_frame *frames;                    /* (n_body + 1) */
     double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c) */
     double *by_mass;                          /* (n_q) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
@@ -96,7 +96,8 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
                        double *power);
 
 /* Follow the motions of all driven inputs, which leave no freedom, from the posture of the file to where they begin at
- * d->o.from and on.  s becomes the system with these inputs only; it must outlive the motion. */
+ * d->o.from and on.  s becomes the system with these inputs only; it must outlive the motion, and needs
+ * lw_system_free. */
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e);
 
 /* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.

@@ -113,13 +113,13 @@ static int bends_of(const lw_dynamics *d, int r, bend out[8])
     int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
     if (side >= (point ? 2 : 1))
         return 0;
-    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames.dir[b0 + 1]), r1 = lw_v2_turn(j->arm[1], d->frames.dir[b1 + 1]);
+    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames[b0 + 1].dir), r1 = lw_v2_turn(j->arm[1], d->frames[b1 + 1].dir);
     if (point) {
         n = add_bend(out, n, b0, 2, b0, 2, side ? r0.y : r0.x);
         return add_bend(out, n, b1, 2, b1, 2, side ? -r1.y : -r1.x);
     }
-    lw_vec2 w = lw_v2_perp(lw_v2_turn(j->along, d->frames.dir[b0 + 1])), dw = lw_v2_perp(w);
-    lw_vec2 apart = lw_v2_sub(lw_v2_add(d->frames.at[b1 + 1], r1), lw_v2_add(d->frames.at[b0 + 1], r0));
+    lw_vec2 w = lw_v2_perp(lw_v2_turn(j->along, d->frames[b0 + 1].dir)), dw = lw_v2_perp(w);
+    lw_vec2 apart = lw_v2_sub(lw_v2_add(d->frames[b1 + 1].at, r1), lw_v2_add(d->frames[b0 + 1].at, r0));
     n = add_bend(out, n, b0, 2, b0, 2, -lw_v2_dot(w, r0) - lw_v2_dot(w, apart));
     n = add_bend(out, n, b1, 2, b1, 2, -lw_v2_dot(w, r1));
     n = add_bend(out, n, b0, 2, b1, 2, lw_v2_dot(w, r1));

@@ -42,7 +42,8 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
     d->pair = calloc((size_t)d->most_pair*LW_SYSTEM_ROW_BODIES, sizeof *d->pair);
     d->after = calloc(c*c + 1, sizeof *d->after);
     d->near = calloc(c*c + 1, 1);
-    if (!d->work || !d->rank_ints || !d->pair || !d->after || !d->near)
+    d->frames = calloc((size_t)d->s.n_body + 1, sizeof *d->frames);
+    if (!d->frames || !d->work || !d->rank_ints || !d->pair || !d->after || !d->near)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     all = 0;
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++) {
@@ -63,6 +64,9 @@ void lw_dynamics_free(lw_dynamics *d)
     free(d->pair);
     free(d->after);
     free(d->near);
+    free(d->frames);
+    lw_forces_free(&d->f);
+    lw_system_free(&d->s);
     free(d->reduced);
     free(d->rule);
     free(d);
@@ -150,18 +154,11 @@ static void driven_inputs(void *context, double t, int order, double *u)
 
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e)
 {
-    *s = d->s;
+    *out = NULL;
     if (d->s.n_tie && d->driven[0] != 0)
         return lw_error_set(e, LW_E_KIND, "inputs are tied to input 1, which needs a \"motion\"");
-    for (int i = 0; i < d->n_driven; i++) {
-        s->input_joint[i] = d->s.input_joint[d->driven[i]];
-        s->input_value[i] = d->s.input_value[d->driven[i]];
-    }
-    s->n_input = d->n_driven;
-    for (int i = 0; i < d->s.n_tie; i++) {
-        s->input_joint[s->n_input + i] = d->s.input_joint[d->s.n_input + i];
-        s->input_value[s->n_input + i] = d->s.input_value[d->s.n_input + i];
-    }
+    if (lw_system_choose_inputs(&d->s, d->driven, d->n_driven, s) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     return lw_prescribed_motion_create(s, driven_inputs, (void *)(uintptr_t)d, d->o.from, out, e);
 }
 
@@ -169,14 +166,12 @@ lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion
 static lw_status start_on_motion(lw_dynamics *d, double *q, lw_error *e)
 {
     lw_prescribed_motion *motion;
-    lw_system *system = malloc(sizeof *system);
-    if (!system)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status s = lw_mbs_follow(d, system, &motion, e);
+    lw_system system = { 0 };
+    lw_status s = lw_mbs_follow(d, &system, &motion, e);
     if (s == LW_OK)
         memcpy(q, lw_prescribed_motion_pose(motion), (size_t)d->n_q*sizeof *q);
     lw_prescribed_motion_free(motion);
-    free(system);
+    lw_system_free(&system);
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;
 }
 
@@ -308,10 +303,11 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         if (m->clearance[j].model > LW_CLEARANCE_ZERO)
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a clearance; \"linkwright clearance\" runs such models",
                                 m->linkage.joint[j].name);
-    lw_status s = lw_forces_system(m, &d->s, e);
+    lw_status s = lw_forces_system(m, false, &d->s, e);
+    if (s == LW_OK)
+        s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);
     if (s != LW_OK)
         return s;
-    lw_forces_make(m, &d->s, &d->o.force, &d->f);
     d->n_q = d->s.n_q;
     d->n_row = d->s.n_row;
     find_special_joints(d);

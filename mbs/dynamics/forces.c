@@ -2,6 +2,7 @@
 #include "mbs/dynamics/forces.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- making ------------------------------------------------------------------------------------ */
@@ -18,7 +19,7 @@ static void reach(lw_vec2 at, lw_vec2 box[2], bool *any)
 /* Size of the model, masses included [m]; 1 for a model without extent. */
 static double size_of_model(const lw_model *m)
 {
-    const lw_linkage *linkage = &m->linkage;
+    const lw_assembly *linkage = &m->linkage;
     lw_vec2 box[2];
     bool any = false;
     for (int j = 0; j < linkage->n_joint; j++)
@@ -31,19 +32,34 @@ static double size_of_model(const lw_model *m)
     return size > 0 ? size : 1;
 }
 
-lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e)
+/* Reference points of the links (n_link): centres of mass; of links without mass a joint. */
+static void find_centres(const lw_model *m, lw_vec2 *centre)
 {
-    const lw_linkage *linkage = &m->linkage;
-    lw_vec2 centre[LW_LINK_MAX] = { { 0, 0 } };
-    for (int l = 0; l < linkage->n_link; l++) {
+    const lw_assembly *linkage = &m->linkage;
+    for (int l = 0; l < linkage->n_link; l++)
         centre[l] = m->body[l].centre;
-        for (int j = 0; !(m->body[l].mass > 0) && j < linkage->n_joint; j++)
-            if (linkage->joint[j].link[0] == l || linkage->joint[j].link[1] == l) {
-                centre[l] = linkage->joint[j].at;
-                break;
-            }
-    }
-    return lw_system_make(linkage, centre, size_of_model(m), s, e);
+    for (int j = linkage->n_joint - 1; j >= 0; j--)
+        for (int end = 0; end < 2; end++)
+            if (!(m->body[linkage->joint[j].link[end]].mass > 0))
+                centre[linkage->joint[j].link[end]] = linkage->joint[j].at;
+}
+
+lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_error *e)
+{
+    const lw_assembly *linkage = &m->linkage;
+    memset(s, 0, sizeof *s);
+    if (!any_size && (linkage->n_link > LW_LINK_MAX || linkage->n_joint > LW_JOINT_MAX || linkage->n_input > LW_INPUT_MAX
+                      || linkage->n_tracer > LW_TRACER_MAX))
+        return lw_error_set(e, LW_E_KIND, "%d links and %d joints are too many for this analysis: at most %d and %d; only "
+                            "dynamic runs of \"linkwright simulate\" have no limit", linkage->n_link, linkage->n_joint,
+                            LW_LINK_MAX, LW_JOINT_MAX);
+    lw_vec2 *centre = malloc((size_t)linkage->n_link*sizeof *centre);
+    if (!centre)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    find_centres(m, centre);
+    lw_status status = lw_system_assemble(linkage, centre, size_of_model(m), s, e);
+    free(centre);
+    return status;
 }
 
 static void make_stops(lw_forces *f)
@@ -57,9 +73,24 @@ static void make_stops(lw_forces *f)
     }
 }
 
-void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f)
+lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f, lw_error *e)
 {
+    size_t n = (size_t)s->n_q, springs = (size_t)m->n_spring, forces = (size_t)m->n_force;
     *f = (lw_forces){ .model = m, .system = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
+    size_t calls = caller && caller->apply ? 1 : 0, links = calls*(size_t)m->linkage.n_link;
+    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1, sizeof *f->memory);
+    f->stop_joint = calloc((size_t)s->n_joint + 1, sizeof *f->stop_joint);
+    f->caller_link = calloc(links + 1, sizeof *f->caller_link);
+    f->caller_load = calloc(links + 1, sizeof *f->caller_load);
+    if (!f->memory || !f->stop_joint || !f->caller_link || !f->caller_load) {
+        lw_forces_free(f);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    f->mass = f->memory;
+    f->weight = f->mass + n;
+    f->spring_arm = (lw_vec2 (*)[2])(void *)(f->weight + n);
+    f->force_arm = (lw_vec2 *)(void *)(f->weight + n + 4*springs);
+    f->caller_x = f->weight + n + 4*springs + 2*forces;
     for (int b = 0; b < s->n_body; b++) {
         const lw_body *body = &m->body[s->link[b]];
         f->mass[3*b] = f->mass[3*b + 1] = body->mass*s->unit*s->unit;
@@ -83,6 +114,16 @@ void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force
         f->conservative = false;
         f->any_state = true;
     }
+    return LW_OK;
+}
+
+void lw_forces_free(lw_forces *f)
+{
+    free(f->memory);
+    free(f->stop_joint);
+    free(f->caller_link);
+    free(f->caller_load);
+    memset(f, 0, sizeof *f);
 }
 
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3])
@@ -215,8 +256,8 @@ static void measure_of(const lw_forces *f, int variable, const double *q, const 
                        bool *rate)
 {
     const lw_system *s = f->system;
-    lw_quantity what = (lw_quantity)(variable/64);
-    int i = variable%64;
+    lw_quantity what = lw_variable_quantity(variable);
+    int i = lw_variable_index(variable);
     *rate = what == LW_QUANTITY_V || what == LW_QUANTITY_VX || what == LW_QUANTITY_VY || what == LW_QUANTITY_OMEGA;
     switch (what) {
     case LW_QUANTITY_Q: case LW_QUANTITY_V:
@@ -308,9 +349,10 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
 static double add_caller(const lw_forces *f, double t, const double *q, const double *v, double *force)
 {
     const lw_system *s = f->system;
-    lw_link_motion link[LW_LINK_MAX] = { 0 };
-    lw_link_load load[LW_LINK_MAX] = { 0 };
+    lw_link_motion *link = f->caller_link;
+    lw_link_load *load = f->caller_load;
     double power = 0;
+    memset(load, 0, (size_t)f->model->linkage.n_link*sizeof *load);
     for (int b = 0; b < s->n_body; b++)
         link[s->link[b]] = (lw_link_motion){ lw_system_point(s, b, lw_v2(0, 0), q),
                                              lw_v2_scale(lw_v2(v[3*b], v[3*b + 1]), s->unit), q[3*b + 2], v[3*b + 2] };
@@ -330,15 +372,14 @@ static double add_caller(const lw_forces *f, double t, const double *q, const do
 static void add_caller_derivatives(const lw_forces *f, double t, const double *q, const double *v, bool by_rate,
                                    double *out)
 {
-    enum { N = LW_SYSTEM_Q_MAX };
     const double step = 1e-6;                /* the error is about its square */
-    double x[N], side[2][N];
     int n = f->system->n_q;
+    double *x = f->caller_x, *side[2] = { x + n, x + 2*n };
     memcpy(x, by_rate ? v : q, (size_t)n*sizeof *x);
     for (int column = 0; column < n; column++) {
         double middle = x[column];
         for (int k = 0; k < 2; k++) {
-            memset(side[k], 0, sizeof side[k]);
+            memset(side[k], 0, (size_t)n*sizeof *side[k]);
             x[column] = middle + (k ? step : -step);
             add_caller(f, t, by_rate ? q : x, by_rate ? x : v, side[k]);
         }
@@ -391,7 +432,6 @@ double lw_forces_kinetic(const lw_forces *f, const double *v)
 
 double lw_forces_potential(const lw_forces *f, const double *q)
 {
-    static const double still[LW_SYSTEM_Q_MAX];
     const lw_system *s = f->system;
     const lw_model *m = f->model;
     lw_measure l;
@@ -403,19 +443,19 @@ double lw_forces_potential(const lw_forces *f, const double *q)
         int body[2] = { s->body[p->link[0]], s->body[p->link[1]] };
         if (p->law)
             continue;
-        lw_measure_length(s, body, f->spring_arm[i], q, still, false, &l);
+        lw_measure_length(s, body, f->spring_arm[i], q, q, false, &l);
         energy += 0.5*p->stiffness*(l.value - p->free)*(l.value - p->free);
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
         if (p->law)
             continue;
-        lw_measure_joint(s, p->joint, q, still, false, &l);
+        lw_measure_joint(s, p->joint, q, q, false, &l);
         energy += 0.5*p->stiffness*(l.value - p->free)*(l.value - p->free);
     }
     for (int i = 0; i < f->n_stop; i++) {
         const lw_joint_stop *p = &m->stop[f->stop_joint[i]];
-        lw_measure_joint(s, f->stop_joint[i], q, still, false, &l);
+        lw_measure_joint(s, f->stop_joint[i], q, q, false, &l);
         double in = depth(p, l.value, &sense);
         energy += 0.5*p->stiffness*in*in;
     }

@@ -17,21 +17,28 @@
 typedef struct lw_forces {
     const lw_model  *model;                 /* the caller's; must outlive this */
     const lw_system *system;
-    double  mass[LW_SYSTEM_Q_MAX];          /* diagonal [kg m^2] */
-    double  weight[LW_SYSTEM_Q_MAX];        /* generalised force of gravity [J] */
-    lw_vec2 spring_arm[LW_LOAD_MAX][2];     /* ends of springs, points of forces, in the frames of their links */
-    lw_vec2 force_arm[LW_LOAD_MAX];
-    int     n_stop, stop_joint[LW_JOINT_MAX];   /* compliant stops */
+    double  *mass;                          /* (n_q) diagonal [kg m^2] */
+    double  *weight;                        /* (n_q) generalised force of gravity [J] */
+    lw_vec2 (*spring_arm)[2];               /* ends of springs, points of forces, in the frames of their links */
+    lw_vec2 *force_arm;
+    int      n_stop, *stop_joint;           /* compliant stops */
     bool    conservative;                   /* gravity, springs without damping, compliant stops */
     bool    any_state;                      /* loads other than gravity */
     lw_caller_force caller;                 /* apply NULL: none */
+    lw_link_motion *caller_link;            /* (n_link) scratch for the caller's forces, */
+    lw_link_load   *caller_load;
+    double         *caller_x;               /* (3 n_q) and for their derivatives: two threads need two lw_forces */
+    double  *memory;                        /* of the arrays of numbers */
 } lw_forces;
 
-/* The system of a model with reference points in the centres of mass, as lw_forces needs it. */
-lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e);
+/* The system of a model with reference points in the centres of mass, as lw_forces needs it.  any_size false: LW_E_KIND
+ * when the model has more parts than a linkage holds (grammar/linkage.h).  s needs lw_system_free. */
+lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_error *e);
 
-/* caller: forces of the caller's own; NULL or apply NULL: none. */
-void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f);
+/* caller: forces of the caller's own; NULL or apply NULL: none.  f needs lw_forces_free. */
+lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f,
+                         lw_error *e);
+void      lw_forces_free(lw_forces *f);
 
 /* Generalised forces (n_q) of all loads but friction [J].  dq, dv (n_q x n_q, entry [i*n_q + j] is dforce_i/dq_j)
  * may be NULL.  *power: power of the forces without potential (dampers, motors, applied forces, laws, the caller's)

@@ -29,6 +29,7 @@ typedef struct lw_dyad_step {
 } lw_dyad_step;
 
 #define LW_CHANGE_POINT_MAX   32
+#define LW_REDUCED_LOAD_MAX   64       /* springs; forces: models with more take another formulation */
 #define LW_BRIDGE_SIZE 12             /* coefficients of a polynomial over a change point */
 
 /* Angles of the links of a dyad near a change point: polynomials of (input - at)/reach. */
@@ -59,7 +60,7 @@ struct lw_reduced {
     int        n_mass, n_pivot;
     lw_mass_point mass[LW_LINK_MAX];
     lw_end_point  centre[LW_LINK_MAX];        /* of body b */
-    lw_end_point  end[LW_LOAD_MAX][2], point[LW_LOAD_MAX];
+    lw_end_point  end[LW_REDUCED_LOAD_MAX][2], point[LW_REDUCED_LOAD_MAX];
     double     dir0[LW_LINK_MAX];             /* angle of each body's link in the posture */
     const lw_model *model;
     /* Change points: change[i] lies between pieces i and i + 1, which have their own modes.  period 0: none. */

@@ -43,7 +43,7 @@ static lw_status look_at_loads(const lw_dynamics *d, char *why)
 }
 
 /* Candidate n for the input joint: the input of the file first, then joints at the ground in the order of the file. */
-static int candidate(const lw_linkage *linkage, int n)
+static int candidate(const lw_assembly *linkage, int n)
 {
     int input = linkage->n_input ? linkage->input[0].joint : -1;
     if (n == 0 && input >= 0)
@@ -77,13 +77,16 @@ static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
     lw_error e;
     lw_plan_options plan_options = { .all_joints = true };
     bool fits = false;
+    if (d->model->n_spring > LW_REDUCED_LOAD_MAX || d->model->n_force > LW_REDUCED_LOAD_MAX)
+        return no(why, "more springs or forces than it holds");
     if (d->s.n_tie > 0)
         return no(why, "inputs that are tied to the first");
     for (int n = 0, joint; (joint = candidate(&d->model->linkage, n)) >= 0; n++) {
         if (!loads_fit(d->model, joint))
             continue;
         fits = true;
-        r->linkage = d->model->linkage;
+        if (lw_assembly_linkage(&d->model->linkage, &r->linkage, &e) != LW_OK)
+            return no(why, "more links than a plan holds");
         lw_system_write(&d->s, d->start_q, &r->linkage);
         r->linkage.n_input = 1;
         r->linkage.input[0] = (lw_input){ .joint = joint };

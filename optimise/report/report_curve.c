@@ -121,7 +121,7 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
     enum { PATIENCE = 100 };                             /* random postures without a new circuit     */
     const lw_motion_curve_options o = { .input = 0 };
     lw_circuits all = { .n = 0 };
-    work *w = malloc(sizeof *w);
+    work *w = calloc(1, sizeof *w);
     if (w && lw_system_make(&r->linkage, NULL, 0, &w->s, NULL) == LW_OK
         && lw_circuits_find(&w->s, &o, PATIENCE, 1, NULL, &all, NULL) == LW_OK) {
         w->k = r->linkage;
@@ -134,5 +134,7 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
     lw_circuits_free(&all);
     if (w && !(r->turns && plan->input_turns_per_period == 1))
         lw_motion_limits_run(plan, s, c->dim, c->intended.mode, from, to, STEPS, limits);
+    if (w)
+        lw_system_free(&w->s);
     free(w);
 }

@@ -272,6 +272,7 @@ void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, 
         followed = followed && add_samples(v, at);
     lw_newton_free(v->newton);
     lw_motion_curve_free(v->curve);
+    lw_system_free(&v->system);
     judge(v, followed);
     free(v);
 }

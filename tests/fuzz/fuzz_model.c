@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
         return 0;
     }
-    demand(lw_linkage_check(&m.linkage, &e) == LW_OK);
+    demand(lw_assembly_check(&m.linkage, &e) == LW_OK);
     for (int i = 0; i < m.linkage.n_link; i++)
         demand(m.body[i].mass >= 0 && m.body[i].inertia >= 0 && isfinite(m.body[i].mass));
     for (int i = 0; i < m.n_spring; i++)
