@@ -75,16 +75,13 @@ static lw_status check_names(const name_list *list, int *bad, lw_error *e)
 
 static lw_status check_counts(const lw_assembly *k, lw_error *e)
 {
-    const struct { const char *what; int n, least, most; } count[] = {
-        { "links",   k->n_link,   2, LW_PART_MAX },
-        { "joints",  k->n_joint,  1, LW_PART_MAX },
-        { "inputs",  k->n_input,  0, LW_PART_MAX },
-        { "tracers", k->n_tracer, 0, LW_PART_MAX },
+    const struct { const char *what; int n, least; } count[] = {
+        { "links", k->n_link, 2 }, { "joints", k->n_joint, 1 }, { "inputs", k->n_input, 0 }, { "tracers", k->n_tracer, 0 },
     };
     for (size_t i = 0; i < sizeof count/sizeof *count; i++)
-        if (count[i].n < count[i].least || count[i].n > count[i].most)
-            return lw_error_set(e, LW_E_ARG, "a linkage has %d to %d %s, this one has %d", count[i].least,
-                                count[i].most, count[i].what, count[i].n);
+        if (count[i].n < count[i].least || count[i].n > LW_PART_MAX)
+            return lw_error_set(e, LW_E_ARG, "a linkage has at least %d %s, this one has %d", count[i].least, count[i].what,
+                                count[i].n);
     if (!in_range(k->ground, k->n_link))
         return lw_error_set(e, LW_E_ARG, "the ground is link number %d, which does not exist", k->ground);
     if (!(k->units.metre > 0 && isfinite(k->units.metre) && k->units.radian > 0 && isfinite(k->units.radian)))

@@ -127,7 +127,7 @@ static void every_fault_is_named(void)
         { pin_with_direction, "\"J3\" of kind 'r' has no direction" },
         { pin_with_ratio, "\"J3\" of kind 'r' has no ratio" },
         { gear_without_ratio, "\"J3\" is a gear" }, { no_ground, "the ground is link number 4" },
-        { too_many_links, "2 to 32 links" }, { no_joints, "1 to 64 joints" },
+        { too_many_links, "at most 32 links" }, { no_joints, "at least 1 joints" },
         { loose_link, "ties link \"lost\"" }, { loose_pair, "ties link \"lost\"" },
         { input_at_no_joint, "joint number 4" }, { input_at_slot, "\"J5\" of kind 'p' cannot be driven" },
         { input_twice, "\"J1\" is driven twice" }, { input_nan, "\"J1\" has a number that is not finite" },

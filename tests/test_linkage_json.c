@@ -377,7 +377,7 @@ static void what_is_no_json(void)
         { "{\"a\": \"b\\u0000c\"}", 1, "not JSON" }, { "{\"a\": \"\xff\"}", 1, "decode byte" },
         { "[]", 1, "an object { ... } is expected" }, { "null", 1, "'[' or '{' expected" },
         { "{\"linkwright\": 1}", 1, "\"joints\" is missing" },
-        { "{\"linkwright\": 1, \"joints\": []}", 1, "list of 1 to 64" },
+        { "{\"linkwright\": 1, \"joints\": []}", 1, "list of at least 1" },
         { "{\"linkwright\": 1, \"joints\": [{\"name\":\"A\",\"links\":[\"a\",\"b\"],\"at\":[0,0]}]}", 1,
           "\"ground\" is missing" },
     };
@@ -418,13 +418,13 @@ static void too_many_of_everything(void)
         n += sprintf(text + n, "%s{\"name\":\"J%d\",\"links\":[\"ground\",\"l%d\"],\"at\":[0,0]}", i ? "," : "", i, i);
     sprintf(text + n, "]}");
     CHECK_INT(read(text, &k, &e), LW_E_NOTATION);
-    CHECK_HAS(e.text, "joints[31].links[1]: this is link number 33");
+    CHECK_HAS(e.text, "41 links, 40 joints, 0 inputs and 0 tracers are too many here: at most 32, 64, 8 and 16");
     n = sprintf(text, "{\"linkwright\":1,\"joints\":[");
     for (int i = 0; i < 65; i++)
         n += sprintf(text + n, "%s{\"name\":\"J%d\",\"links\":[\"ground\",\"l\"],\"at\":[0,0]}", i ? "," : "", i);
     sprintf(text + n, "]}");
     CHECK_INT(read(text, &k, &e), LW_E_NOTATION);
-    CHECK_HAS(e.text, "list of 1 to 64 is expected here, this one has 65");
+    CHECK_HAS(e.text, "2 links, 65 joints");
     memset(text, '[', 99999);
     text[99999] = '\0';
     CHECK_INT(read(text, &k, &e), LW_E_NOTATION);

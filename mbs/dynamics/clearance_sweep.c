@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "base/parallel.h"
 #include "mbs/dynamics/limits_internal.h"
 
