@@ -496,7 +496,7 @@ LW_API lw_status lw_model_create(const lw_linkage *linkage, lw_model **out);
 LW_API lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error);
 LW_API lw_status lw_model_load(const char *path, lw_model **out, lw_error *error);
 LW_API void      lw_model_destroy(lw_model *model);
-LW_API const lw_linkage *lw_model_linkage(const lw_model *model);      /* belongs to the model                   */
+LW_API const lw_linkage *lw_model_linkage(const lw_model *model);      /* belongs to the model; NULL: too large    */
 
 /* Move an input by an expression of t: "0.5 + 10*t" [rad] or [m].  LW_E_NOTATION with the column. */
 LW_API lw_status lw_model_drive(lw_model *model, int input, const char *motion, lw_error *error);
