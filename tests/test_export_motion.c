@@ -16,7 +16,7 @@ static void a_curve_comes_back_as_target(void)
         lw_target t;
         lw_error e = { 0 };
         CHECK_INT(lw_export_svg(&k, &b, &e), LW_OK);
-        lw_target_options drawn = { .closed = -1, .stations = -1 };
+        lw_target_options drawn = { .closed = -1, .curve = "1", .stations = -1 };
         CHECK_INT(lw_target_read_svg(b.data, b.size, "t", &drawn, &t, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);

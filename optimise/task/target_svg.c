@@ -24,8 +24,9 @@ typedef lw_affine matrix;
     X(D, "d") X(POINTS, "points") X(TRANSFORM, "transform") X(ORIGIN, "transform-origin") X(WIDTH, "width") \
     X(HEIGHT, "height") X(VIEW, "viewBox") X(ASPECT, "preserveAspectRatio") X(X, "x") X(Y, "y") X(X1, "x1") \
     X(Y1, "y1") X(X2, "x2") X(Y2, "y2") X(CX, "cx") X(CY, "cy") X(R, "r") X(RX, "rx") X(RY, "ry") X(ID, "id") \
-    X(LABEL, "inkscape:label") X(VERSION, "inkscape:version") X(STYLE, "style") X(DISPLAY, "display") \
-    X(VISIBILITY, "visibility") X(CLASS, "class") X(HREF, "href") X(XLINK, "xlink:href")
+    X(LABEL, "inkscape:label") X(DATA_NAME, "data-name") X(TRACER, "data-tracer") X(VERSION, "inkscape:version") \
+    X(STYLE, "style") X(DISPLAY, "display") X(VISIBILITY, "visibility") X(CLASS, "class") X(HREF, "href") \
+    X(XLINK, "xlink:href")
 enum {
 #define X(key, name) ATTRIBUTE_##key,
     ATTRIBUTES(X)
@@ -666,6 +667,13 @@ static bool is_hidden(const reader *r, const element *el)
 
 /* ---- shapes --------------------------------------------------------------------------------------------------- */
 
+/* The attribute with the name that a person gave an element: by Inkscape, Illustrator, or our own export. */
+static int label_of(const element *el)
+{
+    return given(el, ATTRIBUTE_LABEL) ? ATTRIBUTE_LABEL : given(el, ATTRIBUTE_DATA_NAME) ? ATTRIBUTE_DATA_NAME
+         : ATTRIBUTE_TRACER;
+}
+
 /* Draw a rectangle with rounded corners as a path does (SVG 1.1, 9.2). */
 static lw_status draw_rect(const element *el, pen *p)
 {
@@ -734,7 +742,7 @@ static lw_status draw(reader *r, const element *el, const level *in)
 {
     char name[48], label[48];
     copy_value(el, ATTRIBUTE_ID, name, sizeof name);
-    copy_value(el, ATTRIBUTE_LABEL, label, sizeof label);
+    copy_value(el, label_of(el), label, sizeof label);
     pen p = { .out = &r->out, .m = in->m, .name = name, .label = label, .group = in->group };
     lw_cursor d = el->value[ATTRIBUTE_D], points = el->value[ATTRIBUTE_POINTS];
     bool polygon = strcmp(el->name, "polygon") == 0;
@@ -822,8 +830,8 @@ static lw_status open_level(reader *r, const element *el, bool root, level *l)
     if (s == LW_OK && !root && strcmp(el->name, "svg") == 0)
         s = enter_inner(el, &l->m);
     l->hidden = l->hidden || is_hidden(r, el);
-    if (strcmp(el->name, "g") == 0 && (given(el, ATTRIBUTE_LABEL) || given(el, ATTRIBUTE_ID)))
-        copy_value(el, given(el, ATTRIBUTE_LABEL) ? ATTRIBUTE_LABEL : ATTRIBUTE_ID, l->group, sizeof l->group);
+    if (strcmp(el->name, "g") == 0 && (given(el, label_of(el)) || given(el, ATTRIBUTE_ID)))
+        copy_value(el, given(el, label_of(el)) ? label_of(el) : ATTRIBUTE_ID, l->group, sizeof l->group);
     return s;
 }
 

@@ -27,7 +27,7 @@ class Target:
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike], **options) -> "Target":
-        """From CSV, SVG or DXF.  Options: closed (1, 0, -1), length_unit, angle_unit."""
+        """From CSV, SVG or DXF.  Options: closed (1, 0, -1), length_unit, angle_unit, curve, stations, smooth."""
         keep, out, error = [], ffi.new("lw_target **"), new_error()
         what = fill(ffi.new("lw_target_options *", {"closed": -1}), options, keep)
         check(lib.lw_target_load(os.fsencode(path), what, out, error), error)
@@ -37,6 +37,11 @@ class Target:
 
     def __len__(self):
         return lib.lw_target_n(self._handle)
+
+    @property
+    def note(self) -> str:
+        """What was assumed when it was read: the curve of a drawing, a unit, how far smoothing moved the points."""
+        return ffi.string(lib.lw_target_note(self._handle)).decode()
 
     @property
     def closed(self) -> bool:
