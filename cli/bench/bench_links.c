@@ -133,7 +133,7 @@ static void print_means(const outcome *out, int n, FILE *f)
 
 static lw_status save_csv(const cli_bench *b, const outcome *out, const char *folder, lw_error *e)
 {
-    char path[1024];
+    char path[CLI_PATH_SIZE];
     lw_output o;
     snprintf(path, sizeof path, "%s/links.csv", folder);
     lw_status st = lw_output_open(&o, path, e);
@@ -154,7 +154,7 @@ static lw_status save_plot(const cli_bench_problem *p, const outcome *out, const
 {
     double x[POINT_MAX], y[POINT_MAX];
     lw_series series[LW_STAGE_MAX];
-    char name[LW_STAGE_MAX][32], path[1024];
+    char name[LW_STAGE_MAX][32], path[CLI_PATH_SIZE];
     lw_plot plot = { .title = p->name, .x_label = "seconds", .y_label = "error: sum of squared distances",
                      .log_x = true, .log_y = true, .series = series };
     for (int k = 0, at = 0; k < out->n; k++) {

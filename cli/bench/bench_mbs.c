@@ -116,7 +116,7 @@ static lw_status read_line(char *line, cli_mbs_reference *r, int *capacity)
 
 static lw_status read_reference(const char *name, cli_mbs_reference *r, lw_error *e)
 {
-    char file[128], path[1024], *text = NULL, *line;
+    char file[128], path[CLI_PATH_SIZE], *text = NULL, *line;
     size_t size;
     int capacity = 64, number = 0;
     snprintf(file, sizeof file, "mbs/%s.csv", name);
@@ -139,7 +139,7 @@ static lw_status read_reference(const char *name, cli_mbs_reference *r, lw_error
 
 static lw_status read_model(const char *name, lw_model *m, lw_error *e)
 {
-    char file[128], path[1024], *text = NULL;
+    char file[128], path[CLI_PATH_SIZE], *text = NULL;
     size_t size;
     snprintf(file, sizeof file, "mbs/%s.json", name);
     cli_data_path(file, path, sizeof path);

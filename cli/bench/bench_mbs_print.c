@@ -108,7 +108,7 @@ static void csv_number(FILE *f, double v)
 
 static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
 {
-    char path[1024];
+    char path[CLI_PATH_SIZE];
     lw_output o;
     snprintf(path, sizeof path, "%s/mbs.csv", folder);
     lw_status st = lw_output_open(&o, path, e);
@@ -136,7 +136,7 @@ static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
 /* Save the plot of error over seconds, with a line for each solver. */
 static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *numbers, const char *folder, lw_error *e)
 {
-    char path[1024], label[128];
+    char path[CLI_PATH_SIZE], label[128];
     lw_series series[LW_SERIES_MAX];
     lw_plot plot = { .title = p->title, .x_label = "seconds", .y_label = label, .log_x = true, .log_y = true,
                      .series = series };

@@ -163,7 +163,7 @@ void cli_bench_tables(const cli_bench *b, FILE *f)
 static lw_status open_csv(const cli_bench *b, const char *line, const char *folder, const char *name,
                           lw_output *o, lw_error *e)
 {
-    char path[1024];
+    char path[CLI_PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     lw_status st = lw_output_open(o, path, e);
     if (st == LW_OK)
@@ -272,7 +272,7 @@ static void add_levels(const cli_bench_figures *k, range r, labels *l)
 static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, double *numbers,
                            const char *folder, lw_error *e)
 {
-    char path[1024], title[192], bounds[96];
+    char path[CLI_PATH_SIZE], title[192], bounds[96];
     lw_series series[LW_SERIES_MAX];
     labels l;
     range r = range_of(b, p);

@@ -58,7 +58,7 @@ static lw_status add(const char *folder, const char *file, const cli_bench_figur
                      cli_bench_problem **list, int *n, lw_error *e)
 {
     static const lw_target_options by_file = { .closed = -1 };
-    char path[2048];
+    char path[CLI_PATH_SIZE];
     cli_bench_problem *more = realloc(*list, sizeof **list*(size_t)(*n + 1));
     if (!more)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -102,7 +102,7 @@ static int other_csv(const struct dirent *d)
 
 static bool is_there(const char *folder, const char *file)
 {
-    char path[2048];
+    char path[CLI_PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s.csv", folder, file);
     return access(path, F_OK) == 0;
 }

@@ -96,7 +96,7 @@ static int check_table(const cli_call *call)
     table_check c = { .call = call };
     lw_published_table table = { 0 };
     lw_error e = { 0 };
-    char path[4096];
+    char path[CLI_PATH_SIZE];
     if (call->parsed.n_word > 1)
         snprintf(path, sizeof path, "%s", call->parsed.word[1]);
     else
@@ -172,7 +172,7 @@ static int check_store(const cli_call *call, lw_store *store)
     lw_published_table table = { 0 };
     lw_error e = { 0 };
     uint64_t n_chain, n_open;
-    char path[4096];
+    char path[CLI_PATH_SIZE];
     lw_status s = lw_build_check(store, &control, &n_chain, &n_open, &e);
     if (s == LW_OK)
         s = cli_open(call, &c.out, &e);

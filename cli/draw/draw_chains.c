@@ -82,7 +82,7 @@ static void page_path(const press *p, size_t number, char *out, size_t size)
 
 static lw_status write_page(press *p, const lw_drawing *d, size_t number, lw_error *e)
 {
-    char path[4096];
+    char path[CLI_PATH_SIZE];
     lw_bytes b;
     page_path(p, number, path, sizeof path);
     if (cli_may_write(p->call, path) != CLI_DONE)
@@ -223,7 +223,7 @@ int cli_draw_chains(const cli_call *call, const char *file, lw_draw_kind kind)
         return cli_usage(call, "a chain has no dimensions and does not move: svg, pdf or png");
     int code = CLI_DONE;
     if (p.s->each && call->common.output) {
-        char path[4096];
+        char path[CLI_PATH_SIZE];
         page_path(&p, 1, path, sizeof path);
         if ((code = cli_may_write(call, path)) != CLI_DONE)
             return code;

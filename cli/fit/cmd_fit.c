@@ -573,7 +573,7 @@ static int fit_all(const cli_call *call)
     code = fit_targets(call, set, &done);
     print(call, set, done, &o);
     if (wants_json(call) && done > 0)
-        code = cli_close(call, &o, code);
+        code = cli_close_marked(call, &o, code);
     else if (wants_json(call))
         lw_output_abandon(&o);
     if (done > 0)

@@ -251,7 +251,7 @@ static lw_status print_dataset(const lw_linkage *k, FILE *f, lw_error *e)
 
 static lw_status save_bytes(const job *b, const char *name, const char *end, const lw_bytes *bytes, lw_error *e)
 {
-    char path[1024];
+    char path[CLI_PATH_SIZE];
     snprintf(path, sizeof path, "%s/%s%s", b->s->save, name, end);
     return lw_file_write(path, bytes->data, bytes->size, e);
 }

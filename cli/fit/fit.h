@@ -14,10 +14,12 @@ typedef struct cli_fit_start {
     lw_linkage *linkage;           /* (n) owned */
 } cli_fit_start;
 
+#define CLI_FIT_NAME_SIZE 256     /* of the last part of a path: NAME_MAX + 1                       */
+
 /* One target with its ranked, verified results. */
 typedef struct cli_fit_set {
     const char *path;             /* of the target's file                                          */
-    char        name[64];         /* its last part without ".csv"                                  */
+    char        name[CLI_FIT_NAME_SIZE];   /* its last part without ".csv"                         */
     lw_target   target;
     lw_fit_spec spec;
     bool        has_task_file;        /* the target is a task file                                     */

@@ -388,7 +388,9 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     cli_json_int(&j, "local_fits", s->search.found.fit.improved);
     cli_json_int(&j, "evaluations", s->search.found.fit.evals);
     cli_json_real(&j, "seconds", s->search.found.fit.seconds);
-    cli_json_text(&j, "stop", lw_stop_text(s->search.found.fit.stop));
+    lw_stop stop = s->search.found.fit.stop;
+    cli_json_bool(&j, "complete", stop != LW_STOP_TIME && stop != LW_STOP_USER);
+    cli_json_text(&j, "stop", lw_stop_text(stop));
     cli_json_end(&j);
 }
 

@@ -10,7 +10,7 @@
 int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
 {
     static const char *const end[] = { "svg", "png", "gif" };
-    char name[64], other[64];
+    char name[CLI_FIT_NAME_SIZE], other[CLI_FIT_NAME_SIZE];
     int code = cli_make_folder(call, folder);
     if (code == CLI_DONE)
         code = cli_may_write_in(call, folder, "index.html");
@@ -32,7 +32,7 @@ int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
 
 static lw_status make_scene(const cli_fit_set *s, int i, lw_scene *scene, lw_error *e)
 {
-    char title[128];
+    char title[CLI_FIT_NAME_SIZE + 128];
     lw_scene_options o = lw_scene_options_default();
     const lw_candidate *c = cli_fit_candidate(s, i);
     snprintf(title, sizeof title, "%s: %s", s->name, lw_family_title(c->family));
@@ -42,7 +42,7 @@ static lw_status make_scene(const cli_fit_set *s, int i, lw_scene *scene, lw_err
 
 static lw_status save_linkage(const cli_fit_set *s, int i, const char *folder, lw_error *e)
 {
-    char path[1024];
+    char path[CLI_PATH_SIZE];
     char *text = lw_linkage_write(&s->search.results.report[i].linkage, 1);
     if (!text)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the text of a linkage");
@@ -67,7 +67,7 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a picture");
     st = make_scene(s, 0, scene, e);
     for (size_t k = 0; k < sizeof kinds/sizeof *kinds && st == LW_OK; k++) {
-        char path[1024];
+        char path[CLI_PATH_SIZE];
         snprintf(path, sizeof path, "%s/%s.%s", folder, s->name, kinds[k].end);
         st = lw_draw_save(scene, kinds[k].kind, path, 0, 0, e);
     }
@@ -81,7 +81,7 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
 typedef struct sheet {
     lw_scene       *scene;                         /* one for each result, as the following            */
     lw_page_result *result;
-    char          (*class_name)[128], (*file)[128], about[160];
+    char          (*class_name)[128], (*file)[CLI_FIT_NAME_SIZE + 24], about[160];
     int             n;
 } sheet;
 
@@ -127,7 +127,7 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
     sheet *h = calloc((size_t)n_set + 1, sizeof *h);
     lw_page_target *t = calloc((size_t)n_set + 1, sizeof *t);
     lw_bytes bytes = { 0 };
-    char path[1024];
+    char path[CLI_PATH_SIZE];
     int n = 0;
     lw_status st = h && t ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory");
     for (int i = 0; i < n_set && st == LW_OK; i++)

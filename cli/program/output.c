@@ -156,7 +156,7 @@ int cli_may_write(const cli_call *call, const char *path)
 /* Do two paths name the same file, which may not exist yet? */
 static bool same_place(const char *a, const char *b)
 {
-    char folder[2][PATH_MAX], real[2][PATH_MAX];
+    char folder[2][LW_PATH_SIZE], real[2][PATH_MAX];
     const char *path[2] = { a, b }, *name[2];
     struct stat st[2];
     bool there[2] = { stat(a, &st[0]) == 0, stat(b, &st[1]) == 0 };
@@ -164,7 +164,7 @@ static bool same_place(const char *a, const char *b)
         return there[0] && there[1] && S_ISREG(st[0].st_mode) && is_same(&st[0], &st[1]);
     for (int i = 0; i < 2; i++) {
         const char *slash = strrchr(path[i], '/');
-        snprintf(folder[i], PATH_MAX, "%.*s", slash ? (int)(slash - path[i]) + 1 : 1, slash ? path[i] : ".");
+        snprintf(folder[i], LW_PATH_SIZE, "%.*s", slash ? (int)(slash - path[i]) + 1 : 1, slash ? path[i] : ".");
         name[i] = slash ? slash + 1 : path[i];
         if (!realpath(folder[i], real[i]))
             return false;
@@ -174,13 +174,15 @@ static bool same_place(const char *a, const char *b)
 
 int cli_may_write_in(const cli_call *call, const char *folder, const char *format, ...)
 {
-    char path[PATH_MAX];
-    int n = snprintf(path, sizeof path, "%s/", folder);
+    char path[CLI_PATH_SIZE];
+    size_t n = (size_t)snprintf(path, sizeof path, "%s/", folder);
     va_list arg;
     va_start(arg, format);
-    if (n < PATH_MAX)
-        vsnprintf(path + n, sizeof path - (size_t)n, format, arg);
+    if (n < sizeof path)
+        n += (size_t)vsnprintf(path + n, sizeof path - n, format, arg);
     va_end(arg);
+    if (n >= LW_PATH_SIZE)
+        return cli_usage(call, "%s: the names of files in this folder become too long; choose a shorter one", folder);
     if (call->common.output && same_place(path, call->common.output))
         return cli_usage(call, "-o %s is also one of the files that go into the folder %s; name another file",
                          call->common.output, folder);
@@ -225,9 +227,9 @@ int cli_check_outputs(const cli_call *call)
 
 int cli_make_folder(const cli_call *call, const char *folder)
 {
-    char path[PATH_MAX];
+    char path[LW_PATH_SIZE];
     lw_error e = { 0 };
-    int error = 0;
+    int error = strlen(folder) < sizeof path ? 0 : ENAMETOOLONG;
     snprintf(path, sizeof path, "%s", folder);
     for (char *at = path + 1; !error; at++) {
         char end = *at;

@@ -32,6 +32,9 @@ int cli_may_write_in(const cli_call *call, const char *folder, const char *forma
  * command runs. */
 int cli_check_outputs(const cli_call *call);
 
+/* Room for a path in a folder that cli_make_folder made, or of data: a name in it has at most 400 bytes. */
+#define CLI_PATH_SIZE (LW_PATH_SIZE + 400)
+
 /* Make the folder and those above it. CLI_BAD_INPUT with a message: this failed, or the folder cannot be written. */
 int cli_make_folder(const cli_call *call, const char *folder);
 

@@ -86,24 +86,25 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
 }
 
 /* Path of a file named in a task: relative to the task's folder, unless the name is absolute. */
-static void beside(const char *path, const char *name, char *out, size_t size)
+static lw_status beside(const char *path, const char *name, char out[LW_PATH_SIZE], lw_error *e)
 {
     const char *slash = strrchr(path, '/');
     int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
-    snprintf(out, size, "%.*s%s", folder, path, name);
+    return snprintf(out, LW_PATH_SIZE, "%.*s%s", folder, path, name) < LW_PATH_SIZE ? LW_OK
+         : lw_error_at(e, LW_E_IO, path, 0, 0, "the path of a target named in this file is too long");
 }
 
 /* Read a target of a task: its own stations, or a file named in it. */
 static lw_status read_source(const char *path, const char *name, const lw_target *own, const lw_target_options *o,
                              lw_target *read, const lw_target **part, lw_error *e)
 {
-    char file[1024];
+    char file[LW_PATH_SIZE];
     *part = own;
     if (!name[0])
         return LW_OK;
-    beside(path, name, file, sizeof file);
+    lw_status s = beside(path, name, file, e);
     *part = read;
-    return lw_target_read_file(file, o, read, e);
+    return s == LW_OK ? lw_target_read_file(file, o, read, e) : s;
 }
 
 static lw_status read_target(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
