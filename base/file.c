@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -139,6 +138,16 @@ static int named_stream(const char *path)
     return -1;
 }
 
+/* Take the lock of a temporary file, which its program holds as long as it lives. False: another program has it, or has
+ * removed the file. */
+static bool lock_temporary(int fd)
+{
+    struct stat st;
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+        return errno != EWOULDBLOCK;                 /* a file system without locks: keep going */
+    return fstat(fd, &st) == 0 && st.st_nlink > 0;
+}
+
 /* Create a file of a new name in the folder of o->path.  The name does not grow with the target's,
  * which may already be as long as the system allows. */
 static int create_beside(lw_output *o)
@@ -150,26 +159,24 @@ static int create_beside(lw_output *o)
         fd = open(o->temp, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST)
             break;
+        if (fd >= 0 && !lock_temporary(fd)) {        /* another program takes it for one of a killed program */
+            close(fd);
+            fd = -1;
+        }
     }
-    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0)
-        errno = 0;                                   /* a file system without locks: keep going */
     return fd;
 }
 
-/* Is nobody writing the temporary file? The number in its name is of a process of this machine; the lock also counts on
- * network drives. */
-static bool is_left_over(int folder, const char *name)
+/* Remove a temporary file if the program that made it no longer lives. */
+static void remove_left_over(int folder, const char *name)
 {
-    long pid;
-    int end = 0;
-    if (sscanf(name, ".lw-%ld-%*d.tmp%n", &pid, &end) < 1 || end == 0 || name[end] || pid <= 0
-        || kill((pid_t)pid, 0) == 0 || errno != ESRCH)
-        return false;
-    int fd = openat(folder, name, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    bool left = fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0;
+    int end = 0, fd = -1;
+    if (sscanf(name, ".lw-%*d-%*d.tmp%n", &end) == 0 && end > 0 && !name[end])
+        fd = openat(folder, name, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
+        unlinkat(folder, name, 0);
     if (fd >= 0)
         close(fd);
-    return left;
 }
 
 void lw_output_clean(const char *path)
@@ -179,8 +186,7 @@ void lw_output_clean(const char *path)
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
     DIR *d = named_stream(path) < 0 ? opendir(folder) : NULL;
     for (struct dirent *file; d && (file = readdir(d));)
-        if (strncmp(file->d_name, ".lw-", 4) == 0 && is_left_over(dirfd(d), file->d_name))
-            unlinkat(dirfd(d), file->d_name, 0);
+        remove_left_over(dirfd(d), file->d_name);
     if (d)
         closedir(d);
 }

@@ -101,6 +101,8 @@ lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store,
     const cli_catalogue_settings *s = call->settings;
     lw_store_options o = { .write = write, .create = write, .wait = s->wait, .command = call->line,
                            .stop = cli_stop_flag() };
+    if (cli_given(&call->parsed, "time"))
+        cli_limit_time(s->time);
     return lw_store_open(call->parsed.word[1], &o, store, e);
 }
 

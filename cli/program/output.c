@@ -313,7 +313,10 @@ void cli_watch_signals(void)
 
 void cli_limit_time(double seconds)
 {
-    set_timer(seconds);
+    static bool limited;
+    if (seconds > 0 && !limited)
+        set_timer(seconds);
+    limited = limited || seconds > 0;
 }
 
 void cli_finish(void)

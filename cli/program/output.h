@@ -53,7 +53,7 @@ int cli_close_marked(const cli_call *call, lw_output *o, int code);
  * program. Functions of the library stop when the flag is set. A phase that does not stop by itself is ended by force
  * less than a second later, unless cli_finish was called; the temporary file of -o is then removed. */
 void cli_watch_signals(void);
-void cli_limit_time(double seconds);         /* main.c calls it with --time; 0: no limit */
+void cli_limit_time(double seconds);         /* from now on; only the first call with seconds > 0 counts */
 const volatile sig_atomic_t *cli_stop_flag(void);
 #define cli_interrupted() (*cli_stop_flag() != 0)
 #define cli_timed_out()   (*cli_stop_flag() == SIGALRM)

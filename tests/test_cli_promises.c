@@ -1,0 +1,203 @@
+/* test_cli_promises.c - one row for each command: what it promises when it is stopped, killed, short of memory, or given
+ * outputs that are inputs or have long names (docs/promises.md).
+ *
+ * `slow` would work for minutes at least: a run that ends was stopped. No check depends on how soon it ends. */
+#include <signal.h>
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+typedef struct row {
+    const char *small;                       /* writes all it finds to -o FILE, which is added       */
+    const char *slow;                        /* the same for -o FILE; NULL: the command is never slow */
+    const char *input;                       /* a file that `small` reads; NULL: none                */
+    bool        marked;                      /* slow writes FILE itself, which says that it is partial */
+} row;
+
+#define STREAM "while cat $D/six.g6; do :; done | "
+
+/* fit and plasma search; catalogue build, curves and add write a database: their rows are below. */
+static const row rows[] = {
+    { "numbers --loops 4", NULL, NULL, false },
+    { "structures --loops 4", "structures --loops 9", NULL, false },
+    { "chains --links 8", "chains --links 18", NULL, false },
+    { "mechanisms --links 6", "mechanisms --links 14", NULL, false },
+    { "mechanisms $D/six.g6", NULL, "$D/six.g6", false },
+    { "grammar parse $D/six.g6", STREAM "$P grammar parse", "$D/six.g6", false },
+    { "grammar print $D/six.g6", STREAM "$P grammar print", "$D/six.g6", false },
+    { "grammar explain $D/six.g6", STREAM "$P grammar explain", "$D/six.g6", false },
+    { "grammar derive --links 6", "grammar derive --links 9", NULL, false },
+    { "grammar coverage --links 8", "grammar coverage --links 16", NULL, false },
+    { "classify 40 10 35 30", NULL, NULL, false },
+    { "trace examples/jansen.json -n 8", "trace examples/jansen.json -n 1e7", "examples/jansen.json", false },
+    { "mobility examples/jansen.json", NULL, "examples/jansen.json", false },
+    { "simulate examples/dynamics/governor.json --to 0.01 -n 4",
+      "simulate examples/dynamics/governor.json --to 1e5 -n 1e6", "examples/dynamics/governor.json", false },
+    { "simulate examples/pendulum.json --analysis linear",
+      "simulate examples/pendulum.json --analysis linear --along 1e6", "examples/pendulum.json", false },
+    { "convert examples/chebyshev.json --format pyslvs", NULL, "examples/chebyshev.json", false },
+    { "draw examples/chebyshev.json -f svg", NULL, "examples/chebyshev.json", false },
+    { "draw $D/six.g6 --grid 2x1 -f svg", STREAM "$P draw --grid 2x1 -f svg", "$D/six.g6", false },
+    { "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01",
+      "clearance examples/clearance-four-bar.json --speeds 80 --to 1e5", "examples/clearance-four-bar.json", false },
+    { "catalogue query $D/six.db links=6 -f csv",
+      "catalogue query $D/six.db 'WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n+1 FROM x) SELECT n FROM x' --sql",
+      "$D/six.db", false },
+    { "catalogue export $D/six.db links=6", NULL, "$D/six.db", false },
+    { "catalogue check $D/six.db", "catalogue check $D/builds.db", "$D/six.db", false },
+    { "fit examples/ellipse.csv --budget 1000 --json", "fit examples/walking-foot.csv --links 8",
+      "examples/ellipse.csv", true },
+};
+
+enum { N_ROW = sizeof rows/sizeof *rows };
+
+/* "$P small", or a pipe as it stands. */
+static const char *with_program(const char *command, char line[600])
+{
+    snprintf(line, 600, "%s%s", strstr(command, "$P") ? "" : "$P ", command);
+    return line;
+}
+
+/* The shell command ends with code 0. */
+static void demand(const char *command, const char *after)
+{
+    ran r = run(command);
+    if (r.code != 0)
+        fprintf(stderr, "%s\n  after %s: %s%s\n", command, after, r.out, r.err);
+    CHECK_INT(r.code, 0);
+    ran_free(&r);
+}
+
+/* Stop the slow work; $D/o holds the small answer before. */
+static void stop(const row *t, const char *how, int code, bool before)
+{
+    char line[1600], slow[600];
+    with_program(t->slow, slow);
+    const char *at = strstr(slow, "$P"), *end = at + 2;
+    snprintf(line, sizeof line, "rm -f $D/o.partial; cp $D/small $D/o; %.*s%s$P%s -o $D/o --force %s", (int)(at - slow),
+             slow, before ? how : "", end, before ? "" : how);
+    ran r = run(line);
+    if (r.code != code)
+        fprintf(stderr, "%s\n  said: %s", line, r.err);
+    CHECK_INT(r.code, code);
+    ran_free(&r);
+    demand(t->marked ? "grep -q '\"complete\": false' $D/o" : "cmp $D/small $D/o", line);
+    if (code != 128 + SIGKILL)
+        demand("ls -A $D | grep '^[.]lw-' && exit 1; true", line);
+}
+
+static void stopped_in_order(void)
+{
+    static const struct { int number; const char *how; } ends[] = {
+        { SIGHUP, "timeout --preserve-status -s HUP 0.3 " }, { SIGINT, "timeout --preserve-status -s INT 0.3 " },
+        { SIGTERM, "timeout --preserve-status -s TERM 0.3 " },
+    };
+    for (int i = 0, n = 0; i < N_ROW; i++) {
+        char line[800], small[600];
+        if (!rows[i].slow)
+            continue;
+        snprintf(line, sizeof line, "rm -f $D/small; %s -o $D/small", with_program(rows[i].small, small));
+        demand(line, rows[i].small);
+        stop(&rows[i], "--time 0.2", 5, false);
+        stop(&rows[i], ends[n%3].how, 128 + ends[n%3].number, true);
+        n++;
+    }
+}
+
+/* A killed run leaves FILE as it was; the next run removes its temporary file. */
+static void killed(void)
+{
+    for (int i = 0; i < N_ROW; i += 3) {
+        char line[800], small[600];
+        if (!rows[i].slow || rows[i].marked)
+            continue;
+        snprintf(line, sizeof line, "rm -f $D/small; %s -o $D/small", with_program(rows[i].small, small));
+        demand(line, rows[i].small);
+        stop(&rows[i], "timeout -s KILL 0.2 ", 128 + SIGKILL, true);
+    }
+    demand("$P grammar derive --links 9 -o $D/o --force & sleep 0.3; kill -9 $!; wait $!; ls -A $D | grep '^[.]lw-' && "
+           "$P numbers --loops 4 -o $D/n && ! ls -A $D | grep '^[.]lw-'", "kill -9");
+}
+
+static void inputs_and_long_names(void)
+{
+    char line[1600], small[600], name[300];
+    memset(name, 'n', 250);
+    name[250] = 0;
+    snprintf(line, sizeof line, "d=$D; for i in 1 2 3 4 5 6; do d=$d/%s; done; echo $d > $D/long", name);
+    demand(line, "");
+    for (int i = 0; i < N_ROW; i++) {
+        with_program(rows[i].small, small);
+        if (rows[i].input) {
+            snprintf(line, sizeof line, "cp %s $D/before; %s -o %s --force; test $? = 2 && cmp $D/before %s",
+                     rows[i].input, small, rows[i].input, rows[i].input);
+            demand(line, small);
+        }
+        snprintf(line, sizeof line, "d=$(cat $D/long); mkdir -p $d; rm -f $D/o; %s -o $D/o && %s -o $d/file && "
+                 "cd $d && test $(ls | wc -l) = 1 && test -s file", small, small);
+        demand(line, small);
+        demand("rm -rf $D/nnnn*", small);
+    }
+}
+
+/* Too little memory is an error with a message, or does not matter. */
+static void bounded_memory(void)
+{
+    for (int i = 0; i < N_ROW; i++) {
+        char line[800], small[600];
+        snprintf(line, sizeof line, "rm -f $D/o; %s --memory 0.01 -o $D/o; c=$?; test $c = 0 -o $c = 4",
+                 with_program(rows[i].small, small));
+        demand(line, small);
+    }
+    expect("$P grammar derive --links 12 --rules 1,2,3,4 --memory 0.3 -o $D/none", 4, "", "the limit is 0.3 GB (--memory)");
+    expect("$P structures --loops 12 --memory 1 -o $D/none", 4, "", "need about");
+    expect("$P chains --links 18 --count --memory 0.02 -o $D/none", 4, "", "need about");
+    demand("test ! -e $D/none", "too little memory");
+}
+
+/* A database without end, and one that is cut short while it is read. */
+static void catalogues(void)
+{
+    expect("timeout --preserve-status -s TERM 0.3 $P catalogue html $D/endless.db -o $D/web", 143, NULL, NULL);
+    expect("$P catalogue html $D/endless.db -o $D/web --time 0.2", 5, NULL, NULL);
+    expect("$P catalogue build $D/big.db --links 18 --time 0.2", 5, NULL, NULL);
+    expect("$P catalogue curves $D/big.db --links 6 --samples 1000000 --time 0.2", 5, NULL, NULL);
+    expect("$P catalogue check $D/six.db", 0, NULL, NULL);
+    expect("size=$(stat -c %s $D/six.db); cp $D/six.db $D/cut.db; truncate -s $((size/2)) $D/cut.db; "
+           "$P catalogue query $D/cut.db links=6", 3, NULL, "damaged");
+    expect("cp $D/six.db $D/cut.db; (sleep 0.3; truncate -s 8192 $D/cut.db) & $P catalogue query $D/cut.db "
+           "'WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n+1 FROM x LIMIT 100000) SELECT sum(length(graph6)) "
+           "FROM x, chain' --sql > $D/rows; c=$?; wait; test $c = 3 -o $c = 0", 0, NULL, NULL);
+}
+
+static void prepare(void)
+{
+    demand("$P chains --links 6 -o $D/six.g6 && $P catalogue build $D/six.db --links 6 -q && "
+           "cp $D/six.db $D/endless.db && cp $D/six.db $D/builds.db", "");
+    /* a view in the place of the chains that never ends */
+    demand("python3 - $D/endless.db << 'END'\n"
+           "import sqlite3, sys\n"
+           "db = sqlite3.connect(sys.argv[1])\n"
+           "names = [row[1] for row in db.execute('PRAGMA table_info(chain)')]\n"
+           "db.execute('PRAGMA legacy_alter_table=ON')\n"
+           "db.execute('ALTER TABLE chain RENAME TO chain_rows')\n"
+           "db.execute('CREATE VIEW chain AS WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM x) '\n"
+           "           'SELECT chain_rows.* FROM x, chain_rows')\n"
+           "db.commit()\n"
+           "db = sqlite3.connect(sys.argv[1].replace('endless', 'builds'))\n"
+           "db.execute('ALTER TABLE build RENAME TO build_rows')\n"
+           "db.execute('CREATE VIEW build AS WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM x) '\n"
+           "           'SELECT build_rows.* FROM x, build_rows')\n"
+           "db.commit()\n"
+           "END", "");
+}
+
+int main(void)
+{
+    RUN(prepare);
+    RUN(stopped_in_order);
+    RUN(killed);
+    RUN(inputs_and_long_names);
+    RUN(bounded_memory);
+    RUN(catalogues);
+    return check_end();
+}
