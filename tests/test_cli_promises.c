@@ -44,7 +44,7 @@ static const row rows[] = {
       "$D/six.db", false },
     { "catalogue export $D/six.db links=6", NULL, "$D/six.db", false },
     { "catalogue check $D/six.db", "catalogue check $D/builds.db", "$D/six.db", false },
-    { "fit examples/ellipse.csv --budget 1000 --json", "fit examples/walking-foot.csv --links 8",
+    { "fit examples/ellipse.csv --starts 20 --rounds 1 --json", "fit examples/walking-foot.csv --links 8",
       "examples/ellipse.csv", true },
 };
 
