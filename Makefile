@@ -6,7 +6,13 @@ B        = $(if $(MPI),build/mpi,build)
 ifeq ($(origin CC),default)
 CC       = gcc
 endif
-CFLAGS  ?= -O3 -g
+ifeq ($(origin CFLAGS),undefined)
+CFLAGS   = -O3 -g1
+# rooms without hot loops compile twice as fast with less optimisation
+PLAIN    = $(addsuffix /%,cli/program cli/topologies cli/motion cli/fit cli/draw cli/catalogue surface optimise/task \
+           catalogues/draw catalogues/exchange catalogues/pages catalogues/build)
+LESS     = $(if $(filter $(PLAIN),$<),-O1)
+endif
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
 STAGES   = base grammar enumerate mbs optimise catalogues surface     # each includes only those before it
@@ -28,15 +34,19 @@ ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)
 endif
-COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) -MMD -MP
+COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LESS) -MMD -MP
 
 # mbs/batch/kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
 # gcc must not split a loop's selections into paths that each take their own square root; vectors are passed to
-# inlined functions only; the other two passes take a third of the compile time and gain nothing
+# inlined functions only; the other two passes take a third of the compile time and gain nothing.  Nor do those of KERNEL_LEAN
+# in loops that are already written in vectors
 # gcc 12 with a stack protector stores vectors in arrays of the stack that it has not aligned for them
 KERNEL   = -mprefer-vector-width=512 -Wno-psabi -fno-stack-protector \
-           $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre -fno-gcse-after-reload -fno-var-tracking)
+           $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre -fno-gcse-after-reload -fno-var-tracking $(KERNEL_LEAN))
+KERNEL_LEAN = $(if $(filter %/kernel_higher.c %/kernel_continuation.c,$<),-fno-gcse -fno-tree-vrp -fno-ipa-cp -fno-tree-sink \
+           -fno-tree-loop-distribution -fno-tree-loop-distribute-patterns -fno-split-loops -fno-unswitch-loops \
+           -fno-tree-slp-vectorize -fno-schedule-insns2 -fno-code-hoisting)
 HOT_SRC := $(wildcard mbs/batch/kernel*.c)
 LIB_SRC := $(filter-out $(HOT_SRC),$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
 LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/%.o)
