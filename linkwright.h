@@ -314,10 +314,13 @@ LW_API lw_status lw_linkage_create(int n_link, int ground, int n_joint, const lw
                                    lw_linkage **out, lw_error *error);
 
 /* From text.  format: "json", "pyslvs", "adams", "pmks"; NULL: found from how it begins.  `file` is for messages,
- * may be NULL.  LW_E_NOTATION with line and column. */
+ * may be NULL.  Of results, as `linkwright fit --json` prints them, the first is read.  LW_E_NOTATION with line and
+ * column. */
 LW_API lw_status lw_linkage_parse(const char *text, size_t size, const char *file, const char *format, lw_linkage **out,
                                   lw_error *error);
 LW_API lw_status lw_linkage_load(const char *path, lw_linkage **out, lw_error *error);
+/* Result number `which` (from 1) of a file of `linkwright fit --json`.  LW_E_ARG: the file has no such result. */
+LW_API lw_status lw_linkage_load_result(const char *path, int which, lw_linkage **out, lw_error *error);
 LW_API lw_status lw_linkage_copy(const lw_linkage *linkage, lw_linkage **out);
 LW_API void      lw_linkage_destroy(lw_linkage *linkage);
 

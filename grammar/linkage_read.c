@@ -469,20 +469,44 @@ lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *k, lw_err
     return s;
 }
 
-lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e)
+lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], lw_error *e)
+{
+    size_t n, at = which > 0 ? (size_t)which - 1 : 0;
+    place[0] = lw_json_root(json);
+    if (!lw_json_member(&place[0], "results", &place[1]) || lw_json_kind_of(&place[1]) != LW_JSON_ARRAY) {
+        place[3] = place[0];
+        return which == 0 ? LW_OK : lw_error_at(e, LW_E_ARG, json->file, 0, 0, "result %d is wanted, but the file holds "
+                                                "one linkage and no list of results", which);
+    }
+    if (at >= (n = lw_json_count(&place[1])))
+        return lw_error_at(e, LW_E_ARG, json->file, 0, 0, "result %zu is wanted, but there %s %zu", at + 1,
+                           n == 1 ? "is" : "are", n);
+    place[2] = lw_json_element(&place[1], at);
+    if (!lw_json_member(&place[2], "linkage", &place[3]))
+        return lw_json_fault(&place[2], e, "this result has no linkage");
+    return LW_OK;
+}
+
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *k, lw_error *e)
 {
     lw_json json;
     lw_error fault;
     lw_assembly a = { .units = lw_units_si() };
+    lw_json_node place[4];
     *k = (lw_linkage){ .units = lw_units_si() };
     lw_status s = lw_json_open(text, size, file, &json, e);
     if (s != LW_OK)
         return s;
-    lw_json_node root = lw_json_root(&json);
-    s = lw_assembly_read_root(&root, &a, e);
+    if ((s = lw_read_result(&json, which, place, e)) == LW_OK)
+        s = lw_assembly_read_root(&place[3], &a, e);
     if (s == LW_OK && lw_assembly_linkage(&a, k, &fault) != LW_OK)
-        s = lw_json_fault(&root, e, "%s", fault.text);
+        s = lw_json_fault(&place[3], e, "%s", fault.text);
     lw_assembly_free(&a);
     lw_json_close(&json);
     return s;
+}
+
+lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e)
+{
+    return lw_linkage_read_result(text, size, file, 0, k, e);
 }

@@ -114,6 +114,9 @@ static inline int lw_variable_index(int variable) { return variable/16; }
 
 /* Read a model.  LW_E_NOTATION with line and column, for expressions too; m needs no _free after a failure. */
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);
+
+/* The same for result number `which` of a text with results, as lw_linkage_read_result. */
+lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m, lw_error *e);
 void      lw_model_free(lw_model *m);
 
 /* m->small.  LW_E_KIND when it is NULL; the text says how large the model is. */

@@ -536,26 +536,34 @@ static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *
 
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e)
 {
+    return lw_model_read_result(text, size, file, 0, m, e);
+}
+
+lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m,
+                               lw_error *e)
+{
     lw_json json;
+    lw_json_node place[4];
     memset(m, 0, sizeof *m);
     m->linkage.units = lw_units_si();
     lw_status s = lw_json_open(text, size, file, &json, e);
     if (s != LW_OK)
         return s;
-    lw_json_node root = lw_json_root(&json);
-    s = lw_assembly_read_root(&root, &m->linkage, e);
+    const lw_json_node *root = &place[3];
+    if ((s = lw_read_result(&json, which, place, e)) == LW_OK)
+        s = lw_assembly_read_root(root, &m->linkage, e);
     if (s == LW_OK && lw_model_reserve(m) != LW_OK)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
-        s = reserve_loads(&root, m, e);
+        s = reserve_loads(root, m, e);
     if (s == LW_OK)
-        s = read_bodies(&root, m, e);
+        s = read_bodies(root, m, e);
     if (s == LW_OK)
-        s = read_motions(&root, m, e);
+        s = read_motions(root, m, e);
     if (s == LW_OK)
-        s = read_joint_extras(&root, m, e);
-    for (int which = SPRINGS; s == LW_OK && which <= MOTORS; which++)
-        s = read_loads(&root, (load)which, m, e);
+        s = read_joint_extras(root, m, e);
+    for (int kind = SPRINGS; s == LW_OK && kind <= MOTORS; kind++)
+        s = read_loads(root, (load)kind, m, e);
     lw_json_close(&json);
     if (s != LW_OK)
         lw_model_free(m);

@@ -30,7 +30,12 @@ lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *k, int *out, l
 /* "units" of a root; u keeps its values where nothing is given. */
 lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e);
 
-/* An assembly from the root of a JSON text; members of a model are skipped.  k needs lw_assembly_free also after a
+/* Find the linkage in a JSON text: the root itself, or the "linkage" of result number `which` (from 1) if the root has
+ * a list of "results"; which 0 is the first result.  The last of place is the linkage; it points to those before.
+ * LW_E_ARG: there is no such result, or which > 0 in a text without results. */
+lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], lw_error *e);
+
+/* An assembly from its JSON object; members of a model are skipped.  k needs lw_assembly_free also after a
  * failure. */
 lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *k, lw_error *e);
 

@@ -122,6 +122,30 @@ lw_status lw_linkage_load(const char *path, lw_linkage **out, lw_error *error)
     return lw_surface_load(path, parse, out, error);
 }
 
+typedef struct result { int which; lw_linkage **out; } result;
+
+static lw_status parse_result(const char *text, size_t size, const char *file, void *context, lw_error *e)
+{
+    result *r = context;
+    lw_linkage *k = calloc(1, sizeof *k);
+    lw_status s = k ? lw_linkage_read_result(text, size, file, r->which, k, e)
+                    : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        *r->out = k;
+    else
+        free(k);
+    return s;
+}
+
+lw_status lw_linkage_load_result(const char *path, int which, lw_linkage **out, lw_error *error)
+{
+    result r = { which, out };
+    *out = NULL;
+    if (which < 1)
+        return lw_error_set(error, LW_E_ARG, "results are counted from 1, not %d", which);
+    return lw_surface_load(path, parse_result, &r, error);
+}
+
 lw_status lw_linkage_copy(const lw_linkage *linkage, lw_linkage **out) { return LW_SURFACE_COPY(linkage, out); }
 void      lw_linkage_destroy(lw_linkage *linkage) { free(linkage); }
 

@@ -32,7 +32,7 @@ static void results_of_a_fit(void)
     expect("$P draw $D/r.json --result 2", 0, "Jansen", NULL);
     expect("$P draw $D/r.json --result 3", 3, NULL, "has no linkage");
     expect("$P draw $D/r.json --result 4", 3, NULL, "there are 3");
-    expect("$P draw examples/hoeken.json --result 1", 3, NULL, "leave --result out");
+    expect("$P draw examples/hoeken.json --result 1", 3, NULL, "no list of results");
 }
 
 /* Gears, inputs between moving links, several inputs, and more bars than needed: all can be drawn in motion. */

@@ -22,6 +22,13 @@ static void inputs(void)
     expect("$P trace - -o $D/model.json < $D/model.json", 2, "", "standard input");
     expect("$P draw $D/model.json --target $D/target.csv --force -o $D/target.csv", 2, "", "an input of this command");
     expect("$P simulate $D/model.json --speed 1 --force --plot $D/model.json", 2, "", "an input of this command");
+    /* the target of a task file, by a table or by a curve of a drawing */
+    expect("mkdir -p $D/save && echo '<svg xmlns=\"http://www.w3.org/2000/svg\"><path id=\"a\" d=\"M0 0L9 0L9 9Z\"/></svg>' > "
+           "$D/save/task.svg", 0, NULL, NULL);
+    expect("echo '{ \"linkwright-task\": 1, \"target\": \"target.csv\" }' > $D/task.json && $P fit $D/task.json --force "
+           "-o $D/target.csv", 2, "", "an input of this command");
+    expect("echo '{ \"linkwright-task\": 1, \"target\": \"save/task.svg#a\" }' > $D/task.json && $P fit $D/task.json --force "
+           "--save $D/save", 2, "", "an input of this command");
     expect("cmp $D/model.json examples/hoeken.json && cmp $D/target.csv examples/ellipse.csv", 0, "", "");
 }
 

@@ -1,6 +1,7 @@
 /* The library as its users see it: linkwright.h alone, and a program with an error handler of its own. */
 #include <gsl/gsl_errno.h>
 #include <pthread.h>
+#include <unistd.h>
 #include "linkwright.h"
 #include "mbs/dynamics/modes_eigen_internal.h"      /* what no model reaches */
 #include "tests/check.h"
@@ -170,6 +171,26 @@ static void linkages_move_and_are_written(void)
         lw_free(text);
     }
     CHECK_INT(lw_linkage_export(k, "origami", &text, &size, &e), LW_E_ARG);
+    /* the same among results, as fit --json prints them */
+    char name[] = "/tmp/linkwright-XXXXXX";
+    int fd = mkstemp(name);
+    CHECK_INT(lw_linkage_export(k, "json", &text, &size, &e), LW_OK);
+    dprintf(fd, "{ \"results\": [\n{ \"linkage\": %s },\n{ \"objective\": 1 }, { \"linkage\": { \"joints\": 7 } } ] }", text);
+    close(fd);
+    CHECK_INT(lw_linkage_load(name, &back, &e), LW_OK);
+    CHECK_INT(lw_linkage_mobility(back), 1);
+    lw_linkage_destroy(back);
+    CHECK_INT(lw_linkage_load_result(name, 1, &back, &e), LW_OK);
+    lw_linkage_destroy(back);
+    CHECK_INT(lw_linkage_load_result(name, 2, &back, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "results[1]: this result has no linkage");
+    CHECK_INT(lw_linkage_load_result(name, 3, &back, &e), LW_E_NOTATION);
+    CHECK(e.line >= 3 && !back);
+    CHECK_INT(lw_linkage_load_result(name, 4, &back, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "result 4 is wanted, but there are 3");
+    CHECK_INT(lw_linkage_load_result(name, 0, &back, &e), LW_E_ARG);
+    unlink(name);
+    lw_free(text);
     lw_motion_curves_destroy(curves);
     lw_kinematics_destroy(moving);
     lw_linkage_destroy(k);

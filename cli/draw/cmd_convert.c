@@ -115,7 +115,7 @@ static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
     if (status == LW_OK && !f)
         f = format_of_text(text);
     if (status == LW_OK && strcmp(f->name, "json") == 0)              /* a result of fit is written too */
-        status = cli_linkage_text(path, s->result, &text, &size, k, e);
+        status = cli_linkage_text(path, s->result, text, size, k, e);
     else if (status == LW_OK)
         status = f->read(text, size, path, &units, k, e);
     if (status == LW_OK && s->unit)

@@ -414,11 +414,36 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                  set->target.units.length[0] ? set->target.units.length : "units");
 }
 
+static bool is_task_file(const char *path)
+{
+    size_t n = strlen(path);
+    return n > 5 && strcmp(path + n - 5, ".json") == 0;
+}
+
+/* The targets that a task file names are inputs as well: no output may overwrite them. A fault of the file is reported
+ * when it is read for its fit. */
+static int check_task_file(const cli_call *call, const char *path)
+{
+    lw_task_file task;
+    char *text = NULL, file[LW_PATH_SIZE];
+    size_t size;
+    int code = CLI_DONE;
+    if (lw_file_read(path, &text, &size, NULL) == LW_OK && lw_task_file_read(text, size, path, &task, NULL) == LW_OK) {
+        for (int i = -1; i < task.n_also && code == CLI_DONE; i++) {
+            const char *name = i < 0 ? task.target : task.also[i].target;
+            if (name[0] && lw_task_file_beside(path, name, file, NULL) == LW_OK)
+                code = cli_add_input(call, file);
+        }
+        lw_task_file_free(&task);
+    }
+    free(text);
+    return code;
+}
+
 /* Read a target, or a task file that contains or names one. */
 static lw_status read_input(const char *path, const lw_target_options *o, cli_fit_set *set, lw_error *e)
 {
-    size_t n = strlen(path);
-    set->has_task_file = n > 5 && strcmp(path + n - 5, ".json") == 0;
+    set->has_task_file = is_task_file(path);
     return set->has_task_file ? cli_read_task_file(path, o, &set->task_file, &set->target, e)
                           : cli_read_target(path, o, &set->target, e);
 }
@@ -532,7 +557,11 @@ static int check(const cli_call *call)
         return cli_usage(call, "%s", e.text);
     if (call->parsed.n_word == 0)
         return cli_usage(call, "no target; give a CSV file");
-    return s->save ? cli_fit_check_folder(call, s->save, s->results) : CLI_DONE;
+    int code = CLI_DONE;
+    for (int i = 0; i < call->parsed.n_word && code == CLI_DONE; i++)
+        if (is_task_file(call->parsed.word[i]))
+            code = check_task_file(call, call->parsed.word[i]);
+    return s->save && code == CLI_DONE ? cli_fit_check_folder(call, s->save, s->results) : code;
 }
 
 /* Fit every target; report those that fail and go on. Returns the exit code. */

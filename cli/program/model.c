@@ -1,4 +1,4 @@
-/* Read linkages that are stored inside other JSON files (bridge to jansson). */
+/* Read files of the user; a file of another kind is named (bridge to jansson). */
 #include "cli/program/model.h"
 
 #include <jansson.h>
@@ -7,26 +7,6 @@
 #include <string.h>
 #include "cli/program/output.h"
 #include "grammar/model.h"
-
-/* The linkage of a result as separate text; NULL with e filled. Free with free(). */
-static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
-{
-    size_t n = json_array_size(results), at = which > 0 ? (size_t)which - 1 : 0;
-    if (at >= n) {
-        lw_error_at(e, LW_E_ARG, file, 0, 0, "result %zu is wanted, but there %s %zu", at + 1,
-                    n == 1 ? "is" : "are", n);
-        return NULL;
-    }
-    const json_t *linkage = json_object_get(json_array_get(results, at), "linkage");
-    if (!json_is_object(linkage)) {
-        lw_error_at(e, LW_E_NOTATION, file, 0, 0, "result %zu has no linkage", at + 1);
-        return NULL;
-    }
-    char *text = json_dumps(linkage, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
-    if (!text)
-        lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
-    return text;
-}
 
 bool cli_is_target(const char *text, size_t size)
 {
@@ -37,30 +17,22 @@ bool cli_is_target(const char *text, size_t size)
     return true;
 }
 
-/* If *text holds results, replace it by the text of the requested result. */
-static lw_status unwrap(const char *file, int which, char **text, size_t *size, lw_error *e)
+/* After a failed read of a linkage: does the text hold something else, for which there is a command? */
+static lw_status hint(const char *file, const char *text, size_t size, lw_status s, lw_error *e)
 {
-    json_t *root = json_loadb(*text, *size, 0, NULL);
-    const json_t *results = json_object_get(root, "results");
-    lw_status s = LW_OK;
-    if (json_object_get(root, "linkwright-task") || (!root && cli_is_target(*text, *size))) {
+    if (s != LW_E_NOTATION)
+        return s;
+    json_t *root = json_loadb(text, size, 0, NULL);
+    if (json_object_get(root, "linkwright-task") || (!root && cli_is_target(text, size)))
         s = lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is a %s, not a linkage: did you mean 'linkwright fit %s'?",
                         root ? "task" : "target", file);
-    } else if (json_is_array(results)) {
-        char *inner = result_text(results, file, which, e);
-        if (inner) {
-            free(*text);
-            *text = inner;
-            *size = strlen(inner);
-        } else {
-            s = LW_E_ARG;
-        }
-    } else if (root && which > 0) {
-        s = lw_error_at(e, LW_E_ARG, file, 0, 0, "the file holds one linkage and no list of results; "
-                        "leave --result out");
-    }
     json_decref(root);
     return s;
+}
+
+lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k, lw_error *e)
+{
+    return hint(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), e);
 }
 
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e)
@@ -69,7 +41,7 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error 
     size_t size = 0;
     lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
     if (s == LW_OK)
-        s = cli_linkage_text(path, which, &text, &size, k, e);
+        s = cli_linkage_text(path, which, text, size, k, e);
     free(text);
     return s;
 }
@@ -82,9 +54,7 @@ lw_model *cli_read_model(const char *path, int which, lw_error *e)
     lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY,
                                                                                               "out of memory");
     if (s == LW_OK)
-        s = unwrap(path, which, &text, &size, e);
-    if (s == LW_OK)
-        s = lw_model_read(text, size, path, m, e);
+        s = hint(path, text, size, lw_model_read_result(text, size, path, which, m, e), e);
     free(text);
     if (s == LW_OK)
         return m;
@@ -97,12 +67,6 @@ void cli_free_model(lw_model *m)
     if (m)
         lw_model_free(m);
     free(m);
-}
-
-lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e)
-{
-    lw_status s = unwrap(path, which, text, size, e);
-    return s == LW_OK ? lw_linkage_read(*text, *size, path, k, e) : s;
 }
 
 /* Status of a read that may have waited for input: Ctrl-C ends it. */

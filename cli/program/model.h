@@ -15,8 +15,8 @@ struct lw_model;
 struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
-/* The same from text in memory (malloc); *text is replaced if it holds results. */
-lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
+/* The same from text in memory. */
+lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k, lw_error *e);
 
 /* Is this the text of a target (CSV)? */
 bool cli_is_target(const char *text, size_t size);

@@ -124,17 +124,50 @@ static const char *option_text(const cli_call *call, int i)
     return *(const char *const *)((const char *)call->settings + call->command->options[i].place);
 }
 
+/* Is the input `path`, or in drawing.svg#curve the part before '#', the file `st`? */
+static bool is_input(const char *path, const struct stat *st)
+{
+    struct stat input;
+    char file[PATH_MAX];
+    const char *hash = path ? strrchr(path, '#') : NULL;
+    if (is_file(path, &input))
+        return is_same(&input, st);
+    if (!hash || snprintf(file, sizeof file, "%.*s", (int)(hash - path), path) >= PATH_MAX)
+        return false;
+    return is_file(file, &input) && is_same(&input, st);
+}
+
+static char **named;                   /* files that are named inside the inputs */
+static int n_named;
+
+int cli_add_input(const cli_call *call, const char *path)
+{
+    char *copy = strdup(path), **more = realloc(named, sizeof *named*((size_t)n_named + 1));
+    named = more ? more : named;
+    if (!copy || !more) {
+        lw_error e = { 0 };
+        free(copy);
+        lw_error_set(&e, LW_E_MEMORY, "out of memory");
+        return cli_fail(call, &e);
+    }
+    named[n_named++] = copy;
+    return cli_check_outputs(call);
+}
+
 /* The input of this run that is the same file as `st`, as the user wrote it; NULL if none is. */
 static const char *input_that_is(const cli_call *call, const struct stat *st)
 {
     struct stat input;
     const cli_option *o = call->command->options;
     for (int i = 0; i < call->parsed.n_word; i++)
-        if (is_file(call->parsed.word[i], &input) && is_same(&input, st))
+        if (is_input(call->parsed.word[i], st))
             return call->parsed.word[i];
     for (int i = 0; o && o[i].name; i++)
-        if (o[i].kind == CLI_INPUT && is_file(option_text(call, i), &input) && is_same(&input, st))
+        if (o[i].kind == CLI_INPUT && is_input(option_text(call, i), st))
             return option_text(call, i);
+    for (int i = 0; i < n_named; i++)
+        if (is_input(named[i], st))
+            return named[i];
     return fstat(STDIN_FILENO, &input) == 0 && is_same(&input, st) ? "standard input" : NULL;
 }
 

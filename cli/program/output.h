@@ -35,6 +35,10 @@ int cli_check_outputs(const cli_call *call);
 /* Room for a path in a folder that cli_make_folder made, or of data: a name in it has at most 400 bytes. */
 #define CLI_PATH_SIZE (LW_PATH_SIZE + 400)
 
+/* Count a file that is named inside an input (the target of a task file) as an input too, and check all outputs
+ * again. */
+int cli_add_input(const cli_call *call, const char *path);
+
 /* Make the folder and those above it. CLI_BAD_INPUT with a message: this failed, or the folder cannot be written. */
 int cli_make_folder(const cli_call *call, const char *folder);
 

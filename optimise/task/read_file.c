@@ -85,8 +85,7 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
     return s;
 }
 
-/* Path of a file named in a task: relative to the task's folder, unless the name is absolute. */
-static lw_status beside(const char *path, const char *name, char out[LW_PATH_SIZE], lw_error *e)
+lw_status lw_task_file_beside(const char *path, const char *name, char out[LW_PATH_SIZE], lw_error *e)
 {
     const char *slash = strrchr(path, '/');
     int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
@@ -102,7 +101,7 @@ static lw_status read_source(const char *path, const char *name, const lw_target
     *part = own;
     if (!name[0])
         return LW_OK;
-    lw_status s = beside(path, name, file, e);
+    lw_status s = lw_task_file_beside(path, name, file, e);
     *part = read;
     return s == LW_OK ? lw_target_read_file(file, o, read, e) : s;
 }

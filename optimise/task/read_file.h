@@ -2,6 +2,7 @@
 #ifndef LW_OPTIMISE_TASK_READ_FILE_H
 #define LW_OPTIMISE_TASK_READ_FILE_H
 
+#include "base/file.h"
 #include "optimise/task/task_file.h"
 
 typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGET_KIND_DXF } lw_target_kind;
@@ -17,5 +18,8 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
  * may be NULL.  After a failure neither needs _free. */
 lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
                                  lw_error *e);
+
+/* Path of a file named in the task file `path`: relative to the task's folder, unless the name is absolute. */
+lw_status lw_task_file_beside(const char *path, const char *name, char out[LW_PATH_SIZE], lw_error *e);
 
 #endif
