@@ -3,11 +3,16 @@
 #include <string.h>
 #include "enumerate/critical.h"
 
-/* The search over all sets includes or excludes one circle after the other, highest number first. */
+/* A number for each circle. */
+typedef uint8_t numbers __attribute__((vector_size(32)));
+
+/* The search includes or excludes one circle after the other, highest number first.  A circle with less than two lines
+ * to the others of its set can be left out: the set without it needs at least as many binary links.  So sets with such
+ * a circle are not visited. */
 typedef struct walk {
     const lw_structure *s;
     lw_critical_list   *list;
-    uint8_t             tie[LW_CIRCLE_MAX][LW_CIRCLE_MAX];
+    numbers             tie[LW_CIRCLE_MAX];         /* lines to every circle */
 } walk;
 
 static lw_status append(lw_critical_list *list, uint32_t circles, int copies)
@@ -25,20 +30,21 @@ static lw_status append(lw_critical_list *list, uint32_t circles, int copies)
     return LW_OK;
 }
 
-/* inner[c] = lines between circle c and the set. */
-static lw_status visit_sets(walk *w, int circle, uint32_t circles, int copies, const uint8_t *inner)
+/* inner[c]: lines from c to the set; most[c]: lines to the set and to circles that are not decided yet. */
+static lw_status visit_sets(walk *w, int circle, uint32_t circles, int copies, const numbers *inner, const numbers *most)
 {
     if (circle < 0) {
         bool overfull = (circles & (circles - 1)) && copies > 3*__builtin_popcount(circles) - 4;
         return overfull ? append(w->list, circles, copies) : LW_OK;
     }
-    uint8_t with[LW_CIRCLE_MAX];
-    lw_status status = visit_sets(w, circle - 1, circles, copies, inner);
-    if (status != LW_OK)
+    numbers fewer = *most - w->tie[circle], more = *inner + w->tie[circle];
+    bool possible = true;
+    for (uint32_t rest = circles; rest && possible; rest &= rest - 1)
+        possible = fewer[__builtin_ctz(rest)] >= 2;
+    lw_status status = possible ? visit_sets(w, circle - 1, circles, copies, inner, &fewer) : LW_OK;
+    if (status != LW_OK || (*most)[circle] < 2)
         return status;
-    for (int c = 0; c < circle; c++)
-        with[c] = (uint8_t)(inner[c] + w->tie[circle][c]);
-    return visit_sets(w, circle - 1, circles | (uint32_t)1 << circle, copies + 2*inner[circle], with);
+    return visit_sets(w, circle - 1, circles | (uint32_t)1 << circle, copies + 2*(*inner)[circle], &more, most);
 }
 
 static int by_size(const void *a, const void *b)
@@ -70,13 +76,15 @@ static void thin_out(const lw_structure *s, lw_critical_list *list, uint32_t exe
 lw_status lw_critical_sets(const lw_structure *s, bool whole, lw_critical_list *list)
 {
     walk w = { .s = s, .list = list };
-    uint8_t inner[LW_CIRCLE_MAX] = { 0 };
+    numbers inner = { 0 }, most = { 0 };
     for (int e = 0; e < s->n_line; e++) {
         w.tie[s->end[e][0]][s->end[e][1]]++;
         w.tie[s->end[e][1]][s->end[e][0]]++;
     }
+    for (int c = 0; c < s->n_circle; c++)
+        most += w.tie[c];
     list->n = 0;
-    lw_status status = visit_sets(&w, s->n_circle - 1, 0, 0, inner);
+    lw_status status = visit_sets(&w, s->n_circle - 1, 0, 0, &inner, &most);
     if (status != LW_OK)
         return status;
     qsort(list->set, (size_t)list->n, sizeof *list->set, by_size);

@@ -260,6 +260,136 @@ static void removable_lines_are_those_that_leave_a_structure(void)
     lw_structures_free(set);
 }
 
+/* ---- completeness by generating functions -------------------------------------------------------------
+ * The sum of 1/|automorphisms of circles and lines| over all structures follows from the series of all loopless
+ * multigraphs with labelled vertices (x) and edges (y): exp(y) for each pair.  Its logarithm counts connected ones, C;
+ * blocks B satisfy B'(x C') = log C'; structures are the blocks other than rings and the single edge, with
+ * y -> y/(1 + x y), which replaces strings of binary links by lines (Harary & Palmer 1973, section 1.3).  Every structure
+ * adds a positive amount, so none is missing when the sums agree.  Numbers are modulo a prime. */
+#define PRIME ((uint64_t)2305843009213693951u)
+#define ORDER 24
+
+typedef struct series { uint64_t c[ORDER]; } series;           /* in y */
+
+__extension__ typedef unsigned __int128 wide;
+
+static uint64_t times(uint64_t a, uint64_t b) { return (uint64_t)((wide)a*b % PRIME); }
+
+static uint64_t inverse(uint64_t a)
+{
+    uint64_t r = 1;
+    for (uint64_t n = PRIME - 2; n; n >>= 1, a = times(a, a))
+        r = n & 1 ? times(r, a) : r;
+    return r;
+}
+
+static uint64_t factorial(int n) { return n < 2 ? 1 : times((uint64_t)n, factorial(n - 1)); }
+
+/* a += k b c; c NULL: 1 */
+static void add_product(series *a, uint64_t k, const series *b, const series *c)
+{
+    for (int i = 0; i < ORDER; i++)
+        for (int j = 0; j + i < ORDER && (c || j == 0); j++)
+            a->c[i + j] = (a->c[i + j] + times(k, times(b->c[i], c ? c->c[j] : 1))) % PRIME;
+}
+
+/* out = log a for series in x with a[0] = 1; n + 1 terms. */
+static void logarithm(const series *a, series *out, int n)
+{
+    memset(out, 0, (size_t)(n + 1)*sizeof *out);
+    for (int k = 1; k <= n; k++) {
+        series sum = { { 0 } };
+        add_product(&sum, (uint64_t)k, &a[k], NULL);
+        for (int i = 1; i < k; i++)
+            add_product(&sum, PRIME - (uint64_t)i, &out[i], &a[k - i]);
+        add_product(&out[k], inverse((uint64_t)k), &sum, NULL);
+    }
+}
+
+/* Blocks with v vertices and e edges in b[v].c[e], v < n. */
+static void count_blocks(series *b, int n)
+{
+    static series all[ORDER], connected[ORDER], rooted[ORDER], rest[ORDER], power[ORDER];
+    memset(all, 0, sizeof all);
+    memset(rooted, 0, sizeof rooted);
+    memset(power, 0, sizeof power);
+    memset(b, 0, (size_t)n*sizeof *b);
+    for (int v = 0; v <= n; v++)
+        for (int e = 0, pairs = v*(v - 1)/2; e < ORDER; e++) {
+            uint64_t ways = 1;
+            for (int i = 0; i < e; i++)
+                ways = times(ways, (uint64_t)pairs);
+            all[v].c[e] = times(ways, inverse(times(factorial(e), factorial(v))));
+        }
+    logarithm(all, connected, n);
+    for (int v = 0; v < n; v++)
+        add_product(&rooted[v], (uint64_t)v + 1, &connected[v + 1], NULL);           /* C' */
+    logarithm(rooted, rest, n - 1);
+    power[0].c[0] = 1;                                                               /* (x C')^k */
+    for (int k = 0; k < n - 1; k++) {
+        series next[ORDER] = { { { 0 } } }, coefficient = rest[k];
+        add_product(&b[k + 1], inverse((uint64_t)k + 1), &coefficient, NULL);
+        for (int i = k; i < n; i++)
+            add_product(&rest[i], PRIME - 1, &coefficient, &power[i]);
+        for (int i = k; i < n; i++)
+            for (int j = 0; i + j + 1 < n; j++)
+                add_product(&next[i + j + 1], 1, &power[i], &rooted[j]);
+        memcpy(power, next, (size_t)n*sizeof *power);
+    }
+    b[2].c[1] = (b[2].c[1] + PRIME - inverse(2)) % PRIME;
+    for (int v = 2; v < n; v++)
+        b[v].c[v] = (b[v].c[v] + PRIME - inverse(2*(uint64_t)v)) % PRIME;
+}
+
+/* 1/|automorphisms|, where parallel lines may be exchanged too. */
+static uint64_t one_by_symmetries(const lw_structure *s)
+{
+    lw_graph g;
+    lw_symmetry_group group;
+    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
+    size_t n = 0;
+    lw_graph_of_structure(s, &g);
+    CHECK_INT(lw_graph_group(&g, &group), LW_OK);
+    CHECK_INT(lw_symmetry_group_elements(&group, &element, &n), LW_OK);
+    free(element);
+    lw_symmetry_group_free(&group);
+    uint64_t all = n;
+    for (int i = 0; i < g.n; i++)
+        for (int k = i + 1; k < g.n; k++)
+            all = times(all, factorial(g.tie[i][k]));
+    return inverse(all);
+}
+
+static void none_is_missing(void)
+{
+    static series block[ORDER];
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(7, 1, &set), LW_OK);
+    count_blocks(block, 14);
+    for (int loops = 2; loops <= 7; loops++) {
+        uint64_t have[LW_CIRCLE_MAX + 2] = { 0 };
+        for (size_t k = 0; k < lw_structures_count(set, loops); k++) {
+            lw_structure s;
+            lw_structures_get(set, loops, k, &s);
+            CHECK_INT(lw_structure_check(&s, NULL), LW_OK);
+            have[s.n_circle] = (have[s.n_circle] + one_by_symmetries(&s)) % PRIME;
+        }
+        for (int v = 2; v <= 2*(loops - 1) + 1; v++) {          /* one circle more than there can be: 0 */
+            uint64_t want = 0, binomial = 1;
+            for (int k = 0; k <= v - 2; k++) {                  /* (1 + x y)^-e */
+                uint64_t e = (uint64_t)(v - k + loops - 1);
+                binomial = 1;
+                for (uint64_t i = 0; i < (uint64_t)k; i++)
+                    binomial = times(times(binomial, e + i), inverse(i + 1));
+                uint64_t term = times(block[v - k].c[e], binomial);
+                want = (want + (k & 1 ? PRIME - term : term)) % PRIME;
+            }
+            CHECK(have[v] == want);
+        }
+    }
+    lw_structures_free(set);
+}
+
 /* Written and read, a set is the same; any byte of the file that changes is noticed. */
 static void stored_sets_are_whole(void)
 {
@@ -347,6 +477,7 @@ int main(void)
     RUN(agrees_with_all_multigraphs);
     RUN(ears_keep_structures_sound);
     RUN(removable_lines_are_those_that_leave_a_structure);
+    RUN(none_is_missing);
     RUN(stored_sets_are_whole);
     RUN(faults_are_named);
     RUN(weights_make_chains);
