@@ -7,14 +7,6 @@
 
 static int on_pin(const lw_multiple *m, int k) { return __builtin_popcount(m->pin[k]); }
 
-int lw_multiple_mobility(const lw_multiple *m)
-{
-    int f = 3*(m->n_link - 1);
-    for (int k = 0; k < m->n_pin; k++)
-        f -= 2*(on_pin(m, k) - 1);
-    return f;
-}
-
 static int by_size(const void *a, const void *b)
 {
     const uint32_t *x = a, *y = b;

@@ -17,9 +17,6 @@ typedef struct lw_multiple {
     uint32_t pin[LW_JOINT_MAX];     /* links on each pin, as bits: two or more; falling by number, then by bits */
 } lw_multiple;
 
-/* F, where a pin counts as the number of its links minus one. */
-int lw_multiple_mobility(const lw_multiple *m);
-
 /* True for a closed chain that can move and is not fractionated: no two links share two pins, every link has at least
  * two pins, no set of links has F <= 0, and the chain stays connected without any one link or pin. */
 bool lw_multiple_moves(const lw_multiple *m);

@@ -25,7 +25,6 @@ void lw_weighting_free(lw_weighting *w)
 }
 
 const lw_structure *lw_weighting_structure(const lw_weighting *w) { return &w->s; }
-int lw_weighting_binary(const lw_weighting *w) { return w->n_binary; }
 
 /* The automorphisms as permutations of lines: parallel lines keep their order among themselves. */
 static lw_status fill_lines(lw_weighting *w)

@@ -25,7 +25,6 @@ void          lw_weighting_free(lw_weighting *w);
 lw_status lw_weighting_prepare(lw_weighting *w, const lw_structure *s, int dof);
 
 const lw_structure *lw_weighting_structure(const lw_weighting *w);
-int lw_weighting_binary(const lw_weighting *w);            /* B; negative: the structure has no chain */
 
 /* One chain: weight[e] of each line.  A status other than LW_OK ends the walk and is returned by it. */
 typedef lw_status lw_weighting_visit(void *context, const uint8_t *weight);

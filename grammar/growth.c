@@ -43,16 +43,6 @@ lw_status lw_mechanism_grow(lw_mechanism *m, const lw_production *p)
     return s;
 }
 
-lw_status lw_growth_mechanism(const lw_growth *g, int n_step, lw_mechanism *m)
-{
-    for (int i = 0; i < n_step; i++) {
-        lw_status s = lw_mechanism_grow(m, &g->step[i]);
-        if (s != LW_OK)
-            return s;
-    }
-    return n_step > 0 ? LW_OK : LW_E_ARG;
-}
-
 lw_status lw_growth_sentence(const lw_growth *g, int n_step, lw_sentence *s, lw_error *e)
 {
     if (n_step < 1 || n_step > g->n_step)

@@ -39,10 +39,9 @@ lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, u
 /* The reason as one sentence for the user; links count from 1.  Length as snprintf does. */
 size_t lw_reach_print(const lw_mechanism *m, lw_reach reach, uint32_t core, char *buf, size_t size);
 
-/* Replay the first n_step steps as sentences (LW_REACHED only), or as a mechanism, in the numbering of
- * the derivation.  LW_E_ARG when a step does not apply. */
+/* Replay the first n_step steps as sentences (LW_REACHED only), in the numbering of the derivation.  LW_E_ARG when a
+ * step does not apply. */
 lw_status lw_growth_sentence(const lw_growth *g, int n_step, lw_sentence *s, lw_error *e);
-lw_status lw_growth_mechanism(const lw_growth *g, int n_step, lw_mechanism *m);
 
 /* Apply one step to a mechanism; X and Y need not lie at one region.  Rules 1 and 2 begin a new mechanism.
  * LW_E_ARG as lw_rule_apply. */

@@ -33,41 +33,6 @@ static uint32_t flood(const uint32_t *row, uint32_t start, uint32_t allowed)
     return seen;
 }
 
-static lw_status check_lines(const lw_structure *s, lw_error *e)
-{
-    if (s->n_circle < 2 || s->n_circle > LW_CIRCLE_MAX || s->n_line > LW_LINE_MAX)
-        return lw_error_set(e, LW_E_ARG, "a structure has 2 to %d circles and at most %d lines",
-                            LW_CIRCLE_MAX, LW_LINE_MAX);
-    for (int k = 0; k < s->n_line; k++) {
-        if (s->end[k][0] >= s->end[k][1] || s->end[k][1] >= s->n_circle)
-            return lw_error_set(e, LW_E_ARG, "line %d does not join two circles, lower number first", k + 1);
-        if (k > 0 && memcmp(s->end[k - 1], s->end[k], 2) > 0)
-            return lw_error_set(e, LW_E_ARG, "line %d is out of order", k + 1);
-    }
-    return LW_OK;
-}
-
-lw_status lw_structure_check(const lw_structure *s, lw_error *e)
-{
-    uint8_t degree[LW_CIRCLE_MAX];
-    uint32_t row[LW_CIRCLE_MAX];
-    lw_status status = check_lines(s, e);
-    if (status != LW_OK)
-        return status;
-    lw_structure_degrees(s, degree);
-    lw_structure_rows(s, row);
-    for (int i = 0; i < s->n_circle; i++)
-        if (degree[i] < 3)
-            return lw_error_set(e, LW_E_ARG, "circle %d has %d lines; it needs three", i + 1, degree[i]);
-    uint32_t all = ((uint32_t)1 << s->n_circle) - 1;
-    for (int i = 0; i < s->n_circle; i++) {
-        uint32_t others = all & ~((uint32_t)1 << i);
-        if (flood(row, others & -others, others) != others)
-            return lw_error_set(e, LW_E_ARG, "the structure falls apart at circle %d", i + 1);
-    }
-    return LW_OK;
-}
-
 /* In a 2-connected graph a line u - v is removable if no third circle then separates u from v. */
 bool lw_structure_removable(const lw_structure *s, int line)
 {

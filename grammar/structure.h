@@ -32,10 +32,6 @@ void lw_structure_degrees(const lw_structure *s, uint8_t *degree);
 /* Circles next to each circle, as bits.  row (n_circle). */
 void lw_structure_rows(const lw_structure *s, uint32_t *row);
 
-/* Check that the structure is valid: numbers in range, lines sorted, degrees >= 3, 2-connected.  LW_E_ARG with the
- * reason (circles numbered from 1). */
-lw_status lw_structure_check(const lw_structure *s, lw_error *e);
-
 /* True if removing line `line` leaves a structure with one loop less (a circle that keeps two lines becomes a point
  * of a line).  False for every line of the theta structure. */
 bool lw_structure_removable(const lw_structure *s, int line);

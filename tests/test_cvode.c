@@ -99,7 +99,7 @@ static void events_in_order(void)
     CHECK_NEAR(l.t[1], 7*pi/3, 1e-8, 0);
     CHECK(w.t == 10.0);
     /* an end shortly after an event, which CVODE has passed already, and a state put in by hand */
-    CHECK_INT(lw_cvode_restart(&w, y, NULL), LW_OK);
+    CHECK_INT(lw_cvode_restart(&w, y, 0, NULL), LW_OK);
     stop = LW_ODE_STEP;
     while (stop == LW_ODE_STEP)
         CHECK_INT(lw_cvode_step(&w, 20.0, &stop, NULL), LW_OK);

@@ -10,7 +10,8 @@ static void check_replay(const lw_mechanism *m, const lw_growth *g, lw_reach rea
     lw_mechanism built, renamed;
     lw_sentence s;
     lw_error e = { 0 };
-    CHECK_INT(lw_growth_mechanism(g, g->n_step, &built), LW_OK);
+    for (int n = 0; n < g->n_step; n++)
+        CHECK_INT(lw_mechanism_grow(&built, &g->step[n]), LW_OK);
     lw_mechanism_relabel(&built, g->link_of, &renamed);
     CHECK(lw_mechanism_same(m, &renamed));
     if (reach != LW_REACHED)

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "catalogues/draw/svg.h"
 #include "catalogues/draw/symbols.h"
 
 #define SIGN      (1/72.0)   /* size of signs (u of symbols.h) per length of a bar */
@@ -22,11 +21,6 @@ typedef struct sketch {
     double      scale, u;                       /* [px] per bar; size of signs [px] */
     lw_vec2     middle, centre;                 /* centre of the layout; its place [px] */
 } sketch;
-
-lw_chain_style lw_chain_style_default(void)
-{
-    return (lw_chain_style){ .width = 320, .height = 240 };
-}
 
 static lw_vec2 pixel(const sketch *k, lw_vec2 p)
 {
@@ -369,19 +363,4 @@ lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const l
     snprintf(d->about, sizeof d->about, "%s of %d links and %d joints", m->ground == LW_NONE ? "Chain" : "Mechanism",
              m->n_link, m->n_joint);
     return lw_drawing_end(d, e);
-}
-
-lw_status lw_chain_svg(const lw_mechanism *m, const lw_chain_style *s, lw_bytes *out, lw_error *e)
-{
-    lw_chain_layout l;
-    lw_drawing d;
-    *out = (lw_bytes){ 0 };
-    lw_status st = lw_chain_layout_make(m, &l, e);
-    if (st == LW_OK)
-        st = lw_chain_draw(m, &l, s, &d, e);
-    if (st != LW_OK)
-        return st;
-    st = lw_svg_write(&d, out, e);
-    lw_drawing_free(&d);
-    return st;
 }

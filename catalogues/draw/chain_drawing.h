@@ -13,12 +13,10 @@
 #include "catalogues/draw/labels.h"
 
 typedef struct lw_chain_style {
-    double width, height;         /* of the picture [px]                                (320, 240)  */
-    bool   numbers;               /* of links, counted from 1                              (false)  */
-    const char *caption;          /* below the picture; NULL: none                          (NULL)  */
+    double width, height;         /* of the picture [px]           */
+    bool   numbers;               /* of links, counted from 1      */
+    const char *caption;          /* below the picture; NULL: none */
 } lw_chain_style;
-
-lw_chain_style lw_chain_style_default(void);
 
 /* Add the picture of a chain inside `box` [px], as large as it fits; a bar is at most a third of the
  * smaller side.  A shape's item is its link or joint, counted from 0. */
@@ -27,8 +25,5 @@ void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box 
 /* A drawing of its own.  LW_E_ARG for sizes outside 32 .. 8192 px. */
 lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const lw_chain_style *s, lw_drawing *d,
                         lw_error *e);
-
-/* Layout, drawing and SVG text in one call; out is a block of its own. */
-lw_status lw_chain_svg(const lw_mechanism *m, const lw_chain_style *s, lw_bytes *out, lw_error *e);
 
 #endif

@@ -7,7 +7,7 @@
 
 #define ENDLESS 8.0            /* a motion this many times larger than the pose shown is cut off */
 
-void lw_box_empty(lw_box *b)
+static void box_empty(lw_box *b)
 {
     *b = (lw_box){ INFINITY, INFINITY, -INFINITY, -INFINITY };
 }
@@ -17,7 +17,8 @@ bool lw_box_is_empty(const lw_box *b)
     return !(b->x0 <= b->x1);
 }
 
-void lw_box_add(lw_box *b, lw_vec2 p)
+/* Points that are not finite are ignored. */
+static void box_add(lw_box *b, lw_vec2 p)
 {
     if (!isfinite(p.x) || !isfinite(p.y))
         return;
@@ -27,12 +28,12 @@ void lw_box_add(lw_box *b, lw_vec2 p)
     b->y1 = fmax(b->y1, p.y);
 }
 
-void lw_box_join(lw_box *b, const lw_box *other)
+static void box_join(lw_box *b, const lw_box *other)
 {
     if (lw_box_is_empty(other))
         return;
-    lw_box_add(b, lw_v2(other->x0, other->y0));
-    lw_box_add(b, lw_v2(other->x1, other->y1));
+    box_add(b, lw_v2(other->x0, other->y0));
+    box_add(b, lw_v2(other->x1, other->y1));
 }
 
 double lw_box_size(const lw_box *b)
@@ -43,13 +44,13 @@ double lw_box_size(const lw_box *b)
 static void add_points(lw_box *b, const lw_vec2 *p, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        lw_box_add(b, p[i]);
+        box_add(b, p[i]);
 }
 
 static lw_box curve_box(const lw_scene *s, bool shown_branch)
 {
     lw_box b;
-    lw_box_empty(&b);
+    box_empty(&b);
     for (int i = 0; i < s->n_curve; i++)
         if (s->curve[i].shown_branch == shown_branch)
             add_points(&b, s->curve[i].p, s->curve[i].n);
@@ -59,10 +60,10 @@ static lw_box curve_box(const lw_scene *s, bool shown_branch)
 lw_box lw_scene_path_box(const lw_scene *s)
 {
     lw_box b, curve = curve_box(s, true);
-    lw_box_empty(&b);
+    box_empty(&b);
     add_points(&b, s->station, s->n_station);
     if (lw_box_size(&b) == 0 || lw_box_size(&curve) < LW_SPECK*lw_box_size(&b))
-        lw_box_join(&b, &curve);
+        box_join(&b, &curve);
     return b;
 }
 
@@ -75,11 +76,11 @@ static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
     for (int side = 0; side < 2; side++) {
         double r = w[side].radius + 0.3*w[side].pitch;
         lw_vec2 c = lw_scene_at(s, frame, w[side].link, w[side].centre);
-        lw_box_add(b, lw_v2_sub(c, lw_v2(r, r)));
-        lw_box_add(b, lw_v2_add(c, lw_v2(r, r)));
+        box_add(b, lw_v2_sub(c, lw_v2(r, r)));
+        box_add(b, lw_v2_add(c, lw_v2(r, r)));
         for (int end = 0; end < 2 && w[side].rack; end++) {
             double t = end ? w[side].hi + 1.5*w[side].pitch : w[side].lo - 1.5*w[side].pitch;
-            lw_box_add(b, lw_scene_at(s, frame, w[side].link,
+            box_add(b, lw_scene_at(s, frame, w[side].link,
                                       lw_v2_add(w[side].centre, lw_v2_scale(w[side].along, t))));
         }
     }
@@ -92,7 +93,7 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
         if (!lw_joint_slides(j->kind)) {
-            lw_box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
+            box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
             if (guides && lw_joint_has_ratio(j->kind))
                 add_gear(b, s, frame, i);
             continue;
@@ -100,14 +101,14 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
         lw_slide w = lw_body_shapes_slide(s, i);
         lw_vec2 lo = lw_v2_add(w.at, lw_v2_scale(w.along, w.lo));
         lw_vec2 hi = lw_v2_add(w.at, lw_v2_scale(w.along, w.hi));
-        lw_box_add(b, lw_scene_at(s, frame, w.block, w.at));
+        box_add(b, lw_scene_at(s, frame, w.block, w.at));
         if (guides) {
-            lw_box_add(b, lw_scene_at(s, frame, w.guide, lo));
-            lw_box_add(b, lw_scene_at(s, frame, w.guide, hi));
+            box_add(b, lw_scene_at(s, frame, w.guide, lo));
+            box_add(b, lw_scene_at(s, frame, w.guide, hi));
         }
     }
     for (int i = 0; i < k->n_tracer; i++)
-        lw_box_add(b, lw_scene_at(s, frame, k->tracer[i].link, k->tracer[i].at));
+        box_add(b, lw_scene_at(s, frame, k->tracer[i].link, k->tracer[i].at));
 }
 
 /* Cut the box `wide` to a few times the size of `core`, so that a motion that runs to infinity does not shrink
@@ -124,17 +125,17 @@ static lw_box keep_core_large(lw_box wide, const lw_box *core)
 lw_box lw_scene_box(const lw_scene *s, bool whole_motion)
 {
     lw_box core, curve = curve_box(s, true), other = curve_box(s, false);
-    lw_box_empty(&core);
+    box_empty(&core);
     add_points(&core, s->station, s->n_station);
     add_links(&core, s, s->first_frame, false);
     lw_box all = core;
     add_links(&all, s, s->first_frame, true);
     for (size_t f = 0; whole_motion && f < s->n_frame; f++)
         add_links(&all, s, f, true);
-    lw_box_join(&all, &curve);
+    box_join(&all, &curve);
     all = keep_core_large(all, &core);
     lw_box with = all;                     /* other assembly modes only if the rest does not get small */
-    lw_box_join(&with, &other);
+    box_join(&with, &other);
     return lw_box_size(&with) < 1.6*lw_box_size(&all) ? with : all;
 }
 

@@ -9,9 +9,6 @@
 /* A path this many times smaller than the whole gets a panel of its own. */
 #define LW_SPECK 4.0
 
-void    lw_box_empty(lw_box *b);
-void    lw_box_add(lw_box *b, lw_vec2 p);                 /* points that are not finite are ignored */
-void    lw_box_join(lw_box *b, const lw_box *other);
 bool    lw_box_is_empty(const lw_box *b);
 double  lw_box_size(const lw_box *b);                     /* diagonal; 0 when empty                  */
 

@@ -11,7 +11,4 @@
 
 void lw_layout_pack(const lw_chain_layout *l, int n_link, lw_bytes *out);
 
-/* LW_E_NOTATION: the bytes are not a layout of n_link links. */
-lw_status lw_layout_unpack(const void *bytes, size_t size, int n_link, lw_chain_layout *l);
-
 #endif

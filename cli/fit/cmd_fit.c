@@ -388,15 +388,6 @@ static void note_left_out(const cli_call *call, const cli_fit_set *set)
     }
 }
 
-void cli_fit_name(const char *path, char *name, size_t size)
-{
-    const char *slash = strrchr(path, '/');
-    snprintf(name, size, "%s", strcmp(path, "-") == 0 ? "target" : slash ? slash + 1 : path);
-    char *dot = strrchr(name, '.');
-    if (dot && dot != name)
-        *dot = 0;
-}
-
 static void warn(const cli_call *call, const cli_fit_set *set)
 {
     const lw_fit_results *found = &set->search.results;

@@ -7,6 +7,15 @@
 #include "catalogues/pages/page.h"
 #include "cli/fit/fit.h"
 
+void cli_fit_name(const char *path, char *name, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    snprintf(name, size, "%s", strcmp(path, "-") == 0 ? "target" : slash ? slash + 1 : path);
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name)
+        *dot = 0;
+}
+
 int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
 {
     static const char *const end[] = { "svg", "png", "gif" };

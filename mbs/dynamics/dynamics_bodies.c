@@ -88,7 +88,7 @@ static lw_status restart(stepper *w, const double *y, double flight, lw_error *e
 {
     if (flight > 0)
         w->explicit_one.h = fmin(w->explicit_one.h, 0.5*flight);
-    return w->implicit ? lw_cvode_restart_with(&w->implicit_one, y, 0.5*flight, e)
+    return w->implicit ? lw_cvode_restart(&w->implicit_one, y, 0.5*flight, e)
                        : lw_integrate_restart(&w->explicit_one, y, e);
 }
 

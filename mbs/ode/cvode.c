@@ -129,12 +129,7 @@ static void count(lw_cvode *w)
     w->n_jacobian = w->own->before[3] + now[3];
 }
 
-lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e)
-{
-    return lw_cvode_restart_with(w, y, 0, e);
-}
-
-lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_error *e)
+lw_status lw_cvode_restart(lw_cvode *w, const double *y, double first, lw_error *e)
 {
     struct lw_cvode_own *own = w->own;
     if (y)

@@ -24,10 +24,9 @@ lw_status lw_cvode_make(lw_cvode *w, const lw_ode *ode, const lw_ode_options *o,
                         double t, const double *y, lw_error *e);
 void      lw_cvode_free(lw_cvode *w);
 
-/* As lw_integrate_restart, _step, _dense.  t_end must not lie before t. */
-lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e);
-/* The same with a given length of the first step; 0: chosen as at the start. */
-lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_error *e);
+/* As lw_integrate_restart, _step, _dense.  `first` is the length of the first step; 0: chosen as at the start.  t_end
+ * must not lie before t. */
+lw_status lw_cvode_restart(lw_cvode *w, const double *y, double first, lw_error *e);
 lw_status lw_cvode_step(lw_cvode *w, double t_end, lw_ode_stop *stop, lw_error *e);
 lw_status lw_cvode_dense(lw_cvode *w, double t, double *y);
 

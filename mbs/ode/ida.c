@@ -137,16 +137,6 @@ void lw_ida_free(lw_ida *w)
     w->own = NULL;
 }
 
-lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e)
-{
-    struct lw_ida_own *own = w->own;
-    own->sun.failed = LW_OK;
-    if (IDACalcIC(own->solver, IDA_YA_YDP_INIT, t_first) != 0
-        || IDAGetConsistentIC(own->solver, own->v[NOW], own->v[RATE]) != 0)
-        return lw_sun_error(&own->sun, "IDA", w->t, e);
-    return LW_OK;
-}
-
 /* IDA restarts its counters at 0. */
 static void count(lw_ida *w)
 {

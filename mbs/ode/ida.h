@@ -36,11 +36,7 @@ lw_status lw_ida_make(lw_ida *w, const lw_dae *dae, const lw_ode_options *o, dou
                       const double *dy, lw_error *e);
 void      lw_ida_free(lw_ida *w);
 
-/* For equations of index 1: compute the algebraic variables and the derivatives that are consistent with the other
- * variables at the start.  t_first: any later time of interest.  LW_E_NUMERIC if there are none nearby. */
-lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e);
-
-/* As lw_cvode_restart, _step, _dense. */
+/* As lw_cvode_restart, _step, _dense; the length of the first step is chosen. */
 lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error *e);
 lw_status lw_ida_step(lw_ida *w, double t_end, lw_ode_stop *stop, lw_error *e);
 lw_status lw_ida_dense(lw_ida *w, double t, double *y);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <time.h>
 #include "catalogues/draw/chain_drawing.h"
+#include "catalogues/draw/svg.h"
 #include "tests/all_chains.h"
 
 static double milliseconds(void)
@@ -29,16 +30,18 @@ static int draw_all(int n_link, int dof, int step, bool grounded)
         lw_mechanism m;
         lw_chain_layout l;
         lw_bytes svg;
-        lw_chain_style style = lw_chain_style_default();
+        lw_chain_style style = { .width = 320, .height = 240 };
+        lw_drawing d;
         lw_mechanism_from_chain(&list.chain[i], &m);
         m.ground = grounded ? 0 : LW_NONE;
         double begun = milliseconds();
-        if (lw_chain_svg(&m, &style, &svg, NULL) != LW_OK)
+        if (lw_chain_layout_make(&m, &l, NULL) != LW_OK || lw_chain_draw(&m, &l, &style, &d, NULL) != LW_OK
+            || lw_svg_write(&d, &svg, NULL) != LW_OK)
             return 1;
+        lw_drawing_free(&d);
         time[n] = milliseconds() - begun;
         sum += time[n++];
         lw_bytes_free(&svg);
-        lw_chain_layout_make(&m, &l, NULL);
         n_planar += l.planar;
         n_cross += l.n_cross;
         angle = fmin(angle, l.least_angle*180/LW_PI);
