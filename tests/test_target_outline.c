@@ -2,6 +2,7 @@
 #include "optimise/task/target_outline.h"
 
 #include "base/vec2.h"
+#include "optimise/task/read_file.h"
 #include "tests/check.h"
 
 typedef lw_status reader(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
@@ -446,6 +447,42 @@ static void points_are_stations(void)
     lw_target_free(&t);
 }
 
+/* ---- files as programs write them ---------------------------------------------------------------------------------- */
+
+/* examples/drawings; the lengths of slot, step and ellipse are worked out by hand (Ramanujan's formula), those of the
+ * curves from Bernstein polynomials and the uniform cubic B-spline. Chords between stations are shorter. */
+static void example_drawings(void)
+{
+    double r = 40*sqrt(2) + 10, slot = 2*(60 + 10*LW_PI), step = 80 + 2*10*0.75*LW_PI + r*LW_PI/2;
+    const struct { const char *path; int n_also; double length; } rows[] = {
+        { "slot-autocad.dxf", 0, slot }, { "step-librecad.dxf", 0, step }, { "loop-freecad.dxf", 0, 263.11 },
+        { "foot-inkscape.svg", 0, 161.01 }, { "foot-inkscape.svg#step", 0, 161.01 }, { "foot-inkscape.svg#foot", 0, 161.01 },
+        { "heart-illustrator.svg", 0, 185.02 }, { "pair-inkscape.svg#left", 0, 94.411 }, { "pair-inkscape.svg#all", 1, 94.411 },
+        { "pair-inkscape.svg#hooks", 1, 94.411 }
+    };
+    lw_target t;
+    lw_error e = { .text = "" };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        char path[128];
+        snprintf(path, sizeof path, "examples/drawings/%s", rows[i].path);
+        CHECK_INT(lw_target_read_file(path, NULL, &t, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_INT(t.n, LW_OUTLINE_STATIONS);
+        CHECK_INT(t.closed, 1);
+        CHECK_INT(t.n_also, rows[i].n_also);
+        CHECK_NEAR(1e3*t.length, rows[i].length, 0, 2e-3);
+        CHECK_TEXT(t.units.length, "mm");
+        lw_target_free(&t);
+    }
+    CHECK_INT(lw_target_read_file("examples/drawings/measured-excel.csv", NULL, &t, &e), LW_OK);
+    CHECK_INT(t.n, 90);
+    CHECK_NEAR(t.x[0], 0.13114, 2e-3, 0);
+    lw_target_free(&t);
+    CHECK_INT(lw_target_read_file("examples/drawings/pair-inkscape.svg", NULL, &t, &e), LW_E_NOTATION);
+    CHECK_INT(lw_target_read_file("examples/drawings/pair-inkscape.svg#middle", NULL, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_read_file("examples/ellipse.csv#a", NULL, &t, &e), LW_E_ARG);
+}
+
 /* ---- faults ------------------------------------------------------------------------------------------------ */
 
 static void faults(void)
@@ -456,7 +493,7 @@ static void faults(void)
         { lw_target_read_svg, "<svg>\n<path d='L 1 1'/></svg>", 2, 10, "begins with M" },
         { lw_target_read_svg, "<svg><path d='M 1 x'/></svg>", 1, 19, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1 B 3'/></svg>", 1, 21, "one of M L" },
-        { lw_target_read_svg, "<svg><path id='a' d='M 1 1 2 2 M 3 3\n4 4'/></svg>", 1, 1, "1 'a' open 1.41 mm, 2 'a'" },
+        { lw_target_read_svg, "<svg><path id='a' d='M 1 1 2 2 M 3 3\n4 4'/></svg>", 1, 1, "1 'a' open 1.4142 mm, 2 'a'" },
         { lw_target_read_svg, "<svg><path d='M 1 1A1 1 0 2 0 3 3'/></svg>", 1, 27, "a flag of an arc" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e999 0'/></svg>", 1, 21, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e200 0'/></svg>", 1, 1, "too far away" },
@@ -497,6 +534,7 @@ int main(void)
     RUN(curves_by_name);
     RUN(pieces_join);
     RUN(points_are_stations);
+    RUN(example_drawings);
     RUN(faults);
     return check_end();
 }

@@ -49,8 +49,8 @@ static void stations_lie_on_the_path(void)
             CHECK(out[0].x == p[0].x && out[0].y == p[0].y);
             CHECK(out[m-1].x == p[n-1].x && out[m-1].y == p[n-1].y);
         }
-        /* corners take a third of the stations at most, and of the others one half follows the length */
-        CHECK(m < 12 || longest <= 3.3*length/(double)(closed ? m : m - 1));
+        /* corners take a third of the stations at most, and of the others two thirds follow the length */
+        CHECK(m < 12 || longest <= 2.5*length/(double)(closed ? m : m - 1));
     }
 }
 

@@ -1,5 +1,4 @@
-/* optimise/task/target_dxf.c - read the curves of a DXF file: groups of a code and a value, one line each (R12 to 2018).
- */
+/* optimise/task/target_dxf.c - read the curves of a DXF file (R12 to 2018): groups of a code and a value, one line each. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -184,7 +183,10 @@ static void begin(reader *r, const entity *n, const place *in)
     lw_outlines_begin(&r->out, "", text, in->block);
 }
 
-static void add(reader *r, const lw_affine *m, lw_vec2 p, long line) { lw_outlines_add(&r->out, lw_affine_point(m, p), line); }
+static void add(reader *r, const lw_affine *m, lw_vec2 p, long line)
+{
+    lw_outlines_add(&r->out, lw_affine_point(m, p), line);
+}
 
 /* Add an arc of an ellipse with two half diameters; it ends exactly at `end`. */
 static void add_arc(reader *r, const lw_affine *m, lw_vec2 at, lw_vec2 a, lw_vec2 b, double from, double sweep,
@@ -378,7 +380,8 @@ static lw_status draw_spline(reader *r, const entity *n, const place *in)
             if (!(knot[k+1] > knot[k]))
                 continue;
             for (int i = first ? 0 : 1; i <= steps; i++)
-                add(r, &in->m, spline_point(degree, knot, x, y, weight, k, knot[k] + (knot[k+1] - knot[k])*i/steps), line);
+                add(r, &in->m, spline_point(degree, knot, x, y, weight, k, knot[k] + (knot[k+1] - knot[k])*i/steps),
+                    line);
             first = false;
         }
         if ((int)value(r, n, 70) & 1)

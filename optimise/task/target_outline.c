@@ -157,7 +157,7 @@ static void list_curves(const lw_outlines *d, char *text, size_t size)
             snprintf(text + used, size - used, ", ...");
             return;
         }
-        used += (size_t)snprintf(text + used, size - used, "%s%d%s%s%s %s %.3g %s", i ? ", " : "", i + 1,
+        used += (size_t)snprintf(text + used, size - used, "%s%d%s%s%s %s %.5g %s", i ? ", " : "", i + 1,
                                  name[0] ? " '" : "", name, name[0] ? "'" : "", c->closed ? "closed" : "open",
                                  length_in(d, c), d->unit);
     }
@@ -276,7 +276,7 @@ static void write_note(const lw_outlines *d, const lw_outline *c, int n, const l
     else if (d->only_points)
         used = snprintf(note, size, "%zu points as stations, in the order of the file", t->n);
     else
-        used = snprintf(note, size, "%s curve%s%s%s, %.3g %s long, %zu stations", t->closed ? "closed" : "open",
+        used = snprintf(note, size, "%s curve%s%s%s, %.5g %s long, %zu stations", t->closed ? "closed" : "open",
                         name[0] ? " '" : "", name, name[0] ? "'" : "", length, unit, t->n);
     if (moved)
         used += snprintf(note + used, size - (size_t)used, "; smoothed: it lies %.3g %s (RMS) from the drawn points, "

@@ -66,7 +66,7 @@ static void measure(course *c, bool by_curvature)
     }
     turn = fmax(turn, LW_PI);                       /* a nearly straight curve is spread by its length */
     for (size_t i = 0; i < c->n_segment; i++)
-        c->measure[i] = c->measure[i]/turn + lw_v2_norm(segment(c, i))/length;
+        c->measure[i] = c->measure[i]/turn + 2*lw_v2_norm(segment(c, i))/length;
 }
 
 static double span_measure(const course *c, size_t first, size_t last)
