@@ -59,40 +59,40 @@ static const cli_action actions[] = {
       "symmetry, planarity and notations, and its mechanisms: ground links up to symmetry, driven joints and\n"
       "Assur groups. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
       "same command is given again.\n",
-      1, 1, cli_catalogue_build },
+      1, 1, cli_catalogue_build, CLI_CATALOGUE },
     { "add", "FILE RESULTS.json",
       "Adds linkages with their errors from the output of 'linkwright fit --json', or linkage files. Several\n"
       "results may follow one another; - is standard input. Linkages that the catalogue already holds are\n"
       "skipped.\n",
-      2, 2, cli_catalogue_add },
+      2, 2, cli_catalogue_add, CLI_CATALOGUE | CLI_LINKAGE | CLI_RESULTS },
     { "curves", "FILE --samples N",
       "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes\n"
       "of the linkages; with --links 6 curves of the Watt and Stephenson chains whose input turns fully.\n",
-      1, 1, cli_catalogue_curves },
+      1, 1, cli_catalogue_curves, CLI_CATALOGUE },
     { "nearest", "FILE TARGET.csv",
       "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction\n"
       "and mirrored, and prints their linkages, moved and scaled onto the target.\n",
-      2, 2, cli_catalogue_nearest },
+      2, 2, cli_catalogue_nearest, CLI_CATALOGUE | CLI_TARGET | CLI_DRAWING },
     { "query", "FILE ['QUERY']",
       "Prints the rows that match a query. A query compares fields with = != < <= > >= ~ (pattern), with a list, as\n"
       "in (a, b), or with a range, as 4..8. It joins comparisons by and, or, not and parentheses.\n"
       "'query FILE --fields' lists the fields.\n",
-      1, 2, cli_catalogue_query },
+      1, 2, cli_catalogue_query, CLI_CATALOGUE },
     { "export", "FILE ['QUERY']",
       "Writes the chains or mechanisms that match a query, one per line in a notation; linkages in the form that\n"
       "'add' reads.\n",
-      1, 2, cli_catalogue_export },
+      1, 2, cli_catalogue_export, CLI_CATALOGUE },
     { "check", "[FILE or TABLE.csv]",
       "With a catalogue: checks every page and reference of the database, every label, and all published counts.\n"
       "Otherwise: counts each row of the table of published counts again, as far as --time allows, and prints the\n"
       "published number, the number counted, whether they agree, what was counted, and the source. A published\n"
       "number that is known to be wrong is called a known erratum. Any other disagreement makes the exit code 4.\n",
-      0, 1, cli_catalogue_check },
+      0, 1, cli_catalogue_check, CLI_CATALOGUE },
     { "html", "FILE -o FOLDER",
       "Writes web pages that need no server: an overview with search, a page for each chain with its picture, its\n"
       "notations and its ground links, and pages of moving linkages. More than 200 MB of pages are made only with\n"
       "--results.\n",
-      1, 1, cli_catalogue_html },
+      1, 1, cli_catalogue_html, CLI_CATALOGUE },
     { .name = NULL }
 };
 

@@ -189,4 +189,5 @@ const cli_command cli_draw_command = {
     .least_words = 0,
     .most_words = 1,
     .run = run,
+    .reads = CLI_LINKAGE | CLI_RESULTS | CLI_TOPOLOGIES,
 };

@@ -159,14 +159,13 @@ static void write_row(FILE *f, const double r[4], const lw_fourbar_class *c, uni
 }
 
 /* Lines of four lengths; a first line of names, empty lines and lines with # are passed over. */
-static lw_status write_table(const cli_call *call, FILE *f, const char *file, const char *text, lw_error *e)
+static lw_status write_table(const cli_call *call, FILE *f, const char *file, const char *text, size_t size, lw_error *e)
 {
     const settings *s = call->settings;
     unit u = angle_unit(s->unit);
-    bool first = true;
-    if (!call->common.json)
-        fprintf(f, "l1,l2,l3,l4,class,symbol,name,grashof,input_turns,output_turns,circuits,change_point_margin,"
-                "transmission_min_%s,transmission_max_%s\n", u.name, u.name);
+    bool first = true, headed = call->common.json;
+    if (strlen(text) < size)
+        return lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is no text; a table has lines of four lengths, as 4,2,5,3");
     for (int line = 1; *text; line++) {
         const char *end = text + strcspn(text, "\n"), *at = text + strspn(text, " \t\r");
         lw_fourbar_class c;
@@ -181,6 +180,10 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
             continue;
         }
         first = false;
+        if (!headed)
+            fprintf(f, "l1,l2,l3,l4,class,symbol,name,grashof,input_turns,output_turns,circuits,change_point_margin,"
+                    "transmission_min_%s,transmission_max_%s\n", u.name, u.name);
+        headed = true;
         bool closes = lw_fourbar_classify(r, s->tolerance, &c, NULL) == LW_OK;
         if (!call->common.json)
             write_row(f, r, closes ? &c : NULL, u);
@@ -202,7 +205,7 @@ static int run_table(const cli_call *call)
     if (cli_read_file(file, "lines of four lengths", &text, &size, &e) != LW_OK)
         return cli_fail(call, &e);
     lw_status st = cli_open(call, &o, &e);
-    if (st == LW_OK && (st = write_table(call, o.f, file, text, &e)) != LW_OK)
+    if (st == LW_OK && (st = write_table(call, o.f, file, text, size, &e)) != LW_OK)
         lw_output_abandon(&o);
     free(text);
     return st == LW_OK ? cli_close(call, &o, CLI_DONE) : cli_fail(call, &e);
@@ -254,4 +257,5 @@ const cli_command cli_classify_command = {
     .least_words = 1,
     .most_words = 4,
     .run = run,
+    .reads = CLI_LENGTHS,
 };

@@ -10,6 +10,15 @@ enum {
     CLI_LIMIT = 5                      /* main.c adds 128 + number of the signal that ended the command */
 };
 
+/* What a file holds; bits. */
+typedef enum cli_kind_of_file {
+    CLI_UNKNOWN = 0, CLI_LINKAGE = 1, CLI_RESULTS = 2, CLI_TARGET = 4, CLI_DRAWING = 8, CLI_TASK = 16,
+    CLI_TOPOLOGIES = 32, CLI_CATALOGUE = 64,
+    CLI_FOREIGN = 128,                 /* a linkage of Pyslvs or ADAMS                                 */
+    CLI_BINARY = 256,
+    CLI_LENGTHS = 512                  /* lines of four lengths                                        */
+} cli_kind_of_file;
+
 typedef struct cli_call {
     const struct cli_command *command;
     const void               *settings;     /* the command's own struct, filled                    */
@@ -25,6 +34,7 @@ typedef struct cli_action {
     const char *about;                      /* lines of text                                       */
     int         least, most;                /* words after the name                                */
     int       (*run)(const cli_call *call); /* word[0] is the name; returns an exit code           */
+    unsigned    reads;                      /* kinds of files among its words; 0: any              */
 } cli_action;
 
 typedef struct cli_command {
@@ -38,6 +48,7 @@ typedef struct cli_command {
     const cli_action *actions;              /* NULL: none; else the next three members are unused  */
     int               least_words, most_words;
     int             (*run)(const cli_call *call);   /* returns an exit code                        */
+    unsigned          reads;                /* kinds of files among its words; 0: any              */
 } cli_command;
 
 extern const cli_command cli_simulate_command, cli_clearance_command, cli_fit_command, cli_classify_command,

@@ -7,6 +7,7 @@
 #include <string.h>
 #include "cli/program/output.h"
 #include "grammar/model.h"
+#include "grammar/notation.h"
 
 bool cli_is_target(const char *text, size_t size)
 {
@@ -17,22 +18,81 @@ bool cli_is_target(const char *text, size_t size)
     return true;
 }
 
-/* After a failed read of a linkage: does the text hold something else, for which there is a command? */
-static lw_status hint(const char *file, const char *text, size_t size, lw_status s, lw_error *e)
+/* ---- kinds of files ------------------------------------------------------------------------------- */
+
+static cli_kind_of_file kind_of_json(const char *text, size_t size)
 {
-    if (s != LW_E_NOTATION)
-        return s;
-    json_t *root = json_loadb(text, size, 0, NULL);
-    if (json_object_get(root, "linkwright-task") || (!root && cli_is_target(text, size)))
-        s = lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is a %s, not a linkage: did you mean 'linkwright fit %s'?",
-                        root ? "task" : "target", file);
+    json_t *root = json_loadb(text, size, JSON_DISABLE_EOF_CHECK, NULL);
+    const json_t *joints = json_object_get(root, "joints");
+    cli_kind_of_file kind = json_is_array(json_object_get(root, "results")) ? CLI_RESULTS
+                          : json_object_get(root, "linkwright-task") ? CLI_TASK
+                          : !joints ? CLI_UNKNOWN : json_is_array(json_array_get(joints, 0)) ? CLI_TOPOLOGIES : CLI_LINKAGE;
     json_decref(root);
+    return kind;
+}
+
+static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *path)
+{
+    static lw_mechanism m;
+    if (size >= 15 && memcmp(text, "SQLite format 3", 15) == 0)
+        return CLI_CATALOGUE;
+    if (memchr(text, 0, size) && !cli_is_target(text, size))
+        return CLI_BINARY;
+    if (text[strspn(text, " \t\r\n")] == '{')
+        return kind_of_json(text, size);
+    if (lw_target_kind_of(text, size, path) != LW_TARGET_KIND_TABLE)
+        return CLI_DRAWING;
+    if (cli_is_target(text, size))
+        return CLI_TARGET;
+    if (strncmp(text, "M[", 2) == 0 || strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/"))
+        return CLI_FOREIGN;
+    lw_topologies t = lw_topologies_open(text, size, path);
+    return lw_topologies_next(&t, &m, NULL) == LW_OK ? CLI_TOPOLOGIES : CLI_UNKNOWN;
+}
+
+bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
+{
+    static const struct { cli_kind_of_file kind; const char *is, *command; } rows[] = {
+        { CLI_LINKAGE, "a linkage", "trace %s" }, { CLI_RESULTS, "a list of results", "trace %s" },
+        { CLI_TARGET, "a target", "fit %s" }, { CLI_DRAWING, "a drawing", "fit %s" },
+        { CLI_TASK, "a task", "fit %s" },
+        { CLI_TOPOLOGIES, "a list of chains or mechanisms", "draw %s -o chains.svg" },
+        { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
+        { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
+        { CLI_BINARY, "no text (a picture, a workbook or an archive)", NULL }, { CLI_LENGTHS, "a table of lengths", NULL }
+    };
+    char *text = NULL, command[600], what[160] = "";
+    size_t size, n = sizeof rows/sizeof *rows;
+    if (!wanted || strcmp(path, "-") == 0 || lw_file_read(path, &text, &size, NULL) != LW_OK)
+        return false;
+    cli_kind_of_file kind = kind_of_text(text, size, path);
+    free(text);
+    if (kind == CLI_UNKNOWN || kind & wanted)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS)
+            snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", what[0] ? " or " : "", rows[i].is);
+    for (size_t i = 0; i < n; i++) {
+        if (rows[i].kind != kind)
+            continue;
+        snprintf(command, sizeof command, rows[i].command ? rows[i].command : "", path);
+        lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s, not %s%s%s%s", rows[i].is, what,
+                    rows[i].command ? ": did you mean 'linkwright " : "", command, rows[i].command ? "'?" : "");
+    }
+    return true;
+}
+
+/* After a failed read of a linkage: does the file hold something else, for which there is a command? */
+static lw_status hint(const char *path, lw_status s, lw_error *e)
+{
+    if (s == LW_E_NOTATION)
+        cli_wrong_kind(path, CLI_LINKAGE | CLI_RESULTS, e);
     return s;
 }
 
 lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k, lw_error *e)
 {
-    return hint(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), e);
+    return hint(path, lw_linkage_read_result(text, size, path, which, k, e), e);
 }
 
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e)
@@ -54,7 +114,7 @@ lw_model *cli_read_model(const char *path, int which, lw_error *e)
     lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY,
                                                                                               "out of memory");
     if (s == LW_OK)
-        s = hint(path, text, size, lw_model_read_result(text, size, path, which, m, e), e);
+        s = hint(path, lw_model_read_result(text, size, path, which, m, e), e);
     free(text);
     if (s == LW_OK)
         return m;
@@ -88,17 +148,9 @@ lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_ta
     if (strcmp(path, "-") == 0)
         cli_say_waiting("a task (JSON)");
     lw_status s = waited(path, lw_task_file_read_file(path, o, b, t, e), e);
-    char *text = NULL;
-    size_t size;
-    if (s == LW_E_NOTATION && strcmp(path, "-") != 0 && lw_file_read(path, &text, &size, NULL) == LW_OK) {
-        json_t *root = json_loadb(text, size, 0, NULL);
-        bool results = json_is_array(json_object_get(root, "results"));
-        if (results || json_object_get(root, "linkwright"))
-            s = lw_error_at(e, s, path, 0, 0, "this is a %s, not a target or a task: did you mean 'linkwright trace "
-                            "%s', or 'linkwright fit TARGET.csv --start-from %s'?",
-                            results ? "list of results" : "linkage", path, path);
-        json_decref(root);
+    if (s == LW_E_NOTATION && cli_wrong_kind(path, CLI_TARGET | CLI_DRAWING | CLI_TASK, e)) {
+        size_t used = strlen(e->text);
+        snprintf(e->text + used, sizeof e->text - used, " Or 'linkwright fit TARGET --start-from %s'?", path);
     }
-    free(text);
     return s;
 }

@@ -1,4 +1,5 @@
 #include "cli/program/output.h"
+#include "cli/program/model.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -30,6 +31,15 @@ int cli_exit_code(lw_status s)
 }
 
 /* A failure must not end with exit code 0 because the failing call filled no message. */
+/* Kinds of files that the command, or its action, reads. */
+static unsigned kinds_read(const cli_call *call)
+{
+    for (const cli_action *a = call->command->actions; a && a->name && call->parsed.n_word > 0; a++)
+        if (strcmp(a->name, call->parsed.word[0]) == 0)
+            return a->reads;
+    return call->command->reads;
+}
+
 int cli_fail(const cli_call *call, const lw_error *e)
 {
     char text[sizeof e->file + sizeof e->text + 64];
@@ -38,7 +48,10 @@ int cli_fail(const cli_call *call, const lw_error *e)
                 call->command->name);
         return CLI_NUMERIC;
     }
-    lw_error_print(e, text, sizeof text);
+    lw_error told = *e;
+    if (e->status == LW_E_NOTATION && strncmp(e->text, "this is a", 9) != 0)
+        cli_wrong_kind(e->file, kinds_read(call), &told);
+    lw_error_print(&told, text, sizeof text);
     fprintf(stderr, "linkwright %s: %s", call->command->name, text);
     if (e->status == LW_E_MEMORY)
         fprintf(stderr, "; the limit is %.3g GB (--memory)", cli_memory(call)/1e9);

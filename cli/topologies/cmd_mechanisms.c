@@ -351,4 +351,5 @@ const cli_command cli_mechanisms_command = {
     .least_words = 0,
     .most_words = 1,
     .run = run,
+    .reads = CLI_TOPOLOGIES,
 };

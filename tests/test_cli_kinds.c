@@ -1,0 +1,70 @@
+/* Every command that is given a file of another kind says what it is, and which command reads it. */
+#include "tests/cli_run.h"
+
+static void wrong_kinds(void)
+{
+    static const struct { const char *kind, *file, *is, *advice; } files[] = {
+        { "linkage", "examples/hoeken.json", "this is a linkage, not a", "linkwright trace" },
+        { "target", "examples/ellipse.csv", "this is a target, not a", "linkwright fit" },
+        { "drawing", "examples/drawings/foot-inkscape.svg", "this is a drawing, not a", "linkwright fit" },
+        { "drawing", "examples/drawings/slot-autocad.dxf", "this is a drawing, not a", "linkwright fit" },
+        { "task", "examples/tasks/dwell.json", "this is a task, not a", "linkwright fit" },
+        { "chains", "$D/chains.g6", "this is a list of chains or mechanisms, not a", "linkwright draw" },
+        { "chains", "$D/mechanisms", "this is a list of chains or mechanisms, not a", "linkwright draw" },
+        { "catalogue", "$D/c.db", "this is a catalogue", "linkwright catalogue" },
+        { "foreign", "$D/x.pyslvs", "this is a linkage of another program", "linkwright convert" }
+    };
+    static const struct { const char *command, *reads; } commands[] = {
+        { "trace", "linkage" }, { "simulate", "linkage" }, { "mobility", "linkage" }, { "clearance", "linkage" },
+        { "draw -o $D/x.svg --force", "linkage chains" }, { "convert", "linkage foreign" },
+        { "fit --time 0.1", "target drawing task" }, { "fit examples/ellipse.csv --start-from", "linkage" },
+        { "mechanisms", "chains" }, { "grammar parse", "chains" }, { "classify", "" }, { "catalogue query", "catalogue" },
+        { "catalogue html -o $D/h", "catalogue" }, { "catalogue nearest $D/c.db", "target drawing" },
+        { "catalogue add $D/c.db", "linkage" }
+    };
+    expect("$P chains -l 6 -o $D/chains.g6 --quiet", 0, "", NULL);
+    expect("$P mechanisms -l 4 -o $D/mechanisms --quiet", 0, "", NULL);
+    expect("$P catalogue build $D/c.db -l 4 --quiet", 0, NULL, NULL);
+    expect("$P convert examples/hoeken.json -o $D/x.pyslvs", 0, NULL, NULL);
+    for (size_t c = 0; c < sizeof commands/sizeof *commands; c++)
+        for (size_t f = 0; f < sizeof files/sizeof *files; f++) {
+            char line[512];
+            if (strstr(commands[c].reads, files[f].kind))
+                continue;
+            snprintf(line, sizeof line, "$P %s %s", commands[c].command, files[f].file);
+            ran r = run(line);
+            CHECK_INT(r.code, 3);
+            CHECK_TEXT(r.out, "");
+            bool own = strcmp(files[f].kind, "catalogue") == 0 && strncmp(commands[c].command, "catalogue", 9) == 0;
+            if (!own) {                            /* as a second catalogue it is another fault */
+                if (!strstr(r.err, files[f].is))
+                    fprintf(stderr, "    %s\n", line);
+                CHECK_HAS(r.err, files[f].is);
+                CHECK_HAS(r.err, files[f].advice);
+            }
+            ran_free(&r);
+        }
+}
+
+/* Files that are handed in as targets by mistake, by how they begin. */
+static void foreign_targets(void)
+{
+    static const struct { const char *begin, *says; } rows[] = {
+        { "PK\\003\\004\\000", "workbook" }, { "\\320\\317\\021\\340", "workbook of Excel" }, { "AC1027", "DWG" },
+        { "AutoCAD Binary DXF", "binary DXF" }, { "\\037\\213", "compressed" }, { "%%PDF-1.4", "PDF" },
+        { "\\211PNG", "picture of pixels" }, { "ISO-10303-21;", "STEP" }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        char line[256];
+        snprintf(line, sizeof line, "printf '%s' > $D/foreign; $P fit $D/foreign", rows[i].begin);
+        expect(line, 3, "", rows[i].says);
+    }
+    expect("$P classify $D/c.db", 3, "", "this is a catalogue");
+}
+
+int main(void)
+{
+    RUN(wrong_kinds);
+    RUN(foreign_targets);
+    return check_end();
+}
