@@ -2,6 +2,7 @@
 #include "base/sparse.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 void lw_sparse_order(int n, unsigned char *near, int *order)
@@ -124,4 +125,222 @@ void lw_sparse_solve(const lw_sparse *f, const double *b, double *x)
     }
     for (int k = 0; k < n; k++)
         x[f->order[k]] = y[k];
+}
+
+/* ---- symmetric positive definite ----------------------------------------------------------------- */
+
+typedef struct neighbours { int n, capacity, *of; } neighbours;
+
+/* The unknown of least degree by a tournament: leaf[i] beats others by its degree, then by its number. */
+typedef struct tournament { int size, *winner; const neighbours *all; } tournament;
+
+static int better(const tournament *t, int a, int b)
+{
+    if (a < 0 || b < 0)
+        return a < 0 ? b : a;
+    return t->all[b].n < t->all[a].n || (t->all[b].n == t->all[a].n && b < a) ? b : a;
+}
+
+static void replay(tournament *t, int i, bool in)
+{
+    int at = t->size + i;
+    t->winner[at] = in ? i : -1;
+    for (at /= 2; at > 0; at /= 2)
+        t->winner[at] = better(t, t->winner[2*at], t->winner[2*at + 1]);
+}
+
+static bool has_room(neighbours *a, int n)
+{
+    if (n <= a->capacity)
+        return true;
+    int *more = realloc(a->of, 2*(size_t)n*sizeof *more);
+    if (!more)
+        return false;
+    a->of = more;
+    a->capacity = 2*n;
+    return true;
+}
+
+/* Neighbours of i after k, one of them, is eliminated: those of both.  scratch has room for all unknowns. */
+static bool join(neighbours *all, int i, int k, int *scratch)
+{
+    const neighbours *a = &all[i], *b = &all[k];
+    int n = 0, p = 0, q = 0;
+    while (p < a->n || q < b->n) {
+        int next = q >= b->n || (p < a->n && a->of[p] <= b->of[q]) ? a->of[p] : b->of[q];
+        p += p < a->n && a->of[p] == next;
+        q += q < b->n && b->of[q] == next;
+        if (next != i && next != k)
+            scratch[n++] = next;
+    }
+    if (!has_room(&all[i], n))
+        return false;
+    memcpy(all[i].of, scratch, (size_t)n*sizeof *scratch);
+    all[i].n = n;
+    return true;
+}
+
+static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+/* Eliminate all unknowns: the order, and in all[k].of the neighbours that k has then. */
+static bool eliminate(lw_cholesky *c, neighbours *all, tournament *t, int *scratch)
+{
+    bool ok = true;
+    for (int i = 0; i < c->n; i++)
+        replay(t, i, true);
+    for (int step = 0; ok && step < c->n; step++) {
+        int k = c->order[step] = t->winner[1];
+        replay(t, k, false);
+        for (int j = 0; ok && j < all[k].n; j++) {
+            ok = join(all, all[k].of[j], k, scratch);
+            replay(t, all[k].of[j], true);
+        }
+    }
+    return ok;
+}
+
+/* Columns of every row, then the destination of every product. */
+static bool list_products(lw_cholesky *c, const neighbours *all, int *place)
+{
+    size_t n_product = 0, used = 0;
+    c->n_entry = 0;
+    for (int i = 0; i < c->n; i++) {
+        size_t m = (size_t)all[i].n;
+        place[c->order[i]] = i;
+        c->n_entry += all[i].n;
+        n_product += m*(m > 0 ? m - 1 : 0)/2;
+    }
+    c->list = malloc(((size_t)c->n_entry + 1)*sizeof *c->list);
+    c->to = malloc((n_product + 1)*sizeof *c->to);
+    c->value = calloc((size_t)c->n_entry + (size_t)c->n + 1, sizeof *c->value);
+    if (!c->list || !c->to || !c->value)
+        return false;
+    for (int i = 0, at = 0; i < c->n; i++) {
+        const neighbours *a = &all[c->order[i]];
+        c->at[i] = at;
+        for (int k = 0; k < a->n; k++)
+            c->list[at++] = place[a->of[k]];
+        qsort(c->list + c->at[i], (size_t)a->n, sizeof *c->list, compare);
+        c->at[i + 1] = at;
+    }
+    for (int i = 0; i < c->n; i++)
+        for (int k = c->at[i]; k < c->at[i + 1]; k++)
+            for (int j = k + 1, at = c->at[c->list[k]]; j < c->at[i + 1]; j++) {
+                while (c->list[at] != c->list[j])
+                    at++;
+                c->to[used++] = at;
+            }
+    return true;
+}
+
+bool lw_cholesky_make(lw_cholesky *c, int n, const int *near_at, const int *near)
+{
+    size_t count = (size_t)n;
+    tournament t = { .size = 1 };
+    *c = (lw_cholesky){ .n = n };
+    while (t.size < n)
+        t.size *= 2;
+    neighbours *all = calloc(count + 1, sizeof *all);
+    int *scratch = malloc((2*count + 1)*sizeof *scratch);
+    t.all = all;
+    t.winner = malloc(2*(size_t)t.size*sizeof *t.winner);
+    c->order = malloc((count + 1)*sizeof *c->order);
+    c->at = calloc(count + 1, sizeof *c->at);
+    c->diag = calloc(count + 1, sizeof *c->diag);
+    bool ok = all && scratch && t.winner && c->order && c->at && c->diag;
+    for (int i = 0; ok && i < 2*t.size; i++)
+        t.winner[i] = -1;
+    for (int i = 0; ok && i < n; i++) {
+        int m = near_at[i + 1] - near_at[i];
+        ok = has_room(&all[i], m + 1);
+        if (ok && m > 0)
+            memcpy(all[i].of, near + near_at[i], (size_t)m*sizeof *near);
+        if (ok) {
+            all[i].n = m;
+            qsort(all[i].of, (size_t)m, sizeof *all[i].of, compare);
+        }
+    }
+    ok = ok && eliminate(c, all, &t, scratch) && list_products(c, all, scratch + count);
+    for (int i = 0; all && i < n; i++)
+        free(all[i].of);
+    free(all);
+    free(scratch);
+    free(t.winner);
+    if (!ok)
+        lw_cholesky_free(c);
+    return ok;
+}
+
+void lw_cholesky_free(lw_cholesky *c)
+{
+    free(c->order);
+    free(c->at);
+    free(c->list);
+    free(c->to);
+    free(c->value);
+    free(c->diag);
+    memset(c, 0, sizeof *c);
+}
+
+int lw_cholesky_entry(const lw_cholesky *c, int i, int j)
+{
+    int low = c->at[i], high = c->at[i + 1] - 1;
+    if (i == j)
+        return c->n_entry + i;
+    while (low < high) {
+        int middle = (low + high)/2;
+        if (c->list[middle] < j)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+double lw_cholesky_factor(lw_cholesky *c, double tolerance, bool *dependent)
+{
+    double *pivots = c->value + c->n_entry, least = 1;
+    const int *to = c->to;
+    memcpy(c->diag, pivots, (size_t)c->n*sizeof *c->diag);
+    for (int i = 0; i < c->n; i++) {
+        double *row = c->value + c->at[i], pivot = pivots[i], share = pivot/c->diag[i];
+        const int *list = c->list + c->at[i];
+        int m = c->at[i + 1] - c->at[i];
+        if (dependent)
+            dependent[i] = !(share > tolerance);
+        if (dependent && dependent[i]) {
+            c->diag[i] = 0;
+            memset(row, 0, (size_t)m*sizeof *row);
+            to += m*(m - 1)/2;
+            continue;
+        }
+        least = fmin(least, share);
+        if (!(pivot > 0))
+            return 0;
+        double factor = c->diag[i] = 1/sqrt(pivot);
+        for (int k = 0; k < m; k++)
+            row[k] *= factor;
+        for (int k = 0; k < m; k++) {
+            double x = row[k];
+            pivots[list[k]] -= x*x;
+            for (int j = k + 1; j < m; j++)
+                c->value[*to++] -= x*row[j];
+        }
+    }
+    return least;
+}
+
+void lw_cholesky_solve(const lw_cholesky *c, double *b)
+{
+    for (int i = 0; i < c->n; i++) {
+        double x = b[i] *= c->diag[i];
+        for (int k = c->at[i]; k < c->at[i + 1]; k++)
+            b[c->list[k]] -= c->value[k]*x;
+    }
+    for (int i = c->n - 1; i >= 0; i--) {
+        double sum = b[i];
+        for (int k = c->at[i]; k < c->at[i + 1]; k++)
+            sum -= c->value[k]*b[c->list[k]];
+        b[i] = sum*c->diag[i];
+    }
 }

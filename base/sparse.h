@@ -6,6 +6,7 @@
 #ifndef LW_BASE_SPARSE_H
 #define LW_BASE_SPARSE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Elimination order for a symmetric pattern near[i*n + j] != 0 (the diagonal does not count): always eliminate the unknown
@@ -32,5 +33,35 @@ int lw_sparse_factor(lw_sparse *f, const double *a);
 
 /* Solve A x = b.  x and b may be the same array. */
 void lw_sparse_solve(const lw_sparse *f, const double *b, double *x);
+
+/* ---- symmetric positive definite matrices of any size ----
+ *
+ * S = U^T U, stored and computed without zeros.  Equations are eliminated in an order of low fill (minimum degree, the first
+ * of those with equal degree).  The work of a factorisation is written down as a list of multiplications when the pattern
+ * is analysed, so that factoring searches nothing: linear in the number of unknowns for chains and for trees of loops. */
+typedef struct lw_cholesky {
+    int     n, n_entry;          /* unknowns; entries right of the diagonal                               */
+    int    *order;               /* (n) order[k] is eliminated k-th                                       */
+    int    *at, *list;           /* (n + 1), (n_entry) columns right of the diagonal of row k, ascending  */
+    int    *to;                  /* entry that each product goes to                                       */
+    double *value;               /* (n_entry + n) entries of the rows, then the diagonal                  */
+    double *diag;                /* (n) the diagonal, then 1/pivot                                        */
+} lw_cholesky;
+
+/* Analyse the pattern: unknown i meets near[near_at[i] .. near_at[i + 1] - 1], and they meet i.  false: out of memory;
+ * then *c is empty. */
+bool lw_cholesky_make(lw_cholesky *c, int n, const int *near_at, const int *near);
+void lw_cholesky_free(lw_cholesky *c);
+
+/* Index in c->value of the entry of row i and column j in the order of elimination, i <= j. */
+int lw_cholesky_entry(const lw_cholesky *c, int i, int j);
+
+/* Factor the matrix in c->value.  Returns the least pivot over its diagonal: how near to singular.  dependent (n), or
+ * NULL: set for equations whose pivot is below `tolerance` times the diagonal; they are left out, and the least pivot is
+ * of the others.  With NULL the computation ends at a pivot that is not positive and returns 0. */
+double lw_cholesky_factor(lw_cholesky *c, double tolerance, bool *dependent);
+
+/* Solve S x = b in place, both in the order of elimination. */
+void lw_cholesky_solve(const lw_cholesky *c, double *b);
 
 #endif

@@ -85,7 +85,26 @@ struct lw_simulation {
     lw_dynamics_options  o;
     lw_simulation_callback *visit;
     void                *context;
+    /* one sample */
+    lw_link_motion       *link;
+    lw_link_acceleration *acceleration;
+    lw_reaction          *joint;
+    double               *input, *drive;
+    lw_vec2              *tracer;
 };
+
+static lw_status reserve_sample(lw_simulation *s)
+{
+    const lw_assembly *k = &s->model->linkage;
+    size_t links = (size_t)k->n_link, inputs = (size_t)k->n_input + 1;
+    s->link = calloc(links, sizeof *s->link);
+    s->acceleration = calloc(links, sizeof *s->acceleration);
+    s->joint = calloc((size_t)k->n_joint, sizeof *s->joint);
+    s->input = calloc(inputs, sizeof *s->input);
+    s->drive = calloc(inputs, sizeof *s->drive);
+    s->tracer = calloc((size_t)k->n_tracer + 1, sizeof *s->tracer);
+    return s->link && s->acceleration && s->joint && s->input && s->drive && s->tracer ? LW_OK : LW_E_MEMORY;
+}
 
 lw_simulation_options lw_simulation_options_default(void)
 {
@@ -122,18 +141,24 @@ lw_status lw_simulation_create(const lw_model *model, const lw_simulation_option
     s->o.until = options->max_seconds > 0 ? lw_clock_wall() + options->max_seconds : 0;
     s->o.stop = options->stop;
     s->o.force = options->force;
-    lw_status status = lw_dynamics_make(model, &s->o, &s->d, error);
+    lw_status status = reserve_sample(s) == LW_OK ? lw_dynamics_make(model, &s->o, &s->d, error)
+                                                  : lw_error_set(error, LW_E_MEMORY, "out of memory");
     if (status == LW_OK)
         *out = s;
     else
-        free(s);
+        lw_simulation_destroy(s);
     return status;
 }
 
 void lw_simulation_destroy(lw_simulation *simulation)
 {
-    if (simulation)
+    if (simulation) {
+        void *const array[] = { simulation->link, simulation->acceleration, simulation->joint, simulation->input,
+                                simulation->drive, simulation->tracer };
+        for (size_t i = 0; i < sizeof array/sizeof *array; i++)
+            free(array[i]);
         lw_dynamics_free(simulation->d);
+    }
     free(simulation);
 }
 
@@ -142,28 +167,23 @@ static lw_status hand_over(void *context, const lw_moment *m)
     const lw_simulation *s = context;
     const lw_system *sys = lw_dynamics_system(s->d);
     const lw_assembly *k = &s->model->linkage;
-    lw_link_motion link[LW_LINK_MAX] = { 0 };
-    lw_link_acceleration acceleration[LW_LINK_MAX] = { 0 };
-    lw_reaction joint[LW_JOINT_MAX];
-    double input[LW_INPUT_MAX], drive[LW_INPUT_MAX];
-    lw_vec2 tracer[LW_TRACER_MAX];
     for (int b = 0; b < sys->n_body; b++) {
         const double *v = &m->v[3*b], *a = &m->a[3*b];
-        link[sys->link[b]] = (lw_link_motion){ lw_system_point(sys, b, lw_v2(0, 0), m->q),
+        s->link[sys->link[b]] = (lw_link_motion){ lw_system_point(sys, b, lw_v2(0, 0), m->q),
                                                lw_v2(v[0]*sys->unit, v[1]*sys->unit), m->q[3*b + 2], v[2] };
-        acceleration[sys->link[b]] = (lw_link_acceleration){ lw_v2(a[0]*sys->unit, a[1]*sys->unit), a[2] };
+        s->acceleration[sys->link[b]] = (lw_link_acceleration){ lw_v2(a[0]*sys->unit, a[1]*sys->unit), a[2] };
     }
     for (int i = 0; i < sys->n_tracer; i++)
-        tracer[i] = lw_system_point(sys, sys->tracer_body[i], sys->tracer_arm[i], m->q);
+        s->tracer[i] = lw_system_point(sys, sys->tracer_body[i], sys->tracer_arm[i], m->q);
     for (int i = 0; i < k->n_input; i++) {
         lw_measure count;
         lw_measure_joint(sys, k->input[i].joint, m->q, m->v, false, &count);
-        input[i] = k->input[i].value + count.value;
+        s->input[i] = k->input[i].value + count.value;
     }
-    lw_reactions_joints(s->d, m, joint);
-    lw_reactions_driving(s->d, m, drive);
-    lw_simulation_sample sample = { .t = m->t, .link = link, .acceleration = acceleration, .joint = joint,
-                                    .input = input, .drive = drive, .tracer = tracer,
+    lw_reactions_joints(s->d, m, s->joint);
+    lw_reactions_driving(s->d, m, s->drive);
+    lw_simulation_sample sample = { .t = m->t, .link = s->link, .acceleration = s->acceleration, .joint = s->joint,
+                                    .input = s->input, .drive = s->drive, .tracer = s->tracer,
                                     .shaking = lw_reactions_shaking(s->d, m), .kinetic = m->kinetic,
                                     .potential = m->potential, .work = m->work, .residual = m->off };
     return s->visit ? s->visit(s->context, &sample) : LW_OK;

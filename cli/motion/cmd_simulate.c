@@ -105,7 +105,7 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     o.stop = cli_stop_flag();
     st = lw_dynamics_make(c->model, &o, &c->d, e);
     if (st == LW_OK)
-        cli_simulate_columns(c);
+        st = cli_simulate_columns(c, e);
     if (st != LW_OK && !e->file[0])
         snprintf(e->file, sizeof e->file, "%s", call->parsed.word[0]);
     return st;

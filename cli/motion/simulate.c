@@ -16,8 +16,6 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
 static void add(cli_simulate *s, const char *unit, double scale, const char *format, ...)
 {
     va_list arg;
-    if (s->n_column == CLI_COLUMN_MAX)
-        return;
     cli_column *c = &s->column[s->n_column++];
     va_start(arg, format);
     vsnprintf(c->name, sizeof c->name, format, arg);
@@ -27,13 +25,18 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
 }
 
 /* The order is the same as in cli_simulate_row. */
-void cli_simulate_columns(cli_simulate *s)
+lw_status cli_simulate_columns(cli_simulate *s, lw_error *e)
 {
     const lw_assembly *k = &s->model->linkage;
     const lw_system *sys = lw_dynamics_system(s->d);
     const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
     double metre = 1/k->units.metre, radian = 1/k->units.radian;
+    size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8;
     s->n_column = 0;
+    s->column = calloc(n, sizeof *s->column);
+    s->scratch = calloc(n + 3*(size_t)sys->n_q + (size_t)k->n_input + 3*(size_t)k->n_joint + 1, sizeof *s->scratch);
+    if (!s->column || !s->scratch)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     add(s, "s", 1, "t");
     for (int i = 0; i < k->n_input; i++) {
         const char *name = k->joint[k->input[i].joint].name;
@@ -72,6 +75,7 @@ void cli_simulate_columns(cli_simulate *s)
     add(s, "J", 1, "work");
     add(s, "1", 1, "residual");
     add(s, "1/s", 1, "residual_rate");
+    return LW_OK;
 }
 
 /* ---- one row ------------------------------------------------------------------------------------------- */
@@ -80,7 +84,7 @@ static double *put_inputs(const cli_simulate *s, const lw_moment *m, double *to)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
     const lw_assembly *k = &s->model->linkage;
-    double drive[LW_INPUT_MAX];
+    double *drive = s->scratch + s->n_column + 3*sys->n_q;
     lw_measure z;
     lw_reactions_driving(s->d, m, drive);
     for (int i = 0; i < k->n_input; i++) {
@@ -95,7 +99,7 @@ static double *put_inputs(const cli_simulate *s, const lw_moment *m, double *to)
 static double *put_tracers(const cli_simulate *s, const lw_moment *m, double *to)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
-    double series[3*LW_SYSTEM_Q_MAX];
+    double *series = s->scratch + s->n_column;
     lw_vec2 p[3];
     for (int i = 0; i < sys->n_q; i++) {
         series[i] = m->q[i];
@@ -138,14 +142,16 @@ static double *put_reaction(lw_reaction r, double *to)
 
 static void fill(const cli_simulate *s, const lw_moment *m, double *row)
 {
-    lw_reaction joint[LW_JOINT_MAX];
+    const lw_assembly *k = &s->model->linkage;
+    double *drive = s->scratch + s->n_column + 3*lw_dynamics_system(s->d)->n_q;
+    lw_reaction *joint = (lw_reaction *)(void *)(drive + k->n_input);
     double *to = row;
     *to++ = m->t;
     to = put_inputs(s, m, to);
     to = put_tracers(s, m, to);
     to = put_links(s, m, to);
     lw_reactions_joints(s->d, m, joint);
-    for (int j = 0; j < s->model->linkage.n_joint; j++)
+    for (int j = 0; j < k->n_joint; j++)
         to = put_reaction(joint[j], to);
     to = put_reaction(lw_reactions_shaking(s->d, m), to);
     *to++ = m->kinetic;
@@ -173,7 +179,7 @@ static lw_status grow(cli_simulate *s)
 lw_status cli_simulate_row(void *context, const lw_moment *m)
 {
     cli_simulate *s = context;
-    double row[6*LW_INPUT_MAX + 6*LW_TRACER_MAX + 9*LW_LINK_MAX + 3*LW_JOINT_MAX + 16];
+    double *row = s->scratch;
     size_t n = (size_t)s->n_column, n_q = (size_t)lw_dynamics_system(s->d)->n_q;
     fill(s, m, row);
     if (s->keep) {
@@ -338,4 +344,6 @@ void cli_simulate_free(cli_simulate *s)
     cli_free_model(s->model);
     free(s->row);
     free(s->q);
+    free(s->column);
+    free(s->scratch);
 }

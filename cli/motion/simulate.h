@@ -6,8 +6,6 @@
 #include "cli/program/json.h"
 #include "mbs/dynamics/reactions.h"
 
-#define CLI_COLUMN_MAX 512
-
 typedef struct cli_column { char name[2*LW_NAME_SIZE + 8]; const char *unit; double scale; } cli_column;
 
 typedef struct cli_simulate {
@@ -18,7 +16,8 @@ typedef struct cli_simulate {
     bool            json, keep;          /* keep: rows and poses stay in memory                        */
     cli_json        j;
     int             n_column;
-    cli_column      column[CLI_COLUMN_MAX];
+    cli_column     *column;
+    double         *scratch;             /* one row, then series of the links and reactions             */
     size_t          n_row, capacity;
     double         *row;                 /* (capacity * n_column)                                          */
     double         *q;                   /* (capacity * n_q)                                               */
@@ -26,7 +25,7 @@ typedef struct cli_simulate {
 } cli_simulate;
 
 /* Name the columns of a model. */
-void cli_simulate_columns(cli_simulate *s);
+lw_status cli_simulate_columns(cli_simulate *s, lw_error *e);
 
 /* Print the head (units, then names of columns); after all rows, print the end. */
 void cli_simulate_head(cli_simulate *s);

@@ -45,12 +45,13 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
     }
     lw_status st = LW_OK;
     if (count == 0) {
-        const char *names[CLI_COLUMN_MAX];
-        for (int c = 0; c < s->n_column; c++)
+        const char **names = calloc((size_t)s->n_column + 1, sizeof *names);
+        for (int c = 0; names && c < s->n_column; c++)
             names[c] = s->column[c].name;
-        const char *near = columns ? lw_suggest(columns, names, s->n_column) : NULL;
+        const char *near = columns && names ? lw_suggest(columns, names, s->n_column) : NULL;
         st = lw_error_set(e, LW_E_ARG, "no column is called %s%s%s; the first line of the CSV names them",
                           columns ? columns : "drive", near ? ", did you mean " : "", near ? near : "");
+        free(names);
     } else {
         const lw_plot plot = { .title = s->model->linkage.name, .x_label = "t [s]", .n_series = count,
                                .series = series };

@@ -18,7 +18,7 @@ void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, dou
  * body (n_row) is that of lw_system_row_bodies. */
 #define LW_ROW_SIZE (3*LW_SYSTEM_ROW_BODIES)
 typedef int lw_row_bodies[LW_SYSTEM_ROW_BODIES];
-void lw_system_fill_blocks(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, const lw_row_bodies *body);
+void lw_system_fill_blocks(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, lw_row_bodies *body);
 
 /* lw_system_measure for given frames; derivatives are added to row[i*step]. */
 double lw_system_count(const lw_system *s, const lw_body_frame *f, int j, double *row, long step);

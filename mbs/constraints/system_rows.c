@@ -135,13 +135,13 @@ static double tie_row(const lw_system *s, int i, const lw_body_frame *f, target 
 }
 
 /* The target of row r. */
-static inline target row_target(double *jac, int r, long row_step, long column_step, const lw_row_bodies *body)
+static inline target row_target(double *jac, int r, long row_step, long column_step, lw_row_bodies *body)
 {
     return (target){ jac ? jac + r*row_step : NULL, column_step, body ? body[r] : NULL };
 }
 
 static void fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step, long column_step,
-                 const lw_row_bodies *body)
+                 lw_row_bodies *body)
 {
     static const lw_vec2 none = { 0.0, 0.0 }, ex = { 1.0, 0.0 }, ey = { 0.0, 1.0 };
     for (int k = 0; k < s->n_joint; k++) {
@@ -189,7 +189,7 @@ void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, dou
     fill(s, f, phi, jac, row_step, column_step, NULL);
 }
 
-void lw_system_fill_blocks(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, const lw_row_bodies *body)
+void lw_system_fill_blocks(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, lw_row_bodies *body)
 {
     fill(s, f, phi, jac, LW_ROW_SIZE, 1, body);
 }

@@ -213,7 +213,11 @@ lw_status lw_counterweights_find(const lw_model *m, const lw_system *s, size_t n
 {
     balance b = { .m = m, .s = s, .n_posture = n_posture, .q = q };
     double p[UNKNOWNS] = { 0 };
+    const lw_linkage *small;
     *out = (lw_counterweights){ .n = 0 };
+    lw_status fits = lw_model_small(m, &small, e);
+    if (fits != LW_OK)
+        return fits;
     find_links(&b);
     if (b.n_link == 0)
         return lw_error_set(e, LW_E_KIND, "no link turns about a pin at the ground, where a counterweight could sit");

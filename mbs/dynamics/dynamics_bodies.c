@@ -112,7 +112,7 @@ static const double beside = 1e-4;           /* least pivot near a singular post
 /* Does the solver take ever shorter steps towards a singular posture? */
 static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f, lw_status s)
 {
-    if (s == LW_STOPPED || w->implicit || d->n_stop || !(f->h > 0) || d->weak > beside)
+    if (s == LW_STOPPED || w->implicit || d->large || d->n_stop || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }
@@ -160,6 +160,8 @@ static lw_status check_progress(const lw_run *run, const stepper *w, long *n)
 static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 {
     double t = time_of(w);
+    if (run->d->large)                       /* its singular postures end the run */
+        return LW_OK;
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);
     s = s < 0 ? s : lw_run_singular_crossing(run, weak, &t, y);
@@ -260,7 +262,7 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     char why[200];
     if (asked)
         return lw_formulation_say(r, LW_OK, 2*d->n_q, "asked for");
-    if (d->n_friction || lw_mbs_is_stiff(d))
+    if (!d->large && (d->n_friction || lw_mbs_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
     return lw_formulation_say(r, LW_OK, 2*d->n_q, why);
@@ -268,6 +270,8 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 
 static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (d->large)
+        return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");
     return lw_formulation_say(r, LW_OK, 2*d->n_q, asked ? "asked for" : d->n_friction
                               ? "friction makes the equations stiff: an implicit method"
                               : "dampers make the equations stiff: an implicit method");

@@ -10,12 +10,15 @@
 #include "mbs/dynamics/friction.h"
 
 static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
+static const double least_pivot_large = 1e-9;     /* the same of large models: singular */
+static const double least_share = 1e-10;    /* relative pivot below which a row of a large model depends on others */
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 {
-    return lw_input_motion(d->model, &d->s, d->driven[i], t, out);
+    out[0] = out[1] = out[2] = 0;            /* an input that only holds its speed while velocities are found */
+    return d->model->motion[d->driven[i]] ? lw_input_motion(d->model, &d->s, d->driven[i], t, out) : LW_OK;
 }
 
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
@@ -23,22 +26,29 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
     const lw_system *s = &d->s;
     int row = s->n_row;
     lw_system_place(s, q, d->frames);
-    for (int r = 0; r < d->n_c; r++)                 /* other entries are 0 since lw_mbs_arrange */
-        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++)
-            memset(d->jac + r*d->n_q + 3*d->row_body[r][k], 0, 3*sizeof *d->jac);
-    lw_system_fill(s, d->frames, d->phi, d->jac, d->n_q, 1);
+    memset(d->jac, 0, (size_t)d->n_c*LW_ROW_SIZE*sizeof *d->jac);
+    lw_system_fill_blocks(s, d->frames, d->phi, d->jac, d->row_body);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
                                 d->model->linkage.joint[s->input_joint[d->driven[i]]].name, t);
-        d->phi[row] = lw_system_count(s, d->frames, s->input_joint[d->driven[i]], d->jac + row*d->n_q, 1) - motion[0];
+        d->phi[row] = lw_system_count_block(s, d->frames, s->input_joint[d->driven[i]], d->jac + row*LW_ROW_SIZE,
+                                            d->row_body[row]) - motion[0];
     }
     for (int i = 0; i < d->n_resting; i++, row++) {
         const lw_rigid_stop *stop = &d->stop[d->resting[i]];
-        d->phi[row] = lw_system_count(s, d->frames, stop->joint, d->jac + row*d->n_q, 1) - stop->limit;
+        d->phi[row] = lw_system_count_block(s, d->frames, stop->joint, d->jac + row*LW_ROW_SIZE, d->row_body[row])
+                    - stop->limit;
     }
     return LW_OK;
+}
+
+void lw_mbs_row(const lw_dynamics *d, int r, double *out)
+{
+    memset(out, 0, (size_t)d->n_q*sizeof *out);
+    for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++)
+        memcpy(out + 3*d->row_body[r][k], d->jac + r*LW_ROW_SIZE + 3*k, 3*sizeof *out);
 }
 
 lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
@@ -125,78 +135,25 @@ static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
 
 /* ---- the fast way ------------------------------------------------------------------------------ */
 
-/* S = J M^-1 J^T over the kept rows, upper triangle: entry (i, j) at schur[i*n + j], only entries of the pattern. */
+/* S = J M^-1 J^T over the kept rows. */
 static void form_schur(lw_dynamics *d)
 {
-    int n = d->n_kept, q = d->n_q;
-    const double *by_mass = d->by_mass;
-    for (int i = 0; i < n; i++) {
-        double *row = d->schur + i*n;
-        row[i] = 0;
-        for (int k = d->after_at[i]; k < d->after_at[i + 1]; k++)
-            row[d->after[k]] = 0;
-    }
+    double *value = d->schur.value;
+    memset(value, 0, (size_t)(d->schur.n_entry + d->n_kept)*sizeof *value);
     for (int p = 0; p < d->n_pair; p++) {
         const lw_row_pair *pair = &d->pair[p];
-        int at = 3*pair->body;
-        const double *a = d->jac + pair->row*q + at, *b = d->jac + pair->other*q + at, *m = by_mass + at;
-        d->schur[pair->to] += (a[0]*b[0] + a[1]*b[1])*m[0] + a[2]*b[2]*m[2];
-    }
-}
-
-/* S = U^T U by rows, over the pattern.  d->weak: least pivot over its diagonal. */
-static void cholesky(lw_dynamics *d)
-{
-    int n = d->n_kept;
-    for (int i = 0; i < n; i++)
-        d->diag[i] = d->schur[i*n + i];
-    d->weak = 1;
-    for (int i = 0; i < n; i++) {
-        double *row = d->schur + i*n, pivot = row[i];
-        const int *after = d->after + d->after_at[i];
-        int m = d->after_at[i + 1] - d->after_at[i];
-        d->weak = fmin(d->weak, pivot/d->diag[i]);
-        if (!(pivot > 0)) {
-            d->weak = 0;
-            return;
-        }
-        double factor = d->diag[i] = 1/sqrt(pivot);
-        for (int k = 0; k < m; k++)
-            row[after[k]] *= factor;
-        for (int k = 0; k < m; k++) {
-            double *below = d->schur + after[k]*n, x = row[after[k]];
-            for (int j = k; j < m; j++)
-                below[after[j]] -= x*row[after[j]];
-        }
-    }
-}
-
-/* Solve S x = b over the kept rows, in place. */
-static void schur_solve(const lw_dynamics *d, double *b)
-{
-    int n = d->n_kept;
-    for (int i = 0; i < n; i++) {
-        const double *row = d->schur + i*n;
-        double x = b[i] *= d->diag[i];
-        for (int k = d->after_at[i]; k < d->after_at[i + 1]; k++)
-            b[d->after[k]] -= row[d->after[k]]*x;
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        const double *row = d->schur + i*n;
-        double sum = b[i];
-        for (int k = d->after_at[i]; k < d->after_at[i + 1]; k++)
-            sum -= row[d->after[k]]*b[d->after[k]];
-        b[i] = sum*d->diag[i];
+        const double *a = d->jac + pair->row, *b = d->jac + pair->other, *m = d->by_mass + pair->body;
+        value[pair->to] += (a[0]*b[0] + a[1]*b[1])*m[0] + a[2]*b[2]*m[2];
     }
 }
 
 static double row_dot(const lw_dynamics *d, int row, const double *x)
 {
-    const double *jac = d->jac + row*d->n_q;
+    const double *jac = d->jac + row*LW_ROW_SIZE;
     double sum = 0;
-    for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[row][k] >= 0; k++) {
-        int at = 3*d->row_body[row][k];
-        sum += jac[at]*x[at] + jac[at + 1]*x[at + 1] + jac[at + 2]*x[at + 2];
+    for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[row][k] >= 0; k++, jac += 3) {
+        const double *at = x + 3*d->row_body[row][k];
+        sum += jac[0]*at[0] + jac[1]*at[1] + jac[2]*at[2];
     }
     return sum;
 }
@@ -205,11 +162,11 @@ static double row_dot(const lw_dynamics *d, int row, const double *x)
 static void add_rows(const lw_dynamics *d, double sign, const double *l, double *x)
 {
     for (int r = 0; r < d->n_c; r++) {
-        const double *jac = d->jac + r*d->n_q;
-        for (int k = 0; l[r] != 0 && k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++) {
-            int at = 3*d->row_body[r][k];
-            for (int i = at; i < at + 3; i++)
-                x[i] += sign*l[r]*jac[i];
+        const double *jac = d->jac + r*LW_ROW_SIZE;
+        for (int k = 0; l[r] != 0 && k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++, jac += 3) {
+            double *at = x + 3*d->row_body[r][k];
+            for (int i = 0; i < 3; i++)
+                at[i] += sign*l[r]*jac[i];
         }
     }
 }
@@ -222,7 +179,7 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
         x[i] = force ? force[i]*d->by_mass[i] : 0;
     for (int i = 0; i < d->n_kept; i++)
         b[i] = row_dot(d, d->kept[i], x) - rhs[d->kept[i]];
-    schur_solve(d, b);
+    lw_cholesky_solve(&d->schur, b);
     memset(l, 0, (size_t)d->n_c*sizeof *l);
     for (int i = 0; i < d->n_kept; i++)
         l[d->kept[i]] = b[i];
@@ -289,7 +246,7 @@ static void null_solve(const lw_dynamics *d, double *b)
 static lw_status add_free(lw_dynamics *d, const double *force, double *x)
 {
     int n = d->freedom, q = d->n_q;
-    double b[LW_SYSTEM_Q_MAX];
+    double *b = d->along_null;
     lw_status s = d->null_ready ? LW_OK : factor_null(d);
     if (s != LW_OK)
         return s;
@@ -319,7 +276,7 @@ static lw_status solve_by_rank(lw_dynamics *d, const double *force, const double
 static void factor_rank(lw_dynamics *d)
 {
     for (int r = 0; r < d->n_c; r++)
-        memcpy(d->rank_of.a + r*d->n_q, d->jac + r*d->n_q, (size_t)d->n_q*sizeof *d->jac);
+        lw_mbs_row(d, r, d->rank_of.a + r*d->n_q);
     d->rank_of.most = d->rank;               /* off the constraints, redundant rows look independent */
     lw_rank_factor(&d->rank_of, LW_RANK_TOLERANCE);
     d->null_ready = false;
@@ -329,10 +286,12 @@ static void factor_rank(lw_dynamics *d)
 
 lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
 {
-    d->by_rank = by_rank || d->has_zero_mass;
+    d->by_rank = !d->large && (by_rank || d->has_zero_mass);
     if (!d->by_rank) {
         form_schur(d);
-        cholesky(d);
+        d->weak = lw_cholesky_factor(&d->schur, 0, NULL);
+        if (d->large)
+            return d->weak > least_pivot_large ? LW_OK : LW_OPEN;
         d->by_rank = !(d->weak > least_pivot);
     }
     if (!d->by_rank)
@@ -511,72 +470,141 @@ static void find_row_bodies(lw_dynamics *d)
         lw_system_joint_bodies(&d->s, d->stop[d->resting[i]].joint, d->row_body[row++]);
 }
 
-enum { SHARED = LW_SYSTEM_ROW_BODIES*LW_SYSTEM_ROW_BODIES };
+/* The kept rows of each body: those of body b at list[at[b]] .. list[at[b + 1] - 1], with their place in row_body. */
+typedef struct body_rows { int *at; struct body_row { int kept, slot; } *list; } body_rows;
 
-/* Body that two rows share as number k/4 of the first and k%4 of the second; -1: none. */
-static int shared_body(const lw_dynamics *d, int row, int other, int k)
+static bool list_body_rows(const lw_dynamics *d, body_rows *r)
 {
-    int b = d->row_body[row][k/LW_SYSTEM_ROW_BODIES];
-    return b >= 0 && b == d->row_body[other][k%LW_SYSTEM_ROW_BODIES] ? b : -1;
+    int n = d->s.n_body;
+    r->at = calloc((size_t)n + 2, sizeof *r->at);
+    r->list = malloc(((size_t)d->n_kept*LW_SYSTEM_ROW_BODIES + 1)*sizeof *r->list);
+    if (!r->at || !r->list)
+        return false;
+    for (int i = 0; i < d->n_kept; i++)
+        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[i]][k] >= 0; k++)
+            r->at[d->row_body[d->kept[i]][k] + 2]++;
+    for (int b = 0; b < n; b++)
+        r->at[b + 2] += r->at[b + 1];
+    for (int i = 0; i < d->n_kept; i++)
+        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[i]][k] >= 0; k++)
+            r->list[r->at[d->row_body[d->kept[i]][k] + 1]++] = (struct body_row){ i, k };
+    return true;
 }
 
-/* Pattern of J M^-1 J^T: near[i*n + j] for places i, j among the kept rows. */
-static void find_meetings(const lw_dynamics *d, unsigned char *near)
+/* Analyse the pattern of J M^-1 J^T, which has an entry where two kept rows share a body. */
+static bool analyse(lw_dynamics *d, const body_rows *r)
 {
     int n = d->n_kept;
-    memset(near, 0, (size_t)n*(size_t)n);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            for (int k = 0; i != j && k < SHARED; k++)
-                near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
+    int *at = calloc((size_t)n + 2, sizeof *at), *mark = malloc(((size_t)n + 1)*sizeof *mark), *near = NULL;
+    bool ok = at && mark;
+    for (int pass = 0; ok && pass < 2; pass++) {             /* count, then list */
+        for (int i = 0; i < n; i++)
+            mark[i] = -1;
+        for (int i = 0, used = 0; i < n; i++) {
+            mark[i] = i;
+            for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[i]][k] >= 0; k++)
+                for (int b = d->row_body[d->kept[i]][k], p = r->at[b]; p < r->at[b + 1]; p++) {
+                    int j = r->list[p].kept;
+                    if (mark[j] == i)
+                        continue;
+                    mark[j] = i;
+                    if (pass)
+                        near[used] = j;
+                    used++;
+                }
+            at[i + 1] = used;
+        }
+        if (pass == 0)
+            ok = (near = malloc(((size_t)at[n] + 1)*sizeof *near)) != NULL;
+    }
+    lw_cholesky_free(&d->schur);
+    ok = ok && lw_cholesky_make(&d->schur, n, at, near);
+    free(at);
+    free(mark);
+    free(near);
+    return ok;
 }
 
-/* Order the kept rows for elimination, and find the pattern of U. */
-static void order_rows(lw_dynamics *d)
+/* Put the kept rows in the order of elimination, and list the pairs that share a body. */
+static bool order_rows(lw_dynamics *d, const body_rows *r)
 {
-    int n = d->n_kept, order[LW_MBS_ROW_MAX], kept[LW_MBS_ROW_MAX], used = 0;
-    find_meetings(d, d->near);
-    lw_sparse_order(n, d->near, order);
-    memcpy(kept, d->kept, (size_t)n*sizeof *kept);
+    int n = d->n_kept, count = 0, *old = malloc(2*((size_t)n + 1)*sizeof *old), *place = old ? old + n : NULL;
+    if (!old)
+        return false;
+    memcpy(old, d->kept, (size_t)n*sizeof *old);
     for (int i = 0; i < n; i++) {
-        d->kept[i] = kept[order[i]];
+        place[d->schur.order[i]] = i;
+        d->kept[i] = old[d->schur.order[i]];
         d->place[d->kept[i]] = i;
-        d->after_at[i] = used;
-        for (int j = i + 1; j < n; j++)
-            if (d->near[order[i]*n + order[j]])
-                d->after[used++] = j;
     }
-    d->after_at[n] = used;
+    for (int b = 0; b < d->s.n_body; b++) {
+        int m = r->at[b + 1] - r->at[b];
+        count += m*(m + 1)/2;
+    }
+    free(d->pair);
+    d->pair = malloc(((size_t)count + 1)*sizeof *d->pair);
+    d->n_pair = 0;
+    for (int b = 0; d->pair && b < d->s.n_body; b++)
+        for (int p = r->at[b]; p < r->at[b + 1]; p++)
+            for (int q = r->at[b]; q <= p; q++) {
+                const struct body_row *x = &r->list[p], *y = &r->list[q];
+                int i = place[x->kept], j = place[y->kept], low = i < j ? i : j, high = i < j ? j : i;
+                d->pair[d->n_pair++] = (lw_row_pair){ old[x->kept]*LW_ROW_SIZE + 3*x->slot,
+                                                      old[y->kept]*LW_ROW_SIZE + 3*y->slot, 3*b,
+                                                      lw_cholesky_entry(&d->schur, low, high) };
+            }
+    free(old);
+    return d->pair != NULL;
+}
+
+/* Prepare the fast way for the rows in kept. */
+static lw_status prepare_kept(lw_dynamics *d)
+{
+    body_rows r = { 0 };
+    for (int i = 0; i < d->n_c; i++)
+        d->place[i] = -1;
+    bool ok = list_body_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
+    free(r.at);
+    free(r.list);
+    return ok ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
 }
 
 static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
 
-/* Pairs of kept rows that share a body, the later row first: the upper triangle of J M^-1 J^T. */
-static void find_pairs(lw_dynamics *d)
-{
-    int n = d->n_kept;
-    d->n_pair = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++)
-            for (int k = 0; k < SHARED; k++) {
-                int b = shared_body(d, d->kept[i], d->kept[j], k);
-                if (b >= 0)
-                    d->pair[d->n_pair++] = (lw_row_pair){ d->kept[i], d->kept[j], b, j*n + i };
-            }
-    assert(d->n_pair <= d->most_pair*LW_SYSTEM_ROW_BODIES);
-}
-
 /* Keep a basis of the rows, as the factorisation found it. */
-static void keep_basis(lw_dynamics *d)
+static lw_status keep_basis(lw_dynamics *d)
 {
     d->n_kept = d->rank_of.rank;
     assert(d->n_kept <= d->n_c);
-    for (int r = 0; r < d->n_c; r++)
-        d->place[r] = -1;
     memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
     qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
-    order_rows(d);
-    find_pairs(d);
+    return prepare_kept(d);
+}
+
+/* The same without a rank-revealing factorisation: leave out rows whose pivots vanish.  A pivot is the square of the
+ * distance of a row from those eliminated before it. */
+static lw_status keep_independent(lw_dynamics *d)
+{
+    bool *dependent = malloc((size_t)d->n_c + 1);
+    int n = 0;
+    d->n_kept = d->n_c;
+    for (int r = 0; r < d->n_c; r++)
+        d->kept[r] = r;
+    lw_status s = dependent ? prepare_kept(d) : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        form_schur(d);
+        lw_cholesky_factor(&d->schur, least_share, dependent);
+        for (int i = 0; i < d->n_kept; i++)
+            if (!dependent[i])
+                d->kept[n++] = d->kept[i];
+        if (n < d->n_kept) {
+            d->n_kept = n;
+            qsort(d->kept, (size_t)n, sizeof *d->kept, compare);
+            s = prepare_kept(d);
+        }
+    }
+    free(dependent);
+    return s;
 }
 
 static void set_rank(lw_dynamics *d, int rank)
@@ -588,18 +616,21 @@ static void set_rank(lw_dynamics *d, int rank)
 lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 {
     d->n_c = d->n_row + d->n_driven + d->n_resting;
-    assert(d->n_c <= LW_MBS_ROW_MAX);
     find_row_bodies(d);
-    memset(d->jac, 0, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
-    lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);
+    if (!d->large)
+        lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);
     lw_status s = lw_mbs_rows(d, t, q);
     if (s != LW_OK)
         return s;
+    if (d->large) {
+        s = keep_independent(d);
+        set_rank(d, d->n_kept);
+        return s;
+    }
     set_rank(d, 0);
     lw_mbs_factor(d, true);
     set_rank(d, d->rank_of.rank);
-    keep_basis(d);
-    return LW_OK;
+    return keep_basis(d);
 }
 
 /* ---- moments ----------------------------------------------------------------------------------- */
@@ -611,9 +642,7 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, t);
     for (int r = 0; s == LW_OK && r < d->n_c; r++) {
-        double rate = -d->rhs[r];
-        for (int i = 0; i < d->n_q; i++)
-            rate += d->jac[r*d->n_q + i]*v[i];
+        double rate = row_dot(d, r, v) - d->rhs[r];
         m->off = fmax(m->off, fabs(d->phi[r]));
         m->off_rate = fmax(m->off_rate, fabs(rate));
     }
@@ -635,11 +664,13 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
 static const double stiff = 2e4;
+enum { most_looked = 200 };              /* springs and dampers of each kind that are looked at, evenly spread */
 
 /* Speed along a measure for an impulse of 1 [1/kg] or [1/(kg m^2)]. */
 static double mobility(lw_dynamics *d, const lw_measure *m)
 {
-    double g[LW_SYSTEM_Q_MAX] = { 0 }, change[LW_SYSTEM_Q_MAX];
+    double *g = d->q_try, *change = d->v_try;
+    memset(g, 0, (size_t)d->n_q*sizeof *g);
     for (int i = 0; i < 6; i++)
         if (m->body[i/3] >= 0)
             g[3*m->body[i/3] + i%3] += m->g[i];
@@ -654,12 +685,13 @@ static double fastest_decay(lw_dynamics *d)
     lw_measure m;
     if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return 0;
-    for (int i = 0; i < model->n_spring; i++) {
+    int stride[2] = { 1 + model->n_spring/most_looked, 1 + model->n_joint_spring/most_looked };
+    for (int i = 0; i < model->n_spring; i += stride[0]) {
         int body[2] = { d->s.body[model->spring[i].link[0]], d->s.body[model->spring[i].link[1]] };
         lw_measure_length(&d->s, body, d->f.spring_arm[i], d->start_q, d->start_v, false, &m);
         most = fmax(most, model->spring[i].damping*mobility(d, &m));
     }
-    for (int i = 0; i < model->n_joint_spring; i++) {
+    for (int i = 0; i < model->n_joint_spring; i += stride[1]) {
         lw_measure_joint(&d->s, model->joint_spring[i].joint, d->start_q, d->start_v, false, &m);
         most = fmax(most, model->joint_spring[i].damping*mobility(d, &m));
     }

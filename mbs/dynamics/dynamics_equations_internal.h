@@ -3,12 +3,13 @@
  *     M a + J^T l = Q,   J a = c          rows of J: system, driven inputs, stops that are rested on
  *
  * Two ways to solve them.  Fast: Cholesky's method on J M^-1 J^T over a basis of the rows, where all masses are
- * positive and those rows are well independent.  By rank: a rank-revealing factorisation of J^T and the null space it
+ * positive and those rows are well independent; large models know this way only.  By rank: a rank-revealing factorisation of J^T and the null space it
  * leaves, for massless links, near singular postures and where reactions are not unique. */
 #ifndef LW_MBS_DYNAMICS_DYNAMICS_EQUATIONS_INTERNAL_H
 #define LW_MBS_DYNAMICS_DYNAMICS_EQUATIONS_INTERNAL_H
 
 #include "base/rank.h"
+#include "base/sparse.h"
 #include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/system_internal.h"
 #include "mbs/dynamics/dynamics.h"
@@ -21,7 +22,8 @@
 /* Diagonals of a rank-revealing factorisation below this, relative to the first, count as 0. */
 #define LW_RANK_TOLERANCE 1e-9
 
-/* Two kept rows that share a body, and the entry of schur that they add to. */
+/* Two kept rows that share a body: their derivatives by it in jac, the body's first coordinate, and the entry of
+ * schur that they add to. */
 typedef struct lw_row_pair { int row, other, body, to; } lw_row_pair;
 
 struct lw_dynamics {
@@ -30,37 +32,36 @@ struct lw_dynamics {
     lw_system            s;
     lw_forces            f;
     int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first */
-    int     n_driven, driven[LW_INPUT_MAX];   /* inputs with a motion */
+    bool    large;                            /* more parts than a linkage holds: no way by rank */
+    int     n_driven, *driven;                /* inputs with a motion */
     int     n_stop;                           /* rigid stops */
-    lw_rigid_stop stop[2*LW_JOINT_MAX];
+    lw_rigid_stop *stop;
     int     n_resting, resting[LW_STOP_ROW_MAX];     /* stops in the order of their rows */
     int     n_friction;
-    lw_friction_joint friction[LW_JOINT_MAX];
-    int     friction_row[LW_JOINT_MAX];
+    lw_friction_joint *friction;
+    int    *friction_row;
     int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank */
     bool    has_zero_mass;
     /* rows of the fast way */
-    int     n_kept, kept[LW_MBS_ROW_MAX], place[LW_MBS_ROW_MAX];   /* rows; place among them, -1: left out */
-    int     n_pair, most_pair;
+    int     n_kept, *kept, *place;            /* rows in the order of elimination; place among them, -1: left out */
+    int     n_pair;
     lw_row_pair *pair;
-    int     *after, after_at[LW_MBS_ROW_MAX + 1];    /* pattern of U, S = U^T U: columns right of the diagonal */
-    unsigned char *near;                      /* (n_c*n_c) scratch for the pattern */
-    int     row_body[LW_MBS_ROW_MAX][LW_SYSTEM_ROW_BODIES];
+    lw_cholesky schur;                        /* J M^-1 J^T over the kept rows */
+    lw_row_bodies *row_body;                  /* (n_c) */
     /* at the posture last factored */
     lw_body_frame *frames;                    /* (n_body + 1) */
-    double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c) */
+    double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_body; (n_c) */
     double *by_mass;                          /* (n_q) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
     double  weak;                             /* least pivot of the fast way over its diagonal: how singular */
     lw_rank rank_of;                          /* of J^T */
-    double *rank_work, *null, *mass_null, *small;
+    double *rank_work, *null, *mass_null, *small, *along_null;
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *a, *l, *l_each, *hold;
-    double *hold_rows;                        /* (n_c*n_q) for reports */
     double *response;                         /* n_friction x (n_q + n_c): a and l that friction of 1 N causes */
     double *start_q, *start_v;
     double *speed_rows;                       /* (n_c + inputs) x n_q: rows that decide the velocities of the start */
-    bool    at_rest[LW_INPUT_MAX];            /* inputs without a speed, which start at rest */
+    bool   *at_rest;                          /* (inputs) without a speed, which start at rest */
     double  moved, moved_rate;                /* change of the start by putting it on the constraints */
     struct lw_reduced *reduced;               /* one coordinate, once asked for; whether the model allows it, */
     lw_status reduced_status;
@@ -69,7 +70,8 @@ struct lw_dynamics {
     double  decay;                            /* fastest decay by dampers at the start [1/s] */
     bool    decay_known;
     lw_dynamics_report choice;                /* the formulation chosen */
-    double *work;                             /* memory of all arrays */
+    double *work;                             /* memory of all arrays of numbers */
+    int    *ints;                             /* of indices */
     lw_error *e;                              /* of the run under way */
 };
 
@@ -81,6 +83,12 @@ lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);
 
 /* Rows and their derivatives at (t, q) into d->phi, d->jac, d->frames. */
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q);
+
+/* The rows of the system alone at q, into d->phi, d->jac, d->frames: for reports, once the sample is solved. */
+void lw_mbs_system_rows(const lw_dynamics *d, const double *q);
+
+/* Row r of the rows in force with its zeros, into out (n_q). */
+void lw_mbs_row(const lw_dynamics *d, int r, double *out);
 
 /* Factor the rows of lw_mbs_rows.  LW_OPEN: a singular posture. */
 lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank);

@@ -34,8 +34,8 @@ static void push(const lw_dynamics *d, const double *l, double *out)
     memset(out, 0, (size_t)d->n_q*sizeof *out);
     for (int k = 0; k < d->n_kept; k++)
         for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[k]][b] >= 0; b++)
-            for (int i = 3*d->row_body[d->kept[k]][b], n = i + 3; i < n; i++)
-                out[i] += l[k]*d->jac[d->kept[k]*d->n_q + i];
+            for (int i = 0; i < 3; i++)
+                out[3*d->row_body[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + 3*b + i];
 }
 
 /* Friction for the multipliers l of the kept rows counts among the forces. */
@@ -80,8 +80,8 @@ static lw_status residual(void *context, double t, const double *y, const double
         int row = d->kept[k];
         double rate = -d->rhs[row];
         for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
-            for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++)
-                rate += d->jac[row*n + i]*v[i];
+            for (int i = 0; i < 3; i++)
+                rate += d->jac[row*LW_ROW_SIZE + 3*b + i]*v[3*d->row_body[row][b] + i];
         r[2*n + k] = d->phi[row];
         r[2*n + c + k] = rate;
         if (row >= d->n_row)
@@ -138,8 +138,9 @@ static void add_row_derivatives(const ggl *g, int k, const double *y, double *ja
     double l = y[2*n + k], m = y[2*n + c + k];
     bend each[8];
     for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
-        for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++) {
-            double x = d->jac[row*n + i];
+        for (int k0 = 0; k0 < 3; k0++) {
+            int i = 3*d->row_body[row][b] + k0;
+            double x = d->jac[row*LW_ROW_SIZE + 3*b + k0];
             jac[i + size*(2*n + c + k)] += x/mass_of(g, i);
             jac[n + i + size*(2*n + k)] += x;
             jac[2*n + k + size*i] += x;
@@ -265,7 +266,7 @@ static double apart(const lw_dynamics *d)
         return 1;
     lw_rank_place(&r, d->n_q, d->n_kept, d->rank_work, d->rank_ints);
     for (int k = 0; k < d->n_kept; k++)
-        memcpy(r.a + k*d->n_q, d->jac + d->kept[k]*d->n_q, (size_t)d->n_q*sizeof *r.a);
+        lw_mbs_row(d, d->kept[k], r.a + k*d->n_q);
     lw_rank_factor(&r, LW_RANK_TOLERANCE);
     return r.rank < d->n_kept ? 0 : r.weakest*r.weakest;
 }
@@ -380,6 +381,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (!asked)
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken only where it is asked for");
+    if (d->large)
+        return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");
     return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
                      : lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, "asked for");
 }

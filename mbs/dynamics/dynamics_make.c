@@ -22,33 +22,54 @@ void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)
 /* ---- memory ------------------------------------------------------------------------------------ */
 
 typedef struct piece { double **to; size_t n; } piece;
+typedef struct int_piece { int **to; size_t n; } int_piece;
 
+/* Lists of joints and inputs, before the special ones are found. */
+static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
+{
+    size_t joints = (size_t)d->s.n_joint, inputs = (size_t)(d->s.n_input + d->s.n_tie) + 1;
+    d->stop = calloc(2*joints, sizeof *d->stop);
+    d->friction = calloc(joints, sizeof *d->friction);
+    d->friction_row = calloc(joints, sizeof *d->friction_row);
+    d->driven = calloc(inputs, sizeof *d->driven);
+    d->at_rest = calloc(inputs, sizeof *d->at_rest);
+    return d->stop && d->friction && d->friction_row && d->driven && d->at_rest
+         ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+/* dense: 0 for large models, which know no way by rank. */
 static lw_status reserve(lw_dynamics *d, lw_error *e)
 {
-    size_t q = (size_t)d->n_q, c = (size_t)(d->n_row + d->n_driven + (d->n_stop ? LW_STOP_ROW_MAX : 0));
-    size_t all = 0, speeds = c + LW_INPUT_MAX;
+    size_t inputs = (size_t)d->s.n_input, dense = d->large ? 0 : 1;
+    size_t q = (size_t)d->n_q, c = (size_t)d->n_row + inputs + (d->n_stop ? LW_STOP_ROW_MAX : 0);
+    size_t all = 0, n_int = 0, speeds = c + inputs;
     const piece pieces[] = {
-        { &d->phi, c }, { &d->jac, c*q }, { &d->rhs, speeds }, { &d->schur, c*c }, { &d->diag, c }, { &d->by_mass, q },
-        { &d->rank_work, lw_rank_doubles((int)q, (int)speeds) }, { &d->null, q*q }, { &d->mass_null, q*q },
+        { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, q },
+        { &d->rank_work, dense*lw_rank_doubles((int)q, (int)speeds) }, { &d->null, dense*q*q }, { &d->mass_null, dense*q*q },
         { &d->small, c + q }, { &d->force, q }, { &d->bias, q }, { &d->q_try, q }, { &d->v_try, q }, { &d->a, q },
-        { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q },
-        { &d->hold_rows, c*q }, { &d->speed_rows, speeds*q }, { &d->response, (size_t)d->n_friction*(q + c) },
+        { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q }, { &d->along_null, q },
+        { &d->speed_rows, dense*speeds*q }, { &d->response, (size_t)d->n_friction*(q + c) },
     };
+    const int_piece ints[] = { { &d->kept, c }, { &d->place, c },
+                               { &d->rank_ints, dense*lw_rank_ints((int)q, (int)speeds) } };
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++)
         all += pieces[i].n;
-    d->most_pair = (int)(c*c);
+    for (size_t i = 0; i < sizeof ints/sizeof *ints; i++)
+        n_int += ints[i].n;
     d->work = calloc(all, sizeof *d->work);
-    d->rank_ints = calloc(lw_rank_ints((int)q, (int)speeds), sizeof *d->rank_ints);
-    d->pair = calloc((size_t)d->most_pair*LW_SYSTEM_ROW_BODIES, sizeof *d->pair);
-    d->after = calloc(c*c + 1, sizeof *d->after);
-    d->near = calloc(c*c + 1, 1);
+    d->ints = calloc(n_int, sizeof *d->ints);
+    d->row_body = calloc(c, sizeof *d->row_body);
     d->frames = calloc((size_t)d->s.n_body + 1, sizeof *d->frames);
-    if (!d->frames || !d->work || !d->rank_ints || !d->pair || !d->after || !d->near)
+    if (!d->frames || !d->work || !d->ints || !d->row_body)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    all = 0;
+    all = n_int = 0;
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++) {
         *pieces[i].to = d->work + all;
         all += pieces[i].n;
+    }
+    for (size_t i = 0; i < sizeof ints/sizeof *ints; i++) {
+        *ints[i].to = d->ints + n_int;
+        n_int += ints[i].n;
     }
     for (size_t i = 0; i < q; i++)
         d->by_mass[i] = 1/d->f.mass[i];
@@ -59,16 +80,13 @@ void lw_dynamics_free(lw_dynamics *d)
 {
     if (!d)
         return;
-    free(d->work);
-    free(d->rank_ints);
-    free(d->pair);
-    free(d->after);
-    free(d->near);
-    free(d->frames);
+    void *const array[] = { d->work, d->ints, d->pair, d->row_body, d->frames, d->stop, d->friction, d->friction_row,
+                            d->driven, d->at_rest, d->reduced, d->rule };
+    for (size_t i = 0; i < sizeof array/sizeof *array; i++)
+        free(array[i]);
+    lw_cholesky_free(&d->schur);
     lw_forces_free(&d->f);
     lw_system_free(&d->s);
-    free(d->reduced);
-    free(d->rule);
     free(d);
 }
 
@@ -110,11 +128,45 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
     return LW_OK;
 }
 
+/* The same for a large model: are the rows that were left out as dependent satisfied in a posture near by, to which the
+ * others lead? */
+static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v)
+{
+    double size = 0;
+    if (d->n_kept == d->n_c)
+        return LW_OK;
+    for (int i = 0; i < d->n_q; i++)
+        size = fmax(size, fabs(v[i]));
+    for (int i = 0; i < d->n_q; i++)                     /* at rest: any motion; its projection leads along the freedoms */
+        d->q_try[i] = q[i] + nudge*(size > 0 ? v[i]/size : i%3 == 2 ? sin(1 + i) : 0);
+    double off = INFINITY;
+    for (int pass = 0; pass < 20 && off > 1e-12; pass++) {
+        if (lw_mbs_rows(d, t, d->q_try) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+            break;
+        off = 0;
+        for (int r = 0; r < d->n_c; r++) {
+            d->rhs[r] = -d->phi[r];
+            off = d->place[r] >= 0 ? fmax(off, fabs(d->phi[r])) : off;
+        }
+        lw_mbs_linear(d, NULL, d->rhs, d->hold, d->l_each);
+        for (int i = 0; i < d->n_q; i++)
+            d->q_try[i] += d->hold[i];
+    }
+    if (!(off <= 1e-12))
+        return lw_error_set(d->e, LW_E_NUMERIC, "%d constraints depend on others in the posture at the start, and it could "
+                            "not be shown that they always do; start it from a posture nearby", d->n_c - d->n_kept);
+    for (int r = 0; r < d->n_c; r++)
+        if (fabs(d->phi[r]) > 1e-9)
+            return lw_error_set(d->e, LW_E_NUMERIC, "the posture at the start is singular: from there the linkage can "
+                                "go on in several ways; start it from a posture nearby");
+    return LW_OK;
+}
+
 /* Move the driven inputs from the posture to where their motions begin, in steps short enough to keep the assembly
  * mode. */
 static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
 {
-    double *from = d->v_try, distance[LW_INPUT_MAX], most = 0;
+    double *from = d->v_try, *distance = d->l, most = 0;
     lw_status s = lw_mbs_rows(d, d->o.from, q);
     for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
         distance[i] = -d->phi[d->n_row + i];
@@ -135,7 +187,10 @@ static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
                 break;
             if (pass == 19 || s != LW_OK || lw_mbs_factor(d, true) != LW_OK)
                 return LW_OPEN;
-            lw_rank_solve_transposed(&d->rank_of, d->rhs, from);
+            if (d->large)
+                lw_mbs_linear(d, NULL, d->rhs, from, d->l_each);
+            else
+                lw_rank_solve_transposed(&d->rank_of, d->rhs, from);
             for (int i = 0; i < d->n_q; i++)
                 q[i] += from[i];
         }
@@ -198,6 +253,9 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     if (s == LW_OK && d->rank < rank + driven)
         return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave "
                             "motions out", driven, d->rank - rank);
+    if (s == LW_OK && driven && d->freedom == 0 && d->large)
+        return lw_error_set(e, LW_E_KIND, "all freedoms are driven, which is possible with at most %d links and %d joints",
+                            LW_LINK_MAX, LW_JOINT_MAX);
     if (s == LW_OK && driven && d->freedom == 0)
         return start_on_motion(d, q, e);
     if (s == LW_OK && driven)
@@ -211,15 +269,12 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
 /* Difference between the rate of input i at the start and the speed given. */
 static double speed_off(const lw_dynamics *d, int i)
 {
-    double row[LW_SYSTEM_Q_MAX];
+    lw_measure m;
     int j = d->s.input_joint[i];
     if (!d->model->has_speed[i])
         return 0;
-    lw_system_measure(&d->s, j, d->start_q, row);
-    double off = -d->model->speed[i]/lw_system_joint_unit(&d->s, j);
-    for (int c = 0; c < d->n_q; c++)
-        off += row[c]*d->start_v[c];
-    return fabs(off);
+    lw_measure_joint(&d->s, j, d->start_q, d->start_v, false, &m);
+    return fabs(m.rate - d->model->speed[i])/lw_system_joint_unit(&d->s, j);
 }
 
 /* Add the rate of input i to the rows of r, of which there are *n, if it is independent of them or was given; the rate
@@ -247,6 +302,59 @@ static void add_speed(lw_dynamics *d, lw_rank *r, int i, int *n)
         d->at_rest[i] = true;
 }
 
+/* Hold input i of a large model as if it had a motion, unless its row depends on the others. */
+static lw_status hold_speed(lw_dynamics *d, int i)
+{
+    int n = d->n_driven, rank = d->rank;
+    d->driven[d->n_driven++] = i;
+    lw_status s = lw_mbs_arrange(d, d->o.from, d->start_q);
+    if (s != LW_OK || d->rank > rank)
+        return s;
+    d->n_driven = n;
+    return lw_mbs_arrange(d, d->o.from, d->start_q);
+}
+
+/* The same for a large model, with least kinetic energy. */
+static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
+{
+    int driven = d->n_driven;
+    lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
+    for (int given = 1; given >= 0; given--)
+        for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
+            if (d->model->has_speed[i] == (bool)given && !d->model->motion[i]) {
+                int n = d->n_driven;
+                s = hold_speed(d, i);
+                d->at_rest[i] = !given && d->n_driven > n;
+            }
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, d->o.from, d->start_q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    for (int i = 0, held = d->n_driven; s == LW_OK && i < 1; i++) {
+        d->n_driven = driven;                            /* the motions that exist, then the speeds */
+        s = lw_mbs_rate_wanted(d, d->o.from);
+        d->n_driven = held;
+        for (int k = driven; k < held; k++) {
+            int j = d->s.input_joint[d->driven[k]];
+            d->rhs[d->n_row + k] = d->model->has_speed[d->driven[k]]
+                                 ? d->model->speed[d->driven[k]]/lw_system_joint_unit(&d->s, j) : 0;
+        }
+        if (s == LW_OK)
+            s = lw_mbs_linear(d, NULL, d->rhs, d->start_v, d->l_each);
+    }
+    d->n_driven = driven;
+    if (s == LW_OK)
+        s = lw_mbs_arrange(d, d->o.from, d->start_q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    if (s == LW_OK)
+        s = lw_mbs_project_v(d, d->o.from, d->start_v);
+    for (int i = 0; i < d->s.n_input; i++)
+        d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
+    return s == LW_OPEN ? lw_error_set(e, LW_E_NUMERIC, "the posture at the start is singular; start it from a posture "
+                                       "nearby") : s;
+}
+
 /* The least velocities that satisfy the constraints and give the inputs their speeds.  Inputs without a motion and
  * without a speed are at rest where the others allow it. */
 static lw_status find_velocities(lw_dynamics *d, lw_error *e)
@@ -258,7 +366,8 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         s = lw_mbs_rate_wanted(d, d->o.from);
     if (s != LW_OK)
         return s;
-    memcpy(d->speed_rows, d->jac, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
+    for (int row = 0; row < d->n_c; row++)
+        lw_mbs_row(d, row, d->speed_rows + row*d->n_q);
     for (int given = 1; given >= 0; given--)
         for (int i = 0; i < d->s.n_input; i++)
             if (d->model->has_speed[i] == (bool)given && !d->model->motion[i])
@@ -296,6 +405,21 @@ static void find_special_joints(lw_dynamics *d)
         d->has_zero_mass = d->has_zero_mass || !(d->f.mass[i] > 0);
 }
 
+/* What models beyond the size of a linkage cannot have. */
+static lw_status check_large(const lw_dynamics *d, lw_error *e)
+{
+    for (int b = 0; b < d->s.n_body; b++)
+        if (!(d->f.mass[3*b] > 0 && d->f.mass[3*b + 2] > 0))
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model with more than %d "
+                                "links every link has them", d->model->linkage.link_name[d->s.link[b]], LW_LINK_MAX);
+    if (d->n_stop > 0)
+        return lw_error_set(e, LW_E_KIND, "rigid stops are possible with at most %d links; give the stop at joint \"%s\" a "
+                            "\"stiffness\"", LW_LINK_MAX, d->model->linkage.joint[d->stop[0].joint].name);
+    if (d->n_friction > LW_JOINT_MAX)
+        return lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
+    return LW_OK;
+}
+
 lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
 {
     const lw_model *m = d->model;
@@ -303,35 +427,51 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         if (m->clearance[j].model > LW_CLEARANCE_ZERO)
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a clearance; \"linkwright clearance\" runs such models",
                                 m->linkage.joint[j].name);
-    lw_status s = lw_forces_system(m, false, &d->s, e);
+    const lw_linkage *small;
+    d->large = lw_model_small(m, &small, NULL) != LW_OK;
+    lw_status s = lw_forces_system(m, true, &d->s, e);
     if (s == LW_OK)
         s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);
+    if (s == LW_OK)
+        s = reserve_lists(d, e);
     if (s != LW_OK)
         return s;
     d->n_q = d->s.n_q;
     d->n_row = d->s.n_row;
     find_special_joints(d);
+    if (d->large && (s = check_large(d, e)) != LW_OK)
+        return s;
     if (d->n_stop > LW_EVENT_MAX/2)
         return lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if ((s = reserve(d, e)) != LW_OK)
         return s;
     d->e = e;
     if ((s = find_posture(d, e)) == LW_OK)
-        s = find_velocities(d, e);
+        s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
     if (s == LW_OK)
-        s = rank_nearby(d, d->o.from, d->start_q, d->start_v);
+        s = d->large ? rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
+                     : rank_nearby(d, d->o.from, d->start_q, d->start_v);
     if (s == LW_OK)
         s = lw_mbs_arrange(d, d->o.from, d->start_q);
     return s;
 }
 
+void lw_mbs_system_rows(const lw_dynamics *c, const double *q)
+{
+    lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
+    lw_system_place(&d->s, q, d->frames);
+    memset(d->jac, 0, (size_t)d->n_row*LW_ROW_SIZE*sizeof *d->jac);
+    lw_system_fill_blocks(&d->s, d->frames, d->phi, d->jac, d->row_body);
+}
+
 void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac)
 {
-    double all_phi[LW_SYSTEM_ROW_MAX];
-    int first = d->s.joint[joint].row, next = joint + 1 < d->s.n_joint ? d->s.joint[joint + 1].row : d->s.tie_row;
-    lw_system_rows(&d->s, q, all_phi, d->hold_rows);
-    memcpy(phi, all_phi + first, (size_t)(next - first)*sizeof *phi);
-    memcpy(jac, d->hold_rows + first*d->n_q, (size_t)(next - first)*(size_t)d->n_q*sizeof *jac);
+    int first = d->s.joint[joint].row, n = lw_joint_equations(d->s.joint[joint].kind);
+    lw_mbs_system_rows(d, q);
+    for (int r = 0; r < n; r++) {
+        phi[r] = d->phi[first + r];
+        lw_mbs_row(d, first + r, jac + r*d->n_q);
+    }
 }
 
 /* The reactions of a joint are unique where the null space of J^T has no part in its rows. */
@@ -340,8 +480,15 @@ void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
     size_t used = 0;
     double *x = d->l_each;
-    bool seen[LW_JOINT_MAX] = { false };
     *text = '\0';
+    if (d->large) {                          /* the joints whose rows were left out */
+        for (int r = 0; r < d->n_row && used < size; r++)
+            if (d->place[r] < 0)
+                used += (size_t)snprintf(text + used, size - used, " %s",
+                                         d->model->linkage.joint[d->s.row[r].joint].name);
+        return;
+    }
+    bool seen[LW_JOINT_MAX] = { false };
     if (d->rank == d->n_c || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, true) != LW_OK)
         return;
     for (int r = 0; r < d->n_row; r++) {

@@ -50,6 +50,9 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->moved = d->moved;
     r->moved_rate = d->moved_rate;
     r->t = d->o.from;
+    if (d->large && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
+        return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
+                            "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->model->linkage.n_link);
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
     if (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0)

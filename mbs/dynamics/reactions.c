@@ -1,14 +1,19 @@
 #include "mbs/dynamics/reactions.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* -J^T l of some rows on one body: force, and moment about its reference point. */
-static lw_reaction on_body(const lw_system *s, const double *jac, const double *l, int first, int n, int body)
+/* -J^T l of n rows on one body: force, and moment about its reference point. */
+static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int n, int body)
 {
+    const lw_system *s = &d->s;
     lw_reaction r = { { 0, 0 }, 0 };
     for (int k = first; k < first + n; k++) {
-        const double *row = jac + k*s->n_q + 3*body;
+        int slot = 0;
+        while (d->row_body[k][slot] != body)
+            slot++;
+        const double *row = d->jac + k*LW_ROW_SIZE + 3*slot;
         r.force.x -= l[k]*row[0]/s->unit;
         r.force.y -= l[k]*row[1]/s->unit;
         r.moment -= l[k]*row[2];
@@ -19,12 +24,11 @@ static lw_reaction on_body(const lw_system *s, const double *jac, const double *
 void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *out)
 {
     const lw_system *s = lw_dynamics_system(d);
-    double jac[3*LW_SYSTEM_Q_MAX], phi[3];
+    lw_mbs_system_rows(d, m->q);
     for (int j = 0; j < s->n_joint; j++) {
         const lw_system_joint *p = &s->joint[j];
         int end = p->body[1] >= 0 ? 1 : 0, body = p->body[end], n = lw_joint_equations(p->kind);
-        lw_dynamics_joint_rows(d, j, m->q, phi, jac);
-        lw_reaction r = on_body(s, jac, m->l + p->row, 0, n, body);
+        lw_reaction r = on_body(d, m->l, p->row, n, body);
         /* link[1] receives the opposite of what acts on link[0] */
         double sign = end == 1 ? 1 : -1;
         lw_vec2 at = lw_system_point(s, lw_joint_has_ratio(p->kind) ? p->carrier : p->body[1], p->arm[1], m->q);

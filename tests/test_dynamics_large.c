@@ -1,0 +1,282 @@
+/* tests/test_dynamics_large.c - models of any size: the sparse way alone gives the motion that both ways give together on
+ * models small enough for both; long chains and rows of loops keep their energy. */
+#include "tests/dynamics_run.h"
+
+#include "mbs/dynamics/reactions.h"
+
+#include <stdarg.h>
+
+typedef struct text { char *at; size_t n, capacity; } text;
+
+static void put(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void put(text *t, const char *format, ...)
+{
+    if (t->capacity < t->n + 1000)
+        t->at = realloc(t->at, t->capacity = 2*t->capacity + 2000);
+    va_list arg;
+    va_start(arg, format);
+    t->n += (size_t)vsnprintf(t->at + t->n, 1000, format, arg);
+    va_end(arg);
+}
+
+/* Read the text with single quotes for double ones. */
+static void read_text(text *t, lw_model *m)
+{
+    lw_error e = { 0 };
+    for (size_t i = 0; i < t->n; i++)
+        t->at[i] = t->at[i] == '\'' ? '"' : t->at[i];
+    CHECK_INT(lw_model_read(t->at, t->n, "text", m, &e), LW_OK);
+    if (e.text[0])
+        fprintf(stderr, "%s\n", e.text);
+    free(t->at);
+}
+
+/* A rope of n links of length 1/n, horizontal, pinned at one end. */
+static void read_chain(int n, lw_model *m)
+{
+    text t = { 0 };
+    put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
+    for (int i = 0; i < n; i++)
+        put(&t, ",{'name': 'b%d', 'mass': %.17g, 'centre': [%.17g, 0], 'inertia': %.17g}", i, 1.0/n, (i + 0.5)/n,
+            1.0/12/n/n/n);
+    put(&t, "], 'joints': [");
+    for (int i = 0; i < n; i++)
+        put(&t, "%s{'name': 'J%d', 'links': ['%s%.0d', 'b%d'], 'at': [%.17g, 0]}", i ? "," : "", i,
+            i == 0 ? "ground" : i == 1 ? "b0" : "b", i > 1 ? i - 1 : 0, i, (double)i/n);
+    put(&t, "]}");
+    read_text(&t, m);
+}
+
+/* N four-bars in a row: n + 1 upright cranks on the ground, their ends joined by rods. */
+static void read_row(int n, lw_model *m)
+{
+    text t = { 0 };
+    put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
+    for (int i = 0; i <= n; i++)
+        put(&t, ",{'name': 'c%d', 'mass': 1, 'centre': [%d, 0.5], 'inertia': 0.083333333333333333}", i, i);
+    for (int i = 0; i < n; i++)
+        put(&t, ",{'name': 'r%d', 'mass': 1, 'centre': [%.1f, 1], 'inertia': 0.083333333333333333}", i, i + 0.5);
+    put(&t, "], 'joints': [{'name': 'A0', 'links': ['ground', 'c0'], 'at': [0, 0]}");
+    for (int i = 1; i <= n; i++)
+        put(&t, ",{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]}"
+            ",{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, 1]},{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, 1]}",
+            i, i, i, i, i - 1, i - 1, i - 1, i, i - 1, i, i);
+    put(&t, "], 'input': {'joint': 'A0', 'speed': 1}}");
+    read_text(&t, m);
+}
+
+/* ---- runs ----------------------------------------------------------------------------------------------- */
+
+/* The last sample; the energy of all. */
+typedef struct kept { int n_q, n_sample; double *q, energy[2], off; lw_reaction joint; lw_dynamics *d; } kept;
+
+static lw_status keep(void *context, const lw_moment *m)
+{
+    kept *k = context;
+    double energy = m->kinetic + m->potential - m->work;
+    memcpy(k->q, m->q, (size_t)k->n_q*sizeof *k->q);
+    k->energy[0] = k->n_sample ? fmin(k->energy[0], energy) : energy;
+    k->energy[1] = k->n_sample++ ? fmax(k->energy[1], energy) : energy;
+    k->off = fmax(k->off, m->off);
+    lw_reaction *all = calloc((size_t)lw_dynamics_system(k->d)->n_joint, sizeof *all);
+    lw_reactions_joints(k->d, m, all);
+    k->joint = all[0];
+    free(all);
+    return LW_OK;
+}
+
+static lw_status run(const lw_model *m, double to, double tolerance, kept *k, lw_dynamics_report *r, lw_error *e)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.formulation = LW_FORMULATION_INDEX1;
+    o.to = to, o.intervals = 4, o.relative = o.absolute = tolerance;
+    *k = (kept){ 0 };
+    lw_status s = lw_dynamics_make(m, &o, &k->d, e);
+    if (s != LW_OK)
+        return s;
+    k->n_q = lw_dynamics_system(k->d)->n_q;
+    k->q = calloc((size_t)k->n_q, sizeof *k->q);
+    s = lw_dynamics_run(k->d, keep, k, r, e);
+    lw_dynamics_free(k->d);
+    return s;
+}
+
+/* The same model by both ways and, without its small copy, by the sparse way alone. */
+static void agree(lw_model *m, double to, double tight)
+{
+    kept both, sparse;
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    CHECK_INT(run(m, to, 1e-11, &both, &r, &e), LW_OK);
+    free(m->small);
+    m->small = NULL;
+    CHECK_INT(run(m, to, 1e-11, &sparse, &r, &e), LW_OK);
+    if (e.text[0])
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(sparse.n_q, both.n_q);
+    CHECK_INT(sparse.n_sample, both.n_sample);
+    for (int i = 0; both.q && sparse.q && i < both.n_q; i++)
+        CHECK_NEAR(sparse.q[i], both.q[i], tight, 0);
+    CHECK_NEAR(sparse.joint.force.x, both.joint.force.x, 1e-6, 1e-6);
+    CHECK_NEAR(sparse.joint.force.y, both.joint.force.y, 1e-6, 1e-6);
+    CHECK(sparse.off < 1e-12);
+    free(both.q);
+    free(sparse.q);
+    lw_model_free(m);
+}
+
+/* ---- tests ---------------------------------------------------------------------------------------------- */
+
+static void chains_and_rows_agree(void)
+{
+    lw_model m;
+    read_chain(8, &m);
+    agree(&m, 0.5, 1e-7);
+    read_row(5, &m);
+    agree(&m, 1, 1e-8);
+}
+
+static void examples_agree(void)
+{
+    static const char *const name[] = { "andrews", "pendulum", "two-four-bars", "loader" };
+    for (size_t i = 0; i < sizeof name/sizeof *name; i++) {
+        char path[100], *content = NULL;
+        size_t size;
+        lw_model m;
+        lw_error e = { 0 };
+        snprintf(path, sizeof path, "examples/%s.json", name[i]);
+        CHECK_INT(lw_file_read(path, &content, &size, &e), LW_OK);
+        CHECK_INT(lw_model_read(content, size, path, &m, &e), LW_OK);
+        free(content);
+        for (int l = 0; l < m.linkage.n_link; l++)           /* each link has a mass */
+            if (!(m.body[l].mass > 0 && m.body[l].inertia > 0)) {
+                int j = 0;
+                while (m.linkage.joint[j].link[0] != l && m.linkage.joint[j].link[1] != l)
+                    j++;
+                m.body[l] = (lw_body){ true, 1, m.linkage.joint[j].at, 0.1 };
+            }
+        for (int k = 0; k < m.linkage.n_input; k++) {         /* and runs freely */
+            lw_expression_free(m.motion[k]);
+            m.motion[k] = NULL;
+        }
+        agree(&m, i == 0 ? 0.01 : 0.2, 1e-7);
+    }
+}
+
+/* Pins, a gear, a slider and an input with a motion; the second rod of a parallelogram is redundant. */
+static void mixed_agree(void)
+{
+    static const char *const format[] = {
+        "{'linkwright': 1, 'gravity': [1, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0.1], "
+        "'inertia': 0.2}, {'name': 'b', 'mass': 2, 'centre': [1.5, 0.2], 'inertia': 0.3}, {'name': 'c', 'mass': 1.5, "
+        "'centre': [2.5, 0], 'inertia': 0.1}, {'name': 'w', 'mass': 1, 'centre': [0, 1], 'inertia': 0.4}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, 0]},"
+        "{'name': 'S', 'kind': 't', 'links': ['b', 'c'], 'at': [2, 0], 'along': [1, 0.3]},"
+        "{'name': 'W', 'links': ['ground', 'w'], 'at': [0, 1]}, {'name': 'G', 'kind': 'g', 'links': ['w', 'a'], 'at': "
+        "[0, 0.5], 'ratio': -0.7}], 'inputs': [{'joint': 'B', 'motion': '0.2*sin(3*t)'}, {'joint': 'A', 'speed': 2}],"
+        "'springs': [{'joint': 'S', 'stiffness': 300, 'damping': 2}]}",
+        "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5], "
+        "'inertia': 0.1}, {'name': 'b', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.1}, {'name': 'c', 'mass': 1, "
+        "'centre': [2, 0.5], 'inertia': 0.1}, {'name': 'bar', 'mass': 2, 'centre': [1, 1], 'inertia': 0.5}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': "
+        "[1, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [2, 0]}, {'name': 'D', 'links': ['a', 'bar'], 'at': "
+        "[0, 1]}, {'name': 'E', 'links': ['b', 'bar'], 'at': [1, 1]}, {'name': 'F', 'links': ['c', 'bar'], 'at': [2, 1]}"
+        "], 'input': {'joint': 'A', 'speed': 1}}",
+    };
+    for (int i = 0; i < 2; i++) {
+        text t = { 0 };
+        lw_model m;
+        put(&t, "%s", "");
+        t.at = realloc(t.at, t.capacity = strlen(format[i]) + 1);
+        memcpy(t.at, format[i], t.n = strlen(format[i]));
+        read_text(&t, &m);
+        if (i == 0) {
+            agree(&m, 0.5, 1e-8);
+            continue;
+        }
+        kept k;                                  /* reactions are not unique: only the motion is compared */
+        lw_dynamics_report r;
+        lw_error e = { 0 };
+        CHECK_INT(run(&m, 0.5, 1e-11, &k, &r, &e), LW_OK);
+        double turn = k.q[2];
+        CHECK_INT(r.redundant, 1);
+        free(k.q);
+        free(m.small);
+        m.small = NULL;
+        CHECK_INT(run(&m, 0.5, 1e-11, &k, &r, &e), LW_OK);
+        CHECK_INT(r.redundant, 1);
+        CHECK_NEAR(k.q[2], turn, 1e-9, 0);
+        CHECK(k.off < 1e-12);
+        free(k.q);
+        lw_model_free(&m);
+    }
+}
+
+/* A rope that is let go: far from its pin it falls freely.  The unit of its coordinates is 0.5 m. */
+static void thousand_links(void)
+{
+    lw_model m;
+    kept k;
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    read_chain(1000, &m);
+    CHECK(!m.small);
+    CHECK_INT(run(&m, 0.02, 1e-6, &k, &r, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_INT(r.freedom, 1000);
+    CHECK(k.energy[1] - k.energy[0] < 1e-9*9.81);
+    CHECK(k.off < 1e-12);
+    CHECK_NEAR(0.5*k.q[3*900 + 1], -9.81*0.02*0.02/2, 1e-10, 0);     /* far from the pin it falls freely */
+    free(k.q);
+    lw_model_free(&m);
+}
+
+static void row_of_loops(void)
+{
+    lw_model m;
+    kept k;
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    read_row(400, &m);
+    CHECK_INT(run(&m, 0.3, 1e-8, &k, &r, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_INT(r.freedom, 1);
+    CHECK_INT(r.redundant, 0);
+    CHECK(k.energy[1] - k.energy[0] < 1e-8*400*9.81);
+    for (int i = 1; i <= 400; i++)
+        CHECK_NEAR(k.q[3*i + 2], k.q[2], 1e-9, 0);
+    free(k.q);
+    lw_model_free(&m);
+}
+
+static void refusals_say_why(void)
+{
+    lw_model m;
+    lw_dynamics *d;
+    lw_error e = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    read_chain(40, &m);
+    o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "41 links");
+    o.analysis = LW_ANALYSIS_DYNAMIC;
+    m.body[7].inertia = 0;
+    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "\"b6\" needs");
+    m.body[7].inertia = 1;
+    m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -1 };
+    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "\"J3\"");
+    lw_model_free(&m);
+}
+
+int main(void)
+{
+    RUN(chains_and_rows_agree);
+    RUN(examples_agree);
+    RUN(mixed_agree);
+    RUN(thousand_links);
+    RUN(row_of_loops);
+    RUN(refusals_say_why);
+    return check_end();
+}
