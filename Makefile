@@ -11,7 +11,7 @@ CFLAGS   = -O3 -g1
 # rooms without hot loops compile twice as fast with less optimisation
 PLAIN    = $(addsuffix /%,cli/program cli/topologies cli/motion cli/fit cli/draw cli/catalogue surface optimise/task \
            catalogues/draw catalogues/exchange catalogues/pages catalogues/build)
-LESS     = $(if $(filter $(PLAIN),$<),-O1)
+LESS     = $(if $(filter-out catalogues/draw/chain_%,$(filter $(PLAIN),$<)),-O1)
 endif
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
