@@ -112,9 +112,9 @@ lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
  * runs to its first tracer, otherwise along +x. */
 double lw_linkage_posture_input(const lw_linkage *k, int joint);
 
-/* Read one linkage from JSON text (docs/notation.md, "Linkage"), or the first of a text with results, as `linkwright
- * fit --json` prints them.  `file` is for messages only.  LW_E_NOTATION with line and column, also for errors of meaning
- * (a link that does not exist). */
+/* Read one linkage from JSON text (docs/notation.md, "Linkage"), or the first of a text with results, as
+ * `linkwright fit --json` prints them.  `file` is for messages only.  LW_E_NOTATION with line and column, also for errors
+ * of meaning (a link that does not exist). */
 lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k,
                           lw_error *e);
 

@@ -487,7 +487,8 @@ lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], 
     return LW_OK;
 }
 
-lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *k, lw_error *e)
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *k,
+                                 lw_error *e)
 {
     lw_json json;
     lw_error fault;

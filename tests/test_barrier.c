@@ -85,7 +85,7 @@ static void path_ends_at_the_constrained_optimum(void)
         double x = -3;
         lw_solver_result r;
         o.barrier_last = last[i];
-        CHECK_INT(lw_method_run(lw_method_find("gradient"), &fn, &o, &x, &r), LW_OK);
+        CHECK_INT(lw_method_run(lw_solver_find("gradient"), &fn, &o, &x, &r), LW_OK);
         CHECK(x <= 1 + LW_FEASIBLE);
         CHECK(r.f >= 1 - 2*LW_FEASIBLE && r.f - 1 < 1.1*last[i]);
     }
@@ -97,7 +97,7 @@ static void starts_from_outside(void)
     lw_solver_options o = lw_solver_options_default();
     double x[3] = { 4.5, -4.5, 5 }, best = hs65_optimum();
     lw_solver_result r;
-    CHECK_INT(lw_method_run(lw_method_find("lbfgs"), &fn, &o, x, &r), LW_OK);
+    CHECK_INT(lw_method_run(lw_solver_find("lbfgs"), &fn, &o, x, &r), LW_OK);
     CHECK_NEAR(r.f, best, 1e-9, 0);
     CHECK(r.f >= best - 10*LW_FEASIBLE);     /* the multiplier is about 1.4 */
 }
@@ -120,7 +120,7 @@ static void says_that_nothing_is_feasible(void)
     fn.m = 2;
     double x = 0.25;
     lw_solver_result r;
-    CHECK_INT(lw_method_run(lw_method_find("lbfgs"), &fn, &o, &x, &r), LW_NOTHING);
+    CHECK_INT(lw_method_run(lw_solver_find("lbfgs"), &fn, &o, &x, &r), LW_NOTHING);
     CHECK_INT(r.stop, LW_STOP_FAILED);
     CHECK(isinf(r.f) && x == 0.25);
 }

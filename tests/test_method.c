@@ -21,12 +21,12 @@ static void table_is_whole(void)
 {
     size_t n = 0;
     for (size_t i = 0; i < N_LEVEL; i++) {
-        const lw_method *m = lw_method_find(level[i].name);
+        const lw_solver *m = lw_solver_find(level[i].name);
         CHECK(m != NULL);
         n += m != NULL;
     }
     CHECK_INT(n, N_LEVEL);
-    CHECK(lw_method_find("simplex") == NULL);
+    CHECK(lw_solver_find("simplex") == NULL);
     for (int s = LW_STOP_F_TOL; s <= LW_STOP_FAILED; s++)
         for (int t = s + 1; t <= LW_STOP_FAILED + 1; t++)
             CHECK(strcmp(lw_stop_text((lw_stop)s), lw_stop_text((lw_stop)t)) != 0);
@@ -43,7 +43,7 @@ static void reaches_its_level_under_a_condition(void)
         for (int k = 0; k < 3; k++) {
             double x[3] = { start[k][0], start[k][1], start[k][2] }, g;
             lw_solver_result r;
-            lw_status s = lw_method_run(lw_method_find(level[i].name), &fn, &o, x, &r);
+            lw_status s = lw_method_run(lw_solver_find(level[i].name), &fn, &o, x, &r);
             CHECK(s == LW_OK || s == LW_STOPPED);
             CHECK_NEAR(r.f, hs65_value(NULL, x, NULL), 0, 0);
             hs65_conditions(NULL, x, &g, NULL);
@@ -65,7 +65,7 @@ static void reaches_its_level_without(void)
     for (size_t i = 0; i < N_LEVEL; i++) {
         double x[2] = { -1.2, 1 };
         lw_solver_result r;
-        CHECK(lw_method_run(lw_method_find(level[i].name), &fn, &o, x, &r) >= 0);
+        CHECK(lw_method_run(lw_solver_find(level[i].name), &fn, &o, x, &r) >= 0);
         if (!(r.f < level[i].valley))
             fprintf(stderr, "%s: f = %g\n", level[i].name, r.f);
         CHECK(r.f < level[i].valley);
@@ -87,7 +87,7 @@ static void reaches_an_optimum_on_a_bound(void)
     for (int i = 0; i < 7; i++) {
         double x[2] = { -1.2, 0.1 };
         lw_solver_result r;
-        CHECK(lw_method_run(lw_method_find(local[i]), &fn, &o, x, &r) >= 0);
+        CHECK(lw_method_run(lw_solver_find(local[i]), &fn, &o, x, &r) >= 0);
         if (!(r.f - best < 1e-9))
             fprintf(stderr, "%s: f - f* = %g\n", local[i], r.f - best);
         CHECK_NEAR(r.f, best, 1e-9, 0);
@@ -103,9 +103,9 @@ static void keeps_what_is_fixed(void)
     for (size_t i = 0; i < N_LEVEL; i++) {
         double x[2] = { -1.2, 0.25 };
         lw_solver_result r;
-        lw_status s = lw_method_run(lw_method_find(level[i].name), &fn, &o, x, &r);
+        lw_status s = lw_method_run(lw_solver_find(level[i].name), &fn, &o, x, &r);
         CHECK(s >= 0 && x[1] == 0.25 && r.f <= valley_value(NULL, (double[]){ -1.2, 0.25 }, NULL));
-        CHECK(lw_method_run(lw_method_find(level[i].name), &stuck, &o, x, &r) == LW_OK);
+        CHECK(lw_method_run(lw_solver_find(level[i].name), &stuck, &o, x, &r) == LW_OK);
         CHECK(x[0] == -2 && x[1] == 0.25 && r.evals == 1);
     }
 }
@@ -139,9 +139,9 @@ static void survives_undefined_values(void)
     for (size_t i = 0; i < N_LEVEL; i++) {
         double x[2] = { -1.2, 1 }, y[2] = { -1.9, 0 };
         lw_solver_result r;
-        CHECK(lw_method_run(lw_method_find(level[i].name), &fn, &o, x, &r) >= 0);
+        CHECK(lw_method_run(lw_solver_find(level[i].name), &fn, &o, x, &r) >= 0);
         CHECK(isfinite(r.f) && r.f <= 24.2 && r.evals <= 3000);
-        lw_status s = lw_method_run(lw_method_find(level[i].name), &fn, &o, y, &r);
+        lw_status s = lw_method_run(lw_solver_find(level[i].name), &fn, &o, y, &r);
         CHECK(s >= 0 && (s == LW_NOTHING) == !isfinite(r.f));
     }
 }
@@ -156,7 +156,7 @@ static void *solve(void *data)
     o.seed = a->seed;
     o.max_evals = 2000;
     a->x[0] = -4.5, a->x[1] = 4.5, a->x[2] = 0;
-    lw_method_run(lw_method_find(a->name), &fn, &o, a->x, &a->r);
+    lw_method_run(lw_solver_find(a->name), &fn, &o, a->x, &a->r);
     return NULL;
 }
 

@@ -38,7 +38,10 @@ static lw_stop liar(lw_barrier_stage *s, const double *x)
 
 static void trusts_no_method(void)
 {
-    const lw_method rows[2] = { { "liar", false, true, liar }, { "liar", true, false, liar } };
+    const lw_solver rows[2] = {
+        { .name = "liar", .takes_constraints = true, .minimise = liar },
+        { .name = "liar", .global = true, .minimise = liar },
+    };
     lw_function fn = hs65();
     lw_solver_options o = options();
     for (int i = 0; i < 2; i++) {
@@ -62,7 +65,7 @@ static lw_stop outsider(lw_barrier_stage *s, const double *x)
 
 static void moves_the_nearly_feasible_inside(void)
 {
-    const lw_method row = { "outsider", false, true, outsider };
+    const lw_solver row = { .name = "outsider", .takes_constraints = true, .minimise = outsider };
     lw_function fn = hs65();
     lw_solver_options o = options();
     for (long limit = 2; limit < 5; limit++) {
@@ -112,7 +115,7 @@ static void tells_and_stops(void)
         o.max_evals = i == 0 ? 17 : 10000;
         o.f_target = i == 1 ? 1e-3 : -1;
         o.max_seconds = i == 3 ? 1e-9 : 0;
-        CHECK_INT(lw_method_run(lw_method_find("lbfgs"), &fn, &o, x, &r),
+        CHECK_INT(lw_method_run(lw_solver_find("lbfgs"), &fn, &o, x, &r),
                   i == 3 ? LW_NOTHING : row[i].status);           /* no time for a single value */
         CHECK_INT(r.stop, row[i].stop);
         CHECK(r.evals <= o.max_evals);
@@ -127,7 +130,7 @@ static void refuses_bad_options(void)
 {
     const double lo[2] = { -2, -2 }, hi[2] = { 2, 2 };
     lw_function fn = valley(lo, hi);
-    const lw_method *m = lw_method_find("slsqp");
+    const lw_solver *m = lw_solver_find("slsqp");
     lw_solver_result r;
     double x[2] = { 0, 0 }, nan[2] = { 0, NAN };
     lw_solver_options o;

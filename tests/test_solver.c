@@ -121,7 +121,7 @@ static void traces_what_a_four_bar_traced(void)
             lw_solver_result r;
             void *work = new_work(&p);
             double before = lw_problem_value(&p, x, NULL, work);
-            lw_status status = s->run(&p, &o, x, &r);
+            lw_status status = s->run(s, &p, &o, x, &r);
             CHECK(status == LW_OK || status == LW_STOPPED);
             if (!(r.f < want))
                 fprintf(stderr, "%s: f = %g\n", s->name, r.f);
@@ -156,7 +156,7 @@ static double run_exact(size_t i, const lw_problem *p, double by, const double *
     lw_solver_result r;
     memcpy(x, x0, LW_VAR_MAX*sizeof *x);
     perturb(p, by, i, x);
-    lw_status status = s->run(p, &o, x, &r);
+    lw_status status = s->run(s, p, &o, x, &r);
     CHECK(status == LW_OK || status == LW_STOPPED);
     check_result(p, s, x, &r, o.max_evals);
     return r.f;
@@ -207,7 +207,7 @@ static void run_job(void *context, size_t job, int thread)
     o.max_evals = 1500;
     memcpy(b->out[job], b->x, sizeof b->out[job]);
     perturb(b->p, 0.02, 77, b->out[job]);
-    lw_solver_table[job%N_LEVEL].run(b->p, &o, b->out[job], &r);
+    lw_solver_table[job%N_LEVEL].run(&lw_solver_table[job%N_LEVEL], b->p, &o, b->out[job], &r);
     b->f[job] = r.f;
 }
 
@@ -243,7 +243,7 @@ static void obey_their_limits(void)
             lw_solver_result r;
             o.interrupt = &interrupt;
             o.max_evals = limit[k < 5 ? k : 4];
-            lw_status status = s->run(&p, &o, x, &r);
+            lw_status status = s->run(s, &p, &o, x, &r);
             CHECK(r.evals <= o.max_evals);
             if (k == 5) {
                 CHECK(status == LW_NOTHING && r.stop == LW_STOP_USER && r.evals == 0);

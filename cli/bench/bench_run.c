@@ -204,7 +204,7 @@ static void call_solver(const lw_solver *solver, const lw_problem *p, double sec
     lw_solver_result result;
     lw_solver_options o = solver_options(r, seconds, evals);
     r->scale = p->scale;
-    solver->run(p, &o, x, &result);
+    solver->run(solver, p, &o, x, &result);
     r->before += result.evals;
 }
 

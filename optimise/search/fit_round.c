@@ -109,7 +109,7 @@ static void run_solver(const lw_search *s, const lw_solver *solver, const lw_pro
     o.max_evals = evals;
     o.interrupt = s->o->interrupt;
     o.max_seconds = until > 0 ? fmax(1e-3, until - lw_clock_wall()) : 0;
-    lw_status st = solver->run(p, &o, c->x, &r);
+    lw_status st = solver->run(solver, p, &o, c->x, &r);
     c->f = st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
     c->evals += r.evals;
     c->stop = r.stop;

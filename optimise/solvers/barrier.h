@@ -24,9 +24,6 @@ typedef struct lw_barrier_stage {
     double     best, x[LW_VAR_MAX];      /* least F inside, and its point; INFINITY: none         */
 } lw_barrier_stage;
 
-/* A method lowers F of a stage from x, which it may change. The stage keeps the best point. */
-typedef lw_stop lw_minimise(lw_barrier_stage *stage, const double *x);
-
 /* F(x) and its gradient (may be NULL) for any k >= 0. INFINITY where some g <= 0 (if k > 0), where f is not defined,
  * and after a stop. */
 double lw_barrier_value(lw_record *r, double k, const double *x, double *grad);

@@ -306,7 +306,7 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
     so.max_evals = p->family->linkage || p->n_zone > 0 ? fmin(o->max_steps, 200) : 4L*o->max_steps;
     so.interrupt = o->interrupt;
     so.max_seconds = o->until > 0 ? fmax(1e-3, o->until - lw_clock_wall()) : 0;
-    lw_status st = lw_method_solve(lw_method_find("slsqp"), p, &so, x, &r);
+    lw_status st = lw_method_solve(lw_solver_find("slsqp"), p, &so, x, &r);
     *evals += r.evals;
     *stop = r.stop;
     return st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
@@ -323,9 +323,10 @@ static void pass_on(void *context, long evals, double f)
         r->o->improved(r->o->context, evals, lw_clock_wall() - r->start, f);
 }
 
-lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
+lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
                     lw_solver_result *r)
 {
+    (void)self;
     report told = { o, lw_clock_wall() };
     lw_lm_options lm = { .max_steps = (int)fmin(o->max_evals, 1e9), .f_tol = fmax(o->f_tol, 1e-15),
                          .f_stop = o->f_target, .reassign = true, .interrupt = o->interrupt,

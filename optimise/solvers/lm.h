@@ -38,7 +38,7 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
 bool lw_lm_feasible(const lw_problem *p, double *x);
 
 /* Run the row `lm` of the solver table. */
-lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
+lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
                     lw_solver_result *r);
 
 #endif

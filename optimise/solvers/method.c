@@ -31,20 +31,6 @@ const char *lw_stop_text(lw_stop s)
     return "unknown reason";
 }
 
-static const lw_method methods[] = {
-#define X(id, name, box, takes_g, takes_gradient, method, source) { name, box, takes_g, method },
-    LW_METHOD_LIST(X)
-#undef X
-};
-
-const lw_method *lw_method_find(const char *name)
-{
-    for (size_t i = 0; i < sizeof methods/sizeof *methods; i++)
-        if (strcmp(methods[i].name, name) == 0)
-            return &methods[i];
-    return NULL;
-}
-
 static bool nothing_to_vary(const lw_function *fn)
 {
     for (size_t i = 0; i < fn->n; i++)
@@ -53,7 +39,7 @@ static bool nothing_to_vary(const lw_function *fn)
     return true;
 }
 
-static lw_stop run_method(const lw_method *m, lw_record *r, double *x)
+static lw_stop run_method(const lw_solver *m, lw_record *r, double *x)
 {
     bool own_way = m->takes_constraints || r->fn->m == 0;
     lw_record_value(r, x, NULL);
@@ -72,7 +58,7 @@ static lw_status outcome(lw_stop why)
     return why == LW_STOP_EVALS || why == LW_STOP_TIME || why == LW_STOP_USER ? LW_STOPPED : LW_OK;
 }
 
-lw_status lw_method_run(const lw_method *m, const lw_function *fn, const lw_solver_options *o,
+lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solver_options *o,
                         double *x, lw_solver_result *result)
 {
     lw_record r;
@@ -145,7 +131,7 @@ static void search_box(const lw_problem *p, const double *x, double *lo, double 
     }
 }
 
-lw_status lw_method_solve(const lw_method *m, const lw_problem *p, const lw_solver_options *o, double *x,
+lw_status lw_method_solve(const lw_solver *m, const lw_problem *p, const lw_solver_options *o, double *x,
                           lw_solver_result *result)
 {
     double lo[LW_VAR_MAX], hi[LW_VAR_MAX];

@@ -6,6 +6,8 @@
 
 #include "optimise/problem/problem.h"
 
+struct lw_barrier_stage;
+
 typedef enum lw_stop {
     LW_STOP_F_TOL,       /* the objective no longer falls                  */
     LW_STOP_X_TOL,       /* the variables no longer move                   */
@@ -42,6 +44,9 @@ typedef struct lw_solver_result {
     lw_stop stop;
 } lw_solver_result;
 
+/* A method lowers F of a stage (barrier.h) from x, which it may change. The stage keeps the best point. */
+typedef lw_stop lw_minimise(struct lw_barrier_stage *stage, const double *x);
+
 typedef struct lw_solver {
     const char *name;            /* "slsqp": what --solver takes                                  */
     const char *source;          /* "Kraft 1994, NLopt"                                           */
@@ -50,8 +55,9 @@ typedef struct lw_solver {
     bool        takes_gradient;
     /* Improve x (n_var) in place. LW_OK; LW_STOPPED: by evaluations, time or user; LW_NOTHING: no feasible point was
      * seen. LW_NOTHING and errors (< 0) leave x unchanged. Thread-safe. */
-    lw_status (*run)(const lw_problem *p, const lw_solver_options *o, double *x,
+    lw_status (*run)(const struct lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,
                      lw_solver_result *r);
+    lw_minimise *minimise;       /* the method, if run is lw_method_solve; else NULL              */
 } lw_solver;
 
 extern const lw_solver lw_solver_table[];          /* ends with name == NULL; [0] is the default   */

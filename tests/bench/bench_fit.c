@@ -103,7 +103,7 @@ static double fit(const bench *b, const lw_solver *solver, int k, double *x, lon
     lw_solver_result r;
     o.max_evals = 10*STEPS;
     o.f_tol = o.x_tol = 1e-10;
-    solver->run(p, &o, x, &r);
+    solver->run(solver, p, &o, x, &r);
     *evals += r.evals;
     *stop = r.stop;
     return r.f;
