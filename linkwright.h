@@ -94,6 +94,50 @@ LW_API void lw_free(void *text);
  * there is none).  false: stop; the call then returns LW_STOPPED and keeps what it has. */
 typedef bool lw_progress(void *context, double done, double seconds, double best);
 
+/* ---- motion of one axis ----------------------------------------------------------------------------------------- */
+
+/* Position [m] or [rad], or in any other unit; speed and acceleration by s. */
+typedef struct lw_axis_state { double x, v, a; } lw_axis_state;
+
+/* Least (negative) and greatest of each; infinite where there is no limit, but acceleration or jerk must be finite in
+ * both directions. */
+typedef struct lw_axis_limits { double v[2], a[2], j[2]; } lw_axis_limits;
+
+#define LW_PROFILE_PHASES_MAX 14
+
+/* Phases of constant jerk, one after the other. */
+typedef struct lw_profile {
+    int           n;
+    double        duration;                              /* [s]                                             */
+    double        t[LW_PROFILE_PHASES_MAX + 1];          /* start of each phase; t[n] is the end            */
+    lw_axis_state at[LW_PROFILE_PHASES_MAX];             /* there                                           */
+    double        jerk[LW_PROFILE_PHASES_MAX];
+} lw_profile;
+
+/* The motion between two states in least time, no shorter than `least` (0: the least there is).  With infinite jerk
+ * the accelerations of both states do not count.  LW_E_ARG with a text: limits that are no limits, or a state that no
+ * motion within the limits can start from or end in. */
+LW_API lw_status lw_profile_make(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double least,
+                                 lw_profile *out, lw_error *error);
+
+/* The motion that takes just `duration`.  LW_NOTHING: none does; *next, may be NULL: the next duration that is
+ * possible. */
+LW_API lw_status lw_profile_make_timed(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits,
+                                       double duration, lw_profile *out, double *next, lw_error *error);
+
+/* Several axes (n) that start and end together, each within its limits.  in_phase: along a straight line in space;
+ * LW_NOTHING when states and way do not lie along one. */
+LW_API lw_status lw_profile_make_axes(int n, const lw_axis_state *from, const lw_axis_state *to,
+                                      const lw_axis_limits *limits, double least, bool in_phase, lw_profile *out,
+                                      lw_error *error);
+
+/* State and jerk (may be NULL) at t; at the border of two phases the jerk is that of the later one.  Outside the
+ * motion it goes on with the speed at its start or end. */
+LW_API lw_axis_state lw_profile_at(const lw_profile *profile, double t, double *jerk);
+
+/* Least and greatest speed, acceleration and jerk over the whole motion, exact. */
+LW_API lw_axis_limits lw_profile_extremes(const lw_profile *profile);
+
 /* ---- topologies: chains and mechanisms ----------------------------------------------------------------------- */
 
 typedef struct lw_chain lw_chain;              /* links and joints, nothing fixed                              */

@@ -8,6 +8,7 @@
 
 #define LETTER   12.0           /* size of the letters [px] */
 #define TICK_MAX 64
+#define TICKS_APART 70.0      /* about [px] */
 #define ROW      18.0           /* height of a row of the legend [px] */
 
 typedef struct lw_axis {
@@ -21,6 +22,7 @@ typedef struct lw_axis {
 typedef struct lw_chart {
     const lw_plot *p;
     lw_drawing *d;
+    double  top, height;            /* its part of the page [px]                                   */
     lw_axis x, y;
 } lw_chart;
 
@@ -152,7 +154,7 @@ static void draw_axes(lw_chart *c)
     if (c->p->y_label)
         text(c, LW_ROLE_AXIS, c->p->y_label, 20, middle, 0.5)->turn = -LW_PI/2;
     if (c->p->title) {
-        s = lw_drawing_text(c->d, LW_ROLE_TITLE, c->p->title, lw_v2(x->from, 24), 16, 0);
+        s = lw_drawing_text(c->d, LW_ROLE_TITLE, c->p->title, lw_v2(x->from, c->top + 24), 16, 0);
         s->bold = true;
     }
 }
@@ -239,12 +241,14 @@ static double legend_width(const lw_plot *p)
     double w = 0;
     for (int i = 0; i < p->n_series; i++)
         w = fmax(w, lw_text_width(p->series[i].name, LETTER));
-    return w + 50;
+    return w > 0 ? w + 50 : 14;
 }
 
 static void draw_legend(lw_chart *c)
 {
     for (int i = 0; i < c->p->n_series; i++) {
+        if (!*c->p->series[i].name)
+            continue;
         double x = c->x.to + 14, y = c->y.to + 8 + ROW*i;
         lw_vec2 sample[2] = { { x, y }, { x + 22, y } };
         if (c->p->series[i].style != LW_SERIES_POINTS)
@@ -278,15 +282,20 @@ static void make_equal(lw_axis *x, lw_axis *y)
     even_ticks(a, fmax(fabs(a->to - a->from)/70, 1));
 }
 
-static void draw_chart(lw_chart *c)
+/* The part of the y axis, and how much room its numbers and label need on the left [px]. */
+static double settle_y(lw_chart *c)
 {
-    const double apart = 70;                                    /* distance of ticks, about [px] */
-    c->y.to = c->p->title ? 40 : 16;
-    c->y.from = c->d->height - (c->p->x_label ? 50 : 30);
-    settle(&c->y, fmax((c->y.from - c->y.to)/apart, 1));
-    c->x.from = (c->p->y_label ? 38 : 14) + tick_width(&c->y);
-    c->x.to = c->d->width - 8 - fmin(legend_width(c->p), 0.4*c->d->width);
-    settle(&c->x, fmax((c->x.to - c->x.from)/apart, 1));
+    c->y.to = c->top + (c->p->title ? 40 : 16);
+    c->y.from = c->top + c->height - (c->p->x_label ? 50 : 30);
+    settle(&c->y, fmax((c->y.from - c->y.to)/fmin(TICKS_APART, c->height/6), 1));
+    return (c->p->y_label ? 38 : 14) + tick_width(&c->y);
+}
+
+static void draw_chart(lw_chart *c, double left, double right)
+{
+    c->x.from = left;
+    c->x.to = c->d->width - 8 - right;
+    settle(&c->x, fmax((c->x.to - c->x.from)/TICKS_APART, 1));
     if (c->p->equal)
         make_equal(&c->x, &c->y);
     draw_axes(c);
@@ -296,24 +305,41 @@ static void draw_chart(lw_chart *c)
     draw_legend(c);
 }
 
-lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e)
+lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e)
 {
-    *d = (lw_drawing){ .width = p->width > 0 ? p->width : 800, .height = p->height > 0 ? p->height : 560 };
+    *d = (lw_drawing){ .width = p->width > 0 ? p->width : 800, .height = p->height > 0 ? p->height : n > 1 ? 220*n
+                       : 560 };
     if (!(d->width >= 64 && d->width <= 8192 && d->height >= 64 && d->height <= 8192))
         return lw_error_set(e, LW_E_ARG, "a plot of %g by %g px: sizes are 64 to 8192", d->width, d->height);
-    if (p->n_series < 0 || p->n_series > LW_SERIES_MAX || p->n_level < 0 || p->n_level > LW_LEVEL_MAX)
-        return lw_error_set(e, LW_E_ARG, "%d series and %d levels: a plot takes up to %d and %d",
-                            p->n_series, p->n_level, LW_SERIES_MAX, LW_LEVEL_MAX);
-    lw_chart c = { .p = p, .d = d };
+    if (n < 1 || n > LW_PANEL_MAX)
+        return lw_error_set(e, LW_E_ARG, "%d plots on one page: 1 to %d go", n, LW_PANEL_MAX);
+    for (int i = 0; i < n; i++)
+        if (p[i].n_series < 0 || p[i].n_series > LW_SERIES_MAX || p[i].n_level < 0 || p[i].n_level > LW_LEVEL_MAX)
+            return lw_error_set(e, LW_E_ARG, "%d series and %d levels: a plot takes up to %d and %d",
+                                p[i].n_series, p[i].n_level, LW_SERIES_MAX, LW_LEVEL_MAX);
+    lw_chart chart[LW_PANEL_MAX];
+    bool any[LW_PANEL_MAX], some = false;
+    double left = 0, right = 0;
     lw_vec2 page[4] = { { 0, 0 }, { d->width, 0 }, { d->width, d->height }, { 0, d->height } };
     lw_text_clean(d->title, sizeof d->title, p->title ? p->title : "Plot");
     snprintf(d->about, sizeof d->about, "%d series", p->n_series);
     lw_drawing_path(d, LW_ROLE_PAPER, page, 4, true)->fill = LW_INK_PAPER;
-    bool any = find_ranges(&c);
-    if (any)
-        draw_chart(&c);
-    else
-        text(&c, LW_ROLE_NOTE, "no point to show", d->width/2, d->height/2, 0.5);
+    for (int i = 0; i < n; i++) {                              /* all in one width */
+        chart[i] = (lw_chart){ .p = &p[i], .d = d, .top = d->height*i/n, .height = d->height/n };
+        any[i] = find_ranges(&chart[i]);
+        some = some || any[i];
+        if (any[i]) {
+            left = fmax(left, settle_y(&chart[i]));
+            right = fmax(right, fmin(legend_width(&p[i]), 0.4*d->width));
+        }
+    }
+    for (int i = 0; i < n; i++)
+        if (any[i])
+            draw_chart(&chart[i], left, right);
+        else
+            text(&chart[i], LW_ROLE_NOTE, "no point to show", d->width/2, chart[i].top + chart[i].height/2, 0.5);
     lw_status st = lw_drawing_end(d, e);
-    return st == LW_OK && !any ? LW_NOTHING : st;
+    return st == LW_OK && !some ? LW_NOTHING : st;
 }
+
+lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e) { return lw_plot_draw_stack(1, p, d, e); }

@@ -6,12 +6,13 @@
 
 #define LW_SERIES_MAX 32
 #define LW_LEVEL_MAX   8
+#define LW_PANEL_MAX  12
 
 /* LINE joins the points, STEPS holds y until the next x (best so far), POINTS shows markers only. */
 typedef enum lw_series_style { LW_SERIES_LINE, LW_SERIES_STEPS, LW_SERIES_POINTS } lw_series_style;
 
 typedef struct lw_series {
-    const char   *name;           /* in the legend                                                  */
+    const char   *name;           /* in the legend; "": not there                                      */
     size_t        n;
     const double *x, *y;          /* points that are not finite, or not positive on a log axis, are left out */
     lw_series_style style;
@@ -32,5 +33,9 @@ typedef struct lw_plot {
 /* Write the result with svg.h or picture.h.  LW_E_ARG: too many series, sizes outside 64 .. 8192;
  * LW_NOTHING: there is no point to show (the drawing says so). */
 lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e);
+
+/* n plots, one above the other, their x axes in one place: one for each unit.  The first says the size of the page,
+ * 0: 220 px each. */
+lw_status lw_plot_draw_stack(int n, const lw_plot *p, lw_drawing *d, lw_error *e);
 
 #endif

@@ -86,14 +86,14 @@ lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, i
     return st;
 }
 
-lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e)
+lw_status lw_draw_plots(int n, const lw_plot *p, const char *path, lw_error *e)
 {
     lw_draw_kind kind = LW_DRAW_SVG;
     lw_drawing d;
     lw_bytes b = { 0 };
     lw_status st = lw_draw_kind_of(path, &kind, e);
     if (st == LW_OK)
-        st = lw_plot_draw(p, &d, e);
+        st = lw_plot_draw_stack(n, p, &d, e);
     if (st < 0)
         return st;
     st = lw_draw_still(&d, kind, &b, e);
@@ -103,3 +103,5 @@ lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e)
     lw_bytes_free(&b);
     return st;
 }
+
+lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e) { return lw_draw_plots(1, p, path, e); }

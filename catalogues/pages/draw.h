@@ -26,4 +26,7 @@ lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, l
 /* Write a plot as SVG, PNG or PDF, by the end of the file's name. */
 lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e);
 
+/* Several plots, one above the other (lw_plot_draw_stack). */
+lw_status lw_draw_plots(int n, const lw_plot *p, const char *path, lw_error *e);
+
 #endif

@@ -1,0 +1,76 @@
+/* test_cli_profile.c - `linkwright profile`: summary, table, plot and JSON; known durations and swings; wrong use. */
+#include "tests/cli_run.h"
+
+static double number(const char *command, const char *key)
+{
+    ran r = run(command);
+    CHECK_INT(r.code, 0);
+    const char *at = strstr(r.out, key);
+    double x = at ? strtod(at + strlen(key), NULL) : NAN;
+    ran_free(&r);
+    return x;
+}
+
+#define LIMITS " --acceleration-limit 20 --jerk-limit 400 "
+
+static void known_motions(void)
+{
+    CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3", "duration"), 0.533333333333, 1e-12, 0);
+    CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3 --from-state 1,0 --to-state 0.5,0", "duration"), 0.45625,
+               1e-12, 0);
+    CHECK_NEAR(number("$P profile -1" LIMITS "--speed-limit -3:1", "duration"), 0.533333333333, 1e-12, 0);
+    CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3 --swing 5", "swing"), 0.0446890, 5e-5,
+               0);    /* 44.689 mm */
+    CHECK(number("$P profile 1" LIMITS "--speed-limit 3 --swing 20", "swing") < 1e-12);
+    CHECK(number("$P profile 1" LIMITS "--speed-limit 3 --frequency 7", "swing") < 1e-12);
+    CHECK(number("$P profile 0.01" LIMITS "--frequency 33", "swing") < 1e-14);
+    CHECK_NEAR(number("$P profile 2 --law 345 --duration 4", "copper loss"), 17.1429, 1e-4, 0);
+    CHECK_NEAR(number("$P profile 1 --law step --acceleration-limit 6", "duration"), 1, 1e-12, 0);
+    /* three equal parts of the time: t_a = 2^(-2/3) (m s^2/P)^(1/3) */
+    CHECK_NEAR(number("$P profile 1 --power 100 --mass 2", "duration"), 3*pow(2, -2/3.0)*cbrt(0.02), 1e-11, 0);
+    CHECK_NEAR(number("$P profile 1" LIMITS "--duration 2", "duration"), 2, 1e-11, 0);
+}
+
+static void tables_and_pictures(void)
+{
+    ran r = run("$P profile 90 --law modified-sine --duration 0.5 -n 4 -p $D/m.svg");
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.out, "t,x,v,a,j\n0,0,0,0,");
+    CHECK_HAS(r.out, "\n0.25,45,");
+    CHECK_HAS(r.out, "\n0.5,90,");
+    ran_free(&r);
+    expect("grep -c 'speed .1/s' $D/m.svg", 0, "1", NULL);
+    r = run("$P profile 0.1 --from-state 2,0" LIMITS "--speed-limit 3 --json -n 10");
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.out, "\"duration\": 0.26021287");
+    CHECK_HAS(r.out, "\"phases\"");
+    CHECK_HAS(r.out, "\"rows\"");
+    ran_free(&r);
+}
+
+static void wrong_use(void)
+{
+    expect("$P profile 1" LIMITS "--speed-limit 3 --duration 0.3", 1, NULL,
+           "next duration that is possible is 0.533333333 s");
+    expect("$P profile 1 --speed-limit 3", 2, NULL, "neither acceleration nor jerk is limited");
+    expect("$P profile 1" LIMITS "--to-state 4,0 --speed-limit 3", 2, NULL,
+           "the last speed 4 is outside its limits -3 to 3");
+    expect("$P profile 1 --law cycloids --duration 1", 2, NULL, "did you mean cycloid");
+    expect("$P profile 1 --law havsin --jerk-limit 5 --duration 1", 2, NULL, "no limit of jerk can be kept");
+    expect("$P profile 1 --law cycloid --acceleration-limit 1 --duration 1", 1, NULL, "needs at least 2.50662827 s");
+    expect("$P profile 1 --law cycloid", 2, NULL, "needs --duration");
+    expect("$P profile 1 --speed-limit 3x" LIMITS, 2, NULL, "expected a positive number, or MIN:MAX");
+    expect("$P profile 1 --speed-limit 2:1" LIMITS, 2, NULL, "expected a positive number, or MIN:MAX");
+    expect("$P profile 1 --from-state 1" LIMITS, 2, NULL, "expected speed and acceleration");
+    expect("$P profile 1 --from-state 1,0 --frequency 5" LIMITS, 2, NULL, "from rest to rest");
+    expect("$P profile x" LIMITS, 2, NULL, "WAY");
+    expect("$P profile 1" LIMITS "-p $D/a.txt", 2, NULL, ".svg");
+}
+
+int main(void)
+{
+    RUN(known_motions);
+    RUN(tables_and_pictures);
+    RUN(wrong_use);
+    return check_end();
+}
