@@ -45,10 +45,10 @@ typedef struct lw_force {                /* on one link; the reaction goes to gr
     lw_expression *fx, *fy, *torque;     /* [N] [N m], each may be NULL                            */
 } lw_force;
 
-typedef struct lw_friction {             /* Coulomb, regularised: mu tanh(v/speed); of a joint     */
+typedef struct lw_friction {             /* Coulomb; of a joint                                    */
     double coefficient;                  /* 0: none                                                */
     double radius;                       /* of a pin [m]; torque mu radius |reaction|              */
-    double speed;                        /* v at which the friction reaches 76 % [m/s]              */
+    double speed;                        /* > 0: regularised, mu tanh(v/speed) [m/s]; 0: set-valued */
 } lw_friction;
 
 typedef struct lw_joint_stop {           /* of a joint's displacement from the posture             */

@@ -234,7 +234,7 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
         { "speed", 1, POSITIVE, &f->speed, NULL },
     };
     lw_json_node at;
-    f->speed = 0.001;
+    f->speed = 0;
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e)) == LW_OK &&

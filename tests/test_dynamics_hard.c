@@ -134,12 +134,14 @@ static void sliding(void)
         CHECK(d.report.energy_error < 10*slack[f]*d.report.energy_scale);
         lw_model_free(&d.model);
         drun_read_format(&d, incline, 1, 0);
+        d.model.friction[0].speed = 1e-3;
         CHECK_INT(drun_to(&d, f == 1 ? LW_FORMULATION_AUTO : all[f], 1e-10, 2, 20), LW_OK);
         CHECK_NEAR(d.tracer[20].x, (0.5 + LW_PI*LW_PI*1e-6/12)/2, slack[f == 1 ? 2 : f], 0);
         CHECK_NEAR(d.v[0], 0, 1e-6, 0);
         lw_model_free(&d.model);
     }
     drun_read_format(&d, incline, 1, -1);
+    d.model.friction[0].speed = 1e-3;
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 2, 20), LW_OK);
     CHECK_NEAR(d.v[0], -1e-3*atanh(0.5), 1e-8, 0);
     lw_model_free(&d.model);

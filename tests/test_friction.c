@@ -37,7 +37,7 @@ static void painleve(void)
     response.x = 0.5;
     CHECK_INT(lw_friction_sizes(1, &rest, &response, &press), LW_OK);
     CHECK_NEAR(press, 2, 1e-13, 0);
-    CHECK_NEAR(lw_friction_push(&(lw_friction_joint){ 0, 0.3, 1e-3, 0.02 }, 5), -0.006, 1e-15, 0);
+    CHECK_NEAR(lw_friction_push(&(lw_friction_joint){ .coefficient = 0.3, .speed = 1e-3, .lever_arm = 0.02 }, 5), -0.006, 1e-15, 0);
 }
 
 int main(void)

@@ -259,6 +259,8 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
             fprintf(s->f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are "
                     "left empty\n", s->report.without_forces, s->report.without_forces == 1 ? "" : "s",
                     s->report.without_forces_t);
+        if (s->report.smooth_friction)
+            fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", s->f);
         if (status != LW_OK)
             fprintf(s->f, "# incomplete: ended at t = %.12g s: %s\n", s->report.t, e->text);
         return;
@@ -276,6 +278,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
             cli_json_text(&s->j, NULL, s->model->linkage.joint[s->model->linkage.input[i].joint].name);
     cli_json_end(&s->j);
     cli_json_int(&s->j, "rows_without_forces", r->without_forces);
+    cli_json_bool(&s->j, "friction_creeps", r->smooth_friction);
     cli_json_int(&s->j, "steps", r->steps);
     cli_json_int(&s->j, "evaluations", r->rates);
     cli_json_int(&s->j, "redundant", r->redundant);
@@ -314,6 +317,9 @@ void cli_simulate_report(const cli_simulate *s)
     if (r->without_forces)
         cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
                  "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
+    if (r->smooth_friction)
+        cli_note(c, "friction without a \"speed\" sticks only in linkages of one freedom that are solved in closed form; here "
+                 "it is regularised by 0.001 m/s, and a joint at rest under load creeps");
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     if (r->moved_rate > 1e-9)

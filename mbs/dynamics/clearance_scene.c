@@ -58,7 +58,7 @@ static lw_status find_journals(const lw_model *m, lw_clearance_scene *c, lw_erro
         if (!(p->c->friction > 0.0) && m->friction[j].coefficient > 0.0) {
             p->own = *p->c;
             p->own.friction = m->friction[j].coefficient;
-            p->own.friction_speed = m->friction[j].speed;
+            p->own.friction_speed = lw_friction_joint_of(m, j).speed;
             p->c = &p->own;
         }
     }
@@ -98,7 +98,8 @@ static void find_friction(lw_clearance_scene *c, const bool *opened, bool *apart
         if (p->c->model != LW_CLEARANCE_ZERO || !(p->c->friction > 0.0))
             continue;
         c->friction_journal[c->n_friction] = i;
-        c->friction[c->n_friction++] = (lw_friction_joint){ p->joint, p->c->friction, p->c->friction_speed, p->pin };
+        c->friction[c->n_friction++] = (lw_friction_joint){ .joint = p->joint, .coefficient = p->c->friction,
+                                                                 .speed = p->c->friction_speed, .lever_arm = p->pin };
     }
 }
 

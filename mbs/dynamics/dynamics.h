@@ -24,7 +24,8 @@ typedef enum lw_analysis {
  *
  *     driven      positions by Newton's method; velocities, accelerations and reactions by one factorisation a moment
  *     quadrature  K(s) = K0 + int Q ds, t = int sqrt(M/2K) ds, by Chebyshev points panel by panel
- *     reduced     M(s) s'' + M'(s)/2 s'^2 = Q in the input s of the plan, explicit method of order 8
+ *     reduced     M(s) s'' + M'(s)/2 s'^2 = Q in the input s of the plan, explicit method of order 8; friction is
+ *                 set-valued
  *     index1      M a + J^T l = Q with J a = c solved in every evaluation, explicit method of order 8, the state put
  *                 back on the constraints after every step
  *     cvode       the same equations by an implicit method
@@ -32,9 +33,9 @@ typedef enum lw_analysis {
 #define LW_FORMULATION_LIST(X) \
     X(DRIVEN, driven, "every freedom is driven: kinematics, then forces") \
     X(QUADRATURE, quadrature, "one freedom, forces by the posture alone: time is an integral") \
-    X(REDUCED, reduced, "one freedom, no friction: one equation in the input") \
+    X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
-    X(CVODE, cvode, "the same by an implicit method, for friction and stiff dampers") \
+    X(CVODE, cvode, "the same by an implicit method, for smooth friction and stiff dampers") \
     X(GGL, ggl, "differential-algebraic equations of index 2, without rigid stops")
 
 typedef enum lw_formulation {
@@ -97,6 +98,7 @@ typedef struct lw_dynamics_report {
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
     int    n_event, n_event_seen;            /* events kept, and all */
     lw_run_event event[LW_REPORT_EVENT_MAX];
+    bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
     double t;                    /* time reached */
     long   samples;              /* handed out; intervals + 1 where the run succeeds */
     long   without_forces;       /* samples in singular postures in which some force has no limit, */

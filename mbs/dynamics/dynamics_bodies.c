@@ -235,7 +235,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
 
 lw_status lw_run_go_on(lw_run *run, const double *from)
 {
-    stepper w = { .run = run };
+    stepper w = { .run = run, .implicit = run->d->n_friction > 0 };
     size_t n = (size_t)run->n;
     double *y = calloc(2*n, sizeof *y), *old = run->y;
     if (!y)
@@ -243,6 +243,7 @@ lw_status lw_run_go_on(lw_run *run, const double *from)
     memcpy(y, from, n*sizeof *y);
     run->y = y + n;
     run->e->text[0] = '\0';
+    run->r->smooth_friction = run->d->ideal_friction;
     lw_status s = lw_run_project(run, run->r->t, y);
     if (s == LW_OK)
         s = run_steps(run, &w, run->r->t, y);

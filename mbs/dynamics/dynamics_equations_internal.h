@@ -40,6 +40,7 @@ struct lw_dynamics {
     int     n_friction;
     lw_friction_joint *friction;
     int    *friction_row;
+    bool    ideal_friction;                   /* in some joint */
     int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank */
     bool    has_zero_mass;
     /* rows of the fast way */

@@ -41,6 +41,7 @@ typedef struct quadrature {
     double *turns;                           /* of the bodies there (n_body) */
     int    n_rest;                           /* number of rests on the upper side of the coordinate */
     double first_rest;
+    lw_turn_count count;                     /* at s */
     double top[2];                           /* where it turned last, falling and rising; NaN: not yet */
     panel  p;
 } quadrature;
@@ -57,6 +58,7 @@ static lw_status evaluate(quadrature *z, double s, int i)
     if (st != LW_OK)
         return st;
     z->run->r->rates++;
+    lw_reduced_count_turns(z->r);
     p->mass[i] = 1/(ds*ds);
     p->force[i] = dp/ds;
     p->other[i] = power/ds;
@@ -69,6 +71,8 @@ static lw_status evaluate(quadrature *z, double s, int i)
 static lw_status fill(quadrature *z, double from, double step)
 {
     lw_status st = LW_OK;
+    if (z->r->counts_turns)
+        z->r->count = z->count;
     for (int i = 0; i < N && st == LW_OK; i++)
         st = evaluate(z, from + step*z->rule->at[i], i);
     z->p.ready = false;
@@ -355,6 +359,10 @@ static lw_status watch(quadrature *z, double *force)
     lw_status st = lw_reduced_rate(z->r, 0, z->s, 1, &ds, &dp, &power);
     if (st != LW_OK)
         return st;
+    if (z->r->counts_turns) {
+        lw_reduced_count_turns(z->r);
+        z->count = z->r->count;
+    }
     double change = lw_reduced_potential(z->r, z->s) - z->potential0, off = z->kinetic - z->kinetic0 + change - z->work;
     lw_dynamics_report *r = z->run->r;
     r->energy_error = fmax(r->energy_error, fabs(off));

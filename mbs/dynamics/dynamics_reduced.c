@@ -1,7 +1,12 @@
 /* mbs/dynamics/dynamics_reduced.c - a run in one coordinate.  Where the coordinate turns back (a dead point of the
- * input) the run goes on in the coordinates of all bodies. */
+ * input) the run goes on in the coordinates of all bodies.
+ *
+ * With friction the linkage slides one way, slides the other way or sticks.  It slides until p = 0; the side on which
+ * a joint's friction acts changes where the joint turns back.  Both are events.  It sticks as long as it would
+ * accelerate neither way, against its friction in that way. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +24,7 @@ typedef struct motion {
     lw_integrator *w;
     double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
     double *memory;                            /* of the integrator */
+    double next_reversal;                    /* of a joint with friction, in multiples of scale */
     const double *from;                      /* (n) bodies' coordinates before the last step */
 } motion;
 
@@ -113,6 +119,7 @@ static lw_status watch(motion *m, const lw_integrator *w, double *y)
     if (s != LW_OK)
         return s;
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    lw_reduced_count_turns(m->r);
     predict_turns(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
     return w->n_step % turns_every ? LW_OK : bodies_state(m, w->y, y);
 }
@@ -134,6 +141,186 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
     return s == LW_OK ? LW_OPEN : s;
 }
 
+/* ---- friction ------------------------------------------------------------------------------------ */
+
+/* Rest, and the next reversal of a joint. */
+static lw_status events(void *context, double t, const double *y, double *g)
+{
+    const motion *m = context;
+    double sense = m->r->friction->sense;
+    (void)t;
+    g[0] = sense*y[1];
+    g[1] = sense*(m->next_reversal - y[0]);
+    return LW_OK;
+}
+
+/* Tell the equations of the bodies which friction acts. */
+static void show_friction(const motion *m, bool held)
+{
+    const lw_reduced_friction *f = m->r->friction;
+    for (int i = 0; i < f->n; i++) {
+        m->run->d->friction[i].held = held;
+        m->run->d->friction[i].part = f->sense*f->side[i];
+    }
+}
+
+/* p' at rest for a sense of the friction. */
+static lw_status push_at_rest(motion *m, double t, double s, double sense, double *push)
+{
+    double ds, power;
+    m->r->friction->sense = sense;
+    return lw_reduced_rate(m->r, t, s*m->r->scale, 0, &ds, push, &power);
+}
+
+/* The sense in which a linkage at rest starts to move; 0: it sticks, with the part of the friction that acts in
+ * f->sense.  LW_OPEN: it could start either way. */
+static lw_status leave_rest(motion *m, double t, double s, double *sense)
+{
+    lw_reduced_friction *f = m->r->friction;
+    double x[2] = { -1, 1 }, push[2], now = 0;
+    int side = 0;
+    lw_status st = push_at_rest(m, t, s, 0, &now);
+    if (st == LW_OK)
+        st = lw_reduced_friction_sides(m->r, s*m->r->scale, now);
+    for (int k = 0; k < 2 && st == LW_OK; k++)
+        st = push_at_rest(m, t, s, x[k], &push[k]);
+    if (st == LW_OK && push[1] > 0 && push[0] < 0)
+        return LW_OPEN;
+    if (st != LW_OK)
+        return st;
+    *sense = f->sense = push[1] > 0 ? 1 : push[0] < 0 ? -1 : 0;
+    /* zero of the push in between, by the Illinois method */
+    for (int k = 0; *sense == 0 && st == LW_OK && k < 60 && push[0] > push[1]; k++) {
+        double at = x[0] + (x[1] - x[0])*push[0]/(push[0] - push[1]);
+        st = push_at_rest(m, t, s, at, &now);
+        if (now == 0 || at == x[0] || at == x[1])
+            break;
+        int to = now < 0;
+        x[to] = at, push[to] = now;
+        push[1 - to] *= k && side == to ? 0.5 : 1;
+        side = to;
+    }
+    return st;
+}
+
+/* The state at rest at t. */
+static lw_status state_at_rest(void *context, double t, double *y)
+{
+    motion *m = context;
+    double sense;
+    lw_status s = leave_rest(m, t, m->w->y[0], &sense);
+    show_friction(m, true);
+    return s == LW_OK ? bodies_state(m, m->w->y, y) : s;
+}
+
+/* Rates for the steps that look for the end of rest: their error control finds how fast the loads change. */
+static lw_status rest_rate(void *context, double t, const double *y, double *dy)
+{
+    motion *m = context;
+    (void)y;
+    lw_status s = lw_run_busy(m->run, t);
+    for (int k = 0; k < 2 && s == LW_OK; k++)
+        s = push_at_rest(m, t, m->w->y[0], k ? 1 : -1, &dy[k]);
+    return s;
+}
+
+static lw_status rest_events(void *context, double t, const double *y, double *g)
+{
+    lw_status s = rest_rate(context, t, y, g);
+    g[1] = -g[1];
+    return s;
+}
+
+/* Rest from w->t until the linkage starts to move in some sense, or to the end of the run; *end: when. */
+static lw_status rest_until(motion *m, double *end, double *sense)
+{
+    const lw_dynamics_options *o = &m->run->d->o;
+    lw_ode ode = { .n = 2, .context = m, .rate = rest_rate, .n_event = 2, .event = rest_events,
+                   .direction = { -1, -1 } };
+    lw_ode_options each = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double memory[128], start[2] = { 0, 0 }, push[2];
+    *end = o->to;
+    if (m->r->constant_loads)
+        return LW_OK;
+    lw_status s = rest_rate(m, m->w->t, NULL, push);
+    each.relative = 0;
+    each.absolute = fmax(o->relative, 1e-9)*fmax(fmax(fabs(push[0]), fabs(push[1])), 1e-300)*(o->to - o->from);
+    each.greatest = 0.01*(o->to - o->from);
+    if (s == LW_OK)
+        s = lw_integrate_start(&w, &ode, &each, memory, m->w->t, start, m->run->e);
+    while (s == LW_OK && stop == LW_ODE_STEP)
+        s = lw_integrate_step(&w, o->to, &stop, m->run->e);
+    if (s == LW_OK && stop == LW_ODE_EVENT) {
+        *end = w.t;
+        *sense = w.events & 1 ? -1 : 1;
+    }
+    return s;
+}
+
+/* At a moment at rest: go on in some way, if need be after resting for a while.  Where the push just exceeds the
+ * friction, rounding decides the sign of their difference, so that the event itself tells the sense. */
+static lw_status from_rest(motion *m)
+{
+    lw_integrator *w = m->w;
+    double sense, end;
+    lw_status s;
+    w->y[1] = 0;
+    s = leave_rest(m, w->t, w->y[0], &sense);
+    if (s == LW_OK && sense == 0) {
+        s = rest_until(m, &end, &sense);
+        if (s == LW_OK)
+            s = lw_run_samples(m->run, end, state_at_rest, m);
+        m->r->friction->sense = sense;
+        w->t = end;
+        w->t_low = 0;
+    }
+    m->run->r->t = w->t;
+    show_friction(m, true);
+    return s;
+}
+
+/* Begin to slide from y in the sense of the friction: sides of the joints, next event. */
+static lw_status slide(motion *m, const double *y)
+{
+    lw_reduced *r = m->r;
+    double next, s = y[0]*r->scale;
+    lw_status st = lw_reduced_friction_sides(r, s, r->friction->sense);
+    if (st == LW_OK)
+        st = lw_reduced_next_reversal(r, s, r->friction->sense, &next);
+    m->next_reversal = next/r->scale;
+    show_friction(m, true);
+    return st;
+}
+
+/* After a step that ended at an event, or at a start at rest. */
+static lw_status change_friction(motion *m, bool rests)
+{
+    lw_integrator *w = m->w;
+    double to = m->run->d->o.to;
+    lw_status s = rests ? from_rest(m) : LW_OK;
+    if (s == LW_OK && w->t < to)
+        s = slide(m, w->y);
+    w->events = 0;                           /* both functions are others now, and not near 0 */
+    if (s == LW_OK && w->t < to)
+        s = lw_integrate_restart(w, w->y, m->run->e);
+    return s;
+}
+
+static lw_status friction_at_start(motion *m, double t, const double *s)
+{
+    lw_reduced_friction *f = m->r->friction;
+    f->sense = s[1] < 0 ? -1 : 1;
+    if (s[1] != 0)
+        return slide(m, s);
+    double sense;
+    m->next_reversal = 0;
+    lw_status st = leave_rest(m, t, s[0], &sense);
+    show_friction(m, true);
+    return st;
+}
+
 /* ---- what repeats itself ------------------------------------------------------------------------- */
 
 /* Without losses and loads that depend on time, a motion that comes to rest goes back the same way and repeats
@@ -142,7 +329,7 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
 enum { MEASURED = 10 };
 static const double much_longer = 10;        /* periods left from which on this is worth while */
 
-typedef struct rests { int n; double t[2*MEASURED + 1], y[3]; } rests;
+typedef struct rests { int n; double t[2*MEASURED + 1], y[3]; lw_turn_count count; } rests;
 
 /* Find where the last step came to rest, p = 0, by bisection in the dense output. */
 static lw_status note_rest(rests *r, lw_integrator *w)
@@ -187,6 +374,7 @@ static lw_status reach(motion *m, lw_integrator *w, const rests *r, double phase
         run->r->steps += w->n_step, run->r->refused += w->n_refused, run->r->rates += w->n_rate;
         o.max_step = lw_run_steps_left(run);
         memcpy(y, base, (size_t)run->n*sizeof *y);
+        m->r->count = r->count;
         s = lw_integrate_start(w, w->ode, &o, m->memory, 0, r->y, run->e);
     }
     while (s == LW_OK && stop != LW_ODE_END && phase_time > w->t) {
@@ -256,10 +444,16 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
             s = lw_run_samples(run, w->t, state_at, m);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
+        if (s == LW_OK && stop == LW_ODE_EVENT) {
+            s = change_friction(m, w->events & 1);
+            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            longest = 0;
+        }
         if (s == LW_OK && !run->has_work)
             s = note_rest(&rest, w);
         double length = s == LW_OK ? period_of(&rest, d->o.relative) : 0;
         if (length > 0 && d->o.to - w->t > much_longer*length) {
+            rest.count = m->r->count;
             s = repeat(m, w, &rest, length, y, before);
             break;
         }
@@ -281,6 +475,11 @@ static lw_status run_one(motion *m, double *y)
     double s[3] = { 0 }, memory[512], *before = y + run->n;
     lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
                    .project = run->has_work ? NULL : hold_energy };
+    if (m->r->friction) {
+        ode.n_event = 2;
+        ode.event = events;
+        memset(ode.direction, -1, sizeof ode.direction);
+    }
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     o.relative = d->o.relative;
@@ -295,11 +494,16 @@ static lw_status run_one(motion *m, double *y)
     m->w = &w;
     m->from = before;
     s[0] /= m->r->scale;
-    st = lw_run_begin(run, y);
+    if (m->r->friction)
+        st = friction_at_start(m, d->o.from, s);
     if (st == LW_OK)
-        st = lw_integrate_work(ode.n, 0) > sizeof memory/sizeof *memory ? LW_E_ARG
-           : lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
-    return st == LW_OK ? run_steps(m, &w, y, before) : st;
+        st = lw_run_begin(run, y);
+    assert(lw_integrate_work(ode.n, ode.n_event) <= sizeof memory/sizeof *memory);
+    if (st == LW_OK)
+        st = lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
+    if (st == LW_OK && m->r->friction && s[1] == 0)
+        st = change_friction(m, true);
+    return st == LW_OK && w.t < d->o.to ? run_steps(m, &w, y, before) : st;
 }
 
 static lw_status run_reduced(lw_run *run)
@@ -310,7 +514,13 @@ static lw_status run_reduced(lw_run *run)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = y + 2*run->n;
     lw_status s = run_one(&m, y);
-    if (s == LW_E_NUMERIC || s == LW_OPEN)
+    if (m.r->friction)
+        show_friction(&m, false);
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && m.r->friction && m.r->friction->undetermined)
+        s = lw_error_set(run->e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
+                         "links (Painleve's paradox) at t = %.9g s: the linkage jams; lower the coefficient or give "
+                         "the joint compliance", run->d->model->linkage.joint[m.r->friction->joint[0]].name, run->r->t);
+    else if (s == LW_E_NUMERIC || s == LW_OPEN)
         s = lw_run_go_on(run, y);
     free(y);
     return s;

@@ -53,6 +53,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     if (d->large && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
         return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
                             "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->model->linkage.n_link);
+    for (int i = 0; i < d->n_friction; i++)
+        d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
     if (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0)
@@ -109,6 +111,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_stop;
     run.n = 2*d->n_q + run.has_work;
     run.pivot_tried = 1;
+    r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
+                         r->formulation != LW_FORMULATION_REDUCED;
     lw_status s = table[r->formulation]->run(&run);
     if (s == LW_OPEN && run.apart > 0 && run.apart < 1e-5)
         s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two motion curves come within %.1e of the size of the "

@@ -10,13 +10,15 @@ static const double singular = 1e-3;         /* a determinant below this: the re
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j)
 {
     const lw_friction *f = &m->friction[j];
-    return (lw_friction_joint){ j, f->coefficient, f->speed,
-                                lw_joint_turns(m->linkage.joint[j].kind) ? f->radius : 1 };
+    bool ideal = !(f->speed > 0);
+    return (lw_friction_joint){ .joint = j, .coefficient = f->coefficient, .ideal = ideal,
+                                .speed = ideal ? LW_FRICTION_SPEED : f->speed,
+                                .lever_arm = lw_joint_turns(m->linkage.joint[j].kind) ? f->radius : 1 };
 }
 
 double lw_friction_push(const lw_friction_joint *f, double rate)
 {
-    return -f->coefficient*f->lever_arm*tanh(f->lever_arm*rate/f->speed);
+    return -f->coefficient*f->lever_arm*(f->held ? f->part : tanh(f->lever_arm*rate/f->speed));
 }
 
 double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v,

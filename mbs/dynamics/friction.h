@@ -11,8 +11,18 @@
 
 #include "mbs/dynamics/forces.h"
 
-/* A joint with friction.  lever_arm: radius of the pin [m]; 1 for a joint that slides. */
-typedef struct lw_friction_joint { int joint; double coefficient, speed, lever_arm; } lw_friction_joint;
+/* A joint with friction.  lever_arm: radius of the pin [m]; 1 for a joint that slides.  ideal: the model wants
+ * set-valued friction; a formulation that knows it sets `held`, and `part`, the part of the friction that acts and its
+ * sense. */
+typedef struct lw_friction_joint {
+    int    joint;
+    double coefficient, speed, lever_arm;
+    bool   ideal, held;
+    double part;
+} lw_friction_joint;
+
+/* Where ideal friction is asked for and a formulation cannot do it, it is regularised by this speed [m/s]. */
+#define LW_FRICTION_SPEED 0.001
 
 /* The friction that a model gives joint j. */
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);

@@ -212,42 +212,125 @@ static double spring_law(const lw_expression *law, double length, double rate, d
     return lw_expression_value(law, v);
 }
 
-static double springs(const lw_reduced *r, double t, double ds, double *power)
+/* Add force f at a place, and a torque, to the loads of a body. */
+static void push(lw_reduced *r, int body, lw_vec2 at, lw_vec2 f, double torque)
+{
+    if (body < 0)
+        return;
+    lw_wrench *to = &r->load[body];
+    to->f = lw_v2_add(to->f, f);
+    to->m += lw_v2_cross(at, f) + torque;
+}
+
+static double springs(lw_reduced *r, double t, double ds, double *power)
 {
     double q = 0;
     for (int i = 0; i < r->model->n_spring; i++) {
         const lw_spring *p = &r->model->spring[i];
-        lw_reg1 a = lw_reduced_point(r->reg, r->end[i][0].origin, r->end[i][0].dir, r->end[i][0].arm);
-        lw_reg1 b = lw_reduced_point(r->reg, r->end[i][1].origin, r->end[i][1].dir, r->end[i][1].arm);
+        const lw_end_point *end = r->end[i];
+        lw_reg1 a = lw_reduced_point(r->reg, end[0].origin, end[0].dir, end[0].arm);
+        lw_reg1 b = lw_reduced_point(r->reg, end[1].origin, end[1].dir, end[1].arm);
         lw_vec2 d = lw_v2_sub(b.p, a.p);
         double l = sqrt(lw_v2_dot(d, d)), by = l > 0 ? lw_v2_dot(d, lw_v2_sub(b.d, a.d))/l : 0, loss = p->damping*by*ds;
         double pull = p->law ? spring_law(p->law, l, by*ds, t) : p->stiffness*(l - p->free) + loss;
         q -= pull*by;
         *power -= (p->law ? pull : loss)*by*ds;
+        if (r->friction && l > 0) {
+            push(r, end[0].body, a.p, lw_v2_scale(d, pull/l), 0);
+            push(r, end[1].body, b.p, lw_v2_scale(d, -pull/l), 0);
+        }
     }
     return q;
 }
 
-/* Springs, dampers and motors of the input joint. */
-static double at_input(const lw_reduced *r, double t, double s, double ds, double *power)
+/* Turn of a body since the posture, near the one that its rates predict. */
+static double turn_of(const lw_reduced *r, int body, double s)
 {
-    const lw_model *m = r->model;
-    double x = r->sense*(s - r->start), v = r->sense*ds, q = 0;
-    for (int i = 0; i < m->n_joint_spring; i++) {
-        const lw_joint_spring *p = &m->joint_spring[i];
-        double loss = p->law ? spring_law(p->law, x, v, t) : -p->damping*v;
-        q += loss - (p->law ? 0 : p->stiffness*(x - p->free));
-        *power += loss*v;
-    }
-    for (int i = 0; i < m->n_motor; i++) {
-        double torque = m->motor[i].stall*(1 - v/m->motor[i].free_speed);
-        q += torque;
-        *power += torque*v;
-    }
-    return r->sense*q;
+    if (body < 0)
+        return 0;
+    const lw_reg1 *u = &r->reg[r->centre[body].dir];
+    double near = r->count.turn[body] + 0.5*(r->count.rate[body] + u->d.x)*(s - r->count.at);
+    double turn = atan2(u->p.y, u->p.x) - r->dir0[r->dynamics->s.link[body]] - near;
+    return near + turn - 2*LW_PI*rint(turn/(2*LW_PI));
 }
 
-static double forces(const lw_reduced *r, double t, double ds, double *power)
+void lw_reduced_count_turns(lw_reduced *r)
+{
+    double s = r->known;
+    for (int b = 0; r->counts_turns && b < r->dynamics->s.n_body; b++) {
+        r->count.turn[b] = turn_of(r, b, s);
+        r->count.rate[b] = r->reg[r->centre[b].dir].d.x;
+    }
+    r->count.at = s;
+}
+
+double lw_reduced_joint_rate(const lw_reduced *r, int joint)
+{
+    const lw_reduced_joint *j = &r->joint[joint];
+    if (!j->slides)
+        return j->sign*(r->reg[j->dir[1]].d.x - r->reg[j->dir[0]].d.x);
+    const lw_end_point *p = j->point;
+    lw_reg1 a = lw_reduced_point(r->reg, p[0].origin, p[0].dir, p[0].arm);
+    lw_reg1 b = lw_reduced_point(r->reg, p[1].origin, p[1].dir, p[1].arm);
+    return j->sign*lw_v2_dot(lw_v2_sub(b.d, a.d), lw_v2_turn(j->along, r->reg[j->dir[0]].p));
+}
+
+double lw_reduced_joint_value(const lw_reduced *r, int joint, double s)
+{
+    const lw_reduced_joint *j = &r->joint[joint];
+    if (joint == r->linkage.input[0].joint)
+        return r->sense*(s - r->start);
+    if (!j->slides)
+        return j->sign*(turn_of(r, j->body[1], s) - turn_of(r, j->body[0], s));
+    const lw_end_point *p = j->point;
+    lw_reg1 a = lw_reduced_point(r->reg, p[0].origin, p[0].dir, p[0].arm);
+    lw_reg1 b = lw_reduced_point(r->reg, p[1].origin, p[1].dir, p[1].arm);
+    return j->sign*lw_v2_dot(lw_v2_sub(b.p, a.p), lw_v2_turn(j->along, r->reg[j->dir[0]].p));
+}
+
+/* Force along the measure of a joint to the loads of its links. */
+static void push_joint(lw_reduced *r, int joint, double force)
+{
+    const lw_reduced_joint *j = &r->joint[joint];
+    const lw_end_point *p = &j->point[1];
+    lw_vec2 at = { 0, 0 }, f = { 0, 0 };
+    double torque = j->slides ? 0 : j->sign*force;
+    if (j->slides) {
+        at = lw_reduced_point(r->reg, p->origin, p->dir, p->arm).p;
+        f = lw_v2_scale(lw_v2_turn(j->along, r->reg[j->dir[0]].p), j->sign*force);
+    }
+    push(r, j->body[1], at, f, torque);
+    push(r, j->body[0], at, lw_v2_scale(f, -1), -torque);
+}
+
+/* Springs, dampers and motors of joints. */
+static double at_joints(lw_reduced *r, double t, double s, double ds, double *power)
+{
+    const lw_model *m = r->model;
+    double q = 0;
+    for (int i = 0; i < m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &m->joint_spring[i];
+        double by = lw_reduced_joint_rate(r, p->joint), v = by*ds;
+        double x = p->law || p->stiffness != 0 ? lw_reduced_joint_value(r, p->joint, s) : 0;
+        double loss = p->law ? spring_law(p->law, x, v, t) : -p->damping*v;
+        double force = loss - (p->law ? 0 : p->stiffness*(x - p->free));
+        q += force*by;
+        *power += loss*v;
+        if (r->friction)
+            push_joint(r, p->joint, force);
+    }
+    for (int i = 0; i < m->n_motor; i++) {
+        double by = lw_reduced_joint_rate(r, m->motor[i].joint), v = by*ds;
+        double torque = m->motor[i].stall*(1 - v/m->motor[i].free_speed);
+        q += torque*by;
+        *power += torque*v;
+        if (r->friction)
+            push_joint(r, m->motor[i].joint, torque);
+    }
+    return q;
+}
+
+static double forces(lw_reduced *r, double t, double ds, double *power)
 {
     double q = 0;
     for (int i = 0; i < r->model->n_force; i++) {
@@ -256,12 +339,36 @@ static double forces(const lw_reduced *r, double t, double ds, double *power)
         if (at->origin < 0)
             continue;
         lw_vec2 f = lw_v2_unturn(lw_v2(at_time(p->fx, t), at_time(p->fy, t)), r->turn);
+        double torque = at_time(p->torque, t);
         lw_reg1 c = lw_reduced_point(r->reg, at->origin, at->dir, at->arm);
         if (p->follows)
             f = lw_v2_turn(f, lw_v2_unturn(r->reg[at->dir].p, lw_v2_polar(1, r->dir0[p->link])));
-        q += lw_v2_dot(f, c.d) + at_time(p->torque, t)*r->reg[at->dir].d.x;
+        q += lw_v2_dot(f, c.d) + torque*r->reg[at->dir].d.x;
+        if (r->friction)
+            push(r, at->body, c.p, f, torque);
     }
     *power += q*ds;
+    return q;
+}
+
+/* All loads, weight included, in the coordinates of the bodies. */
+static double general_loads(lw_reduced *r, double t, double s, double ds, double *power)
+{
+    const lw_dynamics *d = r->dynamics;
+    double q = 0;
+    for (int b = 0; b < d->s.n_body; b++)
+        r->q[3*b + 2] = turn_of(r, b, s);
+    lw_reduced_state(r, d, ds, r->q, r->v);
+    lw_forces_apply(&d->f, t, r->q, r->v, r->force, NULL, NULL, power);
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_end_point *p = &r->centre[b];
+        lw_reg1 c = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+        const double *from = r->force + 3*b;
+        lw_vec2 f = lw_v2_scale(lw_v2_unturn(lw_v2(from[0], from[1]), r->turn), 1/d->s.unit);
+        q += lw_v2_dot(f, c.d) + from[2]*r->reg[p->dir].d.x;
+        if (r->friction)
+            push(r, b, c.p, f, from[2]);
+    }
     return q;
 }
 
@@ -288,23 +395,51 @@ static inline double masses(const lw_reduced *r, double *weight)
     return mass;
 }
 
+/* The same where there is friction: keeps the centres, and begins the loads with the weights. */
+static double masses_each(lw_reduced *r, double *weight)
+{
+    const lw_dynamics *d = r->dynamics;
+    lw_vec2 g = lw_v2_unturn(r->model->gravity, r->turn);
+    double mass = 0, q = 0;
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_end_point *p = &r->centre[b];
+        const lw_body *body = &r->model->body[d->s.link[b]];
+        lw_reg1 c = r->at[b] = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+        double w = r->reg[p->dir].d.x;
+        lw_vec2 f = r->general ? lw_v2(0, 0) : lw_v2_scale(g, body->mass);
+        mass += body->mass*lw_v2_dot(c.d, c.d) + body->inertia*w*w;
+        q += lw_v2_dot(f, c.d);
+        r->load[b] = (lw_wrench){ f, lw_v2_cross(c.p, f) };
+    }
+    *weight = q;
+    return mass;
+}
+
 lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power)
 {
     double q, other = 0;
     lw_status st = lw_reduced_registers(r, s);
     if (st != LW_OK)
         return st;
-    double root = sqrt(masses(r, &q)), rate = p/root;
-    if (r->model->n_spring)
-        q += springs(r, t, rate, &other);
-    if (r->model->n_joint_spring || r->model->n_motor)
-        q += at_input(r, t, s, rate, &other);
-    if (r->model->n_force)
-        q += forces(r, t, rate, &other);
+    double mass = r->friction ? masses_each(r, &q) : masses(r, &q), root = sqrt(mass), rate = p/root;
+    if (r->general) {
+        q = general_loads(r, t, s, rate, &other);
+    } else {
+        if (r->model->n_spring)
+            q += springs(r, t, rate, &other);
+        if (r->model->n_joint_spring || r->model->n_motor)
+            q += at_joints(r, t, s, rate, &other);
+        if (r->model->n_force)
+            q += forces(r, t, rate, &other);
+    }
+    if (!isfinite(q) || !isfinite(rate))
+        return LW_E_NUMERIC;
+    if (r->friction && (st = lw_reduced_friction_add(r, rate, mass, &q, &other)) != LW_OK)
+        return st;
     *ds = rate;
     *dp = q/root;
     *power = other;
-    return isfinite(*dp) && isfinite(rate) ? LW_OK : LW_E_NUMERIC;
+    return isfinite(*dp) ? LW_OK : LW_E_NUMERIC;
 }
 
 lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass)
@@ -317,7 +452,7 @@ lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass)
 
 double lw_reduced_potential(const lw_reduced *r, double s)
 {
-    double energy = 0, x = r->sense*(s - r->start);
+    double energy = 0;
     for (int i = 0; i < r->n_mass; i++) {
         const lw_mass_point *p = &r->mass[i];
         energy -= lw_v2_dot(p->weight, lw_reduced_point(r->reg, p->origin, p->dir, p->arm).p);
@@ -331,7 +466,8 @@ double lw_reduced_potential(const lw_reduced *r, double s)
     }
     for (int i = 0; i < r->model->n_joint_spring; i++) {
         const lw_joint_spring *p = &r->model->joint_spring[i];
-        energy += p->law ? 0 : 0.5*p->stiffness*(x - p->free)*(x - p->free);
+        double x = p->law || p->stiffness == 0 ? 0 : lw_reduced_joint_value(r, p->joint, s) - p->free;
+        energy += p->law ? 0 : 0.5*p->stiffness*x*x;
     }
     return energy;
 }

@@ -44,7 +44,24 @@ typedef struct lw_change_point {
 
 /* A body with mass.  Bodies on ground pins come first; their inertia is about the pin. */
 typedef struct lw_mass_point { int origin, dir; lw_vec2 arm; double mass, inertia; lw_vec2 weight; } lw_mass_point;
-typedef struct lw_end_point { int origin, dir; lw_vec2 arm; } lw_end_point;      /* origin -1: on ground */
+typedef struct lw_end_point { int origin, dir, body; lw_vec2 arm; } lw_end_point;      /* origin, body -1: on ground */
+
+/* A joint between body[0] and body[1] (-1: ground).  dir: registers of their directions; point: its place on each;
+ * along: direction of a slide in the frame of body[0]; sign: of its measure (mbs/constraints/system.h). */
+typedef struct lw_reduced_joint {
+    bool   slides;
+    int    body[2], dir[2];
+    double sign;
+    lw_end_point point[2];
+    int    pin;                               /* register of a pin, where friction needs it; else -1 */
+    lw_vec2 along;
+} lw_reduced_joint;
+
+/* Force and moment about the origin of the ground frame. */
+typedef struct lw_wrench { lw_vec2 f; double m; } lw_wrench;
+
+/* Turns of the bodies since the posture and their rates by the input, where they were counted last: at input `at`. */
+typedef struct lw_turn_count { double at, turn[LW_LINK_MAX], rate[LW_LINK_MAX]; } lw_turn_count;
 
 struct lw_reduced {
     lw_linkage linkage;
@@ -63,6 +80,16 @@ struct lw_reduced {
     lw_end_point  end[LW_REDUCED_LOAD_MAX][2], point[LW_REDUCED_LOAD_MAX];
     double     dir0[LW_LINK_MAX];             /* angle of each body's link in the posture */
     const lw_model *model;
+    const lw_dynamics *dynamics;
+    /* Loads that depend on the whole state are found in the coordinates of the bodies. */
+    bool       general, counts_turns;         /* counts_turns: loads depend on whole turns of the links */
+    bool       constant_loads;                /* loads at rest do not depend on time */
+    double     *q, *v, *force;                /* (n_q) scratch */
+    lw_turn_count count;
+    lw_reduced_joint joint[LW_JOINT_MAX];     /* those of the linkage */
+    struct lw_reduced_friction *friction;     /* NULL: none */
+    lw_wrench  load[LW_LINK_MAX];             /* of the bodies, and their centres, where there is friction */
+    lw_reg1    at[LW_LINK_MAX];
     /* Change points: change[i] lies between pieces i and i + 1, which have their own modes.  period 0: none. */
     int        n_change;
     lw_change_point   change[LW_CHANGE_POINT_MAX];
@@ -95,6 +122,41 @@ bool lw_reduced_change_points(lw_reduced *r, double from);
 lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power);
 lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass);
 
+/* ---- reduced_friction.c: Coulomb friction ----------------------------------------------------------------
+ *
+ * Friction is set-valued: mu times the reaction against the motion, and at rest any force up to that.  Sliding has a
+ * sense, +1 or -1, that of s'.  A sense between them is the part of the friction that acts at rest. */
+
+typedef struct lw_reduced_group { int body[2], joint[3]; bool pins; } lw_reduced_group;    /* as lw_dyad, of bodies */
+
+/* Reversals: inputs at which the rate of a joint with friction changes its sign, by cells of the input.  They are found
+ * when the motion first comes near, and kept; for a pin, all turns share the cells. */
+#define LW_REVERSAL_CELLS 512
+#define LW_REVERSAL_MOST  6
+typedef struct lw_reversal_cell { long number; int n; double at[LW_REVERSAL_MOST]; } lw_reversal_cell;
+
+typedef struct lw_reduced_friction {
+    int    n, joint[LW_JOINT_MAX];            /* joints with friction */
+    double arm[LW_JOINT_MAX];                 /* coefficient times radius of a pin [m]; coefficient of a slide */
+    double side[LW_JOINT_MAX];                /* sign of the joint's rate by the input; 0: the joint never moves */
+    double size[LW_JOINT_MAX];                /* reactions last found [N] */
+    double sense, tolerance;
+    bool   undetermined;                      /* the last failure: no reactions satisfy the equations */
+    int    n_group, input_joint, input_body;
+    lw_reduced_group group[LW_DYAD_MAX];
+    lw_reversal_cell cell[LW_REVERSAL_CELLS];
+} lw_reduced_friction;
+
+/* Friction at the registers: adds its force to *q and gives its power.  mass: M.  LW_OPEN: the reactions are not
+ * determined. */
+lw_status lw_reduced_friction_add(lw_reduced *r, double ds, double mass, double *q, double *power);
+
+/* Sides of all joints from the rates at an input, with the direction of motion at rates that are 0. */
+lw_status lw_reduced_friction_sides(lw_reduced *r, double input, double direction);
+
+/* The next reversal from an input in a direction, or an input before it at which to look again. */
+lw_status lw_reduced_next_reversal(lw_reduced *r, double input, double direction, double *next);
+
 /* A point of a link, with its derivative; origin -1: on ground. */
 static inline lw_reg1 lw_reduced_point(const lw_reg1 *reg, int origin, int dir, lw_vec2 arm)
 {
@@ -108,6 +170,13 @@ static inline lw_reg1 lw_reduced_point(const lw_reg1 *reg, int origin, int dir, 
 
 /* Potential at the registers [J], up to a constant. */
 double lw_reduced_potential(const lw_reduced *r, double s);
+
+/* Count the turns of the links from the registers on.  Call it at the start and after steps. */
+void lw_reduced_count_turns(lw_reduced *r);
+
+/* Value of a joint's measure at the registers, and its rate by the input [rad] or [m]. */
+double lw_reduced_joint_value(const lw_reduced *r, int joint, double s);
+double lw_reduced_joint_rate(const lw_reduced *r, int joint);
 
 /* System coordinates and velocities of every body at the registers and s'; turns are taken near those in q. */
 void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, double *q, double *v);

@@ -27,18 +27,37 @@ static bool of_time_alone(const lw_expression *x)
     return true;
 }
 
-static lw_status look_at_loads(const lw_dynamics *d, char *why)
+static bool has_time(const lw_expression *x)
+{
+    const int *which;
+    int n = x ? lw_expression_variables(x, &which) : 0;
+    for (int i = 0; i < n; i++)
+        if (which[i] == lw_variable(LW_QUANTITY_T, 0))
+            return true;
+    return false;
+}
+
+/* Which loads are there?  Those that depend on the whole state cost more. */
+static lw_status look_at_loads(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     const lw_model *m = d->model;
-    if (d->n_friction)
-        return no(why, "joints with friction");
     if (d->n_stop || d->f.n_stop)
         return no(why, "stops");
-    if (d->f.caller.apply)
-        return no(why, "forces of the caller");
+    r->general = d->f.caller.apply != NULL;
     for (int i = 0; i < m->n_force; i++)
-        if (!of_time_alone(m->force[i].fx) || !of_time_alone(m->force[i].fy) || !of_time_alone(m->force[i].torque))
-            return no(why, "a force that depends on the state");
+        r->general = r->general || !of_time_alone(m->force[i].fx) || !of_time_alone(m->force[i].fy) ||
+                     !of_time_alone(m->force[i].torque);
+    r->counts_turns = r->general;
+    r->constant_loads = !d->f.caller.apply;
+    for (int i = 0; i < m->n_force; i++)
+        r->constant_loads = r->constant_loads && !has_time(m->force[i].fx) && !has_time(m->force[i].fy) &&
+                            !has_time(m->force[i].torque);
+    for (int i = 0; i < m->n_spring; i++)
+        r->constant_loads = r->constant_loads && !has_time(m->spring[i].law);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        r->constant_loads = r->constant_loads && !has_time(m->joint_spring[i].law);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        r->counts_turns = r->counts_turns || m->joint_spring[i].law || m->joint_spring[i].stiffness != 0;
     return LW_OK;
 }
 
@@ -60,31 +79,15 @@ static int candidate(const lw_assembly *linkage, int n)
     return -1;
 }
 
-/* Springs and motors must act at the input. */
-static bool loads_fit(const lw_model *m, int joint)
-{
-    for (int i = 0; i < m->n_joint_spring; i++)
-        if (m->joint_spring[i].joint != joint)
-            return false;
-    for (int i = 0; i < m->n_motor; i++)
-        if (m->motor[i].joint != joint)
-            return false;
-    return true;
-}
-
 static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     lw_error e;
     lw_plan_options plan_options = { .all_joints = true };
-    bool fits = false;
     if (d->model->n_spring > LW_REDUCED_LOAD_MAX || d->model->n_force > LW_REDUCED_LOAD_MAX)
         return no(why, "more springs or forces than it holds");
     if (d->s.n_tie > 0)
         return no(why, "inputs that are tied to the first");
     for (int n = 0, joint; (joint = candidate(&d->model->linkage, n)) >= 0; n++) {
-        if (!loads_fit(d->model, joint))
-            continue;
-        fits = true;
         if (lw_assembly_linkage(&d->model->linkage, &r->linkage, &e) != LW_OK)
             return no(why, "more links than a plan holds");
         lw_system_write(&d->s, d->start_q, &r->linkage);
@@ -95,20 +98,19 @@ static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
             lw_plan_read(&r->plan, &r->linkage, r->dim, r->mode, &r->first, &e) == LW_OK)
             return LW_OK;
     }
-    return no(why, fits ? "it is not made of dyads on one driven link at the ground"
-                        : "springs or motors at more than one joint");
+    return no(why, "it is not made of dyads on one driven link at the ground");
 }
 
 /* ---- parts ------------------------------------------------------------------------------------------ */
 
-static lw_end_point end_on(const lw_reduced *r, int link, lw_vec2 at)
+static lw_end_point end_on(const lw_dynamics *d, const lw_reduced *r, int link, lw_vec2 at)
 {
     const lw_reg1 *reg = r->reg;
     lw_vec2 p = lw_v2_unturn(lw_v2_sub(at, r->z0), r->turn);
     if (link == r->linkage.ground)
-        return (lw_end_point){ -1, -1, p };
+        return (lw_end_point){ -1, -1, -1, p };
     int o = r->plan.link_origin[link], u = r->plan.link_dir[link];
-    return (lw_end_point){ o, u, lw_v2_unturn(lw_v2_sub(p, reg[o].p), reg[u].p) };
+    return (lw_end_point){ o, u, d->s.body[link], lw_v2_unturn(lw_v2_sub(p, reg[o].p), reg[u].p) };
 }
 
 /* Place at the start of a point that the model gives in its posture. */
@@ -118,6 +120,26 @@ static lw_vec2 at_start(const lw_dynamics *d, int link, lw_vec2 at)
     return lw_system_point(&d->s, b, lw_system_arm(&d->s, b, at), d->start_q);
 }
 
+static void place_joints(const lw_dynamics *d, lw_reduced *r)
+{
+    const lw_linkage *k = &d->model->linkage;
+    for (int j = 0; j < d->s.n_joint; j++) {
+        const lw_system_joint *from = &d->s.joint[j];
+        lw_reduced_joint *to = &r->joint[j];
+        to->slides = !lw_joint_turns(from->kind);
+        to->sign = from->sign;
+        to->pin = to->slides || !r->friction ? -1 : r->plan.joint_point[j];
+        for (int end = 0; end < 2; end++) {
+            int b = to->body[end] = from->body[end], link = b < 0 ? k->ground : d->s.link[b];
+            to->point[end] = end_on(d, r, link, lw_system_point(&d->s, b, from->arm[end], d->start_q));
+            to->dir[end] = b < 0 ? 1 : r->plan.link_dir[link];
+        }
+        double turn = from->body[0] < 0 ? 0 : d->start_q[3*from->body[0] + 2];
+        lw_vec2 u = lw_v2_unturn(lw_v2_turn(from->along, lw_v2_polar(1, turn)), r->turn);
+        to->along = lw_v2_unturn(u, r->reg[to->dir[0]].p);
+    }
+}
+
 static lw_status place_parts(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     const lw_model *m = d->model;
@@ -125,16 +147,17 @@ static lw_status place_parts(const lw_dynamics *d, lw_reduced *r, char *why)
         int link = d->s.link[b];
         if (r->plan.link_origin[link] < 0 || r->plan.link_dir[link] < 0)
             return no(why, "a link that its plan leaves out");
-        r->centre[b] = end_on(r, link, lw_system_point(&d->s, b, lw_v2(0, 0), d->start_q));
+        r->centre[b] = end_on(d, r, link, lw_system_point(&d->s, b, lw_v2(0, 0), d->start_q));
         const lw_reg1 *u = &r->reg[r->centre[b].dir];
         r->dir0[link] = atan2(u->p.y, u->p.x) - d->start_q[3*b + 2];
     }
     for (int i = 0; i < m->n_spring; i++)
         for (int end = 0; end < 2; end++)
-            r->end[i][end] = end_on(r, m->spring[i].link[end],
+            r->end[i][end] = end_on(d, r, m->spring[i].link[end],
                                     at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
     for (int i = 0; i < m->n_force; i++)
-        r->point[i] = end_on(r, m->force[i].link, at_start(d, m->force[i].link, m->force[i].at));
+        r->point[i] = end_on(d, r, m->force[i].link, at_start(d, m->force[i].link, m->force[i].at));
+    place_joints(d, r);
     return LW_OK;
 }
 
@@ -240,6 +263,9 @@ static void drop_steps(const lw_dynamics *d, lw_reduced *r)
     }
     for (int i = 0; i < d->model->n_force; i++)
         mark_needed(needed, &r->point[i]);
+    for (int j = 0; j < d->s.n_joint; j++)
+        if (r->joint[j].pin >= 0)
+            needed[r->joint[j].pin] = true;
     for (int i = r->n_step - 1; i >= 0; i--) {
         const lw_dyad_step *st = &r->step[i];
         const lw_step as = { .kind = st->kind };
@@ -268,15 +294,56 @@ static void find_sense(const lw_dynamics *d, lw_reduced *r)
     r->start = r->first - r->sense*m.value;    /* measures count from the posture of the file */
 }
 
+/* Joints with friction, and the dyads that carry reactions to the ground, in the order of the plan. */
+static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
+{
+    lw_reduced_friction *f = r->friction;
+    bool carried[LW_JOINT_MAX] = { false };
+    if (r->n_change)
+        return no(why, "friction where assembly modes meet, which leaves reactions undetermined");
+    f->input_joint = r->linkage.input[0].joint;
+    f->input_body = d->s.joint[f->input_joint].body[d->s.joint[f->input_joint].body[0] < 0];
+    carried[f->input_joint] = true;
+    for (int i = 0; i < r->plan.n_step; i++) {
+        lw_step_kind kind = r->plan.step[i].kind;
+        if (kind < LW_STEP_RRR || kind > LW_STEP_PPR)
+            continue;
+        const lw_dyad *from = &r->plan.dyad[r->plan.step[i].dyad];
+        lw_reduced_group *to = &f->group[f->n_group++];
+        to->pins = true;
+        for (int k = 0; k < 3; k++) {
+            carried[to->joint[k] = from->joint[k]] = true;
+            to->pins = to->pins && r->joint[from->joint[k]].pin >= 0;
+        }
+        for (int side = 0; side < 2; side++) {
+            int b = d->s.body[from->link[side]];
+            const int *own = r->joint[to->joint[2*side]].body;
+            to->body[side] = b;
+            assert(own[0] == b || own[1] == b);
+        }
+    }
+    for (int i = 0; i < d->n_friction; i++) {
+        const lw_friction_joint *p = &d->friction[i];
+        if (!carried[p->joint])
+            return no(why, "friction in a joint that its plan leaves out");
+        if (!p->ideal)
+            return no(why, "friction with a \"speed\", which is a smooth function of the rate");
+        f->joint[f->n] = p->joint;
+        f->arm[f->n++] = p->coefficient*p->lever_arm;
+    }
+    f->tolerance = fmin(fmax(0.01*d->o.relative, 1e-14), 1e-9);
+    return LW_OK;
+}
+
 static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     bool fixed[LW_REG_MAX] = { false };
     double margin;
-    memset(r, 0, sizeof *r);
     r->known = NAN;
+    r->dynamics = d;
     if (d->freedom != 1 || d->n_driven)
         return no(why, d->n_driven ? "inputs with a motion beside free ones" : "more than one freedom");
-    lw_status s = look_at_loads(d, why);
+    lw_status s = look_at_loads(d, r, why);
     if (s == LW_OK)
         s = find_plan(d, r, why);
     if (s != LW_OK)
@@ -297,16 +364,30 @@ static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
     assert(r->n_mass <= LW_LINK_MAX && r->n_step <= LW_STEP_MAX);
     drop_steps(d, r);
     find_sense(d, r);
-    return lw_reduced_change_points(r, r->first) ? LW_OK
-         : no(why, "two assemblies of a dyad come near each other, but do not meet");
+    if (!lw_reduced_change_points(r, r->first))
+        return no(why, "two assemblies of a dyad come near each other, but do not meet");
+    if ((s = lw_reduced_registers(r, r->first)) != LW_OK)
+        return no(why, "the posture at the start is a dead point of its closed form");
+    for (int b = 0; b < d->s.n_body; b++) {
+        r->count.turn[b] = d->start_q[3*b + 2];
+        r->count.rate[b] = r->reg[r->centre[b].dir].d.x;
+    }
+    r->count.at = r->first;
+    return r->friction ? find_friction(d, r, why) : LW_OK;
 }
 
 lw_status lw_reduced_able(lw_dynamics *d)
 {
     if (d->reduced)
         return d->reduced_status;
-    d->reduced = malloc(sizeof *d->reduced);
+    size_t n = (size_t)d->n_q;
+    d->reduced = calloc(1, sizeof *d->reduced + sizeof *d->reduced->friction + 3*n*sizeof(double));
     if (!d->reduced)
         return LW_E_MEMORY;
+    lw_reduced_friction *friction = (void *)(d->reduced + 1);
+    d->reduced->friction = d->n_friction ? friction : NULL;
+    d->reduced->q = (void *)(friction + 1);
+    d->reduced->v = d->reduced->q + n;
+    d->reduced->force = d->reduced->v + n;
     return d->reduced_status = make(d, d->reduced, d->not_reduced);
 }

@@ -1,0 +1,333 @@
+/* Losses of linkages of one freedom: Coulomb friction with rest, against equations written by hand and against the
+ * regularised friction of the bodies' coordinates; springs, dampers, motors and forces at any joint of random
+ * linkages. */
+#include <stdarg.h>
+#include "base/rng.h"
+#include "tests/dynamics_run.h"
+
+static drun d, other;
+static lw_rng rng;
+static char text[8000];
+static int  used;
+
+static double between(double a, double b) { return lw_rng_range(&rng, a, b); }
+
+static void put(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void put(const char *format, ...)
+{
+    va_list arg;
+    va_start(arg, format);
+    used += vsnprintf(text + used, sizeof text - (size_t)used, format, arg);
+    va_end(arg);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+}
+
+/* ---- a block -------------------------------------------------------------------------------------------- */
+
+static const double g = 9.81, mass = 2;
+
+static void read_block(double slope, double mu, double speed, const char *force)
+{
+    used = 0;
+    put("{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 2, 'centre': [0.1, 0.2], 'inertia': 0.1}],"
+        "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [%.17g, %.17g],"
+        "'friction': {'coefficient': %.17g}}], 'input': {'joint': 'S', 'speed': %.17g}, 'gravity': [0, -9.81],"
+        "'tracers': [{'name': 'P', 'link': 'block', 'at': [0, 0]}]", cos(slope), sin(slope), mu, speed);
+    if (force)
+        put(", 'forces': [{'link': 'block', 'at': [0, 0], 'fx': '%s'}]", force);
+    put("}");
+    drun_read_text(&d, text);
+}
+
+/* A block rests for ever on a slope that is not too steep; with speed it slides up, stops, and rests or comes back. */
+static void block_on_a_slope(void)
+{
+    read_block(0.4, 0.43, 0, NULL);                         /* tan 0.4 = 0.4228 */
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1e6, 10), LW_OK);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+    CHECK(fabs(d.tracer[10].x) < 1e-15 && d.v[0] == 0 && fabs(d.a[0]) < 1e-13);
+    lw_model_free(&d.model);
+    for (int k = 0; k < 2; k++) {
+        double mu = k ? 0.3 : 0.43, v = 3;
+        double up = g*(sin(0.4) + mu*cos(0.4)), stop = v/up, down = g*(sin(0.4) - mu*cos(0.4));
+        read_block(0.4, mu, v, NULL);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 2, 40), LW_OK);
+        for (int i = 0; i <= 40; i++) {
+            double t = d.t[i], back = fmax(t - stop, 0), s = t < stop ? v*t - up*t*t/2 : v*stop/2;
+            s -= down > 0 ? down*back*back/2 : 0;
+            CHECK_NEAR(d.tracer[i].x, s*cos(0.4), 1e-11, 0);
+        }
+        CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
+        lw_model_free(&d.model);
+    }
+}
+
+/* A force that grows moves it when it exceeds the friction; one that swings moves it a little at a time. */
+static void block_under_changing_force(void)
+{
+    double hold = 0.5*mass*g, start = hold/6;
+    read_block(0, 0.5, 0, "6*t");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 4, 16), LW_OK);
+    for (int i = 0; i <= 16; i++)
+        CHECK_NEAR(d.tracer[i].x, d.t[i] > start ? pow(d.t[i] - start, 3)*6/(6*mass) : 0, 1e-9, 0);
+    lw_model_free(&d.model);
+    read_block(0, 0.5, 0, "15*sin(2*t)");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 10, 1), LW_OK);
+    /* by hand: slides from asin(hold/15)/2 in each half period until its speed is 0 again, and rests */
+    double from = asin(hold/15)/2, to = 1.5, low = from + 0.01, x;
+    for (int i = 0; i < 100; i++) {
+        to = i ? to : 3;
+        double t = 0.5*(low + to), v = 7.5*(cos(2*from) - cos(2*t)) - hold*(t - from);
+        *(v > 0 ? &low : &to) = t;
+    }
+    x = 7.5*(cos(2*from)*(to - from) - (sin(2*to) - sin(2*from))/2) - hold*(to - from)*(to - from)/2;
+    double part = 10 - 6*LW_PI/2 - from;                     /* six whole half periods cancel; then it slides again */
+    double t = from + fmin(part, to - from);
+    x = 7.5*(cos(2*from)*(t - from) - (sin(2*t) - sin(2*from))/2) - hold*(t - from)*(t - from)/2;
+    CHECK_NEAR(d.tracer[1].x, x/mass, 1e-12, 0);
+    lw_model_free(&d.model);
+}
+
+/* ---- a pendulum whose pin rubs ------------------------------------------------------------------------------ */
+
+/* N in I a = -m g l sin x - c N sense by N = m |(l a + g sin x, l w^2 + g cos x)|, by iteration. */
+static const double arm = 0.5, rub = 0.03, spin = 0.6;       /* distance of the centre; mu times radius; about the pin */
+
+static double swing(double x, double w, double sense)
+{
+    double a = 0;
+    for (int i = 0; i < 100; i++) {
+        double n = mass*hypot(arm*a + g*sin(x), arm*w*w + g*cos(x));
+        a = (-mass*g*arm*sin(x) - rub*n*sense)/spin;
+    }
+    return a;
+}
+
+static lw_status swing_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)t;
+    dy[0] = y[1];
+    dy[1] = swing(y[0], y[1], *(double *)context);
+    return LW_OK;
+}
+
+static lw_status swing_rests(void *context, double t, const double *y, double *out)
+{
+    (void)t;
+    *out = *(double *)context*y[1];
+    return LW_OK;
+}
+
+/* Swings get smaller until it sticks, not in the middle. */
+static void pendulum(void)
+{
+    double sense = -1, y[2] = { 2, 0 }, work[64];
+    lw_ode ode = { .n = 2, .context = &sense, .rate = swing_rate, .n_event = 1, .event = swing_rests, .direction = { -1 } };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    lw_error e = { 0 };
+    lw_ode_stop stop;
+    o.relative = o.absolute = 1e-13;
+    used = 0;
+    put("{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 2, 'centre': [%.17g, %.17g], 'inertia': %.17g}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'rod'], 'at': [0, 0], 'friction': {'coefficient': 0.6, 'radius': 0.05}}],"
+        "'input': {'joint': 'A'}, 'gravity': [0, -9.81]}", arm*sin(2), -arm*cos(2), spin - mass*arm*arm);
+    drun_read_text(&d, text);
+    double before = 0;
+    bool stuck = false;
+    CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, y, &e), LW_OK);
+    for (int k = 1; k <= 40 && !stuck; k++) {
+        while (lw_integrate_step(&w, 1e3, &stop, &e) == LW_OK && stop == LW_ODE_STEP)
+            ;
+        y[0] = w.y[0], y[1] = 0;
+        double t = 0.5*(before + w.t);
+        before = w.t;
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, w.t, 1), LW_OK);
+        CHECK_NEAR(d.q[2], y[0] - 2, 1e-9, 0);
+        (void)t;
+        stuck = swing(y[0], 0, 1) <= 0 && swing(y[0], 0, -1) >= 0;
+        sense = -sense;
+        w.events = 0;
+        CHECK_INT(lw_integrate_restart(&w, y, &e), LW_OK);
+    }
+    CHECK(stuck && fabs(y[0]) > 1e-4);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 1000, 1), LW_OK);
+    CHECK_NEAR(d.q[2], y[0] - 2, 1e-9, 0);
+    CHECK(d.v[2] == 0 && fabs(d.a[2]) < 1e-11);
+    lw_model_free(&d.model);
+}
+
+/* ---- random linkages ------------------------------------------------------------------------------------------ */
+
+static void put_body(const char *name, double x, double y)
+{
+    put(", {'name': '%s', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}", name, between(0.5, 2),
+        x + between(-0.2, 0.2), y + between(-0.2, 0.2), between(0.05, 0.5));
+}
+
+static double friction;                          /* coefficient of the joints, 0: none */
+
+static void put_joint(const char *name, char kind, const char *links, double x, double y, double angle)
+{
+    put("%s{'name': '%s', 'kind': '%c', 'links': [%s], 'at': [%.17g, %.17g]", *name == 'A' ? "" : ", ", name, kind, links,
+        x, y);
+    if (kind == 't')
+        put(", 'along': [%.17g, %.17g]", cos(angle), sin(angle));
+    if (friction > 0 && kind == 't')
+        put(", 'friction': {'coefficient': %.17g}", friction);
+    if (friction > 0 && kind == 'r')
+        put(", 'friction': {'coefficient': %.17g, 'radius': %.17g}", friction, between(0.01, 0.05));
+    put("}");
+}
+
+/* A crank, a dyad of one of five forms, and a further dyad of pins on its second link.  The crank turns fully. */
+static void write_linkage(int form)
+{
+    double a = between(0, 6), cx = 0.3*cos(a), cy = 0.3*sin(a);
+    used = 0;
+    put("{'linkwright': 1, 'gravity': [0.5, -9.81], 'links': ['ground'");
+    put_body("crank", cx/2, cy/2);
+    put_body("two", 1, 0.5);
+    put_body("three", 1.5, 0.5);
+    put_body("four", 2, 1);
+    put_body("five", 2.5, 0.5);
+    put("], 'joints': [");
+    put_joint("A", 'r', "'ground', 'crank'", 0, 0, 0);
+    put_joint("B", 'r', "'crank', 'two'", cx, cy, 0);
+    switch (form) {
+    case 0:                                      /* RRR */
+        put_joint("C", 'r', "'two', 'three'", 1.2, 1.1, 0);
+        put_joint("D", 'r', "'ground', 'three'", 1.6, 0, 0);
+        break;
+    case 1:                                      /* RRP */
+        put_joint("C", 'r', "'two', 'three'", 1.6, 0.2, 0);
+        put_joint("D", 't', "'ground', 'three'", 1.6, 0.2, 0.2);
+        break;
+    case 2:                                      /* RPR: two slides along three, which turns on the ground */
+        put_joint("C", 't', "'three', 'two'", cx, cy, atan2(cy - 0.1, cx - 1));
+        put_joint("D", 'r', "'ground', 'three'", 1, 0.1, 0);
+        break;
+    default:                                     /* PRP would lock the couple's turn; a crank-driven slide with an offset */
+        put_joint("C", 'r', "'three', 'two'", 1.7, -0.1, 0);
+        put_joint("D", 't', "'three', 'ground'", 1.7, -0.1, -0.1);
+    }
+    put_joint("E", 'r', "'three', 'four'", 1.4, 0.6, 0);
+    put_joint("F", 'r', "'four', 'five'", 2.1, 1.2, 0);
+    put_joint("G", 'r', "'five', 'ground'", 2.6, -0.1, 0);
+    put("], 'input': {'joint': 'A', 'speed': %.17g}", between(3, 6)*(form%2 ? 1 : -1));
+}
+
+/* Springs, dampers, motors and forces of every kind, at any joint. */
+static void put_loads(bool state)
+{
+    put(", 'springs': [{'joint': 'G', 'stiffness': %.17g, 'damping': 0.05, 'free': 0.3}, {'joint': 'C', 'stiffness': 3},"
+        "{'joint': 'E', 'law': '-2*sin(displacement) - 0.1*rate + 0.2*t'},"
+        "{'links': ['ground', 'four'], 'at': [[3, 2], [2, 1]], 'stiffness': 20, 'damping': 0.4},"
+        "{'links': ['two', 'five'], 'at': [[1, 0.4], [2.5, 0.5]], 'law': '5*(length - 1.5) + 0.1*rate'}],"
+        "'dampers': [{'joint': 'D', 'damping': 0.1}, {'joint': 'B', 'damping': 0.02}],"
+        "'motors': [{'joint': 'A', 'stall': 3, 'free_speed': 20}, {'joint': 'G', 'stall': 1, 'free_speed': 10}]",
+        between(1, 5));
+    put(", 'forces': [{'link': 'three', 'at': [1.5, 0.5], 'frame': 'link', 'fx': 'sin(3*t)', 'torque': 0.2},"
+        "{'link': 'five', 'at': [2.5, 0.6], 'fx': %s, 'fy': -1}]", state ? "'-0.5*v(G) + 0.1*q(C) - 0.1*omega(four)'" : "0.3");
+}
+
+static const int runs = 24;
+
+/* Loads without friction: the same motion as in the bodies' coordinates. */
+static void loads_of_every_kind(void)
+{
+    friction = 0;
+    int done = 0;
+    for (int k = 0; k < runs; k++) {
+        lw_rng_seed(&rng, check_seed(), (uint64_t)k);
+        write_linkage(k%4);
+        put_loads(k%3 == 0);
+        put("}");
+        drun_read_text(&d, text);
+        lw_status s = drun_to(&d, LW_FORMULATION_REDUCED, 1e-11, 2, 10);
+        CHECK_INT(s, LW_OK);
+        other = d;
+        s = drun_to(&other, LW_FORMULATION_INDEX1, 1e-11, 2, 10);
+        CHECK_INT(s, LW_OK);
+        for (int i = 0; i < d.system.n_q && d.n_moment == 11 && other.n_moment == 11; i++) {
+            CHECK_NEAR(d.q[i], other.q[i], 1e-7, 0);
+            CHECK_NEAR(d.v[i], other.v[i], 1e-6, 1e-6);
+            CHECK_NEAR(d.a[i], other.a[i], 1e-5, 1e-5);
+        }
+        CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
+        done += d.n_moment == 11;
+        lw_model_free(&d.model);
+    }
+    CHECK_INT(done, runs);
+}
+
+/* Ideal friction is the limit of the regularised one. */
+static void ideal_against_regularised(void)
+{
+    for (int k = 0; k < 8; k++) {
+        lw_rng_seed(&rng, check_seed(), 100 + (uint64_t)k);
+        friction = between(0.05, 0.2);
+        write_linkage(k%4);
+        put_loads(false);
+        put("}");
+        drun_read_text(&d, text);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 5), LW_OK);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+        CHECK(d.report.energy_error < 1e-7*d.report.energy_scale);
+        other = d;
+        for (int j = 0; j < d.model.linkage.n_joint; j++)
+            other.model.friction[j].speed = 1e-5;
+        other.o.max_step = 100000;
+        CHECK_INT(drun_to(&other, LW_FORMULATION_CVODE, 1e-8, 1, 5), LW_OK);
+        for (int i = 0; i < d.system.n_q; i++) {
+            CHECK_NEAR(d.q[i], other.q[i], 2e-5, 0);
+            CHECK_NEAR(d.a[i], other.a[i], 1e-2, 1e-2);
+        }
+        /* the error falls with the tolerance */
+        double q[LW_SYSTEM_Q_MAX];
+        memcpy(q, d.q, sizeof q);
+        for (int p = 6; p <= 8; p += 2) {
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, pow(10, -p), 1, 5), LW_OK);
+            for (int i = 0; i < d.system.n_q; i++)
+                CHECK_NEAR(d.q[i], q[i], 200*pow(10, -p), 0);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
+/* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
+static void linkage_rests(void)
+{
+    for (int k = 0; k < 8; k++) {
+        lw_rng_seed(&rng, check_seed(), 200 + (uint64_t)k);
+        friction = 0.2;
+        write_linkage(k%4);
+        put("}");
+        drun_read_text(&d, text);
+        d.model.has_speed[0] = false;
+        d.model.gravity = lw_v2(0, -0.05);
+        for (int j = 0; j < d.model.linkage.n_joint; j++)       /* springs that press the joints, and push nothing else */
+            d.model.friction[j].radius *= 20;
+        lw_status s = drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 5, 5);
+        CHECK_INT(s, LW_OK);
+        double most = 0;
+        for (int i = 0; i < d.system.n_q; i++)
+            most = fmax(most, fabs(d.v[i]));
+        if (most == 0)
+            for (int i = 0; i < d.system.n_q; i++)
+                CHECK(fabs(d.a[i]) < 1e-9);
+        lw_model_free(&d.model);
+    }
+}
+
+int main(void)
+{
+    RUN(block_on_a_slope);
+    RUN(block_under_changing_force);
+    RUN(pendulum);
+    RUN(loads_of_every_kind);
+    RUN(ideal_against_regularised);
+    RUN(linkage_rests);
+    return check_end();
+}
