@@ -92,7 +92,8 @@ static void block_under_changing_force(void)
 /* ---- a pendulum whose pin rubs ------------------------------------------------------------------------------ */
 
 /* N in I a = -m g l sin x - c N sense by N = m |(l a + g sin x, l w^2 + g cos x)|, by iteration. */
-static const double arm = 0.5, rub = 0.03, spin = 0.6;       /* distance of the centre; mu times radius; about the pin */
+static const double arm = 0.5, rub = 0.03;       /* distance of the centre of mass; mu times radius */
+static const double spin = 0.6;                  /* inertia about the pin */
 
 static double swing(double x, double w, double sense)
 {
@@ -123,7 +124,8 @@ static lw_status swing_rests(void *context, double t, const double *y, double *o
 static void pendulum(void)
 {
     double sense = -1, y[2] = { 2, 0 }, work[64];
-    lw_ode ode = { .n = 2, .context = &sense, .rate = swing_rate, .n_event = 1, .event = swing_rests, .direction = { -1 } };
+    lw_ode ode = { .n = 2, .context = &sense, .rate = swing_rate, .n_event = 1, .event = swing_rests,
+                   .direction = { -1 } };
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     lw_error e = { 0 };
@@ -131,8 +133,9 @@ static void pendulum(void)
     o.relative = o.absolute = 1e-13;
     used = 0;
     put("{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 2, 'centre': [%.17g, %.17g], 'inertia': %.17g}],"
-        "'joints': [{'name': 'A', 'links': ['ground', 'rod'], 'at': [0, 0], 'friction': {'coefficient': 0.6, 'radius': 0.05}}],"
-        "'input': {'joint': 'A'}, 'gravity': [0, -9.81]}", arm*sin(2), -arm*cos(2), spin - mass*arm*arm);
+        "'joints': [{'name': 'A', 'links': ['ground', 'rod'], 'at': [0, 0],"
+        "'friction': {'coefficient': 0.6, 'radius': 0.05}}], 'input': {'joint': 'A'}, 'gravity': [0, -9.81]}",
+        arm*sin(2), -arm*cos(2), spin - mass*arm*arm);
     drun_read_text(&d, text);
     double before = 0;
     bool stuck = false;
@@ -170,8 +173,8 @@ static double friction;                          /* coefficient of the joints, 0
 
 static void put_joint(const char *name, char kind, const char *links, double x, double y, double angle)
 {
-    put("%s{'name': '%s', 'kind': '%c', 'links': [%s], 'at': [%.17g, %.17g]", *name == 'A' ? "" : ", ", name, kind, links,
-        x, y);
+    put("%s{'name': '%s', 'kind': '%c', 'links': [%s], 'at': [%.17g, %.17g]", *name == 'A' ? "" : ", ", name, kind,
+        links, x, y);
     if (kind == 't')
         put(", 'along': [%.17g, %.17g]", cos(angle), sin(angle));
     if (friction > 0 && kind == 't')
@@ -208,7 +211,7 @@ static void write_linkage(int form)
         put_joint("C", 't', "'three', 'two'", cx, cy, atan2(cy - 0.1, cx - 1));
         put_joint("D", 'r', "'ground', 'three'", 1, 0.1, 0);
         break;
-    default:                                     /* PRP would lock the couple's turn; a crank-driven slide with an offset */
+    default:                                     /* the same with the slide's links the other way round */
         put_joint("C", 'r', "'three', 'two'", 1.7, -0.1, 0);
         put_joint("D", 't', "'three', 'ground'", 1.7, -0.1, -0.1);
     }
@@ -221,15 +224,16 @@ static void write_linkage(int form)
 /* Springs, dampers, motors and forces of every kind, at any joint. */
 static void put_loads(bool state)
 {
-    put(", 'springs': [{'joint': 'G', 'stiffness': %.17g, 'damping': 0.05, 'free': 0.3}, {'joint': 'C', 'stiffness': 3},"
-        "{'joint': 'E', 'law': '-2*sin(displacement) - 0.1*rate + 0.2*t'},"
+    put(", 'springs': [{'joint': 'G', 'stiffness': %.17g, 'damping': 0.05, 'free': 0.3},"
+        "{'joint': 'C', 'stiffness': 3}, {'joint': 'E', 'law': '-2*sin(displacement) - 0.1*rate + 0.2*t'},"
         "{'links': ['ground', 'four'], 'at': [[3, 2], [2, 1]], 'stiffness': 20, 'damping': 0.4},"
         "{'links': ['two', 'five'], 'at': [[1, 0.4], [2.5, 0.5]], 'law': '5*(length - 1.5) + 0.1*rate'}],"
         "'dampers': [{'joint': 'D', 'damping': 0.1}, {'joint': 'B', 'damping': 0.02}],"
         "'motors': [{'joint': 'A', 'stall': 3, 'free_speed': 20}, {'joint': 'G', 'stall': 1, 'free_speed': 10}]",
         between(1, 5));
     put(", 'forces': [{'link': 'three', 'at': [1.5, 0.5], 'frame': 'link', 'fx': 'sin(3*t)', 'torque': 0.2},"
-        "{'link': 'five', 'at': [2.5, 0.6], 'fx': %s, 'fy': -1}]", state ? "'-0.5*v(G) + 0.1*q(C) - 0.1*omega(four)'" : "0.3");
+        "{'link': 'five', 'at': [2.5, 0.6], 'fx': %s, 'fy': -1}]",
+        state ? "'-0.5*v(G) + 0.1*q(C) - 0.1*omega(four)'" : "0.3");
 }
 
 static const int runs = 24;
@@ -247,7 +251,7 @@ static void loads_of_every_kind(void)
         drun_read_text(&d, text);
         lw_status s = drun_to(&d, LW_FORMULATION_REDUCED, 1e-11, 2, 10);
         CHECK_INT(s, LW_OK);
-        other = d;
+        drun_read_text(&other, text);
         s = drun_to(&other, LW_FORMULATION_INDEX1, 1e-11, 2, 10);
         CHECK_INT(s, LW_OK);
         for (int i = 0; i < d.system.n_q && d.n_moment == 11 && other.n_moment == 11; i++) {
@@ -258,6 +262,7 @@ static void loads_of_every_kind(void)
         CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
         done += d.n_moment == 11;
         lw_model_free(&d.model);
+        lw_model_free(&other.model);
     }
     CHECK_INT(done, runs);
 }
@@ -275,13 +280,13 @@ static void ideal_against_regularised(void)
         CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 5), LW_OK);
         CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
         CHECK(d.report.energy_error < 1e-7*d.report.energy_scale);
-        other = d;
+        drun_read_text(&other, text);
         for (int j = 0; j < d.model.linkage.n_joint; j++)
             other.model.friction[j].speed = 1e-5;
         other.o.max_step = 100000;
         CHECK_INT(drun_to(&other, LW_FORMULATION_CVODE, 1e-8, 1, 5), LW_OK);
         for (int i = 0; i < d.system.n_q; i++) {
-            CHECK_NEAR(d.q[i], other.q[i], 2e-5, 0);
+            CHECK_NEAR(d.q[i], other.q[i], 1e-4, 0);
             CHECK_NEAR(d.a[i], other.a[i], 1e-2, 1e-2);
         }
         /* the error falls with the tolerance */
@@ -293,12 +298,14 @@ static void ideal_against_regularised(void)
                 CHECK_NEAR(d.q[i], q[i], 200*pow(10, -p), 0);
         }
         lw_model_free(&d.model);
+        lw_model_free(&other.model);
     }
 }
 
 /* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
 static void linkage_rests(void)
 {
+    int rests = 0;
     for (int k = 0; k < 8; k++) {
         lw_rng_seed(&rng, check_seed(), 200 + (uint64_t)k);
         friction = 0.2;
@@ -306,19 +313,19 @@ static void linkage_rests(void)
         put("}");
         drun_read_text(&d, text);
         d.model.has_speed[0] = false;
-        d.model.gravity = lw_v2(0, -0.05);
-        for (int j = 0; j < d.model.linkage.n_joint; j++)       /* springs that press the joints, and push nothing else */
-            d.model.friction[j].radius *= 20;
+        for (int j = 0; j < d.model.linkage.n_joint; j++)       /* enough to hold most of them */
+            d.model.friction[j].radius *= 6;
         lw_status s = drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 5, 5);
         CHECK_INT(s, LW_OK);
         double most = 0;
         for (int i = 0; i < d.system.n_q; i++)
             most = fmax(most, fabs(d.v[i]));
-        if (most == 0)
-            for (int i = 0; i < d.system.n_q; i++)
-                CHECK(fabs(d.a[i]) < 1e-9);
+        for (int i = 0; i < d.system.n_q && most == 0; i++)
+            CHECK_NEAR(d.a[i], 0, 1e-7, 0);      /* the tolerance of the reactions */
+        rests += most == 0;
         lw_model_free(&d.model);
     }
+    CHECK(rests > 4);
 }
 
 int main(void)

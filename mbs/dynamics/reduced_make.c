@@ -122,7 +122,7 @@ static lw_vec2 at_start(const lw_dynamics *d, int link, lw_vec2 at)
 
 static void place_joints(const lw_dynamics *d, lw_reduced *r)
 {
-    const lw_linkage *k = &d->model->linkage;
+    const lw_assembly *k = &d->model->linkage;
     for (int j = 0; j < d->s.n_joint; j++) {
         const lw_system_joint *from = &d->s.joint[j];
         lw_reduced_joint *to = &r->joint[j];
