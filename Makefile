@@ -20,7 +20,7 @@ STAGES   = base grammar enumerate mbs optimise catalogues surface     # each inc
 PKGS     = gsl nlopt jansson sqlite3
 LATE     = igraph cairo        # loaded when they are first called (base/library.h): 2 ms a start instead of 7
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
-           libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev
+           libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev libsuitesparse-dev
 PEERS    = g++ libsimbody-dev libmujoco-dev                         # optional: measured beside by `bench mbs`
 SUNDIALS = -lsundials_cvode -lsundials_ida -lsundials_nvecserial   # Debian 12 has no .pc for it
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Werror=switch -Wno-unknown-pragmas
@@ -28,7 +28,7 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-proto
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) $(LATE) 2>/dev/null)
 # as needed: only a test links one of those that are loaded late
-PRIVATE  = -lplanarity -lgif $(SUNDIALS) -lpthread -ldl -lm       # those without a .pc file
+PRIVATE  = -lplanarity -lgif -lklu $(SUNDIALS) -lpthread -ldl -lm       # those without a .pc file
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) $(LATE) 2>/dev/null) $(PRIVATE)
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)

@@ -75,6 +75,7 @@ mpi.h cli/program/mpi_jobs.c
 cvode mbs/ode/cvode.c
 ida mbs/ode/ida.c
 (nvector|sun) mbs/ode/sundials_internal.h
+suitesparse base/sparse_lu.c
 TABLE
 
 [ $bad -eq 0 ] && echo "layers: fine"

@@ -85,10 +85,11 @@ static lw_status keep(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static lw_status run(const lw_model *m, double to, double tolerance, kept *k, lw_dynamics_report *r, lw_error *e)
+static lw_status run_by(lw_formulation f, const lw_model *m, double to, double tolerance, kept *k, lw_dynamics_report *r,
+                        lw_error *e)
 {
     lw_dynamics_options o = lw_dynamics_options_default();
-    o.formulation = LW_FORMULATION_INDEX1;
+    o.formulation = f;
     o.to = to, o.intervals = 4, o.relative = o.absolute = tolerance;
     *k = (kept){ 0 };
     lw_status s = lw_dynamics_make(m, &o, &k->d, e);
@@ -101,6 +102,13 @@ static lw_status run(const lw_model *m, double to, double tolerance, kept *k, lw
     lw_dynamics_free(k->d);
     return s;
 }
+
+static lw_status run(const lw_model *m, double to, double tolerance, kept *k, lw_dynamics_report *r, lw_error *e)
+{
+    return run_by(LW_FORMULATION_INDEX1, m, to, tolerance, k, r, e);
+}
+
+static int by_derivatives;                   /* models that the implicit method ran */
 
 /* The same model by both ways and, without its small copy, by the sparse way alone. */
 static void agree(lw_model *m, double to, double tight)
@@ -121,8 +129,15 @@ static void agree(lw_model *m, double to, double tight)
     CHECK_NEAR(sparse.joint.force.x, both.joint.force.x, 1e-6, 1e-6);
     CHECK_NEAR(sparse.joint.force.y, both.joint.force.y, 1e-6, 1e-6);
     CHECK(sparse.off < 1e-12);
-    free(both.q);
     free(sparse.q);
+    lw_status s = run_by(LW_FORMULATION_GGL, m, to, 1e-8, &sparse, &r, &e);      /* sparse derivatives */
+    CHECK(s == LW_OK || s == LW_E_KIND);
+    for (int i = 0; s == LW_OK && i < both.n_q; i++)
+        CHECK_NEAR(sparse.q[i], both.q[i], 1e-5, 0);
+    by_derivatives += s == LW_OK;
+    if (s == LW_OK)
+        free(sparse.q);
+    free(both.q);
     lw_model_free(m);
 }
 
@@ -213,6 +228,37 @@ static void mixed_agree(void)
     }
 }
 
+/* A rope with dampers in all pins, which make it stiff: the implicit method is chosen, and it agrees with the explicit
+ * one. */
+static void damped_ropes(void)
+{
+    lw_model m;
+    kept k[2];
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    read_chain(60, &m);
+    lw_joint_spring *more = calloc(60, sizeof *more);
+    free(m.joint_spring);
+    m.joint_spring = more;
+    m.n_joint_spring = 60;
+    for (int i = 0; i < 60; i++)
+        m.joint_spring[i] = (lw_joint_spring){ .joint = i, .stiffness = 1e-3, .damping = 1e-3 };
+    CHECK_INT(run(&m, 0.1, 1e-10, &k[0], &r, &e), LW_OK);
+    CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.1, 1e-9, &k[1], &r, &e), LW_OK);
+    for (int i = 0; i < k[0].n_q; i++)
+        CHECK_NEAR(k[1].q[i], k[0].q[i], 1e-6, 0);
+    for (int i = 0; i < 60; i++)
+        m.joint_spring[i].damping = 10;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_dynamics *d;
+    CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_OK);
+    CHECK_INT(lw_dynamics_choice(d)->formulation, LW_FORMULATION_GGL);
+    lw_dynamics_free(d);
+    for (int i = 0; i < 2; i++)
+        free(k[i].q);
+    lw_model_free(&m);
+}
+
 /* A rope that is let go: far from its pin it falls freely. */
 static void thousand_links(void)
 {
@@ -276,8 +322,10 @@ int main(void)
     RUN(chains_and_rows_agree);
     RUN(examples_agree);
     RUN(mixed_agree);
+    RUN(damped_ropes);
     RUN(thousand_links);
     RUN(row_of_loops);
     RUN(refusals_say_why);
+    CHECK(by_derivatives >= 4);
     return check_end();
 }

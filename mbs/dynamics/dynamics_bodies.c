@@ -263,7 +263,7 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     char why[200];
     if (asked)
         return lw_formulation_say(r, LW_OK, 2*d->n_q, "asked for");
-    if (!d->large && (d->n_friction || lw_mbs_is_stiff(d)))
+    if (d->n_friction || lw_mbs_is_stiff(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
     return lw_formulation_say(r, LW_OK, 2*d->n_q, why);

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/sparse_lu.h"
 #include "mbs/ode/ida.h"
 
 /* Absolute tolerance of the multipliers: no error test.  Rounding in q and v reaches them times mass over step; with
@@ -22,7 +23,13 @@ typedef struct ggl {
     double least_mass, *dq, *dv;
     lw_ida *ida;
     double *dense;                           /* (n of IDA) scratch */
+    unsigned char *algebraic;                /* (n of IDA) */
     double *each;                            /* absolute tolerances */
+    lw_columns columns;                      /* pattern of the Jacobian of a large model */
+    double *value;                           /* its entries while they are filled */
+    int    *pair;                            /* entries while the pattern is listed */
+    long   n_pair, most_pair;
+    bool   failed;                           /* no memory for the pairs */
     long   since;                            /* number of steps at the last start */
 } ggl;
 
@@ -94,6 +101,41 @@ static lw_status residual(void *context, double t, const double *y, const double
 
 /* ---- derivatives of the residual ----------------------------------------------------------------- */
 
+/* Number of unknowns. */
+static int unknowns(const ggl *g) { return 2*g->q + 2*g->c + g->run->has_work; }
+
+/* Add x to entry (row, column): of a dense matrix, of the pattern, or to the list of which the pattern is made. */
+static void put(ggl *g, double *jac, int row, int column, double x)
+{
+    if (!g->columns.n) {
+        jac[row + unknowns(g)*column] += x;
+        return;
+    }
+    if (g->columns.at) {
+        jac[lw_columns_find(&g->columns, row, column)] += x;
+        return;
+    }
+    if (g->n_pair == g->most_pair) {
+        long most = 2*g->most_pair + 4096;
+        int *more = realloc(g->pair, 2*(size_t)most*sizeof *more);
+        g->failed = g->failed || !more;
+        if (!more)
+            return;
+        g->pair = more;
+        g->most_pair = most;
+    }
+    g->pair[2*g->n_pair] = row;
+    g->pair[2*g->n_pair++ + 1] = column;
+}
+
+/* Derivatives of the forces. */
+static void put_force(void *context, int row, int column, double by_q, double by_v)
+{
+    ggl *g = context;
+    put(g, g->value, g->q + row, column, -by_q);
+    put(g, g->value, g->q + row, g->q + column, -by_v);
+}
+
 /* A second derivative of a row that is not 0: by coordinates a and b, and by b and a. */
 typedef struct bend { int a, b; double h; } bend;
 
@@ -108,9 +150,11 @@ static int add_bend(bend *out, int n, int body, int axis, int other, int other_a
  * (mbs/constraints/system_rows.c).  Rows of turns have none. */
 static int bends_of(const lw_dynamics *d, int r, bend out[8])
 {
-    const lw_system_joint *j = &d->s.joint[d->s.row[r].joint];
+    const lw_system_joint *j = &d->s.joint[r < d->n_row ? d->s.row[r].joint : 0];
     bool point = lw_joint_holds_point(j->kind);
     int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
+    if (r >= d->n_row)                       /* the turn of a driven pin */
+        return 0;
     if (side >= (point ? 2 : 1))
         return 0;
     lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames[b0 + 1].dir), r1 = lw_v2_turn(j->arm[1], d->frames[b1 + 1].dir);
@@ -130,10 +174,10 @@ static int bends_of(const lw_dynamics *d, int r, bend out[8])
 }
 
 /* Add the part of kept row k and its multipliers. */
-static void add_row_derivatives(const ggl *g, int k, const double *y, double *jac)
+static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
 {
     const lw_dynamics *d = g->run->d;
-    int n = g->q, c = g->c, size = 2*n + 2*c + g->run->has_work, row = d->kept[k];
+    int n = g->q, c = g->c, row = d->kept[k];
     const double *v = y + n;
     double l = y[2*n + k], m = y[2*n + c + k];
     bend each[8];
@@ -141,17 +185,17 @@ static void add_row_derivatives(const ggl *g, int k, const double *y, double *ja
         for (int k0 = 0; k0 < 3; k0++) {
             int i = 3*d->row_body[row][b] + k0;
             double x = d->jac[row*LW_ROW_SIZE + 3*b + k0];
-            jac[i + size*(2*n + c + k)] += x/mass_of(g, i);
-            jac[n + i + size*(2*n + k)] += x;
-            jac[2*n + k + size*i] += x;
-            jac[2*n + c + k + size*(n + i)] += x;
+            put(g, jac, i, 2*n + c + k, x/mass_of(g, i));
+            put(g, jac, n + i, 2*n + k, x);
+            put(g, jac, 2*n + k, i, x);
+            put(g, jac, 2*n + c + k, n + i, x);
         }
     for (int e = bends_of(d, row, each) - 1; e >= 0; e--)
         for (int way = 0; way < (each[e].a == each[e].b ? 1 : 2); way++) {
             int a = way ? each[e].b : each[e].a, b = way ? each[e].a : each[e].b;
-            jac[a + size*b] += m*each[e].h/mass_of(g, a);
-            jac[n + a + size*b] += l*each[e].h;
-            jac[2*n + c + k + size*b] += each[e].h*v[a];
+            put(g, jac, a, b, m*each[e].h/mass_of(g, a));
+            put(g, jac, n + a, b, l*each[e].h);
+            put(g, jac, 2*n + c + k, b, each[e].h*v[a]);
         }
 }
 
@@ -160,35 +204,78 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
 {
     ggl *g = context;
     lw_dynamics *d = g->run->d;
-    int n = g->q, size = 2*n + 2*g->c + g->run->has_work;
+    int n = g->q, last = unknowns(g) - 1;
     (void)dy;
     lw_status s = lw_mbs_rows(d, t, y);
     if (s != LW_OK)
         return s;
-    lw_forces_apply(&d->f, t, y, y + n, d->force, g->dq, g->dv, NULL);
+    g->value = jac;
+    if (g->columns.n)
+        lw_forces_derivatives(&d->f, t, y, y + n, d->force, &(lw_force_sink){ g, put_force });
+    else
+        lw_forces_apply(&d->f, t, y, y + n, d->force, g->dq, g->dv, NULL);
     for (int i = 0; i < n; i++) {
-        jac[i + size*i] += c;
-        jac[i + size*(n + i)] -= 1;
-        jac[n + i + size*(n + i)] += c*d->f.mass[i];
-        for (int j = 0; j < n; j++) {
-            jac[n + i + size*j] -= g->dq[i*n + j];
-            jac[n + i + size*(n + j)] -= g->dv[i*n + j];
+        put(g, jac, i, i, c);
+        put(g, jac, i, n + i, -1);
+        put(g, jac, n + i, n + i, c*d->f.mass[i]);
+        for (int j = 0; !g->columns.n && j < n; j++) {
+            jac[n + i + (last + 1)*j] -= g->dq[i*n + j];
+            jac[n + i + (last + 1)*(n + j)] -= g->dv[i*n + j];
         }
     }
     for (int k = 0; k < g->c; k++)
         add_row_derivatives(g, k, y, jac);
     if (g->run->has_work)
-        jac[size*size - 1] += c;
+        put(g, jac, last, last, c);
     return LW_OK;
+}
+
+/* List the entries that the Jacobian can have. */
+static lw_status find_pattern(ggl *g)
+{
+    lw_dynamics *d = g->run->d;
+    int n = g->q, last = unknowns(g) - 1;
+    g->columns.n = last + 1;
+    lw_forces_pattern(&d->f, &(lw_force_sink){ g, put_force });
+    for (int i = 0; i < n; i++) {
+        put(g, NULL, i, i, 1);
+        put(g, NULL, i, n + i, 1);
+        put(g, NULL, n + i, n + i, 1);
+    }
+    for (int k = 0; k < g->c; k++) {
+        const int *body = d->row_body[d->kept[k]];
+        int l = 2*n + k, m = l + g->c, coordinate[LW_ROW_SIZE], count = 0;
+        for (int b = 0; b < LW_ROW_SIZE && body[b/3] >= 0; b++)
+            coordinate[count++] = 3*body[b/3] + b%3;
+        for (int b = 0; b < count; b++) {
+            int i = coordinate[b];
+            put(g, NULL, i, m, 1);
+            put(g, NULL, n + i, l, 1);
+            put(g, NULL, l, i, 1);
+            put(g, NULL, m, i, 1);
+            put(g, NULL, m, n + i, 1);
+            for (int j = 0; j < count; j++) {
+                put(g, NULL, i, coordinate[j], 1);
+                put(g, NULL, n + i, coordinate[j], 1);
+            }
+        }
+    }
+    put(g, NULL, last, last, 1);
+    bool ok = !g->failed && lw_columns_make(&g->columns, last + 1, g->pair, g->n_pair);
+    free(g->pair);
+    g->pair = NULL;
+    return ok ? LW_OK : lw_error_set(g->run->e, LW_E_MEMORY, "out of memory");
 }
 
 /* Are the derivatives above complete? */
 static bool has_derivatives(const lw_dynamics *d)
 {
-    bool gear = false;
+    bool gear = d->s.n_tie > 0, slide = false;
     for (int j = 0; j < d->s.n_joint; j++)
         gear = gear || lw_joint_has_ratio(d->s.joint[j].kind);
-    return !gear && d->n_c == d->n_row && !d->n_friction && !d->f.caller.apply;
+    for (int i = 0; i < d->n_driven; i++)
+        slide = slide || !lw_joint_turns(d->s.joint[d->s.input_joint[d->driven[i]]].kind);
+    return !gear && !d->n_friction && !d->f.caller.apply && (d->large ? !slide : d->n_c == d->n_row);
 }
 
 /* The state as other formulations have it: q, v, work. */
@@ -279,6 +366,8 @@ static lw_status pass_singular(ggl *g, lw_ida *w, double *y, double *dy)
     lw_dynamics *d = run->d;
     double t = w->t, weak;
     unpack(g, w->y, run->state);
+    if (d->large)                            /* its singular postures end the run */
+        return LW_OK;
     lw_status s = lw_mbs_rows(d, t, run->state);
     weak = apart(d);
     bool chosen = s == LW_OK && (s = lw_run_rechoose(run, t, run->state, &weak)) == LW_OK;
@@ -319,10 +408,10 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
-    unsigned char algebraic[2*LW_SYSTEM_Q_MAX + 2*LW_MBS_ROW_MAX + 1] = { 0 };
+    unsigned char *algebraic = g->algebraic;
     memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
     lw_dae dae = { .n = 2*g->q + 2*g->c + run->has_work, .context = g, .residual = residual,
-                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic };
+                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = d->large ? &g->columns : NULL };
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = begin(g, w, &dae, y, dy);
     if (s != LW_OK)
@@ -361,28 +450,41 @@ static lw_status run_ggl(lw_run *run)
     lw_ida w = { 0 };
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
-    size_t n = 2*(size_t)(g.q + g.c) + 1;
-    double *y = calloc(3*n + 2*(size_t)run->n + 2*(size_t)(g.q*g.q), sizeof *y);
-    if (!y)
-        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    size_t n = 2*(size_t)(g.q + g.c) + 1, dense = d->large ? 0 : (size_t)g.q*(size_t)g.q;
+    double *y = calloc(3*n + 2*(size_t)run->n + 2*dense, sizeof *y);
+    g.algebraic = calloc(n, 1);
+    lw_status s = y && g.algebraic ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK && d->large)
+        s = find_pattern(&g);
+    if (s != LW_OK) {
+        free(y);
+        free(g.algebraic);
+        return s;
+    }
     run->y = y + 2*n;
     run->state = run->y + run->n;
     g.dq = run->state + run->n;
-    g.dv = g.dq + g.q*g.q;
-    g.each = g.dv + g.q*g.q;
+    g.dv = g.dq + dense;
+    g.each = g.dv + dense;
     g.ida = &w;
     g.dense = y;
-    lw_status s = run_ida(&g, &w, y, y + n);
+    s = run_ida(&g, &w, y, y + n);
     free(y);
+    free(g.algebraic);
+    lw_columns_free(&g.columns);
     return s;
 }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (d->large && !has_derivatives(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "a model of this size with gears, friction, tied inputs, driven sliders or "
+                                  "forces of the caller's has no sparse derivatives");
+    if (d->large)
+        return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, asked ? "asked for"
+                                  : "dampers make the equations stiff: an implicit method with sparse derivatives");
     if (!asked)
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken only where it is asked for");
-    if (d->large)
-        return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");
     return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
                      : lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, "asked for");
 }

@@ -140,7 +140,17 @@ lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t
 /* ---- one load along one measure ---------------------------------------------------------------- */
 
 /* The sums that loads add to. */
-typedef struct sum { int n; double *force, *dq, *dv, power; } sum;
+typedef struct sum { int n; double *force, *dq, *dv, power; const lw_force_sink *sink; bool second; } sum;
+
+static inline void put(sum *to, int row, int column, double by_q, double by_v)
+{
+    if (to->sink) {
+        to->sink->add(to->sink->context, row, column, by_q, by_v);
+        return;
+    }
+    to->dq[row*to->n + column] += by_q;
+    to->dv[row*to->n + column] += by_v;
+}
 
 /* Add force f along m; by_value, by_rate: derivatives of f by the measure and by its rate. */
 static void add(sum *to, const lw_measure *m, const double *v, double f, double by_value, double by_rate)
@@ -150,15 +160,14 @@ static void add(sum *to, const lw_measure *m, const double *v, double f, double 
         if (m->body[i/3] < 0)
             continue;
         to->force[row] += f*m->g[i];
-        for (int j = 0; to->dq && j < 6; j++) {
+        for (int j = 0; to->second && j < 6; j++) {
             if (m->body[j/3] < 0)
                 continue;
             int column = 3*m->body[j/3] + j%3;
             double turn = 0;                  /* rate of the gradient: (H v)_j */
             for (int k = 0; by_rate != 0 && k < 6; k++)
                 turn += m->body[k/3] < 0 ? 0 : m->h[j][k]*v[3*m->body[k/3] + k%3];
-            to->dq[row*to->n + column] += m->g[i]*(by_value*m->g[j] + by_rate*turn) + f*m->h[i][j];
-            to->dv[row*to->n + column] += by_rate*m->g[i]*m->g[j];
+            put(to, row, column, m->g[i]*(by_value*m->g[j] + by_rate*turn) + f*m->h[i][j], by_rate*m->g[i]*m->g[j]);
         }
     }
 }
@@ -187,7 +196,7 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
     for (int i = 0; i < f->model->n_spring; i++) {
         const lw_spring *p = &f->model->spring[i];
         int body[2] = { f->system->body[p->link[0]], f->system->body[p->link[1]] };
-        lw_measure_length(f->system, body, f->spring_arm[i], q, v, to->dq != NULL, &m);
+        lw_measure_length(f->system, body, f->spring_arm[i], q, v, to->second, &m);
         if (p->law) {
             double pull = law_at(p->law, &m, t, by);
             add(to, &m, v, -pull, -by[0], -by[1]);
@@ -199,7 +208,7 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
     }
     for (int i = 0; i < f->model->n_joint_spring; i++) {
         const lw_joint_spring *p = &f->model->joint_spring[i];
-        lw_measure_joint(f->system, p->joint, q, v, to->dq != NULL, &m);
+        lw_measure_joint(f->system, p->joint, q, v, to->second, &m);
         if (p->law) {
             double push = law_at(p->law, &m, t, by);
             add(to, &m, v, push, by[0], by[1]);
@@ -227,7 +236,7 @@ static void apply_stops(const lw_forces *f, const double *q, const double *v, su
     for (int i = 0; i < f->n_stop; i++) {
         const lw_joint_stop *p = &f->model->stop[f->stop_joint[i]];
         double sense;
-        lw_measure_joint(f->system, f->stop_joint[i], q, v, to->dq != NULL, &m);
+        lw_measure_joint(f->system, f->stop_joint[i], q, v, to->second, &m);
         double in = depth(p, m.value, &sense), push = p->stiffness*in - sense*p->damping*m.rate;
         if (!(in > 0))
             continue;
@@ -242,7 +251,7 @@ static void apply_motors(const lw_forces *f, const double *q, const double *v, s
     lw_measure m;
     for (int i = 0; i < f->model->n_motor; i++) {
         const lw_motor *p = &f->model->motor[i];
-        lw_measure_joint(f->system, p->joint, q, v, to->dq != NULL, &m);
+        lw_measure_joint(f->system, p->joint, q, v, to->second, &m);
         double torque = p->stall*(1 - m.rate/p->free_speed);
         add(to, &m, v, torque, 0, -p->stall/p->free_speed);
         to->power += torque*m.rate;
@@ -286,10 +295,10 @@ static double evaluate(const lw_forces *f, const lw_expression *x, double t, con
         value[i] = t;
         if (which[i] == lw_variable(LW_QUANTITY_T, 0))
             continue;
-        measure_of(f, which[i], q, v, to->dq != NULL, &m[i], &rate[i]);
+        measure_of(f, which[i], q, v, to->second, &m[i], &rate[i]);
         value[i] = rate[i] ? m[i].rate : m[i].value;
     }
-    if (!to->dq)
+    if (!to->second)
         return lw_expression_value(x, value);
     double result = lw_expression_gradient(x, value, d);
     for (int i = 0; i < n; i++) {
@@ -306,10 +315,8 @@ static double evaluate(const lw_forces *f, const lw_expression *x, double t, con
                 for (int k = 0; k < 6; k++)
                     by_q += m[i].body[k/3] < 0 ? 0 : m[i].h[j][k]*v[3*m[i].body[k/3] + k%3];
             }
-            for (int r = 0; r < 3; r++) {
-                to->dq[at[r]*to->n + column] += sense[r]*d[i]*by_q;
-                to->dv[at[r]*to->n + column] += sense[r]*d[i]*by_v;
-            }
+            for (int r = 0; r < 3; r++)
+                put(to, at[r], column, sense[r]*d[i]*by_q, sense[r]*d[i]*by_v);
         }
     }
     return result;
@@ -340,8 +347,8 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
     for (int r3 = 0; r3 < 3; r3++) {
         to->force[at[r3]] += value*sense[r3];
         to->power += value*sense[r3]*v[at[r3]];
-        if (to->dq)
-            to->dq[at[r3]*to->n + turn] += value*dway[r3];
+        if (to->second)
+            put(to, at[r3], turn, value*dway[r3], 0);
     }
 }
 
@@ -389,26 +396,31 @@ static void add_caller_derivatives(const lw_forces *f, double t, const double *q
     }
 }
 
+static void apply_all(const lw_forces *f, double t, const double *q, const double *v, sum *to)
+{
+    memcpy(to->force, f->weight, (size_t)to->n*sizeof *to->force);
+    if (!f->any_state)
+        return;
+    apply_springs(f, t, q, v, to);
+    apply_stops(f, q, v, to);
+    apply_motors(f, q, v, to);
+    for (int i = 0; i < f->model->n_force; i++) {
+        apply_component(f, i, 0, f->model->force[i].fx, t, q, v, to);
+        apply_component(f, i, 1, f->model->force[i].fy, t, q, v, to);
+        apply_component(f, i, 2, f->model->force[i].torque, t, q, v, to);
+    }
+}
+
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power)
 {
     int n = f->system->n_q;
-    sum to = { .n = n, .force = force, .dq = dq, .dv = dv };
-    memcpy(force, f->weight, (size_t)n*sizeof *force);
+    sum to = { .n = n, .force = force, .dq = dq, .dv = dv, .second = dq != NULL };
     if (dq)
         memset(dq, 0, (size_t)n*(size_t)n*sizeof *dq);
     if (dv)
         memset(dv, 0, (size_t)n*(size_t)n*sizeof *dv);
-    if (f->any_state) {
-        apply_springs(f, t, q, v, &to);
-        apply_stops(f, q, v, &to);
-        apply_motors(f, q, v, &to);
-        for (int i = 0; i < f->model->n_force; i++) {
-            apply_component(f, i, 0, f->model->force[i].fx, t, q, v, &to);
-            apply_component(f, i, 1, f->model->force[i].fy, t, q, v, &to);
-            apply_component(f, i, 2, f->model->force[i].torque, t, q, v, &to);
-        }
-    }
+    apply_all(f, t, q, v, &to);
     if (f->caller.apply) {
         to.power += add_caller(f, t, q, v, force);
         if (dq)
@@ -418,6 +430,65 @@ void lw_forces_apply(const lw_forces *f, double t, const double *q, const double
     }
     if (power)
         *power = to.power;
+}
+
+void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force,
+                           const lw_force_sink *sink)
+{
+    sum to = { .n = f->system->n_q, .force = force, .sink = sink, .second = true };
+    apply_all(f, t, q, v, &to);
+}
+
+/* All coordinates of body a by all of body b. */
+static void add_block(const lw_force_sink *sink, int a, int b)
+{
+    for (int i = 0; a >= 0 && b >= 0 && i < 9; i++)
+        sink->add(sink->context, 3*a + i/3, 3*b + i%3, 1, 1);
+}
+
+static void add_pair(const lw_force_sink *sink, const int body[2])
+{
+    for (int i = 0; i < 4; i++)
+        add_block(sink, body[i/2], body[i%2]);
+}
+
+static void add_expression(const lw_forces *f, int body, const lw_expression *x, const lw_force_sink *sink)
+{
+    const lw_system *s = f->system;
+    const int *which;
+    int n = x ? lw_expression_variables(x, &which) : 0;
+    for (int i = 0; i < n; i++) {
+        lw_quantity what = lw_variable_quantity(which[i]);
+        int k = lw_variable_index(which[i]);
+        if (what == LW_QUANTITY_T)
+            continue;
+        if (what == LW_QUANTITY_Q || what == LW_QUANTITY_V) {
+            add_block(sink, body, s->joint[k].body[0]);
+            add_block(sink, body, s->joint[k].body[1]);
+        } else
+            add_block(sink, body, what == LW_QUANTITY_ANGLE || what == LW_QUANTITY_OMEGA ? s->body[k] : s->tracer_body[k]);
+    }
+}
+
+void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
+{
+    const lw_system *s = f->system;
+    const lw_model *m = f->model;
+    for (int i = 0; i < m->n_spring; i++)
+        add_pair(sink, (int[]){ s->body[m->spring[i].link[0]], s->body[m->spring[i].link[1]] });
+    for (int i = 0; i < m->n_joint_spring; i++)
+        add_pair(sink, s->joint[m->joint_spring[i].joint].body);
+    for (int i = 0; i < f->n_stop; i++)
+        add_pair(sink, s->joint[f->stop_joint[i]].body);
+    for (int i = 0; i < m->n_motor; i++)
+        add_pair(sink, s->joint[m->motor[i].joint].body);
+    for (int i = 0; i < m->n_force; i++) {
+        int body = s->body[m->force[i].link];
+        add_block(sink, body, body);
+        add_expression(f, body, m->force[i].fx, sink);
+        add_expression(f, body, m->force[i].fy, sink);
+        add_expression(f, body, m->force[i].torque, sink);
+    }
 }
 
 /* ---- energies ---------------------------------------------------------------------------------- */

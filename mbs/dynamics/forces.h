@@ -46,6 +46,19 @@ void      lw_forces_free(lw_forces *f);
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power);
 
+/* Takes derivatives of the force by one coordinate and its rate; they are sums, so an entry may come several times. */
+typedef struct lw_force_sink {
+    void *context;
+    void (*add)(void *context, int row, int column, double by_q, double by_v);
+} lw_force_sink;
+
+/* The same for large models; without the derivatives of the caller's forces. */
+void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force,
+                           const lw_force_sink *sink);
+
+/* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
+void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink);
+
 /* Motion prescribed for input i at t: what its joint measures from the posture, its rate and second rate, in rad or
  * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3]);

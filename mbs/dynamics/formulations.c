@@ -70,6 +70,10 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
         if (s == LW_OK || s == LW_E_MEMORY)
             return s;
     }
+    if (d->large) {                          /* no implicit method can: the explicit one takes short steps */
+        r->formulation = LW_FORMULATION_INDEX1;
+        return table[LW_FORMULATION_INDEX1]->able(d, true, r);
+    }
     return lw_error_set(e, LW_E_KIND, "no formulation can do this model");
 }
 

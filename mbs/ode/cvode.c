@@ -61,7 +61,7 @@ static bool set_up(lw_cvode *w, lw_cvode_method method, double t, const double *
 {
     struct lw_cvode_own *own = w->own;
     const lw_ode *ode = own->ode;
-    if (!lw_sun_make(&own->sun, ode->n, own->v, N_VECTOR))
+    if (!lw_sun_make(&own->sun, ode->n, NULL, own->v, N_VECTOR))
         return false;
     own->solver = CVodeCreate(method == LW_CVODE_ADAMS ? CV_ADAMS : CV_BDF, own->sun.context);
     if (!own->solver)

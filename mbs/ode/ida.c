@@ -35,7 +35,8 @@ static int jacobian(realtype t, realtype c, N_Vector y, N_Vector dy, N_Vector r,
     (void)r, (void)a, (void)b, (void)d;
     struct lw_ida_own *w = user;
     SUNMatZero(j);
-    return lw_sun_code(&w->sun, w->dae->jacobian(w->dae->context, t, c, array(y), array(dy), SUNDenseMatrix_Data(j)));
+    double *value = w->dae->pattern ? lw_sun_values(j) : SUNDenseMatrix_Data(j);
+    return lw_sun_code(&w->sun, w->dae->jacobian(w->dae->context, t, c, array(y), array(dy), value));
 }
 
 static int roots(realtype t, N_Vector y, N_Vector dy, realtype *g, void *user)
@@ -82,7 +83,7 @@ static bool set_up(lw_ida *w, double t, const double *y, const double *dy)
 {
     struct lw_ida_own *own = w->own;
     const lw_dae *dae = own->dae;
-    if (!lw_sun_make(&own->sun, dae->n, own->v, N_VECTOR))
+    if (!lw_sun_make(&own->sun, dae->n, dae->pattern, own->v, N_VECTOR))
         return false;
     own->solver = IDACreate(own->sun.context);
     if (!own->solver)

@@ -14,6 +14,8 @@ typedef struct lw_dae {
     lw_status (*residual)(void *context, double t, const double *y, const double *dy, double *r);   /* r (n) */
     /* jac[i + n*j] = dr_i/dy_j + c dr_i/dy'_j, zeroed before; NULL: by differences */
     lw_status (*jacobian)(void *context, double t, double c, const double *y, const double *dy, double *jac);
+    /* Not NULL: the Jacobian has these entries only, and jac holds them in this order, zeroed before. */
+    const struct lw_columns *pattern;
     const unsigned char *algebraic;  /* (n), 1: its derivative does not occur; NULL: none             */
     int   n_event;                   /* this and the following as in lw_ode                         */
     lw_status (*event)(void *context, double t, const double *y, double *g);

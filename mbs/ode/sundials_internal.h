@@ -12,6 +12,7 @@
 #include <sundials/sundials_linearsolver.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include "base/sparse.h"
+#include "base/sparse_lu.h"
 #include "mbs/ode/integrate.h"
 
 typedef struct lw_sun {
@@ -77,7 +78,80 @@ static inline SUNLinearSolver lw_sun_linear_make(int n, SUNContext context)
     return s;
 }
 
-static inline bool lw_sun_make(lw_sun *s, int n, N_Vector *v, int n_vector)
+/* ---- large linear systems: a matrix is its values in a fixed pattern, factored by KLU -------------------- */
+
+typedef struct lw_sun_large { const lw_columns *pattern; double *value; lw_sparse_lu *f; } lw_sun_large;
+
+static inline double *lw_sun_values(SUNMatrix a) { return ((lw_sun_large *)a->content)->value; }
+static inline SUNMatrix_ID lw_sun_id(SUNMatrix a)
+{
+    (void)a;
+    return SUNMATRIX_CUSTOM;
+}
+
+static inline int lw_sun_zero(SUNMatrix a)
+{
+    const lw_sun_large *l = a->content;
+    memset(l->value, 0, (size_t)l->pattern->at[l->pattern->n]*sizeof *l->value);
+    return 0;
+}
+
+/* The matrix owns the memory, which the solver shares. */
+static inline void lw_sun_destroy(SUNMatrix a)
+{
+    lw_sun_large *l = a->content;
+    if (l) {
+        lw_sparse_lu_free(l->f);
+        free(l->value);
+    }
+    free(l);
+    a->content = NULL;
+    SUNMatFreeEmpty(a);
+}
+
+static inline int lw_sun_large_setup(SUNLinearSolver s, SUNMatrix a)
+{
+    (void)s;
+    lw_sun_large *l = a->content;
+    return lw_sparse_lu_factor(l->f, l->value) ? SUNLS_SUCCESS : SUNLS_LUFACT_FAIL;
+}
+
+static inline int lw_sun_large_solve(SUNLinearSolver s, SUNMatrix a, N_Vector x, N_Vector b, realtype tolerance)
+{
+    (void)s, (void)tolerance;
+    double *to = N_VGetArrayPointer(x), *from = N_VGetArrayPointer(b);
+    if (to != from)
+        memcpy(to, from, (size_t)N_VGetLength(b)*sizeof *to);
+    lw_sparse_lu_solve(((lw_sun_large *)a->content)->f, to);
+    return SUNLS_SUCCESS;
+}
+
+static inline bool lw_sun_large_make(lw_sun *s, const lw_columns *pattern)
+{
+    s->matrix = SUNMatNewEmpty(s->context);
+    if (!s->matrix)
+        return false;
+    s->matrix->ops->getid = lw_sun_id;
+    s->matrix->ops->zero = lw_sun_zero;
+    s->matrix->ops->destroy = lw_sun_destroy;
+    lw_sun_large *l = s->matrix->content = calloc(1, sizeof *l);
+    if (!l)
+        return false;
+    l->pattern = pattern;
+    l->value = calloc((size_t)pattern->at[pattern->n] + 1, sizeof *l->value);
+    l->f = lw_sparse_lu_create(pattern);
+    s->linear = l->value && l->f ? SUNLinSolNewEmpty(s->context) : NULL;
+    if (!s->linear)
+        return false;
+    s->linear->ops->gettype = lw_sun_type;
+    s->linear->ops->setup = lw_sun_large_setup;
+    s->linear->ops->solve = lw_sun_large_solve;
+    s->linear->ops->free = lw_sun_end;
+    return true;
+}
+
+/* pattern NULL: dense. */
+static inline bool lw_sun_make(lw_sun *s, int n, const lw_columns *pattern, N_Vector *v, int n_vector)
 {
     if (SUNContext_Create(NULL, &s->context) != 0)
         return false;
@@ -87,6 +161,8 @@ static inline bool lw_sun_make(lw_sun *s, int n, N_Vector *v, int n_vector)
             return false;
         N_VConst(0.0, v[i]);
     }
+    if (pattern)
+        return lw_sun_large_make(s, pattern);
     s->matrix = SUNDenseMatrix(n, n, s->context);
     s->linear = s->matrix ? lw_sun_linear_make(n, s->context) : NULL;
     return s->linear != NULL;

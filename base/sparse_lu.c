@@ -1,0 +1,96 @@
+/* base/sparse_lu.c - bridge to KLU of SuiteSparse. */
+#include "base/sparse_lu.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <suitesparse/klu.h>
+
+static const double weak_pivots = 1e-6;      /* least reciprocal pivot growth with which old pivots are kept */
+
+/* ---- pattern ------------------------------------------------------------------------------------ */
+
+static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+bool lw_columns_make(lw_columns *c, int n, const int *pair, long n_pair)
+{
+    *c = (lw_columns){ .n = n, .at = calloc((size_t)n + 2, sizeof *c->at), .row = malloc(((size_t)n_pair + 1)*sizeof *c->row) };
+    if (!c->at || !c->row) {
+        lw_columns_free(c);
+        return false;
+    }
+    for (long i = 0; i < n_pair; i++)
+        c->at[pair[2*i + 1] + 2]++;
+    for (int j = 0; j < n; j++)
+        c->at[j + 2] += c->at[j + 1];
+    for (long i = 0; i < n_pair; i++)
+        c->row[c->at[pair[2*i + 1] + 1]++] = pair[2*i];
+    int used = 0;
+    for (int j = 0, first = 0; j < n; j++) {                     /* sort each column and drop repeated entries */
+        int end = c->at[j + 1], start = used;
+        qsort(c->row + first, (size_t)(end - first), sizeof *c->row, compare);
+        for (int i = first; i < end; i++)
+            if (used == start || c->row[used - 1] != c->row[i])
+                c->row[used++] = c->row[i];
+        first = end;
+        c->at[j] = start;
+    }
+    c->at[n] = used;
+    return true;
+}
+
+void lw_columns_free(lw_columns *c)
+{
+    free(c->at);
+    free(c->row);
+    memset(c, 0, sizeof *c);
+}
+
+/* ---- factors ------------------------------------------------------------------------------------ */
+
+struct lw_sparse_lu {
+    const lw_columns *pattern;
+    klu_common   common;
+    klu_symbolic *symbolic;
+    klu_numeric  *numeric;
+};
+
+lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern)
+{
+    lw_sparse_lu *f = calloc(1, sizeof *f);
+    if (!f)
+        return NULL;
+    f->pattern = pattern;
+    klu_defaults(&f->common);
+    f->symbolic = klu_analyze(pattern->n, pattern->at, pattern->row, &f->common);
+    if (f->symbolic)
+        return f;
+    free(f);
+    return NULL;
+}
+
+void lw_sparse_lu_free(lw_sparse_lu *f)
+{
+    if (!f)
+        return;
+    klu_free_numeric(&f->numeric, &f->common);
+    klu_free_symbolic(&f->symbolic, &f->common);
+    free(f);
+}
+
+bool lw_sparse_lu_factor(lw_sparse_lu *f, const double *value)
+{
+    int *at = f->pattern->at, *row = f->pattern->row;
+    double *a = (double *)(uintptr_t)value;
+    if (f->numeric && klu_refactor(at, row, a, f->symbolic, f->numeric, &f->common)
+        && klu_rgrowth(at, row, a, f->symbolic, f->numeric, &f->common) && f->common.rgrowth > weak_pivots)
+        return true;
+    klu_free_numeric(&f->numeric, &f->common);
+    f->numeric = klu_factor(at, row, a, f->symbolic, &f->common);
+    return f->numeric != NULL;
+}
+
+void lw_sparse_lu_solve(lw_sparse_lu *f, double *b)
+{
+    klu_solve(f->symbolic, f->numeric, f->pattern->n, 1, b, &f->common);
+}
