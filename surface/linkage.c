@@ -151,7 +151,7 @@ void      lw_linkage_destroy(lw_linkage *linkage) { free(linkage); }
 
 static lw_status export_bytes(const lw_linkage *k, const lw_format *f, lw_bytes *b, lw_error *e)
 {
-    lw_status s = f->write(k, b, e);
+    lw_status s = f->write(k, NULL, b, e);
     if (s != LW_OK)
         lw_bytes_free(b);
     return s;

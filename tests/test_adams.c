@@ -9,7 +9,7 @@ static lw_bytes dataset(const lw_linkage *k)
 {
     lw_bytes b = { 0 };
     lw_error e = { 0 };
-    CHECK_INT(lw_export_adams(k, &b, &e), LW_OK);
+    CHECK_INT(lw_export_adams(k, NULL, &b, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     return b;
 }
@@ -183,7 +183,7 @@ static void as_plasma_writes(void)
     CHECK_HAS(b.data, "JOINT/01, REVOLUTE, I = 0201, J = 0101\n");
     CHECK_HAS(b.data, "FUNCTION = 2*PI*TIME\n");
     lw_bytes_free(&b);
-    CHECK_INT(lw_export_adams_commands(&k, &b, NULL), LW_OK);
+    CHECK_INT(lw_export_adams_commands(&k, NULL, &b, NULL), LW_OK);
     CHECK_HAS(b.data, "Hoeken_straight_line_linkage.adm\n");
     CHECK_HAS(b.data, "SIMULATE/KINEMATICS, END = 1.0, STEPS = 100\n");
     lw_bytes_free(&b);

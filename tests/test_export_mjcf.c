@@ -13,7 +13,7 @@ static lw_bytes mjcf(const lw_linkage *k)
 {
     lw_bytes b = { 0 };
     lw_error e = { 0 };
-    lw_status s = lw_export_mjcf(k, &b, &e);
+    lw_status s = lw_export_mjcf(k, NULL, &b, &e);
     if (s != LW_OK)
         fprintf(stderr, "    %s: %s\n", k->name, e.text);
     CHECK_INT(s, LW_OK);
@@ -29,7 +29,7 @@ static void a_four_bar_closes_by_one_connect(void)
     CHECK_HAS(b.data, "<mujoco model=\"Hoeken straight-line linkage\">");
     CHECK_HAS(b.data, "<body name=\"crank\" pos=\"0 0 0\">");
     CHECK_HAS(b.data, "<body name=\"coupler\" pos=\"0 0.02 0\">");
-    CHECK_HAS(b.data, "<joint type=\"hinge\" name=\"O\" axis=\"0 0 1\" ref=\"1.5707963267949\"/>");
+    CHECK_HAS(b.data, "<joint type=\"hinge\" name=\"O\" axis=\"0 0 1\" ref=\"1.5707963267949\" armature=");
     CHECK_HAS(b.data, "<site name=\"P\" pos=\"0.08 0.06 0\"");
     CHECK_HAS(b.data, "<connect body1=\"rocker\" anchor=\"0 -0.05 0\"/>");
     CHECK_HAS(b.data, "<framepos objtype=\"site\" objname=\"P\"/>");
@@ -60,7 +60,7 @@ static void refusals(void)
     k.joint[1].kind = LW_JOINT_SLOT;
     add_gear(&k, 1, 2, lw_v2(0.5, 0.5), 2);
     add_input(&k, 0, 0);
-    CHECK_INT(lw_export_mjcf(&k, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_mjcf(&k, NULL, &b, &e), LW_E_KIND);
     CHECK(e.text[0] != 0);
     CHECK(b.data == NULL);
 }
@@ -77,6 +77,7 @@ static struct {
     __typeof__(mj_loadXML)     *load;
     __typeof__(mj_makeData)    *make;
     __typeof__(mj_fwdPosition) *position;
+    __typeof__(mj_step)        *step;
     __typeof__(mj_name2id)     *find;
     __typeof__(mj_deleteModel) *free_model;
     __typeof__(mj_deleteData)  *free_data;
@@ -91,10 +92,11 @@ static bool have_mujoco(void)
     *(void **)&mj.load = dlsym(lib, "mj_loadXML");
     *(void **)&mj.make = dlsym(lib, "mj_makeData");
     *(void **)&mj.position = dlsym(lib, "mj_fwdPosition");
+    *(void **)&mj.step = dlsym(lib, "mj_step");
     *(void **)&mj.find = dlsym(lib, "mj_name2id");
     *(void **)&mj.free_model = dlsym(lib, "mj_deleteModel");
     *(void **)&mj.free_data = dlsym(lib, "mj_deleteData");
-    return mj.version && mj.version() == mjVERSION_HEADER && mj.load && mj.make && mj.position && mj.find
+    return mj.version && mj.version() == mjVERSION_HEADER && mj.load && mj.make && mj.position && mj.step && mj.find
         && mj.free_model && mj.free_data;
 }
 
@@ -155,10 +157,9 @@ static double close_loops(run *r)
     return worst;
 }
 
-static mjModel *load(const lw_linkage *k)
+static mjModel *load_bytes(const lw_linkage *k, lw_bytes b)
 {
     char path[220], why[1000] = "";
-    lw_bytes b = mjcf(k);
     snprintf(path, sizeof path, "%s/model.xml", temporary_folder());
     FILE *f = fopen(path, "w");
     CHECK(f && fwrite(b.data, 1, b.size, f) == b.size);
@@ -171,6 +172,8 @@ static mjModel *load(const lw_linkage *k)
     lw_bytes_free(&b);
     return m;
 }
+
+static mjModel *load(const lw_linkage *k) { return load_bytes(k, mjcf(k)); }
 
 /* Both driven from the posture by `way` in n steps: the tracers stay together within 1e-4 of the size (and far
  * nearer: both are solved to rounding).  Returns the worst distance over the size. */
@@ -224,6 +227,58 @@ static void examples_move_alike(void)
     }
 }
 
+/* Stepped for 10 s by its drives, there and back once: the greatest distance of a tracer from where the drives ask it to
+ * be, over the size. */
+static double follows(const lw_linkage *k, double way)
+{
+    lw_newton *s = NULL;
+    lw_error e = { 0 };
+    mjModel *m = load(k);
+    double worst = 0;
+    int n = lw_linkage_free_inputs(k);
+    if (!m || lw_newton_create(k, &s, &e) != LW_OK)
+        return INFINITY;
+    mjData *d = mj.make(m);
+    CHECK_INT(m->nu, n);
+    int every = (int)(0.1/m->opt.timestep + 0.5);
+    for (long i = 0; (double)i*m->opt.timestep < 10; i++) {
+        double go = way*(1 - cos(0.2*LW_PI*(double)(i + 1)*m->opt.timestep))/2;
+        for (int a = 0; a < n; a++)
+            d->ctrl[a] = k->input[a].value + (a == 0 ? go : 0);
+        mj.step(m, d);
+        if (i % every != every - 1)
+            continue;
+        mj.position(m, d);
+        if (lw_newton_move(s, k->input[0].value + go, NULL) != LW_OK)
+            return INFINITY;
+        for (int t = 0; t < k->n_tracer; t++) {
+            const double *p = d->site_xpos + 3*mj.find(m, mjOBJ_SITE, k->tracer[t].name);
+            double off = lw_v2_norm(lw_v2_sub(lw_v2(p[0], p[1]), lw_newton_tracer(s, t)));
+            worst = off > worst || isnan(off) ? off : worst;
+        }
+    }
+    lw_newton_free(s);
+    mj.free_data(d);
+    mj.free_model(m);
+    return worst/lw_export_size(k);
+}
+
+static void examples_are_stable(void)
+{
+    static const struct { const char *name; double way; } rows[] = {
+        { "hoeken", 1 }, { "chebyshev", 0.3 }, { "inverted-slider-crank", 1 }, { "jansen", -1 }, { "klann", 1 },
+        { "scott-russell", 0.3 }, { "slider-crank", 1 }, { "trammel", 0.02 }, { "geared-five-bar", 1 },
+        { "tied-five-bar", 1 }, { "five-bar", 0.3 }, { "loader", 0.3 }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_linkage k = example(rows[i].name);
+        double off = follows(&k, rows[i].way);
+        if (!(off < 1e-3))
+            fprintf(stderr, "    %s: %g\n", rows[i].name, off);
+        CHECK(off < 1e-3);
+    }
+}
+
 /* Loops that sliders and slots close: wedges; a Scotch yoke with its joints in both orders. */
 static void loops_closed_by_sliders(void)
 {
@@ -258,6 +313,7 @@ static void welds(void)
 #else
 static bool have_mujoco(void) { return false; }
 static void examples_move_alike(void) { }
+static void examples_are_stable(void) { }
 static void loops_closed_by_sliders(void) { }
 static void welds(void) { }
 #endif
@@ -269,6 +325,7 @@ int main(void)
     RUN(refusals);
     if (have_mujoco()) {
         RUN(examples_move_alike);
+        RUN(examples_are_stable);
         RUN(loops_closed_by_sliders);
         RUN(welds);
     } else {

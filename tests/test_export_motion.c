@@ -15,7 +15,7 @@ static void a_curve_comes_back_as_target(void)
         lw_scene s;
         lw_target t;
         lw_error e = { 0 };
-        CHECK_INT(lw_export_svg(&k, &b, &e), LW_OK);
+        CHECK_INT(lw_export_svg(&k, NULL, &b, &e), LW_OK);
         lw_target_options drawn = { .closed = -1, .curve = "1", .stations = -1 };
         CHECK_INT(lw_target_read_svg(b.data, b.size, "t", &drawn, &t, &e), LW_OK);
         CHECK_TEXT(e.text, "");
@@ -39,7 +39,7 @@ static void poses_keep_pins_together(void)
     lw_linkage k = example("klann");
     lw_bytes b = { 0 };
     lw_scene s;
-    CHECK_INT(lw_export_poses(&k, &b, NULL), LW_OK);
+    CHECK_INT(lw_export_poses(&k, NULL, &b, NULL), LW_OK);
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, NULL), LW_OK);
     CHECK_HAS(b.data, "# units: m deg\nframe,input,link,x,y,turn\n0,");
     char *row = strstr(b.data, "\n0,") + 1;
@@ -77,7 +77,7 @@ static void joints_as_json(void)
     lw_bytes b = { 0 };
     lw_error e = { 0 };
     snprintf(k.link_name[1], LW_NAME_SIZE, "a\"b\\");
-    CHECK_INT(lw_export_joints(&k, &b, &e), LW_OK);
+    CHECK_INT(lw_export_joints(&k, NULL, &b, &e), LW_OK);
     CHECK_HAS(b.data, "\"type\": \"prismatic\", \"coord\": [96.7654746701, 10], \"angle\": 0, \"ground\": true}");
     CHECK_HAS(b.data, "{\"name\": \"a\\\"b\\\\\", \"ground\": false, \"joints\": [0, 1]}");
     CHECK_HAS(b.data, "\"actuators\": [0]");
@@ -85,11 +85,11 @@ static void joints_as_json(void)
     lw_bytes_free(&b);
     k = example("hoeken");
     k.n_input = 0;
-    CHECK_INT(lw_export_joints(&k, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_joints(&k, NULL, &b, &e), LW_E_KIND);
     CHECK_HAS(e.text, "the motion is not known");
     k = example("slider-crank");
     k.n_tracer = 0;
-    CHECK_INT(lw_export_svg(&k, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_svg(&k, NULL, &b, &e), LW_E_KIND);
 }
 
 int main(void)

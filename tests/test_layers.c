@@ -242,7 +242,7 @@ static void outlines_are_closed(void)
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = example(names[i]);
         lw_bytes b = { 0 };
-        CHECK_INT(lw_export_dxf(&k, &b, NULL), LW_OK);
+        CHECK_INT(lw_export_dxf(&k, NULL, &b, NULL), LW_OK);
         ends w = read_ends(b.data);
         CHECK(w.n >= 4*k.n_link - 4 && w.circles >= k.n_joint);
         for (int a = 0; a < w.n; a++) {
@@ -263,7 +263,7 @@ static void openscad_is_balanced(void)
     static const char brackets[] = "()[]{}";
     int depth[3] = { 0 };
     snprintf(k.link_name[1], LW_NAME_SIZE, "x\ncube(9);");
-    CHECK_INT(lw_export_openscad(&k, &b, NULL), LW_OK);
+    CHECK_INT(lw_export_openscad(&k, NULL, &b, NULL), LW_OK);
     for (const char *c = b.data; *c; c++) {
         const char *in = strchr(brackets, *c);
         if (in)

@@ -6,20 +6,28 @@
 #define LW_CATALOGUES_EXCHANGE_EXPORT_H
 
 #include "base/bytes.h"
-#include "grammar/linkage.h"
+#include "grammar/model.h"
+
+/* What a file may hold beside the linkage. A writer uses what its format can hold; its text below says so. NULL: a
+ * linkage alone, plates of the usual size. */
+typedef struct lw_export_options {
+    const lw_model *model;             /* of the same linkage, with masses and loads; NULL: none             */
+    double width, thickness, hole;     /* of plates: a bar's width, thickness, diameter of holes [m]; 0: usual */
+    double clearance;                  /* a pin's diameter is smaller than its hole by this [m]; < 0: usual    */
+} lw_export_options;
 
 /* MuJoCo's MJCF. Bodies are the moving links, nested along a spanning tree of the joints, all parallel to the world
  * in the pose of the file. Pins are hinges about z, sliders slides, slots both. Equality constraints close the
  * other joints: connect for pins, weld for sliders and welds, joint for gears. The coordinate of a joint counts as
  * an lw_input does and has the same value in the pose. Tracers are sites with a position sensor; inputs have
  * position actuators; links are steel rods that do not collide; there is no gravity. */
-lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER,
  * MOTION, REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. There are
  * no masses: the file is for kinematics. _commands: the command file (.acf) that runs <name>.adm for a second. */
-lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e);
-lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_adams_commands(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
  * range; it starts from the pose, where time and displacement u are 0.
@@ -30,21 +38,21 @@ lw_export_law lw_export_law_of(const lw_linkage *k, int input);
 /* Plates in millimetres, in layers in which they pass each other over the whole motion; failures as in layers.h. DXF
  * R12 for a cutter: outlines of lines and arcs, holes, slots, side by side, one DXF layer for each link. OpenSCAD:
  * the plates in their layers, on pins, moving with $t. */
-lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e);
-lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_openscad(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* A sketch of SolveSpace in millimetres: points and lines of each link, and constraints; it can be dragged as the
  * linkage moves. LW_E_KIND: gears, welds. */
-lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_solvespace(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The motion in LW_EXPORT_FRAMES poses. CSV: frame, input, link, x and y of the link's reference point, and its
  * angle, a row for each link and pose, in the linkage's units. SVG: the coupler curves as paths in millimetres, y
  * down. JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator, tracers
  * with their curves. LW_E_KIND: no motion is known. */
 #define LW_EXPORT_FRAMES 180
-lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e);
-lw_status lw_export_svg(const lw_linkage *k, lw_bytes *out, lw_error *e);
-lw_status lw_export_joints(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_poses(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_svg(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_joints(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The two joints that a gear joint couples: pin or slider of side i on the carrier, and the sign with which the
  * joint's count enters the movement of side i against the carrier, so that

@@ -255,8 +255,9 @@ static void put_requests(writer *w)
 
 /* ---- the whole -------------------------------------------------------------------------------------- */
 
-lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     writer *w = calloc(1, sizeof *w);
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
@@ -303,8 +304,9 @@ static void file_name(const lw_linkage *k, char *name, size_t size)
         snprintf(name, size, "linkage");
 }
 
-lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_adams_commands(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     char name[64];
     file_name(k, name, sizeof name);
     lw_bytes_text(out, name);

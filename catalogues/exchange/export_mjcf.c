@@ -7,10 +7,18 @@
 
 #define DIGITS 15
 
+#define STEEL  7850.0                         /* [kg/m^3]                                                 */
+#define STEP   5e-4                           /* of time, unless springs need a smaller one [s]           */
+#define DRIVE  0.3                            /* angular frequency of a drive, times the step             */
+#define RATIO  0.3                            /* of its damping to the critical one                       */
+
 typedef struct writer {
     const lw_linkage *k;
+    const lw_model   *m;                      /* NULL: no masses, no loads                                */
     lw_bytes         *out;
     double            size;
+    bool              weighed;                /* the model has masses                                     */
+    double            mass, rods, step;       /* of all bodies, of the rods drawn so far [kg]; of time [s] */
     bool              in_tree[LW_JOINT_MAX];
     int               parent[LW_LINK_MAX];     /* parent link, and the joint to it; -1: none (ground) */
     int               joint[LW_LINK_MAX];
@@ -66,12 +74,30 @@ static bool is_input(const lw_linkage *k, int joint)
     return false;
 }
 
-/* Order in which the tree takes the joints: driven joints, joints of gear wheels, welds, sliders and slots; pins last,
- * because MuJoCo closes a loop at a pin directly. -1: never. */
-static int rank_of(const lw_linkage *k, int joint, const bool *at_gear)
+/* Has the joint a spring, a motor or a stop? MuJoCo knows these for joints of its tree only. */
+static bool is_loaded(const lw_model *m, int joint)
 {
+    bool any = m && (m->stop[joint].has_least || m->stop[joint].has_greatest);
+    for (int i = 0; m && i < m->n_joint_spring; i++)
+        any = any || m->joint_spring[i].joint == joint;
+    for (int i = 0; m && i < m->n_motor; i++)
+        any = any || m->motor[i].joint == joint;
+    return any;
+}
+
+/* Does a motion drive the input? In a model with masses, an input without a motion runs freely. */
+static bool is_driven(const writer *w, int input)
+{
+    return !w->weighed || w->m->motion[input] != NULL;
+}
+
+/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots; pins last,
+ * because MuJoCo closes a loop at a pin directly. -1: never. */
+static int rank_of(const writer *w, int joint, const bool *at_gear)
+{
+    const lw_linkage *k = w->k;
     lw_joint_kind kind = k->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) ? 0 : at_gear[joint] ? 1
+    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) || is_loaded(w->m, joint) ? 0 : at_gear[joint] ? 1
          : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 
@@ -99,7 +125,7 @@ static void choose_tree(writer *w, const bool *at_gear)
     for (int rank = 0; rank <= 4; rank++)
         for (int j = 0; j < k->n_joint; j++) {
             int a = group[k->joint[j].link[0]], b = group[k->joint[j].link[1]];
-            if (rank_of(k, j, at_gear) != rank || a == b)
+            if (rank_of(w, j, at_gear) != rank || a == b)
                 continue;
             w->in_tree[j] = true;
             for (int i = 0; i < k->n_link; i++)
@@ -141,16 +167,70 @@ static double count_sign(const lw_linkage *k, int joint, int child)
     return (p->link[turned ? 0 : 1] == child) ? 1 : -1;
 }
 
+static double drive_inertia(const writer *w, int joint)
+{
+    return w->mass*(lw_joint_turns(w->k->joint[joint].kind) ? w->size*w->size : 1);
+}
+
+static void put_attribute(writer *w, const char *attribute, double v)
+{
+    put(w, " ");
+    put(w, attribute);
+    put(w, "=\"");
+    put_number(w, v);
+    put(w, "\"");
+}
+
+/* Coordinate of a joint in the posture. */
+static double reference_of(const lw_linkage *k, int joint)
+{
+    for (int i = 0; i < k->n_input; i++)
+        if (k->input[i].joint == joint)
+            return k->input[i].value;
+    return 0;
+}
+
+/* +1 if a joint's coordinate grows with the displacement of link[1] against link[0], else -1. */
+static double displacement_sign(const lw_linkage *k, int joint)
+{
+    return lw_joint_turns(k->joint[joint].kind) && k->joint[joint].link[1] == k->ground ? -1 : 1;
+}
+
+/* Write what belongs to a joint's coordinate: its value in the posture, springs and dampers, stops, and for a driven
+ * joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the linkage's size, so that
+ * its frequency changes by a factor of sqrt(2) at most over the motion; the motion itself does not depend on it. */
 static void put_reference(writer *w, int joint)
 {
     const lw_linkage *k = w->k;
-    for (int i = 0; i < k->n_input; i++)
-        if (k->input[i].joint == joint) {
-            put(w, " ref=\"");
-            put_number(w, k->input[i].value);
-            put(w, "\"");
-            return;
+    double at = reference_of(k, joint), sign = displacement_sign(k, joint), stiffness = 0, damping = 0, pull = 0;
+    if (is_input(k, joint))
+        put_attribute(w, "ref", at);
+    for (int i = 0; w->m && i < w->m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &w->m->joint_spring[i];
+        if (p->joint == joint) {
+            stiffness += p->stiffness;
+            damping += p->damping;
+            pull += p->stiffness*p->free;
         }
+    }
+    if (stiffness > 0) {
+        put_attribute(w, "stiffness", stiffness);
+        put_attribute(w, "springref", at + sign*pull/stiffness);
+    }
+    if (damping > 0)
+        put_attribute(w, "damping", damping);
+    const lw_joint_stop *stop = w->m ? &w->m->stop[joint] : NULL;
+    if (stop && (stop->has_least || stop->has_greatest)) {
+        double a = stop->has_least ? stop->least : -1e6, b = stop->has_greatest ? stop->greatest : 1e6;
+        put(w, " limited=\"true\" range=\"");
+        put_number(w, at + (sign > 0 ? a : -b));
+        put(w, " ");
+        put_number(w, at + (sign > 0 ? b : -a));
+        put(w, "\"");
+    }
+    for (int i = 0; i < lw_linkage_free_inputs(k); i++)
+        if (k->input[i].joint == joint && is_driven(w, i))
+            put_attribute(w, "armature", drive_inertia(w, joint));
 }
 
 static void put_slide(writer *w, int depth, int joint, double sign, const char *more)
@@ -199,7 +279,28 @@ static void put_rod(writer *w, int depth, lw_vec2 a, lw_vec2 b)
         put_vec(w, b);
     }
     put(w, "\" size=\"");
-    put_number(w, (ball ? 0.02 : 0.01)*w->size);
+    double r = (ball ? 0.02 : 0.01)*w->size;
+    put_number(w, r);
+    put(w, w->weighed ? "\" density=\"0\"/>" : "\"/>");
+    w->rods += STEEL*(4*LW_PI/3*r*r*r + (ball ? 0 : LW_PI*r*r*lw_v2_norm(lw_v2_sub(b, a))));
+}
+
+/* Write mass and inertia of a body, by whose frame the centre is given. MuJoCo needs some of both, so bodies without
+ * them get a millionth of what all bodies have. */
+static void put_inertia(writer *w, int depth, double mass, lw_vec2 centre, double inertia)
+{
+    put_indent(w, depth);
+    put(w, "<inertial pos=\"");
+    put_vec(w, centre);
+    put(w, "\"");
+    mass = fmax(mass, 1e-6*w->mass);
+    put_attribute(w, "mass", mass);
+    inertia = fmax(inertia, 1e-6*mass*w->size*w->size);
+    put(w, " diaginertia=\"");
+    for (int i = 0; i < 3; i++) {
+        put(w, i ? " " : "");
+        put_number(w, inertia);
+    }
     put(w, "\"/>");
 }
 
@@ -248,6 +349,30 @@ static void put_sites(writer *w, int depth, int link)
     }
 }
 
+static void put_load_site(writer *w, int depth, const char *name, const char *more, int link, lw_vec2 at)
+{
+    put_indent(w, depth);
+    put(w, "<site");
+    put_name(w, "name", name, more);
+    put(w, " pos=\"");
+    put_vec(w, lw_v2_sub(at, w->origin[link]));
+    put(w, "\"");
+    put_attribute(w, "size", 0.01*w->size);
+    put(w, "/>");
+}
+
+/* Write the points of springs and forces on a link. */
+static void put_load_sites(writer *w, int depth, int link)
+{
+    for (int i = 0; w->m && i < w->m->n_spring; i++)
+        for (int end = 0; end < 2; end++)
+            if (w->m->spring[i].link[end] == link)
+                put_load_site(w, depth, w->m->spring[i].name, end ? " end" : " start", link, w->m->spring[i].at[end]);
+    for (int i = 0; w->m && i < w->m->n_force; i++)
+        if (w->m->force[i].link == link)
+            put_load_site(w, depth, w->m->force[i].name, " force", link, w->m->force[i].at);
+}
+
 /* Write a body that slides on a line of link[0], for each loop that is closed by a slider or a slot. */
 static void put_runners(writer *w, int depth, int link)
 {
@@ -263,6 +388,8 @@ static void put_runners(writer *w, int depth, int link)
         put_vec(w, lw_v2_sub(p->at, w->origin[link]));
         put(w, "\">");
         put_slide(w, depth + 1, j, 1, "");
+        if (w->weighed)
+            put_inertia(w, depth + 1, 0, lw_v2(0, 0), 0);
         put_rod(w, depth + 1, lw_v2(0, 0), lw_v2(0, 0));
         put_indent(w, depth);
         put(w, "</body>");
@@ -282,9 +409,14 @@ static void put_body(writer *w, int depth, int link)
         put_vec(w, lw_v2_sub(w->origin[link], w->origin[w->parent[link]]));
         put(w, "\">");
         put_joint(w, depth + 1, link);
+        if (w->weighed) {
+            const lw_body *b = &w->m->body[link];
+            put_inertia(w, depth + 1, b->mass, b->given ? lw_v2_sub(b->centre, w->origin[link]) : lw_v2(0, 0), b->inertia);
+        }
         put_shape(w, depth + 1, link);
     }
     put_sites(w, depth + 1, link);
+    put_load_sites(w, depth + 1, link);
     put_runners(w, depth + 1, link);
     for (int i = 0; i < k->n_link; i++)
         if (i != k->ground && w->parent[i] == link)
@@ -378,17 +510,145 @@ static lw_status put_closures(writer *w, lw_error *e)
     return s;
 }
 
+/* ---- loads ---------------------------------------------------------------------------------------- */
+
+static double constant(const lw_expression *x) { return x ? lw_expression_value(x, NULL) : 0; }
+
+static bool varies(const lw_expression *x)
+{
+    const int *which;
+    return x && lw_expression_variables(x, &which) > 0;
+}
+
+/* Refuse what has no form in MJCF, by name. */
+static lw_status check_loads(const writer *w, lw_error *e)
+{
+    const lw_model *m = w->m;
+    const lw_linkage *k = w->k;
+    for (int i = 0; m && i < m->n_spring; i++)
+        if (m->spring[i].law)
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF", m->spring[i].name);
+    for (int i = 0; m && i < m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &m->joint_spring[i];
+        if (p->law || lw_joint_has_slot(k->joint[p->joint].kind) || !w->in_tree[p->joint])
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' %s, which has no form in MJCF", p->name,
+                                p->law ? "has a law of its own" : "acts at a joint by which a loop is closed");
+    }
+    for (int i = 0; m && i < m->n_motor; i++)
+        if (!w->in_tree[m->motor[i].joint])
+            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form in "
+                                "MJCF", m->motor[i].name);
+    for (int i = 0; m && i < m->n_force; i++)
+        if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
+            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF", m->force[i].name);
+    for (int j = 0; m && j < k->n_joint; j++) {
+        const lw_joint_stop *stop = &m->stop[j];
+        bool stops = stop->has_least || stop->has_greatest;
+        const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE ? "clearance"
+                         : stops && (stop->restitution > 0 || stop->stiffness > 0) ? "a stop that rebounds or gives way"
+                         : stops && (!w->in_tree[j] || lw_joint_has_slot(k->joint[j].kind)) ? "a stop where a loop is closed"
+                         : NULL;
+        if (what)
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which has no form in MJCF", k->joint[j].name, what);
+    }
+    return LW_OK;
+}
+
+static void put_springs(writer *w)
+{
+    if (!w->m || w->m->n_spring == 0)
+        return;
+    put(w, "\n  <tendon>");
+    for (int i = 0; i < w->m->n_spring; i++) {
+        const lw_spring *p = &w->m->spring[i];
+        put(w, "\n    <spatial");
+        put_name(w, "name", p->name, "");
+        put_attribute(w, "springlength", p->free);
+        put_attribute(w, "stiffness", p->stiffness);
+        put_attribute(w, "damping", p->damping);
+        put_attribute(w, "width", 0.005*w->size);
+        put(w, ">");
+        for (int end = 0; end < 2; end++) {
+            put_indent(w, 3);
+            put(w, "<site");
+            put_name(w, "site", p->name, end ? " end" : " start");
+            put(w, "/>");
+        }
+        put(w, "\n    </spatial>");
+    }
+    put(w, "\n  </tendon>");
+}
+
+/* Forces and motors need no control: they are the bias of an actuator. A force that keeps its direction acts along the
+ * axes of a site of the world. */
+static void put_forces(writer *w)
+{
+    const lw_model *m = w->m;
+    for (int i = 0; m && i < m->n_motor; i++) {
+        const lw_motor *p = &m->motor[i];
+        put(w, "\n    <general gainprm=\"0\" biastype=\"affine\"");
+        put_name(w, "name", p->name, " motor");
+        put_name(w, "joint", w->k->joint[p->joint].name, "");
+        put(w, " biasprm=\"");
+        put_number(w, displacement_sign(w->k, p->joint)*p->stall);
+        put(w, " 0 ");
+        put_number(w, -p->stall/p->free_speed);
+        put(w, "\"/>");
+    }
+    for (int i = 0; m && i < m->n_force; i++) {
+        const lw_force *p = &m->force[i];
+        put(w, "\n    <general gainprm=\"0\" biastype=\"affine\" biasprm=\"1 0 0\"");
+        put_name(w, "name", p->name, " force");
+        put_name(w, "site", p->name, " force");
+        if (!p->follows)
+            put(w, " refsite=\"axes of the world\"");
+        put(w, " gear=\"");
+        put_number(w, constant(p->fx));
+        put(w, " ");
+        put_number(w, constant(p->fy));
+        put(w, " 0 0 0 ");
+        put_number(w, constant(p->torque));
+        put(w, "\"/>");
+    }
+}
+
+/* The step of time: a fifth of the shortest time 1/omega of a spring on the lightest body, at most STEP. */
+static double choose_step(const writer *w)
+{
+    double least = INFINITY, stiffest = 0, turning = 0;
+    for (int i = 0; i < w->k->n_link; i++)
+        if (w->weighed && i != w->k->ground && w->m->body[i].mass > 0)
+            least = fmin(least, w->m->body[i].mass);
+    for (int i = 0; w->m && i < w->m->n_spring; i++)
+        stiffest = fmax(stiffest, w->m->spring[i].stiffness);
+    for (int i = 0; w->m && i < w->m->n_joint_spring; i++)
+        turning = fmax(turning, w->m->joint_spring[i].stiffness
+                                /(lw_joint_turns(w->k->joint[w->m->joint_spring[i].joint].kind) ? w->size*w->size : 1));
+    stiffest = fmax(stiffest, turning);
+    return fmax(1e-6, fmin(STEP, stiffest > 0 ? 0.2*sqrt(least/stiffest) : STEP));
+}
+
 /* ---- the whole ------------------------------------------------------------------------------------ */
 
+/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate. */
 static void put_drives(writer *w)
 {
     const lw_linkage *k = w->k;
     put(w, "\n  <actuator>");
     for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
-        put(w, "\n    <position kp=\"100\"");
+        double omega = DRIVE/w->step, kp = drive_inertia(w, in->joint)*omega*omega, kv = 2*RATIO*kp/omega;
+        if (!is_driven(w, i))
+            continue;
+        put(w, "\n    <general biastype=\"affine\"");
         put_name(w, "name", k->joint[in->joint].name, " drive");
         put_name(w, "joint", k->joint[in->joint].name, "");
+        put_attribute(w, "gainprm", kp);
+        put(w, " biasprm=\"0 ");
+        put_number(w, -kp);
+        put(w, " ");
+        put_number(w, -kv);
+        put(w, "\"");
         if (in->first < in->last) {
             put(w, " ctrllimited=\"true\" ctrlrange=\"");
             put_number(w, in->first);
@@ -398,6 +658,7 @@ static void put_drives(writer *w)
         }
         put(w, "/>");
     }
+    put_forces(w);
     put(w, "\n  </actuator>\n  <sensor>");
     for (int t = 0; t < k->n_tracer; t++) {
         put(w, "\n    <framepos objtype=\"site\"");
@@ -405,22 +666,42 @@ static void put_drives(writer *w)
         put(w, "/>");
     }
     put(w, "\n  </sensor>");
+    int n = 0;
+    for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
+        if (!is_driven(w, i))
+            continue;
+        put(w, n++ > 0 ? " " : "\n  <keyframe>\n    <key name=\"posture\" ctrl=\"");
+        put_number(w, k->input[i].value);
+    }
+    for (int i = 0; n > 0 && w->m && i < w->m->n_motor + w->m->n_force; i++)
+        put(w, " 0");
+    put(w, n > 0 ? "\"/>\n  </keyframe>" : "");
 }
 
 static void put_head(writer *w)
 {
+    lw_vec2 g = w->weighed ? w->m->gravity : lw_v2(0, 0);
     put(w, "<mujoco");
     put_name(w, "model", w->k->name[0] ? w->k->name : "linkage", "");
-    put(w, ">\n  <compiler angle=\"radian\" boundmass=\"1e-9\" boundinertia=\"1e-12\"/>"
-           "\n  <option gravity=\"0 0 0\" timestep=\"0.001\"/>"
-           "\n  <statistic extent=\"");
-    put_number(w, w->size);
-    put(w, "\"/>\n  <default>"
+    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the drawn posture are in the "
+           "keyframe. -->"
+           "\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
+           "\n  <option gravity=\"");
+    put_vec(w, g);
+    put(w, "\"");
+    put_attribute(w, "timestep", w->step);
+    put(w, "/>\n  <statistic");
+    put_attribute(w, "extent", w->size);
+    put(w, "/>\n  <default>"
            "\n    <joint limited=\"false\"/>"
            "\n    <geom contype=\"0\" conaffinity=\"0\" density=\"7850\" rgba=\"0.35 0.55 0.75 1\"/>"
            "\n    <site rgba=\"0.85 0.35 0 1\"/>"
-           "\n    <equality solref=\"0.004 1\" solimp=\"0.99 0.999 0.0001\"/>"
+           "\n    <equality solref=\"");
+    put_number(w, 2*w->step);
+    put(w, " 1\" solimp=\"0.9999 0.9999 0.001\"/>"
            "\n  </default>\n  <worldbody>");
+    if (w->m && w->m->n_force > 0)
+        put(w, "\n    <site name=\"axes of the world\" pos=\"0 0 0\" rgba=\"0 0 0 0\"/>");
 }
 
 static lw_status check_drives(const writer *w, lw_error *e)
@@ -432,11 +713,29 @@ static lw_status check_drives(const writer *w, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e)
+/* Mass of all bodies: of the model, or of the steel rods that are drawn. */
+static double mass_of(writer *w)
 {
-    writer w = { .k = k, .out = out, .size = lw_export_size(k) };
+    lw_bytes scratch = { 0 }, *out = w->out;
+    double mass = 0;
+    for (int i = 0; w->weighed && i < w->k->n_link; i++)
+        mass += i == w->k->ground ? 0 : w->m->body[i].mass;
+    w->out = &scratch;
+    if (!w->weighed)
+        put_body(w, 1, w->k->ground);
+    mass = w->weighed ? mass : w->rods;
+    lw_bytes_free(&scratch);
+    w->out = out;
+    return mass;
+}
+
+lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+{
+    writer w = { .k = k, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(k) };
     bool at_gear[LW_JOINT_MAX] = { false };
     lw_status s = lw_linkage_check(k, e);
+    for (int i = 0; w.m && i < k->n_link; i++)
+        w.weighed = w.weighed || (i != k->ground && w.m->body[i].mass > 0);
     if (s == LW_OK)
         s = mark_gears(k, at_gear, e);
     if (s == LW_OK) {
@@ -444,7 +743,11 @@ lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e)
         s = root_tree(&w) ? check_drives(&w, e)
           : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in MJCF");
     }
+    if (s == LW_OK)
+        s = check_loads(&w, e);
     if (s == LW_OK) {
+        w.mass = mass_of(&w);
+        w.step = choose_step(&w);
         put_head(&w);
         put_body(&w, 1, k->ground);
         put(&w, "\n  </worldbody>");
@@ -454,6 +757,7 @@ lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e)
         lw_bytes_free(out);
         return s;
     }
+    put_springs(&w);
     put_drives(&w);
     put(&w, "\n</mujoco>\n");
     return lw_bytes_end(out, e);

@@ -41,8 +41,9 @@ static void put_field(lw_bytes *out, const char *text)
     lw_bytes_text(out, "\"");
 }
 
-lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_poses(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     lw_scene s;
     lw_status st = make(k, &s, e);
     if (st != LW_OK)
@@ -108,8 +109,9 @@ static void grow_box(const lw_scene *s, lw_vec2 *lo, lw_vec2 *hi)
     *hi = lw_v2_add(*hi, lw_v2(edge, edge));
 }
 
-lw_status lw_export_svg(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_svg(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     lw_scene s;
     lw_vec2 lo, hi;
     if (k->n_tracer == 0)
@@ -232,8 +234,9 @@ static void put_tracers(const lw_scene *s, lw_bytes *out)
     }
 }
 
-lw_status lw_export_joints(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_joints(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     lw_scene s;
     lw_status st = make(k, &s, e);
     if (st != LW_OK)

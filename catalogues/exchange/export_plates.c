@@ -179,8 +179,9 @@ static void put_tables(const work *w, lw_bytes *out)
     put_code(out, 0, "ENDSEC");
 }
 
-lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     work *w;
     char note[120];
     lw_status s = make(k, &w, e);
@@ -303,8 +304,9 @@ static void put_assembly(const work *w, lw_bytes *out)
     }
 }
 
-lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_openscad(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     work *w;
     char note[120];
     lw_status s = make(k, &w, e);

@@ -261,8 +261,9 @@ static lw_status check(const lw_linkage *k, lw_error *e)
     return s;
 }
 
-lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e)
+lw_status lw_export_solvespace(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     lw_status s = check(k, e);
     writer *w = s == LW_OK ? calloc(1, sizeof *w) : NULL;
     if (!w)

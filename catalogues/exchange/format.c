@@ -31,8 +31,9 @@ static lw_status read_json(const char *text, size_t size, const char *file, cons
     return lw_linkage_read(text, size, file, k, e);
 }
 
-static lw_status write_json(const lw_linkage *k, lw_bytes *out, lw_error *e)
+static lw_status write_json(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     char *text = lw_linkage_write(k, 2);
     return text ? add(out, text, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
 }
@@ -46,14 +47,16 @@ static bool begins_adams(const char *text)
     return strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/") || strstr(text, "\nUNITS/");
 }
 
-static lw_status write_pyslvs(const lw_linkage *k, lw_bytes *out, lw_error *e)
+static lw_status write_pyslvs(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     lw_error own = { .status = LW_OK };
     return add(out, lw_pyslvs_write(k, e ? e : &own), e ? e : &own);
 }
 
-static lw_status write_pmks(const lw_linkage *k, lw_bytes *out, lw_error *e)
+static lw_status write_pmks(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
+    (void)o;
     lw_error own = { .status = LW_OK };
     return add(out, lw_pmks_write(k, e ? e : &own), e ? e : &own);
 }

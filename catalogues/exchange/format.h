@@ -4,7 +4,7 @@
 #define LW_CATALOGUES_EXCHANGE_FORMAT_H
 
 #include "base/bytes.h"
-#include "grammar/linkage.h"
+#include "catalogues/exchange/export.h"
 
 typedef struct lw_format {
     const char *name, *title;
@@ -14,7 +14,7 @@ typedef struct lw_format {
     lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
                       lw_error *e);
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
-    lw_status (*write)(const lw_linkage *k, lw_bytes *out, lw_error *e);
+    lw_status (*write)(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 } lw_format;
 
 /* Ends with a row without name.  Ask in this order whether a text is theirs: the last that can be read takes any. */

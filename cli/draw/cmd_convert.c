@@ -138,7 +138,7 @@ static int run(const cli_call *call)
         return cli_usage(call, "%s", e.text);
     if (read_linkage(call, &k, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
         return cli_fail(call, &e);
-    if (to->write(&k, &b, &e) != LW_OK) {
+    if (to->write(&k, NULL, &b, &e) != LW_OK) {
         lw_output_abandon(&out);
         return cli_fail(call, &e);
     }

@@ -242,7 +242,7 @@ static lw_status first_dimensions(job *b, double *objective, lw_error *e)
 static lw_status print_dataset(const lw_linkage *k, FILE *f, lw_error *e)
 {
     lw_bytes b = { 0 };
-    lw_status st = lw_export_adams(k, &b, e);
+    lw_status st = lw_export_adams(k, NULL, &b, e);
     if (st == LW_OK)
         fprintf(f, "MSA-program Data Set File:\n\n%s\n", b.data);
     lw_bytes_free(&b);
@@ -263,9 +263,9 @@ static lw_status save(const job *b, const lw_linkage *k, const char *name, lw_er
     if (!b->s->save)
         return LW_OK;
     snprintf(named.name, sizeof named.name, "%s", name);
-    lw_status st = lw_export_adams(&named, &bytes[0], e);
+    lw_status st = lw_export_adams(&named, NULL, &bytes[0], e);
     if (st == LW_OK)
-        st = lw_export_adams_commands(&named, &bytes[1], e);
+        st = lw_export_adams_commands(&named, NULL, &bytes[1], e);
     if (st == LW_OK)
         st = save_bytes(b, name, ".adm", &bytes[0], e);
     if (st == LW_OK)

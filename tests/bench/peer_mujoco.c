@@ -90,6 +90,7 @@ static mjModel *make_model(void)
     m->opt.gravity[0] = scene->gx;
     m->opt.gravity[1] = scene->gy;
     m->opt.solver = mjSOL_NEWTON;
+    memset(m->dof_armature, 0, (size_t)m->nv*sizeof *m->dof_armature);      /* of drives, which are off */
     m->opt.tolerance = 1e-14;
     m->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_FRICTIONLOSS | mjDSBL_ACTUATION | mjDSBL_SENSOR
                          | mjDSBL_REFSAFE;
