@@ -19,8 +19,11 @@ typedef struct lw_export_options {
 /* MuJoCo's MJCF. Bodies are the moving links, nested along a spanning tree of the joints, all parallel to the world
  * in the pose of the file. Pins are hinges about z, sliders slides, slots both. Equality constraints close the
  * other joints: connect for pins, weld for sliders and welds, joint for gears. The coordinate of a joint counts as
- * an lw_input does and has the same value in the pose. Tracers are sites with a position sensor; inputs have
- * position actuators; links are steel rods that do not collide; there is no gravity. */
+ * an lw_input does and has the same value in the pose. Tracers are sites with a position sensor.
+ *   Without masses the links are steel rods that do not collide, there is no gravity, and every input has a drive. With
+ * a model the file holds masses, gravity, springs and dampers, motors, constant forces and stops, and inputs without a
+ * motion run freely from rest. Drives, loops and the step of time are chosen so that the file is stable when stepped.
+ * LW_E_KIND, naming it: a load that MJCF cannot hold. */
 lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER,

@@ -190,19 +190,13 @@ static double reference_of(const lw_linkage *k, int joint)
     return 0;
 }
 
-/* +1 if a joint's coordinate grows with the displacement of link[1] against link[0], else -1. */
-static double displacement_sign(const lw_linkage *k, int joint)
-{
-    return lw_joint_turns(k->joint[joint].kind) && k->joint[joint].link[1] == k->ground ? -1 : 1;
-}
-
 /* Write what belongs to a joint's coordinate: its value in the posture, springs and dampers, stops, and for a driven
  * joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the linkage's size, so that
  * its frequency changes by a factor of sqrt(2) at most over the motion; the motion itself does not depend on it. */
 static void put_reference(writer *w, int joint)
 {
     const lw_linkage *k = w->k;
-    double at = reference_of(k, joint), sign = displacement_sign(k, joint), stiffness = 0, damping = 0, pull = 0;
+    double at = reference_of(k, joint), stiffness = 0, damping = 0, pull = 0;
     if (is_input(k, joint))
         put_attribute(w, "ref", at);
     for (int i = 0; w->m && i < w->m->n_joint_spring; i++) {
@@ -215,7 +209,7 @@ static void put_reference(writer *w, int joint)
     }
     if (stiffness > 0) {
         put_attribute(w, "stiffness", stiffness);
-        put_attribute(w, "springref", at + sign*pull/stiffness);
+        put_attribute(w, "springref", at + pull/stiffness);
     }
     if (damping > 0)
         put_attribute(w, "damping", damping);
@@ -223,9 +217,9 @@ static void put_reference(writer *w, int joint)
     if (stop && (stop->has_least || stop->has_greatest)) {
         double a = stop->has_least ? stop->least : -1e6, b = stop->has_greatest ? stop->greatest : 1e6;
         put(w, " limited=\"true\" range=\"");
-        put_number(w, at + (sign > 0 ? a : -b));
+        put_number(w, at + a);
         put(w, " ");
-        put_number(w, at + (sign > 0 ? b : -a));
+        put_number(w, at + b);
         put(w, "\"");
     }
     for (int i = 0; i < lw_linkage_free_inputs(k); i++)
@@ -541,6 +535,10 @@ static lw_status check_loads(const writer *w, lw_error *e)
     for (int i = 0; m && i < m->n_force; i++)
         if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
             return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF", m->force[i].name);
+    for (int i = 0; m && i < k->n_input; i++)
+        if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
+            return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which this file does not hold; leave the speed "
+                                "out", k->joint[k->input[i].joint].name);
     for (int j = 0; m && j < k->n_joint; j++) {
         const lw_joint_stop *stop = &m->stop[j];
         bool stops = stop->has_least || stop->has_greatest;
@@ -590,7 +588,7 @@ static void put_forces(writer *w)
         put_name(w, "name", p->name, " motor");
         put_name(w, "joint", w->k->joint[p->joint].name, "");
         put(w, " biasprm=\"");
-        put_number(w, displacement_sign(w->k, p->joint)*p->stall);
+        put_number(w, p->stall);
         put(w, " 0 ");
         put_number(w, -p->stall/p->free_speed);
         put(w, "\"/>");

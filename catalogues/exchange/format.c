@@ -69,18 +69,18 @@ static lw_status read_adams(const char *text, size_t size, const char *file, con
 }
 
 const lw_format lw_formats[] = {
-    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json },
-    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs },
-    { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams },
-    { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks },
-    { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, lw_export_mjcf },
-    { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands },
-    { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf },
-    { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad },
-    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace },
-    { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg },
-    { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses },
-    { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints },
+    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json, false },
+    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs, false },
+    { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams, true },
+    { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks, false },
+    { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, lw_export_mjcf, true },
+    { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands, false },
+    { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf, false },
+    { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad, false },
+    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false },
+    { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false },
+    { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses, false },
+    { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints, false },
     { .name = NULL }
 };
 

@@ -5,6 +5,7 @@
 #include "base/suggest.h"
 #include "catalogues/exchange/format.h"
 #include "cli/program/model.h"
+#include "grammar/model.h"
 #include "cli/program/output.h"
 
 typedef struct settings {
@@ -97,7 +98,16 @@ static lw_status set_input(const char *name, lw_linkage *k, lw_error *e)
 
 /* ---- run ------------------------------------------------------------------------------------------- */
 
-static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
+static bool has_masses(const lw_model *m)
+{
+    for (int i = 0; i < m->linkage.n_link; i++)
+        if (m->body[i].mass > 0)
+            return true;
+    return false;
+}
+
+/* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Free it with cli_free_model. */
+static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *k, lw_model **m, lw_error *e)
 {
     const settings *s = call->settings;
     const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
@@ -118,8 +128,19 @@ static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
         status = cli_linkage_text(path, s->result, text, size, k, e);
     else if (status == LW_OK)
         status = f->read(text, size, path, &units, k, e);
+    if (status == LW_OK && loads && strcmp(f->name, "json") == 0) {
+        *m = calloc(1, sizeof **m);
+        status = *m ? lw_model_read_result(text, size, path, s->result, *m, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        if (status != LW_OK) {
+            free(*m);
+            *m = NULL;
+        }
+    }
     if (status == LW_OK && s->unit)
         status = set_unit(s->unit, &k->units, e);
+    if (status == LW_OK && s->input && *m && has_masses(*m))
+        status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions belong to its "
+                              "own inputs; change the input in the file");
     if (status == LW_OK && s->input)
         status = set_input(s->input, k, e);
     free(text);
@@ -136,9 +157,15 @@ static int run(const cli_call *call)
     lw_error e = { 0 };
     if ((s->to ? format_named(s->to, false, &to, &e) : format_of_output(call, &to, &e)) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    if (read_linkage(call, &k, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
+    lw_model *m = NULL;
+    if (read_linkage(call, to->loads, &k, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
+        cli_free_model(m);
         return cli_fail(call, &e);
-    if (to->write(&k, NULL, &b, &e) != LW_OK) {
+    }
+    lw_export_options o = { .model = m, .clearance = -1 };
+    lw_status st = to->write(&k, &o, &b, &e);
+    cli_free_model(m);
+    if (st != LW_OK) {
         lw_output_abandon(&out);
         return cli_fail(call, &e);
     }
@@ -163,7 +190,7 @@ const cli_command cli_convert_command = {
         "  adams    a dataset of ADAMS/Solver: PART, MARKER, JOINT, MOTION, REQUEST\n"
         "Formats that can only be written:\n"
         "  acf      the commands that run NAME.adm in ADAMS/Solver; NAME is the name of the linkage\n"
-        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer\n"
+        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer, masses and loads\n"
         "  dxf      plates to cut, with holes and slots, in millimetres; each link lies in a layer in which it passes\n"
         "           all other links over the whole motion; the name of a DXF layer, such as L2_ROD, says in which one\n"
         "           (exit code 1: there are no such layers)\n"
