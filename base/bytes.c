@@ -1,10 +1,10 @@
 /* base/bytes.c - see bytes.h */
 #include "base/bytes.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 void lw_bytes_free(lw_bytes *b)
 {

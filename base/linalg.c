@@ -1,6 +1,6 @@
 /* base/linalg.c - Householder QR of small dense systems. */
 #include "base/linalg.h"
-#include <math.h>
+#include "base/real.h"
 
 /* v (length n) minus its reflection: v -= w (w . v) / beta */
 static void reflect(int n, const double *w, double beta, double *v)

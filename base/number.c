@@ -1,12 +1,12 @@
 #include "base/number.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/c_locale.h"
+#include "base/real.h"
 
 #define NUMBER_TEXT_MAX 1000    /* 767 digits decide the rounding of every double */
 

@@ -1,7 +1,7 @@
 #include "base/rank.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 
 size_t lw_rank_doubles(int m, int n) { return (size_t)m*(size_t)n + 3*(size_t)(m + n); }
 size_t lw_rank_ints(int m, int n) { return (size_t)n + 0*(size_t)m; }

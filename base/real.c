@@ -170,6 +170,20 @@ double lw_real_cos(double x)
     return k & 2 ? -c : c;
 }
 
+void lw_real_sincos(double x, double *s, double *c)
+{
+    pair r;
+    if (!(fabs(x) > 0x1p-27) || isinf(x)) {
+        *s = lw_real_sin(x);
+        *c = lw_real_cos(x);
+        return;
+    }
+    int k = reduce(x, &r);
+    double a = sine(r), b = cosine(r);
+    *s = k == 0 ? a : k == 1 ? b : k == 2 ? -a : -b;
+    *c = k == 0 ? b : k == 1 ? -a : k == 2 ? -b : a;
+}
+
 double lw_real_tan(double x)
 {
     pair r;

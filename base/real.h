@@ -15,6 +15,7 @@
 
 double lw_real_sin(double x);
 double lw_real_cos(double x);
+void   lw_real_sincos(double x, double *sine, double *cosine);
 double lw_real_tan(double x);
 double lw_real_asin(double x);
 double lw_real_acos(double x);
@@ -32,6 +33,7 @@ double lw_real_hypot(double x, double y);
 
 #define sin(x)      lw_real_sin(x)
 #define cos(x)      lw_real_cos(x)
+#define sincos(x, s, c) lw_real_sincos(x, s, c)
 #define tan(x)      lw_real_tan(x)
 #define asin(x)     lw_real_asin(x)
 #define acos(x)     lw_real_acos(x)

@@ -1,6 +1,5 @@
 #include "base/rng.h"
-
-#include <math.h>
+#include "base/real.h"
 
 static uint64_t rotate(uint64_t x, int k) { return (x << k) | (x >> (64 - k)); }
 

@@ -1,9 +1,9 @@
 /* base/sparse.c - elimination that skips zeros. */
 #include "base/sparse.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 void lw_sparse_order(int n, unsigned char *near, int *order)
 {

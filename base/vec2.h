@@ -3,7 +3,7 @@
 #ifndef LW_BASE_VEC2_H
 #define LW_BASE_VEC2_H
 
-#include <math.h>
+#include "base/real.h"
 #include "linkwright.h"     /* lw_vec2 */
 
 #define LW_PI 3.14159265358979323846

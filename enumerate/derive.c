@@ -1,8 +1,8 @@
 #include "enumerate/derive.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "enumerate/symmetry.h"
 #include "grammar/growth.h"
 #include "grammar/planar.h"

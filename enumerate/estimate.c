@@ -1,7 +1,7 @@
 /* enumerate/estimate.c - see estimate.h. */
-#include <math.h>
 #include "base/clock.h"
 #include "enumerate/estimate.h"
+#include "base/real.h"
 #include "enumerate/structures.h"
 #include "enumerate/synthesis.h"
 #include "enumerate/weighting.h"

@@ -1,8 +1,8 @@
 /* enumerate/recount.c - recounts the rows of the published table.  To recount another wording, add a row to
  * `wordings` or a family to `families`. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
 #include "enumerate/fractionated.h"

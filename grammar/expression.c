@@ -5,12 +5,12 @@
  *     unary   = ("+" | "-") unary | power
  *     power   = primary ("^" unary)?                        -2^2 is -4, 2^-1 is 0.5, 2^3^2 is 2^9
  *     primary = number | "(" sum ")" | "pi" | function "(" sum ("," sum)* ")" | word ("(" name ")")? */
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/number.h"
+#include "base/real.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
 #include "grammar/expression_internal.h"

@@ -2,9 +2,9 @@
  * recurrences of Griewank & Walther 2008, tables 13.1 and 13.2, which follow from  c' = f'(a) a'.
  *
  * A series here has LW_SERIES_ORDER_MAX + 1 numbers, of which order + 1 are used. */
-#include <math.h>
 #include <stdbool.h>
 #include <string.h>
+#include "base/real.h"
 #include "base/vec2.h"
 #include "grammar/expression_internal.h"
 

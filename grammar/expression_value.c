@@ -1,7 +1,7 @@
 /* grammar/expression_value.c - value and gradient.  The value is one pass over the operations; the gradient
  * adds a pass backwards (Griewank & Walther 2008, chapter 3). */
-#include <math.h>
 #include <stdbool.h>
+#include "base/real.h"
 #include "base/vec2.h"
 #include "grammar/expression_internal.h"
 

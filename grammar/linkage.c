@@ -1,7 +1,7 @@
 /* grammar/linkage.c - mobility, inputs, and the values of inputs in the posture. */
+#include "base/real.h"
 #include "grammar/assembly.h"
 
-#include <math.h>
 #include <stdbool.h>
 
 int lw_assembly_mobility(const lw_assembly *k)

@@ -1,7 +1,7 @@
 /* grammar/linkage_check.c - the checks that every user of a linkage relies on. */
+#include "base/real.h"
 #include "grammar/linkage_internal.h"
 
-#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>

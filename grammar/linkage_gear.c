@@ -1,7 +1,7 @@
 /* grammar/linkage_gear.c - finds the link that carries a gear pair, or a rack and its pinion. */
+#include "base/real.h"
 #include "grammar/linkage.h"
 
-#include <math.h>
 #include <stdbool.h>
 
 #define CONTACT_TOLERANCE 1e-6

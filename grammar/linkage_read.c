@@ -1,8 +1,8 @@
 /* grammar/linkage_read.c - a linkage from JSON (docs/notation.md, "Linkage").  This file checks types and names;
  * lw_assembly_find_fault checks the whole, and its error gets a place in the text here. */
+#include "base/real.h"
 #include "grammar/assembly.h"
 
-#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>

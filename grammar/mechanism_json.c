@@ -1,7 +1,7 @@
 #include "grammar/mechanism_json.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "grammar/json_internal.h"
 #include "grammar/text_internal.h"
 

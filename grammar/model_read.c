@@ -1,8 +1,8 @@
 /* grammar/model_read.c - a model from JSON (docs/notation.md, "Model"): first the linkage, by its own reader, then
  * drives and loads.  Positions and angles are in the units of the file, all other values in SI units. */
+#include "base/real.h"
 #include "grammar/model_internal.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 #include "grammar/motion_law.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <string.h>
+#include "base/real.h"
 #include "base/vec2.h"
 
 #define PI LW_PI

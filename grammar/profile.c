@@ -4,8 +4,8 @@
  * falls to a valley, stays there, rises to a1.  up, down: 1/jerk of rising and falling; both: their sum. */
 #include "grammar/profile.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 
 #define ROUNDING   1e-12       /* of a time or acceleration, relative: what counts as nought */
 #define TIMES_MAX  24          /* ends of intervals and borders of formulas                  */

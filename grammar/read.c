@@ -1,7 +1,7 @@
 /* grammar/read.c - pairs, lists, optional numbers, names of links and joints. */
+#include "base/real.h"
 #include "grammar/read_internal.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>

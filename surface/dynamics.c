@@ -1,7 +1,7 @@
 /* Models and how they move under their loads. */
+#include "base/real.h"
 #include "surface/surface.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"

@@ -1,7 +1,7 @@
 /* Linkages: made, read, written, asked. */
+#include "base/real.h"
 #include "surface/surface.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

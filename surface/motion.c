@@ -1,7 +1,7 @@
 /* How a linkage moves: postures, ranges of its input, curves of its motions. */
+#include "base/real.h"
 #include "surface/surface.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/batch/batch.h"

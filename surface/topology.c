@@ -1,7 +1,7 @@
 /* Chains and mechanisms, and which of them exist. */
+#include "base/real.h"
 #include "surface/surface.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"

@@ -126,6 +126,11 @@ static void exact_cases(void)
         CHECK(lw_real_pow(2, n) == ldexp(1, n));
         CHECK(lw_real_log2(ldexp(1, n)) == n);
     }
+    for (int k = -50; k < 50; k++) {
+        double s, c;
+        lw_real_sincos(0.7*k, &s, &c);
+        CHECK(s == lw_real_sin(0.7*k) && c == lw_real_cos(0.7*k));
+    }
     CHECK(lw_real_hypot(3, 4) == 5);
     CHECK(lw_real_exp(0) == 1);
     CHECK(lw_real_cos(0) == 1);

@@ -1,10 +1,10 @@
 /* catalogues/build/build_linkages.c - store results of fits in a catalogue (bridge to jansson). */
 #include <jansson.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/bytes.h"
+#include "base/real.h"
 #include "catalogues/build/build_internal.h"
 #include "catalogues/curves/descriptor.h"
 #include "catalogues/draw/scene.h"

@@ -2,10 +2,10 @@
  */
 #include "catalogues/curves/atlas.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/parallel.h"
+#include "base/real.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 
 #define CHUNK 512                      /* samples per job */

@@ -1,9 +1,9 @@
 #include "catalogues/curves/curves.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "catalogues/curves/curves_internal.h"
 #include "mbs/batch/batch.h"
 #include "mbs/batch/pose.h"

@@ -1,7 +1,7 @@
 #include "catalogues/curves/descriptor.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 
 #define SAMPLES LW_DESCRIBER_SAMPLES
 #define STARTS  LW_MATCHER_STARTS

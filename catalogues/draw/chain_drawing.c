@@ -2,10 +2,10 @@
 #include "catalogues/draw/chain_drawing.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/draw/symbols.h"
 
 #define SIGN      (1/72.0)   /* size of signs (u of symbols.h) per length of a bar */

@@ -1,9 +1,9 @@
 /* catalogues/draw/chain_layout.c - the layout of a chain: choice of the embedding, orientation on the page, and chains
  * whose graph is not planar. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "base/rng.h"
 #include "catalogues/draw/chain_layout_internal.h"
 #include "grammar/planar.h"

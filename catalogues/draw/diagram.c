@@ -2,11 +2,11 @@
  * legend), then views, curves and target. */
 #include "catalogues/draw/diagram.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/bytes.h"
+#include "base/real.h"
 #include "catalogues/draw/body_shapes.h"
 #include "catalogues/draw/labels.h"
 #include "catalogues/draw/symbols.h"

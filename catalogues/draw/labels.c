@@ -1,9 +1,9 @@
 /* catalogues/draw/labels.c - see labels.h */
 #include "catalogues/draw/labels.h"
 
-#include <math.h>
 #include <stdlib.h>
 
+#include "base/real.h"
 #include "catalogues/draw/drawing.h"
 
 #define CELL 4.0                        /* [px]: finer than the letters, coarse enough to be fast */

@@ -1,9 +1,9 @@
 /* catalogues/draw/motion_path.c - see motion_path.h */
 #include "catalogues/draw/motion_path.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 #define REACH 8.0                     /* a curve that does not close is followed this far, sizes of the linkage */
 #define PATIENCE 60                   /* random poses without a new curve after which the search ends */

@@ -3,10 +3,10 @@
 
 #include <cairo-pdf.h>
 #include <cairo.h>
-#include <math.h>
 #include <pthread.h>
 #include <string.h>
 #include "base/library.h"
+#include "base/real.h"
 
 /* cairo and its libraries are loaded with the first picture (base/library.h). */
 #define CALLS(X) \

@@ -1,10 +1,10 @@
 /* catalogues/draw/plot.c - see plot.h */
 #include "catalogues/draw/plot.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "base/bytes.h"
+#include "base/real.h"
 
 #define LETTER   12.0           /* size of the letters [px] */
 #define TICK_MAX 64

@@ -1,12 +1,12 @@
 /* catalogues/draw/scene.c - see scene.h */
 #include "catalogues/draw/scene.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/bytes.h"
+#include "base/real.h"
 #include "catalogues/draw/motion_path.h"
 #include "catalogues/draw/walk.h"
 #include "grammar/model.h"

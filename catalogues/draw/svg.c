@@ -1,9 +1,9 @@
 /* catalogues/draw/svg.c - see svg.h */
 #include "catalogues/draw/svg.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "base/real.h"
 
 #define FONT "DejaVu Sans,Verdana,Arial,sans-serif"
 

@@ -1,8 +1,7 @@
 /* catalogues/draw/views.c - see views.h */
 #include "catalogues/draw/views.h"
 
-#include <math.h>
-
+#include "base/real.h"
 #include "catalogues/draw/body_shapes.h"
 
 #define ENDLESS 8.0            /* a motion this many times larger than the pose shown is cut off */

@@ -2,12 +2,12 @@
 #include "catalogues/exchange/adams.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
+#include "base/real.h"
 #include "base/vec2.h"
 #include "catalogues/exchange/export.h"
 #include "grammar/text_internal.h"

@@ -1,7 +1,6 @@
 /* catalogues/exchange/export.c - functions that several writers use. */
 #include "catalogues/exchange/export.h"
-
-#include <math.h>
+#include "base/real.h"
 
 double lw_export_size(const lw_linkage *k)
 {

@@ -1,11 +1,11 @@
 /* catalogues/exchange/export_adams.c - write a linkage as a dataset of ADAMS/Solver, and the commands that run it.
  *
  * Markers are numbered as in PLASMA, 100 part + count; the part of link i is i + 1. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/draw/scene.h"
 

@@ -1,7 +1,7 @@
 /* catalogues/exchange/export_mjcf.c - write a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
+#include "base/real.h"
 #include "catalogues/exchange/export.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

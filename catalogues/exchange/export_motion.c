@@ -1,8 +1,8 @@
 /* catalogues/exchange/export_motion.c - write the motion of a linkage as numbers: poses, curves, joints. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/draw/scene.h"
 

@@ -1,11 +1,11 @@
 /* catalogues/exchange/export_solvespace.c - write a linkage as a sketch of SolveSpace (file format of SolveSpace 3):
  * every link is a set of points at constant distances, points on one pin are coincident, the points of the ground are
  * fixed. One degree of freedom is left to drag. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/exchange/export.h"
 
 #define MM        1000.0

@@ -8,10 +8,10 @@
  *     distance >= (d0 + d1 - La - Lb)/2. */
 #include "catalogues/exchange/layers.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/draw/body_shapes.h"
 
 /* A plate or a pin in every frame of a scene. */

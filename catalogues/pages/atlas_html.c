@@ -2,7 +2,6 @@
 #include "catalogues/pages/atlas_html.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/real.h"
 #include "catalogues/draw/chain_drawing.h"
 #include "catalogues/draw/svg.h"
 #include "catalogues/pages/page.h"

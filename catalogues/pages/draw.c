@@ -1,11 +1,11 @@
 /* catalogues/pages/draw.c - see draw.h */
 #include "catalogues/pages/draw.h"
 
-#include <math.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/file.h"
+#include "base/real.h"
 #include "catalogues/draw/diagram.h"
 #include "catalogues/draw/gif.h"
 #include "catalogues/pages/page.h"

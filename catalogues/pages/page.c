@@ -2,11 +2,11 @@
 #include "catalogues/pages/page.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/draw/diagram.h"
 #include "catalogues/draw/svg.h"
 #include "catalogues/pages/page_files.h"      /* made from page.css and page.js by the Makefile */

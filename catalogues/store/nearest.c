@@ -1,9 +1,9 @@
 /* catalogues/store/nearest.c - the curves of a catalogue nearest to a target. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "catalogues/store/nearest.h"
+#include "base/real.h"
 #include "catalogues/store/store_internal.h"
 
 #define SMOOTH_POINTS 512    /* a target of fewer points than FEW is replaced by a smooth curve with this many points */

@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 #include "base/clock.h"
+#include "base/real.h"
 #include "catalogues/store/store_internal.h"
 
 #define BUSY_MILLISECONDS 10000       /* how long a reader waits for a commit, and a commit for readers */

@@ -1,6 +1,7 @@
 #include "catalogues/store/store_layout.h"
 
 #include <string.h>
+#include "base/real.h"
 
 static void put_byte(lw_bytes *b, int v)
 {

@@ -1,8 +1,8 @@
 /* catalogues/store/store_rows.c - write rows into the store: structures, chains, ground links, mechanisms, segments of
  * curves, linkages; and read blocks of curves. */
+#include "base/real.h"
 #include "catalogues/store/store_internal.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

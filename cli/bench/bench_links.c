@@ -1,10 +1,10 @@
 /* cli/bench/bench_links.c - error over number of links and time: every problem is searched with four links, then six,
  * then eight; the best linkage with each number of links is listed with its time. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/real.h"
 #include "catalogues/pages/draw.h"
 #include "catalogues/draw/plot.h"
 #include "cli/bench/bench.h"

@@ -2,12 +2,12 @@
  */
 #include "cli/bench/bench_mbs.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
 #include "base/number.h"
+#include "base/real.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
 #include "cli/program/data.h"

@@ -1,11 +1,11 @@
 /* cli/bench/bench_mbs_peer.c - run other programs' solvers in the same benchmark: each reads the scene and answers with
  * rows and positions, which are measured as our own. tests/bench/peer.h defines the lines. */
+#include "base/real.h"
 #include "cli/bench/bench_mbs.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>

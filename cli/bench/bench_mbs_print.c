@@ -1,7 +1,7 @@
 /* cli/bench/bench_mbs_print.c - output of the multibody benchmark: Markdown tables, CSV, plots. */
+#include "base/real.h"
 #include "cli/bench/bench_mbs.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

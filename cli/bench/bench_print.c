@@ -1,9 +1,9 @@
 /* cli/bench/bench_print.c - output of a benchmark: Markdown tables, CSV, plots. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/real.h"
 #include "catalogues/pages/draw.h"
 #include "cli/bench/bench.h"
 

@@ -1,10 +1,10 @@
 /* cli/bench/bench_run.c - runs that record a curve: the default strategy, solvers from its starts, searches of the
  * whole box. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/real.h"
 #include "cli/bench/bench.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 #include "optimise/search/start.h"

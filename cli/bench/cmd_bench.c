@@ -1,9 +1,9 @@
 /* linkwright bench - measure speed and error, as tables and plots. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/real.h"
 #include "base/suggest.h"
 #include "cli/bench/bench.h"
 #include "cli/bench/bench_mbs.h"

@@ -1,7 +1,7 @@
 #include "cli/bench/flexible_crank.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/ode/cvode.h"
 #include "mbs/ode/ida.h"
 

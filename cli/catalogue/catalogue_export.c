@@ -1,9 +1,9 @@
 /* linkwright catalogue export - chains and mechanisms in any notation; linkages in the form that `catalogue add` reads.
  */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/store/query.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/json.h"

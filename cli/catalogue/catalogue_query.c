@@ -1,9 +1,9 @@
 /* linkwright catalogue query - rows of a catalogue as a table, as JSON or CSV. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
+#include "base/real.h"
 #include "catalogues/store/query.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/json.h"

@@ -1,8 +1,8 @@
 /* linkwright fit - find linkages that move as the target asks. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "cli/fit/fit.h"
 #include "cli/program/model.h"
 #include "cli/program/progress.h"

@@ -1,8 +1,8 @@
 /* linkwright plasma - from a link adjacency matrix and a target to dimensions, in the steps of PLASMA. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "base/rng.h"
 #include "catalogues/exchange/export.h"
 #include "cli/program/model.h"

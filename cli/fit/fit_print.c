@@ -1,8 +1,8 @@
 /* cli/fit/fit_print.c - print the results of a fit as a table and as JSON. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "cli/fit/fit.h"
 double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si)
 {

@@ -1,8 +1,8 @@
 /* cli/fit/fit_save.c - write the results of a fit into a folder: linkages, pictures, an animation, one page. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/pages/draw.h"
 #include "catalogues/pages/page.h"
 #include "cli/fit/fit.h"

@@ -1,9 +1,9 @@
 /* cli/fit/plasma.c - print the tables of PLASMA. */
 #include "cli/fit/plasma.h"
 
-#include <math.h>
 #include <stdlib.h>
 
+#include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "mbs/batch/pose.h"
 

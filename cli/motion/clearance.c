@@ -1,9 +1,9 @@
 /* cli/motion/clearance.c - read the lists in the options of a sweep. */
 #include "cli/motion/clearance.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "base/suggest.h"
 #include "mbs/dynamics/contact.h"
 

@@ -1,8 +1,8 @@
 /* cli/motion/clearance_print.c - print and plot a sweep, or one run in full. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "catalogues/pages/draw.h"
 #include "cli/motion/clearance.h"
 #include "cli/program/json.h"

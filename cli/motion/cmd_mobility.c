@@ -1,7 +1,7 @@
 /* linkwright mobility - degrees of freedom of a linkage, counted by formula and found from its motion. */
-#include <math.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"

@@ -1,8 +1,8 @@
 /* linkwright profile - motion from one state to another: in least time under limits, or by a law. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
 #include "cli/program/json.h"

@@ -1,9 +1,9 @@
 /* linkwright simulate - motion of a model under its loads, and the forces in its joints. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/real.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/simulate.h"

@@ -1,9 +1,9 @@
 /* linkwright trace - motion of the tracers of a linkage over every range of its input. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/real.h"
 #include "base/suggest.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"

@@ -1,10 +1,10 @@
 #include "cli/motion/simulate.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/number.h"
+#include "base/real.h"
 #include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"

@@ -1,9 +1,9 @@
 /* cli/motion/simulate_linear.c - print modes as tables. */
 #include "cli/motion/simulate_linear.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "mbs/dynamics/modes.h"

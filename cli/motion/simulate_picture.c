@@ -1,7 +1,7 @@
 /* cli/motion/simulate_picture.c - plots and animations of a run. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
 #include "cli/motion/simulate.h"

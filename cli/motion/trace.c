@@ -1,7 +1,7 @@
 #include "cli/motion/trace.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/kinematics/output_limits.h"
 
 #define TURN_MAX 64

@@ -1,9 +1,9 @@
 /* Rows of a trace along motion curves. */
 #include "cli/motion/trace_curve.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 /* ---- shared ------------------------------------------------------------------------------------ */
 

@@ -1,7 +1,7 @@
 #include "cli/program/json.h"
 
-#include <math.h>
 #include "base/number.h"
+#include "base/real.h"
 
 cli_json cli_json_begin(FILE *f, int indent)
 {

@@ -3,10 +3,10 @@
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/number.h"
+#include "base/real.h"
 #include "base/suggest.h"
 
 #define ROW(name, letter, kind, member, argument, fallback, help, least, most) \

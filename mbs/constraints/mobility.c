@@ -1,9 +1,9 @@
 /* mbs/constraints/mobility.c - conclusions about a linkage from the walks of mobility_drift.c. */
 #include "mbs/constraints/mobility.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/constraints/mobility_internal.h"
 
 #define WALKS     4           /* walks that start at the posture */

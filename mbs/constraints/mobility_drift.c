@@ -1,8 +1,8 @@
 /* mbs/constraints/mobility_drift.c - walk on the set of postures without knowing its dimension.  Gauss-Newton steps
  * of least norm (Ben-Israel 1966) find a posture near a guess for any rank. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/constraints/mobility_internal.h"
 
 #define SETTLE_MAX   150       /* a motion of order p that falls back loses 1/p of its length a step */

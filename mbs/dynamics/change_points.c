@@ -3,10 +3,10 @@
  * The margin of a dyad, sin^2 of its angle, has a double root there, so y = +-sqrt(margin) has a simple one, and a
  * linkage that keeps its velocities changes to the other sign.  The input is scanned from the start to both sides,
  * with modes that change at every such point; where a margin falls below 0 the motion ends. */
+#include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 #include "base/linalg.h"
 

@@ -1,9 +1,9 @@
 /* mbs/dynamics/clearance_equations.c - accelerations in tree coordinates, with rows for loops, links, stops and
  * inputs. */
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/clearance_internal.h"
 #include "mbs/dynamics/friction.h"
 

@@ -1,7 +1,7 @@
 /* mbs/dynamics/clearance_run.c - motion with clearance from 0 to the end, with contact made and lost. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/clearance_internal.h"
 #include "mbs/dynamics/limits_internal.h"
 #include "mbs/ode/integrate.h"

@@ -1,8 +1,8 @@
 /* mbs/dynamics/clearance_scene.c - a scene: which joints are opened, which are kept. */
+#include "base/real.h"
 #include "mbs/dynamics/clearance.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/dynamics/clearance_internal.h"

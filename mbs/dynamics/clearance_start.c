@@ -2,8 +2,8 @@
  *
  * Without clearance, the posture of the file and the speeds of the inputs determine everything; the reaction of each
  * journal then says where in its bush the pin sits (Makkonen 1999, eqs. 26-27). */
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/clearance_internal.h"
 
 /* Step of central differences along the motion; the error is its square */

@@ -1,7 +1,7 @@
 /* mbs/dynamics/clearance_stops.c - rigid stops in tree coordinates (mbs/dynamics/rigid_stops_internal.h).  Forces of
  * contacts are finite, so they take no part in an impact. */
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/clearance_internal.h"
 
 /* Least mobility of a stop that gives way, times the greatest mass. */

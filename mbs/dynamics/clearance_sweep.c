@@ -1,10 +1,10 @@
 #include "mbs/dynamics/clearance_sweep.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/parallel.h"
+#include "base/real.h"
 #include "mbs/dynamics/limits_internal.h"
 
 /* ---- laws ---------------------------------------------------------------------------------------- */

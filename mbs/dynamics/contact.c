@@ -1,7 +1,7 @@
 #include "mbs/dynamics/contact.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 
 bool lw_contact_rises(const lw_clearance *c)
 {

@@ -1,9 +1,9 @@
 #include "mbs/dynamics/counterweights.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/rank.h"
+#include "base/real.h"
 
 #define UNKNOWNS (2*LW_LINK_MAX + 2)
 

@@ -1,9 +1,9 @@
 /* mbs/dynamics/dynamics_bodies.c - forward dynamics in the coordinates of all bodies: index1 by an explicit method,
  * cvode by an implicit one.  Rigid stops are events; singular postures are passed
  * (mbs/dynamics/dynamics_singular.c). */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

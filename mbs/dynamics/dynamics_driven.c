@@ -7,10 +7,10 @@
  * simple pole, so the product of multiplier and time from the branch point is analytic too.  Its value there is the
  * strength of the pole; where that is 0, its derivative is the limit of the multiplier.  The power of a moving input
  * is finite, so its drive has a limit; reactions often have none. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

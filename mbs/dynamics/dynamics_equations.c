@@ -1,9 +1,9 @@
 /* mbs/dynamics/dynamics_equations.c - rows, factors, accelerations and reactions at one moment. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
 #include <assert.h>
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/sparse.h"

@@ -4,9 +4,9 @@
  *
  * W = 1/M keeps both equations in one metric; J has the kept rows.  Friction uses the multipliers of the state.  y =
  * (q, v, l, m, work). */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/sparse_lu.h"

@@ -1,7 +1,7 @@
 /* mbs/dynamics/dynamics_make.c - a model made ready: system, memory, a start that satisfies the constraints. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,9 +6,9 @@
  * panel (mbs/ode/panel_internal.h); a panel is as long as sixteen values resolve.  Where K falls to 0, at s*, the
  * linkage stands and turns back: with s = s* - a u^2 the second integral is smooth in u, and one panel holds the
  * motion to s* and back. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/dynamics/reduced_internal.h"

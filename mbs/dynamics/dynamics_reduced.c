@@ -4,10 +4,10 @@
  * With friction the linkage slides one way, slides the other way or sticks.  It slides until p = 0; the side on which
  * a joint's friction acts changes where the joint turns back.  Both are events.  It sticks as long as it would
  * accelerate neither way, against its friction in that way. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

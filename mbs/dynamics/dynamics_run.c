@@ -1,8 +1,8 @@
 /* mbs/dynamics/dynamics_run.c - what every run does: samples, energy and momentum, limits, the right-hand side. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -12,10 +12,10 @@
  * with p^2/2 the kinetic energy.  The curve is Newton's polynomial through twelve places, the images under square
  * root of Chebyshev's points on [gap^2, 1]: the best ones for an interval with a gap in its middle.  It has to
  * satisfy the rows within the gap; where motion curves come near each other but do not meet, it does not. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/ode/integrate.h"

@@ -1,8 +1,8 @@
 /* mbs/dynamics/dynamics_stops.c - rigid stops in the bodies' coordinates (mbs/dynamics/rigid_stops_internal.h). */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <assert.h>
-#include <math.h>
 
 /* Place of stop i among those that rest. */
 static int place_of(const lw_dynamics *d, int i)

@@ -1,9 +1,9 @@
 /* mbs/dynamics/forces.c - loads on the coordinates of a system. */
 #include "mbs/dynamics/forces.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 /* ---- making ------------------------------------------------------------------------------------ */
 

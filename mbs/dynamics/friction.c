@@ -1,9 +1,9 @@
 #include "mbs/dynamics/friction.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 #include "base/linalg.h"
+#include "base/real.h"
 
 static const double singular = 1e-3;         /* a determinant below this: the reactions are not determined */
 

@@ -3,9 +3,9 @@
 
 #include <assert.h>
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 

@@ -1,8 +1,8 @@
 /* mbs/dynamics/modes_eigen.c - bridge to GSL's eigenvalues. */
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
-#include <math.h>
 #include "base/gsl_errors.h"
+#include "base/real.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)

@@ -4,10 +4,10 @@
  * bell too, so the parabola through the logarithms of three neighbours gives its top without bias. */
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_fft_real.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/gsl_errors.h"
+#include "base/real.h"
 #include "mbs/dynamics/clearance_internal.h"
 #include "mbs/ode/integrate.h"
 #include "mbs/dynamics/modes.h"

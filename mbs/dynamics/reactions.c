@@ -1,8 +1,8 @@
 #include "mbs/dynamics/reactions.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 
 /* -J^T l of n rows on one body: force, and moment about its reference point. */
 static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int n, int body)

@@ -3,9 +3,9 @@
  * The velocities of a dyad are linear in those of the links it is joined to.  For RRR, c = a + r1 u1 = b + r2 u2, x =
  * cross(u1, u2):
  *     r1 x w1 = (b' - a').u2,    r2 x w2 = (b' - a').u1. */
+#include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 
-#include <math.h>
 #include <string.h>
 #include "mbs/plan/dyad_internal.h"
 

@@ -11,9 +11,9 @@
  *
  * N = |R(N)| is solved by iteration, which contracts by about mu times radius over length; where it does not, by
  * Newton's method (mbs/dynamics/friction.h). */
+#include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { PASSES = 25 };

@@ -1,8 +1,8 @@
 /* mbs/dynamics/reduced_make.c - can one coordinate describe a model?  Its parts on the registers of the plan. */
+#include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

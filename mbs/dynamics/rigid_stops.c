@@ -1,6 +1,6 @@
+#include "base/real.h"
 #include "mbs/dynamics/rigid_stops_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 static const double passed = 1e-6;           /* a gap below minus this: the stop is passed, scaled */

@@ -5,8 +5,8 @@
  * leads downhill and away from saddles. */
 #include "mbs/dynamics/statics.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 

@@ -1,7 +1,7 @@
 /* mbs/dynamics/vibration.c - masses, damping and stiffness on the motions that the constraints allow. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/dynamics/vibration_internal.h"
 
 #define LEAST_RANK 1e-10             /* rows nearer than this to those before depend on them */

@@ -10,10 +10,10 @@
  *
  * Near a change point acos would lose half the digits; these quotients lose none. */
 #include "mbs/kinematics/fourbar.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 #include "base/sum.h"
 #include "base/vec2.h"
 

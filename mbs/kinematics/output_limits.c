@@ -1,7 +1,7 @@
 /* mbs/kinematics/output_limits.c - sign changes of the speed of links at the ground. */
 #include "mbs/kinematics/output_limits.h"
 
-#include <math.h>
+#include "base/real.h"
 #include "mbs/batch/pose.h"
 
 #define N_SAMPLE 256

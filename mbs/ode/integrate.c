@@ -1,8 +1,8 @@
 /* mbs/ode/integrate.c - steps of DOP853 with error control. */
+#include "base/real.h"
 #include "mbs/ode/integrate_internal.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 #include "mbs/ode/integrate_table_internal.h"
 

@@ -1,7 +1,7 @@
 /* mbs/ode/integrate_event.c - location of events within a step. */
 #include <float.h>
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "mbs/ode/integrate_internal.h"
 
 #define SAMPLES 4                    /* points checked in a step: three inside, and its end               */

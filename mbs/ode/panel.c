@@ -1,8 +1,8 @@
 /* mbs/ode/panel.c - Chebyshev and Gauss-Legendre points (of GSL), and the matrices that integrate by them. */
+#include "base/real.h"
 #include "mbs/ode/panel_internal.h"
 
 #include <gsl/gsl_integration.h>
-#include <math.h>
 #include "base/gsl_errors.h"
 #include "base/vec2.h"
 

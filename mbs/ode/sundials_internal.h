@@ -3,7 +3,6 @@
 #ifndef LW_MBS_ODE_SUNDIALS_INTERNAL_H
 #define LW_MBS_ODE_SUNDIALS_INTERNAL_H
 
-#include <math.h>
 #include <nvector/nvector_serial.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +10,7 @@
 #include <sundials/sundials_context.h>
 #include <sundials/sundials_linearsolver.h>
 #include <sunmatrix/sunmatrix_dense.h>
+#include "base/real.h"
 #include "base/sparse.h"
 #include "base/sparse_lu.h"
 #include "mbs/ode/integrate.h"

@@ -15,9 +15,9 @@
  *     q phi_1 - p phi_0 - (q - p) phi_c = q phi,
  * which q directions of wheel 1 fulfil.  They are told apart by following the motion from the seed; they follow each
  * other in q turns of wheel 0.  lw_plan_gear_turns bounds the turns of the input in which all of them occur. */
+#include "base/real.h"
 #include "mbs/plan/plan_build_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 #define WHOLE 1e-9           /* relative distance at which a ratio counts as a whole number */

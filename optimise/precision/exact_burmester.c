@@ -8,9 +8,9 @@
  * which is linear in (1, k, g, u, v) with u = k.g, v = k x g.  Four poses besides the first leave a plane of these
  * seven (projective) numbers, and the two quadrics  w u = k.g,  w v = k x g  cut the plane in four points.  All four
  * are guides: where w = 0, k or g is at infinity and the other follows from u + iv = conj(k) g. */
+#include "base/real_complex.h"
 #include "optimise/precision/exact_internal.h"
 
-#include <complex.h>
 #include <string.h>
 #include "base/linalg.h"
 

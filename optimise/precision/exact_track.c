@@ -9,9 +9,9 @@
  * for both pairs of pins.  Cramer's rule in  g + g^ + g g^ = 0  leaves, per point, one equation in the eight numbers
  * x x^ a a^ y y^ b b^:   N N^ + E (N + N^) = 0  with  E = A1 B2 - A2 B1,  N = B1 D2 - B2 D1,  N^ = A2 D1 - A1 D2.
  * Over the complex numbers the hats are independent variables. */
+#include "base/real.h"
 #include "optimise/precision/exact_track_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { X, XH, A, AH, Y, YH, B, BH };

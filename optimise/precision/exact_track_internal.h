@@ -2,8 +2,8 @@
 #ifndef LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 #define LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 
-#include <math.h>
 #include <stdbool.h>
+#include "base/real.h"
 
 /* Complex numbers whose product is four multiplications; C's own product also handles infinities. */
 typedef struct lw_cx { double re, im; } lw_cx;

@@ -1,7 +1,7 @@
 #include "optimise/report/likeness.h"
 
-#include <math.h>
 #include <stdlib.h>
+#include "base/real.h"
 
 enum { N = LW_LIKENESS_POINTS, PIECES = 8 };
 #define CORNER 0.7              /* a target that turns more than this at a station has a corner there [rad] */

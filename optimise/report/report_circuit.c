@@ -1,7 +1,7 @@
 /* optimise/report/report_circuit.c - closed motions across limits, leg by leg over the whole circuit. */
-#include <math.h>
 #include <stdlib.h>
 
+#include "base/real.h"
 #include "mbs/batch/batch.h"
 #include "optimise/report/report_internal.h"
 

@@ -1,9 +1,9 @@
 /* optimise/report/report_curve.c - the motion of a linkage with higher groups, which has no arcs in closed form: the
  * curve of postures through the first station. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "mbs/constraints/circuits.h"
 #include "mbs/batch/pose.h"
 #include "optimise/report/report_internal.h"

@@ -1,9 +1,9 @@
 #include "optimise/search/pool.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/real.h"
 
 lw_variables lw_pool_variables(const lw_problem *p)
 {

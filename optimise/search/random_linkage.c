@@ -1,9 +1,9 @@
 #include "optimise/search/random_linkage.h"
 
-#include <complex.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real_complex.h"
 #include "optimise/problem/family.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/residuals.h"

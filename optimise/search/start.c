@@ -1,8 +1,8 @@
 #include "optimise/search/start.h"
 
-#include <complex.h>
 #include <string.h>
 
+#include "base/real_complex.h"
 #include "optimise/problem/family.h"
 #include "optimise/solvers/lm.h"
 #include "optimise/problem/circuit.h"

@@ -1,8 +1,8 @@
 /* optimise/solvers/barrier.c - see barrier.h. */
 #include "optimise/solvers/barrier.h"
 
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "optimise/solvers/feasible.h"
 
 #define N_AGAIN     20           /* greatest number of runs of a method in a stage                */

@@ -5,10 +5,10 @@
  * stays near the given one. */
 #include "optimise/solvers/feasible.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
+#include "base/real.h"
 #include "base/rng.h"
 
 #define N_STEP     60          /* a step costs two evaluations of g, also if it is rejected       */

@@ -1,7 +1,7 @@
 /* optimise/solvers/method.c - what all methods share: options, start, final repair, result. */
+#include "base/real.h"
 #include "optimise/solvers/method_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"

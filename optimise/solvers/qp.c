@@ -1,8 +1,8 @@
 #include "optimise/solvers/qp.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 
 #define ROUNDING_ROW  1e-13      /* of a . p - b, relative to its terms                                            */
 #define ROUNDING_STEP 1e-14      /* of p, relative to its way, in the metric of H                                  */

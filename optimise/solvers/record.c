@@ -1,10 +1,10 @@
 /* optimise/solvers/record.c - see record.h. */
 #include "optimise/solvers/record.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
+#include "base/real.h"
 
 static bool options_are_sound(const lw_solver_options *o)
 {

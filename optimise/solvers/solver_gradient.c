@@ -3,8 +3,8 @@
  *     x_{i+1} = x_i - k grad F(x_i)                                   (Makkonen 1999, eq. 20)
  *
  * once with a line search and once literally. */
-#include <math.h>
 #include <string.h>
+#include "base/real.h"
 #include "optimise/solvers/method_internal.h"
 
 /* ---- with line search: spectral projected gradient (Birgin, Martinez & Raydan 2000, SPG2) ----

@@ -14,10 +14,10 @@
  * (base/gsl_errors.h). */
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_multifit_nlinear.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/gsl_errors.h"
+#include "base/real.h"
 #include "optimise/solvers/feasible.h"
 #include "optimise/solvers/method_internal.h"
 

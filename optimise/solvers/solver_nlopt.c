@@ -6,10 +6,10 @@
  * thread. Stops are requested by nlopt_force_stop. After a stop the objective returns at once, so methods that check
  * for it late cost little. */
 #include <limits.h>
-#include <math.h>
 #include <nlopt.h>
 #include <string.h>
 #include "base/clock.h"
+#include "base/real.h"
 #include "optimise/solvers/feasible.h"
 #include "optimise/solvers/method_internal.h"
 

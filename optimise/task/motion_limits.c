@@ -1,7 +1,7 @@
 #include "optimise/task/motion_limits.h"
 
-#include <math.h>
 #include <stdio.h>
+#include "base/real.h"
 
 #define TOLERANCE 1e-3            /* conditions are met to this relative accuracy */
 

@@ -1,7 +1,7 @@
 #include "optimise/task/specification.h"
 
 #include <assert.h>
-#include <math.h>
+#include "base/real.h"
 
 #define X(id, name, place, angle, prescribed) { name, place, angle, prescribed },
 const lw_task_row lw_task_table[LW_TASKS] = { LW_TASK_LIST(X) };

@@ -2,8 +2,7 @@
 #ifndef LW_OPTIMISE_TASK_SPECIFICATION_H
 #define LW_OPTIMISE_TASK_SPECIFICATION_H
 
-#include <math.h>
-
+#include "base/real.h"
 #include "base/vec2.h"
 #include "optimise/task/target.h"
 

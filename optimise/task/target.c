@@ -1,7 +1,7 @@
 /* The stations of a target in memory: allocation, checks, size. */
+#include "base/real.h"
 #include "optimise/task/target_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

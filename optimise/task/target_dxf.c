@@ -1,11 +1,11 @@
 /* optimise/task/target_dxf.c - read the curves of a DXF file (R12 to 2018): groups of a code and a value, one line each. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "base/number.h"
+#include "base/real.h"
 #include "grammar/text_internal.h"
 #include "optimise/task/target_outline_internal.h"
 

@@ -1,7 +1,7 @@
 /* Join targets with the same number of rows into one target with several points. */
+#include "base/real.h"
 #include "optimise/task/target_internal.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Check that part k can be joined to the first one. */

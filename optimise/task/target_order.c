@@ -1,8 +1,8 @@
 /* Check and order the input angles of the stations: one point for one angle, in cyclic order. */
+#include "base/real.h"
 #include "mbs/plan/plan.h"
 #include "optimise/task/target_internal.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 

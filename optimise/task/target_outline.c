@@ -1,8 +1,8 @@
 /* optimise/task/target_outline.c - the curves of a drawing, and the target made of those that are wanted. */
+#include "base/real.h"
 #include "optimise/task/target_outline_internal.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

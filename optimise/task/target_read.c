@@ -1,8 +1,8 @@
 /* Read a target from CSV text (docs/notation.md, "Target"). */
+#include "base/real.h"
 #include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline_internal.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

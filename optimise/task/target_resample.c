@@ -1,10 +1,10 @@
 /* Places along a curve: stations by length and curvature; smoothing of noisy points. */
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "optimise/task/target_internal.h"
 #include "optimise/task/target_outline_internal.h"
 

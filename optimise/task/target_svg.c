@@ -3,12 +3,12 @@
  * The tags are read here and not by a library, because libxml2 and expat know the place of an element only; this
  * reader names the line and column of a wrong number inside a path. */
 #include <ctype.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/number.h"
+#include "base/real.h"
 #include "grammar/text_internal.h"
 #include "optimise/task/target_outline_internal.h"
 

@@ -1,10 +1,10 @@
 #include "optimise/task/task_file.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "grammar/read_internal.h"
 #include "optimise/task/target_internal.h"
 

@@ -1,9 +1,9 @@
 #include "optimise/topology/grow.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "mbs/batch/pose.h"
 
 enum { SAMPLES = 48, TRIES = 12, HALVINGS = 30 };

@@ -1,10 +1,10 @@
 #include "optimise/topology/packed_mechanism.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "grammar/sketch.h"
 
 static const char letters[] = "rtpg";

@@ -1,11 +1,11 @@
 #include "optimise/topology/staged_search.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/real.h"
 #include "optimise/topology/grow.h"
 
 enum {

@@ -1,10 +1,10 @@
 #include "optimise/topology/topology_search.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "optimise/topology/point_links.h"
 
 enum { LINKS_MAX = 10 };
