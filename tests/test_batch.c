@@ -83,7 +83,7 @@ static void run_lanes(const subject *q, const lanes *l, size_t n, int per_lane, 
         w[i] = 1 + (double)(i%3);
     }
     lw_jacobian j = { out->x, out->y, out->u, out->v, out->m, out->jac, out->jac + size, out->jac + 2*size,
-                      out->t[0], out->t[1], out->t[2], MAX };
+                      out->t[0], out->t[1], out->t[2], MAX, NULL, NULL };
     lw_batch_jacobian(&q->p, &in, 0, work, &j);
     out->f = lw_batch_sum(&q->p, &in, 0, work, tx, ty, w, out->grad, &out->least);
 }
@@ -112,6 +112,70 @@ static void same_bits_on_every_instruction_set(void)
             }
         }
     }
+}
+
+/* Pins and the least margin of the whole plan: values against single poses, derivatives against their differences.
+ * Returns how many numbers were compared; a margin that changes its dyad within the difference is left out. */
+static int check_pins(const subject *q, double input)
+{
+    enum { N = LW_DIM_MAX };
+    const double h = 1e-6;
+    static lw_pose now, pose[2];
+    double x, y, m, jx[N], jy[N], jm[N], tx, ty, tm, c = lane_c(q, input), s = lane_s(q, input);
+    int n = 0;
+    lw_lanes in = { 1, &c, &s, q->dim, 0, q->mode, 0 };
+    if (lw_pose_solve(&q->p, q->dim, q->mode, input, 1, &now) != LW_OK || now.margin < 0.05)
+        return 0;
+    for (int j = 0; j < LW_JOINT_MAX; j++) {
+        if (q->p.joint_point[j] < 0)
+            continue;
+        lw_jacobian out = { .x = &x, .y = &y, .margin = &m, .jx = jx, .jy = jy, .tx = &tx, .ty = &ty, .ld = 1, .jm = jm,
+                            .tm = &tm };
+        lw_batch_jacobian(&q->p, &in, LW_BATCH_JOINT(j), work, &out);
+        CHECK_NEAR(x, now.joint[j][0].x, 1e-11, 1e-11);
+        CHECK_NEAR(y, now.joint[j][0].y, 1e-11, 1e-11);
+        CHECK_NEAR(m, now.margin, 1e-11, 0);
+        for (int d = 0; d <= q->p.n_dim; d++) {
+            double dim[N], by[3], size;
+            for (int side = 0; side < 2; side++) {
+                memcpy(dim, q->dim, sizeof dim);
+                dim[d < q->p.n_dim ? d : 0] += d < q->p.n_dim ? (side ? h : -h) : 0;
+                lw_pose_solve(&q->p, dim, q->mode, input + (d < q->p.n_dim ? 0 : side ? h : -h), 0, &pose[side]);
+            }
+            by[0] = (pose[1].joint[j][0].x - pose[0].joint[j][0].x)/(2*h);
+            by[1] = (pose[1].joint[j][0].y - pose[0].joint[j][0].y)/(2*h);
+            by[2] = (pose[1].margin - pose[0].margin)/(2*h);
+            size = 1 + fabs(by[0]) + fabs(by[1]) + fabs(by[2]);
+            if (size > 30)
+                continue;
+            CHECK_NEAR(d < q->p.n_dim ? jx[d] : tx, by[0], 1e-6*size, 0);
+            CHECK_NEAR(d < q->p.n_dim ? jy[d] : ty, by[1], 1e-6*size, 0);
+            if (fabs(pose[1].margin + pose[0].margin - 2*now.margin) < 1e-9)
+                CHECK_NEAR(d < q->p.n_dim ? jm[d] : tm, by[2], 1e-6*size, 0);
+            n++;
+        }
+    }
+    return n;
+}
+
+static void pins_and_margins_have_derivatives(void)
+{
+    static subject q;
+    lw_rng r;
+    int n = 0;
+    lw_rng_seed(&r, check_seed(), 9);
+    for (const lw_type *t = lw_type_table; t->letters; t++)
+        for (int trial = 0; trial < 20; trial++) {
+            random_type(&r, t, &q.k);
+            if (plan_of(&q, true))
+                n += check_pins(&q, q.input + lw_rng_range(&r, -0.1, 0.1));
+        }
+    for (int trial = 0; trial < 100; trial++) {
+        random_grown(&r, 1 + trial%3, &q.k);
+        plan_of(&q, true);
+        n += check_pins(&q, q.input);
+    }
+    CHECK(n > 10000);
 }
 
 /* One lane alone, or with a few, gives what it gives among many; dimensions shared or a set a lane. */
@@ -241,7 +305,7 @@ static void check_derivatives(const subject *q, double input)
     const double h = 1e-150;
     double x, y, u, v, m, jx[N], jy[N], jt[N], tx, ty, tt, c = lane_c(q, input), s = lane_s(q, input);
     lw_lanes in = { 1, &c, &s, q->dim, 0, q->mode, 0 };
-    lw_jacobian out = { &x, &y, &u, &v, &m, jx, jy, jt, &tx, &ty, &tt, 1 };
+    lw_jacobian out = { &x, &y, &u, &v, &m, jx, jy, jt, &tx, &ty, &tt, 1, NULL, NULL };
     lw_batch_jacobian(&q->p, &in, 0, work, &out);
     if (m < (q->p.n_dyad > 1 ? 0.05 : 0.01))       /* a chain of dyads multiplies errors by each 1/sine */
         return;
@@ -414,7 +478,7 @@ static void check_everywhere_finite(const subject *q)
         s[i] = i == 360 ? 0 : sin(LW_PI*(i - 360)/360);
     }
     lw_lanes in = { N, c, s, q->dim, 0, q->mode, 0 };
-    lw_jacobian out = { x, y, u, v, m, jac, jac + q->p.n_dim*N, jac + 2*q->p.n_dim*N, t, t + N, t + 2*N, N };
+    lw_jacobian out = { x, y, u, v, m, jac, jac + q->p.n_dim*N, jac + 2*q->p.n_dim*N, t, t + N, t + 2*N, N, NULL, NULL };
     lw_batch_jacobian(&q->p, &in, 0, work, &out);
     double least, f = lw_batch_sum(&q->p, &in, 0, work, c, s, NULL, grad, &least), size = 0;
     for (int d = 0; d < q->p.n_dim; d++)
@@ -671,6 +735,7 @@ static void nearly_straight_lines(void)
 int main(void)
 {
     RUN(same_bits_on_every_instruction_set);
+    RUN(pins_and_margins_have_derivatives);
     RUN(same_bits_in_every_company);
     RUN(no_lanes_no_work);
     RUN(jacobian_agrees_with_complex_steps);

@@ -372,7 +372,7 @@ static void derivatives_are_differences(void)
         }
         void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
         lw_lanes in = { .n = N, .c = c, .s = s, .dim = p.dim, .mode = p.mode };
-        lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N };
+        lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N, NULL, NULL };
         lw_batch_jacobian(&p.plan, &in, 0, work, &out);
         for (int k = 0; k < N; k++) {
             lw_pose pose;

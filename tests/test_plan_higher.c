@@ -226,7 +226,7 @@ static void gradients(subject *q, lw_rng *r)
         c[i] = q->p.input_is_slider ? t[i] : cos(t[i]);
         s[i] = sin(t[i]);
     }
-    lw_jacobian out = { x, y, NULL, NULL, m, jx, jy, jt, tx, ty, NULL, LANES };
+    lw_jacobian out = { x, y, NULL, NULL, m, jx, jy, jt, tx, ty, NULL, LANES, NULL, NULL };
     lw_batch_jacobian(&q->p, &(lw_lanes){ LANES, c, s, q->dim, 0, q->mode, 0 }, which, work, &out);
     for (int l = 0; l < LANES; l++)
         if (!(m[l] > 0.05) || fabs(x[l]) + fabs(y[l]) > 100)

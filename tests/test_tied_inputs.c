@@ -471,7 +471,7 @@ static void derivatives(const lw_plan *plan, double *dim, const double *mode, do
     }
     void *work = aligned_alloc(64, (lw_batch_work_size(plan) + 63)/64*64 + 64);
     lw_lanes in = { .n = N, .c = c, .s = s, .dim = dim, .mode = mode };
-    lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N };
+    lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N, NULL, NULL };
     lw_batch_jacobian(plan, &in, 0, work, &out);
     for (int d = 0; d < plan->n_dim; d++) {
         double keep = dim[d], x[2][N], y[2][N], u[2][N], v[2][N], h = 1e-6;

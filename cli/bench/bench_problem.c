@@ -48,6 +48,7 @@ static void make_spec(cli_bench_problem *p)
     s->crank_only = s->exclude_drag_link = true;
     s->length_lo = k->length[0]*m;
     s->length_hi = k->length[1]*m;
+    s->dimensions_only = true;                           /* as these problems are stated */
     s->position_lo = k->position[0]*m;
     s->position_hi = k->position[1]*m;
     for (int i = 0; k->at_origin && i < 3; i++)

@@ -43,7 +43,7 @@ size_t lw_lane_rows(const lw_plan *p)
 }
 
 /* Rows of the padded last group of inputs and outputs, and eight accumulators for each sum. */
-static size_t group_rows(const lw_plan *p) { return 16 + 4*(size_t)p->n_dim + (size_t)p->n_mode; }
+static size_t group_rows(const lw_plan *p) { return 17 + 5*(size_t)p->n_dim + (size_t)p->n_mode; }
 
 size_t lw_inverse_rows(const lw_plan *p)
 {

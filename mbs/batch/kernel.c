@@ -3,10 +3,13 @@
 
 /* ---- lanes in blocks ----------------------------------------------------------------------------------- */
 
-static void set_ground(const run *k, int which)
+/* Does the loop of its own compute this? It knows no pins, no derivatives of margins, and no places alone. */
+static bool is_fast(const lw_plan *p, int which, const lw_jacobian *out)
 {
-    ground_rows(k, k->plan->output_fast_dyad[which].applies ? 0 : k->nb);
+    return which >= 0 && p->output_fast_dyad[which].applies && !(out && (out->jm || !out->jx));
 }
+
+static void set_ground(const run *k, bool fast) { ground_rows(k, fast ? 0 : k->nb); }
 
 /* Lanes per block.  Points of a fast-dyad plan with one set of dimensions use no rows of the block: all lanes are one
  * block.  Frames of many candidates read only zeros beside the caller's numbers. */
@@ -177,7 +180,7 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
     run k = start(plan, in->n, work);
     k.group_poses = group_poses;
     size_t full = in->n/LW_GROUP*LW_GROUP, block = block_size(plan, in, which, out, frame);
-    set_ground(&k, which);
+    set_ground(&k, is_fast(plan, which, NULL));
     if (in->n > 0 && in->n < LW_GROUP)
         few_points(&k, in, which, out, frame);
     for (size_t first = 0; first < full; first += block) {
@@ -222,25 +225,49 @@ static void kernel_frame(const lw_plan *plan, const lw_lanes *in, int which, voi
 
 /* ---- Jacobian --------------------------------------------------------------------------------------------- */
 
-/* Derivatives of one component of the output.  seed, turn: adjoints of its point and direction; derivatives by the
- * dimensions go to `row`, by the input to `input`. */
-static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, double *row, size_t ld, double *input)
+/* Clear the adjoints.  Derivatives by the dimensions will go to `row`, by the input to `input`. */
+static void clear_adjoints(run *k, size_t n, double *row, size_t ld, double *input)
 {
     const lw_plan *p = k->plan;
-    double *px = bar_x(k, p->output_point[which]), *py = bar_y(k, p->output_point[which]),
-        *d = bar_x(k, p->output_dir[which]);
     k->row = row;
     k->row_row = ld;
     memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
     memset(input, 0, n*sizeof(double));
     for (int i = 0; i < p->n_dim; i++)
         memset(row + (size_t)i*ld, 0, n*sizeof(double));
+}
+
+static int point_of(const lw_plan *p, int which)
+{
+    return which < 0 ? p->joint_point[-1 - which] : p->output_point[which];
+}
+
+static int direction_of(const lw_plan *p, int which) { return which < 0 ? 1 : p->output_dir[which]; }
+
+/* Derivatives of one component of the output.  seed, turn: adjoints of its point and direction. */
+static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, double *row, size_t ld, double *input)
+{
+    double *px = bar_x(k, point_of(k->plan, which)), *py = bar_y(k, point_of(k->plan, which));
+    double *d = bar_x(k, direction_of(k->plan, which));
+    clear_adjoints(k, n, row, ld, input);
     for (size_t i = 0; i < n; i++) {
         px[i] = seed.x;
         py[i] = seed.y;
         d[i] += turn;
     }
     lw_backward(k, which, n, input);
+}
+
+static void margin_component(run *k, int which, size_t n, const lw_jacobian *out, double *scrap)
+{
+    bool known[LW_BLOCK];
+    double *input = out->tm ? out->tm : scrap;
+    clear_adjoints(k, n, out->jm, out->ld, input);
+    lw_seed_margin(k, which, n, known);
+    lw_backward(k, which, n, input);
+    for (size_t i = 0; i < n; i++)
+        for (int d = 0; !known[i] && d <= k->plan->n_dim; d++)
+            *(d < k->plan->n_dim ? &out->jm[(size_t)d*out->ld + i] : &input[i]) = NAN;
 }
 
 static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, size_t n, const lw_jacobian *out)
@@ -250,15 +277,19 @@ static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, 
     at_lanes(k, in, first);
     if (first == 0)
         set_turns(k, p->n_angle, 0, n);
-    if (p->output_fast_dyad[which].applies) {
+    if (is_fast(p, which, out)) {
         lw_fast_jacobian(k, which, n, out);
         return;
     }
     lw_forward(k, which, n, 0, WITH_ROOTS);
     copy_out(out->margin, k->margin, n);
-    move_out(k, n, p->output_point[which], out->x, out->y, 0, 1);
+    move_out(k, n, point_of(p, which), out->x, out->y, 0, 1);
     if (out->u && out->v)
-        move_out(k, n, p->output_dir[which], out->u, out->v, 0, 0);
+        move_out(k, n, direction_of(p, which), out->u, out->v, 0, 0);
+    if (out->jm)
+        margin_component(k, which, n, out, k->spare + k->nb);
+    if (!out->jx)
+        return;
     double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), *scrap = k->spare + k->nb;
     component(k, which, n, lw_v2(c, -s), 0, out->jx, out->ld, out->tx ? out->tx : scrap);
     component(k, which, n, lw_v2(s, c), 0, out->jy, out->ld, out->ty ? out->ty : scrap);
@@ -278,22 +309,21 @@ static lw_jacobian shift_jacobian(const lw_jacobian *o, size_t first)
 {
     return (lw_jacobian){ at(o->x, first), at(o->y, first), at(o->u, first), at(o->v, first), at(o->margin, first),
                           at(o->jx, first), at(o->jy, first), at(o->jt, first), at(o->tx, first), at(o->ty, first),
-                          at(o->tt, first), o->ld };
+                          at(o->tt, first), o->ld, at(o->jm, first), at(o->tm, first) };
 }
 
 static void copy_jacobian(const lw_jacobian *to, const lw_jacobian *from, int n_dim, size_t n)
 {
     double *const single[][2] = { { to->x, from->x }, { to->y, from->y }, { to->u, from->u }, { to->v, from->v },
                                   { to->margin, from->margin }, { to->tx, from->tx }, { to->ty, from->ty },
-                                  { to->tt, from->tt } };
+                                  { to->tt, from->tt }, { to->tm, from->tm } };
     for (size_t i = 0; i < sizeof single/sizeof *single; i++)
         copy_out(single[i][0], single[i][1], n);
-    for (int d = 0; d < n_dim; d++) {
-        copy_out(to->jx + (size_t)d*to->ld, from->jx + (size_t)d*from->ld, n);
-        copy_out(to->jy + (size_t)d*to->ld, from->jy + (size_t)d*from->ld, n);
-        if (to->jt)
-            copy_out(to->jt + (size_t)d*to->ld, from->jt + (size_t)d*from->ld, n);
-    }
+    double *const each[][2] = { { to->jx, from->jx }, { to->jx ? to->jy : NULL, from->jy }, { to->jt, from->jt },
+                                { to->jm, from->jm } };
+    for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+        for (int d = 0; each[i][0] && d < n_dim; d++)
+            copy_out(each[i][0] + (size_t)d*to->ld, each[i][1] + (size_t)d*from->ld, n);
 }
 
 static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobian *out)
@@ -301,9 +331,9 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     lw_lanes lanes = pad(k, in, 0);
     size_t n_dim = (size_t)k->plan->n_dim;
     rows t = tail_places(k);
-    lw_jacobian to = { t.x, t.y, t.u, t.v, t.margin, tail_row(k, 8), tail_row(k, 8 + n_dim),
+    lw_jacobian to = { t.x, t.y, t.u, t.v, t.margin, out->jx ? tail_row(k, 8) : NULL, tail_row(k, 8 + n_dim),
                        out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, tail_row(k, 5), tail_row(k, 6), tail_row(k, 7),
-                       LW_GROUP };
+                       LW_GROUP, out->jm ? tail_row(k, 9 + 3*n_dim) : NULL, tail_row(k, 8 + 3*n_dim) };
     block_jacobian(k, &lanes, which, 0, LW_GROUP, &to);
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
@@ -314,7 +344,7 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
     run k = start(plan, in->n, work);
     k.group_poses = group_poses;
     size_t full = in->n/LW_GROUP*LW_GROUP;
-    set_ground(&k, which);
+    set_ground(&k, is_fast(plan, which, out));
     if (in->n > 0 && in->n < LW_GROUP)
         few_jacobian(&k, in, which, out);
     for (size_t first = 0; first < full; first += LW_BLOCK) {
@@ -484,7 +514,7 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
     size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
     double *acc = tail_row(&k, 3), smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
     memset(acc, 0, (size_t)(plan->n_dim + 1)*LW_GROUP*sizeof(double));
-    set_ground(&k, which);
+    set_ground(&k, is_fast(plan, which, NULL));
     set_numbers(&k, in, 0);
     set_turns(&k, plan->n_angle, 0, 1);
     if (plan->output_fast_dyad[which].applies)

@@ -17,6 +17,7 @@
 #define lw_forward           LW_OF_ISA(lw_forward, LW_ISA)
 #define lw_forward_step      LW_OF_ISA(lw_forward_step, LW_ISA)
 #define lw_backward          LW_OF_ISA(lw_backward, LW_ISA)
+#define lw_seed_margin       LW_OF_ISA(lw_seed_margin, LW_ISA)
 #define lw_higher_forward    LW_OF_ISA(lw_higher_forward, LW_ISA)
 #define lw_higher_backward   LW_OF_ISA(lw_higher_backward, LW_ISA)
 #define lw_in_chunks         LW_OF_ISA(lw_in_chunks, LW_ISA)
@@ -122,7 +123,7 @@ static inline run start(const lw_plan *plan, size_t n, void *work)
     k.spread_dim = w;  w += (size_t)plan->n_dim*nb;
     k.row = w;         w += (size_t)plan->n_dim*nb;
     k.row_row = nb;
-    k.tail = w;        w += (16 + 4*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
+    k.tail = w;        w += (17 + 5*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
     k.inverse = w;
     return k;
 }
@@ -179,14 +180,27 @@ static inline void set_turns(run *k, int n_angle, int per_lane, size_t n)
 
 /* ---- functions that the kernel files share ----------------------------------------------------------------- */
 
-/* Evaluate all steps that output `which` depends on, over n lanes; outputs: POSE_ONLY, ...  lw_forward_step evaluates
+/* The steps that output `which` depends on, in order; of a pin (LW_BATCH_JOINT) all steps of the plan.  Bit h of keep:
+ * out[h] of the step is needed. */
+LW_INLINE int n_step_of(const lw_plan *p, int which) { return which < 0 ? p->n_step : p->n_output_step[which]; }
+LW_INLINE const lw_step *step_of(const lw_plan *p, int which, int i)
+{
+    return &p->step[which < 0 ? i : p->output_step[which][i]];
+}
+LW_INLINE int keep_of(const lw_plan *p, int which, int i) { return which < 0 ? ~0 : p->output_keep[which][i]; }
+
+/* Evaluate the steps of `which` over n lanes; outputs: POSE_ONLY, ...  lw_forward_step evaluates
  * one step with margins, for lanes that share their dimensions; not for higher groups.  kernel_steps.c */
 void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs);
 void lw_forward_step(const run *k, const lw_step *s, size_t n);
 
-/* Derivatives of output `which`, backwards: from the adjoints in k->bar to k->row and to the row of the input.
+/* Derivatives of `which`, backwards: from the adjoints in k->bar to k->row and to the row of the input.
  * kernel_steps.c */
 void lw_backward(const run *k, int which, size_t n, double *input_bar);
+
+/* Add the adjoints of the least margin of each lane to k->bar and k->row.  known[i] (n) becomes false, and nothing is
+ * added, where a higher group has the least margin.  kernel_steps.c */
+void lw_seed_margin(const run *k, int which, size_t n, bool *known);
 
 /* The step of a higher group.  kernel_higher.c */
 void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs);

@@ -252,12 +252,12 @@ void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs)
     double *margin = k->margin;
     for (size_t i = 0; outputs && i < n; i++)
         margin[i] = 1;
-    for (int i = 0; i < p->n_output_step[which]; i++) {
-        const lw_step *s = &p->step[p->output_step[which][i]];
+    for (int i = 0; i < n_step_of(p, which); i++) {
+        const lw_step *s = step_of(p, which, i);
         if (s->kind == LW_STEP_HIGHER)
             lw_higher_forward(k, s, n, per_lane, outputs);
         else
-            step[per_lane][outputs](k, s, p->output_keep[which][i], n);
+            step[per_lane][outputs](k, s, keep_of(p, which, i), n);
     }
 }
 
@@ -476,8 +476,8 @@ static void back_rack(const run *k, const lw_step *s, size_t n)
 void lw_backward(const run *k, int which, size_t n, double *input_bar)
 {
     const lw_plan *p = k->plan;
-    for (int i = p->n_output_step[which] - 1; i >= 0; i--) {
-        const lw_step *s = &p->step[p->output_step[which][i]];
+    for (int i = n_step_of(p, which) - 1; i >= 0; i--) {
+        const lw_step *s = step_of(p, which, i);
         switch (s->kind) {
         case LW_STEP_INPUT_PIN:   back_input_pin(k, s, n, input_bar); break;
         case LW_STEP_INPUT_SLIDE: back_input_slide(k, s, n, input_bar); break;
@@ -496,5 +496,100 @@ void lw_backward(const run *k, int which, size_t n, double *input_bar)
         case LW_STEP_ROLL:        back_roll(k, s, n); break;
         case LW_STEP_RACK:        back_rack(k, s, n); break;
         }
+    }
+}
+
+/* ---- the margin and its adjoints ------------------------------------------------------------------------ */
+
+/* Margin of step s in lane i.  With `seed` also add its adjoints.  Steps without a margin and higher groups: 1. */
+static double step_margin(const run *k, const lw_step *s, size_t i, bool seed)
+{
+    switch (s->kind) {
+    case LW_STEP_RRR: {
+        double r1 = *dim_of(k, s->dim[0]), r2 = *dim_of(k, s->dim[1]);
+        lw_rrr z = lw_rrr_solve(get(in_reg(k, s->in[0]), i), get(in_reg(k, s->in[1]), i), r1, r2, 1);
+        if (seed) {                                        /* 1 - cos^2 of the triangle r1, r2, d       */
+            double cosine = (z.r1*z.r1 + z.r2*z.r2 - z.d2)/(2*z.r1*z.r2);
+            lw_vec2 pull = lw_v2_scale(z.span, 2*cosine/(z.r1*z.r2));
+            dim_bar(k, s->dim[0])[i] -= 2*cosine*(1/z.r2 - cosine/z.r1);
+            dim_bar(k, s->dim[1])[i] -= 2*cosine*(1/z.r1 - cosine/z.r2);
+            add_to(out_bar(k, s->in[0]), i, lw_v2_scale(pull, -1));
+            add_to(out_bar(k, s->in[1]), i, pull);
+        }
+        return lw_rrr_margin(&z, lw_rrr_flat(r1, r2));
+    }
+    case LW_STEP_RRP: {
+        lw_vec2 w = get(in_reg(k, s->in[2]), i);
+        lw_vec2 off = lw_v2_sub(get(in_reg(k, s->in[1]), i), get(in_reg(k, s->in[0]), i));
+        lw_rrp z = lw_rrp_solve(lw_v2_cross(w, off), *dim_of(k, s->dim[0]), 1);
+        if (seed) {                                        /* 1 - (away/r)^2                            */
+            double away = lw_v2_cross(w, off), by_away = -2*away/(z.r*z.r);
+            lw_vec2 pull = lw_v2_scale(lw_v2_perp(w), by_away);
+            dim_bar(k, s->dim[0])[i] -= by_away*away/z.r;
+            bar_x(k, s->in[2])[i] -= by_away*lw_v2_dot(w, off);
+            add_to(out_bar(k, s->in[0]), i, lw_v2_scale(pull, -1));
+            add_to(out_bar(k, s->in[1]), i, pull);
+        }
+        return lw_rrp_margin(&z);
+    }
+    case LW_STEP_RPR: {
+        double e = *dim_of(k, s->dim[0]);
+        lw_vec2 a = get(in_reg(k, s->in[0]), i), b = get(in_reg(k, s->in[1]), i);
+        lw_rpr z = lw_rpr_solve(a, b, e, 1);
+        if (seed) {                                        /* 1 - e^2/d^2                               */
+            lw_vec2 pull = lw_v2_scale(lw_joint_span(a, b), 2*e*e/(z.d2*z.d2));
+            dim_bar(k, s->dim[0])[i] -= 2*e/z.d2;
+            add_to(out_bar(k, s->in[0]), i, lw_v2_scale(pull, -1));
+            add_to(out_bar(k, s->in[1]), i, pull);
+        }
+        return lw_rpr_margin(&z);
+    }
+    case LW_STEP_PRP:
+    case LW_STEP_PPR: {
+        lw_vec2 u = get(in_reg(k, s->in[1]), i), w = get(in_reg(k, s->in[3]), i);
+        double sine = lw_v2_cross(u, w), turn = 2*sine*lw_v2_dot(u, w);
+        if (seed) {
+            bar_x(k, s->in[1])[i] -= turn;
+            bar_x(k, s->in[3])[i] += turn;
+        }
+        return sine*sine;
+    }
+    case LW_STEP_RACK: {
+        double middle = *dim_of(k, s->dim[2]);
+        lw_vec2 a = lw_v2_unturn(get(in_reg(k, s->in[0]), i), get(in_reg(k, s->in[1]), i));
+        double off = lw_off_middle(lw_bearing(a.x, a.y), middle), by_off = -2*off/(LW_RACK_REACH*LW_RACK_REACH);
+        if (seed) {
+            bar_x(k, s->in[0])[i] += by_off;
+            bar_x(k, s->in[1])[i] -= by_off;
+            dim_bar(k, s->dim[2])[i] -= by_off;
+        }
+        return lw_rack_margin(off);
+    }
+    case LW_STEP_INPUT_PIN: case LW_STEP_INPUT_SLIDE: case LW_STEP_POINT: case LW_STEP_LINE: case LW_STEP_HIGHER:
+    case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_GEAR: case LW_STEP_ALONG: case LW_STEP_ROLL:
+        return 1;
+    }
+    return 1;
+}
+
+/* Margins of dyads are computed twice, by other expressions: this much apart they are the same. */
+#define SAME_MARGIN 1e-9
+
+void lw_seed_margin(const run *k, int which, size_t n, bool *known)
+{
+    const lw_plan *p = k->plan;
+    for (size_t i = 0; i < n; i++) {
+        int best = -1;
+        double least = INFINITY;
+        for (int j = 0; j < n_step_of(p, which); j++) {
+            double m = step_margin(k, step_of(p, which, j), i, false);
+            if (m < least) {
+                least = m;
+                best = j;
+            }
+        }
+        known[i] = p->n_higher == 0 || least <= k->margin[i] + SAME_MARGIN;
+        if (best >= 0 && known[i])
+            step_margin(k, step_of(p, which, best), i, true);
     }
 }

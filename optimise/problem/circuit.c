@@ -196,12 +196,18 @@ void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w)
     s->has_slopes = true;
 }
 
-double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
+double lw_circuit_drift_at(const lw_work *w, const lw_cycle_point *at, size_t d)
 {
     const lw_swing *s = &w->swing;
-    int j = w->leg[k];
-    double psi_by = s->rate_by[j][d]*w->around[k] + s->shift_by[j][d];
-    return s->mid_by[j][d] - s->half_by[j][d]*w->psi_c[k] + s->stroke[j].half*w->psi_s[k]*psi_by;
+    int j = at->leg;
+    double psi_by = s->rate_by[j][d]*at->around + s->shift_by[j][d];
+    return s->mid_by[j][d] - s->half_by[j][d]*at->psi_c + s->stroke[j].half*at->psi_s*psi_by;
+}
+
+double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
+{
+    lw_cycle_point at = { .leg = w->leg[k], .around = w->around[k], .psi_c = w->psi_c[k], .psi_s = w->psi_s[k] };
+    return lw_circuit_drift_at(w, &at, d);
 }
 
 /* ---- poses on the circuit ----------------------------------------------------------------------------- */

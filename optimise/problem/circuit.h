@@ -14,8 +14,9 @@ bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w);
 /* Derivatives of the strokes by the dimensions at x. */
 void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w);
 
-/* Derivative of the input of lane k by dimension d at constant phase; needs the slopes. */
+/* Derivative of the input of lane k, or of a point, by dimension d at constant phase; needs the slopes. */
 double lw_circuit_drift(const lw_work *w, size_t k, size_t d);
+double lw_circuit_drift_at(const lw_work *w, const lw_cycle_point *at, size_t d);
 
 /* The point of the circuit at a phase; write the assembly mode of a stroke into mode[dyad*stride]. */
 lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase);

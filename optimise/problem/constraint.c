@@ -1,4 +1,8 @@
-/* optimise/problem/constraint.c - the conditions g(x) >= 0 of a fitting problem. */
+/* optimise/problem/constraint.c - the conditions g(x) >= 0 of a fitting problem, with their derivatives.
+ *
+ * A condition on the motion is checked in sampled poses.  Its derivative has two parts: by the dimensions at constant
+ * input, from the plan's adjoints, and by the input of the pose, which moves with the variables where the ends of the
+ * motion do. */
 #include "optimise/problem/constraint.h"
 
 #include <string.h>
@@ -7,6 +11,8 @@
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"
+#include "optimise/problem/timing.h"
+#include "optimise/problem/variable_projection.h"
 
 /* Conditions on the motion are checked in LW_CURVE_SAMPLES poses: over the turn if the input turns fully, else from the
  * first station to the last. The samples of a turn include every multiple of 90 degrees in the ground frame, where
@@ -14,7 +20,7 @@
  * parabola. */
 enum {
     POSES = LW_CURVE_SAMPLES,
-    HALVINGS = 24                     /* of the straight line between two poses near a box                  */
+    ZONE_POSES = LW_ZONE_SAMPLES + 1
 };
 
 static void linear(const lw_problem *p, const double *x, double *g)
@@ -26,106 +32,271 @@ static void linear(const lw_problem *p, const double *x, double *g)
     }
 }
 
+/* ---- the motion that is checked ------------------------------------------------------------------------------ */
+
+/* Poses from `from` on over `length`: phases of the circuit if the stations have modes of their own, else inputs.
+ * moves: these depend on the variables, with the derivatives by[0] of `from` and by[1] of from + length. */
+typedef struct motion {
+    double from, length;
+    size_t end[2];                    /* stations at the two ends                                           */
+    bool   moves;
+    double by[2][LW_VAR_MAX];
+} motion;
+
+/* Is the motion the whole circuit or turn, wherever the stations are? */
+static bool is_whole(const lw_problem *p)
+{
+    return lw_problem_has_modes(p) ? p->closed || p->timing == LW_TIMING_NONE
+                                   : p->intended.turns && (p->closed || p->must_turn);
+}
+
+/* Phase of the first pose of a whole circuit: with strokes of equal length no pose is at a limit, where the pose has no
+ * derivative by the input. */
+#define WHOLE_FROM 0.02
+
+/* The motion between the stations, whose phases and inputs are in w. */
+static motion motion_of(const lw_problem *p, const lw_work *w)
+{
+    motion m = { .from = lw_problem_has_modes(p) ? WHOLE_FROM : 0, .length = 2*LW_PI, .moves = !is_whole(p) };
+    if (!m.moves)
+        return m;
+    if (lw_problem_has_modes(p)) {
+        m.end[1] = p->n - 1;
+        m.from = w->phase[0];
+        m.length = w->phase[p->n - 1] - m.from;
+        return m;
+    }
+    for (size_t k = 1; k < p->n; k++) {
+        if (w->input[k] < w->input[m.end[0]])
+            m.end[0] = k;
+        if (w->input[k] > w->input[m.end[1]])
+            m.end[1] = k;
+    }
+    m.from = w->input[m.end[0]];
+    m.length = w->input[m.end[1]] - m.from;
+    return m;
+}
+
+static lw_cycle_point point_at(const lw_problem *p, const lw_work *w, const motion *m, double part)
+{
+    double at = m->from + m->length*part;
+    if (lw_problem_has_modes(p))
+        return lw_circuit_point(p, w, at);
+    return (lw_cycle_point){ .input = at, .rate = 1, .c = p->plan.input_is_slider ? at : cos(at),
+                             .s = p->plan.input_is_slider ? 0 : sin(at) };
+}
+
 double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, double *mode, int *leg)
 {
-    double lo = w->input[0], hi = lo;
-    *leg = 0;
-    if (lw_problem_has_modes(p)) {
-        double length = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
-        lw_cycle_point at = lw_circuit_point(p, w, w->phase[0] + length*part);
-        lw_circuit_put_mode(p, w, at.leg, mode, 1);
-        *leg = at.leg;
-        return at.input;
-    }
+    motion m = motion_of(p, w);
+    lw_cycle_point at = point_at(p, w, &m, part);
     memcpy(mode, p->intended.mode, sizeof p->intended.mode);
-    for (size_t k = 1; k < p->n; k++) {
-        lo = fmin(lo, w->input[k]);
-        hi = fmax(hi, w->input[k]);
-    }
-    return lo + (p->intended.turns && (p->closed || p->must_turn) ? 2*LW_PI : hi - lo)*part;
+    if (lw_problem_has_modes(p))
+        lw_circuit_put_mode(p, w, at.leg, mode, 1);
+    *leg = at.leg;
+    return at.input;
 }
 
-static void sample_motion(const lw_problem *p, lw_work *w)
+/* Add the gradient of half the squared residuals of station k at constant phase to g; return the derivative by the
+ * phase. */
+static double station_slopes(const lw_problem *p, const double *x, const lw_work *w, size_t k, double *g)
 {
-    for (size_t i = 0; i < POSES; i++) {
-        double mode[LW_MODE_MAX];
-        int leg;
-        double at = lw_problem_input_at(p, w, (double)i/(POSES - 1), mode, &leg);
-        w->check_c[i] = p->plan.input_is_slider ? at : cos(at);
-        w->check_s[i] = p->plan.input_is_slider ? 0 : sin(at);
-        w->check_leg[i] = (short)leg;
+    bool limits_move = !w->swing.turning && w->rate[k] != 0;
+    double by_phase = 0, drift[LW_DIM_MAX] = { 0 };
+    for (int d = 0; limits_move && d < p->n_dim; d++)
+        drift[d] = lw_circuit_drift(w, k, (size_t)d)/w->rate[k];
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_aim aim = lw_problem_aim(p, i);
+        double wa = aim.x ? aim.wa[k]*aim.wa[k] : 0, wb = aim.theta ? aim.wb[k]*aim.wb[k] : 0;
+        double rx = aim.x ? wa*(j->x[k] - aim.x[k]) : 0, ry = aim.x ? wa*(j->y[k] - aim.y[k]) : 0, rt = 0;
+        if (aim.theta)
+            rt = wb*remainder(atan2(j->v[k], j->u[k]) + x[aim.i_tool] - aim.theta[k], 2*LW_PI);
+        double t = rx*j->tx[k] + ry*j->ty[k] + (aim.theta ? rt*j->tt[k] : 0);
+        by_phase += t;
+        for (int d = 0; d < p->n_dim; d++) {
+            size_t at = (size_t)d*j->ld + k;
+            g[d] += rx*j->jx[at] + ry*j->jy[at] + (aim.theta ? rt*j->jt[at] : 0) + t*drift[d];
+        }
+        if (aim.theta)
+            g[aim.i_tool] += rt;
+    }
+    return by_phase;
+}
+
+/* Stations that the order keeps at the input of station k: the first of them, and their number. */
+static size_t block_of(const lw_problem *p, const lw_work *w, size_t k, size_t *count)
+{
+    size_t first = k;
+    *count = 1;
+    while (*count < p->n && lw_timing_joined(p, w, (first + p->n - 1) % p->n)) {
+        first = (first + p->n - 1) % p->n;
+        ++*count;
+    }
+    for (size_t last = k; *count < p->n && lw_timing_joined(p, w, last); last = (last + 1) % p->n)
+        ++*count;
+    return first;
+}
+
+/* Derivatives of the phases of two stations by the variables.  In the best phase the derivative S of the station's
+ * residuals by the phase is 0, so
+ *     d phase/dx = - (dS/dx)/(dS/d phase),     dS/dx = d/d phase of the gradient at constant phase.
+ * Derivatives by the phase are differences of fourth order of exact gradients. */
+static void phase_slopes(const lw_problem *p, const double *x, lw_work *w, const size_t station[2],
+                         double by[2][LW_VAR_MAX])
+{
+    static const double part[4] = { 1, -8, 8, -1 };
+    const double h = 1e-3;
+    double *keep = w->keep_theta, slope[2] = { 0, 0 };
+    memcpy(keep, w->phase, p->n*sizeof *keep);
+    memset(by, 0, 2*sizeof *by);
+    lw_circuit_slopes(p, x, w);
+    size_t first[2], count[2];
+    for (int e = 0; e < 2; e++)
+        first[e] = block_of(p, w, station[e], &count[e]);
+    for (int i = 0; i < 4; i++) {
+        for (size_t k = 0; k < p->n; k++)
+            w->phase[k] = keep[k] + h*(i < 2 ? i - 2 : i - 1);
+        lw_circuit_lanes(p, w, p->n);
+        lw_problem_lanes(p, x, w);
+        for (int e = 0; e < 2; e++)
+            for (size_t q = 0; q < count[e]; q++) {
+                double g[LW_VAR_MAX] = { 0 };
+                slope[e] += part[i]*station_slopes(p, x, w, (first[e] + q) % p->n, g);
+                for (int d = 0; d < p->n_var; d++)
+                    by[e][d] += part[i]*g[d];
+            }
+    }
+    for (int e = 0; e < 2; e++)
+        for (int d = 0; d < p->n_var; d++)
+            by[e][d] = slope[e] > 0 ? -by[e][d]/slope[e] : 0;
+    memcpy(w->phase, keep, p->n*sizeof *keep);
+    lw_circuit_lanes(p, w, p->n);
+    lw_problem_lanes(p, x, w);
+}
+
+/* Set the derivatives of the ends of the motion. */
+static void end_slopes(const lw_problem *p, const double *x, lw_work *w, motion *m)
+{
+    memset(m->by, 0, sizeof m->by);
+    if (!m->moves)
+        return;
+    if (p->timing == LW_TIMING_PRESCRIBED) {
+        for (int e = 0; e < 2; e++) {
+            m->by[e][p->i_input0] = 1;
+            if (p->datum == LW_DATUM_PLANE)
+                m->by[e][p->plan.i_theta0] = -1.0/p->plan.input_turns_per_period;
+        }
+        return;
+    }
+    phase_slopes(p, x, w, m->end, m->by);
+    for (int e = 0; e < 2 && !lw_problem_has_modes(p); e++)       /* of the inputs instead */
+        for (int d = 0; d < p->n_var; d++) {
+            m->by[e][d] *= w->rate[m->end[e]];
+            if (!w->swing.turning && d < p->n_dim)
+                m->by[e][d] += lw_circuit_drift(w, m->end[e], (size_t)d);
+        }
+}
+
+/* Derivative of the input of the pose `at`, which is at `part` of the motion, by variable d. */
+static double input_slope(const lw_problem *p, const lw_work *w, const motion *m, const lw_cycle_point *at, double part,
+                          int d)
+{
+    double by = m->by[0][d] + part*(m->by[1][d] - m->by[0][d]);
+    if (!lw_problem_has_modes(p) || w->swing.turning)
+        return by;
+    return at->rate*by + (d < p->n_dim ? lw_circuit_drift_at(w, at, (size_t)d) : 0);
+}
+
+/* Do the inputs of the poses depend on the variables? */
+static bool inputs_move(const lw_problem *p, const lw_work *w, const motion *m)
+{
+    return m->moves || (lw_problem_has_modes(p) && !w->swing.turning);
+}
+
+/* Set w->check_at, check_c and check_s to n poses of the motion, or of the turn. */
+static void sample_motion(const lw_problem *p, lw_work *w, const motion *m, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        w->check_at[i] = point_at(p, w, m, (double)i/(double)(n - 1));
+        w->check_c[i] = w->check_at[i].c;
+        w->check_s[i] = w->check_at[i].s;
+    }
+}
+
+static void sample_turn(lw_work *w)
+{
+    for (size_t i = 0; i < POSES; i++)
+        w->check_at[i] = (lw_cycle_point){ .c = w->turn_c[i], .s = w->turn_s[i], .input = w->turn[i], .rate = 1 };
+    memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSES);
+    memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSES);
+}
+
+/* lw_batch_jacobian of n poses of check_at at the inputs c, s, one run of poses on the same stroke after the other. */
+static void jacobian(const lw_problem *p, const double *x, lw_work *w, int which, const double *c, const double *s,
+                     size_t n, const lw_jacobian *out)
+{
+    for (size_t first = 0, next; first < n; first = next) {
+        lw_jacobian j = *out;
+        double **each[] = { &j.x, &j.y, &j.u, &j.v, &j.margin, &j.jx, &j.jy, &j.jt, &j.tx, &j.ty, &j.tt, &j.jm, &j.tm };
+        for (next = first + 1; next < n && (!lw_problem_has_modes(p)
+                                            || w->check_at[next].leg == w->check_at[first].leg); next++)
+            ;
+        for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+            if (*each[i])
+                *each[i] += first;
+        lw_lanes in = { .n = next - first, .c = c + first, .s = s + first, .dim = x, .mode = p->intended.mode };
         if (lw_problem_has_modes(p))
-            lw_circuit_put_mode(p, w, leg, w->check_mode + i, POSES);
+            in.mode = w->swing.stroke[w->check_at[first].leg].mode;
+        lw_batch_jacobian(&p->plan, &in, which, w->batch, &j);
     }
-}
-
-/* Compute the poses at x. False: the linkage cannot close. */
-static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
-{
-    if (p->intended.turns) {
-        memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSES);
-        memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSES);
-        return true;
-    }
-    if (p->timing == LW_TIMING_PRESCRIBED)
-        lw_problem_prescribe(p, x, w);
-    else if (!lw_problem_settle(p, x, w))
-        return false;
-    sample_motion(p, w);
-    return true;
 }
 
 /* Does the motion pass a limit on the way to the next sample? */
 static bool changes(const lw_problem *p, const lw_work *w, size_t k)
 {
-    return lw_problem_has_modes(p) && k + 1 < POSES && w->check_leg[k] != w->check_leg[k + 1];
+    return lw_problem_has_modes(p) && k + 1 < POSES && w->check_at[k].leg != w->check_at[k + 1].leg;
 }
 
-static void margins(const lw_problem *p, const double *x, lw_work *w, double *margin)
+/* One row of derivatives: those by the dimensions and by the input are column k of `slope`. */
+static void put_row(const lw_problem *p, const lw_work *w, const motion *m, double part, const lw_cycle_point *at,
+                    const double *slope, size_t k, double *row)
 {
-    bool modes = lw_problem_has_modes(p);
-    lw_lanes in = { .n = POSES, .c = w->check_c, .s = w->check_s, .dim = x,
-                    .mode = modes ? w->check_mode : p->intended.mode,
-                    .mode_stride = modes ? POSES : 0 };
-    lw_problem_margin(p, &in, w, margin);
-    for (size_t k = 0; k < POSES; k++)
-        if (changes(p, w, k))
-            margin[k] = margin[k + 1] = fmin(0, fmin(margin[k], margin[k + 1]));
+    double by_input = slope[(size_t)p->n_dim*w->pose.ld + k];
+    for (int d = 0; d < p->n_var; d++)
+        row[d] = d < p->n_dim ? slope[(size_t)d*w->pose.ld + k] : 0;
+    for (int d = 0; d < p->n_var && inputs_move(p, w, m); d++)
+        row[d] += by_input*input_slope(p, w, m, at, part, d);
 }
 
-static void closure(const lw_problem *p, const double *x, lw_work *w, double *margin)
-{
-    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = x, .mode = p->intended.mode };
-    lw_problem_margin(p, &in, w, margin);
-}
+/* ---- margins and accelerations -------------------------------------------------------------------------------- */
 
-/* Lower each sample that is less than both neighbours to the vertex of the parabola through the three. */
-static void look_between(bool round, double *g)
+/* Least margin over all outputs of n poses at c, s; with `slope` its derivatives. */
+static void margins_at(const lw_problem *p, const double *x, lw_work *w, const double *c, const double *s, size_t n,
+                       double *margin, double *slope)
 {
-    double before = round ? g[POSES - 1] : INFINITY, first = g[0];
-    for (size_t k = 0; k < POSES; k++) {
-        double now = g[k], after = k + 1 < POSES ? g[k + 1] : round ? first : INFINITY;
-        double bend = before + after - 2*now, slope = after - before;
-        if (now <= before && now <= after && bend > 0 && isfinite(bend))
-            g[k] -= slope*slope/(8*bend);
-        before = now;
+    size_t ld = w->pose.ld, rows = (size_t)p->n_dim;
+    for (int i = 0; i <= p->n_also; i++) {
+        double *to = i == 0 ? slope : slope ? w->slope[1] : NULL;
+        lw_jacobian j = { .x = w->pose_x, .y = w->pose_y, .margin = i == 0 ? margin : w->pose_m, .ld = ld, .jm = to,
+                          .tm = to ? to + rows*ld : NULL };
+        jacobian(p, x, w, i, c, s, n, &j);
+        for (size_t k = 0; i > 0 && k < n; k++) {
+            if (!(w->pose_m[k] < margin[k]))
+                continue;
+            margin[k] = w->pose_m[k];
+            for (size_t d = 0; slope && d <= rows; d++)
+                slope[d*ld + k] = to[d*ld + k];
+        }
     }
 }
 
-static void tangents_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
-                             const double *mode, double *tx, double *ty)
-{
-    lw_lanes in = { .n = last - first, .c = w->pose_c + first, .s = w->pose_s + first, .dim = x,
-                    .mode = mode };
-    lw_jacobian j = w->pose;
-    j.tx = tx + first;
-    j.ty = ty + first;
-    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
-}
+/* 1 - |P''|^2 / limit^2. P'' is the difference of exact tangents 1e-4 rad apart (error 1e-8). For a function it is that
+ * of the output angle psi: the tracer has distance one from the output's pin, so |P''|^2 = psi''^2 + |P'|^4. */
+typedef struct acceleration { double x, y, vx, vy; } acceleration;
 
-/* Tangents dP/d(input), with every input shifted by `by`. */
-static void tangents(const lw_problem *p, const double *x, lw_work *w, double by, double *tx,
-                     double *ty)
+/* Tangents, and with jx the Jacobian, with every input shifted by `by`. */
+static void shifted(const lw_problem *p, const double *x, lw_work *w, double by, double *tx, double *ty)
 {
     double cb = cos(by), sb = sin(by);
     for (size_t k = 0; k < POSES; k++) {
@@ -133,94 +304,234 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
         w->pose_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
     }
-    if (!lw_problem_has_modes(p)) {
-        tangents_of_mode(p, x, w, 0, POSES, p->intended.mode, tx, ty);
-        return;
+    lw_jacobian j = w->pose;
+    j.tx = tx;
+    j.ty = ty;
+    jacobian(p, x, w, 0, w->pose_c, w->pose_s, POSES, &j);
+}
+
+static double acceleration_condition(const lw_problem *p, const acceleration *a)
+{
+    double turn2 = !lw_task_has_place(p->task) ? pow(a->vx*a->vx + a->vy*a->vy, 2) : 0;
+    return 1 - (a->x*a->x + a->y*a->y - turn2)/(p->max_acceleration*p->max_acceleration);
+}
+
+/* Derivatives of P' and P'' by dimensions and input: differences, of fourth order in the input, of the exact Jacobian.
+ * w->slope[0 .. 3] become those of P'' (x, y) and of P' (x, y). */
+static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w)
+{
+    static const double first[5] = { 1, -8, 0, 8, -1 }, second[5] = { -1, 16, -30, 16, -1 };
+    const double h = 2e-3;
+    size_t ld = w->pose.ld, rows = (size_t)p->n_dim + 1;
+    for (int i = 0; i < 4; i++)
+        memset(w->slope[i], 0, sizeof(double)*rows*ld);
+    for (int i = 0; i < 5; i++) {
+        double a = second[i]/(12*h*h), v = first[i]/(12*h);
+        shifted(p, x, w, (i - 2)*h, w->pose_u, w->pose_v);
+        for (size_t d = 0; d < rows; d++) {
+            const double *jx = d + 1 < rows ? w->pose.jx + d*ld : w->pose_u;
+            const double *jy = d + 1 < rows ? w->pose.jy + d*ld : w->pose_v;
+            for (size_t k = 0; k < POSES; k++) {
+                w->slope[0][d*ld + k] += a*jx[k];
+                w->slope[1][d*ld + k] += a*jy[k];
+                w->slope[2][d*ld + k] += v*jx[k];
+                w->slope[3][d*ld + k] += v*jy[k];
+            }
+        }
     }
-    for (size_t first = 0, k = 1; k <= POSES; k++)
-        if (k == POSES || w->check_leg[k] != w->check_leg[first]) {
-            tangents_of_mode(p, x, w, first, k, w->swing.stroke[w->check_leg[first]].mode, tx, ty);
-            first = k;
+}
+
+/* Conditions g, and with `slope` their derivatives in w->slope[0]. */
+static void accelerations(const lw_problem *p, const double *x, lw_work *w, double *g, bool slope)
+{
+    const double h = 1e-4, scale = 2/(p->max_acceleration*p->max_acceleration);
+    acceleration of[POSES];
+    shifted(p, x, w, +h, w->pose_x, w->pose_y);
+    shifted(p, x, w, -h, w->pose_u, w->pose_v);
+    for (size_t k = 0; k < POSES; k++) {
+        of[k] = (acceleration){ (w->pose_x[k] - w->pose_u[k])/(2*h), (w->pose_y[k] - w->pose_v[k])/(2*h),
+                                0.5*(w->pose_x[k] + w->pose_u[k]), 0.5*(w->pose_y[k] + w->pose_v[k]) };
+        g[k] = acceleration_condition(p, &of[k]);
+    }
+    if (!slope)
+        return;
+    acceleration_slopes(p, x, w);
+    for (size_t d = 0; d <= (size_t)p->n_dim; d++)
+        for (size_t k = 0; k < POSES; k++) {
+            size_t at = d*w->pose.ld + k;
+            const acceleration *a = &of[k];
+            double v2 = !lw_task_has_place(p->task) ? 2*(a->vx*a->vx + a->vy*a->vy) : 0;
+            w->slope[0][at] = -scale*(a->x*w->slope[0][at] + a->y*w->slope[1][at]
+                                      - v2*(a->vx*w->slope[2][at] + a->vy*w->slope[3][at]));
         }
 }
 
-/* 1 - |P''|^2 / limit^2. P'' is the difference of exact tangents 1e-4 rad apart (error 1e-8). For a function it is that
- * of the output angle psi: the tracer has distance one from the output's pin, so |P''|^2 = psi''^2 + |P'|^4. */
-static void accelerations(const lw_problem *p, const double *x, lw_work *w, double *g)
+/* Lower each sample that is less than both neighbours to the vertex of the parabola through the three; j as well. */
+static void look_between(const lw_problem *p, bool round, double *g, double *j)
 {
-    const double h = 1e-4, limit2 = p->max_acceleration*p->max_acceleration;
-    tangents(p, x, w, +h, w->pose_x, w->pose_y);
-    tangents(p, x, w, -h, w->pose_u, w->pose_v);
+    size_t nv = (size_t)p->n_var;
+    double raw[POSES], *row = j;
+    double before_row[LW_VAR_MAX], now_row[LW_VAR_MAX], first_row[LW_VAR_MAX];
+    memcpy(raw, g, sizeof raw);
+    if (j)
+        memcpy(first_row, j, sizeof *j*nv);
     for (size_t k = 0; k < POSES; k++) {
-        double ax = (w->pose_x[k] - w->pose_u[k])/(2*h), ay = (w->pose_y[k] - w->pose_v[k])/(2*h);
-        double vx = 0.5*(w->pose_x[k] + w->pose_u[k]), vy = 0.5*(w->pose_y[k] + w->pose_v[k]);
-        double turn2 = !lw_task_has_place(p->task) ? pow(vx*vx + vy*vy, 2) : 0;
-        g[k] = 1 - (ax*ax + ay*ay - turn2)/limit2;
+        double now = raw[k], before = k > 0 ? raw[k - 1] : round ? raw[POSES - 1] : INFINITY;
+        double after = k + 1 < POSES ? raw[k + 1] : round ? raw[0] : INFINITY;
+        double bend = before + after - 2*now, slope = after - before;
+        bool lower = now <= before && now <= after && bend > 0 && isfinite(bend);
+        if (lower)
+            g[k] -= slope*slope/(8*bend);
+        if (!j)
+            continue;
+        memcpy(now_row, row, sizeof *row*nv);
+        const double *b = k > 0 ? before_row : j + (POSES - 1)*nv, *a = k + 1 < POSES ? row + nv : first_row;
+        for (size_t d = 0; lower && d < nv; d++)
+            row[d] -= slope/(4*bend)*(a[d] - b[d]) - slope*slope/(8*bend*bend)*(b[d] + a[d] - 2*now_row[d]);
+        memcpy(before_row, now_row, sizeof *row*nv);
+        row += nv;
     }
-    for (size_t k = 0; k < POSES; k++)                        /* at a dead point it is unbounded */
-        if (changes(p, w, k))
-            g[k] = g[k + 1] = fmin(-1, fmin(g[k], g[k + 1]));
+}
+
+/* Where the motion passes a limit, both conditions beside it are the lesser one, and at most `most`. */
+static void lower_changes(const lw_problem *p, const lw_work *w, double most, double *g, double *j)
+{
+    size_t nv = (size_t)p->n_var;
+    for (size_t k = 0; k < POSES; k++) {
+        if (!changes(p, w, k))
+            continue;
+        size_t least = g[k] < g[k + 1] ? k : k + 1;
+        bool held = !(g[least] < most);
+        g[k] = g[k + 1] = fmin(most, g[least]);
+        for (size_t d = 0; j && d < nv; d++)
+            j[k*nv + d] = j[(k + 1)*nv + d] = held ? 0 : j[least*nv + d];
+    }
+}
+
+/* The rows of the sampled poses, from the derivatives in `slope`. */
+static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, const double *slope, double *j)
+{
+    for (size_t k = 0; k < POSES; k++)
+        put_row(p, w, m, (double)k/(POSES - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
+}
+
+static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
+{
+    double sine = sin(p->min_transmission);
+    margins_at(p, x, w, w->check_c, w->check_s, POSES, g, j ? w->slope[0] : NULL);
+    if (j)
+        put_rows(p, w, m, w->slope[0], j);
+    lower_changes(p, w, 0, g, j);
+    for (size_t k = 0; k < POSES; k++)
+        g[k] -= sine*sine;
+    look_between(p, p->intended.turns, g, j);
+}
+
+static void closure(const lw_problem *p, const double *x, lw_work *w, double *g, double *j)
+{
+    double *slope = j ? w->slope[0] : NULL;
+    size_t ld = w->pose.ld, nv = (size_t)p->n_var;
+    margins_at(p, x, w, w->c, w->s, p->n, g, slope);
+    for (size_t k = 0; j && k < p->n; k++)
+        for (size_t d = 0; d < nv; d++) {
+            double *to = &j[k*nv + d], by_input = slope[(size_t)p->n_dim*ld + k];
+            *to = d < (size_t)p->n_dim ? slope[d*ld + k] : (int)d == p->i_input0 ? by_input : 0;
+            if ((int)d == p->plan.i_theta0 && p->datum == LW_DATUM_PLANE)
+                *to -= by_input/p->plan.input_turns_per_period;
+        }
+}
+
+/* ---- lengths between points of one link ------------------------------------------------------------------------ */
+
+static lw_vec2 point_on_link(const double *x, const int at[2])
+{
+    return lw_v2(at[0] >= 0 ? x[at[0]] : 0, at[1] >= 0 ? x[at[1]] : 0);
+}
+
+/* 1 - d/most, or d/least - 1. */
+static void sides(const lw_problem *p, const double *x, double *g, double *j)
+{
+    for (int i = 0; i < p->n_side; i++, g++) {
+        const lw_side *s = &p->side[i];
+        lw_vec2 span = lw_v2_sub(point_on_link(x, s->to), point_on_link(x, s->from));
+        double d = lw_v2_norm(span), by = (s->most ? -1 : 1)/s->limit;
+        *g = (s->most ? 1 : -1) + by*d;
+        if (!j)
+            continue;
+        memset(j, 0, sizeof *j*(size_t)p->n_var);
+        const int *end[2] = { s->from, s->to };
+        for (int e = 0; e < 2 && d > 0; e++)
+            for (int c = 0; c < 2; c++)
+                if (end[e][c] >= 0)
+                    j[end[e][c]] += (e ? by : -by)*(c ? span.y : span.x)/d;
+        j += p->n_var;
+    }
 }
 
 /* ---- zones: where fixed pivots must be, and where no pin and no tracer may be -------------------------------- */
 
-static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, double *g)
+/* Derivatives of fixed pivots in the plane: of the place of number `of` by variable d. */
+static lw_vec2 pivot_slope(const lw_problem *p, const lw_pivots *v, lw_vec2 turn, int of, int d)
 {
-    for (int k = 0; k < n; k++) {
-        if (z->kind == LW_ZONE_PIVOTS_BOX) {
-            *g++ = at[k].x - z->at.x;
-            *g++ = z->to.x - at[k].x;
-            *g++ = at[k].y - z->at.y;
-            *g++ = z->to.y - at[k].y;
-            continue;
+    lw_vec2 by = lw_v2((d == p->plan.i_x0) + (d == v->of[of][0] ? turn.x : 0) - (d == v->of[of][1] ? turn.y : 0),
+                       (d == p->plan.i_y0) + (d == v->of[of][0] ? turn.y : 0) + (d == v->of[of][1] ? turn.x : 0));
+    return d == p->plan.i_theta0 ? lw_v2_add(by, lw_v2_perp(lw_v2_turn(v->at[of], turn))) : by;
+}
+
+static void pivot_conditions(const lw_problem *p, const lw_zone *z, const lw_pivots *v, const double *x, double *g,
+                             double *j)
+{
+    static const lw_vec2 box[4] = { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } };
+    lw_vec2 turn = lw_v2_polar(1, x[p->plan.i_theta0]), base = lw_v2(x[p->plan.i_x0], x[p->plan.i_y0]);
+    for (int k = 0; k < v->n; k++) {
+        lw_vec2 at = lw_v2_add(base, lw_v2_turn(v->at[k], turn)), across = lw_v2(-z->to.y, z->to.x);
+        bool in_box = z->kind == LW_ZONE_PIVOTS_BOX;
+        for (int i = 0; i < (in_box ? 4 : 2); i++, g++) {
+            lw_vec2 n = in_box ? box[i] : lw_v2_scale(across, i ? 1 : -1);
+            lw_vec2 from = in_box && i % 2 ? z->to : z->at;
+            *g = lw_v2_dot(n, lw_v2_sub(at, from)) + (in_box ? 0 : z->reach);
+            for (int d = 0; j && d < p->n_var; d++)
+                *j++ = lw_v2_dot(n, pivot_slope(p, v, turn, k, d));
         }
-        double off = lw_v2_cross(z->to, lw_v2_sub(at[k], z->at));
-        *g++ = z->reach - off;
-        *g++ = z->reach + off;
     }
-    return g;
 }
 
 /* Lengths are scaled, so hypot, which avoids overflow, is not needed: it costs a fifth of the time here. */
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 
-/* The least distance to a zone along the straight line from a to b. The distance is convex along a line and changes by
- * at most the length of the line. */
-static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough)
+/* The least distance to a zone along the straight line from a to b, and where on it, 0 .. 1. The distance is convex
+ * along a line and changes by at most the length of the line; no more is found out if it is at least `enough`.  To a box
+ * it is least at an end, beside a corner, or where the nearest side changes: on an axis of the box, or where two sides
+ * are equally far. */
+static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough, double *where)
 {
     lw_vec2 line = lw_v2_sub(b, a);
-    double from = lw_zone_outside(z, a), to = lw_zone_outside(z, b), lo = 0, hi = 1, least = fmin(from, to);
+    double from = lw_zone_outside(z, a), to = lw_zone_outside(z, b), least = fmin(from, to);
     double length = length_of(line);
+    *where = from <= to ? 0 : 1;
     if (length == 0 || !(0.5*(from + to - length) < enough))
         return least;
-    if (z->kind == LW_ZONE_NO_CIRCLE)
+    if (z->kind == LW_ZONE_NO_CIRCLE) {
+        *where = fmax(0, fmin(1, lw_v2_dot(lw_v2_sub(z->at, a), line)/(length*length)));
         return lw_v2_segment_distance(z->at, a, b) - z->reach;
-    for (int i = 0; i < HALVINGS; i++) {
-        double third = (hi - lo)/3, p = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(line, lo + third)));
-        double q = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(line, hi - third)));
-        least = fmin(least, fmin(p, q));
-        if (p < q)
-            hi -= third;
-        else
-            lo += third;
+    }
+    lw_vec2 off = lw_v2_sub(a, lw_v2_scale(lw_v2_add(z->at, z->to), 0.5)), half = lw_v2_scale(lw_v2_sub(z->to, z->at), 0.5);
+    double at[10] = { -off.x/line.x, -off.y/line.y };      /* divisions by 0 give no number in (0, 1) */
+    for (int i = 0; i < 4; i++) {
+        double sx = i & 1 ? 1 : -1, sy = i & 2 ? 1 : -1;
+        at[2 + i] = (half.x - half.y - sx*off.x + sy*off.y)/(sx*line.x - sy*line.y);
+        at[6 + i] = lw_v2_dot(lw_v2_sub(lw_v2(sx*half.x, sy*half.y), off), line)/(length*length);
+    }
+    for (int i = 0; i < 10; i++) {
+        if (!(at[i] > 0 && at[i] < 1))
+            continue;
+        double d = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(line, at[i])));
+        if (d < least) {
+            least = d;
+            *where = at[i];
+        }
     }
     return least;
-}
-
-typedef struct places { int n; lw_vec2 at[LW_JOINT_MAX + 1 + LW_ALSO_MAX]; } places;
-
-/* Find all pins that turn, and the tracers; none if the linkage does not close. */
-static void find_places(const lw_problem *p, const double *x, const double *mode, double input, places *out)
-{
-    lw_pose pose;
-    out->n = 0;
-    if (lw_pose_solve(&p->plan, x, mode, input, 0, &pose) != LW_OK)
-        return;
-    for (int j = 0; j < LW_JOINT_MAX; j++)
-        if (p->plan.joint_point[j] >= 0)
-            out->at[out->n++] = pose.joint[j][0];
-    for (int i = 0; i <= p->n_also; i++)
-        out->at[out->n++] = pose.tracer[i][0];
 }
 
 /* How far a path may leave the chord between its poses b and c, from its curvature at b. */
@@ -229,110 +540,282 @@ static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
 }
 
-/* Least distance between poses b and c, where a is the pose before b. 0 if one of them does not close; another
- * condition covers that. */
-static double least_between(const lw_zone *z, const places *a, const places *b, const places *c)
+/* The pins and tracers whose places are checked, each place once; which: as lw_batch_jacobian has it. */
+typedef struct places { int n, which[LW_PLACE_MAX]; bool closes[ZONE_POSES]; } places;
+
+static lw_vec2 place(const lw_work *w, int i, size_t k)
 {
-    double least = INFINITY;
-    for (int i = 0; i < b->n && c->n == b->n; i++) {
-        double out = a->n == b->n ? bulge(a->at[i], b->at[i], c->at[i]) : 0;
-        least = fmin(least, outside_between(z, b->at[i], c->at[i], least + out) - out);
+    return lw_v2(w->place_x[(size_t)i*POSES + k], w->place_y[(size_t)i*POSES + k]);
+}
+
+static void find_places(const lw_problem *p, const double *x, lw_work *w, places *out)
+{
+    out->n = 0;
+    for (int j = 0; j < LW_JOINT_MAX; j++) {
+        bool seen = p->plan.joint_point[j] < 0;
+        for (int i = 0; i < j && !seen; i++)
+            seen = p->plan.joint_point[i] == p->plan.joint_point[j];
+        if (!seen)
+            out->which[out->n++] = LW_BATCH_JOINT(j);
+    }
+    for (int i = 0; i <= p->n_also; i++)
+        out->which[out->n++] = i;
+    for (size_t k = 0; k < ZONE_POSES; k++)
+        out->closes[k] = true;
+    for (int i = 0; i < out->n; i++) {
+        lw_jacobian j = { .x = w->place_x + i*POSES, .y = w->place_y + i*POSES, .margin = w->pose_m, .ld = w->pose.ld };
+        jacobian(p, x, w, out->which[i], w->check_c, w->check_s, ZONE_POSES, &j);
+        for (size_t k = 0; k < ZONE_POSES; k++)
+            out->closes[k] &= w->pose_m[k] >= 0;
+    }
+}
+
+/* Where a condition is least: of which place, how far from pose k - 1 to pose k, with the bulge or not. */
+typedef struct nearest { int place; double where; bool bulges; } nearest;
+
+/* Least distance between poses k - 1 and k. 0 if one of them does not close; another condition covers that. */
+static double least_between(const lw_work *w, const places *all, const lw_zone *z, size_t k, nearest *at)
+{
+    double least = INFINITY, where;
+    *at = (nearest){ .place = -1 };
+    bool before = k > 1 && all->closes[k - 2];
+    for (int i = 0; i < all->n && all->closes[k] && all->closes[k - 1]; i++) {
+        lw_vec2 b = place(w, i, k - 1), c = place(w, i, k);
+        double out = before ? bulge(place(w, i, k - 2), b, c) : 0;
+        double d = outside_between(z, b, c, least + out, &where) - out;
+        if (d < least) {
+            least = d;
+            *at = (nearest){ i, where, before };
+        }
     }
     return isfinite(least) ? least : 0;
 }
 
-/* The least distances of all pins and points from the forbidden zones, between each pose and the next. */
-static void forbidden(const lw_problem *p, const double *x, const lw_work *w, double *const *g)
+#define KINK 1e-10      /* sides of a box this close together are equally far */
+
+/* Gradient of lw_zone_outside at a point where it is least along `line`, which may be 0.  Where the nearest side changes
+ * there, it is the mean of the gradients to both sides that is normal to the line. */
+static lw_vec2 outwards(const lw_zone *z, lw_vec2 at, lw_vec2 line)
 {
-    places earlier = { .n = 0 }, before = { .n = 0 }, now;
-    double mode[LW_MODE_MAX];
-    int leg;
-    for (int k = 0; k <= LW_ZONE_SAMPLES; k++) {
-        double input = lw_problem_input_at(p, w, (double)k/LW_ZONE_SAMPLES, mode, &leg);
-        find_places(p, x, mode, input, &now);
-        for (int i = 0; i < p->n_zone && k > 0; i++)
-            if (lw_zone_forbids(&p->zone[i]))
-                g[i][k - 1] = least_between(&p->zone[i], &earlier, &before, &now);
-        earlier = before;
-        before = now;
+    lw_vec2 off = lw_v2_sub(at, z->at);
+    if (z->kind == LW_ZONE_NO_CIRCLE)
+        return lw_v2_scale(off, 1/fmax(length_of(off), 1e-300));
+    bool left = z->at.x - at.x > at.x - z->to.x, below = z->at.y - at.y > at.y - z->to.y;
+    lw_vec2 beyond = lw_v2(left ? z->at.x - at.x : at.x - z->to.x, below ? z->at.y - at.y : at.y - z->to.y);
+    lw_vec2 sign = lw_v2(left ? -1 : 1, below ? -1 : 1);
+    if (beyond.x > 0 && beyond.y > 0)
+        return lw_v2_scale(lw_v2(sign.x*beyond.x, sign.y*beyond.y), 1/length_of(beyond));
+    double x = sign.x*line.x, y = sign.y*line.y;
+    if (fabs(beyond.x - beyond.y) < KINK && x*y < 0)
+        return lw_v2(sign.x*y/(y - x), -sign.y*x/(y - x));
+    if (lw_v2_dot(line, line) > 0 && fabs(beyond.x > beyond.y ? 2*at.x - z->at.x - z->to.x
+                                                               : 2*at.y - z->at.y - z->to.y) < KINK)
+        return lw_v2(0, 0);
+    return beyond.x > beyond.y ? lw_v2(sign.x, 0) : lw_v2(0, sign.y);
+}
+
+/* Add pull . dP/dx of the place in the scratch's Jacobian at pose k to a row. */
+static void add_place(const lw_problem *p, const lw_work *w, const motion *m, size_t k, lw_vec2 pull, double *row)
+{
+    size_t ld = w->pose.ld;
+    const double *jx = w->pose.jx + k, *jy = w->pose.jy + k;
+    double by_input = pull.x*w->pose_u[k] + pull.y*w->pose_v[k];
+    for (int d = 0; d < p->n_var; d++) {
+        if (d < p->n_dim)
+            row[d] += pull.x*jx[(size_t)d*ld] + pull.y*jy[(size_t)d*ld];
+        if (inputs_move(p, w, m))
+            row[d] += by_input*input_slope(p, w, m, &w->check_at[k], (double)k/LW_ZONE_SAMPLES, d);
     }
 }
 
-static void zones(const lw_problem *p, const double *x, lw_work *w, double *g)
+static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, const lw_zone *z, size_t k,
+                        const nearest *at, double *row)
 {
-    lw_vec2 at[LW_DIM_MAX + 1], turn = lw_v2_polar(1, x[p->plan.i_theta0]);
-    double *of[LW_ZONE_MAX];
-    int n = p->n_zone > 0 ? lw_problem_fixed_pivots(p, x, at) : 0;
+    lw_vec2 b = place(w, at->place, k - 1), c = place(w, at->place, k), pull[3] = { { 0, 0 } };
+    bool end = at->where == 0 || at->where == 1;
+    lw_vec2 out = outwards(z, lw_v2_add(lw_v2_scale(b, 1 - at->where), lw_v2_scale(c, at->where)),
+                           end ? lw_v2(0, 0) : lw_v2_sub(c, b));
+    pull[1] = lw_v2_scale(out, 1 - at->where);
+    pull[2] = lw_v2_scale(out, at->where);
+    if (at->bulges) {
+        lw_vec2 bend = lw_v2_sub(lw_v2_add(place(w, at->place, k - 2), c), lw_v2_scale(b, 2));
+        double size = length_of(bend);
+        bend = lw_v2_scale(bend, size > 0 ? -0.125/size : 0);
+        pull[0] = bend;
+        pull[1] = lw_v2_sub(pull[1], lw_v2_scale(bend, 2));
+        pull[2] = lw_v2_add(pull[2], bend);
+    }
+    for (int i = at->bulges ? 0 : 1; i < 3; i++)
+        add_place(p, w, m, k - 2 + (size_t)i, pull[i], row);
+}
+
+/* The least distances of all pins and points from the forbidden zones, between each pose and the next. */
+static void forbidden(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *const *g,
+                      double *const *j)
+{
+    places all;
+    nearest at[LW_ZONE_MAX][ZONE_POSES];
+    sample_motion(p, w, m, ZONE_POSES);
+    find_places(p, x, w, &all);
+    for (int i = 0; i < p->n_zone; i++)
+        for (size_t k = 1; g[i] && k < ZONE_POSES; k++)
+            g[i][k - 1] = least_between(w, &all, &p->zone[i], k, &at[i][k]);
+    for (int q = 0; j && q < all.n; q++) {
+        bool any = false;
+        for (int i = 0; i < p->n_zone; i++)
+            for (size_t k = 1; g[i] && k < ZONE_POSES; k++) {
+                if (at[i][k].place != q)
+                    continue;
+                if (!any) {
+                    lw_jacobian jac = w->pose;
+                    jac.tx = w->pose_u;
+                    jac.ty = w->pose_v;
+                    jacobian(p, x, w, all.which[q], w->check_c, w->check_s, ZONE_POSES, &jac);
+                    any = true;
+                }
+                nearest_row(p, w, m, &p->zone[i], k, &at[i][k], j[i] + (k - 1)*(size_t)p->n_var);
+            }
+    }
+}
+
+static void zones(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
+{
+    double *of[LW_ZONE_MAX] = { NULL }, *row[LW_ZONE_MAX];
+    lw_pivots v;
     bool any = false;
-    for (int k = 0; k < n; k++)
-        at[k] = lw_v2_add(lw_v2(x[p->plan.i_x0], x[p->plan.i_y0]), lw_v2_turn(at[k], turn));
+    lw_problem_fixed_pivots(p, x, &v);
     for (int i = 0; i < p->n_zone; i++) {
         const lw_zone *z = &p->zone[i];
-        of[i] = g;
-        any |= lw_zone_forbids(z);
-        g = lw_zone_forbids(z) ? g + LW_ZONE_SAMPLES : pivot_conditions(z, at, n, g);
+        size_t n = lw_zone_forbids(z) ? LW_ZONE_SAMPLES : (size_t)v.n*(z->kind == LW_ZONE_PIVOTS_BOX ? 4 : 2);
+        if (lw_zone_forbids(z)) {
+            of[i] = g;
+            row[i] = j;
+            any = true;
+            if (j)
+                memset(j, 0, sizeof *j*n*(size_t)p->n_var);
+        } else
+            pivot_conditions(p, z, &v, x, g, j);
+        g += n;
+        j += j ? n*(size_t)p->n_var : 0;
     }
     if (any)
-        forbidden(p, x, w, of);
+        forbidden(p, x, w, m, of, j ? row : NULL);
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------- */
 
-static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
+/* Do conditions need the stations' inputs? */
+static bool needs_stations(const lw_problem *p)
 {
-    double sine = sin(p->min_transmission);
-    size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear;
-    linear(p, x, g);
-    g += p->n_linear;
-    if (m > 0 && !find_poses(p, x, w)) {
-        for (size_t k = 0; k < m; k++)
-            g[k] = -1;                                   /* without poses the condition counts as fully violated */
-        return;
-    }
-    if (lw_problem_must_close(p)) {
-        closure(p, x, w, g);
-        g += p->n;
-    }
-    if (p->min_transmission > 0) {
-        margins(p, x, w, g);
-        for (size_t k = 0; k < POSES; k++)
-            g[k] -= sine*sine;
-        look_between(p->intended.turns, g);
-        g += POSES;
-    }
-    if (p->max_acceleration > 0) {
-        accelerations(p, x, w, g);
-        look_between(p->intended.turns, g);
-        g += POSES;
-    }
-    zones(p, x, w, g);
+    bool poses = p->min_transmission > 0 || p->max_acceleration > 0, forbids = false;
+    for (int i = 0; i < p->n_zone; i++)
+        forbids |= lw_zone_forbids(&p->zone[i]);
+    return lw_problem_must_close(p) || (poses && !p->intended.turns) || (forbids && !is_whole(p))
+        || (lw_problem_has_modes(p) && (poses || forbids));
 }
 
-/* Central differences for the conditions on the motion, exact rows for the linear conditions. */
-static void derivatives(const lw_problem *p, const double *x, double *j, lw_work *w)
+/* Set the inputs of the stations. False: the linkage cannot close. */
+static bool find_stations(const lw_problem *p, const double *x, bool settled, lw_work *w)
+{
+    if (settled || !needs_stations(p))
+        return true;
+    if (p->timing == LW_TIMING_PRESCRIBED)
+        lw_problem_prescribe(p, x, w);
+    else if (is_whole(p))
+        return lw_circuit_find(p, x, w);
+    else
+        return lw_problem_settle(p, x, w);
+    return true;
+}
+
+static void all_conditions(const lw_problem *p, const double *x, bool settled, double *g, double *j, lw_work *w)
+{
+    size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear, nv = (size_t)p->n_var;
+    linear(p, x, g);
+    for (int i = 0; j && i < p->n_linear; i++)
+        memcpy(j + (size_t)i*nv, p->linear[i], sizeof *j*nv);
+    g += p->n_linear;
+    j += j ? (size_t)p->n_linear*nv : 0;
+    sides(p, x, g, j);
+    g += p->n_side;
+    j += j ? (size_t)p->n_side*nv : 0;
+    m -= (size_t)p->n_side;
+    if (m == 0)
+        return;
+    if (!find_stations(p, x, settled, w)) {
+        for (size_t k = 0; k < m; k++)
+            g[k] = -1;                                   /* without poses the condition counts as fully violated */
+        if (j)
+            memset(j, 0, sizeof *j*m*nv);
+        return;
+    }
+    motion between = motion_of(p, w);
+    if (j && needs_stations(p) && between.moves)
+        end_slopes(p, x, w, &between);
+    if (j && lw_problem_has_modes(p))
+        lw_circuit_slopes(p, x, w);
+    if (lw_problem_must_close(p)) {
+        closure(p, x, w, g, j);
+        g += p->n;
+        j += j ? p->n*nv : 0;
+    }
+    motion turn = { .moves = false }, *checked = p->intended.turns ? &turn : &between;
+    if (p->min_transmission > 0 || p->max_acceleration > 0) {
+        if (p->intended.turns)
+            sample_turn(w);
+        else
+            sample_motion(p, w, &between, POSES);
+    }
+    if (p->min_transmission > 0) {
+        transmissions(p, x, w, checked, g, j);
+        g += POSES;
+        j += j ? POSES*nv : 0;
+    }
+    if (p->max_acceleration > 0) {
+        accelerations(p, x, w, g, j != NULL);
+        if (j)
+            put_rows(p, w, checked, w->slope[0], j);
+        lower_changes(p, w, -1, g, j);                      /* at a dead point it is unbounded */
+        look_between(p, p->intended.turns, g, j);
+        g += POSES;
+        j += j ? POSES*nv : 0;
+    }
+    if (p->n_zone > 0)
+        zones(p, x, w, &between, g, j);
+}
+
+/* Replace rows that are not known by central differences: those of the margin of a higher group. */
+static void by_differences(const lw_problem *p, const double *x, double *j, lw_work *w)
 {
     size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var;
+    bool any = false;
     double at[LW_VAR_MAX];
+    for (size_t i = 0; i < m*nv && !any; i++)
+        any = isnan(j[i]);
     memcpy(at, x, sizeof at[0]*nv);
-    for (size_t v = 0; v < nv && m > (size_t)p->n_linear; v++) {
+    for (size_t v = 0; any && v < nv; v++) {
         double h = 2e-7*fmax(1, fabs(x[v]));
         at[v] = x[v] + h;
-        values(p, at, w->g_up, w);
+        all_conditions(p, at, false, w->g_up, NULL, w);
         at[v] = x[v] - h;
-        values(p, at, w->g_down, w);
+        all_conditions(p, at, false, w->g_down, NULL, w);
         at[v] = x[v];
         for (size_t i = (size_t)p->n_linear; i < m; i++)
-            j[i*nv + v] = (w->g_up[i] - w->g_down[i])/(2*h);
+            if (isnan(j[i*nv + v]))
+                j[i*nv + v] = (w->g_up[i] - w->g_down[i])/(2*h);
     }
-    for (int i = 0; i < p->n_linear; i++)
-        memcpy(j + (size_t)i*nv, p->linear[i], sizeof *j*nv);
+}
+
+void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double *g, double *j, lw_work *w)
+{
+    all_conditions(p, x, settled, g, j, w);
+    if (j && p->plan.n_higher > 0)
+        by_differences(p, x, j, w);
 }
 
 void lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work)
 {
-    values(p, x, g, work);
-    if (j)
-        derivatives(p, x, j, work);
+    lw_problem_conditions(p, x, false, g, j, work);
 }
 
 bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w)

@@ -65,29 +65,35 @@ int lw_problem_component_count(const lw_problem *p)
     return n;
 }
 
-int lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at)
+void lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_pivots *v)
 {
-    int n = 0, ground = p->plan.link[0];
-    at[n++] = lw_v2(0, 0);
+    int ground = p->plan.link[0];
+    v->n = 1;
+    v->at[0] = lw_v2(0, 0);
+    v->of[0][0] = v->of[0][1] = -1;
     for (int d = 0; d < p->n_dim; d++) {
         const lw_dim_info *i = &p->plan.dim[d];
         if (i->link != ground)
             continue;
-        if (i->role == LW_ROLE_R)
-            at[n++] = lw_v2(x[d], 0);
-        if (i->role == LW_ROLE_X)
-            at[n++] = lw_v2(x[d], 0);
-        if (i->role == LW_ROLE_Y)
-            at[n - 1].y = x[d];
+        if (i->role == LW_ROLE_R || i->role == LW_ROLE_X) {
+            v->of[v->n][0] = d;
+            v->of[v->n][1] = -1;
+            v->at[v->n++] = lw_v2(x[d], 0);
+        }
+        if (i->role == LW_ROLE_Y) {
+            v->of[v->n - 1][1] = d;
+            v->at[v->n - 1].y = x[d];
+        }
     }
-    return n;
 }
 
 size_t lw_problem_zone_count(const lw_problem *p)
 {
     double x[LW_VAR_MAX] = { 0 };
-    lw_vec2 at[LW_DIM_MAX + 1];
-    size_t n = 0, pivots = p->n_zone > 0 ? (size_t)lw_problem_fixed_pivots(p, x, at) : 0;
+    lw_pivots v = { .n = 0 };
+    if (p->n_zone > 0)
+        lw_problem_fixed_pivots(p, x, &v);
+    size_t n = 0, pivots = (size_t)v.n;
     for (int i = 0; i < p->n_zone; i++)
         n += lw_zone_forbids(&p->zone[i]) ? LW_ZONE_SAMPLES
            : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
@@ -101,17 +107,18 @@ bool lw_problem_must_close(const lw_problem *p)
 
 bool lw_problem_is_nonlinear(const lw_problem *p)
 {
-    return lw_problem_must_close(p) || p->min_transmission > 0 || p->max_acceleration > 0 || p->n_zone > 0;
+    return lw_problem_must_close(p) || p->min_transmission > 0 || p->max_acceleration > 0 || p->n_zone > 0
+        || p->n_side > 0;
 }
 
 size_t lw_problem_constraint_count(const lw_problem *p)
 {
-    return (size_t)p->n_linear + (lw_problem_must_close(p) ? p->n : 0)
+    return (size_t)p->n_linear + (size_t)p->n_side + (lw_problem_must_close(p) ? p->n : 0)
          + (p->min_transmission > 0 ? LW_CURVE_SAMPLES : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0)
          + lw_problem_zone_count(p);
 }
 
 size_t lw_problem_constraint_most(const lw_problem *p)
 {
-    return (size_t)p->n_linear + p->n + 2*LW_CURVE_SAMPLES + lw_problem_zone_count(p);
+    return (size_t)p->n_linear + (size_t)p->n_side + p->n + 2*LW_CURVE_SAMPLES + lw_problem_zone_count(p);
 }

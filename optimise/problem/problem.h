@@ -51,6 +51,11 @@ typedef struct lw_aim {
     int     i_tool;                      /* variable: the tool's mounting angle; -1                */
 } lw_aim;
 
+/* A length between two points of one link that is no variable: at most, or at least, a limit.  from, to: variables that
+ * are the coordinates of the points; -1: the coordinate is 0. */
+#define LW_SIDE_MAX 96
+typedef struct lw_side { int from[2], to[2]; bool most; double limit; } lw_side;
+
 typedef struct lw_problem {
     const lw_family *family;
     lw_plan      plan;
@@ -78,6 +83,8 @@ typedef struct lw_problem {
     double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
     int          n_linear;                                  /* linear[j] . x >= LW_LINEAR_LEAST     */
     double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
+    int          n_side;
+    lw_side      side[LW_SIDE_MAX];
     double       min_transmission, max_acceleration;       /* scaled; 0: no such condition         */
     int          n_zone;
     lw_zone      zone[LW_ZONE_MAX];                         /* scaled                               */
@@ -107,9 +114,10 @@ int lw_problem_component_count(const lw_problem *p);
  */
 size_t lw_problem_lane_count(const lw_problem *p);
 
-/* Positions of the fixed pivots in the ground frame, whose origin is the first pivot. Returns their number, at most
- * LW_DIM_MAX + 1. */
-int lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at);
+/* The fixed pivots in the ground frame, whose origin is the first pivot: their places, and the variables that are their
+ * coordinates (-1: the coordinate is 0). */
+typedef struct lw_pivots { int n, of[LW_DIM_MAX + 1][2]; lw_vec2 at[LW_DIM_MAX + 1]; } lw_pivots;
+void lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_pivots *v);
 
 /* Are there constraints besides bounds and linear ones?  Is closing at every station one of them? */
 bool lw_problem_is_nonlinear(const lw_problem *p);

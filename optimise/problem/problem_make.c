@@ -288,6 +288,54 @@ static lw_status ratio_rows(double ratio, lw_problem *p, lw_error *e)
     return LW_OK;
 }
 
+/* The points of a link by the variables that are their coordinates: the pins of the plan, and its tracers. */
+typedef struct link_points { int n, pins, of[LW_DIM_MAX][2]; } link_points;
+
+static void points_of_link(const lw_problem *p, int link, link_points *out)
+{
+    *out = (link_points){ .n = 1, .of = { { -1, -1 } } };                /* the origin of its frame          */
+    for (int tracers = 0; tracers < 2; tracers++) {
+        for (int d = 0; d < p->n_dim; d++) {
+            const lw_dim_info *i = &p->plan.dim[d];
+            bool first = tracers ? i->role == LW_ROLE_CX : i->role == LW_ROLE_R || i->role == LW_ROLE_X;
+            if (i->link != link)
+                continue;
+            if (first) {
+                out->of[out->n][0] = d;
+                out->of[out->n++][1] = -1;
+            } else if (i->role == (tracers ? LW_ROLE_CY : LW_ROLE_Y))
+                out->of[out->n - 1][1] = d;
+        }
+        if (!tracers)
+            out->pins = out->n;
+    }
+}
+
+/* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;
+ * distances of tracers from the pins of their links, at most its upper end. */
+static lw_status make_sides(const lw_fit_spec *s, lw_problem *p, lw_error *e)
+{
+    for (int l = 0; l < p->plan.n_link && s->length_hi > 0 && !s->dimensions_only && lw_task_has_place(p->task);
+         l++) {
+        link_points of;
+        points_of_link(p, p->plan.link[l], &of);
+        for (int b = 1; b < of.n; b++)
+            for (int a = 0; a < b && a < of.pins; a++) {
+                bool variable = a == 0 && of.of[b][1] < 0 && p->plan.dim[of.of[b][0]].kind == LW_DIM_LENGTH;
+                bool pins = b < of.pins && s->length_lo > 0;
+                for (int most = 1; most >= (pins ? 0 : 1) && !variable; most--) {
+                    if (p->n_side == LW_SIDE_MAX)
+                        return lw_error_set(e, LW_E_KIND, "it has too many lengths to bound each of them");
+                    lw_side *side = &p->side[p->n_side++];
+                    *side = (lw_side){ .most = most, .limit = (most ? s->length_hi : s->length_lo)/p->unit };
+                    memcpy(side->from, of.of[a], sizeof side->from);
+                    memcpy(side->to, of.of[b], sizeof side->to);
+                }
+            }
+    }
+    return LW_OK;
+}
+
 static void scale_zones(const lw_fit_spec *s, lw_problem *p)
 {
     p->n_zone = s->n_zone;
@@ -356,7 +404,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);
     scale_zones(s, p);
-    if ((st = ratio_rows(s->length_ratio, p, e)) != LW_OK)
+    if ((st = ratio_rows(s->length_ratio, p, e)) != LW_OK || (st = make_sides(s, p, e)) != LW_OK)
         lw_problem_free(p);
     return st;
 }

@@ -56,8 +56,9 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
                          &w->foot_x, &w->foot_y, &w->turn, &w->check_c, &w->check_s };
     for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
         *curve[i] = piece(base, &at, m*v);
-    w->check_mode = piece(base, &at, m*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
-    w->check_leg = piece(base, &at, m*sizeof(short));
+    w->check_at = piece(base, &at, m*sizeof *w->check_at);
+    w->place_x = piece(base, &at, p->n_zone > 0 ? LW_PLACE_MAX*m*v : 0);
+    w->place_y = piece(base, &at, p->n_zone > 0 ? LW_PLACE_MAX*m*v : 0);
     size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
     double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v, &w->pose_m,
                         &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };
@@ -67,6 +68,8 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->pose.jy = piece(base, &at, poses*v*(size_t)p->n_dim);
     w->pose.jt = w->pose.tt = NULL;
     w->pose.ld = poses;
+    for (int i = 0; i < 4; i++)
+        w->slope[i] = piece(base, &at, lw_problem_is_nonlinear(p) ? poses*v*(size_t)(p->n_dim + 1) : 0);
     w->g_now = piece(base, &at, g*v);
     w->g_up = piece(base, &at, g*v);
     w->g_down = piece(base, &at, g*v);

@@ -27,6 +27,9 @@ typedef struct lw_swing {
  * phase, the stroke, the phase within its first turn, cos and sin of psi. */
 typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_cycle_point;
 
+/* Pins and tracers whose places are checked. */
+#define LW_PLACE_MAX (LW_JOINT_MAX + 1 + LW_ALSO_MAX)
+
 typedef struct lw_work {
     size_t  n, n_lane, ld;       /* stations; lanes (with curve samples for timing none)           */
     double *phase;               /* phase of each lane on its circuit [rad]; if the input turns fully, the input */
@@ -53,11 +56,13 @@ typedef struct lw_work {
     double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
     double  sample_weight;
     /* poses in which conditions on the motion are checked: of the turn, or of the motion between the stations */
-    double *check_c, *check_s, *check_mode;        /* check_mode[dyad*LW_CURVE_SAMPLES + pose]               */
-    short  *check_leg;             /* their strokes                                                  */
+    double *check_c, *check_s;
+    lw_cycle_point *check_at;
+    double *place_x, *place_y;             /* of pins and tracers, place*LW_CURVE_SAMPLES + pose              */
+    double *slope[4];                      /* derivatives in these poses: (n_dim + 1) rows, the last by the input */
     double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
     lw_jacobian pose;
-    double *g_now, *g_up, *g_down;
+    double *g_now, *g_up, *g_down; /* conditions; at x moved up and down by a difference              */
     double *cost, *best;         /* dynamic programme: station by sample                           */
     short  *from, *order;
     void   *batch;

@@ -68,7 +68,9 @@ typedef struct lw_fit_spec {
     double    min_transmission;        /* [rad], 0: not asked                                     */
     double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], of a function of the output
                                         * angle [rad/rad^2]; 0: not asked                         */
-    double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
+    double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path.  Sides of links with
+                                        * several pins are lengths too; tracers are at most hi from the pins */
+    bool      dimensions_only;         /* the range bounds the variables that are lengths, and nothing else */
     double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
     double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
     lw_carrier carrier[LW_ALSO_MAX];   /* of the target's further points                          */

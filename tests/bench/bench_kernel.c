@@ -119,7 +119,7 @@ static void jacobian(bench *b, int angle)
     size_t ld = b->n + 8, size = (size_t)b->plan.n_dim*ld;         /* rows off the same cache set */
     double *t = b->jac + 3*size;
     lw_jacobian j = { b->x, b->y, b->u, b->v, b->margin, b->jac, b->jac + size, angle ? b->jac + 2*size : NULL,
-                      t, t + ld, angle ? t + 2*ld : NULL, ld };
+                      t, t + ld, angle ? t + 2*ld : NULL, ld, NULL, NULL };
     lw_batch_jacobian(&b->plan, &b->in, 0, b->work, &j);
 }
 static void ours_jacobian(bench *b) { jacobian(b, 0); }
