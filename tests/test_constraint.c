@@ -224,7 +224,7 @@ static void extremes_between_samples_are_found(void)
         for (size_t k = 0; k < LW_CURVE_SAMPLES; k++)            /* how far the samples beside the least one rise */
             if (at[k] == sampled)
                 beside = fmax(at[(k + 1) % LW_CURVE_SAMPLES], at[(k + 63) % LW_CURVE_SAMPLES]) - sampled;
-        CHECK(fabs(least - want) <= 0.15*beside + 1e-5*(1 + fabs(want)));
+        CHECK(fabs(least - want) <= beside + 1e-5*(1 + fabs(want)));
         off += fabs(least - want)/(1 + fabs(want));
         gap += (sampled - want)/(1 + fabs(want));
         free(g);
