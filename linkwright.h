@@ -816,7 +816,7 @@ typedef struct lw_fit_request {
     bool        full_turn;             /* the input turns fully                                           (false) */
     double      min_transmission;      /* [rad]; 0: not asked                                             (0)     */
     double      max_acceleration;      /* of the point by the input [m/rad^2]; 0: not asked               (0)     */
-    double      length_range[2];       /* [m]; 0, 0: by the target                                        (0, 0)  */
+    double      length_range[2];       /* between pins of a link, and from above to the tracer [m]; 0, 0: by the target (0, 0) */
     double      position_range[2];     /* [m]; equal: by the target                                       (0, 0)  */
     double      length_ratio;          /* longest over shortest length at most; 0: not asked              (0)     */
     int         n_bound, n_zone;       /* 24 and 8 at most                                                (0, 0)  */

@@ -251,7 +251,7 @@ static void ask_for_everything(const stations *st, lw_fit_spec *s)
 /* Is row i an acceleration beside a pose near a dead point, where it grows beyond all bounds? */
 static bool beside_dead_point(const lw_problem *p, const double *g, size_t i)
 {
-    size_t first = lw_problem_constraint_count(p) - lw_problem_zone_count(p) - LW_CURVE_SAMPLES;
+    size_t first = lw_problem_constraint_count(p) - p->n_zone_condition - LW_CURVE_SAMPLES;
     if (i < first || i >= first + LW_CURVE_SAMPLES)
         return false;
     for (int by = -2; by <= 2; by++)

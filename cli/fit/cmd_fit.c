@@ -71,7 +71,8 @@ static const cli_option options[] = {
     { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", "1",
       "weight B of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
     { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
-      "limits of the link lengths; without it 1/1000 to 10 times the diagonal of the target", 0, 1e300, NULL, NULL },
+      "limits of the lengths between pins of a link; the tracer is at most MAX from them. Without it r1, r2, ... are 1/1000 "
+      "to 10 times the diagonal of the target", 0, 1e300, NULL, NULL },
     { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
       "limits of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
     { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", NULL,

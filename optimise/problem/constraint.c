@@ -821,7 +821,7 @@ void lw_problem_constraints(const lw_problem *p, const double *x, double *g, dou
 bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w)
 {
     lw_problem_constraints(p, x, w->g_now, NULL, w);
-    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
+    for (size_t i = 0, m = lw_problem_constraint_count(p); i < m; i++)
         if (!(w->g_now[i] >= -off))
             return false;
     return true;

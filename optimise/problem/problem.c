@@ -87,19 +87,6 @@ void lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_pivots *v)
     }
 }
 
-size_t lw_problem_zone_count(const lw_problem *p)
-{
-    double x[LW_VAR_MAX] = { 0 };
-    lw_pivots v = { .n = 0 };
-    if (p->n_zone > 0)
-        lw_problem_fixed_pivots(p, x, &v);
-    size_t n = 0, pivots = (size_t)v.n;
-    for (int i = 0; i < p->n_zone; i++)
-        n += lw_zone_forbids(&p->zone[i]) ? LW_ZONE_SAMPLES
-           : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
-    return n;
-}
-
 bool lw_problem_must_close(const lw_problem *p)
 {
     return !p->intended.turns && p->timing == LW_TIMING_PRESCRIBED;
@@ -115,10 +102,10 @@ size_t lw_problem_constraint_count(const lw_problem *p)
 {
     return (size_t)p->n_linear + (size_t)p->n_side + (lw_problem_must_close(p) ? p->n : 0)
          + (p->min_transmission > 0 ? LW_CURVE_SAMPLES : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0)
-         + lw_problem_zone_count(p);
+         + p->n_zone_condition;
 }
 
 size_t lw_problem_constraint_most(const lw_problem *p)
 {
-    return (size_t)p->n_linear + (size_t)p->n_side + p->n + 2*LW_CURVE_SAMPLES + lw_problem_zone_count(p);
+    return (size_t)p->n_linear + (size_t)p->n_side + p->n + 2*LW_CURVE_SAMPLES + p->n_zone_condition;
 }

@@ -86,6 +86,7 @@ typedef struct lw_problem {
     int          n_side;
     lw_side      side[LW_SIDE_MAX];
     double       min_transmission, max_acceleration;       /* scaled; 0: no such condition         */
+    size_t       n_zone_condition;                       /* conditions of the zones                */
     int          n_zone;
     lw_zone      zone[LW_ZONE_MAX];                         /* scaled                               */
 } lw_problem;
@@ -123,8 +124,7 @@ void lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_pivots *v)
 bool lw_problem_is_nonlinear(const lw_problem *p);
 bool lw_problem_must_close(const lw_problem *p);
 
-/* Number of constraints of the zones; greatest number of constraints over all intended motions. */
-size_t lw_problem_zone_count(const lw_problem *p);
+/* Greatest number of constraints over all intended motions. */
 size_t lw_problem_constraint_most(const lw_problem *p);
 
 /* Make the problem of fitting one family, in one assembly mode and sense, to a target. LW_E_ARG with a text: bounds
@@ -152,8 +152,10 @@ double lw_problem_value(const lw_problem *p, const double *x, double *grad, void
 size_t lw_problem_residual_count(const lw_problem *p);
 bool   lw_problem_residuals(const lw_problem *p, const double *x, double *r, double *j, void *work);
 
-/* Conditions g(x) >= 0 (n_constraint) and their derivatives j[i*n_var + d] (may be NULL): linear conditions, closure at
- * prescribed stations, transmission, acceleration. All are of order one. */
+/* Conditions g(x) >= 0 (n_constraint) and their derivatives j[i*n_var + d] (may be NULL): linear conditions, lengths
+ * between points of a link, closure at prescribed stations, transmission, acceleration, zones. All are of order one.
+ * Derivatives are exact but for the input's part of accelerations (differences of fourth order) and for margins of higher
+ * groups (central differences). */
 size_t lw_problem_constraint_count(const lw_problem *p);
 void   lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work);
 

@@ -73,6 +73,10 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->g_now = piece(base, &at, g*v);
     w->g_up = piece(base, &at, g*v);
     w->g_down = piece(base, &at, g*v);
+    size_t rows = lw_problem_is_nonlinear(p) ? g : 0, variables = (size_t)p->n_var;
+    w->g_row = piece(base, &at, rows*variables*v);
+    w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*variables*v);
+    w->step_b = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*v);
     w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
     w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);
     w->from = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*sizeof(short));

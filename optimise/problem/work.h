@@ -63,6 +63,8 @@ typedef struct lw_work {
     double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
     lw_jacobian pose;
     double *g_now, *g_up, *g_down; /* conditions; at x moved up and down by a difference              */
+    double *g_row;                 /* their derivatives, g_row[i*n_var + d]                           */
+    double *step_a, *step_b;       /* conditions on a step of a solver: rows a (n_var), a . step >= b  */
     double *cost, *best;         /* dynamic programme: station by sample                           */
     short  *from, *order;
     void   *batch;

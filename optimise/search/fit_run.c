@@ -22,6 +22,9 @@ static int rounds_of(const lw_search *s)
     const lw_target *t = s->thin.n ? &s->thin : s->t;
     double of_eighteen = s->n_job > 16 ? 700.0 : 500.0;
     double jobs = of_eighteen*45/((double)t->n + 27);
+    const lw_fit_spec *q = &s->o->spec;
+    if (q->min_transmission > 0 || q->max_acceleration > 0 || q->n_zone > 0)      /* a job costs twice as much */
+        jobs *= 0.5;
     int rounds = (int)(jobs/s->n_job + 0.5);
     return rounds < 5 ? 5 : rounds;
 }

@@ -12,7 +12,7 @@
 #include "optimise/solvers/method_internal.h"
 #include "optimise/solvers/qp.h"
 
-enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };
+static_assert((int)LW_QP_MAX >= (int)LW_VAR_MAX, "the quadratic program takes every variable");
 
 #define DAMPING_FIRST  1e-3      /* of a run                                                                     */
 #define DAMPING_LEAST  1e-14     /* below this a step is a Gauss-Newton step                                     */
@@ -23,6 +23,9 @@ enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };
 #define PROMISE_LEAST  1e-16     /* a smaller relative fall is rounding: the gradient is zero                    */
 #define REASSIGN_GAIN  1e-7      /* least relative fall of f for which a new assignment of inputs is kept        */
 #define MARGIN         1e-12     /* conditions may be violated by this much, which is rounding                   */
+#define KEEP_OUT       1e-9      /* steps keep this distance from the limits of conditions on the motion         */
+#define FAR            0.5       /* conditions with more room than this do not bind a step                      */
+#define MEET           1e-9      /* results violate conditions on the motion by no more                          */
 
 lw_lm_options lw_lm_options_default(void)
 {
@@ -34,14 +37,14 @@ typedef struct model {
     int    n, var[LW_QP_MAX];                       /* free variables                          */
     double h[LW_QP_MAX*LW_QP_MAX], g[LW_QP_MAX];    /* J'J (lower), J'r                        */
     double step[LW_QP_MAX];
-    int    m;                                       /* conditions on the step: a step >= b     */
-    double a[ROW_MAX*LW_QP_MAX], b[ROW_MAX];
+    int    m, m_linear;                             /* conditions on the step: a step >= b; those without the motion's */
+    double *a, *b;                                  /* (m*n), (m), in the scratch              */
 } model;
 
 static void choose_variables(const lw_problem *p, model *q)
 {
     q->n = 0;
-    for (int i = 0; i < p->n_var && q->n < LW_QP_MAX; i++)
+    for (int i = 0; i < p->n_var; i++)
         if (p->lo[i] < p->hi[i])
             q->var[q->n++] = i;
 }
@@ -49,16 +52,17 @@ static void choose_variables(const lw_problem *p, model *q)
 /* sign step[i] >= b */
 static void bound_row(model *q, int i, double sign, double b)
 {
-    assert(q->m < ROW_MAX);
     double *a = q->a + q->m*q->n;
     memset(a, 0, sizeof *a*(size_t)q->n);
     a[i] = sign;
     q->b[q->m++] = b;
 }
 
-static void conditions(const lw_problem *p, const double *x, model *q)
+static void conditions(const lw_problem *p, const double *x, lw_work *w, model *q)
 {
     q->m = 0;
+    q->a = w->step_a;
+    q->b = w->step_b;
     for (int i = 0; i < q->n; i++) {
         int v = q->var[i];
         if (isfinite(p->lo[v]))
@@ -70,11 +74,46 @@ static void conditions(const lw_problem *p, const double *x, model *q)
         double now = 0;
         for (int v = 0; v < p->n_var; v++)
             now += p->linear[j][v]*x[v];
-        assert(q->m < ROW_MAX);
         for (int i = 0; i < q->n; i++)
             q->a[q->m*q->n + i] = p->linear[j][q->var[i]];
         q->b[q->m++] = LW_LINEAR_LEAST - now;
     }
+    q->m_linear = q->m;
+}
+
+/* Is sampled condition j, of first .. last - 1, the least around or beside it?  The others follow it. */
+static bool is_near_least(const double *g, int j, int first, int last)
+{
+    for (int k = j > first ? j - 1 : first; k <= j + 1 && k < last; k++)
+        if ((k == first || g[k - 1] >= g[k]) && (k + 1 == last || g[k + 1] >= g[k]))
+            return true;
+    return false;
+}
+
+/* Add the conditions on the motion to first order.  A violated one has to become better by `part` of its violation. */
+static void motion_conditions(const lw_problem *p, const lw_work *w, double part, model *q)
+{
+    int m = (int)lw_problem_constraint_count(p), zones = m - (int)p->n_zone_condition;
+    int sampled = p->n_linear + p->n_side + (lw_problem_must_close(p) ? (int)p->n : 0);
+    q->m = q->m_linear;
+    for (int j = p->n_linear; j < m; j++) {
+        const double *row = w->g_row + (size_t)j*(size_t)p->n_var;
+        double room = w->g_now[j] - KEEP_OUT;
+        if (room > FAR || (j >= sampled && j < zones && !is_near_least(w->g_now, j, sampled, zones)))
+            continue;
+        for (int i = 0; i < q->n; i++)
+            q->a[q->m*q->n + i] = row[q->var[i]];
+        q->b[q->m++] = room < 0 ? -part*room : -room;
+    }
+}
+
+/* How much the conditions on the motion are violated, from their values g. */
+static double violation(const lw_problem *p, const double *g)
+{
+    double worst = 0;
+    for (size_t j = (size_t)p->n_linear, m = lw_problem_constraint_count(p); j < m; j++)
+        worst = isfinite(g[j]) ? fmax(worst, -g[j]) : INFINITY;
+    return worst;
 }
 
 /* Compute J'J and J'r from the rows. */
@@ -84,7 +123,7 @@ static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
     lw_batch_normal(&p->plan, &in, q->h, q->g);
 }
 
-/* Solve for the damped step. Returns the decrease of f that the model predicts, or -1. */
+/* Solve for the damped step. Returns the decrease of f that the model predicts; NaN: there is no step. */
 static double solve_step(model *q, double damping)
 {
     int n = q->n;
@@ -95,7 +134,7 @@ static double solve_step(model *q, double damping)
     for (int i = 0; i < n; i++)
         l[i*n + i] += damping*fmax(q->h[i*n + i], DIAGONAL_LEAST*most) + RIDGE*most + 1e-300;
     if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->step))
-        return -1;
+        return NAN;
     for (int i = 0; i < n; i++) {
         double hs = 0;
         for (int j = 0; j < n; j++)
@@ -142,6 +181,8 @@ typedef struct run {
     lw_work *w;
     model    q;
     double   f, damping, growth;
+    bool     conditioned;                            /* steps keep the conditions on the motion */
+    double   broken, weight;                         /* their violation; its weight beside f    */
     int      steps, idle;
     long     evals;
 } run;
@@ -152,17 +193,40 @@ static void clip(const lw_problem *p, double *x)
         x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
 }
 
+/* The fall that the model predicts of f + weight * violation.  The weight only grows: until a step that lowers the
+ * violation by `part` lowers the sum, even where f rises. */
+static double weigh_violation(run *r, double part, double promise)
+{
+    double better = part*r->broken;
+    if (better > 0 && promise + 0.5*r->weight*better < 0)
+        r->weight = -2*promise/better;
+    return promise + r->weight*better;
+}
+
 /* Try one step. LW_STOP_EVALS: a step was accepted; else the reason why none was. */
 static lw_stop advance(run *r, double *x)
 {
     const lw_problem *p = r->p;
     double *keep = r->w->keep_theta, trial[LW_VAR_MAX];
+    double part = 1;
     lw_problem_rows(p, x, r->w, true);
     normal_equations(p, r->w, &r->q);
-    conditions(p, x, &r->q);
+    conditions(p, x, r->w, &r->q);
+    if (r->conditioned) {
+        lw_problem_conditions(p, x, true, r->w->g_now, r->w->g_row, r->w);
+        r->broken = violation(p, r->w->g_now);
+        motion_conditions(p, r->w, part, &r->q);
+    }
     memcpy(keep, r->w->phase, p->n*sizeof *keep);
     for (; r->steps < r->o->max_steps; r->steps++) {
         double promise = solve_step(&r->q, r->damping);
+        for (int i = 0; r->conditioned && isnan(promise) && i < 6; i++) {       /* no step keeps them all so far */
+            part = i < 5 ? 0.3*part : 0;
+            motion_conditions(p, r->w, part, &r->q);
+            promise = solve_step(&r->q, r->damping);
+        }
+        if (r->conditioned && !isnan(promise))
+            promise = weigh_violation(r, part, promise);
         if (promise >= 0 && promise <= PROMISE_LEAST*r->f)
             return LW_STOP_GRADIENT;
         memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
@@ -171,14 +235,20 @@ static lw_stop advance(run *r, double *x)
         clip(p, trial);
         if (p->timing != LW_TIMING_PRESCRIBED)
             move_inputs(p, r->w, &r->q);
-        double f = promise < 0 ? INFINITY : evaluate(p, trial, r->w);
+        double f = !(promise >= 0) ? INFINITY : evaluate(p, trial, r->w), broken = 0;
         r->evals++;
-        if (f < r->f) {
-            double gain = (r->f - f)/promise;
+        if (r->conditioned && isfinite(f)) {
+            lw_problem_conditions(p, trial, true, r->w->g_up, NULL, r->w);
+            broken = violation(p, r->w->g_up);
+        }
+        double fall = r->conditioned ? r->f - f + r->weight*(r->broken - broken) : r->f - f;
+        if (fall > 0) {
+            double gain = fall/promise;
             r->damping = fmax(DAMPING_LEAST, r->damping*fmax(0.1, 1 - pow(2*gain - 1, 3)));
             r->growth = 2;
-            r->idle = f > r->f*(1 - r->o->f_tol) ? r->idle + 1 : 0;
+            r->idle = fall < r->f*r->o->f_tol && broken <= MEET ? r->idle + 1 : 0;
             r->f = f;
+            r->broken = broken;
             r->steps++;
             memcpy(x, trial, sizeof trial[0]*(size_t)p->n_var);
             return r->idle >= 3 ? LW_STOP_F_TOL : LW_STOP_EVALS;
@@ -186,6 +256,8 @@ static lw_stop advance(run *r, double *x)
         memcpy(r->w->phase, keep, p->n*sizeof *keep);
         r->damping = fmax(r->damping, DAMPING_RETRY)*r->growth;
         r->growth *= 2;
+        if (r->conditioned && r->broken > 0)
+            motion_conditions(p, r->w, part *= 0.5, &r->q);
         if (r->damping > DAMPING_MOST)
             return LW_STOP_X_TOL;
     }
@@ -242,11 +314,13 @@ static bool reassigned(run *r, const double *x)
     return false;
 }
 
-double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
-                     void *work, long *evals, lw_stop *stop)
+static double improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs, bool conditioned,
+                      void *work, long *evals, lw_stop *stop)
 {
     run r;                                               /* not initialised: its model is too large to be cleared */
     bool closes = true;
+    r.conditioned = conditioned;
+    r.broken = r.weight = 0;
     r.p = p;
     r.o = o;
     r.w = work;
@@ -267,9 +341,17 @@ double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, boo
     return r.f;
 }
 
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
+                     void *work, long *evals, lw_stop *stop)
+{
+    return improve(p, o, x, keep_inputs, false, work, evals, stop);
+}
+
 bool lw_lm_feasible(const lw_problem *p, double *x)
 {
     model q;
+    double a[(2*LW_QP_MAX + LW_LINEAR_MAX)*LW_QP_MAX], b[2*LW_QP_MAX + LW_LINEAR_MAX];
+    lw_work w = { .step_a = a, .step_b = b };
     choose_variables(p, &q);
     clip(p, x);
     double l[LW_QP_MAX*LW_QP_MAX];
@@ -286,7 +368,7 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
         l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
         q.g[i] = 0;
     }
-    conditions(p, x, &q);
+    conditions(p, x, &w, &q);
     if (p->n_linear && !lw_qp_solve(q.n, l, q.g, q.m, q.a, q.b, q.step))
         return false;
     for (int i = 0; p->n_linear && i < q.n; i++)
@@ -298,18 +380,14 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
 double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
                          long *evals, lw_stop *stop)
 {
-    double f = lw_lm_improve(p, o, x, false, work, evals, stop);
-    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || lw_problem_admissible(p, x, MARGIN, work))
-        return f;
-    lw_solver_options so = lw_solver_options_default();
-    lw_solver_result r;
-    so.max_evals = p->family->linkage || p->n_zone > 0 ? fmin(o->max_steps, 200) : 4L*o->max_steps;
-    so.interrupt = o->interrupt;
-    so.max_seconds = o->until > 0 ? fmax(1e-3, o->until - lw_clock_wall()) : 0;
-    lw_status st = lw_method_solve(lw_solver_find("slsqp"), p, &so, x, &r);
-    *evals += r.evals;
-    *stop = r.stop;
-    return st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
+    double f = 0;
+    if (!lw_problem_is_nonlinear(p) || !lw_problem_admissible(p, x, MEET, work)) {
+        f = lw_lm_improve(p, o, x, false, work, evals, stop);
+        if (!isfinite(f) || !lw_problem_is_nonlinear(p) || lw_problem_admissible(p, x, MARGIN, work))
+            return f;
+    }
+    f = improve(p, o, x, false, true, work, evals, stop);
+    return isfinite(f) && lw_problem_admissible(p, x, MEET, work) ? f : INFINITY;
 }
 
 /* ---- as a row of the table ------------------------------------------------------------------- */

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#define LW_QP_MAX 48      /* unknowns */
+#define LW_QP_MAX 72      /* unknowns: all variables of a problem */
 
 /* Replace the lower triangle of h (n x n by rows; the rest is not read) by its Cholesky factor. False, h overwritten: h
  * is not positive definite to rounding. */
