@@ -35,10 +35,23 @@ void lw_fit_free(lw_fit *f)
     memset(f, 0, sizeof *f);
 }
 
+/* Time kept back for the last polish [s], and at most this part of a time limit. */
+#define POLISH_TIME 0.5
+#define POLISH_PART 0.1
+
+double lw_search_grace(const lw_search *s)
+{
+    return s->o->max_seconds > 0 ? fmin(POLISH_TIME, POLISH_PART*s->o->max_seconds) : POLISH_TIME;
+}
+
+double lw_search_end(const lw_search *s)
+{
+    return s->o->max_seconds > 0 ? s->started + s->o->max_seconds - lw_search_grace(s) : 0;
+}
+
 bool lw_search_stopped(const lw_search *s)
 {
-    return (s->o->interrupt && *s->o->interrupt)
-        || (s->o->max_seconds > 0 && lw_clock_wall() - s->started > s->o->max_seconds);
+    return (s->o->interrupt && *s->o->interrupt) || (s->o->max_seconds > 0 && lw_clock_wall() > lw_search_end(s));
 }
 
 /* Less a job for families of any linkage: they have more variables, their starts cost more, and there are many of them.

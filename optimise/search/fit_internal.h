@@ -108,6 +108,11 @@ lw_status lw_search_family(const lw_search *s, int candidate, lw_family_made *ma
 
 lw_effort lw_search_effort(const lw_search *s, const lw_problem *p);
 
+/* Wall clock at which the jobs of a time limit end, 0: no limit; seconds after that, or after an interrupt, for the
+ * last polish. */
+double lw_search_end(const lw_search *s);
+double lw_search_grace(const lw_search *s);
+
 /* Is the time over, or was the search asked to stop? */
 bool lw_search_stopped(const lw_search *s);
 

@@ -22,7 +22,6 @@ enum {
     COSTLY = 2,             /* how many are improved further where conditions on the motion cost most */
     POLISH = 8              /* finds of a round that are polished                                    */
 };
-#define GRACE 0.5           /* time to polish finds after the time limit [s]                         */
 #define MET   1e-6          /* conditions on results are met to this                                 */
 #define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
 #define HIT   1e-3          /* relative difference of f of two finds of the same linkage             */
@@ -137,7 +136,7 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
     o.f_hopeless = HOPELESS*s->best_raw;
     o.patience = FIRST_STEPS;
     o.interrupt = s->o->interrupt;
-    o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
+    o.until = lw_search_end(s);
     for (int i = 0; i < n && !lw_search_stopped(s); i++) {
         p->intended = best[i].intended;
         lw_problem_work_intended(p, work);
@@ -397,7 +396,7 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
         return st;
     pick(s, &list);
     if (s->o->max_seconds > 0 || lw_search_stopped(s))
-        list.until = fmax(lw_clock_wall(), s->started + s->o->max_seconds) + GRACE;
+        list.until = (lw_search_stopped(s) ? lw_clock_wall() : lw_search_end(s)) + lw_search_grace(s);
     lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
     for (int i = 0; i < list.n; i++) {
         const polish *l = &list.item[i];

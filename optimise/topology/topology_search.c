@@ -245,6 +245,16 @@ static void sum_mechanisms(const plan *p, lw_topology_search *out)
     }
 }
 
+/* Search; of a time limit leave some for the second simulations of the results. */
+static lw_status run_stages(const lw_target *t, const lw_fit_options *o, const plan *p, lw_staged_search *found,
+                            lw_error *e)
+{
+    lw_fit_options mine = *o;
+    if (o->max_seconds > 0)
+        mine.max_seconds = o->max_seconds - fmin(0.3, 0.05*o->max_seconds);
+    return lw_staged_search_run(t, &mine, p->stage, p->n_stage, found, e);
+}
+
 lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_options *o, lw_topology_search *out,
                                  lw_error *e)
 {
@@ -254,7 +264,7 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
     lw_status st = make_plan(t, o, p, e), kept = LW_OK;
     if (st == LW_OK)
-        st = lw_staged_search_run(t, &o->fit, p->stage, p->n_stage, &out->found, e);
+        st = run_stages(t, &o->fit, p, &out->found, e);
     if (st == LW_OK || st == LW_STOPPED)
         kept = lw_fit_results_make(t, &o->fit.spec, &out->found.fit, o->fit.n_result, NULL, &out->results, e);
     st = kept == LW_OK ? st : kept;
