@@ -112,7 +112,7 @@ static const double beside = 1e-4;           /* least pivot near a singular post
 /* Does the solver take ever shorter steps towards a singular posture? */
 static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f, lw_status s)
 {
-    if (s == LW_STOPPED || w->implicit || d->large || d->n_stop || !(f->h > 0) || d->weak > beside)
+    if (s == LW_STOPPED || w->implicit || d->n_stop || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }

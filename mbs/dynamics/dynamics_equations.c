@@ -355,7 +355,8 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
     lw_status s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, false);
-    if (s != LW_OK || !d->by_rank || d->has_zero_mass)
+    bool beside = d->large ? d->weak < least_pivot : d->by_rank && !d->has_zero_mass;
+    if (s != LW_OK || !beside)
         return s == LW_OK ? lw_mbs_solve(d, t, q, v, a, l, power) : s;
     /* Near a singular posture residuals of the constraints are magnified: project first. */
     memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
