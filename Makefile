@@ -98,9 +98,11 @@ $B/install/liblinkwright.a: $(LIB_OBJ)
 	rm -f $@; $(LD) -r $(LIB_OBJ) -o $(@:.a=.o) && $(OBJCOPY) --localize-hidden $(@:.a=.o) && ar rcs $@ $(@:.a=.o)
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
-# the program for tests of limits and faults: the environment sets its clock, its end by a signal, and the call that fails
-WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose
-$B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/liblinkwright.a
+# the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
+# its instruction set
+WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
+           lw_kernels_supported
+$B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@

@@ -1,38 +1,5 @@
-/* Choose the instruction set for the batch, and count the scratch it needs. */
+/* Run the kernels of the chosen instruction set, and count the scratch it needs. */
 #include "mbs/batch/kernels_internal.h"
-
-#ifdef __x86_64__
-extern const lw_kernels lw_kernels_x86_64, lw_kernels_x86_64_v3, lw_kernels_x86_64_v4;
-
-/* The features of levels 4 and 3 of the x86-64 psABI that compilers use in these loops. */
-static bool runs_v4(void)
-{
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-}
-static bool runs_v3(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
-           __builtin_cpu_supports("bmi2");
-}
-
-const lw_kernels *lw_kernels_supported(int rank)
-{
-    const lw_kernels *list[4] = { 0 };
-    int n = 0;
-    __builtin_cpu_init();
-    if (runs_v4() && runs_v3())
-        list[n++] = &lw_kernels_x86_64_v4;
-    if (runs_v3())
-        list[n++] = &lw_kernels_x86_64_v3;
-    list[n++] = &lw_kernels_x86_64;
-    return rank >= 0 && rank < n ? list[rank] : NULL;
-}
-#else
-extern const lw_kernels lw_kernels_native;
-
-const lw_kernels *lw_kernels_supported(int rank) { return rank == 0 ? &lw_kernels_native : NULL; }
-#endif
 
 /* Rows of a block: registers and their adjoints (two numbers each); margin and three spare rows; the reciprocal of a
  * root for each dyad; cosine and sine of each angle; dimensions and modes copied to every lane; derivatives by the

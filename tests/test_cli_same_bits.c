@@ -1,0 +1,65 @@
+/* test_cli_same_bits.c - each command prints the same text with the kernels of each instruction set, with the C library's
+ * variants for lesser processors, and in locales with a decimal comma or a Turkish i. */
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+/* What a user compares; times of a run are not. */
+static const char *const rows[] = {
+    "$C fit examples/ellipse.csv --starts 20 --rounds 1 --json | grep -v seconds",
+    "$C fit examples/walking-foot.csv --links 6 --budget 1000 --starts 10 --rounds 1 --results 3 --json | grep -v seconds",
+    "$C fit $D/five.csv --exact --json | grep -v seconds",
+    "$C trace examples/klann.json -n 24",
+    "$C trace examples/jansen.json -n 24 --json",
+    "$C simulate examples/dynamics/governor.json --to 0.2 -n 20",
+    "$C simulate examples/andrews.json --to 0.01 -n 5",
+    "$C simulate examples/pendulum.json --analysis linear",
+    "$C clearance examples/clearance-four-bar.json --speeds 80 --to 0.05 --settle 0.01",
+    "$C mobility examples/jansen.json",
+    "rm -f $D/c.db; $C catalogue curves $D/c.db --links 4 --samples 100 -q && "
+    "$C catalogue nearest $D/c.db examples/ellipse.csv",
+    "$C draw examples/chebyshev.json -f svg",
+    "$C convert examples/chebyshev.json --format pyslvs",
+    "$C classify 40 10 35 30",
+};
+
+/* Variants of the C library are chosen by the processor's features, which this variable takes away. */
+static const char *const machines[] = {
+    "LW_LESSER=1 LOCPATH=$D/locale LC_ALL=de_DE.UTF-8",
+    "LW_LESSER=2 GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX LOCPATH=$D/locale LC_ALL=tr_TR.UTF-8",
+};
+
+static void prepare(void)
+{
+    expect("mkdir $D/locale; for l in de_DE tr_TR; do localedef -i $l -f UTF-8 $D/locale/$l.UTF-8 || exit 1; done; "
+           "LOCPATH=$D/locale LC_ALL=de_DE.UTF-8 bash -c 'printf \"%.1f\\n\" 1,5'", 0, "1,5", NULL);
+    expect("printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);
+}
+
+static void same_everywhere(void)
+{
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        ran usual = run(rows[i]);
+        if (usual.code != 0)
+            fprintf(stderr, "%s\n  said: %s", rows[i], usual.err);
+        CHECK_INT(usual.code, 0);
+        CHECK(strlen(usual.out) > 20);
+        for (size_t m = 0; m < sizeof machines/sizeof *machines; m++) {
+            char line[1200];
+            snprintf(line, sizeof line, "export %s; %s", machines[m], rows[i]);
+            ran other = run(line);
+            CHECK_INT(other.code, usual.code);
+            CHECK(strcmp(other.out, usual.out) == 0);
+            if (strcmp(other.out, usual.out) != 0)
+                fprintf(stderr, "differs: %s\n", line);
+            ran_free(&other);
+        }
+        ran_free(&usual);
+    }
+}
+
+int main(void)
+{
+    RUN(prepare);
+    RUN(same_everywhere);
+    return check_end();
+}
