@@ -322,16 +322,37 @@ static lw_status list_truss(void *context, const lw_chain_item *item)
     return s;
 }
 
+static lw_status find_trusses(int n_link, int n_thread, lw_chains **trusses, lw_error *e)
+{
+    if (n_link < 2 || n_link % 2)
+        return lw_error_set(e, LW_E_ARG, "an Assur group of pins has 3N/2 joints, so its number of links N is "
+                            "even, not %d", n_link);
+    return lw_chains_create(n_link + 1, 0, n_thread, trusses, e);
+}
+
+lw_status lw_assur_count(int n_link, int n_thread, uint64_t *n, lw_error *e)
+{
+    lw_chains *trusses;
+    lw_chain_table table;
+    lw_chain_walk how = lw_chain_walk_default();
+    how.n_thread = n_thread;
+    lw_status s = find_trusses(n_link, n_thread, &trusses, e);
+    if (s != LW_OK)
+        return s;
+    s = lw_chains_count(trusses, &how, &table);
+    *n = table.total.n_ground;
+    lw_chain_table_free(&table);
+    lw_chains_free(trusses);
+    return s;
+}
+
 lw_status lw_assur_each(int n_link, int n_thread, lw_assur_visit *visit, void *context, lw_error *e)
 {
     listing l = { visit, context };
     lw_chains *trusses;
     lw_chain_walk how = lw_chain_walk_default();
-    if (n_link < 2 || n_link % 2)
-        return lw_error_set(e, LW_E_ARG, "an Assur group of pins has 3N/2 joints, so its number of links N is "
-                            "even, not %d", n_link);
     how.n_thread = n_thread;
-    lw_status s = lw_chains_create(n_link + 1, 0, n_thread, &trusses, e);
+    lw_status s = find_trusses(n_link, n_thread, &trusses, e);
     if (s != LW_OK)
         return s;
     s = lw_chains_each(trusses, &how, list_truss, &l);

@@ -46,4 +46,7 @@ typedef lw_status lw_assur_visit(void *context, const lw_chain *truss, int lost,
  * LW_E_ARG with a text for an odd number, LW_E_MEMORY. */
 lw_status lw_assur_each(int n_link, int n_thread, lw_assur_visit *visit, void *context, lw_error *e);
 
+/* The number of groups that lw_assur_each visits, without a listing: the ground links of the trusses up to symmetry. */
+lw_status lw_assur_count(int n_link, int n_thread, uint64_t *n, lw_error *e);
+
 #endif

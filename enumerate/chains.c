@@ -8,25 +8,52 @@ lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains
     return lw_chains_create_while(n_link, dof, n_thread, NULL, NULL, NULL, chains, e);
 }
 
-lw_status lw_chains_create_while(int n_link, int dof, int n_thread, const char *stored, lw_structures_tick *tick,
-                                 void *context, lw_chains **chains, lw_error *e)
+/* A set without structures, and its numbers. */
+static lw_status begin_chains(int n_link, int dof, lw_chains **made, lw_error *e)
 {
     lw_numbers numbers;
     lw_status status = lw_numbers_for_links(n_link, dof, 0, &numbers, e);
     if (status != LW_OK)
         return status;
-    lw_chains *made = calloc(1, sizeof *made);
-    if (!made)
+    *made = calloc(1, sizeof **made);
+    if (!*made)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    made->numbers = numbers;
-    if (numbers.n_loop > 1)
-        status = lw_structures_stored(stored, numbers.n_loop, n_thread, tick, context, &made->structures, e);
-    if (status != LW_OK) {
-        free(made);
-        return status;
-    }
-    *chains = made;
+    (*made)->numbers = numbers;
     return LW_OK;
+}
+
+lw_status lw_chains_create_while(int n_link, int dof, int n_thread, const char *stored, lw_structures_tick *tick,
+                                 void *context, lw_chains **chains, lw_error *e)
+{
+    lw_chains *made;
+    lw_status status = begin_chains(n_link, dof, &made, e);
+    if (status != LW_OK)
+        return status;
+    if (made->numbers.n_loop > 1)
+        status = lw_structures_stored(stored, made->numbers.n_loop, n_thread, tick, context, &made->structures, e);
+    if (status == LW_OK)
+        *chains = made;
+    else
+        free(made);
+    return status;
+}
+
+lw_status lw_chains_create_within(int n_link, int dof, int most_circles, int n_thread, lw_structures_tick *tick,
+                                  void *context, lw_chains **chains, lw_error *e)
+{
+    lw_chains *made;
+    lw_status status = begin_chains(n_link, dof, &made, e);
+    if (status != LW_OK)
+        return status;
+    if (made->numbers.n_loop > 1)
+        status = lw_structures_create_within(made->numbers.n_loop, most_circles, n_thread, tick, context,
+                                             &made->structures);
+    if (status == LW_OK) {
+        *chains = made;
+        return LW_OK;
+    }
+    free(made);
+    return lw_error_set(e, status, status == LW_STOPPED ? "stopped while the structures were grown" : "out of memory");
 }
 
 void lw_chains_free(lw_chains *chains)

@@ -29,6 +29,9 @@ lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains
  * file `stored`, or written there, as by lw_structures_stored; NULL: no file. */
 lw_status lw_chains_create_while(int n_link, int dof, int n_thread, const char *stored, lw_structures_tick *tick,
                                  void *context, lw_chains **chains, lw_error *e);
+/* The same, but only chains with at most `most_circles` links of three or more joints. */
+lw_status lw_chains_create_within(int n_link, int dof, int most_circles, int n_thread, lw_structures_tick *tick,
+                                  void *context, lw_chains **chains, lw_error *e);
 void      lw_chains_free(lw_chains *chains);
 
 const lw_numbers    *lw_chains_numbers(const lw_chains *chains);

@@ -10,6 +10,7 @@ typedef struct marking {
     size_t          n_symmetry;
     int             n_mark;
     lw_higher_visit *visit;
+    bool          (*go_on)(void *context);    /* NULL: always */
     void           *context;
 } marking;
 
@@ -90,7 +91,7 @@ static lw_status mark(marking *k, int n, int from, uint32_t marks)
         }
         return s;
     }
-    for (int i = from; i < k->chain->n_link && s == LW_OK; i++)
+    for (int i = from; i < k->chain->n_link && s == LW_OK && __builtin_popcount(k->binary >> i) >= n; i++)
         if (k->binary >> i & 1 && fits(k->chain, marks, i))
             s = mark(k, n - 1, i + 1, marks | 1u << i);
     return s;
@@ -107,10 +108,26 @@ static lw_status mark_chain(void *context, const lw_chain_item *item)
     return s;
 }
 
+static bool grow_tick(void *context, int loops, size_t found)
+{
+    const marking *k = context;
+    (void)loops;
+    (void)found;
+    return !k->go_on || k->go_on(k->context);
+}
+
+static bool walk_tick(void *context, double done) { return grow_tick(context, 0, (size_t)done); }
+
 lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_visit *visit, void *context,
                          lw_error *e)
 {
-    marking k = { .n_mark = n2, .visit = visit, .context = context };
+    return lw_higher_each_while(n_link, dof, n2, n_thread, NULL, visit, context, e);
+}
+
+lw_status lw_higher_each_while(int n_link, int dof, int n2, int n_thread, bool (*go_on)(void *context),
+                               lw_higher_visit *visit, void *context, lw_error *e)
+{
+    marking k = { .n_mark = n2, .visit = visit, .go_on = go_on, .context = context };
     lw_numbers numbers;
     lw_chains *chains;
     lw_chain_walk how = lw_chain_walk_default();
@@ -118,10 +135,12 @@ lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_vi
     if (s == LW_OK && n_link + n2 > LW_LINK_MAX)
         s = lw_error_set(e, LW_E_ARG, "links and joints of two freedoms together may be %d at most", LW_LINK_MAX);
     if (s == LW_OK)
-        s = lw_chains_create(n_link + n2, dof, n_thread, &chains, e);
+        s = lw_chains_create_within(n_link + n2, dof, n_link, n_thread, grow_tick, &k, &chains, e);
     if (s != LW_OK)
         return s;
     how.n_thread = n_thread;
+    how.tick = walk_tick;
+    how.tick_context = &k;
     s = lw_chains_each(chains, &how, mark_chain, &k);
     lw_chains_free(chains);
     return s;

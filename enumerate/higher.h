@@ -4,7 +4,8 @@
  * So the chains with P links and n2 such joints are the chains of P + n2 links with joints of one freedom, in which
  * n2 binary links are marked and shrink to a joint.  Marked links are not adjacent, and two links get at most one
  * joint.  Subchains keep their mobility, so nothing becomes rigid.  Two results are isomorphic exactly when a
- * symmetry maps one set of marks to the other, so no canonical form is needed. */
+ * symmetry maps one set of marks to the other, so no canonical form is needed.  Circles are never marked, so only
+ * structures with at most P circles are grown. */
 #ifndef LW_ENUMERATE_HIGHER_H
 #define LW_ENUMERATE_HIGHER_H
 
@@ -17,5 +18,9 @@ typedef lw_status lw_higher_visit(void *context, const lw_chain *c);
  * their order.  LW_E_ARG with the equation when the numbers do not go together; LW_E_MEMORY. */
 lw_status lw_higher_each(int n_link, int dof, int n2, int n_thread, lw_higher_visit *visit, void *context,
                          lw_error *e);
+
+/* The same; go_on is called from time to time, also where nothing is found.  If it returns false: LW_STOPPED. */
+lw_status lw_higher_each_while(int n_link, int dof, int n2, int n_thread, bool (*go_on)(void *context),
+                               lw_higher_visit *visit, void *context, lw_error *e);
 
 #endif

@@ -114,9 +114,9 @@ static double seconds_of(const chain_numbers *n, enum part part)
         return 0;
     double structures = n->chains ? 0 : e.structure_seconds;
     switch (part) {
-    case TABLE:        return structures + 4*e.count_seconds;             /* with ground links */
-    case NONPLANAR:    return structures + 4*e.count_seconds;
-    case ASYMMETRIC:   return structures + 10*e.list_seconds;
+    case TABLE:        return structures + e.count_seconds;
+    case NONPLANAR:    return structures + e.count_seconds;
+    case ASYMMETRIC:   return structures + e.list_seconds + 6e-6*e.chains;
     case FRACTIONATED: return n->dof < 2 ? 0 : 1e-5*e.chains;
     }
     return 0;

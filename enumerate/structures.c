@@ -205,6 +205,7 @@ typedef struct candidate {
 typedef struct block {
     const lw_structures *set;
     int        loops;                 /* of the parents */
+    int        most_circles;          /* of a child     */
     size_t     first, last;           /* parents        */
     uint32_t   parent;                /* the one at work */
     candidate *found;
@@ -216,6 +217,8 @@ static lw_status take_child(void *context, lw_ear ear, const lw_structure *child
 {
     block *b = context;
     lw_structure form;
+    if (child->n_circle > b->most_circles)
+        return LW_OK;
     if (b->n == b->room) {
         size_t room = b->room ? 2*b->room : 64;
         candidate *found = realloc(b->found, room*sizeof *found);
@@ -335,7 +338,8 @@ static lw_status sort_level(const builder *b, level *l)
     return LW_OK;
 }
 
-static lw_status build_level(lw_structures *set, int loops, int n_thread, lw_structures_tick *tick, void *context)
+static lw_status build_level(lw_structures *set, int loops, int most_circles, int n_thread, lw_structures_tick *tick,
+                             void *context)
 {
     builder b = { .form_size = 2*3*(size_t)(loops - 1) };
     block *wave = malloc(WAVE*sizeof *wave);
@@ -345,7 +349,8 @@ static lw_status build_level(lw_structures *set, int loops, int n_thread, lw_str
         size_t n_block = 0;
         for (; n_block < WAVE && done < n_parent; n_block++, done += BLOCK) {
             size_t last = done + BLOCK < n_parent ? done + BLOCK : n_parent;
-            wave[n_block] = (block){ .set = set, .loops = loops - 1, .first = done, .last = last };
+            wave[n_block] = (block){ .set = set, .loops = loops - 1, .most_circles = most_circles, .first = done,
+                                     .last = last };
         }
         status = grow_wave(&b, wave, n_block, n_thread);
         if (status == LW_OK && tick && !tick(context, loops, b.n))
@@ -368,6 +373,12 @@ lw_status lw_structures_create(int loops, int n_thread, lw_structures **out)
 lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
                                      lw_structures **out)
 {
+    return lw_structures_create_within(loops, LW_CIRCLE_MAX, n_thread, tick, context, out);
+}
+
+lw_status lw_structures_create_within(int loops, int most_circles, int n_thread, lw_structures_tick *tick,
+                                      void *context, lw_structures **out)
+{
     if (loops < 2 || loops > LW_LOOP_MAX)
         return LW_E_ARG;
     lw_structures *set = calloc(1, sizeof *set);
@@ -377,7 +388,7 @@ lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick
     set->level[2].n = 1;                              /* the theta structure has no origin */
     lw_status status = LW_OK;
     for (int l = 3; l <= loops && status == LW_OK; l++)
-        status = build_level(set, l, n_thread, tick, context);
+        status = build_level(set, l, most_circles, n_thread, tick, context);
     if (status != LW_OK) {
         lw_structures_free(set);
         return status;

@@ -26,6 +26,9 @@ lw_status lw_structures_create(int loops, int n_thread, lw_structures **set);
 typedef bool lw_structures_tick(void *context, int loops, size_t found);
 lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
                                      lw_structures **set);
+/* The same, but only structures with at most `most_circles` circles; others are not grown. */
+lw_status lw_structures_create_within(int loops, int most_circles, int n_thread, lw_structures_tick *tick,
+                                      void *context, lw_structures **set);
 void      lw_structures_free(lw_structures *set);
 
 /* Write the set to f, and read it again, so that work in many parts grows it once.  Growing nine loops takes a minute

@@ -171,7 +171,10 @@ static void all_groups(void)
     static const struct { int n_link, n; } known[] = { { 2, 1 }, { 4, 2 }, { 6, 10 }, { 8, 173 } };   /* the last is ours */
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         listed l = { 0 };
+        uint64_t n = 0;
         CHECK_INT(lw_assur_each(known[i].n_link, 1, count_group, &l, NULL), LW_OK);
+        CHECK_INT(lw_assur_count(known[i].n_link, 1, &n, NULL), LW_OK);
+        CHECK_INT(n, known[i].n);
         CHECK_INT(l.n, known[i].n);
         CHECK_INT(l.with_modes, l.n);
         CHECK_INT(l.of_class[2], known[i].n_link == 2);

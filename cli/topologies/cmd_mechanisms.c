@@ -216,13 +216,30 @@ static lw_status count_quickly(job *j, const lw_chains *chains, const lw_chain_w
 {
     lw_chain_table table;
     lw_status s = lw_chains_count(chains, how, &table);
-    if (s != LW_OK)
-        return s;
     j->counts.n_chain = table.total.n_chain;
     j->counts.n_ground = table.total.n_ground;
     j->n = table.total.n_chain;
     lw_chain_table_free(&table);
-    return LW_OK;
+    return s;
+}
+
+static bool go_on(void *context)
+{
+    job *j = context;
+    return cli_watch_goes_on(&j->watch, (double)j->n);
+}
+
+static bool walk_tick(void *context, double done)
+{
+    (void)done;
+    return go_on(context);
+}
+
+static bool grow_tick(void *context, int loops, size_t found)
+{
+    (void)loops;
+    (void)found;
+    return go_on(context);
 }
 
 static lw_status generate(job *j)
@@ -231,8 +248,10 @@ static lw_status generate(job *j)
     lw_chain_walk how = lw_chain_walk_default();
     how.n_thread = j->call->common.jobs;
     if (j->s->n2 > 0)
-        return lw_higher_each(j->s->links, j->s->dof, j->s->n2, how.n_thread, from_higher, j, &j->e);
-    lw_status s = lw_chains_create(j->s->links, j->s->dof, how.n_thread, &chains, &j->e);
+        return lw_higher_each_while(j->s->links, j->s->dof, j->s->n2, how.n_thread, go_on, from_higher, j, &j->e);
+    how.tick = walk_tick;
+    how.tick_context = j;
+    lw_status s = lw_chains_create_while(j->s->links, j->s->dof, how.n_thread, NULL, grow_tick, j, &chains, &j->e);
     if (s != LW_OK)
         return s;
     if (j->s->count && !j->steps.kinds && j->steps.input == LW_INPUT_LEFT && !j->steps.output)
@@ -279,6 +298,8 @@ static lw_status write_group(void *context, const lw_chain *truss, int lost, con
 
 static lw_status run_lists(job *j)
 {
+    if (j->s->assur_groups > 0 && j->s->count)
+        return lw_assur_count(j->s->assur_groups, j->call->common.jobs, &j->n, &j->e);
     if (j->s->assur_groups > 0)
         return lw_assur_each(j->s->assur_groups, j->call->common.jobs, write_group, j, &j->e);
     if (j->s->multiple)
