@@ -3,67 +3,7 @@
 #include "tests/dynamics_run.h"
 
 #include "mbs/dynamics/reactions.h"
-
-#include <stdarg.h>
-
-typedef struct text { char *at; size_t n, capacity; } text;
-
-static void put(text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void put(text *t, const char *format, ...)
-{
-    if (t->capacity < t->n + 1000)
-        t->at = realloc(t->at, t->capacity = 2*t->capacity + 2000);
-    va_list arg;
-    va_start(arg, format);
-    t->n += (size_t)vsnprintf(t->at + t->n, 1000, format, arg);
-    va_end(arg);
-}
-
-/* Read the text with single quotes for double ones. */
-static void read_text(text *t, lw_model *m)
-{
-    lw_error e = { 0 };
-    for (size_t i = 0; i < t->n; i++)
-        t->at[i] = t->at[i] == '\'' ? '"' : t->at[i];
-    CHECK_INT(lw_model_read(t->at, t->n, "text", m, &e), LW_OK);
-    if (e.text[0])
-        fprintf(stderr, "%s\n", e.text);
-    free(t->at);
-}
-
-/* A rope of n links of length 1/n, horizontal, pinned at one end. */
-static void read_chain(int n, lw_model *m)
-{
-    text t = { 0 };
-    put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
-    for (int i = 0; i < n; i++)
-        put(&t, ",{'name': 'b%d', 'mass': %.17g, 'centre': [%.17g, 0], 'inertia': %.17g}", i, 1.0/n, (i + 0.5)/n,
-            1.0/12/n/n/n);
-    put(&t, "], 'joints': [");
-    for (int i = 0; i < n; i++)
-        put(&t, "%s{'name': 'J%d', 'links': ['%s%.0d', 'b%d'], 'at': [%.17g, 0]}", i ? "," : "", i,
-            i == 0 ? "ground" : i == 1 ? "b0" : "b", i > 1 ? i - 1 : 0, i, (double)i/n);
-    put(&t, "]}");
-    read_text(&t, m);
-}
-
-/* N four-bars in a row: n + 1 upright cranks on the ground, their ends joined by rods. */
-static void read_row(int n, lw_model *m)
-{
-    text t = { 0 };
-    put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
-    for (int i = 0; i <= n; i++)
-        put(&t, ",{'name': 'c%d', 'mass': 1, 'centre': [%d, 0.5], 'inertia': 0.083333333333333333}", i, i);
-    for (int i = 0; i < n; i++)
-        put(&t, ",{'name': 'r%d', 'mass': 1, 'centre': [%.1f, 1], 'inertia': 0.083333333333333333}", i, i + 0.5);
-    put(&t, "], 'joints': [{'name': 'A0', 'links': ['ground', 'c0'], 'at': [0, 0]}");
-    for (int i = 1; i <= n; i++)
-        put(&t, ",{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]}"
-            ",{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, 1]},{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, 1]}",
-            i, i, i, i, i - 1, i - 1, i - 1, i, i - 1, i, i);
-    put(&t, "], 'input': {'joint': 'A0', 'speed': 1}}");
-    read_text(&t, m);
-}
+#include "tests/large_models.h"
 
 /* ---- runs ----------------------------------------------------------------------------------------------- */
 
@@ -146,7 +86,7 @@ static void agree(lw_model *m, double to, double tight)
 static void chains_and_rows_agree(void)
 {
     lw_model m;
-    read_chain(8, &m);
+    read_chain(8, 0, &m);
     agree(&m, 0.5, 1e-7);
     read_row(5, &m);
     agree(&m, 1, 1e-8);
@@ -236,13 +176,7 @@ static void damped_ropes(void)
     kept k[2];
     lw_dynamics_report r;
     lw_error e = { 0 };
-    read_chain(60, &m);
-    lw_joint_spring *more = calloc(60, sizeof *more);
-    free(m.joint_spring);
-    m.joint_spring = more;
-    m.n_joint_spring = 60;
-    for (int i = 0; i < 60; i++)
-        m.joint_spring[i] = (lw_joint_spring){ .joint = i, .stiffness = 1e-3, .damping = 1e-3 };
+    read_chain(60, 1e-3, &m);
     CHECK_INT(run(&m, 0.1, 1e-10, &k[0], &r, &e), LW_OK);
     CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.1, 1e-9, &k[1], &r, &e), LW_OK);
     for (int i = 0; i < k[0].n_q; i++)
@@ -266,7 +200,7 @@ static void thousand_links(void)
     kept k;
     lw_dynamics_report r;
     lw_error e = { 0 };
-    read_chain(1000, &m);
+    read_chain(1000, 0, &m);
     CHECK(!m.small);
     CHECK_INT(run(&m, 0.02, 1e-10, &k, &r, &e), LW_OK);
     CHECK_TEXT(e.text, "");
@@ -318,7 +252,7 @@ static void refusals_say_why(void)
     lw_dynamics *d;
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
-    read_chain(40, &m);
+    read_chain(40, 0, &m);
     o.analysis = LW_ANALYSIS_STATIC;
     CHECK_INT(lw_dynamics_make(&m, &o, &d, &e), LW_E_KIND);
     CHECK_HAS(e.text, "41 links");
