@@ -23,7 +23,7 @@ static lw_status project_and_hold_energy(void *context, double t, double *y)
     lw_status s = lw_run_project(run, t, y);
     if (s != LW_OK || run->has_work)
         return s;
-    double kinetic = lw_forces_kinetic(&d->f, v), off = kinetic + lw_forces_potential(&d->f, y) - run->energy0;
+    double kinetic = d->eq.kinetic(d->eq.context, v), off = kinetic + d->eq.potential(d->eq.context, y) - run->energy0;
     for (int i = 0; i < d->n_q; i++)
         fastest = fmax(fastest, fabs(v[i]));
     if (!(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))

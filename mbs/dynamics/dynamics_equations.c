@@ -25,20 +25,20 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 {
     const lw_system *s = &d->s;
     int row = s->n_row;
-    lw_system_place(s, q, d->frames);
+    d->eq.place(d->eq.context, q);
     memset(d->jac, 0, (size_t)d->n_c*LW_ROW_SIZE*sizeof *d->jac);
-    lw_system_fill_blocks(s, d->frames, d->phi, d->jac, d->row_body);
+    d->eq.rows(d->eq.context, d->phi, d->jac, d->row_body);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
                                 d->model->linkage.joint[s->input_joint[d->driven[i]]].name, t);
-        d->phi[row] = lw_system_count_block(s, d->frames, s->input_joint[d->driven[i]], d->jac + row*LW_ROW_SIZE,
-                                            d->row_body[row]) - motion[0];
+        d->phi[row] = d->eq.measure(d->eq.context, s->input_joint[d->driven[i]], d->jac + row*LW_ROW_SIZE, d->row_body[row])
+                    - motion[0];
     }
     for (int i = 0; i < d->n_resting; i++, row++) {
         const lw_rigid_stop *stop = &d->stop[d->resting[i]];
-        d->phi[row] = lw_system_count_block(s, d->frames, stop->joint, d->jac + row*LW_ROW_SIZE, d->row_body[row])
+        d->phi[row] = d->eq.measure(d->eq.context, stop->joint, d->jac + row*LW_ROW_SIZE, d->row_body[row])
                     - stop->limit;
     }
     return LW_OK;
@@ -63,73 +63,19 @@ lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
     return LW_OK;
 }
 
-/* The two points of a joint and their relative motion, with the part of the acceleration that velocities cause. */
-typedef struct joint_motion { lw_vec2 d, dd, ddd, u, du, ddu; } joint_motion;
-
-static joint_motion joint_motion_of(const lw_dynamics *d, const lw_system_joint *j, const double *v)
-{
-    joint_motion z;
-    lw_vec2 p[2], dp[2], ddp[2];
-    double w[2];
-    for (int end = 0; end < 2; end++) {
-        int b = j->body[end];
-        lw_vec2 r = lw_v2_turn(j->arm[end], d->frames[b + 1].dir);
-        w[end] = b < 0 ? 0 : v[3*b + 2];
-        p[end] = lw_v2_add(d->frames[b + 1].at, r);
-        dp[end] = lw_v2_add(b < 0 ? lw_v2(0, 0) : lw_v2(v[3*b], v[3*b + 1]), lw_v2_scale(lw_v2_perp(r), w[end]));
-        ddp[end] = lw_v2_scale(r, -w[end]*w[end]);
-    }
-    z.d = lw_v2_sub(p[1], p[0]);
-    z.dd = lw_v2_sub(dp[1], dp[0]);
-    z.ddd = lw_v2_sub(ddp[1], ddp[0]);
-    z.u = lw_v2_turn(j->along, d->frames[j->body[0] + 1].dir);
-    z.du = lw_v2_scale(lw_v2_perp(z.u), w[0]);
-    z.ddu = lw_v2_scale(z.u, -w[0]*w[0]);
-    return z;
-}
-
-/* Second rate of the measure of a joint, without J a. */
-static double count_bias(const lw_dynamics *d, int joint, const double *v)
-{
-    const lw_system_joint *j = &d->s.joint[joint];
-    if (!lw_joint_slides(j->kind))
-        return 0;
-    joint_motion z = joint_motion_of(d, j, v);
-    return lw_v2_dot(z.ddu, z.d) + 2*lw_v2_dot(z.du, z.dd) + lw_v2_dot(z.u, z.ddd);
-}
-
-static void joint_bias(lw_dynamics *d, const lw_system_joint *j, const double *v)
-{
-    double *to = d->rhs + j->row;
-    joint_motion z;
-    if (lw_joint_holds_point(j->kind)) {
-        z = joint_motion_of(d, j, v);
-        to[0] = -z.ddd.x;
-        to[1] = -z.ddd.y;
-    } else if (lw_joint_slides(j->kind)) {
-        z = joint_motion_of(d, j, v);
-        to[0] = -lw_v2_cross(z.ddu, z.d) - 2*lw_v2_cross(z.du, z.dd) - lw_v2_cross(z.u, z.ddd);
-    }
-    if (lw_joint_has_ratio(j->kind))
-        for (int side = 0; side < 2; side++)
-            if (j->slider[side] >= 0)
-                to[0] -= lw_system_gear_factor(j, side)*j->slider_sign[side]*count_bias(d, j->slider[side], v);
-}
-
 static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
 {
     int row = d->n_row;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
-    for (int j = 0; j < d->s.n_joint; j++)
-        joint_bias(d, &d->s.joint[j], v);
+    d->eq.bias(d->eq.context, v, d->rhs);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return LW_E_NUMERIC;
-        d->rhs[row] = motion[2] - count_bias(d, d->s.input_joint[d->driven[i]], v);
+        d->rhs[row] = motion[2] - d->eq.measure_bias(d->eq.context, d->s.input_joint[d->driven[i]], v);
     }
     for (int i = 0; i < d->n_resting; i++, row++)
-        d->rhs[row] = -count_bias(d, d->stop[d->resting[i]].joint, v);
+        d->rhs[row] = -d->eq.measure_bias(d->eq.context, d->stop[d->resting[i]].joint, v);
     return LW_OK;
 }
 
@@ -338,7 +284,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power)
 {
-    lw_forces_apply(&d->f, t, q, v, d->force, NULL, NULL, power);
+    d->eq.forces(d->eq.context, t, q, v, d->force, power);
     for (int i = 0; i < d->n_q; i++)
         if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
@@ -425,8 +371,7 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
         least_change(d, d->rhs, step);
         if (!(greatest(step, d->n_q) <= longest))
             return LW_OPEN;
-        for (int i = 0; i < d->n_q; i++)
-            q[i] += step[i];
+        d->eq.move(d->eq.context, q, step);
     }
     return LW_OPEN;
 }
@@ -464,11 +409,11 @@ static void find_row_bodies(lw_dynamics *d)
 {
     int row = d->n_row;
     for (int r = 0; r < d->n_row; r++)
-        lw_system_row_bodies(&d->s, r, d->row_body[r]);
+        d->eq.row_bodies(d->eq.context, r, d->row_body[r]);
     for (int i = 0; i < d->n_driven; i++)
-        lw_system_joint_bodies(&d->s, d->s.input_joint[d->driven[i]], d->row_body[row++]);
+        d->eq.measure_bodies(d->eq.context, d->s.input_joint[d->driven[i]], d->row_body[row++]);
     for (int i = 0; i < d->n_resting; i++)
-        lw_system_joint_bodies(&d->s, d->stop[d->resting[i]].joint, d->row_body[row++]);
+        d->eq.measure_bodies(d->eq.context, d->stop[d->resting[i]].joint, d->row_body[row++]);
 }
 
 /* The kept rows of each body: those of body b at list[at[b]] .. list[at[b + 1] - 1], with their place in row_body. */
@@ -647,8 +592,8 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
         m->off = fmax(m->off, fabs(d->phi[r]));
         m->off_rate = fmax(m->off_rate, fabs(rate));
     }
-    m->kinetic = lw_forces_kinetic(&d->f, v);
-    m->potential = lw_forces_potential(&d->f, q);
+    m->kinetic = d->eq.kinetic(d->eq.context, v);
+    m->potential = d->eq.potential(d->eq.context, q);
     m->unique = d->rank == d->n_c;
     return s;
 }

@@ -13,6 +13,7 @@
 #include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/system_internal.h"
 #include "mbs/dynamics/dynamics.h"
+#include "mbs/dynamics/equations.h"
 #include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/rigid_stops_internal.h"
 
@@ -31,6 +32,8 @@ struct lw_dynamics {
     lw_dynamics_options  o;
     lw_system            s;
     lw_forces            f;
+    lw_planar            planar;              /* of the two, */
+    lw_equations         eq;                  /* and what the solvers use of them */
     int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first */
     bool    large;                            /* more parts than a linkage holds: no way by rank */
     int     n_driven, *driven;                /* inputs with a motion */

@@ -75,7 +75,7 @@ static lw_status residual(void *context, double t, const double *y, const double
         s = lw_mbs_rate_wanted(d, t);
     if (s != LW_OK)
         return s;
-    lw_forces_apply(&d->f, t, q, v, d->force, NULL, NULL, &power);
+    d->eq.forces(d->eq.context, t, q, v, d->force, &power);
     power += add_friction(d, q, v, l);
     push(d, m, d->bias);
     for (int i = 0; i < n; i++)
@@ -136,43 +136,6 @@ static void put_force(void *context, int row, int column, double by_q, double by
     put(g, g->value, g->q + row, g->q + column, -by_v);
 }
 
-/* A second derivative of a row that is not 0: by coordinates a and b, and by b and a. */
-typedef struct bend { int a, b; double h; } bend;
-
-static int add_bend(bend *out, int n, int body, int axis, int other, int other_axis, double h)
-{
-    if (body >= 0 && other >= 0)
-        out[n++] = (bend){ 3*body + axis, 3*other + other_axis, h };
-    return n;
-}
-
-/* Second derivatives of row r of the system at d->frames, w . d with w fixed or carried by link 0
- * (mbs/constraints/system_rows.c).  Rows of turns have none. */
-static int bends_of(const lw_dynamics *d, int r, bend out[8])
-{
-    const lw_system_joint *j = &d->s.joint[r < d->n_row ? d->s.row[r].joint : 0];
-    bool point = lw_joint_holds_point(j->kind);
-    int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
-    if (r >= d->n_row)                       /* the turn of a driven pin */
-        return 0;
-    if (side >= (point ? 2 : 1))
-        return 0;
-    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames[b0 + 1].dir), r1 = lw_v2_turn(j->arm[1], d->frames[b1 + 1].dir);
-    if (point) {
-        n = add_bend(out, n, b0, 2, b0, 2, side ? r0.y : r0.x);
-        return add_bend(out, n, b1, 2, b1, 2, side ? -r1.y : -r1.x);
-    }
-    lw_vec2 w = lw_v2_perp(lw_v2_turn(j->along, d->frames[b0 + 1].dir)), dw = lw_v2_perp(w);
-    lw_vec2 apart = lw_v2_sub(lw_v2_add(d->frames[b1 + 1].at, r1), lw_v2_add(d->frames[b0 + 1].at, r0));
-    n = add_bend(out, n, b0, 2, b0, 2, -lw_v2_dot(w, r0) - lw_v2_dot(w, apart));
-    n = add_bend(out, n, b1, 2, b1, 2, -lw_v2_dot(w, r1));
-    n = add_bend(out, n, b0, 2, b1, 2, lw_v2_dot(w, r1));
-    n = add_bend(out, n, b0, 2, b1, 0, dw.x);
-    n = add_bend(out, n, b0, 2, b1, 1, dw.y);
-    n = add_bend(out, n, b0, 2, b0, 0, -dw.x);
-    return add_bend(out, n, b0, 2, b0, 1, -dw.y);
-}
-
 /* Add the part of kept row k and its multipliers. */
 static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
 {
@@ -180,7 +143,7 @@ static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
     int n = g->q, c = g->c, row = d->kept[k];
     const double *v = y + n;
     double l = y[2*n + k], m = y[2*n + c + k];
-    bend each[8];
+    lw_bend each[LW_BEND_MAX];
     for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
         for (int k0 = 0; k0 < 3; k0++) {
             int i = 3*d->row_body[row][b] + k0;
@@ -190,7 +153,7 @@ static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
             put(g, jac, 2*n + k, i, x);
             put(g, jac, 2*n + c + k, n + i, x);
         }
-    for (int e = bends_of(d, row, each) - 1; e >= 0; e--)
+    for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, each) : 0) - 1; e >= 0; e--)    /* driven pins have none */
         for (int way = 0; way < (each[e].a == each[e].b ? 1 : 2); way++) {
             int a = way ? each[e].b : each[e].a, b = way ? each[e].a : each[e].b;
             put(g, jac, a, b, m*each[e].h/mass_of(g, a));
@@ -211,7 +174,7 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
         return s;
     g->value = jac;
     if (g->columns.n)
-        lw_forces_derivatives(&d->f, t, y, y + n, d->force, &(lw_force_sink){ g, put_force });
+        d->eq.derivatives(d->eq.context, t, y, y + n, d->force, &(lw_force_sink){ g, put_force });
     else
         lw_forces_apply(&d->f, t, y, y + n, d->force, g->dq, g->dv, NULL);
     for (int i = 0; i < n; i++) {
@@ -236,7 +199,7 @@ static lw_status find_pattern(ggl *g)
     lw_dynamics *d = g->run->d;
     int n = g->q, last = unknowns(g) - 1;
     g->columns.n = last + 1;
-    lw_forces_pattern(&d->f, &(lw_force_sink){ g, put_force });
+    d->eq.pattern(d->eq.context, &(lw_force_sink){ g, put_force });
     for (int i = 0; i < n; i++) {
         put(g, NULL, i, i, 1);
         put(g, NULL, i, n + i, 1);

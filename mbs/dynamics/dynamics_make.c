@@ -71,8 +71,10 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
         *ints[i].to = d->ints + n_int;
         n_int += ints[i].n;
     }
+    d->planar = (lw_planar){ &d->s, &d->f, d->frames };
+    d->eq = lw_planar_equations(&d->planar);
     for (size_t i = 0; i < q; i++)
-        d->by_mass[i] = 1/d->f.mass[i];
+        d->by_mass[i] = 1/d->eq.mass[i];
     return LW_OK;
 }
 
@@ -459,9 +461,9 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
 void lw_mbs_system_rows(const lw_dynamics *c, const double *q)
 {
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
-    lw_system_place(&d->s, q, d->frames);
+    d->eq.place(d->eq.context, q);
     memset(d->jac, 0, (size_t)d->n_row*LW_ROW_SIZE*sizeof *d->jac);
-    lw_system_fill_blocks(&d->s, d->frames, d->phi, d->jac, d->row_body);
+    d->eq.rows(d->eq.context, d->phi, d->jac, d->row_body);
 }
 
 void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac)

@@ -77,7 +77,7 @@ void lw_run_watch(lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
-    double kinetic = lw_forces_kinetic(&d->f, y + d->n_q), potential = lw_forces_potential(&d->f, y);
+    double kinetic = d->eq.kinetic(d->eq.context, y + d->n_q), potential = d->eq.potential(d->eq.context, y);
     double work = run->has_work ? y[2*d->n_q] : 0;
     r->energy_error = fmax(r->energy_error, fabs(kinetic + potential - run->energy0 - work));
     r->energy_scale = fmax(r->energy_scale, fmax(kinetic, fabs(potential - run->potential0)));
@@ -168,8 +168,8 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
 lw_status lw_run_begin(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
-    run->potential0 = lw_forces_potential(&d->f, y);
-    run->energy0 = run->potential0 + lw_forces_kinetic(&d->f, y + d->n_q);
+    run->potential0 = d->eq.potential(d->eq.context, y);
+    run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q);
     run->momentum0 = momentum(d, y);
     run->r->momentum_scale = keeps_momentum(d) ? fmax(momentum_scale(d, y), 1e-300) : 0;
     lw_run_watch(run, y);
@@ -215,7 +215,7 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
         s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
     if (s != LW_OK)
         return s;
-    memcpy(dy, y + n, (size_t)n*sizeof *dy);
+    d->eq.rates(d->eq.context, y, y + n, dy);
     for (int i = 0; run->has_work && i < d->n_driven; i++) {
         double motion[3];
         lw_mbs_motion(d, i, t, motion);
