@@ -120,7 +120,7 @@ static void check_layers(const lw_linkage *k, int most)
     lw_scene s = scene_of(k, 240), fine = scene_of(k, 4801);
     static lw_layers l;
     lw_error e = { 0 };
-    CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_OK);
+    CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK(l.n_layer >= 2 && l.n_layer <= most);
     CHECK_INT(l.layer[k->ground], 0);
@@ -167,7 +167,7 @@ static void room_of_random_linkages(void)
             else if (k.joint[j].kind == LW_JOINT_REVOLUTE)
                 k.joint[j].at.x += 0.1*lw_export_size(&k)*lw_rng_uniform(&rng);
         lw_scene s = scene_of(&k, 60), fine = scene_of(&k, 1201);
-        if (s.n_frame > 2 && lw_layers_find(&s, 0, &l, NULL) == LW_OK) {
+        if (s.n_frame > 2 && lw_layers_find(&s, NULL, &l, NULL) == LW_OK) {
             double seen = room_seen(&fine, &l);
             CHECK(l.room > 0 && l.room <= seen);
             n_found += isfinite(l.room);
@@ -184,13 +184,13 @@ static void refusals(void)
     lw_error e = { 0 };
     lw_linkage k = example("geared-five-bar");
     lw_scene s = scene_of(&k, 12);
-    CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_E_KIND);
+    CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_E_KIND);
     CHECK_HAS(e.text, "gears");
     lw_scene_free(&s);
     k = example("hoeken");
     k.n_input = 0;
     s = scene_of(&k, 12);
-    CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_E_KIND);
+    CHECK_INT(lw_layers_find(&s, NULL, &l, &e), LW_E_KIND);
     CHECK_HAS(e.text, "need the motion");
     lw_scene_free(&s);
 }
@@ -274,7 +274,7 @@ static void openscad_is_balanced(void)
     CHECK_INT(depth[2], 0);
     CHECK_HAS(b.data, "module link5()");
     CHECK_HAS(b.data, "// x cube(9);");
-    CHECK_HAS(b.data, "cylinder(r = 0.95*bore, h = ");
+    CHECK_HAS(b.data, "cylinder(r = pin, h = ");
     lw_bytes_free(&b);
 }
 

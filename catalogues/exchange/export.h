@@ -44,6 +44,12 @@ lw_export_law lw_export_law_of(const lw_linkage *k, int input);
 lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_openscad(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
+/* The same plates and pins as solids in the pose, in millimetres. STEP AP214: an assembly of one product for each plate
+ * and pin, with planes and cylinders. STL: a closed mesh for each, circles with 48 sides. LW_E_KIND: holes of a plate
+ * that meet. */
+lw_status lw_export_step(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_stl(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+
 /* A sketch of SolveSpace in millimetres: points and lines of each link, and constraints; it can be dragged as the
  * linkage moves. LW_E_KIND: gears, welds. */
 lw_status lw_export_solvespace(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);

@@ -5,49 +5,11 @@
 #include <string.h>
 
 #include "base/real.h"
-#include "catalogues/exchange/export.h"
-#include "catalogues/exchange/layers.h"
+#include "catalogues/exchange/plates.h"
 
 #define MM      1000.0
 #define DIGITS  10
-#define FRAMES  240
-#define SHOWN   60               /* poses in an OpenSCAD file; a divisor of FRAMES */
-
-typedef struct work { lw_scene s; lw_layers l; } work;
-
-static lw_status make(const lw_linkage *k, work **out, lw_error *e)
-{
-    work *w = calloc(1, sizeof *w);
-    if (!w)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory for plates");
-    lw_status s = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = FRAMES, .n_curve_point = 8 }, &w->s, e);
-    if (s == LW_OK) {
-        s = lw_layers_find(&w->s, 0, &w->l, e);
-        if (s != LW_OK)
-            lw_scene_free(&w->s);
-    }
-    if (s != LW_OK) {
-        free(w);
-        return s;
-    }
-    *out = w;
-    return LW_OK;
-}
-
-static void end(work *w)
-{
-    lw_scene_free(&w->s);
-    free(w);
-}
-
-/* What is known about the layers, in one sentence. */
-static void put_room(const work *w, char *text, size_t size)
-{
-    char room[32];
-    lw_number_text(room, MM*w->l.room, 3);
-    snprintf(text, size, isfinite(w->l.room) ? "in each layer at least %s mm are free over the whole motion"
-             : "in no layer anything passes anything", room);
-}
+#define SHOWN   60               /* poses in an OpenSCAD file; a divisor of LW_PLATES_FRAMES */
 
 /* ---- DXF -------------------------------------------------------------------------------------------------- */
 
@@ -74,10 +36,10 @@ static void put_point(lw_bytes *out, int code, lw_vec2 p)
 }
 
 /* Layer names in R12: capitals, digits, - and _, at most 31 characters. */
-static void layer_name(const work *w, int link, char name[32])
+static void layer_name(const lw_plates *w, int link, char name[32])
 {
-    int n = snprintf(name, 32, "L%d_", w->l.layer[link]);
-    for (const char *c = w->s.linkage.link_name[link]; *c && n < 31; c++)
+    int n = snprintf(name, 32, "L%d_", w->layers.layer[link]);
+    for (const char *c = w->scene.linkage.link_name[link]; *c && n < 31; c++)
         name[n++] = (char)(isalnum((unsigned char)*c) && (unsigned char)*c < 128 ? toupper((unsigned char)*c) : '_');
     name[n] = 0;
 }
@@ -118,57 +80,59 @@ static void put_circle(lw_bytes *out, const char *layer, lw_vec2 at, double r)
 /* Write the outline of a convex polygon (counter-clockwise, or a bar, or a point) widened by r. */
 static void put_outline(lw_bytes *out, const char *layer, const lw_vec2 *p, int n, double r, lw_vec2 shift)
 {
-    if (n == 1) {
+    lw_loop loop;
+    lw_loop_widen(p, n, r, &loop);
+    if (loop.n == 1) {
         put_circle(out, layer, lw_v2_add(p[0], shift), r);
         return;
     }
-    for (int i = 0; i < n; i++) {
-        lw_vec2 a = p[i], b = p[(i + 1) % n], c = p[(i + 2) % n], d = lw_v2_sub(b, a), f = lw_v2_sub(c, b);
-        lw_vec2 m = lw_v2_scale(lw_v2_perp(d), -1/lw_v2_norm(d)), o = lw_v2_scale(lw_v2_perp(f), -1/lw_v2_norm(f));
-        lw_vec2 off = lw_v2_add(shift, lw_v2_scale(m, r));
-        put_line(out, layer, lw_v2_add(a, off), lw_v2_add(b, off));
-        put_arc(out, layer, lw_v2_add(b, shift), r, m, o);
+    for (int i = 0; i < loop.n; i++) {
+        const lw_side *a = &loop.side[i], *b = &loop.side[(i + 1) % loop.n];
+        if (a->arc)
+            put_arc(out, layer, lw_v2_add(a->centre, shift), r, lw_v2_sub(a->from, a->centre), lw_v2_sub(b->from, a->centre));
+        else
+            put_line(out, layer, lw_v2_add(a->from, shift), lw_v2_add(b->from, shift));
     }
 }
 
 /* Lower left and upper right corner of a plate. */
-static void plate_box(const work *w, int link, lw_vec2 *lo, lw_vec2 *hi)
+static void plate_box(const lw_plates *w, int link, lw_vec2 *lo, lw_vec2 *hi)
 {
-    const lw_plate *p = &w->l.plate[link];
+    const lw_plate *p = &w->layers.plate[link];
     *lo = *hi = p->corner[0];
     for (int i = 1; i < p->n_corner; i++) {
         *lo = lw_v2(fmin(lo->x, p->corner[i].x), fmin(lo->y, p->corner[i].y));
         *hi = lw_v2(fmax(hi->x, p->corner[i].x), fmax(hi->y, p->corner[i].y));
     }
-    *lo = lw_v2_sub(*lo, lw_v2(w->l.radius, w->l.radius));
-    *hi = lw_v2_add(*hi, lw_v2(w->l.radius, w->l.radius));
+    *lo = lw_v2_sub(*lo, lw_v2(w->layers.radius, w->layers.radius));
+    *hi = lw_v2_add(*hi, lw_v2(w->layers.radius, w->layers.radius));
 }
 
-static void put_cut(const work *w, int link, lw_vec2 shift, lw_bytes *out)
+static void put_cut(const lw_plates *w, int link, lw_vec2 shift, lw_bytes *out)
 {
-    const lw_plate *p = &w->l.plate[link];
+    const lw_plate *p = &w->layers.plate[link];
     char layer[32];
     layer_name(w, link, layer);
-    put_outline(out, layer, p->corner, p->n_corner, w->l.radius, shift);
+    put_outline(out, layer, p->corner, p->n_corner, w->layers.radius, shift);
     for (int i = 0; i < p->n_hole; i++) {
         const lw_vec2 ends[2] = { p->hole[i].a, p->hole[i].b };
-        bool round = lw_v2_norm(lw_v2_sub(ends[1], ends[0])) < 1e-9*w->l.radius;
-        put_outline(out, layer, ends, round ? 1 : 2, w->l.bore, shift);
+        bool round = lw_v2_norm(lw_v2_sub(ends[1], ends[0])) < 1e-9*w->layers.radius;
+        put_outline(out, layer, ends, round ? 1 : 2, w->layers.bore, shift);
     }
 }
 
-static void put_tables(const work *w, lw_bytes *out)
+static void put_tables(const lw_plates *w, lw_bytes *out)
 {
     char name[32], count[12];
     put_code(out, 0, "SECTION");
     put_code(out, 2, "TABLES");
     put_code(out, 0, "TABLE");
     put_code(out, 2, "LAYER");
-    snprintf(count, sizeof count, "%d", w->s.linkage.n_link);
+    snprintf(count, sizeof count, "%d", w->scene.linkage.n_link);
     put_code(out, 70, count);
-    for (int link = 0; link < w->s.linkage.n_link; link++) {
+    for (int link = 0; link < w->scene.linkage.n_link; link++) {
         layer_name(w, link, name);
-        snprintf(count, sizeof count, "%d", 1 + w->l.layer[link] % 7);
+        snprintf(count, sizeof count, "%d", 1 + w->layers.layer[link] % 7);
         put_code(out, 0, "LAYER");
         put_code(out, 2, name);
         put_code(out, 70, "0");
@@ -181,14 +145,16 @@ static void put_tables(const work *w, lw_bytes *out)
 
 lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
-    work *w;
+    lw_plates *w;
     char note[120];
-    lw_status s = make(k, &w, e);
+    lw_status s = lw_plates_make(k, o, &w, e);
     if (s != LW_OK)
         return s;
     put_code(out, 999, "plates in millimetres");
-    put_room(w, note, sizeof note);
+    lw_plates_room(w, note, sizeof note);
+    put_code(out, 999, note);
+    snprintf(note, sizeof note, "thickness %.6g, holes %.6g, pins %.6g", MM*w->layers.thickness, 2*MM*w->layers.bore,
+             2*MM*w->layers.pin_radius);
     put_code(out, 999, note);
     put_code(out, 0, "SECTION");
     put_code(out, 2, "HEADER");
@@ -203,11 +169,11 @@ lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_byte
         lw_vec2 lo, hi;
         plate_box(w, link, &lo, &hi);
         put_cut(w, link, lw_v2(x - lo.x, -lo.y), out);
-        x += hi.x - lo.x + w->l.radius;
+        x += hi.x - lo.x + w->layers.radius;
     }
     put_code(out, 0, "ENDSEC");
     put_code(out, 0, "EOF");
-    end(w);
+    lw_plates_free(w);
     return lw_bytes_end(out, e);
 }
 
@@ -240,14 +206,14 @@ static void put_comment(lw_bytes *out, const char *name)
     lw_bytes_text(out, clean);
 }
 
-static void put_module(const work *w, int link, lw_bytes *out)
+static void put_module(const lw_plates *w, int link, lw_bytes *out)
 {
-    const lw_plate *p = &w->l.plate[link];
-    lw_vec2 o = w->s.origin[link];
+    const lw_plate *p = &w->layers.plate[link];
+    lw_vec2 o = w->scene.origin[link];
     lw_bytes_text(out, "module link");
     lw_bytes_integer(out, link);
     lw_bytes_text(out, "() linear_extrude(thickness) difference() {   // ");
-    put_comment(out, w->s.linkage.link_name[link]);
+    put_comment(out, w->scene.linkage.link_name[link]);
     lw_bytes_text(out, "\n    hull() {");
     for (int i = 0; i < p->n_corner; i++)
         put_disc(out, lw_v2_sub(p->corner[i], o), "radius");
@@ -262,14 +228,14 @@ static void put_module(const work *w, int link, lw_bytes *out)
     lw_bytes_text(out, "}\n");
 }
 
-static void put_poses(const work *w, lw_bytes *out)
+static void put_poses(const lw_plates *w, lw_bytes *out)
 {
-    size_t n = (size_t)w->s.linkage.n_link;
+    size_t n = (size_t)w->scene.linkage.n_link;
     lw_bytes_text(out, "\n// place and turn of each link\npose = [\n");
-    for (size_t f = 0; f < w->s.n_frame; f += FRAMES/SHOWN) {
+    for (size_t f = 0; f < w->scene.n_frame; f += LW_PLATES_FRAMES/SHOWN) {
         lw_bytes_text(out, "    [");
         for (size_t i = 0; i < n; i++) {
-            const lw_place *p = &w->s.place[f*n + i];
+            const lw_place *p = &w->scene.place[f*n + i];
             put_text_mm(out, i ? ", [" : "[", p->at.x, ", ");
             put_text_mm(out, "", p->at.y, ", ");
             lw_bytes_number(out, atan2(p->turn.y, p->turn.x)*180/LW_PI, DIGITS);
@@ -280,25 +246,25 @@ static void put_poses(const work *w, lw_bytes *out)
     lw_bytes_text(out, "];\n");
 }
 
-static void put_assembly(const work *w, lw_bytes *out)
+static void put_assembly(const lw_plates *w, lw_bytes *out)
 {
     lw_bytes_text(out, "\nfloor_height = thickness + gap;\nframe = floor($t*len(pose)) % len(pose);\n"
                        "module place(link, floor) {\n    p = pose[frame][link];\n"
                        "    translate([p[0], p[1], floor*floor_height]) rotate(p[2]) children();\n}\n\n");
-    for (int link = 0; link < w->s.linkage.n_link; link++) {
+    for (int link = 0; link < w->scene.linkage.n_link; link++) {
         char line[96];
-        snprintf(line, sizeof line, "color(hues[%d]) place(%d, %d) link%d();\n", link % 6, link, w->l.layer[link],
+        snprintf(line, sizeof line, "color(hues[%d]) place(%d, %d) link%d();\n", link % 6, link, w->layers.layer[link],
                  link);
         lw_bytes_text(out, line);
     }
-    for (int i = 0; i < w->l.n_pin; i++) {
-        const lw_pin *p = &w->l.pin[i];
-        lw_vec2 at = lw_v2_sub(p->at, w->s.origin[p->owner]);
+    for (int i = 0; i < w->layers.n_pin; i++) {
+        const lw_pin *p = &w->layers.pin[i];
+        lw_vec2 at = lw_v2_sub(p->at, w->scene.origin[p->owner]);
         char line[96];
         snprintf(line, sizeof line, "place(%d, %d)", p->owner, p->low);
         lw_bytes_text(out, line);
         put_text_mm(out, " translate([", at.x, ", ");
-        put_text_mm(out, "", at.y, "]) cylinder(r = 0.95*bore, h = ");
+        put_text_mm(out, "", at.y, "]) cylinder(r = pin, h = ");
         lw_bytes_integer(out, p->high - p->low + 1);
         lw_bytes_text(out, "*floor_height - gap);\n");
     }
@@ -306,27 +272,27 @@ static void put_assembly(const work *w, lw_bytes *out)
 
 lw_status lw_export_openscad(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
-    work *w;
+    lw_plates *w;
     char note[120];
-    lw_status s = make(k, &w, e);
+    lw_status s = lw_plates_make(k, o, &w, e);
     if (s != LW_OK)
         return s;
     lw_bytes_text(out, "// ");
     put_comment(out, k->name);
-    put_room(w, note, sizeof note);
+    lw_plates_room(w, note, sizeof note);
     lw_bytes_text(out, "\n// millimetres; View > Animate moves it\n// ");
     lw_bytes_text(out, note);
     lw_bytes_text(out, "\n$fn = 48;\n");
-    put_text_mm(out, "radius = ", w->l.radius, ";\n");
-    put_text_mm(out, "bore = ", w->l.bore, ";\n");
-    put_text_mm(out, "thickness = ", w->l.thickness, ";\n");
-    put_text_mm(out, "gap = ", 0.1*w->l.thickness, ";\n");
+    put_text_mm(out, "radius = ", w->layers.radius, ";\n");
+    put_text_mm(out, "bore = ", w->layers.bore, ";\n");
+    put_text_mm(out, "pin = ", w->layers.pin_radius, ";\n");
+    put_text_mm(out, "thickness = ", w->layers.thickness, ";\n");
+    put_text_mm(out, "gap = ", 0.1*w->layers.thickness, ";\n");
     lw_bytes_text(out, "hues = [\"silver\", \"orange\", \"skyblue\", \"seagreen\", \"gold\", \"orchid\"];\n\n");
     for (int link = 0; link < k->n_link; link++)
         put_module(w, link, out);
     put_poses(w, out);
     put_assembly(w, out);
-    end(w);
+    lw_plates_free(w);
     return lw_bytes_end(out, e);
 }

@@ -77,6 +77,8 @@ const lw_format lw_formats[] = {
     { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands, false },
     { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf, false },
     { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad, false },
+    { "step", "plates and pins as an assembly of solids, STEP AP214", ".step", NULL, NULL, lw_export_step, false },
+    { "stl", "plates and pins as meshes, STL", ".stl", NULL, NULL, lw_export_stl, false },
     { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false },
     { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false },
     { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses, false },

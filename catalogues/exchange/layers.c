@@ -241,6 +241,16 @@ static void add_slide(const lw_scene *s, int j, lw_layers *l)
              lw_v2_add(q.at, lw_v2_scale(q.along, hi + apart)));
 }
 
+/* Would a hole at a point meet one that the plate has? */
+static bool in_hole(const lw_layers *l, int link, lw_vec2 at)
+{
+    const lw_plate *p = &l->plate[link];
+    for (int i = 0; i < p->n_hole; i++)
+        if (lw_v2_segment_distance(at, p->hole[i].a, p->hole[i].b) <= 2*l->bore)
+            return true;
+    return false;
+}
+
 static void make_plates(const lw_scene *s, lw_layers *l)
 {
     const lw_linkage *k = &s->linkage;
@@ -255,7 +265,8 @@ static void make_plates(const lw_scene *s, lw_layers *l)
         add_hole(l, p->link[1], p->at, p->at);
     }
     for (int t = 0; t < k->n_tracer; t++)
-        add_hole(l, k->tracer[t].link, k->tracer[t].at, k->tracer[t].at);
+        if (!in_hole(l, k->tracer[t].link, k->tracer[t].at))
+            add_hole(l, k->tracer[t].link, k->tracer[t].at, k->tracer[t].at);
     for (int link = 0; link < k->n_link; link++) {
         lw_plate *q = &l->plate[link];
         lw_vec2 p[2*LW_HOLE_MAX], out[2*LW_HOLE_MAX + 2];
@@ -270,7 +281,7 @@ static void make_plates(const lw_scene *s, lw_layers *l)
     }
 }
 
-/* A third of the shortest distance between two pins of one link. */
+/* A third of the shortest distance between two pins of one link, at most 1/25 of the size. */
 static double usual_radius(const lw_linkage *k)
 {
     double least = INFINITY, size = 0;
@@ -284,6 +295,8 @@ static double usual_radius(const lw_linkage *k)
             if (shared && d > 0 && lw_joint_turns(p->kind) && lw_joint_turns(q->kind))
                 least = fmin(least, d);
         }
+    for (int i = 0; i < k->n_tracer; i++)
+        size = fmax(size, lw_v2_norm(lw_v2_sub(k->tracer[i].at, k->joint[0].at)));
     return fmin(least/3, size/25);
 }
 
@@ -507,16 +520,20 @@ static lw_status check(const lw_scene *s, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_layers_find(const lw_scene *s, double radius, lw_layers *l, lw_error *e)
+lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers *l, lw_error *e)
 {
     work *w = NULL;
     lw_status st = check(s, e);
     if (st != LW_OK)
         return st;
     memset(l, 0, sizeof *l);
-    l->radius = radius > 0 ? radius : usual_radius(&s->linkage);
-    l->bore = 0.4*l->radius;
-    l->thickness = l->radius;
+    l->radius = size && size->radius > 0 ? size->radius : usual_radius(&s->linkage);
+    l->bore = size && size->bore > 0 ? size->bore : 0.4*l->radius;
+    l->thickness = size && size->thickness > 0 ? size->thickness : l->radius;
+    l->pin_radius = l->bore - (size && size->clearance >= 0 ? size->clearance/2 : 0.05*l->bore);
+    if (!(l->bore < l->radius && l->pin_radius > 0))
+        return lw_error_set(e, LW_E_ARG, "plates %.4g mm wide, holes of %.4g mm and pins of %.4g mm do not go together",
+                            2e3*l->radius, 2e3*l->bore, 2e3*l->pin_radius);
     make_plates(s, l);
     w = calloc(1, sizeof *w);
     if (w) {

@@ -34,7 +34,8 @@ typedef struct lw_pin {
 
 typedef struct lw_layers {
     double   radius;                   /* by which plates are wider than their hull [m]                */
-    double   bore;                     /* radius of pins and holes, half the width of slots [m]        */
+    double   bore;                     /* radius of holes, half the width of slots [m]                 */
+    double   pin_radius;               /* of pins [m]                                                  */
     double   thickness;                /* of a plate [m]                                               */
     double   room;                     /* between plates in one layer, and pins and plates they pass, at
                                         * least, over all of the motion; INFINITY: nothing passes [m]  */
@@ -44,10 +45,19 @@ typedef struct lw_layers {
     lw_pin   pin[LW_PIN_MAX];
 } lw_layers;
 
-/* Find the fewest layers. radius 0: a third of the shortest distance of two pins of a link, at most 1/25 of the
- * linkage's size. LW_E_KIND: gears, welds, or no motion is known (s->note); LW_NOTHING with a text: there are no
- * such layers; LW_STOPPED: none were found in a million steps. */
-lw_status lw_layers_find(const lw_scene *s, double radius, lw_layers *l, lw_error *e);
+/* Sizes of plates [m]; 0, and for the clearance a negative value: the usual ones. */
+typedef struct lw_plate_size {
+    double radius;                     /* half the width of a bar. Usual: a third of the shortest distance of two pins
+                                        * of a link, at most 1/25 of the linkage's size                */
+    double bore;                       /* radius of holes. Usual: 0.4 of `radius`                      */
+    double thickness;                  /* Usual: `radius`                                              */
+    double clearance;                  /* by which a pin's diameter is smaller than its hole. Usual: a tenth of `bore` */
+} lw_plate_size;
+
+/* Find the fewest layers. size NULL: the usual sizes. LW_E_ARG: a hole as wide as its plate, or a clearance as wide as
+ * its hole; LW_E_KIND: gears, welds, or no motion is known (s->note); LW_NOTHING with a text: there are no such layers;
+ * LW_STOPPED: none were found in a million steps. */
+lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers *l, lw_error *e);
 
 /* Distance of two convex plates with corners as in lw_plate; 0 when they touch. */
 double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b);

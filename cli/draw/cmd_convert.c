@@ -11,6 +11,7 @@
 typedef struct settings {
     const char *from, *to, *unit, *input;
     int         result;
+    double      width, thickness, hole, clearance;
 } settings;
 
 static const cli_option options[] = {
@@ -18,7 +19,7 @@ static const cli_option options[] = {
       "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text",
       0, 0, NULL, NULL },
     { "format", 0, CLI_TEXT, offsetof(settings, to),
-      "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|slvs|svg|poses|motiongen", NULL,
+      "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|step|stl|slvs|svg|poses|motiongen", NULL,
       "format of the output; without this option the end of the output's name decides (.json, .pyslvs, .txt, .adm, "
       ".xml, ...); standard output gets json", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
@@ -28,6 +29,15 @@ static const cli_option options[] = {
       "drive this joint, a pin or a slider, instead of the input of the file", 0, 0, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
       "take result number N of a file written by fit; default: the first", 1, 1e9, NULL, NULL },
+    { "plate-width", 0, CLI_REAL, offsetof(settings, width), "MM", NULL,
+      "dxf, scad, step, stl: width of a bar; without it two thirds of the shortest distance of two pins of a link, at most "
+      "2/25 of the size of the linkage", 1e-6, 1e9, NULL, NULL },
+    { "plate-thickness", 0, CLI_REAL, offsetof(settings, thickness), "MM", NULL,
+      "thickness of the plates; without it half their width", 1e-6, 1e9, NULL, NULL },
+    { "hole", 0, CLI_REAL, offsetof(settings, hole), "MM", NULL,
+      "diameter of the holes and width of the slots; without it 0.4 times the width of a bar", 1e-6, 1e9, NULL, NULL },
+    { "hole-clearance", 0, CLI_REAL, offsetof(settings, clearance), "MM", "-1",
+      "a pin's diameter is smaller than its hole by this; -1 means a twentieth of the hole", -1, 1e9, NULL, NULL },
     { .name = NULL }
 };
 
@@ -162,7 +172,8 @@ static int run(const cli_call *call)
         cli_free_model(m);
         return cli_fail(call, &e);
     }
-    lw_export_options o = { .model = m, .clearance = -1 };
+    lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
+                            .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
     lw_status st = to->write(&k, &o, &b, &e);
     cli_free_model(m);
     if (st != LW_OK) {
@@ -181,6 +192,8 @@ const cli_command cli_convert_command = {
     .examples =
         "  linkwright convert jansen.json --format pyslvs             an expression for Pyslvs\n"
         "  linkwright convert table.txt --length-unit mm -o walker.json what PMKS wrote, in millimetres\n"
+        "  linkwright convert found.json --plate-width 12 --plate-thickness 3 --hole 4 -o parts.dxf\n"
+        "                                                              plates for a laser cutter\n"
         "  linkwright convert expression.pyslvs --input-joint P0 | linkwright draw - -o x.svg\n",
     .about =
         "Reads one linkage from FILE or standard input and recognises its format from the text. Formats:\n"
@@ -195,6 +208,8 @@ const cli_command cli_convert_command = {
         "           all other links over the whole motion; the name of a DXF layer, such as L2_ROD, says in which one\n"
         "           (exit code 1: there are no such layers)\n"
         "  scad     the same plates with their pins in OpenSCAD, moving with $t\n"
+        "  step     the same plates and pins as solids, an assembly in STEP AP214\n"
+        "  stl      the same as meshes, for printing\n"
         "  slvs     a sketch of SolveSpace that can be dragged\n"
         "  svg      the coupler curves as paths in millimetres; fit reads such a file as a target\n"
         "  poses    CSV: position and angle of each link in 180 poses\n"

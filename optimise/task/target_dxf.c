@@ -561,6 +561,13 @@ static void write_chain(lw_outlines *to, const lw_outlines *d, const int *mate, 
     }
 }
 
+static int compare_curves(const void *a, const void *b)
+{
+    const lw_outline *p = a, *q = b;
+    long i = p->n > 0 ? p->line[0] : 0, k = q->n > 0 ? q->line[0] : 0;
+    return i < k ? -1 : i > k;
+}
+
 /* Join open pieces that meet end to end, in any order of the file. */
 static lw_status join_pieces(reader *r)
 {
@@ -598,6 +605,8 @@ static lw_status join_pieces(reader *r)
             }
     lw_outlines_free(d);
     *d = joined;
+    if (!d->failed)
+        qsort(d->curve, (size_t)d->n, sizeof *d->curve, compare_curves);
     free(ends);
     free(mate);
     free(used);

@@ -1,0 +1,104 @@
+#include "catalogues/exchange/plates.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define MM  1000.0
+#define GAP 0.1                            /* between layers, of the thickness                         */
+
+lw_status lw_plates_make(const lw_linkage *k, const lw_export_options *o, lw_plates **out, lw_error *e)
+{
+    lw_plates *w = calloc(1, sizeof *w);
+    lw_plate_size size = { o ? o->width/2 : 0, o ? o->hole/2 : 0, o ? o->thickness : 0, o ? o->clearance : -1 };
+    if (!w)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for plates");
+    lw_status s = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 }, &w->scene,
+                                e);
+    if (s == LW_OK) {
+        s = lw_layers_find(&w->scene, &size, &w->layers, e);
+        if (s != LW_OK)
+            lw_scene_free(&w->scene);
+    }
+    if (s != LW_OK) {
+        free(w);
+        return s;
+    }
+    *out = w;
+    return LW_OK;
+}
+
+void lw_plates_free(lw_plates *w)
+{
+    lw_scene_free(&w->scene);
+    free(w);
+}
+
+lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e)
+{
+    for (int i = 0; i < w->scene.linkage.n_link; i++) {
+        const lw_plate *p = &w->layers.plate[i];
+        for (int a = 0; a < p->n_hole; a++)
+            for (int b = 0; b < a; b++) {
+                lw_vec2 ends[2][2] = { { p->hole[a].a, p->hole[a].b }, { p->hole[b].a, p->hole[b].b } };
+                int n[2] = { lw_v2_norm(lw_v2_sub(ends[0][0], ends[0][1])) > 0 ? 2 : 1,
+                             lw_v2_norm(lw_v2_sub(ends[1][0], ends[1][1])) > 0 ? 2 : 1 };
+                if (lw_hull_distance(ends[0], n[0], ends[1], n[1]) <= 2*w->layers.bore)
+                    return lw_error_set(e, LW_E_KIND, "two holes or slots of link '%s' meet; solids need them apart, so "
+                                        "choose smaller holes, or export dxf or scad", w->scene.linkage.link_name[i]);
+            }
+    }
+    return LW_OK;
+}
+
+void lw_plates_room(const lw_plates *w, char *text, size_t size)
+{
+    char room[32];
+    lw_number_text(room, MM*w->layers.room, 3);
+    snprintf(text, size, isfinite(w->layers.room) ? "in each layer at least %s mm are free over the whole motion"
+             : "in no layer anything passes anything", room);
+}
+
+void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_loop *loop)
+{
+    loop->n = 0;
+    loop->radius = r;
+    if (n == 1) {
+        loop->side[loop->n++] = (lw_side){ lw_v2_add(p[0], lw_v2(r, 0)), p[0], true };
+        return;
+    }
+    for (int i = 0; i < n; i++) {
+        lw_vec2 a = p[i], b = p[(i + 1) % n], d = lw_v2_sub(b, a);
+        lw_vec2 off = lw_v2_scale(lw_v2_perp(d), -r/lw_v2_norm(d));
+        loop->side[loop->n++] = (lw_side){ lw_v2_add(a, off), { 0, 0 }, false };
+        loop->side[loop->n++] = (lw_side){ lw_v2_add(b, off), b, true };
+    }
+}
+
+int lw_plates_count(const lw_plates *w) { return w->scene.linkage.n_link + w->layers.n_pin; }
+
+void lw_plates_slab(const lw_plates *w, int i, lw_slab *s)
+{
+    const lw_layers *l = &w->layers;
+    double floor = (1 + GAP)*l->thickness;
+    int n_link = w->scene.linkage.n_link;
+    s->n_hole = 0;
+    if (i >= n_link) {
+        const lw_pin *p = &l->pin[i - n_link];
+        snprintf(s->name, sizeof s->name, "pin %d", i - n_link + 1);
+        s->low = p->low*floor;
+        s->high = p->high*floor + l->thickness;
+        lw_loop_widen(&p->at, 1, l->pin_radius, &s->outline);
+        return;
+    }
+    const lw_plate *p = &l->plate[i];
+    snprintf(s->name, sizeof s->name, "%s", w->scene.linkage.link_name[i]);
+    s->low = l->layer[i]*floor;
+    s->high = s->low + l->thickness;
+    lw_loop_widen(p->corner, p->n_corner, l->radius, &s->outline);
+    for (int h = 0; h < p->n_hole; h++) {
+        const lw_vec2 ends[2] = { p->hole[h].a, p->hole[h].b };
+        bool round = lw_v2_norm(lw_v2_sub(ends[1], ends[0])) < 1e-9*l->radius;
+        lw_loop_widen(ends, round ? 1 : 2, l->bore, &s->hole[s->n_hole++]);
+    }
+}

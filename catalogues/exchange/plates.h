@@ -1,0 +1,47 @@
+/* catalogues/exchange/plates.h - a linkage as plates and pins in layers (layers.h), and their outlines as closed loops of
+ * lines and arcs. */
+#ifndef LW_CATALOGUES_EXCHANGE_PLATES_H
+#define LW_CATALOGUES_EXCHANGE_PLATES_H
+
+#include "catalogues/exchange/export.h"
+#include "catalogues/exchange/layers.h"
+
+#define LW_PLATES_FRAMES 240               /* poses of the motion                                      */
+
+typedef struct lw_plates { lw_scene scene; lw_layers layers; } lw_plates;
+
+/* Find the layers. Free it with lw_plates_free. LW_E_ARG: sizes that do not fit together; failures as in layers.h. */
+lw_status lw_plates_make(const lw_linkage *k, const lw_export_options *o, lw_plates **out, lw_error *e);
+void      lw_plates_free(lw_plates *w);
+
+/* LW_E_KIND with a text: two holes of a plate meet, so that the plate is no solid with round holes and slots. */
+lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e);
+
+/* What is known about the free space in the layers, in one sentence. */
+void lw_plates_room(const lw_plates *w, char *text, size_t size);
+
+/* A side of a loop, from its point to that of the next side: a line, or an arc about a centre, counter-clockwise. */
+typedef struct lw_side { lw_vec2 from, centre; bool arc; } lw_side;
+
+typedef struct lw_loop {                   /* counter-clockwise [m]                                    */
+    int     n;                             /* 1: a circle                                              */
+    double  radius;                        /* of its arcs                                              */
+    lw_side side[2*LW_CORNER_MAX];
+} lw_loop;
+
+/* The outline of a convex polygon (counter-clockwise, or a bar, or a point), widened by r. */
+void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_loop *loop);
+
+/* A body between two heights: an outline and its holes. */
+typedef struct lw_slab {
+    char    name[LW_NAME_SIZE + 16];
+    double  low, high;                     /* [m]                                                      */
+    int     n_hole;
+    lw_loop outline, hole[LW_HOLE_MAX];
+} lw_slab;
+
+/* Number of plates and pins; slab i of them, in the posture. */
+int  lw_plates_count(const lw_plates *w);
+void lw_plates_slab(const lw_plates *w, int i, lw_slab *s);
+
+#endif
