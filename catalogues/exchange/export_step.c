@@ -2,11 +2,11 @@
  *
  * Each plate is a boundary representation: two planes with the outline and the holes as bounds, and a plane or a cylinder
  * for each side. Edges of a loop run counter-clockwise seen from above. */
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/real.h"
 #include "catalogues/exchange/plates.h"
 
 #define MM     1000.0

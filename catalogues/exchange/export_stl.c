@@ -2,10 +2,10 @@
  *
  * A face with holes is made one polygon by bridges from each hole to the outline, which is cut into triangles by
  * clipping ears (Eberly, Triangulation by ear clipping, 2002). */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/real.h"
 #include "catalogues/exchange/plates.h"
 
 #define MM     1000.0

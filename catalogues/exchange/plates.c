@@ -1,6 +1,6 @@
 #include "catalogues/exchange/plates.h"
+#include "base/real.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
