@@ -811,11 +811,14 @@ typedef struct lw_fit_request {
     const char *timing;                /* auto prescribed free none                                       ("auto") */
     const char *angle_from;            /* prescribed angles count from: first frame plane                 ("first") */
     int         point_link[3];         /* of further points: 0 any, 1 input, 2 coupler, 3 output link (0) */
-    double      weight_path, weight_angle;        /* of squared distances [1/m^2] and angles [1/rad^2]    (1, 1)  */
+    double      weight_path, weight_angle;        /* of squared distances [1/m^2], angles [1/rad^2]; angle 0: by
+                                        * angle_length, and 1 for a function                              (1, 0)  */
+    double      angle_length;          /* [m] that 1 rad counts as; 0: half the diagonal of the target    (0)     */
     bool        crank_only;            /* the input turns fully and is the shortest link of a four-bar    (false) */
     bool        full_turn;             /* the input turns fully                                           (false) */
     double      min_transmission;      /* [rad]; 0: not asked                                             (0)     */
     double      max_acceleration;      /* of the point by the input [m/rad^2]; 0: not asked               (0)     */
+    double      max_slide_acceleration;           /* the same where the input is a slide [1/m]            (0)     */
     double      length_range[2];       /* between pins of a link, and from above to the tracer [m]; 0, 0: by the target (0, 0) */
     double      position_range[2];     /* [m]; equal: by the target                                       (0, 0)  */
     double      length_ratio;          /* longest over shortest length at most; 0: not asked              (0)     */
@@ -867,7 +870,7 @@ typedef struct lw_result_info {
     double      error_percent;         /* mean in percent of the target's length; NaN without length              */
     double      angle_mean, angle_max; /* [rad]; NaN without angles                                              */
     double      transmission[2];       /* least and greatest over the motion, folded to [0, pi/2] [rad]           */
-    double      acceleration_max;      /* by the input [m/rad^2]                                                 */
+    double      acceleration_max;      /* by the input [m/rad^2]; [1/m] where the input is a slide               */
     bool        turns;                 /* the input turns fully                                                  */
     int         circuits;              /* 0: not counted                                                         */
     bool        verified;              /* an independent simulation of the written linkage agrees                 */

@@ -83,7 +83,7 @@ lw_fit_request lw_fit_request_default(void)
 {
     lw_fit_options o = lw_fit_options_default();
     return (lw_fit_request){ .types = "fourbar", .links = 4, .dof = 1, .joints = "r", .topology = "all", .task = "auto",
-                             .timing = "auto", .angle_from = "first", .weight_path = 1, .weight_angle = 1,
+                             .timing = "auto", .angle_from = "first", .weight_path = 1,
                              .seed = o.seed, .budget = 1e6, .results = o.n_result };
 }
 
@@ -132,10 +132,12 @@ lw_fit_request lw_task_file_request(const lw_task_file *task)
         r.point_link[i] = (int)s->carrier[i];
     r.weight_path = s->a;
     r.weight_angle = s->b;
+    r.angle_length = s->angle_length;
     r.crank_only = s->crank_only && s->exclude_drag_link;
     r.full_turn = s->crank_only;
     r.min_transmission = s->min_transmission;
     r.max_acceleration = s->max_acceleration;
+    r.max_slide_acceleration = s->max_slide_acceleration;
     r.length_range[0] = s->length_lo;
     r.length_range[1] = s->length_hi;
     r.position_range[0] = s->position_lo;
@@ -172,10 +174,13 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
     }
     spec->a = r->weight_path;
     spec->b = r->weight_angle;
+    if (!(spec->b > 0))
+        lw_fit_spec_weigh_angles(spec, t, r->angle_length);
     spec->crank_only = r->crank_only || r->full_turn;
     spec->exclude_drag_link = r->crank_only;
     spec->min_transmission = r->min_transmission;
     spec->max_acceleration = r->max_acceleration;
+    spec->max_slide_acceleration = r->max_slide_acceleration;
     spec->length_lo = r->length_range[0];
     spec->length_hi = r->length_range[1];
     spec->position_lo = r->position_range[0];

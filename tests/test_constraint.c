@@ -21,7 +21,7 @@ static bool make_case(const char *family, lw_timing timing, double transmission,
     if (m->plan.input_is_slider && timing == LW_TIMING_PRESCRIBED)
         return false;
     trace_member(m, 9, &st);
-    spec.max_acceleration = acceleration;
+    spec.max_acceleration = spec.max_slide_acceleration = acceleration;
     target_of(&st, &spec, &t);
     CHECK_INT(lw_problem_make(&t, &spec, m->family, 1, 1, p, &e), LW_OK);
     variables_of(p, m, x);
@@ -238,7 +238,7 @@ static void ask_for_everything(const stations *st, lw_fit_spec *s)
 {
     double x = st->x[2], y = st->y[2];
     s->min_transmission = 0.3;
-    s->max_acceleration = 2;
+    s->max_acceleration = s->max_slide_acceleration = 2;
     s->length_lo = 0.5;
     s->length_hi = 2;
     s->n_zone = 4;

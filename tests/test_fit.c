@@ -390,6 +390,65 @@ static void functions_are_generated(void)
     lw_target_free(&t);
 }
 
+/* A function whose output falls as the input rises is the same work for a linkage whose input turns the other way. */
+static void a_function_may_turn_either_way(void)
+{
+    enum { N = 15 };
+    double in[N], out[N], best[2];
+    for (int way = 0; way < 2; way++) {
+        lw_target t;
+        lw_fit fit;
+        for (int i = 0; i < N; i++) {
+            in[i] = LW_PI/2*i/(N - 1);
+            out[i] = (way ? -1 : 1)*LW_PI/2*pow((double)i/(N - 1), 2);
+        }
+        CHECK_INT(lw_target_make(N, NULL, NULL, out, in, NULL, 0, &t, NULL), LW_OK);
+        lw_fit_options o = lw_fit_options_default();
+        o.spec.task = LW_TASK_FUNCTION;
+        o.max_rounds = 3;
+        CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
+        best[way] = fit.candidate[0].objective;
+        const lw_candidate *c = &fit.candidate[0];
+        for (int i = 1; i < N; i++)
+            CHECK_NEAR(c->input[i] - c->input[0], c->intended.sense*in[i], 1e-12, 0);
+        lw_fit_free(&fit);
+        lw_target_free(&t);
+    }
+    CHECK_NEAR(best[0], best[1], 0, 0.02);
+}
+
+/* The same motion in another unit of length is the same work. */
+static void the_unit_of_a_motion_does_not_matter(void)
+{
+    enum { N = 6 };
+    static const double theta[N] = { 0, 0.2, 0.5, 0.7, 0.8, 1.1 };
+    double dim[2][LW_DIM_MAX], worst = 0;
+    int n_dim = 0;
+    for (int k = 0; k < 2; k++) {
+        double size = k ? 1e-3 : 1, x[N], y[N];
+        lw_target t;
+        lw_fit fit;
+        for (int i = 0; i < N; i++) {
+            x[i] = size*0.4*i;
+            y[i] = size*(0.3*i - 0.05*i*i);
+        }
+        CHECK_INT(lw_target_make(N, x, y, theta, NULL, NULL, 0, &t, NULL), LW_OK);
+        lw_fit_options o = lw_fit_options_default();
+        o.spec.task = LW_TASK_MOTION;
+        lw_fit_spec_weigh_angles(&o.spec, &t, 0);
+        CHECK_NEAR(o.spec.angle_length, 0.5*t.extent, 0, 1e-15);
+        o.max_rounds = 2;
+        CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
+        n_dim = fit.candidate[0].n_dim;
+        memcpy(dim[k], fit.candidate[0].dim, sizeof dim[k]);
+        lw_fit_free(&fit);
+        lw_target_free(&t);
+    }
+    for (int d = 0; d + 1 < n_dim; d++)                       /* the last is theta0               */
+        worst = fmax(worst, fabs(1e3*dim[1][d] - dim[0][d]));
+    CHECK(worst < 1e-4);
+}
+
 static volatile int interrupt;
 static void stop_after_a_round(void *context, double done, double seconds, double best)
 {
@@ -485,6 +544,8 @@ int main(void)
     RUN(what_cannot_be_met_is_reported_as_it_is);
     RUN(every_type_of_linkage_is_searched);
     RUN(functions_are_generated);
+    RUN(a_function_may_turn_either_way);
+    RUN(the_unit_of_a_motion_does_not_matter);
     RUN(stops_when_told_and_keeps_what_it_has);
     RUN(says_why_nothing_can_be_done);
     RUN(contradictory_bounds_give_nothing);

@@ -13,7 +13,7 @@ typedef struct settings {
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
-    double      weight_path, weight_angle, min_transmission, max_acceleration;
+    double      weight_path, weight_angle, angle_length, min_transmission, max_acceleration;
     double      length_range[2], position_range[2], length_ratio, smooth;
     bool        crank_only, full_turn, closed, open, exact;
 } settings;
@@ -68,8 +68,11 @@ static const cli_option options[] = {
       0, 0, NULL, NULL },
     { "weight-path", 0, CLI_REAL, offsetof(settings, weight_path), "A", "1",
       "weight A of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
-    { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", "1",
-      "weight B of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
+    { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", NULL,
+      "weight B of squared angles [1/rad^2]; without it by --angle-length, and 1 for a function", 0, 1e300, NULL, NULL },
+    { "angle-length", 0, CLI_REAL, offsetof(settings, angle_length), "L", NULL,
+      "an angle error of 1 rad counts as much as a distance of L; without it half the diagonal of the target", 0, 1e300,
+      NULL, NULL },
     { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
       "limits of the lengths between pins of a link; the tracer is at most MAX from them. Without it r1, r2, ... are 1/1000 "
       "to 10 times the diagonal of the target", 0, 1e300, NULL, NULL },
@@ -180,13 +183,19 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
         spec->a = s->weight_path/(m*m);
     if (mine(call, set, "weight-angle"))
         spec->b = s->weight_angle;
+    if (mine(call, set, "angle-length"))
+        spec->angle_length = s->angle_length*m;
+    if (!(spec->b > 0))
+        lw_fit_spec_weigh_angles(spec, &set->target, spec->angle_length);
     if (s->crank_only || s->full_turn)
         spec->crank_only = true;
     spec->exclude_drag_link = s->crank_only;
     if (mine(call, set, "min-transmission-angle"))
         spec->min_transmission = s->min_transmission*LW_PI/180;
-    if (mine(call, set, "max-acceleration"))
+    if (mine(call, set, "max-acceleration")) {
         spec->max_acceleration = s->max_acceleration*m;
+        spec->max_slide_acceleration = s->max_acceleration/m;
+    }
     if (!lw_task_has_place(spec->task))                           /* the target is an angle: it has no unit of length */
         spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->task_file.units.metre;
     if (mine(call, set, "length-range")) {

@@ -46,8 +46,12 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     else
         fprintf(f, " %9.3g%% %9.4g %9.4g @%-4zu", r->error_percent, length(s, r->error_mean),
                 length(s, r->error_max), r->worst + 1);
+    if (s->spec.task == LW_TASK_MOTION)
+        fprintf(f, " %9.4g %9.4g", r->angle_mean*deg, r->angle_max*deg);
     fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s ", c->objective, r->transmission_min*deg,
             r->transmission_max*deg, r->turns ? "turns" : "rocks");
+    if (!lw_task_has_place(s->spec.task) && c->intended.sense < 0)
+        fputs("<", f);
     if (s->is_exact)
         cli_fit_exact_row(s, i, f);
     for (int d = 0; d < c->n_dim; d++)
@@ -130,12 +134,20 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         fprintf(f, "  #  type             class  mean[deg]  max[deg] @point   objective  transm.    "
                 "input  dimensions\n");
     else
-        fprintf(f, "  #  type             class  of path       mean       max @point   objective  "
+        fprintf(f, "  #  type             class  of path       mean       max @point %s  objective  "
                 "transm.    input  dimensions [%s, rad]\n",
-                s->target.units.length[0] ? s->target.units.length : "unit");
+                s->spec.task == LW_TASK_MOTION ? " mean[deg]  max[deg]" : "", s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->search.results.n; i++)
         table_row(s, i, f);
     print_marks(s, f);
+    if (s->spec.angle_length > 0 && (s->target.theta || s->target.n_also > 0))
+        fprintf(f, "an angle error of 1 rad counts as %.4g %s (--angle-length)\n", length(s, s->spec.angle_length),
+                s->target.units.length[0] ? s->target.units.length : "units");
+    for (int i = 0; i < s->search.results.n && !lw_task_has_place(s->spec.task); i++)
+        if (cli_fit_candidate(s, i)->intended.sense < 0) {
+            fprintf(f, "<: the input turns the other way: its angle is input0 - angle\n");
+            break;
+        }
     if (s->search.found.n_stage > 1)
         print_stages(s, f);
     print_topologies(s, f);
@@ -256,8 +268,9 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     json_modes(s, c, r, j);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);
-    cli_json_real(j, "acceleration_max", !lw_task_has_place(s->spec.task) ? r->acceleration_max
-                                                                         : length(s, r->acceleration_max));
+    bool slide = lw_joint_slides(r->linkage.joint[r->linkage.input[0].joint].kind);
+    double m = s->target.units.metre;
+    cli_json_real(j, "acceleration_max", r->acceleration_max*(!lw_task_has_place(s->spec.task) ? 1 : slide ? m : 1/m));
     cli_json_real(j, "sense", s->spec.timing == LW_TIMING_NONE ? NAN : c->intended.sense);   /* null: no order */
     cli_json_real(j, "input0", r->input_turns_per_period*c->input0);
     cli_json_real(j, "tool0", c->tool0);

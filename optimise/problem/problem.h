@@ -9,7 +9,7 @@
  * Further points of the target add their own terms; all points share the input of the station. Each further point lies
  * on its link (optimise/problem/tracers.h) and has its own mounting angle (`tool2`, ...) if it has a theta.
  *
- * Timing. prescribed: the input angle of station i is input0 + angle[i]; with gears that repeat only after several
+ * Timing. prescribed: the input angle of station i is input0 + angle[i], of a function also input0 - angle[i]; with gears that repeat only after several
  * turns, the inputs are divided by lw_plan.input_turns_per_period. free: each station takes its best input, in the
  * order of the stations (a monotone assignment, one turn at most). none: the nearest points in both directions: from
  * station to curve and from curve to target polygon. f includes this assignment and is differentiable through it
@@ -36,7 +36,8 @@
 /* The motion that a linkage is intended to make. */
 typedef struct lw_intended_motion {
     double mode[LW_MODE_MAX];            /* assembly modes, see mbs/plan/plan.h                         */
-    int    sense;                        /* +1: stations follow a rising input, -1: a falling one  */
+    /* +1: stations follow a rising input, -1: a falling one.  Of a function -1 means inputs input0 - angle */
+    int    sense;
     bool   turns;                        /* the input must turn fully                              */
     /* of any linkage whose input does not turn fully: the range mid +- half in which it must close, [rad] or scaled */
     double mid, half;
@@ -107,6 +108,12 @@ int lw_problem_first_length(const lw_problem *p);
 
 /* Does each station have its own assembly modes, because the input passes limits? */
 bool lw_problem_has_modes(const lw_problem *p);
+
+/* May the input of a function turn either way? Then intended.sense says which. */
+static inline bool lw_problem_turns_either_way(const lw_problem *p)
+{
+    return !lw_task_has_place(p->task) && p->datum == LW_DATUM_FREE;
+}
 
 /* Number of residuals of one station. */
 int lw_problem_component_count(const lw_problem *p);

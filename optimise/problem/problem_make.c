@@ -405,7 +405,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     weigh(t, s, p);
     p->min_transmission = s->min_transmission;
     int turns = p->plan.input_turns_per_period;
-    p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
+    p->max_acceleration = p->plan.input_is_slider ? s->max_slide_acceleration*p->unit
                                                   : s->max_acceleration*turns*turns/p->unit;
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);

@@ -145,11 +145,11 @@ void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
 {
     double theta0 = p->datum == LW_DATUM_PLANE ? x[p->plan.i_theta0]/p->plan.input_turns_per_period : 0;
     double first = x[p->i_input0] - theta0;
-    double c = cos(first), s = sin(first);
+    double c = cos(first), s = sin(first), sign = lw_problem_turns_either_way(p) ? p->intended.sense : 1;
     for (size_t k = 0; k < p->n; k++) {
-        w->c[k] = c*p->c[k] - s*p->s[k];
-        w->s[k] = s*p->c[k] + c*p->s[k];
-        w->input[k] = first + p->angle[k];
+        w->c[k] = c*p->c[k] - s*sign*p->s[k];
+        w->s[k] = s*p->c[k] + c*sign*p->s[k];
+        w->input[k] = first + sign*p->angle[k];
     }
 }
 

@@ -193,13 +193,14 @@ static lw_status add_candidate(lw_search *s, const lw_family *f, int mode, int s
     return st;
 }
 
-/* All candidates: families in both modes, and for ordered free timing in both senses. */
+/* All candidates: families in both modes, and for ordered free timing and functions in both senses. */
 static lw_status make_candidates(lw_search *s, lw_fit *out, lw_error *e)
 {
     for (const lw_family *f = lw_family_table; f->name; f++) {
         if (!family_requested(s->o, f))
             continue;
-        int senses = s->o->spec.timing == LW_TIMING_FREE ? 2 : 1;
+        bool function = !lw_task_has_place(s->o->spec.task) && s->o->spec.datum == LW_DATUM_FREE;
+        int senses = s->o->spec.timing == LW_TIMING_FREE || function ? 2 : 1;
         for (int k = 0; k < 2*senses; k++) {
             lw_error why = { .text = "" };
             lw_status st = add_candidate(s, f, k & 1 ? -1 : 1, k & 2 ? -1 : 1, &why);

@@ -201,7 +201,7 @@ static bool draw_shape(lw_problem *p, const double *u, double *shape, lw_work *w
 {
     double value[LW_SHAPE_MAX];
     if (p->family->linkage) {
-        if (p->timing == LW_TIMING_FREE)                 /* both senses are equally likely          */
+        if (p->timing == LW_TIMING_FREE || lw_problem_turns_either_way(p))     /* both senses are equally likely */
             p->intended.sense = u[shape_draws(p) - 1] < 0.5 ? -1 : 1;
         return lw_random_linkage_draw(p, u, p->must_turn, shape, w);
     }
@@ -250,9 +250,10 @@ static double start_prescribed(lw_problem *p, const double *u, double *x, lw_wor
     memset(x, 0, sizeof *x*(size_t)p->n_var);
     if (!draw_shape(p, u, shape, w))
         return INFINITY;
+    double sign = lw_problem_turns_either_way(p) ? p->intended.sense : 1;
     for (size_t k = 0; k < p->n; k++) {
-        w->c[k] = cos(first)*p->c[k] - sin(first)*p->s[k];
-        w->s[k] = sin(first)*p->c[k] + cos(first)*p->s[k];
+        w->c[k] = cos(first)*p->c[k] - sin(first)*sign*p->s[k];
+        w->s[k] = sin(first)*p->c[k] + cos(first)*sign*p->s[k];
     }
     if (!frames(p, shape, w))
         return INFINITY;

@@ -65,13 +65,15 @@ bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, con
                             double size, char *why, size_t why_size)
 {
     double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = pivots_astray(s, linkage);
+    bool slide = linkage->n_input > 0 && lw_joint_slides(linkage->joint[linkage->input[0].joint].kind);
+    double most = slide ? s->max_slide_acceleration : s->max_acceleration;
     char text[160] = "";
     if (s->min_transmission > 0 && !(sine >= sin(s->min_transmission) - TOLERANCE))
         snprintf(text, sizeof text, "its transmission angle falls to %.4g deg, and %.4g were asked for",
                  asin(sine)*180/LW_PI, s->min_transmission*180/LW_PI);
-    else if (s->max_acceleration > 0 && !(w->acceleration <= (1 + TOLERANCE)*s->max_acceleration))
+    else if (most > 0 && !(w->acceleration <= (1 + TOLERANCE)*most))
         snprintf(text, sizeof text, "its acceleration rises to %.4g times what was allowed",
-                 w->acceleration/s->max_acceleration);
+                 w->acceleration/most);
     else if (w->intrusion > TOLERANCE*m)
         snprintf(text, sizeof text, "it enters a forbidden zone as deep as %.3g of the target's size", w->intrusion/m);
     else if (pivots > TOLERANCE*m)

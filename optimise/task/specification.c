@@ -21,6 +21,13 @@ lw_fit_spec lw_fit_spec_default(void)
                           .a = 1, .b = 1 };
 }
 
+void lw_fit_spec_weigh_angles(lw_fit_spec *s, const lw_target *t, double length)
+{
+    bool place = lw_task_has_place(s->task) && t->extent > 0;
+    s->angle_length = !place ? 0 : length > 0 ? length : 0.5*t->extent;
+    s->b = place ? s->a*s->angle_length*s->angle_length : 1;
+}
+
 enum { EDGES = 2 + 2*LW_ZONE_MAX };
 
 /* Does a forbidden zone contain a whole box? */

@@ -63,11 +63,13 @@ typedef struct lw_fit_spec {
     lw_timing timing;
     lw_datum  datum;
     double    a, b;                    /* eq. 17; [1/m^2], [1/rad^2]                              */
+    double    angle_length;            /* the distance [m] that an angle error of 1 rad counts as; 0: not known */
     bool      crank_only;              /* the input must turn fully                               */
     bool      exclude_drag_link;       /* and be the shortest link (four-bars)                    */
     double    min_transmission;        /* [rad], 0: not asked                                     */
     double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], of a function of the output
                                         * angle [rad/rad^2]; 0: not asked                         */
+    double    max_slide_acceleration;  /* the same where the input is a slide [1/m]; 0: not asked  */
     double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path.  Sides of links with
                                         * several pins are lengths too; tracers are at most hi from the pins */
     bool      dimensions_only;         /* the range bounds the variables that are lengths, and nothing else */
@@ -81,6 +83,10 @@ typedef struct lw_fit_spec {
 } lw_fit_spec;
 
 lw_fit_spec lw_fit_spec_default(void);
+
+/* Set b and angle_length so that 1 rad counts as `length`; 0: as half the diagonal of the target, so that the unit of its
+ * lengths does not matter.  Without places b becomes 1. */
+void lw_fit_spec_weigh_angles(lw_fit_spec *s, const lw_target *t, double length);
 
 /* The objective that the columns of a target suggest: a function without x and y, a motion with theta, else a path. */
 lw_task lw_task_suggested(const lw_target *t);

@@ -432,7 +432,7 @@ static lw_status links_fault(const lw_json_node *root, const lw_task_file *b, lw
 
 static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
-    static const char *const known[] = { "path", "angle" };
+    static const char *const known[] = { "path", "angle", "angle_length" };
     lw_fit_spec *f = &b->spec;
     lw_json_node o;
     int crank = -1;
@@ -440,13 +440,16 @@ static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_e
     lw_status s = read_yes(root, "crank", &crank, e);
     f->crank_only = crank == 1;
     f->a /= m*m;
+    f->b = 0;                                            /* by the target, if nothing is said */
     if (s == LW_OK && lw_json_member(root, "weights", &o)
-        && (s = lw_json_expect(&o, LW_JSON_OBJECT, e)) == LW_OK && (s = lw_json_known_keys(&o, known, 2, e)) == LW_OK
+        && (s = lw_json_expect(&o, LW_JSON_OBJECT, e)) == LW_OK && (s = lw_json_known_keys(&o, known, 3, e)) == LW_OK
+        && (s = read_bounded(&o, "angle_length", m, 1e-90, 1e90, &f->angle_length, e)) == LW_OK
         && (s = read_bounded(&o, "path", 1/(m*m), 0, 1e300, &f->a, e)) == LW_OK)
         s = read_bounded(&o, "angle", 1, 0, 1e300, &f->b, e);
     if (s == LW_OK && (s = read_bounded(root, "transmission", b->units.radian, 0, 1.55/b->units.radian,
                                         &f->min_transmission, e)) == LW_OK
         && (s = read_bounded(root, "acceleration", m, 0, 1e90, &f->max_acceleration, e)) == LW_OK
+        && (f->max_slide_acceleration = f->max_acceleration/(m*m)) >= 0
         && (s = read_bounded(root, "links", 1, 4, 10, &links, e)) == LW_OK
         && (s = read_bounded(root, "dof", 1, 1, 3, &dof, e)) == LW_OK
         && (s = read_text(root, "joints", b->joints, sizeof b->joints, e)) == LW_OK
