@@ -95,7 +95,7 @@ static double list_rate_growth(int loops) { return loops < 8 ? 1.15 : 1; }
  * nine loops). */
 static lw_status mean_at(const sampling *a, int loops, level_mean *mean)
 {
-    static const double bends[LW_DOF_MAX + 1] = { 1, 0.97, 0.955, 0.945, 0.92, 0.91, 0.9 };
+    static const double bends[LW_DOF_MAX + 1] = { 1, 0.97, 0.955, 0.945, 0.92, 0.91, 0.9, 0.89, 0.88, 0.88, 0.88 };
     int top = lw_structures_loops(a->set), dof = a->dof;
     level_mean below;
     lw_status status = sample_level(a, top, mean);

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "grammar/structure.h"
 
-#define LW_DOF_MAX 6
+#define LW_DOF_MAX 10
 
 typedef struct lw_numbers {
     int  dof, n_loop;       /* F, L                                                              */

@@ -21,7 +21,7 @@ typedef struct lw_weighting lw_weighting;
 lw_weighting *lw_weighting_create(void);                   /* NULL when out of memory */
 void          lw_weighting_free(lw_weighting *w);
 
-/* LW_E_ARG when dof is not 0 .. 6 or the chains would have more than LW_LINK_MAX links; LW_E_MEMORY. */
+/* LW_E_ARG when dof is not 0 .. LW_DOF_MAX or the chains would have more than LW_LINK_MAX links; LW_E_MEMORY. */
 lw_status lw_weighting_prepare(lw_weighting *w, const lw_structure *s, int dof);
 
 const lw_structure *lw_weighting_structure(const lw_weighting *w);

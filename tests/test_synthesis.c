@@ -58,7 +58,7 @@ static void explains_what_cannot_be(void)
     CHECK_HAS(e.text, "try P = 4");
     CHECK_INT(lw_numbers_for_links(1, 1, 0, &n, &e), LW_E_ARG);
     CHECK_INT(lw_numbers_for_links(33, 0, 0, &n, &e), LW_E_ARG);
-    CHECK_INT(lw_numbers_of(7, 1, 0, &n, &e), LW_E_ARG);
+    CHECK_INT(lw_numbers_of(LW_DOF_MAX + 1, 1, 0, &n, &e), LW_E_ARG);
     CHECK_INT(lw_numbers_of(-1, 1, 0, &n, &e), LW_E_ARG);
     CHECK_INT(lw_numbers_of(1, 0, 0, &n, &e), LW_E_ARG);
     CHECK_INT(lw_numbers_of(1, LW_LOOP_MAX + 1, 0, &n, &e), LW_E_ARG);

@@ -6,6 +6,7 @@
 #include "enumerate/critical.h"
 #include "enumerate/invert.h"
 #include "enumerate/structures.h"
+#include "enumerate/synthesis.h"
 #include "enumerate/canon.h"
 #include "enumerate/weighting.h"
 #include "tests/check.h"
@@ -76,7 +77,7 @@ static lw_status check_chain(void *context, const uint8_t *weight)
 
 static void agrees_with_all_distributions(void)
 {
-    static const int most_dof[] = { [2] = 6, [3] = 6, [4] = 2 };
+    static const int most_dof[] = { [2] = LW_DOF_MAX, [3] = 7, [4] = 2 };
     static collection brute;
     static checking listed;
     lw_structures *set = structures(4);
@@ -196,8 +197,8 @@ static void limits(void)
     lw_structure s = lw_structure_theta();
     int n = 0;
     CHECK_INT(lw_weighting_prepare(w, &s, -1), LW_E_ARG);
-    CHECK_INT(lw_weighting_prepare(w, &s, 7), LW_E_ARG);
-    CHECK_INT(lw_weighting_prepare(w, &s, 6), LW_OK);
+    CHECK_INT(lw_weighting_prepare(w, &s, LW_DOF_MAX + 1), LW_E_ARG);
+    CHECK_INT(lw_weighting_prepare(w, &s, LW_DOF_MAX), LW_OK);
     CHECK_INT(lw_weighting_each(w, stop_at_second, &n), LW_STOPPED);
     CHECK_INT(n, 2);
     lw_weighting_free(w);

@@ -339,6 +339,8 @@ static int run(const cli_call *call)
     job j = { .call = call, .s = s, .watch = cli_watch_begin(call, "mechanisms", "mechanisms") };
     if (s->links > 0 && call->parsed.n_word > 0)
         return cli_usage(call, "either a file of chains or --links, not both");
+    if (s->input != LW_INPUT_LEFT && s->links > 0 && s->dof > LW_INPUT_MAX)
+        return cli_usage(call, "a mechanism has at most %d inputs, not %d; leave out --input", LW_INPUT_MAX, s->dof);
     if (s->joints && !read_kinds(s->joints, j.kinds))
         return cli_usage(call, "--joints takes letters of r, t, p, g, each once, not '%s'", s->joints);
     j.steps = (lw_mechanism_steps){ .ground = !s->no_ground, .kinds = s->joints ? j.kinds : NULL,
