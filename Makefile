@@ -159,6 +159,8 @@ pictures: $B/linkwright            # those of README.md
 	$B/linkwright draw examples/jansen.json --size 480x400 -o docs/pictures/leg.svg
 	$B/linkwright chains --links 8 | $B/linkwright draw --grid 8x2 --caption none --size 960x280 \
 	    -o docs/pictures/eight.svg
+	@mkdir -p docs/pictures/gallery
+	for f in examples/gallery/[!i]*.json; do $B/linkwright draw $$f --size 300x240 --force -o docs/pictures/gallery/$$(basename $$f .json).svg || exit 1; done
 run-demo: $B/linkwright
 	@mkdir -p $B/demo
 	$B/linkwright fit examples/*.csv --type all --results 5 --save $B/demo
@@ -200,7 +202,7 @@ $B/linkwright.pc: linkwright.pc.in Makefile linkwright.h
 
 # what is installed: mode, from, to.  Documentation and examples keep the names that texts call them by.
 DATA := $(wildcard catalogues/data/*.csv catalogues/data/paths/*.csv catalogues/data/mbs/*) $(wildcard docs/*.schema.json)
-DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/* docs/plots/* docs/notebooks/*.md docs/notebooks/*/* docs/examples/*.c) \
+DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/*.* docs/pictures/gallery/* docs/plots/* docs/notebooks/*.md docs/notebooks/*/* docs/examples/*.c) \
         $(shell find examples -type f)
 DATADIR = $(PREFIX)/share/linkwright
 DOCDIR  = $(PREFIX)/share/doc/linkwright

@@ -28,6 +28,7 @@ static const row rows[] = {
     { "grammar derive --links 6", "grammar derive --links 9", NULL, false },
     { "grammar coverage --links 8", "grammar coverage --links 16", NULL, false },
     { "classify 40 10 35 30", NULL, NULL, false },
+    { "gallery klann", NULL, NULL, false },
     { "profile 1 --acceleration-limit 20 --jerk-limit 400", NULL, NULL, false },
     { "trace examples/jansen.json -n 8", "trace examples/jansen.json -n 1e7", "examples/jansen.json", false },
     { "mobility examples/jansen.json", NULL, "examples/jansen.json", false },
