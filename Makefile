@@ -61,7 +61,8 @@ PEER_BIN := $(if $(and $(SIMBODY),$(shell command -v g++ 2>/dev/null)),$B/peers/
             $(if $(wildcard /usr/include/mujoco/mujoco.h /usr/local/include/mujoco/mujoco.h),$B/peers/mujoco)
 # the Python package: an interpreter that has what it needs, if there is one; sanitizers cannot be loaded into it
 PYTHON  := $(if $(findstring sanitize,$(CFLAGS)),,$(shell for p in python3 /usr/bin/python3; do \
-             $$p -c 'import cffi, numpy' 2>/dev/null && echo $$p && break; done))
+             $$p -c 'from importlib.util import find_spec as f; exit(not (f("cffi") and f("numpy")))' 2>/dev/null && \
+             echo $$p && break; done))
 PYDEPS   = python3-dev python3-cffi python3-numpy python3-pytest   # optional
 SONAME   = liblinkwright.so.$(SO_MAJOR)
 OBJCOPY  = objcopy

@@ -13,6 +13,8 @@
 #include "mbs/constraints/mobility.h"
 
 /* What the steps of lw_scene_make share. */
+#define POINTS_MAX 50000        /* of a curve: beyond, its steps are no longer halved */
+
 typedef struct lw_work {
     lw_scene  *s;
     lw_linkage linkage;                    /* with an extra tracer for every link without a pin    */
@@ -242,7 +244,7 @@ static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_v
     double tm = t0 + (t1 - t0)/2;
     lw_vec2 m = trace(w, tracer, tm), chord = lw_v2_sub(b, a);
     double off = lw_v2_norm(lw_v2_sub(m, lw_v2_add(a, lw_v2_scale(chord, 0.5))));
-    if (depth == 0 || off < 4e-4*size) {
+    if (depth == 0 || g->n > POINTS_MAX || off < 4e-4*size) {
         if (depth == 0 && lw_v2_norm(chord) > 0.1*size)
             grow(g, lw_v2(NAN, NAN));
         grow(g, b);
@@ -313,8 +315,8 @@ static bool take_others(lw_work *w, size_t n)
 /* Find the walk through the pose shown; its input counts turns as the arc does. False: not found. */
 static bool find_walk(lw_work *w)
 {
-    if (lw_motion_find(&w->plan, w->dim, &w->motion) < 0)
-        return false;
+    if (lw_motion_find(&w->plan, w->dim, &w->motion) < 0 || w->motion.change_point)
+        return false;                                  /* through change points the motion curve goes straight on */
     int arc = lw_motion_arc(&w->plan, &w->motion, w->mode, w->input);
     if (arc < 0)
         return false;

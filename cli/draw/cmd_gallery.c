@@ -48,7 +48,8 @@ static lw_status write_mechanism(FILE *f, const json_t *list, const char *name, 
     }
     if (!found) {
         const char *near = lw_suggest(name, known, n);
-        return lw_error_set(e, LW_E_ARG, "the gallery has no mechanism \"%.60s\"%s%s; linkwright gallery lists them", name,
+        return lw_error_set(e, LW_E_ARG, "the gallery has no mechanism \"%.60s\"%s%s; linkwright gallery lists them",
+                            name,
                             near ? ", did you mean " : "", near ? near : "");
     }
     char file[128], path[CLI_PATH_SIZE + 256], *text;
@@ -100,8 +101,10 @@ const cli_command cli_gallery_command = {
         "  linkwright gallery klann -o klann.json             the file of one, to change it\n"
         "  linkwright gallery peaucellier | linkwright draw - -o line.svg\n",
     .about =
-        "Without NAME prints the list of mechanisms; with --json one object a line, with the source of each. With NAME prints\n"
-        "the linkage as JSON (docs/notation.md), which trace, draw, simulate and convert read. Pictures: docs/gallery.md.\n",
+        "Without NAME prints the list of mechanisms; with --json one object a line, with the source of each. With "
+            "NAME prints\n"
+        "the linkage as JSON (docs/notation.md), which trace, draw, simulate and convert read. Pictures: "
+            "docs/gallery.md.\n",
     .options = options,
     .settings_size = 1,
     .most_words = 1,
