@@ -3,7 +3,9 @@
 
 #include "catalogues/exchange/export.h"
 #include "mbs/constraints/newton.h"
+#include "tests/dynamics_run.h"
 #include "tests/example_linkage.h"
+#include "tests/loaded_models.h"
 
 static lw_bytes dataset(const lw_linkage *k)
 {
@@ -250,11 +252,50 @@ static void faults(void)
     }
 }
 
+/* Masses and loads are there with their numbers, and the linkage reads back as without them. */
+static void loads_are_written(void)
+{
+    static const char *const has[][12] = {
+        { "PART/02, MASS = 2, CM = 0201, IP = 0.02, 0.02, 0.02\n", "MARKER/0201, PART = 02, QP = 0.1, 0, 0\n",
+          "PART/03, MASS = 3, CM = 0301", "ACCGRAV/IGRAV = 1, JGRAV = -9.81, KGRAV = 0",
+          "TRANSLATION, K = 200, C = 3, LENGTH = 0.3\n", "ROTATION, KT = 4, CT = 0.1, ANGLE = 0.2\n",
+          "ROTATION\n, FUNCTION = 3*(1 - 0.05*WZ(", "TRANSLATION, ACTIONONLY\n, FUNCTION = 12\n",
+          "TRANSLATION, ACTIONONLY\n, FUNCTION = 5\n", "ROTATION, ACTIONONLY\n, FUNCTION = 0.7\n" },
+        { "PART/01, MASS = 1, CM = 0101", "PART/02, GROUND\n", "ROTATION, KT = 20, CT = 0.2, ANGLE = 0.1\n",
+          "FUNCTION = -1*(1 - -0.0333333333333333*WZ(" }
+    };
+    for (size_t i = 0; i < LOADED_COUNT; i++) {
+        static drun d;
+        lw_bytes b = { 0 };
+        lw_error e = { 0 };
+        lw_linkage back;
+        memset(&d, 0, sizeof d);
+        drun_read_format(&d, loaded[i], 0, 0);
+        lw_export_options o = { .model = &d.model, .clearance = -1 };
+        CHECK_INT(lw_export_adams(d.model.small, &o, &b, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        for (int n = 0; n < 12 && has[i][n]; n++)
+            CHECK_HAS(b.data, has[i][n]);
+        CHECK(strstr(b.data, "MOTION/") == NULL);                      /* it runs freely */
+        CHECK_INT(lw_adams_read(b.data, b.size, "t", &back, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_INT(back.n_link, d.model.small->n_link);
+        CHECK_INT(back.n_joint, d.model.small->n_joint);
+        CHECK_INT(back.n_tracer, 1);
+        lw_bytes_free(&b);
+        CHECK_INT(lw_export_adams_commands(d.model.small, &o, &b, &e), LW_OK);
+        CHECK_HAS(b.data, "SIMULATE/DYNAMICS");
+        lw_bytes_free(&b);
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     RUN(examples_there_and_back);
     RUN(as_plasma_writes);
     RUN(written_by_others);
     RUN(faults);
+    RUN(loads_are_written);
     return check_end();
 }

@@ -13,6 +13,8 @@
 
 typedef struct writer {
     const lw_linkage *k;
+    const lw_model   *m;                       /* NULL: no masses, no loads                              */
+    bool              weighed;                 /* the model has masses                                   */
     lw_bytes         *out;
     int               n_marker[LW_LINK_MAX];
     int               at[LW_JOINT_MAX][2];     /* markers of a joint on its two links                    */
@@ -92,7 +94,20 @@ static void put_parts(writer *w)
         put(w, "!\n");
         put_name(w, k->link_name[link], "");
         put_id(w, "PART/", link + 1, 2);
-        put(w, link == k->ground ? ", GROUND\n" : "\n");
+        put(w, link == k->ground ? ", GROUND" : "");
+        const lw_body *body = w->weighed && link != k->ground ? &w->m->body[link] : NULL;
+        if (body && body->mass > 0) {                  /* its marker is the first one of the part */
+            put(w, ", MASS = ");
+            put_number(w, body->mass);
+            put_id(w, ", CM = ", 100*(link + 1) + 1, 4);
+            for (int i = 0; i < 3; i++) {
+                put(w, i ? ", " : ", IP = ");
+                put_number(w, body->inertia);
+            }
+        }
+        put(w, "\n");
+        if (body && body->mass > 0)
+            put_marker(w, link, body->centre, NULL, 0, "centre of mass");
         for (int j = 0; j < k->n_joint; j++)
             for (int side = 0; side < 2; side++)
                 if (k->joint[j].link[side] == link && !lw_joint_has_ratio(k->joint[j].kind))
@@ -161,6 +176,134 @@ static lw_status put_joints(writer *w, lw_error *e)
         else
             put_joint(w, j);
     return s;
+}
+
+/* ---- loads ----------------------------------------------------------------------------------------- */
+
+static bool varies(const lw_expression *x)
+{
+    const int *which;
+    return x && lw_expression_variables(x, &which) > 0;
+}
+
+/* Refuse what is not written, by name. */
+static lw_status check_loads(const writer *w, lw_error *e)
+{
+    const lw_model *m = w->m;
+    for (int i = 0; m && i < m->n_spring; i++)
+        if (m->spring[i].law)
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to ADAMS", m->spring[i].name);
+    for (int i = 0; m && i < m->n_joint_spring; i++)
+        if (m->joint_spring[i].law || !lw_joint_turns(w->k->joint[m->joint_spring[i].joint].kind))
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' %s, which is not written to ADAMS", m->joint_spring[i].name,
+                                m->joint_spring[i].law ? "has a law of its own" : "acts along a slider");
+    for (int i = 0; m && i < m->n_motor; i++)
+        if (!lw_joint_turns(w->k->joint[m->motor[i].joint].kind))
+            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slider, which is not written to ADAMS", m->motor[i].name);
+    for (int i = 0; m && i < m->n_force; i++)
+        if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
+            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to ADAMS", m->force[i].name);
+    for (int j = 0; m && j < w->k->n_joint; j++) {
+        const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE ? "clearance"
+                         : m->stop[j].has_least || m->stop[j].has_greatest ? "a stop" : NULL;
+        if (what)
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to ADAMS", w->k->joint[j].name, what);
+    }
+    for (int i = 0; m && i < w->k->n_input; i++)
+        if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
+            return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which is not written to ADAMS",
+                                w->k->joint[w->k->input[i].joint].name);
+    return LW_OK;
+}
+
+/* "KEY = number" */
+static void put_key(writer *w, const char *key, double v)
+{
+    put(w, key);
+    put_number(w, v);
+}
+
+/* The markers of a joint whose relative turn counts as the joint does. */
+static void put_turn_markers(writer *w, int j)
+{
+    bool turned = w->k->joint[j].link[1] == w->k->ground;
+    put_id(w, ", I = ", w->at[j][turned ? 0 : 1], 4);
+    put_id(w, ", J = ", w->at[j][turned ? 1 : 0], 4);
+}
+
+/* A force or torque on a marker, along z of another one, without a reaction. */
+static void put_action(writer *w, int *id, int at, int axis, const char *kind, double v)
+{
+    put_id(w, "SFORCE/", ++*id, 2);
+    put_id(w, ", I = ", at, 4);
+    put_id(w, ", J = ", axis, 4);
+    put(w, kind);
+    put_key(w, ", ACTIONONLY\n, FUNCTION = ", v);
+    put(w, "\n");
+}
+
+static void put_loads(writer *w)
+{
+    const lw_model *m = w->m;
+    int spring = 0, force = 0;
+    if (!m)
+        return;
+    put(w, "!\n");
+    if (w->weighed) {
+        put_key(w, "ACCGRAV/IGRAV = ", m->gravity.x);
+        put_key(w, ", JGRAV = ", m->gravity.y);
+        put(w, ", KGRAV = 0\n");
+    }
+    for (int i = 0; i < m->n_spring; i++) {
+        const lw_spring *p = &m->spring[i];
+        int at[2];
+        for (int end = 0; end < 2; end++)
+            at[end] = put_marker(w, p->link[end], p->at[end], NULL, 0, p->name);
+        put_name(w, p->name, "");
+        put_id(w, "SPRINGDAMPER/", ++spring, 2);
+        put_id(w, ", I = ", at[0], 4);
+        put_id(w, ", J = ", at[1], 4);
+        put_key(w, ", TRANSLATION, K = ", p->stiffness);
+        put_key(w, ", C = ", p->damping);
+        put_key(w, ", LENGTH = ", p->free);
+        put(w, "\n");
+    }
+    for (int i = 0; i < m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &m->joint_spring[i];
+        put_name(w, p->name, "");
+        put_id(w, "SPRINGDAMPER/", ++spring, 2);
+        put_turn_markers(w, p->joint);
+        put_key(w, ", ROTATION, KT = ", p->stiffness);
+        put_key(w, ", CT = ", p->damping);
+        put_key(w, ", ANGLE = ", p->free);
+        put(w, "\n");
+    }
+    for (int i = 0; i < m->n_motor; i++) {
+        const lw_motor *p = &m->motor[i];
+        char speed[48];
+        bool turned = w->k->joint[p->joint].link[1] == w->k->ground;
+        const int *at = w->at[p->joint];
+        put_name(w, p->name, " motor");
+        put_id(w, "SFORCE/", ++force, 2);
+        put_turn_markers(w, p->joint);
+        put_key(w, ", ROTATION\n, FUNCTION = ", p->stall);
+        put_key(w, "*(1 - ", 1/p->free_speed);
+        snprintf(speed, sizeof speed, "*WZ(%04d, %04d))\n", at[turned ? 0 : 1], at[turned ? 1 : 0]);
+        put(w, speed);
+    }
+    for (int i = 0; i < m->n_force; i++) {
+        const lw_force *p = &m->force[i];
+        double fx = p->fx ? lw_expression_value(p->fx, NULL) : 0, fy = p->fy ? lw_expression_value(p->fy, NULL) : 0;
+        double torque = p->torque ? lw_expression_value(p->torque, NULL) : 0, size = hypot(fx, fy);
+        int at = put_marker(w, p->link, p->at, NULL, 0, p->name);
+        lw_vec2 z = size > 0 ? lw_v2(fx/size, fy/size) : lw_v2(1, 0);
+        put_name(w, p->name, " force");
+        if (size > 0)
+            put_action(w, &force, at, put_marker(w, p->follows ? p->link : w->k->ground, p->at, &z, 0, p->name),
+                       ", TRANSLATION", size);
+        if (torque != 0)
+            put_action(w, &force, at, w->origin, ", ROTATION", torque);
+    }
 }
 
 /* ---- motion ---------------------------------------------------------------------------------------- */
@@ -253,17 +396,29 @@ static void put_requests(writer *w)
         }
 }
 
+/* In a model with masses an input without a motion runs freely. */
+static bool has_masses(const lw_linkage *k, const lw_export_options *o)
+{
+    for (int i = 0; o && o->model && i < k->n_link; i++)
+        if (i != k->ground && o->model->body[i].mass > 0)
+            return true;
+    return false;
+}
+
 /* ---- the whole -------------------------------------------------------------------------------------- */
 
 lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
     writer *w = calloc(1, sizeof *w);
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
     w->k = k;
+    w->m = o ? o->model : NULL;
+    w->weighed = has_masses(k, o);
     w->out = out;
     lw_status s = lw_linkage_check(k, e);
+    if (s == LW_OK)
+        s = check_loads(w, e);
     if (s == LW_OK) {
         put(w, "ADAMS/View model name: ");
         put_plain(w, k->name[0] ? k->name : "linkage");
@@ -272,11 +427,12 @@ lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_by
         s = put_joints(w, e);
     }
     if (s == LW_OK) {
+        put_loads(w);
         put(w, "!\n");
         for (int i = 0; i < k->n_input; i++)
             if (k->input[i].ratio != 0)
                 put_tie(w, i);
-            else
+            else if (!w->weighed || w->m->motion[i])
                 put_motion(w, i);
         put_requests(w);
         put(w, "!\nRESULTS/\n!\nEND\n");
@@ -306,12 +462,13 @@ static void file_name(const lw_linkage *k, char *name, size_t size)
 
 lw_status lw_export_adams_commands(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
     char name[64];
     file_name(k, name, sizeof name);
     lw_bytes_text(out, name);
     lw_bytes_text(out, ".adm\n");
     lw_bytes_text(out, name);
-    lw_bytes_text(out, "\nOUTPUT/NOSEPARATOR\nSIMULATE/KINEMATICS, END = 1.0, STEPS = 100\nSTOP\n");
+    lw_bytes_text(out, "\nOUTPUT/NOSEPARATOR\nSIMULATE/");
+    lw_bytes_text(out, has_masses(k, o) ? "DYNAMICS" : "KINEMATICS");
+    lw_bytes_text(out, ", END = 1.0, STEPS = 100\nSTOP\n");
     return lw_bytes_end(out, e);
 }
