@@ -114,6 +114,56 @@ static bool traces_the_curve(const lw_candidate *c)
     return is_bar(c->dim) || is_bar(other[0]) || is_bar(other[1]);
 }
 
+/* Five points with both fixed pins given: 36 solutions over the complex numbers, each real one moves through the points
+ * in a single pose of its own, and the four-bar that drew the points is among them. */
+static void all_with_given_pins_are_found(void)
+{
+    for (int trial = 0; trial < 4; trial++) {
+        double dim[9], x[5], y[5], first = lw_rng_range(&rng, 0, 6);
+        lw_target t;
+        lw_exact all;
+        lw_error e = { .text = "" };
+        for (int d = 0; d < 9; d++)
+            dim[d] = bar[d]*(d < 6 ? lw_rng_range(&rng, 0.9, 1.1) : 1);
+        for (int j = 0; j < 5; j++) {
+            lw_vec2 p = fourbar_at(dim, 1, first + 1.1*j).p;
+            x[j] = p.x;
+            y[j] = p.y;
+        }
+        CHECK_INT(lw_target_make(5, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+        lw_fit_options o = options(0, 2);
+        o.n_result = 10;
+        static const struct { const char *name; int d; } given[4] = { { "x0", 6 }, { "y0", 7 }, { "r1", 0 }, { "theta0", 8 } };
+        for (int b = 0; b < 4; b++) {
+            lw_bound *to = &o.spec.bound[o.spec.n_bound++];
+            *to = (lw_bound){ .lo = dim[given[b].d], .hi = dim[given[b].d] };
+            memcpy(to->name, given[b].name, strlen(given[b].name) + 1);
+        }
+        CHECK_INT(lw_exact_run(&t, &o, &all, &e), LW_OK);
+        CHECK(all.complete);
+        CHECK_INT(all.n_theory, 36);
+        CHECK_INT(all.n_general, 36);
+        CHECK_INT(all.n_triple, 36);
+        CHECK(all.n_real >= 1 && all.n_real <= all.n_real_triple && all.fit.n == all.n_real);
+        bool drawn = false;
+        for (int i = 0; i < all.fit.n; i++) {
+            const lw_candidate *c = &all.fit.candidate[i];
+            double off = 0;
+            for (int d = 0; d < 6; d++)
+                off = fmax(off, fabs(c->dim[d] - dim[d]));
+            drawn |= off < 1e-6;
+            for (int j = 0; j < 5; j++) {
+                lw_vec2 p = fourbar_at(c->dim, c->mode_of[j], c->input[j]).p;
+                CHECK_NEAR(p.x, x[j], 1e-7, 0);
+                CHECK_NEAR(p.y, y[j], 1e-7, 0);
+            }
+        }
+        CHECK(drawn);
+        lw_exact_free(&all);
+        lw_target_free(&t);
+    }
+}
+
 static void all_triples_are_found(void)
 {
     double x[9], y[9];
@@ -194,6 +244,7 @@ int main(void)
     lw_rng_seed(&rng, check_seed(), 0);
     RUN(derivatives_are_right);
     RUN(linkage_meets_equations);
+    RUN(all_with_given_pins_are_found);
     RUN(all_triples_are_found);
     RUN(threads_do_not_matter);
     RUN(stops_when_asked);

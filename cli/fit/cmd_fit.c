@@ -475,8 +475,11 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
         return st;
     why = search(call, set, e);
     if (why == LW_NOTHING && s->exact)
-        lw_error_set(e, why, "no real linkage of these types within these bounds and conditions goes through all "
-                     "stations");
+        lw_error_set(e, why, set->exact.complete
+                     ? "no real linkage of these types within these bounds and conditions goes through all stations"
+                     : "no real linkage of these types within these bounds and conditions that goes through all stations "
+                       "was found, and not all linkages were looked at; give the bounds one value each (x0, y0, r1, "
+                       "theta0: five points have finitely many), or wider ones");
     if (why < 0 || why == LW_NOTHING) {
         if (e->file[0] == 0) {
             snprintf(e->file, sizeof e->file, "%s", path);

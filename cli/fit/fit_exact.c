@@ -73,9 +73,12 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
             fprintf(f, "  line along %.9g, %.9g", g->along.x, g->along.y);
         fputc('\n', f);
     }
-    if (x->n_general > 0)
+    if (x->n_general > 0 && x->n_theory > LW_EXACT_FIVE_MAX)
         fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general "
-                "points %ld of 1442 are known\n", x->n_triple, x->n_real_triple, x->n_general);
+                "points %ld of %d are known\n", x->n_triple, x->n_real_triple, x->n_general, x->n_theory);
+    else if (x->n_general > 0)
+        fprintf(f, "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler 1990); "
+                "%ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "
@@ -122,7 +125,11 @@ void cli_fit_exact_json(const cli_fit_set *s, cli_json *j)
     cli_json_int(j, "with_order_defect", x->n_order);
     cli_json_int(j, "with_branch_defect", x->n_branch);
     cli_json_int(j, "with_circuit_defect", x->n_circuit);
-    if (x->n_general > 0) {
+    if (x->n_general > 0 && x->n_theory <= LW_EXACT_FIVE_MAX) {
+        cli_json_int(j, "most_solutions", x->n_theory);
+        cli_json_int(j, "complex_solutions", x->n_triple);
+        cli_json_int(j, "real_solutions", x->n_real_triple);
+    } else if (x->n_general > 0) {
         cli_json_int(j, "general_roberts_triples", x->n_general);
         cli_json_int(j, "roberts_triples", x->n_triple);
         cli_json_int(j, "real_roberts_triples", x->n_real_triple);

@@ -272,11 +272,28 @@ static lw_status run_motion(exact_run *x, lw_ranking *r, lw_exact *out, lw_error
     return st;
 }
 
+/* Do the bounds leave one place for each fixed pin? */
+static bool gives_pivots(const lw_fit_spec *s, lw_vec2 pivot[2])
+{
+    static const char *const name[4] = { "x0", "y0", "r1", "theta0" };
+    double v[4] = { NAN, NAN, NAN, NAN };
+    for (int b = 0; b < s->n_bound; b++)
+        for (int k = 0; k < 4; k++)
+            if (strcmp(s->bound[b].name, name[k]) == 0 && s->bound[b].lo == s->bound[b].hi)
+                v[k] = s->bound[b].lo;
+    pivot[0] = lw_v2(v[0], v[1]);
+    pivot[1] = lw_v2_add(pivot[0], lw_v2_polar(v[2], v[3]));
+    return isfinite(pivot[1].x) && isfinite(pivot[1].y);
+}
+
 static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *e)
 {
     long drawn = 0;
+    lw_vec2 pivot[2];
     if (x->t->n == 9)
-        return lw_nine_solve(x->p, x->o, r, out);
+        return lw_nine_solve(x->p, NULL, x->o, r, out);
+    if (x->t->n == 5 && gives_pivots(&x->o->spec, pivot))
+        return lw_nine_solve(x->p, pivot, x->o, r, out);
     lw_status st = draw_rounds(x, r, &drawn, e);
     if (x->t->n > 5)
         snprintf(out->choice, sizeof out->choice, "free: %zu of the coupler's angles at four points, the others "
@@ -303,11 +320,15 @@ lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *ou
     memset(out, 0, sizeof *out);
     if (!own.types)
         own.types = t->n < m->finite ? "fourbar" : m->types;
+    lw_vec2 pivot[2];
+    bool pivots = o->spec.task == LW_TASK_PATH && t->n == 5 && gives_pivots(&o->spec, pivot);
+    if (pivots && own.n_result < LW_EXACT_FIVE_MAX)
+        own.n_result = LW_EXACT_FIVE_MAX;                  /* list them all */
     lw_status st = check_task(t, &o->spec, m, e);
     if (st == LW_OK)
         st = check_distinct(t, o->spec.task, e);
     if (st == LW_OK)
-        st = lw_ranking_open(t, &own, t->n < m->finite, &r, e);
+        st = lw_ranking_open(t, &own, t->n < m->finite && !pivots, &r, e);
     if (st != LW_OK)
         return st;
     for (size_t i = 0; i < t->n && t->x; i++)

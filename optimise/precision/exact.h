@@ -50,6 +50,9 @@ lw_status lw_freudenstein(size_t n, const double *angle, const double *theta,
 
 /* ---- linkages for a target --------------------------------------------------------------- */
 
+/* Linkages through five points whose fixed pins are given, each driven from one of them. */
+#define LW_EXACT_FIVE_MAX 36
+
 typedef struct lw_exact {
     lw_fit    fit;                 /* candidates sorted by defects, then by quality                   */
     unsigned *defect;              /* bits of each                                            (fit.n) */
@@ -59,15 +62,17 @@ typedef struct lw_exact {
     long      n_clean, n_order, n_branch, n_circuit;      /* of these: without defect, and by the worst defect */
     int       n_guide;             /* five poses: the guides found                                    */
     lw_guide  guide[4];
-    long      n_general;           /* nine points: Roberts triples found at general complex points, of which there are
-                                    * 1442 ...                                                      */
+    int       n_theory;            /* nine points: 1442 Roberts triples over the complex numbers; five points with both
+                                    * fixed pins given: 36 solutions; 0: other tasks                */
+    long      n_general;           /* of these found at general complex points ...                  */
     long      n_triple, n_real_triple;     /* ... and at those of the target, complex and real       */
     bool      complete;            /* all linkages were found, as far as theory knows their number    */
     char      choice[256];         /* which dimensions were free and how they were chosen; "" none     */
 } lw_exact;
 
 /* Find linkages that pass through all stations of t, by o->spec.task: 2 to 5 poses, 3 to 5 pairs of a function, 2 to
- * 9 points of a path.  Linkages that do not meet the bounds and conditions of the specification are left out.
+ * 9 points of a path.  Five points with bounds x0, y0, r1, theta0 that leave one value each have finitely many, and all
+ * are found.  Linkages that do not meet the bounds and conditions of the specification are left out.
  * max_rounds limits the effort.  types NULL: all types for five poses, else four-bars.  Input angles of a path or
  * motion, and weights, are ignored. The result is the same for any number of threads; max_seconds and interrupt end
  * the search earlier and keep what was found. LW_OK, LW_NOTHING (no real solution), LW_STOPPED, failures < 0:

@@ -6,7 +6,11 @@
  * multiplied by s and their conjugates by s^, so each pair (s, s^) is a path from p to (s q, s^ q^), and by that to
  * q.  All known solutions are followed back and forth on four paths until all 1442 at p are known.  From there they
  * are followed to the target's points.  Of each triple (six solutions: three cognates, each with its two guides in
- * either order) one is followed. */
+ * either order) one is followed.  A path that passes near a singular solution may be lost; then all are followed once
+ * more on another way, on which other paths are difficult.
+ *
+ * Five points with both fixed pins given (Morgan & Wampler 1990: at most 36 solutions over the complex numbers) go the
+ * same way: the fixed pins belong to the points, and there are no cognates, so that each solution is one of its own. */
 #include "optimise/precision/exact_internal.h"
 
 #include <stdlib.h>
@@ -16,7 +20,7 @@
 #include "base/rng.h"
 #include "optimise/precision/exact_track_internal.h"
 
-enum { TRIPLES = 1442, CAPACITY = 1600, PATHS = 4, PATHS_MAX = 10, ROUND = 96, AIMED = 48, TRIES = 3 };
+enum { TRIPLES = 1442, FIVES = 36, CAPACITY = 1600, PATHS = 4, PATHS_MAX = 10, ROUND = 96, AIMED = 48, TRIES = 3, ROUTES = 4 };
 #define SAME 1e-6               /* of the sum of the fixed pins: one triple                              */
 #define REAL 1e-7               /* a number and the conjugate of its partner                             */
 
@@ -40,17 +44,24 @@ typedef struct nine {
     lw_nine at[2], wanted;
     lw_cx   by[PATHS_MAX][2];
     int     n[3], n_path, n_task;
+    int     points, all;         /* displacements; how many solutions there are                          */
+    int     route;               /* which way to the target's points is used now                         */
     triple *of[3];              /* at p, at q, at the target's points                     (CAPACITY) */
     task    job[ROUND];
 } nine;
 
 /* ---- triples ------------------------------------------------------------------------------------------ */
 
-/* The sum of the three fixed pins, which the cognates share, and of their conjugates. */
-static void make_key(const lw_cx *v, lw_cx key[2])
+/* The sum of the three fixed pins, which the cognates share, and of their conjugates; with given pivots a sum of the
+ * moving pins. */
+static void make_key(const nine *s, const lw_cx *v, lw_cx key[2])
 {
     for (int h = 0; h < 2; h++) {
         lw_cx x = v[h], a = v[2 + h], y = v[4 + h], b = v[6 + h];
+        if (s->wanted.pivots) {
+            key[h] = cx_add(x, cx_scale(y, 1.6180339887));       /* a sum that no symmetry keeps */
+            continue;
+        }
         lw_cx c = cx_mul(cx_sub(cx_mul(a, y), cx_mul(b, x)), cx_inverse(cx_sub(y, x)));
         key[h] = cx_add(cx_add(a, b), c);
     }
@@ -60,7 +71,7 @@ static void make_key(const lw_cx *v, lw_cx key[2])
 static int number_of(nine *s, int set, const lw_cx *v)
 {
     triple now = { .used = 0, .arrived = -1 };
-    make_key(v, now.key);
+    make_key(s, v, now.key);
     double size = 1 + cx_norm1(now.key[0]) + cx_norm1(now.key[1]);
     if (!(size < INFINITY))
         return -1;
@@ -103,13 +114,18 @@ static void begin(nine *s)
     lw_rng_seed(&rng, s->o->seed, 9);
     for (int i = 0; i < 8; i++)
         v[i] = draw(&rng);
-    for (int j = 0; j < 8; j++)
+    for (int j = 0; j < s->points; j++)
         while (!draw_point(&rng, v, &s->at[0].d[j], &s->at[0].dh[j]))
             ;
-    for (int j = 0; j < 8; j++) {
+    for (int j = 0; j < s->points; j++) {
         s->at[1].d[j] = draw(&rng);
         s->at[1].dh[j] = draw(&rng);
     }
+    for (int j = 0; j < 4; j++) {
+        s->at[0].pivot[j] = v[(j < 2 ? 2 : 4) + j];
+        s->at[1].pivot[j] = draw(&rng);
+    }
+    s->at[0].pivots = s->at[1].pivots = s->wanted.pivots;
     for (int e = 0; e < PATHS_MAX; e++)
         for (int h = 0; h < 2; h++) {
             double turn = 2*LW_PI*lw_rng_uniform(&rng);
@@ -119,14 +135,21 @@ static void begin(nine *s)
     number_of(s, 0, v);
 }
 
-static void set_wanted(nine *s, const lw_vec2 *p)
+static void set_wanted(nine *s, const lw_vec2 *p, const lw_vec2 *pivot)
 {
     double square = 0;
+    s->points = pivot ? 4 : 8;
+    s->all = pivot ? FIVES : TRIPLES;
+    s->wanted.pivots = pivot != NULL;
     s->origin = p[0];
-    for (int j = 1; j < 9; j++)
+    for (int j = 1; j <= s->points; j++)
         square += lw_v2_dot(lw_v2_sub(p[j], p[0]), lw_v2_sub(p[j], p[0]));
-    s->unit = sqrt(square/8);
-    for (int j = 0; j < 8; j++) {
+    s->unit = sqrt(square/s->points);
+    for (int j = 0; j < 4 && pivot; j++) {
+        lw_vec2 a = lw_v2_scale(lw_v2_sub(pivot[j/2], p[0]), 1/s->unit);
+        s->wanted.pivot[j] = (lw_cx){ a.x, j & 1 ? -a.y : a.y };
+    }
+    for (int j = 0; j < s->points; j++) {
         lw_vec2 d = lw_v2_scale(lw_v2_sub(p[j + 1], p[0]), 1/s->unit);
         s->step[j] = d;
         s->wanted.d[j] = (lw_cx){ d.x, d.y };
@@ -142,6 +165,25 @@ static bool stopped(const nine *s)
         || (s->o->max_seconds > 0 && lw_clock_wall() - s->started >= s->o->max_seconds);
 }
 
+/* Points with all plane numbers multiplied by by[0] and their conjugates by by[1]; the same for a solution. */
+static lw_nine scaled(const lw_nine *p, const lw_cx by[2], int points)
+{
+    lw_nine q = *p;
+    for (int j = 0; j < points; j++) {
+        q.d[j] = cx_mul(q.d[j], by[0]);
+        q.dh[j] = cx_mul(q.dh[j], by[1]);
+    }
+    for (int j = 0; j < 4; j++)
+        q.pivot[j] = cx_mul(q.pivot[j], by[j & 1]);
+    return q;
+}
+
+static void scale_solution(lw_cx v[8], const lw_cx by[2])
+{
+    for (int i = 0; i < 8; i++)
+        v[i] = cx_mul(v[i], by[i & 1]);
+}
+
 static void follow(void *context, size_t job, int thread)
 {
     static const double care[TRIES] = { 1, 0.1, 0.01 };
@@ -155,17 +197,17 @@ static void follow(void *context, size_t job, int thread)
         return;
     memcpy(k->v, from->v, sizeof k->v);
     if (k->path < 0) {
-        k->ok = lw_nine_track(&s->at[0], &s->wanted, care[from->tries], k->v, &steps);
+        static const lw_cx same[2] = { { 1, 0 }, { 1, 0 } };
+        const lw_cx *turn = s->route > 0 ? s->by[s->route - 1] : same;
+        lw_nine p = scaled(&s->at[0], turn, s->points);
+        scale_solution(k->v, turn);
+        k->ok = lw_nine_track(&p, &s->wanted, care[from->tries], k->v, &steps);
         return;
     }
     const lw_cx *by = s->by[k->path];
-    lw_nine q = s->at[1];
-    for (int j = 0; j < 8; j++) {
-        q.d[j] = cx_mul(q.d[j], by[0]);
-        q.dh[j] = cx_mul(q.dh[j], by[1]);
-    }
-    for (int i = 0; i < 8 && k->set == 1; i++)
-        k->v[i] = cx_mul(k->v[i], by[i & 1]);
+    lw_nine q = scaled(&s->at[1], by, s->points);
+    if (k->set == 1)
+        scale_solution(k->v, by);
     k->ok = k->set == 0 ? lw_nine_track(&s->at[0], &q, 1, k->v, &steps) : lw_nine_track(&q, &s->at[0], 1, k->v, &steps);
     for (int i = 0; i < 8 && k->set == 0; i++)
         k->v[i] = cx_mul(k->v[i], cx_inverse(by[i & 1]));
@@ -176,21 +218,30 @@ static void give(nine *s, int set, int i, int path)
     s->job[s->n_task++] = (task){ .set = set, .i = i, .path = path };
 }
 
-/* List what to follow next: solutions at p to the target's points, and all solutions on paths not used yet. */
+/* List what to follow next: solutions at p to the target's points, and all solutions on paths not used yet; at last, if
+ * some did not arrive, all once more on another way. */
 static void choose(nine *s)
 {
     s->n_task = 0;
-    int aimed = s->n[0] < TRIPLES ? AIMED : ROUND;
+    int aimed = s->n[0] < s->all ? AIMED : ROUND;
     for (int i = 0; i < s->n[0] && s->n_task < aimed; i++)
         if (s->of[0][i].tries < TRIES)
             give(s, 0, i, -1);
-    for (int set = 0; set < 2 && s->n[0] < TRIPLES; set++)
+    for (int set = 0; set < 2 && s->n[0] < s->all; set++)
         for (int i = 0; i < s->n[set]; i++)
             for (int e = 0; e < s->n_path && s->n_task < ROUND; e++)
                 if (!(s->of[set][i].used >> e & 1))
                     give(s, set, i, e);
-    if (s->n_task == 0 && s->n[0] < TRIPLES && s->n_path < PATHS_MAX) {
+    if (s->n_task == 0 && s->n[0] < s->all && s->n_path < PATHS_MAX) {
         s->n_path++;
+        choose(s);
+    }
+    if (s->n_task == 0 && s->n[2] < s->all && s->route + 1 < ROUTES) {
+        s->route++;                                      /* another way permutes the solutions, and leads to all */
+        for (int i = 0; i < s->n[0]; i++) {
+            s->of[0][i].tries = 0;
+            s->of[0][i].arrived = -1;
+        }
         choose(s);
     }
 }
@@ -240,7 +291,7 @@ static void offer(const nine *s, lw_ranking *r, lw_vec2 x, lw_vec2 a, lw_vec2 y,
 static void coupler_angles(const nine *s, const lw_cx *v, double *angle)
 {
     angle[0] = 0;
-    for (int j = 0; j < 8; j++) {
+    for (int j = 0; j < s->points; j++) {
         lw_cx d = s->wanted.d[j], dh = s->wanted.dh[j];
         lw_cx a1 = cx_mul(v[0], cx_sub(dh, v[3])), b1 = cx_conj(a1);
         lw_cx a2 = cx_mul(v[4], cx_sub(dh, v[7])), b2 = cx_conj(a2);
@@ -269,13 +320,17 @@ static lw_vec2 divide(lw_vec2 a, lw_vec2 b)
     return lw_v2_scale(lw_v2_unturn(a, b), 1/lw_v2_dot(b, b));
 }
 
-/* The three linkages of a triple.  The cognates (mbs/kinematics/cognate.c): with c = -x/(y - x), the one on the pins
+/* The three linkages of a triple, or the one of a solution with given pivots.  The cognates (mbs/kinematics/cognate.c): with c = -x/(y - x), the one on the pins
  * a and a + c (b - a) has a coupler that turns as the link at a, and moving pins a - x and a + c (y - a). */
 static void offer_triple(const nine *s, lw_ranking *r, const lw_cx *v)
 {
     double coupler[9], link[9];
     lw_vec2 pin[4] = { plane(v[0]), plane(v[2]), plane(v[4]), plane(v[6]) };
     coupler_angles(s, v, coupler);
+    if (s->wanted.pivots) {
+        offer(s, r, pin[0], pin[1], pin[2], pin[3], coupler);
+        return;
+    }
     lw_path_settle(9, s->step, pin, coupler);       /* eliminating the angles has cost some digits */
     lw_vec2 x = pin[0], a = pin[1], y = pin[2], b = pin[3];
     offer(s, r, x, a, y, b, coupler);
@@ -319,10 +374,10 @@ static double share_done(const nine *s)
     int done = 0;
     for (int i = 0; i < s->n[0]; i++)
         done += s->of[0][i].tries == TRIES;
-    return (double)done/TRIPLES;
+    return (double)done/s->all;
 }
 
-lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking *r, lw_exact *out)
+lw_status lw_nine_solve(const lw_vec2 *p, const lw_vec2 *pivot, const lw_fit_options *o, lw_ranking *r, lw_exact *out)
 {
     nine *s = calloc(1, sizeof *s);
     triple *memory = calloc(3*CAPACITY, sizeof *memory);
@@ -332,7 +387,7 @@ lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking 
         s->started = lw_clock_wall();
         for (int k = 0; k < 3; k++)
             s->of[k] = memory + k*CAPACITY;
-        set_wanted(s, p);
+        set_wanted(s, p, pivot);
         begin(s);
         for (int round = 0; st == LW_OK && (o->max_rounds < 1 || round < o->max_rounds); round++) {
             choose(s);
@@ -347,7 +402,8 @@ lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking 
         }
         out->n_triple = s->n[2];
         out->n_general = s->n[0];
-        out->complete = s->n[2] == TRIPLES;
+        out->n_theory = s->all;
+        out->complete = s->n[2] == s->all;
         out->fit.starts = s->n[0];
     }
     free(memory);

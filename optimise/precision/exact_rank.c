@@ -283,6 +283,8 @@ static bool moves_as_asked(const lw_ranking *r, const kind *w, const lw_candidat
     return lw_motion_limits_meets(&limits, s, &w->k, r->size, NULL, 0);
 }
 
+#define ROUNDING 1e-8     /* solutions meet bounds of one value to this, relative to the target */
+
 /* Does it meet the requested bounds? */
 static bool within_bounds(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
@@ -307,7 +309,10 @@ static bool within_bounds(const lw_ranking *r, const kind *w, const lw_candidate
                 lo = s->bound[b].lo;
                 hi = s->bound[b].hi;
             }
-        if (!(v >= lo && v <= hi))
+        double off = ROUNDING*(info->kind == LW_DIM_ANGLE ? 1 : r->size + fabs(v));
+        if (info->kind == LW_DIM_ANGLE && isfinite(lo + hi))
+            v = 0.5*(lo + hi) + remainder(v - 0.5*(lo + hi), 2*LW_PI);
+        if (!(v >= lo - off && v <= hi + off))
             return false;
     }
     return !(s->length_ratio > 0 && most > s->length_ratio*least);

@@ -8,7 +8,8 @@
  *
  * for both pairs of pins.  Cramer's rule in  g + g^ + g g^ = 0  leaves, per point, one equation in the eight numbers
  * x x^ a a^ y y^ b b^:   N N^ + E (N + N^) = 0  with  E = A1 B2 - A2 B1,  N = B1 D2 - B2 D1,  N^ = A2 D1 - A1 D2.
- * Over the complex numbers the hats are independent variables. */
+ * Over the complex numbers the hats are independent variables.  Five points with both fixed pins given have four such
+ * equations in x x^ y y^ (Morgan & Wampler 1990). */
 #include "base/real.h"
 #include "optimise/precision/exact_track_internal.h"
 
@@ -55,7 +56,16 @@ typedef struct system8 {
 /* At t between the points of `from` and `to`. */
 static void set_up(const lw_nine *from, const lw_nine *to, double t, const lw_cx *v, system8 *s)
 {
-    for (int j = 0; j < 8; j++) {
+    static const int fixed[4] = { A, AH, B, BH };
+    int points = from->pivots ? 4 : 8;
+    for (int j = points; j < 8; j++) {
+        lw_cx step = cx_sub(to->pivot[j - 4], from->pivot[j - 4]);
+        memset(s->m[j], 0, sizeof s->m[j]);
+        s->m[j][fixed[j - 4]] = (lw_cx){ 1, 0 };
+        s->f[j] = cx_sub(v[fixed[j - 4]], cx_add(from->pivot[j - 4], cx_scale(step, t)));
+        s->by_t[j] = cx_neg(step);
+    }
+    for (int j = 0; j < points; j++) {
         lw_cx step = cx_sub(to->d[j], from->d[j]), steph = cx_sub(to->dh[j], from->dh[j]), by_d, by_dh;
         lw_cx d = cx_add(from->d[j], cx_scale(step, t)), dh = cx_add(from->dh[j], cx_scale(steph, t));
         lw_nine_equation(v, d, dh, &s->f[j], s->m[j], &by_d, &by_dh);

@@ -1,4 +1,4 @@
-/* optimise/precision/exact_track_internal.h - the nine-point equations and the tracker, for exact_nine.c and tests. */
+/* optimise/precision/exact_track_internal.h - the equations of points of a path and the tracker, for exact_nine.c and tests. */
 #ifndef LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 #define LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 
@@ -24,8 +24,9 @@ static inline lw_cx cx_inverse(lw_cx a)
     return (lw_cx){ a.re*d, -a.im*d };
 }
 
-/* Eight displacements from the first of nine points, and their conjugates, which are independent variables here. */
-typedef struct lw_nine { lw_cx d[8], dh[8]; } lw_nine;
+/* Eight displacements from the first of nine points, and their conjugates, which are independent variables here. With
+ * given pivots only four displacements count, and a a^ b b^ are these. */
+typedef struct lw_nine { lw_cx d[8], dh[8]; bool pivots; lw_cx pivot[4]; } lw_nine;
 
 /* The equation of one point at v = (x x^ a a^ y y^ b b^), its derivatives by v, d and d^. */
 void lw_nine_equation(const lw_cx *v, lw_cx d, lw_cx dh, lw_cx *f, lw_cx by[8], lw_cx *by_d, lw_cx *by_dh);
