@@ -150,6 +150,8 @@ static int unknown_action(const cli_command *c, const char *word)
 /* Standard output is buffered: a failure to write is seen when it is flushed. */
 static int finish_text(int code)
 {
+    if (code == CLI_DONE && cli_end_code(code) == CLI_NUMERIC)
+        fputs("linkwright: out of memory; the output is not whole\n", stderr);
     if (fflush(stdout) == 0 && !ferror(stdout))
         return cli_end_code(code);
     fputs("linkwright: cannot write to standard output\n", stderr);

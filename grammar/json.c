@@ -47,10 +47,16 @@ lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json 
                            "is expected");
     lw_c_locale old = lw_c_locale_enter();          /* jansson reads numbers by strtod */
     json->root = json_loadb(text + skip, size - skip, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
+    /* jansson reports most failures to allocate as errors of the text: of a true one it says the same twice */
+    json_error_t again = error;
+    json_t *second = json->root ? NULL : json_loadb(text + skip, size - skip, JSON_REJECT_DUPLICATES
+                                                    | JSON_DECODE_INT_AS_REAL, &again);
     lw_c_locale_leave(old);
     if (json->root)
         return LW_OK;
-    if (json_error_code(&error) == json_error_out_of_memory)
+    json_decref(second);
+    if (second || !error.text[0] || strcmp(error.text, again.text) != 0
+        || json_error_code(&error) == json_error_out_of_memory)
         return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
     long line, column;
     lw_text_place(text, size, skip + fault_offset(text + skip, size - skip, &error), &line, &column);

@@ -2,12 +2,14 @@
  *
  *     LW_FAIL=malloc:3        the third call that takes memory fails
  *     LW_CALLS_FILE=path      a program that ends writes how often each kind was called to this file: "malloc 12"
+ *     LW_FAIL_SHOW=1          shows where the call came from
  *
  * Kinds: malloc (malloc, calloc, realloc, aligned_alloc, strdup, strndup, open_memstream), fsync, rename,
  * pthread_create, write (write, fflush, fclose, and writes of SQLite), jansson and sqlite (what these take).
  * The linker sends the calls of linkwright's own files here (--wrap in the Makefile).  Calls inside other shared
  * libraries stay out of reach: GSL, NLopt, igraph, SUNDIALS, libplanarity, cairo, giflib and the C library itself. */
 #include <errno.h>
+#include <execinfo.h>
 #include <jansson.h>
 #include <pthread.h>
 #include <sqlite3.h>
@@ -29,6 +31,10 @@ static bool fails(enum kind kind, int error)
 {
     if (++calls[kind] != fail_at[kind])
         return false;
+    if (getenv("LW_FAIL_SHOW")) {
+        void *at[24];
+        backtrace_symbols_fd(at, backtrace(at, 24), 2);
+    }
     errno = error;
     return true;
 }

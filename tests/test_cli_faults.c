@@ -1,6 +1,6 @@
 /* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and a message, or with all output.
  *
- * One row a command; fit, plasma, bench and catalogue add have none yet.  Each row runs undisturbed first, which tells
+ * One row a command; bench and plasma have none, since they print what they measure.  Each row runs undisturbed first, which tells
  * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
  * spread is taken: the first N_FIRST, then ever longer steps.  LW_FAULTS=n makes the spread n times as dense;
  * LW_FAULTS_ROW=text runs the rows that hold the text. */
@@ -45,6 +45,10 @@ static const char *const rows[] = {
     "$C catalogue export $D/six.db -f lam",
     "$C catalogue nearest $D/curves.db examples/ellipse.csv",
     "$C catalogue check $D/six.db",
+    "rm -f $D/a.db; $C catalogue add $D/a.db $D/fit.json && $P catalogue query $D/a.db error\\<1",
+    "LW_CLOCK_STEP=1e-9 $C fit examples/ellipse.csv --starts 20 --rounds 1 -j 1 --json -o $D/o",
+    "LW_CLOCK_STEP=1e-9 $C fit examples/ellipse.csv --starts 20 --rounds 1 -j 2 -q",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/five.csv --exact -j 1 --json -q",
     "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
 };
 
@@ -116,7 +120,9 @@ static void faults(void)
     const char *only = getenv("LW_FAULTS_ROW");
     expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
            "$P chains --links 4 -f lam -o $D/four.lam && $P catalogue build $D/six.db --links 6 -q && "
-           "$P catalogue curves $D/curves.db --links 4 --samples 200 -q", 0, NULL, NULL);
+           "$P catalogue curves $D/curves.db --links 4 --samples 200 -q && "
+           "$P fit examples/ellipse.csv --starts 20 --rounds 1 --json -o $D/fit.json -q && "
+           "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
         if (!only || strstr(rows[i], only))
             fail_each(rows[i]);

@@ -56,8 +56,7 @@ static void print_json(const cli_call *call, const lw_target *t, lw_atlas_hit *h
         cli_json_real(&j, "error_rms", hit[i].distance_m/t->units.metre);
         hit[i].linkage.units = t->units;
         char *text = lw_linkage_write(&hit[i].linkage, 0);
-        if (text)
-            cli_json_raw(&j, "linkage", text);
+        cli_json_raw(&j, "linkage", text);
         free(text);
         cli_json_end(&j);
     }

@@ -305,8 +305,7 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     cli_json_real(j, "verified_objective", r->verified_objective);
     cli_json_real(j, "verified_difference", length(s, r->difference));
     char *text = lw_linkage_write(&r->linkage, 0);
-    if (text)
-        cli_json_raw(j, "linkage", text);
+    cli_json_raw(j, "linkage", text);
     free(text);
     cli_json_end(j);
 }

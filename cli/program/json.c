@@ -2,6 +2,7 @@
 
 #include "base/number.h"
 #include "base/real.h"
+#include "cli/program/output.h"
 
 cli_json cli_json_begin(FILE *f, int indent)
 {
@@ -108,7 +109,9 @@ void cli_json_bool(cli_json *j, const char *key, bool v)
 void cli_json_raw(cli_json *j, const char *key, const char *json)
 {
     lead(j, key);
-    fputs(json, j->f);
+    if (!json)
+        cli_lost();
+    fputs(json ? json : "null", j->f);
 }
 
 void cli_json_reals(cli_json *j, const char *key, const double *v, size_t n)

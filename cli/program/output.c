@@ -95,11 +95,19 @@ lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
     return s;
 }
 
+static bool lost;
+
+void cli_lost(void) { lost = true; }
+
 int cli_close(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
     cli_finish();
     code = cli_end_code(code);
+    if (lost) {
+        lw_output_abandon(o);
+        return code;
+    }
     bool partial = o->temp[0] && code != CLI_DONE && code != CLI_NOTHING;
     if (partial && !o->partial && ftello(o->f) == 0) {
         lw_output_abandon(o);
@@ -117,6 +125,10 @@ int cli_close_marked(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
     cli_finish();
+    if (lost) {
+        lw_output_abandon(o);
+        return code;
+    }
     return lw_output_commit(o, &e) == LW_OK ? cli_end_code(code) : cli_fail(call, &e);
 }
 
@@ -379,6 +391,8 @@ const volatile sig_atomic_t *cli_stop_flag(void)
 int cli_end_code(int code)
 {
     int number = interrupted;
+    if (lost && code <= CLI_NOTHING)
+        code = CLI_NUMERIC;
     if (number == SIGALRM)
         return code == CLI_DONE || code == CLI_NOTHING ? CLI_LIMIT : code;
     return number ? 128 + number : code;

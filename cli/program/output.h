@@ -49,6 +49,9 @@ lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
  * CLI_LIMIT, or a signal or --time ended the work, the output so far goes to FILE.partial and FILE stays as it was. */
 int cli_close(const cli_call *call, lw_output *o, int code);
 
+/* A part of the output could not be made for lack of memory: the command then ends with a message and CLI_NUMERIC. */
+void cli_lost(void);
+
 /* The same for an output that says itself that it is not complete: it always goes to FILE. */
 int cli_close_marked(const cli_call *call, lw_output *o, int code);
 

@@ -135,7 +135,7 @@ static double in_order(const lw_vec2 a[N], const lw_vec2 b[N], int first, int se
     return sum/N;
 }
 
-void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out)
+lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out)
 {
     lw_vec2 target[N], found[N];
     size_t n_drawn;
@@ -144,7 +144,7 @@ void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_
     bool there = drawn && resample(drawn, n_drawn, t->closed, target) && resample(curve, n, t->closed, found);
     free(drawn);
     if (!there)
-        return;
+        return drawn ? LW_OK : LW_E_MEMORY;
     double radius = rms_radius(target), best = INFINITY;
     out->to_curve = nearest(target, found, t->closed)/radius;
     out->to_target = nearest(found, target, t->closed)/radius;
@@ -154,4 +154,5 @@ void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_
         best = fmin(best, in_order(target, found, t->closed ? first : N - 1, -1));
     }
     out->ordered = best/radius;
+    return LW_OK;
 }

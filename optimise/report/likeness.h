@@ -21,6 +21,6 @@ typedef struct lw_likeness {
 } lw_likeness;
 
 /* curve (n) is a polyline, closed if the target is.  n >= 2. */
-void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out);
+lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out);
 
 #endif

@@ -349,8 +349,10 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     enum { STEPS = 12, WHOLE = 400 };
     size_t spans = t->closed ? t->n : t->n - 1, n = 0;
     lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
-    if (!curve)
+    if (!curve) {
+        r->no_memory = true;
         return;
+    }
     bool circuit = cycle->n > 0, piece = circuit || (s->timing == LW_TIMING_NONE && !c->mode_of);
     if (circuit)
         n = lw_fit_report_cycle_points(plan, c, cycle, WHOLE, curve);
@@ -365,7 +367,7 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     if (!t->closed && !piece)
         n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n);
     if (n >= 2)
-        lw_likeness_measure(t, curve, n, &r->likeness);
+        r->no_memory |= lw_likeness_measure(t, curve, n, &r->likeness) != LW_OK;
     free(curve);
 }
 
@@ -412,7 +414,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
         turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
-        lw_fit_report_cycle(&plan, c, modes, &cycle);
+        r->no_memory |= !lw_fit_report_cycle(&plan, c, modes, &cycle);
         r->legs = cycle.n;
         if (!t->closed)                                  /* an open target is met by a part of the motion only */
             cycle.n = 0;
@@ -420,10 +422,10 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         if (lw_task_has_place(s->task))
             compare_curves(t, s, c, &plan, &cycle, r);
         classify(t, s, c, r);
-        lw_verify(t, s, c, &plan, at, r);
+        r->no_memory |= lw_verify(t, s, c, &plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;
     }
     free(at);
-    return LW_OK;
+    return r->no_memory ? lw_error_set(e, LW_E_MEMORY, "out of memory for a report") : LW_OK;
 }

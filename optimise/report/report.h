@@ -63,6 +63,7 @@ typedef struct lw_fit_report {
     double   cognate[2][9], cognate_mode[2];
     /* the second simulation: the linkage written as a file, read back, moved by Newton's method */
     bool     meets;                /* the conditions on its motion and pivots (optimise/task/motion_limits.h)       */
+    bool     no_memory;            /* inside lw_fit_report_make, which then fails                   */
     bool     verified;             /* it meets them, and both simulations agree                     */
     double   verified_objective, verified_mean;
     double   difference;           /* largest distance between the two simulations at a station [m] */

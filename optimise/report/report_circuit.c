@@ -10,12 +10,12 @@ bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const doubl
     cycle->n = 0;
     void *batch = c->mode_of ? aligned_alloc(64, (lw_batch_work_size(plan) + 127) & ~(size_t)63) : NULL;
     if (!batch)
-        return false;
+        return !c->mode_of;
     bool found = lw_closed_motion_find(plan, c->dim, modes, c->input[0], batch, cycle) == LW_OK;
     free(batch);
     if (!found)
         cycle->n = 0;
-    return cycle->n > 0;
+    return true;
 }
 
 size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,

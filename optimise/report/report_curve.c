@@ -122,8 +122,11 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
     const lw_motion_curve_options o = { .input = 0 };
     lw_circuits all = { .n = 0 };
     work *w = calloc(1, sizeof *w);
-    if (w && lw_system_make(&r->linkage, NULL, 0, &w->s, NULL) == LW_OK
-        && lw_circuits_find(&w->s, &o, PATIENCE, 1, NULL, &all, NULL) == LW_OK) {
+    lw_status status = w ? lw_system_make(&r->linkage, NULL, 0, &w->s, NULL) : LW_E_MEMORY;
+    if (status == LW_OK)
+        status = lw_circuits_find(&w->s, &o, PATIENCE, 1, NULL, &all, NULL);
+    r->no_memory |= status == LW_E_MEMORY;
+    if (status == LW_OK) {
         w->k = r->linkage;
         r->circuits = all.n;
         r->turns = turns_without_limit(all.curve[0]);

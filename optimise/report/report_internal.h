@@ -28,8 +28,8 @@ void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double inpu
 
 /* Write the posture as a file, read it back, move it from station to station by Newton's method on the loop
  * equations, and compare with `at`, the positions by the plan (n of each point).  Fills `verified` ... `fault` of the
- * report. */
-void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
-               const lw_vec2 *at, lw_fit_report *r);
+ * report. LW_OK or LW_E_MEMORY. */
+lw_status lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
+                    const lw_vec2 *at, lw_fit_report *r);
 
 #endif

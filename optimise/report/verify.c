@@ -25,12 +25,11 @@ typedef struct replay {
 } replay;
 
 /* Write the first posture as the text of a file and read it back. */
-static bool open_file(replay *v)
+static bool open_file(replay *v, lw_status *status)
 {
     lw_error why = { .text = "" };
     char *text = lw_linkage_write(&v->r->linkage, 0);
     bool ok = text && lw_linkage_read(text, strlen(text), "result", &v->k, &why) == LW_OK;
-    free(text);
     if (ok && v->c->mode_of)
         ok = lw_system_make(&v->k, NULL, 0, &v->system, &why) == LW_OK
           && lw_motion_curve_create(&v->system, NULL, &(lw_motion_curve_options){ .input = 0 }, &v->curve, &why)
@@ -38,7 +37,9 @@ static bool open_file(replay *v)
     else if (ok)
         ok = lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
     v->now = v->k;
+    free(text);
     v->shift = v->k.input[0].value - v->plan->input_turns_per_period*v->c->input[0];
+    *status = !text || why.status == LW_E_MEMORY ? LW_E_MEMORY : LW_OK;
     if (!ok)
         snprintf(v->r->fault, sizeof v->r->fault, "its file does not read back: %.200s", why.text);
     return ok;
@@ -244,16 +245,15 @@ static void judge(const replay *v, bool followed)
                  r->verified_objective, v->c->objective);
 }
 
-void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
+lw_status lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
                const lw_vec2 *at, lw_fit_report *r)
 {
     replay *v = malloc(sizeof *v);
-    if (!v) {
-        snprintf(r->fault, sizeof r->fault, "no memory to simulate it again");
-        return;
-    }
+    lw_status status;
+    if (!v)
+        return LW_E_MEMORY;
     *v = (replay){ .t = t, .s = s, .c = c, .plan = plan, .r = r };
-    bool followed = open_file(v);
+    bool followed = open_file(v, &status);
     for (size_t i = 0; i < t->n && followed; i++) {
         double distance = 0;
         followed = go_to(v, i, at);
@@ -275,4 +275,5 @@ void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, 
     lw_system_free(&v->system);
     judge(v, followed);
     free(v);
+    return status;
 }
