@@ -36,10 +36,8 @@ static void draws(const char *types, const char *families, size_t n)
     lw_curve_maker *m;
     lw_error e = { 0 };
     lw_rng rng;
-    lw_describer tables;
     int n_made[2] = { 0, 0 };
     static double u[400*LW_CURVE_DRAWS];
-    lw_describer_make(&tables);
     CHECK_INT(types ? lw_curve_maker_create(types, &m, &e) : lw_curve_maker_of(families, &m, &e), LW_OK);
     void *work = aligned_alloc(64, lw_curve_work_size(m));
     lw_rng_seed(&rng, check_seed(), 5);
@@ -53,7 +51,7 @@ static void draws(const char *types, const char *families, size_t n)
         if (lw_curve_draw(m, u + i*LW_CURVE_DRAWS, closed, work, &row) != LW_OK)
             continue;
         CHECK_INT(lw_curve_points(m, &row, closed, work, p), LW_OK);
-        if (lw_descriptor_make(&tables, p, LW_CURVE_POINTS, closed, &d) != LW_OK)
+        if (lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
             continue;
         n_made[closed]++;
         if (lw_curve_linkage(m, &row, &k) != LW_OK)

@@ -22,7 +22,6 @@ typedef struct job {
     const char             *file;
     const lw_build_control *control;
     lw_build_counts        *counts;
-    lw_describer            tables;
     lw_build_transaction    transaction;
     bool                    run;              /* the run is recorded                                  */
     long                    line;             /* line where the current value begins                  */
@@ -148,7 +147,7 @@ static void set_class(entry *x)
 }
 
 /* Compute the curve of the linkage's first tracer and its Fourier terms. */
-static lw_status set_curve(const job *j, entry *x)
+static lw_status set_curve(entry *x)
 {
     lw_scene scene;
     lw_scene_options o = lw_scene_options_default();
@@ -165,7 +164,7 @@ static lw_status set_curve(const job *j, entry *x)
         x->curve[2*n + 1] = (float)c->p[n].y;
         n++;
     }
-    if (c && n == c->n && lw_descriptor_make(&j->tables, c->p, c->n, c->closed, &d) == LW_OK) {
+    if (c && n == c->n && lw_descriptor_make(c->p, c->n, c->closed, &d) == LW_OK) {
         x->row.curve = x->curve;
         x->row.n_curve = n;
         x->row.closed = c->closed;
@@ -258,7 +257,7 @@ static lw_status describe(const job *j, entry *x)
         set_class(x);
     lw_status s = set_label(x);
     r->label = x->label[0] ? x->label : NULL;
-    return s == LW_OK ? set_curve(j, x) : s;
+    return s == LW_OK ? set_curve(x) : s;
 }
 
 /* ---- writing ------------------------------------------------------------------------------------------ */
@@ -372,7 +371,6 @@ lw_status lw_build_linkages(lw_store *s, const char *file, const char *text, siz
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     *j = (job){ .file = file, .control = control, .counts = counts,
                 .transaction = { .store = s, .commit = control->commit } };
-    lw_describer_make(&j->tables);
     lw_status status = lw_build_fault(finish(j, add_text(j, text, size)), &j->e, e);
     free(j);
     return status;

@@ -20,7 +20,6 @@ typedef struct job {
     size_t                n, work_size;
     const double         *u;           /* (n*LW_CURVE_DRAWS)              */
     unsigned char        *work;        /* one piece per thread            */
-    lw_describer          tables;
     unsigned char        *good;        /* (n) 0: no curve, 1: closed, 2: open */
     lw_packed            *terms;       /* (n)                             */
     lw_curve_row         *row;         /* (n)                             */
@@ -37,7 +36,7 @@ static void draw_chunk(void *context, size_t chunk, int thread)
         j->good[i] = 0;
         if (lw_curve_draw(j->maker, j->u + i*LW_CURVE_DRAWS, closed, work, &j->row[i]) != LW_OK
             || lw_curve_points(j->maker, &j->row[i], closed, work, p) != LW_OK
-            || lw_descriptor_make(&j->tables, p, LW_CURVE_POINTS, closed, &d) != LW_OK)
+            || lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
             continue;
         lw_descriptor_pack(&d, &j->terms[i]);
         j->good[i] = closed ? 1 : 2;
@@ -193,7 +192,6 @@ lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t nu
     if (!j)
         return LW_E_MEMORY;
     *j = (job){ .maker = maker, .kinds = kinds, .n = n, .work_size = lw_curve_work_size(maker) };
-    lw_describer_make(&j->tables);
     double *u = malloc((n*LW_CURVE_DRAWS + 1)*sizeof *u);
     j->u = u;
     j->work = aligned_alloc(64, j->work_size*(size_t)n_thread);

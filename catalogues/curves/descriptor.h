@@ -37,17 +37,10 @@ typedef struct lw_descriptor {
 /* Real and imaginary parts with two bytes for each number. */
 typedef struct lw_packed { int16_t re[LW_TERMS], im[LW_TERMS]; } lw_packed;
 
-/* Cosines and sines, made once and shared by all threads. */
-#define LW_DESCRIBER_SAMPLES 128
-typedef struct lw_describer {
-    double c[LW_TERMS][LW_DESCRIBER_SAMPLES], s[LW_TERMS/2][LW_DESCRIBER_SAMPLES];     /* closed */
-    double half[LW_TERMS][LW_DESCRIBER_SAMPLES];                                       /* open   */
-} lw_describer;
-void lw_describer_make(lw_describer *t);
-
-/* Descriptor of the polygon p (n), which returns to its first point when closed. LW_E_ARG: fewer than two points, a
- * point that is not finite, or all points equal. */
-lw_status lw_descriptor_make(const lw_describer *t, const lw_vec2 *p, size_t n, bool closed, lw_descriptor *d);
+/* Descriptor of the polygon p (n), which returns to its first point when closed; exact, so that it does not depend on
+ * the point where a closed polygon starts.  LW_E_ARG: fewer than two points, a point that is not finite, or all points
+ * equal. */
+lw_status lw_descriptor_make(const lw_vec2 *p, size_t n, bool closed, lw_descriptor *d);
 
 void lw_descriptor_pack(const lw_descriptor *d, lw_packed *packed);
 void lw_descriptor_unpack(const lw_packed *packed, bool closed, lw_descriptor *d);   /* centre 0, size 1 */
@@ -65,15 +58,14 @@ void lw_descriptor_match(const lw_descriptor *target, const lw_descriptor *curve
 /* The same for many curves: made once for a target. */
 #define LW_MATCHER_STARTS 64
 typedef struct lw_matcher {
-    bool  closed;
-    float square;                                /* sum |a_k|^2                                        */
+    lw_descriptor target;
+    double square;                               /* sum |a_k|^2                                        */
     float re[LW_TERMS], im[LW_TERMS];
     float c[LW_TERMS/2][LW_MATCHER_STARTS], s[LW_TERMS/2][LW_MATCHER_STARTS];
 } lw_matcher;
 void  lw_matcher_make(const lw_descriptor *target, lw_matcher *m);
-/* Square of the distance [1].  For closed curves it is the best of LW_MATCHER_STARTS starts, hence not below the true
- * value. */
-float lw_matcher_square(const lw_matcher *m, const lw_packed *curve);
+/* Square of the distance [1] where it is at most `limit`; a larger number or INFINITY where it is more. */
+double lw_matcher_square(const lw_matcher *m, const lw_packed *curve, double limit);
 
 /* m points on a smooth curve through p (n): centripetal Catmull-Rom splines, which make no loops between unevenly
  * spaced points (Yuksel, Schaefer & Keyser 2011). Repeated points are skipped. */

@@ -6,28 +6,32 @@
 #include "base/real.h"
 #include "catalogues/store/store_internal.h"
 
-#define SMOOTH_POINTS 512    /* a target of fewer points than FEW is replaced by a smooth curve with this many points */
+#define SMOOTH_POINTS 512    /* a target of fewer points than FEW is replaced by a smooth curve with about as many */
 #define FEW           64
+
+/* The stored terms are rounded: a distance computed from them differs by at most this from that of the curve itself
+ * (sqrt 32 numbers by half a unit are 0.9e-4; earlier versions computed the terms from 128 samples). */
+#define ROUNDING 2e-4
 
 typedef struct source { long long sweep; lw_curve_maker *maker; } source;
 typedef struct block  { float bound; uint32_t n; long long id; int source; } block;
 
 /* A curve that may be among the nearest: from a block, or (source -1) a linkage that was added. */
-typedef struct found  { float square; int source; long long id; uint32_t n, index; } found;
+typedef struct found  { double distance; int source; long long id; uint32_t n, index; } found;
 
 typedef struct search {
     lw_store     *store;
     lw_error     *e;
     bool          closed;
-    lw_describer  tables;
     lw_descriptor target;
     lw_matcher    matcher;
     float         forth[LW_TERMS], back[LW_TERMS];
-    int           n_source, k, n_found;
+    int           n_source, k, n_least;
     source       *source;
-    size_t        n_block, capacity;
+    size_t        n_block, capacity, n_found, found_max;
     block        *block;
-    found        *found;               /* (k) nearest first */
+    found        *found;               /* all that may be among the k nearest */
+    double       *least;               /* (k) the least distances so far, as a heap whose top is the greatest */
     lw_atlas_search count;
 } search;
 
@@ -99,34 +103,76 @@ static int by_bound(const void *a, const void *b)
 
 /* ---- comparing --------------------------------------------------------------------------------------- */
 
-static float worst(const search *s)
+/* A curve whose distance by its stored terms is above this is not among the nearest. */
+static double farthest(const search *s)
 {
-    return s->n_found < s->k ? INFINITY : s->found[s->k - 1].square;
+    return s->n_least < s->k ? INFINITY : s->least[0] + 2*ROUNDING;
 }
 
-static void keep(search *s, found f)
+/* The same for squares in single precision. */
+static float farthest_square(const search *s)
 {
-    int at = s->n_found < s->k ? s->n_found++ : s->k - 1;
-    for (; at > 0 && s->found[at - 1].square > f.square; at--)
-        s->found[at] = s->found[at - 1];
-    s->found[at] = f;
+    double d = farthest(s);
+    return (float)(d*d + 1e-6);
 }
 
-static void compare(search *s, const lw_packed *p, found f)
+/* Keep the distance if it is among the k least. */
+static void keep_distance(search *s, double d)
 {
-    float size[LW_TERMS], forth = 0, back = 0, least = worst(s);
+    int at = 0;
+    if (s->n_least < s->k) {
+        for (at = s->n_least++; at > 0 && s->least[(at - 1)/2] < d; at = (at - 1)/2)
+            s->least[at] = s->least[(at - 1)/2];
+    } else if (d < s->least[0]) {
+        for (int child = 1; child < s->k; child = 2*at + 1) {
+            child += child + 1 < s->k && s->least[child + 1] > s->least[child];
+            if (s->least[child] <= d)
+                break;
+            s->least[at] = s->least[child];
+            at = child;
+        }
+    } else {
+        return;
+    }
+    s->least[at] = d;
+}
+
+static lw_status keep(search *s, found f)
+{
+    if (s->n_found == s->found_max) {
+        size_t n = 0;                                          /* first drop what is too far by now */
+        for (size_t i = 0; i < s->n_found; i++)
+            if (s->found[i].distance <= farthest(s))
+                s->found[n++] = s->found[i];
+        s->n_found = n;
+        if (2*n >= s->found_max) {
+            found *more = realloc(s->found, (2*s->found_max + 64)*sizeof *more);
+            if (!more)
+                return LW_E_MEMORY;
+            s->found = more;
+            s->found_max = 2*s->found_max + 64;
+        }
+    }
+    s->found[s->n_found++] = f;
+    keep_distance(s, f.distance);
+    return LW_OK;
+}
+
+static lw_status compare(search *s, const lw_packed *p, found f)
+{
+    float size[LW_TERMS], forth = 0, back = 0;
+    double most = farthest(s);
     lw_packed_size(p, size);
     for (int k = 0; k < LW_TERMS; k++) {
         float a = size[k] - s->forth[k], b = size[k] - s->back[k];
         forth += a*a;
         back += b*b;
     }
-    if (fminf(forth, back) >= least)
-        return;
+    if (fminf(forth, back) > farthest_square(s))
+        return LW_OK;
     s->count.n_compared++;
-    f.square = lw_matcher_square(&s->matcher, p);
-    if (f.square < least)
-        keep(s, f);
+    f.distance = sqrt(lw_matcher_square(&s->matcher, p, most*most));
+    return f.distance <= most ? keep(s, f) : LW_OK;
 }
 
 static lw_status look_into_blocks(search *s)
@@ -135,14 +181,16 @@ static lw_status look_into_blocks(search *s)
     if (s->n_block > 0)
         qsort(s->block, s->n_block, sizeof *s->block, by_bound);
     s->count.n_block = s->n_block;
-    for (size_t i = 0; i < s->n_block && s->block[i].bound < worst(s); i++) {
+    for (size_t i = 0; i < s->n_block && s->block[i].bound <= farthest_square(s); i++) {
         const block *b = &s->block[i];
         lw_status status = lw_store_block(s->store, b->id, false, terms, b->n*sizeof *terms, s->e);
         if (status != LW_OK)
             return status;
         s->count.n_read++;
-        for (uint32_t k = 0; k < b->n; k++)
-            compare(s, &terms[k], (found){ 0, b->source, b->id, b->n, k });
+        for (uint32_t k = 0; k < b->n && status == LW_OK; k++)
+            status = compare(s, &terms[k], (found){ 0, b->source, b->id, b->n, k });
+        if (status != LW_OK)
+            return status;
     }
     return LW_OK;
 }
@@ -157,8 +205,7 @@ static lw_status take_linkage(void *context, int n_column, const char *const *na
         return LW_OK;
     memcpy(&p, v[1].text, sizeof p);
     s->count.n_curve++;
-    compare(s, &p, (found){ 0, -1, v[0].integer, 0, 0 });
-    return LW_OK;
+    return compare(s, &p, (found){ 0, -1, v[0].integer, 0, 0 });
 }
 
 static lw_status find_all(search *s)
@@ -194,7 +241,7 @@ static lw_status read_added(void *context, int n_column, const char *const *name
         p[i] = lw_v2(xy[0], xy[1]);
     }
     a->good = v[0].text && lw_linkage_read(v[0].text, v[0].size, "catalogue", &a->hit->linkage, a->s->e) == LW_OK
-           && lw_descriptor_make(&a->s->tables, p, n, a->s->closed, a->curve) == LW_OK;
+           && lw_descriptor_make(p, n, a->s->closed, a->curve) == LW_OK;
     if (v[2].text)
         snprintf(a->hit->type, sizeof a->hit->type, "%.7s", v[2].text);
     free(p);
@@ -226,7 +273,7 @@ static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_de
         return LW_E_MEMORY;
     *good = lw_curve_points(maker, &row[f->index], s->closed, work, p) == LW_OK
          && lw_curve_linkage(maker, &row[f->index], &hit->linkage) == LW_OK
-         && lw_descriptor_make(&s->tables, p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
+         && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
     free(work);
     if (!*good)
         return LW_OK;
@@ -250,24 +297,38 @@ static void lay_on_target(const search *s, const lw_descriptor *curve, lw_atlas_
     hit->closed = s->closed;
 }
 
+static int by_distance(const void *a, const void *b)
+{
+    const found *x = a, *y = b;
+    if (x->distance != y->distance)
+        return x->distance < y->distance ? -1 : 1;
+    return x->source != y->source ? x->source - y->source : x->id != y->id ? (x->id < y->id ? -1 : 1)
+         : (int)x->index - (int)y->index;
+}
+
+/* The k nearest by the curves themselves, from all that may be among them by their stored terms. */
 static lw_status fetch_all(search *s, lw_atlas_hit *hit, int *n_hit)
 {
     lw_status status = LW_OK;
     *n_hit = 0;
-    for (int i = 0; i < s->n_found && status == LW_OK; i++) {
-        lw_atlas_hit *h = &hit[*n_hit];
+    if (s->n_found > 0)
+        qsort(s->found, s->n_found, sizeof *s->found, by_distance);
+    for (size_t i = 0; i < s->n_found && status == LW_OK; i++) {
         lw_descriptor curve;
+        lw_atlas_hit h = { 0 };
         bool good = false;
-        *h = (lw_atlas_hit){ 0 };
-        status = (s->found[i].source < 0 ? fetch_added : fetch_drawn)(s, &s->found[i], h, &curve, &good);
+        if (*n_hit == s->k && s->found[i].distance - ROUNDING > hit[s->k - 1].distance)
+            break;
+        status = (s->found[i].source < 0 ? fetch_added : fetch_drawn)(s, &s->found[i], &h, &curve, &good);
         if (status != LW_OK || !good)
             continue;
-        lay_on_target(s, &curve, h);
-        lw_atlas_hit put = *h;                         /* the exact distance may change the order a little */
-        int at = (*n_hit)++;
-        for (; at > 0 && hit[at - 1].distance > put.distance; at--)
+        lay_on_target(s, &curve, &h);
+        if (*n_hit == s->k && h.distance >= hit[s->k - 1].distance)
+            continue;
+        int at = *n_hit < s->k ? (*n_hit)++ : s->k - 1;
+        for (; at > 0 && hit[at - 1].distance > h.distance; at--)
             hit[at] = hit[at - 1];
-        hit[at] = put;
+        hit[at] = h;
     }
     return status;
 }
@@ -276,11 +337,16 @@ static lw_status fetch_all(search *s, lw_atlas_hit *hit, int *n_hit)
 
 static lw_status describe_target(search *s, const lw_vec2 *p, size_t n)
 {
-    lw_vec2 smooth[SMOOTH_POINTS];
+    lw_vec2 smooth[SMOOTH_POINTS + FEW];
     bool few = n >= 3 && n < FEW;
-    if (few)
-        lw_curve_smooth(p, n, s->closed, smooth, SMOOTH_POINTS);
-    if (lw_descriptor_make(&s->tables, few ? smooth : p, few ? SMOOTH_POINTS : n, s->closed, &s->target) != LW_OK)
+    if (few) {
+        /* as many points on each piece, so that the first point of a closed target does not matter */
+        size_t pieces = s->closed ? n : n - 1;
+        n = (SMOOTH_POINTS/pieces + 1)*pieces + !s->closed;
+        lw_curve_smooth(p, pieces + !s->closed, s->closed, smooth, n);
+        p = smooth;
+    }
+    if (lw_descriptor_make(p, n, s->closed, &s->target) != LW_OK)
         return lw_error_set(s->e, LW_E_ARG, "the target is no curve: it wants two different points at least");
     lw_matcher_make(&s->target, &s->matcher);
     lw_descriptor_sizes(&s->target, s->forth, s->back);
@@ -301,9 +367,8 @@ lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool clo
     s->e = e ? e : &ignored;
     s->closed = closed;
     s->k = k;
-    s->found = malloc((size_t)k*sizeof *s->found);
-    lw_describer_make(&s->tables);
-    lw_status status = s->found ? describe_target(s, p, n) : lw_error_set(s->e, LW_E_MEMORY, "out of memory");
+    s->least = malloc((size_t)k*sizeof *s->least);
+    lw_status status = s->least ? describe_target(s, p, n) : lw_error_set(s->e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK)
         status = find_all(s);
     if (status == LW_OK)
@@ -320,6 +385,7 @@ lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool clo
     free(s->source);
     free(s->block);
     free(s->found);
+    free(s->least);
     free(s);
     return status;
 }
