@@ -107,11 +107,19 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     o.n_curve_point = 3000;
     CHECK_INT(lw_descriptor_make(p, LW_CURVE_POINTS, t->closed, &d), LW_OK);
     CHECK_INT(lw_scene_make(&hit[0].linkage, NULL, &o, &scene, &e), LW_OK);
+    const lw_curve *c = scene.curve;                           /* of an open curve the matched part */
+    while (c && c + 1 < scene.curve + scene.n_curve && !c->shown_branch)
+        c++;
     for (int i = 0; i < LW_CURVE_POINTS && scene.n_curve > 0; i += 3) {
         double near = INFINITY;
-        const lw_curve *c = &scene.curve[0];
         for (size_t k = 0; k + 1 < c->n + c->closed; k++)
             near = fmin(near, lw_v2_segment_distance(p[i], c->p[k], c->p[(k + 1)%c->n]));
+        worst = fmax(worst, near);
+    }
+    for (size_t k = 0; scene.n_curve > 0 && !t->closed && k < c->n; k += 30) {      /* and nothing else */
+        double near = INFINITY;
+        for (int i = 0; i + 1 < LW_CURVE_POINTS; i++)
+            near = fmin(near, lw_v2_segment_distance(c->p[k], p[i], p[i + 1]));
         worst = fmax(worst, near);
     }
     CHECK(scene.n_curve > 0);

@@ -54,7 +54,7 @@ static void draws(const char *types, const char *families, size_t n)
         if (lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
             continue;
         n_made[closed]++;
-        if (lw_curve_linkage(m, &row, &k) != LW_OK)
+        if (lw_curve_linkage(m, &row, closed, &k) != LW_OK)
             continue;
         CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
         if (i%8 < 2)
@@ -91,13 +91,13 @@ static void topologies_as_text(void)
     void *work = aligned_alloc(64, lw_curve_work_size(m));
     while (lw_curve_draw(m, u, true, work, &row) != LW_OK && u[1] < 0.9)
         u[1] += 0.01;
-    CHECK_INT(lw_curve_linkage(m, &row, &k), LW_OK);
+    CHECK_INT(lw_curve_linkage(m, &row, true, &k), LW_OK);
     CHECK(lw_curve_family(m, &row)->type == NULL);
     CHECK_INT(lw_curve_maker_create(NULL, &again, &e), LW_OK);
     CHECK_INT(lw_curve_draw(again, u, true, work, &row), LW_OPEN);         /* of no family, no curve */
     CHECK_INT(lw_curve_maker_add(again, "Stephenson III", &k, &e), LW_OK);
     CHECK_TEXT(lw_curve_maker_families(again), STEPHENSON);
-    CHECK_INT(lw_curve_linkage(again, &row, &same), LW_OK);
+    CHECK_INT(lw_curve_linkage(again, &row, true, &same), LW_OK);
     CHECK_INT(memcmp(&k.joint, &same.joint, sizeof k.joint), 0);
     k.n_input = 2;
     CHECK_INT(lw_curve_maker_add(again, "two inputs", &k, &e), LW_E_ARG);
@@ -160,7 +160,7 @@ static void names_and_families(void)
     CHECK_INT(lw_curve_maker_create("all", &m, &e), LW_OK);
     CHECK(lw_curve_family(m, &row) == NULL);
     lw_linkage k;
-    CHECK_INT(lw_curve_linkage(m, &row, &k), LW_OPEN);
+    CHECK_INT(lw_curve_linkage(m, &row, true, &k), LW_OPEN);
     lw_curve_maker_free(m);
 }
 

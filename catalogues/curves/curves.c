@@ -393,19 +393,28 @@ static lw_status member_linkage(const lw_curve_maker *m, const lw_curve_row *row
     return drawn ? lw_plan_write(&from->plan, dim, mode, 0.5*(row->first + row->last), k) : LW_OPEN;
 }
 
-lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *k)
+static lw_status type_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *k)
 {
     double dim[LW_DIM_MAX], modes[LW_DYAD_MAX];
-    if (row->family >= maker->n)
-        return LW_OPEN;
     const kind *from = &maker->kind[row->family];
-    if (from->topology)
-        return member_linkage(maker, row, k);
     set_dims(from, row, dim);
     for (int i = 0; i < from->plan.n_dyad; i++)
         modes[i] = row->mode < 0 ? -1 : 1;
     lw_type_linkage(lw_type_find(from->family->type), k);
     return lw_plan_write(&from->plan, dim, modes, 0.5*(row->first + row->last), k);
+}
+
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_linkage *k)
+{
+    if (row->family >= maker->n)
+        return LW_OPEN;
+    lw_status status = (maker->kind[row->family].topology ? member_linkage : type_linkage)(maker, row, k);
+    if (status == LW_OK && !closed) {
+        double half = 0.5*fabs(row->last - row->first);
+        k->input[0].first = k->input[0].value - half;
+        k->input[0].last = k->input[0].value + half;
+    }
+    return status;
 }
 
 static lw_vec2 lay(lw_vec2 p, bool mirrored, lw_vec2 turn_and_size)

@@ -66,8 +66,9 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
 /* Points of the curve in order: p (LW_CURVE_POINTS).  LW_OPEN when the numbers are not those of a linkage. */
 lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p);
 
-/* The linkage, in the middle of its range; its tracer is named P. */
-lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *linkage);
+/* The linkage, in the middle of its range; its tracer is named P.  If the curve is open, the range of its input is that
+ * of the curve. */
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_linkage *linkage);
 
 /* Lay the linkage elsewhere: mirror it in the x axis if `mirrored`, then  p -> shift + size e^{i turn} p. */
 void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, double size, lw_vec2 shift);

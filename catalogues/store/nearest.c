@@ -272,7 +272,7 @@ static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_de
     if (!work)
         return LW_E_MEMORY;
     *good = lw_curve_points(maker, &row[f->index], s->closed, work, p) == LW_OK
-         && lw_curve_linkage(maker, &row[f->index], &hit->linkage) == LW_OK
+         && lw_curve_linkage(maker, &row[f->index], s->closed, &hit->linkage) == LW_OK
          && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
     free(work);
     if (!*good)
