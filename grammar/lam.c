@@ -48,13 +48,14 @@ typedef struct reading {
     uint8_t   row_of[LW_JOINT_MAX + 1];     /* its row + 1; 0: not seen              */
     int       below[LW_LINK_MAX][LW_LINK_MAX];
     int       last;                         /* the largest joint number              */
+    bool      plain;                        /* 1 means a joint, whatever its number  */
 } reading;
 
 static lw_status read_kind(lw_cursor *c, int number, char *kind)
 {
     int byte = lw_cursor_peek(c);
     *kind = LW_JOINT_REVOLUTE;
-    if (byte == ' ' || byte == '\t' || byte == '\n' || byte == '\r' || byte == ';' || byte == '#'
+    if (byte == ' ' || byte == ',' || byte == '\t' || byte == '\n' || byte == '\r' || byte == ';' || byte == '#'
         || byte < 0)
         return LW_OK;
     char name[24];
@@ -105,7 +106,7 @@ static lw_status read_entry(lw_cursor *c, reading *r, int row, int column)
     if (row == column && number != 0)
         return lw_cursor_fail(&at, "link %d is joined to itself: the diagonal must be 0", row + 1);
     if (row < column && number != 0)
-        return note_joint(r, &at, row, column, number, kind);
+        return note_joint(r, &at, row, column, r->plain ? r->a->n_joint + 1 : number, kind);
     r->below[row][column] = number;
     return LW_OK;
 }
@@ -116,6 +117,11 @@ static lw_status read_row(lw_cursor *c, reading *r, int row, int *n_entry)
     for (*n_entry = 0;; ++*n_entry) {
         lw_cursor_skip(c, false, 0);
         int byte = lw_cursor_peek(c);
+        if (byte == ',' && *n_entry > 0) {
+            lw_cursor_next(c);
+            lw_cursor_skip(c, false, 0);
+            byte = lw_cursor_peek(c);
+        }
         if (byte == '#')
             while (lw_cursor_peek(c) >= 0 && lw_cursor_peek(c) != '\n')
                 lw_cursor_next(c);
@@ -161,7 +167,7 @@ static lw_status check_whole(const reading *r)
 {
     for (int i = 0; i < r->a->n_link; i++)
         for (int k = 0; k < i; k++)
-            if (r->below[i][k] && r->below[i][k] != r->a->number[k][i])
+            if (r->below[i][k] && (r->plain ? !r->a->number[k][i] : r->below[i][k] != r->a->number[k][i]))
                 return lw_cursor_fail(&r->at[i][k], "entry (%d, %d) is %d, its mirror image (%d, %d) "
                                       "is %d; below the diagonal stands 0 or the same number", i + 1,
                                       k + 1, r->below[i][k], k + 1, i + 1, r->a->number[k][i]);
@@ -172,11 +178,27 @@ static lw_status check_whole(const reading *r)
     return LW_OK;
 }
 
+/* Only 0 and 1? */
+static bool is_plain(const char *text, size_t size)
+{
+    for (size_t i = 0; i < size; i++) {
+        if (text[i] == '#')
+            while (i + 1 < size && text[i + 1] != '\n')
+                i++;
+        else if (!strchr("01 ,;\t\r\n", text[i]) || !text[i])
+            return false;
+        bool digit = text[i] == '0' || text[i] == '1';
+        if (digit && i + 1 < size && (text[i + 1] == '0' || text[i + 1] == '1'))
+            return false;                           /* 10 or 11 */
+    }
+    return true;
+}
+
 lw_status lw_lam_read(const char *text, size_t size, const char *file, lw_lam *a, lw_error *e)
 {
     lw_cursor c = lw_cursor_start(text, size, file, e);
     lw_lam out = { 0 };
-    reading r = { .a = &out };
+    reading r = { .a = &out, .plain = is_plain(text, size) };
     lw_status s = read_rows(&c, &r);
     if (s == LW_OK)
         s = check_whole(&r);

@@ -6,7 +6,8 @@
  *     0 0 0 4
  *     0 0 0 0
  *
- * The source writes no joint kinds; here a letter may follow a number, "4p", and none means r. */
+ * The source writes no joint kinds; here a letter may follow a number, "4p", and none means r.  A matrix of 0 and 1
+ * without letters is a plain adjacency matrix: its joints are numbered row by row. */
 #ifndef LW_GRAMMAR_LAM_H
 #define LW_GRAMMAR_LAM_H
 
@@ -32,7 +33,7 @@ void lw_lam_mechanism(const lw_lam *a, lw_mechanism *m, uint8_t *number_of);
 /* Rows as lines, each ended by a newline; returns the length as snprintf does. */
 size_t lw_lam_print(const lw_lam *a, char *buf, size_t size);
 
-/* Read a square matrix: blanks separate numbers, line ends or ';' separate rows, '#' begins a comment.
+/* Read a square matrix: blanks or commas separate numbers, line ends or ';' separate rows, '#' begins a comment.
  * Below the diagonal is 0 or the mirror image.  LW_E_NOTATION with line and column: rows of unequal
  * length, a link joined to itself, a number given twice, missing or above the number of joints,
  * unknown joint letters. */

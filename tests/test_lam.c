@@ -51,6 +51,37 @@ static void reads_back(void)
     }
 }
 
+/* The adjacency matrix of any chain, symmetric or its upper triangle, gives the chain. */
+static void plain_matrices(void)
+{
+    static const char *const cut[] = { " ", ",", " , " };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int trial = 0; trial < 300; trial++) {
+        lw_mechanism m = random_topology(&rng, 2 + trial % 11, trial % 20, "r"), back;
+        char text[4096];
+        size_t n = 0;
+        lw_chain c;
+        lw_lam a;
+        lw_error e = { 0 };
+        lw_mechanism_chain(&m, &c);
+        for (int i = 0; i < m.n_link; i++)
+            for (int k = 0; k < m.n_link; k++) {
+                int one = lw_chain_freedom(&c, i, k) > 0 && (k > i || trial & 1);
+                n += (size_t)snprintf(text + n, sizeof text - n, "%d%s", one,
+                                      k + 1 < m.n_link ? cut[trial % 3] : "\n");
+            }
+        CHECK_INT(lw_lam_read(text, n, NULL, &a, &e), LW_OK);
+        lw_lam_mechanism(&a, &back, NULL);
+        CHECK(lw_mechanism_same(&m, &back));
+    }
+    lw_lam a;
+    lw_error e;
+    CHECK_INT(lw_lam_read("0 1 1\n1 0 1\n0 1 0\n", 18, NULL, &a, &e), LW_OK);
+    CHECK_INT(lw_lam_read("0 0 1\n1 0 1\n0 1 0\n", 18, NULL, &a, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "mirror");
+}
+
 static void other_ways_to_write_it(void)
 {
     static const char *const same[] = {
@@ -113,6 +144,7 @@ int main(void)
 {
     RUN(matrix_of_the_source);
     RUN(reads_back);
+    RUN(plain_matrices);
     RUN(other_ways_to_write_it);
     RUN(faults_have_a_place);
     RUN(too_large);
