@@ -29,4 +29,10 @@ size_t lw_dot_print(const lw_mechanism *m, const char *name, char *buf, size_t s
 /* A whole GraphML document with data keys kind, driven, ground and output. */
 size_t lw_graphml_print(const lw_mechanism *m, char *buf, size_t size);
 
+/* Read them: what lw_dot_print and lw_graphml_print write, and undirected graphs of other programs, whose labels and
+ * keys are left out.  If the nodes are named 1 .. n or 0 .. n - 1, their names are the links, else links are numbered in
+ * the order in which nodes appear.  DOT: no subgraphs.  LW_E_NOTATION with line and column. */
+lw_status lw_dot_read(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e);
+lw_status lw_graphml_read(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e);
+
 #endif

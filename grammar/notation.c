@@ -112,21 +112,21 @@ static lw_status print_graphml(const lw_mechanism *m, char *buf, size_t size, si
     return LW_OK;
 }
 
-enum { GRAPH6, LAM, SENTENCE, FRANKE, EDGES, JSON };
+enum { GRAPH6, LAM, SENTENCE, FRANKE, EDGES, JSON, DOT, GRAPHML };
 
 const lw_notation lw_notations[] = {
-    [GRAPH6] = { "graph6", "one word a chain, as nauty's tools read and write it", LW_GRAPH6_SIZE, false,
+    [GRAPH6] = { "graph6", "one word a chain, as nauty's tools read and write it", LW_GRAPH6_SIZE, false, false, false,
                  read_graph6, print_graph6 },
-    [LAM] = { "lam", "link adjacency matrix, a row a line", LW_LAM_SIZE, true, read_lam, print_lam },
-    [SENTENCE] = { "sentence", "words of paper F, ((1 r 2 r ...) ...)", LW_SENTENCE_SIZE, false, read_sentence,
+    [LAM] = { "lam", "link adjacency matrix, a row a line", LW_LAM_SIZE, true, true, false, read_lam, print_lam },
+    [SENTENCE] = { "sentence", "words of paper F, ((1 r 2 r ...) ...)", LW_SENTENCE_SIZE, false, true, false, read_sentence,
                    print_sentence },
-    [FRANKE] = { "franke", "circles and lines, (3 3) 1-2:0 1-2:2 1-2:2", LW_FRANKE_SIZE, false, read_franke,
+    [FRANKE] = { "franke", "circles and lines, (3 3) 1-2:0 1-2:2 1-2:2", LW_FRANKE_SIZE, false, false, false, read_franke,
                  print_franke },
-    [EDGES] = { "edges", "joints, 1-2! 1-4 2-3 3-4:t @1 >3", LW_EDGES_SIZE, false, lw_edges_read, print_edges },
-    [JSON] = { "json", "one object a line, with all that was chosen", LW_MECHANISM_JSON_SIZE, false,
+    [EDGES] = { "edges", "joints, 1-2! 1-4 2-3 3-4:t @1 >3", LW_EDGES_SIZE, false, true, true, lw_edges_read, print_edges },
+    [JSON] = { "json", "one object a line, with all that was chosen", LW_MECHANISM_JSON_SIZE, false, true, true,
                lw_mechanism_read, print_json },
-    { "dot", "a drawing for Graphviz", LW_DOT_SIZE, true, NULL, print_dot },
-    { "graphml", "a document for graph editors", LW_GRAPHML_SIZE, true, NULL, print_graphml },
+    [DOT] = { "dot", "a drawing for Graphviz", LW_DOT_SIZE, true, true, true, lw_dot_read, print_dot },
+    [GRAPHML] = { "graphml", "a document for graph editors", LW_GRAPHML_SIZE, true, true, true, lw_graphml_read, print_graphml },
     { .name = NULL }
 };
 
@@ -143,6 +143,18 @@ const lw_notation *lw_notation_find(const char *name)
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
+/* "graph" or "strict" and a byte that ends the word; no graph6 text of a chain begins so. */
+static bool begins_graph(const char *text, size_t size)
+{
+    static const char *const word[] = { "graph", "strict", "digraph" };
+    for (int k = 0; k < 3; k++) {
+        size_t n = strlen(word[k]);
+        if (size > n && memcmp(text, word[k], n) == 0 && (is_blank(text[n]) || text[n] == '{' || text[n] == '/'))
+            return true;
+    }
+    return false;
+}
+
 const lw_notation *lw_notation_of(const char *text, size_t size)
 {
     size_t i = 0, k;
@@ -153,6 +165,10 @@ const lw_notation *lw_notation_of(const char *text, size_t size)
     char first = i < size ? text[i] : 0, second = k < size ? text[k] : 0;
     if (first == '{')
         return &lw_notations[JSON];
+    if (first == '<')
+        return &lw_notations[GRAPHML];
+    if (begins_graph(text + i, size - i))
+        return &lw_notations[DOT];
     if (first == ';' || (first == '(' && !is_digit(second) && (second != ')' || k + 1 >= size)))
         return &lw_notations[SENTENCE];
     if (first == '(')
@@ -212,6 +228,12 @@ static size_t block_length(const char *text, size_t size)
     return n;
 }
 
+static size_t up_to(const char *text, size_t size, const char *end)
+{
+    const char *at = memmem(text, size, end, strlen(end));
+    return at ? (size_t)(at - text) + strlen(end) : size;
+}
+
 static size_t piece_length(const lw_notation *n, const char *text, size_t size)
 {
     size_t line = line_length(text, size), length;
@@ -221,6 +243,10 @@ static size_t piece_length(const lw_notation *n, const char *text, size_t size)
         length = bracketed(text, size, '(', ')', ';');
     else if (n == &lw_notations[JSON])
         length = bracketed(text, size, '{', '}', 0);
+    else if (n == &lw_notations[DOT])
+        length = bracketed(text, size, '{', '}', 0);
+    else if (n == &lw_notations[GRAPHML])
+        length = up_to(text, size, "</graphml>");
     else
         return line;
     return length + line_length(text + length, size - length);   /* the rest of the line belongs to the fault */

@@ -13,6 +13,8 @@ typedef struct lw_notation {
     const char *name, *about;          /* "graph6", one line for a list                                */
     size_t      most;                  /* bytes that suffice for the text of any topology              */
     bool        lines;                 /* a text has several lines; else one line without line end     */
+    bool        keeps_kinds;           /* joint kinds; else only the freedoms of each joint            */
+    bool        keeps_choices;         /* ground link, inputs, output                                  */
     /* LW_E_NOTATION with line and column from the beginning of text; NULL: cannot be read. */
     lw_status (*read)(const char *text, size_t size, const char *file, lw_mechanism *m, lw_error *e);
     /* *length as snprintf counts.  LW_E_KIND, LW_E_ARG: the notation cannot express this topology. */
@@ -28,13 +30,13 @@ extern const lw_notation lw_notations[];
 /* NULL when no notation has that name. */
 const lw_notation *lw_notation_find(const char *name);
 
-/* The notation of a text, judged by its beginning: '{' is JSON; '(' followed by '(' or a letter is a sentence,
+/* The notation of a text, judged by its beginning: '{' is JSON; '<' is GraphML; the word graph is DOT; '(' followed by '(' or a letter is a sentence,
  * any other '(' is Franke; digits followed by '-' are joints, other digits a matrix; anything else is graph6. */
 const lw_notation *lw_notation_of(const char *text, size_t size);
 
 /* A text with one topology after the other, in any mixture of notations that can be read.  Empty lines and lines
- * that begin with '#' may separate them.  A matrix ends at an empty line, a sentence and a JSON object end at
- * their last bracket, all others at the end of their line. */
+ * that begin with '#' may separate them.  A matrix ends at an empty line, a sentence, a JSON object and a DOT graph end at
+ * their last bracket, GraphML with </graphml>, all others at the end of their line. */
 typedef struct lw_topologies {
     const char *text, *file;           /* file for messages, may be NULL                               */
     size_t      size, at;              /* at: where reading continues                                  */

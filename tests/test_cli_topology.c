@@ -88,6 +88,12 @@ static void steps(void)
     expect("echo '1-2! 1-4 2-3 3-4 @1' | $P mechanisms --assur --json", 0, "\"class\":2", NULL);
     expect("echo 'Cl' | $P mechanisms --assur", 3, NULL, "wants as many inputs");
     expect("$P mechanisms --assur-groups 6 --count", 0, "10\n", NULL);
+    expect("$P mechanisms --links 4 --no-ground --joints r,t --format graph6 | sort -u", 0, "Cl\n", "no joint kinds");
+    expect("$P mechanisms --links 4 --format franke | head -1", 0, NULL, "no ground link");
+    expect("for f in dot graphml; do $P chains --links 8 --format $f | $P mechanisms --no-ground --format graph6; done "
+           "| sort | uniq -c | awk '{print $1}' | sort -u", 0, "2\n", NULL);
+    expect("printf '0,1,0,1\n1,0,1,0\n0,1,0,1\n1,0,1,0\n' | $P mechanisms --no-ground --format edges", 0,
+           "1-2 1-4 2-3 3-4\n", NULL);
     expect("$P mechanisms --links 8 --multiple-joints --count", 0, "44\n", NULL);
     expect("$P mechanisms --links 10 --joints r,t --input any --time 1e-9 --count", 5, "with inputs",
            "stopped by --time");

@@ -109,10 +109,27 @@ int cli_topologies_each(const cli_call *call, const char *file, bool keep_going,
     return code;
 }
 
-lw_status cli_topology_write(FILE *f, const lw_notation *n, const lw_mechanism *m, lw_error *e)
+/* Say once what the notation does not keep. */
+static void say_lost(const cli_call *call, const lw_notation *n, const lw_mechanism *m)
+{
+    static bool said[2];                         /* kinds, choices */
+    bool kinds = false, choices = m->ground != LW_NONE || m->output != LW_NONE || m->n_input > 0;
+    for (int j = 0; j < m->n_joint; j++)
+        kinds = kinds || m->kind[j] == LW_JOINT_SLIDER || m->kind[j] == LW_JOINT_GEAR;
+    if (kinds && !n->keeps_kinds && !said[0])
+        cli_note(call, "%s has no joint kinds: sliders and gears are written as joints of one and two freedoms; edges and "
+                 "json keep them", n->name);
+    if (choices && !n->keeps_choices && !said[1])
+        cli_note(call, "%s has no ground link, inputs and output: they are left out; edges and json keep them", n->name);
+    said[0] = said[0] || (kinds && !n->keeps_kinds);
+    said[1] = said[1] || (choices && !n->keeps_choices);
+}
+
+lw_status cli_topology_write(const cli_call *call, FILE *f, const lw_notation *n, const lw_mechanism *m, lw_error *e)
 {
     char text[LW_NOTATION_SIZE];
     size_t length;
+    say_lost(call, n, m);
     lw_status s = n->print(m, text, sizeof text, &length);
     if (s != LW_OK)
         return lw_error_set(e, s, "this topology cannot be written as %s", n->name);

@@ -37,7 +37,8 @@ typedef lw_status cli_topology_visit(void *context, const lw_mechanism *m, lw_er
 int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit,
                         void *context);
 
-/* Write m and a line end; after a notation of several lines also an empty line. */
-lw_status cli_topology_write(FILE *f, const lw_notation *n, const lw_mechanism *m, lw_error *e);
+/* Write m and a line end; after a notation of several lines also an empty line. The first time that the notation leaves
+ * out something of m, a note says what. */
+lw_status cli_topology_write(const cli_call *call, FILE *f, const lw_notation *n, const lw_mechanism *m, lw_error *e);
 
 #endif

@@ -75,7 +75,7 @@ static const char *file_word(const cli_call *call)
 static lw_status write_one(void *context, const lw_mechanism *m, lw_error *e)
 {
     job *j = context;
-    lw_status s = cli_topology_write(j->out.f, j->notation, m, e);
+    lw_status s = cli_topology_write(j->call, j->out.f, j->notation, m, e);
     return s == LW_OK && !cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_STOPPED : s;
 }
 
@@ -139,7 +139,7 @@ static void explain_text(job *j, const lw_mechanism *m, const lw_growth *g, lw_r
     char text[LW_SENTENCE_SIZE];
     lw_error e;
     lw_sentence s;
-    cli_topology_write(j->out.f, lw_notation_find("edges"), m, &e);
+    cli_topology_write(j->call, j->out.f, lw_notation_find("edges"), m, &e);
     fprintf(j->out.f, "  %s\n", why);
     for (int i = 0; reach <= LW_REACHED_NO_REGIONS && i < g->n_step; i++) {
         lw_production_print(&g->step[i], text, sizeof text);
@@ -201,7 +201,7 @@ static int write_sentence(job *j, const lw_sentence *s)
         lw_sentence_print(s, text, sizeof text);
         fprintf(j->out.f, "%s\n", text);
     } else if ((status = lw_sentence_mechanism(s, &m, &j->e)) == LW_OK) {
-        status = cli_topology_write(j->out.f, j->notation, &m, &j->e);
+        status = cli_topology_write(j->call, j->out.f, j->notation, &m, &j->e);
     }
     int code = status == LW_OK ? CLI_DONE : cli_fail(j->call, &j->e);
     return cli_close(j->call, &j->out, code);
@@ -239,7 +239,7 @@ static lw_status write_derived(void *context, const lw_mechanism *m)
     job *j = context;
     if (!cli_watch_goes_on(&j->watch, (double)++j->n))
         return LW_STOPPED;
-    return j->s->count ? LW_OK : cli_topology_write(j->out.f, j->notation, m, &j->e);
+    return j->s->count ? LW_OK : cli_topology_write(j->call, j->out.f, j->notation, m, &j->e);
 }
 
 static int derive_all(const cli_call *call)

@@ -84,7 +84,7 @@ static lw_status write_groups(job *j, const lw_mechanism *m)
     char text[1024];
     lw_status s = lw_assur_decompose(m, &a, &j->e);
     if (s == LW_OK && !j->call->common.json)
-        s = cli_topology_write(j->out.f, lw_notation_find("edges"), m, &j->e);
+        s = cli_topology_write(j->call, j->out.f, lw_notation_find("edges"), m, &j->e);
     if (s != LW_OK)
         return s;
     if (!j->call->common.json) {
@@ -124,7 +124,7 @@ static lw_status write_one(void *context, const lw_mechanism *m)
         return LW_OK;
     if (j->s->assur)
         return write_groups(j, m);
-    return cli_topology_write(j->out.f, &lw_notations[j->call->common.json ? FORMAT_JSON : j->s->format], m, &j->e);
+    return cli_topology_write(j->call, j->out.f, &lw_notations[j->call->common.json ? FORMAT_JSON : j->s->format], m, &j->e);
 }
 
 static lw_status write_void(void *context, const lw_mechanism *m, lw_void reason, uint64_t joints)

@@ -1,0 +1,7 @@
+/* A DOT graph that can be read is printed and read back the same. */
+#include "grammar/edges.h"
+#include "tests/fuzz/fuzz.h"
+
+static size_t print(const lw_mechanism *m, char *buf, size_t size) { return lw_dot_print(m, "m", buf, size); }
+
+FUZZ_READS_BACK(lw_mechanism, lw_dot_read, print, LW_DOT_SIZE, lw_mechanism_same(&a, &b))
