@@ -1,5 +1,6 @@
 /* Random models with singular postures, run on several grids: not one difference from the exact motion or between
- * formulations goes without a word.  A run gives all its samples, or a status. */
+ * formulations goes without a word.  A run gives all its samples, or a status.  LW_SCAN=N takes N models of each kind
+ * instead of a few. */
 #include <stdarg.h>
 #include "base/rng.h"
 #include "mbs/dynamics/reactions.h"
@@ -11,6 +12,12 @@ static char text[8000];
 static int  used;
 
 static double between(double a, double b) { return lw_rng_range(&rng, a, b); }
+
+static int models(int few)
+{
+    const char *all = getenv("LW_SCAN");
+    return all ? atoi(all) : few;
+}
 
 static void put(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static void put(const char *format, ...)
@@ -116,7 +123,7 @@ static void driven(void)
 {
     static const int grid[] = { 7, 36, 97, 100, 360 };
     int without = 0;
-    for (int k = 0; k < 24; k++) {
+    for (int k = 0; k < models(24); k++) {
         lw_rng_seed(&rng, 11, (uint64_t)k);
         bool slider = k%3 == 2;
         exact z = { .slider = slider, .n_crank = 2 + k%3 };
@@ -182,8 +189,169 @@ static void all_samples_or_a_status(void)
     }
 }
 
+static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                       LW_FORMULATION_GGL };
+static const double tolerances[] = { 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
+static const int grids[] = { 7, 36, 97, 100, 360 };
+
+/* Distance of a forward run from the exact curve of postures, and its last crank angle. */
+typedef struct forward { bool slider; int n_crank, n_body; double off, last; long n; } forward;
+
+static lw_status keep_off(void *context, const lw_moment *m)
+{
+    forward *z = context;
+    for (int b = 1; b < z->n_body; b++) {
+        double should = z->slider ? b == 1 ? -m->q[2] : 0 : b < z->n_crank ? m->q[2] : 0;
+        z->off = fmax(z->off, fabs(m->q[3*b + 2] - should));
+    }
+    z->last = m->q[2];
+    z->n++;
+    return LW_OK;
+}
+
+static lw_status run_forward(forward *z, lw_formulation f, double tolerance, int grid)
+{
+    lw_dynamics *made = NULL;
+    d.o.formulation = f;
+    d.o.relative = d.o.absolute = tolerance;
+    d.o.intervals = grid;
+    d.e.text[0] = 0;
+    z->off = 0, z->n = 0;
+    lw_status s = lw_dynamics_make(&d.model, &d.o, &made, &d.e);
+    if (s == LW_OK) {
+        z->n_body = lw_dynamics_system(made)->n_body;
+        s = lw_dynamics_run(made, keep_off, z, &d.report, &d.e);
+    }
+    lw_dynamics_free(made);
+    return s;
+}
+
+/* Free runs of one freedom over singular postures, with gravity, a damper, friction or a stop that is struck: either on
+ * the exact curve in all samples, or a status.  Without friction and stops all formulations agree in time. */
+static void one_freedom(void)
+{
+    int failed = 0, runs = 0;
+    for (int k = 0; k < models(12); k++) {
+        lw_rng_seed(&rng, 13, (uint64_t)k);
+        forward z = { .slider = k%3 == 2, .n_crank = 2 + k%3 };
+        int extra = k/3%4;                       /* none, damper, friction, stop */
+        write_linkage(z.slider, z.n_crank, between(0.3, 1.2));
+        put(", 'gravity': [0, -9.81], 'input': {'joint': 'A0', 'speed': %.17g}}", between(2, 6)*(k%2 ? -1 : 1));
+        drun_read_text(&d, text);
+        d.o.to = 1.5;
+        d.o.max_step = 20000;
+        if (extra == 1)
+            d.model.joint_spring[d.model.n_joint_spring++] = (lw_joint_spring){ .joint = 0, .damping = 0.2 };
+        if (extra == 2)
+            d.model.friction[0] = (lw_friction){ 0.1, 0.02, k%2 ? 0.01 : 0 };
+        if (extra == 3)
+            d.model.stop[0] = (lw_joint_stop){ .has_least = true, .least = -5, .has_greatest = true, .greatest = 5,
+                                               .restitution = 0.6 };
+        double tolerance = tolerances[k%5], last = NAN;
+        for (int f = 0; f < 4; f++) {
+            lw_status s = run_forward(&z, each[f], tolerance, grids[(k + f)%5]);
+            if (s == LW_E_KIND)
+                continue;
+            runs++;
+            failed += s != LW_OK;
+            CHECK(s == LW_OK || d.e.text[0]);
+            CHECK(s != LW_OK || z.n == grids[(k + f)%5] + 1);
+            CHECK(z.off < 1e3*tolerance + 1e-9);
+            if (s == LW_OK && extra < 2) {
+                CHECK(!(fabs(z.last - last) > 1e5*tolerance));
+                last = f == 0 ? z.last : last;
+            }
+        }
+        lw_model_free(&d.model);
+    }
+    CHECK(10*failed <= runs);
+}
+
+/* ---- two freedoms ------------------------------------------------------------------------------------- */
+
+/* A parallelogram with cranks of length 1 whose coupler, which does not turn, carries a pendulum.  crank: inertia of both
+ * about their pins; moment: their mass times distance of the centre; carried: mass of the coupler. */
+typedef struct carried { double crank, moment, carried, mass, arm, inertia; } carried;
+
+static lw_status carried_rate(void *context, double t, const double *y, double *dy)
+{
+    const carried *z = context;
+    const double g = 9.81, pull = z->mass*z->arm;
+    double a = z->crank + z->carried + z->mass, b = pull*cos(y[0] - y[1]), c = z->inertia + pull*z->arm;
+    double p = -g*(z->moment + z->carried + z->mass)*cos(y[0]) - pull*sin(y[0] - y[1])*y[3]*y[3];
+    double q = -g*pull*cos(y[1]) + pull*sin(y[0] - y[1])*y[2]*y[2], det = a*c - b*b;
+    (void)t;
+    dy[0] = y[2];
+    dy[1] = y[3];
+    dy[2] = (p*c - b*q)/det;
+    dy[3] = (a*q - b*p)/det;
+    return LW_OK;
+}
+
+/* Write such a model and its equations, with its start in y. */
+static void write_carried(int k, carried *z, double y[4])
+{
+    double start = between(0.3, 1.2), length = between(1.5, 3), m[2] = { between(0.5, 2), between(0.5, 2) };
+    double r[2] = { between(0.2, 0.8), between(0.2, 0.8) }, own[2] = { between(0.05, 0.5), between(0.05, 0.5) };
+    double hang = between(-2, 2), at = between(0.2, 1.3), speed = between(1, 5)*(k%2 ? -1 : 1);
+    double cx = cos(start), cy = sin(start);
+    *z = (carried){ .carried = between(0.5, 2), .mass = between(0.3, 1), .arm = between(0.3, 1),
+                    .inertia = between(0.02, 0.2) };
+    z->crank = own[0] + m[0]*r[0]*r[0] + own[1] + m[1]*r[1]*r[1];
+    z->moment = m[0]*r[0] + m[1]*r[1];
+    used = 0;
+    put("{'linkwright': 1, 'links': ['ground'");
+    for (int i = 0; i < 2; i++)
+        put(", {'name': 'crank%d', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}", i, m[i],
+            i*length + r[i]*cx, r[i]*cy, own[i]);
+    put(", {'name': 'coupler', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': 0.3}", z->carried, length/2 + cx,
+        cy + 0.1);
+    put(", {'name': 'bob', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}], 'joints': [", z->mass,
+        cx + at + z->arm*cos(hang), cy + z->arm*sin(hang), z->inertia);
+    put_pin("A", "ground", "crank0", 0, 0);
+    put_pin("B", "ground", "crank1", length, 0);
+    put_pin("C", "crank0", "coupler", cx, cy);
+    put_pin("D", "crank1", "coupler", length + cx, cy);
+    put_pin("P", "coupler", "bob", cx + at, cy);
+    put("], 'inputs': [{'joint': 'A', 'speed': %.17g}, {'joint': 'P', 'speed': 0}], 'gravity': [0, -9.81]}", speed);
+    memcpy(y, (double[]){ start, hang, speed, 0 }, 4*sizeof *y);
+}
+
+/* The error falls with the tolerance, over and over singular postures. */
+static void two_freedoms(void)
+{
+    static const struct { lw_formulation f; double tolerance, off; } run[] = {
+        { LW_FORMULATION_AUTO, 1e-6, 1e-4 }, { LW_FORMULATION_AUTO, 1e-8, 1e-6 }, { LW_FORMULATION_AUTO, 1e-10, 1e-8 },
+        { LW_FORMULATION_AUTO, 1e-12, 1e-9 }, { LW_FORMULATION_CVODE, 1e-8, 1e-4 }, { LW_FORMULATION_GGL, 1e-8, 1e-4 } };
+    int failed = 0, n = models(12);
+    for (int k = 0; k < n; k++) {
+        carried z;
+        double y[4], start;
+        lw_rng_seed(&rng, 14, (uint64_t)k);
+        write_carried(k, &z, y);
+        start = y[0];
+        drun_exact(&(lw_ode){ .n = 4, .context = &z, .rate = carried_rate }, 0, y, 2);
+        drun_read_text(&d, text);
+        d.o.max_step = 50000;
+        for (int i = 0; i < 6; i++) {
+            lw_status s = drun_to(&d, run[i].f, run[i].tolerance, 2, 20);
+            CHECK(s == LW_OK || d.e.text[0]);
+            failed += s != LW_OK;
+            if (s != LW_OK)
+                continue;
+            CHECK_INT(d.n_moment, 21);
+            CHECK_NEAR(d.q[2], y[0] - start, run[i].off, 0);
+            CHECK_NEAR(d.q[5], y[0] - start, run[i].off, 0);
+        }
+        lw_model_free(&d.model);
+    }
+    CHECK(100*failed <= 6*n);
+}
+
 int main(void)
 {
+    RUN(one_freedom);
+    RUN(two_freedoms);
     RUN(all_samples_or_a_status);
     RUN(driven);
     return check_end();

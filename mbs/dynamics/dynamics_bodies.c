@@ -128,7 +128,7 @@ static lw_status step_over_singular(lw_run *run, stepper *w, good_state *f, lw_s
                      memcpy(f->y, state(w), (size_t)run->n*sizeof *f->y) };
     if (!is_stuck(w, d, f, s))
         return s;
-    s = lw_run_singular_step(run, LW_SINGULAR_STEP_HALF, f->t, f->weak, time_of(w), &t, f->y);
+    s = lw_run_singular_step(run, f->t, f->weak, time_of(w), &t, f->y);
     if (s != LW_OK)
         return s;
     double h = f->h;
@@ -164,7 +164,7 @@ static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
         return LW_OK;
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);
-    s = s < 0 ? s : lw_run_singular_crossing(run, weak, &t, y);
+    s = s < 0 ? s : lw_run_singular_crossing(run, weak, w->implicit ? NULL : w->explicit_one.y_old, &t, y);
     if (s != LW_OK)
         return s == LW_NOTHING ? LW_OK : s;
     if (lw_run_project(run, t, y) < 0)
@@ -176,12 +176,39 @@ static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
     return t < run->d->o.to ? restart(w, y, 0, run->e) : LW_OK;
 }
 
+/* A step over a singular posture can end on the other motion curve that meets there.  Then the energy has changed by
+ * more than the error of a step.  Take such a step back and begin again with a shorter one; *taken: how often so far. */
+static const double most_energy = 100;       /* change of the energy over its scale and the tolerance */
+static const int    most_taken = 6;
+
+static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
+{
+    const lw_dynamics *d = run->d;
+    lw_integrator *e = &w->explicit_one;
+    double near = 2*LW_SINGULAR_STEP_HALF, after = lw_run_energy(run, e->y), length = e->t - e->t_old;
+    double scale = fmax(run->r->energy_scale, lw_forces_kinetic(&d->f, e->y + d->n_q));
+    double allowed = most_energy*(d->o.relative + d->o.absolute)*scale + 1e-13*fabs(after);
+    if (d->weak > near*near || fabs(after - lw_run_energy(run, e->y_old)) <= allowed || *taken == most_taken) {
+        *taken = 0;
+        return LW_NOTHING;
+    }
+    ++*taken;
+    memcpy(y, e->y_old, (size_t)run->n*sizeof *y);
+    e->t = e->t_old;
+    e->t_low = 0;
+    e->events = 0;
+    lw_status s = lw_integrate_restart(e, y, run->e);
+    e->h = 0.3*length;
+    return s;
+}
+
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
     bool changed = false;
     long n_stuck = 0;
+    int taken = 0;
     good_state f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
@@ -193,6 +220,11 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s != LW_OK)
             break;
         double weak = d->weak;
+        if (!w->implicit && !d->n_stop && (s = take_back(run, w, y, &taken)) != LW_NOTHING) {
+            stop = LW_ODE_STEP;
+            continue;
+        }
+        s = LW_OK;
         stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
         lw_run_watch(run, state(w));
         s = lw_run_samples(run, time_of(w), state_at, w);

@@ -339,7 +339,7 @@ static lw_status pass_singular(ggl *g, lw_ida *w, double *y, double *dy)
     if (s != LW_OK)
         return s == LW_OPEN ? LW_OK : s;
     weak = d->weak;
-    if (s >= 0 && (s = lw_run_singular_crossing(run, weak, &t, run->state)) == LW_OK && t < d->o.to) {
+    if (s >= 0 && (s = lw_run_singular_crossing(run, weak, NULL, &t, run->state)) == LW_OK && t < d->o.to) {
         s = lw_mbs_arrange(d, t, run->state);
         chosen = true;
     }

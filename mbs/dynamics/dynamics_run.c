@@ -154,13 +154,14 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context)
 {
     lw_status s = LW_OK;
-    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+    while (s == LW_OK && run->next <= run->d->o.intervals) {
         double at = lw_run_time(run->d, run->next);
         if (at > t)
             break;
         s = state_at(context, at, run->y);
         if (s == LW_OK || s == LW_OPEN)
             s = lw_run_show(run, at, run->y);
+        run->next += s == LW_OK;             /* a sample that failed may come from another step */
     }
     return s;
 }

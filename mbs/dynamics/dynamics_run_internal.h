@@ -46,6 +46,9 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
 /* Compare energy and momentum at y with those of the start. */
 void lw_run_watch(lw_run *run, const double *y);
 
+/* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
+double lw_run_energy(const lw_run *run, const double *y);
+
 /* LW_STOPPED when a limit or the caller ends the run: after a step, with `steps` more than the report has; and in
  * every right-hand side, because one step may be tried for long. */
 lw_status lw_run_limits(lw_run *run, double t, long steps);
@@ -76,14 +79,15 @@ lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed);
 lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak);
 
 /* After a step to (*t, y), where the least pivot is `weak`: go through the singular posture ahead, if there is one, to
- * behind it, and hand out the samples on the way.  LW_NOTHING: there is none, or none that this can pass. */
-lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *y);
+ * behind it, and hand out the samples on the way.  before: the state before the step, NULL: not known.  LW_NOTHING:
+ * there is none, or none that this can pass. */
+lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *before, double *t, double *y);
 
 /* From y at time `good`, with the least pivot `weak`, over the singular posture that is met at about `place`, by one
- * long step whose error is not looked at.  half: half its length, in multiples of the distance at which a pivot is 1
- * (about radians).  y and *t are behind it; samples on the way are handed out.  LW_OPEN: the energy has changed. */
-#define LW_SINGULAR_STEP_HALF 0.03
-lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y);
+ * step from LW_SINGULAR_STEP_HALF before it to as far behind (in multiples of the distance at which a pivot is 1, about
+ * radians).  y and *t are behind it; samples on the way are handed out.  LW_OPEN: the energy has changed. */
+#define LW_SINGULAR_STEP_HALF 0.1
+lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y);
 
 /* ---- dynamics_bodies.c ------------------------------------------------------------------------------- */
 

@@ -19,13 +19,17 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/ode/integrate.h"
+#include "mbs/ode/panel_internal.h"
+
+/* Places on either side, as fractions of half the length. */
+enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
+static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
 
 /* ---- over it by one step --------------------------------------------------------------------------------- */
 
-/* With more freedoms, or where no curve is found: one step whose stages lie well on both sides of the singular
- * posture, from the last state at some distance before it to the same distance behind it.  The motion itself is
- * smooth there, so the error of the step, which is not looked at, is small.  The state at the end must have the
- * energy of the state before. */
+/* With more freedoms, or where no curve is found: one step whose nodes lie well on both sides of the singular posture,
+ * from some distance before it to the same distance behind it.  The motion itself is smooth there.  The state at the
+ * end must have the energy of the state before. */
 /* Integrate anew from (t, y) to end; `fixed`: by one step, whatever its error. */
 static lw_status integrate_to(lw_run *run, double t, double end, double *y, bool fixed)
 {
@@ -52,46 +56,226 @@ static lw_status integrate_to(lw_run *run, double t, double end, double *y, bool
     return s;
 }
 
-static double energy(const lw_run *run, const double *y)
+double lw_run_energy(const lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
     return lw_forces_kinetic(&d->f, y + d->n_q) + lw_forces_potential(&d->f, y) - (run->has_work ? y[2*d->n_q] : 0);
 }
 
-/* Samples on the way, each integrated by itself: from y at `good`; behind `start` by one step from there. */
-typedef struct on_the_way { lw_run *run; double good, start; const double *y, *begun; } on_the_way;
+/* The motion over the gap as a polynomial: the equations hold at twelve nodes, none of which is near the middle.  It is
+ * as accurate as the accelerations at the nodes, and its order is far higher than that of the explicit step, which
+ * serves as the first guess. */
+typedef struct gap {
+    lw_run *run;
+    const lw_panel_rule *rule;
+    double  start, length, *begun;           /* begun (n): state at the start */
+    double  at[N_NODE];                      /* nodes as fractions of the length */
+    double *rate, *state;                    /* (N_NODE x n) at the nodes */
+} gap;
+
+static const double settled = 1e-14;         /* change of the states in a pass, scaled, that ends the iteration */
+static const double unsettled = 1e-9;        /* the same where rounding lets it fall no further */
+static const double unresolved = 1e-8;       /* difference of orders 12 and 10 that is still allowed, scaled */
+static const double half_explicit = 0.03;    /* half the length of an explicit step, where there is no polynomial */
+
+/* Weights of the integral from 0 to x of the polynomial through values at nodes `first` to `last`; 0 for the others.
+ * The panel's points integrate it exactly. */
+static void weights(const gap *z, int first, int last, double x, double weight[N_NODE])
+{
+    memset(weight, 0, N_NODE*sizeof *weight);
+    for (int k = first; k <= last; k++)
+        for (int p = 0; p < LW_PANEL_NODES; p++) {
+            double product = x*z->rule->whole[p];
+            for (int j = first; j <= last; j++)
+                product *= j == k ? 1 : (x*z->rule->at[p] - z->at[j])/(z->at[k] - z->at[j]);
+            weight[k] += product;
+        }
+}
+
+/* State at x in 0 .. 1. */
+static void state_in_gap(const gap *z, const double weight[N_NODE], double *y)
+{
+    for (int i = 0; i < z->run->n; i++) {
+        double sum = 0;
+        for (int k = 0; k < N_NODE; k++)
+            sum += weight[k]*z->rate[k*z->run->n + i];
+        y[i] = z->begun[i] + z->length*sum;
+    }
+}
+
+/* First guess of the states at the nodes, by explicit steps. */
+static lw_status guess_gap(gap *z)
+{
+    lw_status s = LW_OK;
+    for (int k = 0; k < N_NODE && s == LW_OK; k++) {
+        double *to = z->state + k*z->run->n;
+        memcpy(to, z->begun, (size_t)z->run->n*sizeof *to);
+        s = integrate_to(z->run, z->start, z->start + z->length*z->at[k], to, true);
+    }
+    return s;
+}
+
+/* Put the singular posture into the middle: the pivot's root changes its sign there.  Its zero is that of the cubic
+ * t(pivot) through two nodes on either side of the least one.  false: there is none within. */
+static bool centre_gap(gap *z)
+{
+    lw_dynamics *d = z->run->d;
+    double pivot[N_NODE], at = 0;
+    int least = 0, use[4];
+    for (int k = 0; k < N_NODE; k++) {
+        d->by_rank = false;                  /* else the pivot is not found */
+        if (lw_mbs_rows(d, z->start + z->length*z->at[k], z->state + k*z->run->n) != LW_OK)
+            return false;
+        lw_mbs_factor(d, false);
+        pivot[k] = sqrt(fmax(d->weak, 0));
+        least = pivot[k] < pivot[least] ? k : least;
+    }
+    if (least < 2 || least > N_NODE - 3)
+        return false;
+    for (int i = 0; i < 4; i++)
+        use[i] = least + (i < 2 ? i - 2 : i - 1);
+    for (int i = 0; i < 4; i++) {
+        double product = 1, own = i < 2 ? pivot[use[i]] : -pivot[use[i]];
+        for (int j = 0; j < 4; j++) {
+            double other = j < 2 ? pivot[use[j]] : -pivot[use[j]];
+            product *= i == j ? 1 : other/(other - own);
+        }
+        at += product*z->at[use[i]];
+    }
+    if (!(at > 0.2 && at < 0.8))
+        return false;
+    z->length *= 2*at;
+    return true;
+}
+
+/* Iterate the states at the nodes.  y: the state at the end; *tail: the part of it that is not resolved. */
+static lw_status solve_gap(gap *z, double *y, double *tail)
+{
+    lw_run *run = z->run;
+    int n = run->n, n_q = run->d->n_q;
+    double before = INFINITY, change = INFINITY, weight[N_NODE][N_NODE], whole[N_NODE];
+    for (int k = 0; k < N_NODE; k++)
+        weights(z, 0, N_NODE - 1, z->at[k], weight[k]);
+    for (int pass = 0; change > settled && !(change < unsettled && change > 0.5*before) && pass < 150; pass++) {
+        for (int k = 0; k < N_NODE; k++) {
+            double t = z->start + z->length*z->at[k];
+            lw_status s = lw_run_project(run, t, z->state + k*n);
+            if (s == LW_OK)
+                s = lw_run_rate(run, t, z->state + k*n, z->rate + k*n);
+            if (s != LW_OK)
+                return s;
+        }
+        before = change;
+        change = 0;
+        for (int k = 0; k < N_NODE; k++) {
+            state_in_gap(z, weight[k], y);
+            for (int i = 0; i < 2*n_q; i++)
+                change = fmax(change, fabs(y[i] - z->state[k*n + i])/(1 + fabs(y[i])));
+            memcpy(z->state + k*n, y, (size_t)n*sizeof *y);
+        }
+        if (!(change < 0.1))
+            return LW_OPEN;
+    }
+    *tail = 0;
+    weights(z, 1, N_NODE - 2, 1, whole);
+    state_in_gap(z, whole, run->state);
+    weights(z, 0, N_NODE - 1, 1, whole);
+    state_in_gap(z, whole, y);
+    for (int i = 0; i < 2*n_q; i++)
+        *tail = fmax(*tail, fabs(y[i] - run->state[i])/(1 + fabs(y[i])));
+    return change < unsettled ? LW_OK : LW_OPEN;
+}
+
+/* Samples on the way: integrated from `first` at `good`; in the gap from its polynomial. */
+typedef struct on_the_way { lw_run *run; double good; const double *first; const gap *gap; } on_the_way;
 
 static lw_status state_on_the_way(void *context, double t, double *y)
 {
     const on_the_way *w = context;
-    bool beyond = t > w->start;
-    memcpy(y, beyond ? w->begun : w->y, (size_t)w->run->n*sizeof *y);
-    return t > w->good ? integrate_to(w->run, beyond ? w->start : w->good, t, y, beyond) : LW_OK;
+    const gap *z = w->gap;
+    double weight[N_NODE];
+    if (t <= z->start || !z->rule) {
+        bool beyond = t > z->start;
+        memcpy(y, beyond ? z->begun : w->first, (size_t)w->run->n*sizeof *y);
+        return t > w->good ? integrate_to(w->run, beyond ? z->start : w->good, t, y, beyond) : LW_OK;
+    }
+    weights(z, 0, N_NODE - 1, (t - z->start)/z->length, weight);
+    state_in_gap(z, weight, y);
+    return LW_OK;
 }
 
-lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y)
+/* Begin at half the length from the singular posture, before or behind `good`, which is `angle` from it. */
+static lw_status begin_gap(gap *z, double half, double good, double angle, double place, const double *first)
+{
+    lw_status s = LW_OK;
+    memcpy(z->begun, first, (size_t)z->run->n*sizeof *first);
+    z->start = place - (place - good)*half/angle;
+    if (z->start > z->run->d->o.from)
+        s = integrate_to(z->run, good, z->start, z->begun, false);
+    else
+        z->start = good;
+    z->length = 2*(place - z->start);
+    if (s == LW_OK && guess_gap(z) == LW_OK && centre_gap(z))
+        guess_gap(z);
+    return s;
+}
+
+static lw_status panel_rule(lw_dynamics *d)
+{
+    if (d->rule)
+        return LW_OK;
+    d->rule = malloc(sizeof *d->rule);
+    return d->rule ? lw_panel_rule_make(d->rule) : LW_E_MEMORY;
+}
+
+lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y)
 {
     size_t n = (size_t)run->n;
-    double before = energy(run, y), angle = sqrt(weak), start = good, *first = malloc(2*n*sizeof *first);
-    lw_status s = LW_OK;
-    if (!first)
-        return LW_E_MEMORY;
+    double before = lw_run_energy(run, y), angle = sqrt(weak), tail = 0, *old = run->state;
+    double *first = malloc(n*(4 + 2*N_NODE)*sizeof *first);
+    gap z = { .run = run, .start = good, .rule = NULL };
+    for (int i = 0; i < N_NODE; i++)
+        z.at[i] = 0.5 + 0.5*(i < N_SIDE ? -node[N_SIDE - 1 - i] : node[i - N_SIDE]);
+    lw_status s = first ? panel_rule(run->d) : LW_E_MEMORY;
+    if (s != LW_OK) {
+        free(first);
+        return s;
+    }
+    z.rule = run->d->rule;
+    z.begun = first + n;
+    z.rate = z.begun + n;
+    z.state = z.rate + N_NODE*n;
+    run->state = z.state + N_NODE*n;
     memcpy(first, y, n*sizeof *first);
     run->e->text[0] = '\0';
-    if (angle > half) {
-        start = place - (place - good)*half/angle;
-        s = integrate_to(run, good, start, y, false);
+    lw_status solved = LW_OPEN;
+    double end = good, half = LW_SINGULAR_STEP_HALF;
+    for (; s == LW_OK && solved != LW_OK && half > half_explicit; half *= 0.5) {
+        s = begin_gap(&z, half, good, angle, place, first);
+        solved = s == LW_OK ? solve_gap(&z, y, &tail) : s;
+        if (solved == LW_OK && !(tail < fmax(unresolved, 10*run->d->o.relative)))
+            solved = LW_OPEN;
+        end = z.start + z.length;
     }
-    memcpy(first + n, y, n*sizeof *first);
-    double end = fmin(2*place - start, run->d->o.to);
+    if (s == LW_OK && solved != LW_OK) {     /* no polynomial */
+        z.rule = NULL;
+        z.start = angle > half_explicit ? place - (place - good)*half_explicit/angle : good;
+        memcpy(z.begun, first, n*sizeof *first);
+        s = z.start > good ? integrate_to(run, good, z.start, z.begun, false) : LW_OK;
+        end = 2*place - z.start;
+        memcpy(y, z.begun, n*sizeof *y);
+        if (s == LW_OK)
+            s = integrate_to(run, z.start, end, y, true);
+    }
     if (s == LW_OK)
-        s = integrate_to(run, start, end, y, true);
-    if (s == LW_OK && !(fabs(energy(run, y) - before) <= 1e-6*fmax(run->r->energy_scale, 1e-300)))
+        s = lw_run_project(run, end, y);
+    double allowed = fmin(1e-6, 100*run->d->o.relative + 1e-9)*fmax(run->r->energy_scale, 1e-300);
+    if (s == LW_OK && !(fabs(lw_run_energy(run, y) - before) <= allowed))
         s = LW_OPEN;
     if (s == LW_OK)
-        s = lw_run_samples(run, nextafter(end, good), state_on_the_way,
-                           &(on_the_way){ run, good, start, first, first + n });
+        s = lw_run_samples(run, nextafter(end, good), state_on_the_way, &(on_the_way){ run, good, first, &z });
     free(first);
+    run->state = old;
     *t = end;
     s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
     return s == LW_OK || s == LW_STOPPED ? s
@@ -101,14 +285,12 @@ lw_status lw_run_singular_step(lw_run *run, double half, double good, double wea
 
 /* ---- through it on a curve ---------------------------------------------------------------------------------- */
 
-enum { N_SIDE = 6, N_NODE = 2*N_SIDE, N_KNOWN = N_NODE + 6 };
+enum { N_KNOWN = N_NODE + 6 };
 
-static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };   /* as fractions of half the length */
 static const double outside = 0.55;          /* distance from the middle beyond which the rows serve again */
 static const double longest_half = 0.3;           /* half of the longest curve, scaled: about radians */
 static const double beside = 0.45;           /* root of the least pivot at which to look ahead */
 static const double too_near = 1e-3;         /* root of the least pivot too small to begin at */
-static const double half_ggl = 0.1;          /* half a step for ggl, whose multipliers lose digits earlier */
 static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little */
 static const double on_rows = 1e-12;         /* residual of the rows allowed on the curve: this, */
 static const double rounded = 1e-8;          /* or to the tolerance, up to that */
@@ -435,11 +617,11 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
     return s;
 }
 
-/* With more freedoms there is no curve: go over by one explicit step. */
-static lw_status step_over(lw_run *run, double half, double weak, double place, double *t, double *y)
+/* With more freedoms there is no curve: go over by one step. */
+static lw_status step_over(lw_run *run, double weak, double place, double *t, double *y)
 {
     double end = place;
-    lw_status s = lw_run_singular_step(run, half, *t, weak, place, &end, y);
+    lw_status s = lw_run_singular_step(run, *t, weak, place, &end, y);
     if (s != LW_OK)
         return s == LW_STOPPED ? s : LW_NOTHING;
     run->r->t = *t = end;
@@ -447,20 +629,18 @@ static lw_status step_over(lw_run *run, double half, double weak, double place, 
     return LW_OK;
 }
 
-lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *y)
+lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *before, double *t, double *y)
 {
     const lw_dynamics *d = run->d;
-    double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0;
+    double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0, place = *t;
     bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
-    bool able = !d->n_stop && (one || run->r->formulation != LW_FORMULATION_INDEX1);
-    double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_SINGULAR_STEP_HALF;
-    double from = one ? beside : 2*half, reach = one ? longest_half : 3*half;
+    double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
     run->pivot = w;
     run->pivot_t = *t;
-    if (!able || w > from || w < too_near)
+    if (d->n_stop || w > from || w < too_near)
         run->pivot_tried = 1;
     run->apart = w > beside ? 0 : run->apart;
-    if (!able || w > from || w < too_near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
+    if (d->n_stop || w > from || w < too_near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
     for (int i = 0; i < d->n_q; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));
@@ -468,7 +648,13 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;
-    lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, half, weak, *t + since*w/fall, t, y);
+    place += since*w/fall;
+    if (!one && w < LW_SINGULAR_STEP_HALF && before) {        /* the state before is known better */
+        memcpy(y, before, (size_t)run->n*sizeof *y);
+        weak = pow(w + fall, 2);
+        *t -= since;
+    }
+    lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, weak, place, t, y);
     if (s == LW_NOTHING)
         *run->e = was;
     else
