@@ -242,15 +242,56 @@ static void bad_models(void)
 static void time_is_a_limit(void)
 {
     expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 5 -o $D/cut.csv", 5, "", NULL);
-    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0, "\\n", NULL);
+    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
+           "\\n", NULL);
     expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 5 --json -o $D/cut.json; c=$?; "
            "tail -n 1 $D/cut.json.partial; exit $c", 5, "}", NULL);
 }
 
 static void ctrl_c_keeps_what_is_there(void)
 {
-    expect("LW_SIGNAL=2 LW_SIGNAL_AT=500 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "", NULL);
-    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0, "\\n", NULL);
+    expect("LW_SIGNAL=2 LW_SIGNAL_AT=500 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "",
+           NULL);
+    expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
+           "\\n", NULL);
+}
+
+/* Speeds have units; a plot has a panel for each unit and nothing of it on standard output. */
+static void speeds_and_plots(void)
+{
+    const char *const same[] = { "6.283185307179586", "60rpm", "'60 rpm'", "1Hz", "'360 deg/s'", "1turn/s" };
+    ran first = { 0 };
+    for (int i = 0; i < 6; i++) {
+        char command[200];
+        snprintf(command, sizeof command, "$P trace examples/jansen.json -n 8 --speed %s --quiet | grep -v '^#'",
+                 same[i]);
+        ran r = run(command);
+        CHECK_INT(r.code, 0);
+        if (i == 0)
+            first = r;
+        else {
+            double a[4], b[4];
+            for (int k = 0; k < 4; k++) {                  /* fields of the first row with rates */
+                const char *p = strchr(strchr(first.out, '\n') + 1, '\n') + 1, *q = strchr(strchr(r.out, '\n') + 1,
+                        '\n') + 1;
+                for (int f = 0; f < 5 + k; f++)
+                    p += strcspn(p, ",") + 1, q += strcspn(q, ",") + 1;
+                a[k] = strtod(p, NULL), b[k] = strtod(q, NULL);
+                CHECK_NEAR(b[k], a[k], 1e-9, 1e-12);
+            }
+            ran_free(&r);
+        }
+    }
+    ran_free(&first);
+    expect("$P trace examples/jansen.json --speed 5mm/s", 2, NULL, "(the input turns)");
+    expect("$P trace examples/trammel.json --speed 5rpm", 2, NULL, "(the input slides)");
+    expect("$P trace examples/trammel.json --speed 0.5m/s -n 4 --quiet", 0, "mm/s", NULL);
+    expect("$P trace examples/jansen.json --speed 5x", 2, NULL, "expected a number, alone or with a unit");
+    expect("$P trace examples/slider-crank.json --speed 60rpm --tracer piston --plot $D/t.svg -o $D/t.csv && "
+           "grep -c 'mm/s^2' $D/t.svg", 0, "1", NULL);
+    expect("$P trace examples/jansen.json --plot $D/t.txt", 2, NULL, "kind of picture");
+    expect("$P simulate examples/pendulum.json --to 1 --plot $D/s.svg --columns kinetic,A,P -o $D/s.csv && "
+           "grep -c '>.rad/s.<' $D/s.svg", 0, "1", NULL);
 }
 
 int main(void)
@@ -267,5 +308,6 @@ int main(void)
     RUN(bad_models);
     RUN(time_is_a_limit);
     RUN(ctrl_c_keeps_what_is_there);
+    RUN(speeds_and_plots);
     return check_end();
 }

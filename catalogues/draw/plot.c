@@ -199,6 +199,10 @@ static void draw_series(lw_chart *c, int series)
     size_t n = 0;
     bool points = s->style == LW_SERIES_POINTS;
     for (size_t k = 0; k < s->n && !points; k++) {
+        if (isnan(s->x[k]) && n > 0) {               /* a gap */
+            line(c, LW_ROLE_SERIES, series, run, n);
+            n = 0;
+        }
         if (!fits(&c->x, s->x[k]) || !fits(&c->y, s->y[k]))
             continue;
         lw_vec2 at = lw_v2(place(&c->x, s->x[k]), place(&c->y, s->y[k]));

@@ -14,7 +14,8 @@ typedef enum lw_series_style { LW_SERIES_LINE, LW_SERIES_STEPS, LW_SERIES_POINTS
 typedef struct lw_series {
     const char   *name;           /* in the legend; "": not there                                      */
     size_t        n;
-    const double *x, *y;          /* points that are not finite, or not positive on a log axis, are left out */
+    const double *x, *y;          /* points that are not finite, or not positive on a log axis, are left out; a line
+                                     * has a gap where x is NaN */
     lw_series_style style;
 } lw_series;
 

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/real.h"
+#include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/simulate.h"
@@ -12,9 +13,9 @@
 
 typedef struct settings {
     int         analysis, formulation, steps, max_steps;
-    double      from, to, speed, tolerance;
+    double      from, to, tolerance;
     bool        explain, balance;
-    const char *plot, *columns, *gif;
+    const char *speed, *plot, *columns, *gif;
     cli_linear  linear;
 } settings;
 
@@ -35,8 +36,9 @@ static const cli_option options[] = {
     { "to", 0, CLI_REAL, offsetof(settings, to), "T", "1", "end time [s]", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100",
       "number of time intervals; there is one row more", 1, 10000000, NULL, NULL },
-    { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
-      "drive the inputs without a motion at this constant speed [rad/s] or [m/s]", 0, 0, NULL, NULL },
+    { "speed", 's', CLI_TEXT, offsetof(settings, speed), "W", NULL,
+      "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL,
+      NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
       "error allowed in a step: of angles, and of lengths divided by the size of the linkage", 1e-14, 0.1, NULL, NULL },
     { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000",
@@ -75,8 +77,13 @@ static lw_status drive(const cli_call *call, lw_model *m, lw_error *e)
     for (int i = 0; i < lw_assembly_free_inputs(&m->linkage); i++) {
         if (m->motion[i])
             continue;
-        snprintf(text, sizeof text, "%.17g + %.17g*t", m->linkage.input[i].value, s->speed);
-        lw_status st = lw_model_drive(m, i, text, e);
+        bool slides = lw_joint_slides(m->linkage.joint[m->linkage.input[i].joint].kind);
+        double speed;
+        lw_status st = cli_speed(s->speed, slides, 1, &speed, e);
+        if (st != LW_OK)
+            return st;
+        snprintf(text, sizeof text, "%.17g + %.17g*t", m->linkage.input[i].value, speed);
+        st = lw_model_drive(m, i, text, e);
         if (st != LW_OK)
             return st;
     }
@@ -169,6 +176,9 @@ static int run(const cli_call *call)
     cli_simulate *c = calloc(1, sizeof *c);
     lw_error e = { 0 };
     lw_output o;
+    lw_draw_kind kind;
+    if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
+        return free(c), cli_usage(call, "%s", e.text);
     if (!(s->from < s->to))
         return free(c), cli_usage(call, "--from must be less than --to");
     if (!c)
@@ -201,7 +211,7 @@ const cli_command cli_simulate_command = {
     .examples =
         "  linkwright simulate examples/andrews.json --to 0.03 --explain     dynamics, as CSV\n"
         "  linkwright simulate examples/pendulum.json --to 10 -n 1000 --json\n"
-        "  linkwright simulate model.json --speed 10 --plot torque.svg      drive its input, plot the torque\n"
+        "  linkwright simulate model.json --speed \"60 rpm\" --plot torque.svg  drive its input, plot the torque\n"
         "  linkwright simulate model.json --analysis static                 static equilibrium\n"
         "  linkwright simulate model.json --speed 6.283185307179586 --balance\n"
         "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, compared with a "

@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/real.h"
 #include "base/suggest.h"
+#include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/trace.h"
@@ -14,7 +15,8 @@
 typedef struct settings {
     int         steps, mode, result;
     const char *tracer, *range;
-    double      input_range[2], speed;
+    double      input_range[2];
+    const char *speed, *plot;
     bool        cycle, all, explain;
 } settings;
 
@@ -28,6 +30,8 @@ typedef struct job {
     lw_linkage     *k;                /* of the model, without idle freedoms                       */
     unsigned        tracers;          /* bit i: tracer i is printed                                */
     double          until;            /* wall time [s] at which to stop; 0: never                  */
+    double          speed;            /* of the input [rad/s] or [m/s]; 0: not given               */
+    cli_kept       *kept;             /* rows for the plot; NULL: none                             */
 } job;
 
 static const cli_option options[] = {
@@ -42,9 +46,12 @@ static const cli_option options[] = {
       "both: arcs of all assembly modes; file: only the arc that contains the posture of the file", 0, 0, NULL, NULL },
     { "input-range", 0, CLI_RANGE, offsetof(settings, input_range), "MIN:MAX", NULL,
       "only this part of the input, in the unit of the file", 0, 0, NULL, NULL },
-    { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
-      "constant speed of the input [rad/s, or length unit/s for a slider]; derivatives are then with respect to time "
-      "instead of the input", 0, 0, NULL, NULL },
+    { "speed", 's', CLI_TEXT, offsetof(settings, speed), "W", NULL,
+      "constant speed of the input [rad/s, or length unit/s for a slider], or with a unit: \"60 rpm\"; derivatives are "
+      "then with respect to time instead of the input", 0, 0, NULL, NULL },
+    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
+      "draw place, velocity and acceleration of the tracers over the input or the time (.svg, .pdf, .png); of the arc "
+      "that contains the posture of the file, unless --mode both is given", 0, 0, NULL, NULL },
     { "cycle", 0, CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
       "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
       "distances", 0, 0, NULL, "input-range" },
@@ -134,7 +141,7 @@ static void set_tools(cli_trace *t)
 
 static cli_rows make_rows(const job *j, const lw_linkage *k)
 {
-    return (cli_rows){ .k = k, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until };
+    return (cli_rows){ .k = k, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until, .kept = j->kept };
 }
 
 /* Needs t->k and t->plan. */
@@ -153,10 +160,12 @@ static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
         cli_note(call, "the linkage has more arcs than the %d that are printed", LW_ARC_MAX);
     set_tools(t);
     set_window(s, call, t);
-    t->speed = s->speed*(t->plan.input_is_slider ? t->k.units.metre : 1);
+    t->speed = j->speed;
     t->timed = cli_given(&call->parsed, "speed");
     t->steps = s->steps;
     t->rows = make_rows(j, &t->k);
+    if (j->kept && !cli_given(&call->parsed, "mode"))      /* one assembly mode is easier to read */
+        j->kept->only = lw_motion_arc(&t->plan, &t->motion, t->mode, t->input) + 1;
     cli_trace_pieces(t, s->mode == MODE_FILE);
     t->rows.total = (double)t->n_piece*(t->steps + 1);
     return LW_OK;
@@ -259,9 +268,10 @@ static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all,
     return st;
 }
 
-static void curve_window(const cli_call *call, cli_curve_trace *t)
+static void curve_window(const job *j, cli_curve_trace *t)
 {
-    const settings *s = call->settings;
+    const settings *s = j->s;
+    const cli_call *call = j->call;
     const lw_input *in = &t->k->input[0];
     double unit = t->k->n_input ? cli_curve_unit(t, 0) : 1;
     bool given = cli_given(&call->parsed, "input-range");
@@ -269,7 +279,7 @@ static void curve_window(const cli_call *call, cli_curve_trace *t)
     t->from = given ? s->input_range[0]*unit : fmin(in->first, in->last);
     t->to = given ? s->input_range[1]*unit : fmax(in->first, in->last);
     t->timed = cli_given(&call->parsed, "speed");
-    t->speed = s->speed*(t->k->n_input && lw_joint_slides(t->k->joint[in->joint].kind) ? t->k->units.metre : 1);
+    t->speed = j->speed;
     t->steps = s->steps;
 }
 
@@ -360,7 +370,7 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     t->rows = make_rows(j, t->k);
     lw_status st = lw_system_make(t->k, NULL, 0, &t->s, e);
     if (st == LW_OK)
-        curve_window(j->call, t);
+        curve_window(j, t);
     if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)
         return st;
     t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, j->tracers);
@@ -497,17 +507,35 @@ static int run(const cli_call *call)
         return cli_usage(call, "--input-range wants two different inputs, the smaller first");
     double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     lw_error e = { 0 };
+    lw_draw_kind kind;
+    if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
     lw_model *m = cli_read_model(call->parsed.word[0], s->result, &e);
     if (!m)
         return cli_fail(call, &e);
-    job j = { call, s, m, m->small, 0, until };
+    cli_kept kept = { 0 };
+    job j = { .call = call, .s = s, .m = m, .k = m->small, .until = until, .kept = s->plot ? &kept : NULL };
     const lw_linkage *small;
     bool good = lw_model_small(m, &small, &e) == LW_OK;
     if (good && j.k->n_tracer == 0)
         trace_pins(call, j.k);
     good = good && choose_tracers(s, call->parsed.word[0], j.k, &j.tracers, &e) == LW_OK
            && hold_idle(call, j.k, &e) == LW_OK;
+    if (good && s->speed) {
+        const lw_linkage *k = j.k;
+        bool slides = k->n_input && lw_joint_slides(k->joint[k->input[0].joint].kind);
+        if (cli_speed(s->speed, slides, slides ? k->units.metre : 1, &j.speed, &e) != LW_OK) {
+            cli_free_model(m);
+            return cli_usage(call, "%s", e.text);
+        }
+    }
     int code = good ? choose_way(&j) : fail_in(call, &e);
+    if (s->plot && code == CLI_DONE) {
+        cli_rows rows = make_rows(&j, j.k);
+        if (cli_rows_plot(&rows, s->plot, &e) != LW_OK)
+            code = cli_fail(call, &e);
+    }
+    free(kept.row);
     cli_free_model(m);
     return code;
 }
@@ -519,6 +547,7 @@ const cli_command cli_trace_command = {
     .examples =
         "  linkwright trace examples/hoeken.json                    all arcs, as CSV\n"
         "  linkwright trace examples/slider-crank.json --speed 10   per second, at 10 rad/s\n"
+        "  linkwright trace examples/slider-crank.json --speed 60rpm --plot piston.svg\n"
         "  linkwright trace model.json --mode file --steps 36       one arc, 37 rows\n"
         "  linkwright trace model.json --input-range -90:90 --json  part of the input, as JSON\n"
         "  linkwright trace examples/chebyshev.json --cycle         over both limits and back\n"

@@ -48,7 +48,7 @@ lw_status cli_simulate_columns(cli_simulate *s, lw_error *e)
     for (int i = 0; i < k->n_tracer; i++)
         for (int order = 0; order < 3; order++)
             for (int axis = 0; axis < 2; axis++)
-                add(s, order ? "SI" : length, order ? 1 : metre, "%s.%s%c", k->tracer[i].name,
+                add(s, order == 2 ? "m/s^2" : order ? "m/s" : length, order ? 1 : metre, "%s.%s%c", k->tracer[i].name,
                     order == 0 ? "" : order == 1 ? "v" : "a", axis ? 'y' : 'x');
     for (int b = 0; b < sys->n_body; b++) {
         const char *name = k->link_name[sys->link[b]];

@@ -27,24 +27,37 @@ static bool wanted(const cli_simulate *s, int c, const char *list)
 
 lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e)
 {
-    lw_series series[LW_SERIES_MAX];
+    enum { LINES = 8 };                                    /* that can be told apart in a panel */
+    lw_series series[LW_PANEL_MAX][LINES];
+    lw_plot plot[LW_PANEL_MAX] = { 0 };
+    char label[LW_PANEL_MAX][32];
     size_t n = s->n_row;
-    int count = 0;
-    double *x = calloc((LW_SERIES_MAX + 1)*(n + 1), sizeof *x);
+    int panels = 0, lines = 0;
+    double *x = calloc((LW_PANEL_MAX*LINES + 1)*(n + 1), sizeof *x);
     if (!x)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; i < n; i++)
         x[i] = s->row[i*(size_t)s->n_column];
-    for (int c = 1; c < s->n_column && count < LW_SERIES_MAX; c++) {
+    lw_status st = LW_OK;
+    for (int c = 1; c < s->n_column && st == LW_OK; c++) {
         if (!wanted(s, c, columns))
             continue;
-        double *y = x + (size_t)(count + 1)*(n + 1);
-        for (size_t i = 0; i < n; i++)
-            y[i] = s->row[i*(size_t)s->n_column + (size_t)c];
-        series[count++] = (lw_series){ .name = s->column[c].name, .n = n, .x = x, .y = y };
+        int p = 0;                                         /* a panel of this unit with room */
+        while (p < panels && (strcmp(plot[p].y_label, s->column[c].unit) != 0 || plot[p].n_series == LINES))
+            p++;
+        if (p == LW_PANEL_MAX)
+            st = lw_error_set(e, LW_E_ARG, "these columns need more than %d panels of %d lines; --columns names fewer",
+                              LW_PANEL_MAX, LINES);
+        else {
+            if (p == panels)
+                plot[panels++] = (lw_plot){ .y_label = s->column[c].unit, .series = series[p] };
+            double *y = x + (size_t)++lines*(n + 1);
+            for (size_t i = 0; i < n; i++)
+                y[i] = s->row[i*(size_t)s->n_column + (size_t)c];
+            series[p][plot[p].n_series++] = (lw_series){ .name = s->column[c].name, .n = n, .x = x, .y = y };
+        }
     }
-    lw_status st = LW_OK;
-    if (count == 0) {
+    if (st == LW_OK && panels == 0) {
         const char **names = calloc((size_t)s->n_column + 1, sizeof *names);
         for (int c = 0; names && c < s->n_column; c++)
             names[c] = s->column[c].name;
@@ -52,10 +65,15 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
         st = lw_error_set(e, LW_E_ARG, "no column is called %s%s%s; the first line of the CSV names them",
                           columns ? columns : "drive", near ? ", did you mean " : "", near ? near : "");
         free(names);
-    } else {
-        const lw_plot plot = { .title = s->model->linkage.name, .x_label = "t [s]", .n_series = count,
-                               .series = series };
-        st = lw_draw_plot(&plot, path, e);
+    } else if (st == LW_OK) {
+        plot[0].title = s->model->linkage.name;
+        plot[0].height = panels == 1 ? 560 : fmin(260*panels, 8000);
+        plot[panels - 1].x_label = "t [s]";
+        for (int p = 0; p < panels; p++) {
+            snprintf(label[p], sizeof label[p], "[%s]", plot[p].y_label);
+            plot[p].y_label = label[p];
+        }
+        st = lw_draw_plots(panels, plot, path, e);
     }
     free(x);
     return st;

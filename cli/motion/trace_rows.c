@@ -1,9 +1,12 @@
 /* Rows of a trace: one line per tracer in CSV, one list per pose in JSON. */
 #include "cli/motion/trace_rows.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
 #include "base/number.h"
+#include "base/real.h"
+#include "catalogues/pages/draw.h"
 
 #define COLUMNS "x,y,vx,vy,ax,ay,jx,jy,angle,angle_v,angle_a,angle_j"
 
@@ -31,6 +34,11 @@ void cli_row_number(FILE *f, double v)
 void cli_rows_units(const cli_rows *r, const char *lead, const char *by)
 {
     const char *length = r->k->units.length[0] ? r->k->units.length : "length";
+    if (r->kept) {
+        size_t word = strcspn(lead, " ;"), unit = lead[word] == ' ' ? strcspn(lead + word + 1, " ;") : 0;
+        snprintf(r->kept->lead, sizeof r->kept->lead, "%.*s [%.*s]", (int)word, lead, (int)unit, lead + word + 1);
+        snprintf(r->kept->by, sizeof r->kept->by, "%s", by);
+    }
     fprintf(r->f, "# units: %s; x y %s; v a j %s/%s %s/%s^2 %s/%s^3; angle %s; angle_v _a _j "
             "rad/%s rad/%s^2 rad/%s^3\n", lead, length, length, by, length, by, length, by, r->k->units.angle, by, by,
             by);
@@ -56,6 +64,10 @@ static bool several(const cli_rows *r) { return __builtin_popcount(r->tracers) >
 
 void cli_rows_head(const cli_rows *r, const char *lead)
 {
+    if (r->kept && !r->kept->lead[0]) {                    /* JSON says the units elsewhere */
+        snprintf(r->kept->lead, sizeof r->kept->lead, "%.*s", (int)strcspn(lead, ","), lead);
+        snprintf(r->kept->by, sizeof r->kept->by, "unit");
+    }
     if (r->json)
         json_head(r, lead);
     else
@@ -95,8 +107,86 @@ static void put_csv(cli_rows *r, const cli_row *row)
     }
 }
 
+static double *new_row(cli_kept *kept)
+{
+    if (kept->n == kept->capacity) {
+        size_t capacity = 2*kept->capacity + 1024;
+        double *grown = realloc(kept->row, capacity*(size_t)kept->width*sizeof *grown);
+        kept->failed = kept->failed || !grown;
+        if (!grown)
+            return NULL;
+        kept->row = grown;
+        kept->capacity = capacity;
+    }
+    return kept->row + kept->n++*(size_t)kept->width;
+}
+
+static void keep(cli_rows *r, const cli_row *row)
+{
+    cli_kept *kept = r->kept;
+    if (kept->only && kept->only != row->arc)
+        return;
+    kept->width = 1 + CLI_ROW_VALUES*__builtin_popcount(r->tracers);
+    for (int gap = kept->arc != row->arc && kept->n; gap >= 0; gap--) {
+        double *to = new_row(kept);
+        if (!to)
+            return;
+        int n = 0;
+        to[n++] = gap ? NAN : row->lead[0];
+        for (int k = 0; k < r->k->n_tracer; k++)
+            for (int v = 0; v < CLI_ROW_VALUES && wanted(r, k); v++)
+                to[n++] = gap || (is_rate(v) && !row->rates) ? NAN : row->value[k][v];
+    }
+    kept->arc = row->arc;
+}
+
+lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
+{
+    enum { LINES = 8, PANELS = 3 };
+    static const char *const part[PANELS][2] = { { "x", "y" }, { "vx", "vy" }, { "ax", "ay" } };
+    const cli_kept *kept = r->kept;
+    const char *length = r->k->units.length[0] ? r->k->units.length : "length";
+    int tracers = __builtin_popcount(r->tracers), n_line = 2*tracers;
+    if (kept->failed)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (n_line > LINES)
+        return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one", tracers);
+    double *y = malloc((size_t)(1 + PANELS*n_line)*(kept->n + 1)*sizeof *y);
+    char name[PANELS][LINES][LW_NAME_SIZE + 8], label[PANELS][64];
+    lw_series series[PANELS][LINES];
+    lw_plot plot[PANELS];
+    if (!y)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (size_t i = 0; i < kept->n; i++)
+        y[i] = kept->row[i*(size_t)kept->width];
+    for (int k = 0, t = 0; k < r->k->n_tracer; k++) {
+        for (int panel = 0; panel < PANELS && wanted(r, k); panel++)
+            for (int c = 0; c < 2; c++) {
+                int line = 2*t + c;
+                double *to = y + (size_t)(1 + panel*n_line + line)*kept->n;
+                for (size_t i = 0; i < kept->n; i++)
+                    to[i] = kept->row[i*(size_t)kept->width + (size_t)(1 + t*CLI_ROW_VALUES + 2*panel + c)];
+                snprintf(name[panel][line], sizeof name[panel][line], "%s.%s", r->k->tracer[k].name, part[panel][c]);
+                series[panel][line] = (lw_series){ .name = name[panel][line], .n = kept->n, .x = y, .y = to };
+            }
+        t += wanted(r, k);
+    }
+    snprintf(label[0], sizeof label[0], "place [%s]", length);
+    snprintf(label[1], sizeof label[1], "velocity [%s/%s]", length, kept->by);
+    snprintf(label[2], sizeof label[2], "acceleration [%s/%s^2]", length, kept->by);
+    for (int panel = 0; panel < PANELS; panel++)
+        plot[panel] = (lw_plot){ .title = panel ? NULL : r->k->name, .y_label = label[panel], .n_series = n_line,
+                                 .series = series[panel], .x_label = panel == PANELS - 1 ? kept->lead : NULL,
+                                 .height = 780 };
+    lw_status s = lw_draw_plots(PANELS, plot, path, e);
+    free(y);
+    return s;
+}
+
 void cli_rows_put(cli_rows *r, const cli_row *row)
 {
+    if (r->kept)
+        keep(r, row);
     if (r->json)
         put_json(r, row);
     else

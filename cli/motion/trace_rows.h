@@ -12,6 +12,16 @@
 #define CLI_ROW_VALUES 12         /* x y vx vy ax ay jx jy angle angle_v angle_a angle_j           */
 #define CLI_ROW_LEAD (2 + LW_INPUT_MAX)
 
+/* Rows that are kept for a plot. */
+typedef struct cli_kept {
+    size_t  n, capacity;
+    double *row;                  /* (n * width): leading column,
+        then CLI_ROW_VALUES of each printed tracer; NaN between arcs */
+    int     width, arc, only;     /* only: the arc to keep; 0: all                                 */
+    char    lead[96], by[8];      /* "input [deg]"; what derivatives are taken by                  */
+    bool    failed;               /* out of memory                                                 */
+} cli_kept;
+
 typedef struct cli_rows {
     FILE             *f;
     cli_json         *json;       /* NULL: CSV                                                     */
@@ -22,6 +32,7 @@ typedef struct cli_rows {
     bool              cut_short;  /* stopped early, after `done` rows                              */
     double            done, total;
     cli_progress     *progress;
+    cli_kept         *kept;       /* NULL: rows are only printed                                   */
 } cli_rows;
 
 typedef struct cli_row {
@@ -47,6 +58,10 @@ void cli_rows_put(cli_rows *r, const cli_row *row);
 
 /* Called before each row: show the progress; true if printing must end here. */
 bool cli_rows_stopped(cli_rows *r);
+
+/* Draw what was kept: places, velocities and accelerations of the printed tracers over the leading column, a panel
+ * for each unit. LW_E_ARG: too many tracers for one plot. */
+lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e);
 
 /* Print a number as in comments. */
 void cli_row_number(FILE *f, double v);

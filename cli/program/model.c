@@ -154,3 +154,32 @@ lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_ta
     }
     return s;
 }
+
+lw_status cli_speed(const char *text, bool slides, double plain, double *speed, lw_error *e)
+{
+    static const struct { const char *name; double factor; } turning[] = {
+        { "rad/s", 1 }, { "deg/s", LW_PI/180 }, { "rpm", LW_PI/30 }, { "r/min", LW_PI/30 }, { "1/min", LW_PI/30 },
+        { "turn/s", 2*LW_PI }, { "Hz", 2*LW_PI } };
+    char *end, name[8] = "";
+    double value = strtod(text, &end), factor = end != text && isfinite(value) ? plain : 0;
+    while (*end == ' ')
+        end++;
+    size_t n = strlen(end);
+    if (factor != 0 && n > 0) {
+        factor = 0;
+        for (size_t i = 0; i < sizeof turning/sizeof *turning && !slides; i++)
+            if (!strcmp(end, turning[i].name))
+                factor = turning[i].factor;
+        lw_units u = lw_units_si();
+        if (slides && n > 2 && n < sizeof name && !strcmp(end + n - 2, "/s")) {
+            memcpy(name, end, n - 2);
+            factor = lw_units_set_length(&u, name) ? u.metre : 0;
+        }
+    }
+    *speed = value*factor;
+    if (factor != 0)
+        return LW_OK;
+    return lw_error_set(e, LW_E_ARG, "--speed is \"%.60s\"; expected a number, alone or with a unit: %s", text,
+                        slides ? "m/s, mm/s, cm/s, in/s, ... (the input slides)" :
+                        "rpm, rad/s, deg/s, turn/s, Hz (the input turns)");
+}

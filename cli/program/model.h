@@ -32,4 +32,8 @@ lw_status cli_read_target(const char *path, const lw_target_options *o, lw_targe
  * dwells. */
 lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e);
 
+/* Read a speed: a number in the command's own unit (`plain`, in rad/s or m/s), or one with a unit: "60 rpm", "360deg/s",
+ * "0.5 m/s". slides: the input is a slider. LW_E_ARG with a text that lists the units. */
+lw_status cli_speed(const char *text, bool slides, double plain, double *speed, lw_error *e);
+
 #endif
