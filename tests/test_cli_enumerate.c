@@ -16,7 +16,7 @@ static void numbers(void)
     expect_row("$P numbers --loops 1 --n2 2", "n1|n2|P|P2", "0|2|2|2");
     expect("$P numbers --loops 1 --n2 2", 0, "two joints between the same links\n", NULL);
     expect("$P numbers --loops 2 --json | head -1", 0, "\"links_with_2_3_joints\"", NULL);
-    expect("$P numbers --dof 7", 2, NULL, "dof");
+    expect("$P numbers --dof 11", 2, NULL, "dof");
     expect("$P numbers --dof 3 --loops 15", 3, NULL, "more than 32");
 }
 
