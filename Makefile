@@ -74,7 +74,7 @@ MAKEFLAGS += --no-builtin-rules
 define KERNEL_RULE
 $B/mbs/batch/%-$(1).o: mbs/batch/%.c
 	@mkdir -p $$(@D)
-	$$(COMPILE) $$(KERNEL) -march=$(1) -DLW_ISA=$(subst -,_,$(1)) -DLW_ISA_NAME='"$(1)"' -c $$< -o $$@
+	$$(COMPILE) $$(KERNEL) $$(KERNEL_CFLAGS) -march=$(1) -DLW_ISA=$(subst -,_,$(1)) -DLW_ISA_NAME='"$(1)"' -c $$< -o $$@
 endef
 $(foreach isa,$(ISAS),$(eval $(call KERNEL_RULE,$(isa))))
 # the web pages' style sheets and scripts as C texts, line by line
@@ -179,12 +179,25 @@ check: $B/$(SONAME) $B/linkwright
 	    { echo "the shared library shows other names than linkwright.h"; exit 1; }
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
 	@tests/test_install.sh B=$B CC="$(CC)" CFLAGS="$(CFLAGS)"
+# the kernels would take most of the compile time: KERNEL_CFLAGS compiles them without sanitizers
 sanitize:
-	$(MAKE) B=$B/san CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
+	$(MAKE) B=$B/san KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" \
+	    CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
+# data races: the tests that use threads
+THREADED = parallel pool chains mechanisms fit topology_search staged_search curves library successive_halving
+sanitize-threads:
+	$(MAKE) B=$B/tsan CFLAGS="-O1 -g -fsanitize=thread" KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" run-threads
+run-threads: $(THREADED:%=$B/tests/test_%)
+	@tests/run.sh $^
+# lines and branches that `make test` reaches; docs/coverage.md has the figures
+coverage:
+	$(MAKE) B=$B/cov CFLAGS="-O0 -g --coverage -fprofile-update=atomic" KERNEL_CFLAGS="-O1 -g" test
+	@tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 12 $B/coverage.txt
 browser-test: $B/tests/test_atlas_html      # the atlas in Chromium; skipped without
 	@tests/browser/run.sh $B
 fuzz:      # FUZZ_SECONDS=60 for each target
-	$(MAKE) B=$B/fuzz CC=clang CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
+	$(MAKE) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
+	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
 run-fuzz: $B/liblinkwright.a $(FUZZ:=.o)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
 	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
@@ -232,6 +245,6 @@ uninstall:
 
 clean:
 	rm -rf $B
-.PHONY: all shared samples python notebooks deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install uninstall clean
+.PHONY: all shared samples python notebooks deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize sanitize-threads run-threads coverage browser-test fuzz run-fuzz bench install uninstall clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)

@@ -1,0 +1,184 @@
+/* test_library_faults.c - a program that uses linkwright.h runs out of memory: the library returns a failure or the same
+ * result, and never ends the program.
+ *
+ * This program's own malloc replaces that of the C library in all libraries, among them GSL, igraph, NLopt, SUNDIALS and
+ * cairo, whose error handlers stay as they are: GSL's default ends the program.  Each call that takes memory fails once,
+ * in a child process.  GMP, which ends a program without memory, is not reached: see docs/promises.md. */
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include "linkwright.h"
+#include "tests/check.h"
+
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+#define OWN_MALLOC 0
+#else
+#define OWN_MALLOC 1
+#endif
+
+static atomic_long n_call;
+static long fail_at;
+
+#if OWN_MALLOC
+void *__libc_malloc(size_t n);
+void *__libc_calloc(size_t n, size_t size);
+void *__libc_realloc(void *old, size_t n);
+void *__libc_memalign(size_t by, size_t n);
+
+void *malloc(size_t n)               { return ++n_call == fail_at ? NULL : __libc_malloc(n); }
+void *calloc(size_t n, size_t size)  { return ++n_call == fail_at ? NULL : __libc_calloc(n, size); }
+void *realloc(void *old, size_t n)   { return ++n_call == fail_at ? NULL : __libc_realloc(old, n); }
+void *aligned_alloc(size_t by, size_t n) { return ++n_call == fail_at ? NULL : __libc_memalign(by, n); }
+#endif
+
+/* ---- the calls: each adds its results to a sum that shows every change ---------------------------- */
+
+typedef struct sum { uint64_t hash; } sum;
+
+static void add(sum *s, const void *data, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        s->hash = (s->hash ^ ((const unsigned char *)data)[i])*1099511628211u;
+}
+
+static lw_status add_vibration(void *context, const lw_vibration_info *v)
+{
+    add(context, &v->re, sizeof v->re);
+    add(context, &v->im, sizeof v->im);
+    return LW_OK;
+}
+
+static lw_status vibrations(sum *s)
+{
+    lw_model *m = NULL;
+    lw_error e;
+    lw_status st = lw_model_load("examples/pendulum.json", &m, &e);
+    if (st == LW_OK)
+        st = lw_model_vibrations(m, true, false, add_vibration, s, &e);
+    lw_model_destroy(m);
+    return st;
+}
+
+static lw_status add_sample(void *context, const lw_simulation_sample *p)
+{
+    add(context, &p->kinetic, sizeof p->kinetic);
+    return LW_OK;
+}
+
+static lw_status simulation(sum *s)
+{
+    lw_model *m = NULL;
+    lw_simulation *run = NULL;
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_error e;
+    o.to = 0.05;
+    o.intervals = 5;
+    lw_status st = lw_model_load("examples/dynamics/governor.json", &m, &e);
+    if (st == LW_OK)
+        st = lw_simulation_create(m, &o, &run, &e);
+    if (st == LW_OK)
+        st = lw_simulation_run(run, add_sample, s, NULL, &e);
+    lw_simulation_destroy(run);
+    lw_model_destroy(m);
+    return st;
+}
+
+static lw_status search(sum *s, bool exact)
+{
+    static const double x[] = { 0, 0.030, 0.061, 0.090, 0.120 }, y[] = { 0, 0.011, 0.014, 0.009, -0.006 };
+    lw_target *t = NULL;
+    lw_results *r = NULL;
+    lw_fit_request o = lw_fit_request_default();
+    lw_error e;
+    o.starts = 20;
+    o.rounds = o.jobs = 1;
+    lw_status st = exact ? lw_target_create(5, x, y, NULL, NULL, NULL, false, &t, &e)
+                         : lw_target_load("examples/ellipse.csv", NULL, &t, &e);
+    if (st == LW_OK)
+        st = (exact ? lw_fit_precision_points : lw_fit_target)(t, &o, &r, &e);
+    int n = r ? lw_results_count(r) : 0;
+    add(s, &n, sizeof n);
+    lw_results_destroy(r);
+    lw_target_destroy(t);
+    return st;
+}
+
+static lw_status fit(sum *s)   { return search(s, false); }
+static lw_status exact(sum *s) { return search(s, true); }
+
+static lw_status chain(sum *s)
+{
+    lw_chain *c = NULL, *form = NULL;
+    char *text = NULL;
+    uint64_t order = 0;
+    lw_error e;
+    lw_status st = lw_chain_from_text("Er`G", 4, "graph6", &c, &e);
+    if (st == LW_OK)
+        st = lw_chain_copy(c, &form);
+    if (st == LW_OK)
+        st = lw_chain_canonical(c, form);
+    if (st == LW_OK)
+        st = lw_chain_symmetries(c, &order);
+    if (st == LW_OK)
+        st = lw_chain_to_text(form, "sentence", &text, &e);
+    if (st == LW_OK)
+        add(s, text, strlen(text));
+    add(s, &order, sizeof order);
+    lw_free(text);
+    lw_chain_destroy(form);
+    lw_chain_destroy(c);
+    return st;
+}
+
+static const struct { const char *name; lw_status (*run)(sum *s); } calls[] = {
+    { "vibrations", vibrations }, { "simulation", simulation }, { "fit", fit }, { "exact", exact }, { "chain", chain },
+};
+
+/* ---- each allocation fails once -------------------------------------------------------------------- */
+
+typedef struct outcome { long n_call; lw_status status; sum s; } outcome;
+
+static int run_child(int i, long n, outcome *out)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        sum s = { 14695981039346656037u };
+        n_call = 0;
+        fail_at = n;
+        lw_status st = calls[i].run(&s);
+        fail_at = 0;
+        *out = (outcome){ n_call, st, s };
+        _exit(0);
+    }
+    int state = -1;
+    waitpid(child, &state, 0);
+    return state;
+}
+
+static void each_allocation_fails(void)
+{
+    outcome *out = mmap(NULL, 2*sizeof *out, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    for (size_t i = 0; i < sizeof calls/sizeof *calls; i++) {
+        CHECK_INT(run_child((int)i, 0, &out[0]), 0);
+        CHECK_INT(out[0].status, LW_OK);
+        for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = n < 40 ? n + 1 : n + n/4) {
+            int state = run_child((int)i, n, &out[1]);
+            bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK
+                                                             && out[1].s.hash == out[0].s.hash));
+            if (!good)
+                fprintf(stderr, "%s: allocation %ld of %ld fails: state %x, status %d\n", calls[i].name, n, out[0].n_call,
+                        (unsigned)state, out[1].status);
+            CHECK(good);
+        }
+    }
+    munmap(out, 2*sizeof *out);
+}
+
+int main(void)
+{
+    RUN(each_allocation_fails);
+    return check_end();
+}
