@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
+#include "base/rng.h"
 #include "mbs/constraints/newton.h"
 #include "tests/dynamics_run.h"
 #include "tests/example_linkage.h"
@@ -48,6 +49,29 @@ static void names_are_escaped(void)
     CHECK_HAS(b.data, "<body name=\"&lt;&amp;&quot;&gt;\"");
     CHECK_HAS(b.data, "<body name=\"world link\"");
     lw_bytes_free(&b);
+}
+
+/* An SDF has a joint for each joint, with the loops; a slot is two. */
+static void sdf_has_all_joints(void)
+{
+    static const struct { const char *name; int links, joints; } rows[] = {
+        { "hoeken", 3, 4 }, { "slider-crank", 3, 4 }, { "jansen", 7, 10 }, { "pendulum", 1, 1 }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_linkage k = example(rows[i].name);
+        lw_bytes b = { 0 };
+        lw_error e = { 0 };
+        int links = 0, joints = 0;
+        CHECK_INT(lw_export_sdf(&k, NULL, &b, &e), LW_OK);
+        for (const char *c = b.data; (c = strstr(c, "<link name=")); c++)
+            links++;
+        for (const char *c = b.data; (c = strstr(c, "<joint name=")); c++)
+            joints++;
+        CHECK_INT(links, rows[i].links);
+        CHECK_INT(joints, rows[i].joints);
+        CHECK((strstr(b.data, "close a loop") != NULL) == (k.n_joint >= k.n_link));
+        lw_bytes_free(&b);
+    }
 }
 
 /* A cam has no carrier. */
@@ -162,7 +186,7 @@ static double close_loops(run *r)
 static mjModel *load_bytes(const lw_linkage *k, lw_bytes b)
 {
     char path[220], why[1000] = "";
-    snprintf(path, sizeof path, "%s/model.xml", temporary_folder());
+    snprintf(path, sizeof path, "%s/model.%s", temporary_folder(), strstr(b.data, "<robot") ? "urdf" : "xml");
     FILE *f = fopen(path, "w");
     CHECK(f && fwrite(b.data, 1, b.size, f) == b.size);
     if (f)
@@ -324,6 +348,55 @@ static void loads_act_alike(void)
     }
 }
 
+/* The bodies of a URDF, as MuJoCo reads it, move with its joints as those of the MJCF file do. */
+static void urdf_moves_alike(void)
+{
+    static const char *const names[] = { "hoeken", "slider-crank", "klann", "jansen", "inverted-slider-crank", "yoke", "pendulum" };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
+        lw_linkage k = strcmp(names[i], "yoke") == 0 ? scotch_yoke(1) : example(names[i]);
+        lw_bytes b = { 0 };
+        lw_error e = { 0 };
+        CHECK_INT(lw_export_urdf(&k, NULL, &b, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK((strstr(b.data, "close a loop") != NULL) == (k.n_joint >= k.n_link));
+        mjModel *m[2] = { load(&k), load_bytes(&k, b) };
+        if (!m[0] || !m[1])
+            continue;
+        mjData *d[2] = { mj.make(m[0]), mj.make(m[1]) };
+        int same = 0;
+        for (int j = 0; j < m[0]->njnt; j++) {
+            const char *name = m[0]->names + m[0]->name_jntadr[j];
+            int other = mj.find(m[1], mjOBJ_JOINT, name);
+            double go = 0.3*lw_rng_uniform(&rng);
+            if (other < 0)                           /* of a body that only closes a loop */
+                continue;
+            d[0]->qpos[m[0]->jnt_qposadr[j]] = m[0]->qpos0[m[0]->jnt_qposadr[j]] + go;
+            d[1]->qpos[m[1]->jnt_qposadr[other]] = go;
+            same++;
+        }
+        CHECK_INT(same, m[1]->njnt);
+        mj.position(m[0], d[0]);
+        mj.position(m[1], d[1]);
+        for (int link = 0; link < k.n_link; link++) {
+            int p = mj.find(m[0], mjOBJ_BODY, k.link_name[link]), q = mj.find(m[1], mjOBJ_BODY, k.link_name[link]);
+            if (link == k.ground)
+                continue;
+            CHECK(p > 0 && q > 0);
+            for (int c = 0; c < 9 && p > 0 && q > 0; c++) {
+                CHECK_NEAR(d[0]->xmat[9*p + c], d[1]->xmat[9*q + c], 1e-9, 0);
+                CHECK_NEAR(d[0]->xpos[3*p + c/3], d[1]->xpos[3*q + c/3], 1e-9*lw_export_size(&k), 0);
+            }
+            CHECK_NEAR(m[0]->body_mass[p], m[1]->body_mass[q], 0, 0.2);       /* capsules and balls against rods */
+        }
+        for (int n = 0; n < 2; n++) {
+            mj.free_data(d[n]);
+            mj.free_model(m[n]);
+        }
+    }
+}
+
 /* Loops that sliders and slots close: wedges; a Scotch yoke with its joints in both orders. */
 static void loops_closed_by_sliders(void)
 {
@@ -360,6 +433,7 @@ static bool have_mujoco(void) { return false; }
 static void examples_move_alike(void) { }
 static void examples_are_stable(void) { }
 static void loads_act_alike(void) { }
+static void urdf_moves_alike(void) { }
 static void loops_closed_by_sliders(void) { }
 static void welds(void) { }
 #endif
@@ -369,10 +443,12 @@ int main(void)
     RUN(a_four_bar_closes_by_one_connect);
     RUN(names_are_escaped);
     RUN(refusals);
+    RUN(sdf_has_all_joints);
     if (have_mujoco()) {
         RUN(examples_move_alike);
         RUN(examples_are_stable);
         RUN(loads_act_alike);
+        RUN(urdf_moves_alike);
         RUN(loops_closed_by_sliders);
         RUN(welds);
     } else {

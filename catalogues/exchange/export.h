@@ -26,6 +26,12 @@ typedef struct lw_export_options {
  * LW_E_KIND, naming it: a load that MJCF cannot hold. */
 lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
+/* Robot descriptions. URDF: a tree of bodies; joints that close a loop are named in a comment and left out. SDF 1.7: a
+ * model in which these are joints too; the engine must support loops. Bodies are steel rods, or have the masses of the
+ * model with dampers (SDF: and springs) at joints. LW_E_KIND: gears, other loads. */
+lw_status lw_export_urdf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_sdf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+
 /* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER,
  * MOTION, REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. Without
  * masses the file is for kinematics. With a model it holds masses, gravity, springs and dampers, motors at pins and constant

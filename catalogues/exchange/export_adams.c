@@ -7,6 +7,7 @@
 
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
+#include "catalogues/exchange/tree.h"
 #include "catalogues/draw/scene.h"
 
 #define DIGITS 15
@@ -396,15 +397,6 @@ static void put_requests(writer *w)
         }
 }
 
-/* In a model with masses an input without a motion runs freely. */
-static bool has_masses(const lw_linkage *k, const lw_export_options *o)
-{
-    for (int i = 0; o && o->model && i < k->n_link; i++)
-        if (i != k->ground && o->model->body[i].mass > 0)
-            return true;
-    return false;
-}
-
 /* ---- the whole -------------------------------------------------------------------------------------- */
 
 lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
@@ -414,7 +406,7 @@ lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_by
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
     w->k = k;
     w->m = o ? o->model : NULL;
-    w->weighed = has_masses(k, o);
+    w->weighed = lw_export_weighed(k, w->m);
     w->out = out;
     lw_status s = lw_linkage_check(k, e);
     if (s == LW_OK)
@@ -468,7 +460,7 @@ lw_status lw_export_adams_commands(const lw_linkage *k, const lw_export_options 
     lw_bytes_text(out, ".adm\n");
     lw_bytes_text(out, name);
     lw_bytes_text(out, "\nOUTPUT/NOSEPARATOR\nSIMULATE/");
-    lw_bytes_text(out, has_masses(k, o) ? "DYNAMICS" : "KINEMATICS");
+    lw_bytes_text(out, lw_export_weighed(k, o ? o->model : NULL) ? "DYNAMICS" : "KINEMATICS");
     lw_bytes_text(out, ", END = 1.0, STEPS = 100\nSTOP\n");
     return lw_bytes_end(out, e);
 }

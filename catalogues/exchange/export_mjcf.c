@@ -1,6 +1,7 @@
 /* catalogues/exchange/export_mjcf.c - write a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
+#include "catalogues/exchange/tree.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -19,10 +20,7 @@ typedef struct writer {
     double            size;
     bool              weighed;                /* the model has masses                                     */
     double            mass, rods, step;       /* of all bodies, of the rods drawn so far [kg]; of time [s] */
-    bool              in_tree[LW_JOINT_MAX];
-    int               parent[LW_LINK_MAX];     /* parent link, and the joint to it; -1: none (ground) */
-    int               joint[LW_LINK_MAX];
-    lw_vec2           origin[LW_LINK_MAX];     /* of the body's frame [m]                           */
+    lw_export_tree    tree;
 } writer;
 
 /* ---- text --------------------------------------------------------------------------------------- */
@@ -74,98 +72,13 @@ static bool is_input(const lw_linkage *k, int joint)
     return false;
 }
 
-/* Has the joint a spring, a motor or a stop? MuJoCo knows these for joints of its tree only. */
-static bool is_loaded(const lw_model *m, int joint)
-{
-    bool any = m && (m->stop[joint].has_least || m->stop[joint].has_greatest);
-    for (int i = 0; m && i < m->n_joint_spring; i++)
-        any = any || m->joint_spring[i].joint == joint;
-    for (int i = 0; m && i < m->n_motor; i++)
-        any = any || m->motor[i].joint == joint;
-    return any;
-}
-
 /* Does a motion drive the input? In a model with masses, an input without a motion runs freely. */
 static bool is_driven(const writer *w, int input)
 {
     return !w->weighed || w->m->motion[input] != NULL;
 }
 
-/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots; pins last,
- * because MuJoCo closes a loop at a pin directly. -1: never. */
-static int rank_of(const writer *w, int joint, const bool *at_gear)
-{
-    const lw_linkage *k = w->k;
-    lw_joint_kind kind = k->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) || is_loaded(w->m, joint) ? 0 : at_gear[joint] ? 1
-         : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
-}
-
-static lw_status mark_gears(const lw_linkage *k, bool *at_gear, lw_error *e)
-{
-    for (int j = 0; j < k->n_joint; j++) {
-        int joint[2];
-        double sign[2];
-        lw_status s = lw_joint_has_ratio(k->joint[j].kind) ? lw_export_gear(k, j, joint, sign, e) : LW_OK;
-        if (s != LW_OK)
-            return s;
-        if (lw_joint_has_ratio(k->joint[j].kind))
-            at_gear[joint[0]] = at_gear[joint[1]] = true;
-    }
-    return LW_OK;
-}
-
-/* Choose a spanning tree by rank (Kruskal). */
-static void choose_tree(writer *w, const bool *at_gear)
-{
-    const lw_linkage *k = w->k;
-    int group[LW_LINK_MAX];
-    for (int i = 0; i < k->n_link; i++)
-        group[i] = i;
-    for (int rank = 0; rank <= 4; rank++)
-        for (int j = 0; j < k->n_joint; j++) {
-            int a = group[k->joint[j].link[0]], b = group[k->joint[j].link[1]];
-            if (rank_of(w, j, at_gear) != rank || a == b)
-                continue;
-            w->in_tree[j] = true;
-            for (int i = 0; i < k->n_link; i++)
-                if (group[i] == b)
-                    group[i] = a;
-        }
-}
-
-/* Set parents, going away from the ground. False: a link is connected only by a gear. */
-static bool root_tree(writer *w)
-{
-    const lw_linkage *k = w->k;
-    int reached = 1;
-    for (int i = 0; i < k->n_link; i++)
-        w->parent[i] = w->joint[i] = -1;
-    for (bool more = true; more;) {
-        more = false;
-        for (int j = 0; j < k->n_joint; j++)
-            for (int side = 0; w->in_tree[j] && side < 2; side++) {
-                int from = k->joint[j].link[side], to = k->joint[j].link[1 - side];
-                if ((from != k->ground && w->parent[from] < 0) || to == k->ground || w->parent[to] >= 0)
-                    continue;
-                w->parent[to] = from;
-                w->joint[to] = j;
-                w->origin[to] = k->joint[j].at;
-                more = ++reached > 0;
-            }
-    }
-    return reached == k->n_link;
-}
-
 /* ---- bodies -------------------------------------------------------------------------------------- */
-
-/* +1 if the turn or shift of `child` has the joint's sign, else -1. */
-static double count_sign(const lw_linkage *k, int joint, int child)
-{
-    const lw_joint *p = &k->joint[joint];
-    bool turned = lw_joint_turns(p->kind) && p->link[1] == k->ground;
-    return (p->link[turned ? 0 : 1] == child) ? 1 : -1;
-}
 
 static double drive_inertia(const writer *w, int joint)
 {
@@ -244,9 +157,9 @@ static void put_slide(writer *w, int depth, int joint, double sign, const char *
 static void put_joint(writer *w, int depth, int child)
 {
     const lw_linkage *k = w->k;
-    int j = w->joint[child];
+    int j = w->tree.joint[child];
     const lw_joint *p = &k->joint[j];
-    double sign = count_sign(k, j, child);
+    double sign = lw_export_count_sign(k, j, child);
     bool slot = lw_joint_has_slot(p->kind), carries = slot && p->link[0] == child;
     if (lw_joint_translates(p->kind) || (slot && !carries))
         put_slide(w, depth, j, sign, slot ? " slide" : "");
@@ -305,16 +218,16 @@ static void put_shape(writer *w, int depth, int link)
     bool any = false;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
-        if ((p->link[0] != link && p->link[1] != link) || j == w->joint[link] || lw_joint_has_ratio(p->kind))
+        if ((p->link[0] != link && p->link[1] != link) || j == w->tree.joint[link] || lw_joint_has_ratio(p->kind))
             continue;
-        lw_vec2 to = lw_v2_sub(p->at, w->origin[link]);
+        lw_vec2 to = lw_v2_sub(p->at, w->tree.origin[link]);
         if (lw_v2_norm(to) < 1e-9*w->size)
             continue;
         put_rod(w, depth, lw_v2(0, 0), to);
         any = true;
     }
     for (int t = 0; t < k->n_tracer; t++) {
-        lw_vec2 to = lw_v2_sub(k->tracer[t].at, w->origin[link]);
+        lw_vec2 to = lw_v2_sub(k->tracer[t].at, w->tree.origin[link]);
         if (k->tracer[t].link != link || lw_v2_norm(to) < 1e-9*w->size)
             continue;
         put_rod(w, depth, lw_v2(0, 0), to);
@@ -334,7 +247,7 @@ static void put_sites(writer *w, int depth, int link)
         put(w, "<site");
         put_name(w, "name", k->tracer[t].name, "");
         put(w, " pos=\"");
-        put_vec(w, lw_v2_sub(k->tracer[t].at, w->origin[link]));
+        put_vec(w, lw_v2_sub(k->tracer[t].at, w->tree.origin[link]));
         put(w, "\" euler=\"0 0 ");
         put_number(w, k->tracer[t].angle);
         put(w, "\" size=\"");
@@ -349,7 +262,7 @@ static void put_load_site(writer *w, int depth, const char *name, const char *mo
     put(w, "<site");
     put_name(w, "name", name, more);
     put(w, " pos=\"");
-    put_vec(w, lw_v2_sub(at, w->origin[link]));
+    put_vec(w, lw_v2_sub(at, w->tree.origin[link]));
     put(w, "\"");
     put_attribute(w, "size", 0.01*w->size);
     put(w, "/>");
@@ -373,13 +286,13 @@ static void put_runners(writer *w, int depth, int link)
     const lw_linkage *k = w->k;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
-        if (w->in_tree[j] || p->link[0] != link || !lw_joint_slides(p->kind))
+        if (w->tree.in_tree[j] || p->link[0] != link || !lw_joint_slides(p->kind))
             continue;
         put_indent(w, depth);
         put(w, "<body");
         put_name(w, "name", p->name, " runner");
         put(w, " pos=\"");
-        put_vec(w, lw_v2_sub(p->at, w->origin[link]));
+        put_vec(w, lw_v2_sub(p->at, w->tree.origin[link]));
         put(w, "\">");
         put_slide(w, depth + 1, j, 1, "");
         if (w->weighed)
@@ -400,12 +313,12 @@ static void put_body(writer *w, int depth, int link)
         put(w, "<body");
         put_link(w, "name", link, "");
         put(w, " pos=\"");
-        put_vec(w, lw_v2_sub(w->origin[link], w->origin[w->parent[link]]));
+        put_vec(w, lw_v2_sub(w->tree.origin[link], w->tree.origin[w->tree.parent[link]]));
         put(w, "\">");
         put_joint(w, depth + 1, link);
         if (w->weighed) {
             const lw_body *b = &w->m->body[link];
-            put_inertia(w, depth + 1, b->mass, b->given ? lw_v2_sub(b->centre, w->origin[link]) : lw_v2(0, 0), b->inertia);
+            put_inertia(w, depth + 1, b->mass, b->given ? lw_v2_sub(b->centre, w->tree.origin[link]) : lw_v2(0, 0), b->inertia);
         }
         put_shape(w, depth + 1, link);
     }
@@ -413,7 +326,7 @@ static void put_body(writer *w, int depth, int link)
     put_load_sites(w, depth + 1, link);
     put_runners(w, depth + 1, link);
     for (int i = 0; i < k->n_link; i++)
-        if (i != k->ground && w->parent[i] == link)
+        if (i != k->ground && w->tree.parent[i] == link)
             put_body(w, depth + 1, i);
     if (!ground) {
         put_indent(w, depth);
@@ -444,7 +357,7 @@ static void put_pair(writer *w, const char *kind, int joint, bool runner, bool a
     }
     if (anchor) {
         put(w, " anchor=\"");
-        put_vec(w, a == k->ground ? lw_v2(0, 0) : lw_v2_sub(p->at, w->origin[a]));
+        put_vec(w, a == k->ground ? lw_v2(0, 0) : lw_v2_sub(p->at, w->tree.origin[a]));
         put(w, "\"");
     }
     put(w, "/>");
@@ -459,7 +372,7 @@ static lw_status put_gear(writer *w, int gear, lw_error *e)
     if (s != LW_OK)
         return s;
     for (int i = 0; i < 2; i++)
-        if (!w->in_tree[joint[i]])
+        if (!w->tree.in_tree[joint[i]])
             return lw_error_set(e, LW_E_KIND, "gear '%s' runs on joint '%s', by which a loop is closed; MuJoCo couples "
                                 "joints of its tree only", k->joint[gear].name, k->joint[joint[i]].name);
     put_indent(w, 2);
@@ -488,7 +401,7 @@ static lw_status put_closures(writer *w, lw_error *e)
     lw_status s = LW_OK;
     put(w, "\n  <equality>");
     for (int j = 0; s == LW_OK && j < w->k->n_joint; j++) {
-        if (w->in_tree[j])
+        if (w->tree.in_tree[j])
             continue;
         switch (w->k->joint[j].kind) {
         case LW_JOINT_REVOLUTE: put_pair(w, "<connect", j, false, true);  break;
@@ -524,12 +437,12 @@ static lw_status check_loads(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF", m->spring[i].name);
     for (int i = 0; m && i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
-        if (p->law || lw_joint_has_slot(k->joint[p->joint].kind) || !w->in_tree[p->joint])
+        if (p->law || lw_joint_has_slot(k->joint[p->joint].kind) || !w->tree.in_tree[p->joint])
             return lw_error_set(e, LW_E_KIND, "joint spring '%s' %s, which has no form in MJCF", p->name,
                                 p->law ? "has a law of its own" : "acts at a joint by which a loop is closed");
     }
     for (int i = 0; m && i < m->n_motor; i++)
-        if (!w->in_tree[m->motor[i].joint])
+        if (!w->tree.in_tree[m->motor[i].joint])
             return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form in "
                                 "MJCF", m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
@@ -544,7 +457,7 @@ static lw_status check_loads(const writer *w, lw_error *e)
         bool stops = stop->has_least || stop->has_greatest;
         const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE ? "clearance"
                          : stops && (stop->restitution > 0 || stop->stiffness > 0) ? "a stop that rebounds or gives way"
-                         : stops && (!w->in_tree[j] || lw_joint_has_slot(k->joint[j].kind)) ? "a stop where a loop is closed"
+                         : stops && (!w->tree.in_tree[j] || lw_joint_has_slot(k->joint[j].kind)) ? "a stop where a loop is closed"
                          : NULL;
         if (what)
             return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which has no form in MJCF", k->joint[j].name, what);
@@ -705,7 +618,7 @@ static void put_head(writer *w)
 static lw_status check_drives(const writer *w, lw_error *e)
 {
     for (int i = 0; i < w->k->n_input; i++)
-        if (!w->in_tree[w->k->input[i].joint])
+        if (!w->tree.in_tree[w->k->input[i].joint])
             return lw_error_set(e, LW_E_KIND, "input '%s' closes a loop of inputs, which has no form in MJCF",
                                 w->k->joint[w->k->input[i].joint].name);
     return LW_OK;
@@ -730,17 +643,12 @@ static double mass_of(writer *w)
 lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer w = { .k = k, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(k) };
-    bool at_gear[LW_JOINT_MAX] = { false };
     lw_status s = lw_linkage_check(k, e);
-    for (int i = 0; w.m && i < k->n_link; i++)
-        w.weighed = w.weighed || (i != k->ground && w.m->body[i].mass > 0);
+    w.weighed = lw_export_weighed(k, w.m);
     if (s == LW_OK)
-        s = mark_gears(k, at_gear, e);
-    if (s == LW_OK) {
-        choose_tree(&w, at_gear);
-        s = root_tree(&w) ? check_drives(&w, e)
-          : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in MJCF");
-    }
+        s = lw_export_span(k, w.m, &w.tree, e);
+    if (s == LW_OK)
+        s = check_drives(&w, e);
     if (s == LW_OK)
         s = check_loads(&w, e);
     if (s == LW_OK) {

@@ -74,6 +74,8 @@ const lw_format lw_formats[] = {
     { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams, true },
     { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks, false },
     { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, lw_export_mjcf, true },
+    { "urdf", "a robot description, a tree", ".urdf", NULL, NULL, lw_export_urdf, true },
+    { "sdf", "a model for Gazebo and others, with loops", ".sdf", NULL, NULL, lw_export_sdf, true },
     { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands, true },
     { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf, false },
     { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad, false },

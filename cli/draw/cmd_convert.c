@@ -19,7 +19,7 @@ static const cli_option options[] = {
       "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text",
       0, 0, NULL, NULL },
     { "format", 0, CLI_TEXT, offsetof(settings, to),
-      "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|step|stl|slvs|svg|poses|motiongen", NULL,
+      "json|pyslvs|adams|pmks|mjcf|urdf|sdf|acf|dxf|scad|step|stl|slvs|svg|poses|motiongen", NULL,
       "format of the output; without this option the end of the output's name decides (.json, .pyslvs, .txt, .adm, "
       ".xml, ...); standard output gets json", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
@@ -204,6 +204,8 @@ const cli_command cli_convert_command = {
         "Formats that can only be written:\n"
         "  acf      the commands that run NAME.adm in ADAMS/Solver; NAME is the name of the linkage\n"
         "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer, masses and loads\n"
+        "  urdf     a robot description: a tree of bodies; joints that close a loop are named in a comment and left out\n"
+        "  sdf      the same for Gazebo and others, with the joints that close loops\n"
         "  dxf      plates to cut, with holes and slots, in millimetres; each link lies in a layer in which it passes\n"
         "           all other links over the whole motion; the name of a DXF layer, such as L2_ROD, says in which one\n"
         "           (exit code 1: there are no such layers)\n"

@@ -389,6 +389,7 @@ static lw_status spread_target(lw_target *t, size_t m, lw_error *e)
 lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e)
 {
     lw_status s = LW_OK;
+    lw_target_place place;
     if (!o || (o->smooth <= 0 && o->stations <= 0))
         return s;
     if (!t->x)
@@ -398,6 +399,8 @@ lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e)
                             "a path of x and y can be spread to other stations");
     if (o->smooth > 0)
         s = smooth_target(t, o->smooth*t->units.metre, e);
+    if (s == LW_OK && o->smooth > 0)
+        s = lw_target_finish(t, t->closed, &place, e);            /* its length and size */
     if (s == LW_OK && o->stations > 0)
         s = spread_target(t, (size_t)o->stations, e);
     return s;

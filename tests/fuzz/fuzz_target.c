@@ -10,7 +10,7 @@ static void demand(int condition)
         abort();
 }
 
-static void check_stations(const lw_target *t)
+static void check_stations(const lw_target *t, int spread)
 {
     demand(t->n >= 1 && t->n <= LW_STATION_MAX && !t->x == !t->y && t->weight && t->line);
     demand(t->x || (t->angle && t->theta));
@@ -18,7 +18,7 @@ static void check_stations(const lw_target *t)
     for (size_t i = 0; i < t->n; i++) {
         demand(!t->x || (isfinite(t->x[i]) && isfinite(t->y[i])));
         demand(!t->theta || isfinite(t->theta[i]));
-        demand(isfinite(t->weight[i]) && t->weight[i] >= 0 && t->line[i] > (i ? t->line[i-1] : 0));
+        demand(isfinite(t->weight[i]) && t->weight[i] >= 0 && t->line[i] > (i && !spread ? t->line[i-1] : 0));
         for (int k = 0; k < t->n_also; k++) {
             const lw_also *a = &t->also[k];
             demand(!a->x == !a->y && (a->x || a->theta) && (!a->x || t->x) && a->weight[i] >= 0);
@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             demand(e.status != LW_OK && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
             continue;
         }
-        check_stations(&t);
+        check_stations(&t, option[i].stations);
         demand(lw_target_make_all(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.also, t.n_also, t.closed, &again,
                                   &e) == LW_OK);
         demand(again.closed == t.closed && again.length == t.length && again.size == t.size);

@@ -1,0 +1,25 @@
+/* catalogues/exchange/tree.h - a linkage as a tree of bodies that hang on each other, for formats that know such trees
+ * only; the joints outside of the tree close the loops. */
+#ifndef LW_CATALOGUES_EXCHANGE_TREE_H
+#define LW_CATALOGUES_EXCHANGE_TREE_H
+
+#include "grammar/model.h"
+
+typedef struct lw_export_tree {
+    bool    in_tree[LW_JOINT_MAX];
+    int     parent[LW_LINK_MAX];       /* parent link, and the joint to it; -1: none (ground)            */
+    int     joint[LW_LINK_MAX];
+    lw_vec2 origin[LW_LINK_MAX];       /* of the body's frame: the joint to its parent [m]               */
+} lw_export_tree;
+
+/* Choose a spanning tree: driven and loaded joints first (m may be NULL), then those of gear wheels, welds, sliders and
+ * slots, pins last. LW_E_KIND: a link hangs on a gear alone; failures of lw_export_gear. */
+lw_status lw_export_span(const lw_linkage *k, const lw_model *m, lw_export_tree *t, lw_error *e);
+
+/* +1 if the turn or shift of `child` has the joint's sign, else -1. */
+double lw_export_count_sign(const lw_linkage *k, int joint, int child);
+
+/* Has a link of the model a mass? m may be NULL. */
+bool lw_export_weighed(const lw_linkage *k, const lw_model *m);
+
+#endif
