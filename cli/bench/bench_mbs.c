@@ -42,7 +42,7 @@ static lw_vec2 crank_end(const cli_mbs_motion *m, int k, int crank)
     return lw_v2(at[0] - 0.5*sin(at[2]), at[1] + 0.5*cos(at[2]));
 }
 
-/* Error of the chain of four-bars. *off: distance from the right assembly mode, |B_(i+1) - B_i - (1, 0)|; there the
+/* Error of the row of four-bars, whose cranks are the first bodies. *off: distance from the right assembly mode, |B_(i+1) - B_i - (1, 0)|; there the
  * couplers stay horizontal. */
 static double four_bars_error(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off)
 {
@@ -52,7 +52,7 @@ static double four_bars_error(const cli_mbs_motion *m, const cli_mbs_reference *
         const double *expected = r->value + k*r->n_column;
         lw_vec2 b0 = crank_end(m, k, 0), before = b0;
         worst = fmax(worst, hypot(b0.x - expected[1], b0.y - expected[2]));
-        for (int i = 1; i < 3; i++) {
+        for (int i = 1; i < (m->n_body + 1)/2; i++) {
             lw_vec2 b = crank_end(m, k, i);
             *off = fmax(*off, hypot(b.x - before.x - 1, b.y - before.y));
             before = b;
@@ -80,14 +80,20 @@ static const char flexible[] = "flexible-crank", clearance[] = "clearance", chao
 /* at 1e-13 the corrector of BDF reaches rounding error */
 const cli_mbs_problem cli_mbs_problems[] = {
     { "pendulum", "simple pendulum (A01), 10 s", "place of the bob [m], any 0.1 s", "pendulum", 10, 12,
-      pendulum_error },
+      pendulum_error, 0 },
     { "two-four-bars", "N-four-bar, N = 2 (A02), 10 s through ten singular postures", "place of B0 [m], any 0.1 s",
-      "two-four-bars", 10, 12, four_bars_error },
-    { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], any ms", "andrews", 0.03, 12, andrews_error },
-    { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL },
+      "two-four-bars", 10, 12, four_bars_error, 0 },
+    { "row-of-15", "N-four-bar, N = 15: 31 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-15-four-bars", 10, 12,
+      four_bars_error, 15 },
+    { "row-of-40", "N-four-bar, N = 40: 81 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-40-four-bars", 10, 10,
+      four_bars_error, 40 },
+    { "row-of-400", "N-four-bar, N = 400: 801 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-400-four-bars", 10, 8,
+      four_bars_error, 400 },
+    { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], any ms", "andrews", 0.03, 12, andrews_error, 0 },
+    { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL, 0 },
     { clearance, "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13,
-      NULL },
-    { chaotic, "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, 13, NULL },
+      NULL, 0 },
+    { chaotic, "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, 13, NULL, 0 },
     { .name = NULL }
 };
 
@@ -146,6 +152,33 @@ static lw_status read_model(const char *name, lw_model *m, lw_error *e)
     lw_status st = lw_file_read(path, &text, &size, e);
     if (st == LW_OK)
         st = lw_model_read(text, size, path, m, e);
+    free(text);
+    return st;
+}
+
+/* A row of n four-bars: n + 1 upright cranks on the ground, their ends joined by rods; all links 1 m and 1 kg. */
+static lw_status make_row(int n, lw_model *m, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    fputs("{\"linkwright\": 1, \"gravity\": [0, -9.81], \"input\": {\"joint\": \"A0\", \"speed\": -1},\n\"links\": [\"ground\"", f);
+    for (int i = 0; i <= n; i++)
+        fprintf(f, ",\n{\"name\": \"c%d\", \"mass\": 1, \"centre\": [%d, 0.5], \"inertia\": 0.083333333333333329}", i, i);
+    for (int i = 0; i < n; i++)
+        fprintf(f, ",\n{\"name\": \"r%d\", \"mass\": 1, \"centre\": [%.1f, 1], \"inertia\": 0.083333333333333329}", i, i + 0.5);
+    fputs("],\n\"joints\": [{\"name\": \"A0\", \"links\": [\"ground\", \"c0\"], \"at\": [0, 0]}", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, ",\n{\"name\": \"A%d\", \"links\": [\"ground\", \"c%d\"], \"at\": [%d, 0]},\n"
+                "{\"name\": \"B%d\", \"links\": [\"c%d\", \"r%d\"], \"at\": [%d, 1]},\n"
+                "{\"name\": \"C%d\", \"links\": [\"r%d\", \"c%d\"], \"at\": [%d, 1]}",
+                i, i, i, i, i - 1, i - 1, i - 1, i, i - 1, i, i);
+    fputs("]}\n", f);
+    bool bad = ferror(f) != 0;
+    bad = fclose(f) != 0 || bad;
+    lw_status st = bad ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_model_read(text, size, "row of four-bars", m, e);
     free(text);
     return st;
 }
@@ -257,7 +290,8 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
     cli_mbs_reference r;
     cli_mbs_row *row;
     int implicit = b->tightest < p->implicit ? b->tightest : p->implicit;
-    lw_status st = m ? read_model(p->file, m, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status st = !m ? lw_error_set(e, LW_E_MEMORY, "out of memory")
+                 : p->n_loop > 0 ? make_row(p->n_loop, m, e) : read_model(p->file, m, e);
     if (st != LW_OK) {
         free(m);
         return st;
@@ -271,7 +305,7 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
             if (st == LW_OK && row->seconds > CLI_MBS_TOO_SLOW)
                 break;
         }
-    if (st == LW_OK)
+    if (st == LW_OK && m->small)             /* what is passed to other programs holds no more */
         st = cli_mbs_peers(b, p, m, &r, e);
     free(r.value);
     lw_model_free(m);
@@ -419,7 +453,8 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
         if (i == n)
             return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word,
                                 near ? "did you mean '" : "there are "
-                                "pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250",
+                                "pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, flexible-crank, clearance, "
+                                "clearance-250",
                                 near ? near : "",
                                 near ? "'?" : "");
         *wanted |= 1ull << i;

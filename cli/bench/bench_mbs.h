@@ -32,6 +32,7 @@ typedef struct cli_mbs_problem {
     double      to;                      /* [s]                                                        */
     int         implicit;                /* tightest tolerance of implicit methods, 1e-implicit        */
     double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
+    int         n_loop;                  /* > 0: a row of so many four-bars instead of the model of the file */
 } cli_mbs_problem;
 
 #define CLI_MBS_TOO_SLOW  1.0             /* [s] for a run: the solver gets no tighter tolerances        */

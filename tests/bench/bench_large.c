@@ -11,24 +11,26 @@ static double per_evaluation(const lw_model *m, double *set_up)
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d;
     lw_error e = { 0 };
-    double best = INFINITY, power, from = lw_clock_wall();
+    double best = INFINITY, power, from = lw_clock_cpu();
     o.formulation = LW_FORMULATION_INDEX1;
     if (lw_dynamics_make(m, &o, &d, &e) != LW_OK) {
         fprintf(stderr, "%s\n", e.text);
         return NAN;
     }
-    *set_up = lw_clock_wall() - from;
+    *set_up = lw_clock_cpu() - from;
     int n_q = d->n_q, repeat = 1 + 3000000/n_q;
-    double *v = calloc((size_t)n_q, sizeof *v);
-    for (int i = 0; i < n_q; i++)
+    double *q = calloc(2*(size_t)n_q, sizeof *q), *v = q + n_q;
+    for (int i = 0; i < n_q; i++) {          /* links at different angles; the rows need not be satisfied */
         v[i] = d->start_v[i];
-    for (int trial = 0; trial < 7; trial++) {
-        from = lw_clock_wall();
-        for (int k = 0; k < repeat; k++)
-            lw_mbs_accelerate(d, 0, d->start_q, v, d->a, d->l, &power);
-        best = fmin(best, (lw_clock_wall() - from)/repeat);
+        q[i] = d->start_q[i] + (i%3 == 2 ? 0.3*sin(i) : 0);
     }
-    free(v);
+    for (int trial = 0; trial < 7; trial++) {
+        from = lw_clock_cpu();
+        for (int k = 0; k < repeat; k++)
+            lw_mbs_accelerate(d, 0, q, v, d->a, d->l, &power);
+        best = fmin(best, (lw_clock_cpu() - from)/repeat);
+    }
+    free(q);
     lw_dynamics_free(d);
     return best;
 }
@@ -51,9 +53,9 @@ static double per_implicit_step(const lw_model *m)
     o.to = 1;
     if (lw_dynamics_make(m, &o, &d, &e) != LW_OK)
         return NAN;
-    double from = lw_clock_wall();
+    double from = lw_clock_cpu();
     lw_dynamics_run(d, ignore, NULL, &r, &e);
-    double took = lw_clock_wall() - from;
+    double took = lw_clock_cpu() - from;
     lw_dynamics_free(d);
     return took/(double)r.steps;
 }
