@@ -451,7 +451,7 @@ static double slope(int n, const double *x, const double *y)
  * tolerance. */
 static void order(void)
 {
-    enum { MOMENTS = 30, RUNS = 9 };
+    enum { MOMENTS = 30, RUNS = 17 };
     double mass[2] = { 1, 1 }, y[4] = { 0 }, tolerance[RUNS], error[RUNS], steps[RUNS];
     lw_ode ode = { .n = 4, .context = mass, .rate = double_rate };
     lw_vec2 want[MOMENTS + 1];
@@ -464,7 +464,7 @@ static void order(void)
     for (int f = 1; f < 4; f++) {
         for (int k = 0; k < RUNS; k++) {
             double worst = 0;
-            tolerance[k] = -8 - 0.5*k;
+            tolerance[k] = -9 - 0.25*k;         /* looser, the implicit methods take lower orders */
             CHECK_INT(drun_to(&d, all[f], pow(10, tolerance[k]), 3, MOMENTS), LW_OK);
             for (int i = 1; i <= MOMENTS; i++)
                 worst = fmax(worst, hypot(d.tracer[i].x - want[i].x, d.tracer[i].y - want[i].y));

@@ -20,12 +20,12 @@ static const long worth_restart = 20;                /* steps after which a rest
 typedef struct ggl {
     lw_run *run;
     int    q, c;
-    double least_mass, *dq, *dv;
+    double least_mass;
     lw_ida *ida;
     double *dense;                           /* (n of IDA) scratch */
     unsigned char *algebraic;                /* (n of IDA) */
     double *each;                            /* absolute tolerances */
-    lw_columns columns;                      /* pattern of the Jacobian of a large model */
+    lw_columns columns;                      /* pattern of the Jacobian; n 0: it is found by differences */
     double *value;                           /* its entries while they are filled */
     int    *pair;                            /* entries while the pattern is listed */
     long   n_pair, most_pair;
@@ -104,13 +104,9 @@ static lw_status residual(void *context, double t, const double *y, const double
 /* Number of unknowns. */
 static int unknowns(const ggl *g) { return 2*g->q + 2*g->c + g->run->has_work; }
 
-/* Add x to entry (row, column): of a dense matrix, of the pattern, or to the list of which the pattern is made. */
+/* Add x to entry (row, column) of the pattern; before there is one, list the entry. */
 static void put(ggl *g, double *jac, int row, int column, double x)
 {
-    if (!g->columns.n) {
-        jac[row + unknowns(g)*column] += x;
-        return;
-    }
     if (g->columns.at) {
         jac[lw_columns_find(&g->columns, row, column)] += x;
         return;
@@ -173,18 +169,11 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
     if (s != LW_OK)
         return s;
     g->value = jac;
-    if (g->columns.n)
-        d->eq.derivatives(d->eq.context, t, y, y + n, d->force, &(lw_force_sink){ g, put_force });
-    else
-        lw_forces_apply(&d->f, t, y, y + n, d->force, g->dq, g->dv, NULL);
+    d->eq.derivatives(d->eq.context, t, y, y + n, d->force, &(lw_force_sink){ g, put_force });
     for (int i = 0; i < n; i++) {
         put(g, jac, i, i, c);
         put(g, jac, i, n + i, -1);
         put(g, jac, n + i, n + i, c*d->f.mass[i]);
-        for (int j = 0; !g->columns.n && j < n; j++) {
-            jac[n + i + (last + 1)*j] -= g->dq[i*n + j];
-            jac[n + i + (last + 1)*(n + j)] -= g->dv[i*n + j];
-        }
     }
     for (int k = 0; k < g->c; k++)
         add_row_derivatives(g, k, y, jac);
@@ -223,7 +212,8 @@ static lw_status find_pattern(ggl *g)
             }
         }
     }
-    put(g, NULL, last, last, 1);
+    if (g->run->has_work)
+        put(g, NULL, last, last, 1);
     bool ok = !g->failed && lw_columns_make(&g->columns, last + 1, g->pair, g->n_pair);
     free(g->pair);
     g->pair = NULL;
@@ -374,7 +364,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     unsigned char *algebraic = g->algebraic;
     memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
     lw_dae dae = { .n = 2*g->q + 2*g->c + run->has_work, .context = g, .residual = residual,
-                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = d->large ? &g->columns : NULL };
+                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL };
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = begin(g, w, &dae, y, dy);
     if (s != LW_OK)
@@ -413,11 +403,11 @@ static lw_status run_ggl(lw_run *run)
     lw_ida w = { 0 };
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
-    size_t n = 2*(size_t)(g.q + g.c) + 1, dense = d->large ? 0 : (size_t)g.q*(size_t)g.q;
-    double *y = calloc(3*n + 2*(size_t)run->n + 2*dense, sizeof *y);
+    size_t n = 2*(size_t)(g.q + g.c) + 1;
+    double *y = calloc(3*n + 2*(size_t)run->n, sizeof *y);
     g.algebraic = calloc(n, 1);
     lw_status s = y && g.algebraic ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK && d->large)
+    if (s == LW_OK && has_derivatives(d))
         s = find_pattern(&g);
     if (s != LW_OK) {
         free(y);
@@ -426,9 +416,7 @@ static lw_status run_ggl(lw_run *run)
     }
     run->y = y + 2*n;
     run->state = run->y + run->n;
-    g.dq = run->state + run->n;
-    g.dv = g.dq + dense;
-    g.each = g.dv + dense;
+    g.each = run->state + run->n;
     g.ida = &w;
     g.dense = y;
     s = run_ida(&g, &w, y, y + n);
