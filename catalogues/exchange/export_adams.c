@@ -247,7 +247,7 @@ static void put_loads(writer *w)
 {
     const lw_model *m = w->m;
     int spring = 0, force = 0;
-    if (!m)
+    if (!m || !(w->weighed || m->n_spring + m->n_joint_spring + m->n_motor + m->n_force > 0))
         return;
     put(w, "!\n");
     if (w->weighed) {
