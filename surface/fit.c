@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "catalogues/pages/page.h"
 #include "optimise/precision/exact.h"
+#include "optimise/report/robustness.h"
 #include "optimise/task/read_file.h"
 #include "optimise/topology/topology_search.h"
 
@@ -375,6 +376,22 @@ lw_status lw_results_inputs(const lw_results *results, int i, double *input)
         return LW_E_ARG;
     memcpy(input, candidate_of(results, i)->input, results->n_station*sizeof *input);
     return LW_OK;
+}
+
+lw_status lw_results_spread(const lw_results *results, const lw_target *target, int i, double tolerance, double clearance,
+                            lw_result_spread *out, lw_error *error)
+{
+    lw_tolerances of = { .length = tolerance, .clearance = clearance, .seed = 1 };
+    lw_robustness r;
+    memset(out, 0, sizeof *out);
+    if (!has_result(results, i) || !results->has_points || target->n != results->n_station)
+        return lw_error_set(error, LW_E_ARG, "no result %d with a path for this target", i);
+    const lw_fit_report *report = &list_of(results)->report[i];
+    lw_status s = lw_robustness_of(target, candidate_of(results, i), report, &of, &r, error);
+    if (s == LW_OK)
+        *out = (lw_result_spread){ r.rms, r.worst, r.trial_rms, r.within, r.open, report->dim_name[r.first],
+                                   r.part[r.first] };
+    return s;
 }
 
 /* ---- the page -------------------------------------------------------------------------------------------------- */

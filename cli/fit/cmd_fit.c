@@ -13,6 +13,7 @@ typedef struct settings {
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
+    const char *tolerances;
     double      weight_path, weight_angle, angle_length, min_transmission, max_acceleration;
     double      length_range[2], position_range[2], length_ratio, smooth;
     bool        crank_only, full_turn, closed, open, exact;
@@ -91,6 +92,9 @@ static const cli_option options[] = {
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
       "greatest acceleration of the point allowed, with respect to the input [unit/rad^2]; with --task function, of "
       "the output angle", 0, 1e300, NULL, NULL },
+    { "tolerances", 0, CLI_TEXT, offsetof(settings, tolerances), "T[,C]", NULL,
+      "say how far the path of each result spreads when every length varies by +-T (three standard deviations) and pins "
+      "have a radial clearance of C; with a unit, as 0.1mm, or in that of the target", 0, 0, NULL, NULL },
     { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
       "find linkages that pass through every precision point exactly: 2 to 5 poses, 3 to 5 pairs of a function, or 2 "
       "to 9 points. Linkages that can run through all points in order, without being taken apart, come first",
@@ -245,6 +249,28 @@ static lw_status check_types(const char *types, lw_error *e)
         at += n + (at[n] == ',');
     }
     return LW_OK;
+}
+
+/* Read "0.1mm,0.05mm": one or two lengths, with units or in that of the target. */
+static lw_status read_tolerances(const char *text, const lw_units *u, lw_tolerances *of, lw_error *e)
+{
+    double *to[2] = { &of->length, &of->clearance };
+    const char *at = text;
+    for (int i = 0; i < 2 && (i == 0 || *at == ','); i++) {
+        lw_units unit = *u;
+        char name[8] = "", *end;
+        at += i;
+        double v = strtod(at, &end);
+        size_t n = strcspn(end, ",");
+        if (n > 0 && n < sizeof name)
+            memcpy(name, end, n);
+        if (end == at || !(v >= 0 && v < 1e300) || n >= sizeof name || (n > 0 && !lw_units_set_length(&unit, name)))
+            return lw_error_set(e, LW_E_ARG, "--tolerances takes a length and perhaps a clearance, as 0.1mm,0.05mm, not "
+                                "'%s'", text);
+        *to[i] = v*unit.metre;
+        at = end + n;
+    }
+    return *at ? lw_error_set(e, LW_E_ARG, "--tolerances takes one or two lengths, not '%s'", text) : LW_OK;
 }
 
 /* Is `name` a dimension of one of the types? */
@@ -471,6 +497,12 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
         cli_note(call, "%s: %s", path, set->target.note);
     if (st == LW_OK)
         st = make_spec(call, set, &set->spec, e);
+    if (st == LW_OK && (set->has_tolerances = s->tolerances != NULL)) {
+        set->tolerances = (lw_tolerances){ .seed = call->common.seed };
+        st = read_tolerances(s->tolerances, &set->target.units, &set->tolerances, e);
+        if (st == LW_OK && !lw_task_has_place(set->spec.task))
+            st = lw_error_set(e, LW_E_ARG, "--tolerances is about the path of a point, and a function has none");
+    }
     if (st != LW_OK)
         return st;
     why = search(call, set, e);

@@ -6,6 +6,7 @@
 #include "cli/program/output.h"
 #include "optimise/task/task_file.h"
 #include "optimise/precision/exact.h"
+#include "optimise/report/robustness.h"
 #include "optimise/topology/topology_search.h"
 
 /* Linkages from which a search starts. */
@@ -29,6 +30,8 @@ typedef struct cli_fit_set {
     bool        is_exact;
     lw_exact    exact;            /* ... these precision points                                    */
     uint64_t    seed;
+    bool        has_tolerances;   /* --tolerances                                                  */
+    lw_tolerances tolerances;
 } cli_fit_set;
 
 /* Ranked table, lengths in the unit of the target. */

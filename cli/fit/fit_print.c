@@ -32,6 +32,8 @@ bool cli_fit_near_change_point(const lw_fit_report *r)
 
 /* ---- table ------------------------------------------------------------------------------------ */
 
+static void print_robustness(const cli_fit_set *s, FILE *f);
+
 static void table_row(const cli_fit_set *s, int i, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -140,6 +142,8 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
     for (int i = 0; i < s->search.results.n; i++)
         table_row(s, i, f);
     print_marks(s, f);
+    if (s->has_tolerances)
+        print_robustness(s, f);
     if (s->spec.angle_length > 0 && (s->target.theta || s->target.n_also > 0))
         fprintf(f, "an angle error of 1 rad counts as %.4g %s (--angle-length)\n", length(s, s->spec.angle_length),
                 s->target.units.length[0] ? s->target.units.length : "units");
@@ -277,6 +281,58 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     json_inputs(s, c, r, j);
 }
 
+static lw_status robustness(const cli_fit_set *s, int i, lw_robustness *out, lw_error *e)
+{
+    return lw_robustness_of(&s->target, cli_fit_candidate(s, i), &s->search.results.report[i], &s->tolerances, out, e);
+}
+
+static void json_robustness(const cli_fit_set *s, int i, cli_json *j)
+{
+    lw_robustness r;
+    lw_error e = { .text = "" };
+    cli_json_object(j, "robustness");
+    cli_json_real(j, "tolerance", length(s, s->tolerances.length));
+    cli_json_real(j, "clearance", length(s, s->tolerances.clearance));
+    if (robustness(s, i, &r, &e) != LW_OK) {
+        cli_json_text(j, "fault", e.text);
+        cli_json_end(j);
+        return;
+    }
+    cli_json_real(j, "rms", length(s, r.rms));
+    cli_json_real(j, "worst", length(s, r.worst));
+    cli_json_int(j, "trials", r.trials);
+    cli_json_int(j, "open", r.open);
+    cli_json_real(j, "trial_rms", length(s, r.trial_rms));
+    cli_json_real(j, "within", length(s, r.within));
+    cli_json_object(j, "parts");
+    for (int d = 0; d < r.n_dim; d++)
+        cli_json_real(j, r.name[d], r.part[d]);
+    cli_json_end(j);
+    cli_json_end(j);
+}
+
+/* How far the paths spread under --tolerances. */
+static void print_robustness(const cli_fit_set *s, FILE *f)
+{
+    const char *unit = s->target.units.length[0] ? s->target.units.length : "unit";
+    fprintf(f, "tolerance +-%.4g, clearance %.4g %s: standard deviation of the path (rms, worst pose), the same of random "
+            "linkages, how near 95 %% of them stay everywhere [%s]\n", length(s, s->tolerances.length),
+            length(s, s->tolerances.clearance), unit, unit);
+    for (int i = 0; i < s->search.results.n; i++) {
+        lw_robustness r;
+        lw_error e = { .text = "" };
+        if (robustness(s, i, &r, &e) != LW_OK) {
+            fprintf(f, "%3d  %s\n", i + 1, e.text);
+            continue;
+        }
+        fprintf(f, "%3d  %9.3g %9.3g %9.3g %9.3g   most by %s (%.0f %%)", i + 1, length(s, r.rms), length(s, r.worst),
+                length(s, r.trial_rms), length(s, r.within), r.name[r.first], 100*r.part[r.first]);
+        if (r.open > 0)
+            fprintf(f, "; %d of %d do not close", r.open, r.trials);
+        fputc('\n', f);
+    }
+}
+
 static void json_result(const cli_fit_set *s, int i, cli_json *j)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -292,6 +348,8 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     cli_json_real(j, "objective", c->objective);
     json_errors(s, r, j);
     cli_fit_points_json(s, i, j);
+    if (s->has_tolerances)
+        json_robustness(s, i, j);
     cli_json_object(j, "dimensions");
     for (int d = 0; d < c->n_dim; d++)
         cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));

@@ -1,0 +1,187 @@
+#include "optimise/report/robustness.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/rng.h"
+#include "mbs/batch/batch.h"
+
+enum { TRIALS = 1000 };
+#define SIGMA (1/3.0)               /* of the tolerance                                                */
+
+typedef struct spread {
+    lw_plan plan;
+    size_t  n;
+    double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], sigma[LW_DIM_MAX];
+    double *c, *s, *x, *y, *margin, *far;      /* of each pose; far: the greatest distance in each trial */
+    double *by[2];                             /* derivatives of x and y                  (n_dim*n)      */
+    void   *work;
+} spread;
+
+static bool is_pin(lw_dim_role role) { return role == LW_ROLE_R || role == LW_ROLE_X || role == LW_ROLE_Y; }
+
+static void set_deviations(const lw_tolerances *of, spread *p)
+{
+    double size = lw_plan_size(&p->plan, p->dim);
+    for (int d = 0; d < p->plan.n_dim; d++) {
+        const lw_dim_info *i = &p->plan.dim[d];
+        double length = SIGMA*of->length, gap = is_pin(i->role) ? 0.5*of->clearance : 0;
+        p->sigma[d] = i->kind == LW_DIM_ANGLE ? length/(size > 0 ? size : 1) : hypot(length, gap);
+        if (i->role == LW_ROLE_PHASE || i->role == LW_ROLE_MIDDLE)
+            p->sigma[d] = 0;                               /* phases of wheels are set when they are mounted */
+    }
+}
+
+static lw_status prepare(const lw_linkage *k, const double *input, size_t n, int trials, spread *p, lw_error *e)
+{
+    double at;
+    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, &p->plan, e);
+    if (st == LW_OK)
+        st = lw_plan_read(&p->plan, k, p->dim, p->mode, &at, e);
+    if (st != LW_OK)
+        return st;
+    size_t dims = (size_t)p->plan.n_dim, work = (lw_batch_work_size(&p->plan) + 127) & ~(size_t)63;
+    double *m = malloc(sizeof *m*(n*(5 + 2*dims) + (size_t)trials));
+    p->n = n;
+    p->c = m;
+    p->work = aligned_alloc(64, work);
+    if (!m || !p->work)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
+    p->s = m + n;
+    p->x = m + 2*n;
+    p->y = m + 3*n;
+    p->margin = m + 4*n;
+    p->by[0] = m + 5*n;
+    p->by[1] = p->by[0] + n*dims;
+    p->far = p->by[1] + n*dims;
+    for (size_t i = 0; i < n; i++) {
+        p->c[i] = p->plan.input_is_slider ? at + input[i] : cos(at + input[i]);
+        p->s[i] = p->plan.input_is_slider ? 0 : sin(at + input[i]);
+    }
+    return LW_OK;
+}
+
+/* Places and derivatives of the linkage itself, and what they say. */
+static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
+{
+    lw_lanes in = { .n = p->n, .c = p->c, .s = p->s, .dim = p->dim, .mode = p->mode };
+    lw_jacobian j = { .x = p->x, .y = p->y, .margin = p->margin, .jx = p->by[0], .jy = p->by[1], .ld = p->n };
+    double *u = malloc(sizeof *u*4*p->n), all = 0;
+    if (!u)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
+    j.u = u;
+    j.v = u + p->n;
+    j.tx = u + 2*p->n;
+    j.ty = u + 3*p->n;
+    lw_batch_jacobian(&p->plan, &in, 0, p->work, &j);
+    free(u);
+    for (size_t k = 0; k < p->n; k++) {
+        double here = 0;
+        if (!(p->margin[k] > 0))
+            return lw_error_set(e, LW_OPEN, "the linkage does not close at pose %zu", k + 1);
+        for (int d = 0; d < p->plan.n_dim; d++) {
+            size_t at = (size_t)d*p->n + k;
+            double part = p->sigma[d]*p->sigma[d]*(p->by[0][at]*p->by[0][at] + p->by[1][at]*p->by[1][at]);
+            here += part;
+            out->part[d] += part;
+        }
+        all += here;
+        if (here > out->worst) {
+            out->worst = here;
+            out->worst_pose = k;
+        }
+    }
+    out->worst = sqrt(out->worst);
+    out->rms = sqrt(all/(double)p->n);
+    out->n_dim = p->plan.n_dim;
+    for (int d = 0; d < out->n_dim; d++) {
+        memcpy(out->name[d], p->plan.dim[d].name, sizeof out->name[d]);
+        out->part[d] /= all > 0 ? all : 1;
+        if (out->part[d] > out->part[out->first])
+            out->first = d;
+    }
+    return LW_OK;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+/* Random linkages.  p->by becomes their places. */
+static void draw(spread *p, const lw_tolerances *of, lw_robustness *out)
+{
+    lw_rng rng;
+    double sum = 0, dim[LW_DIM_MAX];
+    int n = 0;
+    lw_rng_seed(&rng, of->seed, 0x746f6c65u);
+    for (int t = 0; t < out->trials; t++) {
+        bool closes = true;
+        double square = 0, most = 0;
+        for (int d = 0; d < p->plan.n_dim; d++) {
+            dim[d] = p->dim[d] + p->sigma[d]*lw_rng_normal(&rng);
+            closes &= p->plan.dim[d].kind != LW_DIM_LENGTH || dim[d] > 0;
+        }
+        lw_lanes in = { .n = p->n, .c = p->c, .s = p->s, .dim = dim, .mode = p->mode };
+        lw_batch_point(&p->plan, &in, 0, p->work, p->by[0], p->by[1], NULL, NULL, p->margin);
+        for (size_t k = 0; k < p->n; k++) {
+            double dx = p->by[0][k] - p->x[k], dy = p->by[1][k] - p->y[k];
+            closes &= p->margin[k] >= 0;
+            square += dx*dx + dy*dy;
+            most = fmax(most, hypot(dx, dy));
+        }
+        if (!closes)
+            continue;
+        sum += square/(double)p->n;
+        p->far[n++] = most;
+    }
+    out->open = out->trials - n;
+    out->trial_rms = n > 0 ? sqrt(sum/n) : NAN;
+    qsort(p->far, (size_t)n, sizeof *p->far, by_size);
+    out->within = n > 0 ? p->far[(int)ceil(0.95*n) - 1] : NAN;
+}
+
+lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
+                             lw_robustness *out, lw_error *e)
+{
+    memset(out, 0, sizeof *out);
+    out->trials = of->trials > 0 ? of->trials : TRIALS;
+    if (n == 0 || !(of->length >= 0 && of->clearance >= 0) || linkage->n_tracer == 0)
+        return lw_error_set(e, LW_E_ARG, "tolerances need a point, poses, and lengths that are not negative");
+    spread *p = calloc(1, sizeof *p);
+    if (!p)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
+    lw_status st = prepare(linkage, input, n, out->trials, p, e);
+    if (st == LW_OK) {
+        set_deviations(of, p);
+        st = linearise(p, out, e);
+    }
+    if (st == LW_OK)
+        draw(p, of, out);
+    free(p->work);
+    free(p->c);
+    free(p);
+    return st;
+}
+
+lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of,
+                           lw_robustness *out, lw_error *e)
+{
+    enum { POSES = 64 };
+    double input[POSES], lo = 0, hi = 0;
+    size_t dyads = (size_t)c->n_dyad;
+    memset(out, 0, sizeof *out);
+    for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
+        if (c->mode_of[i] != c->mode_of[i - dyads])
+            return lw_error_set(e, LW_E_KIND, "its motion passes a limit of the input, where the point's place has no "
+                                "derivative by the dimensions");
+    for (size_t i = 1; i < t->n; i++) {
+        lo = fmin(lo, c->input[i] - c->input[0]);
+        hi = fmax(hi, c->input[i] - c->input[0]);
+    }
+    for (int i = 0; i < POSES; i++)
+        input[i] = r->turns ? 2*LW_PI*i/POSES : lo + (hi - lo)*i/(POSES - 1);
+    return lw_robustness_make(&r->linkage, input, POSES, of, out, e);
+}

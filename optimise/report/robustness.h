@@ -1,0 +1,41 @@
+/* optimise/report/robustness.h - how far the path of a linkage spreads when every dimension varies.
+ *
+ * Lengths and coordinates of the plan (pins, offsets, the tracer, the place of the frame) vary independently, with a
+ * standard deviation of a third of the tolerance.  Angles vary by the same over the mean length of the linkage.  A
+ * clearance lets each pin lie anywhere in a circle of this radius around its place on the next link, which adds a quarter
+ * of the squared radius to the variance of each of its coordinates; a link without coordinates beside its length takes
+ * the part along its line only. */
+#ifndef LW_OPTIMISE_REPORT_ROBUSTNESS_H
+#define LW_OPTIMISE_REPORT_ROBUSTNESS_H
+
+#include "optimise/report/report.h"
+
+typedef struct lw_tolerances {
+    double   length, clearance;     /* [m]; the tolerance is three standard deviations; radius of the clearance */
+    int      trials;                /* random linkages; 0: 1000                                        */
+    uint64_t seed;
+} lw_tolerances;
+
+typedef struct lw_robustness {
+    /* to first order, from exact derivatives: root mean square distance of the point from its place [m] ... */
+    double rms, worst;              /* ... over all poses, and in the worst pose                       */
+    size_t worst_pose;              /* its number                                                      */
+    /* random linkages */
+    int    trials, open;            /* drawn; of these do not close in every pose                      */
+    double trial_rms;               /* the same as rms, of those that close [m]                        */
+    double within;                  /* 95 of 100 of them stay this near in every pose [m]              */
+    int    n_dim, first;            /* dimensions; the one with the greatest part of rms^2             */
+    char   name[LW_DIM_MAX][16];
+    double part[LW_DIM_MAX];        /* of rms^2, their sum is 1                                        */
+} lw_robustness;
+
+/* Poses: the linkage's posture with its input moved by each of input[n] [rad] or [m], as the plan counts it.  LW_OPEN: the
+ * linkage itself does not close in one of them; LW_E_KIND: no plan knows it; LW_E_MEMORY; with a text. */
+lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
+                             lw_robustness *out, lw_error *e);
+
+/* The same for a result, over the turn or between its stations.  LW_E_KIND: its motion passes a limit of the input. */
+lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of,
+                           lw_robustness *out, lw_error *e);
+
+#endif
