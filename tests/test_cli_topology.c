@@ -50,7 +50,9 @@ static void derive(void)
     expect("$P grammar derive --rule 4", 2, NULL, "give --sentence");
     expect("$P grammar derive --sentence '" FOUR "' --rule 4 --at 34", 2, NULL, "--at takes two");
     expect("$P grammar derive --sentence '" FOUR "' --rule 4 --at 3,4 --joints rr", 2, NULL, "rule 4 has 3 joints k");
-    expect("$P grammar derive --links 6 --joints rp", 3, NULL, "takes r, t or rt");
+    expect("$P grammar derive --links 6 --joints r,t --count && $P grammar derive --links 6 --joints rt --count", 0,
+           "2465\n2465\n", NULL);
+    expect("$P grammar derive --links 6 --joints rp", 3, NULL, "takes r, t or r,t");
     expect("$P grammar derive --links 6 --rules 5", 2, NULL, "numbers 1 to 4");
     expect("$P grammar derive", 2, NULL, "--links N");
     expect("$P grammar derive x", 2, NULL, "one word too many");

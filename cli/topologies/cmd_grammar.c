@@ -207,17 +207,32 @@ static int write_sentence(job *j, const lw_sentence *s)
     return cli_close(j->call, &j->out, code);
 }
 
+/* The letters of --joints without commas, or `without` if it is not given. */
+static const char *joint_letters(const settings *s, const char *without, char letters[16])
+{
+    size_t n = 0;
+    if (!s->k)
+        return without;
+    for (const char *at = s->k; *at && n < 15; at++)
+        if (*at != ',')
+            letters[n++] = *at;
+    letters[n] = '\0';
+    return letters;
+}
+
 static int derive_by_hand(const cli_call *call)
 {
     job j = job_of(call, "sentence");
     const settings *s = j.s;
     lw_production p = lw_production_of(s->rule);
     lw_sentence sentence;
-    if (s->k && strlen(s->k) != (size_t)lw_rule_kinds(s->rule))
+    char letters[16];
+    const char *kinds = joint_letters(s, NULL, letters);
+    if (kinds && strlen(kinds) != (size_t)lw_rule_kinds(s->rule))
         return cli_usage(call, "rule %d has %d joints k, --joints %s gives %zu", s->rule, lw_rule_kinds(s->rule),
-                         s->k, strlen(s->k));
-    if (s->k)
-        memcpy(p.kind, s->k, strlen(s->k));
+                         s->k, strlen(kinds));
+    if (kinds)
+        memcpy(p.kind, kinds, strlen(kinds));
     if (s->rule <= 2) {
         if (s->from || s->at)
             return cli_usage(call, "rule %d makes a first sentence and takes neither --sentence nor --at", s->rule);
@@ -246,8 +261,9 @@ static int derive_all(const cli_call *call)
 {
     job j = job_of(call, "sentence");
     lw_derive how = lw_derive_default(j.s->links);
+    char letters[16];
     how.regions = !j.s->anywhere;
-    how.kinds = j.s->k ? j.s->k : "r";
+    how.kinds = joint_letters(j.s, "r", letters);
     how.stop = cli_stop_flag();
     how.max_bytes = cli_memory(call);
     for (int r = 1; r <= 4; r++)
@@ -258,7 +274,7 @@ static int derive_all(const cli_call *call)
         return cli_fail(call, &j.e);
     lw_status s = lw_derive_each(&how, write_derived, &j);
     if (s == LW_E_ARG)
-        lw_error_set(&j.e, s, "--joints with --links takes r, t or rt, not '%s'", how.kinds);
+        lw_error_set(&j.e, s, "--joints with --links takes r, t or r,t, not '%s'", how.kinds);
     if (s == LW_E_MEMORY)
         lw_error_set(&j.e, s, "the mechanisms that are reached with %d links do not fit into memory",
                      how.n_link);
