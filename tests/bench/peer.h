@@ -19,11 +19,15 @@
 #ifndef LW_TESTS_BENCH_PEER_H
 #define LW_TESTS_BENCH_PEER_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 enum { PEER_MAX = 64, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50 };
 
@@ -94,6 +98,33 @@ static inline double peer_clock(void)
     struct timespec t;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+}
+
+/* Run one row in a process of its own, so that a row that never ends, or crashes, loses itself only.  row returns the
+ * seconds of its best run.  Returns true where that is longer than scene->longest, or the row is lost; a lost row
+ * prints "fail". */
+static inline bool peer_apart(const peer_scene *scene, double (*row)(void *), void *context, double tolerance,
+                              const char *solver)
+{
+    enum { QUICK, SLOW, LIMIT = 20 };
+    int status = 0;
+    fflush(stdout);
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(LIMIT);
+        bool slow = row(context) > scene->longest;
+        fflush(stdout);
+        _exit(slow ? SLOW : QUICK);
+    }
+    if (child < 0 || waitpid(child, &status, 0) < 0 || WIFSIGNALED(status)) {
+        if (child >= 0 && WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
+            printf("fail %g %s: not at the end after %d s\n", tolerance, solver, LIMIT);
+        else
+            printf("fail %g %s: it crashed\n", tolerance, solver);
+        fflush(stdout);
+        return true;
+    }
+    return WEXITSTATUS(status) == SLOW;
 }
 
 #endif

@@ -199,18 +199,25 @@ static double row(mjModel *m, mjData *d, const char *name, int each, double set_
     return best;
 }
 
+typedef struct one_row { mjModel *m; mjData *d; const char *name; int each; double set_up; } one_row;
+
+static double row_apart(void *context)
+{
+    one_row *r = context;
+    if (!setjmp(give_up))
+        return row(r->m, r->d, r->name, r->each, r->set_up);
+    printf("fail %g %s: %s\n", r->m->opt.timestep, r->name, why);
+    return 0;
+}
+
 static void rows(mjModel *m, int integrator, const char *name, double set_up)
 {
-    mjData *d = mj_makeData(m);
+    one_row r = { m, mj_makeData(m), name, 1, set_up };
+    bool slow = false;
     m->opt.integrator = integrator;
-    for (volatile int each = 1; each < 1 << 20; each *= 2) {
-        if (setjmp(give_up)) {
-            printf("fail %g %s: %s\n", m->opt.timestep, name, why);
-            fflush(stdout);
-        } else if (row(m, d, name, each, set_up) > scene->longest)
-            break;
-    }
-    mj_deleteData(d);
+    for (; r.each < 1 << 20 && !slow; r.each *= 2)
+        slow = peer_apart(scene, row_apart, &r, scene->end/(r.each*(scene->moments - 1)), name);
+    mj_deleteData(r.d);
 }
 
 int main(void)
