@@ -230,7 +230,7 @@ const cli_command cli_simulate_command = {
         "posture of the file at time --from, as if it were at rest there; 'unbalanced' tells how far this posture\n"
         "is from equilibrium.\n"
         "\n"
-        "Formulations; auto takes the first that suits the model (ggl only when asked for):\n"
+        "Formulations; auto takes the first that suits the model, see --explain:\n"
         LW_FORMULATION_LIST(HELP),
     .options = options,
     .settings_size = sizeof(settings),

@@ -35,8 +35,8 @@ typedef enum lw_analysis {
     X(QUADRATURE, quadrature, "one freedom, forces by the posture alone: time is an integral") \
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
-    X(CVODE, cvode, "the same by an implicit method, for smooth friction and stiff dampers") \
-    X(GGL, ggl, "differential-algebraic equations of index 2, without rigid stops")
+    X(CVODE, cvode, "the same by an implicit method, for smooth friction") \
+    X(GGL, ggl, "differential-algebraic equations of index 2, for stiff dampers; no rigid stops")
 
 typedef enum lw_formulation {
     LW_FORMULATION_AUTO,

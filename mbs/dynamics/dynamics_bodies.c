@@ -267,7 +267,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
 
 lw_status lw_run_go_on(lw_run *run, const double *from)
 {
-    stepper w = { .run = run, .implicit = run->d->n_friction > 0 };
+    stepper w = { .run = run, .implicit = run->d->n_friction > 0 || lw_mbs_is_stiff(run->d) };
     size_t n = (size_t)run->n;
     double *y = calloc(2*n, sizeof *y), *old = run->y;
     if (!y)
@@ -303,6 +303,8 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 
 static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (!asked && lw_ggl_suits(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "ggl solves stiff dampers in fewer steps");
     if (d->large)
         return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");
     return lw_formulation_say(r, LW_OK, 2*d->n_q, asked ? "asked for" : d->n_friction

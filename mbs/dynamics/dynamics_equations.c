@@ -609,7 +609,7 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
-static const double stiff = 2e4;
+static const double stiff = 1e4;
 enum { most_looked = 200 };              /* springs and dampers of each kind that are looked at, evenly spread */
 
 /* Speed along a measure for an impulse of 1 [1/kg] or [1/(kg m^2)]. */

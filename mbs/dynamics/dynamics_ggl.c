@@ -392,7 +392,11 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
     run->r->rates += w->n_residual;
+    if (s == LW_E_NUMERIC)
+        unpack(g, w->y, run->state);
     lw_ida_free(w);
+    if (s == LW_E_NUMERIC && d->o.formulation == LW_FORMULATION_AUTO)
+        s = lw_run_go_on(run, run->state);
     return s;
 }
 
@@ -426,6 +430,11 @@ static lw_status run_ggl(lw_run *run)
     return s;
 }
 
+bool lw_ggl_suits(lw_dynamics *d)
+{
+    return !d->large && !d->has_zero_mass && d->n_stop == 0 && has_derivatives(d) && lw_mbs_is_stiff(d);
+}
+
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (d->large && !has_derivatives(d))
@@ -434,8 +443,11 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (d->large)
         return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, asked ? "asked for"
                                   : "dampers make the equations stiff: an implicit method with sparse derivatives");
+    if (!asked && !lw_ggl_suits(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for stiff dampers and where it is asked for");
     if (!asked)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it is taken only where it is asked for");
+        return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept,
+                                  "dampers make the equations stiff: an implicit method with exact derivatives");
     return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
                      : lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, "asked for");
 }

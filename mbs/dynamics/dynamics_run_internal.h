@@ -94,6 +94,11 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
 /* Go on from (run->r->t, y) in the bodies' coordinates. */
 lw_status lw_run_go_on(lw_run *run, const double *y);
 
+/* ---- dynamics_ggl.c ---------------------------------------------------------------------------------- */
+
+/* Is ggl faster than cvode: are dampers stiff, and are all derivatives known? */
+bool lw_ggl_suits(lw_dynamics *d);
+
 /* ---- formulations ------------------------------------------------------------------------------------ */
 
 /* One formulation.  A new one is a file that defines its row, and a line in LW_FORMULATION_LIST
