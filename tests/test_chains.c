@@ -399,7 +399,7 @@ static void explains_impossible_sizes(void)
     CHECK_INT(lw_chains_create(7, 1, 1, &chains, &e), LW_E_ARG);
     CHECK_HAS(e.text, "P = F + 2 L + 1 - n2");
     CHECK_INT(lw_chains_create(34, 1, 1, &chains, &e), LW_E_ARG);
-    CHECK_INT(lw_chains_create(12, 7, 1, &chains, &e), LW_E_ARG);
+    CHECK_INT(lw_chains_create(22, 11, 1, &chains, &e), LW_E_ARG);
     CHECK_INT(lw_fractionated_each(7, 1, pool_fractionated, NULL, &e), LW_E_ARG);
     CHECK(chains == NULL);
     lw_chains_free(NULL);
