@@ -281,6 +281,9 @@ static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
     if (s == LW_E_NUMERIC)
         return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and "
                             "inertia", lightest(v));
+    if (s == LW_E_ARG)
+        return lw_error_set(e, LW_E_NUMERIC, "a force or mass has no finite derivative in this posture, so small "
+                            "vibrations about it are not defined; start from another posture");
     qsort(out->mode, (size_t)out->n_mode, sizeof *out->mode, by_size);
     return s == LW_OK ? s : lw_error_set(e, s, "the eigenvalues cannot be found: %s", lw_status_text(s));
 }

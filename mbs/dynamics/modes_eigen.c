@@ -1,13 +1,24 @@
 /* mbs/dynamics/modes_eigen.c - bridge to GSL's eigenvalues. */
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
+#include <stdbool.h>
 #include "base/gsl_errors.h"
 #include "base/real.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 
+static bool all_finite(const double *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(v[i]))
+            return false;
+    return true;
+}
+
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
 {
     size_t size = (size_t)n;
+    if (!all_finite(k, size*size) || !all_finite(m, size*size))
+        return LW_E_ARG;
     gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m, size, size);
     gsl_vector_view values = gsl_vector_view_array(w, size);
     lw_gsl_begin();                        /* a mass matrix that is not positive is an error of GSL */
@@ -32,6 +43,8 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
 lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_re, double *x_im)
 {
     size_t size = (size_t)n;
+    if (!all_finite(a, size*size))
+        return LW_E_ARG;
     gsl_matrix_view m = gsl_matrix_view_array(a, size, size);
     lw_gsl_begin();
     gsl_vector_complex *values = gsl_vector_complex_alloc(size);
