@@ -545,6 +545,19 @@ LW_API lw_status lw_model_load(const char *path, lw_model **out, lw_error *error
 LW_API void      lw_model_destroy(lw_model *model);
 LW_API const lw_linkage *lw_model_linkage(const lw_model *model);      /* belongs to the model; NULL: too large    */
 
+/* Sizes of plates in drawings for cutting and in solids [m]; 0, and for the clearance a value below 0: the usual ones.  */
+typedef struct lw_plate_options {
+    double width;                      /* of a bar                                                                */
+    double thickness;
+    double hole;                       /* diameter of holes, width of slots                                       */
+    double clearance;                  /* a pin's diameter is smaller than its hole by this                       */
+} lw_plate_options;
+
+/* As lw_linkage_export, with masses and loads where the format holds them (mjcf, adams, acf, urdf, sdf) and plates of
+ * these sizes (dxf, scad, step, stl); plates NULL: the usual sizes.  LW_E_KIND: the format cannot say this. */
+LW_API lw_status lw_model_export(const lw_model *model, const char *format, const lw_plate_options *plates, char **out,
+                                 size_t *size, lw_error *error);
+
 /* Move an input by an expression of t: "0.5 + 10*t" [rad] or [m].  LW_E_NOTATION with the column. */
 LW_API lw_status lw_model_drive(lw_model *model, int input, const char *motion, lw_error *error);
 LW_API lw_status lw_model_set_speed(lw_model *model, int input, double speed);     /* at the start, then free     */

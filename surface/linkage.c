@@ -168,6 +168,24 @@ lw_status lw_linkage_export(const lw_linkage *linkage, const char *format, char 
     return s == LW_OK ? lw_surface_give(&b, out, size, error) : s;
 }
 
+lw_status lw_model_export(const lw_model *model, const char *format, const lw_plate_options *plates, char **out,
+                          size_t *size, lw_error *error)
+{
+    const lw_format *f = lw_format_find(format);
+    const lw_linkage *k;
+    lw_bytes b = { 0 };
+    lw_export_options o = { .model = model, .clearance = -1 };
+    if (plates)
+        o = (lw_export_options){ model, plates->width, plates->thickness, plates->hole, plates->clearance };
+    *out = NULL;
+    if (!f || !f->write)
+        return lw_error_set(error, LW_E_ARG, "there is no format '%s' to write", format);
+    lw_status s = lw_model_small(model, &k, error);
+    if (s == LW_OK && (s = f->write(k, &o, &b, error)) != LW_OK)
+        lw_bytes_free(&b);
+    return s == LW_OK ? lw_surface_give(&b, out, size, error) : s;
+}
+
 lw_status lw_linkage_save(const lw_linkage *linkage, const char *format, const char *path, lw_error *error)
 {
     const lw_format *f = format ? lw_format_find(format) : NULL;
