@@ -18,7 +18,8 @@ static void wrong_kinds(void)
         { "trace", "linkage" }, { "simulate", "linkage" }, { "mobility", "linkage" }, { "clearance", "linkage" },
         { "draw -o $D/x.svg --force", "linkage chains" }, { "convert", "linkage foreign" },
         { "fit --time 0.1", "target drawing task" }, { "fit examples/ellipse.csv --start-from", "linkage" },
-        { "mechanisms", "chains" }, { "grammar parse", "chains" }, { "classify", "" }, { "catalogue query", "catalogue" },
+        { "mechanisms", "chains" }, { "grammar parse", "chains" }, { "classify", "" }, { "catalogue query",
+            "catalogue" },
         { "catalogue html -o $D/h", "catalogue" }, { "catalogue nearest $D/c.db", "target drawing" },
         { "catalogue add $D/c.db", "linkage" }
     };

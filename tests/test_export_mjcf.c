@@ -253,7 +253,8 @@ static void examples_move_alike(void)
     }
 }
 
-/* Stepped for 10 s by its drives, there and back once: the greatest distance of a tracer from where the drives ask it to
+/* Stepped for 10 s by its drives, there and back once: the greatest distance of a tracer from where the drives ask it
+ * to
  * be, over the size. */
 static double follows(const lw_linkage *k, double way)
 {
@@ -351,7 +352,8 @@ static void loads_act_alike(void)
 /* The bodies of a URDF, as MuJoCo reads it, move with its joints as those of the MJCF file do. */
 static void urdf_moves_alike(void)
 {
-    static const char *const names[] = { "hoeken", "slider-crank", "klann", "jansen", "inverted-slider-crank", "yoke", "pendulum" };
+    static const char *const names[] = { "hoeken", "slider-crank", "klann", "jansen", "inverted-slider-crank",
+                                         "yoke", "pendulum" };
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {

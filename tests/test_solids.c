@@ -5,7 +5,8 @@
 #include "tests/example_linkage.h"
 #include "tests/temporary.h"
 
-static const char *const names[] = { "hoeken", "klann", "slider-crank", "scott-russell", "jansen", "inverted-slider-crank",
+static const char *const names[] = { "hoeken", "klann", "slider-crank", "scott-russell", "jansen",
+                                     "inverted-slider-crank",
                                      "chebyshev" };
 #define COUNT (sizeof names/sizeof *names)
 
@@ -69,7 +70,8 @@ static void meshes(void)
             for (char *f = at; (f = strstr(f, "outer loop")) && f < end; f += 10) {
                 char c[3][3][24];
                 double v[3][3];
-                CHECK_INT(sscanf(f, "outer loop vertex %23s %23s %23s vertex %23s %23s %23s vertex %23s %23s %23s", c[0][0],
+                CHECK_INT(sscanf(f, "outer loop vertex %23s %23s %23s vertex %23s %23s %23s vertex %23s %23s %23s",
+                                 c[0][0],
                                  c[0][1], c[0][2], c[1][0], c[1][1], c[1][2], c[2][0], c[2][1], c[2][2]), 9);
                 for (int p = 0; p < 3; p++)
                     for (int d = 0; d < 3; d++)
@@ -147,8 +149,10 @@ static void independent_reader(void)
         }
         snprintf(path, sizeof path, "%s/x.step", temporary_folder());
         CHECK_INT(lw_file_write(path, b.data, b.size, &e), LW_OK);
-        snprintf(line, sizeof line, "cd %s && printf '%%s\\n' 'SetFactory(\"OpenCASCADE\");' 'v() = ShapeFromFile(\"x.step\");' "
-                 "'For i In {0:#v()-1}' 'm = Mass Volume{v(i)}; Printf(\"volume %%.12g\", m);' 'EndFor' > x.geo && gmsh x.geo -0 -o "
+        snprintf(line, sizeof line, "cd %s && printf '%%s\\n' 'SetFactory(\"OpenCASCADE\");' 'v() = "
+                 "ShapeFromFile(\"x.step\");' "
+                 "'For i In {0:#v()-1}' 'm = Mass Volume{v(i)}; Printf(\"volume %%.12g\", m);' 'EndFor' > x.geo && "
+                     "gmsh x.geo -0 -o "
                  "x.msh 2>&1", temporary_folder());
         FILE *f = popen(line, "r");
         int solid = 0;

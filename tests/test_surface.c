@@ -170,6 +170,18 @@ static void linkages_move_and_are_written(void)
         lw_linkage_destroy(back);
         lw_free(text);
     }
+    lw_model *model = NULL;
+    lw_plate_options plates = { .width = 0.012, .thickness = 0.003, .hole = 0.004, .clearance = 0.0001 };
+    CHECK_INT(lw_model_create(k, &model), LW_OK);
+    CHECK_INT(lw_model_export(model, "scad", &plates, &text, &size, &e), LW_OK);
+    CHECK_HAS(text, "radius = 6;\nbore = 2;\npin = 1.95;\nthickness = 3;\n");
+    lw_free(text);
+    CHECK_INT(lw_model_set_mass(model, 1, 0.25, (lw_vec2){ 0, 0 }, 1e-3), LW_OK);
+    CHECK_INT(lw_model_export(model, "mjcf", NULL, &text, &size, &e), LW_OK);
+    CHECK_HAS(text, "mass=\"0.25\"");
+    lw_free(text);
+    CHECK_INT(lw_model_export(model, "origami", NULL, &text, &size, &e), LW_E_ARG);
+    lw_model_destroy(model);
     CHECK_INT(lw_linkage_export(k, "origami", &text, &size, &e), LW_E_ARG);
     /* the same among results, as fit --json prints them */
     char name[] = "/tmp/linkwright-XXXXXX";

@@ -87,7 +87,8 @@ static void further_points(void)
 {
     lw_target t;
     lw_error e;
-    CHECK_INT(read("# units: mm deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
+    CHECK_INT(read("# units: mm "
+                   "deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
                    &t, &e), LW_OK);
     CHECK_INT(t.n_also, 2);
     CHECK(t.also[0].x && t.also[0].y && !t.also[0].theta && t.also[0].weight == t.weight);
@@ -245,7 +246,8 @@ static void options_overrule_comments(void)
     CHECK_INT(read_with("x_mm,y\n1,2\n", 11, &o, &t, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "units are mixed");
     CHECK_HAS(e.text, "the command line said cm");
-    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ .closed = -1, .length_unit = "mile" }, &t, &e), LW_E_ARG);
+    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ .closed = -1, .length_unit = "mile" }, &t, &e),
+              LW_E_ARG);
     CHECK_HAS(e.text, "\"mile\"");
     CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ .closed = -1, .angle_unit = "grad" }, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "\"grad\"");
@@ -517,7 +519,8 @@ static void every_fault_has_its_place(void)
         { "x,y,angle_deg\n0,0,1e-12\n1,0,7\n2,0,359.999999999\n", 4, 5, "stands in line 2 already" },
         { "angle,theta\n1,1\n1,2\n", 3, 1, "stands in line 2 already" },
         { "x,y,theta,angle_deg\n0,0,0,5\n0,0,1,5\n", 3, 7, "stands in line 2 already" },
-        { "x,y,angle_deg\n0,0,0\n1,0,20\n2,0,10\n3,0,30\n", 4, 5, "rise up to line 3 and turn back here, from 20 to 10" },
+        { "x,y,angle_deg\n0,0,0\n1,0,20\n2,0,10\n3,0,30\n", 4, 5, "rise up to line 3 and turn back here, from 20 to "
+          "10" },
         { "x,y,angle_deg\n0,0,30\n1,0,20\n2,0,25\n3,0,10\n", 4, 5, "fall up to line 3" },
         { "x,y,angle_deg\n0,0,200\n1,0,350\n2,0,10\n3,0,30\n4,0,20\n", 6, 5, "rise up to line 5" },
         { "x,y,angle_deg\n0,0,0\n1,0,200\n2,0,9000\n", 4, 5, "run over 25 turns" },

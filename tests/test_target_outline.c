@@ -249,33 +249,45 @@ static void round_shapes(void)
           10 + 3.4641016151377544, 0 },
         { "<svg><g transform='scale(2,.5)'><g transform='matrix(0 1 -1 0 3 4)'><circle r='8'/></g></g></svg>", 16, 4, 0,
           6, -2 },
-        { "<svg width='100mm' height='50mm' viewBox='0 0 1000 500'><circle cx='70' cy='30' r='20'/></svg>", 2, 2, 0, 7, -3 },
+        { "<svg width='100mm' height='50mm' viewBox='0 0 1000 500'><circle cx='70' cy='30' r='20'/></svg>", 2, 2, 0,
+          7, -3 },
         { "<svg width='96px' height='192' viewBox='0 0 50.8 50.8'><circle r='20'/></svg>", 10, 10, 0, 0, 0 },
         { "<svg width='2in'><circle r='96'/></svg>", 25.4, 25.4, 0, 0, 0 },
         { "<svg width='40mm' height='80mm'><circle r='1cm' cx='10mm'/></svg>", 10, 10, 0, 10, 0 },
-        { "<svg width='10mm' height='40mm' viewBox='0 0 10 20' preserveAspectRatio='none'><circle r='2'/></svg>", 2, 4, 0,
+        { "<svg width='10mm' height='40mm' viewBox='0 0 10 20' preserveAspectRatio='none'><circle r='2'/></svg>", 2,
+          4, 0,
           0, 0 },
-        { "<svg><svg x='5' y='1' width='20' height='20' viewBox='-1 -1 2 2'><circle r='1'/></svg></svg>", 10, 10, 0, 15, -11 },
-        { "<svg xmlns:xlink='x'><defs><circle id='c' r='3'/></defs><use xlink:href='#c' x='5' transform='scale(2)'/></svg>",
+        { "<svg><svg x='5' y='1' width='20' height='20' viewBox='-1 -1 2 2'><circle r='1'/></svg></svg>", 10, 10, 0,
+          15, -11 },
+        { "<svg xmlns:xlink='x'><defs><circle id='c' r='3'/></defs><use xlink:href='#c' x='5' "
+          "transform='scale(2)'/></svg>",
           6, 6, 0, 10, 0 },
         { "<svg><symbol id='s'><circle r='3'/></symbol><use href='#s' x='5' y='5'/></svg>", 3, 3, 0, 5, -5 },
         { "<svg:svg><svg:path d='M3&#10;0A3 3 0 1 1-3,0&#xA;A3 3 0 1 1 3 0z'/></svg:svg>", 3, 3, 0, 0, 0 },
-        { "<!-- Generator: Adobe Illustrator 25.0 --><svg viewBox='0 0 72 72'><circle r='72'/></svg>", 25.4, 25.4, 0, 0, 0 }
+        { "<!-- Generator: Adobe Illustrator 25.0 --><svg viewBox='0 0 72 72'><circle r='72'/></svg>", 25.4, 25.4, 0,
+          0, 0 }
     };
     static const struct { const char *text; double a, b, degrees, x, y; } dxf[] = {
-        { HEAD "0\nELLIPSE\n10\n3\n20\n4\n11\n0\n21\n10\n40\n0.5\n41\n0\n42\n6.283185307179586\n" TAIL, 10, 5, 90, 3, 4 },
-        { HEAD "0\nELLIPSE\n10\n3\n20\n4\n11\n6\n21\n8\n40\n0.25\n41\n1\n42\n5\n0\nELLIPSE\n10\n3\n20\n4\n11\n6\n21\n8\n"
+        { HEAD "0\nELLIPSE\n10\n3\n20\n4\n11\n0\n21\n10\n40\n0.5\n41\n0\n42\n6.283185307179586\n" TAIL, 10, 5, 90, 3,
+          4 },
+        { HEAD "0\nELLIPSE\n10\n3\n20\n4\n11\n6\n21\n8\n40\n0.25\n41\n1\n42\n5\n0\nELLIPSE\n10\n3\n20\n4\n11\n6\n"
+          "21\n8\n"
           "40\n0.25\n41\n5\n42\n1\n" TAIL, 10, 2.5, 53.13010235415598, 3, 4 },
         { HEAD "0\nCIRCLE\n10\n3\n20\n4\n40\n5\n230\n-1\n" TAIL, 5, 5, 0, -3, 4 },
-        { "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nWheel\n10\n1\n20\n1\n0\nCIRCLE\n10\n1\n20\n1\n40\n2\n0\nENDBLK\n0\nENDSEC\n"
+        { "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nWheel\n10\n1\n20\n1\n0\nCIRCLE\n10\n1\n20\n1\n40\n2\n0\nENDBLK\n0\n"
+          "ENDSEC\n"
           HEAD "0\nINSERT\n2\nWHEEL\n10\n10\n20\n20\n41\n3\n42\n-1\n50\n30\n" TAIL, 6, 2, 30, 10, 20 },
-        { "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nARC\n10\n1\n40\n2\n50\n10\n51\n200\n0\nARC\n10\n1\n40\n2\n50\n200\n51\n10\n0\n"
+        { "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nARC\n10\n1\n40\n2\n50\n10\n51\n200\n0\nARC\n10\n1\n40\n2\n50\n"
+          "200\n51\n10\n0\n"
           "ENDBLK\n0\nBLOCK\n2\nB\n10\n0\n20\n5\n0\nINSERT\n2\nA\n20\n5\n50\n90\n0\nENDBLK\n0\nENDSEC\n"
           HEAD "0\nINSERT\n2\nB\n10\n7\n20\n0\n41\n2\n42\n2\n" TAIL, 4, 4, 0, 7, 2 },
         /* a circle as a rational spline of degree 2 (Piegl & Tiller 1997, section 7.5) */
-        { HEAD "0\nSPLINE\n70\n11\n71\n2\n72\n12\n73\n9\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n2\n40\n2\n40\n3\n40\n3\n40\n4\n40\n4\n40\n4\n"
-          "41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n"
-          "10\n5\n20\n0\n10\n5\n20\n5\n10\n0\n20\n5\n10\n-5\n20\n5\n10\n-5\n20\n0\n10\n-5\n20\n-5\n10\n0\n20\n-5\n10\n5\n20\n-5\n"
+        { HEAD "0\nSPLINE\n70\n11\n71\n2\n72\n12\n73\n9\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n2\n40\n2\n40\n3\n"
+          "40\n3\n40\n4\n40\n4\n40\n4\n"
+          "41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n41\n.7071067811865476\n41\n1\n41\n"
+            ".7071067811865476\n41\n1\n"
+          "10\n5\n20\n0\n10\n5\n20\n5\n10\n0\n20\n5\n10\n-5\n20\n5\n10\n-5\n20\n0\n10\n-5\n20\n-5\n10\n0\n20\n-5\n"
+            "10\n5\n20\n-5\n"
           "10\n5\n20\n0\n" TAIL, 5, 5, 0, 0, 0 }
     };
     double m[6];
@@ -339,7 +351,8 @@ static void splines(void)
 
 static void straight_shapes(void)
 {
-    static const double rect[][2] = { { 1, -2 }, { 11, -2 }, { 11, -7 }, { 1, -7 } }, line[][2] = { { 1, -2 }, { 4, -6 } };
+    static const double rect[][2] = { { 1, -2 }, { 11, -2 }, { 11, -7 }, { 1, -7 } }, line[][2] = { { 1, -2 }, { 4,
+        -6 } };
     lw_target t = read_drawn(lw_target_read_svg, "<svg><rect width='100%' height='100%'/><rect x='1' y='2' width='10' "
                              "height='5'/></svg>");
     stations(&t, 1, rect, 4, 1e-3);
@@ -362,17 +375,23 @@ static void hidden_shapes(void)
     static const char *const svg[] = {
         "<svg><g style='display:none'><circle r='1'/></g><circle r='5'/></svg>",
         "<svg><g style='fill:none; display : none'><circle r='1'/></g><circle r='5'/></svg>",
-        "<svg><style>.a{fill:red}.st1,.st0{display:none;}</style><g class='x st0'><circle r='1'/></g><circle class='a' r='5'/></svg>",
-        "<svg><style><![CDATA[ .st10 { display:none } ]]></style><circle class='st1' r='5'/><circle class='st10' r='1'/></svg>",
+        "<svg><style>.a{fill:red}.st1,.st0{display:none;}</style><g class='x st0'><circle r='1'/></g><circle "
+            "class='a' r='5'/></svg>",
+        "<svg><style><![CDATA[ .st10 { display:none } ]]></style><circle class='st1' r='5'/><circle class='st10' "
+            "r='1'/></svg>",
         "<svg><defs><circle r='1'/></defs><clipPath><rect width='3' height='3'/></clipPath><circle r='5'/></svg>",
         "<svg><circle r='1' display='none'/><circle r='5'/><circle r='2' visibility='hidden'/></svg>",
-        "<svg><metadata><a><b>M 0 0</b></a></metadata><sodipodi:namedview><inkscape:grid/></sodipodi:namedview><circle r='5'/></svg>"
+        "<svg><metadata><a><b>M 0 "
+            "0</b></a></metadata><sodipodi:namedview><inkscape:grid/></sodipodi:namedview><circle r='5'/></svg>"
     };
     static const char *const dxf[] = {
-        HEAD "0\nCIRCLE\n8\nDefpoints\n40\n1\n0\nCIRCLE\n40\n5\n0\nCIRCLE\n67\n1\n40\n2\n0\nCIRCLE\n60\n1\n40\n3\n" TAIL,
-        "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n2\n0\nLAYER\n2\nFrozen\n70\n1\n62\n7\n0\nLAYER\n2\nOff\n70\n0\n62\n-3\n"
+        HEAD "0\nCIRCLE\n8\nDefpoints\n40\n1\n0\nCIRCLE\n40\n5\n0\nCIRCLE\n67\n1\n40\n2\n0\nCIRCLE\n60\n1\n40\n3\n"
+          "" TAIL,
+        "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n2\n0\nLAYER\n2\nFrozen\n70\n1\n62\n7\n0\nLAYER\n2\nOff\n70\n"
+          "0\n62\n-3\n"
         "0\nLAYER\n2\nOn\n70\n0\n62\n3\n0\nENDTAB\n0\nENDSEC\n"
-        HEAD "0\nCIRCLE\n8\nFROZEN\n40\n1\n0\nCIRCLE\n8\nOn\n40\n5\n0\nCIRCLE\n8\nOff\n40\n2\n0\nTEXT\n1\nabc\n40\n9\n" TAIL
+        HEAD "0\nCIRCLE\n8\nFROZEN\n40\n1\n0\nCIRCLE\n8\nOn\n40\n5\n0\nCIRCLE\n8\nOff\n40\n2\n0\nTEXT\n1\nabc\n40\n"
+          "9\n" TAIL
     };
     for (size_t i = 0; i < sizeof svg/sizeof *svg; i++) {
         lw_target t = read_text(lw_target_read_svg, svg[i]);
@@ -423,7 +442,8 @@ static void pieces_join(void)
         { "0\nLINE\n11\n5\n0\nLINE\n10\n5\n11\n5\n21\n5\n0\nLINE\n10\n5\n11\n9\n", 3 },
         { "0\nLINE\n11\n5\n0\nLINE\n8\nB\n10\n5\n11\n5\n21\n5\n", 2 },
         { "0\nLINE\n11\n5\n0\nLINE\n10\n5.00001\n11\n5\n21\n5\n", 1 },
-        { "0\nLINE\n11\n5\n0\nLWPOLYLINE\n10\n5\n20\n0\n10\n5\n20\n3\n10\n8\n20\n3\n0\nARC\n10\n8\n20\n4\n40\n1\n50\n270\n51\n0\n", 1 }
+        { "0\nLINE\n11\n5\n0\nLWPOLYLINE\n10\n5\n20\n0\n10\n5\n20\n3\n10\n8\n20\n3\n0\nARC\n10\n8\n20\n4\n40\n1\n"
+          "50\n270\n51\n0\n", 1 }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         char text[512], want[32];
@@ -441,13 +461,14 @@ static void pieces_join(void)
 static void points_are_stations(void)
 {
     static const double want[][2] = { { 3, 4 }, { 0, 0 }, { 7, -1 } };
-    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nPOINT\n10\n3\n20\n4\n0\nPOINT\n10\n0\n20\n0\n0\nPOINT\n10\n7\n20\n-1\n"
+    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nPOINT\n10\n3\n20\n4\n0\nPOINT\n10\n0\n20\n0\n0\nPOINT\n10\n"
+      "7\n20\n-1\n"
                             TAIL);
     stations(&t, 1, want, 3, 1e-3);                             /* closed by the rule of tables */
     lw_target_free(&t);
 }
 
-/* ---- files as programs write them ---------------------------------------------------------------------------------- */
+/* ---- files as programs write them -------------------------------------------------------------------------------- */
 
 /* examples/drawings; the lengths of slot, step and ellipse are worked out by hand (Ramanujan's formula), those of the
  * curves from Bernstein polynomials and the uniform cubic B-spline. Chords between stations are shorter. */
@@ -456,8 +477,10 @@ static void example_drawings(void)
     double r = 40*sqrt(2) + 10, slot = 2*(60 + 10*LW_PI), step = 80 + 2*10*0.75*LW_PI + r*LW_PI/2;
     const struct { const char *path; int n_also; double length; } rows[] = {
         { "slot-autocad.dxf", 0, slot }, { "step-librecad.dxf", 0, step }, { "loop-freecad.dxf", 0, 263.11 },
-        { "foot-inkscape.svg", 0, 161.01 }, { "foot-inkscape.svg#step", 0, 161.01 }, { "foot-inkscape.svg#foot", 0, 161.01 },
-        { "heart-illustrator.svg", 0, 185.02 }, { "pair-inkscape.svg#left", 0, 94.411 }, { "pair-inkscape.svg#all", 1, 94.411 },
+        { "foot-inkscape.svg", 0, 161.01 }, { "foot-inkscape.svg#step", 0, 161.01 }, { "foot-inkscape.svg#foot", 0,
+            161.01 },
+        { "heart-illustrator.svg", 0, 185.02 }, { "pair-inkscape.svg#left", 0, 94.411 }, { "pair-inkscape.svg#all",
+            1, 94.411 },
         { "pair-inkscape.svg#hooks", 1, 94.411 }
     };
     lw_target t;
@@ -493,7 +516,8 @@ static void faults(void)
         { lw_target_read_svg, "<svg>\n<path d='L 1 1'/></svg>", 2, 10, "begins with M" },
         { lw_target_read_svg, "<svg><path d='M 1 x'/></svg>", 1, 19, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1 B 3'/></svg>", 1, 21, "one of M L" },
-        { lw_target_read_svg, "<svg><path id='a' d='M 1 1 2 2 M 3 3\n4 4'/></svg>", 1, 1, "1 'a' open 1.4142 mm, 2 'a'" },
+        { lw_target_read_svg, "<svg><path id='a' d='M 1 1 2 2 M 3 3\n4 4'/></svg>", 1, 1,
+          "1 'a' open 1.4142 mm, 2 'a'" },
         { lw_target_read_svg, "<svg><path d='M 1 1A1 1 0 2 0 3 3'/></svg>", 1, 27, "a flag of an arc" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e999 0'/></svg>", 1, 21, "a number is expected" },
         { lw_target_read_svg, "<svg><path d='M 1 1L1e200 0'/></svg>", 1, 1, "too far away" },

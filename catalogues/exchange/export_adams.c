@@ -193,22 +193,28 @@ static lw_status check_loads(const writer *w, lw_error *e)
     const lw_model *m = w->m;
     for (int i = 0; m && i < m->n_spring; i++)
         if (m->spring[i].law)
-            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to ADAMS", m->spring[i].name);
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to ADAMS",
+                                m->spring[i].name);
     for (int i = 0; m && i < m->n_joint_spring; i++)
         if (m->joint_spring[i].law || !lw_joint_turns(w->k->joint[m->joint_spring[i].joint].kind))
-            return lw_error_set(e, LW_E_KIND, "joint spring '%s' %s, which is not written to ADAMS", m->joint_spring[i].name,
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' %s, which is not written to ADAMS",
+                                m->joint_spring[i].name,
                                 m->joint_spring[i].law ? "has a law of its own" : "acts along a slider");
     for (int i = 0; m && i < m->n_motor; i++)
         if (!lw_joint_turns(w->k->joint[m->motor[i].joint].kind))
-            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slider, which is not written to ADAMS", m->motor[i].name);
+            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slider, which is not written to ADAMS",
+                                m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
         if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
-            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to ADAMS", m->force[i].name);
+            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to ADAMS",
+                                m->force[i].name);
     for (int j = 0; m && j < w->k->n_joint; j++) {
-        const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE ? "clearance"
+        const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE
+            ? "clearance"
                          : m->stop[j].has_least || m->stop[j].has_greatest ? "a stop" : NULL;
         if (what)
-            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to ADAMS", w->k->joint[j].name, what);
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to ADAMS",
+                                w->k->joint[j].name, what);
     }
     for (int i = 0; m && i < w->k->n_input; i++)
         if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)

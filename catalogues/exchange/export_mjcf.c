@@ -104,7 +104,8 @@ static double reference_of(const lw_linkage *k, int joint)
 }
 
 /* Write what belongs to a joint's coordinate: its value in the posture, springs and dampers, stops, and for a driven
- * joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the linkage's size, so that
+ * joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the linkage's size, so
+ * that
  * its frequency changes by a factor of sqrt(2) at most over the motion; the motion itself does not depend on it. */
 static void put_reference(writer *w, int joint)
 {
@@ -318,7 +319,8 @@ static void put_body(writer *w, int depth, int link)
         put_joint(w, depth + 1, link);
         if (w->weighed) {
             const lw_body *b = &w->m->body[link];
-            put_inertia(w, depth + 1, b->mass, b->given ? lw_v2_sub(b->centre, w->tree.origin[link]) : lw_v2(0, 0), b->inertia);
+            put_inertia(w, depth + 1, b->mass, b->given ? lw_v2_sub(b->centre, w->tree.origin[link]) : lw_v2(0, 0),
+                        b->inertia);
         }
         put_shape(w, depth + 1, link);
     }
@@ -434,7 +436,8 @@ static lw_status check_loads(const writer *w, lw_error *e)
     const lw_linkage *k = w->k;
     for (int i = 0; m && i < m->n_spring; i++)
         if (m->spring[i].law)
-            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF", m->spring[i].name);
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF",
+                                m->spring[i].name);
     for (int i = 0; m && i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
         if (p->law || lw_joint_has_slot(k->joint[p->joint].kind) || !w->tree.in_tree[p->joint])
@@ -443,21 +446,26 @@ static lw_status check_loads(const writer *w, lw_error *e)
     }
     for (int i = 0; m && i < m->n_motor; i++)
         if (!w->tree.in_tree[m->motor[i].joint])
-            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form in "
+            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no "
+                                "form in "
                                 "MJCF", m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
         if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
-            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF", m->force[i].name);
+            return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF",
+                                m->force[i].name);
     for (int i = 0; m && i < k->n_input; i++)
         if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
-            return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which this file does not hold; leave the speed "
+            return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which this file does not hold; leave "
+                                "the speed "
                                 "out", k->joint[k->input[i].joint].name);
     for (int j = 0; m && j < k->n_joint; j++) {
         const lw_joint_stop *stop = &m->stop[j];
         bool stops = stop->has_least || stop->has_greatest;
-        const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE ? "clearance"
+        const char *what = m->friction[j].coefficient > 0 ? "friction" : m->clearance[j].model != LW_CLEARANCE_NONE
+            ? "clearance"
                          : stops && (stop->restitution > 0 || stop->stiffness > 0) ? "a stop that rebounds or gives way"
-                         : stops && (!w->tree.in_tree[j] || lw_joint_has_slot(k->joint[j].kind)) ? "a stop where a loop is closed"
+                         : stops && (!w->tree.in_tree[j] || lw_joint_has_slot(k->joint[j].kind))
+                             ? "a stop where a loop is closed"
                          : NULL;
         if (what)
             return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which has no form in MJCF", k->joint[j].name, what);
@@ -541,7 +549,8 @@ static double choose_step(const writer *w)
 
 /* ---- the whole ------------------------------------------------------------------------------------ */
 
-/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate. */
+/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate.
+ * */
 static void put_drives(writer *w)
 {
     const lw_linkage *k = w->k;
@@ -594,7 +603,8 @@ static void put_head(writer *w)
     lw_vec2 g = w->weighed ? w->m->gravity : lw_v2(0, 0);
     put(w, "<mujoco");
     put_name(w, "model", w->k->name[0] ? w->k->name : "linkage", "");
-    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the drawn posture are in the "
+    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the drawn posture are in "
+        "the "
            "keyframe. -->"
            "\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
            "\n  <option gravity=\"");

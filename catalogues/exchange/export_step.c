@@ -1,6 +1,7 @@
 /* catalogues/exchange/export_step.c - plates and pins as an assembly of solids: STEP AP214 (ISO 10303-21, -42, -214).
  *
- * Each plate is a boundary representation: two planes with the outline and the holes as bounds, and a plane or a cylinder
+ * Each plate is a boundary representation: two planes with the outline and the holes as bounds, and a plane or a
+ * cylinder
  * for each side. Edges of a loop run counter-clockwise seen from above. */
 #include <stdarg.h>
 #include <stdio.h>
@@ -229,7 +230,8 @@ static product put_product(writer *w, const char *name, const int *items, int n,
     int formation = put(w, "PRODUCT_DEFINITION_FORMATION('','',#%d)", made);
     p.definition = put(w, "PRODUCT_DEFINITION('design','',#%d,#%d)", formation, DEFINITION_CONTEXT);
     int about = put(w, "PRODUCT_DEFINITION_SHAPE('','',#%d)", p.definition);
-    snprintf(before, sizeof before, "%s('%s',(", solid ? "ADVANCED_BREP_SHAPE_REPRESENTATION" : "SHAPE_REPRESENTATION", name);
+    snprintf(before, sizeof before, "%s('%s',(", solid ? "ADVANCED_BREP_SHAPE_REPRESENTATION"
+             : "SHAPE_REPRESENTATION", name);
     snprintf(after, sizeof after, "),#%d)", CONTEXT);
     p.shape = put_list(w, before, items, n, after);
     put(w, "SHAPE_DEFINITION_REPRESENTATION(#%d,#%d)", about, p.shape);

@@ -75,7 +75,8 @@ static bool cross(lw_vec2 a, lw_vec2 b, lw_vec2 c, lw_vec2 d)
     return (area(a, b, c) > 0) != (area(a, b, d) > 0) && (area(c, d, a) > 0) != (area(c, d, b) > 0);
 }
 
-/* May corner `from` of the hole first .. first + n - 1 be bridged to place `at` of the ring? The way must cross no loop. */
+/* May corner `from` of the hole first .. first + n - 1 be bridged to place `at` of the ring? The way must cross no
+ * loop. */
 static bool sees(const mesh *m, int from, int at, const int *start, int n_loop)
 {
     lw_vec2 a = m->p[from], b = m->p[m->ring[at]];
@@ -116,7 +117,8 @@ static bool bridge(mesh *m, const int *start, int n_loop, int hole)
 /* Is the corner an ear: convex, with no other corner of the ring in its triangle? */
 static bool is_ear(const mesh *m, int at)
 {
-    lw_vec2 a = m->p[m->ring[(at + m->n_ring - 1) % m->n_ring]], b = m->p[m->ring[at]], c = m->p[m->ring[(at + 1) % m->n_ring]];
+    lw_vec2 a = m->p[m->ring[(at + m->n_ring - 1) % m->n_ring]], b = m->p[m->ring[at]], c = m->p[m->ring[(at
+        + 1) % m->n_ring]];
     if (area(a, b, c) <= 0)
         return false;
     for (int i = 0; i < m->n_ring; i++) {

@@ -1,4 +1,5 @@
-/* catalogues/exchange/export_urdf.c - a linkage as a robot description: URDF (a tree) or SDF 1.7 (loops are joints too).
+/* catalogues/exchange/export_urdf.c - a linkage as a robot description: URDF (a tree) or SDF 1.7 (loops are joints
+ * too).
  *
  * All frames are parallel to the world in the drawn posture, and all coordinates are 0 there. */
 #include <stdio.h>
@@ -56,7 +57,8 @@ static void put_place(writer *w, const char *indent, lw_vec2 p, double pitch, do
 
 /* ---- links ---------------------------------------------------------------------------------------- */
 
-/* The rods from the frame's origin of a link to its other points: shapes, and mass, centre and inertia of steel rods. */
+/* The rods from the frame's origin of a link to its other points: shapes, and mass, centre and inertia of steel rods.
+ * */
 typedef struct rods { int n; lw_vec2 to[LW_JOINT_MAX + LW_TRACER_MAX]; double mass, inertia; lw_vec2 centre; } rods;
 
 static void add_rod(const writer *w, rods *r, int link, lw_vec2 at)
@@ -178,7 +180,8 @@ static void put_joint(writer *w, int j, const char *more, const char *type, cons
     bool around = !slides && free && !w->sdf;
     put_name(w, "  <joint name=\"", p->name, more, "\" type=\"");
     put(w, around && !fixed ? "continuous" : type);
-    put_name(w, w->sdf ? "\">\n    <parent>" : "\">\n    <parent link=\"", parent, parent_more, w->sdf ? "</parent>\n" : "\"/>\n");
+    put_name(w, w->sdf ? "\">\n    <parent>" : "\">\n    <parent link=\"", parent, parent_more, w->sdf
+             ? "</parent>\n" : "\"/>\n");
     put_name(w, w->sdf ? "    <child>" : "    <child link=\"", child, child_more, w->sdf ? "</child>\n" : "\"/>\n");
     put_place(w, "    ", at, 0, 0);
     if (!fixed) {
@@ -222,7 +225,8 @@ static void put_pair(writer *w, int j, int parent, int child)
     double sign = lw_export_count_sign(w->k, j, child);
     const char *a = body_name(w, parent), *b = body_name(w, child);
     if (!lw_joint_has_slot(p->kind)) {
-        put_joint(w, j, "", lw_joint_freedoms(p->kind) == 0 ? "fixed" : lw_joint_turns(p->kind) ? "revolute" : "prismatic", a,
+        put_joint(w, j, "", lw_joint_freedoms(p->kind) == 0 ? "fixed" : lw_joint_turns(p->kind) ? "revolute"
+                  : "prismatic", a,
                   "", b, "", at, sign);
         return;
     }
@@ -250,12 +254,14 @@ static lw_status check(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "gear '%s' has no form in %s", w->k->joint[j].name, form);
         if (m && (m->friction[j].coefficient > 0 || m->clearance[j].model != LW_CLEARANCE_NONE || m->stop[j].has_least
                   || m->stop[j].has_greatest))
-            return lw_error_set(e, LW_E_KIND, "joint '%s' has friction, clearance or a stop, which is not written to %s",
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has friction, clearance or a stop, which is not written "
+                                "to %s",
                                 w->k->joint[j].name, form);
     }
     for (int i = 0; m && i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
-        if (p->law || lw_joint_has_slot(w->k->joint[p->joint].kind) || (!w->sdf && (p->stiffness > 0 || !w->tree.in_tree[p->joint])))
+        if (p->law || lw_joint_has_slot(w->k->joint[p->joint].kind) || (!w->sdf && (p->stiffness > 0
+            || !w->tree.in_tree[p->joint])))
             return lw_error_set(e, LW_E_KIND, "joint spring '%s' has no form in %s", p->name, form);
     }
     if (m && m->n_spring + m->n_force + m->n_motor > 0)
@@ -268,14 +274,16 @@ static void put_note(writer *w, int loops)
     put(w, w->sdf ? "  <!-- The coordinates of all joints are 0 in this posture; gravity is set in the world." :
         "  <!-- The coordinates of all joints are 0 in this posture; URDF holds no gravity.");
     if (loops > 0) {
-        put(w, w->sdf ? " Joints that close a loop:" : " URDF is a tree. These joints close a loop and are left out; add them in "
+        put(w, w->sdf ? " Joints that close a loop:" : " URDF is a tree. These joints close a loop and are left "
+            "out; add them in "
             "the simulator as constraints:");
         for (int j = 0, n = 0; j < w->k->n_joint; j++) {
             const lw_joint *p = &w->k->joint[j];
             char name[LW_NAME_SIZE*3];
             if (w->tree.in_tree[j])
                 continue;
-            snprintf(name, sizeof name, "%s (%s, %s)", p->name, w->k->link_name[p->link[0]], w->k->link_name[p->link[1]]);
+            snprintf(name, sizeof name, "%s (%s, %s)", p->name, w->k->link_name[p->link[0]],
+                     w->k->link_name[p->link[1]]);
             for (char *c = name; *c; c++)
                 *c = *c == '-' ? '_' : *c;                     /* two of them would end the comment */
             put_name(w, n++ ? ", " : " ", name, "", " at");
@@ -303,7 +311,8 @@ static lw_status write_robot(const lw_linkage *k, const lw_export_options *o, bo
     int loops = 0;
     for (int j = 0; j < k->n_joint; j++)
         loops += !w.tree.in_tree[j];
-    put_name(&w, sdf ? "<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n<model name=\"" : "<?xml version=\"1.0\"?>\n<robot name=\"",
+    put_name(&w, sdf ? "<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n<model name=\""
+             : "<?xml version=\"1.0\"?>\n<robot name=\"",
              k->name[0] ? k->name : "linkage", "", "\">\n");
     put_note(&w, loops);
     if (!sdf)

@@ -84,7 +84,8 @@ const lw_format lw_formats[] = {
     { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false },
     { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false },
     { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses, false },
-    { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints, false },
+    { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints,
+      false },
     { .name = NULL }
 };
 

@@ -51,7 +51,7 @@ typedef struct lw_plate_size {
                                         * of a link, at most 1/25 of the linkage's size                */
     double bore;                       /* radius of holes. Usual: 0.4 of `radius`                      */
     double thickness;                  /* Usual: `radius`                                              */
-    double clearance;                  /* by which a pin's diameter is smaller than its hole. Usual: a tenth of `bore` */
+    double clearance;                  /* a pin's diameter is smaller than its hole by this. Usual: 0.1 `bore` */
 } lw_plate_size;
 
 /* Find the fewest layers. size NULL: the usual sizes. LW_E_ARG: a hole as wide as its plate, or a clearance as wide as

@@ -13,7 +13,8 @@ lw_status lw_plates_make(const lw_linkage *k, const lw_export_options *o, lw_pla
     lw_plate_size size = { o ? o->width/2 : 0, o ? o->hole/2 : 0, o ? o->thickness : 0, o ? o->clearance : -1 };
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for plates");
-    lw_status s = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 }, &w->scene,
+    lw_status s = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 },
+                                &w->scene,
                                 e);
     if (s == LW_OK) {
         s = lw_layers_find(&w->scene, &size, &w->layers, e);
@@ -44,7 +45,8 @@ lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e)
                 int n[2] = { lw_v2_norm(lw_v2_sub(ends[0][0], ends[0][1])) > 0 ? 2 : 1,
                              lw_v2_norm(lw_v2_sub(ends[1][0], ends[1][1])) > 0 ? 2 : 1 };
                 if (lw_hull_distance(ends[0], n[0], ends[1], n[1]) <= 2*w->layers.bore)
-                    return lw_error_set(e, LW_E_KIND, "two holes or slots of link '%s' meet; solids need them apart, so "
+                    return lw_error_set(e, LW_E_KIND, "two holes or slots of link '%s' meet; solids need them "
+                                        "apart, so "
                                         "choose smaller holes, or export dxf or scad", w->scene.linkage.link_name[i]);
             }
     }

@@ -22,7 +22,8 @@ static bool is_loaded(const lw_model *m, int joint)
     return any;
 }
 
-/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots; pins last,
+/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and
+ * slots; pins last,
  * because a loop is closed most simply at a pin. -1: never. */
 static int rank_of(const lw_linkage *k, const lw_model *m, int joint, const bool *at_gear)
 {
@@ -93,7 +94,8 @@ lw_status lw_export_span(const lw_linkage *k, const lw_model *m, lw_export_tree 
     if (s != LW_OK)
         return s;
     choose_tree(k, m, at_gear, t);
-    return root_tree(k, t) ? LW_OK : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in a tree of "
+    return root_tree(k, t) ? LW_OK : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in "
+                                                  "a tree of "
                                                   "bodies");
 }
 

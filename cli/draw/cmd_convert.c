@@ -30,7 +30,8 @@ static const cli_option options[] = {
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
       "take result number N of a file written by fit; default: the first", 1, 1e9, NULL, NULL },
     { "plate-width", 0, CLI_REAL, offsetof(settings, width), "MM", NULL,
-      "dxf, scad, step, stl: width of a bar; without it two thirds of the shortest distance of two pins of a link, at most "
+      "dxf, scad, step, stl: width of a bar; without it two thirds of the shortest distance of two pins of a link, "
+          "at most "
       "2/25 of the size of the linkage", 1e-6, 1e9, NULL, NULL },
     { "plate-thickness", 0, CLI_REAL, offsetof(settings, thickness), "MM", NULL,
       "thickness of the plates; without it half their width", 1e-6, 1e9, NULL, NULL },
@@ -140,7 +141,8 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *k, l
         status = f->read(text, size, path, &units, k, e);
     if (status == LW_OK && loads && strcmp(f->name, "json") == 0) {
         *m = calloc(1, sizeof **m);
-        status = *m ? lw_model_read_result(text, size, path, s->result, *m, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        status = *m ? lw_model_read_result(text, size, path, s->result, *m, e) : lw_error_set(e, LW_E_MEMORY,
+            "out of memory");
         if (status != LW_OK) {
             free(*m);
             *m = NULL;
@@ -149,7 +151,8 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *k, l
     if (status == LW_OK && s->unit)
         status = set_unit(s->unit, &k->units, e);
     if (status == LW_OK && s->input && *m && has_masses(*m))
-        status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions belong to its "
+        status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions "
+                              "belong to its "
                               "own inputs; change the input in the file");
     if (status == LW_OK && s->input)
         status = set_input(s->input, k, e);
@@ -203,8 +206,10 @@ const cli_command cli_convert_command = {
         "  adams    a dataset of ADAMS/Solver: PART, MARKER, JOINT, MOTION, REQUEST\n"
         "Formats that can only be written:\n"
         "  acf      the commands that run NAME.adm in ADAMS/Solver; NAME is the name of the linkage\n"
-        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer, masses and loads\n"
-        "  urdf     a robot description: a tree of bodies; joints that close a loop are named in a comment and left out\n"
+        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer, masses "
+            "and loads\n"
+        "  urdf     a robot description: a tree of bodies; joints that close a loop are named in a comment and left "
+            "out\n"
         "  sdf      the same for Gazebo and others, with the joints that close loops\n"
         "  dxf      plates to cut, with holes and slots, in millimetres; each link lies in a layer in which it passes\n"
         "           all other links over the whole motion; the name of a DXF layer, such as L2_ROD, says in which one\n"

@@ -26,7 +26,8 @@ static cli_kind_of_file kind_of_json(const char *text, size_t size)
     const json_t *joints = json_object_get(root, "joints");
     cli_kind_of_file kind = json_is_array(json_object_get(root, "results")) ? CLI_RESULTS
                           : json_object_get(root, "linkwright-task") ? CLI_TASK
-                          : !joints ? CLI_UNKNOWN : json_is_array(json_array_get(joints, 0)) ? CLI_TOPOLOGIES : CLI_LINKAGE;
+                          : !joints ? CLI_UNKNOWN : json_is_array(json_array_get(joints, 0)) ? CLI_TOPOLOGIES
+                              : CLI_LINKAGE;
     json_decref(root);
     return kind;
 }
@@ -59,7 +60,8 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         { CLI_TOPOLOGIES, "a list of chains or mechanisms", "draw %s -o chains.svg" },
         { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
         { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
-        { CLI_BINARY, "no text (a picture, a workbook or an archive)", NULL }, { CLI_LENGTHS, "a table of lengths", NULL }
+        { CLI_BINARY, "no text (a picture, a workbook or an archive)", NULL }, { CLI_LENGTHS, "a table of lengths",
+            NULL }
     };
     char *text = NULL, command[600], what[160] = "";
     size_t size, n = sizeof rows/sizeof *rows;

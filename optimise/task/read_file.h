@@ -10,7 +10,8 @@ typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGE
 /* What a text is read as: a drawing, by the end of its name or by how it begins, or else a table. */
 lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path);
 
-/* A table (CSV) or a drawing.  "FILE#NAME" names a curve of a drawing (lw_target_options.curve).  "-" is standard input.
+/* A table (CSV) or a drawing.  "FILE#NAME" names a curve of a drawing (lw_target_options.curve).  "-" is standard
+ * input.
  * LW_E_IO, and failures of the readers. */
 lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 

@@ -218,7 +218,8 @@ static lw_status unknown_column(const lw_header *h, lw_text_span name, long line
     if (name.n == 0)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "this column has no name");
     if (lw_number_parse(name.s, name.n, &number) == LW_OK)
-        return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "the first line holds numbers; only two columns need "
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "the first line holds numbers; only two columns "
+                           "need "
                            "no names (x and y), put a line such as x,y,angle before more");
     snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
     const char *near = lw_suggest(word, names, COLUMN_COUNT);
@@ -235,7 +236,8 @@ static lw_status take_column(lw_header *h, seen *f, lw_text_span name, long line
     lw_text_span fault;
     int c = split_name(name, &unit, &fault);
     if (c < 0 && fault.s)
-        return lw_error_at(e, LW_E_NOTATION, h->file, line, place + (long)(fault.s - name.s), "unknown unit %s; known are "
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, place + (long)(fault.s - name.s),
+                           "unknown unit %s; known are "
                            "m, mm, cm, km, um, in, ft for lengths and rad, deg, turn for angles; t counts turns of the "
                            "input, 0 to 1 is one turn", quote(fault, text));
     if (c < 0)

@@ -122,7 +122,8 @@ static void tidy(lw_outlines *d)
 static lw_status check(const lw_outlines *d, const char *file, lw_error *e)
 {
     if (d->failed)
-        return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "the drawing has more than %d curves or %d points, or memory ran "
+        return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "the drawing has more than %d curves or %d points, or memory "
+                           "ran "
                            "out", LW_CURVE_MAX, LW_OUTLINE_MAX);
     for (int i = 0; i < d->n; i++)
         for (size_t k = 0; k < d->curve[i].n; k++)
@@ -213,7 +214,8 @@ static lw_status choose(const lw_outlines *d, const char *file, const char *word
         return take_curve(0, chosen, n, e);
     if (!words) {
         list_curves(d, list, sizeof list);
-        return lw_error_at(e, LW_E_NOTATION, file, d->curve[1].line[0], 1, "this drawing has %d curves: %s. Put the one "
+        return lw_error_at(e, LW_E_NOTATION, file, d->curve[1].line[0], 1, "this drawing has %d curves: %s. Put the "
+                           "one "
                            "that is wanted behind the name of the file, as FILE#1 or FILE#NAME; several (FILE#1,2 or "
                            "FILE#all, at most %d) become the points of one linkage", d->n, list, POINTS);
     }
@@ -312,7 +314,8 @@ static lw_status to_target(const lw_outlines *d, const int chosen[POINTS], int n
                                "give a number of stations", m, c->n);
     }
     if (m > LW_STATION_MAX)
-        return lw_error_at(e, LW_E_NOTATION, file, first->line[0], 1, "the curve has %zu points; %d stations are allowed",
+        return lw_error_at(e, LW_E_NOTATION, file, first->line[0], 1, "the curve has %zu points; %d stations are "
+                           "allowed",
                            m, LW_STATION_MAX);
     double *xy = malloc((size_t)n*2*m*sizeof *xy);
     long *line = malloc(m*sizeof *line);

@@ -17,7 +17,7 @@ typedef struct course {
     const lw_vec2 *p;
     size_t         n, n_segment;
     double        *measure;           /* of each segment, in stations: length and turn               (n_segment)  */
-    size_t        *corner;            /* points between which stations are spread; the ends of an open curve (n_corner) */
+    size_t        *corner;            /* stations are spread between these points; ends of an open curve (n_corner) */
     size_t         n_corner;
     bool           closed;
 } course;
@@ -344,7 +344,8 @@ static lw_status smooth_target(lw_target *t, double distance, lw_error *e)
         all = fmax(all, rms);
         worst = fmax(worst, most);
     }
-    add_note(t, "smoothed: the path lies %.3g %s (RMS) from the points, %.3g at most", all/t->units.metre, t->units.length,
+    add_note(t, "smoothed: the path lies %.3g %s (RMS) from the points, %.3g at most", all/t->units.metre,
+             t->units.length,
              worst/t->units.metre);
     return s;
 }

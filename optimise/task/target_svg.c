@@ -57,7 +57,8 @@ typedef struct reader {
 /* Does the text begin with a line end or blank that is written as &#10; or &#xA;? */
 static bool begins_blank(const lw_cursor *c)
 {
-    static const char *const rows[] = { "&#10;", "&#xA;", "&#xa;", "&#13;", "&#xD;", "&#9;", "&#x9;", "&#32;", "&#x20;" };
+    static const char *const rows[] = { "&#10;", "&#xA;", "&#xa;", "&#13;", "&#xD;", "&#9;", "&#x9;", "&#32;",
+                                        "&#x20;" };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
         if (lw_cursor_begins(c, rows[i]))
             return true;
@@ -527,7 +528,8 @@ static bool value_has(const element *el, int key, const char *word)
 static void copy_value(const element *el, int key, char *out, size_t size)
 {
     const lw_cursor *c = &el->value[key];
-    snprintf(out, size, "%.*s", c->text ? (int)fmin((double)(c->size - c->at), 1000) : 0, c->text ? c->text + c->at : "");
+    snprintf(out, size, "%.*s", c->text ? (int)fmin((double)(c->size - c->at), 1000) : 0, c->text ? c->text + c->at
+             : "");
 }
 
 /* Size of the drawing's unit from width="120mm" height="80mm" viewBox="0 0 120 80" of the root: it is scaled evenly
@@ -638,7 +640,8 @@ static bool class_hides(const reader *r, const char *class, size_t size)
             int next = (unsigned char)s[at + 1 + size];
             if (s[at] != '.' || memcmp(s + at + 1, class, size) != 0 || isalnum(next) || next == '-' || next == '_')
                 continue;
-            const char *open = memchr(s + at, '{', end - at), *close = open ? memchr(open, '}', (size_t)(s + end - open))
+            const char *open = memchr(s + at, '{', end - at), *close = open ? memchr(open, '}', (size_t)(s + end
+                - open))
                              : NULL;
             if (close && !memchr(s + at, '}', (size_t)(open - s) - at)
                 && declares(open, (size_t)(close - open), "display", "none"))
@@ -678,7 +681,8 @@ static int label_of(const element *el)
 static lw_status draw_rect(const element *el, pen *p)
 {
     double v[6];
-    static const int key[] = { ATTRIBUTE_X, ATTRIBUTE_Y, ATTRIBUTE_WIDTH, ATTRIBUTE_HEIGHT, ATTRIBUTE_RX, ATTRIBUTE_RY };
+    static const int key[] = { ATTRIBUTE_X, ATTRIBUTE_Y, ATTRIBUTE_WIDTH, ATTRIBUTE_HEIGHT, ATTRIBUTE_RX,
+                               ATTRIBUTE_RY };
     lw_status s = LW_OK;
     if (value_has(el, ATTRIBUTE_WIDTH, "%") || value_has(el, ATTRIBUTE_HEIGHT, "%"))
         return LW_OK;                              /* the background of the page */
