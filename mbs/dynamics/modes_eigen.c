@@ -6,18 +6,22 @@
 #include "base/real.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 
-static bool all_finite(const double *v, size_t n)
+/* Are the coefficients finite? Those that are next to nothing become zero: on subnormal numbers GSL iterates for ever. */
+static bool prepare(double *v, size_t n)
 {
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         if (!isfinite(v[i]))
             return false;
+        if (fabs(v[i]) < 1e-290)
+            v[i] = 0;
+    }
     return true;
 }
 
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
 {
     size_t size = (size_t)n;
-    if (!all_finite(k, size*size) || !all_finite(m, size*size))
+    if (!prepare(k, size*size) || !prepare(m, size*size))
         return LW_E_ARG;
     gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m, size, size);
     gsl_vector_view values = gsl_vector_view_array(w, size);
@@ -43,7 +47,7 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
 lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_re, double *x_im)
 {
     size_t size = (size_t)n;
-    if (!all_finite(a, size*size))
+    if (!prepare(a, size*size))
         return LW_E_ARG;
     gsl_matrix_view m = gsl_matrix_view_array(a, size, size);
     lw_gsl_begin();
