@@ -432,7 +432,7 @@ static lw_status run_ggl(lw_run *run)
 
 bool lw_ggl_suits(lw_dynamics *d)
 {
-    return !d->large && !d->has_zero_mass && d->n_stop == 0 && has_derivatives(d) && lw_mbs_is_stiff(d);
+    return !d->large && d->n_stop == 0 && has_derivatives(d) && lw_mbs_is_stiff(d);
 }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
