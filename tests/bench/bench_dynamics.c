@@ -1,7 +1,10 @@
 /* What a run of forward dynamics costs in each formulation, against the reduced form in the same run.
  *
  * CSV: model, formulation, tolerance, microseconds a run, evaluations, microseconds an evaluation, times the reduced
- * form, energy error over its scale.  Each time is the least of RUNS, made ready and run. */
+ * form, energy error over its scale.  Each time is the least of RUNS, made ready and run.
+ *
+ * bench_dynamics energy: conservative examples over 1000 s at 1e-10 by the automatic choice; greatest error of the
+ * energy and sum of its corrections, over its scale. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,8 +47,33 @@ static void read_model(const char *file, lw_model *m)
     free(text);
 }
 
+static void energy(void)
+{
+    static const char *const files[] = {
+        "examples/pendulum.json", "examples/two-four-bars.json", "examples/dynamics/falling-ladder.json",
+        "examples/dynamics/governor.json", "examples/dynamics/rolling-wheel.json", "examples/dynamics/trebuchet.json" };
+    printf("model,formulation,steps,energy error,corrections\n");
+    for (size_t i = 0; i < sizeof files/sizeof *files; i++) {
+        lw_model m;
+        lw_dynamics_report r = { 0 };
+        lw_dynamics_options o = lw_dynamics_options_default();
+        lw_dynamics *d;
+        lw_error e = { 0 };
+        read_model(files[i], &m);
+        o.to = 1000;
+        if (lw_dynamics_make(&m, &o, &d, &e) != LW_OK || lw_dynamics_run(d, NULL, NULL, &r, &e) != LW_OK)
+            fail(files[i], &e);
+        printf("%s,%s,%ld,%.1e,%.1e\n", files[i], lw_formulation_name(r.formulation), r.steps,
+               r.energy_error/r.energy_scale, r.energy_held/r.energy_scale);
+        lw_dynamics_free(d);
+        lw_model_free(&m);
+    }
+}
+
 int main(int argc, char **argv)
 {
+    if (argc > 1 && strcmp(argv[1], "energy") == 0)
+        return energy(), 0;
     double reduced = 0;
     printf("model,formulation,tolerance,us,evaluations,us an evaluation,times reduced,energy error\n");
     for (size_t i = 0; i < sizeof each/sizeof *each; i++) {
