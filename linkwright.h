@@ -829,12 +829,19 @@ typedef struct lw_fit_request {
     double      angle_length;          /* [m] that 1 rad counts as; 0: half the diagonal of the target    (0)     */
     bool        crank_only;            /* the input turns fully and is the shortest link of a four-bar    (false) */
     bool        full_turn;             /* the input turns fully                                           (false) */
-    double      min_transmission;      /* [rad]; 0: not asked                                             (0)     */
+    double      min_transmission;      /* [rad]; 0: 20 degrees where a linkage has them; below 0: none    (0)     */
     double      max_acceleration;      /* of the point by the input [m/rad^2]; 0: not asked               (0)     */
     double      max_slide_acceleration;           /* the same where the input is a slide [1/m]            (0)     */
     double      length_range[2];       /* between pins of a link, and from above to the tracer [m]; 0, 0: by the target (0, 0) */
     double      position_range[2];     /* [m]; equal: by the target                                       (0, 0)  */
-    double      length_ratio;          /* longest over shortest length at most; 0: not asked              (0)     */
+    double      length_ratio;          /* longest over shortest length at most; 0: 20; below 0: any       (0)     */
+    double      max_size;              /* without ranges: most length and coordinate over the diagonal of the target;
+                                        * 0: 6; below 0: 10                                               (0)     */
+    double      class_margin;          /* least distance of a four-bar from a change point over its perimeter; 0: 1e-3;
+                                        * below 0: any                                                    (0)     */
+    bool        through_limits;        /* the input may pass limits, and rock on a closed target          (false) */
+    bool        unlimited;             /* none of these limits holds unless it is given; results are listed by their
+                                        * error alone                                                     (false) */
     int         n_bound, n_zone;       /* 24 and 8 at most                                                (0, 0)  */
     const lw_bound *bound;             /* (n_bound)                                                               */
     const lw_zone  *zone;              /* (n_zone)                                                                */
@@ -887,6 +894,10 @@ typedef struct lw_result_info {
     bool        turns;                 /* the input turns fully                                                  */
     int         circuits;              /* 0: not counted                                                         */
     bool        verified;              /* an independent simulation of the written linkage agrees                 */
+    double      stray;                 /* greatest distance of curve and target, both ways [m]; NaN for functions */
+    double      size;                  /* of the greatest link [m]                                                */
+    bool        passes_limit;          /* the input passes a limit on its way, or rocks on a closed target        */
+    char        at_limit[128];         /* limits of the search that it is at: "r1, transmission"                  */
     unsigned    defects;               /* of LW_DEFECT_                                                          */
 } lw_result_info;
 LW_API lw_status lw_results_info(const lw_results *results, int i, lw_result_info *out);

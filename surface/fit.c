@@ -179,14 +179,16 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
         lw_fit_spec_weigh_angles(spec, t, r->angle_length);
     spec->crank_only = r->crank_only || r->full_turn;
     spec->exclude_drag_link = r->crank_only;
-    spec->min_transmission = r->min_transmission;
+    spec->min_transmission = fmax(0, r->min_transmission);
     spec->max_acceleration = r->max_acceleration;
     spec->max_slide_acceleration = r->max_slide_acceleration;
     spec->length_lo = r->length_range[0];
     spec->length_hi = r->length_range[1];
     spec->position_lo = r->position_range[0];
     spec->position_hi = r->position_range[1];
-    spec->length_ratio = r->length_ratio;
+    spec->length_ratio = fmax(0, r->length_ratio);
+    spec->max_size = fmax(0, r->max_size);
+    spec->class_margin = fmax(0, r->class_margin);
     spec->n_bound = r->n_bound;
     spec->n_zone = r->n_zone;
     if (r->n_bound > 0)
@@ -194,6 +196,15 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
     if (r->n_zone > 0)
         memcpy(spec->zone, r->zone, (size_t)r->n_zone*sizeof *r->zone);
     return LW_OK;
+}
+
+/* Limits that the request gives, or switches off. */
+static unsigned limits_given(const lw_fit_request *r)
+{
+    return r->unlimited ? LW_LIMIT_ALL
+         : (r->min_transmission != 0 ? LW_LIMIT_TRANSMISSION : 0) | (r->length_ratio != 0 ? LW_LIMIT_RATIO : 0)
+         | (r->max_size != 0 ? LW_LIMIT_SIZE : 0) | (r->class_margin != 0 ? LW_LIMIT_MARGIN : 0)
+         | (r->through_limits ? LW_LIMIT_MOTION : 0);
 }
 
 /* Progress that can say no, on top of a flag that can be set from outside. */
@@ -241,6 +252,7 @@ struct lw_results {
     lw_exact           exact;            /* precision points: instead of the search's              */
     lw_fit_results     verified;         /* ... with what passed the second simulation              */
     size_t             n_station;
+    double             extent;           /* of the target [m]                                              */
     bool               has_points;
 };
 
@@ -256,6 +268,8 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
     *out = NULL;
     lw_status s = r && start ? make_options(target, request, &c, &o.fit, error)
                              : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        lw_fit_spec_set_limits(&o.fit.spec, target, limits_given(request));
     for (int i = 0; i < request->n_start && s == LW_OK; i++) {
         start[i] = *request->start[i];
         s = lw_start_check(&start[i], error);
@@ -277,6 +291,7 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
         return s;
     }
     r->n_station = target->n;
+    r->extent = target->extent;
     r->has_points = target->x != NULL;
     *out = r;
     return s;
@@ -311,6 +326,7 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
         return s;
     }
     r->n_station = target->n;
+    r->extent = target->extent;
     r->has_points = target->x != NULL;
     *out = r;
     return s;
@@ -350,8 +366,10 @@ lw_status lw_results_info(const lw_results *results, int i, lw_result_info *out)
         .angle_mean = r->angle_mean, .angle_max = r->angle_max,
         .transmission = { r->transmission_min, r->transmission_max }, .acceleration_max = r->acceleration_max,
         .turns = r->turns, .circuits = r->circuits, .verified = r->verified,
+        .stray = lw_fit_report_stray(r), .size = r->size, .passes_limit = r->passes_limit,
         .defects = results->is_exact ? results->exact.defect[list_of(results)->candidate[i]] : 0
     };
+    lw_fit_report_active(r, out->at_limit, sizeof out->at_limit);
     return LW_OK;
 }
 
@@ -408,6 +426,8 @@ static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_resul
         row[*n] = (lw_page_result){ .scene = &scene[*n], .type = o.title,
                                     .class_name = report->has_class ? report->barker.name : NULL,
                                     .transmission_min = report->transmission_min, .objective = c->objective,
+                                    .input = lw_fit_report_input(report), .stray = lw_fit_report_stray(report),
+                                    .size = r->extent > 0 ? report->size/r->extent : 0,
                                     .error_mean = report->error_mean, .error_max = report->error_max,
                                     .error_percent = report->error_percent };
     }

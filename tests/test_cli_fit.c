@@ -26,7 +26,7 @@ static void inputs_of_sliders_have_the_unit_of_the_target(void)
 
 static void four_bars_near_a_change_point_are_marked(void)
 {
-    json_t *root = json_of("$P fit examples/film-advance.csv --rounds 1 -o $D/marked.json > $D/table; "
+    json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 -o $D/marked.json > $D/table; "
                            "cat $D/marked.json"), *r;
     size_t i;
     int n = 0;
@@ -44,7 +44,7 @@ static void four_bars_near_a_change_point_are_marked(void)
 /* The motion of an open target over a limit says so, as that of a closed one does. */
 static void open_targets_over_limits_have_legs_and_modes(void)
 {
-    json_t *root = json_of("$P fit examples/pick-and-place.csv --rounds 1 --json -q"), *r;
+    json_t *root = json_of("$P fit examples/pick-and-place.csv --unlimited --rounds 1 --json -q"), *r;
     size_t i, points = (size_t)member(json_object_get(root, "target"), "points");
     int n = 0;
     CHECK(json_is_false(json_object_get(json_object_get(root, "target"), "closed")));
@@ -56,6 +56,76 @@ static void open_targets_over_limits_have_legs_and_modes(void)
         }
     CHECK(n > 0);
     json_decref(root);
+}
+
+/* By default the first answer for a closed path is a linkage that can be built: each limit is measured here again from
+ * the numbers of the result; and an option replaces its own limit only. */
+static void first_answers_keep_the_default_limits(void)
+{
+    static const char *const target[] = { "walking-foot", "film-advance", "ellipse" };
+    char line[200];
+    for (size_t k = 0; k < sizeof target/sizeof *target; k++) {
+        double objective[2];
+        for (int unlimited = 0; unlimited < 2; unlimited++) {
+            snprintf(line, sizeof line, "$P fit examples/%s.csv --rounds 2 --json -q%s", target[k],
+                     unlimited ? " --unlimited" : "");
+            json_t *root = json_of(line), *r = json_array_get(json_object_get(root, "results"), 0);
+            json_t *dim = json_object_get(r, "dimensions");
+            double length[4] = { member(dim, "r1"), member(dim, "r2"), member(dim, "r3"), member(dim, "r4") };
+            objective[unlimited] = member(r, "objective");
+            CHECK(member(r, "stray") >= member(r, "error_max")*(1 - 1e-2) || member(r, "stray") > 0);
+            CHECK_NEAR(member(r, "stray"), fmax(member(r, "stray_to_curve"), member(r, "stray_to_target")), 0, 1e-12);
+            if (!unlimited) {
+                double least = INFINITY, most = 0, sum = 0;
+                for (int i = 0; i < 4; i++) {
+                    least = fmin(least, length[i]);
+                    most = fmax(most, length[i]);
+                    sum += length[i];
+                }
+                CHECK_TEXT(json_string_value(json_object_get(r, "input_motion")), "turns");
+                CHECK(member(r, "transmission_min") >= 20*3.14159265358979/180 - 1e-3);
+                CHECK(most <= 20*least*(1 + 1e-6));
+                CHECK(2*(least + most) <= sum*(1 - 1e-3*(1 - 1e-6)));      /* a crank, and how far from none */
+                CHECK_NEAR(member(r, "length_most"), most, 0, 1e-9);
+                CHECK(member(r, "size_over_path") <= 9 && json_is_null(json_object_get(r, "beyond_limits")));
+            }
+            json_decref(root);
+        }
+        CHECK(objective[1] <= objective[0]*(1 + 1e-6));
+    }
+    json_t *root = json_of("$P fit examples/film-advance.csv --min-transmission-angle 40 --rounds 2 --json -q");
+    json_t *r = json_array_get(json_object_get(root, "results"), 0);
+    CHECK(member(r, "transmission_min") >= 40*3.14159265358979/180 - 1e-3);
+    CHECK_TEXT(json_string_value(json_object_get(r, "input_motion")), "turns");
+    CHECK(member(r, "length_most") <= 20*(1 + 1e-6)*member(r, "length_least"));
+    json_decref(root);
+}
+
+/* Within a tolerance the simplest linkage comes first, then the smallest; where nothing is within, this is told. */
+static void tolerances_choose_the_smallest(void)
+{
+    json_t *best = json_of("$P fit examples/walking-foot.csv --rounds 2 --json -q");
+    json_t *root = json_of("$P fit examples/walking-foot.csv --rounds 2 --tolerance 2mm --json -q"), *r;
+    double size = 0, least = member(json_array_get(json_object_get(best, "results"), 0), "size");
+    size_t i;
+    json_array_foreach(json_object_get(root, "results"), i, r) {
+        CHECK(member(r, "stray") <= 2 && member(r, "size") >= size);
+        size = member(r, "size");
+        least = fmin(least, size);
+    }
+    CHECK(i > 0 && member(json_array_get(json_object_get(root, "results"), 0), "size") == least);
+    json_decref(root);
+    json_decref(best);
+    expect("$P fit examples/walking-foot.csv --rounds 1 --tolerance 1um", 0, "four-bar",
+           "no linkage found stays within 0.001 mm");
+    expect("$P fit examples/walking-foot.csv --tolerance 1yd", 3, "", "--tolerance takes a length above 0");
+}
+
+/* Types whose input cannot turn answer a closed target all the same, and the answer says what it does. */
+static void limits_that_nothing_keeps_give_way(void)
+{
+    expect("$P fit examples/ellipse.csv --type trammel --rounds 1", 0, "beyond the limits: the input passes a limit",
+           NULL);
 }
 
 /* Without timing half of the objective is the distance of the curve from the target: the second simulation computes
@@ -125,7 +195,7 @@ static void speeds_of_sliders_have_the_unit_of_the_file(void)
 /* The saved page has every result, its least transmission angle and its file. */
 static void the_page_has_every_result_and_its_file(void)
 {
-    json_t *root = json_of("$P fit examples/film-advance.csv --rounds 1 --save $D/saved -o $D/saved.json -q; "
+    json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 --save $D/saved -o $D/saved.json -q; "
                            "cat $D/saved.json"), *r;
     size_t i, n = json_array_size(json_object_get(root, "results"));
     char line[200];
@@ -150,6 +220,9 @@ int main(void)
 {
     RUN(inputs_of_sliders_have_the_unit_of_the_target);
     RUN(four_bars_near_a_change_point_are_marked);
+    RUN(first_answers_keep_the_default_limits);
+    RUN(tolerances_choose_the_smallest);
+    RUN(limits_that_nothing_keeps_give_way);
     RUN(open_targets_over_limits_have_legs_and_modes);
     RUN(both_simulations_come_to_one_objective);
     RUN(files_of_another_kind_are_named);

@@ -48,7 +48,7 @@ static void more_links_are_never_worse(void)
 static void higher_groups_end_for_any_threads(void)
 {
     json_t *root = json_of("fit='fit examples/letters/S.csv --links 6 --timing none --budget 20000 --rounds 1 "
-                           "--json -q'; $P $fit -j 1 | grep objective > $D/one; $P $fit -j 2 | tee $D/two");
+                           "--unlimited --json -q'; $P $fit -j 1 | grep objective > $D/one; $P $fit -j 2 | tee $D/two");
     json_t *best = json_array_get(json_object_get(root, "results"), 0);
     CHECK(integer(best, "links") == 6);
     CHECK(real(best, "objective") < 1);
@@ -74,7 +74,7 @@ static void only_the_topologies_asked_for(void)
     expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r, or r with t");
     expect("$P fit $D/t.csv --links 6 --joints r,g --gear-ratios 1,1/0", 2, NULL, "'1/0' is none");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
-    expect("$P fit $D/t.csv --results 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0,
+    expect("$P fit $D/t.csv --unlimited --results 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0,
            "arc,mode",
            NULL);
     expect("$P trace $D/two.json --result 9", 3, NULL, "result 9 is wanted");
@@ -84,10 +84,10 @@ static void only_the_topologies_asked_for(void)
 
 static void a_resumed_fit_is_not_worse(void)
 {
-    json_t *first = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o "
+    json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o "
                             "$D/r.json -q; "
                             "cat $D/r.json");
-    json_t *then = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 3000 --seed 9 --start-from "
+    json_t *then = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 3000 --seed 9 --start-from "
                            "$D/r.json --json");
     double before = real(json_array_get(json_object_get(first, "results"), 0), "objective");
     double after = real(json_array_get(json_object_get(then, "results"), 0), "objective");
@@ -290,7 +290,7 @@ static void slots_are_fitted_and_traced(void)
 static void gear_pairs_are_counted(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
-                           "--budget 1000 --json");
+                           "--budget 1000 --unlimited --json");
     json_t *list = json_object_get(root, "topologies"), *three = json_array_get(list, 0);
     json_t *five = json_array_get(list, 2);
     CHECK_INT(json_array_size(list), 3);
@@ -307,7 +307,7 @@ static void gear_pairs_are_counted(void)
     CHECK(integer(five, "no_gear") >= 2);
     CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
     json_decref(root);
-    root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 8 --budget 1000 "
+    root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 8 --budget 1000 --unlimited "
                    "--topology 5.1.1,5.1.3 --json");
     five = json_array_get(json_object_get(root, "topologies"), 2);
     CHECK_INT(integer(five, "fitted"), 6 + 2);
@@ -321,7 +321,7 @@ static void gear_pairs_are_counted(void)
 static void racks_are_counted(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
-                           "--budget 1000 --json");
+                           "--budget 1000 --unlimited --json");
     json_t *three = json_array_get(json_object_get(root, "topologies"), 0);
     CHECK_INT(integer(three, "links"), 3);
     CHECK_INT(integer(three, "fitted"), 1 + 2);

@@ -15,17 +15,21 @@
 /* ==== the table of results ==================================================================================== */
 
 typedef enum column {
-    TYPE, CLASS, MEAN, MAX, PERCENT, OBJECTIVE, TRANSMISSION, DIMENSIONS, DOWNLOAD, N_COLUMN
+    TYPE, CLASS, INPUT, MEAN, MAX, STRAY, PERCENT, OBJECTIVE, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, DOWNLOAD, N_COLUMN
 } column;
 
 static const struct { const char *title; bool number, length; } columns[N_COLUMN] = {
     [TYPE]       = { "Type", false, false },
     [CLASS]      = { "Class", false, false },
+    [INPUT]      = { "Input", false, false },
     [MEAN]       = { "Mean error", true, true },
     [MAX]        = { "Largest error", true, true },
+    [STRAY]      = { "Stray", true, true },
     [PERCENT]    = { "% of path", true, false },
     [OBJECTIVE]  = { "Objective", true, false },
     [TRANSMISSION] = { "Least transmission angle [deg]", true, false },
+    [SIZE]       = { "Size over path", true, false },
+    [LIMITS]     = { "At its limit", false, false },
     [DIMENSIONS] = { "Dimensions", false, false },
     [DOWNLOAD]   = { "File", false, false },
 };
@@ -41,6 +45,8 @@ static double number_in(const lw_page_result *r, column c)
     switch (c) {
     case MEAN:      return r->error_mean/units_of(r)->metre;
     case MAX:       return r->error_max/units_of(r)->metre;
+    case STRAY:     return r->size > 0 ? r->stray/units_of(r)->metre : NAN;
+    case SIZE:      return r->size > 0 ? r->size : NAN;
     case PERCENT:   return r->error_percent;
     case OBJECTIVE: return r->objective;
     case TRANSMISSION: return r->transmission_min*180/LW_PI;
@@ -50,7 +56,7 @@ static double number_in(const lw_page_result *r, column c)
 
 static const char *text_in(const lw_page_result *r, column c)
 {
-    return c == TYPE ? r->type : c == CLASS ? r->class_name : NULL;
+    return c == TYPE ? r->type : c == CLASS ? r->class_name : c == INPUT ? r->input : c == LIMITS ? r->limits : NULL;
 }
 
 static bool has(const lw_page_result *r, column c)

@@ -3,20 +3,21 @@
 #include <string.h>
 
 #include "base/real.h"
+#include "base/number.h"
 #include "cli/fit/fit.h"
 #include "cli/program/model.h"
 #include "cli/program/progress.h"
 
 typedef struct settings {
-    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
+    const char *tolerance, *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
     *gear_ratios, *stations,
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
     const char *tolerances;
     double      weight_path, weight_angle, angle_length, min_transmission, max_acceleration;
-    double      length_range[2], position_range[2], length_ratio, smooth;
-    bool        crank_only, full_turn, closed, open, exact;
+    double      length_range[2], position_range[2], length_ratio, smooth, max_size, class_margin;
+    bool        crank_only, full_turn, closed, open, exact, through_limits, unlimited;
 } settings;
 
 enum { AUTO = 0 };
@@ -76,10 +77,12 @@ static const cli_option options[] = {
       NULL, NULL },
     { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
       "limits of the lengths between pins of a link; the tracer is at most MAX from them. Without it r1, r2, ... are 1/1000 "
-      "to 10 times the diagonal of the target", 0, 1e300, NULL, NULL },
+      "to --max-size times the diagonal of the target", 0, 1e300, NULL, NULL },
     { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
-      "limits of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
-    { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", NULL,
+      "limits of coordinates and offsets; without it --max-size diagonals around the target", 0, 0, NULL, NULL },
+    { "max-size", 0, CLI_REAL, offsetof(settings, max_size), "S", "6",
+      "without the two ranges above: most length and coordinate, in diagonals of the target", 0.1, 1e9, NULL, NULL },
+    { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", "20",
       "the longest length is at most R times the shortest", 1, 1e9, NULL, NULL },
     { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
       "limits of single dimensions, as r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
@@ -87,8 +90,20 @@ static const cli_option options[] = {
       "the input turns fully, and in a four-bar it is the shortest link", 0, 0, NULL, NULL },
     { "full-turn", 0, CLI_FLAG, offsetof(settings, full_turn), NULL, NULL,
       "the input turns fully; double cranks (drag links) are allowed too", 0, 0, NULL, "crank-only" },
-    { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", NULL,
-      "smallest transmission angle allowed during the motion [degrees]", 0, 89.9, NULL, NULL },
+    { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", "20",
+      "smallest transmission angle allowed during the motion [degrees]. The default gives way if no linkage has it",
+      0, 89.9, NULL, NULL },
+    { "class-margin", 0, CLI_REAL, offsetof(settings, class_margin), "M", "0.001",
+      "least distance of a four-bar from a change point, in perimeters", 0, 0.5, NULL, NULL },
+    { "through-limits", 0, CLI_FLAG, offsetof(settings, through_limits), NULL, NULL,
+      "the input may pass limits and dead points on its way, and rock on a closed target; between its points the "
+      "curve may stray", 0, 0, NULL, NULL },
+    { "tolerance", 0, CLI_TEXT, offsetof(settings, tolerance), "E", NULL,
+      "list the simplest linkages, then the smallest, that stray from the target by E at most, as 1mm; without a "
+      "unit in that of the target", 0, 0, NULL, NULL },
+    { "unlimited", 0, CLI_FLAG, offsetof(settings, unlimited), NULL, NULL,
+      "no limit holds by default: sizes up to 10 diagonals, any ratio of lengths, any transmission angle, change "
+      "points, --through-limits; results are listed by their error alone", 0, 0, NULL, NULL },
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
       "greatest acceleration of the point allowed, with respect to the input [unit/rad^2]; with --task function, of "
       "the output angle", 0, 1e300, NULL, NULL },
@@ -194,7 +209,7 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
     if (s->crank_only || s->full_turn)
         spec->crank_only = true;
     spec->exclude_drag_link = s->crank_only;
-    if (mine(call, set, "min-transmission-angle"))
+    if (cli_given(&call->parsed, "min-transmission-angle"))
         spec->min_transmission = s->min_transmission*LW_PI/180;
     if (mine(call, set, "max-acceleration")) {
         spec->max_acceleration = s->max_acceleration*m;
@@ -206,12 +221,48 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
         spec->length_lo = s->length_range[0]*m;
         spec->length_hi = s->length_range[1]*m;
     }
-    if (mine(call, set, "length-ratio"))
+    if (cli_given(&call->parsed, "length-ratio"))
         spec->length_ratio = s->length_ratio;
+    if (cli_given(&call->parsed, "max-size"))
+        spec->max_size = s->max_size;
+    if (cli_given(&call->parsed, "class-margin"))
+        spec->class_margin = s->class_margin;
     if (mine(call, set, "position-range")) {
         spec->position_lo = s->position_range[0]*m;
         spec->position_hi = s->position_range[1]*m;
     }
+}
+
+/* Read a length such as 1mm; without a unit in the unit u. */
+static lw_status read_tolerance(const char *text, const lw_units *u, double *metres, lw_error *e)
+{
+    lw_units unit = *u;
+    size_t n = text ? strspn(text, "0123456789.eE+-") : 0;
+    const char *end = text ? text + n + strspn(text + n, " ") : "";
+    *metres = 0;
+    if (text && (lw_number_parse(text, n, metres) != LW_OK || !(*metres > 0)
+                 || (*end && !lw_units_set_length(&unit, end))))
+        return lw_error_set(e, LW_E_ARG, "--tolerance takes a length above 0, as 1mm, not '%s'", text);
+    *metres *= unit.metre;
+    return LW_OK;
+}
+
+/* Which limits are given, so that their defaults do not hold. */
+static unsigned limits_given(const cli_call *call, const lw_fit_spec *spec)
+{
+    static const struct { const char *option; unsigned limit; } of[] = {
+        { "min-transmission-angle", LW_LIMIT_TRANSMISSION }, { "length-ratio", LW_LIMIT_RATIO },
+        { "max-size", LW_LIMIT_SIZE }, { "class-margin", LW_LIMIT_MARGIN }, { "through-limits", LW_LIMIT_MOTION },
+    };
+    const settings *s = call->settings;
+    if (s->unlimited || s->exact)
+        return LW_LIMIT_ALL;
+    unsigned given = (spec->min_transmission > 0 ? LW_LIMIT_TRANSMISSION : 0)
+                   | (spec->length_ratio > 0 ? LW_LIMIT_RATIO : 0);
+    for (size_t i = 0; i < sizeof of/sizeof *of; i++)
+        if (cli_given(&call->parsed, of[i].option))
+            given |= of[i].limit;
+    return given;
 }
 
 static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec, lw_error *e)
@@ -229,7 +280,14 @@ static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
                             "the target has no column angle");
-    lw_status st = mine(call, set, "point-links") ? cli_fit_carriers(s->point_links, t, spec->carrier, e) : LW_OK;
+    lw_fit_spec_set_limits(spec, t, limits_given(call, spec));
+    lw_status st = read_tolerance(s->tolerance, &t->units, &spec->tolerance, e);
+    if (st == LW_OK && spec->tolerance > 0 && (!lw_task_has_place(spec->task) || s->unlimited || s->exact))
+        st = lw_error_set(e, LW_E_ARG, "--tolerance chooses among linkages by size and by their distance from a path: it "
+                          "does not go together with a function, --unlimited or --exact");
+    if (st != LW_OK)
+        return st;
+    st = mine(call, set, "point-links") ? cli_fit_carriers(s->point_links, t, spec->carrier, e) : LW_OK;
     return st == LW_OK ? read_bounds(s->bounds, &t->units, spec, e) : st;
 }
 
@@ -428,11 +486,19 @@ static void warn(const cli_call *call, const cli_fit_set *set)
 {
     const lw_fit_results *found = &set->search.results;
     const lw_fit_report *r = &found->report[0];
+    double least = INFINITY;
+    for (int i = 0; i < found->n; i++)
+        least = fmin(least, lw_fit_report_stray(&found->report[i]));
     note_left_out(call, set);
     if (set->search.found.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
     if (found->n == 0 && found->n_left_out == 0)
         cli_note(call, "%s: no linkage that meets all conditions was found in this time", set->path);
+    if (found->n > 0 && set->spec.tolerance > 0 && found->n_within == 0)
+        cli_note(call, "%s: no linkage found stays within %g %s; the best strays by %.4g", set->path,
+                 set->spec.tolerance/set->target.units.metre,
+                 set->target.units.length[0] ? set->target.units.length : "units",
+                 least/set->target.units.metre);
     if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)
         cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
@@ -686,6 +752,13 @@ const cli_command cli_fit_command = {
         "The search looks for dimensions with the smallest sum, over all points, of\n"
         "    A |P - T|^2 + B (alpha - theta)^2       P, alpha: point and angle of the linkage; T, theta: of the "
         "target\n"
+        "By default a result is a linkage that can be built: the input turns fully on a closed target and passes\n"
+        "no limit and no dead point on an open one, the curve stays near the target between the points, transmission angles are\n"
+        "20 degrees or more, lengths differ by a factor of 20 at most and are at most 6 diagonals of the target, and\n"
+        "a four-bar is 1e-3 perimeters from a change point. Every limit is one option; giving one replaces that default\n"
+        "only; --unlimited switches all off. Rows after the first are worse in error and better in size, transmission\n"
+        "angle or number of links.\n"
+        "\n"
         "Every result is simulated a second time by independent code before it is printed. The table of results\n"
         "goes to standard output; with -o FILE the results go to FILE as JSON too, with --json they replace the\n"
         "table. The same seed gives the same results for any number of --jobs.\n",

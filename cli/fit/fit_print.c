@@ -34,6 +34,17 @@ bool cli_fit_near_change_point(const lw_fit_report *r)
 
 static void print_robustness(const cli_fit_set *s, FILE *f);
 
+/* Say at which limits a result is, and which it does not keep. */
+static void limits_row(const lw_fit_report *r, FILE *f)
+{
+    char text[LW_ACTIVE_MAX*sizeof r->active[0]];
+    lw_fit_report_active(r, text, sizeof text);
+    if (text[0])
+        fprintf(f, "     at its limit: %s\n", text);
+    if (r->broken)
+        fprintf(f, "     beyond the limits: %s\n", r->broken_text);
+}
+
 static void table_row(const cli_fit_set *s, int i, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -50,15 +61,20 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
                 length(s, r->error_max), r->worst + 1);
     if (s->spec.task == LW_TASK_MOTION)
         fprintf(f, " %9.4g %9.4g", r->angle_mean*deg, r->angle_max*deg);
-    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s ", c->objective, r->transmission_min*deg,
-            r->transmission_max*deg, r->turns ? "turns" : "rocks");
-    if (!lw_task_has_place(s->spec.task) && c->intended.sense < 0)
-        fputs("<", f);
+    if (lw_task_has_place(s->spec.task))
+        fprintf(f, " %9.4g", length(s, lw_fit_report_stray(r)));
+    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s", c->objective, r->transmission_min*deg,
+            r->transmission_max*deg, lw_fit_report_input(r));
+    if (lw_task_has_place(s->spec.task))
+        fprintf(f, " %5.3g ", r->size/s->target.extent);
+    else
+        fputs(c->intended.sense < 0 ? " <" : " ", f);
     if (s->is_exact)
         cli_fit_exact_row(s, i, f);
     for (int d = 0; d < c->n_dim; d++)
         fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
     fputc('\n', f);
+    limits_row(r, f);
     cli_fit_points_row(s, i, f);
 }
 
@@ -136,9 +152,10 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         fprintf(f, "  #  type             class  mean[deg]  max[deg] @point   objective  transm.    "
                 "input  dimensions\n");
     else
-        fprintf(f, "  #  type             class  of path       mean       max @point %s  objective  "
-                "transm.    input  dimensions [%s, rad]\n",
-                s->spec.task == LW_TASK_MOTION ? " mean[deg]  max[deg]" : "", s->target.units.length[0] ? s->target.units.length : "unit");
+        fprintf(f, "  #  type             class  of path       mean       max @point %s     stray   objective  "
+                "transm.    input  size  dimensions [%s, rad]\n",
+                s->spec.task == LW_TASK_MOTION ? " mean[deg]  max[deg]" : "",
+                s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->search.results.n; i++)
         table_row(s, i, f);
     print_marks(s, f);
@@ -199,6 +216,9 @@ static void json_errors(const cli_fit_set *s, const lw_fit_report *r, cli_json *
     cli_json_int(j, "error_worst", (long long)r->worst + 1);
     cli_json_real(j, "error_percent", r->error_percent);
     cli_json_real(j, "error_curve", length(s, r->curve_max));
+    cli_json_real(j, "stray", length(s, lw_fit_report_stray(r)));
+    cli_json_real(j, "stray_to_curve", length(s, r->stray.to_curve));
+    cli_json_real(j, "stray_to_target", length(s, r->stray.to_target));
     cli_json_real(j, "chamfer", r->likeness.chamfer);
     cli_json_real(j, "ordered", r->likeness.ordered);
     if (lw_task_has_angle(s->spec.task)) {
@@ -257,9 +277,24 @@ static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_fit
     cli_json_end(j);
 }
 
+/* Size, and the limits that the result is at or does not keep. */
+static void json_limits(const cli_fit_set *s, const lw_fit_report *r, cli_json *j)
+{
+    cli_json_real(j, "size", length(s, r->size));
+    cli_json_real(j, "size_over_path", s->target.extent > 0 ? r->size/s->target.extent : NAN);
+    cli_json_real(j, "length_least", length(s, r->length_least));
+    cli_json_real(j, "length_most", length(s, r->length_most));
+    cli_json_array(j, "at_limit");
+    for (int i = 0; i < r->n_active; i++)
+        cli_json_text(j, NULL, r->active[i]);
+    cli_json_end(j);
+    cli_json_text(j, "beyond_limits", r->broken ? r->broken_text : NULL);
+}
+
 static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
+    cli_json_text(j, "input_motion", lw_fit_report_input(r));
     if (r->input_turns_per_period > 1)
         cli_json_int(j, "laps", r->input_turns_per_period);
     if (r->circuits)
@@ -354,6 +389,7 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     for (int d = 0; d < c->n_dim; d++)
         cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
     cli_json_end(j);
+    json_limits(s, r, j);
     json_motion(s, c, r, j);
     json_cognates(s, r, j);
     cli_json_int(j, "evaluations", c->evals);

@@ -90,6 +90,7 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
 typedef struct sheet {
     lw_scene       *scene;                         /* one for each result, as the following            */
     lw_page_result *result;
+    char          (*limits)[256];
     char          (*class_name)[128], (*file)[CLI_FIT_NAME_SIZE + 24], about[160];
     int             n;
 } sheet;
@@ -102,7 +103,10 @@ static void describe(const cli_fit_set *s, int i, sheet *h)
         snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s%s", r->barker.symbol, r->barker.name,
                  cli_fit_near_change_point(r) ? ", near a change point" : "");
     snprintf(h->file[i], sizeof h->file[i], "%s-%d.json", s->name, i + 1);
+    lw_fit_report_active(r, h->limits[i], sizeof h->limits[i]);
     h->result[i] = (lw_page_result){
+        .input = lw_fit_report_input(r), .limits = r->n_active ? h->limits[i] : NULL,
+        .stray = lw_fit_report_stray(r), .size = s->target.extent > 0 ? r->size/s->target.extent : 0,
         .scene = &h->scene[i], .type = lw_family_title(c->family),
         .class_name = r->has_class ? h->class_name[i] : NULL, .linkage = &r->linkage, .file = h->file[i],
         .transmission_min = r->transmission_min, .objective = c->objective,
@@ -118,7 +122,8 @@ static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, l
     h->result = calloc(most, sizeof *h->result);
     h->class_name = calloc(most, sizeof *h->class_name);
     h->file = calloc(most, sizeof *h->file);
-    if (!h->scene || !h->result || !h->class_name || !h->file)
+    h->limits = calloc(most, sizeof *h->limits);
+    if (!h->limits || !h->scene || !h->result || !h->class_name || !h->file)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a page");
     for (; h->n < s->search.results.n && st == LW_OK; h->n++) {
         st = make_scene(s, h->n, &h->scene[h->n], e);
@@ -157,6 +162,7 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
         free(h[i].result);
         free(h[i].class_name);
         free(h[i].file);
+        free(h[i].limits);
     }
     lw_bytes_free(&bytes);
     free(h);

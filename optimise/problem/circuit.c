@@ -60,8 +60,9 @@ static bool find_range(const lw_problem *p, const double *x, lw_swing *s)
         return false;
     s->turning = r.turns;
     const double *here = p->intended.mode;
-    return to_and_fro(p, s, 0.5*(r.first + r.last), 0.5*(r.last - r.first), r.limits ? &left : here,
-                      r.limits ? &right : here) || s->turning;
+    bool changes = r.limits && !p->within_limits;
+    return to_and_fro(p, s, 0.5*(r.first + r.last), 0.5*(r.last - r.first), changes ? &left : here,
+                      changes ? &right : here) || s->turning;
 }
 
 static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)

@@ -818,11 +818,16 @@ void lw_problem_constraints(const lw_problem *p, const double *x, double *g, dou
     lw_problem_conditions(p, x, false, g, j, work);
 }
 
+double lw_problem_lacks(const lw_problem *p, const double *x, lw_work *w)
+{
+    double most = 0;
+    lw_problem_constraints(p, x, w->g_now, NULL, w);
+    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
+        most = fmax(most, isnan(w->g_now[i]) ? INFINITY : -w->g_now[i]);
+    return most;
+}
+
 bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w)
 {
-    lw_problem_constraints(p, x, w->g_now, NULL, w);
-    for (size_t i = 0, m = lw_problem_constraint_count(p); i < m; i++)
-        if (!(w->g_now[i] >= -off))
-            return false;
-    return true;
+    return lw_problem_lacks(p, x, w) <= off;
 }

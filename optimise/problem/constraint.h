@@ -7,6 +7,9 @@
 /* As lw_problem_constraints.  settled: the inputs of the stations in w are those of x already. */
 void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double *g, double *j, lw_work *w);
 
+/* By how much the worst condition is missed at x; 0: all are met. */
+double lw_problem_lacks(const lw_problem *p, const double *x, lw_work *w);
+
 /* Are all conditions met at x, g >= -tolerance? */
 bool lw_problem_admissible(const lw_problem *p, const double *x, double tolerance, lw_work *w);
 

@@ -62,6 +62,7 @@ typedef struct lw_problem {
     lw_plan      plan;
     lw_intended_motion intended;          /* of this run                                            */
     bool         must_turn;              /* the input must turn fully, whatever is drawn           */
+    bool         within_limits;          /* the input passes no limit: one assembly mode all along */
     lw_task      task;
     lw_timing    timing;
     lw_datum     datum;
@@ -86,6 +87,7 @@ typedef struct lw_problem {
     double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
     int          n_side;
     lw_side      side[LW_SIDE_MAX];
+    bool         transmission_is_soft;                     /* linkages with less are better than none */
     double       min_transmission, max_acceleration;       /* scaled; 0: no such condition         */
     size_t       n_zone_condition;                       /* conditions of the zones                */
     int          n_zone;

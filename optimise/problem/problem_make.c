@@ -131,6 +131,9 @@ static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem 
     return LW_OK;
 }
 
+/* Most length and coordinate if the user gave no range, in diagonals of the path. */
+static double most_size(const lw_fit_spec *s) { return s->max_size > 0 ? s->max_size : 10; }
+
 /* Limits of link lengths if the user gave none: 1/1000 to 10 diagonals of the path. */
 static void default_range(const lw_target *t, const lw_fit_spec *s, lw_fit_spec *out)
 {
@@ -138,7 +141,7 @@ static void default_range(const lw_target *t, const lw_fit_spec *s, lw_fit_spec 
     *out = *s;
     if (!(s->length_hi > 0)) {
         out->length_lo = t->x ? 1e-3*d : 0.02;       /* for a function: in lengths of the frame   */
-        out->length_hi = t->x ? 10*d : 50;
+        out->length_hi = t->x ? most_size(s)*d : 50;
     }
     if (!(s->position_hi > s->position_lo)) {
         out->position_lo = -INFINITY;
@@ -172,7 +175,7 @@ static void range_of(const lw_problem *p, const lw_fit_spec *s, const lw_target 
         hi = s->length_hi/p->unit;
     } else if (i < p->n_dim && p->plan.dim[i].kind == LW_DIM_COORDINATE) {
         double shift = i == p->plan.i_x0 ? p->origin.x : i == p->plan.i_y0 ? p->origin.y : 0;
-        double reach = 10*(t->x && t->extent > 0 ? t->extent : 1)/p->unit;
+        double reach = most_size(s)*(t->x && t->extent > 0 ? t->extent : 1)/p->unit;
         lo = is_coordinate_free(s) ? -reach : (s->position_lo - shift)/p->unit;
         hi = is_coordinate_free(s) ? reach : (s->position_hi - shift)/p->unit;
     }
@@ -268,23 +271,41 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
     if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
                             "prescribe");
+    if (p->must_turn && p->within_limits && p->plan.input_is_slider)
+        return lw_error_set(e, LW_E_KIND, "its input is a slider, which cannot turn");
     if (!lw_task_has_place(p->task) && p->family->type && p->family->type[3] == 'P')
         return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
 }
 
-/* Add rows: every length is at most `ratio` times every other. */
-static lw_status ratio_rows(double ratio, lw_problem *p, lw_error *e)
+static bool has_named_bound(const lw_fit_spec *s, const char *name)
 {
-    for (int i = 0; i < p->n_dim && ratio > 0; i++)
-        for (int j = 0; j < p->n_dim; j++) {
-            if (i == j || p->plan.dim[i].kind != LW_DIM_LENGTH || p->plan.dim[j].kind != LW_DIM_LENGTH)
-                continue;
-            if (p->n_linear == LW_LINEAR_MAX)
-                return lw_error_set(e, LW_E_KIND, "it has too many lengths for a bound on their ratio");
-            p->linear[p->n_linear][i] = ratio;
-            p->linear[p->n_linear++][j] = -1;
-        }
+    int i = 0;
+    while (i < s->n_bound && strcmp(s->bound[i].name, name) != 0)
+        i++;
+    return i < s->n_bound;
+}
+
+/* Add rows: every length is at most `ratio` times every other.  The default ratio gives way to bounds of single lengths.
+ * With too many lengths for rows, the default becomes a lower bound of each. */
+static lw_status ratio_rows(const lw_fit_spec *s, lw_problem *p, lw_error *e)
+{
+    bool by_default = s->by_default & LW_LIMIT_RATIO;
+    int length[LW_DIM_MAX], n = 0;
+    for (int i = 0; i < p->n_dim && s->length_ratio > 0; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH && !(by_default && has_named_bound(s, p->plan.dim[i].name)))
+            length[n++] = i;
+    bool rows = p->n_linear + n*(n - 1) <= LW_LINEAR_MAX;
+    if (!rows && !by_default)
+        return lw_error_set(e, LW_E_KIND, "it has too many lengths for a bound on their ratio");
+    for (int i = 0; i < n && !rows; i++)
+        p->lo[length[i]] = fmax(p->lo[length[i]], fmin(p->hi[length[i]], 1)/s->length_ratio);
+    for (int i = 0; i < n && rows; i++)
+        for (int j = 0; j < n; j++)
+            if (i != j) {
+                p->linear[p->n_linear][length[i]] = s->length_ratio;
+                p->linear[p->n_linear++][length[j]] = -1;
+            }
     return LW_OK;
 }
 
@@ -334,6 +355,18 @@ static lw_status make_sides(const lw_fit_spec *s, lw_problem *p, lw_error *e)
             }
     }
     return LW_OK;
+}
+
+/* A family's conditions for a full turn, with a distance of `margin` perimeters from the change point. */
+static void turning_rows(double margin, lw_problem *p)
+{
+    for (int j = 0; j < 4 && p->family->linear[j]; j++, p->n_linear++) {
+        double *row = p->linear[p->n_linear];
+        linear_row(p, p->family->linear[j], row);
+        for (int i = 0; i < p->n_dim; i++)
+            if (p->plan.dim[i].kind == LW_DIM_LENGTH)
+                row[i] -= margin;
+    }
 }
 
 static void scale_zones(const lw_fit_spec *s, lw_problem *p)
@@ -388,6 +421,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     p->datum = s->datum;
     p->intended.turns = family->turns;
     p->must_turn = s->crank_only;
+    p->within_limits = s->within_limits;
     p->intended.sense = sense < 0 ? -1 : 1;
     p->closed = t->closed;
     for (int d = 0; d < LW_MODE_MAX; d++)
@@ -404,13 +438,13 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     make_timing(t, p);
     weigh(t, s, p);
     p->min_transmission = s->min_transmission;
+    p->transmission_is_soft = s->by_default & LW_LIMIT_TRANSMISSION;
     int turns = p->plan.input_turns_per_period;
     p->max_acceleration = p->plan.input_is_slider ? s->max_slide_acceleration*p->unit
                                                   : s->max_acceleration*turns*turns/p->unit;
-    for (int j = 0; j < 4 && family->linear[j]; j++)
-        linear_row(p, family->linear[j], p->linear[p->n_linear++]);
+    turning_rows(s->class_margin, p);
     scale_zones(s, p);
-    if ((st = ratio_rows(s->length_ratio, p, e)) != LW_OK || (st = make_sides(s, p, e)) != LW_OK)
+    if ((st = ratio_rows(s, p, e)) != LW_OK || (st = make_sides(s, p, e)) != LW_OK)
         lw_problem_free(p);
     return st;
 }

@@ -77,8 +77,8 @@ static lw_vec2 *curve_of(const lw_target *t, size_t *n)
 
 /* ---- distances ------------------------------------------------------------------------------------------ */
 
-/* N points at equal steps along a polyline, with both ends of an open one; of a closed one no point twice. */
-static bool resample(const lw_vec2 *p, size_t n, bool closed, lw_vec2 out[N])
+/* `most` points at equal steps along a polyline, with both ends of an open one; of a closed one no point twice. */
+static bool resample(const lw_vec2 *p, size_t n, bool closed, int most, lw_vec2 *out)
 {
     double total = 0, done = 0;
     size_t last = closed ? n : n - 1, k = 0;
@@ -86,8 +86,8 @@ static bool resample(const lw_vec2 *p, size_t n, bool closed, lw_vec2 out[N])
         total += lw_v2_norm(lw_v2_sub(p[(i + 1) % n], p[i]));
     if (!(total > 0))
         return false;
-    for (int j = 0; j < N; j++) {
-        double along = total*j/(closed ? N : N - 1), step;
+    for (int j = 0; j < most; j++) {
+        double along = total*j/(closed ? most : most - 1), step;
         lw_vec2 d;
         for (;; k++) {
             d = lw_v2_sub(p[(k + 1) % n], p[k % n]);
@@ -141,7 +141,7 @@ lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n
     size_t n_drawn;
     lw_vec2 *drawn = curve_of(t, &n_drawn);
     *out = (lw_likeness){ NAN, NAN, NAN, NAN };
-    bool there = drawn && resample(drawn, n_drawn, t->closed, target) && resample(curve, n, t->closed, found);
+    bool there = drawn && resample(drawn, n_drawn, t->closed, N, target) && resample(curve, n, t->closed, N, found);
     free(drawn);
     if (!there)
         return drawn ? LW_OK : LW_E_MEMORY;
@@ -155,4 +155,27 @@ lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n
     }
     out->ordered = best/radius;
     return LW_OK;
+}
+
+static double distance_to(const lw_vec2 *line, size_t n, bool closed, lw_vec2 p)
+{
+    double least = INFINITY;
+    for (size_t j = 0; j + !closed < n; j++)
+        least = fmin(least, lw_v2_segment_distance(p, line[j], line[(j + 1) % n]));
+    return least;
+}
+
+lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n)
+{
+    lw_stray stray = { 0, 0 };
+    size_t n_drawn;
+    lw_vec2 *drawn = curve_of(t, &n_drawn);
+    if (!drawn)
+        return (lw_stray){ NAN, NAN };
+    for (size_t i = 0; i < t->n; i++)
+        stray.to_curve = fmax(stray.to_curve, distance_to(curve, n, t->closed, station(t, i)));
+    for (size_t i = 0; i < n; i++)
+        stray.to_target = fmax(stray.to_target, distance_to(drawn, n_drawn, t->closed, curve[i]));
+    free(drawn);
+    return stray;
 }

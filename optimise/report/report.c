@@ -366,8 +366,11 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     }
     if (!t->closed && !piece)
         n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n);
-    if (n >= 2)
+    if (n >= 2) {
         r->no_memory |= lw_likeness_measure(t, curve, n, &r->likeness) != LW_OK;
+        r->stray = lw_likeness_stray(t, curve, n);
+        r->no_memory |= isnan(r->stray.to_target);
+    }
     free(curve);
 }
 
@@ -406,6 +409,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
     r->input_turns_per_period = plan.input_turns_per_period;
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
+    r->stray = (lw_stray){ NAN, NAN };
     if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
         || station_errors(t, s, c, &plan, at, r) != LW_OK)
         snprintf(r->fault, sizeof r->fault, "the linkage does not close at every station");
@@ -422,6 +426,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         if (lw_task_has_place(s->task))
             compare_curves(t, s, c, &plan, &cycle, r);
         classify(t, s, c, r);
+        lw_fit_report_limits(t, s, c, r);
         r->no_memory |= lw_verify(t, s, c, &plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;

@@ -16,6 +16,7 @@ typedef struct lw_also_error {
 } lw_also_error;
 
 #define LW_REVERSAL_MAX 32
+#define LW_ACTIVE_MAX   12
 
 /* Where a joint reverses: the input joint at a limit of the motion; another joint at the ground at an end of its
  * swing, which would be a dead point if that joint drove the linkage. */
@@ -61,6 +62,16 @@ typedef struct lw_fit_report {
     lw_fourbar_class barker;
     int      n_cognate;            /* 0 or 2                                                        */
     double   cognate[2][9], cognate_mode[2];
+    lw_stray stray;                /* of the whole closed curve from a closed target, of the arc between the ends from an
+                                    * open one, both ways [m]; NaN for functions                    */
+    bool     passes_limit;         /* between the stations the input passes a limit or turns back; on a closed target it
+                                    * does not turn fully                                           */
+    double   size;                 /* greatest distance of two pins, or of a pin and a point, of one link [m]       */
+    double   length_least, length_most;  /* distances of two pins of one link; NaN: no link has two [m]             */
+    int      n_active;
+    char     active[LW_ACTIVE_MAX][24];  /* limits that the result is at: "r1", "transmission", ...  (n_active)     */
+    unsigned broken;               /* LW_LIMIT_ bits of the limits of the specification that it does not keep       */
+    char     broken_text[160];     /* the first of them, in words                                   */
     /* the second simulation: the linkage written as a file, read back, moved by Newton's method */
     bool     meets;                /* the conditions on its motion and pivots (optimise/task/motion_limits.h)       */
     bool     no_memory;            /* inside lw_fit_report_make, which then fails                   */
@@ -69,6 +80,15 @@ typedef struct lw_fit_report {
     double   difference;           /* largest distance between the two simulations at a station [m] */
     char     fault[256];           /* why it was not verified; "" when it was                       */
 } lw_fit_report;
+
+/* "turns", "rocks", "limit": how the input moves between the stations. */
+const char *lw_fit_report_input(const lw_fit_report *r);
+
+/* Greatest distance of curve and target, both ways [m]; NaN for functions. */
+double lw_fit_report_stray(const lw_fit_report *r);
+
+/* The active limits with commas between. */
+void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);
 
 /* Make the report.  `verified` is false, and `fault` says why, if the second simulation differs by more than 1e-9 of
  * the path's length (plus the rounding of its coordinates) or the conditions of s are not met.  LW_E_MEMORY. */

@@ -12,27 +12,141 @@ static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int
     return true;
 }
 
+/* A result is worth a row beside a better one if it is smaller by this factor, or ... */
+#define SMALLER 0.8
+/* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
+#define GENTLER (5*LW_PI/180)
+#define ENOUGH  (45*LW_PI/180)
+/* The list ends where errors exceed WORSE times the least, and these parts of the target or angles [rad]. */
+#define WORSE       5
+#define ROUGH       0.01
+#define ROUGH_ANGLE (1*LW_PI/180)
+
+static bool same_type(const lw_candidate *a, const lw_candidate *b)
+{
+    return lw_candidate_links(a) != lw_candidate_links(b) || (a->family->type != NULL) != (b->family->type != NULL)
+        || !a->family->type || strcmp(a->family->type, b->family->type) == 0;
+}
+
+/* Is the result with report a, whose error is less, at least as good in all else as far as it matters? */
+static bool covers(const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
+{
+    return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && !(b->size < SMALLER*a->size)
+        && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
+}
+
+static bool is_rough(const lw_target *t, const lw_candidate *first, const lw_candidate *c, const lw_fit_report *r)
+{
+    return c->objective > WORSE*WORSE*first->objective
+        && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
+}
+
+/* Should this report, worse than those before it, be a result too? */
+static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most, const lw_fit_results *out,
+                      int i, const lw_fit_report *r)
+{
+    const lw_candidate *c = &fit->candidate[i];
+    if (first_with_its_links(out, fit, i))
+        return true;
+    bool wanted = out->n < most;
+    for (int k = 0; k < out->n && wanted && s->by_default; k++)
+        wanted = !covers(&fit->candidate[out->candidate[k]], &out->report[k], c, r);
+    return wanted && !(s->by_default && is_rough(t, &fit->candidate[out->candidate[0]], c, r));
+}
+
+static void leave_out(lw_fit_results *out, int candidate, const char *fault)
+{
+    lw_left_out *l = &out->left_out[out->n_left_out++];
+    l->candidate = candidate;
+    snprintf(l->fault, sizeof l->fault, "%s", fault);
+}
+
+static int bits(unsigned n)
+{
+    int count = 0;
+    for (; n; n &= n - 1)
+        count++;
+    return count;
+}
+
+/* Of candidates i and k within the tolerance, does i come first: simpler, then smaller? */
+static bool simpler(const lw_fit *fit, const lw_fit_report *all, int i, int k)
+{
+    int links = lw_candidate_links(&fit->candidate[i]) - lw_candidate_links(&fit->candidate[k]);
+    return links != 0 ? links < 0 : all[i].size < all[k].size;
+}
+
+/* Put the candidates that stay within the tolerance into `order`, the simplest and smallest first.  A candidate after
+ * the first is kept if its error is less than those of all before it by a fifth, or its transmission angle greater.  Returns
+ * their number. */
+static int within_tolerance(const lw_fit_spec *s, const lw_fit *fit, const lw_fit_report *all,
+                            const bool *usable, unsigned broken, int *order)
+{
+    int n = 0, kept = 0;
+    for (int i = 0; i < fit->n && s->tolerance > 0; i++) {
+        if (!usable[i] || bits(all[i].broken) > bits(broken) || !(lw_fit_report_stray(&all[i]) <= s->tolerance))
+            continue;
+        int at = n++;
+        for (; at > 0 && simpler(fit, all, i, order[at - 1]); at--)
+            order[at] = order[at - 1];
+        order[at] = i;
+    }
+    for (int i = 0; i < n; i++) {
+        bool wanted = true;
+        for (int k = 0; k < kept && wanted; k++) {
+            const lw_fit_report *a = &all[order[k]], *b = &all[order[i]];
+            wanted = fit->candidate[order[i]].objective < SMALLER*SMALLER*fit->candidate[order[k]].objective
+                  || (a->transmission_min < ENOUGH && b->transmission_min > a->transmission_min + GENTLER);
+        }
+        if (wanted)
+            order[kept++] = order[i];
+    }
+    return kept;
+}
+
 lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most,
                               const unsigned *may_fail, lw_fit_results *out, lw_error *e)
 {
     size_t n = (size_t)fit->n + 1;
     *out = (lw_fit_results){ .candidate = calloc(n, sizeof *out->candidate), .report = calloc(n, sizeof *out->report),
                              .left_out = calloc(n, sizeof *out->left_out) };
-    lw_status st = out->candidate && out->report && out->left_out
+    lw_fit_report *all = calloc(n, sizeof *all);
+    bool *fit_for_use = calloc(n, sizeof *fit_for_use), any = false;
+    lw_status st = out->candidate && out->report && out->left_out && all && fit_for_use
                  ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for %d results", fit->n);
     for (int i = 0; i < fit->n && st == LW_OK; i++) {
-        lw_fit_report *r = &out->report[out->n];
+        lw_fit_report *r = &all[i];
         if ((st = lw_fit_report_make(t, s, &fit->candidate[i], r, e)) != LW_OK)
             break;
-        if (r->verified || (may_fail && may_fail[i] && r->meets)) {
-            if (out->n < most || first_with_its_links(out, fit, i))
-                out->candidate[out->n++] = i;
-            continue;
-        }
-        lw_left_out *l = &out->left_out[out->n_left_out++];
-        l->candidate = i;
-        snprintf(l->fault, sizeof l->fault, "%s", r->fault);
+        bool passed = r->verified || (may_fail && may_fail[i] && r->meets), asked = r->broken & ~s->by_default;
+        fit_for_use[i] = passed && !asked;
+        if (!fit_for_use[i])
+            leave_out(out, i, passed ? r->broken_text : r->fault);
+        else if (!any || bits(r->broken) < bits(out->broken))
+            out->broken = r->broken;
+        any |= fit_for_use[i];
     }
+    int *order = st == LW_OK ? calloc(n, sizeof *order) : NULL;
+    st = st == LW_OK && !order ? lw_error_set(e, LW_E_MEMORY, "no memory for %d results", fit->n) : st;
+    out->n_within = st == LW_OK ? within_tolerance(s, fit, all, fit_for_use, out->broken, order) : 0;
+    for (int i = 0; i < out->n_within && out->n < most; i++) {
+        out->report[out->n] = all[order[i]];
+        out->candidate[out->n++] = order[i];
+    }
+    free(order);
+    for (int i = 0; i < fit->n && st == LW_OK && out->n_within == 0; i++) {
+        const lw_fit_report *r = &all[i];
+        if (!fit_for_use[i])
+            continue;
+        if (bits(r->broken) > bits(out->broken))
+            out->n_unfit++;
+        else if (is_wanted(t, s, fit, most, out, i, r)) {
+            out->report[out->n] = *r;
+            out->candidate[out->n++] = i;
+        }
+    }
+    free(all);
+    free(fit_for_use);
     if (st != LW_OK)
         lw_fit_results_free(out);
     return st;

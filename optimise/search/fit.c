@@ -7,10 +7,22 @@
 #include "base/clock.h"
 #include "optimise/search/fit_internal.h"
 
+enum { CHOICE = 40 };
+#define SHORT 3             /* a time limit that leaves no time to choose [s]                    */
+
 lw_fit_options lw_fit_options_default(void)
 {
     return (lw_fit_options){ .spec = lw_fit_spec_default(), .types = "fourbar", .seed = 1,
                              .n_result = 10 };
+}
+
+int lw_fit_kept(const lw_fit_options *o)
+{
+    int results = o->n_result > 0 ? o->n_result : 1;
+    int choice = o->spec.tolerance > 0 ? LW_POOL_MAX : CHOICE;
+    if (o->max_seconds > 0 && o->max_seconds < SHORT)        /* their second simulations count too          */
+        choice = results;
+    return o->spec.by_default && results < choice ? choice : results;
 }
 
 int lw_candidate_links(const lw_candidate *c)
@@ -273,8 +285,16 @@ lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e)
     s->candidate = calloc((size_t)(f ? f->n : LW_SEARCH_CANDIDATE_MAX) + 1, sizeof *s->candidate);
     if (!s->candidate)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
+    if (st == LW_OK && !f) {
+        st = make_candidates(s, out, e);
+        if (st != LW_OK && s->own.spec.by_default & LW_LIMIT_TURN && s->n_candidate == 0) {
+            s->own.spec.crank_only = s->own.spec.within_limits = false;     /* none of these types can turn */
+            out->skipped[0] = 0;
+            st = make_candidates(s, out, e);
+        }
+    }
     if (st != LW_OK || !f)
-        return st == LW_OK ? make_candidates(s, out, e) : st;
+        return st;
     for (int i = 0; i < f->n; i++)
         s->candidate[i] = (lw_search_candidate){ .mode = 1, .sense = 1 };
     s->n_candidate = f->n;

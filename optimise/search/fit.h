@@ -37,6 +37,9 @@ typedef struct lw_fit_options {
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);
 
+/* How many candidates a search keeps: with default limits more than results, to choose from. */
+int lw_fit_kept(const lw_fit_options *o);
+
 /* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame, as the plan counts them
  * (mbs/plan/plan.h, input_turns_per_period). */
 typedef struct lw_candidate {
@@ -48,6 +51,7 @@ typedef struct lw_candidate {
     double  input0, tool0;       /* 0 where the task has none                                       */
     double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
     double  objective;           /* eq. 17 in SI                                                    */
+    int     beyond;              /* 0: it keeps the conditions; greater: the farther from that      */
     int     n_sample;            /* without timing: curve samples whose distance from the target is in the objective */
     double  sample_weight;       /* of each, as lw_target.weight                                    */
     double *input;               /* of each station and sample [rad] or [m]   (n_station + n_sample) */

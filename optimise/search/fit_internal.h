@@ -71,7 +71,8 @@ typedef struct lw_family_sweep {
 
 typedef struct lw_search {
     const lw_target      *t;
-    const lw_fit_options *o;
+    const lw_fit_options *o;           /* own                                                       */
+    lw_fit_options       own;
     lw_target            thin;         /* of a long target fewer stations, to search with; n 0: none */
     int                  n_candidate, n_thread, n_job, round;
     lw_search_candidate *candidate;
@@ -123,6 +124,10 @@ void      lw_search_halving(lw_search *s);
 /* ---- fit_round.c: run the jobs, improve and polish their finds, and put these in the pool.  LW_E_MEMORY, or a failure
  * of lw_problem_make other than that a family cannot do the task. */
 lw_status lw_search_round(lw_search *s, lw_error *e);
+
+/* Before the pool is ranked: fit its best finds again with less size and with greater transmission angles, so that the
+ * results are a front. */
+lw_status lw_search_widen(lw_search *s);
 
 /* ---- rank.c: the pool as candidates for the caller, best first, each curve once */
 lw_status lw_search_rank(lw_search *s, lw_fit *out);

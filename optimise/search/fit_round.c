@@ -22,6 +22,8 @@ enum {
     COSTLY = 2,             /* how many are improved further where conditions on the motion cost most */
     POLISH = 8              /* finds of a round that are polished                                    */
 };
+enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but not the other conditions   */
+#define LACKING 1e4         /* f counts so many times where a soft condition is not met              */
 #define MET   1e-6          /* conditions on results are met to this                                 */
 #define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
 #define HIT   1e-3          /* relative difference of f of two finds of the same linkage             */
@@ -126,6 +128,14 @@ static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options
     }
     c->f = conditions ? lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop)
                       : lw_lm_improve(p, o, c->x, false, work, &c->evals, &c->stop);
+    if (conditions && !isfinite(c->f) && p->transmission_is_soft)      /* worse than any that keeps the conditions */
+        c->f = LACKING*(1 + lw_problem_lacks(p, c->x, work))*lw_problem_value(p, c->x, NULL, work);
+}
+
+/* Does a start keep the conditions on the motion, as linkages do that were found before? */
+static bool keeps_conditions(const lw_problem *p, const double *x, lw_work *work)
+{
+    return lw_problem_is_nonlinear(p) && lw_problem_admissible(p, x, MET, work);
 }
 
 /* Improve each of n starts by `steps` steps at most; then sort them by f. */
@@ -140,7 +150,8 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
     for (int i = 0; i < n && !lw_search_stopped(s); i++) {
         p->intended = best[i].intended;
         lw_problem_work_intended(p, work);
-        improve(s, p, &o, !p->family->linkage || steps > FIRST_STEPS, work, &best[i]);
+        bool conditions = !p->family->linkage || steps > FIRST_STEPS || keeps_conditions(p, best[i].x, work);
+        improve(s, p, &o, conditions, work, &best[i]);
         if (p->plan.n_higher > 0 && isfinite(best[i].f))             /* the seeds move with the linkage */
             lw_plan_seed(&p->plan, best[i].x, p->intended.mode[p->plan.n_mode - 1], best[i].intended.mode);
     }
@@ -191,8 +202,14 @@ static void search_in(lw_search *s, size_t at, lw_problem *p, void *work)
         best[i].hits = 1;
     }
     improve_all(s, p, FIRST_STEPS, n, work, best);
-    if (p->family->linkage && lw_problem_is_nonlinear(p) && n > COSTLY)
-        n = COSTLY;
+    if (p->family->linkage && lw_problem_is_nonlinear(p) && n > COSTLY) {
+        int kept = COSTLY;
+        while (kept < n && !keeps_conditions(p, best[kept].x, work))
+            kept++;
+        if (kept < n)                                      /* the best that keeps the conditions goes on too  */
+            best[COSTLY] = best[kept];
+        n = COSTLY + (kept < n);
+    }
     improve_all(s, p, FULL_STEPS, n < LW_KEEP ? n : LW_KEEP, work, best);
     for (int i = 0; i < n; i++) {
         best[i].seconds = lw_clock_wall() - s->started;
@@ -265,10 +282,14 @@ static void polish_one(void *context, size_t job, int thread)
     improve(s, p, &o, true, work, c);
     l->spent += c->evals;
     l->spent *= lw_search_effort(s, p).cost;
-    if (isfinite(c->f) && p->timing != LW_TIMING_PRESCRIBED)       /* f of x alone, without stations kept */
+    if (isfinite(c->f) && (p->timing != LW_TIMING_PRESCRIBED || p->transmission_is_soft))       /* f of x alone, without stations kept */
         c->f = lw_problem_value(p, c->x, NULL, work);
-    if (isfinite(c->f) && !(lw_problem_stays(p, c->x, work) && lw_problem_admissible(p, c->x, MET, work)))
+    if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))
         c->f = INFINITY;
+    if (isfinite(c->f) && !lw_problem_admissible(p, c->x, MET, work)) {
+        c->beyond = 1 + (int)(lw_problem_lacks(p, c->x, work)/LW_BEYOND);
+        c->f = p->transmission_is_soft && c->beyond <= BEYOND_MOST ? c->f : INFINITY;
+    }
     c->polished = true;
 }
 
@@ -404,6 +425,98 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
             return lw_search_fault(s, l->find.candidate, e);
         lw_pool_put(&s->pool, &l->find, &l->of);
         s->evals += l->spent;
+    }
+    return LW_OK;
+}
+
+/* ---- the front ------------------------------------------------------------------------------------------- */
+
+/* What a find is fitted again with: this part of its size at most, or this least transmission angle; the first VARIANTS,
+ * or all if the smallest linkage within a tolerance is asked for. */
+static const struct { double size, transmission_deg; } variants[] = {
+    { 0.6, 0 }, { 0.35, 0 }, { 0.2, 0 }, { 1, 30 }, { 1, 40 }, { 0.8, 0 }, { 0.7, 0 }, { 0.5, 0 }, { 0.42, 0 },
+    { 0.29, 0 }, { 0.24, 0 }
+};
+enum { VARIANTS = 5, ALL_VARIANTS = sizeof variants/sizeof *variants, WIDENED = 3, LEFT = 24 };
+
+static int variants_of(const lw_search *s) { return s->o->spec.tolerance > 0 ? ALL_VARIANTS : VARIANTS; }
+
+/* Lower the upper bounds of the sizes to `most`. */
+static void limit_size(lw_problem *p, double most)
+{
+    for (int i = 0; i < p->n_dim; i++) {
+        bool place = i == p->plan.i_x0 || i == p->plan.i_y0;
+        if (p->plan.dim[i].kind == LW_DIM_ANGLE || p->lo[i] >= p->hi[i] || place)
+            continue;
+        p->hi[i] = fmax(fmin(p->hi[i], most), p->lo[i] < 0 ? 0 : p->lo[i]);
+        p->lo[i] = p->lo[i] < 0 ? fmax(p->lo[i], -most) : p->lo[i];
+    }
+}
+
+static double size_of(const lw_problem *p, const double *x)
+{
+    double most = 0;
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
+            most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+static void fit_variant(void *context, size_t job, int thread)
+{
+    polish_list *list = context;
+    lw_search *s = list->s;
+    polish *l = &list->item[job];
+    lw_problem *p = lw_search_problem(s, thread, l->find.candidate, false, &l->status);
+    void *work = s->bench[thread].work;
+    lw_lm_options o = lw_lm_options_default();
+    int k = (int)job % variants_of(s);
+    double f = l->find.f;
+    l->find.f = INFINITY;
+    if (!p || (s->o->max_seconds > 0 && lw_clock_wall() > list->until))
+        return;
+    o.max_steps = POLISH_STEPS;
+    o.f_tol = 1e-9;
+    o.until = list->until;
+    l->of = lw_pool_variables(p);
+    p->intended = l->find.intended;
+    p->transmission_is_soft = false;
+    p->min_transmission = fmax(p->min_transmission, variants[k].transmission_deg*LW_PI/180);
+    if (variants[k].size < 1)
+        limit_size(p, variants[k].size*size_of(p, l->find.x));
+    lw_problem_work_intended(p, work);
+    if (!lw_lm_feasible(p, l->find.x))
+        return;
+    l->spent = -l->find.evals;
+    improve(s, p, &o, true, work, &l->find);
+    l->spent = (l->spent + l->find.evals)*lw_search_effort(s, p).cost;
+    if (isfinite(l->find.f) && p->timing != LW_TIMING_PRESCRIBED)
+        l->find.f = lw_problem_value(p, l->find.x, NULL, work);
+    if (!(l->find.f >= f*(1 - HIT)) || !lw_problem_stays(p, l->find.x, work)
+        || !lw_problem_admissible(p, l->find.x, MET, work))
+        l->find.f = INFINITY;
+}
+
+lw_status lw_search_widen(lw_search *s)
+{
+    polish_list list = { .s = s };
+    lw_pool *pool = &s->pool;
+    bool called_off = s->o->interrupt && *s->o->interrupt;
+    if (!s->o->spec.by_default || !lw_task_has_place(s->o->spec.task) || called_off || lw_fit_kept(s->o) < LEFT)
+        return LW_OK;
+    pool->n = pool->n < LEFT ? pool->n : LEFT;
+    for (int i = 0; i < pool->n && list.n < WIDENED*variants_of(s); i++)
+        for (int k = 0; k < variants_of(s) && pool->item[i].beyond == 0; k++)
+            take(&pool->item[i], &list);
+    list.until = lw_search_end(s) + 0.5*lw_search_grace(s);
+    if (s->o->max_seconds <= 0)
+        list.until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
+    lw_parallel(s->n_thread, (size_t)list.n, fit_variant, &list);
+    for (int i = 0; i < list.n; i++) {
+        if (list.item[i].status != LW_OK)
+            return list.item[i].status;
+        lw_pool_put(pool, &list.item[i].find, &list.item[i].of);
+        s->evals += list.item[i].spent;
     }
     return LW_OK;
 }

@@ -81,7 +81,7 @@ static double done_part(const lw_search *s, int rounds)
 /* Call the user's progress functions. */
 static void report_progress(lw_search *s, int rounds, double *least)
 {
-    double best = s->pool.n ? s->pool.item[0].f : INFINITY, now = lw_clock_wall() - s->started;
+    double best = s->pool.n && !s->pool.item[0].beyond ? s->pool.item[0].f : INFINITY, now = lw_clock_wall() - s->started;
     lw_status st;
     const lw_problem *p = s->pool.n ? lw_search_made(s, 0, s->pool.item[0].candidate, false, &st) : NULL;
     double value = p ? best*p->scale : INFINITY;
@@ -143,6 +143,8 @@ static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
     lw_search_halving(s);
     st = search_rounds(s, &out->stop, e);
     if (st == LW_OK)
+        st = lw_search_widen(s);
+    if (st == LW_OK)
         st = lw_search_rank(s, out);
     return st == LW_OK ? describe(s, out) : st;
 }
@@ -154,7 +156,8 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
     if (!s)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
     s->t = t;
-    s->o = o;
+    s->own = *o;
+    s->o = &s->own;
     s->started = lw_clock_wall();
     s->best_raw = INFINITY;
     lw_status st = search_all(s, out, e);

@@ -42,6 +42,11 @@ static void take_out(lw_pool *p, int i)
     memmove(p->item + i, p->item + i + 1, sizeof p->item[0]*(size_t)(p->n - i));
 }
 
+static bool before(const lw_found *a, const lw_found *b)
+{
+    return a->beyond != b->beyond ? a->beyond < b->beyond : a->f < b->f;
+}
+
 void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
 {
     lw_found put = *c;
@@ -51,7 +56,7 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
     for (int i = 0; i < p->n; i++)
         if (same(of, &p->item[i], &put)) {
             int hits = p->item[i].hits + put.hits;
-            if (p->item[i].f <= put.f) {
+            if (!before(&put, &p->item[i])) {
                 p->item[i].hits = hits;
                 return;
             }
@@ -60,7 +65,7 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
             break;
         }
     int at = p->n;
-    while (at > 0 && p->item[at - 1].f > put.f)
+    while (at > 0 && before(&put, &p->item[at - 1]))
         at--;
     if (at == LW_POOL_MAX)
         return;

@@ -5,6 +5,7 @@
 #include "optimise/solvers/solver.h"
 
 #define LW_POOL_MAX 64
+#define LW_BEYOND   0.01         /* of the squared sine of the transmission angle                   */
 
 typedef struct lw_found {
     double  f;                   /* scaled                                                          */
@@ -12,6 +13,7 @@ typedef struct lw_found {
     int     candidate;           /* of the search: which problem x belongs to                       */
     lw_intended_motion intended;
     bool    polished;
+    int     beyond;              /* 0: it keeps all conditions; else how far it is from that, in steps of LW_BEYOND */
     long    evals;
     double  seconds;
     lw_stop stop;
@@ -24,8 +26,8 @@ typedef struct lw_pool { int n; lw_found item[LW_POOL_MAX]; } lw_pool;
 typedef struct lw_variables { int n; uint64_t angle[(LW_VAR_MAX + 63)/64]; } lw_variables;
 lw_variables lw_pool_variables(const lw_problem *p);
 
-/* Put a find in, in order of f; a full pool drops its last.  A find is in the pool already if it has the same
- * candidate, and its variables and f agree to 1e-4: then the better one stays and the hit is counted. */
+/* Put a find in, in order of `beyond` and f; a full pool drops its last.  A find is in the pool already if it has the
+ * same candidate, and its variables and f agree to 1e-4: then the better one stays and the hit is counted. */
 void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of);
 
 /* The best finds of a pool in as little memory as they need. */

@@ -339,7 +339,7 @@ static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
 {
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
     double unit = size >= 0 ? shape[size] : 1, mid = p->intended.mid;
-    if (!p->closed || p->timing == LW_TIMING_PRESCRIBED || p->plan.n_higher > 0)
+    if (!p->closed || p->within_limits || p->timing == LW_TIMING_PRESCRIBED || p->plan.n_higher > 0)
         return false;
     p->intended.through = true;
     p->intended.mid = mid/unit;

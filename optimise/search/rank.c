@@ -13,6 +13,8 @@
 enum { PULLS = 20 };            /* each twice as far as the one before                               */
 #define FIRST_PULL 1e-16        /* parts of a stroke                                                  */
 #define ON_TARGET 1e-12         /* a sample nearer than this adds nothing; the target has size one    */
+#define SMALLER    0.95         /* sizes of a cognate that is preferred                               */
+#define SAME_ERROR 1e-3         /* relative, of f of cognates                                         */
 #define SAME_RATIO 1e-4         /* relative, of two lengths of the same function generator              */
 
 /* The positions of a find at the stations, and samples of its curve. */
@@ -135,7 +137,7 @@ static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
     if (!p)
         return false;
     *out = (lw_candidate){ .intended = p->intended,
-                           .n_dim = p->n_dim, .objective = c->f*p->scale, .evals = c->evals,
+                           .n_dim = p->n_dim, .objective = c->f*p->scale, .beyond = c->beyond, .evals = c->evals,
                            .seconds = c->seconds, .stop = c->stop };
     lw_problem_to_dims(p, c->x, out->dim);
     out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
@@ -164,9 +166,25 @@ static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
     return true;
 }
 
+/* Is find a, which has the same curve as b, a linkage so much smaller that it is the better one? */
+static bool is_smaller(lw_search *s, const lw_found *a, const lw_found *b)
+{
+    const lw_found *find[2] = { a, b };
+    double size[2] = { 0, 0 };
+    lw_status st;
+    for (int k = 0; k < 2; k++) {
+        const lw_problem *p = lw_search_made(s, 0, find[k]->candidate, false, &st);
+        for (int i = 0; p && i < p->n_dim; i++)
+            if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
+                size[k] = fmax(size[k], fabs(find[k]->x[i]));
+    }
+    return s->o->spec.by_default && a->beyond == b->beyond && size[0] < SMALLER*size[1]
+        && fabs(a->f - b->f) <= SAME_ERROR*b->f;
+}
+
 lw_status lw_search_rank(lw_search *s, lw_fit *out)
 {
-    int most = s->o->n_result > 0 ? s->o->n_result : 1;
+    int most = lw_fit_kept(s->o);
     size_t n = s->t->n*(size_t)(1 + s->t->n_also);
     traced *seen = calloc((size_t)most + 1, sizeof *seen);
     double *points = malloc(sizeof *points*2*n*((size_t)most + 1));
@@ -182,9 +200,16 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
         t->px = points + 2*n*(size_t)out->n;
         t->py = t->px + n;
         bool fresh = trace(s, c, t);
-        for (int k = 0; fresh && k < out->n; k++)
+        for (int k = 0; fresh && k < out->n; k++) {
+            lw_candidate instead;
             fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, seen[k].of)
                                                         : !same_curves(t, &seen[k], n);
+            if (fresh || !is_smaller(s, c, seen[k].of) || !fill_candidate(s, c, &instead))
+                continue;
+            lw_candidate_free(&out->candidate[k]);
+            out->candidate[k] = instead;
+            seen[k].of = c;
+        }
         if (fresh && fill_candidate(s, c, &out->candidate[out->n]))
             out->n++;
     }

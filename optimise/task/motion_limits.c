@@ -68,7 +68,8 @@ bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, con
     bool slide = linkage->n_input > 0 && lw_joint_slides(linkage->joint[linkage->input[0].joint].kind);
     double most = slide ? s->max_slide_acceleration : s->max_acceleration;
     char text[160] = "";
-    if (s->min_transmission > 0 && !(sine >= sin(s->min_transmission) - TOLERANCE))
+    bool soft = s->by_default & LW_LIMIT_TRANSMISSION;
+    if (s->min_transmission > 0 && !soft && !(sine >= sin(s->min_transmission) - TOLERANCE))
         snprintf(text, sizeof text, "its transmission angle falls to %.4g deg, and %.4g were asked for",
                  asin(sine)*180/LW_PI, s->min_transmission*180/LW_PI);
     else if (most > 0 && !(w->acceleration <= (1 + TOLERANCE)*most))

@@ -28,6 +28,26 @@ void lw_fit_spec_weigh_angles(lw_fit_spec *s, const lw_target *t, double length)
     s->b = place ? s->a*s->angle_length*s->angle_length : 1;
 }
 
+void lw_fit_spec_set_limits(lw_fit_spec *s, const lw_target *t, unsigned given)
+{
+    s->by_default = LW_LIMIT_ALL & ~given;
+    if (s->by_default & LW_LIMIT_TRANSMISSION)
+        s->min_transmission = LW_DEFAULT_TRANSMISSION_DEG*LW_PI/180;
+    if (s->by_default & LW_LIMIT_RATIO)
+        s->length_ratio = LW_DEFAULT_LENGTH_RATIO;
+    if (s->by_default & LW_LIMIT_SIZE)
+        s->max_size = LW_DEFAULT_MAX_SIZE;
+    if (s->by_default & LW_LIMIT_MARGIN)
+        s->class_margin = LW_DEFAULT_CLASS_MARGIN;
+    if (s->by_default & LW_LIMIT_MOTION) {
+        s->within_limits = true;
+        if (t->closed && lw_task_has_place(s->task) && !s->crank_only) {
+            s->crank_only = true;
+            s->by_default |= LW_LIMIT_TURN;
+        }
+    }
+}
+
 enum { EDGES = 2 + 2*LW_ZONE_MAX };
 
 /* Does a forbidden zone contain a whole box? */

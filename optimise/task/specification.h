@@ -80,13 +80,40 @@ typedef struct lw_fit_spec {
     lw_zone   zone[LW_ZONE_MAX];
     int       n_bound;
     lw_bound  bound[24];               /* by name, override the ranges [m], [rad]                 */
+    double    max_size;                /* most length and coordinate, in diagonals of the target, where no range is
+                                        * given; 0: 10                                            */
+    double    class_margin;            /* least distance of a four-bar from a change point, in perimeters, or 0 */
+    bool      within_limits;           /* the input passes no limit, dead point or change point   */
+    double    tolerance;               /* the results are the simplest and smallest linkages that stray from the target by
+                                        * no more [m]; 0: those with the least error               */
+    unsigned  by_default;              /* LW_LIMIT_ bits: limits that nobody asked for: results that break them are
+                                        * better than none                                        */
 } lw_fit_spec;
 
+/* Without limits but those of the range of the search. */
 lw_fit_spec lw_fit_spec_default(void);
 
 /* Set b and angle_length so that 1 rad counts as `length`; 0: as half the diagonal of the target, so that the unit of its
  * lengths does not matter.  Without places b becomes 1. */
 void lw_fit_spec_weigh_angles(lw_fit_spec *s, const lw_target *t, double length);
+
+/* The limits that a linkage keeps if it is to be built.  Each holds by default and can be given instead. */
+enum {
+    LW_LIMIT_TRANSMISSION = 1,         /* min_transmission                                        */
+    LW_LIMIT_RATIO = 2,                /* length_ratio                                            */
+    LW_LIMIT_SIZE = 4,                 /* max_size                                                */
+    LW_LIMIT_MARGIN = 8,               /* class_margin                                            */
+    LW_LIMIT_MOTION = 16,              /* within_limits                                                */
+    LW_LIMIT_ALL = 31,
+    LW_LIMIT_TURN = 32                 /* crank_only, for closed targets: gives way if no type can turn   */
+};
+#define LW_DEFAULT_TRANSMISSION_DEG 20
+#define LW_DEFAULT_LENGTH_RATIO     20
+#define LW_DEFAULT_MAX_SIZE         6
+#define LW_DEFAULT_CLASS_MARGIN     1e-3
+
+/* Set those of the limits that are not among `given` to their defaults for this target. */
+void lw_fit_spec_set_limits(lw_fit_spec *s, const lw_target *t, unsigned given);
 
 /* The objective that the columns of a target suggest: a function without x and y, a motion with theta, else a path. */
 lw_task lw_task_suggested(const lw_target *t);

@@ -87,6 +87,8 @@ static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_st
 static int by_objective(const void *a, const void *b)
 {
     const lw_candidate *p = a, *q = b;
+    if (p->beyond != q->beyond)
+        return p->beyond - q->beyond;
     if (p->objective != q->objective)
         return p->objective < q->objective ? -1 : 1;
     return lw_candidate_links(p) - lw_candidate_links(q);
@@ -203,7 +205,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
         if (now == LW_STOPPED && o->interrupt && *o->interrupt)
             break;
     }
-    shorten(out, o->n_result > 0 ? o->n_result : 1);
+    shorten(out, lw_fit_kept(o));
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 

@@ -1,0 +1,144 @@
+/* optimise/report/report_limits.c - is it a linkage to build: its size, the limits it keeps, and those it is at. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "optimise/problem/problem.h"
+#include "optimise/report/report_internal.h"
+
+#define AT_LIMIT 1e-3             /* relative: nearer than this, a limit is active                                  */
+#define KEPT     1.01             /* limits are kept to this factor                                                */
+#define ARM      1.5              /* a coupler point may lie in the corner of its box                               */
+#define STRAY    0.02             /* how far a curve may leave its target, in sizes of the target, ...              */
+#define BETWEEN  0.5              /* ... more by this over their number: between few stations the target is not known */
+
+static bool on_link(const lw_joint *j, int link)
+{
+    return lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link);
+}
+
+static void measure_lengths(const lw_linkage *k, lw_fit_report *r)
+{
+    r->size = 0;
+    r->length_least = r->length_most = NAN;
+    for (int link = 0; link < k->n_link; link++)
+        for (int i = 0; i < k->n_joint; i++) {
+            if (!on_link(&k->joint[i], link))
+                continue;
+            for (int j = 0; j < i; j++) {
+                double length = lw_v2_norm(lw_v2_sub(k->joint[i].at, k->joint[j].at));
+                if (!on_link(&k->joint[j], link) || !(length > 1e-9*r->size))      /* two joints on one pin */
+                    continue;
+                r->length_least = fmin(r->length_least, length);
+                r->length_most = fmax(r->length_most, length);
+                r->size = fmax(r->size, length);
+            }
+            for (int j = 0; j < k->n_tracer; j++)
+                if (k->tracer[j].link == link)
+                    r->size = fmax(r->size, lw_v2_norm(lw_v2_sub(k->joint[i].at, k->tracer[j].at)));
+        }
+}
+
+static void add_active(lw_fit_report *r, const char *name)
+{
+    if (r->n_active < LW_ACTIVE_MAX)
+        snprintf(r->active[r->n_active++], sizeof r->active[0], "%s", name);
+}
+
+static bool near(double a, double b) { return isfinite(b) && fabs(a - b) <= AT_LIMIT*fmax(fabs(a), fabs(b)); }
+
+/* Which dimensions are at a bound that leaves them free, and which conditions are active? */
+static void find_active(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+{
+    lw_problem *p = malloc(sizeof *p);
+    double x[LW_VAR_MAX];
+    if (p && lw_problem_make(t, s, c->family, c->intended.mode[0], c->intended.sense, p, NULL) == LW_OK) {
+        lw_problem_from_dims(p, c->dim, x);
+        for (int i = 0; i < p->n_dim; i++)
+            if (p->lo[i] < p->hi[i] && (near(x[i], p->lo[i]) || near(x[i], p->hi[i])) && isfinite(x[i]))
+                add_active(r, p->plan.dim[i].name);
+        lw_problem_free(p);
+    }
+    free(p);
+    if (s->length_ratio > 0 && near(r->length_most, s->length_ratio*r->length_least))
+        add_active(r, "length-ratio");
+    if (s->min_transmission > 0 && near(r->transmission_min, s->min_transmission))
+        add_active(r, "transmission");
+    if (s->class_margin > 0 && r->has_class && near(r->barker.margin, s->class_margin))
+        add_active(r, "class-margin");
+}
+
+/* Does the input pass a limit, or turn back, between the stations? */
+static bool passes_limit(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_fit_report *r)
+{
+    if (t->closed && !r->turns && lw_task_has_place(s->task))
+        return true;
+    size_t dyads = (size_t)c->n_dyad;
+    for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
+        if (c->mode_of[i] != c->mode_of[i - dyads])
+            return true;
+    bool up = false, down = false;
+    for (size_t i = 1; i < t->n && s->timing == LW_TIMING_FREE && !r->turns; i++) {
+        up |= c->input[i] > c->input[i - 1];
+        down |= c->input[i] < c->input[i - 1];
+    }
+    return up && down;
+}
+
+static void broken(lw_fit_report *r, unsigned limit, const char *text, double value)
+{
+    if (r->broken == 0)
+        snprintf(r->broken_text, sizeof r->broken_text, text, value);
+    r->broken |= limit;
+}
+
+/* How far from the target may the curve lead? */
+static double stray_allowed(const lw_target *t, const lw_fit_report *r)
+{
+    return (STRAY + BETWEEN/(double)t->n)*t->size + 2*r->error_max;
+}
+
+static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
+{
+    if (s->within_limits && r->passes_limit)
+        broken(r, LW_LIMIT_MOTION, "the input passes a limit or turns back on its way", 0);
+    if (s->within_limits && lw_task_has_place(s->task) && r->stray.to_target > stray_allowed(t, r))
+        broken(r, LW_LIMIT_MOTION, "between the stations its curve strays from the target by %.3g of the target's size",
+               r->stray.to_target/t->size);
+    if (s->by_default & LW_LIMIT_TRANSMISSION && r->transmission_min < s->min_transmission - AT_LIMIT)
+        broken(r, LW_LIMIT_TRANSMISSION, "its transmission angle falls to %.3g degrees",
+               r->transmission_min*180/LW_PI);
+    if (s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
+        broken(r, LW_LIMIT_MARGIN, "it is only %.3g perimeters from a change point", r->barker.margin);
+    if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && r->length_most > KEPT*s->length_ratio*r->length_least)
+        broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", r->length_most/r->length_least);
+    if (s->max_size > 0 && t->extent > 0 && s->n_bound == 0 && !(s->length_hi > 0)
+        && r->size > ARM*s->max_size*t->extent)
+        broken(r, LW_LIMIT_SIZE, "it is %.3g times as large as the target", r->size/t->extent);
+}
+
+const char *lw_fit_report_input(const lw_fit_report *r)
+{
+    return r->passes_limit ? "limit" : r->turns ? "turns" : "rocks";
+}
+
+double lw_fit_report_stray(const lw_fit_report *r)
+{
+    return isnan(r->stray.to_target) ? NAN : fmax(r->stray.to_curve, r->stray.to_target);
+}
+
+void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)
+{
+    text[0] = 0;
+    for (int i = 0; i < r->n_active; i++)
+        snprintf(text + strlen(text), size - strlen(text), "%s%s", i ? ", " : "", r->active[i]);
+}
+
+void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+{
+    measure_lengths(&r->linkage, r);
+    find_active(t, s, c, r);
+    r->passes_limit = passes_limit(t, s, c, r);
+    judge(t, s, r);
+}
