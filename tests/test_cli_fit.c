@@ -49,7 +49,7 @@ static void open_targets_over_limits_have_legs_and_modes(void)
     int n = 0;
     CHECK(json_is_false(json_object_get(json_object_get(root, "target"), "closed")));
     json_array_foreach(json_object_get(root, "results"), i, r)
-        if (!json_is_true(json_object_get(r, "crank")) && json_object_get(r, "modes")) {
+        if (strcmp(json_string_value(json_object_get(r, "input_motion")), "limit") == 0) {
             CHECK_INT(json_array_size(json_object_get(r, "modes")), points);
             CHECK(member(r, "legs") >= 2);
             n++;

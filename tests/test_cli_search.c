@@ -271,9 +271,10 @@ static int trace_results(const json_t *root, char kind)
 
 static void slots_are_fitted_and_traced(void)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,p --crank-only --starts 32 --rounds 1 "
-                           "--budget 1000 --json");
-    json_t *plain = json_of("$P fit $D/t.csv --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
+    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,p --crank-only --starts 32 "
+                           "--rounds 1 --budget 1000 --json");
+    json_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
+                            "--json");
     CHECK(trace_results(root, 'p') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
@@ -340,9 +341,10 @@ static void counting_stops_when_asked(void)
 
 static void gears_are_fitted_and_traced(void)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --crank-only --starts 32 --rounds 1 --budget 1000 "
-                           "--json");
-    json_t *plain = json_of("$P fit $D/t.csv --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
+    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,g --crank-only --starts 32 "
+                           "--rounds 1 --budget 1000 --json");
+    json_t *plain = json_of("$P fit $D/t.csv --unlimited --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 "
+                            "--json");
     CHECK(trace_results(root, 'g') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
           <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
