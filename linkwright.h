@@ -1020,13 +1020,26 @@ typedef struct lw_catalogue_hit {
     double      distance;              /* root mean square, over the size of the target [1]                        */
     double      distance_m;            /* the same [m]                                                            */
     const char *family;                /* "crank-rocker"; "": a linkage that was added                             */
-    const lw_linkage *linkage;         /* laid on the target; tracer 0 draws the curve                             */
+    const lw_linkage *linkage;         /* laid on the target; tracer 0 draws the curve, an open one over the range of
+                                        * its input                                                               */
+    int         turns;                 /* the input turns fully: 1, 0, -1 not known                                */
+    double      transmission;          /* least transmission angle on the curve [rad]; NaN: not known              */
 } lw_catalogue_hit;
 typedef lw_status lw_catalogue_hit_visit(void *context, const lw_catalogue_hit *hit);
 
-/* The `count` curves nearest to the path of a target, nearest first.  LW_NOTHING: there are no such curves. */
-LW_API lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target, int count,
-                                      lw_catalogue_hit_visit *visit, void *context, lw_error *error);
+/* Which linkages are wanted; all zeros: any. */
+typedef struct lw_catalogue_filter {
+    bool        turns;                 /* the input turns fully                                                    */
+    double      min_transmission;      /* the transmission angle on the curve is at least this [rad]               */
+    double      min_length, max_length;    /* limits of the lengths between pins of a link [m]; the tracer is at most
+                                        * max_length from them; 0, 0: any                                         */
+} lw_catalogue_filter;
+
+/* The `count` curves nearest to the path of a target, nearest first, among the linkages that filter (NULL: all) admits;
+ * no other curve of the catalogue is nearer.  LW_NOTHING: there are no such curves. */
+LW_API lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target,
+                                      const lw_catalogue_filter *filter, int count, lw_catalogue_hit_visit *visit,
+                                      void *context, lw_error *error);
 
 /* Check every page, reference and sum.  LW_E_NOTATION with the first fault. */
 LW_API lw_status lw_catalogue_check(lw_catalogue *catalogue, lw_error *error);

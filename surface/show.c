@@ -241,9 +241,12 @@ lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogu
     return ask(catalogue->store, &q, row, context, error);
 }
 
-lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target, int count,
-                               lw_catalogue_hit_visit *visit, void *context, lw_error *error)
+lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target, const lw_catalogue_filter *filter,
+                               int count, lw_catalogue_hit_visit *visit, void *context, lw_error *error)
 {
+    lw_atlas_filter only = { 0 };
+    if (filter)
+        only = (lw_atlas_filter){ filter->turns, filter->min_transmission, filter->min_length, filter->max_length };
     if (count < 1 || !target->x)
         return lw_error_set(error, LW_E_ARG, "a search needs a target with points, and a curve or more to find");
     lw_atlas_hit *hit = calloc((size_t)count, sizeof *hit);
@@ -253,10 +256,11 @@ lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target,
     for (size_t i = 0; i < target->n && s == LW_OK; i++)
         p[i] = lw_v2(target->x[i], target->y[i]);
     if (s == LW_OK)
-        s = lw_store_nearest(catalogue->store, p, target->n, target->closed, count, hit, &n, NULL, error);
+        s = lw_store_nearest(catalogue->store, p, target->n, target->closed, &only, count, hit, &n, NULL, error);
     for (int i = 0; i < n && s == LW_OK; i++) {
         lw_catalogue_hit one = { .distance = hit[i].distance, .distance_m = hit[i].distance_m, .family = hit[i].family,
-                                 .linkage = &hit[i].linkage };
+                                 .linkage = &hit[i].linkage, .turns = hit[i].turns,
+                                 .transmission = hit[i].transmission };
         s = visit(context, &one);
     }
     free(hit);

@@ -89,11 +89,11 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     lw_error e = { 0 };
     int n;
     void *work = aligned_alloc(64, lw_curve_work_size(maker));
-    CHECK_INT(lw_curve_points(maker, &t->row[which], t->closed, work, p), LW_OK);
+    CHECK_INT(lw_curve_points(maker, &t->row[which], t->closed, work, p, NULL), LW_OK);
     free(work);
     for (int i = 0; i < LW_CURVE_POINTS; i++)
         p[i] = lw_v2_add(lw_v2(100, -50), lw_v2_turn(lw_v2(p[i].x, which%2 ? -p[i].y : p[i].y), lw_v2_polar(3, 0.5)));
-    CHECK_INT(lw_store_nearest(s, p, LW_CURVE_POINTS, t->closed, 5, hit, &n, &count, &e), LW_OK);
+    CHECK_INT(lw_store_nearest(s, p, LW_CURVE_POINTS, t->closed, NULL, 5, hit, &n, &count, &e), LW_OK);
     CHECK_INT(n, 5);
     CHECK_INT(count.n_curve, t->n);
     CHECK_NEAR(hit[0].distance, 0, 1e-6, 0);
@@ -173,7 +173,7 @@ static double *all_distances(const lw_atlas_tree *t, const lw_vec2 *target)
     for (size_t i = 0; i < t->n; i++) {
         lw_vec2 p[LW_CURVE_POINTS];
         lw_match m = { .distance = INFINITY };
-        if (lw_curve_points(maker, &t->row[i], t->closed, work, p) == LW_OK
+        if (lw_curve_points(maker, &t->row[i], t->closed, work, p, NULL) == LW_OK
             && lw_descriptor_make(p, LW_CURVE_POINTS, t->closed, &b) == LW_OK)
             lw_descriptor_match(&a, &b, &m);
         d[i] = m.distance;
@@ -201,7 +201,7 @@ static void as_by_force(void)
             memcpy(q, p, sizeof q);
             if (count == 20)
                 disguise(&rng, closed, p, q);
-            CHECK_INT(lw_store_nearest(s, q, 200, closed, count, hit, &n, NULL, &e), LW_OK);
+            CHECK_INT(lw_store_nearest(s, q, 200, closed, NULL, count, hit, &n, NULL, &e), LW_OK);
             CHECK_INT(n, count);
             for (int i = 0; i < n; i++)
                 CHECK_NEAR(hit[i].distance, d[i], 1e-9, 0);
@@ -209,6 +209,84 @@ static void as_by_force(void)
         free(d);
     }
     free(hit);
+    lw_store_close(s);
+}
+
+/* Length between two pins. */
+static double side(const lw_linkage *k, int a, int b) { return lw_v2_norm(lw_v2_sub(k->joint[a].at, k->joint[b].at)); }
+
+/* The traits of a four-bar with a closed curve, by Grashof's rule and the cosine rule at the extreme diagonals. */
+static void check_traits(const lw_atlas_hit *h)
+{
+    double a = side(&h->linkage, 0, 1), b = side(&h->linkage, 1, 2), c = side(&h->linkage, 2, 3);
+    double d = side(&h->linkage, 3, 0), least = 1;
+    double longest = fmax(fmax(a, b), fmax(c, d)), shortest = fmin(fmin(a, b), fmin(c, d));
+    bool turns = shortest + longest < a + b + c + d - shortest - longest && (shortest == a || shortest == d);
+    CHECK_INT(h->turns, turns);
+    for (int i = -1; i <= 1 && turns; i += 2) {
+        double x = (b*b + c*c - (d + i*a)*(d + i*a))/(2*b*c);
+        least = fmin(least, 1 - x*x);
+    }
+    CHECK_NEAR(sin(h->transmission)*sin(h->transmission), turns ? least : 0, 1e-6, 0);
+}
+
+static bool lengths_within(const lw_linkage *k, double min, double max)
+{
+    for (int i = 0; i < 4; i++)
+        if (side(k, i, (i + 1)%4) < min || side(k, i, (i + 1)%4) > max)
+            return false;
+    for (int i = 0; i < 4; i++)
+        for (int end = 0; end < 2; end++)
+            if (k->joint[i].link[end] == k->tracer[0].link && lw_v2_norm(lw_v2_sub(k->joint[i].at, k->tracer[0].at)) > max)
+                return false;
+    return true;
+}
+
+/* A search with conditions gives the curves that meet them of a search without. */
+static void conditions_inside_the_search(void)
+{
+    enum { MANY = 1500 };
+    lw_store *s = open_store(false);
+    lw_atlas_hit *all = malloc(MANY*sizeof *all), *some = malloc(MANY*sizeof *some);
+    lw_error e;
+    for (int trial = 0; trial < 6; trial++) {
+        bool closed = trial < 4;
+        lw_atlas_filter f = { .turns = trial%2 == 0, .min_transmission = trial == 1 ? 0 : 0.5 };
+        lw_vec2 p[200];
+        int n, n_some = 0, n_pass = 0;
+        f.min_length = trial%3 == 1 ? 0.5 : 0;
+        f.max_length = trial%3 == 1 ? 9 : 0;
+        target_of(trial, closed, p);
+        CHECK_INT(lw_store_nearest(s, p, 200, closed, NULL, MANY, all, &n, NULL, &e), LW_OK);
+        CHECK_INT(n, MANY);
+        for (int i = 0; i < n; i++) {
+            bool pins = strcmp(all[i].type, "RRRR") == 0;
+            if (closed && pins)
+                check_traits(&all[i]);
+            bool pass = (all[i].turns || !f.turns) && all[i].transmission >= f.min_transmission;
+            if (pass && f.max_length > 0 && pins)
+                pass = lengths_within(&all[i].linkage, f.min_length, f.max_length);
+            all[n_pass] = all[i];
+            n_pass += pass && (pins || !(f.max_length > 0));
+        }
+        CHECK(n_pass > 2 && n_pass < MANY);
+        CHECK_INT(lw_store_nearest(s, p, 200, closed, &f, n_pass, some, &n, NULL, &e), LW_OK);
+        for (int i = 0, k = 0; i < n && k < n_pass; i++) {
+            if (f.max_length > 0 && strcmp(some[i].type, "RRRR") != 0)
+                continue;
+            CHECK_NEAR(some[i].distance, all[k++].distance, 1e-12, 0);
+            n_some++;
+        }
+        CHECK(n_some > 2 && (f.max_length > 0 || n_some == n_pass));
+    }
+    lw_atlas_filter none = { .turns = true, .min_transmission = 1.58 };         /* over 90 degrees */
+    lw_vec2 p[200];
+    int n;
+    target_of(0, true, p);
+    CHECK_INT(lw_store_nearest(s, p, 200, true, &none, 5, all, &n, NULL, &e), LW_NOTHING);
+    CHECK_HAS(e.text, "conditions");
+    free(all);
+    free(some);
     lw_store_close(s);
 }
 
@@ -222,11 +300,11 @@ static void few_points_from_any_start(void)
     int n;
     for (int i = 0; i < 7; i++)
         p[i] = lw_v2(3*cos(0.9*i), sin(0.9*i) + 0.4*cos(2.0*i));
-    CHECK_INT(lw_store_nearest(s, p, 7, true, 5, hit, &n, NULL, &e), LW_OK);
+    CHECK_INT(lw_store_nearest(s, p, 7, true, NULL, 5, hit, &n, NULL, &e), LW_OK);
     for (int start = 1; start < 7; start++) {
         for (int i = 0; i < 7; i++)
             q[i] = p[(start + (start%2 ? i : 7 - i))%7];
-        CHECK_INT(lw_store_nearest(s, q, 7, true, 5, again, &n, NULL, &e), LW_OK);
+        CHECK_INT(lw_store_nearest(s, q, 7, true, NULL, 5, again, &n, NULL, &e), LW_OK);
         for (int i = 0; i < n; i++)
             CHECK_NEAR(again[i].distance, hit[i].distance, 1e-9, 0);
     }
@@ -240,11 +318,11 @@ static void refusals(void)
     lw_atlas_hit hit[3];
     lw_error e;
     int n;
-    CHECK_INT(lw_store_nearest(s, p, 3, true, 3, hit, &n, NULL, &e), LW_E_ARG);
-    CHECK_INT(lw_store_nearest(s, p, 0, true, 3, hit, &n, NULL, &e), LW_E_ARG);
-    CHECK_INT(lw_store_nearest(s, p, 3, true, 0, hit, &n, NULL, &e), LW_E_ARG);
+    CHECK_INT(lw_store_nearest(s, p, 3, true, NULL, 3, hit, &n, NULL, &e), LW_E_ARG);
+    CHECK_INT(lw_store_nearest(s, p, 0, true, NULL, 3, hit, &n, NULL, &e), LW_E_ARG);
+    CHECK_INT(lw_store_nearest(s, p, 3, true, NULL, 0, hit, &n, NULL, &e), LW_E_ARG);
     p[1].x = 5;
-    CHECK_INT(lw_store_nearest(s, p, 2, false, 3, hit, &n, NULL, &e), LW_OK);
+    CHECK_INT(lw_store_nearest(s, p, 2, false, NULL, 3, hit, &n, NULL, &e), LW_OK);
     lw_store_close(s);
 }
 
@@ -259,6 +337,7 @@ int main(void)
     RUN(into_the_store);
     RUN(curves_find_themselves);
     RUN(as_by_force);
+    RUN(conditions_inside_the_search);
     RUN(few_points_from_any_start);
     RUN(refusals);
     lw_atlas_tree_free(&tree[0]);

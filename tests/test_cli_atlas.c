@@ -19,6 +19,10 @@ static void nearest(void)
     expect("$P catalogue nearest $D/c.db examples/ellipse.csv --results 5 --json -o $D/near.json; $P draw $D/near.json "
            "--result 2 --target examples/ellipse.csv -o $D/near.svg && grep -c '</svg>' $D/near.svg", 0, "1\n", NULL);
     expect("$P catalogue nearest $D/c.db examples/letter-s.csv --shape open --results 1", 0, "  1 ", NULL);
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv --full-turn --min-transmission-angle 30 --length-range 1:300 "
+           "--results 3 | awk 'NR > 1 && $3 >= 30 && $4 == \"turns\"' | wc -l", 0, "3\n", NULL);
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv --min-transmission-angle 89.8", 1, NULL, "meet these conditions");
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv --length-range 0:0", 2, NULL, "excludes every linkage");
     expect("$P catalogue nearest $D/c.db examples/function-log.csv", 3, NULL, "x and y");
     expect("$P catalogue nearest $D/none.db examples/ellipse.csv", 3, NULL, "no such file");
     expect("$P catalogue build $D/empty.db --links 4 && $P catalogue nearest $D/empty.db examples/ellipse.csv", 1, NULL,

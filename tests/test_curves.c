@@ -50,7 +50,7 @@ static void draws(const char *types, const char *families, size_t n)
         bool closed = i%2;
         if (lw_curve_draw(m, u + i*LW_CURVE_DRAWS, closed, work, &row) != LW_OK)
             continue;
-        CHECK_INT(lw_curve_points(m, &row, closed, work, p), LW_OK);
+        CHECK_INT(lw_curve_points(m, &row, closed, work, p, NULL), LW_OK);
         if (lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
             continue;
         n_made[closed]++;

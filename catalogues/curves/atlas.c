@@ -33,12 +33,14 @@ static void draw_chunk(void *context, size_t chunk, int thread)
         bool closed = j->kinds == LW_ATLAS_CLOSED || (j->kinds == LW_ATLAS_BOTH && i%2 == 0);
         lw_vec2 p[LW_CURVE_POINTS];
         lw_descriptor d;
+        lw_curve_traits traits;
         j->good[i] = 0;
         if (lw_curve_draw(j->maker, j->u + i*LW_CURVE_DRAWS, closed, work, &j->row[i]) != LW_OK
-            || lw_curve_points(j->maker, &j->row[i], closed, work, p) != LW_OK
+            || lw_curve_points(j->maker, &j->row[i], closed, work, p, &traits) != LW_OK
             || lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
             continue;
         lw_descriptor_pack(&d, &j->terms[i]);
+        lw_curve_row_note(&j->row[i], &traits);
         j->good[i] = closed ? 1 : 2;
     }
 }

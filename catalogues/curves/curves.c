@@ -337,28 +337,28 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
 
 /* ---- points ----------------------------------------------------------------------------------------- */
 
-static lw_status member_points(const lw_curve_maker *m, const lw_curve_row *row, bool closed, scratch *w, lw_vec2 *p)
+/* The least margin of the poses, and between them that of the parabola through a least value and its neighbours. */
+static double least_margin(const double *margin, bool round)
 {
-    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
-    lw_range range;
-    if (!member_of(m, row, w, dim, mode, &range))
-        return LW_OPEN;
-    solve_member(m, row, closed, dim, mode, w);
-    for (int i = 0; i < POINTS; i++)
-        p[i] = lw_v2(w->x[i], w->y[i]);
-    return LW_OK;
+    double least = INFINITY;
+    for (int i = 0; i < POINTS; i++) {
+        double here = margin[i];
+        double to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
+        least = fmin(least, here);
+        if ((round || (i > 0 && i < POINTS - 1)) && to_last > 0 && to_next > 0)
+            least = fmin(least, here - (to_next - to_last)*(to_next - to_last)/(8*(to_last + to_next)));
+    }
+    return least;
 }
 
-lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p)
+/* Solve all poses of a four-bar. */
+static lw_status solve_type(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, scratch *w,
+                            lw_curve_traits *traits)
 {
-    scratch *w = work;
-    void *batch = w + 1;
-    double dim[LW_DIM_MAX];
-    if (row->family >= maker->n)
-        return LW_OPEN;
     const kind *k = &maker->kind[row->family];
-    if (k->topology)
-        return member_points(maker, row, closed, w, p);
+    double dim[LW_DIM_MAX];
+    void *batch = w + 1;
+    lw_range range = { .turns = k->family->turns || (closed && row->mode != 0) };
     set_dims(k, row, dim);
     if (closed && row->mode != 0) {
         solve(k, dim, row->mode, maker->c, maker->s, 0, POINTS, w, batch);
@@ -370,10 +370,54 @@ lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, 
     } else {
         set_inputs(k, w, 0, POINTS, row->first, row->last, true);
         solve(k, dim, row->mode, w->c, w->s, 0, POINTS, w, batch);
+        if (traits && !range.turns && lw_motion_range(&k->plan, dim, 1, &range) != LW_OK)
+            return LW_OPEN;
     }
+    if (traits)
+        traits->turns = range.turns;
+    return LW_OK;
+}
+
+static lw_status solve_topology(const lw_curve_maker *m, const lw_curve_row *row, bool closed, scratch *w,
+                                lw_curve_traits *traits)
+{
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    if (!member_of(m, row, w, dim, mode, &range))
+        return LW_OPEN;
+    solve_member(m, row, closed, dim, mode, w);
+    if (traits)
+        traits->turns = closed || range.turns;
+    return LW_OK;
+}
+
+lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p,
+                          lw_curve_traits *traits)
+{
+    scratch *w = work;
+    if (row->family >= maker->n)
+        return LW_OPEN;
+    bool topology = maker->kind[row->family].topology, limits = closed && !topology && row->mode == 0;
+    lw_status status = (topology ? solve_topology : solve_type)(maker, row, closed, w, traits);
+    if (status != LW_OK)
+        return status;
     for (int i = 0; i < POINTS; i++)
         p[i] = lw_v2(w->x[i], w->y[i]);
+    if (traits)
+        traits->transmission = limits ? 0 : asin(sqrt(fmin(fmax(least_margin(w->margin, closed), 0), 1)));
     return LW_OK;
+}
+
+void lw_curve_row_note(lw_curve_row *row, const lw_curve_traits *traits)
+{
+    row->turns = traits->turns ? 2 : 1;
+    row->transmission = (uint8_t)(1 + floor(traits->transmission*360/LW_PI));
+}
+
+bool lw_curve_row_may(const lw_curve_row *row, bool turns, double least)
+{
+    /* one unit more than the rounding, because processors may round differently */
+    return !(turns && row->turns == 1) && (row->transmission == 0 || row->transmission + 1.0 >= least*360/LW_PI);
 }
 
 /* ---- the linkage ----------------------------------------------------------------------------------- */

@@ -28,8 +28,15 @@ typedef struct lw_curve_row {
     uint8_t family;                   /* index in the maker                                           */
     int8_t  mode;                     /* four links: assembly mode +1 or -1; 0: a circuit through both.  More
                                        * links: +1 when the linkage was drawn so that its input turns, else -1 */
-    uint8_t unused[2];
+    uint8_t transmission;         /* 1 + whole half degrees of the least transmission angle; 0: not known */
+    uint8_t turns;                /* 2: the input turns fully; 1: it does not; 0: not known            */
 } lw_curve_row;
+
+/* What a linkage does while its tracer draws a curve. */
+typedef struct lw_curve_traits {
+    bool   turns;                 /* the input can turn fully                                         */
+    double transmission;          /* least transmission angle of all dyads on the curve [rad]         */
+} lw_curve_traits;
 
 /* Families that curves are drawn from, with their plans.  Constant once made, so that threads share it. */
 typedef struct lw_curve_maker lw_curve_maker;
@@ -63,8 +70,15 @@ size_t lw_curve_work_size(const lw_curve_maker *maker);
  * end interrupts its circuit, or it opens on the way. */
 lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row);
 
-/* Points of the curve in order: p (LW_CURVE_POINTS).  LW_OPEN when the numbers are not those of a linkage. */
-lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p);
+/* Points of the curve in order: p (LW_CURVE_POINTS), and its traits unless that is NULL.  LW_OPEN when the numbers are not
+ * those of a linkage. */
+lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p,
+                          lw_curve_traits *traits);
+
+/* Write the traits into the row, rounded.  False: the numbers of the row exclude a least transmission angle of `least`
+ * [rad], or, if `turns`, an input that turns; true: they do not, or they are not known. */
+void lw_curve_row_note(lw_curve_row *row, const lw_curve_traits *traits);
+bool lw_curve_row_may(const lw_curve_row *row, bool turns, double least);
 
 /* The linkage, in the middle of its range; its tracer is named P.  If the curve is open, the range of its input is that
  * of the curve. */

@@ -13,7 +13,7 @@
  * (sqrt 32 numbers by half a unit are 0.9e-4; earlier versions computed the terms from 128 samples). */
 #define ROUNDING 2e-4
 
-typedef struct source { long long sweep; lw_curve_maker *maker; } source;
+typedef struct source { long long sweep; lw_curve_maker *maker; void *work; } source;
 typedef struct block  { float bound; uint32_t n; long long id; int source; } block;
 
 /* A curve that may be among the nearest: from a block, or (source -1) a linkage that was added. */
@@ -33,6 +33,10 @@ typedef struct search {
     found        *found;               /* all that may be among the k nearest */
     double       *least;               /* (k) the least distances so far, as a heap whose top is the greatest */
     lw_atlas_search count;
+    lw_atlas_filter filter;
+    bool          filtered;
+    long long     rows_of;             /* block whose rows are in `row`; 0: none */
+    lw_curve_row  row[LW_BLOCK_MAX];
 } search;
 
 /* ---- reading the boxes ------------------------------------------------------------------------------ */
@@ -61,9 +65,11 @@ static lw_status find_source(search *s, long long sweep, const lw_value *familie
         return LW_E_MEMORY;
     s->source = more;
     lw_status status = lw_curve_maker_of(families->text ? families->text : "", &more[s->n_source].maker, s->e);
-    if (status == LW_OK)
-        more[s->n_source++].sweep = sweep;
-    return status;
+    if (status != LW_OK)
+        return status;
+    more[s->n_source].sweep = sweep;
+    more[s->n_source].work = aligned_alloc(64, lw_curve_work_size(more[s->n_source].maker));
+    return more[s->n_source++].work ? LW_OK : LW_E_MEMORY;
 }
 
 static lw_status take_segment(void *context, int n_column, const char *const *name, const lw_value *v)
@@ -99,6 +105,125 @@ static int by_bound(const void *a, const void *b)
 {
     const block *x = a, *y = b;
     return x->bound < y->bound ? -1 : x->bound > y->bound ? 1 : x->id < y->id ? -1 : x->id > y->id;
+}
+
+/* ---- the linkages of what was found ------------------------------------------------------------------ */
+
+typedef struct added { search *s; lw_atlas_hit *hit; lw_descriptor *curve; bool good; } added;
+
+static lw_status read_added(void *context, int n_column, const char *const *name, const lw_value *v)
+{
+    added *a = context;
+    (void)n_column, (void)name;
+    size_t n = v[1].size/(2*sizeof(float));
+    lw_vec2 *p = malloc((n + 1)*sizeof *p);
+    if (!p)
+        return LW_E_MEMORY;
+    for (size_t i = 0; i < n; i++) {
+        float xy[2];
+        memcpy(xy, v[1].text + i*sizeof xy, sizeof xy);
+        p[i] = lw_v2(xy[0], xy[1]);
+    }
+    a->hit->turns = v[3].kind == LW_VALUE_INTEGER ? v[3].integer != 0 : -1;
+    a->hit->transmission = v[4].kind == LW_VALUE_REAL ? v[4].real : NAN;
+    a->good = v[0].text && lw_linkage_read(v[0].text, v[0].size, "catalogue", &a->hit->linkage, a->s->e) == LW_OK
+           && lw_descriptor_make(p, n, a->s->closed, a->curve) == LW_OK;
+    if (v[2].text)
+        snprintf(a->hit->type, sizeof a->hit->type, "%.7s", v[2].text);
+    free(p);
+    return LW_OK;
+}
+
+static lw_status fetch_added(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
+{
+    added a = { s, hit, curve, false };
+    lw_value id = { .kind = LW_VALUE_INTEGER, .integer = f->id };
+    lw_store_query q = { .sql = "SELECT json, curve, type, crank, transmission_min FROM linkage WHERE id = ?1",
+                         .value = &id, .n_value = 1, .row = read_added, .context = &a };
+    lw_status status = lw_store_ask(s->store, &q, s->e);
+    hit->id = f->id;
+    *good = a.good;
+    return status;
+}
+
+static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
+{
+    const source *from = &s->source[f->source];
+    const lw_curve_row *row = &s->row[f->index];
+    lw_curve_traits traits;
+    lw_vec2 p[LW_CURVE_POINTS];
+    if (s->rows_of != f->id) {
+        s->rows_of = 0;
+        lw_status status = lw_store_block(s->store, f->id, true, s->row, f->n*sizeof *row, s->e);
+        if (status != LW_OK)
+            return status;
+        s->rows_of = f->id;
+    }
+    *good = (!s->filtered || lw_curve_row_may(row, s->filter.turns, s->filter.min_transmission))
+         && lw_curve_points(from->maker, row, s->closed, from->work, p, &traits) == LW_OK
+         && lw_curve_linkage(from->maker, row, s->closed, &hit->linkage) == LW_OK
+         && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
+    if (!*good)
+        return LW_OK;
+    const lw_family *family = lw_curve_family(from->maker, row);
+    snprintf(hit->family, sizeof hit->family, "%s", family->name);
+    snprintf(hit->type, sizeof hit->type, "%s", family->type ? family->type : "");
+    hit->turns = traits.turns;
+    hit->transmission = traits.transmission;
+    return LW_OK;
+}
+
+static void lay_on_target(const search *s, const lw_descriptor *curve, lw_atlas_hit *hit)
+{
+    lw_match m;
+    lw_vec2 centre = curve->centre;
+    lw_descriptor_match(&s->target, curve, &m);
+    double size = s->target.size/curve->size;
+    centre.y = m.mirrored ? -centre.y : centre.y;
+    centre = lw_v2_turn(centre, lw_v2_polar(size, m.turn));
+    lw_linkage_lay(&hit->linkage, m.mirrored, m.turn, size, lw_v2_sub(s->target.centre, centre));
+    hit->distance = m.distance;
+    hit->distance_m = m.distance*s->target.size;
+    hit->closed = s->closed;
+}
+
+/* Is the length of every side of a link, and the distance of the tracer from the pins of its link, in the limits? */
+static bool lengths_pass(const lw_atlas_filter *f, const lw_linkage *k)
+{
+    const lw_tracer *t = &k->tracer[0];
+    for (int a = 0; a < k->n_joint; a++) {
+        const lw_joint *i = &k->joint[a];
+        if (!lw_joint_holds_point(i->kind))
+            continue;
+        if ((i->link[0] == t->link || i->link[1] == t->link) && lw_v2_norm(lw_v2_sub(i->at, t->at)) > f->max_length)
+            return false;
+        for (int b = 0; b < a; b++) {
+            const lw_joint *j = &k->joint[b];
+            bool joined = i->link[0] == j->link[0] || i->link[0] == j->link[1] || i->link[1] == j->link[0]
+                       || i->link[1] == j->link[1];
+            double length = lw_v2_norm(lw_v2_sub(i->at, j->at));
+            if (joined && lw_joint_holds_point(j->kind) && !(length >= f->min_length && length <= f->max_length))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* Make the hit of what was found. *good: its curve can be drawn and it passes the filter. */
+static lw_status fetch(search *s, const found *f, lw_atlas_hit *hit, bool *good)
+{
+    lw_descriptor curve;
+    const lw_atlas_filter *filter = &s->filter;
+    *hit = (lw_atlas_hit){ 0 };
+    *good = false;
+    lw_status status = (f->source < 0 ? fetch_added : fetch_drawn)(s, f, hit, &curve, good);
+    if (status != LW_OK || !*good)
+        return status;
+    lay_on_target(s, &curve, hit);
+    *good = (!filter->turns || hit->turns == 1)
+         && (!(filter->min_transmission > 0) || hit->transmission >= filter->min_transmission - 1e-9)
+         && (!(filter->max_length > 0) || lengths_pass(filter, &hit->linkage));
+    return LW_OK;
 }
 
 /* ---- comparing --------------------------------------------------------------------------------------- */
@@ -172,7 +297,16 @@ static lw_status compare(search *s, const lw_packed *p, found f)
         return LW_OK;
     s->count.n_compared++;
     f.distance = sqrt(lw_matcher_square(&s->matcher, p, most*most));
-    return f.distance <= most ? keep(s, f) : LW_OK;
+    if (!(f.distance <= most))
+        return LW_OK;
+    if (s->filtered) {
+        lw_atlas_hit hit;
+        bool good;
+        lw_status status = fetch(s, &f, &hit, &good);
+        if (status != LW_OK || !good)
+            return status;
+    }
+    return keep(s, f);
 }
 
 static lw_status look_into_blocks(search *s)
@@ -223,79 +357,7 @@ static lw_status find_all(search *s)
     return status == LW_OK ? look_into_blocks(s) : status;
 }
 
-/* ---- the linkages of what was found ------------------------------------------------------------------ */
-
-typedef struct added { search *s; lw_atlas_hit *hit; lw_descriptor *curve; bool good; } added;
-
-static lw_status read_added(void *context, int n_column, const char *const *name, const lw_value *v)
-{
-    added *a = context;
-    (void)n_column, (void)name;
-    size_t n = v[1].size/(2*sizeof(float));
-    lw_vec2 *p = malloc((n + 1)*sizeof *p);
-    if (!p)
-        return LW_E_MEMORY;
-    for (size_t i = 0; i < n; i++) {
-        float xy[2];
-        memcpy(xy, v[1].text + i*sizeof xy, sizeof xy);
-        p[i] = lw_v2(xy[0], xy[1]);
-    }
-    a->good = v[0].text && lw_linkage_read(v[0].text, v[0].size, "catalogue", &a->hit->linkage, a->s->e) == LW_OK
-           && lw_descriptor_make(p, n, a->s->closed, a->curve) == LW_OK;
-    if (v[2].text)
-        snprintf(a->hit->type, sizeof a->hit->type, "%.7s", v[2].text);
-    free(p);
-    return LW_OK;
-}
-
-static lw_status fetch_added(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
-{
-    added a = { s, hit, curve, false };
-    lw_value id = { .kind = LW_VALUE_INTEGER, .integer = f->id };
-    lw_store_query q = { .sql = "SELECT json, curve, type FROM linkage WHERE id = ?1", .value = &id, .n_value = 1,
-                         .row = read_added, .context = &a };
-    lw_status status = lw_store_ask(s->store, &q, s->e);
-    hit->id = f->id;
-    *good = a.good;
-    return status;
-}
-
-static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
-{
-    const lw_curve_maker *maker = s->source[f->source].maker;
-    lw_curve_row row[LW_BLOCK_MAX];
-    lw_vec2 p[LW_CURVE_POINTS];
-    lw_status status = lw_store_block(s->store, f->id, true, row, f->n*sizeof *row, s->e);
-    if (status != LW_OK)
-        return status;
-    void *work = aligned_alloc(64, lw_curve_work_size(maker));
-    if (!work)
-        return LW_E_MEMORY;
-    *good = lw_curve_points(maker, &row[f->index], s->closed, work, p) == LW_OK
-         && lw_curve_linkage(maker, &row[f->index], s->closed, &hit->linkage) == LW_OK
-         && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
-    free(work);
-    if (!*good)
-        return LW_OK;
-    const lw_family *family = lw_curve_family(maker, &row[f->index]);
-    snprintf(hit->family, sizeof hit->family, "%s", family->name);
-    snprintf(hit->type, sizeof hit->type, "%s", family->type ? family->type : "");
-    return LW_OK;
-}
-
-static void lay_on_target(const search *s, const lw_descriptor *curve, lw_atlas_hit *hit)
-{
-    lw_match m;
-    lw_vec2 centre = curve->centre;
-    lw_descriptor_match(&s->target, curve, &m);
-    double size = s->target.size/curve->size;
-    centre.y = m.mirrored ? -centre.y : centre.y;
-    centre = lw_v2_turn(centre, lw_v2_polar(size, m.turn));
-    lw_linkage_lay(&hit->linkage, m.mirrored, m.turn, size, lw_v2_sub(s->target.centre, centre));
-    hit->distance = m.distance;
-    hit->distance_m = m.distance*s->target.size;
-    hit->closed = s->closed;
-}
+/* ---- the nearest of all ------------------------------------------------------------------------------ */
 
 static int by_distance(const void *a, const void *b)
 {
@@ -314,15 +376,13 @@ static lw_status fetch_all(search *s, lw_atlas_hit *hit, int *n_hit)
     if (s->n_found > 0)
         qsort(s->found, s->n_found, sizeof *s->found, by_distance);
     for (size_t i = 0; i < s->n_found && status == LW_OK; i++) {
-        lw_descriptor curve;
-        lw_atlas_hit h = { 0 };
-        bool good = false;
+        lw_atlas_hit h;
+        bool good;
         if (*n_hit == s->k && s->found[i].distance - ROUNDING > hit[s->k - 1].distance)
             break;
-        status = (s->found[i].source < 0 ? fetch_added : fetch_drawn)(s, &s->found[i], &h, &curve, &good);
+        status = fetch(s, &s->found[i], &h, &good);
         if (status != LW_OK || !good)
             continue;
-        lay_on_target(s, &curve, &h);
         if (*n_hit == s->k && h.distance >= hit[s->k - 1].distance)
             continue;
         int at = *n_hit < s->k ? (*n_hit)++ : s->k - 1;
@@ -353,8 +413,8 @@ static lw_status describe_target(search *s, const lw_vec2 *p, size_t n)
     return LW_OK;
 }
 
-lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool closed, int k, lw_atlas_hit *hit,
-                           int *n_hit, lw_atlas_search *count, lw_error *e)
+lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool closed, const lw_atlas_filter *filter,
+                           int k, lw_atlas_hit *hit, int *n_hit, lw_atlas_search *count, lw_error *e)
 {
     lw_error ignored;
     search *s = calloc(1, sizeof *s);
@@ -367,6 +427,8 @@ lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool clo
     s->e = e ? e : &ignored;
     s->closed = closed;
     s->k = k;
+    s->filter = filter ? *filter : (lw_atlas_filter){ 0 };
+    s->filtered = s->filter.turns || s->filter.min_transmission > 0 || s->filter.max_length > 0;
     s->least = malloc((size_t)k*sizeof *s->least);
     lw_status status = s->least ? describe_target(s, p, n) : lw_error_set(s->e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK)
@@ -374,14 +436,16 @@ lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool clo
     if (status == LW_OK)
         status = fetch_all(s, hit, n_hit);
     if (status == LW_OK && *n_hit == 0)
-        status = lw_error_set(s->e, LW_NOTHING, "the catalogue holds no %s curves; 'linkwright catalogue curves' draws "
-                                                "some", closed ? "closed" : "open");
+        status = lw_error_set(s->e, LW_NOTHING, "the catalogue holds no %s curves%s; 'linkwright catalogue curves' draws "
+                              "some", closed ? "closed" : "open", s->filtered ? " that meet these conditions" : "");
     if (status == LW_E_MEMORY)
         lw_error_set(s->e, status, "out of memory");
     if (count)
         *count = s->count;
-    for (int i = 0; i < s->n_source; i++)
+    for (int i = 0; i < s->n_source; i++) {
         lw_curve_maker_free(s->source[i].maker);
+        free(s->source[i].work);
+    }
     free(s->source);
     free(s->block);
     free(s->found);

@@ -30,17 +30,29 @@ typedef struct lw_atlas_hit {
     char       type[8];               /* "RRRR"                                                       */
     long long  id;                    /* of a linkage that was added; 0: of a generated one           */
     bool       closed;
+    int        turns;                 /* the input turns fully: 1, 0, -1 not known                     */
+    double     transmission;          /* least transmission angle on the curve [rad]; NaN: not known   */
 } lw_atlas_hit;
+
+/* Which linkages are wanted; all zeros: any.  A linkage that was added passes the first two only if its row in the
+ * catalogue says so. */
+typedef struct lw_atlas_filter {
+    bool   turns;                     /* the input turns fully                                        */
+    double min_transmission;          /* least transmission angle on the curve, at least this [rad]   */
+    double min_length, max_length;    /* of the linkage laid on the target: limits of the lengths between pins of a
+                                       * link [m]; the tracer is at most max_length from them; 0, 0: any */
+} lw_atlas_filter;
 
 /* How much a search did: curves and blocks in the catalogue, blocks read, curves compared. */
 typedef struct lw_atlas_search {
     uint64_t n_curve, n_block, n_read, n_compared;
 } lw_atlas_search;
 
-/* Find the `count` curves nearest to the polygon p (n) [m].  hit (count) gets *n_hit of them, nearest first.  A target
- * of few points is made a smooth curve first.  LW_NOTHING: the catalogue has no curves of this kind.  LW_E_ARG: the
- * target is no curve; LW_E_NOTATION: the file is damaged; LW_E_MEMORY.  search may be NULL. */
-lw_status lw_store_nearest(lw_store *s, const lw_vec2 *p, size_t n, bool closed, int count, lw_atlas_hit *hit,
-                           int *n_hit, lw_atlas_search *search, lw_error *e);
+/* Find the `count` curves nearest to the polygon p (n) [m], among the linkages that filter (NULL: all) admits.  hit
+ * (count) gets *n_hit of them, nearest first.  A target of few points is made a smooth curve first.  LW_NOTHING: the
+ * catalogue has no such curves.  LW_E_ARG: the target is no curve; LW_E_NOTATION: the file is damaged; LW_E_MEMORY.
+ * search may be NULL. */
+lw_status lw_store_nearest(lw_store *s, const lw_vec2 *p, size_t n, bool closed, const lw_atlas_filter *filter,
+                           int count, lw_atlas_hit *hit, int *n_hit, lw_atlas_search *search, lw_error *e);
 
 #endif

@@ -7,8 +7,8 @@
 #include "cli/program/progress.h"
 
 typedef struct cli_catalogue_settings {
-    double      time, wait, commit;
-    bool        disagreeing, no_pictures, sql, fields;
+    double      time, wait, commit, min_transmission, length_range[2];
+    bool        full_turn, disagreeing, no_pictures, sql, fields;
     int         links, dof, input, samples, curves, results, shape, list, format;
     const char *joints, *types, *columns, *sort;
 } cli_catalogue_settings;

@@ -1,4 +1,5 @@
 /* linkwright catalogue nearest - find the curves of a catalogue that are most similar to a target. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -21,11 +22,13 @@ static void print_dimensions(const lw_linkage *k, double unit, FILE *f)
 
 static void print_table(const lw_target *t, const lw_atlas_hit *hit, int n, FILE *f)
 {
-    fprintf(f, "  # distance  family            dimensions [%s, rad]\n", t->units.length[0] ? t->units.length : "unit");
+    fprintf(f, "  # distance  T[deg] input  family           dimensions [%s, rad]\n", t->units.length[0] ? t->units.length : "unit");
     for (int i = 0; i < n; i++) {
         char name[40];
         snprintf(name, sizeof name, hit[i].id ? "linkage %lld" : "%.0lld%s", hit[i].id, hit[i].family);
-        fprintf(f, "%3d %8.5f  %-16s", i + 1, hit[i].distance, name);
+        fprintf(f, "%3d %8.5f  ", i + 1, hit[i].distance);
+        fprintf(f, isnan(hit[i].transmission) ? "     -" : "%6.2f", hit[i].transmission*180/LW_PI);
+        fprintf(f, " %-6s %-16s", hit[i].turns < 0 ? "-" : hit[i].turns ? "turns" : "rocks", name);
         print_dimensions(&hit[i].linkage, t->units.metre, f);
         fputc('\n', f);
     }
@@ -54,6 +57,9 @@ static void print_json(const cli_call *call, const lw_target *t, lw_atlas_hit *h
             cli_json_int(&j, "id", hit[i].id);
         cli_json_real(&j, "distance", hit[i].distance);
         cli_json_real(&j, "error_rms", hit[i].distance_m/t->units.metre);
+        if (hit[i].turns >= 0)
+            cli_json_bool(&j, "turns", hit[i].turns);
+        cli_json_real(&j, "transmission_min", hit[i].transmission*180/LW_PI);
         hit[i].linkage.units = t->units;
         char *text = lw_linkage_write(&hit[i].linkage, 0);
         cli_json_raw(&j, "linkage", text);
@@ -75,6 +81,10 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
 {
     lw_store *store = NULL;
     lw_atlas_search count = { 0 };
+    const cli_catalogue_settings *s = call->settings;
+    lw_atlas_filter filter = { .turns = s->full_turn, .min_transmission = s->min_transmission*LW_PI/180,
+                               .min_length = s->length_range[0]*t->units.metre,
+                               .max_length = s->length_range[1]*t->units.metre };
     lw_vec2 *p = malloc((t->n + 1)*sizeof *p);
     double start = lw_clock_wall();
     if (!p)
@@ -85,7 +95,7 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
         cli_note(call, "%s: curves are compared with its first point alone", call->parsed.word[2]);
     lw_status status = cli_catalogue_open(call, false, &store, e);
     if (status == LW_OK)
-        status = lw_store_nearest(store, p, t->n, t->closed, wanted(call), hit, n, &count, e);
+        status = lw_store_nearest(store, p, t->n, t->closed, &filter, wanted(call), hit, n, &count, e);
     if (status >= 0)
         cli_note(call, "%llu curves, %llu of %llu blocks read, %llu compared, %.1f ms",
                  (unsigned long long)count.n_curve, (unsigned long long)count.n_read, (unsigned long long)count.n_block,
@@ -100,6 +110,8 @@ int cli_catalogue_nearest(const cli_call *call)
     if (wanted(call) > 100000)
         return cli_usage(call, "nearest lists at most 100000 curves, not %d", wanted(call));
     const cli_catalogue_settings *s = call->settings;
+    if (cli_given(&call->parsed, "length-range") && !(s->length_range[1] > 0))
+        return cli_usage(call, "--length-range %g:%g excludes every linkage", s->length_range[0], s->length_range[1]);
     lw_target t = { 0 };
     lw_output out;
     lw_error e = { 0 };

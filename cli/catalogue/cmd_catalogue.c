@@ -26,6 +26,13 @@ static const cli_option options[] = {
       "curves: closed curves, open parts of closed curves, or both by turns", 0, 0, NULL, NULL },
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
       "nearest: take the target as a closed or as an open curve; file: as its file says", 0, 0, NULL, NULL },
+    { "full-turn", 0, CLI_FLAG, PLACE(full_turn), NULL, NULL, "nearest: only linkages whose input turns fully", 0, 0,
+      NULL, NULL },
+    { "min-transmission-angle", 0, CLI_REAL, PLACE(min_transmission), "DEG", NULL,
+      "nearest: smallest transmission angle allowed while the curve is traced [degrees]", 0, 89.9, NULL, NULL },
+    { "length-range", 0, CLI_RANGE, PLACE(length_range), "MIN:MAX", NULL,
+      "nearest: limits of the lengths between pins of a link, in the unit of the target; the tracer is at most MAX from "
+      "them", 0, 1e300, NULL, NULL },
     { "results", 0, CLI_INT, PLACE(results), "N", NULL,
       "nearest: number of curves to print, without it 20; query, export: greatest number of rows; html: greatest "
       "number of chains", 1, 2e9, NULL, NULL },
@@ -71,7 +78,9 @@ static const cli_action actions[] = {
       1, 1, cli_catalogue_curves, CLI_CATALOGUE },
     { "nearest", "FILE TARGET.csv",
       "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction\n"
-      "and mirrored, and prints their linkages, moved and scaled onto the target.\n",
+      "and mirrored, and prints their linkages, moved and scaled onto the target, nearest first. The answer is exact:\n"
+      "no curve of the catalogue that meets the conditions is nearer. T is the least transmission angle; 'turns' says\n"
+      "that the input turns fully. The linkage of an open curve has the range of its input that traces the target.\n",
       2, 2, cli_catalogue_nearest, CLI_CATALOGUE | CLI_TARGET | CLI_DRAWING },
     { "query", "FILE ['QUERY']",
       "Prints the rows that match a query. A query compares fields with = != < <= > >= ~ (pattern), with a list, as\n"
@@ -139,6 +148,7 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue curves atlas.db --links 6 --samples 1000000\n"
         "  linkwright catalogue nearest atlas.db target.csv --results 20\n"
+        "  linkwright catalogue nearest atlas.db target.csv --full-turn --min-transmission-angle 35 --length-range 5:80\n"
         "  linkwright catalogue query atlas.db 'links=8 and planar and symmetry>1' --sort grounds\n"
         "  linkwright catalogue query atlas.db 'class=GCRR and error<0.01 and error_max<2mm' --format csv\n"
         "  linkwright catalogue query atlas.db 'SELECT links, count(*) FROM chain GROUP BY links' --sql\n"

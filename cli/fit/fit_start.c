@@ -50,7 +50,7 @@ lw_status cli_fit_start_nearest(const char *path, const lw_target *t, int links,
     for (size_t i = 0; st == LW_OK && i < t->n; i++)
         p[i] = lw_v2(t->x[i], t->y[i]);
     if (st == LW_OK && (st = lw_store_open(path, &(lw_store_options){ .write = false }, &store, e)) == LW_OK) {
-        st = lw_store_nearest(store, p, t->n, t->closed, NEAREST, hit, &n, NULL, e);
+        st = lw_store_nearest(store, p, t->n, t->closed, NULL, NEAREST, hit, &n, NULL, e);
         lw_store_close(store);
         st = st == LW_NOTHING ? LW_OK : st;
     }

@@ -61,7 +61,7 @@ int main(int argc, char **argv)
     if (status == LW_OK)
         status = lw_target_create(N, x, y, NULL, NULL, NULL, 1, &ellipse, &error);
     if (status == LW_OK)
-        status = lw_catalogue_nearest(catalogue, ellipse, 3, print_hit, &nearest, &error);
+        status = lw_catalogue_nearest(catalogue, ellipse, NULL, 3, print_hit, &nearest, &error);
     if (status != LW_OK)
         fprintf(stderr, "%s\n", error.text);
     lw_target_destroy(ellipse);

@@ -68,7 +68,7 @@ static void search(const char *what, const lw_vec2 *p, size_t n, bool closed)
         int found;
         double t = lw_clock_cpu();
         lw_store *s = open_store(false);
-        if (lw_store_nearest(s, p, n, closed, 20, hit, &found, &count, &e) != LW_OK)
+        if (lw_store_nearest(s, p, n, closed, NULL, 20, hit, &found, &count, &e) != LW_OK)
             exit(1);
         lw_store_close(s);
         best = fmin(best, lw_clock_cpu() - t);

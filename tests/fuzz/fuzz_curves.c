@@ -23,7 +23,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     for (int closed = 0; closed < 2 && work && lw_curve_family(m, &(lw_curve_row){ .family = 0 }); closed++) {
         lw_vec2 p[LW_CURVE_POINTS];
         if (lw_curve_draw(m, u, closed, work, &row) == LW_OK && lw_curve_linkage(m, &row, closed, &k) == LW_OK
-            && (lw_linkage_check(&k, &e) != LW_OK || lw_curve_points(m, &row, closed, work, p) != LW_OK))
+            && (lw_linkage_check(&k, &e) != LW_OK || lw_curve_points(m, &row, closed, work, p, NULL) != LW_OK))
             abort();
     }
     if (lw_curve_maker_of(lw_curve_maker_families(m), &again, &e) != LW_OK
