@@ -146,21 +146,25 @@ static lw_status fetch_added(search *s, const found *f, lw_atlas_hit *hit, lw_de
     return status;
 }
 
+static lw_status load_rows(search *s, const found *f)
+{
+    if (s->rows_of == f->id)
+        return LW_OK;
+    lw_status status = lw_store_block(s->store, f->id, true, s->row, f->n*sizeof *s->row, s->e);
+    s->rows_of = status == LW_OK ? f->id : 0;
+    return status;
+}
+
 static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
 {
     const source *from = &s->source[f->source];
     const lw_curve_row *row = &s->row[f->index];
     lw_curve_traits traits;
     lw_vec2 p[LW_CURVE_POINTS];
-    if (s->rows_of != f->id) {
-        s->rows_of = 0;
-        lw_status status = lw_store_block(s->store, f->id, true, s->row, f->n*sizeof *row, s->e);
-        if (status != LW_OK)
-            return status;
-        s->rows_of = f->id;
-    }
-    *good = (!s->filtered || lw_curve_row_may(row, s->filter.turns, s->filter.min_transmission))
-         && lw_curve_points(from->maker, row, s->closed, from->work, p, &traits) == LW_OK
+    lw_status status = load_rows(s, f);
+    if (status != LW_OK)
+        return status;
+    *good = lw_curve_points(from->maker, row, s->closed, from->work, p, &traits) == LW_OK
          && lw_curve_linkage(from->maker, row, s->closed, &hit->linkage) == LW_OK
          && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
     if (!*good)
@@ -295,6 +299,11 @@ static lw_status compare(search *s, const lw_packed *p, found f)
     }
     if (fminf(forth, back) > farthest_square(s))
         return LW_OK;
+    if (s->filtered && f.source >= 0) {
+        lw_status status = load_rows(s, &f);
+        if (status != LW_OK || !lw_curve_row_may(&s->row[f.index], s->filter.turns, s->filter.min_transmission))
+            return status;
+    }
     s->count.n_compared++;
     f.distance = sqrt(lw_matcher_square(&s->matcher, p, most*most));
     if (!(f.distance <= most))

@@ -15,7 +15,9 @@ class Hit(NamedTuple):
     distance: float            #: root mean square, over the size of the target
     distance_m: float          #: the same [m]
     family: str                #: "crank-rocker"; "": a linkage that was added
-    linkage: Linkage           #: laid on the target; tracer 0 draws the curve
+    linkage: Linkage           #: laid on the target; tracer 0 draws the curve, an open one over the range of its input
+    turns: Optional[bool]      #: the input turns fully; None: not known
+    transmission: float        #: least transmission angle on the curve [rad]; NaN: not known
 
 
 def _value(value):
@@ -102,18 +104,24 @@ class Catalogue:
         return self._rows(lambda calls, error: lib.lw_catalogue_sql(
             self._handle, select.encode(), lib.lw_py_row, calls.handle, error))
 
-    def nearest(self, target, count: int = 10) -> "list[Hit]":
-        """The coupler curves nearest to the path of a target, nearest first."""
+    def nearest(self, target, count: int = 10, turns: bool = False, min_transmission: float = 0,
+                min_length: float = 0, max_length: float = 0) -> "list[Hit]":
+        """The coupler curves nearest to the path of a target, nearest first, among linkages whose input turns fully,
+        whose transmission angle is at least min_transmission [rad] and whose lengths between pins are within
+        min_length..max_length [m] (0, 0: any)."""
         found, error = [], new_error()
 
         def visit(hit):
             out = ffi.new("lw_linkage **")
             check(lib.lw_linkage_copy(hit.linkage, out))
-            found.append(Hit(hit.distance, hit.distance_m, text_of(hit.family), Linkage(out[0])))
+            found.append(Hit(hit.distance, hit.distance_m, text_of(hit.family), Linkage(out[0]),
+                             None if hit.turns < 0 else hit.turns == 1, hit.transmission))
 
+        only = ffi.new("lw_catalogue_filter *", {"turns": turns, "min_transmission": min_transmission,
+                                                 "min_length": min_length, "max_length": max_length})
         calls = Calls(visit)
-        calls.finish(lib.lw_catalogue_nearest(self._handle, target._handle, count, lib.lw_py_hit, calls.handle, error),
-                     error, allowed=(lib.LW_NOTHING,))
+        calls.finish(lib.lw_catalogue_nearest(self._handle, target._handle, only, count, lib.lw_py_hit, calls.handle,
+                                              error), error, allowed=(lib.LW_NOTHING,))
         return found
 
     def check(self) -> None:

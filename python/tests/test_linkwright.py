@@ -218,6 +218,8 @@ def test_catalogue_of_chains(tmp_path):
 def test_nearest_curves_of_a_catalogue(tmp_path):
     with lw.Catalogue(tmp_path / "curves.db", write=True) as catalogue:
         catalogue.add_curves(2000)
+        good = catalogue.nearest(lw.Target.load(EXAMPLES / "ellipse.csv"), count=5, turns=True, min_transmission=0.5)
+        assert all(hit.turns and hit.transmission >= 0.5 for hit in good)
         hits = catalogue.nearest(lw.Target.load(EXAMPLES / "ellipse.csv"), count=5)
     assert len(hits) == 5 and all(a.distance <= b.distance for a, b in zip(hits, hits[1:]))
     assert hits[0].linkage.links == 4
