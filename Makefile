@@ -189,7 +189,7 @@ sanitize-threads:
 	$(MAKE) B=$B/tsan CFLAGS="-O1 -g -fsanitize=thread" KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" run-threads
 run-threads: $(THREADED:%=$B/tests/test_%)
 	@tests/run.sh $^
-# lines and branches that `make test` reaches; docs/coverage.md has the figures
+# lines and branches of the library that `make test` reaches, in $B/coverage.txt
 coverage:
 	$(MAKE) B=$B/cov CFLAGS="-O0 -g --coverage -fprofile-update=atomic" KERNEL_CFLAGS="-O1 -g" test
 	@tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 12 $B/coverage.txt

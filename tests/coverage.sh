@@ -5,13 +5,11 @@
 set -u
 cd "$(dirname "$0")/.."
 for room in base grammar enumerate mbs optimise catalogues surface; do
-    find "$1/$room" -name '*.gcda' | sort | xargs -r gcov -n -b -o "$1" 2> /dev/null |
+    find "$1/$room" -name '*.gcda' | sort | xargs -r gcov -n -b 2> /dev/null |
         awk -v room="$room/" '
-            /^File /              { name = $2; gsub("\x27", "", name); mine = index(name, room) == 1 && name ~ /[.]c$/ }
+            /^File /              { name = $2; gsub(/\047/, "", name); mine = index(name, room) == 1 && name ~ /[.]c$/ }
             mine && /^Lines/      { split($0, p, /[:% ]+/); printf "%s %s %s ", name, p[3], p[5] }
-            mine && /^Branches/   { split($0, p, /[:% ]+/); branches = p[3] " " p[5] }
-            mine && /^No branches/ { branches = "100 0" }
-            mine && /^Taken/      { split($0, p, /[:% ]+/); taken = p[4] " " p[6] }
+            mine && /^Taken/      { split($0, p, /[:% ]+/); taken = p[5] " " p[7] }
             /^$/ && mine          { print (taken == "" ? "100 0" : taken); taken = ""; mine = 0 }'
 done | awk '
     { file[$1] = $2 "% of " $3 " lines, " $4 "% of " $5 " branches"; split($1, d, "/"); r = d[1]
