@@ -160,7 +160,7 @@ static lw_status check_progress(const lw_run *run, const stepper *w, long *n)
 static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 {
     double t = time_of(w);
-    if (run->d->large)                       /* its singular postures end the run */
+    if (run->d->large)                       /* step_over_singular and take_back see to its singular postures */
         return LW_OK;
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);

@@ -319,7 +319,7 @@ static lw_status pass_singular(ggl *g, lw_ida *w, double *y, double *dy)
     lw_dynamics *d = run->d;
     double t = w->t, weak;
     unpack(g, w->y, run->state);
-    if (d->large)                            /* its singular postures end the run */
+    if (d->large)                            /* the solver steps over its singular postures, or ends there */
         return LW_OK;
     lw_status s = lw_mbs_rows(d, t, run->state);
     weak = apart(d);
