@@ -65,7 +65,7 @@ while read -r header files; do
 done <<'TABLE'
 gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c mbs/dynamics/modes_eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
-jansson grammar/json.c cli/program/model.c catalogues/build/build_linkages.c
+jansson grammar/json.c cli/program/model.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c
 cairo catalogues/draw/picture.c
 gif_lib catalogues/draw/gif.c
 planarity grammar/planar.c

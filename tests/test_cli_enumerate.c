@@ -121,7 +121,7 @@ static void kept_counts(void)
            "holds 0 of 5 parts");
     expect("cat $D/k1 >> $D/both; $P chains --links 16 --count --keep $D/both", 3, NULL, "a second time");
     expect("sed -i 's/chains 4/chains 5/' $D/k2; $P chains --links 16 --count --keep $D/k2", 3, NULL,
-           ":1: this part is damaged");
+           ": this part is damaged");
     expect("$P chains --links 14 --count --keep $D/k", 3, NULL, "16 links");
     expect("$P chains --links 16 --planar --count --keep $D/k", 3, NULL, "filter none");
     expect("printf hello > $D/text; $P chains --links 14 --count --keep $D/text; cat $D/text", 0, "hello", "kept count");

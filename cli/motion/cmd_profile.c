@@ -109,7 +109,7 @@ static lw_status read_limit(const char *name, const char *text, double limit[2],
 /* Acceleration and speed of the least time from rest to rest at a limit of power: thirds of the time (Makkonen 1999) */
 static void limit_power(const settings *o, motion *m)
 {
-    double a = cbrt(2*o->power*o->power/(o->mass*o->mass*fabs(m->way))), v = o->power/(o->mass*a);
+    double a = pow(2*o->power*o->power/(o->mass*o->mass*fabs(m->way)), 1/3.0), v = o->power/(o->mass*a);
     m->limits.a[0] = fmax(m->limits.a[0], -a), m->limits.a[1] = fmin(m->limits.a[1], a);
     m->limits.v[0] = fmax(m->limits.v[0], -v), m->limits.v[1] = fmin(m->limits.v[1], v);
 }
@@ -153,7 +153,7 @@ static lw_status make_law(const settings *o, motion *m, lw_error *e)
             T = fmax(T, s*law->speed_peak/fabs(m->limits.v[side]));
         T = fmax(T, sqrt(s*law->acceleration_peak/fabs(m->limits.a[side])));
         if (isfinite(m->limits.j[side]))
-            T = fmax(T, cbrt(s*law->jerk_peak/fabs(m->limits.j[side])));
+            T = fmax(T, pow(s*law->jerk_peak/fabs(m->limits.j[side]), 1/3.0));
     }
     if (isinf(T))
         return lw_error_set(e, LW_E_ARG, "--law %s: the acceleration steps, so that no limit of jerk can be kept; "

@@ -150,7 +150,8 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
     if (kept->failed)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (n_line > LINES)
-        return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one", tracers);
+        return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one",
+                            tracers);
     double *y = malloc((size_t)(1 + PANELS*n_line)*(kept->n + 1)*sizeof *y);
     char name[PANELS][LINES][LW_NAME_SIZE + 8], label[PANELS][64];
     lw_series series[PANELS][LINES];

@@ -1,9 +1,8 @@
 #include "optimise/report/robustness.h"
-
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "base/rng.h"
 #include "mbs/batch/batch.h"
 
