@@ -1,8 +1,8 @@
 /* linkwright catalogue nearest - find the curves of a catalogue that are most similar to a target. */
-#include <math.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/real.h"
 #include "catalogues/store/nearest.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/json.h"
