@@ -216,7 +216,7 @@ $B/linkwright.pc: linkwright.pc.in Makefile linkwright.h
 
 # what is installed: mode, from, to.  Documentation and examples keep the names that texts call them by.
 DATA := $(wildcard catalogues/data/*.csv catalogues/data/paths/*.csv catalogues/data/mbs/*) $(wildcard docs/*.schema.json)
-DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/*.* docs/pictures/gallery/* docs/plots/* docs/notebooks/*.md docs/notebooks/*/* docs/examples/*.c) \
+DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/*.* docs/pictures/gallery/* docs/plots/* docs/data/* docs/notebooks/*.md docs/notebooks/*/* docs/examples/*.c) \
         $(shell find examples -type f)
 DATADIR = $(PREFIX)/share/linkwright
 DOCDIR  = $(PREFIX)/share/doc/linkwright

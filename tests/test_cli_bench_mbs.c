@@ -50,7 +50,8 @@ static void rows(void)
 static void squeezer(void)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases andrews --tolerances 1e-11:1e-10 --time 0.001 -q "
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
+           "--cases andrews --tolerance-range 1e-11:1e-10 --time 0.001 -q "
            "-o $D/out", 0,
            "| andrews | ggl |", "");
     int n = read_rows(r, 200);
@@ -66,7 +67,8 @@ static void squeezer(void)
 static void branch(void)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases two-four-bars --tolerances 1e-10:1e-8 --time 0.001 -q "
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
+           "--cases two-four-bars --tolerance-range 1e-10:1e-8 --time 0.001 -q "
            "-o $D/out", 0,
            "| two-four-bars | reduced |", "");
     int n = read_rows(r, 200);
@@ -76,7 +78,8 @@ static void branch(void)
 
 static void clearance(void)
 {
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases clearance-250 --tolerances 1e-9:1e-9 --time 0.001 -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
+           "--cases clearance-250 --tolerance-range 1e-9:1e-9 --time 0.001 -q", 0,
            "| clearance-250 | impact K=1e+08 | 1e-09 |", "");
 }
 
@@ -84,7 +87,8 @@ static void clearance(void)
 
 #define PLACES "awk -F, '/^[0-9]/ { print $2, $3, 0 }' catalogues/data/mbs/pendulum.csv"
 #define PEER(name, script) "mkdir -p $D/" name " && printf '%s\\n' '#!/bin/sh' \"" script "\" > $D/" name "/p && " \
-                           "chmod +x $D/" name "/p && $P bench mbs --cases pendulum --tolerances 1e-4:1e-4 --time 0.001 -q " \
+                           "chmod +x $D/" name "/p && " \
+                           "$P bench mbs --cases pendulum --tolerance-range 1e-4:1e-4 --time 0.001 -q " \
                            "-o $D/out --peers $D/" name
 
 /* The model given to the other program, and the row made of its answer, here the exact positions. */
@@ -96,7 +100,7 @@ static void told_and_measured(void)
     expect("cat > $D/exact.sh << 'END'\n#!/bin/sh\ncat > $D/scene\necho 'run 1e-3 0.002 0.003 17 99 by heart'\n"
            PLACES "\necho 'fail 1e-6 by heart: forgotten'\nEND\nmkdir -p $D/good && mv $D/exact.sh $D/good/clever && "
            "chmod +x $D/good/clever && "
-           "$P bench mbs --cases pendulum --tolerances 1e-4:1e-4 --time 0.001 -q -o $D/out --peers $D/good", 0,
+           "$P bench mbs --cases pendulum --tolerance-range 1e-4:1e-4 --time 0.001 -q -o $D/out --peers $D/good", 0,
            "| pendulum | clever by heart | 1e-06 | - | - | - | - | - | 0 | 0 | forgotten |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 6);

@@ -94,7 +94,7 @@ static void actions(void)
     ran_free(&r);
     expect("$P catalogue build --help | grep Usage", 0, "catalogue build FILE", "");
     expect("$P help grammar derive", 0, "--sentence", "");
-    expect("$P help bench mbs", 0, "--tolerances", "");
+    expect("$P help bench mbs", 0, "--tolerance-range", "");
     expect("$P help catalogue bild", 2, "", "did you mean 'build'?");
     expect("$P grammar", 2, "", "a word is missing");
     expect("$P catalogue query", 2, "", "more words are missing");

@@ -45,7 +45,7 @@ static const cli_option options[] = {
       "mbs: pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, flexible-crank, clearance, clearance-250; "
       "without it all",
       0, 0, NULL, NULL },
-    { "tolerances", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
+    { "tolerance-range", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
       "mbs: tolerances to use, a row for each power of ten", 1e-13, 1e-1, NULL, NULL },
     { "peers", 0, CLI_TEXT, offsetof(settings, peers), "FOLDER", NULL,
       "mbs: compare with the programs in this folder ('make peers' builds those of Simbody and MuJoCo), or \'none\'; "
