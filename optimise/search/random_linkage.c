@@ -96,16 +96,28 @@ static double sign_of(drawing *d, const lw_step *s)
     return d->mode[s->dyad] = *d->u++ < 0.5 ? -1 : 1;
 }
 
+/* The greatest of sign*v over a turn of n samples and between them: a sample that is greater than both neighbours is
+ * raised to the vertex of the parabola through the three and by half of that again, since curves are steeper. */
+static double greatest(const double *v, int n, double sign)
+{
+    double most = -INFINITY;
+    for (int k = 0; k < n; k++) {
+        double before = sign*v[k > 0 ? k - 1 : n - 1], now = sign*v[k], after = sign*v[k + 1 < n ? k + 1 : 0];
+        double bend = 2*now - before - after, slope = after - before;
+        bool top = n > 2 && now >= before && now >= after && bend > 0;
+        most = fmax(most, now + (top ? 1.5*slope*slope/(8*bend) : 0));
+    }
+    return most;
+}
+
 /* Least and greatest distance of two points over the motion. */
 static void distances(const drawing *d, int a, int b, double *least, double *most)
 {
-    *least = INFINITY;
-    *most = 0;
-    for (int k = 0; k < d->n; k++) {
-        double r = cabs(d->reg[b][k] - d->reg[a][k]);
-        *least = fmin(*least, r);
-        *most = fmax(*most, r);
-    }
+    double r[M];
+    for (int k = 0; k < d->n; k++)
+        r[k] = cabs(d->reg[b][k] - d->reg[a][k]);
+    *least = fmax(0, -greatest(r, d->n, -1));
+    *most = greatest(r, d->n, 1);
 }
 
 /* The sum of both lengths exceeds the greatest distance; their difference is below the least. */
@@ -136,9 +148,10 @@ static bool step_rrr(drawing *d, const lw_step *s)
 /* The link is longer than the pin's greatest distance from the line. */
 static bool step_rrp(drawing *d, const lw_step *s)
 {
-    double most = 0, mode = sign_of(d, s);
+    double mode = sign_of(d, s), off[M];
     for (int k = 0; k < d->n; k++)
-        most = fmax(most, fabs(cimag((d->reg[s->in[0]][k] - d->reg[s->in[1]][k])*conj(d->reg[s->in[2]][k]))));
+        off[k] = cimag((d->reg[s->in[0]][k] - d->reg[s->in[1]][k])*conj(d->reg[s->in[2]][k]));
+    double most = fmax(greatest(off, d->n, 1), greatest(off, d->n, -1));
     choose(d, s->dim[0], most > 1e-6 ? most*(1 + ratio(*d->u++, 0.004, 8)) : ratio(*d->u++, 0.2, 4));
     double r = d->shape[s->dim[0]];
     for (int k = 0; k < d->n; k++) {
@@ -310,22 +323,33 @@ static bool run_steps(drawing *d)
     return true;
 }
 
-/* Find the range around p->intended.mid in which the linkage closes, within `reach` to each side, at M samples. */
+/* Find the range around p->intended.mid in which the linkage closes, within `reach` to each side: at M samples, and at
+ * FINER times as many, so that no gap wider than a hundredth of a radian is stepped over. */
 static bool find_range(lw_problem *p, const double *shape, double reach, lw_work *w)
 {
-    int half = M/2, lo = half, hi = half;
+    enum { FINER = 8 };
+    int half = M/2, lo = 0, hi = M - 1;
     double width = reach/half;
-    for (int k = 0; k < M; k++) {
-        double at = p->intended.mid + (k - half)*width;
-        w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
-        w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+    for (int part = 0; part < FINER; part++) {
+        int first = half, last = half;
+        for (int k = 0; k < M; k++) {
+            double at = p->intended.mid + (k - half + (double)part/FINER)*width;
+            w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
+            w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+        }
+        lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->intended.mode };
+        lw_problem_margin(p, &in, w, w->pose.margin);
+        if (part > 0 && !(w->pose.margin[half - 1] > 1e-3))      /* between the middle and the samples beside it */
+            lo = half;
+        if (part > 0 && !(w->pose.margin[half] > 1e-3))
+            hi = half;
+        while (first > 0 && w->pose.margin[first - 1] > 1e-3)
+            first--;
+        while (last < M - 1 && w->pose.margin[last + (part == 0)] > 1e-3)
+            last++;
+        lo = first > lo ? first : lo;
+        hi = last < hi ? last : hi;
     }
-    lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->intended.mode };
-    lw_problem_margin(p, &in, w, w->pose.margin);
-    while (lo > 0 && w->pose.margin[lo - 1] > 1e-3)
-        lo--;
-    while (hi < M - 1 && w->pose.margin[hi + 1] > 1e-3)
-        hi++;
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
     double unit = size >= 0 ? shape[size] : 1;
     p->intended.half = 0.5*(hi - lo)*width/unit;
@@ -505,6 +529,25 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
     return false;
 }
 
+/* Does a linkage that closes at the samples of a turn also close between them? */
+static bool closes_between(const lw_problem *p, const double *shape, lw_work *w)
+{
+    enum { FINER = 8 };
+    for (int part = 1; part < FINER; part++) {
+        for (int k = 0; k < M; k++) {
+            double at = 2*LW_PI*(k + (double)part/FINER)/M;
+            w->pose_c[k] = cos(at);
+            w->pose_s[k] = sin(at);
+        }
+        lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->intended.mode };
+        lw_problem_margin(p, &in, w, w->pose.margin);
+        for (int k = 0; k < M; k++)
+            if (!(w->pose.margin[k] > 1e-6))
+                return false;
+    }
+    return true;
+}
+
 bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
 {
     drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->intended.mode };
@@ -524,6 +567,11 @@ bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *
         p->intended.mode[i] = 1;
     if (!run_steps(&d))
         return false;
+    if (p->intended.turns && !turns && !closes_between(p, shape, work)) {
+        p->intended.turns = false;
+        lw_problem_work_intended(p, work);
+        return find_motion(p, shape, work);
+    }
     lw_problem_work_intended(p, work);
     return p->intended.turns || find_motion(p, shape, work);
 }
