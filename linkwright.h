@@ -832,7 +832,8 @@ typedef struct lw_fit_request {
     double      min_transmission;      /* [rad]; 0: 20 degrees where a linkage has them; below 0: none    (0)     */
     double      max_acceleration;      /* of the point by the input [m/rad^2]; 0: not asked               (0)     */
     double      max_slide_acceleration;           /* the same where the input is a slide [1/m]            (0)     */
-    double      length_range[2];       /* between pins of a link, and from above to the tracer [m]; 0, 0: by the target (0, 0) */
+    double      length_range[2];       /* between pins of a link, and from above to the tracer [m];
+                                        * 0, 0: by the target                                             (0, 0)  */
     double      position_range[2];     /* [m]; equal: by the target                                       (0, 0)  */
     double      length_ratio;          /* longest over shortest length at most; 0: 20; below 0: any       (0)     */
     double      max_size;              /* without ranges: most length and coordinate over the diagonal of the target;
@@ -911,10 +912,10 @@ LW_API const char *lw_results_dimension(const lw_results *results, int i, int di
 /* Input of each station, input (n of the target) [rad] or [m] as lw_kinematics counts. */
 LW_API lw_status lw_results_inputs(const lw_results *results, int i, double *input);
 
-/* How far the point of result i spreads when every length varies by +-tolerance (three standard deviations) and each pin
- * has this radial clearance [m]. */
+/* How far the point of result i spreads when every length varies by +-tolerance (three standard deviations) and each
+ * pin has this radial clearance [m]. */
 typedef struct lw_result_spread {
-    double      rms, worst;            /* standard deviation of the point's place: over the path, in the worst pose [m] */
+    double      rms, worst;            /* standard deviation of the place: over the path, in the worst pose [m]  */
     double      trial_rms, within;     /* rms of 1000 random linkages; 95 of 100 stay this near everywhere [m]  */
     int         open;                  /* of these do not close everywhere                                       */
     const char *dimension;             /* matters most ...                                                       */

@@ -396,8 +396,8 @@ lw_status lw_results_inputs(const lw_results *results, int i, double *input)
     return LW_OK;
 }
 
-lw_status lw_results_spread(const lw_results *results, const lw_target *target, int i, double tolerance, double clearance,
-                            lw_result_spread *out, lw_error *error)
+lw_status lw_results_spread(const lw_results *results, const lw_target *target, int i, double tolerance,
+                            double clearance, lw_result_spread *out, lw_error *error)
 {
     lw_tolerances of = { .length = tolerance, .clearance = clearance, .seed = 1 };
     lw_robustness r;

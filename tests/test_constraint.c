@@ -233,7 +233,7 @@ static void extremes_between_samples_are_found(void)
     CHECK(off < 0.7*gap);
 }
 
-/* Every kind of condition: transmission, acceleration, pivots in a box and on a line, zones across the path, lengths. */
+/* Every kind of condition: transmission, acceleration, pivots in a box and on a line, zones on the path, lengths. */
 static void ask_for_everything(const stations *st, lw_fit_spec *s)
 {
     double x = st->x[2], y = st->y[2];

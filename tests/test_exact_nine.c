@@ -133,7 +133,8 @@ static void all_with_given_pins_are_found(void)
         CHECK_INT(lw_target_make(5, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
         lw_fit_options o = options(0, 2);
         o.n_result = 10;
-        static const struct { const char *name; int d; } given[4] = { { "x0", 6 }, { "y0", 7 }, { "r1", 0 }, { "theta0", 8 } };
+        static const struct { const char *name; int d; } given[4] = { { "x0", 6 }, { "y0", 7 }, { "r1", 0 },
+                                                                      { "theta0", 8 } };
         for (int b = 0; b < 4; b++) {
             lw_bound *to = &o.spec.bound[o.spec.n_bound++];
             *to = (lw_bound){ .lo = dim[given[b].d], .hi = dim[given[b].d] };

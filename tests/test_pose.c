@@ -162,7 +162,8 @@ static void velocities_agree_with_the_batch(void)
         double c = cos(q.input), s = sin(q.input), x, y, u, v, m, jac[3*LW_DIM_MAX], t[3];
         lw_lanes in = { 1, &c, &s, q.dim, 0, q.mode, 0 };
         for (int which = 0; which < q.p.n_output; which++) {
-            lw_jacobian out = { &x, &y, &u, &v, &m, jac, jac + LW_DIM_MAX, jac + 2*LW_DIM_MAX, t, t + 1, t + 2, 1, NULL, NULL };
+            lw_jacobian out = { &x, &y, &u, &v, &m, jac, jac + LW_DIM_MAX, jac + 2*LW_DIM_MAX, t, t + 1, t + 2, 1,
+                                NULL, NULL };
             lw_batch_jacobian(&q.p, &in, which, work, &out);
             lw_pose_solve(&q.p, q.dim, q.mode, q.input, 1, &pose);
             if (pose.margin < 1e-4)

@@ -1,5 +1,6 @@
-/* The spread of a path under tolerances: the linear figure against differences of a plain formula, random linkages against
- * the linear figure where tolerances are small, and against a Monte Carlo of the test's own where they are not. */
+/* The spread of a path under tolerances: the linear figure against differences of a plain formula, random linkages
+ * against the linear figure where tolerances are small, and against a Monte Carlo of the test's own where they are
+ * not. */
 #include "optimise/report/robustness.h"
 #include "base/rng.h"
 #include "tests/check.h"

@@ -77,8 +77,8 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
         fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general "
                 "points %ld of %d are known\n", x->n_triple, x->n_real_triple, x->n_general, x->n_theory);
     else if (x->n_general > 0)
-        fprintf(f, "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler 1990); "
-                "%ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);
+        fprintf(f, "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
+                "1990); %ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "

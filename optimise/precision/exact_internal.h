@@ -36,8 +36,8 @@ int lw_guide_rows_draw(const lw_guide_rows *r, const double *u, double reach, bo
 
 typedef struct lw_ranking lw_ranking;
 
-/* Offer all four-bars through nine points p to r, or, with pivot[2] not NULL, all through five points whose fixed pins are
- * these; fill the counts of out. */
+/* Offer all four-bars through nine points p to r, or, with pivot[2] not NULL, all through five points whose fixed pins
+ * are these; fill the counts of out. */
 lw_status lw_nine_solve(const lw_vec2 *p, const lw_vec2 *pivot, const lw_fit_options *o, lw_ranking *r, lw_exact *out);
 
 /* ---- six to nine points (exact_path.c) ---- */

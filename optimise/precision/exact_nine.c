@@ -20,7 +20,9 @@
 #include "base/rng.h"
 #include "optimise/precision/exact_track_internal.h"
 
-enum { TRIPLES = 1442, FIVES = 36, CAPACITY = 1600, PATHS = 4, PATHS_MAX = 10, ROUND = 96, AIMED = 48, TRIES = 3, ROUTES = 4 };
+enum {
+    TRIPLES = 1442, FIVES = 36, CAPACITY = 1600, PATHS = 4, PATHS_MAX = 10, ROUND = 96, AIMED = 48, TRIES = 3, ROUTES = 4
+};
 #define SAME 1e-6               /* of the sum of the fixed pins: one triple                              */
 #define REAL 1e-7               /* a number and the conjugate of its partner                             */
 
@@ -320,8 +322,9 @@ static lw_vec2 divide(lw_vec2 a, lw_vec2 b)
     return lw_v2_scale(lw_v2_unturn(a, b), 1/lw_v2_dot(b, b));
 }
 
-/* The three linkages of a triple, or the one of a solution with given pivots.  The cognates (mbs/kinematics/cognate.c): with c = -x/(y - x), the one on the pins
- * a and a + c (b - a) has a coupler that turns as the link at a, and moving pins a - x and a + c (y - a). */
+/* The three linkages of a triple, or the one of a solution with given pivots.  The cognates
+ * (mbs/kinematics/cognate.c): with c = -x/(y - x), the one on the pins a and a + c (b - a) has a coupler that turns as
+ * the link at a, and moving pins a - x and a + c (y - a). */
 static void offer_triple(const nine *s, lw_ranking *r, const lw_cx *v)
 {
     double coupler[9], link[9];

@@ -1,4 +1,5 @@
-/* optimise/precision/exact_track_internal.h - the equations of points of a path and the tracker, for exact_nine.c and tests. */
+/* optimise/precision/exact_track_internal.h - the equations of points of a path and the tracker, for exact_nine.c and
+ * tests. */
 #ifndef LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 #define LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 

@@ -500,9 +500,9 @@ static void pivot_conditions(const lw_problem *p, const lw_zone *z, const lw_piv
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 
 /* The least distance to a zone along the straight line from a to b, and where on it, 0 .. 1. The distance is convex
- * along a line and changes by at most the length of the line; no more is found out if it is at least `enough`.  To a box
- * it is least at an end, beside a corner, or where the nearest side changes: on an axis of the box, or where two sides
- * are equally far. */
+ * along a line and changes by at most the length of the line; no more is found out if it is at least `enough`.  To a
+ * box it is least at an end, beside a corner, or where the nearest side changes: on an axis of the box, or where two
+ * sides are equally far. */
 static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough, double *where)
 {
     lw_vec2 line = lw_v2_sub(b, a);
@@ -515,7 +515,8 @@ static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double eno
         *where = fmax(0, fmin(1, lw_v2_dot(lw_v2_sub(z->at, a), line)/(length*length)));
         return lw_v2_segment_distance(z->at, a, b) - z->reach;
     }
-    lw_vec2 off = lw_v2_sub(a, lw_v2_scale(lw_v2_add(z->at, z->to), 0.5)), half = lw_v2_scale(lw_v2_sub(z->to, z->at), 0.5);
+    lw_vec2 off = lw_v2_sub(a, lw_v2_scale(lw_v2_add(z->at, z->to), 0.5));
+    lw_vec2 half = lw_v2_scale(lw_v2_sub(z->to, z->at), 0.5);
     double at[10] = { -off.x/line.x, -off.y/line.y };      /* divisions by 0 give no number in (0, 1) */
     for (int i = 0; i < 4; i++) {
         double sx = i & 1 ? 1 : -1, sy = i & 2 ? 1 : -1;
@@ -593,8 +594,8 @@ static double least_between(const lw_work *w, const places *all, const lw_zone *
 
 #define KINK 1e-10      /* sides of a box this close together are equally far */
 
-/* Gradient of lw_zone_outside at a point where it is least along `line`, which may be 0.  Where the nearest side changes
- * there, it is the mean of the gradients to both sides that is normal to the line. */
+/* Gradient of lw_zone_outside at a point where it is least along `line`, which may be 0.  Where the nearest side
+ * changes there, it is the mean of the gradients to both sides that is normal to the line. */
 static lw_vec2 outwards(const lw_zone *z, lw_vec2 at, lw_vec2 line)
 {
     lw_vec2 off = lw_v2_sub(at, z->at);

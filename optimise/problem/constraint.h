@@ -1,4 +1,4 @@
-/* optimise/problem/constraint.h - the conditions g(x) >= 0 and their derivatives, computed in the scratch of a thread. */
+/* optimise/problem/constraint.h - the conditions g(x) >= 0 and their derivatives, in the scratch of a thread. */
 #ifndef LW_OPTIMISE_PROBLEM_CONSTRAINT_H
 #define LW_OPTIMISE_PROBLEM_CONSTRAINT_H
 

@@ -2,18 +2,18 @@
  *
  *     f(x) = sum over stations of  w { a |P - T|^2 + b (alpha - theta)^2 }   (Makkonen 1999, eq. 17)
  *
- * x holds the dimensions of the plan, and after them, if the task has them, the input angle of station 0 (`input0`) and
- * the mounting angle of the tool (`tool0`). Internally the target is moved to the origin and scaled to size one, so
- * that coordinates of any size are equally accurate.
+ * x holds the dimensions of the plan, and after them, if the task has them, the input angle of station 0 (`input0`)
+ * and the mounting angle of the tool (`tool0`). Internally the target is moved to the origin and scaled to size one,
+ * so that coordinates of any size are equally accurate.
  *
  * Further points of the target add their own terms; all points share the input of the station. Each further point lies
  * on its link (optimise/problem/tracers.h) and has its own mounting angle (`tool2`, ...) if it has a theta.
  *
- * Timing. prescribed: the input angle of station i is input0 + angle[i], of a function also input0 - angle[i]; with gears that repeat only after several
- * turns, the inputs are divided by lw_plan.input_turns_per_period. free: each station takes its best input, in the
- * order of the stations (a monotone assignment, one turn at most). none: the nearest points in both directions: from
- * station to curve and from curve to target polygon. f includes this assignment and is differentiable through it
- * (envelope theorem).
+ * Timing. prescribed: the input angle of station i is input0 + angle[i], of a function also input0 - angle[i]; with
+ * gears that repeat only after several turns, the inputs are divided by lw_plan.input_turns_per_period. free: each
+ * station takes its best input, in the order of the stations (a monotone assignment, one turn at most). none: the
+ * nearest points in both directions: from station to curve and from curve to target polygon. f includes this
+ * assignment and is differentiable through it (envelope theorem).
  *
  * Conditions are g(x) >= 0: first the linear ones (rows of `linear`), then the others. */
 #ifndef LW_OPTIMISE_PROBLEM_PROBLEM_H
@@ -163,8 +163,8 @@ bool   lw_problem_residuals(const lw_problem *p, const double *x, double *r, dou
 
 /* Conditions g(x) >= 0 (n_constraint) and their derivatives j[i*n_var + d] (may be NULL): linear conditions, lengths
  * between points of a link, closure at prescribed stations, transmission, acceleration, zones. All are of order one.
- * Derivatives are exact but for the input's part of accelerations (differences of fourth order) and for margins of higher
- * groups (central differences). */
+ * Derivatives are exact but for the input's part of accelerations (differences of fourth order) and for margins of
+ * higher groups (central differences). */
 size_t lw_problem_constraint_count(const lw_problem *p);
 void   lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work);
 

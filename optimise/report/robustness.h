@@ -2,9 +2,9 @@
  *
  * Lengths and coordinates of the plan (pins, offsets, the tracer, the place of the frame) vary independently, with a
  * standard deviation of a third of the tolerance.  Angles vary by the same over the mean length of the linkage.  A
- * clearance lets each pin lie anywhere in a circle of this radius around its place on the next link, which adds a quarter
- * of the squared radius to the variance of each of its coordinates; a link without coordinates beside its length takes
- * the part along its line only. */
+ * clearance lets each pin lie anywhere in a circle of this radius around its place on the next link, which adds a
+ * quarter of the squared radius to the variance of each of its coordinates; a link without coordinates beside its
+ * length takes the part along its line only. */
 #ifndef LW_OPTIMISE_REPORT_ROBUSTNESS_H
 #define LW_OPTIMISE_REPORT_ROBUSTNESS_H
 
@@ -29,8 +29,8 @@ typedef struct lw_robustness {
     double part[LW_DIM_MAX];        /* of rms^2, their sum is 1                                        */
 } lw_robustness;
 
-/* Poses: the linkage's posture with its input moved by each of input[n] [rad] or [m], as the plan counts it.  LW_OPEN: the
- * linkage itself does not close in one of them; LW_E_KIND: no plan knows it; LW_E_MEMORY; with a text. */
+/* Poses: the linkage's posture with its input moved by each of input[n] [rad] or [m], as the plan counts it.  LW_OPEN:
+ * the linkage itself does not close in one of them; LW_E_KIND: no plan knows it; LW_E_MEMORY; with a text. */
 lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
                              lw_robustness *out, lw_error *e);
 

@@ -37,7 +37,7 @@ typedef struct model {
     int    n, var[LW_QP_MAX];                       /* free variables                          */
     double h[LW_QP_MAX*LW_QP_MAX], g[LW_QP_MAX];    /* J'J (lower), J'r                        */
     double step[LW_QP_MAX];
-    int    m, m_linear;                             /* conditions on the step: a step >= b; those without the motion's */
+    int    m, m_linear;                             /* conditions on the step: a step >= b; less the motion's */
     double *a, *b;                                  /* (m*n), (m), in the scratch              */
 } model;
 

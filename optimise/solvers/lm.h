@@ -1,8 +1,9 @@
 /* optimise/solvers/lm.h - Levenberg-Marquardt for linkages, the default local solver.
  *
  * Derivatives of the residuals are exact. The inputs of free stations are eliminated from each step and moved with it.
- * Bounds and linear conditions, and conditions on the motion to first order, are kept by solving the step as a quadratic program (Goldfarb & Idnani 1983), so that
- * optima on a bound or on the Grashof limit are reached to rounding. Damping after Nielsen 1999. No allocation. */
+ * Bounds and linear conditions, and conditions on the motion to first order, are kept by solving the step as a
+ * quadratic program (Goldfarb & Idnani 1983), so that optima on a bound or on the Grashof limit are reached to
+ * rounding. Damping after Nielsen 1999. No allocation. */
 #ifndef LW_OPTIMISE_SOLVERS_LM_H
 #define LW_OPTIMISE_SOLVERS_LM_H
 
@@ -28,10 +29,10 @@ lw_lm_options lw_lm_options_default(void);
 double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
                      void *work, long *evals, lw_stop *stop);
 
-/* The same with conditions on the motion (transmission angle, acceleration, closure, zones, sides of links). From a point
- * that violates them lw_lm_improve comes first; if its result violates them too, or the first point does not, steps keep
- * them to first order, and a step counts by f plus weight times the greatest violation (sequential quadratic programming
- * with the Gauss-Newton matrix; Han 1977). INFINITY: the last point violates them. */
+/* The same with conditions on the motion (transmission angle, acceleration, closure, zones, sides of links). From a
+ * point that violates them lw_lm_improve comes first; if its result violates them too, or the first point does not,
+ * steps keep them to first order, and a step counts by f plus weight times the greatest violation (sequential
+ * quadratic programming with the Gauss-Newton matrix; Han 1977). INFINITY: the last point violates them. */
 double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
                          long *evals, lw_stop *stop);
 

@@ -93,8 +93,8 @@ typedef struct lw_fit_spec {
 /* Without limits but those of the range of the search. */
 lw_fit_spec lw_fit_spec_default(void);
 
-/* Set b and angle_length so that 1 rad counts as `length`; 0: as half the diagonal of the target, so that the unit of its
- * lengths does not matter.  Without places b becomes 1. */
+/* Set b and angle_length so that 1 rad counts as `length`; 0: as half the diagonal of the target, so that the unit of
+ * its lengths does not matter.  Without places b becomes 1. */
 void lw_fit_spec_weigh_angles(lw_fit_spec *s, const lw_target *t, double length);
 
 /* The limits that a linkage keeps if it is to be built.  Each holds by default and can be given instead. */
