@@ -43,6 +43,17 @@ static void draws_the_same_for_any_threads(void)
     lw_atlas_tree_free(&again[1]);
 }
 
+/* A good share of the linkages has an input that turns and a transmission angle of 30 degrees; others are there too. */
+static void linkages_for_designers(void)
+{
+    for (int i = 0; i < 2; i++) {
+        size_t good = 0;
+        for (size_t k = 0; k < tree[i].n; k++)
+            good += tree[i].row[k].turns == 2 && tree[i].row[k].transmission > 60;
+        CHECK(good > tree[i].n/3 && good < 3*tree[i].n/4);
+    }
+}
+
 /* Blocks hold all curves, within their boxes. */
 static void blocks(void)
 {
@@ -333,6 +344,7 @@ int main(void)
     if (lw_curve_maker_create("all", &maker, &e) != LW_OK)
         return 1;
     RUN(draws_the_same_for_any_threads);
+    RUN(linkages_for_designers);
     RUN(blocks);
     RUN(into_the_store);
     RUN(curves_find_themselves);

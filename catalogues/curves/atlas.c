@@ -9,6 +9,8 @@
 #include "optimise/solvers/lowdiscrepancy.h"
 
 #define CHUNK 512                      /* samples per job */
+#define TRIES 5
+#define GOOD_TRANSMISSION (LW_PI/6)    /* the transmission angle that textbooks ask for at least [rad] */
 
 /* The same layout as in the file, docs/catalogue.md. */
 _Static_assert(sizeof(lw_packed) == 64 && sizeof(lw_curve_row) == 36 && sizeof(lw_curve_box) == 68, "file layout");
@@ -25,23 +27,47 @@ typedef struct job {
     lw_curve_row         *row;         /* (n)                             */
 } job;
 
+/* Draw sample i at u. False: no curve. */
+static bool draw_one(job *j, size_t i, const double *u, bool closed, void *work, lw_curve_traits *traits)
+{
+    lw_vec2 p[LW_CURVE_POINTS];
+    lw_descriptor d;
+    lw_curve_row row;
+    lw_curve_traits t;
+    if (lw_curve_draw(j->maker, u, closed, work, &row) != LW_OK
+        || lw_curve_points(j->maker, &row, closed, work, p, &t) != LW_OK
+        || lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
+        return false;
+    j->good[i] = closed ? 1 : 2;
+    j->row[i] = row;
+    *traits = t;
+    lw_curve_row_note(&j->row[i], &t);
+    lw_descriptor_pack(&d, &j->terms[i]);
+    return true;
+}
+
+/* Half of the samples are for designers: a linkage whose input does not turn or whose transmission angle is too small is
+ * drawn again, from other random numbers, up to TRIES times.  The last curve drawn stays. */
 static void draw_chunk(void *context, size_t chunk, int thread)
 {
     job *j = context;
     void *work = j->work + j->work_size*(size_t)thread;
     for (size_t i = chunk*CHUNK; i < j->n && i < (chunk + 1)*CHUNK; i++) {
         bool closed = j->kinds == LW_ATLAS_CLOSED || (j->kinds == LW_ATLAS_BOTH && i%2 == 0);
-        lw_vec2 p[LW_CURVE_POINTS];
-        lw_descriptor d;
-        lw_curve_traits traits;
+        lw_curve_traits traits = { 0 };
+        double u[LW_CURVE_DRAWS];
+        lw_rng rng;
         j->good[i] = 0;
-        if (lw_curve_draw(j->maker, j->u + i*LW_CURVE_DRAWS, closed, work, &j->row[i]) != LW_OK
-            || lw_curve_points(j->maker, &j->row[i], closed, work, p, &traits) != LW_OK
-            || lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
-            continue;
-        lw_descriptor_pack(&d, &j->terms[i]);
-        lw_curve_row_note(&j->row[i], &traits);
-        j->good[i] = closed ? 1 : 2;
+        memcpy(u, j->u + i*LW_CURVE_DRAWS, sizeof u);
+        lw_rng_seed(&rng, (uint64_t)(u[1]*0x1p53), 0x64657369u);
+        /* a random choice, since the place in Sobol's sequence fixes the first digits of u */
+        bool chosen = lw_rng_uniform(&rng) < 0.5;
+        draw_one(j, i, u, closed, work, &traits);
+        for (int n = 0; chosen && n < TRIES && !(traits.turns && traits.transmission >= GOOD_TRANSMISSION); n++) {
+            for (int k = 0; k < LW_CURVE_DRAWS; k++)
+                u[k] = lw_rng_uniform(&rng);
+            draw_one(j, i, u, closed, work, &traits);
+        }
     }
 }
 
