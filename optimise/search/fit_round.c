@@ -72,7 +72,7 @@ static int draw_starts(const lw_effort *a, lw_problem *p, lw_rng *rng, void *wor
         return 0;
     int chosen = choose_draws(a, p, u, d, work, g);
     for (int i = 0; i < chosen && isfinite(g[i].residual); i++) {
-        lw_found c;
+        lw_found c = { .hits = 1 };
         c.f = lw_start(p, u + g[i].which*d, c.x, work);
         c.intended = p->intended;
         n = put_in_order(best, n, a->improve, &c);
@@ -175,7 +175,7 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
         return search_around(a->best, effort, p, &rng, work, best);
     int n = draw_starts(effort, p, &rng, work, best);
     if (p->family->posture && a->starts == 0) {
-        lw_found c;
+        lw_found c = { .hits = 1 };
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.intended = p->intended;
         n = put_in_order(best, n, effort->improve, &c);
@@ -195,12 +195,8 @@ static void search_in(lw_search *s, size_t at, lw_problem *p, void *work)
     job->n_mode = p->plan.n_mode;
     job->evals += (long)effort.cost*effort.block;
     job->improved += n;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n; i++)
         best[i].candidate = job->candidate;
-        best[i].evals = 0;
-        best[i].polished = false;
-        best[i].hits = 1;
-    }
     improve_all(s, p, FIRST_STEPS, n, work, best);
     if (p->family->linkage && lw_problem_is_nonlinear(p) && n > COSTLY) {
         int kept = COSTLY;
