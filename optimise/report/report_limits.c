@@ -1,9 +1,9 @@
 /* optimise/report/report_limits.c - is it a linkage to build: its size, the limits it keeps, and those it is at. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
 #include "optimise/problem/problem.h"
 #include "optimise/report/report_internal.h"
 
