@@ -8,7 +8,7 @@
 static inline double complex lw_real_cexp(double complex z)
 {
     double size = exp(creal(z));
-    return CMPLX(size*cos(cimag(z)), size*sin(cimag(z)));
+    return __builtin_complex(size*cos(cimag(z)), size*sin(cimag(z)));      /* clang lacks CMPLX of glibc */
 }
 
 #define cexp(z) lw_real_cexp(z)

@@ -45,8 +45,8 @@ static void documents(void)
         CHECK(lw_mechanism_same(&m, &back));
     }
     static const char *const dot[] = {
-        "graph { 0--1--2--3--0 }", "strict graph \"x\" { node [shape=box]; rankdir=LR; a -- b // crank\n; b -- c\n"
-        "/* two */ c -- d -- a [color=\"red\", label=\"A\"] }\n",
+        "graph { 0--1--2--3--0 }", ("strict graph \"x\" { node [shape=box]; rankdir=LR; a -- b // crank\n; b -- c\n"
+        "/* two */ c -- d -- a [color=\"red\", label=\"A\"] }\n"),
         "graph g {4;3;2;1; 1--2; 2--3; 3--4; 4--1 [weight=1.5]}",
     };
     static const char graphml[] =              /* as networkx writes it */

@@ -285,7 +285,7 @@ static lw_status from_rest(motion *m)
 static lw_status slide(motion *m, const double *y)
 {
     lw_reduced *r = m->r;
-    double next, s = y[0]*r->scale;
+    double next = INFINITY, s = y[0]*r->scale;
     lw_status st = lw_reduced_friction_sides(r, s, r->friction->sense);
     if (st == LW_OK)
         st = lw_reduced_next_reversal(r, s, r->friction->sense, &next);
