@@ -521,7 +521,11 @@ static int check_task_file(const cli_call *call, const char *path)
     char *text = NULL, file[LW_PATH_SIZE];
     size_t size;
     int code = CLI_DONE;
-    if (lw_file_read(path, &text, &size, NULL) == LW_OK && lw_task_file_read(text, size, path, &task, NULL) == LW_OK) {
+    lw_error e = { 0 };
+    lw_status st = lw_file_read(path, &text, &size, &e);
+    if (st == LW_OK)
+        st = lw_task_file_read(text, size, path, &task, &e);
+    if (st == LW_OK) {
         for (int i = -1; i < task.n_also && code == CLI_DONE; i++) {
             const char *name = i < 0 ? task.target : task.also[i].target;
             if (name[0] && lw_task_file_beside(path, name, file, NULL) == LW_OK)
@@ -530,7 +534,7 @@ static int check_task_file(const cli_call *call, const char *path)
         lw_task_file_free(&task);
     }
     free(text);
-    return code;
+    return st == LW_E_MEMORY ? cli_fail(call, &e) : code;
 }
 
 /* Read a target, or a task file that contains or names one. */

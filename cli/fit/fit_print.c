@@ -254,6 +254,8 @@ static void json_reversals(const cli_fit_set *s, const lw_fit_report *r, bool li
 static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     double *v = malloc(sizeof *v*s->target.n);
+    if (!v)
+        cli_lost();
     for (size_t i = 0; v && i < s->target.n; i++)
         v[i] = input_value(s, r, r->input_turns_per_period*c->input[i]);
     cli_json_reals(j, "inputs", v, v ? s->target.n : 0);
@@ -318,7 +320,11 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
 
 static lw_status robustness(const cli_fit_set *s, int i, lw_robustness *out, lw_error *e)
 {
-    return lw_robustness_of(&s->target, cli_fit_candidate(s, i), &s->search.results.report[i], &s->tolerances, out, e);
+    lw_status st = lw_robustness_of(&s->target, cli_fit_candidate(s, i), &s->search.results.report[i], &s->tolerances,
+                                    out, e);
+    if (st == LW_E_MEMORY)
+        cli_lost();
+    return st;
 }
 
 static void json_robustness(const cli_fit_set *s, int i, cli_json *j)

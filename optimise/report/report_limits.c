@@ -53,7 +53,9 @@ static void find_active(const lw_target *t, const lw_fit_spec *s, const lw_candi
 {
     lw_problem *p = malloc(sizeof *p);
     double x[LW_VAR_MAX];
-    if (p && lw_problem_make(t, s, c->family, c->intended.mode[0], c->intended.sense, p, NULL) == LW_OK) {
+    lw_status st = p ? lw_problem_make(t, s, c->family, c->intended.mode[0], c->intended.sense, p, NULL) : LW_E_MEMORY;
+    r->no_memory |= st == LW_E_MEMORY;
+    if (st == LW_OK) {
         lw_problem_from_dims(p, c->dim, x);
         for (int i = 0; i < p->n_dim; i++)
             if (p->lo[i] < p->hi[i] && (near(x[i], p->lo[i]) || near(x[i], p->hi[i])) && isfinite(x[i]))

@@ -157,6 +157,8 @@ const lw_problem *lw_search_made(lw_search *s, int thread, int candidate, bool c
     lw_slot *slot = find_slot(b, candidate, thin);
     *st = slot->candidate == candidate && slot->coarse == thin ? LW_OK : make_slot(s, candidate, thin, slot, NULL);
     slot->used = ++b->used;
+    if (*st == LW_E_MEMORY)
+        s->no_memory = true;
     return *st == LW_OK ? &slot->problem : NULL;
 }
 
@@ -176,8 +178,10 @@ lw_problem *lw_search_problem(lw_search *s, int thread, int candidate, bool coar
 {
     lw_workbench *b = &s->bench[thread];
     const lw_problem *p = lw_search_made(s, thread, candidate, coarse, st);
-    if (p && !make_work(b, lw_problem_work_size(p)))
+    if (p && !make_work(b, lw_problem_work_size(p))) {
         *st = LW_E_MEMORY;
+        s->no_memory = true;
+    }
     if (*st != LW_OK)
         return NULL;
     b->local = *p;
@@ -287,7 +291,7 @@ lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
     if (st == LW_OK && !f) {
         st = make_candidates(s, out, e);
-        if (st != LW_OK && s->own.spec.by_default & LW_LIMIT_TURN && s->n_candidate == 0) {
+        if (st != LW_OK && st != LW_E_MEMORY && s->own.spec.by_default & LW_LIMIT_TURN && s->n_candidate == 0) {
             s->own.spec.crank_only = s->own.spec.within_limits = false;     /* none of these types can turn */
             out->skipped[0] = 0;
             st = make_candidates(s, out, e);

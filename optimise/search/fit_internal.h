@@ -4,6 +4,8 @@
 #ifndef LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 #define LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 
+#include <stdatomic.h>
+
 #include "optimise/search/fit.h"
 #include "optimise/search/pool.h"
 
@@ -86,6 +88,7 @@ typedef struct lw_search {
     double               best_raw;     /* least f before polishing, in the scale of the search      */
     long                 hits;         /* how often that was found                                  */
     long                 evals, improved;
+    atomic_bool          no_memory;    /* a part of the search found no memory: the search fails    */
 } lw_search;
 
 /* ---- fit.c */
@@ -95,7 +98,7 @@ typedef struct lw_search {
 lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e);
 
 /* The problem of a candidate for the thin target (coarse) or the full one.  It stays until this thread has made
- * LW_SLOTS others.  NULL: *st says why. */
+ * LW_SLOTS others.  NULL: *st says why; without memory s->no_memory is set too. */
 const lw_problem *lw_search_made(lw_search *s, int thread, int candidate, bool coarse, lw_status *st);
 
 /* The thread's only copy of that problem, whose intended motion may be changed, with scratch in the thread's bench. */

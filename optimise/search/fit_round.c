@@ -63,13 +63,15 @@ static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
 }
 
 /* Draw a block of starts; best: the best of them in order of f.  Returns how many. */
-static int draw_starts(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     double u[LW_SEARCH_BLOCK*LW_START_DRAWS];
     estimate g[LW_SEARCH_BLOCK];
     int n = 0, d = lw_start_draws(p);
-    if (!lw_low_discrepancy(rng, (size_t)a->block, d, u))
+    if (!lw_low_discrepancy(rng, (size_t)a->block, d, u)) {
+        s->no_memory = true;
         return 0;
+    }
     int chosen = choose_draws(a, p, u, d, work, g);
     for (int i = 0; i < chosen && isfinite(g[i].residual); i++) {
         lw_found c = { .hits = 1 };
@@ -101,7 +103,7 @@ static int search_around(const lw_best_starts *finds, const lw_effort *a, lw_pro
 }
 
 /* Improve c by the solver of the user's choice. */
-static void run_solver(const lw_search *s, const lw_solver *solver, const lw_problem *p, long evals, double until,
+static void run_solver(lw_search *s, const lw_solver *solver, const lw_problem *p, long evals, double until,
                        lw_found *c)
 {
     lw_solver_options o = lw_solver_options_default();
@@ -111,6 +113,8 @@ static void run_solver(const lw_search *s, const lw_solver *solver, const lw_pro
     o.interrupt = s->o->interrupt;
     o.max_seconds = until > 0 ? fmax(1e-3, until - lw_clock_wall()) : 0;
     lw_status st = solver->run(solver, p, &o, c->x, &r);
+    if (st == LW_E_MEMORY)
+        s->no_memory = true;
     c->f = st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
     c->evals += r.evals;
     c->stop = r.stop;
@@ -118,7 +122,7 @@ static void run_solver(const lw_search *s, const lw_solver *solver, const lw_pro
 
 /* Improve c by least squares; with `conditions`, by a solver that keeps conditions on the motion where these are
  * violated. */
-static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work,
+static void improve(lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work,
                     lw_found *c)
 {
     const lw_solver *mine = s->o->solver;
@@ -139,7 +143,7 @@ static bool keeps_conditions(const lw_problem *p, const double *x, lw_work *work
 }
 
 /* Improve each of n starts by `steps` steps at most; then sort them by f. */
-static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, void *work, lw_found *best)
+static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *work, lw_found *best)
 {
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = steps;
@@ -173,7 +177,7 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
     lw_rng_seed(&rng, s->o->seed, round + job);
     if (s->job[job].around)
         return search_around(a->best, effort, p, &rng, work, best);
-    int n = draw_starts(effort, p, &rng, work, best);
+    int n = draw_starts(s, effort, p, &rng, work, best);
     if (p->family->posture && a->starts == 0) {
         lw_found c = { .hits = 1 };
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
@@ -367,7 +371,8 @@ static void remember(lw_search *s, const lw_search_job *job, const lw_found *fou
     if (more) {
         free(a->best);
         a->best = more;
-    }
+    } else if (best->n > 0)
+        s->no_memory = true;
 }
 
 /* Update the candidates and the totals by the jobs of a round. */

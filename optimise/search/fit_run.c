@@ -99,6 +99,8 @@ static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
     *stop = LW_STOP_EVALS;
     for (s->round = 0; s->round < rounds && s->n_job > 0; s->round++) {
         lw_status st = lw_search_round(s, e);
+        if (st == LW_OK && s->no_memory)
+            st = LW_E_MEMORY;
         if (st != LW_OK)
             return st;
         report_progress(s, rounds, &least);
@@ -146,6 +148,8 @@ static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
         st = lw_search_widen(s);
     if (st == LW_OK)
         st = lw_search_rank(s, out);
+    if (st == LW_OK && s->no_memory)
+        st = LW_E_MEMORY;
     return st == LW_OK ? describe(s, out) : st;
 }
 

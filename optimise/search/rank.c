@@ -129,7 +129,7 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         c->input[k] = from + step;
 }
 
-/* Fill `out` with one find; false: no memory, or no inputs suit its stations. */
+/* Fill `out` with one find; false: no memory, which s->no_memory tells, or no inputs suit its stations. */
 static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
 {
     lw_work *w;
@@ -150,6 +150,7 @@ static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
     size_t dyads = (size_t)(out->n_dyad = p->plan.n_dyad);
     out->mode_of = both_modes ? malloc(sizeof *out->mode_of*most*dyads) : NULL;
     if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->candidate, out)) {
+        s->no_memory = true;
         lw_candidate_free(out);
         return false;
     }

@@ -134,8 +134,8 @@ static void begin_sweep(lw_search *s)
         w->go_on++;
 }
 
-/* Sort by best f; take out candidates that cannot do the task. */
-static bool sort_sweep(const lw_search *s, lw_family_sweep *w)
+/* Sort by best f; take out candidates that cannot do the task.  false: no memory. */
+static bool sort_sweep(lw_search *s, lw_family_sweep *w)
 {
     standing *list = malloc(sizeof *list*((size_t)w->n + 1));
     int n = 0;
@@ -144,8 +144,10 @@ static bool sort_sweep(const lw_search *s, lw_family_sweep *w)
         if (a->state != LW_FIT_UNABLE)
             list[n++] = (standing){ a->best ? lw_best_starts_f(a->best, 0) : INFINITY, 0, w->candidate[i] };
     }
-    if (!list)
+    if (!list) {
+        s->no_memory = true;
         return false;
+    }
     qsort(list, (size_t)n, sizeof *list, by_f);
     for (int i = 0; i < n; i++)
         w->candidate[i] = list[i].candidate;
@@ -168,7 +170,7 @@ static void jobs_of_families(lw_search *s)
     lw_family_sweep *w = &s->sweep;
     s->n_job = 0;
     if (!sort_sweep(s, w))
-        return;                                          /* no memory: without jobs the search ends with what it has */
+        return;
     if (left_of(w) > LAST_CANDIDATES)
         w->rung++;
     else {

@@ -129,8 +129,10 @@ bool lw_feasible_start(lw_record *r, double *x)
     if (least > INSIDE)
         return true;
     scratch *s = malloc(sizeof *s);
-    if (!s)
+    if (!s) {
+        r->no_memory = true;
         return false;
+    }
     memcpy(start, x, n*sizeof *x);
     lw_rng rng;
     lw_rng_seed(&rng, r->o->seed, 0);
@@ -151,8 +153,10 @@ bool lw_feasible_repair(lw_record *r, double *x)
     if (lw_record_violation(r, x) <= LW_FEASIBLE)
         return true;
     scratch *s = malloc(sizeof *s);
-    if (!s)
+    if (!s) {
+        r->no_memory = true;
         return false;
+    }
     bool done = move_inside(r, x, LW_FEASIBLE, -LW_FEASIBLE, s);
     free(s);
     return done;

@@ -81,6 +81,8 @@ lw_status lw_method_run(const lw_solver *m, const lw_function *fn, const lw_solv
     if (isfinite(r.f))
         memcpy(x, r.x, fn->n*sizeof *x);
     lw_record_close(&r);
+    if (r.no_memory)
+        return LW_E_MEMORY;
     return isfinite(result->f) ? outcome(result->stop) : LW_NOTHING;
 }
 

@@ -37,6 +37,7 @@ typedef struct lw_record {
     bool    known, known_j;              /* g, j below belong to gx                               */
     double  gx[LW_VAR_MAX];
     double *g, *j;                       /* (m), (m*n); owned                                     */
+    bool    no_memory;                   /* a part of the method found none                       */
 } lw_record;
 
 /* Open a record: allocate g and j, evaluate nothing. LW_E_ARG: options outside their range. */

@@ -61,18 +61,19 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
     return false;
 }
 
-/* Add dyads to the best results with `links` links. */
-static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from,
-                 int links, grown *to)
+/* Add dyads to the best results with `links` links.  LW_OK or LW_E_MEMORY. */
+static lw_status grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from,
+                      int links, grown *to)
 {
     int parents = 0;
+    lw_status st = LW_OK;
     lw_rng rng;
     lw_fit_report *r = malloc(sizeof *r);
     lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links);
-    for (int i = 0; r && i < from->n && parents < PARENTS; i++) {
+    for (int i = 0; r && i < from->n && parents < PARENTS && st != LW_E_MEMORY; i++) {
         const lw_candidate *c = &from->candidate[i];
-        if (lw_candidate_links(c) != links || changes_mode(t, c) || lw_fit_report_make(t, &o->spec, c, r, NULL) != LW_OK
-            || !r->verified)
+        if (lw_candidate_links(c) != links || changes_mode(t, c)
+            || (st = lw_fit_report_make(t, &o->spec, c, r, NULL)) != LW_OK || !r->verified)
             continue;
         int children = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
         parents++;
@@ -80,6 +81,7 @@ static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_st
             grow_one(t, stage, c, r, &rng, to);
     }
     free(r);
+    return r && st != LW_E_MEMORY ? LW_OK : LW_E_MEMORY;
 }
 
 /* ---- the list of results --------------------------------------------------------------------------- */
@@ -143,10 +145,11 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     lw_fit fit;
     grown *more = calloc(1, sizeof *more);
     *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
-    if (!more)
+    bool grows = stage->families.make && before > 0 && !lw_task_has_angle(o->spec.task);
+    if (!more || (grows && grow(t, o, stage, &out->fit, before, more) != LW_OK)) {
+        free(more);
         return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to grow");
-    if (stage->families.make && before > 0 && !lw_task_has_angle(o->spec.task))
-        grow(t, o, stage, &out->fit, before, more);
+    }
     r->n_grown = more->n;
     lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
     lw_families all = lw_families_join(&pair);
