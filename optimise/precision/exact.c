@@ -88,8 +88,10 @@ static void draw_poses(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     lw_guide_rows rows;
     int n = 0;
     lw_guide_rows_make(&(lw_poses){ x->t->n, x->p, x->t->theta }, x->t->size, &rows);
-    if (!lw_low_discrepancy(rng, LINES, LW_GUIDE_DRAW, u))
+    if (!lw_low_discrepancy(rng, LINES, LW_GUIDE_DRAW, u)) {
+        lw_ranking_lose(r);
         return;
+    }
     for (int i = 0; i < LINES && n + 4 <= GUIDE_MAX; i++)
         n += lw_guide_rows_draw(&rows, &u[i*LW_GUIDE_DRAW], REACH, x->slides, &g[n]);
     *drawn += LINES;
@@ -110,8 +112,10 @@ static void draw_path(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     enum { D = 8 };
     double u[ANGLES*D], v[ANGLES*GUIDES*LW_GUIDE_DRAW], angle[9];
     lw_guide g[GUIDES + 4];
-    if (!lw_low_discrepancy(rng, ANGLES, D, u) || !lw_low_discrepancy(rng, ANGLES*GUIDES, LW_GUIDE_DRAW, v))
+    if (!lw_low_discrepancy(rng, ANGLES, D, u) || !lw_low_discrepancy(rng, ANGLES*GUIDES, LW_GUIDE_DRAW, v)) {
+        lw_ranking_lose(r);
         return;
+    }
     for (int i = 0; i < ANGLES; i++) {
         lw_guide_rows rows;
         draw_angles(&u[i*D], x->t->n, angle);
@@ -153,8 +157,10 @@ static void draw_many(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     lw_guide g[4];
     five v;
     size_t n = x->t->n;
-    if (!lw_low_discrepancy(rng, ANGLES, 4, u))
+    if (!lw_low_discrepancy(rng, ANGLES, 4, u)) {
+        lw_ranking_lose(r);
         return;
+    }
     for (size_t j = 1; j < n; j++)
         v.step[j - 1] = lw_v2_scale(lw_v2_sub(x->p[j], x->p[0]), 1/x->t->size);
     for (size_t k = 0; k < 5; k++) {
@@ -341,6 +347,8 @@ lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *ou
     lw_ranking_close(r);
     out->fit.seconds = lw_clock_wall() - x.started;
     out->fit.stop = !early ? LW_STOP_F_TARGET : o->interrupt && *o->interrupt ? LW_STOP_USER : LW_STOP_TIME;
+    if (st == LW_E_MEMORY)
+        lw_error_set(e, st, "no memory for the linkages");
     if (st < 0)
         lw_exact_free(out);
     return (st == LW_OK || st == LW_NOTHING) && early ? LW_STOPPED : st;

@@ -65,7 +65,10 @@ void lw_ranking_offer(lw_ranking *r, const lw_guide *a, const lw_guide *b, const
 /* Offer a function generator. */
 void lw_ranking_offer_function(lw_ranking *r, const lw_function_bar *bar);
 
-/* Fill `out`, best first. */
+/* A linkage could not be offered for lack of memory: lw_ranking_finish will fail. */
+void lw_ranking_lose(lw_ranking *r);
+
+/* Fill `out`, best first.  LW_OK, LW_NOTHING or LW_E_MEMORY. */
 lw_status lw_ranking_finish(lw_ranking *r, lw_exact *out);
 
 #endif

@@ -38,6 +38,7 @@ struct lw_ranking {
     entry   *item;                          /* (capacity) sorted                                 */
     long     n_by[4], n_real;               /* clean, order, branch, circuit                 */
     double  *input, *mode;                  /* of the linkage at hand                    (n) */
+    bool     no_memory;                     /* for a linkage that was offered                        */
 };
 
 /* ---- one linkage ------------------------------------------------------------------------------------ */
@@ -71,9 +72,13 @@ static kind *kind_of(lw_ranking *r, const char *letters)
         if (strcmp(r->of[i]->family->type, letters) == 0)
             return r->of[i];
     const lw_family *f = family_of(letters);
-    kind *now = f && asked(r->o, letters) && r->n_kind < KIND_MAX ? malloc(sizeof *now) : NULL;
-    if (!now)
+    if (!f || !asked(r->o, letters) || r->n_kind == KIND_MAX)
         return NULL;
+    kind *now = malloc(sizeof *now);
+    if (!now) {
+        lw_ranking_lose(r);
+        return NULL;
+    }
     now->family = f;
     lw_family_linkage(f, r->o->spec.task, &now->k);
     if (lw_plan_make(&now->k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &now->plan, NULL) != LW_OK) {
@@ -439,6 +444,7 @@ static bool own_arrays(lw_ranking *r, entry *now)
     now->c.mode_of = malloc(bytes);
     now->c.n_dyad = 1;
     if (!now->c.input || !now->c.mode_of) {
+        lw_ranking_lose(r);
         entry_free(now);
         return false;
     }
@@ -605,6 +611,7 @@ void lw_ranking_merge(lw_ranking *r, lw_ranking *from)
             insert(r, &from->item[i]);
         else
             entry_free(&from->item[i]);
+    r->no_memory |= from->no_memory;
     r->n_real += from->n_real;
     for (int i = 0; i < 4; i++)
         r->n_by[i] += from->n_by[i];
@@ -624,6 +631,8 @@ void lw_ranking_close(lw_ranking *r)
     free(r);
 }
 
+void lw_ranking_lose(lw_ranking *r) { r->no_memory = true; }
+
 lw_status lw_ranking_finish(lw_ranking *r, lw_exact *out)
 {
     size_t n = (size_t)r->n;
@@ -635,7 +644,7 @@ lw_status lw_ranking_finish(lw_ranking *r, lw_exact *out)
     out->fit.candidate = calloc(n + 1, sizeof *out->fit.candidate);
     out->defect = calloc(n + 1, sizeof *out->defect);
     out->quality = calloc(n + 1, sizeof *out->quality);
-    if (!out->fit.candidate || !out->defect || !out->quality)
+    if (r->no_memory || !out->fit.candidate || !out->defect || !out->quality)
         return LW_E_MEMORY;
     for (size_t i = 0; i < n; i++) {
         out->fit.candidate[i] = r->item[i].c;

@@ -177,7 +177,8 @@ lw_stop lw_gsl_lm(lw_barrier_stage *stage, const double *start)
         a.res = a.lambda + a.n_condition;
         a.jac = a.res + fn->n_residual;
         why = rounds(&a, w, x);
-    }
+    } else
+        stage->record->no_memory = true;
     if (w)
         gsl_multifit_nlinear_free(w);
     lw_gsl_end();

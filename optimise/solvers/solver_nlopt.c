@@ -121,8 +121,10 @@ static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constr
     unsigned n = (unsigned)r->fn->n;
     double x[LW_VAR_MAX], f;
     call c = { stage, nlopt_create(algorithm, n), 1.0 };
-    if (!c.opt)
+    if (!c.opt) {
+        r->no_memory = true;
         return LW_STOP_FAILED;
+    }
     lw_stop why = LW_STOP_FAILED;
     memcpy(x, start, n*sizeof *x);
     lw_clip(r->fn, x);
@@ -130,8 +132,11 @@ static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constr
     if (isfinite(r->f))
         c.scale = fmin(1.0/r->f, SCALE_MAX);
     if (set_up(c.opt, kind, takes_constraints, &c)
-        && (algorithm != NLOPT_GD_MLSL_LDS || set_local(c.opt, n) > 0))
-        why = reason(nlopt_optimize(c.opt, x, &f), r);
+        && (algorithm != NLOPT_GD_MLSL_LDS || set_local(c.opt, n) > 0)) {
+        nlopt_result result = nlopt_optimize(c.opt, x, &f);
+        r->no_memory |= result == NLOPT_OUT_OF_MEMORY;
+        why = reason(result, r);
+    }
     nlopt_destroy(c.opt);
     if (takes_constraints && r->fn->m > 0 && lw_finite(x, n) && lw_feasible_repair(r, x))
         lw_barrier_stage_value(stage, x, NULL);
