@@ -34,7 +34,7 @@ static void a_small_budget_is_accounted_for(void)
 
 static void more_links_are_never_worse(void)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 6 --budget 5000 --rounds 1 --json --seed 3");
+    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --budget 5000 --rounds 1 --json --seed 3");
     const json_t *stages = json_object_get(root, "by_links");
     CHECK_INT(json_array_size(stages), 2);
     for (size_t i = 1; i < json_array_size(stages); i++)
