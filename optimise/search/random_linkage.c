@@ -17,6 +17,7 @@ typedef struct drawing {
     double        *shape, *mode;
     int            n;               /* inputs                                                       */
     double         input[M];
+    bool           must_turn;               /* lengths are chosen with room for a full turn between the samples too  */
     bool           drawn[LW_DIM_MAX];
     double         length[LW_LINK_MAX];     /* of the first two pins of a link, 0: not known        */
     double complex reg[LW_REG_MAX][M];
@@ -96,15 +97,16 @@ static double sign_of(drawing *d, const lw_step *s)
     return d->mode[s->dyad] = *d->u++ < 0.5 ? -1 : 1;
 }
 
-/* The greatest of sign*v over a turn of n samples and between them: a sample that is greater than both neighbours is
+/* The greatest of sign*v over the samples and, where the input must turn, between them: a sample that is greater than both neighbours is
  * raised to the vertex of the parabola through the three and by half of that again, since curves are steeper. */
-static double greatest(const double *v, int n, double sign)
+static double greatest(const drawing *d, const double *v, double sign)
 {
+    int n = d->n;
     double most = -INFINITY;
     for (int k = 0; k < n; k++) {
         double before = sign*v[k > 0 ? k - 1 : n - 1], now = sign*v[k], after = sign*v[k + 1 < n ? k + 1 : 0];
         double bend = 2*now - before - after, slope = after - before;
-        bool top = n > 2 && now >= before && now >= after && bend > 0;
+        bool top = d->must_turn && now >= before && now >= after && bend > 0;
         most = fmax(most, now + (top ? 1.5*slope*slope/(8*bend) : 0));
     }
     return most;
@@ -116,8 +118,8 @@ static void distances(const drawing *d, int a, int b, double *least, double *mos
     double r[M];
     for (int k = 0; k < d->n; k++)
         r[k] = cabs(d->reg[b][k] - d->reg[a][k]);
-    *least = fmax(0, -greatest(r, d->n, -1));
-    *most = greatest(r, d->n, 1);
+    *least = fmax(0, -greatest(d, r, -1));
+    *most = greatest(d, r, 1);
 }
 
 /* The sum of both lengths exceeds the greatest distance; their difference is below the least. */
@@ -151,7 +153,7 @@ static bool step_rrp(drawing *d, const lw_step *s)
     double mode = sign_of(d, s), off[M];
     for (int k = 0; k < d->n; k++)
         off[k] = cimag((d->reg[s->in[0]][k] - d->reg[s->in[1]][k])*conj(d->reg[s->in[2]][k]));
-    double most = fmax(greatest(off, d->n, 1), greatest(off, d->n, -1));
+    double most = fmax(greatest(d, off, 1), greatest(d, off, -1));
     choose(d, s->dim[0], most > 1e-6 ? most*(1 + ratio(*d->u++, 0.004, 8)) : ratio(*d->u++, 0.2, 4));
     double r = d->shape[s->dim[0]];
     for (int k = 0; k < d->n; k++) {
@@ -550,7 +552,8 @@ static bool closes_between(const lw_problem *p, const double *shape, lw_work *w)
 
 bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
 {
-    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->intended.mode };
+    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->intended.mode,
+                  .must_turn = turns && !p->plan.input_is_slider };
     bool slides = p->plan.input_is_slider;
     p->intended.turns = !slides && (turns || u[0] < 0.5);
     p->intended.through = false;
