@@ -97,8 +97,9 @@ static double sign_of(drawing *d, const lw_step *s)
     return d->mode[s->dyad] = *d->u++ < 0.5 ? -1 : 1;
 }
 
-/* The greatest of sign*v over the samples and, where the input must turn, between them: a sample that is greater than both neighbours is
- * raised to the vertex of the parabola through the three and by half of that again, since curves are steeper. */
+/* The greatest of sign*v over the samples and, where the input must turn, between them: a sample that is greater than
+ * both neighbours is raised to the vertex of the parabola through the three and by half of that again, since curves are
+ * steeper. */
 static double greatest(const drawing *d, const double *v, double sign)
 {
     int n = d->n;
