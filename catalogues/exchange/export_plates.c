@@ -87,7 +87,7 @@ static void put_outline(lw_bytes *out, const char *layer, const lw_vec2 *p, int 
         return;
     }
     for (int i = 0; i < loop.n; i++) {
-        const lw_side *a = &loop.side[i], *b = &loop.side[(i + 1) % loop.n];
+        const lw_plate_side *a = &loop.side[i], *b = &loop.side[(i + 1) % loop.n];
         if (a->arc)
             put_arc(out, layer, lw_v2_add(a->centre, shift), r, lw_v2_sub(a->from, a->centre), lw_v2_sub(b->from,
                 a->centre));

@@ -109,7 +109,7 @@ static int put_line(writer *w, lw_vec2 a, double z, double dx, double dy, double
 
 static int put_side_curve(writer *w, const lw_loop *l, int i, double z)
 {
-    const lw_side *a = &l->side[i], *b = &l->side[(i + 1) % l->n];
+    const lw_plate_side *a = &l->side[i], *b = &l->side[(i + 1) % l->n];
     char radius[32];
     if (a->arc) {
         int axes = put_axes(w, a->centre, z, 0, 0, 1, 1, 0);
@@ -151,7 +151,7 @@ static int oriented(writer *w, int edge, bool forward)
 static int put_side_face(writer *w, const lw_loop *l, const edges *e, int i, double low, bool hole)
 {
     int next = (i + 1) % l->n, edge[4];
-    const lw_side *a = &l->side[i];
+    const lw_plate_side *a = &l->side[i];
     edge[0] = oriented(w, hole ? e->up[i] : e->low[i], true);
     edge[1] = oriented(w, hole ? e->high[i] : e->up[next], true);
     edge[2] = oriented(w, hole ? e->up[next] : e->high[i], false);

@@ -27,7 +27,7 @@ static int add_corners(const lw_loop *l, lw_vec2 *p)
 {
     int n = 0;
     for (int i = 0; i < l->n; i++) {
-        const lw_side *a = &l->side[i], *b = &l->side[(i + 1) % l->n];
+        const lw_plate_side *a = &l->side[i], *b = &l->side[(i + 1) % l->n];
         lw_vec2 r = lw_v2_sub(a->from, a->centre), q = lw_v2_sub(b->from, a->centre);
         double sweep = l->n == 1 ? 2*LW_PI : atan2(lw_v2_cross(r, q), lw_v2_dot(r, q));
         sweep = sweep < 0 ? sweep + 2*LW_PI : sweep;

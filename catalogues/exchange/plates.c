@@ -66,14 +66,14 @@ void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_loop *loop)
     loop->n = 0;
     loop->radius = r;
     if (n == 1) {
-        loop->side[loop->n++] = (lw_side){ lw_v2_add(p[0], lw_v2(r, 0)), p[0], true };
+        loop->side[loop->n++] = (lw_plate_side){ lw_v2_add(p[0], lw_v2(r, 0)), p[0], true };
         return;
     }
     for (int i = 0; i < n; i++) {
         lw_vec2 a = p[i], b = p[(i + 1) % n], d = lw_v2_sub(b, a);
         lw_vec2 off = lw_v2_scale(lw_v2_perp(d), -r/lw_v2_norm(d));
-        loop->side[loop->n++] = (lw_side){ lw_v2_add(a, off), { 0, 0 }, false };
-        loop->side[loop->n++] = (lw_side){ lw_v2_add(b, off), b, true };
+        loop->side[loop->n++] = (lw_plate_side){ lw_v2_add(a, off), { 0, 0 }, false };
+        loop->side[loop->n++] = (lw_plate_side){ lw_v2_add(b, off), b, true };
     }
 }
 

@@ -22,12 +22,12 @@ lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e);
 void lw_plates_room(const lw_plates *w, char *text, size_t size);
 
 /* A side of a loop, from its point to that of the next side: a line, or an arc about a centre, counter-clockwise. */
-typedef struct lw_side { lw_vec2 from, centre; bool arc; } lw_side;
+typedef struct lw_plate_side { lw_vec2 from, centre; bool arc; } lw_plate_side;
 
 typedef struct lw_loop {                   /* counter-clockwise [m]                                    */
     int     n;                             /* 1: a circle                                              */
     double  radius;                        /* of its arcs                                              */
-    lw_side side[2*LW_CORNER_MAX];
+    lw_plate_side side[2*LW_CORNER_MAX];
 } lw_loop;
 
 /* The outline of a convex polygon (counter-clockwise, or a bar, or a point), widened by r. */

@@ -419,6 +419,8 @@ static double wanted(const lw_newton *s, double input)
     return (input - s->value)/s->unit - 2.0*LW_PI*s->here.input_turns;
 }
 
+enum { STEPS_MAX = 20000 };
+
 lw_status lw_newton_move(lw_newton *s, double input, double *reached)
 {
     lw_status status = LW_OK;
@@ -428,7 +430,7 @@ lw_status lw_newton_move(lw_newton *s, double input, double *reached)
     else if (target != from) {
         face(s, target > from ? 1 : -1);
         outcome o = s->limit ? ENDED : MOVED;
-        while (o == MOVED)
+        for (long steps = 0; o == MOVED && steps < STEPS_MAX; steps++)     /* a far input is not followed for ever */
             o = advance(s, wanted(s, input));
         status = o == ARRIVED ? LW_OK : o == ENDED ? LW_OPEN : LW_E_NUMERIC;
     }

@@ -28,7 +28,7 @@ void lw_outlines_begin(lw_outlines *d, const char *name, const char *label, cons
 {
     if (d->n == d->room) {
         int room = d->room ? 2*d->room : 64;
-        lw_outline *p = room <= LW_CURVE_MAX ? realloc(d->curve, (size_t)room*sizeof *p) : NULL;
+        lw_outline *p = room <= LW_DRAWN_CURVE_MAX ? realloc(d->curve, (size_t)room*sizeof *p) : NULL;
         d->failed = d->failed || !p;
         if (!p)
             return;
@@ -124,7 +124,7 @@ static lw_status check(const lw_outlines *d, const char *file, lw_error *e)
     if (d->failed)
         return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "the drawing has more than %d curves or %d points, or memory "
                            "ran "
-                           "out", LW_CURVE_MAX, LW_OUTLINE_MAX);
+                           "out", LW_DRAWN_CURVE_MAX, LW_OUTLINE_MAX);
     for (int i = 0; i < d->n; i++)
         for (size_t k = 0; k < d->curve[i].n; k++)
             if (!(fabs(d->curve[i].p[k].x)*d->scale <= LW_COORDINATE_MAX

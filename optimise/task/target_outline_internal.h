@@ -6,7 +6,7 @@
 #include "optimise/task/target_outline.h"
 
 #define LW_OUTLINE_MAX  4000000       /* points of a drawing                                        */
-#define LW_CURVE_MAX    50000         /* curves, or pieces of them                                  */
+#define LW_DRAWN_CURVE_MAX 50000         /* curves, or pieces of them                                  */
 #define LW_OUTLINE_ARCS 128           /* steps of a curve segment, or of a turn of an arc           */
 
 /* An affine map: x' = a x + c y + e, y' = b x + d y + f. */
