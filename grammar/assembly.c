@@ -14,38 +14,45 @@ void lw_assembly_free(lw_assembly *a)
     memset(a, 0, sizeof *a);
 }
 
-lw_assembly lw_linkage_view(const lw_linkage *k)
+lw_assembly lw_linkage_view(const lw_linkage *linkage)
 {
-    lw_linkage *own = (lw_linkage *)(uintptr_t)k;
-    lw_assembly a = { .n_link = k->n_link, .n_joint = k->n_joint, .n_input = k->n_input, .n_tracer = k->n_tracer,
-                      .ground = k->ground, .link_name = own->link_name, .joint = own->joint, .input = own->input,
-                      .tracer = own->tracer, .units = k->units };
-    memcpy(a.name, k->name, sizeof a.name);
+    lw_linkage *own = (lw_linkage *)(uintptr_t)linkage;
+    lw_assembly a = { .n_link = linkage->n_link,
+                      .n_joint = linkage->n_joint,
+                      .n_input = linkage->n_input,
+                      .n_tracer = linkage->n_tracer,
+                      .ground = linkage->ground,
+                      .link_name = own->link_name,
+                      .joint = own->joint,
+                      .input = own->input,
+                      .tracer = own->tracer,
+                      .units = linkage->units };
+    memcpy(a.name, linkage->name, sizeof a.name);
     return a;
 }
 
-lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *k, lw_error *e)
+lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *linkage, lw_error *e)
 {
     if (a->n_link > LW_LINK_MAX || a->n_joint > LW_JOINT_MAX || a->n_input > LW_INPUT_MAX || a->n_tracer > LW_TRACER_MAX)
         return lw_error_set(e, LW_E_KIND, "%d links, %d joints, %d inputs and %d tracers are too many here: at most %d, "
                             "%d, %d and %d; only \"linkwright simulate\" has no limit", a->n_link, a->n_joint, a->n_input,
                             a->n_tracer, LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
-    memset(k, 0, sizeof *k);
-    memcpy(k->name, a->name, sizeof k->name);
-    k->n_link = a->n_link;
-    k->n_joint = a->n_joint;
-    k->n_input = a->n_input;
-    k->n_tracer = a->n_tracer;
-    k->ground = a->ground;
-    k->units = a->units;
+    memset(linkage, 0, sizeof *linkage);
+    memcpy(linkage->name, a->name, sizeof linkage->name);
+    linkage->n_link = a->n_link;
+    linkage->n_joint = a->n_joint;
+    linkage->n_input = a->n_input;
+    linkage->n_tracer = a->n_tracer;
+    linkage->ground = a->ground;
+    linkage->units = a->units;
     if (a->n_link > 0)
-        memcpy(k->link_name, a->link_name, (size_t)a->n_link*sizeof *a->link_name);
+        memcpy(linkage->link_name, a->link_name, (size_t)a->n_link*sizeof *a->link_name);
     if (a->n_joint > 0)
-        memcpy(k->joint, a->joint, (size_t)a->n_joint*sizeof *a->joint);
+        memcpy(linkage->joint, a->joint, (size_t)a->n_joint*sizeof *a->joint);
     if (a->n_input > 0)
-        memcpy(k->input, a->input, (size_t)a->n_input*sizeof *a->input);
+        memcpy(linkage->input, a->input, (size_t)a->n_input*sizeof *a->input);
     if (a->n_tracer > 0)
-        memcpy(k->tracer, a->tracer, (size_t)a->n_tracer*sizeof *a->tracer);
+        memcpy(linkage->tracer, a->tracer, (size_t)a->n_tracer*sizeof *a->tracer);
     return LW_OK;
 }
 

@@ -22,11 +22,11 @@ typedef struct lw_assembly {
 /* Free the arrays of an assembly that was read or copied, and zero it. */
 void lw_assembly_free(lw_assembly *a);
 
-/* A view of k, which must outlive it. */
-lw_assembly lw_linkage_view(const lw_linkage *k);
+/* A view of the linkage, which must outlive it. */
+lw_assembly lw_linkage_view(const lw_linkage *linkage);
 
-/* Copy a to k.  LW_E_KIND: it has more parts than a linkage holds; the text says how many. */
-lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *k, lw_error *e);
+/* Copy a to linkage.  LW_E_KIND: it has more parts than a linkage holds; the text says how many. */
+lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *linkage, lw_error *e);
 
 /* Copy `from`, arrays too.  LW_E_MEMORY: *to is empty. */
 lw_status lw_assembly_copy(const lw_assembly *from, lw_assembly *to);

@@ -63,17 +63,17 @@ typedef struct lw_linkage {
 } lw_linkage;
 
 /* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2); a welded joint takes 3. */
-int lw_linkage_mobility(const lw_linkage *k);
+int lw_linkage_mobility(const lw_linkage *linkage);
 
 /* The number of free inputs.  They come first; the others are tied. */
-int lw_linkage_free_inputs(const lw_linkage *k);
+int lw_linkage_free_inputs(const lw_linkage *linkage);
 
 /* Value of the tied input i when the first input is at `first` [rad] or [m]. */
-double lw_linkage_tied_input(const lw_linkage *k, int i, double first);
+double lw_linkage_tied_input(const lw_linkage *linkage, int i, double first);
 
 /* Unit of the ratio of input i, with `metre` the length unit: metre if it slides and the first input turns,
  * 1/metre if it turns and the first slides, else 1. */
-double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre);
+double lw_linkage_tie_unit(const lw_linkage *linkage, int i, double metre);
 
 /* The bearings of a gear joint.  Speeds are relative to the carrier, so the ratio is that of the rotations, > 0
  * for an internal gear and < 0 for an external one.  With a rack it is the displacement of the rack along its
@@ -90,19 +90,19 @@ typedef struct lw_gear {
  * links welded together count as one.  If several links carry both, the carrier is the one on whose line of
  * centres the contact `at` divides by the ratio (to 1e-6 of the centres' distance).  LW_E_KIND: there is none (a
  * cam, for example), or more than one. */
-lw_status lw_linkage_gear(const lw_linkage *k, int joint, lw_gear *g, lw_error *e);
+lw_status lw_linkage_gear(const lw_linkage *linkage, int joint, lw_gear *g, lw_error *e);
 
 /* Unit of a ratio, with `metre` the length unit: metre if link[1] is a rack, 1/metre if link[0] is, else 1. */
 double lw_linkage_gear_unit(const lw_gear *g, double metre);
 
 /* The pitch point of a gear, where both sides have the same velocity; the middle of the centres for ratio 1. */
-lw_vec2 lw_linkage_contact(const lw_linkage *k, int joint, const lw_gear *g);
+lw_vec2 lw_linkage_contact(const lw_linkage *linkage, int joint, const lw_gear *g);
 
 #define LW_COORDINATE_MAX 1e100   /* larger ones overflow when squared: refused [m] */
 
 /* Check what a plan relies on: indices in range, two different links for each joint, a connected linkage, finite
  * numbers, unit directions, different names.  LW_E_ARG with a text naming the joint or link. */
-lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
+lw_status lw_linkage_check(const lw_linkage *linkage, lw_error *e);
 
 /* Default value of an input in the given posture.  A slider: 0 [m].  A pin [rad, in (-pi, pi]]: the direction of
  * the x axis of its driven link, which is the one of its two links that is not the ground; if both move, the
@@ -110,22 +110,22 @@ lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
  * the link in the order of `joint` (gears, welds and joints at the same place are skipped), or along that
  * joint's slide line if it is a slider or the link carries the slot.  If the link has no such joint, the axis
  * runs to its first tracer, otherwise along +x. */
-double lw_linkage_posture_input(const lw_linkage *k, int joint);
+double lw_linkage_posture_input(const lw_linkage *linkage, int joint);
 
 /* Read one linkage from JSON text (docs/notation.md, "Linkage"), or the first of a text with results, as
  * `linkwright fit --json` prints them.  `file` is for messages only.  LW_E_NOTATION with line and column, also for errors
  * of meaning (a link that does not exist). */
-lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k,
+lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *linkage,
                           lw_error *e);
 
 /* The same for result number `which` (from 1); 0: the first, or a text that holds one linkage.  LW_E_ARG: the text has
  * no such result. */
-lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *k,
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage,
                                  lw_error *e);
 
-/* JSON text of a linkage, in k->units.  Every double is written so that it reads back bit-equal (up to the rounding
+/* JSON text of a linkage, in its units.  Every double is written so that it reads back bit-equal (up to the rounding
  * of the unit conversion).  indent: blanks for each level, the text ends with a newline; 0: one line without a
  * newline.  Free with free(); NULL when out of memory. */
-char *lw_linkage_write(const lw_linkage *k, int indent);
+char *lw_linkage_write(const lw_linkage *linkage, int indent);
 
 #endif

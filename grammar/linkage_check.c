@@ -73,20 +73,24 @@ static lw_status check_names(const name_list *list, int *bad, lw_error *e)
 
 /* ---- parts ------------------------------------------------------------------------------------ */
 
-static lw_status check_counts(const lw_assembly *k, lw_error *e)
+static lw_status check_counts(const lw_assembly *assembly, lw_error *e)
 {
     const struct { const char *what; int n, least; } count[] = {
-        { "links", k->n_link, 2 }, { "joints", k->n_joint, 1 }, { "inputs", k->n_input, 0 }, { "tracers", k->n_tracer, 0 },
+        { "links", assembly->n_link, 2 },
+        { "joints", assembly->n_joint, 1 },
+        { "inputs", assembly->n_input, 0 },
+        { "tracers", assembly->n_tracer, 0 },
     };
     for (size_t i = 0; i < sizeof count/sizeof *count; i++)
         if (count[i].n < count[i].least || count[i].n > LW_PART_MAX)
             return lw_error_set(e, LW_E_ARG, "a linkage has at least %d %s, this one has %d", count[i].least, count[i].what,
                                 count[i].n);
-    if (!in_range(k->ground, k->n_link))
-        return lw_error_set(e, LW_E_ARG, "the ground is link number %d, which does not exist", k->ground);
-    if (!(k->units.metre > 0 && isfinite(k->units.metre) && k->units.radian > 0 && isfinite(k->units.radian)))
+    if (!in_range(assembly->ground, assembly->n_link))
+        return lw_error_set(e, LW_E_ARG, "the ground is link number %d, which does not exist", assembly->ground);
+    if (!(assembly->units.metre > 0 && isfinite(assembly->units.metre) && assembly->units.radian > 0
+          && isfinite(assembly->units.radian)))
         return lw_error_set(e, LW_E_ARG, "units must be positive and finite; use lw_units_si()");
-    if (!memchr(k->name, '\0', sizeof k->name))
+    if (!memchr(assembly->name, '\0', sizeof assembly->name))
         return lw_error_set(e, LW_E_ARG, "the name of the linkage is not terminated");
     return LW_OK;
 }
@@ -112,35 +116,35 @@ static lw_status check_direction(const lw_joint *j, lw_error *e)
     return LW_OK;
 }
 
-static lw_status check_joint(const lw_assembly *k, const lw_joint *j, lw_error *e)
+static lw_status check_joint(const lw_assembly *assembly, const lw_joint *j, lw_error *e)
 {
     if (!lw_joint_is_kind((char)j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is of no known kind: r pin, t slider, p pin in "
                             "slot, g gear, f fixed", j->name);
-    if (!in_range(j->link[0], k->n_link) || !in_range(j->link[1], k->n_link))
+    if (!in_range(j->link[0], assembly->n_link) || !in_range(j->link[1], assembly->n_link))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins links number %d and %d; there are links 0 to "
-                            "%d", j->name, j->link[0], j->link[1], k->n_link - 1);
+                            "%d", j->name, j->link[0], j->link[1], assembly->n_link - 1);
     if (j->link[0] == j->link[1])
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins link \"%s\" to itself; name two links",
-                            j->name, k->link_name[j->link[0]]);
+                            j->name, assembly->link_name[j->link[0]]);
     if (!sane(j->at.x) || !sane(j->at.y))
         return lw_error_set(e, LW_E_ARG, "the place of joint \"%s\" is not finite or beyond %g m", j->name,
                             LW_COORDINATE_MAX);
     return check_direction(j, e);
 }
 
-static lw_status check_input(const lw_assembly *k, int i, lw_error *e)
+static lw_status check_input(const lw_assembly *assembly, int i, lw_error *e)
 {
-    const lw_input *in = &k->input[i];
-    if (!in_range(in->joint, k->n_joint))
+    const lw_input *in = &assembly->input[i];
+    if (!in_range(in->joint, assembly->n_joint))
         return lw_error_set(e, LW_E_ARG, "input %d drives joint number %d, which does not exist", i + 1,
                             in->joint);
-    const lw_joint *j = &k->joint[in->joint];
+    const lw_joint *j = &assembly->joint[in->joint];
     if (!lw_joint_can_drive(j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' cannot be driven; an input is a pin "
                             "('r') or a slider ('t')", j->name, (char)j->kind);
     for (int h = 0; h < i; h++)
-        if (k->input[h].joint == in->joint)
+        if (assembly->input[h].joint == in->joint)
             return lw_error_set(e, LW_E_ARG, "joint \"%s\" is driven twice; drop one input", j->name);
     if (!sane(in->value) || !sane(in->first) || !sane(in->last) || !sane(in->ratio))
         return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" has a number that is not finite",
@@ -148,15 +152,15 @@ static lw_status check_input(const lw_assembly *k, int i, lw_error *e)
     if (i == 0 && in->ratio != 0)
         return lw_error_set(e, LW_E_ARG, "the first input, at joint \"%s\", has a ratio: there is none before it "
                             "that it could be tied to", j->name);
-    if (i > 0 && in->ratio == 0 && k->input[i - 1].ratio != 0)
+    if (i > 0 && in->ratio == 0 && assembly->input[i - 1].ratio != 0)
         return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" moves by itself and stands after one that is "
                             "tied to the first by its ratio; put it before that one", j->name);
     return LW_OK;
 }
 
-static lw_status check_tracer(const lw_assembly *k, const lw_tracer *t, lw_error *e)
+static lw_status check_tracer(const lw_assembly *assembly, const lw_tracer *t, lw_error *e)
 {
-    if (!in_range(t->link, k->n_link))
+    if (!in_range(t->link, assembly->n_link))
         return lw_error_set(e, LW_E_ARG, "tracer \"%s\" sits on link number %d, which does not exist",
                             t->name, t->link);
     if (!sane(t->at.x) || !sane(t->at.y) || !sane(t->angle))
@@ -175,29 +179,33 @@ static int head_of(int *head, int link)
 }
 
 /* Index of a link that no path of joints connects to the ground; -1 if there is none, -2 without memory. */
-static int find_loose_link(const lw_assembly *k)
+static int find_loose_link(const lw_assembly *assembly)
 {
-    int few[FEW], *head = k->n_link > FEW ? malloc((size_t)k->n_link*sizeof *head) : few, loose = -1;
+    int few[FEW], *head = assembly->n_link > FEW ? malloc((size_t)assembly->n_link*sizeof *head) : few, loose = -1;
     if (!head)
         return -2;
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < assembly->n_link; i++)
         head[i] = i;
-    for (int i = 0; i < k->n_joint; i++)
-        head[head_of(head, k->joint[i].link[0])] = head_of(head, k->joint[i].link[1]);
-    for (int i = 0; i < k->n_link && loose < 0; i++)
-        loose = head_of(head, i) == head_of(head, k->ground) ? -1 : i;
+    for (int i = 0; i < assembly->n_joint; i++)
+        head[head_of(head, assembly->joint[i].link[0])] = head_of(head, assembly->joint[i].link[1]);
+    for (int i = 0; i < assembly->n_link && loose < 0; i++)
+        loose = head_of(head, i) == head_of(head, assembly->ground) ? -1 : i;
     if (head != few)
         free(head);
     return loose;
 }
 
 /* Names of links, joints and tracers first: later messages quote them. */
-static lw_status check_all_names(const lw_assembly *k, lw_linkage_place *place, lw_error *e)
+static lw_status check_all_names(const lw_assembly *assembly, lw_linkage_place *place, lw_error *e)
 {
     const struct { lw_linkage_part part; name_list names; } list[] = {
-        { LW_PART_LINK,   { "link", (const char *)k->link_name, sizeof *k->link_name, k->n_link } },
-        { LW_PART_JOINT,  { "joint", (const char *)k->joint + offsetof(lw_joint, name), sizeof *k->joint, k->n_joint } },
-        { LW_PART_TRACER, { "tracer", (const char *)k->tracer + offsetof(lw_tracer, name), sizeof *k->tracer, k->n_tracer } },
+        { LW_PART_LINK, { "link", (const char *)assembly->link_name, sizeof *assembly->link_name, assembly->n_link } },
+        { LW_PART_JOINT,
+          { "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
+            assembly->n_joint } },
+        { LW_PART_TRACER,
+          { "tracer", (const char *)assembly->tracer + offsetof(lw_tracer, name), sizeof *assembly->tracer,
+            assembly->n_tracer } },
     };
     lw_status s = LW_OK;
     for (size_t i = 0; s == LW_OK && i < sizeof list/sizeof *list; i++) {
@@ -207,52 +215,52 @@ static lw_status check_all_names(const lw_assembly *k, lw_linkage_place *place, 
     return s;
 }
 
-lw_status lw_assembly_find_fault(const lw_assembly *k, lw_linkage_place *place, lw_error *e)
+lw_status lw_assembly_find_fault(const lw_assembly *assembly, lw_linkage_place *place, lw_error *e)
 {
     lw_status s;
     *place = (lw_linkage_place){ LW_PART_WHOLE, 0 };
-    if ((s = check_counts(k, e)) != LW_OK || (s = check_all_names(k, place, e)) != LW_OK)
+    if ((s = check_counts(assembly, e)) != LW_OK || (s = check_all_names(assembly, place, e)) != LW_OK)
         return s;
-    for (int i = 0; i < k->n_joint; i++) {
+    for (int i = 0; i < assembly->n_joint; i++) {
         *place = (lw_linkage_place){ LW_PART_JOINT, i };
-        if ((s = check_joint(k, &k->joint[i], e)) != LW_OK)
+        if ((s = check_joint(assembly, &assembly->joint[i], e)) != LW_OK)
             return s;
     }
-    for (int i = 0; i < k->n_input; i++) {
+    for (int i = 0; i < assembly->n_input; i++) {
         *place = (lw_linkage_place){ LW_PART_INPUT, i };
-        if ((s = check_input(k, i, e)) != LW_OK)
+        if ((s = check_input(assembly, i, e)) != LW_OK)
             return s;
     }
-    for (int i = 0; i < k->n_tracer; i++) {
+    for (int i = 0; i < assembly->n_tracer; i++) {
         *place = (lw_linkage_place){ LW_PART_TRACER, i };
-        if ((s = check_tracer(k, &k->tracer[i], e)) != LW_OK)
+        if ((s = check_tracer(assembly, &assembly->tracer[i], e)) != LW_OK)
             return s;
     }
-    *place = (lw_linkage_place){ LW_PART_LINK, find_loose_link(k) };
+    *place = (lw_linkage_place){ LW_PART_LINK, find_loose_link(assembly) };
     if (place->index == -2)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (place->index >= 0)
         return lw_error_set(e, LW_E_ARG, "no chain of joints ties link \"%s\" to the ground; join it or "
-                            "leave it out", k->link_name[place->index]);
+                            "leave it out", assembly->link_name[place->index]);
     return LW_OK;
 }
 
-lw_status lw_assembly_check(const lw_assembly *k, lw_error *e)
+lw_status lw_assembly_check(const lw_assembly *assembly, lw_error *e)
 {
     lw_linkage_place place;
-    return lw_assembly_find_fault(k, &place, e);
+    return lw_assembly_find_fault(assembly, &place, e);
 }
 
-lw_status lw_linkage_check(const lw_linkage *k, lw_error *e)
+lw_status lw_linkage_check(const lw_linkage *linkage, lw_error *e)
 {
     const struct { const char *what; int n, most; } count[] = {
-        { "links", k->n_link, LW_LINK_MAX }, { "joints", k->n_joint, LW_JOINT_MAX },
-        { "inputs", k->n_input, LW_INPUT_MAX }, { "tracers", k->n_tracer, LW_TRACER_MAX },
+        { "links", linkage->n_link, LW_LINK_MAX }, { "joints", linkage->n_joint, LW_JOINT_MAX },
+        { "inputs", linkage->n_input, LW_INPUT_MAX }, { "tracers", linkage->n_tracer, LW_TRACER_MAX },
     };
     for (size_t i = 0; i < sizeof count/sizeof *count; i++)
         if (count[i].n > count[i].most)
             return lw_error_set(e, LW_E_ARG, "a linkage has at most %d %s, this one has %d", count[i].most, count[i].what,
                                 count[i].n);
-    lw_assembly a = lw_linkage_view(k);
+    lw_assembly a = lw_linkage_view(linkage);
     return lw_assembly_check(&a, e);
 }

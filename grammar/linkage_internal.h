@@ -15,6 +15,6 @@ typedef struct lw_linkage_place {
 } lw_linkage_place;
 
 /* lw_assembly_check; on failure *place gets the faulty part. */
-lw_status lw_assembly_find_fault(const lw_assembly *k, lw_linkage_place *place, lw_error *e);
+lw_status lw_assembly_find_fault(const lw_assembly *assembly, lw_linkage_place *place, lw_error *e);
 
 #endif

@@ -18,15 +18,15 @@ static lw_status has_memory(const void *p, lw_error *e)
 }
 
 /* The link that a node names; a new name adds a link. */
-static lw_status meet_link(const lw_json_node *n, lw_assembly *k, lw_error *e)
+static lw_status meet_link(const lw_json_node *n, lw_assembly *assembly, lw_error *e)
 {
     char name[LW_NAME_SIZE];
     lw_status s = lw_json_name(n, name, sizeof name, e);
-    for (int i = 0; s == LW_OK && i < k->n_link; i++)
-        if (strcmp(name, k->link_name[i]) == 0)
+    for (int i = 0; s == LW_OK && i < assembly->n_link; i++)
+        if (strcmp(name, assembly->link_name[i]) == 0)
             return LW_OK;
     if (s == LW_OK)
-        strcpy(k->link_name[k->n_link++], name);
+        strcpy(assembly->link_name[assembly->n_link++], name);
     return s;
 }
 
@@ -74,7 +74,7 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
 }
 
 /* An element of "links": a name, or an object with the name and the masses of a model. */
-static lw_status read_link(const lw_json_node *n, lw_assembly *k, lw_error *e)
+static lw_status read_link(const lw_json_node *n, lw_assembly *assembly, lw_error *e)
 {
     static const char *const known[] = { "name", "mass", "centre", "inertia" };
     lw_json_node name = *n;
@@ -85,23 +85,23 @@ static lw_status read_link(const lw_json_node *n, lw_assembly *k, lw_error *e)
             s = lw_read_need(n, "name", &name, e);
     }
     if (s == LW_OK)
-        s = lw_json_name(&name, k->link_name[k->n_link], LW_NAME_SIZE, e);
+        s = lw_json_name(&name, assembly->link_name[assembly->n_link], LW_NAME_SIZE, e);
     if (s == LW_OK)
-        k->n_link++;
+        assembly->n_link++;
     return s;
 }
 
 /* Without "links" the links are the ground and all links that joints name, in that order. */
-static lw_status gather_links(const lw_json_node *root, const lw_json_node *ground, lw_assembly *k, lw_error *e)
+static lw_status gather_links(const lw_json_node *root, const lw_json_node *ground, lw_assembly *assembly, lw_error *e)
 {
     lw_json_node joints, links;
     lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK)
         s = lw_read_list(&joints, 1, SIZE_MAX, e);
     if (s == LW_OK)
-        s = has_memory(k->link_name = calloc(2*lw_json_count(&joints) + 1, sizeof *k->link_name), e);
+        s = has_memory(assembly->link_name = calloc(2*lw_json_count(&joints) + 1, sizeof *assembly->link_name), e);
     if (s == LW_OK && ground)
-        s = meet_link(ground, k, e);
+        s = meet_link(ground, assembly, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
         s = lw_json_expect(&joint, LW_JSON_OBJECT, e);
@@ -111,13 +111,13 @@ static lw_status gather_links(const lw_json_node *root, const lw_json_node *grou
             s = lw_read_list(&links, 2, 2, e);
         for (size_t end = 0; s == LW_OK && end < 2; end++) {
             lw_json_node link = lw_json_element(&links, end);
-            s = meet_link(&link, k, e);
+            s = meet_link(&link, assembly, e);
         }
     }
     return s;
 }
 
-static lw_status read_links(const lw_json_node *root, lw_assembly *k, lw_error *e)
+static lw_status read_links(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
 {
     lw_json_node links, ground;
     bool has_ground = lw_json_member(root, "ground", &ground);
@@ -125,25 +125,25 @@ static lw_status read_links(const lw_json_node *root, lw_assembly *k, lw_error *
     if (lw_json_member(root, "links", &links)) {
         s = lw_read_list(&links, 2, SIZE_MAX, e);
         if (s == LW_OK)
-            s = has_memory(k->link_name = calloc(lw_json_count(&links) + 1, sizeof *k->link_name), e);
+            s = has_memory(assembly->link_name = calloc(lw_json_count(&links) + 1, sizeof *assembly->link_name), e);
         for (size_t i = 0; s == LW_OK && i < lw_json_count(&links); i++) {
             lw_json_node link = lw_json_element(&links, i);
-            s = read_link(&link, k, e);
+            s = read_link(&link, assembly, e);
         }
     } else
-        s = gather_links(root, has_ground ? &ground : NULL, k, e);
+        s = gather_links(root, has_ground ? &ground : NULL, assembly, e);
     if (s == LW_OK && has_ground)
-        return lw_read_link(&ground, k, &k->ground, e);
-    for (int i = 0; s == LW_OK && i < k->n_link; i++)
-        if (strcmp(k->link_name[i], "ground") == 0) {
-            k->ground = i;
+        return lw_read_link(&ground, assembly, &assembly->ground, e);
+    for (int i = 0; s == LW_OK && i < assembly->n_link; i++)
+        if (strcmp(assembly->link_name[i], "ground") == 0) {
+            assembly->ground = i;
             return LW_OK;
         }
     return s == LW_OK ? lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link "
                                       "\"ground\"") : s;
 }
 
-static lw_status read_head(const lw_json_node *root, lw_assembly *k, lw_error *e)
+static lw_status read_head(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input",
                                          "inputs", "tracers", "fit", "$schema", "gravity", "springs", "dampers",
@@ -157,11 +157,11 @@ static lw_status read_head(const lw_json_node *root, lw_assembly *k, lw_error *e
     if (s == LW_OK && lw_json_member(root, "name", &n)) {
         s = lw_json_expect(&n, LW_JSON_TEXT, e);
         if (s == LW_OK && *lw_json_text(&n))
-            s = lw_json_name(&n, k->name, sizeof k->name, e);
+            s = lw_json_name(&n, assembly->name, sizeof assembly->name, e);
     }
     if (s == LW_OK)
-        s = lw_read_units(root, &k->units, e);
-    return s == LW_OK ? read_links(root, k, e) : s;
+        s = lw_read_units(root, &assembly->units, e);
+    return s == LW_OK ? read_links(root, assembly, e) : s;
 }
 
 /* ---- joints ------------------------------------------------------------------------------------ */
@@ -198,7 +198,7 @@ static lw_status read_unit_vector(const lw_json_node *n, lw_vec2 *out, lw_error 
     return LW_OK;
 }
 
-static lw_status read_direction(const lw_json_node *joint, const lw_assembly *k, lw_joint *j, lw_error *e)
+static lw_status read_direction(const lw_json_node *joint, const lw_assembly *assembly, lw_joint *j, lw_error *e)
 {
     lw_json_node along, angle;
     bool has_along = lw_json_member(joint, "along", &along), has_angle = lw_json_member(joint, "angle", &angle);
@@ -216,7 +216,7 @@ static lw_status read_direction(const lw_json_node *joint, const lw_assembly *k,
     if (!has_angle)
         return lw_json_fault(joint, e, "a joint of kind \"%c\" slides: give \"along\": [dx, dy] or \"angle\"",
                              (char)j->kind);
-    lw_status s = lw_read_optional(joint, "angle", k->units.radian, &turn, &has_angle, e);
+    lw_status s = lw_read_optional(joint, "angle", assembly->units.radian, &turn, &has_angle, e);
     j->along = lw_v2_polar(1, turn);
     return s;
 }
@@ -234,7 +234,7 @@ static lw_status read_ratio(const lw_json_node *joint, lw_joint *j, lw_error *e)
     return lw_read_optional(joint, "ratio", 1, &j->ratio, &given, e);
 }
 
-static lw_status read_joint(const lw_json_node *joint, lw_assembly *k, lw_joint *j, lw_error *e)
+static lw_status read_joint(const lw_json_node *joint, lw_assembly *assembly, lw_joint *j, lw_error *e)
 {
     static const char *const known[] = { "name", "kind", "links", "at", "along", "angle", "ratio", "friction",
                                          "stop", "clearance" };
@@ -249,75 +249,75 @@ static lw_status read_joint(const lw_json_node *joint, lw_assembly *k, lw_joint 
         s = lw_read_list(&links, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
         lw_json_node link = lw_json_element(&links, end);
-        s = lw_read_link(&link, k, &j->link[end], e);
+        s = lw_read_link(&link, assembly, &j->link[end], e);
     }
     bool placed = lw_json_member(joint, "at", &at);
     if (s == LW_OK && !placed && lw_joint_has_position(j->kind))
         s = lw_read_need(joint, "at", &at, e);
     if (s == LW_OK && placed)
-        s = lw_read_pair(&at, k->units.metre, &j->at, e);
+        s = lw_read_pair(&at, assembly->units.metre, &j->at, e);
     if (s == LW_OK)
-        s = read_direction(joint, k, j, e);
+        s = read_direction(joint, assembly, j, e);
     return s == LW_OK ? read_ratio(joint, j, e) : s;
 }
 
 /* Convert the ratio of a rack, which contains a length, and compute a contact point that was left out. */
-static lw_status finish_gear(const lw_json_node *joint, lw_assembly *k, int i, lw_error *e)
+static lw_status finish_gear(const lw_json_node *joint, lw_assembly *assembly, int i, lw_error *e)
 {
     lw_json_node at, ratio;
     lw_gear gear;
     lw_error why;
     lw_vec2 contact;
-    lw_joint *j = &k->joint[i];
+    lw_joint *j = &assembly->joint[i];
     bool placed = lw_json_member(joint, "at", &at);
-    if (lw_assembly_gear(k, i, &gear, NULL, &why) != LW_OK)
+    if (lw_assembly_gear(assembly, i, &gear, NULL, &why) != LW_OK)
         return placed ? LW_OK : lw_json_fault(joint, e, "%s", why.text);
     lw_json_member(joint, "ratio", &ratio);
-    j->ratio *= lw_linkage_gear_unit(&gear, k->units.metre);
+    j->ratio *= lw_linkage_gear_unit(&gear, assembly->units.metre);
     if (!(fabs(j->ratio) > 0 && fabs(j->ratio) <= LW_COORDINATE_MAX))
         return lw_json_fault(&ratio, e, "the ratio of a gear is a number other than 0");
-    if (!placed && lw_assembly_gear(k, i, &gear, &contact, &why) == LW_OK)
+    if (!placed && lw_assembly_gear(assembly, i, &gear, &contact, &why) == LW_OK)
         j->at = contact;
     return LW_OK;
 }
 
 /* A weld without a place is put where the other joints of its first link are. */
-static void finish_weld(lw_assembly *k, int i)
+static void finish_weld(lw_assembly *assembly, int i)
 {
-    for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind != LW_JOINT_FIXED && (k->joint[j].link[0] == k->joint[i].link[0] ||
-                                                  k->joint[j].link[1] == k->joint[i].link[0])) {
-            k->joint[i].at = k->joint[j].at;
+    for (int j = 0; j < assembly->n_joint; j++)
+        if (assembly->joint[j].kind != LW_JOINT_FIXED && (assembly->joint[j].link[0] == assembly->joint[i].link[0] ||
+                                                  assembly->joint[j].link[1] == assembly->joint[i].link[0])) {
+            assembly->joint[i].at = assembly->joint[j].at;
             return;
         }
 }
 
-static lw_status finish_joint(const lw_json_node *joint, lw_assembly *k, int i, lw_error *e)
+static lw_status finish_joint(const lw_json_node *joint, lw_assembly *assembly, int i, lw_error *e)
 {
     lw_json_node at;
-    if (lw_joint_has_ratio(k->joint[i].kind))
-        return finish_gear(joint, k, i, e);
-    if (k->joint[i].kind == LW_JOINT_FIXED && !lw_json_member(joint, "at", &at))
-        finish_weld(k, i);
+    if (lw_joint_has_ratio(assembly->joint[i].kind))
+        return finish_gear(joint, assembly, i, e);
+    if (assembly->joint[i].kind == LW_JOINT_FIXED && !lw_json_member(joint, "at", &at))
+        finish_weld(assembly, i);
     return LW_OK;
 }
 
-static lw_status read_joints(const lw_json_node *root, lw_assembly *k, lw_error *e)
+static lw_status read_joints(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
 {
     lw_json_node joints;
     lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK)
         s = lw_read_list(&joints, 1, SIZE_MAX, e);
     if (s == LW_OK)
-        s = has_memory(k->joint = calloc(lw_json_count(&joints) + 1, sizeof *k->joint), e);
+        s = has_memory(assembly->joint = calloc(lw_json_count(&joints) + 1, sizeof *assembly->joint), e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
-        s = read_joint(&joint, k, &k->joint[i], e);
-        k->n_joint++;
+        s = read_joint(&joint, assembly, &assembly->joint[i], e);
+        assembly->n_joint++;
     }
-    for (int i = 0; s == LW_OK && i < k->n_joint; i++) {
+    for (int i = 0; s == LW_OK && i < assembly->n_joint; i++) {
         lw_json_node joint = lw_json_element(&joints, (size_t)i);
-        s = finish_joint(&joint, k, i, e);
+        s = finish_joint(&joint, assembly, i, e);
     }
     return s;
 }
@@ -325,14 +325,14 @@ static lw_status read_joints(const lw_json_node *root, lw_assembly *k, lw_error 
 /* ---- inputs and tracers ------------------------------------------------------------------------ */
 
 /* A tied input has no motion of its own. */
-static lw_status read_tie(const lw_json_node *input, const lw_assembly *k, lw_input *in, lw_error *e)
+static lw_status read_tie(const lw_json_node *input, const lw_assembly *assembly, lw_input *in, lw_error *e)
 {
     static const char *const own[] = { "first", "last", "motion", "speed" };
     lw_json_node n;
     bool given;
     if (!lw_json_member(input, "ratio", &n))
         return LW_OK;
-    double unit = lw_assembly_tie_unit(k, (int)(in - k->input), k->units.metre);
+    double unit = lw_assembly_tie_unit(assembly, (int)(in - assembly->input), assembly->units.metre);
     lw_status s = lw_read_optional(input, "ratio", unit, &in->ratio, &given, e);
     if (s == LW_OK && in->ratio == 0)
         return lw_json_fault(&n, e, "a ratio of 0 would hold the joint still; weld it, or leave \"ratio\" out");
@@ -343,7 +343,7 @@ static lw_status read_tie(const lw_json_node *input, const lw_assembly *k, lw_in
     return s;
 }
 
-static lw_status read_input(const lw_json_node *input, lw_assembly *k, lw_input *in, lw_error *e)
+static lw_status read_input(const lw_json_node *input, lw_assembly *assembly, lw_input *in, lw_error *e)
 {
     static const char *const known[] = { "joint", "value", "first", "last", "motion", "speed", "ratio" };
     lw_json_node joint;
@@ -351,10 +351,10 @@ static lw_status read_input(const lw_json_node *input, lw_assembly *k, lw_input 
     lw_status s = lw_json_expect(input, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(input, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(input, "joint", &joint, e)) == LW_OK)
-        s = lw_read_joint(&joint, k, &in->joint, e);
+        s = lw_read_joint(&joint, assembly, &in->joint, e);
     if (s != LW_OK)
         return s;
-    double unit = lw_joint_slides(k->joint[in->joint].kind) ? k->units.metre : k->units.radian;
+    double unit = lw_joint_slides(assembly->joint[in->joint].kind) ? assembly->units.metre : assembly->units.radian;
     s = lw_read_optional(input, "value", unit, &in->value, &has_value, e);
     if (s == LW_OK)
         s = lw_read_optional(input, "first", unit, &in->first, &has_first, e);
@@ -362,10 +362,10 @@ static lw_status read_input(const lw_json_node *input, lw_assembly *k, lw_input 
         s = lw_read_optional(input, "last", unit, &in->last, &has_last, e);
     if (s == LW_OK && has_first != has_last)
         s = lw_json_fault(input, e, "\"first\" and \"last\" bound the motion together; give both or none");
-    return s == LW_OK ? read_tie(input, k, in, e) : s;
+    return s == LW_OK ? read_tie(input, assembly, in, e) : s;
 }
 
-static lw_status read_inputs(const lw_json_node *root, lw_assembly *k, lw_error *e)
+static lw_status read_inputs(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
 {
     lw_json_node one, many;
     bool has_one = lw_json_member(root, "input", &one), has_many = lw_json_member(root, "inputs", &many);
@@ -376,16 +376,16 @@ static lw_status read_inputs(const lw_json_node *root, lw_assembly *k, lw_error 
     lw_status s = has_many ? lw_read_list(&many, 1, SIZE_MAX, e) : LW_OK;
     size_t n = s == LW_OK && has_many ? lw_json_count(&many) : 1;
     if (s == LW_OK)
-        s = has_memory(k->input = calloc(n, sizeof *k->input), e);
+        s = has_memory(assembly->input = calloc(n, sizeof *assembly->input), e);
     for (size_t i = 0; s == LW_OK && i < n; i++) {
         lw_json_node input = has_many ? lw_json_element(&many, i) : one;
-        k->n_input++;
-        s = read_input(&input, k, &k->input[i], e);
+        assembly->n_input++;
+        s = read_input(&input, assembly, &assembly->input[i], e);
     }
     return s;
 }
 
-static lw_status read_tracer(const lw_json_node *tracer, lw_assembly *k, lw_tracer *t, lw_error *e)
+static lw_status read_tracer(const lw_json_node *tracer, lw_assembly *assembly, lw_tracer *t, lw_error *e)
 {
     static const char *const known[] = { "name", "link", "at", "angle" };
     lw_json_node name, link, at;
@@ -395,26 +395,26 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_assembly *k, lw_trac
         (s = lw_read_need(tracer, "name", &name, e)) == LW_OK)
         s = lw_json_name(&name, t->name, sizeof t->name, e);
     if (s == LW_OK && (s = lw_read_need(tracer, "link", &link, e)) == LW_OK)
-        s = lw_read_link(&link, k, &t->link, e);
+        s = lw_read_link(&link, assembly, &t->link, e);
     if (s == LW_OK && (s = lw_read_need(tracer, "at", &at, e)) == LW_OK)
-        s = lw_read_pair(&at, k->units.metre, &t->at, e);
+        s = lw_read_pair(&at, assembly->units.metre, &t->at, e);
     if (s == LW_OK)
-        s = lw_read_optional(tracer, "angle", k->units.radian, &t->angle, &given, e);
+        s = lw_read_optional(tracer, "angle", assembly->units.radian, &t->angle, &given, e);
     return s;
 }
 
-static lw_status read_tracers(const lw_json_node *root, lw_assembly *k, lw_error *e)
+static lw_status read_tracers(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
 {
     lw_json_node tracers;
     if (!lw_json_member(root, "tracers", &tracers))
         return LW_OK;
     lw_status s = lw_read_list(&tracers, 0, SIZE_MAX, e);
     if (s == LW_OK)
-        s = has_memory(k->tracer = calloc(lw_json_count(&tracers) + 1, sizeof *k->tracer), e);
+        s = has_memory(assembly->tracer = calloc(lw_json_count(&tracers) + 1, sizeof *assembly->tracer), e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&tracers); i++) {
         lw_json_node tracer = lw_json_element(&tracers, i);
-        s = read_tracer(&tracer, k, &k->tracer[i], e);
-        k->n_tracer++;
+        s = read_tracer(&tracer, assembly, &assembly->tracer[i], e);
+        assembly->n_tracer++;
     }
     return s;
 }
@@ -447,25 +447,25 @@ static bool input_has_value(const lw_json_node *root, int i)
     return lw_json_member(&input, "value", &value);
 }
 
-lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *k, lw_error *e)
+lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *assembly, lw_error *e)
 {
     lw_linkage_place place;
     lw_error fault;
-    lw_status s = read_head(root, k, e);
+    lw_status s = read_head(root, assembly, e);
     if (s == LW_OK)
-        s = read_joints(root, k, e);
+        s = read_joints(root, assembly, e);
     if (s == LW_OK)
-        s = read_inputs(root, k, e);
+        s = read_inputs(root, assembly, e);
     if (s == LW_OK)
-        s = read_tracers(root, k, e);
-    lw_status found = s == LW_OK ? lw_assembly_find_fault(k, &place, &fault) : s;
+        s = read_tracers(root, assembly, e);
+    lw_status found = s == LW_OK ? lw_assembly_find_fault(assembly, &place, &fault) : s;
     if (s == LW_OK && found == LW_E_MEMORY)
         return lw_error_set(e, found, "%s", fault.text);
     if (s == LW_OK && found != LW_OK)
         s = fault_at(root, place, fault.text, e);
-    for (int i = 0; s == LW_OK && i < k->n_input; i++)
+    for (int i = 0; s == LW_OK && i < assembly->n_input; i++)
         if (!input_has_value(root, i))
-            k->input[i].value = lw_assembly_posture_input(k, k->input[i].joint);
+            assembly->input[i].value = lw_assembly_posture_input(assembly, assembly->input[i].joint);
     return s;
 }
 
@@ -487,27 +487,27 @@ lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], 
     return LW_OK;
 }
 
-lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *k,
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage,
                                  lw_error *e)
 {
     lw_json json;
     lw_error fault;
     lw_assembly a = { .units = lw_units_si() };
     lw_json_node place[4];
-    *k = (lw_linkage){ .units = lw_units_si() };
+    *linkage = (lw_linkage){ .units = lw_units_si() };
     lw_status s = lw_json_open(text, size, file, &json, e);
     if (s != LW_OK)
         return s;
     if ((s = lw_read_result(&json, which, place, e)) == LW_OK)
         s = lw_assembly_read_root(&place[3], &a, e);
-    if (s == LW_OK && lw_assembly_linkage(&a, k, &fault) != LW_OK)
+    if (s == LW_OK && lw_assembly_linkage(&a, linkage, &fault) != LW_OK)
         s = lw_json_fault(&place[3], e, "%s", fault.text);
     lw_assembly_free(&a);
     lw_json_close(&json);
     return s;
 }
 
-lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e)
+lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *linkage, lw_error *e)
 {
-    return lw_linkage_read_result(text, size, file, 0, k, e);
+    return lw_linkage_read_result(text, size, file, 0, linkage, e);
 }

@@ -63,35 +63,35 @@ static void put_pair(const writer *w, const char *key, lw_vec2 p, double unit)
     fputc(']', w->f);
 }
 
-static double ratio_unit(const writer *w, const lw_linkage *k, const lw_joint *j)
+static double ratio_unit(const writer *w, const lw_linkage *linkage, const lw_joint *j)
 {
     lw_gear gear;
-    bool carried = lw_linkage_gear(k, (int)(j - k->joint), &gear, NULL) == LW_OK;
+    bool carried = lw_linkage_gear(linkage, (int)(j - linkage->joint), &gear, NULL) == LW_OK;
     return carried ? lw_linkage_gear_unit(&gear, w->units->metre) : 1.0;
 }
 
-static void put_joint(const writer *w, const lw_linkage *k, const lw_joint *j)
+static void put_joint(const writer *w, const lw_linkage *linkage, const lw_joint *j)
 {
     fputc('{', w->f);
     put_text(w, "name", j->name);
     fprintf(w->f, ", \"kind\": \"%c\", \"links\": [", (char)j->kind);
-    put_string(w, k->link_name[j->link[0]]);
+    put_string(w, linkage->link_name[j->link[0]]);
     fputs(", ", w->f);
-    put_string(w, k->link_name[j->link[1]]);
+    put_string(w, linkage->link_name[j->link[1]]);
     fputc(']', w->f);
     put_pair(w, "at", j->at, w->units->metre);
     if (lw_joint_slides(j->kind))
         put_pair(w, "along", j->along, 1);
     if (lw_joint_has_ratio(j->kind)) {
         fputs(", \"ratio\": ", w->f);
-        put_number(w, j->ratio, ratio_unit(w, k, j));
+        put_number(w, j->ratio, ratio_unit(w, linkage, j));
     }
     fputc('}', w->f);
 }
 
-static void put_input(const writer *w, const lw_linkage *k, const lw_input *in)
+static void put_input(const writer *w, const lw_linkage *linkage, const lw_input *in)
 {
-    const lw_joint *j = &k->joint[in->joint];
+    const lw_joint *j = &linkage->joint[in->joint];
     double unit = lw_joint_slides(j->kind) ? w->units->metre : w->units->radian;
     fputc('{', w->f);
     put_text(w, "joint", j->name);
@@ -105,84 +105,84 @@ static void put_input(const writer *w, const lw_linkage *k, const lw_input *in)
     }
     if (in->ratio != 0) {
         fputs(", \"ratio\": ", w->f);
-        put_number(w, in->ratio, lw_linkage_tie_unit(k, (int)(in - k->input), w->units->metre));
+        put_number(w, in->ratio, lw_linkage_tie_unit(linkage, (int)(in - linkage->input), w->units->metre));
     }
     fputc('}', w->f);
 }
 
-static void put_tracer(const writer *w, const lw_linkage *k, const lw_tracer *t)
+static void put_tracer(const writer *w, const lw_linkage *linkage, const lw_tracer *t)
 {
     fputc('{', w->f);
     put_text(w, "name", t->name);
     fputs(", ", w->f);
-    put_text(w, "link", k->link_name[t->link]);
+    put_text(w, "link", linkage->link_name[t->link]);
     put_pair(w, "at", t->at, w->units->metre);
     fputs(", \"angle\": ", w->f);
     put_number(w, t->angle, w->units->radian);
     fputc('}', w->f);
 }
 
-static void put_head(const writer *w, const lw_linkage *k)
+static void put_head(const writer *w, const lw_linkage *linkage)
 {
     put_line(w, 1);
     fputs("\"linkwright\": 1", w->f);
     put_step(w, 1, 1);
-    put_text(w, "name", k->name);
+    put_text(w, "name", linkage->name);
     put_step(w, 1, 1);
     fputs("\"units\": {", w->f);
-    if (k->units.length[0]) {
-        put_text(w, "length", k->units.length);
+    if (linkage->units.length[0]) {
+        put_text(w, "length", linkage->units.length);
         fputs(", ", w->f);
     }
-    put_text(w, "angle", k->units.angle);
+    put_text(w, "angle", linkage->units.angle);
     fputc('}', w->f);
     put_step(w, 1, 1);
     fputs("\"links\": [", w->f);
-    for (int i = 0; i < k->n_link; i++) {
+    for (int i = 0; i < linkage->n_link; i++) {
         fputs(i > 0 ? ", " : "", w->f);
-        put_string(w, k->link_name[i]);
+        put_string(w, linkage->link_name[i]);
     }
     fputc(']', w->f);
     put_step(w, 1, 1);
-    put_text(w, "ground", k->link_name[k->ground]);
+    put_text(w, "ground", linkage->link_name[linkage->ground]);
 }
 
-static void put_inputs(const writer *w, const lw_linkage *k)
+static void put_inputs(const writer *w, const lw_linkage *linkage)
 {
-    if (k->n_input == 0)
+    if (linkage->n_input == 0)
         return;
     put_step(w, 1, 1);
-    fputs(k->n_input == 1 ? "\"input\": " : "\"inputs\": [", w->f);
-    for (int i = 0; i < k->n_input; i++) {
-        if (k->n_input > 1)
+    fputs(linkage->n_input == 1 ? "\"input\": " : "\"inputs\": [", w->f);
+    for (int i = 0; i < linkage->n_input; i++) {
+        if (linkage->n_input > 1)
             put_step(w, 2, i);
-        put_input(w, k, &k->input[i]);
+        put_input(w, linkage, &linkage->input[i]);
     }
-    if (k->n_input > 1) {
+    if (linkage->n_input > 1) {
         put_line(w, 1);
         fputc(']', w->f);
     }
 }
 
-static void put_linkage(const writer *w, const lw_linkage *k)
+static void put_linkage(const writer *w, const lw_linkage *linkage)
 {
     fputc('{', w->f);
-    put_head(w, k);
+    put_head(w, linkage);
     put_step(w, 1, 1);
     fputs("\"joints\": [", w->f);
-    for (int i = 0; i < k->n_joint; i++) {
+    for (int i = 0; i < linkage->n_joint; i++) {
         put_step(w, 2, i);
-        put_joint(w, k, &k->joint[i]);
+        put_joint(w, linkage, &linkage->joint[i]);
     }
     put_line(w, 1);
     fputc(']', w->f);
-    put_inputs(w, k);
-    if (k->n_tracer > 0) {
+    put_inputs(w, linkage);
+    if (linkage->n_tracer > 0) {
         put_step(w, 1, 1);
         fputs("\"tracers\": [", w->f);
-        for (int i = 0; i < k->n_tracer; i++) {
+        for (int i = 0; i < linkage->n_tracer; i++) {
             put_step(w, 2, i);
-            put_tracer(w, k, &k->tracer[i]);
+            put_tracer(w, linkage, &linkage->tracer[i]);
         }
         put_line(w, 1);
         fputc(']', w->f);
@@ -191,14 +191,14 @@ static void put_linkage(const writer *w, const lw_linkage *k)
     fputs(w->indent > 0 ? "}\n" : "}", w->f);
 }
 
-char *lw_linkage_write(const lw_linkage *k, int indent)
+char *lw_linkage_write(const lw_linkage *linkage, int indent)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return NULL;
-    put_linkage(&(writer){ .f = f, .units = &k->units, .indent = indent }, k);
+    put_linkage(&(writer){ .f = f, .units = &linkage->units, .indent = indent }, linkage);
     bool failed = ferror(f) != 0;
     if (fclose(f) != 0 || failed) {
         free(text);

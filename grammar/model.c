@@ -22,9 +22,9 @@ lw_status lw_model_reserve(lw_model *m)
     return m->motion && m->has_speed && m->speed && m->body && m->friction && m->stop && m->clearance ? LW_OK : LW_E_MEMORY;
 }
 
-lw_status lw_model_from_linkage(const lw_linkage *k, lw_model *m)
+lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m)
 {
-    lw_assembly view = lw_linkage_view(k);
+    lw_assembly view = lw_linkage_view(linkage);
     memset(m, 0, sizeof *m);
     lw_status s = lw_assembly_copy(&view, &m->linkage);
     if (s == LW_OK)
@@ -34,11 +34,11 @@ lw_status lw_model_from_linkage(const lw_linkage *k, lw_model *m)
     return s;
 }
 
-lw_status lw_model_small(const lw_model *m, const lw_linkage **k, lw_error *e)
+lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error *e)
 {
     lw_linkage any;
-    *k = m->small;
-    return *k ? LW_OK : lw_assembly_linkage(&m->linkage, &any, e);
+    *linkage = m->small;
+    return *linkage ? LW_OK : lw_assembly_linkage(&m->linkage, &any, e);
 }
 
 static int time_alone(void *context, const char *word, const char *name, char *why)

@@ -120,12 +120,12 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
 void      lw_model_free(lw_model *m);
 
 /* m->small.  LW_E_KIND when it is NULL; the text says how large the model is. */
-lw_status lw_model_small(const lw_model *m, const lw_linkage **k, lw_error *e);
+lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error *e);
 
 /* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
 
 /* A model of a linkage alone: no masses, no loads.  LW_E_MEMORY: m is empty. */
-lw_status lw_model_from_linkage(const lw_linkage *k, lw_model *m);
+lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m);
 
 #endif

@@ -63,7 +63,7 @@ static int find_name(const char *name, const char *first, size_t stride, int n)
 }
 
 /* A variable of the state of the linkage: word(name). */
-static int look_up_state(const lw_assembly *k, const char *word, const char *name, char *why)
+static int look_up_state(const lw_assembly *assembly, const char *word, const char *name, char *why)
 {
     static const struct { const char *word; lw_quantity quantity; char of; } known[] = {
         { "q", LW_QUANTITY_Q, 'j' }, { "v", LW_QUANTITY_V, 'j' }, { "x", LW_QUANTITY_X, 't' },
@@ -79,12 +79,15 @@ static int look_up_state(const lw_assembly *k, const char *word, const char *nam
             snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
             return -1;
         }
-        int at = of == 'j' ? find_name(name, (const char *)k->joint + offsetof(lw_joint, name), sizeof *k->joint, k->n_joint)
-               : of == 't' ? find_name(name, (const char *)k->tracer + offsetof(lw_tracer, name), sizeof *k->tracer, k->n_tracer)
-               :             find_name(name, (const char *)k->link_name, sizeof *k->link_name, k->n_link);
+        int at = of == 'j'   ? find_name(name, (const char *)assembly->joint + offsetof(lw_joint, name),
+                                         sizeof *assembly->joint, assembly->n_joint)
+                 : of == 't' ? find_name(name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
+                                         sizeof *assembly->tracer, assembly->n_tracer)
+                             : find_name(name, (const char *)assembly->link_name, sizeof *assembly->link_name,
+                                         assembly->n_link);
         if (at < 0)
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
-        else if (of == 'j' && !lw_joint_can_drive(k->joint[at].kind))
+        else if (of == 'j' && !lw_joint_can_drive(assembly->joint[at].kind))
             snprintf(why, WHY_SIZE, "joint \"%.40s\" is neither a pin nor a slider: it counts nothing", name);
         else
             return lw_variable(known[i].quantity, at);
@@ -113,12 +116,12 @@ static int look_up_variable(void *context, const char *word, const char *name, c
 }
 
 /* Numbers are expressions too. */
-static lw_status read_expression(const lw_json_node *object, const char *key, const lw_assembly *k, scope sc,
+static lw_status read_expression(const lw_json_node *object, const char *key, const lw_assembly *assembly, scope sc,
                                  lw_expression **out, lw_error *e)
 {
     lw_json_node n;
     lw_error inner = { 0 };
-    look l = { k, sc };
+    look l = { assembly, sc };
     char digits[LW_NUMBER_SIZE];
     double value;
     if (!lw_json_member(object, key, &n))

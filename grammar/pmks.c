@@ -183,7 +183,7 @@ static void default_input(lw_points *p)
     }
 }
 
-lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
                        lw_error *e)
 {
     lw_points *p = calloc(1, sizeof *p);
@@ -202,7 +202,7 @@ lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw
     }
     if (s == LW_OK) {
         default_input(p);
-        s = lw_points_linkage(p, units, &c, k);
+        s = lw_points_linkage(p, units, &c, linkage);
     }
     free(t);
     free(p);
@@ -225,4 +225,4 @@ static void print_points(FILE *f, const lw_points *p, double metre)
     }
 }
 
-char *lw_pmks_write(const lw_linkage *k, lw_error *e) { return lw_points_text(k, print_points, e); }
+char *lw_pmks_write(const lw_linkage *linkage, lw_error *e) { return lw_points_text(linkage, print_points, e); }

@@ -62,11 +62,12 @@ lw_status lw_points_number(lw_cursor *c, const char *what, double *v)
 
 /* ---- points to joints -------------------------------------------------------------------------- */
 
-static lw_status add_joint(lw_linkage *k, const lw_point *q, int point, int copy, lw_joint_kind kind, int a, int b)
+static lw_status add_joint(lw_linkage *linkage, const lw_point *q, int point, int copy, lw_joint_kind kind, int a,
+                           int b)
 {
-    if (k->n_joint == LW_JOINT_MAX)
+    if (linkage->n_joint == LW_JOINT_MAX)
         return lw_cursor_fail(&q->where, "this needs more than %d joints", LW_JOINT_MAX);
-    lw_joint *j = &k->joint[k->n_joint++];
+    lw_joint *j = &linkage->joint[linkage->n_joint++];
     *j = (lw_joint){ .kind = kind, .link = { a, b }, .at = q->at };
     if (copy == 0)
         snprintf(j->name, sizeof j->name, "P%d", point);
@@ -86,18 +87,18 @@ static int centre_of(const lw_points *p, const lw_point *q, int first)
     return first;
 }
 
-static lw_status add_tracer(lw_linkage *k, const lw_point *q, int point)
+static lw_status add_tracer(lw_linkage *linkage, const lw_point *q, int point)
 {
-    if (k->n_tracer == LW_TRACER_MAX)
+    if (linkage->n_tracer == LW_TRACER_MAX)
         return lw_cursor_fail(&q->where, "this is one tracer (a point of one link) too many: at most %d",
                               LW_TRACER_MAX);
-    lw_tracer *t = &k->tracer[k->n_tracer++];
+    lw_tracer *t = &linkage->tracer[linkage->n_tracer++];
     *t = (lw_tracer){ .link = q->link[0], .at = q->at };
     snprintf(t->name, sizeof t->name, "P%d", point);
     return LW_OK;
 }
 
-static lw_status add_point(const lw_points *p, int point, lw_linkage *k)
+static lw_status add_point(const lw_points *p, int point, lw_linkage *linkage)
 {
     const lw_point *q = &p->point[point];
     lw_status s = LW_OK;
@@ -107,61 +108,61 @@ static lw_status add_point(const lw_points *p, int point, lw_linkage *k)
     if (first && q->n_link < 2)
         return lw_cursor_fail(&q->where, "a slider or a pin in a slot joins two links at least");
     if (q->n_link == 1)
-        return add_tracer(k, q, point);
+        return add_tracer(linkage, q, point);
     if (first)
-        s = add_joint(k, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_SLIDER : LW_JOINT_SLOT, q->link[0],
-                      q->link[1]);
+        s = add_joint(linkage, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_SLIDER : LW_JOINT_SLOT,
+                      q->link[0], q->link[1]);
     int centre = q->type == LW_POINT_PIN ? centre_of(p, q, 0) : 1;
     for (int i = first; s == LW_OK && i < q->n_link; i++)
         if (i != centre)
-            s = add_joint(k, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE,
+            s = add_joint(linkage, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE,
                           q->link[centre], q->link[i]);
     return s;
 }
 
 /* The joint that the input of point q drives; the joints of q begin at `first`. */
-static int driven_joint(const lw_linkage *k, const lw_point *q, int first)
+static int driven_joint(const lw_linkage *linkage, const lw_point *q, int first)
 {
-    for (int j = first; q->driven_link >= 0 && j < k->n_joint; j++)
-        if (k->joint[j].link[0] == q->driven_link || k->joint[j].link[1] == q->driven_link)
+    for (int j = first; q->driven_link >= 0 && j < linkage->n_joint; j++)
+        if (linkage->joint[j].link[0] == q->driven_link || linkage->joint[j].link[1] == q->driven_link)
             return j;
     return first;
 }
 
-static lw_status add_input(lw_linkage *k, const lw_point *q, int first)
+static lw_status add_input(lw_linkage *linkage, const lw_point *q, int first)
 {
     if (q->type == LW_POINT_SLOT || q->n_link < 2)
         return lw_cursor_fail(&q->where, "only a pin of two links or a slider can be an input");
-    if (k->n_input == LW_INPUT_MAX)
+    if (linkage->n_input == LW_INPUT_MAX)
         return lw_cursor_fail(&q->where, "this is one input too many: at most %d", LW_INPUT_MAX);
-    k->input[k->n_input++] = (lw_input){ .joint = driven_joint(k, q, first) };
+    linkage->input[linkage->n_input++] = (lw_input){ .joint = driven_joint(linkage, q, first) };
     return LW_OK;
 }
 
-lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *k)
+lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *linkage)
 {
     lw_error inner;
-    memset(k, 0, sizeof *k);
-    k->units = *units;
-    k->n_link = p->n_link;
-    memcpy(k->link_name, p->name, sizeof p->name);
-    k->ground = p->ground;
+    memset(linkage, 0, sizeof *linkage);
+    linkage->units = *units;
+    linkage->n_link = p->n_link;
+    memcpy(linkage->link_name, p->name, sizeof p->name);
+    linkage->ground = p->ground;
     if (p->n_point == 0)
         return lw_cursor_fail(end, "there is no joint");
     for (int i = 0; i < p->n_point; i++) {
-        int first = k->n_joint;
-        lw_status s = add_point(p, i, k);
+        int first = linkage->n_joint;
+        lw_status s = add_point(p, i, linkage);
         if (s == LW_OK && p->point[i].driven)
-            s = add_input(k, &p->point[i], first);
+            s = add_input(linkage, &p->point[i], first);
         if (s != LW_OK)
             return s;
     }
     if (p->ground < 0)
         return lw_cursor_fail(end, "no link is called ground; the fixed link must be");
-    if (lw_linkage_check(k, &inner) != LW_OK)
+    if (lw_linkage_check(linkage, &inner) != LW_OK)
         return lw_cursor_fail(&p->point[0].where, "%s", inner.text);
-    for (int i = 0; i < k->n_input; i++)
-        k->input[i].value = lw_linkage_posture_input(k, k->input[i].joint);
+    for (int i = 0; i < linkage->n_input; i++)
+        linkage->input[i].value = lw_linkage_posture_input(linkage, linkage->input[i].joint);
     return LW_OK;
 }
 
@@ -286,13 +287,13 @@ static void group_joint(grouping *g, int joint, lw_points *p)
 }
 
 /* True for a reserved name: a kind, the ground and, if nothing is driven, the name of PMKS' driven link. */
-static bool is_word(const lw_linkage *k, const char *name)
+static bool is_word(const lw_linkage *linkage, const char *name)
 {
     static const char *const words[] = { "r", "p", "rp", "g", "ground", "gnd", "grnd" };
     for (size_t i = 0; i < sizeof words/sizeof *words; i++)
         if (strcasecmp(name, words[i]) == 0)
             return true;
-    return k->n_input == 0 && strcasecmp(name, "input") == 0;
+    return linkage->n_input == 0 && strcasecmp(name, "input") == 0;
 }
 
 static bool taken(const lw_points *p, int n, const char *name)
@@ -303,58 +304,59 @@ static bool taken(const lw_points *p, int n, const char *name)
     return false;
 }
 
-static void name_links(const lw_linkage *k, lw_points *p)
+static void name_links(const lw_linkage *linkage, lw_points *p)
 {
-    for (int l = 0; l < k->n_link; l++) {
+    for (int l = 0; l < linkage->n_link; l++) {
         char *name = p->name[l], plain[LW_NAME_SIZE - 4];
         int n = 0;
-        if (l == k->ground) {
+        if (l == linkage->ground) {
             strcpy(name, "ground");
             continue;
         }
-        if (isdigit((unsigned char)k->link_name[l][0]))
+        if (isdigit((unsigned char)linkage->link_name[l][0]))
             plain[n++] = '_';
-        for (const char *c = k->link_name[l]; *c && n < (int)sizeof plain - 1; c++)
+        for (const char *c = linkage->link_name[l]; *c && n < (int)sizeof plain - 1; c++)
             plain[n++] = isascii((unsigned char)*c) && isalnum((unsigned char)*c) ? *c : '_';
         plain[n] = '\0';
         snprintf(name, LW_NAME_SIZE, "%s", plain);
-        for (int i = 2; is_word(k, name) || taken(p, l, name); i++)
+        for (int i = 2; is_word(linkage, name) || taken(p, l, name); i++)
             snprintf(name, LW_NAME_SIZE, "%s_%d", plain, i);
     }
 }
 
-static lw_status points_from(const lw_linkage *k, lw_points *p, lw_error *e)
+static lw_status points_from(const lw_linkage *linkage, lw_points *p, lw_error *e)
 {
-    grouping g = { .k = k, .lost = -1 };
+    grouping g = { .k = linkage, .lost = -1 };
     memset(p, 0, sizeof *p);
-    lw_status s = lw_linkage_check(k, e);
+    lw_status s = lw_linkage_check(linkage, e);
     if (s != LW_OK)
         return s;
-    p->n_link = k->n_link;
-    p->ground = k->ground;
-    name_links(k, p);
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_has_ratio(k->joint[j].kind))
+    p->n_link = linkage->n_link;
+    p->ground = linkage->ground;
+    name_links(linkage, p);
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (lw_joint_has_ratio(linkage->joint[j].kind))
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation",
-                                k->joint[j].name);
-    int own = lw_linkage_free_inputs(k);
-    if (own < k->n_input)
+                                linkage->joint[j].name);
+    int own = lw_linkage_free_inputs(linkage);
+    if (own < linkage->n_input)
         return lw_error_set(e, LW_E_KIND,
                             "the input at joint \"%s\" is tied to the first, which has no form in this notation",
-                            k->joint[k->input[own].joint].name);
-    for (int j = 0; j < k->n_joint; j++)
-        while (!g.used[j] && k->joint[j].kind != LW_JOINT_FIXED)
+                            linkage->joint[linkage->input[own].joint].name);
+    for (int j = 0; j < linkage->n_joint; j++)
+        while (!g.used[j] && linkage->joint[j].kind != LW_JOINT_FIXED)
             group_joint(&g, j, p);
-    for (int j = 0; j < k->n_joint; j++)
+    for (int j = 0; j < linkage->n_joint; j++)
         if (!g.used[j])
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a weld that is not at a slider, which has no form "
-                                "in this notation; make its two links one", k->joint[j].name);
+                                "in this notation; make its two links one", linkage->joint[j].name);
     if (g.lost >= 0)
         return lw_error_set(e, LW_E_KIND, "input \"%s\" turns two moving links on a pin of several, which has no "
-                            "form in this notation", k->joint[g.lost].name);
-    for (int i = 0; i < k->n_tracer; i++)
-        p->point[p->n_point++] = (lw_point){ .at = k->tracer[i].at, .n_link = 1, .link = { k->tracer[i].link },
-                                             .driven_link = -1 };
+                            "form in this notation", linkage->joint[g.lost].name);
+    for (int i = 0; i < linkage->n_tracer; i++)
+        p->point[p->n_point++] = (lw_point){
+            .at = linkage->tracer[i].at, .n_link = 1, .link = { linkage->tracer[i].link }, .driven_link = -1
+        };
     return LW_OK;
 }
 
@@ -371,15 +373,15 @@ lw_point_numbers lw_point_print(const lw_point *q, double metre)
     return n;
 }
 
-char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e)
+char *lw_points_text(const lw_linkage *linkage, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
     lw_points *p = calloc(1, sizeof *p);
-    lw_status s = p ? points_from(k, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    lw_status s = p ? points_from(linkage, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     FILE *f = s == LW_OK ? open_memstream(&text, &size) : NULL;
     if (f) {
-        print(f, p, k->units.metre);
+        print(f, p, linkage->units.metre);
         if (fclose(f) != 0) {
             free(text);
             text = NULL;

@@ -40,12 +40,12 @@ lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out);
 lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size_t n);
 
 /* Points to linkage; errors name the place of the point.  Inputs get the value of the posture. */
-lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *k);
+lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *linkage);
 
 /* Convert the linkage to points and let `print` write them; returns the text, to be freed with free().  Names are
  * reduced to letters, digits and underscores, stay different if case is ignored, and the ground becomes "ground".
  * NULL with e filled: LW_E_KIND for gears and for welds that are not at a slider, LW_E_MEMORY. */
-char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
+char *lw_points_text(const lw_linkage *linkage, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
 
 /* The type of a point in both notations, and its numbers as text: lengths in units of `metre`, the angle in degrees. */
 extern const char *const lw_point_type_text[3];

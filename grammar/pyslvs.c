@@ -243,7 +243,7 @@ static lw_status set_inputs(reader *r)
     return LW_OK;
 }
 
-lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
                          lw_error *e)
 {
     char buf[24];
@@ -263,7 +263,7 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
     if (s == LW_OK)
         s = set_inputs(&r);
     if (s == LW_OK)
-        s = lw_points_linkage(p, units, &r.c, k);
+        s = lw_points_linkage(p, units, &r.c, linkage);
     free(p);
     return s;
 }
@@ -305,4 +305,4 @@ static void print_points(FILE *f, const lw_points *p, double metre)
             fprintf(f, "# input %d %d\n", i, tip_of(p, i));
 }
 
-char *lw_pyslvs_write(const lw_linkage *k, lw_error *e) { return lw_points_text(k, print_points, e); }
+char *lw_pyslvs_write(const lw_linkage *linkage, lw_error *e) { return lw_points_text(linkage, print_points, e); }

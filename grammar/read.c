@@ -106,12 +106,13 @@ static lw_status look_up(const lw_json_node *n, const char *what, const char *fi
     return s;
 }
 
-lw_status lw_read_link(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e)
+lw_status lw_read_link(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e)
 {
-    return look_up(n, "link", (const char *)k->link_name, sizeof *k->link_name, k->n_link, out, e);
+    return look_up(n, "link", (const char *)assembly->link_name, sizeof *assembly->link_name, assembly->n_link, out, e);
 }
 
-lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e)
+lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e)
 {
-    return look_up(n, "joint", (const char *)k->joint + offsetof(lw_joint, name), sizeof *k->joint, k->n_joint, out, e);
+    return look_up(n, "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
+                   assembly->n_joint, out, e);
 }

@@ -24,8 +24,8 @@ lw_status lw_read_optional(const lw_json_node *object, const char *key, double u
 /* Index of the name that a node contains; an error with a suggestion when the name is unknown. */
 lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name,
                           int *out, lw_error *e);
-lw_status lw_read_link(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e);
-lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *k, int *out, lw_error *e);
+lw_status lw_read_link(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e);
+lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e);
 
 /* "units" of a root; u keeps its values where nothing is given. */
 lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e);
@@ -37,6 +37,6 @@ lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], 
 
 /* An assembly from its JSON object; members of a model are skipped.  k needs lw_assembly_free also after a
  * failure. */
-lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *k, lw_error *e);
+lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *assembly, lw_error *e);
 
 #endif

@@ -27,30 +27,30 @@ static void sketch_joint(const lw_mechanism *m, int i, lw_rng *rng, lw_joint *j)
         j->ratio = -ratio;
 }
 
-lw_status lw_linkage_sketch(const lw_mechanism *m, lw_rng *rng, lw_linkage *k)
+lw_status lw_linkage_sketch(const lw_mechanism *m, lw_rng *rng, lw_linkage *linkage)
 {
-    memset(k, 0, sizeof *k);
+    memset(linkage, 0, sizeof *linkage);
     if (m->ground == LW_NONE || m->output == LW_NONE)
         return LW_E_ARG;
-    k->n_link = m->n_link;
-    k->n_joint = m->n_joint;
-    k->ground = m->ground;
-    k->units = lw_units_si();
+    linkage->n_link = m->n_link;
+    linkage->n_joint = m->n_joint;
+    linkage->ground = m->ground;
+    linkage->units = lw_units_si();
     for (int i = 0; i < m->n_link; i++) {
-        snprintf(k->link_name[i], sizeof k->link_name[i], "L%d", i + 1);
+        snprintf(linkage->link_name[i], sizeof linkage->link_name[i], "L%d", i + 1);
         if (i == m->ground)
-            snprintf(k->link_name[i], sizeof k->link_name[i], "ground");
+            snprintf(linkage->link_name[i], sizeof linkage->link_name[i], "ground");
     }
     for (int i = 0; i < m->n_joint; i++)
-        sketch_joint(m, i, rng, &k->joint[i]);
-    k->n_input = m->n_input;
+        sketch_joint(m, i, rng, &linkage->joint[i]);
+    linkage->n_input = m->n_input;
     for (int i = 0; i < m->n_input; i++) {
-        k->input[i].joint = m->input[i];
-        k->input[i].value = lw_linkage_posture_input(k, m->input[i]);
+        linkage->input[i].joint = m->input[i];
+        linkage->input[i].value = lw_linkage_posture_input(linkage, m->input[i]);
     }
-    k->n_tracer = 1;
-    snprintf(k->tracer[0].name, sizeof k->tracer[0].name, "P");
-    k->tracer[0].link = m->output;
-    k->tracer[0].at = anywhere(rng);
+    linkage->n_tracer = 1;
+    snprintf(linkage->tracer[0].name, sizeof linkage->tracer[0].name, "P");
+    linkage->tracer[0].link = m->output;
+    linkage->tracer[0].at = anywhere(rng);
     return LW_OK;
 }

@@ -9,6 +9,6 @@
 /* Joints get random places in the unit square, slides random directions, gears random ratios.  Joint i of m becomes
  * joint i; joints are named J1, J2, ..., links L1, L2, ..., the ground "ground".  The inputs are those of m; one
  * tracer P is on the output link.  LW_E_ARG: no ground, or no output. */
-lw_status lw_linkage_sketch(const lw_mechanism *m, lw_rng *rng, lw_linkage *k);
+lw_status lw_linkage_sketch(const lw_mechanism *m, lw_rng *rng, lw_linkage *linkage);
 
 #endif

@@ -19,24 +19,24 @@ static void put_name(char *to, size_t size, const char *name, char letter, int i
         snprintf(to, size, "%c%d", letter, i + 1);
 }
 
-static lw_status fill(lw_linkage *k, int n_link, int ground, int n_joint, const lw_joint_info *joint, int n_input,
+static lw_status fill(lw_linkage *linkage, int n_link, int ground, int n_joint, const lw_joint_info *joint, int n_input,
                       const lw_input_info *input, int n_tracer, const lw_tracer_info *tracer, lw_error *e)
 {
     if (n_link < 1 || n_link > LW_LINK_MAX || n_joint < 0 || n_joint > LW_JOINT_MAX || n_input < 0
         || n_input > LW_INPUT_MAX || n_tracer < 0 || n_tracer > LW_TRACER_MAX)
         return lw_error_set(e, LW_E_ARG, "a linkage has 1 to %d links and up to %d joints, %d inputs and %d tracers",
                             LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
-    k->n_link = n_link;
-    k->n_joint = n_joint;
-    k->n_input = n_input;
-    k->n_tracer = n_tracer;
-    k->ground = ground;
-    k->units = lw_units_si();
+    linkage->n_link = n_link;
+    linkage->n_joint = n_joint;
+    linkage->n_input = n_input;
+    linkage->n_tracer = n_tracer;
+    linkage->ground = ground;
+    linkage->units = lw_units_si();
     for (int i = 0; i < n_link; i++)
-        put_name(k->link_name[i], LW_NAME_SIZE, i == ground ? "ground" : NULL, 'L', i);
+        put_name(linkage->link_name[i], LW_NAME_SIZE, i == ground ? "ground" : NULL, 'L', i);
     for (int i = 0; i < n_joint; i++) {
         const lw_joint_info *from = &joint[i];
-        lw_joint *j = &k->joint[i];
+        lw_joint *j = &linkage->joint[i];
         bool line = lw_joint_slides(from->kind);
         double length = lw_v2_norm(from->along);
         if (!lw_joint_is_kind(from->kind))
@@ -50,18 +50,18 @@ static lw_status fill(lw_linkage *k, int n_link, int ground, int n_joint, const 
         j->ratio = lw_joint_has_ratio(from->kind) ? from->ratio : 0;
     }
     for (int i = 0; i < n_tracer; i++) {
-        put_name(k->tracer[i].name, LW_NAME_SIZE, tracer[i].name, 'P', i);
-        k->tracer[i].link = tracer[i].link;
-        k->tracer[i].at = tracer[i].at;
-        k->tracer[i].angle = tracer[i].angle;
+        put_name(linkage->tracer[i].name, LW_NAME_SIZE, tracer[i].name, 'P', i);
+        linkage->tracer[i].link = tracer[i].link;
+        linkage->tracer[i].at = tracer[i].at;
+        linkage->tracer[i].angle = tracer[i].angle;
     }
     for (int i = 0; i < n_input; i++)
-        k->input[i] = (lw_input){ .joint = input[i].joint, .value = isnan(input[i].value) ? 0 : input[i].value,
+        linkage->input[i] = (lw_input){ .joint = input[i].joint, .value = isnan(input[i].value) ? 0 : input[i].value,
                                   .first = input[i].first, .last = input[i].last, .ratio = input[i].ratio };
-    lw_status s = lw_linkage_check(k, e);
+    lw_status s = lw_linkage_check(linkage, e);
     for (int i = 0; i < n_input && s == LW_OK; i++)
         if (isnan(input[i].value))
-            k->input[i].value = lw_linkage_posture_input(k, input[i].joint);
+            linkage->input[i].value = lw_linkage_posture_input(linkage, input[i].joint);
     return s;
 }
 
@@ -149,9 +149,9 @@ lw_status lw_linkage_load_result(const char *path, int which, lw_linkage **out, 
 lw_status lw_linkage_copy(const lw_linkage *linkage, lw_linkage **out) { return LW_SURFACE_COPY(linkage, out); }
 void      lw_linkage_destroy(lw_linkage *linkage) { free(linkage); }
 
-static lw_status export_bytes(const lw_linkage *k, const lw_format *f, lw_bytes *b, lw_error *e)
+static lw_status export_bytes(const lw_linkage *linkage, const lw_format *f, lw_bytes *b, lw_error *e)
 {
-    lw_status s = f->write(k, NULL, b, e);
+    lw_status s = f->write(linkage, NULL, b, e);
     if (s != LW_OK)
         lw_bytes_free(b);
     return s;

@@ -59,14 +59,14 @@ static int flag_of(const json_t *object, const char *key)
 }
 
 /* The joint letters of a four-link chain in loop order, from the driven joint at the ground; "" for other chains. */
-static void set_type(const lw_linkage *k, char type[8])
+static void set_type(const lw_linkage *linkage, char type[8])
 {
-    int link = k->ground, joint = k->n_input == 1 ? k->input[0].joint : -1;
+    int link = linkage->ground, joint = linkage->n_input == 1 ? linkage->input[0].joint : -1;
     type[0] = 0;
-    if (k->n_link != 4 || k->n_joint != 4 || joint < 0)
+    if (linkage->n_link != 4 || linkage->n_joint != 4 || joint < 0)
         return;
     for (int i = 0; i < 4; i++) {
-        const lw_joint *j = &k->joint[joint];
+        const lw_joint *j = &linkage->joint[joint];
         int next = -1;
         if (!lw_joint_can_drive(j->kind) || (j->link[0] != link && j->link[1] != link)) {
             type[0] = 0;
@@ -76,7 +76,7 @@ static void set_type(const lw_linkage *k, char type[8])
         type[i + 1] = 0;
         link = j->link[0] == link ? j->link[1] : j->link[0];
         for (int n = 0; n < 4; n++)
-            if (n != joint && (k->joint[n].link[0] == link || k->joint[n].link[1] == link))
+            if (n != joint && (linkage->joint[n].link[0] == link || linkage->joint[n].link[1] == link))
                 next = n;
         joint = next;
         if (joint < 0)
@@ -103,33 +103,35 @@ static lw_status set_label(entry *x)
     return s;
 }
 
-static int pin_between(const lw_linkage *k, int a, int b)
+static int pin_between(const lw_linkage *linkage, int a, int b)
 {
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_turns(k->joint[j].kind) && ((k->joint[j].link[0] == a && k->joint[j].link[1] == b)
-                                                      || (k->joint[j].link[0] == b && k->joint[j].link[1] == a)))
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (lw_joint_turns(linkage->joint[j].kind)
+            && ((linkage->joint[j].link[0] == a && linkage->joint[j].link[1] == b)
+                || (linkage->joint[j].link[0] == b && linkage->joint[j].link[1] == a)))
             return j;
     return -1;
 }
 
 /* Lengths of the first loop of four pins through the ground and the driven link: frame, input, coupler, output. */
-static bool driven_four_bar(const lw_linkage *k, double r[4])
+static bool driven_four_bar(const lw_linkage *linkage, double r[4])
 {
-    int first = k->n_input == 1 ? k->input[0].joint : -1;
-    if (first < 0 || !lw_joint_turns(k->joint[first].kind))
+    int first = linkage->n_input == 1 ? linkage->input[0].joint : -1;
+    if (first < 0 || !lw_joint_turns(linkage->joint[first].kind))
         return false;
-    const int *side = k->joint[first].link;
-    if (side[0] != k->ground && side[1] != k->ground)
+    const int *side = linkage->joint[first].link;
+    if (side[0] != linkage->ground && side[1] != linkage->ground)
         return false;
-    int driven = side[0] == k->ground ? side[1] : side[0];
-    for (int b = 0; b < k->n_link; b++)
-        for (int c = 0; c < k->n_link; c++) {
-            int loop[4] = { first, pin_between(k, driven, b), pin_between(k, b, c), pin_between(k, c, k->ground) };
-            bool others = b != k->ground && b != driven && c != k->ground && c != driven;
+    int driven = side[0] == linkage->ground ? side[1] : side[0];
+    for (int b = 0; b < linkage->n_link; b++)
+        for (int c = 0; c < linkage->n_link; c++) {
+            int loop[4] = { first, pin_between(linkage, driven, b), pin_between(linkage, b, c),
+                            pin_between(linkage, c, linkage->ground) };
+            bool others = b != linkage->ground && b != driven && c != linkage->ground && c != driven;
             if (!others || loop[1] < 0 || loop[2] < 0 || loop[3] < 0)
                 continue;
             for (int i = 0; i < 4; i++)
-                r[i] = lw_v2_norm(lw_v2_sub(k->joint[loop[i]].at, k->joint[loop[(i + 3) % 4]].at));
+                r[i] = lw_v2_norm(lw_v2_sub(linkage->joint[loop[i]].at, linkage->joint[loop[(i + 3) % 4]].at));
             return true;
         }
     return false;

@@ -61,10 +61,10 @@ static lw_status add_topology(lw_curve_maker *m, const char *text, lw_error *e)
     return add_kind(m, &to->topology->family, text, to);
 }
 
-lw_status lw_curve_maker_add(lw_curve_maker *m, const char *name, const lw_linkage *k, lw_error *e)
+lw_status lw_curve_maker_add(lw_curve_maker *m, const char *name, const lw_linkage *linkage, lw_error *e)
 {
     char text[LW_CURVE_WORD];
-    if (k->n_input != 1 || k->n_tracer < 1 || lw_curve_topology_text(name, k, text) != LW_OK)
+    if (linkage->n_input != 1 || linkage->n_tracer < 1 || lw_curve_topology_text(name, linkage, text) != LW_OK)
         return lw_error_set(e, LW_E_ARG, "curves are drawn of linkages with one input, a tracer and few links");
     return add_topology(m, text, e);
 }
@@ -422,7 +422,7 @@ bool lw_curve_row_may(const lw_curve_row *row, bool turns, double least)
 
 /* ---- the linkage ----------------------------------------------------------------------------------- */
 
-static lw_status member_linkage(const lw_curve_maker *m, const lw_curve_row *row, lw_linkage *k)
+static lw_status member_linkage(const lw_curve_maker *m, const lw_curve_row *row, lw_linkage *linkage)
 {
     const kind *from = &m->kind[row->family];
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
@@ -432,31 +432,31 @@ static lw_status member_linkage(const lw_curve_maker *m, const lw_curve_row *row
         return LW_E_MEMORY;
     bool drawn = member_of(m, row, work, dim, mode, &range);
     free(work);
-    *k = from->topology->linkage;
-    snprintf(k->name, sizeof k->name, "%s", from->family->name);
-    return drawn ? lw_plan_write(&from->plan, dim, mode, 0.5*(row->first + row->last), k) : LW_OPEN;
+    *linkage = from->topology->linkage;
+    snprintf(linkage->name, sizeof linkage->name, "%s", from->family->name);
+    return drawn ? lw_plan_write(&from->plan, dim, mode, 0.5*(row->first + row->last), linkage) : LW_OPEN;
 }
 
-static lw_status type_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *k)
+static lw_status type_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *linkage)
 {
     double dim[LW_DIM_MAX], modes[LW_DYAD_MAX];
     const kind *from = &maker->kind[row->family];
     set_dims(from, row, dim);
     for (int i = 0; i < from->plan.n_dyad; i++)
         modes[i] = row->mode < 0 ? -1 : 1;
-    lw_type_linkage(lw_type_find(from->family->type), k);
-    return lw_plan_write(&from->plan, dim, modes, 0.5*(row->first + row->last), k);
+    lw_type_linkage(lw_type_find(from->family->type), linkage);
+    return lw_plan_write(&from->plan, dim, modes, 0.5*(row->first + row->last), linkage);
 }
 
-lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_linkage *k)
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, lw_linkage *linkage)
 {
     if (row->family >= maker->n)
         return LW_OPEN;
-    lw_status status = (maker->kind[row->family].topology ? member_linkage : type_linkage)(maker, row, k);
+    lw_status status = (maker->kind[row->family].topology ? member_linkage : type_linkage)(maker, row, linkage);
     if (status == LW_OK && !closed) {
         double half = 0.5*fabs(row->last - row->first);
-        k->input[0].first = k->input[0].value - half;
-        k->input[0].last = k->input[0].value + half;
+        linkage->input[0].first = linkage->input[0].value - half;
+        linkage->input[0].last = linkage->input[0].value + half;
     }
     return status;
 }
@@ -466,25 +466,25 @@ static lw_vec2 lay(lw_vec2 p, bool mirrored, lw_vec2 turn_and_size)
     return lw_v2_turn(mirrored ? lw_v2(p.x, -p.y) : p, turn_and_size);
 }
 
-void lw_linkage_lay(lw_linkage *k, bool mirrored, double turn, double size, lw_vec2 shift)
+void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, double size, lw_vec2 shift)
 {
     lw_vec2 along = lw_v2_polar(1, turn), all = lw_v2_scale(along, size);
     double sense = mirrored ? -1 : 1;
-    for (int j = 0; j < k->n_joint; j++) {
-        k->joint[j].at = lw_v2_add(shift, lay(k->joint[j].at, mirrored, all));
-        k->joint[j].along = lay(k->joint[j].along, mirrored, along);
-        double length = lw_v2_norm(k->joint[j].along);
+    for (int j = 0; j < linkage->n_joint; j++) {
+        linkage->joint[j].at = lw_v2_add(shift, lay(linkage->joint[j].at, mirrored, all));
+        linkage->joint[j].along = lay(linkage->joint[j].along, mirrored, along);
+        double length = lw_v2_norm(linkage->joint[j].along);
         if (length > 0)
-            k->joint[j].along = lw_v2_scale(k->joint[j].along, 1/length);
+            linkage->joint[j].along = lw_v2_scale(linkage->joint[j].along, 1/length);
     }
-    for (int i = 0; i < k->n_tracer; i++) {
-        k->tracer[i].at = lw_v2_add(shift, lay(k->tracer[i].at, mirrored, all));
-        k->tracer[i].angle = sense*k->tracer[i].angle + turn;
+    for (int i = 0; i < linkage->n_tracer; i++) {
+        linkage->tracer[i].at = lw_v2_add(shift, lay(linkage->tracer[i].at, mirrored, all));
+        linkage->tracer[i].angle = sense*linkage->tracer[i].angle + turn;
     }
-    for (int i = 0; i < k->n_input; i++) {
-        lw_input *in = &k->input[i];
-        const lw_joint *j = &k->joint[in->joint];
-        bool pin = lw_joint_turns(j->kind), ground = j->link[0] == k->ground || j->link[1] == k->ground;
+    for (int i = 0; i < linkage->n_input; i++) {
+        lw_input *in = &linkage->input[i];
+        const lw_joint *j = &linkage->joint[in->joint];
+        bool pin = lw_joint_turns(j->kind), ground = j->link[0] == linkage->ground || j->link[1] == linkage->ground;
         double by = pin ? sense : size, plus = pin && ground ? turn : 0, first = in->first;
         bool all_of_it = in->first == in->last;
         in->value = by*in->value + plus;

@@ -18,7 +18,7 @@ typedef struct lw_curve_topology {
 } lw_curve_topology;
 
 /* LW_E_ARG: too long for a text. */
-lw_status lw_curve_topology_text(const char *name, const lw_linkage *k, char text[LW_CURVE_WORD]);
+lw_status lw_curve_topology_text(const char *name, const lw_linkage *linkage, char text[LW_CURVE_WORD]);
 
 /* LW_E_NOTATION: the text is wrong; LW_E_KIND: a plan of dyads does not solve it; LW_E_MEMORY. */
 lw_status lw_curve_topology_make(const char *text, lw_curve_topology **t, lw_error *e);

@@ -14,17 +14,17 @@
 
 /* ---- as text ---------------------------------------------------------------------------------------- */
 
-lw_status lw_curve_topology_text(const char *name, const lw_linkage *k, char text[LW_CURVE_WORD])
+lw_status lw_curve_topology_text(const char *name, const lw_linkage *linkage, char text[LW_CURVE_WORD])
 {
     int n = snprintf(text, LW_CURVE_WORD, "%.60s=", name);
     for (int i = 0; i < n; i++)
         text[i] = text[i] == ',' ? ';' : text[i] == '=' && i + 1 < n ? '-' : text[i];
-    for (int j = 0; j < k->n_joint && n < LW_CURVE_WORD; j++)
-        n += snprintf(text + n, LW_CURVE_WORD - (size_t)n, "%s%d-%d%c", j ? "." : "", k->joint[j].link[0] + 1,
-                      k->joint[j].link[1] + 1, (char)k->joint[j].kind);
+    for (int j = 0; j < linkage->n_joint && n < LW_CURVE_WORD; j++)
+        n += snprintf(text + n, LW_CURVE_WORD - (size_t)n, "%s%d-%d%c", j ? "." : "", linkage->joint[j].link[0] + 1,
+                      linkage->joint[j].link[1] + 1, (char)linkage->joint[j].kind);
     if (n < LW_CURVE_WORD)
-        n += snprintf(text + n, LW_CURVE_WORD - (size_t)n, "=g%di%dt%d", k->ground + 1, k->input[0].joint + 1,
-                      k->tracer[0].link + 1);
+        n += snprintf(text + n, LW_CURVE_WORD - (size_t)n, "=g%di%dt%d", linkage->ground + 1,
+                      linkage->input[0].joint + 1, linkage->tracer[0].link + 1);
     return n < LW_CURVE_WORD ? LW_OK : LW_E_ARG;
 }
 

@@ -12,10 +12,10 @@ static bool is_welded(const lw_joint *j, int link)
     return j->kind == LW_JOINT_FIXED && (j->link[0] == link || j->link[1] == link);
 }
 
-static bool has_tracer(const lw_linkage *k, int link)
+static bool has_tracer(const lw_linkage *linkage, int link)
 {
-    for (int i = 0; i < k->n_tracer; i++)
-        if (k->tracer[i].link == link)
+    for (int i = 0; i < linkage->n_tracer; i++)
+        if (linkage->tracer[i].link == link)
             return true;
     return false;
 }
@@ -26,42 +26,42 @@ static double distance_from_line(const lw_joint *line, lw_vec2 p)
 }
 
 /* The pin of a link nearest to the line of a slider or slot; -1: the link has no pin. */
-static int nearest_pin(const lw_linkage *k, int link, const lw_joint *line)
+static int nearest_pin(const lw_linkage *linkage, int link, const lw_joint *line)
 {
     int best = -1;
-    for (int i = 0; i < k->n_joint; i++)
-        if (has_pin(&k->joint[i], link)
-            && (best < 0 || distance_from_line(line, k->joint[i].at)
-                            < distance_from_line(line, k->joint[best].at)))
+    for (int i = 0; i < linkage->n_joint; i++)
+        if (has_pin(&linkage->joint[i], link)
+            && (best < 0 || distance_from_line(line, linkage->joint[i].at)
+                            < distance_from_line(line, linkage->joint[best].at)))
             best = i;
     return best;
 }
 
-static double pin_distance(const lw_linkage *k, int link, const lw_joint *line)
+static double pin_distance(const lw_linkage *linkage, int link, const lw_joint *line)
 {
-    int pin = nearest_pin(k, link, line);
-    return pin < 0 ? 0 : distance_from_line(line, k->joint[pin].at);
+    int pin = nearest_pin(linkage, link, line);
+    return pin < 0 ? 0 : distance_from_line(line, linkage->joint[pin].at);
 }
 
 /* Greatest distance of a joint from the point of a line. */
-static double spread(const lw_linkage *k, const lw_joint *line)
+static double spread(const lw_linkage *linkage, const lw_joint *line)
 {
     double d = 0;
-    for (int i = 0; i < k->n_joint; i++)
-        d = fmax(d, lw_v2_norm(lw_v2_sub(k->joint[i].at, line->at)));
+    for (int i = 0; i < linkage->n_joint; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(linkage->joint[i].at, line->at)));
     return d;
 }
 
-static int choose_guide(const lw_linkage *k, const lw_joint *j)
+static int choose_guide(const lw_linkage *linkage, const lw_joint *j)
 {
-    if (lw_joint_has_slot(j->kind) || j->link[0] == k->ground)
+    if (lw_joint_has_slot(j->kind) || j->link[0] == linkage->ground)
         return 0;
-    if (j->link[1] == k->ground)
+    if (j->link[1] == linkage->ground)
         return 1;
-    double d0 = pin_distance(k, j->link[0], j), d1 = pin_distance(k, j->link[1], j);
-    if (fabs(d0 - d1) > 0.02*(d0 + d1) + 1e-9*spread(k, j))
+    double d0 = pin_distance(linkage, j->link[0], j), d1 = pin_distance(linkage, j->link[1], j);
+    if (fabs(d0 - d1) > 0.02*(d0 + d1) + 1e-9*spread(linkage, j))
         return d0 < d1 ? 1 : 0;
-    return has_tracer(k, j->link[1]) && !has_tracer(k, j->link[0]) ? 1 : 0;
+    return has_tracer(linkage, j->link[1]) && !has_tracer(linkage, j->link[0]) ? 1 : 0;
 }
 
 static lw_vec2 foot(const lw_joint *line, lw_vec2 p)
@@ -80,16 +80,16 @@ static lw_vec2 crossing(const lw_joint *a, const lw_joint *b)
     return lw_v2_add(a->at, lw_v2_scale(a->along, t));
 }
 
-static lw_vec2 block_place(const lw_linkage *k, int j, int block)
+static lw_vec2 block_place(const lw_linkage *linkage, int j, int block)
 {
-    const lw_joint *line = &k->joint[j];
-    int pin = lw_joint_has_slot(line->kind) ? j : nearest_pin(k, block, line);
+    const lw_joint *line = &linkage->joint[j];
+    int pin = lw_joint_has_slot(line->kind) ? j : nearest_pin(linkage, block, line);
     if (pin >= 0)
-        return foot(line, k->joint[pin].at);
-    for (int i = 0; i < k->n_joint; i++)
-        if (i != j && lw_joint_translates(k->joint[i].kind)
-            && (k->joint[i].link[0] == block || k->joint[i].link[1] == block))
-            return crossing(line, &k->joint[i]);
+        return foot(line, linkage->joint[pin].at);
+    for (int i = 0; i < linkage->n_joint; i++)
+        if (i != j && lw_joint_translates(linkage->joint[i].kind)
+            && (linkage->joint[i].link[0] == block || linkage->joint[i].link[1] == block))
+            return crossing(line, &linkage->joint[i]);
     return line->at;
 }
 

@@ -38,25 +38,25 @@ static const lw_linkage *linkage(const sketch *k)
 }
 
 /* The link that the input moves, relative to the other link of the joint. */
-static int driven_link(const lw_linkage *k, const lw_joint *j)
+static int driven_link(const lw_linkage *linkage, const lw_joint *j)
 {
-    return j->link[1] == k->ground ? j->link[0] : j->link[1];
+    return j->link[1] == linkage->ground ? j->link[0] : j->link[1];
 }
 
-static lw_ink link_ink(const lw_linkage *k, int link)
+static lw_ink link_ink(const lw_linkage *linkage, int link)
 {
-    for (int i = 0; i < k->n_input; i++)
-        if (driven_link(k, &k->joint[k->input[i].joint]) == link)
+    for (int i = 0; i < linkage->n_input; i++)
+        if (driven_link(linkage, &linkage->joint[linkage->input[i].joint]) == link)
             return LW_INK_PURPLE;
-    for (int i = 0; i < k->n_tracer; i++)
-        if (k->tracer[i].link == link)
+    for (int i = 0; i < linkage->n_tracer; i++)
+        if (linkage->tracer[i].link == link)
             return LW_INK_GREEN;
     return LW_INK_LINK;
 }
 
-static lw_bearer bearer(const lw_linkage *k, int item, int link)
+static lw_bearer bearer(const lw_linkage *linkage, int item, int link)
 {
-    return (lw_bearer){ item, link == k->ground ? -1 : link, 0 };
+    return (lw_bearer){ item, link == linkage->ground ? -1 : link, 0 };
 }
 
 /* Draw the guide of a slider below everything else: a hatched line on the ground, a bar on a moving link. */
@@ -209,9 +209,9 @@ static void draw_link(sketch *k, int link)
     lw_symbol_link(k->d, bearer(linkage(k), link, link), p, n, link_ink(linkage(k), link), k->u);
 }
 
-static bool on_ground(const lw_linkage *k, const lw_joint *j)
+static bool on_ground(const lw_linkage *linkage, const lw_joint *j)
 {
-    return j->link[0] == k->ground || j->link[1] == k->ground;
+    return j->link[0] == linkage->ground || j->link[1] == linkage->ground;
 }
 
 /* Draw the line between the ground pins; the label of the frame's length stands beside it. */

@@ -152,13 +152,13 @@ static bool prepare(lw_work *w)
 }
 
 /* Size of the linkage: diagonal of the box around its joints, in the pose shown. */
-static double span(const lw_linkage *k)
+static double span(const lw_linkage *linkage)
 {
     double d = 0;
-    for (int i = 0; i < k->n_joint; i++)
-        d = fmax(d, lw_v2_norm(lw_v2_sub(k->joint[i].at, k->joint[0].at)));
-    for (int i = 0; i < k->n_tracer; i++)
-        d = fmax(d, lw_v2_norm(lw_v2_sub(k->tracer[i].at, k->joint[0].at)));
+    for (int i = 0; i < linkage->n_joint; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(linkage->joint[i].at, linkage->joint[0].at)));
+    for (int i = 0; i < linkage->n_tracer; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(linkage->tracer[i].at, linkage->joint[0].at)));
     return d;
 }
 
@@ -387,16 +387,16 @@ static double duration(const lw_model *m)
 }
 
 /* Fix links whose rotation changes nothing else (a roller on its pin). False: there is none. */
-static bool fasten_idle_links(lw_linkage *k)
+static bool fasten_idle_links(lw_linkage *linkage)
 {
     lw_mobility *m = malloc(sizeof *m);
     const lw_mobility_options o = lw_mobility_options_default();
-    uint32_t idle = m && lw_mobility_find(k, &o, m, NULL) == LW_OK ? m->idle_links : 0;
+    uint32_t idle = m && lw_mobility_find(linkage, &o, m, NULL) == LW_OK ? m->idle_links : 0;
     bool any = false;
     free(m);
-    for (int link = 0; link < k->n_link; link++)
-        for (int i = 0; i < k->n_joint && idle >> link & 1; i++) {
-            lw_joint *j = &k->joint[i];
+    for (int link = 0; link < linkage->n_link; link++)
+        for (int i = 0; i < linkage->n_joint && idle >> link & 1; i++) {
+            lw_joint *j = &linkage->joint[i];
             if (!lw_joint_turns(j->kind) || (j->link[0] != link && j->link[1] != link))
                 continue;
             j->kind = LW_JOINT_FIXED;
@@ -469,26 +469,26 @@ static bool show_motion(lw_work *w, const lw_scene_options *o)
     return walks ? show_walk(w, o) : show_course(w, o);
 }
 
-lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
+lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e)
 {
     lw_scene_options standard = lw_scene_options_default();
     o = o ? o : &standard;
     *s = (lw_scene){ .n_frame = 0 };
-    lw_status st = lw_linkage_check(k, e);
+    lw_status st = lw_linkage_check(linkage, e);
     if (st != LW_OK)
         return st;
-    lw_text_clean(s->title, sizeof s->title, o->title ? o->title : k->name);
-    s->linkage = *k;
-    for (int i = 0; i < k->n_link; i++)
-        for (int j = 0; j < k->n_joint; j++)
-            if (k->joint[j].link[0] == i || k->joint[j].link[1] == i)
-                s->origin[i] = k->joint[j].at;
+    lw_text_clean(s->title, sizeof s->title, o->title ? o->title : linkage->name);
+    s->linkage = *linkage;
+    for (int i = 0; i < linkage->n_link; i++)
+        for (int j = 0; j < linkage->n_joint; j++)
+            if (linkage->joint[j].link[0] == i || linkage->joint[j].link[1] == i)
+                s->origin[i] = linkage->joint[j].at;
     lw_work *w = calloc(1, sizeof *w);
     bool ok = w && copy_target(s, t);
     if (ok) {
         w->s = s;
-        w->linkage = *k;
+        w->linkage = *linkage;
         ok = show_motion(w, o);
         lw_motion_path_free(&w->path);
     }

@@ -477,9 +477,9 @@ static lw_status read_coupler(reader *r, const lw_adams_statement *s)
 }
 
 /* The link of joint a that is not in joint b; -1: both join the same two links, or share none. */
-static int side_link(const lw_linkage *k, int a, int b)
+static int side_link(const lw_linkage *linkage, int a, int b)
 {
-    const int *p = k->joint[a].link, *q = k->joint[b].link;
+    const int *p = linkage->joint[a].link, *q = linkage->joint[b].link;
     bool first = p[0] == q[0] || p[0] == q[1], second = p[1] == q[0] || p[1] == q[1];
     return first == second ? -1 : first ? p[1] : p[0];
 }
@@ -600,27 +600,27 @@ static lw_status finish(reader *r)
 }
 
 /* Set the linkage's name from the title, without the words that exports put before it. */
-static void set_title(lw_linkage *k, const char *text, size_t size)
+static void set_title(lw_linkage *linkage, const char *text, size_t size)
 {
     static const char usual[] = "ADAMS/View model name: ";
     size_t skip = size >= sizeof usual - 1 && memcmp(text, usual, sizeof usual - 1) == 0 ? sizeof usual - 1 : 0, n = 0;
-    for (size_t i = skip; i < size && text[i] != '\n' && text[i] != '\r' && n + 1 < sizeof k->name; i++)
+    for (size_t i = skip; i < size && text[i] != '\n' && text[i] != '\r' && n + 1 < sizeof linkage->name; i++)
         if (text[i] >= ' ' && text[i] < 127)
-            k->name[n++] = text[i];
+            linkage->name[n++] = text[i];
 }
 
-lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e)
+lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *linkage, lw_error *e)
 {
     lw_error own;
     reader *r = calloc(1, sizeof *r);
     if (!r)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
-    memset(k, 0, sizeof *k);
-    k->units = lw_units_si();
-    k->ground = -1;
-    set_title(k, text, size);
+    memset(linkage, 0, sizeof *linkage);
+    linkage->units = lw_units_si();
+    linkage->ground = -1;
+    set_title(linkage, text, size);
     r->file = file;
-    r->k = k;
+    r->k = linkage;
     r->metre = 1;
     r->e = e ? e : &own;
     lw_status s = lw_adams_scan(text, size, file, visit, r, r->e);

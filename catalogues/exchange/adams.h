@@ -48,6 +48,6 @@ const lw_adams_argument *lw_adams_find(const lw_adams_statement *s, const char *
 /* The linkage of a dataset: pins, sliders, welds, INPLANE primitives (slots), couplers of two joints (gears), motions
  * (inputs, with the value of the posture), requests of displacement (tracers).  Other statements are
  * skipped; a mechanism outside the x-y plane is refused. */
-lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e);
+lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *linkage, lw_error *e);
 
 #endif

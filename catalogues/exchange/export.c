@@ -2,21 +2,21 @@
 #include "catalogues/exchange/export.h"
 #include "base/real.h"
 
-double lw_export_size(const lw_linkage *k)
+double lw_export_size(const lw_linkage *linkage)
 {
     double d = 0;
-    for (int j = 1; j < k->n_joint; j++)
-        d = fmax(d, lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[0].at)));
-    for (int t = 0; t < k->n_tracer; t++)
-        d = fmax(d, lw_v2_norm(lw_v2_sub(k->tracer[t].at, k->joint[0].at)));
+    for (int j = 1; j < linkage->n_joint; j++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(linkage->joint[j].at, linkage->joint[0].at)));
+    for (int t = 0; t < linkage->n_tracer; t++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(linkage->tracer[t].at, linkage->joint[0].at)));
     return d;
 }
 
 /* The pin of a link with the carrier at the centre; -1: none. */
-static int pin_on_carrier(const lw_linkage *k, int link, int carrier, lw_vec2 centre)
+static int pin_on_carrier(const lw_linkage *linkage, int link, int carrier, lw_vec2 centre)
 {
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *p = &k->joint[j];
+    for (int j = 0; j < linkage->n_joint; j++) {
+        const lw_joint *p = &linkage->joint[j];
         bool joins = (p->link[0] == link && p->link[1] == carrier) || (p->link[1] == link && p->link[0] == carrier);
         if (joins && lw_joint_turns(p->kind) && p->at.x == centre.x && p->at.y == centre.y)
             return j;
@@ -24,18 +24,20 @@ static int pin_on_carrier(const lw_linkage *k, int link, int carrier, lw_vec2 ce
     return -1;
 }
 
-lw_status lw_export_gear(const lw_linkage *k, int gear, int joint[2], double sign[2], lw_error *e)
+lw_status lw_export_gear(const lw_linkage *linkage, int gear, int joint[2], double sign[2], lw_error *e)
 {
     lw_gear g;
-    lw_status s = lw_linkage_gear(k, gear, &g, e);
+    lw_status s = lw_linkage_gear(linkage, gear, &g, e);
     for (int i = 0; s == LW_OK && i < 2; i++) {
-        int link = k->joint[gear].link[i];
-        joint[i] = g.slider[i] >= 0 ? g.slider[i] : pin_on_carrier(k, link, g.carrier, g.centre[i]);
+        int link = linkage->joint[gear].link[i];
+        joint[i] = g.slider[i] >= 0 ? g.slider[i] : pin_on_carrier(linkage, link, g.carrier, g.centre[i]);
         if (joint[i] < 0)
-            return lw_error_set(e, LW_E_KIND, "gear '%s': '%s' turns on '%s' by no pin of their own, which this format "
-                                "needs", k->joint[gear].name, k->link_name[link], k->link_name[g.carrier]);
-        const lw_joint *p = &k->joint[joint[i]];
-        bool second = g.slider[i] < 0 && p->link[1] == k->ground ? p->link[0] == link : p->link[1] == link;
+            return lw_error_set(e, LW_E_KIND,
+                                "gear '%s': '%s' turns on '%s' by no pin of their own, which this format "
+                                "needs",
+                                linkage->joint[gear].name, linkage->link_name[link], linkage->link_name[g.carrier]);
+        const lw_joint *p = &linkage->joint[joint[i]];
+        bool second = g.slider[i] < 0 && p->link[1] == linkage->ground ? p->link[0] == link : p->link[1] == link;
         sign[i] = g.slider[i] >= 0 ? g.way[i] : second ? 1 : -1;
     }
     return s;

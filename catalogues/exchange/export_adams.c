@@ -316,19 +316,19 @@ static void put_loads(writer *w)
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
 /* How far the input can move to either side of the pose. False: a full turn. */
-static bool input_way(const lw_linkage *k, int input, double *down, double *up)
+static bool input_way(const lw_linkage *linkage, int input, double *down, double *up)
 {
-    const lw_input *in = &k->input[input];
-    bool slider = lw_joint_slides(k->joint[in->joint].kind);
+    const lw_input *in = &linkage->input[input];
+    bool slider = lw_joint_slides(linkage->joint[in->joint].kind);
     lw_scene scene;
-    *down = *up = slider ? 0.1*lw_export_size(k) : 0.1;
+    *down = *up = slider ? 0.1*lw_export_size(linkage) : 0.1;
     if (in->first < in->last) {
         *down = in->value - in->first;
         *up = in->last - in->value;
         return true;
     }
     const lw_scene_options o = { .n_frame = 181, .n_curve_point = 8 };
-    if (lw_linkage_free_inputs(k) != 1 || lw_scene_make(k, NULL, &o, &scene, NULL) != LW_OK)
+    if (lw_linkage_free_inputs(linkage) != 1 || lw_scene_make(linkage, NULL, &o, &scene, NULL) != LW_OK)
         return true;
     double here = scene.input[scene.first_frame], least = here, most = here;
     for (size_t f = 0; f < scene.n_frame; f++) {
@@ -344,10 +344,10 @@ static bool input_way(const lw_linkage *k, int input, double *down, double *up)
     return !turns;
 }
 
-lw_export_law lw_export_law_of(const lw_linkage *k, int input)
+lw_export_law lw_export_law_of(const lw_linkage *linkage, int input)
 {
     double down, up;
-    if (!input_way(k, input, &down, &up))
+    if (!input_way(linkage, input, &down, &up))
         return (lw_export_law){ .turns = true };
     double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);
     return (lw_export_law){ .half = half, .phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0 };
@@ -405,21 +405,21 @@ static void put_requests(writer *w)
 
 /* ---- the whole -------------------------------------------------------------------------------------- */
 
-lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer *w = calloc(1, sizeof *w);
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
-    w->k = k;
+    w->k = linkage;
     w->m = o ? o->model : NULL;
-    w->weighed = lw_export_weighed(k, w->m);
+    w->weighed = lw_export_weighed(linkage, w->m);
     w->out = out;
-    lw_status s = lw_linkage_check(k, e);
+    lw_status s = lw_linkage_check(linkage, e);
     if (s == LW_OK)
         s = check_loads(w, e);
     if (s == LW_OK) {
         put(w, "ADAMS/View model name: ");
-        put_plain(w, k->name[0] ? k->name : "linkage");
+        put_plain(w, linkage->name[0] ? linkage->name : "linkage");
         put(w, "\n!\nUNITS/FORCE = NEWTON, MASS = KILOGRAM, LENGTH = METER, TIME = SECOND\n");
         put_parts(w);
         s = put_joints(w, e);
@@ -427,8 +427,8 @@ lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_by
     if (s == LW_OK) {
         put_loads(w);
         put(w, "!\n");
-        for (int i = 0; i < k->n_input; i++)
-            if (k->input[i].ratio != 0)
+        for (int i = 0; i < linkage->n_input; i++)
+            if (linkage->input[i].ratio != 0)
                 put_tie(w, i);
             else if (!w->weighed || w->m->motion[i])
                 put_motion(w, i);
@@ -443,10 +443,10 @@ lw_status lw_export_adams(const lw_linkage *k, const lw_export_options *o, lw_by
 }
 
 /* A file name, without ending, from the linkage's name: letters, digits, underscores; "linkage" if nothing is left. */
-static void file_name(const lw_linkage *k, char *name, size_t size)
+static void file_name(const lw_linkage *linkage, char *name, size_t size)
 {
     size_t n = 0;
-    for (const char *c = k->name; *c && n + 1 < size; c++)
+    for (const char *c = linkage->name; *c && n + 1 < size; c++)
         if ((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || (*c >= '0' && *c <= '9'))
             name[n++] = *c;
         else if (n > 0 && name[n - 1] != '_')
@@ -458,15 +458,15 @@ static void file_name(const lw_linkage *k, char *name, size_t size)
         snprintf(name, size, "linkage");
 }
 
-lw_status lw_export_adams_commands(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     char name[64];
-    file_name(k, name, sizeof name);
+    file_name(linkage, name, sizeof name);
     lw_bytes_text(out, name);
     lw_bytes_text(out, ".adm\n");
     lw_bytes_text(out, name);
     lw_bytes_text(out, "\nOUTPUT/NOSEPARATOR\nSIMULATE/");
-    lw_bytes_text(out, lw_export_weighed(k, o ? o->model : NULL) ? "DYNAMICS" : "KINEMATICS");
+    lw_bytes_text(out, lw_export_weighed(linkage, o ? o->model : NULL) ? "DYNAMICS" : "KINEMATICS");
     lw_bytes_text(out, ", END = 1.0, STEPS = 100\nSTOP\n");
     return lw_bytes_end(out, e);
 }

@@ -64,10 +64,10 @@ static void put_link(writer *w, const char *attribute, int link, const char *mor
 
 /* ---- the tree ----------------------------------------------------------------------------------- */
 
-static bool is_input(const lw_linkage *k, int joint)
+static bool is_input(const lw_linkage *linkage, int joint)
 {
-    for (int i = 0; i < k->n_input; i++)
-        if (k->input[i].joint == joint)
+    for (int i = 0; i < linkage->n_input; i++)
+        if (linkage->input[i].joint == joint)
             return true;
     return false;
 }
@@ -95,11 +95,11 @@ static void put_attribute(writer *w, const char *attribute, double v)
 }
 
 /* Coordinate of a joint in the posture. */
-static double reference_of(const lw_linkage *k, int joint)
+static double reference_of(const lw_linkage *linkage, int joint)
 {
-    for (int i = 0; i < k->n_input; i++)
-        if (k->input[i].joint == joint)
-            return k->input[i].value;
+    for (int i = 0; i < linkage->n_input; i++)
+        if (linkage->input[i].joint == joint)
+            return linkage->input[i].value;
     return 0;
 }
 
@@ -650,13 +650,13 @@ static double mass_of(writer *w)
     return mass;
 }
 
-lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_mjcf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    writer w = { .k = k, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(k) };
-    lw_status s = lw_linkage_check(k, e);
-    w.weighed = lw_export_weighed(k, w.m);
+    writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage) };
+    lw_status s = lw_linkage_check(linkage, e);
+    w.weighed = lw_export_weighed(linkage, w.m);
     if (s == LW_OK)
-        s = lw_export_span(k, w.m, &w.tree, e);
+        s = lw_export_span(linkage, w.m, &w.tree, e);
     if (s == LW_OK)
         s = check_drives(&w, e);
     if (s == LW_OK)
@@ -665,7 +665,7 @@ lw_status lw_export_mjcf(const lw_linkage *k, const lw_export_options *o, lw_byt
         w.mass = mass_of(&w);
         w.step = choose_step(&w);
         put_head(&w);
-        put_body(&w, 1, k->ground);
+        put_body(&w, 1, linkage->ground);
         put(&w, "\n  </worldbody>");
         s = put_closures(&w, e);
     }

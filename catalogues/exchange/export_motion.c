@@ -8,10 +8,10 @@
 
 #define DIGITS 12
 
-static lw_status make(const lw_linkage *k, lw_scene *s, lw_error *e)
+static lw_status make(const lw_linkage *linkage, lw_scene *s, lw_error *e)
 {
     lw_scene_options o = { .n_frame = LW_EXPORT_FRAMES, .n_curve_point = 360 };
-    lw_status st = lw_scene_make(k, NULL, &o, s, e);
+    lw_status st = lw_scene_make(linkage, NULL, &o, s, e);
     if (st != LW_OK || s->n_frame > 1)
         return st;
     char note[sizeof s->note];
@@ -41,28 +41,28 @@ static void put_field(lw_bytes *out, const char *text)
     lw_bytes_text(out, "\"");
 }
 
-lw_status lw_export_poses(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_poses(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_scene s;
-    lw_status st = make(k, &s, e);
+    lw_status st = make(linkage, &s, e);
     if (st != LW_OK)
         return st;
-    double metre = k->units.metre, radian = k->units.radian;
-    bool slider = lw_joint_slides(k->joint[k->input[0].joint].kind);
+    double metre = linkage->units.metre, radian = linkage->units.radian;
+    bool slider = lw_joint_slides(linkage->joint[linkage->input[0].joint].kind);
     lw_bytes_text(out, "# units: ");
-    lw_bytes_text(out, k->units.length[0] ? k->units.length : "m");
+    lw_bytes_text(out, linkage->units.length[0] ? linkage->units.length : "m");
     lw_bytes_text(out, " ");
-    lw_bytes_text(out, k->units.angle);
+    lw_bytes_text(out, linkage->units.angle);
     lw_bytes_text(out, "\nframe,input,link,x,y,turn\n");
     for (size_t f = 0; f < s.n_frame; f++)
-        for (int link = 0; link < k->n_link; link++) {
-            const lw_place *p = &s.place[f*(size_t)k->n_link + (size_t)link];
-            double input = k->input[0].value + s.input[f] - s.input[s.first_frame];
+        for (int link = 0; link < linkage->n_link; link++) {
+            const lw_place *p = &s.place[f*(size_t)linkage->n_link + (size_t)link];
+            double input = linkage->input[0].value + s.input[f] - s.input[s.first_frame];
             lw_bytes_integer(out, (long)f);
             put_number(out, ",", input/(slider ? metre : radian));
             lw_bytes_text(out, ",");
-            put_field(out, k->link_name[link]);
+            put_field(out, linkage->link_name[link]);
             put_number(out, ",", p->at.x/metre);
             put_number(out, ",", p->at.y/metre);
             put_number(out, ",", atan2(p->turn.y, p->turn.x)/radian);
@@ -109,14 +109,14 @@ static void grow_box(const lw_scene *s, lw_vec2 *lo, lw_vec2 *hi)
     *hi = lw_v2_add(*hi, lw_v2(edge, edge));
 }
 
-lw_status lw_export_svg(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_svg(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_scene s;
     lw_vec2 lo, hi;
-    if (k->n_tracer == 0)
+    if (linkage->n_tracer == 0)
         return lw_error_set(e, LW_E_KIND, "the linkage has no tracer, whose curve could be drawn");
-    lw_status st = make(k, &s, e);
+    lw_status st = make(linkage, &s, e);
     if (st != LW_OK)
         return st;
     grow_box(&s, &lo, &hi);
@@ -131,7 +131,7 @@ lw_status lw_export_svg(const lw_linkage *k, const lw_export_options *o, lw_byte
     lw_bytes_text(out, "\">\n");
     for (int i = 0; i < s.n_curve; i++)
         if (s.curve[i].shown_branch)
-            put_path(out, &s.curve[i], k->tracer[s.curve[i].tracer].name);
+            put_path(out, &s.curve[i], linkage->tracer[s.curve[i].tracer].name);
     lw_bytes_text(out, "</svg>\n");
     lw_scene_free(&s);
     return lw_bytes_end(out, e);
@@ -161,10 +161,10 @@ static void put_pair(lw_bytes *out, lw_vec2 p, double unit)
     lw_bytes_text(out, "]");
 }
 
-static void put_joints(const lw_linkage *k, lw_bytes *out)
+static void put_joints(const lw_linkage *linkage, lw_bytes *out)
 {
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *p = &k->joint[j];
+    for (int j = 0; j < linkage->n_joint; j++) {
+        const lw_joint *p = &linkage->joint[j];
         lw_bytes_text(out, j ? ",\n    {\"id\": " : "\n    {\"id\": ");
         lw_bytes_integer(out, j);
         lw_bytes_text(out, ", \"name\": ");
@@ -172,26 +172,26 @@ static void put_joints(const lw_linkage *k, lw_bytes *out)
         lw_bytes_text(out, ", \"type\": \"");
         lw_bytes_text(out, lw_joint_word(p->kind));
         lw_bytes_text(out, "\", \"coord\": ");
-        put_pair(out, p->at, k->units.metre);
+        put_pair(out, p->at, linkage->units.metre);
         if (lw_joint_slides(p->kind))
-            put_number(out, ", \"angle\": ", atan2(p->along.y, p->along.x)/k->units.radian);
+            put_number(out, ", \"angle\": ", atan2(p->along.y, p->along.x)/linkage->units.radian);
         if (lw_joint_has_ratio(p->kind))
             put_number(out, ", \"ratio\": ", p->ratio);
-        lw_bytes_text(out, p->link[0] == k->ground || p->link[1] == k->ground ? ", \"ground\": true}"
+        lw_bytes_text(out, p->link[0] == linkage->ground || p->link[1] == linkage->ground ? ", \"ground\": true}"
                            : ", \"ground\": false}");
     }
 }
 
-static void put_links(const lw_linkage *k, lw_bytes *out)
+static void put_links(const lw_linkage *linkage, lw_bytes *out)
 {
-    for (int link = 0; link < k->n_link; link++) {
+    for (int link = 0; link < linkage->n_link; link++) {
         bool first = true;
         lw_bytes_text(out, link ? ",\n    {\"name\": " : "\n    {\"name\": ");
-        put_string(out, k->link_name[link]);
-        lw_bytes_text(out, link == k->ground ? ", \"ground\": true, \"joints\": ["
+        put_string(out, linkage->link_name[link]);
+        lw_bytes_text(out, link == linkage->ground ? ", \"ground\": true, \"joints\": ["
                            : ", \"ground\": false, \"joints\": [");
-        for (int j = 0; j < k->n_joint; j++)
-            if (k->joint[j].link[0] == link || k->joint[j].link[1] == link) {
+        for (int j = 0; j < linkage->n_joint; j++)
+            if (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link) {
                 lw_bytes_text(out, first ? "" : ", ");
                 lw_bytes_integer(out, j);
                 first = false;
@@ -234,27 +234,27 @@ static void put_tracers(const lw_scene *s, lw_bytes *out)
     }
 }
 
-lw_status lw_export_joints(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_joints(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_scene s;
-    lw_status st = make(k, &s, e);
+    lw_status st = make(linkage, &s, e);
     if (st != LW_OK)
         return st;
     lw_bytes_text(out, "{\n  \"name\": ");
-    put_string(out, k->name);
+    put_string(out, linkage->name);
     lw_bytes_text(out, ",\n  \"units\": {\"length\": ");
-    put_string(out, k->units.length[0] ? k->units.length : "m");
+    put_string(out, linkage->units.length[0] ? linkage->units.length : "m");
     lw_bytes_text(out, ", \"angle\": ");
-    put_string(out, k->units.angle);
+    put_string(out, linkage->units.angle);
     lw_bytes_text(out, "},\n  \"joints\": [");
-    put_joints(k, out);
+    put_joints(linkage, out);
     lw_bytes_text(out, "\n  ],\n  \"links\": [");
-    put_links(k, out);
+    put_links(linkage, out);
     lw_bytes_text(out, "\n  ],\n  \"actuators\": [");
-    for (int i = 0; i < k->n_input; i++) {
+    for (int i = 0; i < linkage->n_input; i++) {
         lw_bytes_text(out, i ? ", " : "");
-        lw_bytes_integer(out, k->input[i].joint);
+        lw_bytes_integer(out, linkage->input[i].joint);
     }
     lw_bytes_text(out, "],\n  \"couplerPoints\": [");
     put_tracers(&s, out);

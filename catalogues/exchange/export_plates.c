@@ -144,11 +144,11 @@ static void put_tables(const lw_plates *w, lw_bytes *out)
     put_code(out, 0, "ENDSEC");
 }
 
-lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_dxf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     lw_plates *w;
     char note[120];
-    lw_status s = lw_plates_make(k, o, &w, e);
+    lw_status s = lw_plates_make(linkage, o, &w, e);
     if (s != LW_OK)
         return s;
     put_code(out, 999, "plates in millimetres");
@@ -166,7 +166,7 @@ lw_status lw_export_dxf(const lw_linkage *k, const lw_export_options *o, lw_byte
     put_code(out, 0, "SECTION");
     put_code(out, 2, "ENTITIES");
     double x = 0;
-    for (int link = 0; link < k->n_link; link++) {
+    for (int link = 0; link < linkage->n_link; link++) {
         lw_vec2 lo, hi;
         plate_box(w, link, &lo, &hi);
         put_cut(w, link, lw_v2(x - lo.x, -lo.y), out);
@@ -271,15 +271,15 @@ static void put_assembly(const lw_plates *w, lw_bytes *out)
     }
 }
 
-lw_status lw_export_openscad(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_openscad(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     lw_plates *w;
     char note[120];
-    lw_status s = lw_plates_make(k, o, &w, e);
+    lw_status s = lw_plates_make(linkage, o, &w, e);
     if (s != LW_OK)
         return s;
     lw_bytes_text(out, "// ");
-    put_comment(out, k->name);
+    put_comment(out, linkage->name);
     lw_plates_room(w, note, sizeof note);
     lw_bytes_text(out, "\n// millimetres; View > Animate moves it\n// ");
     lw_bytes_text(out, note);
@@ -290,7 +290,7 @@ lw_status lw_export_openscad(const lw_linkage *k, const lw_export_options *o, lw
     put_text_mm(out, "thickness = ", w->layers.thickness, ";\n");
     put_text_mm(out, "gap = ", 0.1*w->layers.thickness, ";\n");
     lw_bytes_text(out, "hues = [\"silver\", \"orange\", \"skyblue\", \"seagreen\", \"gold\", \"orchid\"];\n\n");
-    for (int link = 0; link < k->n_link; link++)
+    for (int link = 0; link < linkage->n_link; link++)
         put_module(w, link, out);
     put_poses(w, out);
     put_assembly(w, out);

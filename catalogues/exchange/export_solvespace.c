@@ -252,32 +252,33 @@ static void put_head(writer *w)
     w->request = 3;
 }
 
-static lw_status check(const lw_linkage *k, lw_error *e)
+static lw_status check(const lw_linkage *linkage, lw_error *e)
 {
-    lw_status s = lw_linkage_check(k, e);
-    for (int j = 0; s == LW_OK && j < k->n_joint; j++)
-        if (!lw_joint_has_position(k->joint[j].kind))
-            s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch", k->joint[j].name);
+    lw_status s = lw_linkage_check(linkage, e);
+    for (int j = 0; s == LW_OK && j < linkage->n_joint; j++)
+        if (!lw_joint_has_position(linkage->joint[j].kind))
+            s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch",
+                             linkage->joint[j].name);
     return s;
 }
 
-lw_status lw_export_solvespace(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_solvespace(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
-    lw_status s = check(k, e);
+    lw_status s = check(linkage, e);
     writer *w = s == LW_OK ? calloc(1, sizeof *w) : NULL;
     if (!w)
         return s == LW_OK ? lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch") : s;
-    w->k = k;
+    w->k = linkage;
     w->out = out;
-    w->size = MM*lw_export_size(k);
+    w->size = MM*lw_export_size(linkage);
     collect(w);
     put_head(w);
-    for (int link = 0; link < k->n_link; link++)
+    for (int link = 0; link < linkage->n_link; link++)
         put_link(w, link);
     put_pins(w);
-    for (int j = 0; j < k->n_joint; j++)
-        if (!lw_joint_turns(k->joint[j].kind))
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (!lw_joint_turns(linkage->joint[j].kind))
             put_slide(w, j);
     free(w);
     return lw_bytes_end(out, e);

@@ -270,12 +270,12 @@ static void put_head(writer *w, const char *name, const char *note)
         "GLOBAL_UNIT_ASSIGNED_CONTEXT((#5,#6,#7))REPRESENTATION_CONTEXT('',''))");
 }
 
-lw_status lw_export_step(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_step(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer w = { .out = out };
     lw_plates *plates;
     char name[2*LW_NAME_SIZE + 32], note[120];
-    lw_status s = lw_plates_make(k, o, &plates, e);
+    lw_status s = lw_plates_make(linkage, o, &plates, e);
     if (s != LW_OK)
         return s;
     if ((s = lw_plates_check_holes(plates, e)) != LW_OK) {
@@ -288,7 +288,7 @@ lw_status lw_export_step(const lw_linkage *k, const lw_export_options *o, lw_byt
     int *axes = malloc((size_t)(n + 1)*sizeof *axes);
     bool ok = slab && part && axes;
     lw_plates_room(plates, note, sizeof note);
-    clean(k->name[0] ? k->name : "linkage", name, sizeof name);
+    clean(linkage->name[0] ? linkage->name : "linkage", name, sizeof name);
     if (ok)
         put_head(&w, name, note);
     for (int i = 0; ok && i < n; i++) {
@@ -300,7 +300,7 @@ lw_status lw_export_step(const lw_linkage *k, const lw_export_options *o, lw_byt
     }
     for (int i = 0; ok && i <= n; i++)
         axes[i] = put_axes(&w, lw_v2(0, 0), 0, 0, 0, 1, 1, 0);
-    clean(k->name[0] ? k->name : "linkage", name, sizeof name);
+    clean(linkage->name[0] ? linkage->name : "linkage", name, sizeof name);
     product whole = { 0 };
     if (ok)
         whole = put_product(&w, name, axes, n + 1, false);

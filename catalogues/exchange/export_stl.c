@@ -200,10 +200,10 @@ static lw_status put_slab(const lw_slab *s, lw_bytes *out, lw_error *e)
     return st;
 }
 
-lw_status lw_export_stl(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_stl(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     lw_plates *plates;
-    lw_status s = lw_plates_make(k, o, &plates, e);
+    lw_status s = lw_plates_make(linkage, o, &plates, e);
     if (s != LW_OK)
         return s;
     lw_slab *slab = malloc(sizeof *slab);

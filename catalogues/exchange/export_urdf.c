@@ -149,11 +149,11 @@ static void put_link(writer *w, int link)
 
 /* ---- joints --------------------------------------------------------------------------------------- */
 
-static const lw_input *input_of(const lw_linkage *k, int joint)
+static const lw_input *input_of(const lw_linkage *linkage, int joint)
 {
-    for (int i = 0; i < k->n_input; i++)
-        if (k->input[i].joint == joint)
-            return &k->input[i];
+    for (int i = 0; i < linkage->n_input; i++)
+        if (linkage->input[i].joint == joint)
+            return &linkage->input[i];
     return NULL;
 }
 
@@ -297,47 +297,48 @@ static void put_note(writer *w, int loops)
     put(w, " -->\n");
 }
 
-static lw_status write_robot(const lw_linkage *k, const lw_export_options *o, bool sdf, lw_bytes *out, lw_error *e)
+static lw_status write_robot(const lw_linkage *linkage, const lw_export_options *o, bool sdf, lw_bytes *out,
+                             lw_error *e)
 {
-    writer w = { .k = k, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(k), .sdf = sdf };
-    lw_status s = lw_linkage_check(k, e);
-    w.weighed = lw_export_weighed(k, w.m);
+    writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage), .sdf = sdf };
+    lw_status s = lw_linkage_check(linkage, e);
+    w.weighed = lw_export_weighed(linkage, w.m);
     if (s == LW_OK)
-        s = lw_export_span(k, w.m, &w.tree, e);
+        s = lw_export_span(linkage, w.m, &w.tree, e);
     if (s == LW_OK)
         s = check(&w, e);
     if (s != LW_OK)
         return s;
     int loops = 0;
-    for (int j = 0; j < k->n_joint; j++)
+    for (int j = 0; j < linkage->n_joint; j++)
         loops += !w.tree.in_tree[j];
     put_name(&w, sdf ? "<?xml version=\"1.0\"?>\n<sdf version=\"1.7\">\n<model name=\""
              : "<?xml version=\"1.0\"?>\n<robot name=\"",
-             k->name[0] ? k->name : "linkage", "", "\">\n");
+             linkage->name[0] ? linkage->name : "linkage", "", "\">\n");
     put_note(&w, loops);
     if (!sdf)
-        put_name(&w, "  <link name=\"", k->link_name[k->ground], "", "\"/>\n");
-    for (int i = 0; i < k->n_link; i++)
-        if (i != k->ground)
+        put_name(&w, "  <link name=\"", linkage->link_name[linkage->ground], "", "\"/>\n");
+    for (int i = 0; i < linkage->n_link; i++)
+        if (i != linkage->ground)
             put_link(&w, i);
-    for (int i = 0; i < k->n_link; i++)
-        if (i != k->ground)
+    for (int i = 0; i < linkage->n_link; i++)
+        if (i != linkage->ground)
             put_pair(&w, w.tree.joint[i], w.tree.parent[i], i);
-    for (int j = 0; sdf && j < k->n_joint; j++) {
-        bool turned = k->joint[j].link[1] == k->ground;
+    for (int j = 0; sdf && j < linkage->n_joint; j++) {
+        bool turned = linkage->joint[j].link[1] == linkage->ground;
         if (!w.tree.in_tree[j])
-            put_pair(&w, j, k->joint[j].link[turned], k->joint[j].link[!turned]);
+            put_pair(&w, j, linkage->joint[j].link[turned], linkage->joint[j].link[!turned]);
     }
     put(&w, sdf ? "</model>\n</sdf>\n" : "</robot>\n");
     return lw_bytes_end(out, e);
 }
 
-lw_status lw_export_urdf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_urdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    return write_robot(k, o, false, out, e);
+    return write_robot(linkage, o, false, out, e);
 }
 
-lw_status lw_export_sdf(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_sdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    return write_robot(k, o, true, out, e);
+    return write_robot(linkage, o, true, out, e);
 }

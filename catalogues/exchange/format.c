@@ -24,17 +24,17 @@ static lw_status add(lw_bytes *out, char *text, lw_error *e)
 
 static bool begins_json(const char *text) { return begins_with(text, "{"); }
 
-static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
                            lw_error *e)
 {
     (void)units;
-    return lw_linkage_read(text, size, file, k, e);
+    return lw_linkage_read(text, size, file, linkage, e);
 }
 
-static lw_status write_json(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+static lw_status write_json(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
-    char *text = lw_linkage_write(k, 2);
+    char *text = lw_linkage_write(linkage, 2);
     return text ? add(out, text, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
 }
 
@@ -47,25 +47,25 @@ static bool begins_adams(const char *text)
     return strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/") || strstr(text, "\nUNITS/");
 }
 
-static lw_status write_pyslvs(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+static lw_status write_pyslvs(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_error own = { .status = LW_OK };
-    return add(out, lw_pyslvs_write(k, e ? e : &own), e ? e : &own);
+    return add(out, lw_pyslvs_write(linkage, e ? e : &own), e ? e : &own);
 }
 
-static lw_status write_pmks(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e)
+static lw_status write_pmks(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_error own = { .status = LW_OK };
-    return add(out, lw_pmks_write(k, e ? e : &own), e ? e : &own);
+    return add(out, lw_pmks_write(linkage, e ? e : &own), e ? e : &own);
 }
 
-static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
                             lw_error *e)
 {
     (void)units;
-    return lw_adams_read(text, size, file, k, e);
+    return lw_adams_read(text, size, file, linkage, e);
 }
 
 const lw_format lw_formats[] = {

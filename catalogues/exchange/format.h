@@ -11,10 +11,10 @@ typedef struct lw_format {
     const char *end;                   /* of a file's name, ".json"; "": none                            */
     bool      (*begins)(const char *text);                       /* does a terminated text look like it?    */
     /* Numbers without a unit of their own count in `units`.  NULL: written only. */
-    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
                       lw_error *e);
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
-    lw_status (*write)(const lw_linkage *k, const lw_export_options *o, lw_bytes *out, lw_error *e);
+    lw_status (*write)(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
     bool        loads;                 /* _write uses the model of the options                           */
 } lw_format;
 

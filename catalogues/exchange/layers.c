@@ -282,12 +282,12 @@ static void make_plates(const lw_scene *s, lw_layers *l)
 }
 
 /* A third of the shortest distance between two pins of one link, at most 1/25 of the size. */
-static double usual_radius(const lw_linkage *k)
+static double usual_radius(const lw_linkage *linkage)
 {
     double least = INFINITY, size = 0;
-    for (int i = 0; i < k->n_joint; i++)
+    for (int i = 0; i < linkage->n_joint; i++)
         for (int j = 0; j < i; j++) {
-            const lw_joint *p = &k->joint[i], *q = &k->joint[j];
+            const lw_joint *p = &linkage->joint[i], *q = &linkage->joint[j];
             double d = lw_v2_norm(lw_v2_sub(p->at, q->at));
             bool shared = p->link[0] == q->link[0] || p->link[0] == q->link[1] || p->link[1] == q->link[0]
                        || p->link[1] == q->link[1];
@@ -295,8 +295,8 @@ static double usual_radius(const lw_linkage *k)
             if (shared && d > 0 && lw_joint_turns(p->kind) && lw_joint_turns(q->kind))
                 least = fmin(least, d);
         }
-    for (int i = 0; i < k->n_tracer; i++)
-        size = fmax(size, lw_v2_norm(lw_v2_sub(k->tracer[i].at, k->joint[0].at)));
+    for (int i = 0; i < linkage->n_tracer; i++)
+        size = fmax(size, lw_v2_norm(lw_v2_sub(linkage->tracer[i].at, linkage->joint[0].at)));
     return fmin(least/3, size/25);
 }
 

@@ -3,10 +3,10 @@
 #include <string.h>
 #include "catalogues/exchange/export.h"
 
-static bool is_input(const lw_linkage *k, int joint)
+static bool is_input(const lw_linkage *linkage, int joint)
 {
-    for (int i = 0; i < k->n_input; i++)
-        if (k->input[i].joint == joint)
+    for (int i = 0; i < linkage->n_input; i++)
+        if (linkage->input[i].joint == joint)
             return true;
     return false;
 }
@@ -25,91 +25,90 @@ static bool is_loaded(const lw_model *m, int joint)
 /* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and
  * slots; pins last,
  * because a loop is closed most simply at a pin. -1: never. */
-static int rank_of(const lw_linkage *k, const lw_model *m, int joint, const bool *at_gear)
+static int rank_of(const lw_linkage *linkage, const lw_model *m, int joint, const bool *at_gear)
 {
-    lw_joint_kind kind = k->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) || is_loaded(m, joint) ? 0 : at_gear[joint] ? 1
+    lw_joint_kind kind = linkage->joint[joint].kind;
+    return lw_joint_has_ratio(kind) ? -1 : is_input(linkage, joint) || is_loaded(m, joint) ? 0 : at_gear[joint] ? 1
          : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 
-static lw_status mark_gears(const lw_linkage *k, bool *at_gear, lw_error *e)
+static lw_status mark_gears(const lw_linkage *linkage, bool *at_gear, lw_error *e)
 {
-    for (int j = 0; j < k->n_joint; j++) {
+    for (int j = 0; j < linkage->n_joint; j++) {
         int joint[2];
         double sign[2];
-        lw_status s = lw_joint_has_ratio(k->joint[j].kind) ? lw_export_gear(k, j, joint, sign, e) : LW_OK;
+        lw_status s = lw_joint_has_ratio(linkage->joint[j].kind) ? lw_export_gear(linkage, j, joint, sign, e) : LW_OK;
         if (s != LW_OK)
             return s;
-        if (lw_joint_has_ratio(k->joint[j].kind))
+        if (lw_joint_has_ratio(linkage->joint[j].kind))
             at_gear[joint[0]] = at_gear[joint[1]] = true;
     }
     return LW_OK;
 }
 
 /* Choose a spanning tree by rank (Kruskal). */
-static void choose_tree(const lw_linkage *k, const lw_model *m, const bool *at_gear, lw_export_tree *w)
+static void choose_tree(const lw_linkage *linkage, const lw_model *m, const bool *at_gear, lw_export_tree *w)
 {
     int group[LW_LINK_MAX];
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         group[i] = i;
     for (int rank = 0; rank <= 4; rank++)
-        for (int j = 0; j < k->n_joint; j++) {
-            int a = group[k->joint[j].link[0]], b = group[k->joint[j].link[1]];
-            if (rank_of(k, m, j, at_gear) != rank || a == b)
+        for (int j = 0; j < linkage->n_joint; j++) {
+            int a = group[linkage->joint[j].link[0]], b = group[linkage->joint[j].link[1]];
+            if (rank_of(linkage, m, j, at_gear) != rank || a == b)
                 continue;
             w->in_tree[j] = true;
-            for (int i = 0; i < k->n_link; i++)
+            for (int i = 0; i < linkage->n_link; i++)
                 if (group[i] == b)
                     group[i] = a;
         }
 }
 
 /* Set parents, going away from the ground. False: a link is connected only by a gear. */
-static bool root_tree(const lw_linkage *k, lw_export_tree *w)
+static bool root_tree(const lw_linkage *linkage, lw_export_tree *w)
 {
     int reached = 1;
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         w->parent[i] = w->joint[i] = -1;
     for (bool more = true; more;) {
         more = false;
-        for (int j = 0; j < k->n_joint; j++)
+        for (int j = 0; j < linkage->n_joint; j++)
             for (int side = 0; w->in_tree[j] && side < 2; side++) {
-                int from = k->joint[j].link[side], to = k->joint[j].link[1 - side];
-                if ((from != k->ground && w->parent[from] < 0) || to == k->ground || w->parent[to] >= 0)
+                int from = linkage->joint[j].link[side], to = linkage->joint[j].link[1 - side];
+                if ((from != linkage->ground && w->parent[from] < 0) || to == linkage->ground || w->parent[to] >= 0)
                     continue;
                 w->parent[to] = from;
                 w->joint[to] = j;
-                w->origin[to] = k->joint[j].at;
+                w->origin[to] = linkage->joint[j].at;
                 more = ++reached > 0;
             }
     }
-    return reached == k->n_link;
+    return reached == linkage->n_link;
 }
 
-lw_status lw_export_span(const lw_linkage *k, const lw_model *m, lw_export_tree *t, lw_error *e)
+lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export_tree *t, lw_error *e)
 {
     bool at_gear[LW_JOINT_MAX] = { false };
     memset(t, 0, sizeof *t);
-    lw_status s = mark_gears(k, at_gear, e);
+    lw_status s = mark_gears(linkage, at_gear, e);
     if (s != LW_OK)
         return s;
-    choose_tree(k, m, at_gear, t);
-    return root_tree(k, t) ? LW_OK : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in "
-                                                  "a tree of "
-                                                  "bodies");
+    choose_tree(linkage, m, at_gear, t);
+    return root_tree(linkage, t) ? LW_OK : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, "
+                                                        "which has no form in a tree of bodies");
 }
 
-double lw_export_count_sign(const lw_linkage *k, int joint, int child)
+double lw_export_count_sign(const lw_linkage *linkage, int joint, int child)
 {
-    const lw_joint *p = &k->joint[joint];
-    bool turned = lw_joint_turns(p->kind) && p->link[1] == k->ground;
+    const lw_joint *p = &linkage->joint[joint];
+    bool turned = lw_joint_turns(p->kind) && p->link[1] == linkage->ground;
     return (p->link[turned ? 0 : 1] == child) ? 1 : -1;
 }
 
-bool lw_export_weighed(const lw_linkage *k, const lw_model *m)
+bool lw_export_weighed(const lw_linkage *linkage, const lw_model *m)
 {
-    for (int i = 0; m && i < k->n_link; i++)
-        if (i != k->ground && m->body[i].mass > 0)
+    for (int i = 0; m && i < linkage->n_link; i++)
+        if (i != linkage->ground && m->body[i].mass > 0)
             return true;
     return false;
 }

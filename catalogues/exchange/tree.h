@@ -14,12 +14,12 @@ typedef struct lw_export_tree {
 
 /* Choose a spanning tree: driven and loaded joints first (m may be NULL), then those of gear wheels, welds, sliders and
  * slots, pins last. LW_E_KIND: a link hangs on a gear alone; failures of lw_export_gear. */
-lw_status lw_export_span(const lw_linkage *k, const lw_model *m, lw_export_tree *t, lw_error *e);
+lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export_tree *t, lw_error *e);
 
 /* +1 if the turn or shift of `child` has the joint's sign, else -1. */
-double lw_export_count_sign(const lw_linkage *k, int joint, int child);
+double lw_export_count_sign(const lw_linkage *linkage, int joint, int child);
 
 /* Has a link of the model a mass? m may be NULL. */
-bool lw_export_weighed(const lw_linkage *k, const lw_model *m);
+bool lw_export_weighed(const lw_linkage *linkage, const lw_model *m);
 
 #endif

@@ -192,17 +192,17 @@ static void lay_on_target(const search *s, const lw_descriptor *curve, lw_atlas_
 }
 
 /* Is the length of every side of a link, and the distance of the tracer from the pins of its link, in the limits? */
-static bool lengths_pass(const lw_atlas_filter *f, const lw_linkage *k)
+static bool lengths_pass(const lw_atlas_filter *f, const lw_linkage *linkage)
 {
-    const lw_tracer *t = &k->tracer[0];
-    for (int a = 0; a < k->n_joint; a++) {
-        const lw_joint *i = &k->joint[a];
+    const lw_tracer *t = &linkage->tracer[0];
+    for (int a = 0; a < linkage->n_joint; a++) {
+        const lw_joint *i = &linkage->joint[a];
         if (!lw_joint_holds_point(i->kind))
             continue;
         if ((i->link[0] == t->link || i->link[1] == t->link) && lw_v2_norm(lw_v2_sub(i->at, t->at)) > f->max_length)
             return false;
         for (int b = 0; b < a; b++) {
-            const lw_joint *j = &k->joint[b];
+            const lw_joint *j = &linkage->joint[b];
             bool joined = i->link[0] == j->link[0] || i->link[0] == j->link[1] || i->link[1] == j->link[0]
                        || i->link[1] == j->link[1];
             double length = lw_v2_norm(lw_v2_sub(i->at, j->at));

@@ -9,12 +9,12 @@
 #include "cli/program/model.h"
 #include "mbs/plan/types.h"
 
-static void print_dimensions(const lw_linkage *k, double unit, FILE *f)
+static void print_dimensions(const lw_linkage *linkage, double unit, FILE *f)
 {
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
-    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1 }, &plan, NULL) != LW_OK
-        || lw_plan_read(&plan, k, dim, mode, &input, NULL) != LW_OK)
+    if (lw_plan_make(linkage, (lw_plan_options){ .tracers = 1 }, &plan, NULL) != LW_OK
+        || lw_plan_read(&plan, linkage, dim, mode, &input, NULL) != LW_OK)
         return;
     for (int d = 0; d < plan.n_dim; d++)
         fprintf(f, " %s=%.6g", plan.dim[d].name, plan.dim[d].kind == LW_DIM_ANGLE ? dim[d] : dim[d]/unit);

@@ -89,20 +89,20 @@ static lw_status set_unit(const char *name, lw_units *u, lw_error *e)
          : lw_error_set(e, LW_E_ARG, "there is no length unit '%s'; m, mm, cm, km, um, in and ft are known", name);
 }
 
-static lw_status set_input(const char *name, lw_linkage *k, lw_error *e)
+static lw_status set_input(const char *name, lw_linkage *linkage, lw_error *e)
 {
     const char *names[LW_JOINT_MAX];
-    for (int j = 0; j < k->n_joint; j++) {
-        names[j] = k->joint[j].name;
+    for (int j = 0; j < linkage->n_joint; j++) {
+        names[j] = linkage->joint[j].name;
         if (strcmp(names[j], name) != 0)
             continue;
-        if (!lw_joint_can_drive(k->joint[j].kind))
+        if (!lw_joint_can_drive(linkage->joint[j].kind))
             return lw_error_set(e, LW_E_ARG, "joint '%s' is no pin or slider and cannot be driven", name);
-        k->n_input = 1;
-        k->input[0] = (lw_input){ .joint = j, .value = lw_linkage_posture_input(k, j) };
+        linkage->n_input = 1;
+        linkage->input[0] = (lw_input){ .joint = j, .value = lw_linkage_posture_input(linkage, j) };
         return LW_OK;
     }
-    const char *near = lw_suggest(name, names, k->n_joint);
+    const char *near = lw_suggest(name, names, linkage->n_joint);
     return lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
                         near ? near : names[0]);
 }
@@ -118,7 +118,7 @@ static bool has_masses(const lw_model *m)
 }
 
 /* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Free it with cli_free_model. */
-static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *k, lw_model **m, lw_error *e)
+static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *linkage, lw_model **m, lw_error *e)
 {
     const settings *s = call->settings;
     const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
@@ -136,9 +136,9 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *k, l
     if (status == LW_OK && !f)
         f = format_of_text(text);
     if (status == LW_OK && strcmp(f->name, "json") == 0)              /* a result of fit is written too */
-        status = cli_linkage_text(path, s->result, text, size, k, e);
+        status = cli_linkage_text(path, s->result, text, size, linkage, e);
     else if (status == LW_OK)
-        status = f->read(text, size, path, &units, k, e);
+        status = f->read(text, size, path, &units, linkage, e);
     if (status == LW_OK && loads && strcmp(f->name, "json") == 0) {
         *m = calloc(1, sizeof **m);
         status = *m ? lw_model_read_result(text, size, path, s->result, *m, e) : lw_error_set(e, LW_E_MEMORY,
@@ -149,13 +149,13 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *k, l
         }
     }
     if (status == LW_OK && s->unit)
-        status = set_unit(s->unit, &k->units, e);
+        status = set_unit(s->unit, &linkage->units, e);
     if (status == LW_OK && s->input && *m && has_masses(*m))
         status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions "
                               "belong to its "
                               "own inputs; change the input in the file");
     if (status == LW_OK && s->input)
-        status = set_input(s->input, k, e);
+        status = set_input(s->input, linkage, e);
     free(text);
     return status;
 }

@@ -65,7 +65,7 @@ typedef struct job {
 static bool at_ground(const lw_mechanism *m, int j) { return m->link[j][0] == m->ground || m->link[j][1] == m->ground; }
 
 /* Number of links that move the point with this input and tracer; 0: it cannot be computed. */
-static int try_choice(job *b, int input, int tracer, lw_linkage *k)
+static int try_choice(job *b, int input, int tracer, lw_linkage *linkage)
 {
     lw_rng rng;
     lw_mechanism m = b->m;
@@ -75,8 +75,8 @@ static int try_choice(job *b, int input, int tracer, lw_linkage *k)
     m.input[0] = (uint8_t)input;
     m.output = tracer;
     lw_rng_seed(&rng, b->call->common.seed, 7);
-    if (plan && lw_linkage_sketch(&m, &rng, k) == LW_OK
-        && lw_plan_make(k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK)
+    if (plan && lw_linkage_sketch(&m, &rng, linkage) == LW_OK
+        && lw_plan_make(linkage, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK)
         links = plan->n_link;
     free(plan);
     return links;
@@ -91,15 +91,15 @@ static int joint_of_number(const job *b, int number)
 }
 
 /* Sort the joints by their numbers in the matrix and name them so. */
-static void order_joints(const job *b, const lw_linkage *from, lw_linkage *k)
+static void order_joints(const job *b, const lw_linkage *from, lw_linkage *linkage)
 {
-    *k = *from;
+    *linkage = *from;
     for (int j = 0; j < from->n_joint; j++) {
-        lw_joint *p = &k->joint[b->number[j] - 1];
+        lw_joint *p = &linkage->joint[b->number[j] - 1];
         *p = from->joint[j];
         snprintf(p->name, sizeof p->name, "J%d", b->number[j]);
     }
-    k->input[0].joint = b->number[from->input[0].joint] - 1;
+    linkage->input[0].joint = b->number[from->input[0].joint] - 1;
 }
 
 static lw_status check_choice(const job *b, lw_error *e)
@@ -177,8 +177,8 @@ static void make_spec(job *b)
     b->spec.crank_only = b->s->crank_only;
 }
 
-/* Write the pose of variables x into k, at an input at which it closes. */
-static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *k)
+/* Write the pose of variables x into the linkage, at an input at which it closes. */
+static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *linkage)
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
     lw_plan *plan = malloc(sizeof *plan);
@@ -191,13 +191,13 @@ static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage
     lw_problem_to_dims(p, x, dim);
     for (int i = 0; ok && !found && i < 73; i++) {
         double input = mid + (p->intended.turns ? 2*LW_PI : 2*p->intended.half*scale)*(i % 2 ? 1 : -1)*(i/2)/72.0;
-        *k = b->sketch;
-        found = lw_plan_write(plan, dim, mode, input, k) == LW_OK;
+        *linkage = b->sketch;
+        found = lw_plan_write(plan, dim, mode, input, linkage) == LW_OK;
     }
     free(plan);
-    k->units = b->target.units;
+    linkage->units = b->target.units;
     if (found)
-        k->input[0].value = lw_linkage_posture_input(k, k->input[0].joint);
+        linkage->input[0].value = lw_linkage_posture_input(linkage, linkage->input[0].joint);
     return found;
 }
 
@@ -239,10 +239,10 @@ static lw_status first_dimensions(job *b, double *objective, lw_error *e)
 
 /* ---- results --------------------------------------------------------------------------------------------------- */
 
-static lw_status print_dataset(const lw_linkage *k, FILE *f, lw_error *e)
+static lw_status print_dataset(const lw_linkage *linkage, FILE *f, lw_error *e)
 {
     lw_bytes b = { 0 };
-    lw_status st = lw_export_adams(k, NULL, &b, e);
+    lw_status st = lw_export_adams(linkage, NULL, &b, e);
     if (st == LW_OK)
         fprintf(f, "MSA-program Data Set File:\n\n%s\n", b.data);
     lw_bytes_free(&b);
@@ -256,9 +256,9 @@ static lw_status save_bytes(const job *b, const char *name, const char *end, con
     return lw_file_write(path, bytes->data, bytes->size, e);
 }
 
-static lw_status save(const job *b, const lw_linkage *k, const char *name, lw_error *e)
+static lw_status save(const job *b, const lw_linkage *linkage, const char *name, lw_error *e)
 {
-    lw_linkage named = *k;
+    lw_linkage named = *linkage;
     lw_bytes bytes[2] = { { 0 }, { 0 } };
     if (!b->s->save)
         return LW_OK;
@@ -280,10 +280,10 @@ static lw_status save(const job *b, const lw_linkage *k, const char *name, lw_er
     return st;
 }
 
-static lw_status print_motion(const job *b, const lw_linkage *k, lw_error *e)
+static lw_status print_motion(const job *b, const lw_linkage *linkage, lw_error *e)
 {
     fputs("Coupler path:\n\n", b->out.f);
-    lw_status st = cli_plasma_path(k, b->s->points, b->out.f, e);
+    lw_status st = cli_plasma_path(linkage, b->s->points, b->out.f, e);
     return st == LW_OPEN ? LW_OK : st;
 }
 

@@ -8,12 +8,12 @@
 
 enum { START_MAX = 256, NEAREST = 24 };
 
-static lw_status add_start(cli_fit_start *s, const lw_linkage *k, lw_error *e)
+static lw_status add_start(cli_fit_start *s, const lw_linkage *linkage, lw_error *e)
 {
     lw_linkage *more = realloc(s->linkage, sizeof *more*(size_t)(s->n + 1));
     if (!more)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    more[s->n++] = *k;
+    more[s->n++] = *linkage;
     s->linkage = more;
     return LW_OK;
 }

@@ -29,16 +29,16 @@ static int type_number(lw_joint_kind kind)
     return 13;
 }
 
-void cli_plasma_joints(const lw_linkage *k, FILE *f)
+void cli_plasma_joints(const lw_linkage *linkage, FILE *f)
 {
     int marker[LW_LINK_MAX] = { 0 };
     fprintf(f, "  Jnt  Prt1  Prt2  Mar1  Mar2  Jtyp          X:          Y:      F:\n");
-    for (int n = 1; n <= k->n_joint; n++) {
-        const lw_joint *p = &k->joint[n - 1];
+    for (int n = 1; n <= linkage->n_joint; n++) {
+        const lw_joint *p = &linkage->joint[n - 1];
         int a = p->link[0], b = p->link[1];
-        fprintf(f, "%5d %5d %5d %5d %5d %5d %11.5g %11.5g %7.4g\n", n, a + 1, b + 1, 100*(a + 1) + ++marker[a],
-                100*(b + 1) + ++marker[b], type_number(p->kind), p->at.x/k->units.metre, p->at.y/k->units.metre,
-                lw_joint_turns(p->kind) ? 0 : atan2(p->along.y, p->along.x));
+        fprintf(f, "%5d %5d %5d %5d %5d %5d %11.5g %11.5g %7.4g\n", n, a + 1, b + 1, 100 * (a + 1) + ++marker[a],
+                100 * (b + 1) + ++marker[b], type_number(p->kind), p->at.x / linkage->units.metre,
+                p->at.y / linkage->units.metre, lw_joint_turns(p->kind) ? 0 : atan2(p->along.y, p->along.x));
     }
     fputc('\n', f);
 }
@@ -46,15 +46,15 @@ void cli_plasma_joints(const lw_linkage *k, FILE *f)
 /* A linkage with what the tables need to evaluate it. */
 typedef struct moved { lw_plan plan; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; lw_pose pose; } moved;
 
-static lw_status make(const lw_linkage *k, moved **out, lw_error *e)
+static lw_status make(const lw_linkage *linkage, moved **out, lw_error *e)
 {
     moved *m = calloc(1, sizeof *m);
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a plan");
-    lw_status s = lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER },
+    lw_status s = lw_plan_make(linkage, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER },
                                &m->plan, e);
     if (s == LW_OK)
-        s = lw_plan_read(&m->plan, k, m->dim, m->mode, &m->input, e);
+        s = lw_plan_read(&m->plan, linkage, m->dim, m->mode, &m->input, e);
     if (s != LW_OK)
         free(m);
     else
@@ -62,15 +62,15 @@ static lw_status make(const lw_linkage *k, moved **out, lw_error *e)
     return s;
 }
 
-lw_status cli_plasma_dimensions(const lw_linkage *k, FILE *f, lw_error *e)
+lw_status cli_plasma_dimensions(const lw_linkage *linkage, FILE *f, lw_error *e)
 {
     moved *m = NULL;
-    lw_status s = make(k, &m, e);
+    lw_status s = make(linkage, &m, e);
     if (s != LW_OK)
         return s;
     for (int i = 0; i < m->plan.n_dim; i++)
         fprintf(f, "  %-8s %14.8g\n", m->plan.dim[i].name,
-                m->dim[i]/(m->plan.dim[i].kind == LW_DIM_ANGLE ? k->units.radian : k->units.metre));
+                m->dim[i]/(m->plan.dim[i].kind == LW_DIM_ANGLE ? linkage->units.radian : linkage->units.metre));
     fputc('\n', f);
     free(m);
     return LW_OK;
@@ -121,10 +121,10 @@ static bool path_table(moved *m, const lw_export_law *law, double metre, int poi
     return closes;
 }
 
-static void acceleration_table(const lw_linkage *k, moved *m, const lw_export_law *law, int points, FILE *f)
+static void acceleration_table(const lw_linkage *linkage, moved *m, const lw_export_law *law, int points, FILE *f)
 {
     fputs("\nAccelerations of the joints:\n\n PNT", f);
-    for (int n = 1; n <= k->n_joint; n++)
+    for (int n = 1; n <= linkage->n_joint; n++)
         fprintf(f, "  %8s%-2d", "Jnt", n);
     for (int i = 0; i < points; i++) {
         double t, u[3];
@@ -133,24 +133,24 @@ static void acceleration_table(const lw_linkage *k, moved *m, const lw_export_la
             fputs("  does not close", f);
             continue;
         }
-        for (int n = 1; n <= k->n_joint; n++) {
+        for (int n = 1; n <= linkage->n_joint; n++) {
             lw_vec2 p[3];
-            in_time(m->pose.joint[n - 1], u, k->units.metre, p);
+            in_time(m->pose.joint[n - 1], u, linkage->units.metre, p);
             fprintf(f, " %11.5g", lw_v2_norm(p[2]));
         }
     }
     fputs("\n\n", f);
 }
 
-lw_status cli_plasma_path(const lw_linkage *k, int points, FILE *f, lw_error *e)
+lw_status cli_plasma_path(const lw_linkage *linkage, int points, FILE *f, lw_error *e)
 {
     moved *m = NULL;
-    lw_export_law law = lw_export_law_of(k, 0);
-    lw_status s = make(k, &m, e);
+    lw_export_law law = lw_export_law_of(linkage, 0);
+    lw_status s = make(linkage, &m, e);
     if (s != LW_OK)
         return s;
-    bool closes = path_table(m, &law, k->units.metre, points, f);
-    acceleration_table(k, m, &law, points, f);
+    bool closes = path_table(m, &law, linkage->units.metre, points, f);
+    acceleration_table(linkage, m, &law, points, f);
     free(m);
     return closes ? LW_OK : LW_OPEN;
 }

@@ -24,22 +24,22 @@ static const cli_option options[] = {
 
 /* ---- table ---------------------------------------------------------------------------------------- */
 
-static void links_text(FILE *f, const lw_linkage *k, uint32_t links)
+static void links_text(FILE *f, const lw_linkage *linkage, uint32_t links)
 {
     const char *between = "";
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         if (links >> i & 1) {
-            fprintf(f, "%s%s", between, k->link_name[i]);
+            fprintf(f, "%s%s", between, linkage->link_name[i]);
             between = ", ";
         }
 }
 
-static void joints_text(FILE *f, const lw_linkage *k, uint64_t joints)
+static void joints_text(FILE *f, const lw_linkage *linkage, uint64_t joints)
 {
     const char *between = "";
-    for (int j = 0; j < k->n_joint; j++)
+    for (int j = 0; j < linkage->n_joint; j++)
         if (joints >> j & 1) {
-            fprintf(f, "%s%s", between, k->joint[j].name);
+            fprintf(f, "%s%s", between, linkage->joint[j].name);
             between = ", ";
         }
 }
@@ -57,53 +57,53 @@ static const char *verdict(const lw_mobility *m)
     return "moves";
 }
 
-static void write_freedoms(FILE *f, const lw_linkage *k, const lw_mobility *m)
+static void write_freedoms(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
 {
     if (m->least_freedom < m->freedom)
         fprintf(f, "%-16s%d on another motion curve through the posture\n", "", m->least_freedom);
-    int own = lw_linkage_free_inputs(k);
+    int own = lw_linkage_free_inputs(linkage);
     if (own > 0)
         fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom,
                 m->freedom == 1 ? "" : "s", own, own == 1 ? "" : "s");
-    if (own < k->n_input)
-        fprintf(f, "%-16s%d input%s to the first, which takes as many freedoms\n", "tied", k->n_input - own,
-                k->n_input - own == 1 ? "" : "s");
+    if (own < linkage->n_input)
+        fprintf(f, "%-16s%d input%s to the first, which takes as many freedoms\n", "tied", linkage->n_input - own,
+                linkage->n_input - own == 1 ? "" : "s");
     if (m->idle > 0) {
         fprintf(f, "%-16s%d freedom%s that reach%s no %s: ", "idle", m->idle, m->idle == 1 ? "" : "s",
-                m->idle == 1 ? "es" : "", k->n_tracer > 0 ? "tracer" : "other link");
-        links_text(f, k, m->idle_links);
+                m->idle == 1 ? "es" : "", linkage->n_tracer > 0 ? "tracer" : "other link");
+        links_text(f, linkage, m->idle_links);
         fputc('\n', f);
     }
-    if (k->n_input > 0 && m->loose_links) {
+    if (linkage->n_input > 0 && m->loose_links) {
         fprintf(f, "%-16s", "loose");
-        links_text(f, k, m->loose_links);
+        links_text(f, linkage, m->loose_links);
         fputs("  (move while every input stands still)\n", f);
     }
     if (m->still_links) {
         fprintf(f, "%-16s", "still links");
-        links_text(f, k, m->still_links);
+        links_text(f, linkage, m->still_links);
         fputc('\n', f);
     }
     if (m->still_joints) {
         fprintf(f, "%-16s", "still joints");
-        joints_text(f, k, m->still_joints);
+        joints_text(f, linkage, m->still_joints);
         fputc('\n', f);
     }
 }
 
-static void write_redundant(FILE *f, const lw_linkage *k, const lw_mobility *m)
+static void write_redundant(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
 {
     fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
     for (int i = 0; i < m->n_redundant; i++) {
         const lw_system_row *row = &m->redundant[i].row;
-        fprintf(f, "%-16s%s of %s", "", row->what, k->joint[row->joint].name);
+        fprintf(f, "%-16s%s of %s", "", row->what, linkage->joint[row->joint].name);
         fputs(m->redundant[i].joints ? "  follows from " : "  says nothing", f);
-        joints_text(f, k, m->redundant[i].joints);
+        joints_text(f, linkage, m->redundant[i].joints);
         fputc('\n', f);
     }
 }
 
-static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
+static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
 {
     bool moves = m->kind == LW_MOBILITY_MOVES;
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
@@ -114,7 +114,7 @@ static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
         fprintf(f, "  (%d with other dimensions)", m->generic);
     fputc('\n', f);
     if (moves)
-        write_freedoms(f, k, m);
+        write_freedoms(f, linkage, m);
     fprintf(f, "%-16s%d in the posture", "first order", m->instant);
     if (moves)
         fprintf(f, ", %d along the motion", m->along);
@@ -124,7 +124,7 @@ static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
     if (m->order > 1)
         fprintf(f, "%-16syields up to order %d\n", "", m->order);
     fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, moves ? ", along the motion" : "");
-    write_redundant(f, k, m);
+    write_redundant(f, linkage, m);
     if (moves)
         fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->distance, m->residual);
     else if (!isnan(m->misfit))
@@ -133,39 +133,39 @@ static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
 
 /* ---- JSON ----------------------------------------------------------------------------------------- */
 
-static void json_links(cli_json *j, const char *key, const lw_linkage *k, uint32_t links)
+static void json_links(cli_json *j, const char *key, const lw_linkage *linkage, uint32_t links)
 {
     cli_json_array(j, key);
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         if (links >> i & 1)
-            cli_json_text(j, NULL, k->link_name[i]);
+            cli_json_text(j, NULL, linkage->link_name[i]);
     cli_json_end(j);
 }
 
-static void json_joints(cli_json *j, const char *key, const lw_linkage *k, uint64_t joints)
+static void json_joints(cli_json *j, const char *key, const lw_linkage *linkage, uint64_t joints)
 {
     cli_json_array(j, key);
-    for (int i = 0; i < k->n_joint; i++)
+    for (int i = 0; i < linkage->n_joint; i++)
         if (joints >> i & 1)
-            cli_json_text(j, NULL, k->joint[i].name);
+            cli_json_text(j, NULL, linkage->joint[i].name);
     cli_json_end(j);
 }
 
-static void json_redundant(cli_json *j, const lw_linkage *k, const lw_mobility *m)
+static void json_redundant(cli_json *j, const lw_linkage *linkage, const lw_mobility *m)
 {
     cli_json_array(j, "redundant");
     for (int i = 0; i < m->n_redundant; i++) {
         const lw_system_row *row = &m->redundant[i].row;
         cli_json_object(j, NULL);
-        cli_json_text(j, "joint", k->joint[row->joint].name);
+        cli_json_text(j, "joint", linkage->joint[row->joint].name);
         cli_json_text(j, "row", row->what);
-        json_joints(j, "follows_from", k, m->redundant[i].joints);
+        json_joints(j, "follows_from", linkage, m->redundant[i].joints);
         cli_json_end(j);
     }
     cli_json_end(j);
 }
 
-static void write_json(FILE *f, const lw_linkage *k, const lw_mobility *m)
+static void write_json(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
 {
     bool moves = m->kind == LW_MOBILITY_MOVES;
     cli_json j = cli_json_begin(f, 2);
@@ -181,13 +181,13 @@ static void write_json(FILE *f, const lw_linkage *k, const lw_mobility *m)
     cli_json_int(&j, "rows", m->n_row);
     cli_json_int(&j, "rank", m->rank);
     cli_json_int(&j, "rank_posture", m->posture_rank);
-    json_redundant(&j, k, m);
+    json_redundant(&j, linkage, m);
     cli_json_int(&j, "driven", m->driven);
     cli_json_int(&j, "idle", m->idle);
-    json_links(&j, "idle_links", k, m->idle_links);
-    json_links(&j, "loose_links", k, m->loose_links);
-    json_links(&j, "still_links", k, m->still_links);
-    json_joints(&j, "still_joints", k, m->still_joints);
+    json_links(&j, "idle_links", linkage, m->idle_links);
+    json_links(&j, "loose_links", linkage, m->loose_links);
+    json_links(&j, "still_links", linkage, m->still_links);
+    json_joints(&j, "still_joints", linkage, m->still_joints);
     cli_json_real(&j, "moved", m->distance);
     cli_json_real(&j, "residual", m->residual);
     cli_json_int(&j, "order", m->order);

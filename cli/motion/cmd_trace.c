@@ -67,48 +67,48 @@ static const cli_option options[] = {
 };
 
 /* Without tracers: the pins between two moving links, each place once, as far as there is room. */
-static void trace_pins(const cli_call *call, lw_linkage *k)
+static void trace_pins(const cli_call *call, lw_linkage *linkage)
 {
     int left_out = 0;
-    for (int i = 0; i < k->n_joint; i++) {
-        const lw_joint *j = &k->joint[i];
-        bool fresh = j->kind == LW_JOINT_REVOLUTE && j->link[0] != k->ground && j->link[1] != k->ground;
-        for (int q = 0; q < k->n_tracer; q++)
-            fresh = fresh && (k->tracer[q].at.x != j->at.x || k->tracer[q].at.y != j->at.y);
+    for (int i = 0; i < linkage->n_joint; i++) {
+        const lw_joint *j = &linkage->joint[i];
+        bool fresh = j->kind == LW_JOINT_REVOLUTE && j->link[0] != linkage->ground && j->link[1] != linkage->ground;
+        for (int q = 0; q < linkage->n_tracer; q++)
+            fresh = fresh && (linkage->tracer[q].at.x != j->at.x || linkage->tracer[q].at.y != j->at.y);
         if (!fresh)
             continue;
-        if (k->n_tracer == LW_TRACER_MAX) {
+        if (linkage->n_tracer == LW_TRACER_MAX) {
             left_out++;
             continue;
         }
-        lw_tracer *t = &k->tracer[k->n_tracer++];
+        lw_tracer *t = &linkage->tracer[linkage->n_tracer++];
         *t = (lw_tracer){ .link = j->link[0], .at = j->at };
         snprintf(t->name, sizeof t->name, "%s", j->name);
     }
-    if (k->n_tracer > 0)
+    if (linkage->n_tracer > 0)
         cli_note(call, "the file has no tracers: its moving pins are traced");
     if (left_out > 0)
         cli_note(call, "%d more moving pins are left out; name the points you want in \"tracers\"", left_out);
 }
 
-static lw_status choose_tracers(const settings *s, const char *file, const lw_linkage *k,
+static lw_status choose_tracers(const settings *s, const char *file, const lw_linkage *linkage,
                                 unsigned *tracers, lw_error *e)
 {
     const char *names[LW_TRACER_MAX];
-    if (k->n_tracer == 0)
+    if (linkage->n_tracer == 0)
         return lw_error_at(e, LW_E_ARG, file, 0, 0, "the linkage has no tracer and no pin between moving links, so "
                            "there is nothing to trace; add \"tracers\" to the file");
-    *tracers = (1u << k->n_tracer) - 1;
+    *tracers = (1u << linkage->n_tracer) - 1;
     if (!s->tracer)
         return LW_OK;
-    for (int i = 0; i < k->n_tracer; i++) {
-        names[i] = k->tracer[i].name;
+    for (int i = 0; i < linkage->n_tracer; i++) {
+        names[i] = linkage->tracer[i].name;
         if (strcmp(names[i], s->tracer) == 0) {
             *tracers = 1u << i;
             return LW_OK;
         }
     }
-    const char *near = lw_suggest(s->tracer, names, k->n_tracer);
+    const char *near = lw_suggest(s->tracer, names, linkage->n_tracer);
     return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'", s->tracer,
                        near ? "did you mean" : "the first is", near ? near : names[0]);
 }
@@ -139,9 +139,10 @@ static void set_tools(cli_trace *t)
 
 /* ---- by the plan ------------------------------------------------------------------------------- */
 
-static cli_rows make_rows(const job *j, const lw_linkage *k)
+static cli_rows make_rows(const job *j, const lw_linkage *linkage)
 {
-    return (cli_rows){ .k = k, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until, .kept = j->kept };
+    return (cli_rows){ .k = linkage, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until,
+                       .kept = j->kept };
 }
 
 /* Needs t->k and t->plan. */
@@ -393,20 +394,20 @@ static int run_curves(const job *j, const double *range)
 
 /* ---- the plan as text --------------------------------------------------------------------------- */
 
-static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
+static int explain(const cli_call *call, const lw_linkage *linkage, unsigned tracers)
 {
     static lw_plan plan;
     char text[8192];
     lw_error e = { 0 };
     lw_output o;
-    bool dyads = lw_plan_make(k, (lw_plan_options){ .tracers = tracers }, &plan, &e) == LW_OK;
-    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = tracers, .kind = LW_PLAN_HIGHER }, &plan, &e);
+    bool dyads = lw_plan_make(linkage, (lw_plan_options){ .tracers = tracers }, &plan, &e) == LW_OK;
+    lw_status st = lw_plan_make(linkage, (lw_plan_options){ .tracers = tracers, .kind = LW_PLAN_HIGHER }, &plan, &e);
     if ((st != LW_OK && st != LW_E_KIND) || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     if (st == LW_E_KIND)
         fprintf(o.f, "traced along its motion curve, all links at once: %s\n", e.text);
     else {
-        lw_plan_explain(&plan, k, text, sizeof text);
+        lw_plan_explain(&plan, linkage, text, sizeof text);
         fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs, unless they pass change points"
                 : "along its motion curve, which passes limits; between the poses of the curve by these groups");
     }
@@ -488,15 +489,15 @@ static int choose_way(const job *j)
 }
 
 /* Hold joints whose motion moves no tracer, so that they need no input, and report each. */
-static lw_status hold_idle(const cli_call *call, lw_linkage *k, lw_error *e)
+static lw_status hold_idle(const cli_call *call, lw_linkage *linkage, lw_error *e)
 {
     uint64_t held = 0;
-    if (lw_linkage_mobility(k) <= lw_linkage_free_inputs(k))
+    if (lw_linkage_mobility(linkage) <= lw_linkage_free_inputs(linkage))
         return LW_OK;
-    lw_status st = lw_mobility_hold_idle(k, &held, e);
-    for (int j = 0; j < k->n_joint; j++)
+    lw_status st = lw_mobility_hold_idle(linkage, &held, e);
+    for (int j = 0; j < linkage->n_joint; j++)
         if (held >> j & 1)
-            cli_note(call, "%s is held still: its motion moves no tracer", k->joint[j].name);
+            cli_note(call, "%s is held still: its motion moves no tracer", linkage->joint[j].name);
     return st;
 }
 

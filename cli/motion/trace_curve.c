@@ -518,15 +518,15 @@ lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
 
 #define LEAST_MARGIN 1e-5              /* nearer to a dead point of a group, use the curve           */
 
-cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers)
+cli_groups *cli_groups_make(const lw_linkage *linkage, unsigned tracers)
 {
     cli_groups *g = calloc(1, sizeof *g);
     double input;
     if (g)
-        g->k = *k;
-    if (g && lw_plan_make(k, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER },
+        g->k = *linkage;
+    if (g && lw_plan_make(linkage, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER },
                           &g->plan, NULL) == LW_OK
-        && lw_plan_read(&g->plan, k, g->dim, g->mode, &input, NULL) == LW_OK)
+        && lw_plan_read(&g->plan, linkage, g->dim, g->mode, &input, NULL) == LW_OK)
         return g;
     free(g);
     return NULL;

@@ -25,7 +25,7 @@ typedef struct cli_groups {
 } cli_groups;
 
 /* Returns NULL if the linkage has no plan or memory ran out; then the curve alone gives all rows. Free with free(). */
-cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers);
+cli_groups *cli_groups_make(const lw_linkage *linkage, unsigned tracers);
 
 /* Start the next rows from pose q of s, which was printed as `row` at input u. */
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,

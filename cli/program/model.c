@@ -92,18 +92,18 @@ static lw_status hint(const char *path, lw_status s, lw_error *e)
     return s;
 }
 
-lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k, lw_error *e)
+lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage, lw_error *e)
 {
-    return hint(path, lw_linkage_read_result(text, size, path, which, k, e), e);
+    return hint(path, lw_linkage_read_result(text, size, path, which, linkage, e), e);
 }
 
-lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e)
+lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
     lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
     if (s == LW_OK)
-        s = cli_linkage_text(path, which, text, size, k, e);
+        s = cli_linkage_text(path, which, text, size, linkage, e);
     free(text);
     return s;
 }

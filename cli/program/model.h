@@ -8,7 +8,7 @@
 /* Read a linkage from a file ("-" is standard input). The file holds one linkage as in docs/notation.md, or an object
  * with `results` as `linkwright fit --json` prints it; result number `which` (1 is the best) is taken. which 0: the
  * first result; files without results are accepted too. */
-lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e);
+lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_error *e);
 
 /* The same with motions, masses and loads (grammar/model.h). Free it with cli_free_model. NULL: see e. */
 struct lw_model;
@@ -16,7 +16,8 @@ struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
 /* The same from text in memory. */
-lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k, lw_error *e);
+lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
+                           lw_error *e);
 
 /* Is this the text of a target (CSV)? */
 bool cli_is_target(const char *text, size_t size);

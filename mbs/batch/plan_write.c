@@ -29,13 +29,13 @@ static lw_vec2 in_plane(const placed *q, const double *dim, int reg)
 
 /* The new place of a slide point.  A point at the pin stays at the pin.  Any other point keeps its distance from the
  * path of the pin and its place along the path, in the frame of link[0]. */
-static lw_vec2 move_slide(const lw_linkage *k, const lw_frames *f, const placed *q, const double *dim, int j)
+static lw_vec2 move_slide(const lw_linkage *linkage, const lw_frames *f, const placed *q, const double *dim, int j)
 {
     const lw_plan *p = q->p;
-    int link = k->joint[j].link[0], rider = lw_joint_other(&k->joint[j], p->slider_base[j]);
-    lw_vec2 ref = p->slider_ref[j] >= 0 ? k->joint[p->slider_ref[j]].at : f->o[rider];
-    lw_vec2 at = k->joint[j].at, ref1 = in_plane(q, dim, p->joint_point[j]);
-    lw_vec2 w = lw_plan_slide_direction(p, k, j), w1 = lw_v2_turn(q->reg[p->slider_dir[j]], q->turn);
+    int link = linkage->joint[j].link[0], rider = lw_joint_other(&linkage->joint[j], p->slider_base[j]);
+    lw_vec2 ref = p->slider_ref[j] >= 0 ? linkage->joint[p->slider_ref[j]].at : f->o[rider];
+    lw_vec2 at = linkage->joint[j].at, ref1 = in_plane(q, dim, p->joint_point[j]);
+    lw_vec2 w = lw_plan_slide_direction(p, linkage, j), w1 = lw_v2_turn(q->reg[p->slider_dir[j]], q->turn);
     if (at.x == ref.x && at.y == ref.y)
         return ref1;
     double across = lw_v2_cross(w, lw_v2_sub(at, ref));
@@ -43,24 +43,24 @@ static lw_vec2 move_slide(const lw_linkage *k, const lw_frames *f, const placed 
     return lw_v2_add(ref1, lw_v2_turn(lw_v2(along, across), w1));
 }
 
-static void move_joints(const lw_frames *f, const placed *q, const double *dim, lw_linkage *k)
+static void move_joints(const lw_frames *f, const placed *q, const double *dim, lw_linkage *linkage)
 {
-    const lw_linkage old = *k;
-    for (int j = 0; j < k->n_joint; j++) {
-        if (lw_joint_has_ratio(k->joint[j].kind))
+    const lw_linkage old = *linkage;
+    for (int j = 0; j < linkage->n_joint; j++) {
+        if (lw_joint_has_ratio(linkage->joint[j].kind))
             continue;
-        if (!lw_joint_translates(k->joint[j].kind)) {
-            k->joint[j].at = in_plane(q, dim, q->p->joint_point[j]);
+        if (!lw_joint_translates(linkage->joint[j].kind)) {
+            linkage->joint[j].at = in_plane(q, dim, q->p->joint_point[j]);
             continue;
         }
-        k->joint[j].at = move_slide(&old, f, q, dim, j);
+        linkage->joint[j].at = move_slide(&old, f, q, dim, j);
         lw_vec2 w = lw_v2_turn(q->reg[q->p->slider_dir[j]], q->turn);
-        k->joint[j].along = lw_v2_scale(w, q->p->slider_sign[j]);
+        linkage->joint[j].along = lw_v2_scale(w, q->p->slider_sign[j]);
     }
 }
 
 /* Set the ratios of racks, and the contacts of gears from the new pins of their wheels. */
-static void move_gears(const lw_plan *p, const double *dim, lw_linkage *k)
+static void move_gears(const lw_plan *p, const double *dim, lw_linkage *linkage)
 {
     lw_gear g;
     for (int i = 0; i < p->n_dim; i++) {
@@ -69,73 +69,75 @@ static void move_gears(const lw_plan *p, const double *dim, lw_linkage *k)
             continue;
         while (r->joint != p->dim[i].joint)
             r++;
-        k->joint[r->joint].ratio = r->side ? r->sign*dim[i] : r->sign/lw_away_from_zero(dim[i]);
+        linkage->joint[r->joint].ratio = r->side ? r->sign*dim[i] : r->sign/lw_away_from_zero(dim[i]);
     }
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_has_ratio(k->joint[j].kind) && lw_linkage_gear(k, j, &g, NULL) == LW_OK)
-            k->joint[j].at = lw_linkage_contact(k, j, &g);
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (lw_joint_has_ratio(linkage->joint[j].kind) && lw_linkage_gear(linkage, j, &g, NULL) == LW_OK)
+            linkage->joint[j].at = lw_linkage_contact(linkage, j, &g);
 }
 
-static void move_tracers(const lw_frames *f, const placed *q, const double *dim, lw_linkage *k)
+static void move_tracers(const lw_frames *f, const placed *q, const double *dim, lw_linkage *linkage)
 {
     const lw_plan *p = q->p;
-    for (int i = 0; i < k->n_tracer; i++) {
-        int link = k->tracer[i].link;
+    for (int i = 0; i < linkage->n_tracer; i++) {
+        int link = linkage->tracer[i].link;
         lw_vec2 turn = lw_v2_unturn(q->d[link], f->d[link]);
-        k->tracer[i].at = lw_v2_add(q->o[link], lw_v2_turn(lw_v2_sub(k->tracer[i].at, f->o[link]), turn));
-        k->tracer[i].angle += atan2(turn.y, turn.x);
+        linkage->tracer[i].at = lw_v2_add(q->o[link], lw_v2_turn(lw_v2_sub(linkage->tracer[i].at, f->o[link]), turn));
+        linkage->tracer[i].angle += atan2(turn.y, turn.x);
     }
     for (int o = 0; o < p->n_output; o++)
-        k->tracer[p->output_tracer[o]].at = in_plane(q, dim, p->output_point[o]);
+        linkage->tracer[p->output_tracer[o]].at = in_plane(q, dim, p->output_point[o]);
 }
 
-static lw_status write_wide(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *k)
+static lw_status write_wide(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *linkage)
 {
     lw_frames f;
     placed q;
-    lw_status s = lw_plan_frames(p, k, &f, NULL);
+    lw_status s = lw_plan_frames(p, linkage, &f, NULL);
     if (s != LW_OK)
         return s;
-    for (int j = 0; j < k->n_joint; j++)
-        if ((p->joint_point[j] < 0 && !lw_joint_has_ratio(k->joint[j].kind))
-            || (lw_joint_translates(k->joint[j].kind) && p->slider_dir[j] < 0))
+    for (int j = 0; j < linkage->n_joint; j++)
+        if ((p->joint_point[j] < 0 && !lw_joint_has_ratio(linkage->joint[j].kind))
+            || (lw_joint_translates(linkage->joint[j].kind) && p->slider_dir[j] < 0))
             return LW_E_ARG;
     if (lw_pose_registers(p, dim, mode, input, q.reg) < 0)
         return LW_OPEN;
     place(p, dim, &q);
-    double before = lw_plan_read_input(p, k, &f), turned = dim[p->i_theta0] - atan2(f.d[k->ground].y, f.d[k->ground].x);
-    if (p->input_link[0] != k->ground)
+    double before = lw_plan_read_input(p, linkage, &f),
+           turned = dim[p->i_theta0] - atan2(f.d[linkage->ground].y, f.d[linkage->ground].x);
+    if (p->input_link[0] != linkage->ground)
         turned = 0;
-    move_joints(&f, &q, dim, k);
-    move_gears(p, dim, k);
-    move_tracers(&f, &q, dim, k);
-    k->input[0].value += p->input_is_slider
+    move_joints(&f, &q, dim, linkage);
+    move_gears(p, dim, linkage);
+    move_tracers(&f, &q, dim, linkage);
+    linkage->input[0].value += p->input_is_slider
                               ? input - before
                               : remainder(p->input_turns_per_period*(input - before) + turned, 2*LW_PI);
     return LW_OK;
 }
 
-lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *k)
+lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *linkage)
 {
     lw_linkage wide;
     int slot[LW_JOINT_MAX];
-    lw_status s = lw_plan_expand(k, &wide, slot, NULL);
+    lw_status s = lw_plan_expand(linkage, &wide, slot, NULL);
     if (s == LW_OK)
         s = write_wide(p, dim, mode, input, &wide);
     if (s != LW_OK)
         return s;
     double before[LW_INPUT_MAX];
-    for (int i = 1; i < k->n_input; i++)
-        before[i] = lw_linkage_posture_input(k, k->input[i].joint);
-    for (int j = 0; j < k->n_joint; j++) {
-        k->joint[j].at = wide.joint[j].at;
-        k->joint[j].ratio = wide.joint[j].ratio;
-        k->joint[j].along = wide.joint[slot[j] >= 0 ? slot[j] : j].along;
+    for (int i = 1; i < linkage->n_input; i++)
+        before[i] = lw_linkage_posture_input(linkage, linkage->input[i].joint);
+    for (int j = 0; j < linkage->n_joint; j++) {
+        linkage->joint[j].at = wide.joint[j].at;
+        linkage->joint[j].ratio = wide.joint[j].ratio;
+        linkage->joint[j].along = wide.joint[slot[j] >= 0 ? slot[j] : j].along;
     }
-    memcpy(k->tracer, wide.tracer, sizeof k->tracer);
-    k->input[0].value = wide.input[0].value;
-    for (int i = 1; i < k->n_input; i++)
-        k->input[i].value += remainder(lw_linkage_posture_input(k, k->input[i].joint) - before[i], 2*LW_PI);
+    memcpy(linkage->tracer, wide.tracer, sizeof linkage->tracer);
+    linkage->input[0].value = wide.input[0].value;
+    for (int i = 1; i < linkage->n_input; i++)
+        linkage->input[i].value
+            += remainder(lw_linkage_posture_input(linkage, linkage->input[i].joint) - before[i], 2*LW_PI);
     return LW_OK;
 }
 

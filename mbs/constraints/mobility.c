@@ -303,16 +303,16 @@ static void find_misfit(search *f)
 /* ---- other dimensions ------------------------------------------------------------------------------ */
 
 /* Move joints at random (joints at one place together), turn slide lines, change ratios. */
-static void disturb(lw_linkage *k, double size, lw_rng *r)
+static void disturb(lw_linkage *linkage, double size, lw_rng *r)
 {
     lw_vec2 old[LW_JOINT_MAX];
-    for (int j = 0; j < k->n_joint; j++) {
-        lw_joint *q = &k->joint[j];
+    for (int j = 0; j < linkage->n_joint; j++) {
+        lw_joint *q = &linkage->joint[j];
         lw_vec2 push = lw_v2_scale(lw_v2(lw_rng_normal(r), lw_rng_normal(r)), 0.3*size);
         old[j] = q->at;
         for (int i = 0; i < j; i++)
             if (lw_v2_norm(lw_v2_sub(old[i], old[j])) <= 1e-9*size)
-                push = lw_v2_sub(k->joint[i].at, old[i]);
+                push = lw_v2_sub(linkage->joint[i].at, old[i]);
         q->at = lw_v2_add(q->at, push);
         q->along = lw_v2_turn(q->along, lw_v2_polar(1, lw_rng_normal(r)));
         double length = lw_v2_norm(q->along);
@@ -322,9 +322,9 @@ static void disturb(lw_linkage *k, double size, lw_rng *r)
     }
 }
 
-static void find_generic(search *f, const lw_linkage *k, uint64_t seed)
+static void find_generic(search *f, const lw_linkage *linkage, uint64_t seed)
 {
-    lw_linkage other = *k;
+    lw_linkage other = *linkage;
     lw_system s;
     double q[LW_SYSTEM_Q_MAX];
     lw_rng r;
@@ -384,7 +384,7 @@ static void walk_about(search *f, uint64_t seed)
     }
 }
 
-static lw_status look(search *f, const lw_linkage *k, uint64_t seed)
+static lw_status look(search *f, const lw_linkage *linkage, uint64_t seed)
 {
     lw_mobility *m = f->m;
     lw_system_posture(f->s, f->q0);
@@ -393,7 +393,7 @@ static lw_status look(search *f, const lw_linkage *k, uint64_t seed)
     m->posture_rank = m->rank = f->best.rank;
     m->instant = m->along = f->best.first_order;
     m->count = f->n_q - f->s->n_row;
-    find_generic(f, k, seed);
+    find_generic(f, linkage, seed);
     if (m->instant > 0)
         walk_about(f, seed);
     m->misfit = 0;
@@ -413,7 +413,7 @@ static lw_status look(search *f, const lw_linkage *k, uint64_t seed)
     return m->freedom > 0 ? find_idle(f) : LW_OK;
 }
 
-lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw_mobility *m, lw_error *e)
+lw_status lw_mobility_find(const lw_linkage *linkage, const lw_mobility_options *o, lw_mobility *m, lw_error *e)
 {
     static const char memory[] = "out of memory for the mobility of a linkage";
     memset(m, 0, sizeof *m);
@@ -421,7 +421,7 @@ lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw
         return lw_error_set(e, LW_E_ARG, "the tolerance is %g; it must be 0 to 1e-4", o->tolerance);
     lw_system system;
     search f = { .s = &system, .m = m };
-    lw_status status = lw_system_make(k, NULL, 0, &system, e);
+    lw_status status = lw_system_make(linkage, NULL, 0, &system, e);
     if (status != LW_OK) {
         lw_system_free(&system);
         return status;
@@ -444,7 +444,7 @@ lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw
     }
     f.best = (lw_mobility_pose){ .q = f.block, .motion = f.block + n };
     f.now = (lw_mobility_pose){ .q = f.block + n + room, .motion = f.block + 2*n + room };
-    status = look(&f, k, o->seed);
+    status = look(&f, linkage, o->seed);
     lw_drift_free(&f.d);
     free(f.block);
     lw_system_free(&system);

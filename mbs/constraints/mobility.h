@@ -60,12 +60,12 @@ typedef struct lw_mobility {
 lw_mobility_options lw_mobility_options_default(void);     /* 1e-12, seed 1 */
 
 /* LW_E_ARG: tolerance out of range; LW_E_MEMORY; fails as lw_system_make. */
-lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw_mobility *m,
+lw_status lw_mobility_find(const lw_linkage *linkage, const lw_mobility_options *o, lw_mobility *m,
                            lw_error *e);
 
 /* Weld joints (returned in *joints as bits) until no freedom is idle, such as a roller that spins.  Inputs and tracers
  * move as before.  An idle freedom that no single pin or slider can remove stays.  Fails as lw_mobility_find. */
-lw_status lw_mobility_hold_idle(lw_linkage *k, uint64_t *joints, lw_error *e);
+lw_status lw_mobility_hold_idle(lw_linkage *linkage, uint64_t *joints, lw_error *e);
 
 const char *lw_mobility_kind_text(lw_mobility_kind kind);  /* "rigid", "shaky", "moves" */
 

@@ -470,13 +470,13 @@ static bool allocate(lw_newton *s)
     return true;
 }
 
-static lw_status count_equations(const lw_linkage *k, lw_newton *s, lw_error *e)
+static lw_status count_equations(const lw_linkage *linkage, lw_newton *s, lw_error *e)
 {
     s->n = s->system.n_q;
     s->m = s->system.n_row + s->system.n_input;
     s->w = s->n + 1;
     s->rows = s->m + 1;
-    if (k->n_input < 1)
+    if (linkage->n_input < 1)
         return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
     if (s->m < s->n)
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d inputs; drive %d more joints",
@@ -507,20 +507,20 @@ static lw_status begin(lw_newton *s, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e)
+lw_status lw_newton_create(const lw_linkage *linkage, lw_newton **out, lw_error *e)
 {
     *out = NULL;
     lw_newton *s = calloc(1, sizeof *s);
     if (!s)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status status = lw_system_make(k, NULL, 0.0, &s->system, e);
+    lw_status status = lw_system_make(linkage, NULL, 0.0, &s->system, e);
     if (status == LW_OK)
-        status = count_equations(k, s, e);
+        status = count_equations(linkage, s, e);
     if (status == LW_OK && !allocate(s))
         status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK) {
-        s->value = k->input[0].value;
-        s->input_is_pin = lw_joint_turns(k->joint[k->input[0].joint].kind);
+        s->value = linkage->input[0].value;
+        s->input_is_pin = lw_joint_turns(linkage->joint[linkage->input[0].joint].kind);
         s->unit = s->input_is_pin ? 1.0 : s->system.unit;
         status = begin(s, e);
     }

@@ -14,7 +14,7 @@ typedef struct lw_newton lw_newton;
 /* Overconstrained linkages are accepted if they can move.  Inputs after the first rest, except that tied inputs
  * follow it.  LW_E_ARG: fewer inputs than degrees of freedom; LW_E_NUMERIC: the linkage is rigid, or its posture is a
  * dead point of the input where two branches meet and none can be chosen.  Fails as lw_system_make. */
-lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e);
+lw_status lw_newton_create(const lw_linkage *linkage, lw_newton **out, lw_error *e);
 void      lw_newton_free(lw_newton *s);
 
 /* Move from the present input to `input` along the curve of postures by predictor and corrector.  Steps are shortened

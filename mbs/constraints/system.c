@@ -10,23 +10,23 @@
 /* Middle and size of the posture.  Differences are taken before sums, so that a posture far from the origin keeps its
  * digits. If all joints are at one point, the tracers define the size; without tracers any size will do, because
  * links only turn about that point. */
-static void measure_posture(const lw_assembly *k, lw_system *s)
+static void measure_posture(const lw_assembly *assembly, lw_system *s)
 {
     lw_vec2 first = { 0.0, 0.0 }, sum = { 0.0, 0.0 };
     int n = 0;
     s->unit = 0.0;
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_has_position(k->joint[j].kind)) {
-            first = n == 0 ? k->joint[j].at : first;
-            sum = lw_v2_add(sum, lw_v2_sub(k->joint[j].at, first));
+    for (int j = 0; j < assembly->n_joint; j++)
+        if (lw_joint_has_position(assembly->joint[j].kind)) {
+            first = n == 0 ? assembly->joint[j].at : first;
+            sum = lw_v2_add(sum, lw_v2_sub(assembly->joint[j].at, first));
             n++;
         }
     s->origin = lw_v2_add(first, lw_v2_scale(sum, 1.0/(n > 0 ? n : 1)));
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_has_position(k->joint[j].kind))
-            s->unit = fmax(s->unit, lw_v2_norm(lw_v2_sub(k->joint[j].at, s->origin)));
-    for (int i = 0; i < k->n_tracer && s->unit == 0.0; i++)
-        s->unit = lw_v2_norm(lw_v2_sub(k->tracer[i].at, s->origin));
+    for (int j = 0; j < assembly->n_joint; j++)
+        if (lw_joint_has_position(assembly->joint[j].kind))
+            s->unit = fmax(s->unit, lw_v2_norm(lw_v2_sub(assembly->joint[j].at, s->origin)));
+    for (int i = 0; i < assembly->n_tracer && s->unit == 0.0; i++)
+        s->unit = lw_v2_norm(lw_v2_sub(assembly->tracer[i].at, s->origin));
     s->unit = s->unit > 0.0 ? s->unit : 1.0;
 }
 
@@ -37,20 +37,20 @@ static lw_vec2 scaled(const lw_system *s, lw_vec2 at)
 
 /* ---- parts ------------------------------------------------------------------------------------- */
 
-static void make_bodies(const lw_assembly *k, const lw_vec2 *reference, lw_system *s)
+static void make_bodies(const lw_assembly *assembly, const lw_vec2 *reference, lw_system *s)
 {
     lw_vec2 *sum = s->reference;             /* by link; body b is at most link b, so each is read before it is replaced */
     int *n = s->link;
-    for (int j = 0; j < k->n_joint; j++)
+    for (int j = 0; j < assembly->n_joint; j++)
         for (int end = 0; end < 2; end++)
-            if (lw_joint_has_position(k->joint[j].kind)) {
-                int l = k->joint[j].link[end];
-                sum[l] = lw_v2_add(sum[l], scaled(s, k->joint[j].at));
+            if (lw_joint_has_position(assembly->joint[j].kind)) {
+                int l = assembly->joint[j].link[end];
+                sum[l] = lw_v2_add(sum[l], scaled(s, assembly->joint[j].at));
                 n[l]++;
             }
-    for (int l = 0; l < k->n_link; l++) {
-        s->body[l] = l == k->ground ? -1 : s->n_body;
-        if (l == k->ground)
+    for (int l = 0; l < assembly->n_link; l++) {
+        s->body[l] = l == assembly->ground ? -1 : s->n_body;
+        if (l == assembly->ground)
             continue;
         s->reference[s->n_body] = reference ? scaled(s, reference[l]) : lw_v2_scale(sum[l], 1.0/(n[l] > 0 ? n[l] : 1));
         s->link[s->n_body] = l;
@@ -64,26 +64,26 @@ static void add_row(lw_system *s, int joint, const char *what)
     s->row[s->n_row++] = (lw_system_row){ joint, what };
 }
 
-static lw_status make_gear(const lw_assembly *k, int j, lw_system *s, lw_error *e)
+static lw_status make_gear(const lw_assembly *assembly, int j, lw_system *s, lw_error *e)
 {
     lw_system_joint *q = &s->joint[j];
     lw_gear g;
-    lw_status status = lw_assembly_gear(k, j, &g, NULL, e);
+    lw_status status = lw_assembly_gear(assembly, j, &g, NULL, e);
     if (status != LW_OK)
         return status;
     q->carrier = s->body[g.carrier];
     for (int side = 0; side < 2; side++) {
-        q->arm[side] = lw_system_arm(s, q->carrier, k->joint[j].at);
+        q->arm[side] = lw_system_arm(s, q->carrier, assembly->joint[j].at);
         q->slider[side] = g.slider[side];
         q->slider_sign[side] = g.way[side];
     }
-    q->ratio = k->joint[j].ratio/lw_linkage_gear_unit(&g, s->unit);
+    q->ratio = assembly->joint[j].ratio/lw_linkage_gear_unit(&g, s->unit);
     return LW_OK;
 }
 
-static lw_status make_joint(const lw_assembly *k, int j, lw_system *s, lw_error *e)
+static lw_status make_joint(const lw_assembly *assembly, int j, lw_system *s, lw_error *e)
 {
-    const lw_joint *from = &k->joint[j];
+    const lw_joint *from = &assembly->joint[j];
     lw_system_joint *q = &s->joint[j];
     *q = (lw_system_joint){ .kind = from->kind, .carrier = -1, .sign = 1.0, .along = from->along, .row = s->n_row,
                             .slider = { -1, -1 } };
@@ -103,22 +103,22 @@ static lw_status make_joint(const lw_assembly *k, int j, lw_system *s, lw_error 
     if (!lw_joint_has_ratio(q->kind))
         return LW_OK;
     add_row(s, j, "ratio");
-    return make_gear(k, j, s, e);
+    return make_gear(assembly, j, s, e);
 }
 
-static void make_inputs(const lw_assembly *k, lw_system *s)
+static void make_inputs(const lw_assembly *assembly, lw_system *s)
 {
-    s->n_input = lw_assembly_free_inputs(k);
-    s->n_tie = k->n_input - s->n_input;
+    s->n_input = lw_assembly_free_inputs(assembly);
+    s->n_tie = assembly->n_input - s->n_input;
     s->tie_row = s->n_row;
-    for (int i = 0; i < k->n_input; i++) {
-        s->input_joint[i] = k->input[i].joint;
-        s->input_value[i] = k->input[i].value;
+    for (int i = 0; i < assembly->n_input; i++) {
+        s->input_joint[i] = assembly->input[i].joint;
+        s->input_value[i] = assembly->input[i].value;
     }
     for (int i = 0; i < s->n_tie; i++) {
         int tied = s->n_input + i;
-        s->tie[i] = k->input[tied].ratio/lw_assembly_tie_unit(k, tied, s->unit);
-        add_row(s, k->input[tied].joint, "tie");
+        s->tie[i] = assembly->input[tied].ratio/lw_assembly_tie_unit(assembly, tied, s->unit);
+        add_row(s, assembly->input[tied].joint, "tie");
     }
 }
 
@@ -154,35 +154,38 @@ void lw_system_free(lw_system *s)
     memset(s, 0, sizeof *s);
 }
 
-lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
+lw_status lw_system_make(const lw_linkage *linkage, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
 {
     memset(s, 0, sizeof *s);
-    lw_status status = lw_linkage_check(k, e);
-    lw_assembly a = lw_linkage_view(k);
+    lw_status status = lw_linkage_check(linkage, e);
+    lw_assembly a = lw_linkage_view(linkage);
     return status == LW_OK ? lw_system_assemble(&a, reference, unit, s, e) : status;
 }
 
-lw_status lw_system_assemble(const lw_assembly *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
+lw_status lw_system_assemble(const lw_assembly *assembly, const lw_vec2 *reference, double unit, lw_system *s,
+                             lw_error *e)
 {
     memset(s, 0, sizeof *s);
-    lw_status status = lw_assembly_check(k, e);
+    lw_status status = lw_assembly_check(assembly, e);
     if (status != LW_OK)
         return status;
-    if (reserve(s, (size_t)k->n_link, (size_t)k->n_joint, (size_t)k->n_input, (size_t)k->n_tracer) != LW_OK)
+    if (reserve(s, (size_t)assembly->n_link, (size_t)assembly->n_joint, (size_t)assembly->n_input,
+                (size_t)assembly->n_tracer)
+        != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (unit > 0.0)
         s->unit = unit;
     else
-        measure_posture(k, s);
-    make_bodies(k, reference, s);
-    s->n_joint = k->n_joint;
-    for (int j = 0; status == LW_OK && j < k->n_joint; j++)
-        status = make_joint(k, j, s, e);
-    make_inputs(k, s);
-    s->n_tracer = k->n_tracer;
-    for (int i = 0; i < k->n_tracer; i++) {
-        s->tracer_body[i] = s->body[k->tracer[i].link];
-        s->tracer_arm[i] = lw_system_arm(s, s->tracer_body[i], k->tracer[i].at);
+        measure_posture(assembly, s);
+    make_bodies(assembly, reference, s);
+    s->n_joint = assembly->n_joint;
+    for (int j = 0; status == LW_OK && j < assembly->n_joint; j++)
+        status = make_joint(assembly, j, s, e);
+    make_inputs(assembly, s);
+    s->n_tracer = assembly->n_tracer;
+    for (int i = 0; i < assembly->n_tracer; i++) {
+        s->tracer_body[i] = s->body[assembly->tracer[i].link];
+        s->tracer_arm[i] = lw_system_arm(s, s->tracer_body[i], assembly->tracer[i].at);
     }
     return status;
 }
@@ -275,22 +278,22 @@ lw_vec2 lw_system_point(const lw_system *s, int body, lw_vec2 arm, const double 
 
 static double turn_of(int body, const double *q) { return body < 0 ? 0.0 : q[3*body + 2]; }
 
-void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
+void lw_system_write(const lw_system *s, const double *q, lw_linkage *linkage)
 {
     for (int j = 0; j < s->n_joint; j++) {
         const lw_system_joint *p = &s->joint[j];
         int end = lw_joint_has_slot(p->kind) ? 1 : 0;
         int body = lw_joint_has_ratio(p->kind) ? p->carrier : p->body[end];
-        k->joint[j].at = lw_system_point(s, body, p->arm[end], q);
+        linkage->joint[j].at = lw_system_point(s, body, p->arm[end], q);
         if (lw_joint_slides(p->kind))
-            k->joint[j].along = lw_v2_turn(p->along, lw_v2_polar(1.0, turn_of(p->body[0], q)));
+            linkage->joint[j].along = lw_v2_turn(p->along, lw_v2_polar(1.0, turn_of(p->body[0], q)));
     }
     for (int i = 0; i < s->n_tracer; i++) {
-        k->tracer[i].at = lw_system_point(s, s->tracer_body[i], s->tracer_arm[i], q);
-        k->tracer[i].angle += turn_of(s->tracer_body[i], q);
+        linkage->tracer[i].at = lw_system_point(s, s->tracer_body[i], s->tracer_arm[i], q);
+        linkage->tracer[i].angle += turn_of(s->tracer_body[i], q);
     }
     for (int i = 0; i < s->n_input + s->n_tie; i++) {
         int j = s->input_joint[i];
-        k->input[i].value = s->input_value[i] + lw_system_measure(s, j, q, NULL)*lw_system_joint_unit(s, j);
+        linkage->input[i].value = s->input_value[i] + lw_system_measure(s, j, q, NULL)*lw_system_joint_unit(s, j);
     }
 }

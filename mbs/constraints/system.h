@@ -65,12 +65,13 @@ typedef struct lw_system {
  * of the posture (largest distance of a joint from the middle of the joints; if all joints are at one point, the
  * distance of a tracer, or 1 m), with the origin in that middle; otherwise the origin is (0, 0).  LW_E_KIND: a gear
  * without carrier (lw_linkage_gear).  Fails as lw_linkage_check.  s needs lw_system_free, after a failure too. */
-lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s,
+lw_status lw_system_make(const lw_linkage *linkage, const lw_vec2 *reference, double unit, lw_system *s,
                          lw_error *e);
 void      lw_system_free(lw_system *s);
 
 /* The same of an assembly.  Code that holds arrays of LW_SYSTEM_Q_MAX numbers takes systems of linkages only. */
-lw_status lw_system_assemble(const lw_assembly *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e);
+lw_status lw_system_assemble(const lw_assembly *assembly, const lw_vec2 *reference, double unit, lw_system *s,
+                             lw_error *e);
 
 /* The same equations with other inputs: `inputs` (n), indices of those of `from`, and all that are tied.  *s needs
  * lw_system_free. */
@@ -117,6 +118,6 @@ lw_vec2 lw_system_arm(const lw_system *s, int body, lw_vec2 at);
 
 /* Write posture q into a copy of the linkage: joints (slider: its point on link[0]; slot: the pin), slide lines,
  * tracers, input values. */
-void lw_system_write(const lw_system *s, const double *q, lw_linkage *k);
+void lw_system_write(const lw_system *s, const double *q, lw_linkage *linkage);
 
 #endif

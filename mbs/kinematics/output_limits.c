@@ -79,37 +79,38 @@ static int limits_of(const output *o, double first, double last, lw_output_limit
 }
 
 /* The diagonal of the box around the joints [m]. */
-static double size_of(const lw_linkage *k)
+static double size_of(const lw_linkage *linkage)
 {
-    lw_vec2 lo = k->joint[0].at, hi = lo;
-    for (int j = 1; j < k->n_joint; j++) {
-        lo = lw_v2(fmin(lo.x, k->joint[j].at.x), fmin(lo.y, k->joint[j].at.y));
-        hi = lw_v2(fmax(hi.x, k->joint[j].at.x), fmax(hi.y, k->joint[j].at.y));
+    lw_vec2 lo = linkage->joint[0].at, hi = lo;
+    for (int j = 1; j < linkage->n_joint; j++) {
+        lo = lw_v2(fmin(lo.x, linkage->joint[j].at.x), fmin(lo.y, linkage->joint[j].at.y));
+        hi = lw_v2(fmax(hi.x, linkage->joint[j].at.x), fmax(hi.y, linkage->joint[j].at.y));
     }
     return lw_v2_norm(lw_v2_sub(hi, lo));
 }
 
-static int pin_on(const lw_linkage *k, int link)
+static int pin_on(const lw_linkage *linkage, int link)
 {
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_turns(k->joint[j].kind) && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (lw_joint_turns(linkage->joint[j].kind)
+            && (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link))
             return j;
     return -1;
 }
 
-int lw_output_limits_find(const lw_plan *plan, const lw_linkage *k, const double *dim, const double *mode,
+int lw_output_limits_find(const lw_plan *plan, const lw_linkage *linkage, const double *dim, const double *mode,
                           double first, double last, lw_output_limits *out, int max)
 {
     int n = 0;
-    double size = size_of(k), by = plan->input_is_slider ? size : 1;
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *q = &k->joint[j];
-        if (j == k->input[0].joint || (q->link[0] != k->ground && q->link[1] != k->ground))
+    double size = size_of(linkage), by = plan->input_is_slider ? size : 1;
+    for (int j = 0; j < linkage->n_joint; j++) {
+        const lw_joint *q = &linkage->joint[j];
+        if (j == linkage->input[0].joint || (q->link[0] != linkage->ground && q->link[1] != linkage->ground))
             continue;
-        int link = q->link[0] == k->ground ? q->link[1] : q->link[0];
-        output o = { plan, k, dim, mode, j, link, -1, 1e-12/by };
+        int link = q->link[0] == linkage->ground ? q->link[1] : q->link[0];
+        output o = { plan, linkage, dim, mode, j, link, -1, 1e-12/by };
         if (lw_joint_translates(q->kind)) {
-            o.pin = pin_on(k, link);
+            o.pin = pin_on(linkage, link);
             o.still *= size;
         }
         if (lw_joint_turns(q->kind) || o.pin >= 0)

@@ -7,28 +7,28 @@
 /* A group: its links, the links solved before it, its order and class. */
 typedef struct group_text { uint32_t links, before; int order, n_class; } group_text;
 
-static bool touches(const lw_linkage *k, int j, uint32_t links)
+static bool touches(const lw_linkage *linkage, int j, uint32_t links)
 {
-    return links >> k->joint[j].link[0] & 1 || links >> k->joint[j].link[1] & 1;
+    return links >> linkage->joint[j].link[0] & 1 || links >> linkage->joint[j].link[1] & 1;
 }
 
 /* The order is the number of joints to links solved before.  The class is the larger of two numbers: the most joints
  * inside the group on one link, and the length of the longest loop of links.  A dyad is of class II. */
-static void classify(const lw_linkage *k, group_text *t)
+static void classify(const lw_linkage *linkage, group_text *t)
 {
     int number[LW_LINK_MAX], inner[LW_LINK_MAX] = { 0 }, n = 0;
     uint32_t row[LW_LINK_MAX] = { 0 };
     lw_chain_circuits c;
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         number[i] = t->links >> i & 1 ? n++ : -1;
-    for (int j = 0; j < k->n_joint; j++) {
-        int a = k->joint[j].link[0], b = k->joint[j].link[1];
+    for (int j = 0; j < linkage->n_joint; j++) {
+        int a = linkage->joint[j].link[0], b = linkage->joint[j].link[1];
         if (number[a] >= 0 && number[b] >= 0) {
             row[number[a]] |= 1u << number[b];
             row[number[b]] |= 1u << number[a];
             inner[number[a]]++;
             inner[number[b]]++;
-        } else if (touches(k, j, t->links))
+        } else if (touches(linkage, j, t->links))
             t->order += t->before >> (number[a] >= 0 ? b : a) & 1;
     }
     t->n_class = n == 1 ? 1 : 2;
@@ -40,24 +40,24 @@ static void classify(const lw_linkage *k, group_text *t)
                 t->n_class = c.first[i + 1] - c.first[i];
 }
 
-static void add_group(lw_text *out, const lw_linkage *k, group_text *t, int number)
+static void add_group(lw_text *out, const lw_linkage *linkage, group_text *t, int number)
 {
     static const char *const roman[] = { "", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X" };
-    classify(k, t);
+    classify(linkage, t);
     lw_text_add(out, "%d. group of class ", number);
     if (t->n_class <= 10)
         lw_text_add(out, "%s", roman[t->n_class]);
     else
         lw_text_add(out, "%d", t->n_class);
     lw_text_add(out, ", order %d: links", t->order);
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         if (t->links >> i & 1)
-            lw_text_add(out, " \"%s\"", k->link_name[i]);
+            lw_text_add(out, " \"%s\"", linkage->link_name[i]);
     lw_text_add(out, ", joints");
-    for (int j = 0; j < k->n_joint; j++) {
-        uint32_t pair = 1u << k->joint[j].link[0] | 1u << k->joint[j].link[1];
+    for (int j = 0; j < linkage->n_joint; j++) {
+        uint32_t pair = 1u << linkage->joint[j].link[0] | 1u << linkage->joint[j].link[1];
         if (pair & t->links && !(pair & ~(t->links | t->before)))
-            lw_text_add(out, " \"%s\"", k->joint[j].name);
+            lw_text_add(out, " \"%s\"", linkage->joint[j].name);
     }
 }
 
@@ -99,16 +99,16 @@ static int gear_of(const lw_plan *p, const lw_step *s, int *link)
     return d->joint;
 }
 
-static void add_left_out(lw_text *out, const lw_plan *p, const lw_linkage *k, uint32_t known)
+static void add_left_out(lw_text *out, const lw_plan *p, const lw_linkage *linkage, uint32_t known)
 {
     int n = 0;
-    for (int i = 0; i < k->n_link; i++)
+    for (int i = 0; i < linkage->n_link; i++)
         if (!(known >> i & 1))
-            lw_text_add(out, "%s \"%s\"", n++ ? "" : "left out, as no output needs them: links", k->link_name[i]);
-    for (int j = 0; n && j < k->n_joint; j++) {
-        uint32_t pair = 1u << k->joint[j].link[0] | 1u << k->joint[j].link[1];
+            lw_text_add(out, "%s \"%s\"", n++ ? "" : "left out, as no output needs them: links", linkage->link_name[i]);
+    for (int j = 0; n && j < linkage->n_joint; j++) {
+        uint32_t pair = 1u << linkage->joint[j].link[0] | 1u << linkage->joint[j].link[1];
         if (pair & ~known)
-            lw_text_add(out, "%s \"%s\"", n > 0 ? ", joints" : "", k->joint[j].name), n = -1;
+            lw_text_add(out, "%s \"%s\"", n > 0 ? ", joints" : "", linkage->joint[j].name), n = -1;
     }
     lw_text_add(out, n ? "\n" : "nothing is left out\n");
     lw_text_add(out, "%d dimensions, %d numbers of assembly, %d steps\n", p->n_dim, p->n_mode, p->n_step);

@@ -54,7 +54,7 @@ typedef struct lw_topology {
 
 /* Copy the linkage with a die between pin and slot of every joint of kind p: the joint becomes the pin of link[1] in
  * the die, and a further joint is the slide of the die on link[0].  slot[j] is that further joint; slot may be NULL. */
-lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_error *e);
+lw_status lw_plan_expand(const lw_linkage *linkage, lw_linkage *wide, int *slot, lw_error *e);
 
 /* Find the smallest group that known links determine (mbs/plan/plan_assur.c). */
 lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e);
@@ -107,11 +107,11 @@ static inline int lw_joint_other(const lw_joint *j, int link)
 }
 
 /* The frames of the plan's links in the plane, in the posture of a linkage; the direction of a slide line; the plan's
- * input [rad] or [m] (mbs/plan/plan_read.c).  k has dies in its slots (lw_plan_expand).  LW_E_ARG when it is of another
+ * input [rad] or [m] (mbs/plan/plan_read.c).  The linkage has dies in its slots (lw_plan_expand).  LW_E_ARG: of another
  * topology. */
 typedef struct lw_frames { lw_vec2 o[LW_LINK_MAX], d[LW_LINK_MAX]; } lw_frames;
-lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e);
-lw_vec2 lw_plan_slide_direction(const lw_plan *p, const lw_linkage *k, int j);
-double lw_plan_read_input(const lw_plan *p, const lw_linkage *k, const lw_frames *f);
+lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *linkage, lw_frames *f, lw_error *e);
+lw_vec2 lw_plan_slide_direction(const lw_plan *p, const lw_linkage *linkage, int j);
+double lw_plan_read_input(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f);
 
 #endif

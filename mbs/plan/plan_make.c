@@ -115,26 +115,27 @@ static int mobility(const lw_topology *t)
     return f;
 }
 
-static lw_status check_inputs(const lw_linkage *k, bool tied, lw_error *e)
+static lw_status check_inputs(const lw_linkage *linkage, bool tied, lw_error *e)
 {
-    int own = lw_linkage_free_inputs(k);
+    int own = lw_linkage_free_inputs(linkage);
     if (own != 1)
         return lw_error_set(e, LW_E_KIND, "a plan needs one input, this linkage has %d", own);
-    for (int i = 0; i < k->n_input && k->n_input > 1; i++) {
-        const lw_joint *j = &k->joint[k->input[i].joint];
-        if (!tied || !lw_joint_turns(j->kind) || !lw_joint_has(j, k->ground))
-            return lw_error_set(e, LW_E_KIND, "inputs \"%s\" and \"%s\" are tied%s", k->joint[k->input[0].joint].name,
-                                k->joint[k->input[i > 0 ? i : 1].joint].name,
+    for (int i = 0; i < linkage->n_input && linkage->n_input > 1; i++) {
+        const lw_joint *j = &linkage->joint[linkage->input[i].joint];
+        if (!tied || !lw_joint_turns(j->kind) || !lw_joint_has(j, linkage->ground))
+            return lw_error_set(e, LW_E_KIND, "inputs \"%s\" and \"%s\" are tied%s",
+                                linkage->joint[linkage->input[0].joint].name,
+                                linkage->joint[linkage->input[i > 0 ? i : 1].joint].name,
                                 tied ? "; plans take such inputs only where they turn on the ground" : "");
     }
     return LW_OK;
 }
 
-static lw_status check_joints(const lw_linkage *k, lw_plan_kind plan_kind, lw_error *e)
+static lw_status check_joints(const lw_linkage *linkage, lw_plan_kind plan_kind, lw_error *e)
 {
     const bool higher = plan_kind >= LW_PLAN_HIGHER, gears = plan_kind == LW_PLAN_GEARED;
-    for (int j = 0; j < k->n_joint; j++) {
-        lw_joint_kind kind = k->joint[j].kind;
+    for (int j = 0; j < linkage->n_joint; j++) {
+        lw_joint_kind kind = linkage->joint[j].kind;
         bool known = false;
         switch (kind) {
         case LW_JOINT_REVOLUTE: case LW_JOINT_SLIDER: known = true; break;
@@ -145,10 +146,10 @@ static lw_status check_joints(const lw_linkage *k, lw_plan_kind plan_kind, lw_er
         if (known)
             continue;
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; %s plans know pins ('r')%s sliders ('t')%s",
-                            k->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",
+                            linkage->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",
                             higher ? " and pins in slots ('p')" : "");
     }
-    return check_inputs(k, gears, e);
+    return check_inputs(linkage, gears, e);
 }
 
 /* An input at the ground makes its link known.  An input between two moving links belongs to their group. */
@@ -242,13 +243,13 @@ static void slice(lw_topology *t, lw_plan_options options)
     }
 }
 
-lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_error *e)
+lw_status lw_plan_expand(const lw_linkage *linkage, lw_linkage *wide, int *slot, lw_error *e)
 {
-    *wide = *k;
+    *wide = *linkage;
     for (int j = 0; slot && j < LW_JOINT_MAX; j++)
         slot[j] = -1;
-    for (int j = 0; j < k->n_joint; j++) {
-        if (k->joint[j].kind != LW_JOINT_SLOT)
+    for (int j = 0; j < linkage->n_joint; j++) {
+        if (linkage->joint[j].kind != LW_JOINT_SLOT)
             continue;
         if (wide->n_link == LW_LINK_MAX || wide->n_joint == LW_JOINT_MAX)
             return lw_error_set(e, LW_E_KIND,
@@ -279,11 +280,11 @@ static lw_status no_freedom(const lw_topology *t, lw_error *e)
                         n == 1 ? "one input needs" : "its inputs need", n);
 }
 
-static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e)
+static lw_status make(lw_topology *t, const lw_linkage *linkage, lw_plan_options options, lw_plan *plan, lw_error *e)
 {
     const bool higher = options.kind >= LW_PLAN_HIGHER;
     lw_linkage wide;
-    lw_status s = lw_plan_expand(k, &wide, t->slot, e);
+    lw_status s = lw_plan_expand(linkage, &wide, t->slot, e);
     if (s != LW_OK)
         return s;
     t->k = &wide;
@@ -302,20 +303,21 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_options optio
     return lw_plan_emit(t, options, plan, e);
 }
 
-lw_status lw_plan_make(const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e)
+lw_status lw_plan_make(const lw_linkage *linkage, lw_plan_options options, lw_plan *plan, lw_error *e)
 {
-    lw_topology t = { .k = k };
+    lw_topology t = { .k = linkage };
     for (int i = 0; i < LW_LINK_MAX; i++)
         t.rank[i] = -1;
-    lw_status s = lw_linkage_check(k, e);
+    lw_status s = lw_linkage_check(linkage, e);
     if (s != LW_OK)
         return s;
-    if (k->n_tracer < 32 && options.tracers >> k->n_tracer)
-        return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", k->n_tracer);
+    if (linkage->n_tracer < 32 && options.tracers >> linkage->n_tracer)
+        return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)",
+                            linkage->n_tracer);
     if (!options.tracers && !options.all_joints)
         return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
-    s = check_joints(k, options.kind, e);
-    return s == LW_OK ? make(&t, k, options, plan, e) : s;
+    s = check_joints(linkage, options.kind, e);
+    return s == LW_OK ? make(&t, linkage, options, plan, e) : s;
 }
 
 int lw_plan_dim(const lw_plan *plan, const char *name)

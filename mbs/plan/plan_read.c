@@ -6,9 +6,9 @@
 
 /* ---- frames in a posture ------------------------------------------------------------------------ */
 
-lw_vec2 lw_plan_slide_direction(const lw_plan *p, const lw_linkage *k, int j)
+lw_vec2 lw_plan_slide_direction(const lw_plan *p, const lw_linkage *linkage, int j)
 {
-    return lw_v2_scale(k->joint[j].along, p->slider_sign[j]);
+    return lw_v2_scale(linkage->joint[j].along, p->slider_sign[j]);
 }
 
 static lw_vec2 unit(lw_vec2 a)
@@ -19,11 +19,11 @@ static lw_vec2 unit(lw_vec2 a)
 
 /* A point of slide line j: the pin whose path it is, else the origin of the link that carries the line.  When that
  * origin is the one to be found (link is the carrier) it is the joint's own point. */
-static lw_vec2 line_point(const lw_plan *p, const lw_linkage *k, int j, int link, const lw_frames *f)
+static lw_vec2 line_point(const lw_plan *p, const lw_linkage *linkage, int j, int link, const lw_frames *f)
 {
     if (p->slider_ref[j] >= 0)
-        return k->joint[p->slider_ref[j]].at;
-    return p->slider_base[j] == link ? k->joint[j].at : f->o[p->slider_base[j]];
+        return linkage->joint[p->slider_ref[j]].at;
+    return p->slider_base[j] == link ? linkage->joint[j].at : f->o[p->slider_base[j]];
 }
 
 static lw_vec2 meeting_point(lw_vec2 p, lw_vec2 u, lw_vec2 q, lw_vec2 v)
@@ -32,63 +32,64 @@ static lw_vec2 meeting_point(lw_vec2 p, lw_vec2 u, lw_vec2 q, lw_vec2 v)
     return lw_v2_add(p, lw_v2_scale(u, lw_v2_cross(lw_v2_sub(q, p), v)/s));
 }
 
-static lw_vec2 frame_origin(const lw_plan *p, const lw_linkage *k, int link, const lw_frames *f)
+static lw_vec2 frame_origin(const lw_plan *p, const lw_linkage *linkage, int link, const lw_frames *f)
 {
     const lw_frame *r = &p->frame[link];
     if (r->origin >= 0)
-        return k->joint[r->origin].at;
-    lw_vec2 q = line_point(p, k, r->meet[0], link, f), w = lw_plan_slide_direction(p, k, r->meet[0]);
+        return linkage->joint[r->origin].at;
+    lw_vec2 q = line_point(p, linkage, r->meet[0], link, f), w = lw_plan_slide_direction(p, linkage, r->meet[0]);
     if (r->meet[1] >= 0)
-        return meeting_point(q, w, line_point(p, k, r->meet[1], link, f), lw_plan_slide_direction(p, k, r->meet[1]));
+        return meeting_point(q, w, line_point(p, linkage, r->meet[1], link, f),
+                             lw_plan_slide_direction(p, linkage, r->meet[1]));
     if (r->meet[0] != p->input_joint)
         return q;
-    return link == k->ground ? lw_v2_sub(q, lw_v2_scale(w, k->input[0].value))
-                             : lw_v2_add(f->o[k->ground], lw_v2_scale(w, k->input[0].value));
+    return link == linkage->ground ? lw_v2_sub(q, lw_v2_scale(w, linkage->input[0].value))
+                             : lw_v2_add(f->o[linkage->ground], lw_v2_scale(w, linkage->input[0].value));
 }
 
-static lw_status frame_axis(const lw_plan *p, const lw_linkage *k, int link, lw_frames *f, lw_error *e)
+static lw_status frame_axis(const lw_plan *p, const lw_linkage *linkage, int link, lw_frames *f, lw_error *e)
 {
     const lw_frame *r = &p->frame[link];
     lw_vec2 d = lw_v2(1, 0);
     if (r->axis < 0 && r->axis_tracer >= 0)
-        d = unit(lw_v2_sub(k->tracer[r->axis_tracer].at, f->o[link]));
-    if (r->axis >= 0 && lw_joint_translates(k->joint[r->axis].kind))
-        d = lw_plan_slide_direction(p, k, r->axis);
+        d = unit(lw_v2_sub(linkage->tracer[r->axis_tracer].at, f->o[link]));
+    if (r->axis >= 0 && lw_joint_translates(linkage->joint[r->axis].kind))
+        d = lw_plan_slide_direction(p, linkage, r->axis);
     else if (r->axis >= 0) {
-        d = lw_v2_sub(k->joint[r->axis].at, f->o[link]);
+        d = lw_v2_sub(linkage->joint[r->axis].at, f->o[link]);
         if (!(lw_v2_norm(d) > 0))
             return lw_error_set(e, LW_E_ARG,
                                 "pins \"%s\" and \"%s\" of link \"%s\" lie at one place, so that their distance "
-                                "gives no direction", k->joint[r->origin < 0 ? r->axis : r->origin].name,
-                                k->joint[r->axis].name, k->link_name[link]);
+                                "gives no direction", linkage->joint[r->origin < 0 ? r->axis : r->origin].name,
+                                linkage->joint[r->axis].name, linkage->link_name[link]);
         d = unit(d);
     }
     f->d[link] = d;
     return LW_OK;
 }
 
-static lw_status check_same(const lw_plan *p, const lw_linkage *k, lw_error *e)
+static lw_status check_same(const lw_plan *p, const lw_linkage *linkage, lw_error *e)
 {
     double size = 0;
-    for (int j = 0; j < k->n_joint; j++)
-        size = fmax(size, lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[0].at)));
-    for (int j = 0; j < k->n_joint; j++) {
-        if (p->joint_pin[j] < 0 || (lw_joint_translates(k->joint[j].kind)) != (p->slider_base[j] >= 0))
-            return lw_error_set(e, LW_E_ARG, "joint \"%s\" is not of the topology of the plan", k->joint[j].name);
-        if (lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[p->joint_pin[j]].at)) > 1e-12*size)
+    for (int j = 0; j < linkage->n_joint; j++)
+        size = fmax(size, lw_v2_norm(lw_v2_sub(linkage->joint[j].at, linkage->joint[0].at)));
+    for (int j = 0; j < linkage->n_joint; j++) {
+        if (p->joint_pin[j] < 0 || (lw_joint_translates(linkage->joint[j].kind)) != (p->slider_base[j] >= 0))
+            return lw_error_set(e, LW_E_ARG, "joint \"%s\" is not of the topology of the plan", linkage->joint[j].name);
+        if (lw_v2_norm(lw_v2_sub(linkage->joint[j].at, linkage->joint[p->joint_pin[j]].at)) > 1e-12*size)
             return lw_error_set(e, LW_E_ARG,
                                 "joints \"%s\" and \"%s\" are one pin in the plan, but not in this posture",
-                                k->joint[j].name, k->joint[p->joint_pin[j]].name);
+                                linkage->joint[j].name, linkage->joint[p->joint_pin[j]].name);
     }
     return LW_OK;
 }
 
-lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
+lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *linkage, lw_frames *f, lw_error *e)
 {
-    lw_status s = check_same(p, k, e);
+    lw_status s = check_same(p, linkage, e);
     for (int i = 0; s == LW_OK && i < p->n_link; i++) {
-        f->o[p->link[i]] = frame_origin(p, k, p->link[i], f);
-        s = frame_axis(p, k, p->link[i], f, e);
+        f->o[p->link[i]] = frame_origin(p, linkage, p->link[i], f);
+        s = frame_axis(p, linkage, p->link[i], f, e);
     }
     return s;
 }
@@ -100,37 +101,37 @@ static double angle_of(lw_vec2 u) { return atan2(u.y, u.x); }
 /* The radius of a rack's pinion (signed), the angle of the pinion on the carrier, the displacement of the rack. */
 typedef struct meshing { double rho, angle, along; } meshing;
 
-static meshing read_rack(const lw_plan *p, const lw_linkage *k, const lw_frames *f, int joint)
+static meshing read_rack(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f, int joint)
 {
     const lw_rack *r = p->rack;
     while (r->joint != joint)
         r++;
-    int base = p->slider_base[r->slider], rider = lw_joint_other(&k->joint[r->slider], base);
-    double ratio = k->joint[joint].ratio, metres = r->side ? ratio : 1/ratio;
+    int base = p->slider_base[r->slider], rider = lw_joint_other(&linkage->joint[r->slider], base);
+    double ratio = linkage->joint[joint].ratio, metres = r->side ? ratio : 1/ratio;
     return (meshing){ r->sign*metres, angle_of(lw_v2_unturn(f->d[r->pinion], f->d[r->carrier])),
-                      lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), lw_plan_slide_direction(p, k, r->slider)) };
+                      lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), lw_plan_slide_direction(p, linkage, r->slider)) };
 }
 
-static double read_dim(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const lw_dim_info *d)
+static double read_dim(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f, const lw_dim_info *d)
 {
     lw_vec2 o = f->o[d->link], u = f->d[d->link], w;
     int j = d->joint;
     meshing m;
     switch (d->role) {
-    case LW_ROLE_R:  return lw_v2_norm(lw_v2_sub(k->joint[j].at, o));
-    case LW_ROLE_X:  return lw_v2_unturn(lw_v2_sub(k->joint[j].at, o), u).x;
-    case LW_ROLE_Y:  return lw_v2_unturn(lw_v2_sub(k->joint[j].at, o), u).y;
+    case LW_ROLE_R:  return lw_v2_norm(lw_v2_sub(linkage->joint[j].at, o));
+    case LW_ROLE_X:  return lw_v2_unturn(lw_v2_sub(linkage->joint[j].at, o), u).x;
+    case LW_ROLE_Y:  return lw_v2_unturn(lw_v2_sub(linkage->joint[j].at, o), u).y;
     case LW_ROLE_E:
-        w = lw_plan_slide_direction(p, k, j);
-        return lw_v2_cross(w, lw_v2_sub(line_point(p, k, j, d->link, f), o));
-    case LW_ROLE_BETA: return angle_of(lw_v2_unturn(lw_plan_slide_direction(p, k, j), u));
-    case LW_ROLE_PITCH:  return read_rack(p, k, f, j).rho;
-    case LW_ROLE_MIDDLE: return read_rack(p, k, f, j).angle;
+        w = lw_plan_slide_direction(p, linkage, j);
+        return lw_v2_cross(w, lw_v2_sub(line_point(p, linkage, j, d->link, f), o));
+    case LW_ROLE_BETA: return angle_of(lw_v2_unturn(lw_plan_slide_direction(p, linkage, j), u));
+    case LW_ROLE_PITCH:  return read_rack(p, linkage, f, j).rho;
+    case LW_ROLE_MIDDLE: return read_rack(p, linkage, f, j).angle;
     case LW_ROLE_SHIFT:
-        m = read_rack(p, k, f, j);
+        m = read_rack(p, linkage, f, j);
         return m.along - m.rho*m.angle;
-    case LW_ROLE_CX: return lw_v2_unturn(lw_v2_sub(k->tracer[j].at, o), u).x;
-    case LW_ROLE_CY: return lw_v2_unturn(lw_v2_sub(k->tracer[j].at, o), u).y;
+    case LW_ROLE_CX: return lw_v2_unturn(lw_v2_sub(linkage->tracer[j].at, o), u).x;
+    case LW_ROLE_CY: return lw_v2_unturn(lw_v2_sub(linkage->tracer[j].at, o), u).y;
     case LW_ROLE_X0: return o.x;
     case LW_ROLE_Y0: return o.y;
     default:         return angle_of(u);
@@ -172,28 +173,28 @@ static void read_phases(const lw_plan *p, const lw_frames *f, double *dim)
 }
 
 /* The assembly mode of a dyad; signs as at lw_dyad in mbs/plan/plan.h. */
-static double read_mode(const lw_plan *p, const lw_linkage *k, const lw_step *s)
+static double read_mode(const lw_plan *p, const lw_linkage *linkage, const lw_step *s)
 {
     const int *j = p->dyad[s->dyad].joint;
-    lw_vec2 a = k->joint[j[0]].at, c = k->joint[j[1]].at, b = k->joint[j[2]].at;
+    lw_vec2 a = linkage->joint[j[0]].at, c = linkage->joint[j[1]].at, b = linkage->joint[j[2]].at;
     double side = 1;
     if (s->kind == LW_STEP_RRR)
         side = lw_v2_cross(lw_v2_sub(b, a), lw_v2_sub(c, a));
-    if (s->kind == LW_STEP_RRP && lw_joint_translates(k->joint[j[0]].kind))
-        side = lw_v2_dot(lw_v2_sub(c, b), lw_plan_slide_direction(p, k, j[0]));
+    if (s->kind == LW_STEP_RRP && lw_joint_translates(linkage->joint[j[0]].kind))
+        side = lw_v2_dot(lw_v2_sub(c, b), lw_plan_slide_direction(p, linkage, j[0]));
     else if (s->kind == LW_STEP_RRP)
-        side = lw_v2_dot(lw_v2_sub(c, a), lw_plan_slide_direction(p, k, j[2]));
+        side = lw_v2_dot(lw_v2_sub(c, a), lw_plan_slide_direction(p, linkage, j[2]));
     if (s->kind == LW_STEP_RPR)
-        side = lw_v2_dot(lw_v2_sub(b, a), lw_plan_slide_direction(p, k, j[1]));
+        side = lw_v2_dot(lw_v2_sub(b, a), lw_plan_slide_direction(p, linkage, j[1]));
     return side < 0 ? -1 : 1;
 }
 
-double lw_plan_read_input(const lw_plan *p, const lw_linkage *k, const lw_frames *f)
+double lw_plan_read_input(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f)
 {
     int from = p->input_link[0], to = p->input_link[1];
     if (!p->input_is_slider)
         return angle_of(lw_v2_unturn(f->d[to], f->d[from]))/p->input_turns_per_period;
-    return lw_v2_dot(lw_v2_sub(f->o[to], f->o[from]), lw_plan_slide_direction(p, k, p->input_joint));
+    return lw_v2_dot(lw_v2_sub(f->o[to], f->o[from]), lw_plan_slide_direction(p, linkage, p->input_joint));
 }
 
 double lw_plan_size(const lw_plan *p, const double *dim)
@@ -209,7 +210,7 @@ double lw_plan_size(const lw_plan *p, const double *dim)
 }
 
 /* Write the posture of the higher groups into mode[] as their seeds. */
-static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const double *dim, double input,
+static void read_seeds(const lw_plan *p, const lw_linkage *linkage, const lw_frames *f, const double *dim, double input,
                        double *mode)
 {
     double size = lw_plan_size(p, dim);
@@ -217,44 +218,46 @@ static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f
         const lw_higher *g = &p->higher[i];
         double *to = mode + g->first_mode;
         for (int a = 0; a < g->n_turn; a++)
-            *to++ = angle_of(lw_v2_unturn(f->d[g->turn_link[a]], f->d[k->ground]));
+            *to++ = angle_of(lw_v2_unturn(f->d[g->turn_link[a]], f->d[linkage->ground]));
         for (int d = 0; d < g->n_disp; d++) {
-            int j = g->disp_joint[d], base = p->slider_base[j], rider = lw_joint_other(&k->joint[j], base);
-            *to++ = lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), lw_plan_slide_direction(p, k, j))/size;
+            int j = g->disp_joint[d], base = p->slider_base[j], rider = lw_joint_other(&linkage->joint[j], base);
+            *to++ = lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), lw_plan_slide_direction(p, linkage, j))/size;
         }
     }
     if (p->n_higher)
         mode[p->n_mode - 1] = input;
 }
 
-static lw_status read_wide(const lw_plan *p, const lw_linkage *k, double *dim, double *mode, double *input, lw_error *e)
+static lw_status read_wide(const lw_plan *p, const lw_linkage *linkage, double *dim, double *mode, double *input,
+                           lw_error *e)
 {
     lw_frames f;
-    lw_status s = lw_plan_frames(p, k, &f, e);
+    lw_status s = lw_plan_frames(p, linkage, &f, e);
     if (s != LW_OK)
         return s;
     for (int i = 0; i < p->n_dim; i++) {
-        dim[i] = read_dim(p, k, &f, &p->dim[i]);
+        dim[i] = read_dim(p, linkage, &f, &p->dim[i]);
         if (!isfinite(dim[i]))
             return lw_error_set(e, LW_E_ARG,
                                 "dimension %s of link \"%s\" is not finite in this posture: two slides are parallel",
-                                p->dim[i].name, k->link_name[p->dim[i].link]);
+                                p->dim[i].name, linkage->link_name[p->dim[i].link]);
     }
     for (int i = 0; i < p->n_step; i++)
         if (p->step[i].dyad >= 0)
-            mode[p->step[i].dyad] = read_mode(p, k, &p->step[i]);
-    *input = lw_plan_read_input(p, k, &f);
+            mode[p->step[i].dyad] = read_mode(p, linkage, &p->step[i]);
+    *input = lw_plan_read_input(p, linkage, &f);
     for (int i = 0; i < p->n_step; i++)
         if (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] >= 0)
             dim[p->step[i].dim[0]] = read_phase(p, &f, &p->step[i], *input);
     read_phases(p, &f, dim);
-    read_seeds(p, k, &f, dim, *input, mode);
+    read_seeds(p, linkage, &f, dim, *input, mode);
     return LW_OK;
 }
 
-lw_status lw_plan_read(const lw_plan *p, const lw_linkage *k, double *dim, double *mode, double *input, lw_error *e)
+lw_status lw_plan_read(const lw_plan *p, const lw_linkage *linkage, double *dim, double *mode, double *input,
+                       lw_error *e)
 {
     lw_linkage wide;
-    lw_status s = lw_plan_expand(k, &wide, NULL, e);
+    lw_status s = lw_plan_expand(linkage, &wide, NULL, e);
     return s == LW_OK ? read_wide(p, &wide, dim, mode, input, e) : s;
 }

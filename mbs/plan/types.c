@@ -49,10 +49,10 @@ static const posture posture_table[] = {
     { "PPRR", { { 0, 0 }, { 1, 1 }, { 1, 1 }, { 0, 0 } },       { 0, LW_PI/3, 0, 0 } },
 };
 
-static void set_joint(lw_linkage *k, const posture *p, int i)
+static void set_joint(lw_linkage *linkage, const posture *p, int i)
 {
     static const char *const name[] = { "A", "B", "C", "D" };
-    lw_joint *j = &k->joint[i];
+    lw_joint *j = &linkage->joint[i];
     strcpy(j->name, name[i]);
     j->kind = p->letters[i] == 'R' ? LW_JOINT_REVOLUTE : LW_JOINT_SLIDER;
     j->link[0] = i;
@@ -66,41 +66,41 @@ static void set_joint(lw_linkage *k, const posture *p, int i)
         j->along = lw_v2_polar(1, p->slide[i]);
 }
 
-static void name_links(lw_linkage *k, const lw_type *t)
+static void name_links(lw_linkage *linkage, const lw_type *t)
 {
     static const char *const pinned[] = { "ground", "crank", "coupler", "rocker" };
     for (int i = 0; i < 4; i++)
-        strcpy(k->link_name[i], pinned[i]);
+        strcpy(linkage->link_name[i], pinned[i]);
     if (t->letters[0] == 'P')
-        strcpy(k->link_name[1], "slider");
+        strcpy(linkage->link_name[1], "slider");
     if (t->letters[3] == 'P')
-        strcpy(k->link_name[3], t->letters[0] == 'P' ? "block" : "slider");
+        strcpy(linkage->link_name[3], t->letters[0] == 'P' ? "block" : "slider");
 }
 
 /* Set the input to the value that the plan reads (the ground frame lies along x in every posture). */
-static void set_input(lw_linkage *k)
+static void set_input(lw_linkage *linkage)
 {
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
-    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL) == LW_OK)
-        lw_plan_read(&plan, k, dim, mode, &k->input[0].value, NULL);
+    if (lw_plan_make(linkage, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL) == LW_OK)
+        lw_plan_read(&plan, linkage, dim, mode, &linkage->input[0].value, NULL);
 }
 
-void lw_type_linkage(const lw_type *t, lw_linkage *k)
+void lw_type_linkage(const lw_type *t, lw_linkage *linkage)
 {
-    memset(k, 0, sizeof *k);
+    memset(linkage, 0, sizeof *linkage);
     const posture *p = posture_table;
     while (strcmp(p->letters, t->letters) != 0)
         p++;
-    strcpy(k->name, t->name);
-    k->n_link = k->n_joint = 4;
-    k->n_input = k->n_tracer = 1;
-    k->units = lw_units_si();
-    name_links(k, t);
+    strcpy(linkage->name, t->name);
+    linkage->n_link = linkage->n_joint = 4;
+    linkage->n_input = linkage->n_tracer = 1;
+    linkage->units = lw_units_si();
+    name_links(linkage, t);
     for (int i = 0; i < 4; i++)
-        set_joint(k, p, i);
-    strcpy(k->tracer[0].name, "P");
-    k->tracer[0].link = 2;
-    k->tracer[0].at = lw_v2_add(lw_v2_scale(lw_v2_add(p->at[1], p->at[2]), 0.5), lw_v2(0.25, 1));
-    set_input(k);
+        set_joint(linkage, p, i);
+    strcpy(linkage->tracer[0].name, "P");
+    linkage->tracer[0].link = 2;
+    linkage->tracer[0].at = lw_v2_add(lw_v2_scale(lw_v2_add(p->at[1], p->at[2]), 0.5), lw_v2(0.25, 1));
+    set_input(linkage);
 }

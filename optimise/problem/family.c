@@ -119,15 +119,15 @@ const lw_family lw_family_table[] = {
     { .name = NULL }
 };
 
-void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *k)
+void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *linkage)
 {
     if (f->linkage) {
-        *k = *f->linkage;
+        *linkage = *f->linkage;
         return;
     }
-    lw_type_linkage(lw_type_find(f->type), k);
+    lw_type_linkage(lw_type_find(f->type), linkage);
     if (!lw_task_has_place(task))                          /* the output is the link at the ground   */
-        k->tracer[0].link = 3;
+        linkage->tracer[0].link = 3;
 }
 
 const char *lw_family_title(const lw_family *f)

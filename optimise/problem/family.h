@@ -34,7 +34,7 @@ typedef struct lw_family {
 extern const lw_family lw_family_table[];             /* ends with name == NULL                    */
 
 /* A linkage with the topology of the family. For a function the tracer's angle is the output. */
-void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *k);
+void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *linkage);
 
 const char *lw_family_title(const lw_family *f);        /* "four-bar"; of any linkage its name    */
 const char *lw_family_type(const lw_family *f);         /* "fourbar"                               */

@@ -12,20 +12,20 @@
 
 /* ---- posture ------------------------------------------------------------------------------ */
 
-static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
+static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *linkage,
                            lw_plan *plan, lw_error *e)
 {
-    lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
-    snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
+    lw_status st = lw_tracers_linkage(c->family, t, s, linkage, e);
+    snprintf(linkage->name, sizeof linkage->name, "%s", lw_family_title(c->family));
     lw_plan_options options = { .tracers = lw_tracers_mask(t), .all_joints = true, .kind = LW_PLAN_GEARED };
-    return st == LW_OK ? lw_plan_make(k, options, plan, e) : st;
+    return st == LW_OK ? lw_plan_make(linkage, options, plan, e) : st;
 }
 
 /* Angles of the tracers' tools in the posture of a pose of the candidate. */
-static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k)
+static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *linkage)
 {
     for (int i = 0; i <= t->n_also; i++)
-        k->tracer[i].angle = pose->angle[k->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
+        linkage->tracer[i].angle = pose->angle[linkage->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
 }
 
 /* Assembly modes of the candidate at a station, modes (LW_MODE_MAX). */
@@ -67,22 +67,22 @@ static void add_angle(double weight, double d, size_t i, sums *sum)
 }
 
 /* Add the errors of each point at one station, and their share of eq. 17. */
-static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_linkage *k, size_t i,
-                        const lw_pose *pose, lw_vec2 *at, sums *sum)
+static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_linkage *linkage,
+                        size_t i, const lw_pose *pose, lw_vec2 *at, sums *sum)
 {
     lw_vec2 p = at[i] = pose->tracer[0][0];
     double weight = t->weight[i];
     if (lw_task_has_place(s->task))
         add_distance(s->a*weight, hypot(p.x - t->x[i], p.y - t->y[i]), i, &sum[0]);
     if (lw_task_has_angle(s->task))
-        add_angle(s->b*weight, pose->angle[k->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
+        add_angle(s->b*weight, pose->angle[linkage->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
     for (int q = 0; q < t->n_also; q++) {
         const lw_also *a = &t->also[q];
         p = at[(size_t)(q + 1)*t->n + i] = pose->tracer[q + 1][0];
         if (a->x)
             add_distance(s->a*a->weight[i], hypot(p.x - a->x[i], p.y - a->y[i]), i, &sum[q + 1]);
         if (a->theta)
-            add_angle(s->b*a->weight[i], pose->angle[k->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
+            add_angle(s->b*a->weight[i], pose->angle[linkage->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
                       &sum[q + 1]);
     }
 }

@@ -18,25 +18,25 @@ static bool on_link(const lw_joint *j, int link)
     return lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link);
 }
 
-static void measure_lengths(const lw_linkage *k, lw_fit_report *r)
+static void measure_lengths(const lw_linkage *linkage, lw_fit_report *r)
 {
     r->size = 0;
     r->length_least = r->length_most = NAN;
-    for (int link = 0; link < k->n_link; link++)
-        for (int i = 0; i < k->n_joint; i++) {
-            if (!on_link(&k->joint[i], link))
+    for (int link = 0; link < linkage->n_link; link++)
+        for (int i = 0; i < linkage->n_joint; i++) {
+            if (!on_link(&linkage->joint[i], link))
                 continue;
             for (int j = 0; j < i; j++) {
-                double length = lw_v2_norm(lw_v2_sub(k->joint[i].at, k->joint[j].at));
-                if (!on_link(&k->joint[j], link) || !(length > 1e-9*r->size))      /* two joints on one pin */
+                double length = lw_v2_norm(lw_v2_sub(linkage->joint[i].at, linkage->joint[j].at));
+                if (!on_link(&linkage->joint[j], link) || !(length > 1e-9*r->size))      /* two joints on one pin */
                     continue;
                 r->length_least = fmin(r->length_least, length);
                 r->length_most = fmax(r->length_most, length);
                 r->size = fmax(r->size, length);
             }
-            for (int j = 0; j < k->n_tracer; j++)
-                if (k->tracer[j].link == link)
-                    r->size = fmax(r->size, lw_v2_norm(lw_v2_sub(k->joint[i].at, k->tracer[j].at)));
+            for (int j = 0; j < linkage->n_tracer; j++)
+                if (linkage->tracer[j].link == link)
+                    r->size = fmax(r->size, lw_v2_norm(lw_v2_sub(linkage->joint[i].at, linkage->tracer[j].at)));
         }
 }
 

@@ -32,12 +32,12 @@ static void set_deviations(const lw_tolerances *of, spread *p)
     }
 }
 
-static lw_status prepare(const lw_linkage *k, const double *input, size_t n, int trials, spread *p, lw_error *e)
+static lw_status prepare(const lw_linkage *linkage, const double *input, size_t n, int trials, spread *p, lw_error *e)
 {
     double at;
-    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, &p->plan, e);
+    lw_status st = lw_plan_make(linkage, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, &p->plan, e);
     if (st == LW_OK)
-        st = lw_plan_read(&p->plan, k, p->dim, p->mode, &at, e);
+        st = lw_plan_read(&p->plan, linkage, p->dim, p->mode, &at, e);
     if (st != LW_OK)
         return st;
     size_t dims = (size_t)p->plan.n_dim, work = (lw_batch_work_size(&p->plan) + 127) & ~(size_t)63;

@@ -449,67 +449,68 @@ bool lw_random_linkage_posture(lw_problem *p, double *x, void *work)
 
 /* ---- postures ------------------------------------------------------------------------------------------ */
 
-static int driven_link(const lw_linkage *k, int input)
+static int driven_link(const lw_linkage *linkage, int input)
 {
-    const lw_joint *j = &k->joint[k->input[input].joint];
-    return j->link[j->link[0] == k->ground];
+    const lw_joint *j = &linkage->joint[linkage->input[input].joint];
+    return j->link[j->link[0] == linkage->ground];
 }
 
 /* The input whose driven link carries this joint besides the input's own joint; -1: none. */
-static int crank_with(const lw_linkage *k, int joint)
+static int crank_with(const lw_linkage *linkage, int joint)
 {
-    for (int i = 0; i < k->n_input; i++) {
-        int driven = driven_link(k, i);
-        if (joint != k->input[i].joint && (k->joint[joint].link[0] == driven || k->joint[joint].link[1] == driven))
+    for (int i = 0; i < linkage->n_input; i++) {
+        int driven = driven_link(linkage, i);
+        if (joint != linkage->input[i].joint
+            && (linkage->joint[joint].link[0] == driven || linkage->joint[joint].link[1] == driven))
             return i;
     }
     return -1;
 }
 
 /* The pin about which a driven link turns; of a sliding one the middle of the square. */
-static lw_vec2 hub(const lw_linkage *k, int input)
+static lw_vec2 hub(const lw_linkage *linkage, int input)
 {
-    const lw_joint *j = &k->joint[k->input[input].joint];
+    const lw_joint *j = &linkage->joint[linkage->input[input].joint];
     return lw_joint_turns(j->kind) ? j->at : lw_v2(0, 0);
 }
 
 /* Place the joints anywhere in a square of four crank lengths to each side of the first input's pin; joints of driven
  * links about one crank length from the link's own pin. */
-static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
+static void scatter(const lw_problem *p, const double *u, lw_linkage *linkage)
 {
-    *k = *p->family->linkage;
-    for (int j = 0; j < k->n_joint; j++) {
-        lw_joint *i = &k->joint[j];
+    *linkage = *p->family->linkage;
+    for (int j = 0; j < linkage->n_joint; j++) {
+        lw_joint *i = &linkage->joint[j];
         const double *v = u + (3*j) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2);
         i->at = lw_v2(8*v[0] - 4, 8*v[1] - 4);
-        if (j == k->input[0].joint && lw_joint_turns(i->kind))
+        if (j == linkage->input[0].joint && lw_joint_turns(i->kind))
             i->at = lw_v2(0, 0);
         if (!lw_joint_turns(i->kind))
             i->along = lw_v2_polar(1, LW_PI*v[2]);
     }
-    for (int j = 0; j < k->n_joint; j++) {
+    for (int j = 0; j < linkage->n_joint; j++) {
         const double *v = u + (3*j) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2);
-        int crank = crank_with(k, j);
-        if (crank >= 0 && lw_joint_turns(k->joint[j].kind))
-            k->joint[j].at = lw_v2_add(hub(k, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
+        int crank = crank_with(linkage, j);
+        if (crank >= 0 && lw_joint_turns(linkage->joint[j].kind))
+            linkage->joint[j].at = lw_v2_add(hub(linkage, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
     }
     for (int r = 0; r < p->plan.n_rack; r++) {
         const lw_rack *q = &p->plan.rack[r];
         double rho = radius(u[(3*q->joint) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2)], 0.15, 3);
-        k->joint[q->joint].ratio = q->side ? rho : 1/rho;
+        linkage->joint[q->joint].ratio = q->side ? rho : 1/rho;
     }
-    k->tracer[0].at = lw_v2(1, 1);
+    linkage->tracer[0].at = lw_v2(1, 1);
 }
 
 /* Scale the driven links about their pins at the ground. */
-static void shorten_cranks(lw_linkage *k, double by)
+static void shorten_cranks(lw_linkage *linkage, double by)
 {
-    for (int j = 0; j < k->n_joint; j++) {
-        int crank = crank_with(k, j);
+    for (int j = 0; j < linkage->n_joint; j++) {
+        int crank = crank_with(linkage, j);
         if (crank < 0)
             continue;
-        lw_vec2 pin = hub(k, crank);
-        k->joint[j].at = lw_v2_add(pin, lw_v2_scale(lw_v2_sub(k->joint[j].at, pin), by));
+        lw_vec2 pin = hub(linkage, crank);
+        linkage->joint[j].at = lw_v2_add(pin, lw_v2_scale(lw_v2_sub(linkage->joint[j].at, pin), by));
     }
 }
 

@@ -28,11 +28,11 @@ static double sample_input(const motion_path *c, int i)
     return 0.5*(c->first + c->last) - 0.5*(c->last - c->first)*cos(LW_PI*i/(SAMPLES - 1));
 }
 
-static bool run_path(const lw_linkage *k, motion_path *c)
+static bool run_path(const lw_linkage *linkage, motion_path *c)
 {
     lw_plan_options options = { .tracers = 1u << c->point, .all_joints = true, .kind = LW_PLAN_GEARED };
-    if (lw_plan_make(k, options, &c->plan, NULL) != LW_OK
-        || lw_plan_read(&c->plan, k, c->dim, c->mode, &c->input, NULL) != LW_OK)
+    if (lw_plan_make(linkage, options, &c->plan, NULL) != LW_OK
+        || lw_plan_read(&c->plan, linkage, c->dim, c->mode, &c->input, NULL) != LW_OK)
         return false;
     for (int i = 0; i <= SAMPLES; i++) {
         double at = i == SAMPLES ? c->input : sample_input(c, i);
@@ -43,10 +43,11 @@ static bool run_path(const lw_linkage *k, motion_path *c)
 }
 
 /* A pin of a link, to compute the motion of its points from; -1: it has none. */
-static int joint_of(const lw_linkage *k, int link)
+static int joint_of(const lw_linkage *linkage, int link)
 {
-    for (int j = 0; j < k->n_joint; j++)
-        if (lw_joint_turns(k->joint[j].kind) && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (lw_joint_turns(linkage->joint[j].kind)
+            && (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link))
             return j;
     return -1;
 }
@@ -127,11 +128,11 @@ static double size_of(const motion_path *c)
     return lw_v2_norm(lw_v2_sub(hi, lo));
 }
 
-static void add_joint(lw_linkage *k, int a, int b, lw_vec2 at)
+static void add_joint(lw_linkage *linkage, int a, int b, lw_vec2 at)
 {
-    lw_joint *j = &k->joint[k->n_joint++];
+    lw_joint *j = &linkage->joint[linkage->n_joint++];
     memset(j, 0, sizeof *j);
-    snprintf(j->name, sizeof j->name, "G%d", k->n_joint);
+    snprintf(j->name, sizeof j->name, "G%d", linkage->n_joint);
     j->kind = LW_JOINT_REVOLUTE;
     j->link[0] = a;
     j->link[1] = b;

@@ -74,11 +74,11 @@ static lw_status add_family(chain_job *job, const lw_packed_mechanism *f)
 }
 
 /* Links of a plan without the blocks in slots. */
-static int links_of(const lw_plan *plan, const lw_linkage *k)
+static int links_of(const lw_plan *plan, const lw_linkage *linkage)
 {
     int n = 0;
     for (int i = 0; i < plan->n_link; i++)
-        n += plan->link[i] < k->n_link;
+        n += plan->link[i] < linkage->n_link;
     return n;
 }
 
@@ -367,12 +367,12 @@ static unsigned outline_of_joint(char kind, int a, int b, int ground, int tracer
     return (unsigned)kind*(unsigned)kind*(1 + 4096*(unsigned)place);
 }
 
-static unsigned outline_of_linkage(const lw_linkage *k)
+static unsigned outline_of_linkage(const lw_linkage *linkage)
 {
     unsigned sum = 0;
-    for (int j = 0; j < k->n_joint; j++)
-        sum += outline_of_joint((char)k->joint[j].kind, k->joint[j].link[0], k->joint[j].link[1], k->ground,
-                                k->tracer[0].link);
+    for (int j = 0; j < linkage->n_joint; j++)
+        sum += outline_of_joint((char)linkage->joint[j].kind, linkage->joint[j].link[0], linkage->joint[j].link[1],
+                                linkage->ground, linkage->tracer[0].link);
     return sum;
 }
 
@@ -385,16 +385,16 @@ static unsigned outline_of(const lw_numbered_chain *c, const lw_packed_mechanism
     return sum;
 }
 
-bool lw_mechanism_set_name(void *context, const lw_linkage *k, char *name, size_t size)
+bool lw_mechanism_set_name(void *context, const lw_linkage *linkage, char *name, size_t size)
 {
     const lw_mechanism_set *set = context;
-    unsigned outline = outline_of_linkage(k);
+    unsigned outline = outline_of_linkage(linkage);
     lw_graph form, other_form;
     lw_linkage l;
-    if (!lw_linkage_canonical_form(k, &form))
+    if (!lw_linkage_canonical_form(linkage, &form))
         return true;
     for (int i = 0; i < set->n; i++)
-        for (int n = 0; set->stage[i].links == k->n_link && n < set->stage[i].n_family; n++) {
+        for (int n = 0; set->stage[i].links == linkage->n_link && n < set->stage[i].n_family; n++) {
             const lw_packed_mechanism *f = &set->stage[i].family[n];
             const lw_numbered_chain *c = &set->stage[i].list[f->chain];
             if (outline_of(c, f) == outline && lw_packed_mechanism_sketch(c, f, &set->ratio, &l) == LW_OK

@@ -34,14 +34,14 @@ lw_mechanism lw_packed_mechanism_unpack(const lw_numbered_chain *c, const lw_pac
 
 /* List the joints that are pairs of wheels.  Returns their number, or -1: a gear has no link that carries both its
  * sides, or several. */
-static int wheel_pairs(const lw_linkage *k, int joint[LW_JOINT_MAX])
+static int wheel_pairs(const lw_linkage *linkage, int joint[LW_JOINT_MAX])
 {
     int n = 0;
     lw_gear g;
-    for (int j = 0; j < k->n_joint; j++) {
-        if (k->joint[j].kind != LW_JOINT_GEAR)
+    for (int j = 0; j < linkage->n_joint; j++) {
+        if (linkage->joint[j].kind != LW_JOINT_GEAR)
             continue;
-        if (lw_linkage_gear(k, j, &g, NULL) != LW_OK)
+        if (lw_linkage_gear(linkage, j, &g, NULL) != LW_OK)
             return -1;
         if (g.slider[0] < 0 && g.slider[1] < 0)
             joint[n++] = j;
@@ -58,9 +58,9 @@ static int all_sets(int pairs, int n)
     return sets;
 }
 
-int lw_gear_sets(const lw_linkage *k, const lw_ratio_list *gear)
+int lw_gear_sets(const lw_linkage *linkage, const lw_ratio_list *gear)
 {
-    int joint[LW_JOINT_MAX], pairs = wheel_pairs(k, joint), sets = all_sets(pairs, gear->n);
+    int joint[LW_JOINT_MAX], pairs = wheel_pairs(linkage, joint), sets = all_sets(pairs, gear->n);
     return pairs < 0 ? 0 : sets < LW_GEAR_SET_MAX ? sets : LW_GEAR_SET_MAX;
 }
 
@@ -74,11 +74,11 @@ static int ratio_of(int set, int g, int pairs, int n)
     return set % n;
 }
 
-static void put_ratios(const lw_packed_mechanism *p, const lw_ratio_list *gear, lw_linkage *k)
+static void put_ratios(const lw_packed_mechanism *p, const lw_ratio_list *gear, lw_linkage *linkage)
 {
-    int joint[LW_JOINT_MAX], pairs = p->ratio > 0 ? wheel_pairs(k, joint) : 0;
+    int joint[LW_JOINT_MAX], pairs = p->ratio > 0 ? wheel_pairs(linkage, joint) : 0;
     for (int g = 0; g < pairs; g++)
-        k->joint[joint[g]].ratio = gear->of[ratio_of(p->ratio - 1, g, pairs, gear->n)].value;
+        linkage->joint[joint[g]].ratio = gear->of[ratio_of(p->ratio - 1, g, pairs, gear->n)].value;
 }
 
 /* ", ratio 2", ", ratios 2, -1". */
@@ -98,34 +98,34 @@ static int ratios_text(const lw_numbered_chain *c, const lw_packed_mechanism *p,
 
 /* ---- a linkage ------------------------------------------------------------------------------------------ */
 
-static void put_inputs(const lw_packed_mechanism *p, const lw_ratio_choices *r, lw_linkage *k)
+static void put_inputs(const lw_packed_mechanism *p, const lw_ratio_choices *r, lw_linkage *linkage)
 {
-    k->n_input = p->n_input;
+    linkage->n_input = p->n_input;
     for (int i = 0; i < p->n_input; i++)
-        k->input[i] = (lw_input){ .joint = p->input[i], .value = lw_linkage_posture_input(k, p->input[i]),
+        linkage->input[i] = (lw_input){ .joint = p->input[i], .value = lw_linkage_posture_input(linkage, p->input[i]),
                                   .ratio = i > 0 ? r->tie.of[p->tie[i]].value : 0 };
 }
 
 lw_status lw_packed_mechanism_sketch(const lw_numbered_chain *c, const lw_packed_mechanism *p,
-                                     const lw_ratio_choices *r, lw_linkage *k)
+                                     const lw_ratio_choices *r, lw_linkage *linkage)
 {
     lw_mechanism m = lw_packed_mechanism_unpack(c, p);
     lw_rng rng;
     unsigned bit = 1;
     lw_rng_seed(&rng, (uint64_t)c->n2 << 32 | (uint64_t)c->m.n_link << 16 | p->chain,
                 (uint64_t)p->kinds << 24 | (uint64_t)p->ground << 16 | (uint64_t)p->tracer << 8 | p->turned);
-    lw_status st = lw_linkage_sketch(&m, &rng, k);
-    for (int j = 0; j < k->n_joint && st == LW_OK; j++)
-        if (k->joint[j].kind == LW_JOINT_SLOT) {
+    lw_status st = lw_linkage_sketch(&m, &rng, linkage);
+    for (int j = 0; j < linkage->n_joint && st == LW_OK; j++)
+        if (linkage->joint[j].kind == LW_JOINT_SLOT) {
             bool later = p->turned & bit;
-            k->joint[j].link[0] = m.link[j][later];
-            k->joint[j].link[1] = m.link[j][!later];
+            linkage->joint[j].link[0] = m.link[j][later];
+            linkage->joint[j].link[1] = m.link[j][!later];
             bit <<= 1;
         }
     if (st != LW_OK)
         return st;
-    put_ratios(p, &r->gear, k);
-    put_inputs(p, r, k);
+    put_ratios(p, &r->gear, linkage);
+    put_inputs(p, r, linkage);
     return LW_OK;
 }
 
@@ -243,12 +243,12 @@ static int part_of_ratio(double ratio)
 }
 
 /* Rates of the inputs as whole numbers without a common divisor; false: the numbers are too large. */
-static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
+static bool whole_rates(const lw_linkage *linkage, int rate[LW_INPUT_MAX])
 {
     for (int lower = 1; lower < 128; lower++) {
         bool whole = true;
-        for (int i = 0; i < k->n_input; i++) {
-            double r = lower*(i > 0 ? k->input[i].ratio : 1);
+        for (int i = 0; i < linkage->n_input; i++) {
+            double r = lower*(i > 0 ? linkage->input[i].ratio : 1);
             rate[i] = (int)lround(r);
             whole = whole && fabs(r - rate[i]) < WHOLE && abs(rate[i]) < 128;
         }
@@ -259,46 +259,46 @@ static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
 }
 
 /* Add two joined vertices.  Each driven link is joined to the first or the second by the sign of its rate. */
-static bool add_rates(const lw_linkage *k, lw_graph *g)
+static bool add_rates(const lw_linkage *linkage, lw_graph *g)
 {
     int rate[LW_INPUT_MAX], box = g->n;
-    if (g->n + 2 > LW_GRAPH_MAX || !whole_rates(k, rate))
+    if (g->n + 2 > LW_GRAPH_MAX || !whole_rates(linkage, rate))
         return false;
     g->n += 2;
     g->colour[box] = g->colour[box + 1] = 32;
     g->tie[box][box + 1] = g->tie[box + 1][box] = 1;
-    for (int i = 0; i < k->n_input; i++) {
-        const lw_joint *j = &k->joint[k->input[i].joint];
-        int link = j->link[j->link[0] == k->ground], at = box + (rate[i] < 0);
+    for (int i = 0; i < linkage->n_input; i++) {
+        const lw_joint *j = &linkage->joint[linkage->input[i].joint];
+        int link = j->link[j->link[0] == linkage->ground], at = box + (rate[i] < 0);
         g->tie[link][at] = g->tie[at][link] = (uint8_t)(128 + abs(rate[i]));
     }
     return true;
 }
 
-static bool is_rack(const lw_linkage *k, int joint)
+static bool is_rack(const lw_linkage *linkage, int joint)
 {
     lw_gear g;
-    return lw_linkage_gear(k, joint, &g, NULL) == LW_OK && (g.slider[0] >= 0 || g.slider[1] >= 0);
+    return lw_linkage_gear(linkage, joint, &g, NULL) == LW_OK && (g.slider[0] >= 0 || g.slider[1] >= 0);
 }
 
-bool lw_linkage_canonical_form(const lw_linkage *k, lw_graph *form)
+bool lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form)
 {
-    lw_graph g = { .n = k->n_link };
+    lw_graph g = { .n = linkage->n_link };
     uint8_t to[LW_GRAPH_MAX];
-    g.colour[k->ground] = 1;
-    g.colour[k->tracer[0].link] = (uint8_t)(2 + g.colour[k->tracer[0].link]);
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *q = &k->joint[j];
+    g.colour[linkage->ground] = 1;
+    g.colour[linkage->tracer[0].link] = (uint8_t)(2 + g.colour[linkage->tracer[0].link]);
+    for (int j = 0; j < linkage->n_joint; j++) {
+        const lw_joint *q = &linkage->joint[j];
         if (q->kind == LW_JOINT_SLOT && g.n < LW_GRAPH_MAX)
             add_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
-        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX && is_rack(k, j))
+        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX && is_rack(linkage, j))
             add_between(&g, q, 18, 1, 1);
         else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX)
             add_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
         else
             g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
     }
-    if ((k->n_input > 1 && !add_rates(k, &g)) || lw_graph_label(&g, to) != LW_OK)
+    if ((linkage->n_input > 1 && !add_rates(linkage, &g)) || lw_graph_label(&g, to) != LW_OK)
         return false;
     *form = (lw_graph){ .n = g.n };
     for (int i = 0; i < g.n; i++) {

@@ -54,7 +54,7 @@ typedef struct lw_packed_mechanism {
 
 /* How many sets of ratios a linkage with gears is tried with; 1 if all gears are racks, whose pitch is a dimension;
  * 0: a gear has no link that carries both its sides, or several. */
-int lw_gear_sets(const lw_linkage *k, const lw_ratio_list *gear);
+int lw_gear_sets(const lw_linkage *linkage, const lw_ratio_list *gear);
 
 /* Pack a mechanism with ground and output link, without inputs. */
 lw_packed_mechanism lw_packed_mechanism_of(const lw_mechanism *m, int chain, unsigned turned, int ratio);
@@ -64,7 +64,7 @@ lw_mechanism lw_packed_mechanism_unpack(const lw_numbered_chain *c, const lw_pac
 
 /* A linkage of the mechanism, without a name; the same linkage each time. */
 lw_status lw_packed_mechanism_sketch(const lw_numbered_chain *c, const lw_packed_mechanism *p,
-                                     const lw_ratio_choices *r, lw_linkage *k);
+                                     const lw_ratio_choices *r, lw_linkage *linkage);
 
 /* "Watt I, point on link 5"; with `input`, or with several inputs, also these: "Watt I, input 2, point on link 5",
  * "5-link chain 1, ground 1, inputs 1+4 by -2, point on link 4". */
@@ -77,6 +77,6 @@ void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechani
 /* The canonical form of a linkage: links as vertices with colours for ground and tracer, more vertices for slots,
  * gears and tied inputs.  Two linkages of one topology have equal forms.  false: out of memory, or ratios that no
  * form can hold. */
-bool lw_linkage_canonical_form(const lw_linkage *k, lw_graph *form);
+bool lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form);
 
 #endif

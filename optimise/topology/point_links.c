@@ -17,12 +17,12 @@ typedef struct choice {
 } choice;
 
 /* Does the motion of this link depend on fewer links than there are? */
-static bool depends_on_fewer(const lw_linkage *k, int link, lw_plan *plan)
+static bool depends_on_fewer(const lw_linkage *linkage, int link, lw_plan *plan)
 {
-    lw_linkage alone = *k;
+    lw_linkage alone = *linkage;
     lw_tracers_put(&alone, 0, link);
     return lw_plan_make(&alone, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK
-        && plan->n_link < k->n_link;
+        && plan->n_link < linkage->n_link;
 }
 
 /* May point i (0: the first) lie on this link? */

@@ -14,7 +14,7 @@ typedef struct lw_search_stage {
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
     /* Write the name of a linkage with an added dyad.  false: the linkage is not wanted.  NULL: names come from the
      * parent. */
-    bool           (*name)(void *context, const lw_linkage *k, char *name, size_t size);
+    bool           (*name)(void *context, const lw_linkage *linkage, char *name, size_t size);
     void            *context;
 } lw_search_stage;
 

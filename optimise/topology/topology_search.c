@@ -33,14 +33,14 @@ lw_topology_search_options lw_topology_search_options_default(void)
 
 /* ---- starts ---------------------------------------------------------------------------------------------- */
 
-lw_status lw_start_check(const lw_linkage *k, lw_error *e)
+lw_status lw_start_check(const lw_linkage *linkage, lw_error *e)
 {
-    int own = lw_linkage_free_inputs(k);
+    int own = lw_linkage_free_inputs(linkage);
     const char *tied = own > 1 ? ", beside those tied to it by a ratio," : "";
-    if (own == 1 && k->n_tracer > 0)
+    if (own == 1 && linkage->n_tracer > 0)
         return LW_OK;
     return lw_error_set(e, LW_E_ARG, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d inputs "
-                        "and %d tracers", tied, k->name, own, k->n_tracer);
+                        "and %d tracers", tied, linkage->name, own, linkage->n_tracer);
 }
 
 static int by_links(const void *a, const void *b)

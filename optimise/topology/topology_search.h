@@ -81,6 +81,6 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
 void      lw_topology_search_free(lw_topology_search *s);
 
 /* May a search start from this linkage?  It needs one input, beside those tied to it, and a tracer.  LW_E_ARG. */
-lw_status lw_start_check(const lw_linkage *k, lw_error *e);
+lw_status lw_start_check(const lw_linkage *linkage, lw_error *e);
 
 #endif
