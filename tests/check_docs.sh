@@ -12,7 +12,7 @@ while IFS= read -r line; do
     [ -n "$command" ] && [[ $command =~ ^[a-z]+$ ]] || continue
     action=$(awk '{ print $3 }' <<< "$words")
     key=$command
-    case $command in catalogue|grammar|bench) key="$command $action" ;; help) continue ;; esac
+    case $command in catalogue|grammar|bench|drive|family) key="$command $action" ;; help) continue ;; esac
     if [ -z "${help[$key]+known}" ]; then
         help[$key]=$($program help $key 2> /dev/null || $program help $command 2> /dev/null || echo none)
     fi

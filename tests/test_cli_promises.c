@@ -30,6 +30,7 @@ static const row rows[] = {
     { "classify 40 10 35 30", NULL, NULL, false },
     { "gallery klann", NULL, NULL, false },
     { "profile 1 --acceleration-limit 20 --jerk-limit 400", NULL, NULL, false },
+    { "drive load examples/drives/lifting-arm.json -n 8", NULL, "examples/drives/lifting-arm.json", false },
     { "trace examples/jansen.json -n 8", "trace examples/jansen.json -n 1e7", "examples/jansen.json", false },
     { "mobility examples/jansen.json", NULL, "examples/jansen.json", false },
     { "simulate examples/dynamics/governor.json --to 0.01 -n 4",

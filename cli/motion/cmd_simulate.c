@@ -65,31 +65,6 @@ static const cli_option options[] = {
     { .name = NULL }
 };
 
-/* Inputs without a prescribed motion move at constant speed from their values in the file. */
-static lw_status drive(const cli_call *call, lw_model *m, lw_error *e)
-{
-    const settings *s = call->settings;
-    char text[96];
-    if (!cli_given(&call->parsed, "speed"))
-        return LW_OK;
-    if (m->linkage.n_input == 0)
-        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for inputs, and the model has none");
-    for (int i = 0; i < lw_assembly_free_inputs(&m->linkage); i++) {
-        if (m->motion[i])
-            continue;
-        bool slides = lw_joint_slides(m->linkage.joint[m->linkage.input[i].joint].kind);
-        double speed;
-        lw_status st = cli_speed(s->speed, slides, 1, &speed, e);
-        if (st != LW_OK)
-            return st;
-        snprintf(text, sizeof text, "%.17g + %.17g*t", m->linkage.input[i].value, speed);
-        st = lw_model_drive(m, i, text, e);
-        if (st != LW_OK)
-            return st;
-    }
-    return LW_OK;
-}
-
 static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
 {
     const settings *s = call->settings;
@@ -98,7 +73,7 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     c->json = call->common.json;
     c->keep = s->balance || s->plot || s->gif;
     c->model = cli_read_model(call->parsed.word[0], 0, e);
-    lw_status st = c->model ? drive(call, c->model, e) : e->status;
+    lw_status st = c->model ? cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e) : e->status;
     if (st != LW_OK)
         return st;
     o.analysis = (lw_analysis)s->analysis;
@@ -110,12 +85,7 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     o.max_step = s->max_steps;
     o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     o.stop = cli_stop_flag();
-    st = lw_dynamics_make(c->model, &o, &c->d, e);
-    if (st == LW_OK)
-        st = cli_simulate_columns(c, e);
-    if (st != LW_OK && !e->file[0])
-        snprintf(e->file, sizeof e->file, "%s", call->parsed.word[0]);
-    return st;
+    return cli_simulate_make(c, &o, call->parsed.word[0], e);
 }
 
 static void explain(const cli_call *call, const lw_dynamics_report *r)

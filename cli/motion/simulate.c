@@ -25,7 +25,7 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
 }
 
 /* The order is the same as in cli_simulate_row. */
-lw_status cli_simulate_columns(cli_simulate *s, lw_error *e)
+static lw_status name_columns(cli_simulate *s, lw_error *e)
 {
     const lw_assembly *k = &s->model->linkage;
     const lw_system *sys = lw_dynamics_system(s->d);
@@ -76,6 +76,38 @@ lw_status cli_simulate_columns(cli_simulate *s, lw_error *e)
     add(s, "1", 1, "residual");
     add(s, "1/s", 1, "residual_rate");
     return LW_OK;
+}
+
+lw_status cli_simulate_speed(lw_model *m, const char *speed, const char *file, lw_error *e)
+{
+    char text[96];
+    if (!speed)
+        return LW_OK;
+    if (m->linkage.n_input == 0)
+        return lw_error_at(e, LW_E_ARG, file, 0, 0, "--speed is for inputs, and the model has none");
+    for (int i = 0; i < lw_assembly_free_inputs(&m->linkage); i++) {
+        if (m->motion[i])
+            continue;
+        double rate;
+        lw_status s = cli_speed(speed, lw_joint_slides(m->linkage.joint[m->linkage.input[i].joint].kind), 1, &rate, e);
+        if (s != LW_OK)
+            return s;
+        snprintf(text, sizeof text, "%.17g + %.17g*t", m->linkage.input[i].value, rate);
+        s = lw_model_drive(m, i, text, e);
+        if (s != LW_OK)
+            return s;
+    }
+    return LW_OK;
+}
+
+lw_status cli_simulate_make(cli_simulate *s, const lw_dynamics_options *o, const char *file, lw_error *e)
+{
+    lw_status st = lw_dynamics_make(s->model, o, &s->d, e);
+    if (st == LW_OK)
+        st = name_columns(s, e);
+    if (st != LW_OK && !e->file[0])
+        snprintf(e->file, sizeof e->file, "%s", file);
+    return st;
 }
 
 /* ---- one row ------------------------------------------------------------------------------------------- */

@@ -24,8 +24,11 @@ typedef struct cli_simulate {
     lw_dynamics_report       report;
 } cli_simulate;
 
-/* Name the columns of a model. */
-lw_status cli_simulate_columns(cli_simulate *s, lw_error *e);
+/* Drive the inputs without a motion at this constant speed, as --speed gives it; NULL: none. */
+lw_status cli_simulate_speed(lw_model *m, const char *speed, const char *file, lw_error *e);
+
+/* Make the equations of s->model and name its columns. */
+lw_status cli_simulate_make(cli_simulate *s, const lw_dynamics_options *o, const char *file, lw_error *e);
 
 /* Print the head (units, then names of columns); after all rows, print the end. */
 void cli_simulate_head(cli_simulate *s);

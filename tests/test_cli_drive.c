@@ -1,0 +1,56 @@
+/* test_cli_drive.c - `linkwright drive`: loads against the equation of motion of an arm; wrong use. */
+#include "base/vec2.h"
+#include "tests/cli_run.h"
+
+/* The figure of the first drive in the JSON of `load`. */
+static double figure(const char *out, const char *key)
+{
+    const char *at = strstr(out, key);
+    return at ? strtod(at + strlen(key), NULL) : NAN;
+}
+
+/* examples/drives/lifting-arm.json: J a + g (8*0.3 + 5*0.6) cos(angle), J = 0.24 + 8*0.09 + 0.02 + 5*0.36. */
+static void arm(void)
+{
+    enum { N = 2000000 };
+    const double j = 0.24 + 0.72 + 0.02 + 1.8, weight = 9.81*5.4;
+    double square = 0, peak = 0, power_peak = 0, out = 0;
+    for (int i = 0; i < N; i++) {
+        double t = 2.5*(i + 0.5)/N, start = t < 1 ? 0 : 1.2, length = 0.8, sign = t < 1 ? 1 : -1;
+        double u = (t - start)/length, w = LW_PI/length, moves = u > 0 && u < 1;
+        double angle = (t < 1 ? -0.5 : 1) + sign*1.5*(u <= 0 ? 0 : u >= 1 ? 1 : 0.5*(1 - cos(LW_PI*u)));
+        double v = moves*sign*0.75*w*sin(LW_PI*u), a = moves*sign*0.75*w*w*cos(LW_PI*u);
+        double torque = j*a + weight*cos(angle), power = torque*v;
+        square += torque*torque/N;
+        peak = fmax(peak, fabs(torque));
+        power_peak = fmax(power_peak, power);
+        out += fmax(power, 0)*2.5/N;
+    }
+    ran r = run("$P drive load examples/drives/lifting-arm.json --to 2.5 -n 5000 --json");
+    CHECK_INT(r.code, 0);
+    CHECK_NEAR(figure(r.out, "\"torque_rms\":"), sqrt(square), 1e-3*sqrt(square), 0);   /* a step of torque within a sample */
+    CHECK_NEAR(figure(r.out, "\"torque_peak\":"), peak, 1e-4*peak, 0);
+    CHECK_NEAR(figure(r.out, "\"power_peak\":"), power_peak, 1e-5*power_peak, 0);
+    CHECK_NEAR(figure(r.out, "\"energy_out\":"), out, 1e-5*out, 0);
+    CHECK_NEAR(figure(r.out, "\"energy_back\":"), out, 1e-5*out, 0);           /* a closed cycle without losses */
+    CHECK_NEAR(figure(r.out, "\"speed_peak\":"), 0.75*LW_PI/0.8, 1e-5, 0);
+    ran_free(&r);
+}
+
+static void wrong_use(void)
+{
+    expect("$P drive", 2, NULL, "linkwright drive ACTION FILE");
+    expect("$P drive lode x.json", 2, NULL, "did you mean 'load'");
+    expect("$P drive load examples/drives/lifting-arm.json --from 2", 2, NULL, "--from must be less than --to");
+    expect("$P drive load examples/pendulum.json", 3, NULL, NULL);
+    expect("$P drive load examples/chebyshev.json", 3, NULL, "motion");
+    expect("$P drive load examples/ellipse.csv", 3, NULL, "target");
+    expect("$P drive load examples/drives/lifting-arm.json -p $D/x.txt", 2, NULL, "svg");
+}
+
+int main(void)
+{
+    RUN(arm);
+    RUN(wrong_use);
+    return check_end();
+}
