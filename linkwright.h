@@ -1049,6 +1049,11 @@ LW_API lw_status lw_catalogue_check(lw_catalogue *catalogue, lw_error *error);
 LW_API lw_status lw_catalogue_pages(lw_catalogue *catalogue, const char *folder, int links, int limit,
                                     const lw_catalogue_work *work, lw_error *error);
 
+/* A data set to cite, in a folder that exists: all chains with up to `links` links (7 ..) as graph6, mechanisms with up to 4
+ * links less, Assur groups with up to 2 less, a catalogue, counts, checksums.  The same bytes for any number of threads
+ * (docs/catalogue.md).  LW_STOPPED: progress said so; the same call goes on. */
+LW_API lw_status lw_release(const char *folder, int links, const lw_catalogue_work *work, lw_error *error);
+
 #ifdef __cplusplus
 }
 #endif

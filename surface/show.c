@@ -10,6 +10,7 @@
 #include "catalogues/build/build.h"
 #include "catalogues/draw/plot.h"
 #include "catalogues/draw/sheet.h"
+#include "catalogues/build/release.h"
 #include "catalogues/pages/atlas_html.h"
 #include "catalogues/pages/draw.h"
 #include "catalogues/store/query.h"
@@ -287,4 +288,15 @@ lw_status lw_catalogue_pages(lw_catalogue *catalogue, const char *folder, int li
     o.goes_on = control.goes_on;
     o.context = control.context;
     return lw_atlas_html_write(catalogue->store, folder, &o, &n_page, &n_byte, error);
+}
+
+lw_status lw_release(const char *folder, int links, const lw_catalogue_work *work, lw_error *error)
+{
+    watch w;
+    char command[LW_RELEASE_COMMAND];
+    lw_build_control control = control_of(work, &w);
+    lw_release_size size = lw_release_sizes(links, command);
+    control.seed = 1;
+    control.command = command;
+    return lw_release_write(folder, &size, &control, error);
 }

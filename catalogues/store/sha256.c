@@ -2,6 +2,7 @@
 #include "catalogues/store/sha256.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 /* First 32 bits of the fractional parts of the cube roots of the first 64 primes (4.2.2). */
@@ -61,7 +62,7 @@ static void spell(const unsigned char *bytes, char text[LW_SHA256_TEXT])
     text[44] = 0;
 }
 
-void lw_sha256_base64(const void *data, size_t size, char text[LW_SHA256_TEXT])
+static void compute(const void *data, size_t size, unsigned char bytes[33])
 {
     uint32_t hash[8] = { 0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,             /* 5.3.3 */
                          0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19 };
@@ -78,8 +79,21 @@ void lw_sha256_base64(const void *data, size_t size, char text[LW_SHA256_TEXT])
         last[end - 1 - (size_t)i] = (unsigned char)((uint64_t)size*8 >> 8*i);
     for (size_t i = 0; i < end; i += 64)
         absorb(hash, last + i);
-    unsigned char bytes[33] = { 0 };
     for (int i = 0; i < 32; i++)
         bytes[i] = (unsigned char)(hash[i/4] >> (24 - 8*(i % 4)));
+}
+
+void lw_sha256_base64(const void *data, size_t size, char text[LW_SHA256_TEXT])
+{
+    unsigned char bytes[33] = { 0 };
+    compute(data, size, bytes);
     spell(bytes, text);
+}
+
+void lw_sha256_hex(const void *data, size_t size, char text[LW_SHA256_HEX])
+{
+    unsigned char bytes[33];
+    compute(data, size, bytes);
+    for (int i = 0; i < 32; i++)
+        snprintf(text + 2*i, 3, "%02x", bytes[i]);
 }

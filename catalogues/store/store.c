@@ -456,3 +456,18 @@ lw_status lw_store_run_end(lw_store *s, lw_error *e)
     time_now(now);
     return lw_store_do(s, "UPDATE run SET ended = ?1 WHERE id = ?2", e, "ti", now, (long long)s->run);
 }
+
+lw_status lw_store_copy_undated(lw_store *s, const char *path, lw_error *e)
+{
+    lw_output copy;
+    lw_status status = lw_store_do(s, "UPDATE run SET begun = '', ended = ''", e, "");
+    if (status == LW_OK)
+        status = lw_output_open(&copy, path, e);
+    if (status != LW_OK)
+        return status;
+    status = lw_store_do(s, "VACUUM INTO ?1", e, "t", copy.temp);
+    if (status == LW_OK)
+        return lw_output_commit(&copy, e);
+    lw_output_abandon(&copy);
+    return status;
+}

@@ -50,6 +50,10 @@ typedef struct lw_store_run { const char *action, *what, *command; uint64_t seed
 lw_status lw_store_run_begin(lw_store *s, const lw_store_run *r, lw_error *e);
 lw_status lw_store_run_end(lw_store *s, lw_error *e);
 
+/* Copy the catalogue to another file, packed and without the times of its runs: the bytes depend on the rows and on the
+ * version of SQLite, and not on when the rows were written.  Outside a transaction; the times are lost here, too. */
+lw_status lw_store_copy_undated(lw_store *s, const char *path, lw_error *e);
+
 /* ---- topologies ---------------------------------------------------------------------------------- */
 
 /* A build: chains with this number of links and freedoms, joints of these kinds ("r", "rt").  *done: number of chains

@@ -22,6 +22,11 @@ int cli_catalogue_query(const cli_call *call);
 int cli_catalogue_export(const cli_call *call);
 int cli_catalogue_check(const cli_call *call);
 int cli_catalogue_html(const cli_call *call);
+int cli_catalogue_release(const cli_call *call);
+
+/* Make the folder `folder` (with `/under`, unless NULL), and check that it has no files with this ending that the command
+ * may not write.  CLI_DONE, or the exit code after a message. */
+int cli_catalogue_folder(const cli_call *call, const char *folder, const char *under, const char *ending);
 
 /* Open the catalogue of word[1]; if `write`, create it if it does not exist. */
 lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store, lw_error *e);

@@ -1,5 +1,4 @@
 /* linkwright catalogue html - a catalogue as web pages that need no server. */
-#include <dirent.h>
 #include <string.h>
 
 #include "catalogues/pages/atlas_html.h"
@@ -10,21 +9,6 @@ static bool goes_on(void *watch, double done, double total)
     cli_catalogue_watch *w = watch;
     w->total = total;
     return cli_catalogue_goes_on(w, done);
-}
-
-/* Pages of earlier runs are replaced, files of the user are not. */
-static int check_folder(const cli_call *call, const char *folder)
-{
-    int code = cli_make_folder(call, folder);
-    DIR *d = code == CLI_DONE ? opendir(folder) : NULL;
-    for (struct dirent *file; d && code == CLI_DONE && (file = readdir(d));) {
-        const char *end = strrchr(file->d_name, '.');
-        if (end && strcmp(end, ".html") == 0)
-            code = cli_may_write_in(call, folder, "%s", file->d_name);
-    }
-    if (d)
-        closedir(d);
-    return code;
 }
 
 #define MUCH 200e6               /* bytes of pages above which a limit must be given */
@@ -60,7 +44,7 @@ int cli_catalogue_html(const cli_call *call)
     o.limit = cli_given(&call->parsed, "results") ? s->results : 0;
     int code = look_ahead(call, store, &o);
     if (code == CLI_DONE)
-        code = check_folder(call, dir);
+        code = cli_catalogue_folder(call, dir, NULL, ".html");
     if (code != CLI_DONE) {
         lw_store_close(store);
         return code;

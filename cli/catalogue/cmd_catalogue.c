@@ -1,4 +1,5 @@
 /* linkwright catalogue - build, check and query a database of mechanisms; count the published tables again. */
+#include <dirent.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -9,7 +10,8 @@
 
 static const cli_option options[] = {
     { "links", 'l', CLI_INT, PLACE(links), "P", NULL,
-      "build: number of links; curves: 4 or 6, without it 4; html: only chains with P links",
+      "build: number of links; curves: 4 or 6, without it 4; html: only chains with P links; release: greatest number of "
+      "links, without it 14",
       3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
     { "joints", 0, CLI_TEXT, PLACE(joints), "KINDS", "r",
@@ -102,6 +104,12 @@ static const cli_action actions[] = {
       "notations and its ground links, and pages of moving linkages. More than 200 MB of pages are made only with\n"
       "--results.\n",
       1, 1, cli_catalogue_html, CLI_CATALOGUE },
+    { "release", "-o FOLDER",
+      "Writes a data set that others can cite and check: all chains up to 14 links and 10 degrees of freedom (graph6),\n"
+      "their mechanisms up to 10 links, all Assur groups up to 12 links, a catalogue, the counts, checksums, a licence\n"
+      "and how to cite it. The same version of linkwright writes the same bytes. --links P: chains up to P links,\n"
+      "mechanisms up to P - 4 and Assur groups up to P - 2.\n",
+      0, 0, cli_catalogue_release, CLI_UNKNOWN },
     { .name = NULL }
 };
 
@@ -113,6 +121,23 @@ lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store,
     if (cli_given(&call->parsed, "time"))
         cli_limit_time(s->time);
     return lw_store_open(call->parsed.word[1], &o, store, e);
+}
+
+int cli_catalogue_folder(const cli_call *call, const char *folder, const char *under, const char *ending)
+{
+    char path[CLI_PATH_SIZE];
+    if ((size_t)snprintf(path, sizeof path, "%s%s%s", folder, under ? "/" : "", under ? under : "") >= sizeof path)
+        return cli_usage(call, "the name of the folder '%.60s...' is too long", folder);
+    int code = cli_make_folder(call, path);
+    DIR *d = code == CLI_DONE ? opendir(path) : NULL;
+    for (struct dirent *file; d && code == CLI_DONE && (file = readdir(d));) {
+        size_t n = strlen(file->d_name), tail = strlen(ending);
+        if (n > tail && strcmp(file->d_name + n - tail, ending) == 0)
+            code = cli_may_write_in(call, path, "%s", file->d_name);
+    }
+    if (d)
+        closedir(d);
+    return code;
 }
 
 cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *what, const char *unit)
@@ -155,6 +180,7 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue export atlas.db 'links=10 and not planar' --format lam\n"
         "  linkwright catalogue check atlas.db                  the database and its counts\n"
         "  linkwright catalogue html atlas.db -o atlas          web pages: open atlas/index.html\n"
+        "  linkwright catalogue release -o dataset              chains, mechanisms, Assur groups, checksums\n"
         "  linkwright catalogue check                           the table of published counts\n"
         "  linkwright catalogue check --time 600                longer counts too: 18 links take some minutes\n"
         "  linkwright catalogue check mine.csv --json           another table with the same columns\n",
