@@ -4,7 +4,8 @@
  *     product = unary (("*" | "/") unary)*
  *     unary   = ("+" | "-") unary | power
  *     power   = primary ("^" unary)?                        -2^2 is -4, 2^-1 is 0.5, 2^3^2 is 2^9
- *     primary = number | "(" sum ")" | "pi" | function "(" sum ("," sum)* ")" | word ("(" name ")")? */
+ *     primary = number | "(" sum ")" | "pi" | function "(" sum ("," sum)* ")" | word ("(" name ")")?
+ *             | "integral" "(" sum ("," number)? ")" | "lag" "(" sum "," number ("," number)? ")" */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,8 +25,7 @@ typedef struct parser {
     size_t         size, at;
     int            depth;
     lw_expression *x;
-    lw_expression_lookup *lookup;
-    void          *context;
+    const lw_expression_words *words;
     lw_error      *e;
 } parser;
 
@@ -326,6 +326,98 @@ static lw_status variable(parser *p, size_t at, int id, lw_operand *out)
                                   .b = number(0) }, out);
 }
 
+/* Append the operations of y, whose variables are looked up in both by the caller's numbers. */
+static lw_status insert(parser *p, size_t at, const lw_expression *y, lw_operand *out)
+{
+    lw_expression *x = p->x;
+    lw_operand *to = malloc(((size_t)y->n_node + 1)*sizeof *to);
+    lw_spline *more = realloc(x->spline, ((size_t)x->n_spline + (size_t)y->n_spline + 1)*sizeof *more);
+    int first = x->n_spline;
+    x->spline = more ? more : x->spline;
+    lw_status s = to && more ? LW_OK : LW_E_MEMORY;
+    for (int i = 0; s == LW_OK && i < y->n_spline; i++) {
+        size_t n = 4*(size_t)y->spline[i].n;
+        double *block = malloc(n*sizeof *block);
+        if (!block) {
+            s = LW_E_MEMORY;
+            break;
+        }
+        memcpy(block, y->spline[i].x, n*sizeof *block);
+        x->spline[x->n_spline++] = (lw_spline){ y->spline[i].n, block, block + n/4, block + n/2 };
+    }
+    for (int i = 0; s == LW_OK && i < y->n_node; i++) {
+        lw_expression_node n = y->node[i];
+        if (n.op == LW_OP_VARIABLE) {
+            s = variable(p, at, y->variable[n.index], &to[i]);
+            continue;
+        }
+        n.index += n.op == LW_OP_SPLINE ? first : 0;
+        n.a = n.a.node < 0 ? n.a : to[n.a.node];
+        n.b = n.b.node < 0 ? n.b : to[n.b.node];
+        s = emit(p, at, n, &to[i]);
+    }
+    if (s == LW_OK)
+        *out = y->result.node < 0 ? y->result : to[y->result.node];
+    free(to);
+    return s == LW_E_MEMORY ? lw_error_set(p->e, s, "out of memory for an expression") : s;
+}
+
+/* A constant argument behind a ','. */
+static lw_status constant(parser *p, double *out)
+{
+    lw_operand o;
+    peek(p);
+    size_t at = p->at;
+    lw_status s = sum(p, &o);
+    if (s == LW_OK && o.node >= 0)
+        return fault(p, at, "a number is expected here, nothing that changes");
+    *out = s == LW_OK ? o.value : 0;
+    return s;
+}
+
+static lw_expression *new_expression(const char *text, size_t size);
+
+/* integral(x, start), lag(x, time, start): x becomes an expression of its own. */
+static lw_status integral(parser *p, size_t at, bool lags, lw_operand *out)
+{
+    const char *form = lags ? "lag(x, time) or lag(x, time, start)" : "integral(x) or integral(x, start)";
+    double lag = 0, start = NAN;
+    if (!p->words->integrate)
+        return fault(p, at, "%s is possible in forces, voltages, valves and controllers only", lags ? "lag" : "integral");
+    if (!take(p, '('))
+        return fault(p, p->at, "'(' is expected: %s", form);
+    parser inner = *p;
+    peek(&inner);
+    size_t begin = inner.at;
+    inner.x = new_expression(p->text, p->size);
+    if (!inner.x)
+        return lw_error_set(p->e, LW_E_MEMORY, "out of memory for an expression");
+    lw_status s = p->depth < DEPTH_MAX ? LW_OK : fault(p, at, "too many brackets in each other: at most %d", DEPTH_MAX);
+    inner.depth++;
+    if (s == LW_OK)
+        s = sum(&inner, &inner.x->result);
+    p->at = inner.at;
+    if (s == LW_OK) {                                     /* its text is its own part */
+        memmove(inner.x->text, inner.x->text + begin, p->at - begin);
+        inner.x->text[p->at - begin] = '\0';
+    }
+    if (s == LW_OK && lags && !take(p, ','))
+        s = fault(p, p->at, "something is missing: %s", form);
+    size_t time_at = p->at;
+    if (s == LW_OK && lags && (s = constant(p, &lag)) == LW_OK && !(lag > 0))
+        s = fault(p, time_at, "the time of a lag must be greater than 0 s");
+    if (s == LW_OK && take(p, ','))
+        s = constant(p, &start);
+    if (s == LW_OK && !take(p, ')'))
+        s = fault(p, p->at, "')' is expected: %s", form);
+    if (s != LW_OK) {
+        lw_expression_free(inner.x);
+        return s;
+    }
+    int id = p->words->integrate(p->words->context, inner.x, lag, start);
+    return id < 0 ? lw_error_set(p->e, LW_E_MEMORY, "out of memory for an expression") : variable(p, at, id, out);
+}
+
 static lw_status word(parser *p, lw_operand *out)
 {
     char text[WORD_SIZE], name[WORD_SIZE], why[128] = "";
@@ -344,6 +436,8 @@ static lw_status word(parser *p, lw_operand *out)
     for (int i = 0; i < N_FUNCTION; i++)
         if (strcmp(text, functions[i].name) == 0)
             return function_call(p, at, &functions[i], out);
+    if (strcmp(text, "integral") == 0 || strcmp(text, "lag") == 0)
+        return integral(p, at, text[0] == 'l', out);
     bool named = peek(p) == '(', function = named && near_function(text);
     if (named) {
         p->at++;
@@ -351,7 +445,11 @@ static lw_status word(parser *p, lw_operand *out)
         if (s != LW_OK)                                   /* a misspelt function: its arguments are no name */
             return function ? unknown(p, text, at) : s;
     }
-    int id = p->lookup ? p->lookup(p->context, text, named ? name : NULL, why) : -1;
+    const lw_expression_words *w = p->words;
+    const lw_expression *known = w->insert ? w->insert(w->context, text, named ? name : NULL) : NULL;
+    if (known)
+        return insert(p, at, known, out);
+    int id = w->variable ? w->variable(w->context, text, named ? name : NULL, why) : -1;
     if (id >= 0)
         return variable(p, at, id, out);
     return why[0] && !function ? fault(p, named ? name_at : at, "%s", why) : unknown(p, text, at);
@@ -467,21 +565,36 @@ static lw_status left_over(parser *p)
     return fault(p, p->at, "an operator or the end is expected, not %s", lw_byte_name(byte, buf));
 }
 
-lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
-                              void *context, lw_expression **out, lw_error *e)
+/* Room for the most operations; a copy of the text.  NULL: out of memory. */
+static lw_expression *new_expression(const char *text, size_t size)
 {
-    *out = NULL;
     lw_expression *x = calloc(1, sizeof *x + LW_EXPRESSION_NODE_MAX*sizeof *x->node);
     if (x)
         x->text = malloc(size + 1);
     if (!x || !x->text) {
         free(x);
-        return lw_error_set(e, LW_E_MEMORY, "out of memory for an expression");
+        return NULL;
     }
     if (size)
         memcpy(x->text, text, size);
     x->text[size] = '\0';
-    parser p = { .text = x->text, .size = size, .x = x, .lookup = lookup, .context = context, .e = e };
+    return x;
+}
+
+lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
+                              void *context, lw_expression **out, lw_error *e)
+{
+    return lw_expression_parse_words(text, size, &(lw_expression_words){ .context = context, .variable = lookup }, out, e);
+}
+
+lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out,
+                                    lw_error *e)
+{
+    *out = NULL;
+    lw_expression *x = new_expression(text, size);
+    if (!x)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for an expression");
+    parser p = { .text = x->text, .size = size, .x = x, .words = words, .e = e };
     lw_status s = sum(&p, &x->result);
     if (s == LW_OK)
         s = left_over(&p);

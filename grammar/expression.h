@@ -31,6 +31,21 @@ typedef int lw_expression_lookup(void *context, const char *word, const char *na
 /* LW_E_NOTATION with the column (from 1, in bytes) of the error; LW_E_MEMORY. */
 lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
                               void *context, lw_expression **out, lw_error *e);
+
+/* Words that stand for more than a variable.  Each may be NULL: there are none.
+ *
+ * insert: the expression that word(name), or word with name NULL, stands for; it is copied.  NULL: none.
+ * integrate: the number of a new variable z for  integral(x, start)  with lag 0, z' = x, or for  lag(x, time, start),
+ * z' = (x - z)/time.  It takes x over, also when it fails (-1: out of memory).  start is NAN when it is left out. */
+typedef struct lw_expression_words {
+    void *context;
+    lw_expression_lookup *variable;
+    const lw_expression *(*insert)(void *context, const char *word, const char *name);
+    int (*integrate)(void *context, lw_expression *x, double lag, double start);
+} lw_expression_words;
+
+lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out,
+                                    lw_error *e);
 void      lw_expression_free(lw_expression *x);
 
 /* The variables of the expression: returns how many there are; *which gets the caller's numbers of them in the

@@ -76,6 +76,29 @@ typedef struct lw_clearance {            /* of a revolute joint                 
     double friction, friction_speed;     /* coefficient at the contact, regularisation [m/s]       */
 } lw_clearance;
 
+/* A variable of first order, dz/dt = rate: of the file's "states", of integral() and lag() in an expression, of a
+ * controller, a motor's current, the pressures of a cylinder. */
+typedef struct lw_state {
+    char    name[2*LW_NAME_SIZE];        /* "M.current", "integral 1"                              */
+    const char *unit;                    /* "A", "Pa", "J"; "1": the file does not say             */
+    double  scale;                       /* absolute errors count relative to this                  */
+    double  start;                       /* value at the start                                      */
+    lw_expression *start_at;             /* NULL, or the value at the start as an expression        */
+    lw_expression *rate;
+} lw_state;
+
+/* An expression that others name: output(NAME) of a controller, voltage of a motor, opening of a valve. */
+typedef struct lw_signal {
+    char    name[2*LW_NAME_SIZE];
+    const char *unit;
+    lw_expression *value;
+} lw_signal;
+
+typedef struct lw_rotor {                /* of a motor: inertia that moves with a link             */
+    int    joint, link;                  /* the link has no other place to go than the joint's      */
+    double inertia;                      /* seen at the joint [kg m^2], at a slider [kg]           */
+} lw_rotor;
+
 typedef struct lw_motor {                /* torque-speed line at a joint                           */
     char   name[LW_NAME_SIZE];
     int    joint;
@@ -95,22 +118,28 @@ typedef struct lw_model {
     lw_joint_spring *joint_spring;
     lw_force        *force;
     lw_motor        *motor;
+    int              n_state, n_signal, n_rotor;
+    lw_state        *state;
+    lw_signal       *signal;
+    lw_rotor        *rotor;
     lw_friction     *friction;           /* (n_joint) of each joint                                */
     lw_joint_stop   *stop;
     lw_clearance    *clearance;
 } lw_model;
 
 /* The quantity of a variable in an expression: t; q, v: displacement and rate of a joint; x, y, vx, vy: position
- * and velocity of a tracer; angle, omega: rotation of a link since the posture, and its rate. */
+ * and velocity of a tracer; angle, omega: rotation of a link since the posture, and its rate; length, rate: of the spring
+ * whose law it is, or its joint's displacement; state: its value; spring length, rate: of a spring or cylinder. */
 typedef enum lw_quantity {
     LW_QUANTITY_T, LW_QUANTITY_Q, LW_QUANTITY_V, LW_QUANTITY_X, LW_QUANTITY_Y, LW_QUANTITY_VX,
-    LW_QUANTITY_VY, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE
+    LW_QUANTITY_VY, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE,
+    LW_QUANTITY_STATE, LW_QUANTITY_SPRING_LENGTH, LW_QUANTITY_SPRING_RATE
 } lw_quantity;
 
 /* A variable's number: quantity and the index of the joint, tracer or link it belongs to. */
-static inline int lw_variable(lw_quantity q, int index) { return 16*index + (int)q; }
-static inline lw_quantity lw_variable_quantity(int variable) { return (lw_quantity)(variable%16); }
-static inline int lw_variable_index(int variable) { return variable/16; }
+static inline int lw_variable(lw_quantity q, int index) { return 32*index + (int)q; }
+static inline lw_quantity lw_variable_quantity(int variable) { return (lw_quantity)(variable%32); }
+static inline int lw_variable_index(int variable) { return variable/32; }
 
 /* Read a model.  LW_E_NOTATION with line and column, for expressions too; m needs no _free after a failure. */
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);

@@ -3,8 +3,57 @@
 #define LW_GRAMMAR_MODEL_INTERNAL_H
 
 #include "grammar/model.h"
+#include "grammar/json_internal.h"
 
 /* Zeroed arrays for the links, joints and inputs of m->linkage.  After LW_E_MEMORY too, m needs lw_model_free. */
 lw_status lw_model_reserve(lw_model *m);
+
+/* ---- shared by the files that read models --------------------------------------------------------------- */
+
+/* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
+typedef struct lw_number_key { const char *key; double unit, least, most, *out; bool *given; } lw_number_key;
+
+#define LW_POSITIVE 1e-300, INFINITY
+#define LW_ANY -INFINITY, INFINITY
+
+lw_status lw_model_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e);
+
+/* The variables that an expression may use: t; those of the whole model; of a spring's or a joint's law. */
+typedef enum { LW_OF_TIME, LW_OF_STATE, LW_OF_LENGTH, LW_OF_DISPLACEMENT } lw_expression_scope;
+
+/* An optional expression or number; *out keeps NULL if it is left out. */
+lw_status lw_model_read_expression(const lw_json_node *object, const char *key, lw_model *m, lw_expression_scope scope,
+                                   lw_expression **out, lw_error *e);
+
+/* The name of a load, or "spring 2" when it has none. */
+lw_status lw_model_read_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE],
+                             lw_error *e);
+
+/* The joint of a load: a pin or a slider. */
+lw_status lw_model_read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint, lw_error *e);
+
+/* "links" and "at" of a spring between two points. */
+lw_status lw_model_read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e);
+
+/* A word of a text that the program writes: an expression to insert, or (expression NULL) a variable. */
+typedef struct lw_generated { const char *word; const lw_expression *expression; int variable; } lw_generated;
+lw_status lw_model_generate(const char *text, const lw_generated *word, int n, lw_expression **out, lw_error *e);
+
+/* ---- model_states.c: what has first-order states --------------------------------------------------------- */
+
+/* A new state; its number, -1: out of memory. */
+int lw_model_add_state(lw_model *m, const char *name, const char *unit, double scale);
+
+/* Names of the states of the lists "states", "motors", "cylinders", which expressions may use. */
+lw_status lw_model_name_states(const lw_json_node *root, lw_model *m, lw_error *e);
+
+/* Controllers and the ends of cylinders, which other expressions name; later, the equations of states. */
+lw_status lw_model_read_controllers(const lw_json_node *root, lw_model *m, lw_error *e);
+lw_status lw_model_read_cylinder_ends(const lw_json_node *root, lw_model *m, lw_error *e);
+lw_status lw_model_read_states(const lw_json_node *root, lw_model *m, lw_error *e);
+
+/* One of "motors" with a "resistance", or with a "torque"; or false: it has neither. */
+bool lw_model_is_driven_motor(const lw_json_node *object);
+lw_status lw_model_read_driven_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
 
 #endif

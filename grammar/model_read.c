@@ -14,10 +14,7 @@
 
 /* ---- numbers ----------------------------------------------------------------------------------- */
 
-/* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
-typedef struct number { const char *key; double unit, least, most, *out; bool *given; } number;
-
-static lw_status read_number(const lw_json_node *object, const number *want, lw_error *e)
+static lw_status read_number(const lw_json_node *object, const lw_number_key *want, lw_error *e)
 {
     bool given;
     lw_json_node n;
@@ -34,7 +31,7 @@ static lw_status read_number(const lw_json_node *object, const number *want, lw_
     return lw_json_fault(&n, e, "this must lie between %g and %g", want->least, want->most);
 }
 
-static lw_status read_numbers(const lw_json_node *object, const number *want, int n, lw_error *e)
+lw_status lw_model_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e)
 {
     lw_status s = LW_OK;
     for (int i = 0; s == LW_OK && i < n; i++)
@@ -42,15 +39,9 @@ static lw_status read_numbers(const lw_json_node *object, const number *want, in
     return s;
 }
 
-#define POSITIVE 1e-300, INFINITY
-#define ANY -INFINITY, INFINITY
-
 /* ---- expressions ------------------------------------------------------------------------------- */
 
-/* The variables that an expression may use. */
-typedef enum { OF_TIME, OF_STATE, OF_LENGTH, OF_DISPLACEMENT } scope;
-
-typedef struct look { const lw_assembly *k; scope scope; } look;
+typedef struct look { lw_model *m; lw_expression_scope scope; } look;
 
 #define WHY_SIZE 128      /* of grammar/expression.h */
 
@@ -96,19 +87,89 @@ static int look_up_state(const lw_assembly *assembly, const char *word, const ch
     return -1;
 }
 
+/* A state, or a spring or cylinder: state(name), length(name), rate(name). */
+static int look_up_named(const lw_model *m, const char *word, const char *name, char *why)
+{
+    bool state = strcmp(word, "state") == 0;
+    if (!state && strcmp(word, "length") != 0 && strcmp(word, "rate") != 0)
+        return -1;
+    if (!name) {
+        snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder", word);
+        return -1;
+    }
+    int at = -1;
+    if (state && m->n_state)
+        at = find_name(name, m->state->name, sizeof *m->state, m->n_state);
+    else if (!state && m->n_spring)
+        at = find_name(name, m->spring->name, sizeof *m->spring, m->n_spring);
+    if (at < 0)
+        snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"%s", state ? "state" : "spring or cylinder between two points", name,
+                 state ? "; a motor NAME has the state NAME.current, a cylinder NAME.p1, NAME.p2" : "");
+    return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
+                                                                                : LW_QUANTITY_SPRING_RATE, at);
+}
+
+/* output(name) of a controller, or the part before the point of a signal's name. */
+static const lw_expression *insert_signal(void *context, const char *word, const char *name)
+{
+    const look *l = context;
+    for (int i = 0; l->scope == LW_OF_STATE && name && i < l->m->n_signal; i++) {
+        const char *all = l->m->signal[i].name, *point = strrchr(all, '.');
+        if (point && strcmp(word, point + 1) == 0 && strncmp(name, all, (size_t)(point - all)) == 0
+            && name[point - all] == '\0')
+            return l->m->signal[i].value;
+    }
+    return NULL;
+}
+
+/* The state of integral(x) or lag(x, time). */
+static int integrate(void *context, lw_expression *x, double lag, double start)
+{
+    lw_model *m = ((const look *)context)->m;
+    char name[2*LW_NAME_SIZE];
+    int n = 1;
+    for (int i = 0; i < m->n_state; i++)
+        n += strncmp(m->state[i].name, lag > 0 ? "lag " : "integral ", lag > 0 ? 4 : 9) == 0;
+    snprintf(name, sizeof name, "%s %d", lag > 0 ? "lag" : "integral", n);
+    int i = lw_model_add_state(m, name, "1", 1);
+    if (i < 0) {
+        lw_expression_free(x);
+        return -1;
+    }
+    lw_state *z = &m->state[i];
+    z->start = isnan(start) ? 0 : start;
+    if (!(lag > 0)) {
+        z->rate = x;
+        return lw_variable(LW_QUANTITY_STATE, i);
+    }
+    if (isnan(start))
+        z->start_at = x;
+    const lw_generated word[] = { { "x", x, 0 }, { "z", NULL, lw_variable(LW_QUANTITY_STATE, i) } };
+    char text[64];
+    snprintf(text, sizeof text, "(x - z)/%.17g", lag);
+    lw_status s = lw_model_generate(text, word, COUNT(word), &z->rate, NULL);
+    if (!isnan(start))
+        lw_expression_free(x);
+    return s == LW_OK ? lw_variable(LW_QUANTITY_STATE, i) : -1;
+}
+
 static int look_up_variable(void *context, const char *word, const char *name, char *why)
 {
     const look *l = context;
     if (strcmp(word, "t") == 0 && !name)
         return lw_variable(LW_QUANTITY_T, 0);
-    if (l->scope == OF_STATE)
-        return look_up_state(l->k, word, name, why);
-    const char *first = l->scope == OF_LENGTH ? "length" : "displacement";
-    if (l->scope != OF_TIME && !name && strcmp(word, first) == 0)
+    if (l->scope == LW_OF_STATE) {
+        int at = look_up_named(l->m, word, name, why);
+        if (at < 0 && !why[0] && strcmp(word, "output") == 0)
+            snprintf(why, WHY_SIZE, "there is no controller \"%.40s\" before this one", name ? name : "");
+        return at >= 0 || why[0] ? at : look_up_state(&l->m->linkage, word, name, why);
+    }
+    const char *first = l->scope == LW_OF_LENGTH ? "length" : "displacement";
+    if (l->scope != LW_OF_TIME && !name && strcmp(word, first) == 0)
         return lw_variable(LW_QUANTITY_LENGTH, 0);
-    if (l->scope != OF_TIME && !name && strcmp(word, "rate") == 0)
+    if (l->scope != LW_OF_TIME && !name && strcmp(word, "rate") == 0)
         return lw_variable(LW_QUANTITY_RATE, 0);
-    if (l->scope == OF_TIME)
+    if (l->scope == LW_OF_TIME)
         snprintf(why, WHY_SIZE, "the motion of an input depends on t alone");
     else
         snprintf(why, WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
@@ -116,12 +177,13 @@ static int look_up_variable(void *context, const char *word, const char *name, c
 }
 
 /* Numbers are expressions too. */
-static lw_status read_expression(const lw_json_node *object, const char *key, const lw_assembly *assembly, scope sc,
-                                 lw_expression **out, lw_error *e)
+lw_status lw_model_read_expression(const lw_json_node *object, const char *key, lw_model *m, lw_expression_scope scope,
+                                   lw_expression **out, lw_error *e)
 {
     lw_json_node n;
     lw_error inner = { 0 };
-    look l = { assembly, sc };
+    look l = { m, scope };
+    lw_expression_words words = { &l, look_up_variable, insert_signal, scope == LW_OF_STATE ? integrate : NULL };
     char digits[LW_NUMBER_SIZE];
     double value;
     if (!lw_json_member(object, key, &n))
@@ -134,7 +196,7 @@ static lw_status read_expression(const lw_json_node *object, const char *key, co
     }
     if (!text)
         return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
-    lw_status s = lw_expression_parse(text, strlen(text), look_up_variable, &l, out, &inner);
+    lw_status s = lw_expression_parse_words(text, strlen(text), &words, out, &inner);
     if (s == LW_OK)
         return s;
     *out = NULL;
@@ -149,7 +211,7 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
 {
     lw_json_node n;
     lw_body *b = &m->body[i];
-    const number numbers[] = {
+    const lw_number_key numbers[] = {
         { "mass", 1, 0, INFINITY, &b->mass, &b->given },
         { "inertia", 1, 0, INFINITY, &b->inertia, NULL },
     };
@@ -158,7 +220,7 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
     bool centre = lw_json_member(link, "centre", &n);
     lw_status s = centre ? lw_read_pair(&n, m->linkage.units.metre, &b->centre, e) : LW_OK;
     if (s == LW_OK)
-        s = read_numbers(link, numbers, COUNT(numbers), e);
+        s = lw_model_read_numbers(link, numbers, COUNT(numbers), e);
     if (s == LW_OK && !b->given && (centre || lw_json_member(link, "inertia", &n)))
         s = lw_json_fault(link, e, "link \"%s\" has %s but no \"mass\"; write one [kg], 0 is allowed",
                           m->linkage.link_name[i], centre ? "a centre of mass" : "an inertia");
@@ -184,13 +246,13 @@ static lw_status read_bodies(const lw_json_node *root, lw_model *m, lw_error *e)
 
 static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_error *e)
 {
-    const number speed = { "speed", 1, ANY, &m->speed[i], &m->has_speed[i] };
+    const lw_number_key speed = { "speed", 1, LW_ANY, &m->speed[i], &m->has_speed[i] };
     lw_json_node n;
     lw_status s = read_number(input, &speed, e);
     if (s == LW_OK && m->has_speed[i] && lw_json_member(input, "motion", &n))
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it "
                              "starts before it runs freely; keep one");
-    return s == LW_OK ? read_expression(input, "motion", &m->linkage, OF_TIME, &m->motion[i], e) : s;
+    return s == LW_OK ? lw_model_read_expression(input, "motion", m, LW_OF_TIME, &m->motion[i], e) : s;
 }
 
 static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e)
@@ -231,10 +293,10 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
     static const char *const known[] = { "coefficient", "radius", "speed" };
     lw_friction *f = &m->friction[joint];
     bool radius = false;
-    const number numbers[] = {
+    const lw_number_key numbers[] = {
         { "coefficient", 1, 0, INFINITY, &f->coefficient, NULL },
-        { "radius", m->linkage.units.metre, POSITIVE, &f->radius, &radius },
-        { "speed", 1, POSITIVE, &f->speed, NULL },
+        { "radius", m->linkage.units.metre, LW_POSITIVE, &f->radius, &radius },
+        { "speed", 1, LW_POSITIVE, &f->speed, NULL },
     };
     lw_json_node at;
     f->speed = 0;
@@ -242,7 +304,7 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e)) == LW_OK &&
         (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
-        s = read_numbers(n, numbers, COUNT(numbers), e);
+        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && lw_joint_turns(m->linkage.joint[joint].kind) && !radius)
         s = lw_json_fault(n, e, "friction of a pin needs its \"radius\"");
     if (s == LW_OK && !lw_joint_turns(m->linkage.joint[joint].kind) && radius)
@@ -255,9 +317,9 @@ static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_err
     static const char *const known[] = { "least", "greatest", "restitution", "stiffness", "damping" };
     lw_joint_stop *p = &m->stop[joint];
     double unit = joint_unit(m, joint);
-    const number numbers[] = {
-        { "least", unit, ANY, &p->least, &p->has_least },
-        { "greatest", unit, ANY, &p->greatest, &p->has_greatest },
+    const lw_number_key numbers[] = {
+        { "least", unit, LW_ANY, &p->least, &p->has_least },
+        { "greatest", unit, LW_ANY, &p->greatest, &p->has_greatest },
         { "restitution", 1, 0, 1, &p->restitution, NULL },
         { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
@@ -265,7 +327,7 @@ static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_err
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = need_kind(n, m, joint, lw_joint_can_drive, drives, "stops", e)) == LW_OK)
-        s = read_numbers(n, numbers, COUNT(numbers), e);
+        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && !p->has_least && !p->has_greatest)
         s = lw_json_fault(n, e, "a stop needs \"least\", \"greatest\" or both");
     if (s == LW_OK && p->has_least && p->has_greatest && !(p->least < p->greatest))
@@ -296,15 +358,15 @@ static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, l
     lw_clearance *c = &m->clearance[joint];
     double metre = m->linkage.units.metre;
     bool stiff = false;
-    const number numbers[] = {
-        { "gap", metre, POSITIVE, &c->gap, NULL },
-        { "stiffness", 1, POSITIVE, &c->stiffness, &stiff },
+    const lw_number_key numbers[] = {
+        { "gap", metre, LW_POSITIVE, &c->gap, NULL },
+        { "stiffness", 1, LW_POSITIVE, &c->stiffness, &stiff },
         { "exponent", 1, 1, 10, &c->exponent, NULL },
         { "damping", 1, 0, INFINITY, &c->damping, NULL },
         { "depth", metre, 0, INFINITY, &c->depth, NULL },
         { "restitution", 1, 0, 1, &c->restitution, NULL },
         { "friction", 1, 0, INFINITY, &c->friction, NULL },
-        { "friction_speed", 1, POSITIVE, &c->friction_speed, NULL },
+        { "friction_speed", 1, LW_POSITIVE, &c->friction_speed, NULL },
     };
     lw_json_node at;
     *c = (lw_clearance){ .exponent = 1, .restitution = 1, .friction_speed = 0.001 };
@@ -312,7 +374,7 @@ static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, l
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = need_kind(n, m, joint, lw_joint_turns, pins, "a clearance", e)) == LW_OK &&
         (s = read_clearance_model(n, c, e)) == LW_OK && (s = lw_read_need(n, "gap", &at, e)) == LW_OK)
-        s = read_numbers(n, numbers, COUNT(numbers), e);
+        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && c->model >= LW_CLEARANCE_MLSD && !stiff)
         s = lw_read_need(n, "stiffness", &at, e);
     return s;
@@ -336,8 +398,7 @@ static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_err
 
 /* ---- loads ------------------------------------------------------------------------------------- */
 
-/* The name of a load, or "spring 2" when it has none. */
-static lw_status read_load_name(const lw_json_node *object, const char *what, size_t index,
+lw_status lw_model_read_name(const lw_json_node *object, const char *what, size_t index,
                                 char name[LW_NAME_SIZE], lw_error *e)
 {
     lw_json_node n;
@@ -347,8 +408,7 @@ static lw_status read_load_name(const lw_json_node *object, const char *what, si
     return LW_OK;
 }
 
-/* The joint of a load: a pin or a slider. */
-static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
+lw_status lw_model_read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
                                  lw_error *e)
 {
     lw_json_node n;
@@ -368,7 +428,7 @@ static lw_status law_alone(const lw_json_node *object, lw_error *e)
     return LW_OK;
 }
 
-static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
+lw_status lw_model_read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
 {
     lw_json_node links, at;
     lw_status s = lw_read_need(object, "links", &links, e);
@@ -392,21 +452,21 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
                                   lw_error *e)
 {
     lw_spring *p = &m->spring[m->n_spring];
-    const number numbers[] = {
+    const lw_number_key numbers[] = {
         { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
         { "free", m->linkage.units.metre, 0, INFINITY, &p->free, NULL },
     };
-    lw_status s = read_load_name(object, what, index, p->name, e);
+    lw_status s = lw_model_read_name(object, what, index, p->name, e);
     if (s == LW_OK)
-        s = read_ends(object, m, p, e);
+        s = lw_model_read_ends(object, m, p, e);
     if (s != LW_OK)
         return s;
     m->n_spring++;
     p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
-    s = read_numbers(object, numbers, COUNT(numbers), e);
+    s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK)
-        s = read_expression(object, "law", &m->linkage, OF_LENGTH, &p->law, e);
+        s = lw_model_read_expression(object, "law", m, LW_OF_LENGTH, &p->law, e);
     return s == LW_OK && p->law ? law_alone(object, e) : s;
 }
 
@@ -414,20 +474,20 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
                                    lw_error *e)
 {
     lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
-    lw_status s = read_load_name(object, what, index, p->name, e);
+    lw_status s = lw_model_read_name(object, what, index, p->name, e);
     if (s == LW_OK)
-        s = read_load_joint(object, what, m, &p->joint, e);
+        s = lw_model_read_load_joint(object, what, m, &p->joint, e);
     if (s != LW_OK)
         return s;
     m->n_joint_spring++;
-    const number numbers[] = {
+    const lw_number_key numbers[] = {
         { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
-        { "free", joint_unit(m, p->joint), ANY, &p->free, NULL },
+        { "free", joint_unit(m, p->joint), LW_ANY, &p->free, NULL },
     };
-    s = read_numbers(object, numbers, COUNT(numbers), e);
+    s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK)
-        s = read_expression(object, "law", &m->linkage, OF_DISPLACEMENT, &p->law, e);
+        s = lw_model_read_expression(object, "law", m, LW_OF_DISPLACEMENT, &p->law, e);
     return s == LW_OK && p->law ? law_alone(object, e) : s;
 }
 
@@ -462,15 +522,15 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     int frame = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = read_load_name(object, "force", index, f->name, e)) == LW_OK &&
+        (s = lw_model_read_name(object, "force", index, f->name, e)) == LW_OK &&
         (s = lw_read_need(object, "link", &n, e)) == LW_OK)
         s = lw_read_link(&n, &m->linkage, &f->link, e);
     if (s == LW_OK && lw_json_member(object, "frame", &n))
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
-    if (s == LW_OK && (s = read_expression(object, "fx", &m->linkage, OF_STATE, &f->fx, e)) == LW_OK &&
-        (s = read_expression(object, "fy", &m->linkage, OF_STATE, &f->fy, e)) == LW_OK)
-        s = read_expression(object, "torque", &m->linkage, OF_STATE, &f->torque, e);
+    if (s == LW_OK && (s = lw_model_read_expression(object, "fx", m, LW_OF_STATE, &f->fx, e)) == LW_OK &&
+        (s = lw_model_read_expression(object, "fy", m, LW_OF_STATE, &f->fy, e)) == LW_OK)
+        s = lw_model_read_expression(object, "torque", m, LW_OF_STATE, &f->torque, e);
     if (s != LW_OK)
         return s;
     if (!f->fx && !f->fy && !f->torque)
@@ -482,19 +542,21 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
 
 static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
 {
+    if (lw_model_is_driven_motor(object))
+        return lw_model_read_driven_motor(object, index, m, e);
     static const char *const known[] = { "name", "joint", "stall", "free_speed" };
     lw_motor *p = &m->motor[m->n_motor++];
     lw_json_node n;
-    const number numbers[] = {
-        { "stall", 1, ANY, &p->stall, NULL }, { "free_speed", 1, ANY, &p->free_speed, NULL },
+    const lw_number_key numbers[] = {
+        { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL },
     };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = read_load_name(object, "motor", index, p->name, e)) == LW_OK &&
-        (s = read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
+        (s = lw_model_read_name(object, "motor", index, p->name, e)) == LW_OK &&
+        (s = lw_model_read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
         (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
         (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
-        s = read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK && !(p->stall*p->free_speed > 0))
         s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its turn, "
                           "and are not 0");
@@ -529,12 +591,13 @@ static size_t count_list(const lw_json_node *root, const char *key)
 
 static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *e)
 {
-    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
-    m->spring = calloc(springs, sizeof *m->spring);
-    m->joint_spring = calloc(springs, sizeof *m->joint_spring);
+    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1, motors = count_list(root, "motors") + 1;
+    m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
+    m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
+    m->rotor = calloc(motors, sizeof *m->rotor);
     m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
-    m->motor = calloc(count_list(root, "motors") + 1, sizeof *m->motor);
-    return m->spring && m->joint_spring && m->force && m->motor ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    m->motor = calloc(motors, sizeof *m->motor);
+    return m->spring && m->joint_spring && m->force && m->motor && m->rotor ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e)
@@ -565,8 +628,18 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
         s = read_motions(root, m, e);
     if (s == LW_OK)
         s = read_joint_extras(root, m, e);
-    for (int kind = SPRINGS; s == LW_OK && kind <= MOTORS; kind++)
+    if (s == LW_OK)
+        s = lw_model_name_states(root, m, e);
+    for (int kind = SPRINGS; s == LW_OK && kind <= DAMPERS; kind++)
         s = read_loads(root, (load)kind, m, e);
+    if (s == LW_OK)
+        s = lw_model_read_cylinder_ends(root, m, e);
+    if (s == LW_OK)
+        s = lw_model_read_controllers(root, m, e);
+    for (int kind = FORCES; s == LW_OK && kind <= MOTORS; kind++)
+        s = read_loads(root, (load)kind, m, e);
+    if (s == LW_OK)
+        s = lw_model_read_states(root, m, e);
     lw_json_close(&json);
     if (s != LW_OK)
         lw_model_free(m);

@@ -66,6 +66,7 @@ lw_dynamics_options lw_dynamics_options_default(void);
 typedef struct lw_moment {
     double t;
     const double *q, *v, *a;     /* (n_q) */
+    const double *z;             /* (n_state of the model) first-order states */
     const double *l;             /* (n_c) multipliers; in a singular posture NaN where they have no limit */
     double kinetic, potential;   /* [J] */
     double work;                 /* done since the start by forces without potential [J] */
@@ -128,6 +129,9 @@ void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, do
 
 /* Posture and velocities of the start (n_q), on the constraints. */
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v);
+
+/* Values of the first-order states at the start (n_state of the model). */
+const double *lw_dynamics_start_states(const lw_dynamics *d);
 
 /* Does input i start at rest because neither its speed nor its motion is given? */
 bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i);

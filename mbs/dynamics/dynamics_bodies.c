@@ -43,6 +43,7 @@ typedef struct stepper {
     lw_integrator explicit_one;
     lw_cvode      implicit_one;
     double       *work;
+    double       *each;                      /* absolute tolerances, NULL: all the same */
 } stepper;
 
 static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
@@ -52,6 +53,11 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     each.relative = o->relative;
     each.absolute = o->absolute;
     each.max_step = lw_run_steps_left(run);
+    lw_status s = LW_OK;
+    w->each = w->each ? w->each : lw_run_tolerances(run, &s);
+    each.absolute_each = w->each;
+    if (s != LW_OK)
+        return s;
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
                        .project = w->implicit ? lw_run_project : project_and_hold_energy,
                        .n_event = run->d->n_stop, .event = lw_run_stop_events };
@@ -255,12 +261,15 @@ static lw_status run_bodies(lw_run *run, bool implicit)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = y + run->n;
     lw_dynamics_start(d, y, y + d->n_q);
+    memcpy(y + lw_run_states(run), d->start_z, (size_t)d->eq.n_z*sizeof *y);
+    d->eq.place_states(d->eq.context, d->start_z);
     lw_status s = lw_run_strike(run, d->o.from, y, &changed);
     if (s == LW_OK)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
         s = run_steps(run, &w, d->o.from, y);
     end_steps(&w, run->r);
+    free(w.each);
     free(y);
     return s;
 }
@@ -280,6 +289,7 @@ lw_status lw_run_go_on(lw_run *run, const double *from)
     if (s == LW_OK)
         s = run_steps(run, &w, run->r->t, y);
     end_steps(&w, run->r);
+    free(w.each);
     run->y = old;
     free(y);
     return s;

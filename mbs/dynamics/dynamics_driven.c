@@ -346,6 +346,8 @@ static lw_status run_driven(lw_run *run)
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     char why[200];
+    if (d->eq.n_z)
+        return lw_formulation_say(r, LW_E_KIND, 0, "first-order states need the motion in time");
     if (d->freedom == 0)
         return lw_formulation_say(r, LW_OK, d->n_q, "every freedom is driven: kinematics, then forces");
     snprintf(why, sizeof why, "%d more freedom%s would have to be driven for this analysis: give every input a "

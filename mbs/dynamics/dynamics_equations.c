@@ -295,6 +295,16 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     return s == LW_OK && d->n_friction ? add_friction(d, t, q, v, a, l, power) : s;
 }
 
+lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate)
+{
+    d->eq.state_rates(d->eq.context, t, q, v, rate);
+    for (int i = 0; i < d->eq.n_z; i++)
+        if (!isfinite(rate[i]))
+            return lw_error_set(d->e, LW_E_NUMERIC, "the rate of state \"%s\" is not a number at t = %.9g s",
+                                d->model->state[i].name, t);
+    return LW_OK;
+}
+
 lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                             double *power)
 {
@@ -584,7 +594,7 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
 {
     lw_status s = lw_mbs_rows(d, t, q);
-    *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .work = work };
+    *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .z = d->f.z, .work = work };
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, t);
     for (int r = 0; s == LW_OK && r < d->n_c; r++) {
@@ -623,7 +633,23 @@ static double mobility(lw_dynamics *d, const lw_measure *m)
     return lw_mbs_impulse(d, g, change);
 }
 
-/* The fastest decay that dampers cause at the start [1/s]. */
+/* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
+typedef struct own_decay { int n_q; double most; } own_decay;
+
+static void no_force(void *context, int row, int column, double by_q, double by_v)
+{
+    (void)context, (void)row, (void)column, (void)by_q, (void)by_v;
+}
+
+static void see_state(void *context, int row, int column, double by_q, double by_v)
+{
+    own_decay *o = context;
+    (void)by_v;
+    if (row == column && row >= o->n_q)
+        o->most = fmax(o->most, -by_q);
+}
+
+/* The fastest decay that dampers and states cause at the start [1/s]. */
 static double fastest_decay(lw_dynamics *d)
 {
     const lw_model *model = d->model;
@@ -645,7 +671,10 @@ static double fastest_decay(lw_dynamics *d)
         lw_measure_joint(&d->s, model->motor[i].joint, d->start_q, d->start_v, false, &m);
         most = fmax(most, model->motor[i].stall/model->motor[i].free_speed*mobility(d, &m));
     }
-    return most;
+    own_decay own = { d->n_q, most };
+    if (d->eq.n_z)
+        d->eq.derivatives(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, &(lw_force_sink){ &own, no_force, see_state });
+    return own.most;
 }
 
 bool lw_mbs_is_stiff(lw_dynamics *d)

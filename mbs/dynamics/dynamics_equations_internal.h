@@ -63,7 +63,7 @@ struct lw_dynamics {
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *a, *l, *l_each, *hold;
     double *response;                         /* n_friction x (n_q + n_c): a and l that friction of 1 N causes */
-    double *start_q, *start_v;
+    double *start_q, *start_v, *start_z;
     double *speed_rows;                       /* (n_c + inputs) x n_q: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */
     double  moved, moved_rate;                /* change of the start by putting it on the constraints */
@@ -106,6 +106,9 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
 /* The same where the rows are factored already. */
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power);
+
+/* Rates of the first-order states at the z placed last.  LW_E_NUMERIC: one is not a number; it is named. */
+lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate);
 
 /* Follow the motions of all driven inputs, which leave no freedom, from the posture of the file to where they begin at
  * d->o.from and on.  s becomes the system with these inputs only; it must outlive the motion, and needs

@@ -3,7 +3,7 @@
  *     q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (prescribed rates)
  *
  * W = 1/M keeps both equations in one metric; J has the kept rows.  Friction uses the multipliers of the state.  y =
- * (q, v, l, m, work). */
+ * (q, v, l, m, work, z). */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -69,6 +69,8 @@ static lw_status residual(void *context, double t, const double *y, const double
     const double *q = y, *v = y + n, *l = y + 2*n, *m = l + c;
     double power = 0;
     lw_status s = lw_run_busy(g->run, t);
+    int work = 2*n + 2*c, z = work + g->run->has_work;
+    d->eq.place_states(d->eq.context, y + z);
     if (s == LW_OK)
         s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
@@ -95,14 +97,18 @@ static lw_status residual(void *context, double t, const double *y, const double
             power -= l[k]*d->rhs[row];
     }
     if (g->run->has_work)
-        r[2*n + 2*c] = dy[2*n + 2*c] - power;
-    return LW_OK;
+        r[work] = dy[work] - power;
+    if (d->eq.n_z)
+        s = lw_mbs_state_rates(d, t, q, v, r + z);
+    for (int i = 0; i < d->eq.n_z; i++)
+        r[z + i] = dy[z + i] - r[z + i];
+    return s;
 }
 
 /* ---- derivatives of the residual ----------------------------------------------------------------- */
 
 /* Number of unknowns. */
-static int unknowns(const ggl *g) { return 2*g->q + 2*g->c + g->run->has_work; }
+static int unknowns(const ggl *g) { return 2*g->q + 2*g->c + g->run->has_work + g->run->d->eq.n_z; }
 
 /* Add x to entry (row, column) of the pattern; before there is one, list the entry. */
 static void put(ggl *g, double *jac, int row, int column, double x)
@@ -130,6 +136,16 @@ static void put_force(void *context, int row, int column, double by_q, double by
     ggl *g = context;
     put(g, g->value, g->q + row, column, -by_q);
     put(g, g->value, g->q + row, g->q + column, -by_v);
+}
+
+/* Derivatives of and by states: rows and columns as in lw_force_sink. */
+static void put_state(void *context, int row, int column, double by_q, double by_v)
+{
+    ggl *g = context;
+    int z = 2*g->q + 2*g->c + g->run->has_work - g->q;
+    put(g, g->value, row < g->q ? g->q + row : z + row, column < g->q ? column : z + column, -by_q);
+    if (column < g->q)
+        put(g, g->value, row < g->q ? g->q + row : z + row, g->q + column, -by_v);
 }
 
 /* Add the part of kept row k and its multipliers. */
@@ -163,13 +179,14 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
 {
     ggl *g = context;
     lw_dynamics *d = g->run->d;
-    int n = g->q, last = unknowns(g) - 1;
+    int n = g->q, work = 2*g->q + 2*g->c, last = unknowns(g) - 1;
     (void)dy;
+    d->eq.place_states(d->eq.context, y + work + g->run->has_work);
     lw_status s = lw_mbs_rows(d, t, y);
     if (s != LW_OK)
         return s;
     g->value = jac;
-    d->eq.derivatives(d->eq.context, t, y, y + n, d->force, &(lw_force_sink){ g, put_force });
+    d->eq.derivatives(d->eq.context, t, y, y + n, d->force, &(lw_force_sink){ g, put_force, put_state });
     for (int i = 0; i < n; i++) {
         put(g, jac, i, i, c);
         put(g, jac, i, n + i, -1);
@@ -177,8 +194,8 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
     }
     for (int k = 0; k < g->c; k++)
         add_row_derivatives(g, k, y, jac);
-    if (g->run->has_work)
-        put(g, jac, last, last, c);
+    for (int i = work; i <= last; i++)                    /* work and states */
+        put(g, jac, i, i, c);
     return LW_OK;
 }
 
@@ -188,7 +205,7 @@ static lw_status find_pattern(ggl *g)
     lw_dynamics *d = g->run->d;
     int n = g->q, last = unknowns(g) - 1;
     g->columns.n = last + 1;
-    d->eq.pattern(d->eq.context, &(lw_force_sink){ g, put_force });
+    d->eq.pattern(d->eq.context, &(lw_force_sink){ g, put_force, put_state });
     for (int i = 0; i < n; i++) {
         put(g, NULL, i, i, 1);
         put(g, NULL, i, n + i, 1);
@@ -212,8 +229,8 @@ static lw_status find_pattern(ggl *g)
             }
         }
     }
-    if (g->run->has_work)
-        put(g, NULL, last, last, 1);
+    for (int i = 2*n + 2*g->c; i <= last; i++)
+        put(g, NULL, i, i, 1);
     bool ok = !g->failed && lw_columns_make(&g->columns, last + 1, g->pair, g->n_pair);
     free(g->pair);
     g->pair = NULL;
@@ -231,12 +248,11 @@ static bool has_derivatives(const lw_dynamics *d)
     return !gear && !d->n_friction && !d->f.caller.apply && (d->large ? !slide : d->n_c == d->n_row);
 }
 
-/* The state as other formulations have it: q, v, work. */
+/* The state as other formulations have it: q, v, work, z. */
 static void unpack(const ggl *g, const double *y, double *out)
 {
     memcpy(out, y, 2*(size_t)g->q*sizeof *out);
-    if (g->run->has_work)
-        out[2*g->q] = y[2*(g->q + g->c)];
+    memcpy(out + 2*g->q, y + 2*(g->q + g->c), (size_t)(g->run->has_work + g->run->d->eq.n_z)*sizeof *out);
 }
 
 /* The state at t, within the last step of IDA. */
@@ -250,7 +266,7 @@ static lw_status state_at(void *context, double t, double *state)
     return lw_run_project(g->run, t, state);
 }
 
-/* y and dy for the state (q, v, work), which satisfies the constraints. */
+/* y and dy for the state (q, v, work, z), which satisfies the constraints. */
 static lw_status pack(const ggl *g, double t, const double *state, double *y, double *dy)
 {
     lw_dynamics *d = g->run->d;
@@ -260,7 +276,12 @@ static lw_status pack(const ggl *g, double t, const double *state, double *y, do
     memcpy(dy, state + n, (size_t)n*sizeof *dy);
     memset(y + 2*n, 0, 2*(size_t)c*sizeof *y);
     memset(dy + 2*n, 0, 2*(size_t)c*sizeof *dy);
+    int z = 2*(n + c) + g->run->has_work;
+    memcpy(y + z, state + lw_run_states(g->run), (size_t)d->eq.n_z*sizeof *y);
+    d->eq.place_states(d->eq.context, y + z);
     lw_status s = lw_mbs_accelerate(d, t, state, state + n, dy + n, d->l, &power);
+    if (s == LW_OK && d->eq.n_z)
+        s = lw_mbs_state_rates(d, t, state, state + n, dy + z);
     for (int k = 0; k < c; k++)
         y[2*n + k] = d->l[d->kept[k]];
     for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
@@ -344,6 +365,7 @@ static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
     lw_dynamics_start(d, run->state, run->state + g->q);
+    memcpy(run->state + lw_run_states(run), d->start_z, (size_t)d->eq.n_z*sizeof *y);
     lw_status s = pack(g, d->o.from, run->state, y, dy);
     if (s == LW_OK)
         s = lw_run_begin(run, run->state);
@@ -352,6 +374,8 @@ static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *
     o.absolute_each = g->each;
     for (int i = 0; i < dae->n; i++)
         g->each[i] = dae->algebraic[i] ? unjudged : d->o.absolute;
+    for (int i = 0; i < d->eq.n_z; i++)
+        g->each[dae->n - d->eq.n_z + i] *= d->eq.state_scale(d->eq.context, i);
     o.max_step = lw_run_steps_left(run);
     o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular */
     return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
@@ -363,7 +387,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     lw_dynamics *d = run->d;
     unsigned char *algebraic = g->algebraic;
     memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
-    lw_dae dae = { .n = 2*g->q + 2*g->c + run->has_work, .context = g, .residual = residual,
+    lw_dae dae = { .n = unknowns(g), .context = g, .residual = residual,
                    .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL };
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = begin(g, w, &dae, y, dy);
@@ -407,7 +431,7 @@ static lw_status run_ggl(lw_run *run)
     lw_ida w = { 0 };
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
-    size_t n = 2*(size_t)(g.q + g.c) + 1;
+    size_t n = 2*(size_t)(g.q + g.c) + 1 + (size_t)d->eq.n_z;
     double *y = calloc(3*n + 2*(size_t)run->n, sizeof *y);
     g.algebraic = calloc(n, 1);
     lw_status s = y && g.algebraic ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");

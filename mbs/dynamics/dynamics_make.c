@@ -18,6 +18,7 @@ void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
     memcpy(v, d->start_v, (size_t)d->n_q*sizeof *v);
 }
+const double *lw_dynamics_start_states(const lw_dynamics *d) { return d->start_z; }
 
 /* ---- memory ------------------------------------------------------------------------------------ */
 
@@ -47,7 +48,7 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
         { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, q },
         { &d->rank_work, dense*lw_rank_doubles((int)q, (int)speeds) }, { &d->null, dense*q*q }, { &d->mass_null, dense*q*q },
         { &d->small, c + q }, { &d->force, q }, { &d->bias, q }, { &d->q_try, q }, { &d->v_try, q }, { &d->a, q },
-        { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q }, { &d->along_null, q },
+        { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q }, { &d->start_z, (size_t)d->model->n_state }, { &d->along_null, q },
         { &d->speed_rows, dense*speeds*q }, { &d->response, (size_t)d->n_friction*(q + c) },
     };
     const int_piece ints[] = { { &d->kept, c }, { &d->place, c },
@@ -453,6 +454,11 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     if (s == LW_OK)
         s = d->large ? rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
                      : rank_nearby(d, d->o.from, d->start_q, d->start_v);
+    if (s == LW_OK)
+        d->eq.state_start(d->eq.context, d->o.from, d->start_q, d->start_v, d->start_z);
+    for (int i = 0; s == LW_OK && i < d->eq.n_z; i++)
+        if (!isfinite(d->start_z[i]))
+            s = lw_error_set(e, LW_E_NUMERIC, "the start of state \"%s\" is not a number", m->state[i].name);
     if (s == LW_OK)
         s = lw_mbs_arrange(d, d->o.from, d->start_q);
     return s;

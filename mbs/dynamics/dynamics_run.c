@@ -133,6 +133,7 @@ lw_status lw_run_show(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
     lw_moment m;
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[2*d->n_q] : 0, &m);
     if (s == LW_OPEN) {
         for (int i = 0; i < d->n_q; i++)
@@ -147,6 +148,7 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
     lw_moment m;
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[2*d->n_q] : 0, &m);
     return s == LW_OK ? hand_out(run, &m) : s;
 }
@@ -197,6 +199,16 @@ lw_status lw_run_busy(lw_run *run, double t)
     return lw_limits_check(o->stop, o->until, look_at_clock, t, run->e);
 }
 
+double *lw_run_tolerances(const lw_run *run, lw_status *s)
+{
+    const lw_dynamics *d = run->d;
+    double *each = d->eq.n_z ? malloc((size_t)run->n*sizeof *each) : NULL;
+    *s = each || !d->eq.n_z ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; each && i < run->n; i++)
+        each[i] = d->o.absolute*(i < lw_run_states(run) ? 1 : d->eq.state_scale(d->eq.context, i - lw_run_states(run)));
+    return each;
+}
+
 long lw_run_steps_left(const lw_run *run)
 {
     long all = run->d->o.max_step, done = run->r->steps + run->r->refused;
@@ -212,6 +224,7 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     int n = d->n_q;
     double power = 0;
     lw_status s = lw_run_busy(run, t);
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
     if (s == LW_OK)
         s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
     if (s != LW_OK)
@@ -224,7 +237,7 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     }
     if (run->has_work)
         dy[2*n] = power;
-    return LW_OK;
+    return d->eq.n_z ? lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run)) : LW_OK;
 }
 
 lw_status lw_run_project(void *context, double t, double *y)

@@ -4,7 +4,8 @@
 
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
-/* The state y of a run: q (n_q), v (n_q) and, where some is done, the work of what the potential does not hold. */
+/* The state y of a run: q (n_q), v (n_q), where some is done the work of what the potential does not hold, and the
+ * first-order states z (n_z). */
 typedef struct lw_run {
     lw_dynamics    *d;
     lw_moment_sink *sink;
@@ -53,6 +54,10 @@ double lw_run_energy(const lw_run *run, const double *y);
  * every right-hand side, because one step may be tried for long. */
 lw_status lw_run_limits(lw_run *run, double t, long steps);
 lw_status lw_run_busy(lw_run *run, double t);
+
+/* First-order states in y; absolute tolerances of y (n), NULL where all are one (or out of memory, *s), to be freed. */
+static inline int lw_run_states(const lw_run *run) { return 2*run->d->n_q + run->has_work; }
+double *lw_run_tolerances(const lw_run *run, lw_status *s);
 
 /* Steps left of those allowed; 0: no limit. */
 long lw_run_steps_left(const lw_run *run);

@@ -633,7 +633,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
 {
     const lw_dynamics *d = run->d;
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0, place = *t;
-    bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
+    bool one = d->freedom == 1 && !d->n_driven && !d->n_friction && !d->eq.n_z;
     double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
     run->pivot = w;
     run->pivot_t = *t;

@@ -1,12 +1,12 @@
 /* mbs/dynamics/equations.h - the equations of motion of a scene as its solvers see them.
  *
- *     q' = G(q) v,   M v' = Q(t, q, v) - J^T l,   Phi(q) = 0,   J = dPhi/dq G
+ *     q' = G(q) v,   M v' = Q(t, q, v, z) - J^T l,   z' = f(t, q, v, z),   Phi(q) = 0,   J = dPhi/dq G
  *
  * The solvers know rows, blocks and numbers, and nothing of the plane: velocities come in blocks of one body each, a row
  * touches at most LW_SYSTEM_ROW_BODIES bodies, which never change, and a step moves q along v.  In the plane a body has
  * three coordinates and as many velocities, G is the unit matrix, and M is constant and diagonal (equations_planar.c).
  *
- * place comes first; what has no q of its own holds at the q placed last. */
+ * place comes first; what has no q of its own holds at the q placed last, what has no z at the z placed last. */
 #ifndef LW_MBS_DYNAMICS_EQUATIONS_H
 #define LW_MBS_DYNAMICS_EQUATIONS_H
 
@@ -21,6 +21,7 @@ typedef struct lw_equations {
     int   n_q, n_v;              /* coordinates; velocities                                             */
     int   n_body;                /* those of body b are v[LW_BODY_WIDTH*b] ..                            */
     int   n_row;                 /* rows of the joints                                                  */
+    int   n_z;                   /* first-order states: currents, pressures, integrals                  */
     const double *mass;          /* (n_v) diagonal of M                                                 */
     void *context;
     /* The bodies of a row, and of the measure of a joint (rotation or displacement): each once, -1 after the last. */
@@ -43,6 +44,11 @@ typedef struct lw_equations {
     void   (*derivatives)(void *context, double t, const double *q, const double *v, double *force,
                           const lw_force_sink *sink);
     void   (*pattern)(void *context, const lw_force_sink *sink);
+    /* Take z (n_z); its rates; its values at the start; the size of state i against which its error counts. */
+    void   (*place_states)(void *context, const double *z);
+    void   (*state_rates)(void *context, double t, const double *q, const double *v, double *rate);
+    void   (*state_start)(void *context, double t, const double *q, const double *v, double *z);
+    double (*state_scale)(void *context, int i);
     double (*kinetic)(void *context, const double *v);
     double (*potential)(void *context, const double *q);
     /* Move q by a small displacement (n_v), on the manifold of coordinates; q' = G v. */

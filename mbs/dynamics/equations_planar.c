@@ -145,6 +145,26 @@ static void derivatives(void *context, double t, const double *q, const double *
 }
 
 static void pattern(void *context, const lw_force_sink *sink) { lw_forces_pattern(((const lw_planar *)context)->f, sink); }
+
+static void place_states(void *context, const double *z)
+{
+    const lw_forces *f = ((const lw_planar *)context)->f;
+    for (int i = 0; i < f->model->n_state; i++)
+        f->z[i] = z[i];
+}
+
+static void state_rates(void *context, double t, const double *q, const double *v, double *rate)
+{
+    lw_forces_state_rates(((const lw_planar *)context)->f, t, q, v, rate);
+}
+
+static void state_start(void *context, double t, const double *q, const double *v, double *z)
+{
+    lw_forces_state_start(((const lw_planar *)context)->f, t, q, v, z);
+}
+
+static double state_scale(void *context, int i) { return ((const lw_planar *)context)->f->model->state[i].scale; }
+
 static double kinetic(void *context, const double *v) { return lw_forces_kinetic(((const lw_planar *)context)->f, v); }
 static double potential(void *context, const double *q) { return lw_forces_potential(((const lw_planar *)context)->f, q); }
 
@@ -166,6 +186,8 @@ static void rates(void *context, const double *q, const double *v, double *dq)
 lw_equations lw_planar_equations(lw_planar *p)
 {
     return (lw_equations){ .n_q = p->s->n_q, .n_v = p->s->n_q, .n_body = p->s->n_body, .n_row = p->s->n_row,
+                           .n_z = p->f->model->n_state, .place_states = place_states, .state_rates = state_rates,
+                           .state_start = state_start, .state_scale = state_scale,
                            .mass = p->f->mass, .context = p, .row_bodies = row_bodies, .measure_bodies = measure_bodies,
                            .place = place, .rows = rows, .measure = measure, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .forces = forces, .derivatives = derivatives, .pattern = pattern,

@@ -73,12 +73,25 @@ static void make_stops(lw_forces *f)
     }
 }
 
+/* Does a law depend on its own measure and t alone? */
+static bool is_own_law(const lw_expression *law)
+{
+    const int *which;
+    int n = lw_expression_variables(law, &which);
+    for (int i = 0; i < n; i++) {
+        lw_quantity what = lw_variable_quantity(which[i]);
+        if (what != LW_QUANTITY_LENGTH && what != LW_QUANTITY_RATE && what != LW_QUANTITY_T)
+            return false;
+    }
+    return true;
+}
+
 lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f, lw_error *e)
 {
     size_t n = (size_t)s->n_q, springs = (size_t)m->n_spring, forces = (size_t)m->n_force;
     *f = (lw_forces){ .model = m, .system = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
     size_t calls = caller && caller->apply ? 1 : 0, links = calls*(size_t)m->linkage.n_link;
-    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1, sizeof *f->memory);
+    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1 + (size_t)m->n_state, sizeof *f->memory);
     f->stop_joint = calloc((size_t)s->n_joint + 1, sizeof *f->stop_joint);
     f->caller_link = calloc(links + 1, sizeof *f->caller_link);
     f->caller_load = calloc(links + 1, sizeof *f->caller_load);
@@ -91,6 +104,7 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
     f->spring_arm = (lw_vec2 (*)[2])(void *)(f->weight + n);
     f->force_arm = (lw_vec2 *)(void *)(f->weight + n + 4*springs);
     f->caller_x = f->weight + n + 4*springs + 2*forces;
+    f->z = f->caller_x + 3*calls*n;
     for (int b = 0; b < s->n_body; b++) {
         const lw_body *body = &m->body[s->link[b]];
         f->mass[3*b] = f->mass[3*b + 1] = body->mass*s->unit*s->unit;
@@ -98,13 +112,25 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
         f->weight[3*b] = body->mass*m->gravity.x*s->unit;
         f->weight[3*b + 1] = body->mass*m->gravity.y*s->unit;
     }
+    for (int i = 0; i < m->n_rotor; i++) {
+        int b = s->body[m->rotor[i].link];
+        if (lw_joint_turns(m->linkage.joint[m->rotor[i].joint].kind))
+            f->mass[3*b + 2] += m->rotor[i].inertia;
+        else
+            for (int axis = 0; axis < 2; axis++)
+                f->mass[3*b + axis] += m->rotor[i].inertia*s->unit*s->unit;
+    }
+    f->coupled = m->n_state > 0;
     for (int i = 0; i < m->n_spring; i++) {
+        f->coupled = f->coupled || (m->spring[i].law && !is_own_law(m->spring[i].law));
         for (int end = 0; end < 2; end++)
             f->spring_arm[i][end] = lw_system_arm(s, s->body[m->spring[i].link[end]], m->spring[i].at[end]);
         f->conservative = f->conservative && !m->spring[i].law && m->spring[i].damping == 0;
     }
-    for (int i = 0; i < m->n_joint_spring; i++)
+    for (int i = 0; i < m->n_joint_spring; i++) {
+        f->coupled = f->coupled || (m->joint_spring[i].law && !is_own_law(m->joint_spring[i].law));
         f->conservative = f->conservative && !m->joint_spring[i].law && m->joint_spring[i].damping == 0;
+    }
     for (int i = 0; i < m->n_force; i++)
         f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], m->force[i].at);
     make_stops(f);
@@ -142,7 +168,7 @@ lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t
 /* The sums that loads add to. */
 typedef struct sum { int n; double *force, *dq, *dv, power; const lw_force_sink *sink; bool second; } sum;
 
-static inline void put(sum *to, int row, int column, double by_q, double by_v)
+static inline void put(const sum *to, int row, int column, double by_q, double by_v)
 {
     if (to->sink) {
         to->sink->add(to->sink->context, row, column, by_q, by_v);
@@ -189,6 +215,112 @@ static double law_at(const lw_expression *law, const lw_measure *m, double t, do
     return pull;
 }
 
+/* ---- expressions --------------------------------------------------------------------------------- */
+
+/* The measure of a variable of an expression, `own` for that of the law; *rate: the variable is the rate of it. */
+static void measure_of(const lw_forces *f, int variable, const lw_measure *own, const double *q, const double *v,
+                       bool second, lw_measure *m, bool *rate)
+{
+    const lw_system *s = f->system;
+    lw_quantity what = lw_variable_quantity(variable);
+    int i = lw_variable_index(variable);
+    *rate = what == LW_QUANTITY_V || what == LW_QUANTITY_VX || what == LW_QUANTITY_VY || what == LW_QUANTITY_OMEGA ||
+            what == LW_QUANTITY_RATE || what == LW_QUANTITY_SPRING_RATE;
+    switch (what) {
+    case LW_QUANTITY_Q: case LW_QUANTITY_V:
+        lw_measure_joint(s, i, q, v, second, m);
+        break;
+    case LW_QUANTITY_ANGLE: case LW_QUANTITY_OMEGA:
+        lw_measure_point(s, s->body[i], lw_v2(0, 0), 2, q, v, second, m);
+        break;
+    case LW_QUANTITY_LENGTH: case LW_QUANTITY_RATE:
+        *m = *own;
+        break;
+    case LW_QUANTITY_SPRING_LENGTH: case LW_QUANTITY_SPRING_RATE: {
+        const lw_spring *p = &f->model->spring[i];
+        lw_measure_length(s, (int[]){ s->body[p->link[0]], s->body[p->link[1]] }, f->spring_arm[i], q, v, second, m);
+        break;
+    }
+    default:
+        lw_measure_point(s, s->tracer_body[i], s->tracer_arm[i],
+                         what == LW_QUANTITY_Y || what == LW_QUANTITY_VY, q, v, second, m);
+    }
+}
+
+/* What the value of an expression acts on: rows `at` (-1: none) of the forces grow by it times sense, or the rate of a
+ * state by it. */
+typedef struct rows_of { int n, at[6]; double sense[6]; bool state; } rows_of;
+
+static void put_column(const sum *to, const rows_of *rows, int column, double by_q, double by_v)
+{
+    for (int r = 0; r < rows->n; r++) {
+        if (rows->at[r] < 0)
+            continue;
+        if (!rows->state && column < to->n)
+            put(to, rows->at[r], column, rows->sense[r]*by_q, rows->sense[r]*by_v);
+        else if (to->sink && to->sink->add_state)
+            to->sink->add_state(to->sink->context, rows->at[r], column, rows->sense[r]*by_q, rows->sense[r]*by_v);
+    }
+}
+
+/* Value of an expression, and its derivatives in the rows it acts on. */
+static double evaluate(const lw_forces *f, const lw_expression *x, const lw_measure *own, double t, const double *q,
+                       const double *v, const rows_of *rows, const sum *to)
+{
+    const int *which;
+    double value[LW_EXPRESSION_VARIABLE_MAX], d[LW_EXPRESSION_VARIABLE_MAX];
+    lw_measure m[LW_EXPRESSION_VARIABLE_MAX];
+    bool rate[LW_EXPRESSION_VARIABLE_MAX];
+    int n = lw_expression_variables(x, &which);
+    for (int i = 0; i < n; i++) {
+        lw_quantity what = lw_variable_quantity(which[i]);
+        value[i] = what == LW_QUANTITY_STATE ? f->z[lw_variable_index(which[i])] : t;
+        if (what == LW_QUANTITY_STATE || what == LW_QUANTITY_T)
+            continue;
+        measure_of(f, which[i], own, q, v, to->second, &m[i], &rate[i]);
+        value[i] = rate[i] ? m[i].rate : m[i].value;
+    }
+    if (!to->second)
+        return lw_expression_value(x, value);
+    double result = lw_expression_gradient(x, value, d);
+    for (int i = 0; i < n; i++) {
+        lw_quantity what = lw_variable_quantity(which[i]);
+        if (what == LW_QUANTITY_STATE)
+            put_column(to, rows, to->n + lw_variable_index(which[i]), d[i], 0);
+        if (what == LW_QUANTITY_STATE || what == LW_QUANTITY_T)
+            continue;
+        for (int j = 0; j < 6; j++) {
+            if (m[i].body[j/3] < 0)
+                continue;
+            double by_q = m[i].g[j], by_v = 0;
+            if (rate[i]) {
+                by_v = by_q;
+                by_q = 0;
+                for (int k = 0; k < 6; k++)
+                    by_q += m[i].body[k/3] < 0 ? 0 : m[i].h[j][k]*v[3*m[i].body[k/3] + k%3];
+            }
+            put_column(to, rows, 3*m[i].body[j/3] + j%3, d[i]*by_q, d[i]*by_v);
+        }
+    }
+    return result;
+}
+
+/* Add a law of other quantities than the measure m along which it pushes: `sense` times its value.  Returns that. */
+static double add_law(const lw_forces *f, const lw_expression *law, double sense, const lw_measure *m, double t,
+                      const double *q, const double *v, sum *to)
+{
+    rows_of rows = { .n = 6 };
+    for (int i = 0; i < 6; i++) {
+        rows.at[i] = m->body[i/3] < 0 ? -1 : 3*m->body[i/3] + i%3;
+        rows.sense[i] = sense*m->g[i];
+    }
+    double push = sense*evaluate(f, law, m, t, q, v, &rows, to);
+    add(to, m, v, push, 0, 0);
+    return push;
+}
+
+/* ---- springs, stops, motors ------------------------------------------------------------------------ */
+
 static void apply_springs(const lw_forces *f, double t, const double *q, const double *v, sum *to)
 {
     lw_measure m;
@@ -197,7 +329,9 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
         const lw_spring *p = &f->model->spring[i];
         int body[2] = { f->system->body[p->link[0]], f->system->body[p->link[1]] };
         lw_measure_length(f->system, body, f->spring_arm[i], q, v, to->second, &m);
-        if (p->law) {
+        if (p->law && f->coupled) {
+            to->power += add_law(f, p->law, -1, &m, t, q, v, to)*m.rate;
+        } else if (p->law) {
             double pull = law_at(p->law, &m, t, by);
             add(to, &m, v, -pull, -by[0], -by[1]);
             to->power -= pull*m.rate;
@@ -209,7 +343,9 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
     for (int i = 0; i < f->model->n_joint_spring; i++) {
         const lw_joint_spring *p = &f->model->joint_spring[i];
         lw_measure_joint(f->system, p->joint, q, v, to->second, &m);
-        if (p->law) {
+        if (p->law && f->coupled) {
+            to->power += add_law(f, p->law, 1, &m, t, q, v, to)*m.rate;
+        } else if (p->law) {
             double push = law_at(p->law, &m, t, by);
             add(to, &m, v, push, by[0], by[1]);
             to->power += push*m.rate;
@@ -260,76 +396,16 @@ static void apply_motors(const lw_forces *f, const double *q, const double *v, s
 
 /* ---- applied forces ---------------------------------------------------------------------------- */
 
-/* The measure of a variable of an expression; *rate: the variable is the rate of it. */
-static void measure_of(const lw_forces *f, int variable, const double *q, const double *v, bool second, lw_measure *m,
-                       bool *rate)
-{
-    const lw_system *s = f->system;
-    lw_quantity what = lw_variable_quantity(variable);
-    int i = lw_variable_index(variable);
-    *rate = what == LW_QUANTITY_V || what == LW_QUANTITY_VX || what == LW_QUANTITY_VY || what == LW_QUANTITY_OMEGA;
-    switch (what) {
-    case LW_QUANTITY_Q: case LW_QUANTITY_V:
-        lw_measure_joint(s, i, q, v, second, m);
-        break;
-    case LW_QUANTITY_ANGLE: case LW_QUANTITY_OMEGA:
-        lw_measure_point(s, s->body[i], lw_v2(0, 0), 2, q, v, second, m);
-        break;
-    default:
-        lw_measure_point(s, s->tracer_body[i], s->tracer_arm[i],
-                         what == LW_QUANTITY_Y || what == LW_QUANTITY_VY, q, v, second, m);
-    }
-}
-
-/* Value of an expression.  Adds its derivatives: the force along sense (3, on the coordinates `at`) grows by sense
- * (dx/dq dq + dx/dv dv). */
-static double evaluate(const lw_forces *f, const lw_expression *x, double t, const double *q, const double *v,
-                       const int at[3], const double sense[3], sum *to)
-{
-    const int *which;
-    double value[LW_EXPRESSION_VARIABLE_MAX], d[LW_EXPRESSION_VARIABLE_MAX];
-    lw_measure m[LW_EXPRESSION_VARIABLE_MAX];
-    bool rate[LW_EXPRESSION_VARIABLE_MAX];
-    int n = lw_expression_variables(x, &which);
-    for (int i = 0; i < n; i++) {
-        value[i] = t;
-        if (which[i] == lw_variable(LW_QUANTITY_T, 0))
-            continue;
-        measure_of(f, which[i], q, v, to->second, &m[i], &rate[i]);
-        value[i] = rate[i] ? m[i].rate : m[i].value;
-    }
-    if (!to->second)
-        return lw_expression_value(x, value);
-    double result = lw_expression_gradient(x, value, d);
-    for (int i = 0; i < n; i++) {
-        if (which[i] == lw_variable(LW_QUANTITY_T, 0))
-            continue;
-        for (int j = 0; j < 6; j++) {
-            if (m[i].body[j/3] < 0)
-                continue;
-            int column = 3*m[i].body[j/3] + j%3;
-            double by_q = m[i].g[j], by_v = 0;
-            if (rate[i]) {
-                by_v = by_q;
-                by_q = 0;
-                for (int k = 0; k < 6; k++)
-                    by_q += m[i].body[k/3] < 0 ? 0 : m[i].h[j][k]*v[3*m[i].body[k/3] + k%3];
-            }
-            for (int r = 0; r < 3; r++)
-                put(to, at[r], column, sense[r]*d[i]*by_q, sense[r]*d[i]*by_v);
-        }
-    }
-    return result;
-}
-
 /* Add component c (0, 1: of the force; 2: the torque) of an applied force.  Q = value sense, and sense turns with
  * the link. */
 static void apply_component(const lw_forces *f, int i, int c, const lw_expression *x, double t, const double *q,
                             const double *v, sum *to)
 {
     const lw_force *p = &f->model->force[i];
-    int body = f->system->body[p->link], turn = 3*body + 2, at[3] = { 3*body, 3*body + 1, turn };
-    double unit = f->system->unit, sense[3] = { 0, 0, 1 }, dway[3] = { 0, 0, 0 };
+    int body = f->system->body[p->link], turn = 3*body + 2;
+    rows_of rows = { .n = 3, .at = { 3*body, 3*body + 1, turn }, .sense = { 0, 0, 1 } };
+    double unit = f->system->unit, *sense = rows.sense, dway[3] = { 0, 0, 0 };
+    const int *at = rows.at;
     if (!x || body < 0)
         return;
     lw_vec2 u = lw_v2_polar(1, q[turn]), w = lw_v2(c == 0, c == 1), r = lw_v2_turn(f->force_arm[i], u);
@@ -343,7 +419,7 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
         dway[1] = unit*dw.y;
         dway[2] = unit*(lw_v2_cross(lw_v2_perp(r), w) + lw_v2_cross(r, dw));
     }
-    double value = evaluate(f, x, t, q, v, at, sense, to);
+    double value = evaluate(f, x, NULL, t, q, v, &rows, to);
     for (int r3 = 0; r3 < 3; r3++) {
         to->force[at[r3]] += value*sense[r3];
         to->power += value*sense[r3]*v[at[r3]];
@@ -437,6 +513,30 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
 {
     sum to = { .n = f->system->n_q, .force = force, .sink = sink, .second = true };
     apply_all(f, t, q, v, &to);
+    for (int i = 0; sink->add_state && i < f->model->n_state; i++)
+        evaluate(f, f->model->state[i].rate, NULL, t, q, v, &(rows_of){ 1, { to.n + i }, { 1 }, true }, &to);
+}
+
+/* ---- states -------------------------------------------------------------------------------------- */
+
+void lw_forces_state_rates(const lw_forces *f, double t, const double *q, const double *v, double *rate)
+{
+    for (int i = 0; i < f->model->n_state; i++)
+        rate[i] = evaluate(f, f->model->state[i].rate, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
+}
+
+void lw_forces_state_start(const lw_forces *f, double t, const double *q, const double *v, double *z)
+{
+    for (int i = 0; i < f->model->n_state; i++)
+        z[i] = f->z[i] = f->model->state[i].start;
+    for (int i = 0; i < f->model->n_state; i++)
+        if (f->model->state[i].start_at)
+            z[i] = f->z[i] = evaluate(f, f->model->state[i].start_at, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
+}
+
+double lw_forces_signal(const lw_forces *f, int i, double t, const double *q, const double *v)
+{
+    return evaluate(f, f->model->signal[i].value, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
 }
 
 /* All coordinates of body a by all of body b. */
@@ -452,21 +552,56 @@ static void add_pair(const lw_force_sink *sink, const int body[2])
         add_block(sink, body[i/2], body[i%2]);
 }
 
-static void add_expression(const lw_forces *f, int body, const lw_expression *x, const lw_force_sink *sink)
+/* The bodies that a variable of an expression measures, -1: none. */
+static void bodies_of(const lw_forces *f, int variable, int body[2])
 {
     const lw_system *s = f->system;
+    int k = lw_variable_index(variable);
+    body[0] = body[1] = -1;
+    switch (lw_variable_quantity(variable)) {
+    case LW_QUANTITY_Q: case LW_QUANTITY_V:
+        body[0] = s->joint[k].body[0];
+        body[1] = s->joint[k].body[1];
+        break;
+    case LW_QUANTITY_SPRING_LENGTH: case LW_QUANTITY_SPRING_RATE:
+        body[0] = s->body[f->model->spring[k].link[0]];
+        body[1] = s->body[f->model->spring[k].link[1]];
+        break;
+    case LW_QUANTITY_ANGLE: case LW_QUANTITY_OMEGA:
+        body[0] = s->body[k];
+        break;
+    case LW_QUANTITY_X: case LW_QUANTITY_Y: case LW_QUANTITY_VX: case LW_QUANTITY_VY:
+        body[0] = s->tracer_body[k];
+        break;
+    case LW_QUANTITY_T: case LW_QUANTITY_LENGTH: case LW_QUANTITY_RATE: case LW_QUANTITY_STATE:
+        break;
+    }
+}
+
+/* An expression that acts on two bodies (-1: none), or (state >= 0) is the rate of a state. */
+static void add_expression(const lw_forces *f, const int acts_on[2], int state, const lw_expression *x,
+                           const lw_force_sink *sink)
+{
     const int *which;
-    int n = x ? lw_expression_variables(x, &which) : 0;
+    int n = x ? lw_expression_variables(x, &which) : 0, n_q = f->system->n_q, row[6], rows = 0;
+    for (int i = 0; state < 0 && i < 6; i++)
+        if (acts_on[i/3] >= 0)
+            row[rows++] = 3*acts_on[i/3] + i%3;
+    if (state >= 0)
+        row[rows++] = n_q + state;
     for (int i = 0; i < n; i++) {
-        lw_quantity what = lw_variable_quantity(which[i]);
-        int k = lw_variable_index(which[i]);
-        if (what == LW_QUANTITY_T)
-            continue;
-        if (what == LW_QUANTITY_Q || what == LW_QUANTITY_V) {
-            add_block(sink, body, s->joint[k].body[0]);
-            add_block(sink, body, s->joint[k].body[1]);
-        } else
-            add_block(sink, body, what == LW_QUANTITY_ANGLE || what == LW_QUANTITY_OMEGA ? s->body[k] : s->tracer_body[k]);
+        int body[2];
+        bodies_of(f, which[i], body);
+        if (lw_variable_quantity(which[i]) == LW_QUANTITY_STATE)
+            for (int r = 0; r < rows && sink->add_state; r++)
+                sink->add_state(sink->context, row[r], n_q + lw_variable_index(which[i]), 1, 1);
+        for (int c = 0; c < 6; c++)
+            for (int r = 0; r < rows && body[c/3] >= 0; r++) {
+                if (state < 0)
+                    sink->add(sink->context, row[r], 3*body[c/3] + c%3, 1, 1);
+                else if (sink->add_state)
+                    sink->add_state(sink->context, row[r], 3*body[c/3] + c%3, 1, 1);
+            }
     }
 }
 
@@ -474,20 +609,27 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
 {
     const lw_system *s = f->system;
     const lw_model *m = f->model;
-    for (int i = 0; i < m->n_spring; i++)
-        add_pair(sink, (int[]){ s->body[m->spring[i].link[0]], s->body[m->spring[i].link[1]] });
-    for (int i = 0; i < m->n_joint_spring; i++)
+    for (int i = 0; i < m->n_spring; i++) {
+        int body[2] = { s->body[m->spring[i].link[0]], s->body[m->spring[i].link[1]] };
+        add_pair(sink, body);
+        add_expression(f, body, -1, m->spring[i].law, sink);
+    }
+    for (int i = 0; i < m->n_joint_spring; i++) {
         add_pair(sink, s->joint[m->joint_spring[i].joint].body);
+        add_expression(f, s->joint[m->joint_spring[i].joint].body, -1, m->joint_spring[i].law, sink);
+    }
+    for (int i = 0; i < m->n_state; i++)
+        add_expression(f, NULL, i, m->state[i].rate, sink);
     for (int i = 0; i < f->n_stop; i++)
         add_pair(sink, s->joint[f->stop_joint[i]].body);
     for (int i = 0; i < m->n_motor; i++)
         add_pair(sink, s->joint[m->motor[i].joint].body);
     for (int i = 0; i < m->n_force; i++) {
-        int body = s->body[m->force[i].link];
-        add_block(sink, body, body);
-        add_expression(f, body, m->force[i].fx, sink);
-        add_expression(f, body, m->force[i].fy, sink);
-        add_expression(f, body, m->force[i].torque, sink);
+        int body[2] = { s->body[m->force[i].link], -1 };
+        add_block(sink, body[0], body[0]);
+        add_expression(f, body, -1, m->force[i].fx, sink);
+        add_expression(f, body, -1, m->force[i].fy, sink);
+        add_expression(f, body, -1, m->force[i].torque, sink);
     }
 }
 

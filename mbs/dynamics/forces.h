@@ -24,6 +24,8 @@ typedef struct lw_forces {
     int      n_stop, *stop_joint;           /* compliant stops */
     bool    conservative;                   /* gravity, springs without damping, compliant stops */
     bool    any_state;                      /* loads other than gravity */
+    bool    coupled;                        /* first-order states, or laws of other quantities than their own measure */
+    double *z;                              /* (model->n_state) the states at which forces are wanted */
     lw_caller_force caller;                 /* apply NULL: none */
     lw_link_motion *caller_link;            /* (n_link) scratch for the caller's forces, */
     lw_link_load   *caller_load;
@@ -50,6 +52,9 @@ void lw_forces_apply(const lw_forces *f, double t, const double *q, const double
 typedef struct lw_force_sink {
     void *context;
     void (*add)(void *context, int row, int column, double by_q, double by_v);
+    /* The same for states: row n_q + i is the rate of state i, with by_q and by_v for a column below n_q; column n_q + k
+     * is state k, with the derivative in by_q.  NULL: they are not wanted. */
+    void (*add_state)(void *context, int row, int column, double by_q, double by_v);
 } lw_force_sink;
 
 /* The same for large models; without the derivatives of the caller's forces. */
@@ -58,6 +63,11 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
 
 /* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
 void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink);
+
+/* Rates of the states f->z; values of all states at the start and of signal i at (t, q, v, f->z). */
+void   lw_forces_state_rates(const lw_forces *f, double t, const double *q, const double *v, double *rate);
+void   lw_forces_state_start(const lw_forces *f, double t, const double *q, const double *v, double *z);
+double lw_forces_signal(const lw_forces *f, int i, double t, const double *q, const double *v);
 
 /* Motion prescribed for input i at t: what its joint measures from the posture, its rate and second rate, in rad or
  * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */

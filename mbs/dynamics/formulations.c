@@ -55,9 +55,13 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
                             "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->model->linkage.n_link);
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
+    bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
+    if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))
+        return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), whose values this analysis does not know; "
+                            "run it in time (dynamic)", d->model->state[0].name);
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
-    if (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0)
+    if (postures || (d->freedom == 0 && !d->eq.n_z))
         return take(d, LW_FORMULATION_DRIVEN, r, e);
     lw_status s = d->o.formulation == LW_FORMULATION_DRIVEN ? LW_OK : check_masses(d);
     if (s != LW_OK)
@@ -113,7 +117,7 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
     d->e = run.e;
     run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_stop;
-    run.n = 2*d->n_q + run.has_work;
+    run.n = 2*d->n_q + run.has_work + d->eq.n_z;
     run.pivot_tried = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
                          r->formulation != LW_FORMULATION_REDUCED;
