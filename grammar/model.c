@@ -78,7 +78,8 @@ void lw_model_free(lw_model *m)
     }
     for (int i = 0; i < m->n_signal; i++)
         lw_expression_free(m->signal[i].value);
-    void *const array[] = { m->state, m->signal, m->rotor, m->motion, m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor,
+    void *const array[] = { m->state, m->signal, m->rotor, m->motion, m->has_speed, m->speed, m->body, m->spring,
+                            m->joint_spring, m->force, m->motor,
                             m->friction, m->stop, m->clearance, m->small };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);

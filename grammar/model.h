@@ -128,8 +128,8 @@ typedef struct lw_model {
 } lw_model;
 
 /* The quantity of a variable in an expression: t; q, v: displacement and rate of a joint; x, y, vx, vy: position
- * and velocity of a tracer; angle, omega: rotation of a link since the posture, and its rate; length, rate: of the spring
- * whose law it is, or its joint's displacement; state: its value; spring length, rate: of a spring or cylinder. */
+ * and velocity of a tracer; angle, omega: rotation of a link since the posture, and its rate; length, rate: of the
+ * spring whose law it is, or its joint's displacement; state: its value; spring length, rate: of a spring or cylinder. */
 typedef enum lw_quantity {
     LW_QUANTITY_T, LW_QUANTITY_Q, LW_QUANTITY_V, LW_QUANTITY_X, LW_QUANTITY_Y, LW_QUANTITY_VX,
     LW_QUANTITY_VY, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE,

@@ -94,7 +94,8 @@ static int look_up_named(const lw_model *m, const char *word, const char *name, 
     if (!state && strcmp(word, "length") != 0 && strcmp(word, "rate") != 0)
         return -1;
     if (!name) {
-        snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder", word);
+        snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder",
+                 word);
         return -1;
     }
     int at = -1;
@@ -103,8 +104,8 @@ static int look_up_named(const lw_model *m, const char *word, const char *name, 
     else if (!state && m->n_spring)
         at = find_name(name, m->spring->name, sizeof *m->spring, m->n_spring);
     if (at < 0)
-        snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"%s", state ? "state" : "spring or cylinder between two points", name,
-                 state ? "; a motor NAME has the state NAME.current, a cylinder NAME.p1, NAME.p2" : "");
+        snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"%s", state ? "state" : "spring or cylinder between two points",
+                 name, state ? " (those of motors: NAME.current; of cylinders: NAME.p1)" : "");
     return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
                                                                                 : LW_QUANTITY_SPRING_RATE, at);
 }
@@ -591,13 +592,15 @@ static size_t count_list(const lw_json_node *root, const char *key)
 
 static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *e)
 {
-    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1, motors = count_list(root, "motors") + 1;
+    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
+    size_t motors = count_list(root, "motors") + 1;
     m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
     m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
     m->rotor = calloc(motors, sizeof *m->rotor);
     m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
-    return m->spring && m->joint_spring && m->force && m->motor && m->rotor ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    return m->spring && m->joint_spring && m->force && m->motor && m->rotor
+         ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e)

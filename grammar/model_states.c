@@ -25,7 +25,8 @@ int lw_model_add_state(lw_model *m, const char *name, const char *unit, double s
 }
 
 /* A signal "name.what" takes x over.  LW_E_MEMORY. */
-static lw_status add_signal(lw_model *m, const char *name, const char *what, const char *unit, lw_expression *x, lw_error *e)
+static lw_status add_signal(lw_model *m, const char *name, const char *what, const char *unit, lw_expression *x,
+                            lw_error *e)
 {
     lw_signal *more = realloc(m->signal, ((size_t)m->n_signal + 1)*sizeof *more);
     if (!more) {

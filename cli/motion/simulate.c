@@ -31,7 +31,8 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     const lw_system *sys = lw_dynamics_system(s->d);
     const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
     double metre = 1/k->units.metre, radian = 1/k->units.radian;
-    size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8;
+    size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8
+             + (size_t)s->model->n_state + (size_t)s->model->n_signal;
     s->n_column = 0;
     s->column = calloc(n, sizeof *s->column);
     s->scratch = calloc(n + 3*(size_t)sys->n_q + (size_t)k->n_input + 3*(size_t)k->n_joint + 1, sizeof *s->scratch);
@@ -70,6 +71,10 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     add(s, "N", 1, "shaking.fx");
     add(s, "N", 1, "shaking.fy");
     add(s, "N m", 1, "shaking.moment");
+    for (int i = 0; i < s->model->n_state; i++)
+        add(s, s->model->state[i].unit, 1, "%s", s->model->state[i].name);
+    for (int i = 0; i < s->model->n_signal; i++)
+        add(s, s->model->signal[i].unit, 1, "%s", s->model->signal[i].name);
     add(s, "J", 1, "kinetic");
     add(s, "J", 1, "potential");
     add(s, "J", 1, "work");
@@ -186,6 +191,10 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
     for (int j = 0; j < k->n_joint; j++)
         to = put_reaction(joint[j], to);
     to = put_reaction(lw_reactions_shaking(s->d, m), to);
+    for (int i = 0; i < s->model->n_state; i++)
+        *to++ = m->z[i];
+    for (int i = 0; i < s->model->n_signal; i++)
+        *to++ = lw_forces_signal(lw_dynamics_forces(s->d), i, m->t, m->q, m->v);
     *to++ = m->kinetic;
     *to++ = m->potential;
     *to++ = m->work;

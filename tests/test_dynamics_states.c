@@ -1,0 +1,369 @@
+/* First-order states: answers known in closed form, derivatives against differences, formulations against each other,
+ * balances of energy. */
+#include "mbs/dynamics/dynamics_ggl.c"
+#include "base/rng.h"
+#include "base/vec2.h"
+#include "tests/dynamics_run.h"
+
+#define MOST 160
+
+/* A wheel on a pin, inertia %g; %s after its joint: input, loads. */
+static const char wheel[] =
+    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'wheel', 'mass': 1, 'centre': [0, 0], "
+    "'inertia': %g}], 'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0]}], %s}";
+
+static const char arm_with_all[] =
+    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', "
+    "{'name': 'arm', 'mass': 3, 'centre': [0.5, 0.1], 'inertia': 0.2}, "
+    "{'name': 'fore', 'mass': 2, 'centre': [1.3, 0.3], 'inertia': 0.1}], 'joints': ["
+    "{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}, {'name': 'B', 'links': ['arm', 'fore'], 'at': [1, 0.2]}], "
+    "'inputs': [{'joint': 'A', 'speed': 0.2}, {'joint': 'B', 'speed': -0.1}], 'gravity': [0, -9.81], "
+    "'tracers': [{'name': 'P', 'link': 'fore', 'at': [1.6, 0.4]}], "
+    "'states': [{'name': 'e', 'rate': '-3*state(e) + x(P)*state(C.p1)/1e6 + omega(fore)', 'start': 'x(P)'}], "
+    "'controllers': [{'name': 'pid', 'wanted': '0.3*sin(2*t)', 'measured': 'q(B)', 'proportional': 60, 'integral': 90, "
+    "'derivative': 4, 'filter': 0.01, 'feed_forward': 'lag(v(A), 0.05) + integral(0.1*q(A))', 'least': -40, "
+    "'greatest': 40}], "
+    "'motors': [{'name': 'M', 'joint': 'B', 'voltage': 'output(pid)', 'resistance': 0.7, 'inductance': 2e-3, "
+    "'torque_constant': 0.1, 'inertia': 2e-4, 'ratio': 1, 'current': 0.5}], "
+    "'cylinders': [{'name': 'C', 'links': ['ground', 'arm'], 'at': [[0.3, -0.8], [0.8, 0.1]], 'bore': 0.05, 'rod': 0.03, "
+    "'retracted': 0.9, 'stroke': 0.4, 'dead_volume': 1e-4, 'pressures': [3e6, 2e6], 'valve': '0.3*sin(3*t) + 0.1*q(A)', "
+    "'flow': 2e-4, 'supply': 1.2e7, 'tank': 1e5, 'leakage': 1e-12, 'relief': 1.1e7, 'relief_flow': 1e-11, 'damping': 300, "
+    "'friction': 50, 'friction_speed': 0.01}], "
+    "'forces': [{'link': 'fore', 'at': [1.6, 0.4], 'fy': '-5*state(e) - 20*rate(C)', 'torque': '0.1*state(M.current)'}]}";
+
+static double last_z[32], q_end, v_end, drive_end;      /* drive_end: what the motion of the first input pushes with */
+
+static lw_status keep_last(void *context, const lw_moment *m)
+{
+    drun *d = context;
+    if (d->model.n_state)
+        memcpy(last_z, m->z, (size_t)d->model.n_state*sizeof *last_z);
+    drive_end = d->model.motion[0] ? m->l[d->system.n_row] : 0;
+    return drun_keep(context, m);
+}
+
+/* Run a model to `end`; states stay in last_z, the first joint's displacement and rate in q_end, v_end. */
+static void run_to(drun *d, double end, lw_formulation f)
+{
+    lw_dynamics *made = NULL;
+    lw_measure m;
+    d->o.to = end;
+    d->o.intervals = 20;
+    d->o.formulation = f;
+    d->o.relative = d->o.absolute = 1e-11;
+    d->n_moment = 0;
+    d->status = lw_dynamics_make(&d->model, &d->o, &made, &d->e);
+    CHECK_TEXT(d->e.text, "");
+    CHECK_INT(d->status, LW_OK);
+    if (!made)
+        return;
+    d->system = *lw_dynamics_system(made);
+    d->status = lw_dynamics_run(made, keep_last, d, &d->report, &d->e);
+    CHECK_TEXT(d->e.text, "");
+    CHECK_INT(d->status, LW_OK);
+    CHECK_INT(d->n_moment, 21);
+    lw_measure_joint(lw_dynamics_system(made), 0, d->q, d->v, false, &m);
+    q_end = m.value;
+    v_end = m.rate;
+    memset(&d->system, 0, sizeof d->system);
+    lw_dynamics_free(made);
+}
+
+static drun d;
+
+static void read_wheel(const char *format, double inertia, const char *rest)
+{
+    char text[6000];
+    snprintf(text, sizeof text, format, inertia, rest);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    drun_read_text(&d, text);
+}
+
+static const lw_formulation formulation[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                              LW_FORMULATION_GGL };
+
+/* z' = 1 - z/T, z' = cos(w t), a lag and an integral in a force. */
+static void answers_in_closed_form(void)
+{
+    for (int k = 0; k < 4; k++) {
+        read_wheel(wheel, 0.5, "'input': {'joint': 'A', 'speed': 1}, 'states': [{'name': 'e', 'rate': '1 - state(e)/0.25'}, "
+             "{'name': 's', 'rate': 'cos(5*t)', 'start': 2, 'scale': 10}, {'name': 'turn', 'rate': 'v(A)'}], "
+             "'forces': [{'link': 'wheel', 'torque': 'lag(3, 0.1, 0) + 0*integral(exp(-t)) + 0*lag(q(A) + 7, 1)'}]");
+        run_to(&d, 1, formulation[k]);
+        double off = formulation[k] == LW_FORMULATION_CVODE || formulation[k] == LW_FORMULATION_GGL ? 1e-8 : 1e-10;
+        CHECK_NEAR(last_z[0], 0.25*(1 - exp(-4)), off, 0);
+        CHECK_NEAR(last_z[1], 2 + sin(5)/5, off, 0);
+        CHECK_NEAR(last_z[2], q_end, off, 0);
+        CHECK_NEAR(last_z[3], 3*(1 - exp(-10)), off, 0);
+        CHECK_NEAR(last_z[4], 1 - exp(-1), off, 0);
+        CHECK_NEAR(v_end, 1 + 6*(1 - 0.1*(1 - exp(-10))), off, 0);
+        lw_model_free(&d.model);
+    }
+    /* a lag without a start begins at its input */
+    read_wheel(wheel, 0.5, "'input': {'joint': 'A', 'speed': 0}, 'forces': [{'link': 'wheel', 'torque': '0*lag(q(A) + 7, 1)'}]");
+    run_to(&d, 1, LW_FORMULATION_AUTO);
+    CHECK_NEAR(last_z[0], 7, 1e-12, 0);
+    lw_model_free(&d.model);
+}
+
+/* The motor of Makkonen 1999, table 4: poles of its speed over the voltage, and the step of voltage that they cause. */
+static const char step_of_voltage[] =
+    "'input': {'joint': 'A', %s}, 'motors': [{'name': 'M', 'joint': 'A', 'voltage': 100, 'resistance': 30, "
+    "'inductance': 0.0703, 'torque_constant': 1.6, 'inertia': 0.0011}]";
+
+static void a_motor_starts(void)
+{
+    const double p = -101.91534671, s = -324.8271853, t = 0.02, w = 100/1.6;
+    char text[400];
+    for (int k = 0; k < 4; k++) {
+        snprintf(text, sizeof text, step_of_voltage, "'speed': 0");
+        read_wheel(wheel, 0, text);
+        run_to(&d, t, formulation[k]);
+        CHECK_NEAR(v_end, w*(1 - (s*exp(p*t) - p*exp(s*t))/(s - p)), 1e-7, 0);
+        /* all that came in is heat, in the coil, or moves */
+        double kinetic = 0.5*0.0011*v_end*v_end, coil = 0.5*0.0703*last_z[0]*last_z[0];
+        CHECK_NEAR(last_z[1], last_z[2] + kinetic + coil, 0, 1e-8);
+        CHECK_NEAR(d.energy[20], kinetic, 0, 1e-9);
+        lw_model_free(&d.model);
+        /* held still, it is a coil with a resistor; 1.6 N m/A push against what holds it */
+        snprintf(text, sizeof text, step_of_voltage, "'motion': '0*t'");
+        read_wheel(wheel, 0.1, text);
+        run_to(&d, t, formulation[k]);
+        CHECK_NEAR(last_z[0], 100/30.0*(1 - exp(-30*t/0.0703)), 1e-9, 0);
+        CHECK_NEAR(fabs(drive_end), 1.6*last_z[0], 1e-8, 0);
+        lw_model_free(&d.model);
+    }
+}
+
+/* A drive whose demand is above its curve ends at the speed without load, or holds with the torque of stall. */
+static void a_drive_keeps_to_its_curve(void)
+{
+    static const char format[] = "'input': {'joint': 'A', %s}, 'motors': [{'joint': 'A', 'torque': '%s', 'stall': 6, "
+                                 "'free_speed': 40}]";
+    char text[300];
+    snprintf(text, sizeof text, format, "'speed': 0", "1000");
+    read_wheel(wheel, 0.05, text);
+    run_to(&d, 20, LW_FORMULATION_AUTO);
+    CHECK_NEAR(v_end, 40, 1e-8, 0);
+    lw_model_free(&d.model);
+    snprintf(text, sizeof text, format, "'motion': '0*t'", "1000 - integral(0*t)");
+    read_wheel(wheel, 0.05, text);
+    run_to(&d, 1, LW_FORMULATION_INDEX1);
+    CHECK_NEAR(fabs(drive_end), 6, 1e-10, 0);
+    lw_model_free(&d.model);
+    snprintf(text, sizeof text, format, "'speed': 0", "-0.3");
+    read_wheel(wheel, 0.05, text);
+    run_to(&d, 1, LW_FORMULATION_AUTO);
+    CHECK_NEAR(v_end, -6, 1e-9, 0);
+    lw_model_free(&d.model);
+}
+
+/* A mass on the oil of a closed cylinder swings at f = sqrt(K (A1^2/V1 + A2^2/V2)/m)/2 pi, in small motions. */
+static void a_mass_on_oil(void)
+{
+    static const char format[] =
+        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 1000, 'centre': [0.8, 0], "
+        "'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'm'], 'at': [0.8, 0], 'along': [1, 0]}], "
+        "'input': {'joint': 'S', 'speed': 1e-4}, 'cylinders': [{'name': 'C', 'links': ['ground', 'm'], 'at': [[0, 0], "
+        "[0.8, 0]], 'bore': 0.125, 'rod': 0.08, 'retracted': 0.5, 'stroke': 0.6, 'dead_volume': 1e-3, 'bulk_modulus': %.17g, "
+        "'pressures': [2e6, %.17g]}]}";
+    double bulk = 1.4e9, a1 = LW_PI/4*0.125*0.125, a2 = a1 - LW_PI/4*0.08*0.08;
+    double stiffness = bulk*(a1*a1/(1e-3 + 0.3*a1) + a2*a2/(1e-3 + 0.3*a2)), w = sqrt(stiffness/1000);
+    CHECK_NEAR(stiffness, 6.819319e7, 5, 0);             /* of the declared boom cylinder */
+    for (int k = 0; k < 4; k++) {
+        drun_read_format(&d, format, bulk, 2e6*a1/a2);
+        run_to(&d, 2.25*2*LW_PI/w, formulation[k]);
+        CHECK_NEAR(q_end*w/1e-4, 1, 1e-4, 0);            /* two periods and a quarter: the top of the swing */
+        lw_model_free(&d.model);
+    }
+}
+
+/* Pistons driven by a valve: steady speed Q/A against no load, and the stop at the end of the stroke. */
+static void a_valve_moves_a_piston(void)
+{
+    static const char format[] =
+        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 5, 'centre': [0.8, 0], "
+        "'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'm'], 'at': [0.8, 0], 'along': [1, 0]}], "
+        "'input': {'joint': 'S', 'speed': 0}, 'cylinders': [{'name': 'C', 'links': ['ground', 'm'], 'at': [[0, 0], "
+        "[0.8, 0]], 'bore': 0.05, 'rod': 0.03, 'retracted': 0.5, 'stroke': 0.6, 'dead_volume': 1e-4, "
+        "'pressures': [1e6, 1e6], 'valve': %g, 'flow': 4e-4, 'drop': 3.5e6, 'supply': %g, 'damping': 500, "
+        "'stop_damping': 2e4}]}";
+    double a1 = LW_PI/4*0.05*0.05, a2 = a1 - LW_PI/4*0.03*0.03;
+    drun_read_format(&d, format, 0.5, 1e7);
+    run_to(&d, 0.4, LW_FORMULATION_AUTO);
+    /* p1 A1 - p2 A2 = c v; Q1 = A1 v through one edge, Q2 = A2 v through the other */
+    double low = 0, high = 10, k = 0.5*4e-4/sqrt(3.5e6), p1 = 0, p2 = 0;
+    for (int i = 0; i < 100; i++) {
+        double v = 0.5*(low + high);
+        p1 = 1e7 - pow(a1*v/k, 2), p2 = pow(a2*v/k, 2);
+        *(p1*a1 - p2*a2 > 500*v ? &low : &high) = v;
+    }
+    CHECK_NEAR(v_end, low, 0, 1e-6);
+    CHECK_NEAR(last_z[0], p1, 0, 1e-5);
+    CHECK_NEAR(last_z[1], p2, 0, 1e-5);
+    CHECK(d.report.formulation == LW_FORMULATION_GGL || d.report.formulation == LW_FORMULATION_INDEX1);
+    run_to(&d, 5, LW_FORMULATION_GGL);                       /* at the stop: full pressure on a spring of 1e8 N/m */
+    CHECK_NEAR(q_end, 0.3 + (1e7*a1 - last_z[1]*a2)/1e8, 1e-7, 0);
+    CHECK_NEAR(last_z[0], 1e7, 0, 1e-4);
+    lw_model_free(&d.model);
+}
+
+/* With all parts at once every formulation gives the same, the work agrees with the energies. */
+static void formulations_agree(void)
+{
+    double z[32], q = 0, v = 0;
+    for (int k = 1; k < 4; k++) {
+        drun_read_format(&d, arm_with_all, 0, 0);
+        run_to(&d, 0.5, formulation[k]);
+        CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
+        for (int i = 0; k > 1 && i < d.model.n_state; i++)
+            CHECK_NEAR(last_z[i], z[i], 2e-6*d.model.state[i].scale, 2e-6);
+        if (k > 1) {
+            CHECK_NEAR(q_end, q, 1e-7, 0);
+            CHECK_NEAR(v_end, v, 1e-6, 0);
+        }
+        memcpy(z, last_z, sizeof z);
+        q = q_end, v = v_end;
+        lw_model_free(&d.model);
+    }
+}
+
+/* The Jacobian of the differential-algebraic equations, states included, against central differences. */
+static void derivatives_are_exact(void)
+{
+    static double jac[MOST*MOST], value[MOST*MOST];
+    lw_dynamics *made = NULL;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    drun_read_format(&d, arm_with_all, 0, 0);
+    d.o.formulation = LW_FORMULATION_GGL;
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
+    if (!made)
+        return;
+    lw_run run = { .d = made, .e = &d.e, .r = &d.report };
+    ggl g = { .run = &run, .q = made->n_q, .c = made->n_kept, .least_mass = 0.01 };
+    int n = unknowns(&g), z = n - made->eq.n_z;
+    double y[MOST], dy[MOST], up[MOST], down[MOST], c = 1.7;
+    CHECK(n <= MOST);
+    for (int i = 0; i < n; i++) {
+        y[i] = 0.1*lw_rng_range(&rng, -1, 1) + (i < g.q ? made->start_q[i] : 0);
+        dy[i] = lw_rng_range(&rng, -1, 1);
+        if (i >= z)
+            y[i] = made->start_z[i - z] + 0.1*lw_rng_range(&rng, 0, 1)*d.model.state[i - z].scale;
+    }
+    CHECK_INT(find_pattern(&g), LW_OK);
+    CHECK_INT(jacobian(&g, 0.2, c, y, dy, value), LW_OK);
+    for (int j = 0; j < n; j++)
+        for (int k = g.columns.at[j]; k < g.columns.at[j + 1]; k++)
+            jac[g.columns.row[k] + n*j] = value[k];      /* 0 outside the pattern */
+    for (int j = 0; j < n; j++) {
+        double was = y[j], rate = dy[j], h = 1e-6*(j >= z ? d.model.state[j - z].scale : 1);
+        y[j] = was + h, dy[j] = rate + c*h;
+        residual(&g, 0.2, y, dy, up);
+        y[j] = was - h, dy[j] = rate - c*h;
+        residual(&g, 0.2, y, dy, down);
+        y[j] = was, dy[j] = rate;
+        for (int i = 0; i < n; i++) {
+            double row = i >= z ? d.model.state[i - z].scale : 100, column = j >= z ? d.model.state[j - z].scale : 1;
+            CHECK_NEAR(jac[i + n*j], (up[i] - down[i])/(2*h), 1e-5*row/column, 1e-5);
+        }
+    }
+    lw_columns_free(&g.columns);
+    lw_dynamics_free(made);
+    lw_model_free(&d.model);
+}
+
+/* A controller at its limit: its integral stays near what the output needs, and there is little overshoot. */
+static void a_limited_controller_does_not_wind_up(void)
+{
+    static const char format[] =
+        "'input': {'joint': 'A', 'speed': 0}, 'controllers': [{'name': 'c', 'wanted': 10, 'measured': 'v(A)', "
+        "'proportional': 2, 'integral': 4, %s}], 'forces': [{'link': 'wheel', 'torque': 'output(c)'}]";
+    char text[400];
+    double overshoot[2];
+    for (int k = 0; k < 2; k++) {
+        snprintf(text, sizeof text, format, k ? "'least': -3, 'greatest': 3, 'unwind': 1e9" : "'least': -3, 'greatest': 3");
+        read_wheel(wheel, 1, text);
+        overshoot[k] = 0;
+        for (int i = 1; i <= 30; i++) {
+            run_to(&d, 0.4*i, LW_FORMULATION_AUTO);
+            overshoot[k] = fmax(overshoot[k], v_end - 10);
+        }
+        CHECK_NEAR(v_end, 10, k ? 10 : 1e-3, 0);
+        lw_model_free(&d.model);
+    }
+    CHECK(overshoot[0] < 1.5 && overshoot[1] > 5);
+}
+
+static void refused(const char *rest, const char *part)
+{
+    char text[3000];
+    lw_error e = { 0 };
+    snprintf(text, sizeof text, wheel, 1.0, rest);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    CHECK_INT(lw_model_read(text, strlen(text), "text", &d.model, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, part);
+    CHECK(e.line > 0 && e.column > 0);
+}
+
+static void bad_parts_are_named(void)
+{
+    refused("'states': [{'name': 'a', 'rate': 'state(b)'}]", "there is no state \"b\"");
+    refused("'states': [{'name': 'a', 'rate': '1'}, {'name': 'a', 'rate': '1'}]", "two states");
+    refused("'states': [{'name': 'a'}]", "\"rate\"");
+    refused("'states': [{'name': 'a', 'rate': 'lag(t)'}]", "missing");
+    refused("'states': [{'name': 'a', 'rate': 'lag(t, 0)'}]", "greater than 0");
+    refused("'states': [{'name': 'a', 'rate': 'integral(t, t)'}]", "a number is expected");
+    refused("'states': [{'name': 'a', 'rate': 'integral(q(Z))'}]", "no joint \"Z\"");
+    refused("'input': {'joint': 'A', 'motion': 'integral(t)'}", "integral is possible in forces");
+    refused("'forces': [{'link': 'wheel', 'torque': 'output(c)'}]", "no controller \"c\"");
+    refused("'controllers': [{'name': 'c', 'wanted': 1, 'measured': 't', 'derivative': 1}]", "\"filter\"");
+    refused("'controllers': [{'name': 'c', 'wanted': 1, 'measured': 't', 'least': 2, 'greatest': 1}]", "less than");
+    refused("'controllers': [{'name': 'c', 'wanted': 1, 'measured': 't', 'integral': 1, 'least': 0}]", "\"unwind\"");
+    refused("'motors': [{'joint': 'A', 'voltage': 1, 'resistance': 1, 'torque_constant': 1}]", "\"inductance\"");
+    refused("'motors': [{'joint': 'A', 'voltage': 1, 'resistance': 1, 'inductance': 0, 'torque_constant': 1}]", "above 0");
+    refused("'motors': [{'joint': 'A', 'voltage': 'q(B)', 'resistance': 1, 'inductance': 1, 'torque_constant': 1}]",
+            "no joint \"B\"");
+    refused("'motors': [{'joint': 'A', 'torque': '1', 'stall': -1, 'free_speed': 1}]", "greater than 0");
+    refused("'cylinders': [{'links': ['ground', 'wheel'], 'at': [[1, 0], [0.1, 0]], 'bore': 0.1, 'retracted': 0.5, "
+            "'stroke': 0.2, 'dead_volume': 1e-3}]", "not within");
+    refused("'cylinders': [{'links': ['ground', 'wheel'], 'at': [[1, 0], [0.1, 0]], 'bore': 0.1, 'retracted': 0.8, "
+            "'stroke': 0.2, 'dead_volume': 1e-3, 'valve': 1}]", "\"flow\"");
+}
+
+/* What cannot integrate states says so. */
+static void others_refuse(void)
+{
+    static const lw_formulation cannot[] = { LW_FORMULATION_DRIVEN, LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED };
+    lw_dynamics *made = NULL;
+    read_wheel(wheel, 1, "'input': {'joint': 'A', 'speed': 0}, 'states': [{'name': 'a', 'rate': '1'}]");
+    for (int i = 0; i < 3; i++) {
+        d.o.formulation = cannot[i];
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_E_KIND);
+        CHECK_HAS(d.e.text, "first-order state");
+    }
+    d.o.formulation = LW_FORMULATION_AUTO;
+    for (lw_analysis a = LW_ANALYSIS_STATIC; a <= LW_ANALYSIS_KINEMATIC; a++) {
+        d.o.analysis = a;
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_E_KIND);
+        CHECK_HAS(d.e.text, "\"a\"");
+    }
+    lw_model_free(&d.model);
+}
+
+int main(void)
+{
+    RUN(answers_in_closed_form);
+    RUN(a_motor_starts);
+    RUN(a_drive_keeps_to_its_curve);
+    RUN(a_mass_on_oil);
+    RUN(a_valve_moves_a_piston);
+    RUN(formulations_agree);
+    RUN(derivatives_are_exact);
+    RUN(a_limited_controller_does_not_wind_up);
+    RUN(bad_parts_are_named);
+    RUN(others_refuse);
+    return check_end();
+}
