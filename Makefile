@@ -193,7 +193,7 @@ run-threads: $(THREADED:%=$B/tests/test_%)
 coverage:
 	$(MAKE) B=$B/cov CFLAGS="-O0 -g --coverage -fprofile-update=atomic" KERNEL_CFLAGS="-O1 -g" test
 	@tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 12 $B/coverage.txt
-browser-test: $B/tests/test_atlas_html      # the atlas in Chromium; skipped without
+browser-test: $B/tests/test_atlas_html $B/linkwright      # the atlas in Chromium; skipped without
 	@tests/browser/run.sh $B
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \

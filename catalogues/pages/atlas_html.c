@@ -188,8 +188,8 @@ static void controls(lw_bytes *b)
 {
     lw_bytes_text(b,
         "<h2 id=\"chains\">Chains</h2>\n<div class=\"filter\" role=\"search\" hidden>\n"
-        "<label class=\"wide\">Search <input type=\"search\" id=\"q\" autocomplete=\"off\" spellcheck=\"false\""
-        " placeholder=\"number, graph6, Franke, structure\"></label>\n"
+        "<label class=\"wide\">Search <textarea id=\"q\" rows=\"1\" autocomplete=\"off\" spellcheck=\"false\""
+        " placeholder=\"10 links planar, Watt, Jansen, or a chain in any notation\"></textarea></label>\n"
         "<label>Links <select id=\"links\"><option value=\"\">all</option></select></label>\n"
         "<label>Freedom <select id=\"dof\"><option value=\"\">all</option></select></label>\n"
         "<label>Assortment <select id=\"assortment\"><option value=\"\">all</option></select></label>\n"
@@ -200,7 +200,12 @@ static void controls(lw_bytes *b)
         "<option value=\"grounds\">fewest ground links first</option></select></label>\n"
         "<label class=\"check\"><input type=\"checkbox\" id=\"linkages\"> with linkages</label>\n"
         "<button type=\"button\" id=\"clear\">Clear</button>\n</div>\n"
-        "<p id=\"count\" class=\"hint\" role=\"status\"></p>\n<ul id=\"cards\" class=\"cards\"></ul>\n"
+        "<details class=\"sketch\" hidden><summary>Sketch a chain</summary>\n"
+        "<p class=\"hint\">Draw bars from pin to pin, the frame too. A triangle of bars is one link with three pins.</p>\n"
+        "<svg id=\"sheet\" viewBox=\"0 0 640 360\" role=\"application\" aria-label=\"Sheet to sketch a chain\"></svg>\n"
+        "<button type=\"button\" id=\"undo\">Undo</button> <button type=\"button\" id=\"wipe\">Clear sketch</button>\n"
+        "<p id=\"sketched\" role=\"status\"></p>\n</details>\n"
+        "<p id=\"found\" role=\"status\"></p>\n<p id=\"count\" class=\"hint\" role=\"status\"></p>\n<ul id=\"cards\" class=\"cards\"></ul>\n"
         "<button type=\"button\" id=\"more\" hidden>Show more</button>\n"
         "<p class=\"hint keys\" hidden>Keys: / search, arrows from picture to picture, Enter opens.</p>\n");
 }
@@ -283,9 +288,9 @@ static void index_page(const atlas *a, lw_bytes *b)
     lw_page_text(b, "<header>\n<h1>", a->options->title, "</h1>\n");
     snprintf(about, sizeof about, a->n == 1 ? "%zu kinematic chain" : "%zu kinematic chains", a->n);
     lw_page_text(b, "<p class=\"about\">", about, "</p>\n</header>\n<main>\n");
-    overview(b, a);
     controls(b);
     plain_list(b, a);
+    overview(b, a);
     lw_bytes_text(b, "</main>\n<script type=\"application/json\" id=\"data\">[\n");
     for (size_t i = 0; i < a->n; i++) {
         lw_bytes_text(b, i ? ",\n" : "");
@@ -834,6 +839,8 @@ lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_h
     atlas a = { .store = store, .dir = dir, .options = o };
     lw_page_style(&a.style, lw_page_css, lw_atlas_html_css);
     lw_page_script(&a.chain_script, lw_atlas_html_chain_js);
+    lw_page_script(&a.index_script, lw_atlas_find_js);
+    lw_page_script(&a.index_script, lw_atlas_sketch_js);
     lw_page_script(&a.index_script, lw_atlas_html_js);
     lw_status s = a.style.failed || a.chain_script.failed || a.index_script.failed
                 ? lw_error_set(e, LW_E_MEMORY, "out of memory") : look_for_linkages(&a, e);

@@ -6,9 +6,10 @@
   const byId = (id) => document.getElementById(id);
   const chains = JSON.parse(byId("data").textContent).map((d) => ({
     links: d[0], dof: d[1], number: d[2], planar: d[3], symmetry: d[4], grounds: d[5], linkages: d[6],
-    assortment: d[7], places: d[12], rings: d[13], name: `${d[0]}-${d[1]}-${d[2]}`,
-    text: [`${d[0]}-${d[1]}-${d[2]}`, d[8], d[9], d[10], d[11]].join("\n").toLowerCase(),
+    assortment: d[7], graph6: d[8], form: d[11], places: d[12], rings: d[13], name: `${d[0]}-${d[1]}-${d[2]}`,
+    joints: d[12].length / 2, loops: d[12].length / 2 - d[0] + 1,
   }));
+  const said = byId("found");
   const fields = ["q", "links", "dof", "assortment", "planar", "order"].map(byId);
   const withLinkages = byId("linkages"), cards = byId("cards"), more = byId("more");
   let found = [], shown = 0;
@@ -58,10 +59,58 @@
       (shown < found.length ? `, the first ${shown} shown` : "");
   }
 
+  // Chains of this atlas that are the same as one of those given.
+  function matching(given) {
+    const fits = (c, chain) => c.links === chain.n && c.joints === chain.edges.length &&
+      atlasFind.same(c.chain = c.chain || atlasFind.read(c.graph6), chain);
+    return chains.filter((c) => given.some((chain) => fits(c, chain)));
+  }
+
+  // Say what a chain is, and which page it has.
+  function describe(chain, what, hits) {
+    const freedom = 3 * (chain.n - 1) - 2 * chain.edges.length, fault = atlasFind.fault(chain);
+    const size = `${what}: ${chain.n} links, ${chain.edges.length} joints, F = ${freedom}`;
+    if (hits.length) return `${size}; this is chain ${hits.map((c) => c.name).join(", ")}.`;
+    return `${size}; ${fault ? fault : "this chain is not in this atlas"}.`;
+  }
+
+  // The chains that the text asks for, as a test; and what to say about it.
+  function understand(text) {
+    if (!text.trim()) return { test: () => true, say: "" };
+    const form = text.trim().replace(/\s+/g, " ");
+    if (/^\(.*\d-\d/.test(form) && !form.includes(":")) {
+      return { test: (c) => c.form === form, say: `Chains of the structure ${form}.` };
+    }
+    const chain = atlasFind.read(text);
+    if (chain && chain.error) return { test: () => false, say: `This is no chain: ${chain.error}.` };
+    if (chain) {
+      const hits = matching([chain]), what = chain.notation[0].toUpperCase() + chain.notation.slice(1);
+      return { test: (c) => hits.includes(c), say: describe(chain, what, hits) };
+    }
+    const machines = atlasFind.machines(text);
+    if (machines.length) {
+      const all = new Set(), lines = machines.map((m) => {
+        const expanded = atlasFind.expand(m.pins).chains, hits = matching(expanded);
+        hits.forEach((c) => all.add(c));
+        return `${m.name}: ` + (hits.length ? `chain ${hits.map((c) => c.name).join(", ")}` : "not in this atlas") +
+          (expanded.length > 1 ? " (some pins join several links, so several chains with simple joints stand for it)" : "");
+      });
+      return { test: (c) => all.has(c), say: lines.join("; ") + "." };
+    }
+    const words = atlasFind.words(text);
+    const unknown = words.rest.filter((w) => !chains.some((c) => c.graph6.toLowerCase() === w));
+    if (!words.rest.length) return { test: words.test, say: "" };
+    return { test: (c) => words.test(c) && words.rest.every((w) => c.graph6.toLowerCase() === w),
+      say: unknown.length ? `\u201c${unknown.join(" ")}\u201d means nothing here. Try: 10 links planar symmetric, 3 loops, F = 2, ` +
+        "4+2, 8-1-3, Watt, Jansen, or paste a chain in any notation." : "" };
+  }
+
   function search() {
     const [q, links, dof, assortment, planar, order] = fields.map((f) => f.value);
-    const words = q.toLowerCase().split(/\s+/).filter(Boolean);
-    found = chains.filter((c) => words.every((word) => c.text.includes(word)) &&
+    const wanted = understand(q);
+    said.textContent = wanted.say;
+    byId("q").rows = Math.min(8, q.split("\n").length);
+    found = chains.filter((c) => wanted.test(c) &&
       (links === "" || c.links === Number(links)) && (dof === "" || c.dof === Number(dof)) &&
       (assortment === "" || c.assortment === assortment) && (planar === "" || c.planar === Number(planar)) &&
       (!withLinkages.checked || c.linkages > 0));
@@ -147,6 +196,31 @@
     recall();
     byId("chains").scrollIntoView();
   });
+
+  const sketch = new atlasSketch.Sketch(byId("sheet"), (pins, links) => {
+    const shared = pins.filter((p) => p.length > 1), loose = pins.filter((p) => p.length === 1);
+    let say = "";
+    if (links > 0 && (links < 3 || shared.length < 3)) say = `${links} link${links > 1 ? "s" : ""}: go on until the chain is closed.`;
+    else if (links > 0) {
+      const all = atlasFind.expand(shared);
+      const hits = all.error ? [] : matching(all.chains);
+      if (all.error) say = `This is no chain: ${all.error}.`;
+      else if (!all.chains.length) say = "This is no chain: two links share two pins.";
+      else if (all.chains.length === 1) say = describe(all.chains[0], "Sketch", hits);
+      else say = `Some pins join several links: ${all.chains.length} chains with simple joints stand for this sketch; ` +
+        `${hits.length} of them are in this atlas.`;
+      if (loose.length) say += ` ${loose.length} free end${loose.length > 1 ? "s" : ""}.`;
+      found = hits;
+      said.textContent = "";
+      cards.replaceChildren();
+      shown = 0;
+      showMore();
+    } else search();
+    byId("sketched").textContent = say;
+  });
+  byId("undo").addEventListener("click", () => sketch.undo());
+  byId("wipe").addEventListener("click", () => sketch.clear());
+  document.querySelector(".sketch").hidden = false;
   document.querySelector(".filter").hidden = false;
   document.querySelector(".keys").hidden = false;
   recall();

@@ -1,4 +1,5 @@
-// The atlas in headless Chromium, opened from the disk.   node atlas.mjs FOLDER [CHROMIUM]
+// The atlas in headless Chromium, opened from the disk.   node atlas.mjs FOLDER CHROMIUM REAL
+// REAL: an atlas of all chains with 4, 6 and 8 links, whose notations are true; FOLDER may hold invented ones.
 // Every page is opened: no error, no blocked script, nothing loaded, every link leads somewhere, no script of a
 // hostile catalogue runs.  Then what a visitor does: search, filter, keys, copying, a phone, motion.
 import { chromium } from "playwright-core";
@@ -118,16 +119,121 @@ await test("search and filter", async () => {
   await context.close();
 });
 
+// The chains that the search finds for a text.
+async function found(page, text) {
+  await page.fill("#q", text);
+  while (await page.locator("#more").isVisible()) await page.locator("#more").click();
+  return page.$$eval("#cards a", (all) => all.map((a) => a.getAttribute("href").replace(/^chain-|\.html$/g, "")));
+}
+
+const real = resolve(process.argv[4]), realUrl = (file) => pathToFileURL(`${real}/${file}`).href;
+
+await test("a chain in any notation finds its page", async () => {
+  const { context, page, faults } = await open("index.html");
+  for (const file of readdirSync(real).filter((f) => /^chain-/.test(f))) {
+    await page.goto(realUrl(file));
+    const texts = await page.$$eval("pre code", (all) => all.map((c) => c.textContent));
+    check(`${file}: ${texts.length} notations`, texts.length >= 5);
+    await page.goto(realUrl("index.html"));
+    for (const text of texts) {
+      const hits = await found(page, text);
+      check(`${file}: ${text} finds ${hits}`, hits.length === 1 && `chain-${hits[0]}.html` === file);
+      check(`${file}: said`, (await page.locator("#found").innerText()).includes(`chain ${hits[0]}`));
+    }
+  }
+  await page.goto(realUrl("index.html"));
+  // other numbers of the links, a plain matrix, DOT
+  const watt = await found(page, "(3 3) 1-2:0 1-2:2 1-2:2"), stephenson = await found(page, "(3 3) 1-2:1 1-2:1 1-2:2");
+  check("two six-bars", watt.length === 1 && stephenson.length === 1 && watt[0] !== stephenson[0]);
+  for (const text of ["10-20 20-30 30-40 40-10 10-50 50-60 60-40", "010101\n101000\n010100\n101010\n000101\n100010",
+    "graph { a -- b -- c -- d -- e -- f -- a; a -- d }"]) {
+    const hits = await found(page, text);
+    check(`${text} finds ${hits}`, hits.join() === watt.join());
+  }
+  for (const [text, part] of [["1-2 2-3 3-1", "cannot move"], ["1-2 2-3 3-4", "fewer than two joints"], ["0 1\n1 0\n1 1", "no chain"],
+    ["1-2 1-2 2-3 3-1", "share two joints"], ["1-2 2-3 3-4 4-5 5-6 6-7 7-8 8-9 9-1", "not in this atlas"]]) {
+    const hits = await found(page, text), said = await page.locator("#found").innerText();
+    check(`${text}: ${hits}: ${said}`, hits.length === 0 && said.includes(part));
+  }
+  check(faults.join("; "), faults.length === 0);
+  await context.close();
+});
+
+await test("names of machines and words", async () => {
+  const { context, page, faults } = await open("index.html");
+  await page.goto(realUrl("index.html"));
+  const six = await found(page, "6 links");
+  check(`six links: ${six}`, six.join() === "6-1-1,6-1-2");
+  const all = await found(page, "");
+  const [watt] = await found(page, "(3 3) 1-2:0 1-2:2 1-2:2"), [stephenson] = await found(page, "(3 3) 1-2:1 1-2:1 1-2:2");
+  for (const [text, want] of [["Watt", ["4-1-1", watt]], ["watt chain", ["4-1-1", watt]], ["Stephenson", [stephenson]],
+    ["Klann", [stephenson]], ["Ackermann steering", ["4-1-1"]], ["six-bar planar", six], ["2 loops", six], ["6 links not planar", []],
+    ["8-1-3", ["8-1-3"]], ["8-1-1", ["8-1-1"]], ["no such words", []], ["F = 1", all], ["4+2", six], ["6 links 4+2", six]]) {
+    const hits = await found(page, text);
+    check(`${text} finds ${hits}`, hits.join() === want.join());
+  }
+  const jansen = await found(page, "Theo Jansen");
+  check(`Jansen: ${jansen}`, jansen.length > 1 && jansen.every((c) => c.startsWith("8-1-")));
+  const symmetric = await found(page, "8 links symmetric"), asymmetric = await found(page, "8 links asymmetric");
+  check(`${symmetric.length} and ${asymmetric.length}`, symmetric.length + asymmetric.length === 16);
+  check("said", (await found(page, "6 linkz")).length === 0 && (await page.locator("#found").innerText()).includes("linkz"));
+  check(faults.join("; "), faults.length === 0);
+  await context.close();
+});
+
+await test("a sketched chain finds its page", async () => {
+  const { context, page, faults } = await open("index.html");
+  await page.goto(realUrl("index.html"));
+  await page.click(".sketch summary");
+  await page.locator("#sheet").scrollIntoViewIfNeeded();
+  const box = await page.locator("#sheet").boundingBox(), unit = box.width / 640;
+  const draw = async (x1, y1, x2, y2) => {
+    await page.mouse.move(box.x + x1 * unit, box.y + y1 * unit);
+    await page.mouse.down();
+    await page.mouse.move(box.x + (x1 + x2) / 2 * unit, box.y + (y1 + y2) / 2 * unit);
+    await page.mouse.move(box.x + x2 * unit, box.y + y2 * unit);
+    await page.mouse.up();
+  };
+  const said = () => page.locator("#sketched").innerText();
+  // a four-bar: the frame below, crank, coupler, rocker; ends need not meet exactly
+  await draw(100, 300, 300, 300);
+  await draw(105, 297, 140, 200);
+  check("said: go on", (await said()).includes("go on"));
+  await draw(140, 203, 280, 160);
+  await draw(283, 158, 302, 304);
+  check(await said(), (await said()).includes("chain 4-1-1"));
+  // the coupler becomes a triangle, a dyad hangs on it and on a frame of three pins: Stephenson
+  await draw(140, 200, 220, 100);
+  await draw(220, 100, 280, 160);
+  check(await said(), (await said()).includes("chain 4-1-1") && (await said()).includes("1 free end"));
+  await draw(220, 100, 400, 100);
+  await draw(400, 100, 420, 300);
+  await draw(420, 300, 300, 300);
+  await draw(420, 300, 260, 340);
+  await draw(260, 340, 300, 300);
+  await draw(260, 340, 100, 300);
+  const text = await said(), hits = await page.$$eval("#cards a", (a) => a.map((l) => l.getAttribute("href")));
+  check(`${text} ${hits}`, text.includes("6 links, 7 joints") && hits.length === 1 && hits[0].startsWith("chain-6-1-"));
+  const by = (await found(page, "Stephenson"))[0];
+  check(`Stephenson is ${by}`, hits[0] === `chain-${by}.html`);
+  await page.click("#undo");
+  check(await said(), !(await said()).includes("chain 6-1"));
+  await page.click("#wipe");
+  check("empty", (await said()) === "" && (await page.locator("#sheet circle").count()) === 0);
+  check(faults.join("; "), faults.length === 0);
+  await context.close();
+});
+
 await test("keys", async () => {
   const { context, page, faults } = await open("index.html");
   const focused = () => page.evaluate(() => document.activeElement.getAttribute("href") || document.activeElement.id);
   await page.keyboard.press("/");
   check("slash goes to the search", (await focused()) === "q");
-  await page.keyboard.type("8-1-1");
+  await page.keyboard.type("8 links");
   for (let i = 0; i < 20 && !(await focused()).startsWith("chain-"); i++) await page.keyboard.press("Tab");
   check("tab reaches the pictures", (await focused()) === "chain-8-1-1.html");
   await page.keyboard.press("ArrowRight");
-  check("right", (await focused()) === "chain-8-1-10.html");
+  check("right", (await focused()) === "chain-8-1-2.html");
   await page.keyboard.press("End");
   check("end", (await focused()) === "chain-8-1-16.html");
   await page.keyboard.press("Home");

@@ -18,4 +18,8 @@ if [ $# -lt 2 ]; then
     rm -rf "$folder"
     LW_ATLAS_FOLDER=$folder "$build/tests/test_atlas_html"
 fi
-node "$build/browser/atlas.mjs" "$folder" "$chromium"
+real=$build/browser/real
+rm -rf "$real" "$real.db"
+for links in 4 6 8; do "$build/linkwright" catalogue build "$real.db" --links $links --quiet; done
+"$build/linkwright" catalogue html "$real.db" -o "$real" --quiet
+node "$build/browser/atlas.mjs" "$folder" "$chromium" "$real"
