@@ -48,8 +48,9 @@ static void six_links_are_never_worse_than_four(void)
     lw_topology_search four, six, again;
     lw_fit fit;
     CHECK_INT(lw_topology_search_run(&t, &o, &four, NULL), LW_OK);
+    o.fit.spec.crank_only = o.fit.spec.exclude_drag_link = true;
     CHECK_INT(lw_fit_run(&t, &o.fit, &fit, NULL), LW_OK);
-    CHECK(fit.candidate[0].objective == best_of(&four));           /* with four links it is the plain fit */
+    CHECK(best_of(&four) <= fit.candidate[0].objective);           /* it holds the search of cranks alone */
     o = options(6, 2);
     CHECK_INT(lw_topology_search_run(&t, &o, &six, NULL), LW_OK);
     CHECK(best_of(&six) <= best_of(&four));

@@ -98,7 +98,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
             continue;
         fprintf(f, "best with up to %d links: ", l->links);
         if (l->best < 0)
-            fprintf(f, "none");
+            fputs(s->spec.by_default ? "none within the limits" : "none", f);
         else if (!lw_task_has_place(s->spec.task))
             fprintf(f, "%.4g deg in the mean", s->search.results.report[l->best].angle_mean*180/LW_PI);
         else
@@ -107,6 +107,29 @@ static void print_stages(const cli_fit_set *s, FILE *f)
             fprintf(f, " (%s)", lw_family_title(cli_fit_candidate(s, l->best)->family));
         fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", l->starts, l->improved, l->seconds);
     }
+}
+
+/* Limits of lw_fit_results.unfit_by. */
+static const struct { const char *word, *option, *key; } limits[LW_LIMITS] = {
+    { "transmission angle", "--min-transmission-angle", "transmission" }, { "ratio of lengths", "--length-ratio", "ratio" },
+    { "size", "--max-size", "size" }, { "distance from a change point", "--class-margin", "class_margin" },
+    { "motion without limits, along the target", "--through-limits", "motion" }
+};
+
+/* Say how many linkages are left out because of limits, and which. */
+static void print_unfit(const cli_fit_set *s, FILE *f)
+{
+    const lw_fit_results *r = &s->search.results;
+    const char *between = ": ";
+    if (r->n_unfit == 0)
+        return;
+    fprintf(f, "%d linkage%s found and left out beyond the limits", r->n_unfit, r->n_unfit == 1 ? "" : "s");
+    for (int i = 0; i < LW_LIMITS; i++)
+        if (r->unfit_by[i] > 0) {
+            fprintf(f, "%s%d by %s (%s)", between, r->unfit_by[i], limits[i].word, limits[i].option);
+            between = ", ";
+        }
+    fputc('\n', f);
 }
 
 static void print_searched(const long state[LW_FIT_STATES], FILE *f)
@@ -171,6 +194,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         }
     if (s->search.found.n_stage > 1)
         print_stages(s, f);
+    print_unfit(s, f);
     print_topologies(s, f);
     cli_fit_points_summary(s, f);
     if (s->is_exact)
@@ -496,6 +520,11 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
         json_topologies(s, &j);
     }
     cli_json_int(&j, "left_out", s->search.results.n_left_out);
+    cli_json_object(&j, "beyond_limits");
+    cli_json_int(&j, "linkages", s->search.results.n_unfit);
+    for (int i = 0; i < LW_LIMITS; i++)
+        cli_json_int(&j, limits[i].key, s->search.results.unfit_by[i]);
+    cli_json_end(&j);
     cli_json_int(&j, "starts", s->search.found.fit.starts);
     cli_json_int(&j, "local_fits", s->search.found.fit.improved);
     cli_json_int(&j, "evaluations", s->search.found.fit.evals);

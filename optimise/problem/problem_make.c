@@ -176,6 +176,8 @@ static void range_of(const lw_problem *p, const lw_fit_spec *s, const lw_target 
     } else if (i < p->n_dim && p->plan.dim[i].kind == LW_DIM_COORDINATE) {
         double shift = i == p->plan.i_x0 ? p->origin.x : i == p->plan.i_y0 ? p->origin.y : 0;
         double reach = most_size(s)*(t->x && t->extent > 0 ? t->extent : 1)/p->unit;
+        if (s->by_default & LW_LIMIT_SIZE && i != p->plan.i_x0 && i != p->plan.i_y0)    /* arms to its corners, ... */
+            reach *= p->plan.dim[i].role == LW_ROLE_CX || p->plan.dim[i].role == LW_ROLE_CY ? sqrt(0.5) : 0.5;
         lo = is_coordinate_free(s) ? -reach : (s->position_lo - shift)/p->unit;
         hi = is_coordinate_free(s) ? reach : (s->position_hi - shift)/p->unit;
     }

@@ -10,8 +10,6 @@
 #define AT_LIMIT 1e-3             /* relative: nearer than this, a limit is active                                  */
 #define KEPT     1.01             /* limits are kept to this factor                                                */
 #define ARM      1.5              /* a coupler point may lie in the corner of its box                               */
-#define STRAY    0.02             /* how far a curve may leave its target, in sizes of the target, ...              */
-#define BETWEEN  0.5              /* ... more by this over their number: between few stations the target is not known */
 
 static bool on_link(const lw_joint *j, int link)
 {
@@ -95,17 +93,11 @@ static void broken(lw_fit_report *r, unsigned limit, const char *text, double va
     r->broken |= limit;
 }
 
-/* How far from the target may the curve lead? */
-static double stray_allowed(const lw_target *t, const lw_fit_report *r)
-{
-    return (STRAY + BETWEEN/(double)t->n)*t->size + 2*r->error_max;
-}
-
 static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
 {
     if (s->within_limits && r->passes_limit)
         broken(r, LW_LIMIT_MOTION, "the input passes a limit or turns back on its way", 0);
-    if (s->within_limits && lw_task_has_place(s->task) && r->stray.to_target > stray_allowed(t, r))
+    if (s->within_limits && lw_task_has_place(s->task) && r->stray.to_target > lw_stray_allowed(t->n)*t->size + 2*r->error_max)
         broken(r, LW_LIMIT_MOTION, "between the stations its curve strays from the target by %.3g of the target's size",
                r->stray.to_target/t->size);
     if (s->by_default & LW_LIMIT_TRANSMISSION && r->transmission_min < s->min_transmission - AT_LIMIT)

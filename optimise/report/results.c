@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/real.h"
+
 static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int i)
 {
     for (int k = 0; k < r->n; k++)
@@ -41,17 +43,64 @@ static bool is_rough(const lw_target *t, const lw_candidate *first, const lw_can
         && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
-/* Should this report, worse than those before it, be a result too? */
+/* Should this report, whose error is not less than those before it, be a result too?  Without default limits the first
+ * `most` are; with them there are as many as the front has. */
 static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most, const lw_fit_results *out,
                       int i, const lw_fit_report *r)
 {
     const lw_candidate *c = &fit->candidate[i];
     if (first_with_its_links(out, fit, i))
         return true;
-    bool wanted = out->n < most;
+    bool wanted = s->by_default || out->n < most;
     for (int k = 0; k < out->n && wanted && s->by_default; k++)
         wanted = !covers(&fit->candidate[out->candidate[k]], &out->report[k], c, r);
     return wanted && !(s->by_default && is_rough(t, &fit->candidate[out->candidate[0]], c, r));
+}
+
+/* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
+#define EXACT_ENOUGH 1e-3          /* an error of this part of the target is as good as none: play and tolerances are more */
+#define COMPACT      1.5           /* a link no longer than this many targets costs nothing, ...                    */
+#define PER_SIZE     0.5           /* ... beyond it twice the length counts as 1.4 times the error                  */
+#define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
+#define PER_LINK     0.2           /* for each link more                                                            */
+#define ROCKING      0.1           /* an input that has to be reversed                                              */
+
+/* Less is better. */
+static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
+{
+    double error = isnan(r->angle_max) ? 0 : r->angle_max, size = 0;
+    if (t->extent > 0 && isfinite(lw_fit_report_stray(r))) {
+        error = (lw_fit_report_stray(r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
+        size = log(fmax(1, r->size/(COMPACT*t->extent)));
+    }
+    return log(error + EXACT_ENOUGH) + PER_SIZE*size + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
+         + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
+}
+
+/* Sort the front by cost and keep `most` rows, among them the one with the least error, and the first of each number of
+ * links. */
+static void order_front(const lw_target *t, const lw_fit *fit, int most, lw_fit_report *all, lw_fit_results *out)
+{
+    int n = 0, exact = out->n > 0 ? out->candidate[0] : -1;
+    for (int i = 1; i < out->n; i++) {
+        int now = out->candidate[i], at = i;
+        double cost = cost_of(t, &fit->candidate[now], &all[now]);
+        for (; at > 0 && cost_of(t, &fit->candidate[out->candidate[at - 1]], &all[out->candidate[at - 1]]) > cost; at--)
+            out->candidate[at] = out->candidate[at - 1];
+        out->candidate[at] = now;
+    }
+    for (int i = 0, front = out->n; i < front; i++) {
+        int now = out->candidate[i];
+        bool kept = n < most - 1 || now == exact || (n < most && exact < 0);
+        out->n = n;
+        if (kept || first_with_its_links(out, fit, now)) {
+            exact = now == exact ? -1 : exact;
+            out->candidate[n++] = now;
+        }
+    }
+    out->n = n;
+    for (int i = 0; i < n; i++)
+        out->report[i] = all[out->candidate[i]];
 }
 
 static void leave_out(lw_fit_results *out, int candidate, const char *fault)
@@ -138,13 +187,17 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
         const lw_fit_report *r = &all[i];
         if (!fit_for_use[i])
             continue;
-        if (bits(r->broken) > bits(out->broken))
+        if (bits(r->broken) > bits(out->broken)) {
             out->n_unfit++;
-        else if (is_wanted(t, s, fit, most, out, i, r)) {
+            for (int k = 0; k < LW_LIMITS; k++)
+                out->unfit_by[k] += r->broken >> k & 1;
+        } else if (is_wanted(t, s, fit, most, out, i, r)) {
             out->report[out->n] = *r;
             out->candidate[out->n++] = i;
         }
     }
+    if (st == LW_OK && s->by_default && out->n_within == 0)
+        order_front(t, fit, most, all, out);
     free(all);
     free(fit_for_use);
     if (st != LW_OK)

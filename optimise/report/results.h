@@ -16,7 +16,8 @@ typedef struct lw_fit_results {
     lw_fit_report *report;         /*                                                          (n)  */
     unsigned       broken;         /* LW_LIMIT_ bits that no linkage was found to keep, so that results break them */
     int            n_within;       /* results within the tolerance; 0: none is, or none was asked for */
-    int            n_unfit;        /* candidates left out because they break a limit                */
+    int            n_unfit;        /* candidates left out because they break a limit that results keep, ... */
+    int            unfit_by[LW_LIMITS];  /* ... and of these, how many break limit 1 << i           (LW_LIMITS) */
     int            n_left_out;
     lw_left_out   *left_out;       /*                                                 (n_left_out)  */
 } lw_fit_results;

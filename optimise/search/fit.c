@@ -98,6 +98,8 @@ static bool family_requested(const lw_fit_options *o, const lw_family *f)
         return false;
     if (o->spec.crank_only && !f->turns)
         return false;
+    if (o->part != LW_FIT_WHOLE && (o->part == LW_FIT_CRANKS) != (f->turns && !f->drag_link))
+        return false;
     return !(o->spec.exclude_drag_link && f->drag_link);
 }
 
@@ -135,6 +137,15 @@ static lw_status make_slot(const lw_search *s, int candidate, bool coarse, lw_sl
         slot->coarse = coarse;
     }
     return st;
+}
+
+void lw_search_empty_slots(lw_workbench *b)
+{
+    for (int k = 0; b->slot && k < LW_SLOTS; k++) {
+        if (b->slot[k].candidate >= 0)
+            lw_problem_free(&b->slot[k].problem);
+        b->slot[k].candidate = -1;
+    }
 }
 
 /* The slot that holds the problem, else the one that was not used for the longest time. */
@@ -285,7 +296,7 @@ static lw_status make_thin_target(lw_search *s, lw_error *e)
 lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e)
 {
     const lw_families *f = s->o->families;
-    lw_status st = make_thin_target(s, e);
+    lw_status st = s->thin.n > 0 ? LW_OK : make_thin_target(s, e);
     s->candidate = calloc((size_t)(f ? f->n : LW_SEARCH_CANDIDATE_MAX) + 1, sizeof *s->candidate);
     if (!s->candidate)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");

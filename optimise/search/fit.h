@@ -12,8 +12,15 @@
 
 #define LW_HIGHER_COST 20
 
+/* Which of the four-link families to search in.  A search of all of them is one in the cranks, which is what
+ * `crank_only` without drag links asks for, and one in the others: so it is never worse than that. */
+typedef enum lw_fit_part { LW_FIT_WHOLE, LW_FIT_CRANKS, LW_FIT_OTHERS } lw_fit_part;
+
 typedef struct lw_fit_options {
     lw_fit_spec spec;
+    lw_fit_part part;            /* of `types` (LW_FIT_WHOLE)                                        */
+    bool        both_ways;       /* with free timing: search without timing, from the points to the curve and back, then
+                                  * order the stations along the curves found                       */
     const char *types;           /* names or letters of mbs/plan/types.h with commas between, or "all" ("fourbar") */
     const lw_families *families; /* search in these by successive halving instead of in types; NULL: in types */
     long        budget;          /* with `families`: no round begins after this many evaluations.  An evaluation of a

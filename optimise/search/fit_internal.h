@@ -87,7 +87,7 @@ typedef struct lw_search {
     double               started;      /* wall clock                                                */
     double               best_raw;     /* least f before polishing, in the scale of the search      */
     long                 hits;         /* how often that was found                                  */
-    long                 evals, improved;
+    long                 evals, improved, starts;      /* starts: of candidates that were replaced    */
     atomic_bool          no_memory;    /* a part of the search found no memory: the search fails    */
 } lw_search;
 
@@ -103,6 +103,9 @@ const lw_problem *lw_search_made(lw_search *s, int thread, int candidate, bool c
 
 /* The thread's only copy of that problem, whose intended motion may be changed, with scratch in the thread's bench. */
 lw_problem *lw_search_problem(lw_search *s, int thread, int candidate, bool coarse, lw_status *st);
+
+/* Free the problems that a thread keeps. */
+void lw_search_empty_slots(lw_workbench *b);
 
 /* Why the problem of a candidate could not be made, with a text. */
 lw_status lw_search_fault(lw_search *s, int candidate, lw_error *e);
@@ -127,6 +130,9 @@ void      lw_search_halving(lw_search *s);
 /* ---- fit_round.c: run the jobs, improve and polish their finds, and put these in the pool.  LW_E_MEMORY, or a failure
  * of lw_problem_make other than that a family cannot do the task. */
 lw_status lw_search_round(lw_search *s, lw_error *e);
+
+/* After a search without timing: the pool again, its stations in their order along the curves. */
+lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e);
 
 /* Before the pool is ranked: fit its best finds again with less size and with greater transmission angles, so that the
  * results are a front. */

@@ -12,6 +12,8 @@
 #include "optimise/search/random_linkage.h"
 #include "optimise/problem/constraint.h"
 #include "optimise/problem/residuals.h"
+#include "optimise/problem/evaluate.h"
+#include "optimise/problem/timing.h"
 #include "optimise/search/start.h"
 
 enum {
@@ -23,6 +25,7 @@ enum {
     POLISH = 8              /* finds of a round that are polished                                    */
 };
 enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but not the other conditions   */
+#define STRAY_STEP 0.05     /* of the size of the target: finds that stray farther than others come after them */
 #define LACKING 1e4         /* f counts so many times where a soft condition is not met              */
 #define MET   1e-6          /* conditions on results are met to this                                 */
 #define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
@@ -256,6 +259,44 @@ static void refine_variables(const lw_problem *coarse, const lw_problem *fine, d
     memcpy(x, to, sizeof *x*(size_t)fine->n_dim);
 }
 
+/* How far the curve of a closed target leaves the target beyond what results may, in sizes of the target; at most 0: not
+ * beyond.  The inputs of the stations are in work. */
+static double strays(const lw_search *s, const lw_problem *p, const double *x, lw_work *w)
+{
+    double most = 0, off = 0;
+    if (!s->o->spec.within_limits || !p->closed || !p->intended.turns || !lw_task_has_place(p->task))
+        return 0;
+    for (size_t k = 0; k < p->n; k++)
+        off = fmax(off, hypot(w->jac.x[k] - p->x[k], w->jac.y[k] - p->y[k]));
+    lw_timing_sample(p, x, w);
+    for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+        double least = INFINITY;
+        for (size_t k = 0, to = p->n - 1; k < p->n; to = k++)
+            least = fmin(least, lw_v2_segment_distance(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]),
+                                                       lw_v2(p->x[k], p->y[k])));
+        most = fmax(most, least);
+    }
+    return (most - 2*off)*p->unit/s->t->size - lw_stray_allowed(p->n);
+}
+
+/* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
+static void judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c)
+{
+    if (isfinite(c->f) && (p->timing != LW_TIMING_PRESCRIBED || p->transmission_is_soft))  /* f of x alone, without stations kept */
+        c->f = lw_problem_value(p, c->x, NULL, work);
+    if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))
+        c->f = INFINITY;
+    c->beyond = 0;
+    if (isfinite(c->f) && !lw_problem_admissible(p, c->x, MET, work)) {
+        c->beyond = 1 + (int)(lw_problem_lacks(p, c->x, work)/LW_BEYOND);
+        c->f = p->transmission_is_soft && c->beyond <= BEYOND_MOST ? c->f : INFINITY;
+    }
+    double beyond = isfinite(c->f) && lw_problem_settle(p, c->x, work) ? strays(s, p, c->x, work) : 0;
+    if (beyond > 0)
+        c->beyond += 1 + (int)fmin(10, beyond/STRAY_STEP);
+    c->polished = true;
+}
+
 /* Improve a find until it converges; f becomes INFINITY if it does not meet the conditions. */
 static void polish_one(void *context, size_t job, int thread)
 {
@@ -282,15 +323,7 @@ static void polish_one(void *context, size_t job, int thread)
     improve(s, p, &o, true, work, c);
     l->spent += c->evals;
     l->spent *= lw_search_effort(s, p).cost;
-    if (isfinite(c->f) && (p->timing != LW_TIMING_PRESCRIBED || p->transmission_is_soft))       /* f of x alone, without stations kept */
-        c->f = lw_problem_value(p, c->x, NULL, work);
-    if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))
-        c->f = INFINITY;
-    if (isfinite(c->f) && !lw_problem_admissible(p, c->x, MET, work)) {
-        c->beyond = 1 + (int)(lw_problem_lacks(p, c->x, work)/LW_BEYOND);
-        c->f = p->transmission_is_soft && c->beyond <= BEYOND_MOST ? c->f : INFINITY;
-    }
-    c->polished = true;
+    judge(s, p, work, c);
 }
 
 /* Count how often the search found its best, which decides when it ends. */
@@ -430,15 +463,81 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
     return LW_OK;
 }
 
+/* ---- stations in order ------------------------------------------------------------------------------------- */
+
+/* The find of a search without timing as one of candidate k with ordered stations. */
+static lw_status order_one(lw_search *s, int k, int sense, lw_found *c, lw_variables *of)
+{
+    lw_status st;
+    lw_problem *p = lw_search_problem(s, 0, k, false, &st);
+    void *work = s->bench[0].work;
+    if (!p)
+        return st == LW_E_KIND ? LW_OK : st;
+    c->candidate = k;
+    c->intended.sense = sense;
+    p->intended = c->intended;
+    *of = lw_pool_variables(p);
+    lw_problem_work_intended(p, work);
+    judge(s, p, work, c);
+    return LW_OK;
+}
+
+lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e)
+{
+    int n = s->n_candidate;
+    lw_status st = LW_OK;
+    lw_search_candidate *before = s->candidate;
+    lw_pool *found = malloc(sizeof *found);
+    if (!found)
+        return LW_E_MEMORY;
+    *found = s->pool;
+    s->pool.n = 0;
+    s->own.spec.timing = LW_TIMING_FREE;
+    for (int i = 0; i < s->n_thread; i++)
+        lw_search_empty_slots(&s->bench[i]);
+    if (!s->o->families) {
+        for (int i = 0; i < n; i++)
+            s->starts += before[i].starts;
+        s->candidate = NULL;
+        s->n_candidate = 0;
+        st = lw_search_make_candidates(s, out, e);
+    }
+    for (int i = 0; i < found->n && st == LW_OK; i++) {
+        const lw_search_candidate *b = &before[found->item[i].candidate];
+        lw_found best = { .f = INFINITY };
+        lw_variables of;
+        for (int k = 0; k < s->n_candidate && st == LW_OK; k++) {
+            const lw_search_candidate *a = &s->candidate[k];
+            bool mine = s->o->families ? k == found->item[i].candidate : a->row == b->row && a->mode == b->mode;
+            for (int sense = -1; mine && sense <= 1 && st == LW_OK; sense += 2) {
+                lw_found now = found->item[i];
+                if (!s->o->families && sense != a->sense)
+                    continue;
+                st = order_one(s, k, sense, &now, &of);
+                best = now.f < best.f ? now : best;
+            }
+        }
+        if (isfinite(best.f))
+            lw_pool_put(&s->pool, &best, &of);
+    }
+    if (!s->o->families) {
+        for (int i = 0; i < n; i++)
+            free(before[i].best);
+        free(before);
+    }
+    free(found);
+    return st;
+}
+
 /* ---- the front ------------------------------------------------------------------------------------------- */
 
 /* What a find is fitted again with: this part of its size at most, or this least transmission angle; the first VARIANTS,
  * or all if the smallest linkage within a tolerance is asked for. */
 static const struct { double size, transmission_deg; } variants[] = {
-    { 0.6, 0 }, { 0.35, 0 }, { 0.2, 0 }, { 1, 30 }, { 1, 40 }, { 0.8, 0 }, { 0.7, 0 }, { 0.5, 0 }, { 0.42, 0 },
+    { 0.6, 0 }, { 0.35, 0 }, { 0.2, 0 }, { 1, 30 }, { 1, 40 }, { 0.5, 35 }, { 0.3, 35 }, { 0.8, 0 }, { 0.7, 0 }, { 0.5, 0 }, { 0.42, 0 },
     { 0.29, 0 }, { 0.24, 0 }
 };
-enum { VARIANTS = 5, ALL_VARIANTS = sizeof variants/sizeof *variants, WIDENED = 3, LEFT = 24 };
+enum { VARIANTS = 7, ALL_VARIANTS = sizeof variants/sizeof *variants, WIDENED = 3, LEFT = 15 };
 
 static int variants_of(const lw_search *s) { return s->o->spec.tolerance > 0 ? ALL_VARIANTS : VARIANTS; }
 
@@ -491,10 +590,8 @@ static void fit_variant(void *context, size_t job, int thread)
     l->spent = -l->find.evals;
     improve(s, p, &o, true, work, &l->find);
     l->spent = (l->spent + l->find.evals)*lw_search_effort(s, p).cost;
-    if (isfinite(l->find.f) && p->timing != LW_TIMING_PRESCRIBED)
-        l->find.f = lw_problem_value(p, l->find.x, NULL, work);
-    if (!(l->find.f >= f*(1 - HIT)) || !lw_problem_stays(p, l->find.x, work)
-        || !lw_problem_admissible(p, l->find.x, MET, work))
+    judge(s, p, work, &l->find);
+    if (!(l->find.f >= f*(1 - HIT)))
         l->find.f = INFINITY;
 }
 
@@ -507,7 +604,7 @@ lw_status lw_search_widen(lw_search *s)
         return LW_OK;
     pool->n = pool->n < LEFT ? pool->n : LEFT;
     for (int i = 0; i < pool->n && list.n < WIDENED*variants_of(s); i++)
-        for (int k = 0; k < variants_of(s) && pool->item[i].beyond == 0; k++)
+        for (int k = 0; k < variants_of(s); k++)
             take(&pool->item[i], &list);
     list.until = lw_search_end(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)

@@ -25,6 +25,8 @@ static int rounds_of(const lw_search *s)
     const lw_fit_spec *q = &s->o->spec;
     if (q->min_transmission > 0 || q->max_acceleration > 0 || q->n_zone > 0)      /* a job costs twice as much */
         jobs *= 0.5;
+    if (s->o->part == LW_FIT_OTHERS)
+        jobs *= 0.4;
     int rounds = (int)(jobs/s->n_job + 0.5);
     return rounds < 5 ? 5 : rounds;
 }
@@ -45,9 +47,7 @@ static lw_status make_benches(lw_search *s)
 
 static void bench_free(lw_workbench *b)
 {
-    for (int k = 0; b->slot && k < LW_SLOTS; k++)
-        if (b->slot[k].candidate >= 0)
-            lw_problem_free(&b->slot[k].problem);
+    lw_search_empty_slots(b);
     free(b->slot);
     free(b->work);
 }
@@ -124,6 +124,7 @@ static lw_status describe(const lw_search *s, lw_fit *out)
     out->improved = s->improved;
     out->evals = s->evals;
     out->rounds = s->round + (out->stop != LW_STOP_EVALS);       /* the round in which it stopped counts too */
+    out->starts = s->starts;
     for (int i = 0; i < s->n_candidate; i++)
         out->starts += s->candidate[i].starts;
     out->n_state = s->o->families ? s->n_candidate : 0;
@@ -144,6 +145,8 @@ static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
         return st;
     lw_search_halving(s);
     st = search_rounds(s, &out->stop, e);
+    if (st == LW_OK && s->o->both_ways)
+        st = lw_search_order_stations(s, out, e);
     if (st == LW_OK)
         st = lw_search_widen(s);
     if (st == LW_OK)
@@ -162,6 +165,10 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
     s->t = t;
     s->own = *o;
     s->o = &s->own;
+    if (o->part == LW_FIT_CRANKS)
+        s->own.spec.crank_only = s->own.spec.exclude_drag_link = true;
+    if (o->both_ways)
+        s->own.spec.timing = LW_TIMING_NONE;
     s->started = lw_clock_wall();
     s->best_raw = INFINITY;
     lw_status st = search_all(s, out, e);

@@ -104,7 +104,7 @@ enum {
     LW_LIMIT_SIZE = 4,                 /* max_size                                                */
     LW_LIMIT_MARGIN = 8,               /* class_margin                                            */
     LW_LIMIT_MOTION = 16,              /* within_limits                                                */
-    LW_LIMIT_ALL = 31,
+    LW_LIMITS = 5, LW_LIMIT_ALL = 31,
     LW_LIMIT_TURN = 32                 /* crank_only, for closed targets: gives way if no type can turn   */
 };
 #define LW_DEFAULT_TRANSMISSION_DEG 20
@@ -114,6 +114,10 @@ enum {
 
 /* Set those of the limits that are not among `given` to their defaults for this target. */
 void lw_fit_spec_set_limits(lw_fit_spec *s, const lw_target *t, unsigned given);
+
+/* How far the curve of a result may leave a target of n stations between them, in sizes of the target, beside twice the
+ * greatest error at a station: between few stations the target is not known. */
+static inline double lw_stray_allowed(size_t n) { return 0.02 + 0.5/(double)n; }
 
 /* The objective that the columns of a target suggest: a function without x and y, a motion with theta, else a path. */
 lw_task lw_task_suggested(const lw_target *t);

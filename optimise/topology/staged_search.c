@@ -15,6 +15,7 @@ enum {
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
+#define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
 typedef struct grown {
     int            n;
@@ -121,20 +122,83 @@ static lw_status merge(lw_fit *all, lw_fit *more)
 
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
-/* Keep the results of a stage's fit. */
+/* Keep the results of one search of a stage. */
 static lw_status take(lw_staged_search *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
 {
-    r->starts = fit->starts;
-    r->improved = fit->improved;
-    r->evals = fit->evals;
+    r->starts += fit->starts;
+    r->improved += fit->improved;
+    r->evals += fit->evals;
     r->stop = fit->stop;
-    r->best = fit->n ? fit->candidate[0].objective : INFINITY;
-    r->state = fit->state;
-    r->n_state = fit->n_state > 0 ? fit->n_state - r->n_grown : 0;
-    fit->state = NULL;
+    r->best = fit->n ? fmin(r->best, fit->candidate[0].objective) : r->best;
+    if (!r->state) {
+        r->state = fit->state;
+        r->n_state = fit->n_state > 0 ? fit->n_state - r->n_grown : 0;
+        fit->state = NULL;
+    }
     lw_status st = merge(&out->fit, fit) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the results");
     lw_fit_free(fit);
     return st;
+}
+
+static bool can_stray(const lw_target *t, const lw_fit_spec *s)
+{
+    return t->closed && s->by_default & LW_LIMIT_MOTION && lw_task_has_place(s->task) && s->timing == LW_TIMING_FREE;
+}
+
+/* Does the curve of the best linkage with `links` links leave the closed target between the stations?  Then a search
+ * without timing, which compares both ways, finds better ones. */
+static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool *out)
+{
+    lw_status st = LW_OK;
+    lw_fit_report *r = can_stray(t, s) ? malloc(sizeof *r) : NULL;
+    *out = false;
+    for (int i = 0; i < all->n && r && st == LW_OK; i++) {
+        if (lw_candidate_links(&all->candidate[i]) != links)
+            continue;
+        st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
+        *out = r->stray.to_target > 1.5*r->error_max + STRAY*t->size;
+        break;
+    }
+    free(r);
+    return !r && can_stray(t, s) ? LW_E_MEMORY : st;
+}
+
+/* Run the searches of a stage: of four-link types the cranks, then the others; then once more if the best curve strays.
+ * Each gets an equal part of the time that is left. */
+static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, double seconds, lw_stage_result *r,
+                              lw_staged_search *out, lw_error *e)
+{
+    enum { BOTH_WAYS = 2 };
+    double end = lw_clock_wall() + seconds;
+    bool whole = o->families || o->spec.exclude_drag_link, stopped = false, any = false, again = false;
+    lw_status st = LW_OK;
+    for (int i = whole ? 1 : 0; i <= BOTH_WAYS; i++) {
+        lw_fit fit;
+        lw_error why = { .text = "" };
+        if (i == BOTH_WAYS && (strays(t, &o->spec, &out->fit, links, &again) != LW_OK || !again))
+            break;
+        o->part = whole || i == BOTH_WAYS ? LW_FIT_WHOLE : i == 0 ? LW_FIT_CRANKS : LW_FIT_OTHERS;
+        o->both_ways = i == BOTH_WAYS;
+        o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/(BOTH_WAYS - i + can_stray(t, &o->spec))) : 0;
+        st = lw_fit_run(t, o, &fit, &why);
+        if (st == LW_E_ARG && i == 1 && !whole && !any) {        /* no type can turn: this says it, or gives way */
+            o->part = LW_FIT_WHOLE;
+            st = lw_fit_run(t, o, &fit, &why);
+        }
+        bool found = st >= 0;
+        if (found && take(out, r, &fit, e) != LW_OK)
+            return LW_E_MEMORY;
+        stopped |= st == LW_STOPPED;
+        any |= found;
+        if (!found && !(st == LW_E_ARG && !whole && (i == 0 || any))) {
+            if (e)
+                *e = why;
+            return st;
+        }
+        if (st == LW_STOPPED && o->interrupt && *o->interrupt)
+            break;
+    }
+    return stopped ? LW_STOPPED : LW_OK;
 }
 
 static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int before,
@@ -142,7 +206,6 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
 {
     lw_fit_options mine = *o;
     lw_stage_result *r = &out->stage[out->n_stage++];
-    lw_fit fit;
     grown *more = calloc(1, sizeof *more);
     *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
     bool grows = stage->families.make && before > 0 && !lw_task_has_angle(o->spec.task);
@@ -155,11 +218,8 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     lw_families all = lw_families_join(&pair);
     double start = lw_clock_wall();
     mine.families = stage->families.make ? &all : NULL;
-    mine.max_seconds = seconds;
-    lw_status st = lw_fit_run(t, &mine, &fit, e);
+    lw_status st = run_searches(t, &mine, stage->links, seconds, r, out, e);
     r->seconds = lw_clock_wall() - start;
-    if (st >= 0 && take(out, r, &fit, e) != LW_OK)
-        st = LW_E_MEMORY;
     free(more);
     return st;
 }
@@ -208,7 +268,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
         if (now == LW_STOPPED && o->interrupt && *o->interrupt)
             break;
     }
-    shorten(out, lw_fit_kept(o));
+    shorten(out, 2*lw_fit_kept(o));
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 
