@@ -24,6 +24,8 @@ DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjan
 PEERS    = g++ libsimbody-dev libmujoco-dev                         # optional: measured beside by `bench mbs`
 SUNDIALS = -lsundials_cvode -lsundials_ida -lsundials_nvecserial   # Debian 12 has no .pc for it
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Werror=switch -Wno-unknown-pragmas
+# library and program run in threads with little stack (docs/promises.md); tests and builds for sanitizers need more
+STACK    = $(if $(filter tests/%,$<)$(findstring sanitize,$(CFLAGS)),,-Wframe-larger-than=65536)
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) $(LATE) 2>/dev/null)
@@ -34,7 +36,7 @@ ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)
 endif
-COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LESS) -MMD -MP
+COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(STACK) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LESS) -MMD -MP
 
 # mbs/batch/kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)

@@ -1,5 +1,6 @@
 #include "grammar/lam.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include "grammar/text_internal.h"
 
@@ -198,11 +199,16 @@ lw_status lw_lam_read(const char *text, size_t size, const char *file, lw_lam *a
 {
     lw_cursor c = lw_cursor_start(text, size, file, e);
     lw_lam out = { 0 };
-    reading r = { .a = &out, .plain = is_plain(text, size) };
-    lw_status s = read_rows(&c, &r);
+    reading *r = calloc(1, sizeof *r);
+    if (!r)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    r->a = &out;
+    r->plain = is_plain(text, size);
+    lw_status s = read_rows(&c, r);
     if (s == LW_OK)
-        s = check_whole(&r);
+        s = check_whole(r);
     if (s == LW_OK)
         *a = out;
+    free(r);
     return s;
 }

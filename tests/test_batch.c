@@ -12,7 +12,7 @@
 
 typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; } subject;
 
-static _Alignas(64) double work[1 << 17];
+static _Alignas(64) double work[1 << 18];
 
 static bool plan_of(subject *q, bool all)
 {

@@ -51,6 +51,14 @@ static double improve(const lw_problem *p, double *x, lw_stop *stop)
     return f;
 }
 
+static bool feasible(const lw_problem *p, double *x)
+{
+    void *work = new_work(p);
+    bool found = lw_lm_feasible(p, x, work);
+    free(work);
+    return found;
+}
+
 static double value(const lw_problem *p, const double *x, double *grad)
 {
     void *work = new_work(p);
@@ -93,7 +101,7 @@ static void finds_the_way_back(void)
                     continue;
                 }
                 perturb(&p, 0.02, &rng, x);
-                lw_lm_feasible(&p, x);
+                feasible(&p, x);
                 double before = value(&p, x, NULL), f = improve(&p, x, &stop);
                 tried++;
                 back += f < 1e-15;                       /* short arcs lie in flat valleys         */
@@ -118,7 +126,7 @@ static void never_ends_above_its_start(void)
         if (!make_case(families[trial/3 % N_FAMILY], LW_TASK_PATH, timing[trial % 3], lw_fit_spec_default(), 0.3, &rng, &p, x))
             continue;
         perturb(&p, 0.1, &rng, x);
-        lw_lm_feasible(&p, x);
+        feasible(&p, x);
         memcpy(start, x, sizeof x);
         double before = value(&p, x, NULL), f = improve(&p, x, &stop);
         CHECK(isfinite(before) ? f <= before : memcmp(start, x, sizeof x) == 0);
@@ -199,7 +207,7 @@ static void rests_on_a_bound_as_it_should(void)
             p.lo[i] = x[i] - lw_rng_range(&rng, 0.05, 0.3);
             p.hi[i] = x[i] - (i == trial % 4 ? 0.04 : -0.3);
         }
-        if (lw_lm_feasible(&p, x) && isfinite(value(&p, x, NULL))) {
+        if (feasible(&p, x) && isfinite(value(&p, x, NULL))) {
             double f = improve(&p, x, &stop);
             check_inside(&p, x);
             if (stop != LW_STOP_EVALS && p.intended.turns)        /* others may end where they open          */
@@ -229,7 +237,7 @@ static void rests_on_the_limit_of_turning(void)
                 g += p.linear[j][v]*x[v];
             p.linear[j][i] -= (g + add)/x[i]*(j == trial/2 % p.n_linear);
         }
-        if (lw_lm_feasible(&p, x)) {
+        if (feasible(&p, x)) {
             double f = improve(&p, x, &stop);
             check_inside(&p, x);
             if (isfinite(f) && stop != LW_STOP_EVALS)
@@ -256,11 +264,11 @@ static void feasible_points_stay_and_others_move_little(void)
                 p.hi[i] = fmax(p.hi[i], x[i]);
             }
         memcpy(start, x, sizeof x);
-        CHECK(lw_lm_feasible(&p, x));
+        CHECK(feasible(&p, x));
         CHECK(memcmp(start, x, sizeof x) == 0);
         for (int i = 0; i < 4; i++)
             x[i] *= exp(0.5*lw_rng_normal(&rng));
-        CHECK(lw_lm_feasible(&p, x));
+        CHECK(feasible(&p, x));
         check_inside(&p, x);
         CHECK(memcmp(start + 4, x + 4, sizeof *x*5) == 0);       /* place and tracer: no reason   */
         lw_problem_free(&p);
@@ -278,7 +286,7 @@ static void contradictions_are_found_out(void)
         p.lo[i] = i == 1 ? 3 : 1;
         p.hi[i] = i == 1 ? 4 : 2;
     }
-    CHECK(!lw_lm_feasible(&p, x));
+    CHECK(!feasible(&p, x));
     lw_problem_free(&p);
 }
 

@@ -152,7 +152,7 @@ static void every_eight_bar_moves(void)
 /* ---- derivatives ---------------------------------------------------------------------------------------- */
 
 #define LANES 3
-static double work[1 << 18];
+static double work[1 << 19];
 
 static void points_at(const subject *q, const double *dim, const double *t, int which, double *x, double *y, double *m)
 {

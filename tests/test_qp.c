@@ -110,10 +110,10 @@ static bool enumerate(const program *q, double *best)
 
 static bool solve(const program *q, double *p)
 {
-    double l[N*N];
+    double l[N*N], work[2*N*N];
     memcpy(l, q->h, sizeof *l*(size_t)(q->n*q->n));
     CHECK(lw_qp_cholesky(q->n, l));
-    return lw_qp_solve(q->n, l, q->g, q->m, q->a, q->b, p);
+    return lw_qp_solve(q->n, l, q->g, q->m, q->a, q->b, work, p);
 }
 
 static void check_against_all_sets(const program *q)

@@ -27,6 +27,7 @@ typedef struct lw_work {
     bool       by_path;                    /* no closed-form plan: the motion comes from `path`, not from `walk` */
     lw_motion_path path;
     double     q[LW_SYSTEM_Q_MAX];         /* coordinates of the pose being computed                */
+    bool       no_memory;                  /* while looking for a plan or a walk                    */
 } lw_work;
 
 /* The motion runs over t = 0 .. motion_length. */
@@ -143,8 +144,9 @@ static bool prepare(lw_work *w)
 {
     const lw_plan_options outputs = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true,
                                        .kind = LW_PLAN_HIGHER };
-    bool any = choose_references(w) && lw_plan_make(&w->linkage, outputs, &w->plan, NULL) == LW_OK
-               && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
+    lw_status st = choose_references(w) ? lw_plan_make(&w->linkage, outputs, &w->plan, NULL) : LW_E_KIND;
+    w->no_memory |= st == LW_E_MEMORY;
+    bool any = st == LW_OK && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
     if (any)
         keep_dimensions(w);
     return any && w->plan.n_higher == 0
@@ -315,7 +317,9 @@ static bool take_others(lw_work *w, size_t n)
 /* Find the walk through the pose shown; its input counts turns as the arc does. False: not found. */
 static bool find_walk(lw_work *w)
 {
-    if (lw_motion_find(&w->plan, w->dim, &w->motion) < 0 || w->motion.change_point)
+    lw_status st = lw_motion_find(&w->plan, w->dim, &w->motion);
+    w->no_memory |= st == LW_E_MEMORY;
+    if (st < 0 || w->motion.change_point)
         return false;                                  /* through change points the motion curve goes straight on */
     int arc = lw_motion_arc(&w->plan, &w->motion, w->mode, w->input);
     if (arc < 0)
@@ -387,12 +391,15 @@ static double duration(const lw_model *m)
 }
 
 /* Fix links whose rotation changes nothing else (a roller on its pin). False: there is none. */
-static bool fasten_idle_links(lw_linkage *linkage)
+static bool fasten_idle_links(lw_work *w)
 {
+    lw_linkage *linkage = &w->linkage;
     lw_mobility *m = malloc(sizeof *m);
     const lw_mobility_options o = lw_mobility_options_default();
-    uint32_t idle = m && lw_mobility_find(linkage, &o, m, NULL) == LW_OK ? m->idle_links : 0;
+    lw_status st = m ? lw_mobility_find(linkage, &o, m, NULL) : LW_E_MEMORY;
+    uint32_t idle = st == LW_OK ? m->idle_links : 0;
     bool any = false;
+    w->no_memory |= st == LW_E_MEMORY;
     free(m);
     for (int link = 0; link < linkage->n_link; link++)
         for (int i = 0; i < linkage->n_joint && idle >> link & 1; i++) {
@@ -421,7 +428,7 @@ static lw_status start_path(lw_work *w, const lw_scene_options *o, lw_error *why
     if (ranges)
         return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->path, why);
     lw_status st = lw_motion_path_along(k, o->other_branches, &w->path, why);
-    if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(&w->linkage))
+    if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(w))
         st = lw_motion_path_along(k, o->other_branches, &w->path, why);
     return st;
 }
@@ -435,6 +442,8 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
     w->linkage = s->linkage;                                      /* without added tracers */
     w->by_path = true;
     lw_status st = start_path(w, o, &why);
+    if (st == LW_E_MEMORY || w->no_memory)
+        return false;
     if (st == LW_OPEN && w->path.drive)
         snprintf(s->note, sizeof s->note, "Shown in part: %.200s", why.text);
     else if (st != LW_OK) {
@@ -466,6 +475,8 @@ static bool show_motion(lw_work *w, const lw_scene_options *o)
     for (int i = 0; i < w->s->linkage.n_link && walks; i++)
         if (i != w->s->linkage.ground)
             w->s->origin[i] = reference(w, &w->start, i);
+    if (w->no_memory)
+        return false;
     return walks ? show_walk(w, o) : show_course(w, o);
 }
 

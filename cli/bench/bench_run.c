@@ -149,12 +149,14 @@ static int by_f(const void *a, const void *b)
 /* Draw the best TRIES starts of one candidate, as the default strategy does. */
 static bool draw_candidate(candidates *a, int candidate, lw_rng *rng, start *s)
 {
-    double u[DRAWS*LW_START_DRAWS];
+    double *u = malloc(sizeof *u*DRAWS*LW_START_DRAWS);
     lw_problem *p = &a->problem[candidate];
     bool look = p->timing != LW_TIMING_PRESCRIBED;
     int d = lw_start_draws(p), n = look ? GLANCE : DRAWS;
-    if (!lw_low_discrepancy(rng, DRAWS, d, u))
+    if (!u || !lw_low_discrepancy(rng, DRAWS, d, u)) {
+        free(u);
         return false;
+    }
     lw_problem_work_init(p, a->work);
     for (int i = 0; i < DRAWS; i++) {
         s[i] = (start){ .candidate = candidate, .draw = i };
@@ -166,6 +168,7 @@ static bool draw_candidate(candidates *a, int candidate, lw_rng *rng, start *s)
     for (int i = 0; i < n; i++)
         s[i].f = lw_start(p, u + s[i].draw*d, s[i].x, a->work);
     qsort(s, (size_t)n, sizeof *s, by_f);
+    free(u);
     return true;
 }
 
@@ -249,13 +252,15 @@ lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, doubl
                         cli_bench_curve *c, lw_error *e)
 {
     recorder r = { .curve = c, .started = lw_clock_wall(), .enough = enough };
-    candidates a = { 0 };
-    lw_status st = solver ? make_candidates(c->problem, &a, e) : run_default(seconds, jobs, &r, e);
+    candidates *a = calloc(1, sizeof *a);
+    lw_status st = !a ? LW_E_MEMORY : solver ? make_candidates(c->problem, a, e) : run_default(seconds, jobs, &r, e);
     if (solver && st == LW_OK && solver->global)
-        run_box(solver, seconds, &a, &r);
+        run_box(solver, seconds, a, &r);
     else if (solver && st == LW_OK)
-        st = run_starts(solver, seconds, &a, &r);
-    free_candidates(&a);
+        st = run_starts(solver, seconds, a, &r);
+    if (a)
+        free_candidates(a);
+    free(a);
     if (c->incomplete || st == LW_E_MEMORY)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     return st;

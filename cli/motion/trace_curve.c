@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "cli/program/output.h"
 
 /* ---- shared ------------------------------------------------------------------------------------ */
 
@@ -522,20 +523,28 @@ cli_groups *cli_groups_make(const lw_linkage *linkage, unsigned tracers)
 {
     cli_groups *g = calloc(1, sizeof *g);
     double input;
-    if (g)
+    lw_status s = LW_E_MEMORY;
+    if (g) {
         g->k = *linkage;
-    if (g && lw_plan_make(linkage, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER },
-                          &g->plan, NULL) == LW_OK
-        && lw_plan_read(&g->plan, linkage, g->dim, g->mode, &input, NULL) == LW_OK)
+        s = lw_plan_make(linkage, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER },
+                         &g->plan, NULL);
+    }
+    if (s == LW_OK)
+        s = lw_plan_read(&g->plan, linkage, g->dim, g->mode, &input, NULL);
+    if (s == LW_OK)
         return g;
+    if (s == LW_E_MEMORY)
+        cli_lost();
     free(g);
     return NULL;
 }
 
 static bool solve(cli_groups *g, double u)
 {
-    return lw_pose_solve(&g->plan, g->dim, g->mode, u + g->more, CLI_ROW_ORDER, &g->pose) == LW_OK
-           && g->pose.margin > LEAST_MARGIN;
+    lw_status s = lw_pose_solve(&g->plan, g->dim, g->mode, u + g->more, CLI_ROW_ORDER, &g->pose);
+    if (s == LW_E_MEMORY)
+        cli_lost();
+    return s == LW_OK && g->pose.margin > LEAST_MARGIN;
 }
 
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,

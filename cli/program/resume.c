@@ -9,7 +9,7 @@ typedef struct lines { uint64_t n; off_t end, last; } lines;
 
 static bool count_lines(FILE *f, lines *l)
 {
-    char part[1 << 16];
+    char part[1 << 14];
     size_t got;
     off_t at = 0;
     *l = (lines){ 0, 0, 0 };
@@ -25,7 +25,7 @@ static bool count_lines(FILE *f, lines *l)
 
 static bool copy(FILE *from, FILE *to, off_t size)
 {
-    char part[1 << 16];
+    char part[1 << 14];
     rewind(from);
     for (size_t got; size > 0; size -= (off_t)got) {
         got = fread(part, 1, size < (off_t)sizeof part ? (size_t)size : sizeof part, from);

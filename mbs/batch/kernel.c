@@ -569,4 +569,4 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
 
 extern const lw_kernels lw_kernels_here;
 const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
-                                     lw_kernel_normal, lw_kernel_group_pose };
+                                     lw_kernel_normal, lw_kernel_group_pose, &lw_higher_size, &lw_follow_size };

@@ -54,6 +54,7 @@ typedef struct follower {
     pack    row[LW_GROUP_ROW_MAX];         /* rows of the last try                                    */
     pack    guess[LW_GROUP_ROW_MAX];       /* its first guess                                         */
     pack    bend[LW_INVERSE_MAX], push[LW_INVERSE_MAX];
+    pack    bend_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], push_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
     pack    known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
     mask    certified;
     pack    margin;                        /* the least of all groups                                 */
@@ -388,7 +389,7 @@ LW_INLINE void certify(const int n, follower *f, const eight *w, pack t)
     drift by;
     size_t first = inverse_at(f, g);
     const pack *b = f->bend + first, *push = f->push + first;
-    pack b_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], push_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
+    pack *b_before = f->bend_before, *push_before = f->push_before;
     pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX], off[LW_UNKNOWN_MAX], most = { 0 }, here, there;
     drifts(f, g, t, &by);
     movement(f, g, r, off);

@@ -397,32 +397,34 @@ static void group_poses_of_chunk(follower *f, const lw_plan *plan, const lw_lane
             q->group_pose[(size_t)r*q->row + i] = q->group_pose[(size_t)r*q->row + in->n - 1];
 }
 
+/* The lanes of a plan with higher groups, in chunks: the first part of the scratch. */
+typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
+const size_t lw_follow_size = sizeof(chunks);
+
 /* The pose of the groups at one input, for mbs/batch/pose.c. */
 void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                         lw_group_pose *group_pose)
 {
-    follower f;
-    follow_from_seed(&f, plan, dim, mode, true, work);
+    chunks *c = lw_scratch_align(work);
+    follower *f = &c->f;
+    follow_from_seed(f, plan, dim, mode, true, (double *)(c + 1));
     double to = input;
     if (!plan->input_is_slider)
-        to = back(&f.at, 0)->t + remainder(input - back(&f.at, 0)->t, 2*LW_PI);
-    bool there = !f.lost && advance(&f, to);
+        to = back(&f->at, 0)->t + remainder(input - back(&f->at, 0)->t, 2*LW_PI);
+    bool there = !f->lost && advance(f, to);
     memset(group_pose, 0, sizeof *group_pose);
-    memcpy(group_pose->row, back(&f.at, 0)->row, (size_t)plan->n_row*sizeof(double));
+    memcpy(group_pose->row, back(&f->at, 0)->row, (size_t)plan->n_row*sizeof(double));
     group_pose->margin = 1;
     if (!there)
-        group_pose->margin = f.lost ? -1 : -fmax(fabs(to - back(&f.at, 0)->t)/unit_of(&f), 1e-12);
+        group_pose->margin = f->lost ? -1 : -fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
     double *inverse = group_pose->inverse;
     for (int g = 0; there && g < plan->n_higher; g++) {
-        const eight *w = &f.group[g];
-        group_pose->margin = fmin(group_pose->margin, w->margin[f.at_lane]);
+        const eight *w = &f->group[g];
+        group_pose->margin = fmin(group_pose->margin, w->margin[f->at_lane]);
         for (int i = 0; i < w->n*w->n; i++)
-            *inverse++ = w->inv[i][f.at_lane];
+            *inverse++ = w->inv[i][f->at_lane];
     }
 }
-
-/* The lanes of a plan with higher groups, in chunks. */
-typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
 
 static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
 {
@@ -461,8 +463,8 @@ static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
 
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller)
 {
-    chunks c;
-    begin_chunks(&c, plan, in, work);
-    while (next_chunk(&c, plan, in))
-        work_on(caller, &c.part, c.first, c.lane_work, c.q.group_pose);
+    chunks *c = lw_scratch_align(work);
+    begin_chunks(c, plan, in, (double *)(c + 1));
+    while (next_chunk(c, plan, in))
+        work_on(caller, &c->part, c->first, c->lane_work, c->q.group_pose);
 }

@@ -67,37 +67,39 @@ static double size_at(const run *k, size_t i)
     return lw_plan_size(k->plan, dim);
 }
 
+const size_t lw_higher_size = sizeof(eight);
+
 void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs)
 {
     const lw_higher *g = &k->plan->higher[s->dim[0]];
     const double *reach = k->group_pose + (size_t)k->plan->n_row*k->group_pose_row;
     double *inverse = inverse_rows(k, g);
-    eight w;
-    take_group(&w, g);
-    w.size = size_at(k, 0);
-    w.ends = !k->plan->input_is_slider;
-    w.margin = (pack){ 0 };
+    eight *w = k->group;
+    take_group(w, g);
+    w->size = size_at(k, 0);
+    w->ends = !k->plan->input_is_slider;
+    w->margin = (pack){ 0 };
     if (!per_lane) {
-        load_vectors(k, &w, 0, 0);
-        load_angles(k, &w);
-        load_meshes(k, g, 0, 0, &w.mesh);
+        load_vectors(k, w, 0, 0);
+        load_angles(k, w);
+        load_meshes(k, g, 0, 0, &w->mesh);
     }
     for (size_t i = 0; i < n; i += LW_GROUP) {
         if (per_lane) {
-            w.size = size_at(k, i);
-            load_vectors(k, &w, i, 1);
-            load_meshes(k, g, i, 1, &w.mesh);
-            load_known(k, &w, i, 1);
+            w->size = size_at(k, i);
+            load_vectors(k, w, i, 1);
+            load_meshes(k, g, i, 1, &w->mesh);
+            load_known(k, w, i, 1);
         } else
-            load_known(k, &w, i, 0);
-        take_group_pose(k, &w, i);
-        settle(&w, reach + i, outputs);
-        put_group(k, &w, i);
+            load_known(k, w, i, 0);
+        take_group_pose(k, w, i);
+        settle(w, reach + i, outputs);
+        put_group(k, w, i);
         if (outputs >= WITH_MARGIN)
-            put8(k->margin + i, less8(w.margin, get8(k->margin + i)));
-        mask sound = (mask)(w.margin > LW_MARGIN_FLAT);
-        for (int c = 0; outputs == WITH_ROOTS && c < w.n*w.n; c++)
-            put8(inverse + (size_t)c*k->nb + i, where8(sound, w.inv[c]));
+            put8(k->margin + i, less8(w->margin, get8(k->margin + i)));
+        mask sound = (mask)(w->margin > LW_MARGIN_FLAT);
+        for (int c = 0; outputs == WITH_ROOTS && c < w->n*w->n; c++)
+            put8(inverse + (size_t)c*k->nb + i, where8(sound, w->inv[c]));
     }
 }
 
@@ -196,21 +198,21 @@ static void back_eight(const run *k, eight *w, size_t i)
 void lw_higher_backward(const run *k, const lw_step *s, size_t n)
 {
     const lw_higher *g = &k->plan->higher[s->dim[0]];
-    eight w;
-    take_group(&w, g);
-    load_vectors(k, &w, 0, 0);
-    load_angles(k, &w);
-    load_meshes(k, g, 0, 0, &w.mesh);
+    eight *w = k->group;
+    take_group(w, g);
+    load_vectors(k, w, 0, 0);
+    load_angles(k, w);
+    load_meshes(k, g, 0, 0, &w->mesh);
     for (size_t i = 0; i < n; i += LW_GROUP) {
-        load_known(k, &w, i, 0);
+        load_known(k, w, i, 0);
         for (int a = 0; a < g->n_turn; a++) {
-            w.ux[w.at[a]] = get8(reg_x(k, g->turn_reg[a]) + i);
-            w.uy[w.at[a]] = get8(reg_y(k, g->turn_reg[a]) + i);
+            w->ux[w->at[a]] = get8(reg_x(k, g->turn_reg[a]) + i);
+            w->uy[w->at[a]] = get8(reg_y(k, g->turn_reg[a]) + i);
         }
         for (int d = 0; d < g->n_disp; d++)
-            w.d[d] = get8(reg_x(k, g->disp_reg[d]) + i);
-        turn_directions(&w);
-        multipliers(k, &w, i);
-        back_eight(k, &w, i);
+            w->d[d] = get8(reg_x(k, g->disp_reg[d]) + i);
+        turn_directions(w);
+        multipliers(k, w, i);
+        back_eight(k, w, i);
     }
 }

@@ -21,6 +21,8 @@
 #define lw_higher_forward    LW_OF_ISA(lw_higher_forward, LW_ISA)
 #define lw_higher_backward   LW_OF_ISA(lw_higher_backward, LW_ISA)
 #define lw_in_chunks         LW_OF_ISA(lw_in_chunks, LW_ISA)
+#define lw_follow_size       LW_OF_ISA(lw_follow_size, LW_ISA)
+#define lw_higher_size       LW_OF_ISA(lw_higher_size, LW_ISA)
 #define lw_kernel_group_pose       LW_OF_ISA(lw_kernel_group_pose, LW_ISA)
 #define lw_kernel_normal     LW_OF_ISA(lw_kernel_normal, LW_ISA)
 #define lw_fast_points       LW_OF_ISA(lw_fast_points, LW_ISA)
@@ -54,6 +56,7 @@ typedef struct run {
     double *spread_dim, *spread_mode;        /* one set copied to every lane               */
     double *tail;                            /* the padded last group                      */
     double *inverse;                         /* inverse Jacobians of the higher groups             */
+    void *group;                             /* scratch of one higher group, lw_kernels.group_size */
     const double *group_poses;               /* poses of the higher groups in the lanes of a chunk */
     const double *group_pose;                /* the same from this block on: n_row rows, then a row of the  */
     size_t group_pose_row;                   /* distance by which the input is out of reach, else 0; row length */
@@ -125,6 +128,8 @@ static inline run start(const lw_plan *plan, size_t n, void *work)
     k.row_row = nb;
     k.tail = w;        w += (17 + 5*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
     k.inverse = w;
+    if (plan->n_higher)
+        k.group = lw_scratch_align(w + lw_inverse_rows(plan)*nb);
     return k;
 }
 
@@ -202,13 +207,15 @@ void lw_backward(const run *k, int which, size_t n, double *input_bar);
  * added, where a higher group has the least margin.  kernel_steps.c */
 void lw_seed_margin(const run *k, int which, size_t n, bool *known);
 
-/* The step of a higher group.  kernel_higher.c */
+/* The step of a higher group, and the scratch it takes [byte].  kernel_higher.c */
+extern const size_t lw_higher_size;
 void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs);
 void lw_higher_backward(const run *k, const lw_step *s, size_t n);
 
 /* For plans with higher groups: follow the groups over the lanes of `in`, chunk by chunk, and call `work_on` for each
  * chunk with its lanes, the number of its first lane, scratch, and the poses of its groups.  kernel_continuation.c */
 typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses);
+extern const size_t lw_follow_size;
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
 void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                           lw_group_pose *group_pose);

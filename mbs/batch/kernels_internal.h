@@ -5,6 +5,7 @@
 #ifndef LW_MBS_BATCH_KERNELS_INTERNAL_H
 #define LW_MBS_BATCH_KERNELS_INTERNAL_H
 
+#include <stdint.h>
 #include "mbs/batch/batch.h"
 
 #define LW_BLOCK 128          /* lanes per pass: the registers of a small plan stay in the first-level cache  */
@@ -30,16 +31,31 @@ typedef struct lw_kernels {
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
-    /* Follow the higher groups from the seed to one input.  work: lw_continuation_size doubles. */
+    /* Follow the higher groups from the seed to one input.  work: lw_group_pose_size bytes. */
     void (*group_pose)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                        lw_group_pose *group_pose);
+    const size_t *group_size, *follow_size;      /* bytes of scratch for a higher group, to follow all of them: the */
+                                                 /* same in each table                                      */
 } lw_kernels;
 
-/* Doubles of scratch: rows of the block for each lane; inverse Jacobians for each lane; to follow the higher groups. */
+/* Doubles of scratch: rows of the block for each lane; inverse Jacobians for each lane; rows to follow the higher
+ * groups. */
 size_t lw_lane_rows(const lw_plan *plan);
 size_t lw_inverse_rows(const lw_plan *plan);
 size_t lw_continuation_size(const lw_plan *plan);
-#define LW_CONTINUATION_MAX 40000   /* upper bound of lw_continuation_size */
+
+/* The scratch of lw_kernels.group_pose [byte]: 0.3 to 1 MB, too much for the stack. */
+size_t lw_group_pose_size(const lw_plan *plan);
+
+#define LW_SCRATCH_ALIGNMENT 64
+static inline void *lw_scratch_align(void *p)
+{
+    return (char *)p + (LW_SCRATCH_ALIGNMENT - (uintptr_t)p%LW_SCRATCH_ALIGNMENT)%LW_SCRATCH_ALIGNMENT;
+}
+
+/* Find the pose of the higher groups at one input.  LW_E_MEMORY: there is no scratch.  pose.c */
+lw_status lw_group_pose_find(const lw_plan *plan, const double *dim, const double *mode, double input,
+                             lw_group_pose *group_pose);
 
 /* The tables this processor can run, best first; NULL past the last. */
 const lw_kernels *lw_kernels_supported(int rank);

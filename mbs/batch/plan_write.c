@@ -100,8 +100,9 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
         if ((p->joint_point[j] < 0 && !lw_joint_has_ratio(linkage->joint[j].kind))
             || (lw_joint_translates(linkage->joint[j].kind) && p->slider_dir[j] < 0))
             return LW_E_ARG;
-    if (lw_pose_registers(p, dim, mode, input, q.reg) < 0)
-        return LW_OPEN;
+    s = lw_pose_registers(p, dim, mode, input, q.reg);
+    if (s != LW_OK)
+        return s;
     place(p, dim, &q);
     double before = lw_plan_read_input(p, linkage, &f),
            turned = dim[p->i_theta0] - atan2(f.d[linkage->ground].y, f.d[linkage->ground].x);
@@ -143,11 +144,12 @@ lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode,
 
 lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode)
 {
-    double work[LW_CONTINUATION_MAX];
     lw_group_pose at;
     if (!plan->n_higher)
         return LW_OK;
-    lw_kernels_of(plan)->group_pose(plan, dim, mode, input, work, &at);
+    lw_status s = lw_group_pose_find(plan, dim, mode, input, &at);
+    if (s != LW_OK)
+        return s;
     if (!(at.margin > 0))
         return LW_OPEN;
     double size = lw_plan_size(plan, dim);

@@ -120,12 +120,15 @@ static void take_group_pose(const lw_higher *g, const lw_group_pose *group_pose,
         reg[g->disp_reg[d]] = lw_v2(*row++, 0);
 }
 
-static double find_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input,
-                              lw_group_pose *group_pose)
+lw_status lw_group_pose_find(const lw_plan *plan, const double *dim, const double *mode, double input,
+                             lw_group_pose *group_pose)
 {
-    double work[LW_CONTINUATION_MAX];
+    void *work = malloc(lw_group_pose_size(plan));
+    if (!work)
+        return LW_E_MEMORY;
     lw_kernels_of(plan)->group_pose(plan, dim, mode, input, work, group_pose);
-    return group_pose->margin;
+    free(work);
+    return LW_OK;
 }
 
 /* Evaluate all steps.  group_pose: pose of the higher groups, unused without them.  Returns the least margin. */
@@ -144,14 +147,15 @@ static double registers(const lw_plan *plan, const double *dim, const double *mo
     return margin;
 }
 
-double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                         lw_vec2 reg[LW_REG_MAX])
+lw_status lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
+                            lw_vec2 reg[LW_REG_MAX])
 {
-    if (!plan->n_higher)
-        return registers(plan, dim, mode, input, NULL, reg);
     lw_group_pose group_pose;
-    double margin = find_group_pose(plan, dim, mode, input, &group_pose);
-    return fmin(margin, registers(plan, dim, mode, input, &group_pose, reg));
+    lw_status s = plan->n_higher ? lw_group_pose_find(plan, dim, mode, input, &group_pose) : LW_OK;
+    if (s != LW_OK)
+        return s;
+    double least = plan->n_higher ? group_pose.margin : 1;
+    return fmin(least, registers(plan, dim, mode, input, &group_pose, reg)) < 0 ? LW_OPEN : LW_OK;
 }
 
 /* ---- Taylor coefficients of numbers and vectors ------------------------------------------------------ */
@@ -557,7 +561,10 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
     memset(pose, 0, sizeof *pose);
     pose->input = input;
     lw_group_pose group_pose;
-    double least = plan->n_higher ? find_group_pose(plan, dim, mode, input, &group_pose) : 1;
+    lw_status s = plan->n_higher ? lw_group_pose_find(plan, dim, mode, input, &group_pose) : LW_OK;
+    if (s != LW_OK)
+        return s;
+    double least = plan->n_higher ? group_pose.margin : 1;
     pose->margin = fmin(least, registers(plan, dim, mode, input, &group_pose, flat));
     sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]),
                dim[plan->i_theta0] };

@@ -7,6 +7,7 @@
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
 
@@ -224,8 +225,8 @@ static bool bridge_closes(lw_reduced *r, const double *before, const double *aft
     return true;
 }
 
-/* Make each bridge as wide as its neighbours allow; false: one does not close. */
-static bool make_bridges(lw_reduced *r)
+/* Make each bridge as wide as its neighbours allow; LW_E_KIND: one does not close. */
+static lw_status make_bridges(lw_reduced *r)
 {
     for (int i = 0; i < r->n_change; i++) {
         lw_change_point *t = &r->change[i];
@@ -242,24 +243,30 @@ static bool make_bridges(lw_reduced *r)
             t->bridge[b] = t->bridge[--t->n_bridge];
         }
         if (!bridge_closes(r, r->piece_mode[i], r->piece_mode[i + 1], t))
-            return false;
+            return LW_E_KIND;
     }
-    return true;
+    return LW_OK;
 }
 
-bool lw_reduced_change_points(lw_reduced *r, double from)
+/* Change points to one side, and the modes behind each. */
+typedef struct points {
+    lw_change_point found[LW_CHANGE_POINT_MAX];
+    double mode[LW_CHANGE_POINT_MAX][LW_DYAD_MAX];
+} points;
+
+static lw_status find_points(lw_reduced *r, double from, points *ahead, points *behind)
 {
     static const int most_turns = 4;
     double turn = r->plan.input_is_slider ? 20*r->scale : 2*LW_PI;
-    lw_change_point found[LW_CHANGE_POINT_MAX];
-    double mode[LW_CHANGE_POINT_MAX][LW_DYAD_MAX];
+    lw_change_point *found = ahead->found, *back = behind->found;
+    double (*mode)[LW_DYAD_MAX] = ahead->mode, (*back_mode)[LW_DYAD_MAX] = behind->mode;
     scan c = { .r = r, .width = turn/per_turn };
     memcpy(c.mode, r->mode, sizeof c.mode);
     int n = scan_side(&c, from, 1, most_turns, found, mode);
     if (c.vague)
-        return false;
+        return LW_E_KIND;
     if (n == 0)
-        return true;                              /* no mode changes: the plan itself tells where it ends */
+        return LW_OK;                             /* no mode changes: the plan itself tells where it ends */
     memcpy(r->piece_mode[0], r->mode, sizeof r->mode);
     for (int k = 1; !r->plan.input_is_slider && isinf(c.limit) && k <= most_turns; k++) {
         int m = 0;
@@ -275,13 +282,11 @@ bool lw_reduced_change_points(lw_reduced *r, double from)
         return make_bridges(r);
     }
     /* not periodic within these turns: scan both sides */
-    lw_change_point back[LW_CHANGE_POINT_MAX];
-    double back_mode[LW_CHANGE_POINT_MAX][LW_DYAD_MAX];
     r->high = from + most_turns*turn;
     memcpy(c.mode, r->mode, sizeof c.mode);
     int m = scan_side(&c, from, -1, most_turns, back, back_mode);
     if (c.vague)
-        return false;
+        return LW_E_KIND;
     m = m < LW_CHANGE_POINT_MAX/2 ? m : LW_CHANGE_POINT_MAX/2;
     n = n < LW_CHANGE_POINT_MAX/2 ? n : LW_CHANGE_POINT_MAX/2;
     r->low = m == LW_CHANGE_POINT_MAX/2 ? back[m - 1].at + 1e-3*c.width : from - most_turns*turn;
@@ -299,4 +304,12 @@ bool lw_reduced_change_points(lw_reduced *r, double from)
         memcpy(r->piece_mode[m + i + 1], mode[i], sizeof *mode);
     }
     return make_bridges(r);
+}
+
+lw_status lw_reduced_change_points(lw_reduced *r, double from)
+{
+    points *sides = malloc(2*sizeof *sides);
+    lw_status s = sides ? find_points(r, from, &sides[0], &sides[1]) : LW_E_MEMORY;
+    free(sides);
+    return s;
 }

@@ -62,7 +62,7 @@ struct lw_dynamics {
     double *rank_work, *null, *mass_null, *small, *along_null;
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *a, *l, *l_each, *hold;
-    double *response;                         /* n_friction x (n_q + n_c): a and l that friction of 1 N causes */
+    double *response;                         /* n_friction x (n_q + n_c + 2*n_friction): a and l for friction of 1 N */
     double *start_q, *start_v, *start_z;
     double *speed_rows;                       /* (n_c + inputs) x n_q: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */

@@ -49,7 +49,7 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
         { &d->rank_work, dense*lw_rank_doubles((int)q, (int)speeds) }, { &d->null, dense*q*q }, { &d->mass_null, dense*q*q },
         { &d->small, c + q }, { &d->force, q }, { &d->bias, q }, { &d->q_try, q }, { &d->v_try, q }, { &d->a, q },
         { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q }, { &d->start_z, (size_t)d->model->n_state }, { &d->along_null, q },
-        { &d->speed_rows, dense*speeds*q }, { &d->response, (size_t)d->n_friction*(q + c) },
+        { &d->speed_rows, dense*speeds*q }, { &d->response, (size_t)d->n_friction*(q + c + 2*(size_t)d->n_friction) },
     };
     const int_piece ints[] = { { &d->kept, c }, { &d->place, c },
                                { &d->rank_ints, dense*lw_rank_ints((int)q, (int)speeds) } };

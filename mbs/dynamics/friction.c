@@ -75,12 +75,12 @@ lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response,
 }
 
 lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
-                          const double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
+                          double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
                           lw_error *e)
 {
     const int stride = n_a + n_l;
     assert(n > 0 && n <= LW_JOINT_MAX);
-    lw_vec2 rest[LW_JOINT_MAX], change[LW_JOINT_MAX*LW_JOINT_MAX];
+    lw_vec2 rest[LW_JOINT_MAX], *change = (lw_vec2 *)(response + n*stride);
     for (int j = 0; j < n; j++) {
         rest[j] = lw_friction_reaction(s, joint[j].joint, l + row[j]);
         for (int k = 0; k < n; k++)

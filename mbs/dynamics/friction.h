@@ -44,10 +44,10 @@ lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response,
 
 /* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.
  * row[j]: first multiplier of the reaction of joint j.  response: n times (n_a + n_l), the a and l that the friction of
- * each joint causes for a reaction of 1 N.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the
+ * each joint causes for a reaction of 1 N; behind them 2*n*n doubles of scratch.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the
  * error names the first joint. */
 lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
-                          const double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
+                          double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
                           lw_error *e);
 
 #endif

@@ -256,7 +256,7 @@ static lw_status by_newton(const lw_reduced *r, balance *z, double *size)
 {
     int n = r->friction->n;
     double one[LW_JOINT_MAX] = { 0 };
-    lw_vec2 rest[LW_JOINT_MAX], response[LW_JOINT_MAX*LW_JOINT_MAX];
+    lw_vec2 rest[LW_JOINT_MAX], *response = r->friction->response;
     reactions(r, z, one, rest);
     for (int k = 0; k < n; k++) {
         one[k] = 1;

@@ -114,9 +114,9 @@ lw_status lw_reduced_registers(lw_reduced *r, double input);
 void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
                       double *margin);
 
-/* Find the change points, from an input at which the modes are those of r->mode.  false: at one of them the assembly
- * modes come so near each other that the closed form cannot tell which of them goes on. */
-bool lw_reduced_change_points(lw_reduced *r, double from);
+/* Find the change points, from an input at which the modes are those of r->mode.  LW_E_KIND: at one of them the
+ * assembly modes come so near each other that the closed form cannot tell which of them goes on.  LW_E_MEMORY. */
+lw_status lw_reduced_change_points(lw_reduced *r, double from);
 
 /* s' and p' at (t, s, p), p = sqrt(M) s', and the power of the forces without potential. */
 lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power);
@@ -145,6 +145,7 @@ typedef struct lw_reduced_friction {
     int    n_group, input_joint, input_body;
     lw_reduced_group group[LW_DYAD_MAX];
     lw_reversal_cell cell[LW_REVERSAL_CELLS];
+    lw_vec2 response[LW_JOINT_MAX*LW_JOINT_MAX];     /* scratch */
 } lw_reduced_friction;
 
 /* Friction at the registers: adds its force to *q and gives its power.  mass: M.  LW_OPEN: the reactions are not

@@ -364,8 +364,10 @@ static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
     assert(r->n_mass <= LW_LINK_MAX && r->n_step <= LW_STEP_MAX);
     drop_steps(d, r);
     find_sense(d, r);
-    if (!lw_reduced_change_points(r, r->first))
+    if ((s = lw_reduced_change_points(r, r->first)) == LW_E_KIND)
         return no(why, "two assemblies of a dyad come near each other, but do not meet");
+    if (s != LW_OK)
+        return s;
     if ((s = lw_reduced_registers(r, r->first)) != LW_OK)
         return no(why, "the posture at the start is a dead point of its closed form");
     for (int b = 0; b < d->s.n_body; b++) {

@@ -1,6 +1,7 @@
 /* mbs/kinematics/motion.c - the ranges of a linkage's input.  One dyad after the other, in each of its modes, cuts the
  * input's range into the pieces where it closes.  The pieces where all dyads close are the arcs. */
 #include "mbs/kinematics/motion_internal.h"
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct walk {
@@ -11,6 +12,7 @@ typedef struct walk {
     lw_motion_span span[LW_DYAD_MAX];
     double         reach;                       /* where a slider input is cut, to either side    */
     lw_motion_piece piece[LW_ARC_MAX];          /* of each arc                                    */
+    lw_motion_piece part[LW_DYAD_MAX][LW_PIECE_MAX];      /* of the pieces that are cut now, by dyad */
     bool           full;                        /* there are more arcs than LW_ARC_MAX            */
 } walk;
 
@@ -144,7 +146,7 @@ static void explore(walk *w, int dyad, const lw_motion_piece *whole)
         add_arc(w, whole);
         return;
     }
-    lw_motion_piece part[LW_PIECE_MAX];
+    lw_motion_piece *part = w->part[dyad];
     int n = 0;
     if (w->span[dyad].kind == LW_SPAN_UNKNOWN)
         n = lw_piece_search(w->plan, w->dim, dyad, w->step[dyad], whole, part);
@@ -259,7 +261,6 @@ static void set_walk(walk *w, const lw_plan *plan, const double *dim, lw_motion 
 
 lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *m)
 {
-    walk w;
     lw_motion_piece all = { .turns = !plan->input_is_slider };
     memset(m, 0, sizeof *m);
     for (int d = 0; d < plan->n_dim; d++)
@@ -267,14 +268,19 @@ lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *m)
             return LW_E_ARG;
     if (plan->n_higher)
         return LW_E_KIND;
-    set_walk(&w, plan, dim, m);
+    walk *w = malloc(sizeof *w);
+    if (!w)
+        return LW_E_MEMORY;
+    set_walk(w, plan, dim, m);
     for (int i = 0; i < LW_MODE_MAX; i++)
         all.mode[i] = 1.0;
-    all.end[0] = (lw_mark){ plan->input_is_slider ? -w.reach : 0.0, -1 };
-    all.end[1] = (lw_mark){ plan->input_is_slider ? w.reach : 2.0*LW_PI, -1 };
-    explore(&w, 0, &all);
-    join_circuits(&w);
-    return w.full ? LW_STOPPED : m->n_arc == 0 ? LW_OPEN : LW_OK;
+    all.end[0] = (lw_mark){ plan->input_is_slider ? -w->reach : 0.0, -1 };
+    all.end[1] = (lw_mark){ plan->input_is_slider ? w->reach : 2.0*LW_PI, -1 };
+    explore(w, 0, &all);
+    join_circuits(w);
+    bool full = w->full;
+    free(w);
+    return full ? LW_STOPPED : m->n_arc == 0 ? LW_OPEN : LW_OK;
 }
 
 /* The distance of the input from an arc, apart from whole turns; 0 inside. */

@@ -43,7 +43,8 @@ typedef struct lw_motion {
  * random six-bars, compared with 20000 samples a mode).
  *
  * Ranges of a slider that have no end are cut at 10 times the sum of all lengths to either side.
- * LW_OPEN: the linkage never closes.  LW_STOPPED: there are more than LW_ARC_MAX arcs; the first are returned. */
+ * LW_OPEN: the linkage never closes.  LW_STOPPED: there are more than LW_ARC_MAX arcs; the first are returned.
+ * LW_E_MEMORY. */
 lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *motion);
 
 /* A range of the input of a plan with one dyad. */

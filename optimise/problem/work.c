@@ -77,6 +77,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->g_row = piece(base, &at, rows*variables*v);
     w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*variables*v);
     w->step_b = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*v);
+    w->step_h = piece(base, &at, 4*variables*variables*v);
     w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
     w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);
     w->from = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*sizeof(short));
@@ -88,6 +89,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->best_theta = piece(base, &at, ld*v);
     w->slip = piece(base, &at, ld*v);
     w->tie = piece(base, &at, ld*sizeof(bool));
+    w->registers = piece(base, &at, 2*(size_t)p->plan.n_reg*m*v);
     w->batch = piece(base, &at, lw_batch_work_size(&p->plan));
     return at;
 }

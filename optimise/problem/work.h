@@ -64,10 +64,11 @@ typedef struct lw_work {
     lw_jacobian pose;
     double *g_now, *g_up, *g_down; /* conditions; at x moved up and down by a difference              */
     double *g_row;                 /* their derivatives, g_row[i*n_var + d]                           */
+    double *step_h;                /* its quadratic model: four matrices of (n_var)^2                  */
     double *step_a, *step_b;       /* conditions on a step of a solver: rows a (n_var), a . step >= b  */
     double *cost, *best;         /* dynamic programme: station by sample                           */
     short  *from, *order;
-    void   *batch;
+    void   *batch, *registers;   /* of lw_random_linkage_draw: n_reg rows of LW_CURVE_SAMPLES complex numbers */
 } lw_work;
 
 static inline const lw_jacobian *lw_work_jac(const lw_work *w, int k) { return k > 0 ? &w->also[k - 1].jac : &w->jac; }

@@ -120,16 +120,18 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
         double modes[LW_MODE_MAX];
         lw_pose pose;
         modes_at(c, plan, i, modes);
-        if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
-            return LW_OPEN;
+        lw_status st = lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose);
+        if (st != LW_OK)
+            return st;
         add_station(t, s, c, &r->linkage, i, &pose, at, sum);
     }
     for (int j = 0; j < c->n_sample; j++) {                /* without timing, which has one point */
         double modes[LW_MODE_MAX];
         lw_pose pose;
         modes_at(c, plan, t->n + (size_t)j, modes);
-        if (lw_pose_solve(plan, c->dim, modes, c->input[t->n + (size_t)j], 0, &pose) != LW_OK)
-            return LW_OPEN;
+        lw_status st = lw_pose_solve(plan, c->dim, modes, c->input[t->n + (size_t)j], 0, &pose);
+        if (st != LW_OK)
+            return st;
         at[t->n + (size_t)j] = pose.tracer[0][0];
     }
     r->objective = sum[0].f;
@@ -270,8 +272,12 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     covered(t, c, &from, &to);
     if (plan->n_higher)
         lw_fit_report_curve(plan, s, c, from, to, limits, r);
-    else if (lw_motion_find(plan, c->dim, &m) == LW_OK)
-        describe_circuit(t, plan, s, c, &m, limits, r);
+    else {
+        lw_status st = lw_motion_find(plan, c->dim, &m);
+        if (st == LW_OK)
+            describe_circuit(t, plan, s, c, &m, limits, r);
+        r->no_memory |= st == LW_E_MEMORY;
+    }
     r->acceleration_max = limits->acceleration;
     if (isnan(r->transmission_min) && !isnan(limits->margin_least)) {
         r->transmission_min = angle_of(limits->margin_least);
@@ -328,15 +334,17 @@ static double travel_to_next(const lw_target *t, const lw_candidate *c, bool tur
 
 /* Points of the curve from station a on, `steps` at equal inputs.  Returns how many closed. */
 static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a, double travel, int steps,
-                           lw_vec2 *curve)
+                           lw_vec2 *curve, lw_fit_report *r)
 {
     double modes[LW_MODE_MAX];
     size_t n = 0;
     modes_at(c, plan, a, modes);
     for (int k = 0; k < steps; k++) {
         lw_pose pose;
-        if (lw_pose_solve(plan, c->dim, modes, c->input[a] + travel*k/steps, 0, &pose) == LW_OK)
+        lw_status st = lw_pose_solve(plan, c->dim, modes, c->input[a] + travel*k/steps, 0, &pose);
+        if (st == LW_OK)
             curve[n++] = pose.tracer[0][0];
+        r->no_memory |= st == LW_E_MEMORY;
     }
     return n;
 }
@@ -357,15 +365,16 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     if (circuit)
         n = lw_fit_report_cycle_points(plan, c, cycle, WHOLE, curve);
     else if (piece)
-        n = sample_curve(c, plan, 0, covered_travel(t, c, r->turns), WHOLE, curve);
+        n = sample_curve(c, plan, 0, covered_travel(t, c, r->turns), WHOLE, curve, r);
     for (size_t i = 0; i < spans && !piece; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
         modes_at(c, plan, i, here);
         modes_at(c, plan, (i + 1) % t->n, next);
-        n += sample_curve(c, plan, i, travel_to_next(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n);
+        n += sample_curve(c, plan, i, travel_to_next(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n,
+                          r);
     }
     if (!t->closed && !piece)
-        n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n);
+        n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n, r);
     if (n >= 2) {
         r->no_memory |= lw_likeness_measure(t, curve, n, &r->likeness) != LW_OK;
         r->stray = lw_likeness_stray(t, curve, n);
@@ -387,50 +396,63 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
 
 /* ---- the report ------------------------------------------------------------------------------- */
 
-lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                         lw_fit_report *r, lw_error *e)
+/* The report on a candidate whose plan is made. */
+static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                             lw_fit_report *r, lw_error *e)
 {
-    lw_plan plan;
     lw_motion_limits limits = lw_motion_limits_begin();
     lw_closed_motion cycle;
     double modes[LW_MODE_MAX];
-    memset(r, 0, sizeof *r);
-    lw_status st = full_plan(t, s, c, &r->linkage, &plan, e);
-    if (st != LW_OK)
-        return st;
-    for (int i = 0; i < plan.n_dim; i++) {
-        memcpy(r->dim_name[i], plan.dim[i].name, sizeof r->dim_name[i]);
-        r->dim_kind[i] = plan.dim[i].kind;
+    for (int i = 0; i < plan->n_dim; i++) {
+        memcpy(r->dim_name[i], plan->dim[i].name, sizeof r->dim_name[i]);
+        r->dim_kind[i] = plan->dim[i].kind;
     }
-    modes_at(c, &plan, 0, modes);
+    modes_at(c, plan, 0, modes);
     lw_vec2 *at = malloc(sizeof *at*(t->n*(size_t)(1 + t->n_also) + (size_t)c->n_sample));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
-    r->input_turns_per_period = plan.input_turns_per_period;
+    r->input_turns_per_period = plan->input_turns_per_period;
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     r->stray = (lw_stray){ NAN, NAN };
-    if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
-        || station_errors(t, s, c, &plan, at, r) != LW_OK)
+    lw_pose pose;
+    lw_status st = lw_plan_write(plan, c->dim, modes, c->input[0], &r->linkage);
+    if (st == LW_OK)
+        st = station_errors(t, s, c, plan, at, r);
+    if (st == LW_OK)
+        st = lw_pose_solve(plan, c->dim, modes, c->input[0], 0, &pose);
+    r->no_memory |= st == LW_E_MEMORY;
+    if (st != LW_OK)
         snprintf(r->fault, sizeof r->fault, "the linkage does not close at every station");
     else {
-        lw_pose pose;
-        lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
         turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
-        r->no_memory |= !lw_fit_report_cycle(&plan, c, modes, &cycle);
+        r->no_memory |= !lw_fit_report_cycle(plan, c, modes, &cycle);
         r->legs = cycle.n;
         if (!t->closed)                                  /* an open target is met by a part of the motion only */
             cycle.n = 0;
-        describe_motion(t, s, c, &plan, &cycle, &limits, r);
+        describe_motion(t, s, c, plan, &cycle, &limits, r);
         if (lw_task_has_place(s->task))
-            compare_curves(t, s, c, &plan, &cycle, r);
+            compare_curves(t, s, c, plan, &cycle, r);
         classify(t, s, c, r);
         lw_fit_report_limits(t, s, c, r);
-        r->no_memory |= lw_verify(t, s, c, &plan, at, r) != LW_OK;
+        r->no_memory |= lw_verify(t, s, c, plan, at, r) != LW_OK;
         r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;
+        r->no_memory |= limits.no_memory;
     }
     free(at);
     return r->no_memory ? lw_error_set(e, LW_E_MEMORY, "out of memory for a report") : LW_OK;
+}
+
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                         lw_fit_report *r, lw_error *e)
+{
+    lw_plan *plan = malloc(sizeof *plan);
+    memset(r, 0, sizeof *r);
+    lw_status st = plan ? full_plan(t, s, c, &r->linkage, plan, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK)
+        st = report_with(plan, t, s, c, r, e);
+    free(plan);
+    return st;
 }

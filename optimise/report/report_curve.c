@@ -30,9 +30,12 @@ static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_cand
         double station = i ? lw_motion_curve_find(motion, 0, end, ends[0] + (ends[1] - ends[0])*i/STEPS) : 0;
         lw_motion_curve_pose(motion, station, w->q, NULL);
         lw_system_write(&w->s, w->q, &w->k);
-        if (lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL) == LW_OK
-            && lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose) == LW_OK)
+        lw_status st = lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL);
+        if (st == LW_OK)
+            st = lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose);
+        if (st == LW_OK)
             lw_motion_limits_pose(plan, s, &w->pose, limits);
+        limits->no_memory |= st == LW_E_MEMORY;
     }
 }
 

@@ -59,6 +59,7 @@ typedef struct lw_workbench {
     lw_problem  local;
     void       *work;
     size_t      work_size;
+    double     *draws;                 /* (LW_SEARCH_BLOCK*LW_START_DRAWS)                          */
     long        used;
 } lw_workbench;
 

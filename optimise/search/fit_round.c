@@ -66,9 +66,11 @@ static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
 }
 
 /* Draw a block of starts; best: the best of them in order of f.  Returns how many. */
-static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int draw_starts(lw_search *s, const lw_effort *a, lw_problem *p, lw_rng *rng, lw_workbench *bench,
+                       lw_found *best)
 {
-    double u[LW_SEARCH_BLOCK*LW_START_DRAWS];
+    double *u = bench->draws;
+    void *work = bench->work;
     estimate g[LW_SEARCH_BLOCK];
     int n = 0, d = lw_start_draws(p);
     if (!lw_low_discrepancy(rng, (size_t)a->block, d, u)) {
@@ -99,7 +101,7 @@ static int search_around(const lw_best_starts *finds, const lw_effort *a, lw_pro
         for (int v = 0; v < p->n_var; v++)
             if (lw_rng_uniform(rng) < part)
                 c.x[v] += far*fmax(0.1, fabs(c.x[v]))*lw_rng_normal(rng);
-        c.f = lw_lm_feasible(p, c.x) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
+        c.f = lw_lm_feasible(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         n = put_in_order(best, n, a->improve, &c);
     }
     return n;
@@ -160,7 +162,9 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
         bool conditions = !p->family->linkage || steps > FIRST_STEPS || keeps_conditions(p, best[i].x, work);
         improve(s, p, &o, conditions, work, &best[i]);
         if (p->plan.n_higher > 0 && isfinite(best[i].f))             /* the seeds move with the linkage */
-            lw_plan_seed(&p->plan, best[i].x, p->intended.mode[p->plan.n_mode - 1], best[i].intended.mode);
+            if (lw_plan_seed(&p->plan, best[i].x, p->intended.mode[p->plan.n_mode - 1], best[i].intended.mode)
+                == LW_E_MEMORY)
+                s->no_memory = true;
     }
     for (int i = 1; i < n; i++) {
         lw_found c = best[i];
@@ -172,15 +176,17 @@ static void improve_all(lw_search *s, lw_problem *p, int steps, int n, void *wor
 }
 
 /* The starts of one job in order of f.  Returns how many. */
-static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, void *work, lw_found *best)
+static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, lw_workbench *bench,
+                     lw_found *best)
 {
+    void *work = bench->work;
     const lw_search_candidate *a = &s->candidate[s->job[job].candidate];
     lw_rng rng;
     uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_SEARCH_CANDIDATE_MAX*LW_SEARCH_BLOCK_MAX);
     lw_rng_seed(&rng, s->o->seed, round + job);
     if (s->job[job].around)
         return search_around(a->best, effort, p, &rng, work, best);
-    int n = draw_starts(s, effort, p, &rng, work, best);
+    int n = draw_starts(s, effort, p, &rng, bench, best);
     if (p->family->posture && a->starts == 0) {
         lw_found c = { .hits = 1 };
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
@@ -191,12 +197,13 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
 }
 
 /* Run one job: improve all of its best starts a little and the best of these further; LW_KEEP go to the pool. */
-static void search_in(lw_search *s, size_t at, lw_problem *p, void *work)
+static void search_in(lw_search *s, size_t at, lw_problem *p, lw_workbench *bench)
 {
+    void *work = bench->work;
     lw_search_job *job = &s->job[at];
     lw_found best[IMPROVE], *keep = s->found + at*LW_KEEP;
     lw_effort effort = lw_search_effort(s, p);
-    int n = starts_of(s, at, &effort, p, work, best);
+    int n = starts_of(s, at, &effort, p, bench, best);
     job->block = effort.block;
     job->of = lw_pool_variables(p);
     job->n_mode = p->plan.n_mode;
@@ -232,7 +239,7 @@ static void search_job(void *context, size_t at, int thread)
         return;
     lw_problem *p = lw_search_problem(s, thread, job->candidate, true, &job->status);
     if (p)
-        search_in(s, at, p, s->bench[thread].work);
+        search_in(s, at, p, &s->bench[thread]);
 }
 
 /* A find to polish on the full target, and the outcome. */
@@ -249,6 +256,18 @@ typedef struct polish_list {
     double until;                            /* wall clock; 0: no limit                           */
     polish item[LW_POOL_MAX];
 } polish_list;
+
+/* An empty list; NULL: no memory. */
+static polish_list *new_list(lw_search *s)
+{
+    polish_list *list = malloc(sizeof *list);
+    if (list) {
+        list->s = s;
+        list->n = 0;
+        list->until = 0;
+    }
+    return list;
+}
 
 /* The coarse and the fine problem have scales of their own: convert by the user's frame. */
 static void refine_variables(const lw_problem *coarse, const lw_problem *fine, double *x)
@@ -316,7 +335,7 @@ static void polish_one(void *context, size_t job, int thread)
     l->of = lw_pool_variables(p);
     if (s->thin.n > 0)
         refine_variables(searched, p, c->x);
-    lw_lm_feasible(p, c->x);
+    lw_lm_feasible(p, c->x, work);
     p->intended = c->intended;
     lw_problem_work_intended(p, work);
     l->spent = -c->evals;
@@ -440,27 +459,34 @@ static lw_status make_memory(lw_search *s, lw_error *e)
     return s->found ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the finds of a round");
 }
 
-lw_status lw_search_round(lw_search *s, lw_error *e)
+static lw_status polish_round(lw_search *s, polish_list *list, lw_error *e)
 {
-    polish_list list = { .s = s };
-    lw_status st = make_memory(s, e);
-    if (st != LW_OK)
-        return st;
-    lw_parallel(s->n_thread, (size_t)s->n_job, search_job, s);
-    if ((st = update_candidates(s, e)) != LW_OK)
-        return st;
-    pick(s, &list);
+    pick(s, list);
     if (s->o->max_seconds > 0 || lw_search_stopped(s))
-        list.until = (lw_search_stopped(s) ? lw_clock_wall() : lw_search_end(s)) + lw_search_grace(s);
-    lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
-    for (int i = 0; i < list.n; i++) {
-        const polish *l = &list.item[i];
+        list->until = (lw_search_stopped(s) ? lw_clock_wall() : lw_search_end(s)) + lw_search_grace(s);
+    lw_parallel(s->n_thread, (size_t)list->n, polish_one, list);
+    for (int i = 0; i < list->n; i++) {
+        const polish *l = &list->item[i];
         if (l->status != LW_OK)
             return lw_search_fault(s, l->find.candidate, e);
         lw_pool_put(&s->pool, &l->find, &l->of);
         s->evals += l->spent;
     }
     return LW_OK;
+}
+
+lw_status lw_search_round(lw_search *s, lw_error *e)
+{
+    lw_status st = make_memory(s, e);
+    if (st != LW_OK)
+        return st;
+    lw_parallel(s->n_thread, (size_t)s->n_job, search_job, s);
+    if ((st = update_candidates(s, e)) != LW_OK)
+        return st;
+    polish_list *list = new_list(s);
+    st = list ? polish_round(s, list, e) : lw_error_set(e, LW_E_MEMORY, "no memory for the finds of a round");
+    free(list);
+    return st;
 }
 
 /* ---- stations in order ------------------------------------------------------------------------------------- */
@@ -585,7 +611,7 @@ static void fit_variant(void *context, size_t job, int thread)
     if (variants[k].size < 1)
         limit_size(p, variants[k].size*size_of(p, l->find.x));
     lw_problem_work_intended(p, work);
-    if (!lw_lm_feasible(p, l->find.x))
+    if (!lw_lm_feasible(p, l->find.x, work))
         return;
     l->spent = -l->find.evals;
     improve(s, p, &o, true, work, &l->find);
@@ -597,24 +623,28 @@ static void fit_variant(void *context, size_t job, int thread)
 
 lw_status lw_search_widen(lw_search *s)
 {
-    polish_list list = { .s = s };
+    lw_status st = LW_OK;
     lw_pool *pool = &s->pool;
     bool called_off = s->o->interrupt && *s->o->interrupt;
     if (!s->o->spec.by_default || !lw_task_has_place(s->o->spec.task) || called_off || lw_fit_kept(s->o) < LEFT)
         return LW_OK;
+    polish_list *list = new_list(s);
+    if (!list)
+        return LW_E_MEMORY;
     pool->n = pool->n < LEFT ? pool->n : LEFT;
-    for (int i = 0; i < pool->n && list.n < WIDENED*variants_of(s); i++)
+    for (int i = 0; i < pool->n && list->n < WIDENED*variants_of(s); i++)
         for (int k = 0; k < variants_of(s); k++)
-            take(&pool->item[i], &list);
-    list.until = lw_search_end(s) + 0.5*lw_search_grace(s);
+            take(&pool->item[i], list);
+    list->until = lw_search_end(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
-        list.until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
-    lw_parallel(s->n_thread, (size_t)list.n, fit_variant, &list);
-    for (int i = 0; i < list.n; i++) {
-        if (list.item[i].status != LW_OK)
-            return list.item[i].status;
-        lw_pool_put(pool, &list.item[i].find, &list.item[i].of);
-        s->evals += list.item[i].spent;
+        list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
+    lw_parallel(s->n_thread, (size_t)list->n, fit_variant, list);
+    for (int i = 0; i < list->n; i++) {
+        if ((st = list->item[i].status) != LW_OK)
+            break;
+        lw_pool_put(pool, &list->item[i].find, &list->item[i].of);
+        s->evals += list->item[i].spent;
     }
-    return LW_OK;
+    free(list);
+    return st;
 }

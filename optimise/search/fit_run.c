@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "optimise/search/fit_internal.h"
+#include "optimise/search/start.h"
 
 enum {
     HITS = 100,             /* if different starts found the best this often, a better one is unlikely */
@@ -39,7 +40,8 @@ static lw_status make_benches(lw_search *s)
         s->bench[i].slot = calloc(LW_SLOTS, sizeof *s->bench[i].slot);
         for (int k = 0; s->bench[i].slot && k < LW_SLOTS; k++)
             s->bench[i].slot[k].candidate = -1;
-        if (!s->bench[i].slot)
+        s->bench[i].draws = malloc(sizeof(double)*LW_SEARCH_BLOCK*LW_START_DRAWS);
+        if (!s->bench[i].slot || !s->bench[i].draws)
             return LW_E_MEMORY;
     }
     return s->bench ? LW_OK : LW_E_MEMORY;
@@ -50,6 +52,7 @@ static void bench_free(lw_workbench *b)
     lw_search_empty_slots(b);
     free(b->slot);
     free(b->work);
+    free(b->draws);
 }
 
 static void search_free(lw_search *s)

@@ -20,7 +20,7 @@ typedef struct drawing {
     bool           must_turn;               /* lengths are chosen with room for a full turn between the samples too  */
     bool           drawn[LW_DIM_MAX];
     double         length[LW_LINK_MAX];     /* of the first two pins of a link, 0: not known        */
-    double complex reg[LW_REG_MAX][M];
+    double complex (*reg)[M];
 } drawing;
 
 int lw_random_linkage_draws(const lw_problem *p)
@@ -256,7 +256,7 @@ static void step_roll(drawing *d, const lw_step *s)
 /* The middle of the rack belongs to the middle of its pinion's angles, whose range is less than a turn. */
 static bool step_rack(drawing *d, const lw_step *s)
 {
-    double angle[M], least = INFINITY, most = -INFINITY;
+    double angle[M] = { 0 }, least = INFINITY, most = -INFINITY;
     for (int k = 0; k < d->n; k++) {
         double a = carg(d->reg[s->in[0]][k]*conj(d->reg[s->in[1]][k]));
         angle[k] = k > 0 ? angle[k - 1] + remainder(a - angle[k - 1], 2*LW_PI) : a;
@@ -554,7 +554,8 @@ static bool closes_between(const lw_problem *p, const double *shape, lw_work *w)
 
 bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
 {
-    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->intended.mode,
+    lw_work *w = work;
+    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->intended.mode, .reg = w->registers,
                   .must_turn = turns && !p->plan.input_is_slider };
     bool slides = p->plan.input_is_slider;
     p->intended.turns = !slides && (turns || u[0] < 0.5);

@@ -214,7 +214,7 @@ static bool draw_shape(lw_problem *p, const double *u, double *shape, lw_work *w
 
 static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
 {
-    if (!lw_lm_feasible(p, x))
+    if (!lw_lm_feasible(p, x, w))
         return INFINITY;
     if (p->timing == LW_TIMING_PRESCRIBED)
         lw_problem_prescribe(p, x, w);

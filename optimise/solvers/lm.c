@@ -35,18 +35,23 @@ lw_lm_options lw_lm_options_default(void)
 /* Quadratic model of f for the step, over the free variables. */
 typedef struct model {
     int    n, var[LW_QP_MAX];                       /* free variables                          */
-    double h[LW_QP_MAX*LW_QP_MAX], g[LW_QP_MAX];    /* J'J (lower), J'r                        */
-    double step[LW_QP_MAX];
+    double g[LW_QP_MAX], step[LW_QP_MAX];           /* J'r                                     */
     int    m, m_linear;                             /* conditions on the step: a step >= b; less the motion's */
     double *a, *b;                                  /* (m*n), (m), in the scratch              */
+    double *h, *l, *work;                           /* the same: J'J (lower) and the damped factor (n*n), (2*n*n) */
 } model;
 
-static void choose_variables(const lw_problem *p, model *q)
+static void choose_variables(const lw_problem *p, const lw_work *w, model *q)
 {
     q->n = 0;
+    q->a = w->step_a;
+    q->b = w->step_b;
     for (int i = 0; i < p->n_var; i++)
         if (p->lo[i] < p->hi[i])
             q->var[q->n++] = i;
+    q->h = w->step_h;
+    q->l = q->h + q->n*q->n;
+    q->work = q->l + q->n*q->n;
 }
 
 /* sign step[i] >= b */
@@ -58,11 +63,9 @@ static void bound_row(model *q, int i, double sign, double b)
     q->b[q->m++] = b;
 }
 
-static void conditions(const lw_problem *p, const double *x, lw_work *w, model *q)
+static void conditions(const lw_problem *p, const double *x, model *q)
 {
     q->m = 0;
-    q->a = w->step_a;
-    q->b = w->step_b;
     for (int i = 0; i < q->n; i++) {
         int v = q->var[i];
         if (isfinite(p->lo[v]))
@@ -127,13 +130,13 @@ static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
 static double solve_step(model *q, double damping)
 {
     int n = q->n;
-    double l[LW_QP_MAX*LW_QP_MAX], most = 0, promise = 0;
+    double *l = q->l, most = 0, promise = 0;
     memcpy(l, q->h, sizeof(double)*(size_t)(n*n));
     for (int i = 0; i < n; i++)
         most = fmax(most, q->h[i*n + i]);
     for (int i = 0; i < n; i++)
         l[i*n + i] += damping*fmax(q->h[i*n + i], DIAGONAL_LEAST*most) + RIDGE*most + 1e-300;
-    if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->step))
+    if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->work, q->step))
         return NAN;
     for (int i = 0; i < n; i++) {
         double hs = 0;
@@ -211,7 +214,7 @@ static lw_stop advance(run *r, double *x)
     double part = 1;
     lw_problem_rows(p, x, r->w, true);
     normal_equations(p, r->w, &r->q);
-    conditions(p, x, r->w, &r->q);
+    conditions(p, x, &r->q);
     if (r->conditioned) {
         lw_problem_conditions(p, x, true, r->w->g_now, r->w->g_row, r->w);
         r->broken = violation(p, r->w->g_now);
@@ -317,16 +320,9 @@ static bool reassigned(run *r, const double *x)
 static double improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs, bool conditioned,
                       void *work, long *evals, lw_stop *stop)
 {
-    run r;                                               /* not initialised: its model is too large to be cleared */
+    run r = { .p = p, .o = o, .w = work, .conditioned = conditioned, .evals = 1 };
     bool closes = true;
-    r.conditioned = conditioned;
-    r.broken = r.weight = 0;
-    r.p = p;
-    r.o = o;
-    r.w = work;
-    r.evals = 1;
-    r.steps = r.idle = 0;
-    choose_variables(p, &r.q);
+    choose_variables(p, work, &r.q);
     if (!keep_inputs && p->timing != LW_TIMING_PRESCRIBED)
         closes = lw_problem_settle(p, x, r.w);
     r.f = closes ? evaluate(p, x, r.w) : INFINITY;
@@ -347,14 +343,11 @@ double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, boo
     return improve(p, o, x, keep_inputs, false, work, evals, stop);
 }
 
-bool lw_lm_feasible(const lw_problem *p, double *x)
+bool lw_lm_feasible(const lw_problem *p, double *x, void *work)
 {
     model q;
-    double a[(2*LW_QP_MAX + LW_LINEAR_MAX)*LW_QP_MAX], b[2*LW_QP_MAX + LW_LINEAR_MAX];
-    lw_work w = { .step_a = a, .step_b = b };
-    choose_variables(p, &q);
+    choose_variables(p, work, &q);
     clip(p, x);
-    double l[LW_QP_MAX*LW_QP_MAX];
     for (int j = 0, bad = 0; j < p->n_linear; j++) {
         double now = 0;
         for (int v = 0; v < p->n_var; v++)
@@ -363,13 +356,13 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
         if (j + 1 == p->n_linear && !bad)
             return true;
     }
-    memset(l, 0, sizeof *l*(size_t)(q.n*q.n));
+    memset(q.l, 0, sizeof *q.l*(size_t)(q.n*q.n));
     for (int i = 0; i < q.n; i++) {
-        l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
+        q.l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
         q.g[i] = 0;
     }
-    conditions(p, x, &w, &q);
-    if (p->n_linear && !lw_qp_solve(q.n, l, q.g, q.m, q.a, q.b, q.step))
+    conditions(p, x, &q);
+    if (p->n_linear && !lw_qp_solve(q.n, q.l, q.g, q.m, q.a, q.b, q.work, q.step))
         return false;
     for (int i = 0; p->n_linear && i < q.n; i++)
         x[q.var[i]] += q.step[i];
@@ -418,7 +411,7 @@ lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_
     double best[LW_VAR_MAX];
     memcpy(best, x, sizeof best[0]*(size_t)p->n_var);
     lw_problem_work_init(p, work);
-    if (lw_lm_feasible(p, best))
+    if (lw_lm_feasible(p, best, work))
         r->f = lw_lm_conditioned(p, &lm, best, work, &r->evals, &r->stop);
     free(work);
     r->seconds = lw_clock_wall() - told.start;

@@ -37,8 +37,9 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
                          long *evals, lw_stop *stop);
 
 /* Move x to the nearest point that meets bounds and linear conditions; distances are relative to the size of each
- * variable. False: the conditions contradict each other. */
-bool lw_lm_feasible(const lw_problem *p, double *x);
+ * variable. work: as for lw_lm_improve, of which the state of the stations stays. False: the conditions contradict each
+ * other. */
+bool lw_lm_feasible(const lw_problem *p, double *x, void *work);
 
 /* Run the row `lm` of the solver table. */
 lw_status lw_lm_run(const lw_solver *self, const lw_problem *p, const lw_solver_options *o, double *x,

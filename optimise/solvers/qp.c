@@ -59,8 +59,7 @@ typedef struct active {
     int    n, count;
     int    row[LW_QP_MAX];
     double u[LW_QP_MAX + 1];                    /* multipliers, >= 0                     */
-    double q[LW_QP_MAX][LW_QP_MAX];             /* q[k] is the k-th orthonormal vector   */
-    double r[LW_QP_MAX][LW_QP_MAX];
+    double *q, *r;                              /* (n*n); row k of q is the k-th orthonormal vector */
     double size;                                /* largest |L'p| so far                  */
 } active;
 
@@ -68,17 +67,17 @@ static void remake(active *w, const double *l, const double *a)
 {
     int n = w->n;
     for (int k = 0; k < w->count; k++) {
-        double *v = w->q[k];
+        double *v = w->q + k*n;
         memcpy(v, a + w->row[k]*n, sizeof(double)*(size_t)n);
         forward(n, l, v);
         for (int i = 0; i < k; i++) {
-            w->r[i][k] = dot(n, w->q[i], v);
+            w->r[i*n + k] = dot(n, w->q + i*n, v);
             for (int c = 0; c < n; c++)
-                v[c] -= w->r[i][k]*w->q[i][c];
+                v[c] -= w->r[i*n + k]*w->q[i*n + c];
         }
-        w->r[k][k] = sqrt(dot(n, v, v));
+        w->r[k*n + k] = sqrt(dot(n, v, v));
         for (int c = 0; c < n; c++)
-            v[c] /= w->r[k][k];
+            v[c] /= w->r[k*n + k];
     }
 }
 
@@ -88,14 +87,14 @@ static double split(const active *w, const double *y, double *z, double *d)
     int n = w->n;
     memcpy(z, y, sizeof(double)*(size_t)n);
     for (int k = 0; k < w->count; k++) {
-        d[k] = dot(n, w->q[k], y);
+        d[k] = dot(n, w->q + k*n, y);
         for (int c = 0; c < n; c++)
-            z[c] -= d[k]*w->q[k][c];
+            z[c] -= d[k]*w->q[k*n + c];
     }
     for (int k = w->count - 1; k >= 0; k--) {
         for (int i = k + 1; i < w->count; i++)
-            d[k] -= w->r[k][i]*d[i];
-        d[k] /= w->r[k][k];
+            d[k] -= w->r[k*n + i]*d[i];
+        d[k] /= w->r[k*n + k];
     }
     return dot(n, z, z);
 }
@@ -168,10 +167,10 @@ static void settle(const active *w, const double *l, const double *a, const doub
     for (int k = 0; k < w->count; k++) {
         v[k] = -gap_of(n, w->row[k], a, b, p);
         for (int i = 0; i < k; i++)
-            v[k] -= w->r[i][k]*v[i];
-        v[k] /= w->r[k][k];
+            v[k] -= w->r[i*n + k]*v[i];
+        v[k] /= w->r[k*n + k];
         for (int c = 0; c < n; c++)
-            step[c] += v[k]*w->q[k][c];
+            step[c] += v[k]*w->q[k*n + c];
     }
     backward(n, l, step);
     for (int c = 0; c < n; c++)
@@ -221,13 +220,15 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
     return false;
 }
 
-bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b,
+bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b, double *work,
                  double *p)
 {
-    active w;                                   /* q and r are set as far as they are read       */
+    active w;
     assert(n <= LW_QP_MAX);
     w.n = n;
     w.count = 0;
+    w.q = work;
+    w.r = work + n*n;
     for (int i = 0; i < n; i++)
         p[i] = -g[i];
     forward(n, l, p);

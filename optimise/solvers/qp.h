@@ -11,9 +11,9 @@
  * is not positive definite to rounding. */
 bool lw_qp_cholesky(int n, double *h);
 
-/* Find the p that minimises 1/2 p'Hp + g'p subject to a[j*n ..] . p >= b[j], j < m; l is the factor of H. False: the
- * conditions contradict each other (p is then unspecified). */
-bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b,
+/* Find the p that minimises 1/2 p'Hp + g'p subject to a[j*n ..] . p >= b[j], j < m; l is the factor of H. work: 2*n*n
+ * doubles. False: the conditions contradict each other (p is then unspecified). */
+bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b, double *work,
                  double *p);
 
 #endif

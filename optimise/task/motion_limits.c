@@ -37,9 +37,12 @@ void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const doubl
                           double from, double to, int steps, lw_motion_limits *w)
 {
     lw_pose pose;
-    for (int k = 0; k <= steps; k++)
-        if (lw_pose_solve(plan, dim, modes, from + (to - from)*k/steps, 2, &pose) == LW_OK)
+    for (int k = 0; k <= steps; k++) {
+        lw_status st = lw_pose_solve(plan, dim, modes, from + (to - from)*k/steps, 2, &pose);
+        if (st == LW_OK)
             lw_motion_limits_pose(plan, s, &pose, w);
+        w->no_memory |= st == LW_E_MEMORY;
+    }
 }
 
 /* Distance of a fixed pivot from its zone. */

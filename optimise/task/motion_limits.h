@@ -11,6 +11,7 @@ typedef struct lw_motion_limits {
     double acceleration;                /* greatest, by the input: of the point [m/rad^2]; for a function that
                                          * of the output angle [rad/rad^2]                          */
     double intrusion;                   /* greatest depth of a pin or point in a forbidden zone [m]        */
+    bool   no_memory;                   /* some pose could not be computed for lack of memory              */
 } lw_motion_limits;
 
 lw_motion_limits lw_motion_limits_begin(void);

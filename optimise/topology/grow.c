@@ -1,6 +1,7 @@
 #include "optimise/topology/grow.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/real.h"
@@ -14,7 +15,7 @@ typedef struct motion_path {
     int     point;                               /* the tracer that the new dyad takes over          */
     lw_plan plan;                                /* with that tracer as its only output              */
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
-    bool    turns;
+    bool    turns, no_memory;
     double  first, last;
     lw_pose pose[SAMPLES + 1];                   /* the last one is the posture                      */
 } motion_path;
@@ -28,18 +29,15 @@ static double sample_input(const motion_path *c, int i)
     return 0.5*(c->first + c->last) - 0.5*(c->last - c->first)*cos(LW_PI*i/(SAMPLES - 1));
 }
 
-static bool run_path(const lw_linkage *linkage, motion_path *c)
+static lw_status run_path(const lw_linkage *linkage, motion_path *c)
 {
     lw_plan_options options = { .tracers = 1u << c->point, .all_joints = true, .kind = LW_PLAN_GEARED };
-    if (lw_plan_make(linkage, options, &c->plan, NULL) != LW_OK
-        || lw_plan_read(&c->plan, linkage, c->dim, c->mode, &c->input, NULL) != LW_OK)
-        return false;
-    for (int i = 0; i <= SAMPLES; i++) {
-        double at = i == SAMPLES ? c->input : sample_input(c, i);
-        if (lw_pose_solve(&c->plan, c->dim, c->mode, at, 1, &c->pose[i]) != LW_OK)
-            return false;
-    }
-    return true;
+    lw_status s = lw_plan_make(linkage, options, &c->plan, NULL);
+    if (s == LW_OK)
+        s = lw_plan_read(&c->plan, linkage, c->dim, c->mode, &c->input, NULL);
+    for (int i = 0; s == LW_OK && i <= SAMPLES; i++)
+        s = lw_pose_solve(&c->plan, c->dim, c->mode, i == SAMPLES ? c->input : sample_input(c, i), 1, &c->pose[i]);
+    return s;
 }
 
 /* A pin of a link, to compute the motion of its points from; -1: it has none. */
@@ -82,13 +80,13 @@ static double span(const motion_path *c, const link_point *h, const lw_pose *p, 
 }
 
 /* Its extreme between two inputs, at which it rises and falls, by bisection. */
-static double extreme(const motion_path *c, const link_point *h, double lo, double hi, bool rises)
+static double extreme(motion_path *c, const link_point *h, double lo, double hi, bool rises)
 {
     double rate, d = 0;
     lw_pose pose;
     for (int i = 0; i < HALVINGS; i++) {
         double middle = 0.5*(lo + hi);
-        lw_pose_solve(&c->plan, c->dim, c->mode, middle, 1, &pose);
+        c->no_memory |= lw_pose_solve(&c->plan, c->dim, c->mode, middle, 1, &pose) == LW_E_MEMORY;
         d = span(c, h, &pose, &rate);
         if ((rate > 0) == rises)
             lo = middle;
@@ -98,7 +96,7 @@ static double extreme(const motion_path *c, const link_point *h, double lo, doub
     return d;
 }
 
-static void reach(const motion_path *c, const link_point *h, double *least, double *most)
+static void reach(motion_path *c, const link_point *h, double *least, double *most)
 {
     double before = 0, rate;
     int n = SAMPLES + c->turns;                           /* a turn ends at its first pose */
@@ -154,7 +152,7 @@ static void add_links(const lw_linkage *parent, int point, int base, lw_vec2 kne
 }
 
 /* Draw where the second new link is pinned, and two lengths that reach and fold far enough; false: they do not suit. */
-static bool try_once(const motion_path *c, double size, lw_rng *rng, lw_linkage *child)
+static bool try_once(motion_path *c, double size, lw_rng *rng, lw_linkage *child)
 {
     const lw_linkage *parent = c->k;
     int base = lw_rng_uniform(rng) < 0.6 ? parent->ground : (int)(lw_rng_uniform(rng)*parent->n_link);
@@ -181,15 +179,22 @@ static bool try_once(const motion_path *c, double size, lw_rng *rng, lw_linkage 
 lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
                           lw_linkage *child)
 {
-    motion_path c = { .k = parent, .point = parent->n_tracer > 1 ? (int)(lw_rng_uniform(rng)*parent->n_tracer) : 0,
-                 .turns = turns, .first = first, .last = last };
+    int point = parent->n_tracer > 1 ? (int)(lw_rng_uniform(rng)*parent->n_tracer) : 0;
+    bool found = false;
     if (parent->n_link + 2 > LW_LINK_MAX || parent->n_joint + 3 > LW_JOINT_MAX)
         return LW_E_ARG;
-    if (!run_path(parent, &c))
-        return LW_OPEN;
-    double size = size_of(&c);
-    for (int i = 0; i < TRIES; i++)
-        if (try_once(&c, size, rng, child))
-            return LW_OK;
-    return LW_OPEN;
+    motion_path *c = malloc(sizeof *c);
+    if (!c)
+        return LW_E_MEMORY;
+    c->k = parent, c->point = point, c->turns = turns, c->no_memory = false, c->first = first, c->last = last;
+    lw_status s = run_path(parent, c);
+    double size = s == LW_OK ? size_of(c) : 0;
+    for (int i = 0; s == LW_OK && i < TRIES && !found; i++)
+        found = try_once(c, size, rng, child);
+    if (s == LW_E_MEMORY || c->no_memory)
+        s = LW_E_MEMORY;
+    else
+        s = found ? LW_OK : LW_OPEN;
+    free(c);
+    return s;
 }

@@ -35,22 +35,25 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
     }
 }
 
-static void grow_one(const lw_target *t, const lw_search_stage *stage, const lw_candidate *c, const lw_fit_report *r,
+/* LW_OK, with a child or without one, or LW_E_MEMORY. */
+static lw_status grow_one(const lw_target *t, const lw_search_stage *stage, const lw_candidate *c, const lw_fit_report *r,
                      lw_rng *rng, grown *to)
 {
     double first, last;
     lw_family_made *g = &to->made[to->n];
     char name[sizeof g->name];
     used_range(t, c, &first, &last);
-    if (lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
-        return;
+    lw_status st = lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, rng, &g->linkage);
+    if (st != LW_OK)
+        return st == LW_E_MEMORY ? st : LW_OK;
     snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
     if (stage->name && !stage->name(stage->context, &g->linkage, name, sizeof name))
-        return;
+        return LW_OK;
     snprintf(g->linkage.name, sizeof g->linkage.name, "%.*s", (int)sizeof g->linkage.name - 1, name);
     memcpy(g->name, name, sizeof name);
     to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,
                                        .links = lw_candidate_links(c) + 2 };
+    return LW_OK;
 }
 
 static bool changes_mode(const lw_target *t, const lw_candidate *c)
@@ -78,8 +81,8 @@ static lw_status grow(const lw_target *t, const lw_fit_options *o, const lw_sear
             continue;
         int children = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
         parents++;
-        for (int k = 0; k < children && to->n < CHILDREN; k++)
-            grow_one(t, stage, c, r, &rng, to);
+        for (int k = 0; st == LW_OK && k < children && to->n < CHILDREN; k++)
+            st = grow_one(t, stage, c, r, &rng, to);
     }
     free(r);
     return r && st != LW_E_MEMORY ? LW_OK : LW_E_MEMORY;
