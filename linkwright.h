@@ -74,6 +74,8 @@ typedef struct lw_error {
 } lw_error;
 
 typedef struct lw_vec2 { double x, y; } lw_vec2;
+typedef struct lw_vec3 { double x, y, z; } lw_vec3;
+typedef struct lw_quaternion { double w, x, y, z; } lw_quaternion;     /* orientation as a unit quaternion, w the real part */
 
 /* Version of the library that runs, "0.1.0"; LW_VERSION_STRING is that of this header. */
 LW_API const char *lw_version(void);

@@ -32,7 +32,7 @@ static lw_status meet_link(const lw_json_node *n, lw_assembly *assembly, lw_erro
 
 /* ---- head -------------------------------------------------------------------------------------- */
 
-static lw_status read_version(const lw_json_node *root, lw_error *e)
+lw_status lw_read_version(const lw_json_node *root, lw_error *e)
 {
     lw_json_node n;
     double version = 0;
@@ -151,7 +151,7 @@ static lw_status read_head(const lw_json_node *root, lw_assembly *assembly, lw_e
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK)
-        s = read_version(root, e);
+        s = lw_read_version(root, e);
     if (s == LW_OK)
         s = lw_json_known_keys(root, known, COUNT(known), e);
     if (s == LW_OK && lw_json_member(root, "name", &n)) {

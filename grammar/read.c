@@ -27,19 +27,34 @@ lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_erro
     return lw_json_fault(n, e, "a list of %zu to %zu is expected here, this one has %zu", least, most, count);
 }
 
-lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e)
+/* n numbers times unit. */
+static lw_status read_vector(const lw_json_node *n, size_t size, double unit, double *out, lw_error *e)
 {
-    lw_status s = lw_read_list(n, 2, 2, e);
-    double v[2] = { 0, 0 };
-    for (size_t i = 0; s == LW_OK && i < 2; i++) {
+    lw_status s = lw_read_list(n, size, size, e);
+    for (size_t i = 0; s == LW_OK && i < size; i++) {
         lw_json_node part = lw_json_element(n, i);
-        s = lw_json_number(&part, &v[i], e);
-        v[i] *= unit;
-        if (s == LW_OK && !(fabs(v[i]) <= LW_COORDINATE_MAX))
+        s = lw_json_number(&part, &out[i], e);
+        out[i] *= unit;
+        if (s == LW_OK && !(fabs(out[i]) <= LW_COORDINATE_MAX))
             s = lw_json_fault(&part, e, "this number is too large; at most %g m are allowed",
                               LW_COORDINATE_MAX);
     }
+    return s;
+}
+
+lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e)
+{
+    double v[2] = { 0, 0 };
+    lw_status s = read_vector(n, 2, unit, v, e);
     *out = lw_v2(v[0], v[1]);
+    return s;
+}
+
+lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_error *e)
+{
+    double v[3] = { 0, 0, 0 };
+    lw_status s = read_vector(n, 3, unit, v, e);
+    *out = (lw_vec3){ v[0], v[1], v[2] };
     return s;
 }
 
@@ -85,8 +100,7 @@ lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *c
     return lw_json_fault(n, e, "there is no %s \"%.40s\"", what, name);
 }
 
-/* A name of an array of names `stride` bytes apart. */
-static lw_status look_up(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
+lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
                          lw_error *e)
 {
     lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
@@ -108,11 +122,11 @@ static lw_status look_up(const lw_json_node *n, const char *what, const char *fi
 
 lw_status lw_read_link(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e)
 {
-    return look_up(n, "link", (const char *)assembly->link_name, sizeof *assembly->link_name, assembly->n_link, out, e);
+    return lw_read_name_of(n, "link", (const char *)assembly->link_name, sizeof *assembly->link_name, assembly->n_link, out, e);
 }
 
 lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e)
 {
-    return look_up(n, "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
+    return lw_read_name_of(n, "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
                    assembly->n_joint, out, e);
 }

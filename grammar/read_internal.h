@@ -17,6 +17,9 @@ lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_erro
 /* [x, y] times unit, within LW_COORDINATE_MAX. */
 lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e);
 
+/* [x, y, z] times unit, within LW_COORDINATE_MAX. */
+lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_error *e);
+
 /* An optional number, times unit. */
 lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
                            lw_error *e);
@@ -24,8 +27,14 @@ lw_status lw_read_optional(const lw_json_node *object, const char *key, double u
 /* Index of the name that a node contains; an error with a suggestion when the name is unknown. */
 lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name,
                           int *out, lw_error *e);
+/* The same of an array of names `stride` bytes apart. */
+lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
+                          lw_error *e);
 lw_status lw_read_link(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e);
 lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e);
+
+/* "linkwright": 1 of a root. */
+lw_status lw_read_version(const lw_json_node *root, lw_error *e);
 
 /* "units" of a root; u keeps its values where nothing is given. */
 lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e);

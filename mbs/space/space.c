@@ -1,0 +1,169 @@
+/* mbs/space/space.c - a spatial model as bodies with principal axes, joints with frames, and a posture. */
+#include "mbs/space/space.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void lw_space_free(lw_space *s)
+{
+    free(s->memory);
+    memset(s, 0, sizeof *s);
+}
+
+/* One block for all arrays. */
+static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
+{
+    size_t links = (size_t)m->n_link, joints = (size_t)m->n_joint, tracers = (size_t)m->n_tracer;
+    size_t bytes = joints*sizeof *s->joint + (tracers + 1)*sizeof *s->tracer + links*sizeof *s->axes +
+                   links*13*sizeof(double) + 2*links*sizeof(int);
+    char *at = s->memory = calloc(1, bytes);
+    if (!at)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    s->mass = (double *)(void *)at, at += 6*links*sizeof(double);
+    s->start = (double *)(void *)at, at += 7*links*sizeof(double);
+    s->axes = (lw_quaternion *)(void *)at, at += links*sizeof *s->axes;
+    s->tracer = (lw_space_point *)(void *)at, at += (tracers + 1)*sizeof *s->tracer;
+    s->joint = (lw_space_joint *)(void *)at, at += joints*sizeof *s->joint;
+    s->body_of = (int *)(void *)at, at += links*sizeof(int);
+    s->link_of = (int *)(void *)at;
+    return LW_OK;
+}
+
+static void make_body(lw_space *s, int link)
+{
+    const lw_spatial *m = s->model;
+    const lw_spatial_body *p = &m->body[link];
+    int b = s->n_body++;
+    double *q = s->start + 7*b, *mass = s->mass + 6*b;
+    lw_vec3 at = p->centre;
+    lw_mat3 axes;
+    s->body_of[link] = b;
+    s->link_of[b] = link;
+    for (int j = 0; !p->given && j < m->n_joint; j++)     /* without a mass: at its first joint */
+        if (m->joint[j].link[0] == link || m->joint[j].link[1] == link) {
+            at = m->joint[j].at;
+            break;
+        }
+    mass[0] = mass[1] = mass[2] = p->mass;
+    lw_m3_principal(p->inertia, mass + 3, &axes);
+    double top = fmax(mass[3], fmax(mass[4], mass[5]));
+    for (int i = 3; i < 6; i++)
+        if (mass[i] < 1e-15*top)
+            mass[i] = 0;
+    lw_quaternion t = s->axes[b] = lw_quaternion_of_matrix(&axes);
+    q[0] = at.x, q[1] = at.y, q[2] = at.z, q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
+}
+
+static lw_vec3 in_body(const lw_space *s, int body, lw_vec3 direction)
+{
+    if (body < 0)
+        return direction;
+    lw_mat3 m = lw_quaternion_matrix(s->axes[body]);
+    return lw_m3_unapply(&m, direction);
+}
+
+lw_space_point lw_space_point_of(const lw_space *s, int link, lw_vec3 at)
+{
+    int b = s->body_of[link];
+    const double *q = s->start + 7*b;
+    return (lw_space_point){ b, b < 0 ? at : in_body(s, b, lw_v3_sub(at, lw_v3(q[0], q[1], q[2]))) };
+}
+
+static void make_joint(lw_space *s, int i)
+{
+    const lw_spatial_joint *p = &s->model->joint[i];
+    lw_space_joint *j = &s->joint[i];
+    lw_vec3 z = lw_v3_norm(p->axis) > 0 ? p->axis : lw_v3(0, 0, 1), x = lw_v3_across(z), y = lw_v3_cross(z, x);
+    j->kind = p->kind;
+    j->row = s->n_row;
+    s->n_row += lw_spatial_kind_of(p->kind)->rows;
+    j->pitch = p->lead/(2*LW_PI);
+    for (int k = 0; k < 2; k++) {
+        lw_space_point point = lw_space_point_of(s, p->link[k], p->at);
+        int b = j->body[k] = point.body;
+        j->arm[k] = point.arm;
+        j->x[k] = in_body(s, b, x), j->y[k] = in_body(s, b, y), j->z[k] = in_body(s, b, z);
+    }
+    if (p->kind == LW_SPATIAL_UNIVERSAL) {
+        j->x[0] = in_body(s, j->body[0], p->axis);
+        j->x[1] = in_body(s, j->body[1], p->second);
+        j->fixed = lw_v3_dot(p->axis, p->second);
+    }
+}
+
+lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
+{
+    memset(s, 0, sizeof *s);
+    s->model = m;
+    s->unit = lw_spatial_size(m);
+    s->n_joint = m->n_joint;
+    lw_status st = reserve(m, s, e);
+    if (st != LW_OK)
+        return st;
+    s->body_of[m->ground] = -1;
+    for (int i = 0; i < m->n_link; i++)
+        if (i != m->ground)
+            make_body(s, i);
+    s->n_q = 7*s->n_body;
+    s->n_v = 6*s->n_body;
+    for (int i = 0; i < m->n_joint; i++)
+        make_joint(s, i);
+    for (int i = 0; i < m->n_tracer; i++)
+        s->tracer[i] = lw_space_point_of(s, m->tracer[i].link, m->tracer[i].at);
+    return LW_OK;
+}
+
+void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame)
+{
+    frame[0] = (lw_space_frame){ { 0, 0, 0 }, { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } } };
+    for (int b = 0; b < s->n_body; b++, q += 7) {
+        frame[b + 1].at = lw_v3(q[0], q[1], q[2]);
+        frame[b + 1].turn = lw_quaternion_matrix((lw_quaternion){ q[3], q[4], q[5], q[6] });
+    }
+}
+
+lw_vec3 lw_space_point_at(const lw_space_frame *frame, lw_space_point p)
+{
+    const lw_space_frame *f = &frame[p.body + 1];
+    return lw_v3_add(f->at, lw_m3_apply(&f->turn, p.arm));
+}
+
+lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v)
+{
+    return body < 0 ? lw_v3(0, 0, 0) : lw_m3_apply(&frame[body + 1].turn, lw_v3(v[6*body + 3], v[6*body + 4], v[6*body + 5]));
+}
+
+lw_vec3 lw_space_point_velocity(const lw_space_frame *frame, lw_space_point p, const double *v)
+{
+    if (p.body < 0)
+        return lw_v3(0, 0, 0);
+    const double *at = v + 6*p.body;
+    lw_vec3 turn = lw_m3_apply(&frame[p.body + 1].turn, lw_v3_cross(lw_v3(at[3], at[4], at[5]), p.arm));
+    return lw_v3_add(lw_v3(at[0], at[1], at[2]), turn);
+}
+
+void lw_space_move(const lw_space *s, double *q, const double *by)
+{
+    for (int b = 0; b < s->n_body; b++, q += 7, by += 6) {
+        q[0] += by[0], q[1] += by[1], q[2] += by[2];
+        lw_quaternion t = lw_quaternion_unit(lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
+                                               lw_quaternion_of_vector(lw_v3(by[3], by[4], by[5]))));
+        q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
+    }
+}
+
+void lw_space_rates(const lw_space *s, const double *q, const double *v, double *dq)
+{
+    for (int b = 0; b < s->n_body; b++, q += 7, v += 6, dq += 7) {
+        lw_quaternion t = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] }, (lw_quaternion){ 0, v[3]/2, v[4]/2, v[5]/2 });
+        dq[0] = v[0], dq[1] = v[1], dq[2] = v[2], dq[3] = t.w, dq[4] = t.x, dq[5] = t.y, dq[6] = t.z;
+    }
+}
+
+void lw_space_normalise(const lw_space *s, double *q)
+{
+    for (int b = 0; b < s->n_body; b++, q += 7) {
+        lw_quaternion t = lw_quaternion_unit((lw_quaternion){ q[3], q[4], q[5], q[6] });
+        q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
+    }
+}

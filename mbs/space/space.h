@@ -1,0 +1,86 @@
+/* mbs/space/space.h - the constraint rows of a spatial model, their derivatives, and what velocities add.
+ *
+ * A body has 7 coordinates, its centre of mass r [m] in ground axes and a quaternion w, x, y, z of any length that turns
+ * its principal axes to ground axes; and 6 velocities, v [m/s] in ground axes and omega [rad/s] in principal axes.  So the
+ * mass matrix is diagonal and constant:  m m m I1 I2 I3.  Rows that are lengths are divided by `unit`, the size of the
+ * model.  A row touches two bodies at most; its derivatives by their velocities are 12 numbers. */
+#ifndef LW_MBS_SPACE_SPACE_H
+#define LW_MBS_SPACE_SPACE_H
+
+#include "grammar/spatial.h"
+
+#define LW_SPACE_ROW 12          /* derivatives of a row: by 6 velocities of each of two bodies */
+
+/* A body's place; [0] of an array of frames is the ground, [b + 1] body b. */
+typedef struct lw_space_frame { lw_vec3 at; lw_mat3 turn; } lw_space_frame;
+
+typedef struct lw_space_joint {
+    lw_spatial_kind kind;
+    int     body[2];             /* -1: ground                                                        */
+    int     row;                 /* its first row                                                     */
+    lw_vec3 arm[2];              /* its point on each body, in the body's axes                        */
+    lw_vec3 x[2], y[2], z[2];    /* a frame on each body, equal in the posture; z is the axis.  Universal: x[0] the axis of
+                                    link 0, x[1] that of link 1                                       */
+    double  fixed;               /* universal: cosine between the axes                                */
+    double  pitch;               /* screw: slide per radian [m]                                       */
+} lw_space_joint;
+
+/* A point of a body, in its axes; of the ground for body -1. */
+typedef struct lw_space_point { int body; lw_vec3 arm; } lw_space_point;
+
+/* Rows besides those of the joints: a measure, or the spin of a body about an axis (in its own axes), which is held. */
+typedef struct lw_space_extra { bool spin; lw_spatial_measure measure; int body; lw_vec3 axis; } lw_space_extra;
+
+typedef struct lw_space {
+    const lw_spatial *model;
+    int     n_body, n_q, n_v, n_joint, n_row;
+    double  unit;
+    int    *body_of, *link_of;   /* (n_link) body of a link, -1: ground; (n_body)                     */
+    lw_space_joint *joint;       /* (n_joint)                                                         */
+    lw_space_point *tracer;      /* (n_tracer)                                                        */
+    lw_quaternion *axes;               /* (n_body) principal axes in the posture of the file                */
+    double  *mass;               /* (n_v) diagonal of the mass matrix                                 */
+    double  *start;              /* (n_q) posture of the file                                         */
+    void    *memory;
+} lw_space;
+
+/* The model must outlive s.  LW_E_MEMORY. */
+lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e);
+void      lw_space_free(lw_space *s);
+
+/* frames (n_body + 1) at q. */
+void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame);
+
+/* The point of a link that is at `at` in the posture of the file. */
+lw_space_point lw_space_point_of(const lw_space *s, int link, lw_vec3 at);
+lw_vec3 lw_space_point_at(const lw_space_frame *frame, lw_space_point p);
+lw_vec3 lw_space_point_velocity(const lw_space_frame *frame, lw_space_point p, const double *v);
+lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v);      /* in ground axes */
+
+/* Bodies of a row of joint `j` or of an extra: two, -1 where there is none. */
+void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2]);
+
+/* Rows phi (n_row) and jac (n_row x 12) of the joints. */
+void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, double *jac);
+/* What J a of the joints' rows has to be because of velocities (n_row). */
+void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out);
+
+/* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to `near`. */
+double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, double *jac);
+double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v);
+double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
+
+/* Its value and rate in SI units. */
+void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, const double *v,
+                       double *value, double *rate);
+
+/* Move q by a small displacement (n_v), on the manifold; q' = G v. */
+void lw_space_move(const lw_space *s, double *q, const double *by);
+void lw_space_rates(const lw_space *s, const double *q, const double *v, double *dq);
+/* Quaternions of length 1. */
+void lw_space_normalise(const lw_space *s, double *q);
+
+/* Name of a row: "x" "y" "z" of a point, "turn 1", "across 1", ... */
+const char *lw_space_row_name(const lw_space *s, int row, int *joint);
+
+#endif

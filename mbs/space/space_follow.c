@@ -1,0 +1,434 @@
+/* mbs/space/space_follow.c - postures along the inputs.
+ *
+ * A step goes along the tangent and closes the joints by Newton's method.  It is taken when the correction is small
+ * beside the step and the tangents at its ends agree: then the step is short beside the radius of the curve of postures,
+ * and with it beside the distance to another branch. */
+#include "mbs/space/space_follow.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double longest_step = 0.25;     /* lengths over the size, radians */
+static const double greatest_correction = 0.1, greatest_change = 0.35;     /* of the step; of the tangent */
+
+/* ---- spins -------------------------------------------------------------------------------------------- */
+
+static bool on_line(lw_vec3 p, lw_vec3 at, lw_vec3 axis, double unit)
+{
+    return lw_v3_norm(lw_v3_cross(lw_v3_sub(p, at), axis)) < 1e-9*unit;
+}
+
+/* The line of the balls of body b, in its axes. */
+static bool line_of_balls(const lw_space *s, int b, lw_vec3 *at, lw_vec3 *axis)
+{
+    int balls = 0;
+    bool known = false;
+    for (int j = 0; j < s->n_joint; j++)
+        for (int k = 0; k < 2; k++) {
+            const lw_space_joint *p = &s->joint[j];
+            if (p->body[k] != b)
+                continue;
+            if (p->kind != LW_SPATIAL_SPHERICAL)
+                return false;
+            lw_vec3 d = lw_v3_sub(p->arm[k], *at);
+            double far = lw_v3_norm(d);
+            if (balls++ == 0)
+                *at = p->arm[k];
+            else if (!known && far > 1e-6*s->unit) {
+                *axis = lw_v3_scale(d, 1/far);
+                known = true;
+            } else if (known && !on_line(p->arm[k], *at, *axis, s->unit))
+                return false;
+        }
+    return known;
+}
+
+int lw_space_idle(const lw_space *s, lw_space_extra *out)
+{
+    const lw_spatial *m = s->model;
+    int n = 0;
+    for (int b = 0; b < s->n_body; b++) {
+        lw_vec3 at = { 0, 0, 0 }, axis = { 0, 0, 0 };
+        bool idle = line_of_balls(s, b, &at, &axis) && on_line(lw_v3(0, 0, 0), at, axis, s->unit);
+        for (int i = 0; idle && i < m->n_tracer; i++)
+            idle = s->tracer[i].body != b || on_line(s->tracer[i].arm, at, axis, s->unit);
+        for (int i = 0; idle && i < m->n_spring; i++)
+            for (int k = 0; k < 2; k++)
+                idle = idle && (m->spring[i].link[k] != s->link_of[b] ||
+                                on_line(lw_space_point_of(s, s->link_of[b], m->spring[i].at[k]).arm, at, axis, s->unit));
+        for (int i = 0; idle && i < m->n_force; i++)
+            idle = m->force[i].link != s->link_of[b];
+        if (idle)
+            out[n++] = (lw_space_extra){ .spin = true, .body = b, .axis = axis };
+    }
+    return n;
+}
+
+/* ---- making -------------------------------------------------------------------------------------------- */
+
+void lw_space_follow_free(lw_space_follow *f)
+{
+    lw_space_rows_free(&f->z);
+    free(f->memory);
+    memset(f, 0, sizeof *f);
+}
+
+/* Rank of the rows of the joints and the idle spins, without inputs. */
+static lw_status rank_of_joints(const lw_space *s, const lw_space_extra *x, int n, const double *metric, int *rank, lw_error *e)
+{
+    lw_space_rows_set z;
+    lw_status st = lw_space_rows_make(s, x, n, metric, s->start, &z, e);
+    *rank = st == LW_OK ? z.n_kept : 0;
+    if (st == LW_OK)
+        lw_space_rows_free(&z);
+    return st;
+}
+
+static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error *e)
+{
+    const lw_space *s = f->z.s;
+    int freedom = s->n_v - rank;
+    f->freedom = s->n_v - f->z.n_kept;
+    f->redundant = s->n_row + f->n_idle - rank;
+    if (f->z.n_kept < rank + f->n_input)
+        return lw_error_set(e, LW_E_ARG, "%d inputs move only %d of %d freedoms in the posture of the file: they contradict each "
+                            "other, or the posture is singular for them", f->n_input, f->z.n_kept - rank, freedom);
+    if (f->freedom > 0 && !any)
+        return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
+                            freedom == 1 ? "" : "s", f->n_input, f->n_input == 1 ? "" : "s", f->freedom,
+                            f->freedom == 1 ? " is" : "s are");
+    return LW_OK;
+}
+
+lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *input, int n_input, bool any, lw_space_follow *f,
+                               lw_error *e)
+{
+    size_t q = (size_t)s->n_q, v = (size_t)s->n_v, extras = (size_t)s->n_body + (size_t)n_input + 1;
+    size_t rows = (size_t)s->n_row + extras;
+    memset(f, 0, sizeof *f);
+    double *at = f->memory = calloc(2*q + 4*v + extras + 2*rows + 3*extras, sizeof *at);
+    lw_space_extra *x = calloc(extras, sizeof *x);
+    if (!at || !x) {
+        free(at), free(x);
+        f->memory = NULL;
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    f->q = at, at += q;
+    f->q_try = at, at += q;
+    f->v = at, at += v;
+    f->a = at, at += v;
+    f->v_try = at, at += v;
+    f->target = at, at += extras;
+    f->rhs = at, at += rows;
+    f->l = at, at += rows;
+    f->path = (double (*)[3])(void *)at, at += 3*extras;
+    double *metric = at;
+    memcpy(f->q, s->start, q*sizeof *f->q);
+    lw_space_metric(s, metric);
+    f->n_idle = lw_space_idle(s, x);
+    f->n_input = n_input;
+    int rank;
+    lw_status st = rank_of_joints(s, x, f->n_idle, metric, &rank, e);
+    for (int i = 0; i < n_input; i++)
+        x[f->n_idle + i] = (lw_space_extra){ .measure = input[i] };
+    if (st == LW_OK)
+        st = lw_space_rows_make(s, x, f->n_idle + n_input, metric, s->start, &f->z, e);
+    if (st == LW_OK)
+        st = count_freedoms(f, rank, any, e);
+    free(x);
+    if (st != LW_OK)
+        lw_space_follow_free(f);
+    return st;
+}
+
+void lw_space_follow_values(const lw_space_follow *f, double *value)
+{
+    const lw_space *s = f->z.s;
+    lw_space_place(s, f->q, f->z.frame);
+    for (int i = 0; i < f->n_input; i++) {
+        lw_spatial_measure of = f->z.extra[f->n_idle + i].measure;
+        value[i] = lw_space_scale(s, of)*lw_space_measure(s, f->z.frame, of, f->z.near[f->n_idle + i], NULL);
+    }
+}
+
+/* ---- going ------------------------------------------------------------------------------------------------ */
+
+/* Values of the path at u as targets of the rows, and its first or second rates as right-hand sides. */
+static lw_status aim(lw_space_follow *f, lw_space_path *path, void *context, double u)
+{
+    lw_status s = path(context, u, f->path);
+    for (int i = 0; i < f->n_idle; i++)
+        f->target[i] = 0;
+    for (int i = 0; i < f->n_input && s == LW_OK; i++) {
+        double scale = lw_space_scale(f->z.s, f->z.extra[f->n_idle + i].measure);
+        f->target[f->n_idle + i] = f->path[i][0]/scale;
+        if (!isfinite(f->path[i][0]) || !isfinite(f->path[i][1]) || !isfinite(f->path[i][2]))
+            return LW_E_NUMERIC;
+    }
+    return s;
+}
+
+static void wanted(lw_space_follow *f, int rate)
+{
+    int first = f->z.s->n_row + f->n_idle;
+    if (rate == 1)
+        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
+    for (int i = 0; i < f->n_input; i++)
+        f->rhs[first + i] += f->path[i][rate]/lw_space_scale(f->z.s, f->z.extra[f->n_idle + i].measure);
+}
+
+/* Rates by u at q_try, which is on the rows, filled and factored there. */
+static bool tangent(lw_space_follow *f, double *v)
+{
+    lw_space_rows_fill(&f->z, f->q_try, f->target);
+    if (!lw_space_rows_factor(&f->z))
+        return false;
+    wanted(f, 1);
+    lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l);
+    return true;
+}
+
+static void second_rates(lw_space_follow *f)
+{
+    lw_space_rows_bias(&f->z, f->v, f->rhs);
+    wanted(f, 2);
+    lw_space_rows_solve(&f->z, NULL, f->rhs, true, f->a, f->l);
+}
+
+/* |a - b| over the greater of both. */
+static double change(const lw_space *s, const double *a, const double *b, double *scratch)
+{
+    double top = fmax(lw_space_length(s, a), lw_space_length(s, b));
+    for (int i = 0; i < s->n_v; i++)
+        scratch[i] = a[i] - b[i];
+    return top > 0 ? lw_space_length(s, scratch)/top : 0;
+}
+
+/* One step of length h; false: too long. */
+static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context, double h, bool *taken)
+{
+    const lw_space *s = f->z.s;
+    double moved = 0, length;
+    *taken = false;
+    memcpy(f->q_try, f->q, (size_t)s->n_q*sizeof *f->q);
+    for (int i = 0; i < s->n_v; i++)
+        f->z.step[i] = h*(f->v[i] + h/2*f->a[i]);
+    length = lw_space_length(s, f->z.step);
+    if (length > longest_step)
+        return LW_OK;
+    lw_space_move(s, f->q_try, f->z.step);
+    lw_status st = aim(f, path, context, f->u + h);
+    if (st != LW_OK)
+        return st;
+    if (lw_space_rows_close(&f->z, f->q_try, f->target, greatest_correction*length + 1e-7, &moved) != LW_OK ||
+        !tangent(f, f->v_try))
+        return LW_OK;
+    double size = fmax(lw_space_length(s, f->v), lw_space_length(s, f->v_try))*fabs(h);
+    if (size > 1e-6 && change(s, f->v, f->v_try, f->z.full) > greatest_change)
+        return LW_OK;
+    memcpy(f->q, f->q_try, (size_t)s->n_q*sizeof *f->q);
+    memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
+    memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
+    f->u += h;
+    second_rates(f);
+    *taken = true;
+    return LW_OK;
+}
+
+static lw_status cannot(lw_space_follow *f, double u, lw_error *e)
+{
+    const lw_space *s = f->z.s;
+    char where[200] = "";
+    size_t used = 0;
+    double value[8];
+    int joint = -1, n = f->n_input < 4 ? f->n_input : 4;
+    bool angle;
+    double *want = calloc((size_t)f->n_input + 1, sizeof *want), *got = calloc((size_t)f->n_input + 1, sizeof *got);
+    if (!want || !got) {
+        free(want), free(got);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    (void)u;
+    for (int i = 0; i < f->n_input; i++)
+        want[i] = f->path[i][0];
+    lw_space_follow_values(f, got);
+    memcpy(value, got, (size_t)n*sizeof *value);
+    for (int i = 0; i < n; i++) {
+        char name[64];
+        lw_spatial_measure of = f->z.extra[f->n_idle + i].measure;
+        lw_spatial_measure_name(s->model, of, name, sizeof name);
+        used += (size_t)snprintf(where + used, sizeof where - used, "%s%s = %.9g %s", i ? ", " : "", name, value[i],
+                                 of.of == LW_OF_TURN ? "rad" : "m");
+        used = used < sizeof where ? used : sizeof where - 1;
+    }
+    double gap = lw_space_gap(f, want, &joint, &angle);
+    free(want), free(got);
+    if (joint >= 0 && gap > 1e-7)
+        return lw_error_set(e, LW_OPEN, "the joints cannot be closed beyond %s: at the inputs wanted, joint \"%s\" stays %.3g %s "
+                            "open", where, s->model->joint[joint].name, gap, angle ? "rad" : "m");
+    return lw_error_set(e, LW_OPEN, "the motion ends at %s in a singular posture: it can go on in several ways, or not at all",
+                        where);
+}
+
+static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
+{
+    lw_status st = aim(f, path, context, f->u);
+    memcpy(f->q_try, f->q, (size_t)f->z.s->n_q*sizeof *f->q);
+    if (st == LW_OK && !tangent(f, f->v))
+        return cannot(f, f->u, e);
+    if (st == LW_OK)
+        second_rates(f);
+    double whole = u - f->u, h = whole;
+    int steps = 0;
+    while (st == LW_OK && f->u != u) {
+        bool taken, last = fabs(h) >= fabs(u - f->u);
+        double by = last ? u - f->u : h, at = f->u;
+        if ((st = try_step(f, path, context, by, &taken)) != LW_OK)
+            break;
+        if (taken) {
+            f->u = last ? u : at + by;
+            h = last ? by : 1.6*by;
+        } else if (fabs(by) < 1e-10*fabs(whole) || ++steps > 100000)
+            return cannot(f, f->u, e);
+        else
+            h = by*0.4;
+    }
+    if (st == LW_E_NUMERIC)
+        return lw_error_set(e, st, "the motion of an input is not a number at %.9g", f->u);
+    return st;
+}
+
+typedef struct straight { lw_space_follow *f; const double *from; double (*to)[3]; } straight;
+
+static lw_status straight_path(void *context, double u, double (*out)[3])
+{
+    const straight *p = context;
+    for (int i = 0; i < p->f->n_input; i++) {
+        out[i][0] = p->from[i] + u*(p->to[i][0] - p->from[i]);
+        out[i][1] = p->to[i][0] - p->from[i];
+        out[i][2] = 0;
+    }
+    return LW_OK;
+}
+
+lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
+{
+    int n = f->n_input;
+    double apart = 0, *from = calloc(4*(size_t)n + 1, sizeof *from), (*to)[3];
+    if (!from)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    to = (double (*)[3])(void *)(from + n);
+    lw_status st = path(context, f->u, to);
+    lw_space_follow_values(f, from);
+    for (int i = 0; i < n; i++)
+        apart = fmax(apart, fabs(to[i][0] - from[i])/lw_space_scale(f->z.s, f->z.extra[f->n_idle + i].measure));
+    if (st == LW_OK && !isfinite(apart))
+        st = lw_error_set(e, LW_E_NUMERIC, "the motion of an input is not a number at %.9g", f->u);
+    if (st == LW_OK && apart > 1e-9) {
+        straight line = { f, from, to };
+        double at = f->u;
+        f->u = 0;
+        st = go(f, straight_path, &line, 1, e);
+        f->u = at;
+    }
+    free(from);
+    if (st == LW_OK)
+        st = go(f, path, context, u, e);
+    return st;
+}
+
+lw_status lw_space_motions(void *context, double t, double (*out)[3])
+{
+    const lw_spatial *m = context;
+    const double at[3] = { t, 1, 0 };
+    for (int i = 0; i < m->n_input; i++) {
+        double series[3] = { m->input[i].value, 0, 0 };
+        if (m->input[i].motion)
+            lw_expression_series(m->input[i].motion, 2, at, series);
+        out[i][0] = series[0] - lw_spatial_offset(&m->input[i]), out[i][1] = series[1], out[i][2] = 2*series[2];
+    }
+    return LW_OK;
+}
+
+static lw_status own_value(void *context, double u, double (*out)[3])
+{
+    (void)context;
+    out[0][0] = u, out[0][1] = 1, out[0][2] = 0;
+    return LW_OK;
+}
+
+bool lw_space_reach(lw_space_follow *f, double to, double *reached, lw_error *e)
+{
+    lw_space_follow_values(f, reached);
+    f->u = *reached;
+    bool limit = lw_space_follow_to(f, own_value, NULL, to, e) != LW_OK;
+    *reached = f->u;
+    return limit;
+}
+
+/* ---- gaps ------------------------------------------------------------------------------------------------- */
+
+double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, bool *angle)
+{
+    const lw_space *s = f->z.s;
+    lw_space_rows_set z;
+    lw_space_dense d;
+    lw_error none;
+    double gap = 0, *q = malloc((size_t)s->n_q*sizeof *q), *by = malloc((size_t)s->n_v*sizeof *by), *target, *b;
+    *joint = -1;
+    *angle = false;
+    target = calloc((size_t)f->z.n_extra + 1, sizeof *target);
+    b = malloc(((size_t)f->z.n_row + 1)*sizeof *b);
+    bool good = q && by && target && b && lw_space_rows_make(s, f->z.extra, f->z.n_extra, f->z.weight, f->q, &z, &none) == LW_OK;
+    if (good && lw_space_dense_make(&z, &d, &none) != LW_OK) {
+        lw_space_rows_free(&z);
+        good = false;
+    }
+    if (good) {
+        for (int i = 0; i < f->n_input; i++)
+            target[f->n_idle + i] = value[i]/lw_space_scale(s, f->z.extra[f->n_idle + i].measure);
+        memcpy(q, f->q, (size_t)s->n_q*sizeof *q);
+        double weight = 1e3;                 /* inputs are kept more exactly than joints */
+        for (int round = 0; round < 60; round++) {
+            lw_space_rows_fill(&z, q, target);
+            for (int r = s->n_row; r < z.n_row; r++) {
+                z.phi[r] *= weight;
+                for (int i = 0; i < LW_SPACE_ROW; i++)
+                    z.jac[r*LW_SPACE_ROW + i] *= weight;
+            }
+            lw_space_dense_factor(&z, &d, 1e-6);
+            memcpy(b, z.phi, (size_t)z.n_row*sizeof *b);
+            lw_rank_solve_transposed(&d.rank, b, by);
+            for (int i = 0; i < s->n_v; i++)
+                by[i] *= -(i%6 < 3 ? s->unit : 1);
+            double length = lw_space_length(s, by);
+            for (int i = 0; i < s->n_v && length > 0.2; i++)
+                by[i] *= 0.2/length;
+            if (!isfinite(length) || length < 1e-10)
+                break;
+            lw_space_move(s, q, by);
+        }
+        lw_space_rows_fill(&z, q, target);
+        for (int j = 0; j < s->n_joint; j++) {
+            int rows = lw_spatial_kind_of(s->joint[j].kind)->rows;
+            double off = 0, tilt = 0;
+            for (int k = 0; k < rows; k++) {
+                const char *name = lw_space_row_name(s, s->joint[j].row + k, &(int){ 0 });
+                double p = z.phi[s->joint[j].row + k];
+                if (name[0] == 't')
+                    tilt += p*p;
+                else
+                    off += p*p*s->unit*s->unit;
+            }
+            if (sqrt(off)/s->unit > (*angle ? gap : gap/s->unit))
+                gap = sqrt(off), *joint = j, *angle = false;
+            if (sqrt(tilt) > (*angle ? gap : gap/s->unit))
+                gap = sqrt(tilt), *joint = j, *angle = true;
+        }
+        lw_space_dense_free(&d);
+        lw_space_rows_free(&z);
+    }
+    free(q), free(by), free(target), free(b);
+    return gap;
+}

@@ -1,0 +1,52 @@
+/* mbs/space/space_follow.h - postures of a spatial model along its inputs, by continuation without jumps between
+ * branches; links that idle. */
+#ifndef LW_MBS_SPACE_SPACE_FOLLOW_H
+#define LW_MBS_SPACE_SPACE_FOLLOW_H
+
+#include "mbs/space/space_solve.h"
+
+/* Bodies between ball joints on one line spin about it without moving anything else: rows that hold these spins, into
+ * out (n_body), and how many.  A body whose tracers, loads or springs lie off the line does not idle. */
+int lw_space_idle(const lw_space *s, lw_space_extra *out);
+
+/* Where the inputs are at parameter u: value, rate and second rate by u, SI units, out[i][3] of input i. */
+typedef lw_status lw_space_path(void *context, double u, double (*out)[3]);
+
+typedef struct lw_space_follow {
+    lw_space_rows_set z;
+    int     n_input, n_idle, freedom;    /* freedom: left when the inputs stand still                      */
+    int     redundant;                   /* rows of joints that depend on others                           */
+    double  u;                           /* parameter reached                                              */
+    double *q, *v, *a;                   /* (n_q) posture there; (n_v) rates by u                          */
+    double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
+    double  h;                           /* proposed step                                                  */
+    double *idle_axis;
+    void   *memory;
+} lw_space_follow;
+
+/* Begin in the posture of the file with these inputs.  LW_E_ARG: the inputs do not leave the freedom 0 (unless `any`), or
+ * ask for more than the freedoms. */
+lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *input, int n_input, bool any, lw_space_follow *f,
+                               lw_error *e);
+void      lw_space_follow_free(lw_space_follow *f);
+
+/* Go along the path from f->u to u, whose value at f->u must be that of the posture f->q (else it is first gone to in a
+ * straight line).  LW_OPEN with a text: a limit of the motion or a singular posture lies before; f is at the last posture
+ * reached. */
+lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e);
+
+/* Values of the inputs at f->q [SI]. */
+void lw_space_follow_values(const lw_space_follow *f, double *value);
+
+/* The path of the model `context` (lw_spatial) in time: its inputs move as their "motion" says, or stand still. */
+lw_space_path lw_space_motions;
+
+/* A limit of the input, or where the model is singular, in direction `to` from the posture of f (one input): the last
+ * value reached and true; or `to` and false. */
+bool lw_space_reach(lw_space_follow *f, double to, double *reached, lw_error *e);
+
+/* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad], and
+ * its joint. */
+double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, bool *angle);
+
+#endif

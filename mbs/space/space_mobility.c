@@ -1,0 +1,214 @@
+/* mbs/space/space_mobility.c - freedoms of a spatial model.
+ *
+ * The model is displaced along a random motion of first order and its joints are closed again, by least squares, as the
+ * rows may depend on each other.  If they close in another posture, the model moves, and the rank there is that of the
+ * motion; if they close only where it was, it is shaky. */
+#include "mbs/space/space_mobility.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/rng.h"
+#include "mbs/space/space_follow.h"
+
+void lw_space_mobility_free(lw_space_mobility *m)
+{
+    free(m->redundant), free(m->idle_link);
+    memset(m, 0, sizeof *m);
+}
+
+typedef struct search {
+    const lw_space *s;
+    lw_space_rows_set z;
+    lw_space_dense d;
+    double *q, *by, *v, *b;
+    double least;                /* diagonal of a factorisation below which a row depends on others */
+    double rounding;             /* residual of closed rows */
+} search;
+
+/* most: the rank is not greater; 0: not known. */
+static int rank_at(search *x, const double *q, int most)
+{
+    lw_space_rows_fill(&x->z, q, NULL);
+    x->d.rank.most = most;
+    lw_space_dense_factor(&x->z, &x->d, x->least);
+    return x->d.rank.rank;
+}
+
+static double residual(const search *x)
+{
+    double most = 0;
+    for (int r = 0; r < x->z.n_row; r++)
+        most = fmax(most, fabs(x->z.phi[r]));
+    return most;
+}
+
+/* Close the joints near x->q by least squares, with rows of rank `most`: rows that depend on others where the joints are
+ * closed are independent beside, and would lead far away. */
+static double close_rows(search *x, int most)
+{
+    double off = INFINITY;
+    for (int round = 0; round < 60; round++) {
+        rank_at(x, x->q, most);
+        double now = residual(x);
+        if (now < 1e-15 || (round > 3 && now < x->rounding && now > off/2))
+            return now;
+        off = now;
+        memcpy(x->b, x->z.phi, (size_t)x->z.n_row*sizeof *x->b);
+        lw_rank_solve_transposed(&x->d.rank, x->b, x->by);
+        for (int i = 0; i < x->s->n_v; i++)
+            x->by[i] *= -(i%6 < 3 ? x->s->unit : 1);
+        double length = lw_space_length(x->s, x->by);
+        if (!isfinite(length) || length > 1)
+            return INFINITY;
+        lw_space_move(x->s, x->q, x->by);
+    }
+    rank_at(x, x->q, most);
+    return residual(x);
+}
+
+/* A random motion of first order in the posture of the file, of length 1. */
+static void draw_motion(search *x, lw_rng *rng)
+{
+    const lw_space *s = x->s;
+    int free = s->n_v - rank_at(x, s->start, 0);
+    memset(x->v, 0, (size_t)s->n_v*sizeof *x->v);
+    for (int k = 0; k < free; k++) {
+        double c = 2*lw_rng_uniform(rng) - 1;
+        lw_rank_left_null(&x->d.rank, k, x->by);
+        for (int i = 0; i < s->n_v; i++)
+            x->v[i] += c*x->by[i]*(i%6 < 3 ? s->unit : 1);
+    }
+    double length = lw_space_length(s, x->v);
+    for (int i = 0; i < s->n_v; i++)
+        x->v[i] /= length > 0 ? length : 1;
+}
+
+/* Distance between x->q and the posture of the file. */
+static double distance(const search *x)
+{
+    double most = 0;
+    for (int b = 0; b < x->s->n_body; b++) {
+        const double *p = x->q + 7*b, *o = x->s->start + 7*b;
+        lw_quaternion t = lw_quaternion_times(lw_quaternion_inverse((lw_quaternion){ o[3], o[4], o[5], o[6] }), (lw_quaternion){ p[3], p[4], p[5], p[6] });
+        most = fmax(most, lw_v3_norm(lw_quaternion_vector(t)));
+        most = fmax(most, lw_v3_norm(lw_v3(p[0] - o[0], p[1] - o[1], p[2] - o[2]))/x->s->unit);
+    }
+    return most;
+}
+
+static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobility *m)
+{
+    static const double length = 0.05;
+    const lw_space *s = x->s;
+    lw_rng rng;
+    lw_rng_seed(&rng, seed, 0);
+    m->instant = s->n_v - rank_at(x, s->start, 0);
+    m->rank = s->n_v - m->instant;
+    m->shaky = m->instant > 0;
+    double best = 0;
+    for (int trial = 0; trial < 12 && m->instant > 0; trial++) {
+        double step = length*(trial < 6 ? 1 : 0.2);
+        draw_motion(x, &rng);
+        memcpy(x->q, s->start, (size_t)s->n_q*sizeof *x->q);
+        for (int i = 0; i < s->n_v; i++)
+            x->by[i] = step*x->v[i];
+        lw_space_move(s, x->q, x->by);
+        double off = close_rows(x, s->n_v - m->instant);
+        if (!(off < fmax(tolerance, 1e-12)))
+            off = close_rows(x, 0);
+        double far = distance(x);
+        if (!(off < fmax(tolerance, 1e-12)) || far < 0.3*step)
+            continue;
+        int rank = rank_at(x, x->q, 0), freedom = s->n_v - rank;
+        m->shaky = false;
+        if (best == 0 || freedom > m->freedom) {
+            best = far;
+            m->freedom = freedom;
+            m->rank = rank;
+            m->moved = far;
+            m->residual = off*s->unit;
+        }
+    }
+    return LW_OK;
+}
+
+/* Rows that follow from those before them, in the posture moved to: one by one, rows that add no rank. */
+static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
+{
+    const lw_space *s = x->s;
+    int rows = x->z.n_row, n = s->n_v;
+    double *basis = malloc(((size_t)n*(size_t)n + (size_t)n)*sizeof *basis), *row = basis ? basis + (size_t)n*(size_t)n : NULL;
+    m->redundant = calloc((size_t)rows + 1, sizeof *m->redundant);
+    if (!basis || !m->redundant) {
+        free(basis);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    int rank = 0;
+    lw_space_rows_fill(&x->z, m->freedom > 0 ? x->q : s->start, NULL);
+    for (int r = 0; r < rows; r++) {
+        memset(row, 0, (size_t)n*sizeof *row);
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; x->z.body[r][k] >= 0 && i < 6; i++)
+                row[6*x->z.body[r][k] + i] = x->z.jac[r*LW_SPACE_ROW + 6*k + i]*(i < 3 ? s->unit : 1);
+        double before = 0, after = 0;
+        for (int i = 0; i < n; i++)
+            before += row[i]*row[i];
+        for (int twice = 0; twice < 2; twice++)
+            for (int k = 0; k < rank; k++) {
+                double dot = 0;
+                for (int i = 0; i < n; i++)
+                    dot += row[i]*basis[(size_t)k*(size_t)n + (size_t)i];
+                for (int i = 0; i < n; i++)
+                    row[i] -= dot*basis[(size_t)k*(size_t)n + (size_t)i];
+            }
+        for (int i = 0; i < n; i++)
+            after += row[i]*row[i];
+        if (rank < n && sqrt(after) > 10*x->least*sqrt(before)) {
+            for (int i = 0; i < n; i++)
+                basis[(size_t)rank*(size_t)n + (size_t)i] = row[i]/sqrt(after);
+            rank++;
+        } else {
+            lw_space_redundant *p = &m->redundant[m->n_redundant++];
+            p->row = lw_space_row_name(s, r, &p->joint);
+        }
+    }
+    free(basis);
+    return LW_OK;
+}
+
+lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint64_t seed, lw_space_mobility *m, lw_error *e)
+{
+    lw_space s;
+    search x = { .s = &s, .least = fmax(1e-9, 10*sqrt(tolerance)*1e-3), .rounding = fmax(tolerance, 1e-13) };
+    memset(m, 0, sizeof *m);
+    lw_status st = lw_space_make(model, &s, e);
+    if (st != LW_OK)
+        return st;
+    double *weight = malloc(((size_t)s.n_q + 3*(size_t)s.n_v + (size_t)s.n_row + 1)*sizeof *weight);
+    lw_space_extra *idle = calloc((size_t)s.n_body + 1, sizeof *idle);
+    m->idle_link = calloc((size_t)s.n_body + 1, sizeof *m->idle_link);
+    if (!weight || !idle || !m->idle_link)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK) {
+        x.q = weight + s.n_v, x.by = x.q + s.n_q, x.v = x.by + s.n_v, x.b = x.v + s.n_v;
+        lw_space_metric(&s, weight);
+        m->n_body = s.n_body;
+        m->n_row = s.n_row;
+        m->count = s.n_v - s.n_row;
+        m->idle = lw_space_idle(&s, idle);
+        for (int i = 0; i < m->idle; i++)
+            m->idle_link[i] = s.link_of[idle[i].body];
+        st = lw_space_rows_make(&s, NULL, 0, weight, s.start, &x.z, e);
+    }
+    if (st == LW_OK && (st = lw_space_dense_make(&x.z, &x.d, e)) == LW_OK) {
+        if ((st = find(&x, seed, tolerance, m)) == LW_OK)
+            st = name_redundant(&x, m, e);
+        lw_space_dense_free(&x.d);
+    }
+    lw_space_rows_free(&x.z);
+    free(weight), free(idle);
+    lw_space_free(&s);
+    if (st != LW_OK)
+        lw_space_mobility_free(m);
+    return st;
+}

@@ -1,0 +1,314 @@
+/* mbs/space/space_rows.c - rows of spatial joints.
+ *
+ * Rows are made of three kinds, with a, b vectors fixed in body 0 and body 1, d = p1 - p0 between the joint's points:
+ *
+ *     e . d            e fixed in the ground        common point
+ *     a . d            a carried by body 0          a line or a plane
+ *     a . b            turns
+ *
+ * With omega in ground axes  (a . b)' = (omega0 - omega1) . (a x b)  and  (a . d)' = omega0 . (a x d) + a . d'. */
+#include "mbs/space/space.h"
+
+#include <string.h>
+
+typedef struct ends {            /* of a joint at one posture */
+    lw_vec3 arm[2], d;           /* from the centres of mass to the points; between the points */
+    const lw_mat3 *turn[2];
+} ends;
+
+static ends ends_of(const lw_space_joint *j, const lw_space_frame *frame)
+{
+    ends n;
+    for (int i = 0; i < 2; i++) {
+        n.turn[i] = &frame[j->body[i] + 1].turn;
+        n.arm[i] = lw_m3_apply(n.turn[i], j->arm[i]);
+    }
+    n.d = lw_v3_sub(lw_v3_add(frame[j->body[1] + 1].at, n.arm[1]), lw_v3_add(frame[j->body[0] + 1].at, n.arm[0]));
+    return n;
+}
+
+static void put(double *to, lw_vec3 force, const lw_mat3 *turn, lw_vec3 moment)
+{
+    lw_vec3 m = lw_m3_unapply(turn, moment);
+    to[0] = force.x, to[1] = force.y, to[2] = force.z, to[3] = m.x, to[4] = m.y, to[5] = m.z;
+}
+
+static void point_row(const ends *n, lw_vec3 e, double scale, double *phi, double *jac)
+{
+    *phi = scale*lw_v3_dot(e, n->d);
+    e = lw_v3_scale(e, scale);
+    put(jac, lw_v3_scale(e, -1), n->turn[0], lw_v3_cross(e, n->arm[0]));
+    put(jac + 6, e, n->turn[1], lw_v3_cross(n->arm[1], e));
+}
+
+static void line_row(const ends *n, lw_vec3 a, double scale, double *phi, double *jac)
+{
+    *phi = scale*lw_v3_dot(a, n->d);
+    a = lw_v3_scale(a, scale);
+    put(jac, lw_v3_scale(a, -1), n->turn[0], lw_v3_cross(a, lw_v3_add(n->d, n->arm[0])));
+    put(jac + 6, a, n->turn[1], lw_v3_cross(n->arm[1], a));
+}
+
+static void turn_row(const ends *n, lw_vec3 a, lw_vec3 b, double fixed, double *phi, double *jac)
+{
+    lw_vec3 c = lw_v3_cross(a, b), none = lw_v3(0, 0, 0);
+    *phi = lw_v3_dot(a, b) - fixed;
+    put(jac, none, n->turn[0], c);
+    put(jac + 6, none, n->turn[1], lw_v3_scale(c, -1));
+}
+
+/* Angle from x[0] to x[1] about z[0], the one nearest to `near`, and its derivatives. */
+static double angle_of(const lw_space_joint *j, const ends *n, double near, double *jac)
+{
+    lw_vec3 x0 = lw_m3_apply(n->turn[0], j->x[0]), y0 = lw_m3_apply(n->turn[0], j->y[0]);
+    lw_vec3 x1 = lw_m3_apply(n->turn[1], j->x[1]), axis = lw_m3_apply(n->turn[0], j->z[0]), none = lw_v3(0, 0, 0);
+    double angle = atan2(lw_v3_dot(y0, x1), lw_v3_dot(x0, x1));
+    if (jac) {
+        put(jac, none, n->turn[0], lw_v3_scale(axis, -1));
+        put(jac + 6, none, n->turn[1], axis);
+    }
+    return near + remainder(angle - near, 2*LW_PI);
+}
+
+static int point_rows(const ends *n, double scale, double *phi, double *jac)
+{
+    for (int i = 0; i < 3; i++)
+        point_row(n, lw_v3(i == 0, i == 1, i == 2), scale, phi + i, jac + i*LW_SPACE_ROW);
+    return 3;
+}
+
+/* z[0] stays parallel to z[1]. */
+static int parallel_rows(const lw_space_joint *j, const ends *n, double *phi, double *jac)
+{
+    lw_vec3 z = lw_m3_apply(n->turn[1], j->z[1]);
+    turn_row(n, lw_m3_apply(n->turn[0], j->x[0]), z, 0, phi, jac);
+    turn_row(n, lw_m3_apply(n->turn[0], j->y[0]), z, 0, phi + 1, jac + LW_SPACE_ROW);
+    return 2;
+}
+
+static int line_rows(const lw_space_joint *j, const ends *n, double scale, double *phi, double *jac)
+{
+    line_row(n, lw_m3_apply(n->turn[0], j->x[0]), scale, phi, jac);
+    line_row(n, lw_m3_apply(n->turn[0], j->y[0]), scale, phi + 1, jac + LW_SPACE_ROW);
+    return 2;
+}
+
+static void joint_rows(const lw_space *s, const lw_space_joint *j, const lw_space_frame *frame, double *phi, double *jac)
+{
+    ends n = ends_of(j, frame);
+    double scale = 1/s->unit;
+    int r = 0;
+#define PHI phi + r, jac + r*LW_SPACE_ROW
+    switch (j->kind) {
+    case LW_SPATIAL_SPHERICAL:
+        point_rows(&n, scale, PHI);
+        break;
+    case LW_SPATIAL_REVOLUTE:
+        r += point_rows(&n, scale, PHI);
+        parallel_rows(j, &n, PHI);
+        break;
+    case LW_SPATIAL_UNIVERSAL:
+        r += point_rows(&n, scale, PHI);
+        turn_row(&n, lw_m3_apply(n.turn[0], j->x[0]), lw_m3_apply(n.turn[1], j->x[1]), j->fixed, PHI);
+        break;
+    case LW_SPATIAL_FIXED:
+    case LW_SPATIAL_PRISMATIC:
+        r += j->kind == LW_SPATIAL_FIXED ? point_rows(&n, scale, PHI) : line_rows(j, &n, scale, PHI);
+        r += parallel_rows(j, &n, PHI);
+        turn_row(&n, lw_m3_apply(n.turn[0], j->y[0]), lw_m3_apply(n.turn[1], j->x[1]), 0, PHI);
+        break;
+    case LW_SPATIAL_CYLINDRICAL:
+    case LW_SPATIAL_SCREW:
+        r += line_rows(j, &n, scale, PHI);
+        r += parallel_rows(j, &n, PHI);
+        if (j->kind == LW_SPATIAL_SCREW) {   /* slide less pitch times the turn nearest to it */
+            double turn[LW_SPACE_ROW], slide;
+            line_row(&n, lw_m3_apply(n.turn[0], j->z[0]), scale, &slide, jac + r*LW_SPACE_ROW);
+            phi[r] = slide - scale*j->pitch*angle_of(j, &n, slide/(scale*j->pitch), turn);
+            for (int i = 0; i < LW_SPACE_ROW; i++)
+                jac[r*LW_SPACE_ROW + i] -= scale*j->pitch*turn[i];
+        }
+        break;
+    case LW_SPATIAL_PLANAR:
+        line_row(&n, lw_m3_apply(n.turn[0], j->z[0]), scale, PHI);
+        r++;
+        parallel_rows(j, &n, PHI);
+        break;
+    case LW_SPATIAL_FREE:
+        break;
+    }
+#undef PHI
+}
+
+void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, double *jac)
+{
+    for (int i = 0; i < s->n_joint; i++) {
+        const lw_space_joint *j = &s->joint[i];
+        joint_rows(s, j, frame, phi + j->row, jac + j->row*LW_SPACE_ROW);
+    }
+}
+
+/* ---- what velocities add ------------------------------------------------------------------------------- */
+
+typedef struct rates { lw_vec3 omega[2], dd, rest; } rates;     /* rest: d'' without the accelerations */
+
+static rates rates_of(const lw_space_joint *j, const ends *n, const lw_space_frame *frame, const double *v)
+{
+    rates z;
+    lw_vec3 dp[2], ddp[2];
+    for (int i = 0; i < 2; i++) {
+        int b = j->body[i];
+        z.omega[i] = lw_space_omega(frame, b, v);
+        lw_vec3 turn = lw_v3_cross(z.omega[i], n->arm[i]);
+        dp[i] = b < 0 ? turn : lw_v3_add(turn, lw_v3(v[6*b], v[6*b + 1], v[6*b + 2]));
+        ddp[i] = lw_v3_cross(z.omega[i], turn);
+    }
+    z.dd = lw_v3_sub(dp[1], dp[0]);
+    z.rest = lw_v3_sub(ddp[1], ddp[0]);
+    return z;
+}
+
+/* Second rate of a . d, without the accelerations; a carried by body 0. */
+static double line_bias(const rates *z, const ends *n, lw_vec3 a)
+{
+    lw_vec3 da = lw_v3_cross(z->omega[0], a);
+    return lw_v3_dot(lw_v3_cross(z->omega[0], da), n->d) + 2*lw_v3_dot(da, z->dd) + lw_v3_dot(a, z->rest);
+}
+
+static double turn_bias(const rates *z, lw_vec3 a, lw_vec3 b)
+{
+    lw_vec3 da = lw_v3_cross(z->omega[0], a), db = lw_v3_cross(z->omega[1], b);
+    return lw_v3_dot(lw_v3_sub(z->omega[0], z->omega[1]), lw_v3_add(lw_v3_cross(da, b), lw_v3_cross(a, db)));
+}
+
+static double angle_bias(const lw_space_joint *j, const rates *z, const ends *n)
+{
+    lw_vec3 axis = lw_m3_apply(n->turn[0], j->z[0]);
+    return lw_v3_dot(lw_v3_cross(z->omega[0], axis), lw_v3_sub(z->omega[1], z->omega[0]));
+}
+
+void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out)
+{
+    double scale = 1/s->unit;
+    for (int i = 0; i < s->n_joint; i++) {
+        const lw_space_joint *j = &s->joint[i];
+        double *to = out + j->row;
+        ends n = ends_of(j, frame);
+        rates z = rates_of(j, &n, frame, v);
+        lw_vec3 x0 = lw_m3_apply(n.turn[0], j->x[0]), y0 = lw_m3_apply(n.turn[0], j->y[0]);
+        lw_vec3 z0 = lw_m3_apply(n.turn[0], j->z[0]), z1 = lw_m3_apply(n.turn[1], j->z[1]);
+        lw_spatial_kind k = j->kind;
+        if (k == LW_SPATIAL_FREE)
+            continue;
+        if (k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_UNIVERSAL || k == LW_SPATIAL_FIXED) {
+            to[0] = -scale*z.rest.x, to[1] = -scale*z.rest.y, to[2] = -scale*z.rest.z;
+            to += 3;
+        } else if (k == LW_SPATIAL_PLANAR)
+            *to++ = -scale*line_bias(&z, &n, z0);
+        else {
+            *to++ = -scale*line_bias(&z, &n, x0);
+            *to++ = -scale*line_bias(&z, &n, y0);
+        }
+        if (k == LW_SPATIAL_SPHERICAL)
+            continue;
+        if (k == LW_SPATIAL_UNIVERSAL) {
+            *to = -turn_bias(&z, x0, lw_m3_apply(n.turn[1], j->x[1]));
+            continue;
+        }
+        *to++ = -turn_bias(&z, x0, z1);
+        *to++ = -turn_bias(&z, y0, z1);
+        if (k == LW_SPATIAL_FIXED || k == LW_SPATIAL_PRISMATIC)
+            *to = -turn_bias(&z, y0, lw_m3_apply(n.turn[1], j->x[1]));
+        if (k == LW_SPATIAL_SCREW)
+            *to = -scale*(line_bias(&z, &n, z0) - j->pitch*angle_bias(j, &z, &n));
+    }
+}
+
+/* ---- measures ---------------------------------------------------------------------------------------------- */
+
+double lw_space_scale(const lw_space *s, lw_spatial_measure of) { return of.of == LW_OF_TURN ? 1 : s->unit; }
+
+void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2])
+{
+    body[1] = -1;
+    if (x->spin)
+        body[0] = x->body;
+    else if (x->measure.of >= LW_OF_X)
+        body[0] = s->tracer[x->measure.index].body;
+    else
+        body[0] = s->joint[x->measure.index].body[0], body[1] = s->joint[x->measure.index].body[1];
+}
+
+static lw_vec3 ground_axis(lw_spatial_of of) { return lw_v3(of == LW_OF_X, of == LW_OF_Y, of == LW_OF_Z); }
+
+double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, double *jac)
+{
+    double none[LW_SPACE_ROW], value;
+    if (of.of >= LW_OF_X) {
+        lw_space_point p = s->tracer[of.index];
+        const lw_space_frame *f = &frame[p.body + 1];
+        lw_vec3 e = ground_axis(of.of), arm = lw_m3_apply(&f->turn, p.arm);
+        if (jac) {
+            memset(jac, 0, LW_SPACE_ROW*sizeof *jac);
+            put(jac, lw_v3_scale(e, 1/s->unit), &f->turn, lw_v3_scale(lw_v3_cross(arm, e), 1/s->unit));
+        }
+        return lw_v3_dot(e, lw_v3_add(f->at, arm))/s->unit;
+    }
+    const lw_space_joint *j = &s->joint[of.index];
+    ends n = ends_of(j, frame);
+    if (of.of == LW_OF_TURN)
+        return angle_of(j, &n, near, jac);
+    line_row(&n, lw_m3_apply(n.turn[0], j->z[0]), 1/s->unit, &value, jac ? jac : none);
+    return value;
+}
+
+double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v)
+{
+    if (of.of >= LW_OF_X) {
+        lw_space_point p = s->tracer[of.index];
+        lw_vec3 omega = lw_space_omega(frame, p.body, v), arm = lw_m3_apply(&frame[p.body + 1].turn, p.arm);
+        return lw_v3_dot(ground_axis(of.of), lw_v3_cross(omega, lw_v3_cross(omega, arm)))/s->unit;
+    }
+    const lw_space_joint *j = &s->joint[of.index];
+    ends n = ends_of(j, frame);
+    rates z = rates_of(j, &n, frame, v);
+    return of.of == LW_OF_TURN ? angle_bias(j, &z, &n) : line_bias(&z, &n, lw_m3_apply(n.turn[0], j->z[0]))/s->unit;
+}
+
+void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, const double *v,
+                       double *value, double *rate)
+{
+    double jac[LW_SPACE_ROW], scale = lw_space_scale(s, of);
+    int body[2];
+    lw_space_bodies(s, &(lw_space_extra){ .measure = of }, body);
+    *value = scale*lw_space_measure(s, frame, of, near, jac);
+    *rate = 0;
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; body[k] >= 0 && i < 6; i++)
+            *rate += scale*jac[6*k + i]*v[6*body[k] + i];
+}
+
+/* ---- names --------------------------------------------------------------------------------------------------- */
+
+const char *lw_space_row_name(const lw_space *s, int row, int *joint)
+{
+    static const char *const point[] = { "x", "y", "z", "tilt 1", "tilt 2", "turn" };
+    static const char *const line[] = { "across 1", "across 2", "tilt 1", "tilt 2", "turn" };
+    static const char *const plane[] = { "off the plane", "tilt 1", "tilt 2" };
+    for (int i = 0; i < s->n_joint; i++) {
+        const lw_space_joint *j = &s->joint[i];
+        int k = row - j->row;
+        if (k < 0 || k >= lw_spatial_kind_of(j->kind)->rows)
+            continue;
+        *joint = i;
+        switch (j->kind) {
+        case LW_SPATIAL_PLANAR: return plane[k];
+        case LW_SPATIAL_SCREW: return k == 4 ? "lead" : line[k];
+        case LW_SPATIAL_PRISMATIC: case LW_SPATIAL_CYLINDRICAL: return line[k];
+        case LW_SPATIAL_UNIVERSAL: return k == 3 ? "turn" : point[k];
+        default: return point[k];
+        }
+    }
+    *joint = -1;
+    return "";
+}

@@ -1,0 +1,383 @@
+/* mbs/space/space_solve.c - rows in force, their basis and factors. */
+#include "mbs/space/space_solve.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double least_share = 1e-11;     /* pivot over its diagonal below which a row depends on others */
+
+double lw_space_length(const lw_space *s, const double *by)
+{
+    double most = 0;
+    for (int i = 0; i < s->n_v; i++)
+        most = fmax(most, fabs(by[i])/(i%6 < 3 ? s->unit : 1));
+    return most;
+}
+
+void lw_space_metric(const lw_space *s, double *weight)
+{
+    for (int i = 0; i < s->n_v; i++)
+        weight[i] = i%6 < 3 ? s->unit*s->unit : 1;
+}
+
+/* ---- memory ---------------------------------------------------------------------------------------------- */
+
+void lw_space_rows_free(lw_space_rows_set *z)
+{
+    lw_cholesky_free(&z->schur);
+    free(z->pair);
+    free(z->memory);
+    memset(z, 0, sizeof *z);
+}
+
+static void find_bodies(lw_space_rows_set *z)
+{
+    const lw_space *s = z->s;
+    for (int j = 0; j < s->n_joint; j++)
+        for (int k = 0; k < lw_spatial_kind_of(s->joint[j].kind)->rows; k++)
+            memcpy(z->body[s->joint[j].row + k], s->joint[j].body, sizeof z->body[0]);
+    for (int i = 0; i < z->n_extra; i++)
+        lw_space_bodies(s, &z->extra[i], z->body[s->n_row + i]);
+}
+
+lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight, const double *q,
+                             lw_space_rows_set *z, lw_error *e)
+{
+    memset(z, 0, sizeof *z);
+    z->s = s;
+    z->n_extra = n_extra;
+    z->n_row = s->n_row + n_extra;
+    size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1;
+    size_t bytes = (rows*(2*LW_SPACE_ROW + 2) + 3*v + x)*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
+                   x*sizeof *z->extra + rows*(sizeof *z->body + 2*sizeof(int));
+    char *at = z->memory = calloc(1, bytes);
+    if (!at)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step, &z->near };
+    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, v, v, v, x };
+    for (size_t i = 0; i < sizeof doubles/sizeof *doubles; i++) {
+        *doubles[i] = (double *)(void *)at;
+        at += sizes[i]*sizeof(double);
+    }
+    z->frame = (lw_space_frame *)(void *)at, at += ((size_t)s->n_body + 1)*sizeof *z->frame;
+    z->extra = (lw_space_extra *)(void *)at, at += x*sizeof *z->extra;
+    z->body = (int (*)[2])(void *)at, at += rows*sizeof *z->body;
+    z->kept = (int *)(void *)at, at += rows*sizeof(int);
+    z->place = (int *)(void *)at;
+    if (n_extra)
+        memcpy(z->extra, extra, (size_t)n_extra*sizeof *extra);
+    memcpy(z->weight, weight, v*sizeof *weight);
+    find_bodies(z);
+    lw_status st = lw_space_rows_arrange(z, q, e);
+    if (st != LW_OK)
+        lw_space_rows_free(z);
+    return st;
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------- */
+
+void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *target)
+{
+    const lw_space *s = z->s;
+    lw_space_place(s, q, z->frame);
+    lw_space_rows(s, z->frame, z->phi, z->jac);
+    for (int i = 0; i < z->n_extra; i++) {
+        const lw_space_extra *x = &z->extra[i];
+        double *jac = z->jac + (s->n_row + i)*LW_SPACE_ROW, *phi = &z->phi[s->n_row + i];
+        if (x->spin) {
+            *phi = 0;
+            memset(jac, 0, LW_SPACE_ROW*sizeof *jac);
+            jac[3] = x->axis.x, jac[4] = x->axis.y, jac[5] = x->axis.z;
+        } else
+            *phi = lw_space_measure(s, z->frame, x->measure, target ? target[i] : z->near[i], jac) - (target ? target[i] : 0);
+    }
+}
+
+/* J W, with 0 where a row has no body. */
+static void weigh(lw_space_rows_set *z)
+{
+    for (int r = 0; r < z->n_row; r++) {
+        double *jac = z->jac + r*LW_SPACE_ROW, *to = z->jac_w + r*LW_SPACE_ROW;
+        for (int k = 0; k < 2; k++) {
+            const double *w = z->weight + 6*z->body[r][k];
+            for (int i = 6*k; i < 6*k + 6; i++)
+                to[i] = z->body[r][k] < 0 ? 0 : jac[i]*w[i - 6*k];
+        }
+    }
+}
+
+static double dot6(const double *a, const double *b)
+{
+    return a[0]*b[0] + a[1]*b[1] + a[2]*b[2] + (a[3]*b[3] + a[4]*b[4] + a[5]*b[5]);
+}
+
+bool lw_space_rows_factor(lw_space_rows_set *z)
+{
+    double *value = z->schur.value;
+    weigh(z);
+    if (z->n_kept == 0) {
+        z->weak = 1;
+        return true;
+    }
+    memset(value, 0, (size_t)(z->schur.n_entry + z->n_kept)*sizeof *value);
+    for (int p = 0; p < z->n_pair; p++)
+        value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
+    z->weak = lw_cholesky_factor(&z->schur, 0, NULL);
+    return z->weak > 1e-14;
+}
+
+/* ---- basis ---------------------------------------------------------------------------------------------------- */
+
+/* Analyse the pattern of the kept rows; kept is in the order of the rows, and gets that of elimination. */
+static lw_status analyse(lw_space_rows_set *z, lw_error *e)
+{
+    const lw_space *s = z->s;
+    int n = z->n_kept, nb = s->n_body, pairs = 0;
+    lw_cholesky_free(&z->schur);
+    free(z->pair);
+    z->pair = NULL;
+    z->n_pair = 0;
+    if (n == 0)
+        return LW_OK;
+    int *first = calloc((size_t)nb + 2, sizeof *first), *list = malloc(2*(size_t)n*sizeof *list + sizeof *list);
+    int *mark = malloc(((size_t)n + 1)*sizeof *mark), *near_at = malloc(((size_t)n + 1)*sizeof *near_at), *near = NULL;
+    int *order = malloc((size_t)n*sizeof *order);
+    bool good = first && list && mark && near_at && order;
+    if (good) {                              /* kept rows of each body */
+        for (int i = 0; i < n; i++)
+            for (int k = 0; k < 2; k++)
+                if (z->body[z->kept[i]][k] >= 0)
+                    first[z->body[z->kept[i]][k] + 2]++;
+        for (int b = 2; b <= nb + 1; b++)
+            first[b] += first[b - 1];
+        for (int i = 0; i < n; i++)
+            for (int k = 0; k < 2; k++)
+                if (z->body[z->kept[i]][k] >= 0)
+                    list[first[z->body[z->kept[i]][k] + 1]++] = i;
+        size_t most = 0;
+        for (int b = 0; b < nb; b++) {
+            size_t c = (size_t)(first[b + 1] - first[b]);
+            most += c*c;
+            pairs += (int)(c*(c + 1)/2);
+        }
+        near = malloc((most + 1)*sizeof *near);
+        z->pair = malloc(((size_t)pairs + 1)*sizeof *z->pair);
+        good = near && z->pair;
+    }
+    if (good) {
+        int at = 0;
+        for (int i = 0; i < n; i++)
+            mark[i] = -1;
+        for (int i = 0; i < n; i++) {
+            near_at[i] = at;
+            mark[i] = i;
+            for (int k = 0; k < 2; k++) {
+                int b = z->body[z->kept[i]][k];
+                for (int p = b < 0 ? 0 : first[b]; b >= 0 && p < first[b + 1]; p++)
+                    if (mark[list[p]] != i) {
+                        mark[list[p]] = i;
+                        near[at++] = list[p];
+                    }
+            }
+        }
+        near_at[n] = at;
+        good = lw_cholesky_make(&z->schur, n, near_at, near);
+    }
+    if (good) {
+        memcpy(order, z->kept, (size_t)n*sizeof *order);
+        for (int i = 0; i < n; i++)
+            z->kept[i] = order[z->schur.order[i]];
+        for (int i = 0; i < z->n_row; i++)
+            z->place[i] = -1;
+        for (int i = 0; i < n; i++)
+            z->place[z->kept[i]] = i;
+        for (int b = 0; b < nb; b++)         /* list holds places in the old order of kept */
+            for (int p = first[b]; p < first[b + 1]; p++)
+                for (int o = first[b]; o <= p; o++) {
+                    int row = order[list[p]], other = order[list[o]], i = z->place[row], j = z->place[other];
+                    int side = z->body[row][0] == b ? 0 : 6, other_side = z->body[other][0] == b ? 0 : 6;
+                    z->pair[z->n_pair++] = (lw_space_pair){ row*LW_SPACE_ROW + side, other*LW_SPACE_ROW + other_side,
+                                                            lw_cholesky_entry(&z->schur, i < j ? i : j, i < j ? j : i) };
+                }
+    }
+    free(first), free(list), free(mark), free(near_at), free(near), free(order);
+    return good ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e)
+{
+    z->n_kept = z->n_row;
+    for (int i = 0; i < z->n_row; i++)
+        z->kept[i] = i;
+    lw_status st = analyse(z, e);
+    if (st != LW_OK || z->n_row == 0)
+        return st;
+    bool *dependent = calloc((size_t)z->n_row, sizeof *dependent);
+    if (!dependent)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_space_rows_fill(z, q, NULL);
+    weigh(z);
+    memset(z->schur.value, 0, (size_t)(z->schur.n_entry + z->n_kept)*sizeof *z->schur.value);
+    for (int p = 0; p < z->n_pair; p++)
+        z->schur.value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
+    lw_cholesky_factor(&z->schur, least_share, dependent);
+    bool *left_out = calloc((size_t)z->n_row, sizeof *left_out);
+    int n = 0, lost = 0;
+    for (int i = 0; left_out && i < z->n_row; i++)
+        left_out[z->kept[i]] = dependent[i];
+    for (int i = 0; left_out && i < z->n_row; i++)
+        lost += left_out[i];
+    if (lost > 0) {
+        for (int i = 0; i < z->n_row; i++)
+            if (!left_out[i])
+                z->kept[n++] = i;
+        z->n_kept = n;
+        st = analyse(z, e);
+    }
+    if (!left_out)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    free(left_out), free(dependent);
+    return st;
+}
+
+/* ---- solving ----------------------------------------------------------------------------------------------------- */
+
+void lw_space_rows_times(const lw_space_rows_set *z, const double *x, double *out)
+{
+    for (int r = 0; r < z->n_row; r++) {
+        const double *jac = z->jac + r*LW_SPACE_ROW;
+        out[r] = 0;
+        for (int k = 0; k < 2; k++)
+            if (z->body[r][k] >= 0)
+                out[r] += dot6(jac + 6*k, x + 6*z->body[r][k]);
+    }
+}
+
+void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x)
+{
+    for (int r = 0; r < z->n_row; r++) {
+        const double *jac = z->jac + r*LW_SPACE_ROW;
+        double f = sign*l[r];
+        for (int k = 0; f != 0 && k < 2; k++) {
+            double *to = x + 6*z->body[r][k];
+            for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
+                to[i] += f*jac[6*k + i];
+        }
+    }
+}
+
+/* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that */
+static void improve(lw_space_rows_set *z, const double *rhs, double *x, double *l)
+{
+    double *b = z->small;
+    for (int i = 0; i < z->n_kept; i++) {
+        int r = z->kept[i];
+        const double *jac = z->jac + r*LW_SPACE_ROW;
+        b[i] = rhs ? -rhs[r] : 0;
+        for (int k = 0; k < 2; k++)
+            if (z->body[r][k] >= 0)
+                b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
+    }
+    if (z->n_kept)
+        lw_cholesky_solve(&z->schur, b);
+    for (int i = 0; i < z->n_kept; i++) {
+        int r = z->kept[i];
+        const double *jac = z->jac_w + r*LW_SPACE_ROW;
+        l[r] += b[i];
+        for (int k = 0; k < 2; k++) {
+            double *to = x + 6*z->body[r][k];
+            for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
+                to[c] -= b[i]*jac[6*k + c];
+        }
+    }
+}
+
+void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l)
+{
+    for (int i = 0; i < z->s->n_v; i++)
+        x[i] = f ? f[i]*z->weight[i] : 0;
+    memset(l, 0, (size_t)z->n_row*sizeof *l);
+    improve(z, rhs, x, l);
+    if (refine)
+        improve(z, rhs, x, l);
+}
+
+void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l)
+{
+    lw_space_rows_solve(z, f, NULL, true, z->full, l);
+}
+
+void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out)
+{
+    lw_space_bias(z->s, z->frame, v, out);
+    for (int i = 0; i < z->n_extra; i++)
+        out[z->s->n_row + i] = z->extra[i].spin ? 0 : -lw_space_measure_bias(z->s, z->frame, z->extra[i].measure, v);
+}
+
+lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved)
+{
+    static const double rounding = 4e-15;
+    double before = INFINITY;
+    for (int round = 0; round < 30; round++) {
+        lw_space_rows_fill(z, q, target);
+        if (!lw_space_rows_factor(z))
+            return LW_OPEN;
+        for (int i = 0; i < z->s->n_v; i++)
+            z->step[i] = 0;
+        memset(z->full, 0, (size_t)z->s->n_v*sizeof *z->full);
+        double *b = z->small;
+        for (int i = 0; i < z->n_kept; i++)
+            b[i] = z->phi[z->kept[i]];
+        if (z->n_kept)
+            lw_cholesky_solve(&z->schur, b);
+        for (int i = 0; i < z->n_kept; i++) {
+            int r = z->kept[i];
+            for (int k = 0; k < 2; k++)
+                for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
+                    z->step[6*z->body[r][k] + c] -= b[i]*z->jac_w[r*LW_SPACE_ROW + 6*k + c];
+        }
+        double size = lw_space_length(z->s, z->step);
+        if (round == 0 && moved)
+            *moved = size;
+        if (!isfinite(size) || (longest > 0 && size > longest) || (round > 3 && size > before && size > 1e-12))
+            return LW_OPEN;
+        lw_space_move(z->s, q, z->step);
+        if (size < rounding || (size < 1e-12 && size > before/4))
+            return LW_OK;
+        if (before < 1e-8 && size < 1e-13)
+            return LW_OK;
+        before = size;
+    }
+    return before < 1e-11 ? LW_OK : LW_OPEN;
+}
+
+/* ---- full matrix ---------------------------------------------------------------------------------------------------- */
+
+lw_status lw_space_dense_make(const lw_space_rows_set *z, lw_space_dense *d, lw_error *e)
+{
+    *d = (lw_space_dense){ .n_v = z->s->n_v, .n_row = z->n_row, .unit = z->s->unit };
+    d->doubles = malloc(lw_rank_doubles(d->n_v, d->n_row)*sizeof *d->doubles);
+    d->ints = malloc(lw_rank_ints(d->n_v, d->n_row)*sizeof *d->ints + sizeof *d->ints);
+    if (!d->doubles || !d->ints) {
+        lw_space_dense_free(d);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    lw_rank_place(&d->rank, d->n_v, d->n_row, d->doubles, d->ints);
+    return LW_OK;
+}
+
+void lw_space_dense_free(lw_space_dense *d)
+{
+    free(d->doubles), free(d->ints);
+    *d = (lw_space_dense){ 0 };
+}
+
+void lw_space_dense_factor(const lw_space_rows_set *z, lw_space_dense *d, double least)
+{
+    memset(d->rank.a, 0, (size_t)d->n_v*(size_t)d->n_row*sizeof *d->rank.a);
+    for (int r = 0; r < d->n_row; r++)
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
+                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[r*LW_SPACE_ROW + 6*k + i]*(i < 3 ? d->unit : 1);
+    lw_rank_factor(&d->rank, least);
+}

@@ -1,0 +1,76 @@
+/* mbs/space/space_solve.h - the rows in force of a spatial model at one posture, factored, and what is solved with them.
+ *
+ *     x = W (f - J^T l),   J x = c          W: a positive diagonal, the inverse masses or a metric of displacements
+ *
+ * by Cholesky's method on J W J^T over a basis of the rows, stored and computed without zeros.  Massless bodies and
+ * models where that fails are solved by rank (lw_space_dense). */
+#ifndef LW_MBS_SPACE_SPACE_SOLVE_H
+#define LW_MBS_SPACE_SPACE_SOLVE_H
+
+#include "base/rank.h"
+#include "base/sparse.h"
+#include "mbs/space/space.h"
+
+/* Two kept rows that share a body: their derivatives by it in jac and jac_w, and the entry of schur they add to. */
+typedef struct lw_space_pair { int row, other, to; } lw_space_pair;
+
+typedef struct lw_space_rows_set {
+    const lw_space *s;
+    int      n_row, n_extra;             /* rows in force: those of the joints, then the extras           */
+    lw_space_extra *extra;
+    double  *weight;                     /* (n_v) W                                                        */
+    double  *near;                       /* (n_row - joints' rows) angle near which each measure counts    */
+    lw_space_frame *frame;               /* (n_body + 1) at the posture placed last                        */
+    double  *phi, *jac, *jac_w;          /* (n_row) (n_row x 12), and times W                              */
+    int    (*body)[2];                   /* (n_row)                                                        */
+    int      n_kept, *kept, *place;      /* a basis in the order of elimination; place in it, -1: left out */
+    int      n_pair;
+    lw_space_pair *pair;
+    lw_cholesky schur;
+    double   weak;                       /* least pivot over its diagonal when factored last               */
+    double  *small, *full, *step;        /* (n_row) (n_v) (n_v) scratch                                    */
+    void    *memory;
+} lw_space_rows_set;
+
+/* Rows of the joints and the extras (copied).  weight (n_v).  The basis is found at q.  LW_E_MEMORY. */
+lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight, const double *q,
+                             lw_space_rows_set *z, lw_error *e);
+void      lw_space_rows_free(lw_space_rows_set *z);
+
+/* Find the basis anew at q: the rows whose pivots are not below `least`.  n_kept is the rank. */
+lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e);
+
+/* Rows at q, with wanted values `target` of the extras (over their scale; 0 for spins), and their factors. */
+void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *target);
+bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
+
+/* x and l (n_row, 0 for rows left out) of the system above; f NULL: 0.  Factored.  `refine`: once more for the rounding. */
+void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
+
+/* l of J^T l = f in the metric of W, for f that the rows can carry. */
+void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
+
+/* out = J x (n_row); x += sign J^T l. */
+void lw_space_rows_times(const lw_space_rows_set *z, const double *x, double *out);
+void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x);
+
+/* What J a has to be, without second rates of extras: those are added (n_row). */
+void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out);
+
+/* Put q on the rows by Newton's method, the change least in W.  LW_OPEN: it does not converge, or a first step is longer
+ * than `longest` (in lengths over the size and radians; 0: no limit).  *moved: length of the first step. */
+lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved);
+
+/* The greatest displacement of a body in by (n_v): over the size, and in radians. */
+double lw_space_length(const lw_space *s, const double *by);
+
+/* W of displacements: 1 for lengths over the size and for radians. */
+void lw_space_metric(const lw_space *s, double *weight);
+
+/* The same rows as a full matrix J^T (n_v x n_row) in a rank-revealing factorisation, columns scaled by the size. */
+typedef struct lw_space_dense { lw_rank rank; double *doubles; int *ints; int n_v, n_row; double unit; } lw_space_dense;
+lw_status lw_space_dense_make(const lw_space_rows_set *z, lw_space_dense *d, lw_error *e);
+void      lw_space_dense_free(lw_space_dense *d);
+void      lw_space_dense_factor(const lw_space_rows_set *z, lw_space_dense *d, double least);
+
+#endif

@@ -1,0 +1,129 @@
+/* mbs/space/space_trace.c - paths of tracers. */
+#include "mbs/space/space_trace.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+
+void lw_space_tracers(const lw_space *s, const lw_space_frame *frame, const double *q, const double *v, const double *a,
+                      lw_space_tracer *out)
+{
+    const lw_spatial *m = s->model;
+    for (int i = 0; i < m->n_tracer; i++) {
+        lw_space_point p = s->tracer[i];
+        lw_space_tracer *t = &out[i];
+        lw_vec3 w = lw_space_omega(frame, p.body, v), arm = lw_m3_apply(&frame[p.body + 1].turn, p.arm);
+        lw_vec3 alpha = lw_space_omega(frame, p.body, a);         /* R alpha: omega x omega is 0 */
+        lw_quaternion turn = { 1, 0, 0, 0 };
+        if (p.body >= 0) {
+            const double *at = q + 7*p.body;
+            turn = lw_quaternion_times((lw_quaternion){ at[3], at[4], at[5], at[6] },
+                                       lw_quaternion_inverse(s->axes[p.body]));
+        }
+        t->place = lw_space_point_at(frame, p);
+        t->velocity = lw_space_point_velocity(frame, p, v);
+        t->acceleration = lw_v3_add(lw_space_point_velocity(frame, p, a), lw_v3_cross(w, lw_v3_cross(w, arm)));
+        t->turn = lw_quaternion_unit(lw_quaternion_times(turn, m->tracer[i].frame));
+        t->omega = w;
+        t->alpha = alpha;
+    }
+}
+
+typedef struct one_input { const lw_spatial *m; const double *still; } one_input;
+
+/* The first input runs, the others stand still. */
+static lw_status first_alone(void *context, double u, double (*out)[3])
+{
+    const one_input *p = context;
+    for (int i = 0; i < p->m->n_input; i++) {
+        out[i][0] = (i == 0 ? u - lw_spatial_offset(&p->m->input[0]) : p->still[i]);
+        out[i][1] = i == 0;
+        out[i][2] = 0;
+    }
+    return LW_OK;
+}
+
+/* Ends of the input where none are given: its range in the file, a whole turn, or as far as it goes. */
+static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, int n, lw_space_trace *o, lw_error *e)
+{
+    const lw_spatial_input *in = &s->model->input[0];
+    double offset = lw_spatial_offset(in), start;
+    if (in->has_range) {
+        o->from = in->first, o->to = in->last;
+        return LW_OK;
+    }
+    if (in->measure.of != LW_OF_TURN)
+        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or "
+                            "--input-range");
+    lw_space_follow f;
+    lw_status st = lw_space_follow_make(s, input, n, false, &f, e);
+    if (st != LW_OK)
+        return st;
+    lw_space_follow_values(&f, &start);
+    if (n == 1) {
+        lw_error none;
+        o->limit[1] = lw_space_reach(&f, start + 2*LW_PI, &o->to, &none);
+        o->from = start;
+        if (o->limit[1]) {
+            lw_space_follow_free(&f);
+            if ((st = lw_space_follow_make(s, input, n, false, &f, e)) != LW_OK)
+                return st;
+            o->limit[0] = lw_space_reach(&f, start - 2*LW_PI, &o->from, &none);
+        }
+    } else
+        o->from = start, o->to = start + 2*LW_PI;
+    o->from += offset, o->to += offset;
+    lw_space_follow_free(&f);
+    return LW_OK;
+}
+
+/* The rows between the ends, in the order of the input; those before the posture of the file are found on the way back
+ * from it, so that each end is reached along the motion curve of the file. */
+lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context, lw_error *e)
+{
+    lw_space s;
+    lw_space_follow f = { 0 };
+    lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing to move");
+    if (st == LW_OK)
+        st = lw_space_make(m, &s, e);
+    if (st != LW_OK)
+        return st;
+    lw_spatial_measure *input = calloc((size_t)m->n_input, sizeof *input);
+    lw_space_tracer *tracer = calloc((size_t)m->n_tracer + 1, sizeof *tracer);
+    double *value = calloc(4*(size_t)m->n_input, sizeof *value);
+    if (!input || !tracer || !value)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; st == LW_OK && i < m->n_input; i++)
+        input[i] = m->input[i].measure;
+    if (st == LW_OK && !o->in_time && o->whole)
+        st = find_ends(&s, input, m->n_input, o, e);
+    if (st == LW_OK)
+        st = lw_space_follow_make(&s, input, m->n_input, false, &f, e);
+    if (st == LW_OK) {
+        one_input one = { m, value };
+        lw_space_path *path = o->in_time ? lw_space_motions : first_alone;
+        void *with = o->in_time ? (void *)(uintptr_t)m : &one;
+        lw_space_follow_values(&f, value);
+        f.u = o->from;
+        for (int k = 0; st == LW_OK && k <= o->intervals; k++) {
+            double u = k == o->intervals ? o->to : o->from + (o->to - o->from)*k/o->intervals;
+            if (o->stop && *o->stop)
+                st = lw_error_set(e, LW_STOPPED, "stopped at %.9g", u);
+            else
+                st = lw_space_follow_to(&f, path, with, u, e);
+            if (st != LW_OK)
+                break;
+            lw_space_place(&s, f.q, f.z.frame);
+            lw_space_tracers(&s, f.z.frame, f.q, f.v, f.a, tracer);
+            double (*at)[3] = (double (*)[3])(void *)(value + m->n_input);
+            if ((st = path(with, u, at)) != LW_OK)
+                break;
+            for (int i = 0; i < m->n_input; i++)          /* the values as people count them */
+                f.target[i] = at[i][0] + lw_spatial_offset(&m->input[i]);
+            st = sink(context, u, f.target, tracer);
+        }
+    }
+    lw_space_follow_free(&f);
+    free(input), free(tracer), free(value);
+    lw_space_free(&s);
+    return st;
+}
