@@ -25,7 +25,8 @@ lw_quaternion lw_quaternion_of_matrix(const lw_mat3 *m)
         return lw_quaternion_unit((lw_quaternion){ 1 + t, d.x, d.y, d.z });
     if (xx >= yy && xx >= zz)
         return lw_quaternion_unit((lw_quaternion){ d.x, 1 + xx - yy - zz, xy, xz });
-    return lw_quaternion_unit(yy >= zz ? (lw_quaternion){ d.y, xy, 1 + yy - xx - zz, yz } : (lw_quaternion){ d.z, xz, yz, 1 + zz - xx - yy });
+    return lw_quaternion_unit(yy >= zz ? (lw_quaternion){ d.y, xy, 1 + yy - xx - zz, yz } : (lw_quaternion){ d.z, xz,
+            yz, 1 + zz - xx - yy });
 }
 
 lw_vec3 lw_v3_across(lw_vec3 a)
@@ -71,5 +72,6 @@ void lw_m3_principal(const double tensor[6], double value[3], lw_mat3 *axes)
             }
     for (int i = 0; i < 3; i++)
         value[i] = a[i][i];
-    *axes = (lw_mat3){ { { v[0][0], v[0][1], v[0][2] }, { v[1][0], v[1][1], v[1][2] }, { v[2][0], v[2][1], v[2][2] } } };
+    for (int i = 0; i < 3; i++)
+        axes->row[i] = lw_v3(v[i][0], v[i][1], v[i][2]);
 }

@@ -33,7 +33,8 @@ static inline lw_vec3 lw_m3_apply(const lw_mat3 *m, lw_vec3 a)
 /* the transposed matrix times a: for a rotation, the inverse */
 static inline lw_vec3 lw_m3_unapply(const lw_mat3 *m, lw_vec3 a)
 {
-    return lw_v3(m->row[0].x*a.x + m->row[1].x*a.y + m->row[2].x*a.z, m->row[0].y*a.x + m->row[1].y*a.y + m->row[2].y*a.z,
+    return lw_v3(m->row[0].x*a.x + m->row[1].x*a.y + m->row[2].x*a.z,
+                 m->row[0].y*a.x + m->row[1].y*a.y + m->row[2].y*a.z,
                  m->row[0].z*a.x + m->row[1].z*a.y + m->row[2].z*a.z);
 }
 static inline lw_mat3 lw_m3_columns(lw_vec3 x, lw_vec3 y, lw_vec3 z)
@@ -64,7 +65,8 @@ static inline lw_mat3 lw_quaternion_matrix(lw_quaternion a)
     double s = 2/(a.w*a.w + a.x*a.x + a.y*a.y + a.z*a.z);
     double xx = s*a.x*a.x, yy = s*a.y*a.y, zz = s*a.z*a.z, xy = s*a.x*a.y, xz = s*a.x*a.z, yz = s*a.y*a.z;
     double wx = s*a.w*a.x, wy = s*a.w*a.y, wz = s*a.w*a.z;
-    return (lw_mat3){ { { 1 - yy - zz, xy - wz, xz + wy }, { xy + wz, 1 - xx - zz, yz - wx }, { xz - wy, yz + wx, 1 - xx - yy } } };
+    return (lw_mat3){ { { 1 - yy - zz, xy - wz, xz + wy }, { xy + wz, 1 - xx - zz, yz - wx }, { xz - wy, yz + wx,
+            1 - xx - yy } } };
 }
 
 /* The turn by a vector, whose length is the angle [rad]. */

@@ -63,8 +63,8 @@ typedef struct lw_spatial_tracer {
     lw_quaternion frame;               /* orientation of its axes (a tool)                                   */
 } lw_spatial_tracer;
 
-/* A number that a posture has: turn [rad] or slide [m] of link[1] relative to link[0] along the axis of a joint, 0 in the
- * posture of the file; or a coordinate [m] of a tracer. */
+/* A number that a posture has: turn [rad] or slide [m] of link[1] relative to link[0] along the axis of a joint, 0 in
+ * the posture of the file; or a coordinate [m] of a tracer. */
 typedef enum lw_spatial_of { LW_OF_TURN, LW_OF_SLIDE, LW_OF_X, LW_OF_Y, LW_OF_Z } lw_spatial_of;
 typedef struct lw_spatial_measure { lw_spatial_of of; int index; } lw_spatial_measure;     /* of a joint or a tracer */
 
@@ -112,11 +112,12 @@ typedef struct lw_spatial_motor {        /* torque-speed line at a joint, as lw_
 
 typedef struct lw_spatial {
     char    name[64];
-    int     n_link, n_joint, n_input, n_tracer, n_spring, n_joint_spring, n_force, n_motor;
+    int     n_link, n_joint, n_input, n_drive, n_tracer, n_spring, n_joint_spring, n_force, n_motor;
     int     ground;
     lw_spatial_body         *body;       /* (n_link)                                                   */
     lw_spatial_joint        *joint;
     lw_spatial_input        *input;
+    lw_spatial_measure      *drive;      /* what motors move when the inputs are elsewhere (a tool); else none */
     lw_spatial_tracer       *tracer;
     lw_spatial_spring       *spring;
     lw_spatial_joint_spring *joint_spring;

@@ -116,7 +116,8 @@ static lw_status read_frame(const lw_json_node *object, lw_mat3 *out, lw_error *
             if (has[i] && has[k] && fabs(lw_v3_dot(axis[i], axis[k])) > square)
                 return lw_json_fault(&frame, e, "axes %s and %s are not orthogonal: they make an angle of %.6g degrees",
                                      known[i], known[k], acos(lw_v3_dot(axis[i], axis[k]))*180/LW_PI);
-    int first = has[0] ? 0 : 1;              /* the first axis given is kept; the next two follow it in the order x y z */
+    int first = has[0] ? 0
+        : 1;              /* the first axis given is kept; the next two follow it in the order x y z */
     lw_vec3 a = axis[first], other = has[(first + 1)%3] ? axis[(first + 1)%3] : axis[(first + 2)%3];
     other = lw_v3_sub(other, lw_v3_scale(a, lw_v3_dot(a, other)));
     other = lw_v3_scale(other, 1/lw_v3_norm(other));
@@ -233,7 +234,8 @@ static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, do
     lw_status s = lw_json_expect(&n, LW_JSON_ARRAY, e);
     size_t count = s == LW_OK ? lw_json_count(&n) : 0;
     if (s == LW_OK && count != 3 && count != 6)
-        return lw_json_fault(&n, e, "an inertia in space has 3 numbers [Ixx, Iyy, Izz], or 6 with Ixy, Ixz, Iyz, the entries "
+        return lw_json_fault(&n, e, "an inertia in space has 3 numbers [Ixx, Iyy, Izz], or 6 with Ixy, Ixz, Iyz, the "
+                                    "entries "
                              "of the matrix");
     for (size_t i = 0; s == LW_OK && i < count; i++) {
         lw_json_node part = lw_json_element(&n, i);
@@ -247,7 +249,8 @@ static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, do
     double top = fmax(value[0], fmax(value[1], value[2])), sum = value[0] + value[1] + value[2];
     for (int i = 0; i < 3; i++)
         if (value[i] < -1e-12*top || top <= 0 ? value[i] != 0 : 2*value[i] > sum*(1 + 1e-9))
-            return lw_json_fault(&n, e, "no body has this inertia: its principal values are %.6g, %.6g, %.6g kg m^2; none may be "
+            return lw_json_fault(&n, e, "no body has this inertia: its principal values are %.6g, %.6g, %.6g kg m^2; "
+                                        "none may be "
                                  "negative or exceed the sum of the others", value[0], value[1], value[2]);
     lw_vec3 r[3];                            /* rows of frame I, then of frame I frame^T */
     for (int i = 0; i < 3; i++) {
@@ -362,11 +365,14 @@ static lw_status read_kind(const lw_json_node *joint, lw_spatial_kind *kind, lw_
     if (s != LW_OK)
         return s;
     if (!strcmp(text, "p") || !strcmp(text, "g"))
-        return lw_json_fault(&n, e, "%s (\"%s\") are known in planar models only", text[0] == 'g' ? "gears" : "pins in slots",
+        return lw_json_fault(&n, e, "%s (\"%s\") are known in planar models only", text[0] == 'g' ? "gears"
+                             : "pins in slots",
                              text);
     const char *near = lw_suggest(text, names, COUNT(names));
-    return lw_json_fault(&n, e, "there is no joint kind \"%.40s\"%s%s%s; known are r revolute, t prismatic, c cylindrical, "
-                         "b spherical, u universal, h screw, e planar, f fixed, o free", text, near ? "; did you mean \"" : "",
+    return lw_json_fault(&n, e, "there is no joint kind \"%.40s\"%s%s%s; known are r revolute, t prismatic, c "
+                                "cylindrical, "
+                         "b spherical, u universal, h screw, e planar, f fixed, o free", text, near ?
+                             "; did you mean \"" : "",
                          near ? near : "", near ? "\"?" : "");
 }
 
@@ -374,7 +380,8 @@ static lw_status read_kind(const lw_json_node *joint, lw_spatial_kind *kind, lw_
 static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
 {
     const char *word = lw_spatial_kind_of(j->kind)->word;
-    bool wants = lw_spatial_kind_of(j->kind)->turns || lw_spatial_kind_of(j->kind)->slides || j->kind == LW_SPATIAL_UNIVERSAL;
+    bool wants = lw_spatial_kind_of(j->kind)->turns || lw_spatial_kind_of(j->kind)->slides || j->kind ==
+        LW_SPATIAL_UNIVERSAL;
     bool two = j->kind == LW_SPATIAL_UNIVERSAL, screw = j->kind == LW_SPATIAL_SCREW, given = false;
     lw_json_node n, second;
     lw_status s = LW_OK;
@@ -386,7 +393,8 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
     if (s != LW_OK)
         return s;
     if (lw_json_member(joint, "second_axis", &second) != two)
-        return two ? lw_json_fault(joint, e, "a universal joint needs \"second_axis\": the axis on its second link; \"axis\" is "
+        return two ? lw_json_fault(joint, e, "a universal joint needs \"second_axis\": the axis on its second link; "
+                                             "\"axis\" is "
                                    "on the first")
                    : lw_json_fault(&second, e, "a %s joint has no second axis", word);
     if (two && (s = read_direction(&second, &j->second, e)) == LW_OK &&
@@ -396,7 +404,8 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
     if (s == LW_OK)
         s = read_numbers(joint, &lead, 1, e);
     if (s == LW_OK && given != screw)
-        s = lw_json_fault(joint, e, screw ? "a screw joint needs its \"lead\", the slide per turn" : "only screws have a \"lead\"");
+        s = lw_json_fault(joint, e, screw ? "a screw joint needs its \"lead\", the slide per turn"
+                          : "only screws have a \"lead\"");
     if (s == LW_OK && screw && j->lead == 0)
         s = lw_json_fault(joint, e, "a lead of 0 makes no screw: use a revolute joint");
     return s;
@@ -466,7 +475,8 @@ static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *
         s = read_link_name(&link, m, &j->link[end], e);
     }
     if (s == LW_OK && j->link[0] == j->link[1])
-        s = lw_json_fault(&links, e, "a joint joins two different links, here both are \"%s\"", m->body[j->link[0]].name);
+        s = lw_json_fault(&links, e, "a joint joins two different links, here both are \"%s\"",
+                          m->body[j->link[0]].name);
     bool placed = lw_json_member(joint, "at", &n), loose = j->kind == LW_SPATIAL_FIXED || j->kind == LW_SPATIAL_FREE;
     if (s == LW_OK && (placed || !loose) && (s = lw_read_need(joint, "at", &n, e)) == LW_OK)
         s = lw_read_triple(&n, m->units.metre, &j->at, e);
@@ -500,7 +510,8 @@ static lw_status check_connected(const lw_json_node *root, const lw_spatial *m, 
     free(reached);
     lw_json_member(root, "joints", &joints);
     return lost == m->n_link ? LW_OK
-         : lw_json_fault(&joints, e, "no chain of joints connects link \"%s\" to the ground; a body that flies freely has a "
+         : lw_json_fault(&joints, e, "no chain of joints connects link \"%s\" to the ground; a body that flies "
+                                     "freely has a "
                          "joint of kind \"free\" with the ground", m->body[lost].name);
 }
 
@@ -512,12 +523,14 @@ static lw_status read_measure(const lw_json_node *object, const lw_spatial *m, b
 {
     static const char *const of_joint[] = { "turn", "slide" }, *const of_tracer[] = { "x", "y", "z" };
     lw_json_node joint, tracer, n;
-    bool has_tracer = tracers && lw_json_member(object, "tracer", &tracer), has = lw_json_member(object, "coordinate", &n);
+    bool has_tracer = tracers && lw_json_member(object, "tracer", &tracer), has = lw_json_member(object, "coordinate",
+            &n);
     int which = 0;
     if (has_tracer) {
         if (lw_json_member(object, "joint", &joint))
             return lw_json_fault(&joint, e, "keep \"joint\" or \"tracer\"");
-        lw_status s = lw_read_name_of(&tracer, "tracer", NAMES(m->tracer, m->n_tracer, lw_spatial_tracer), &out->index, e);
+        lw_status s = lw_read_name_of(&tracer, "tracer", NAMES(m->tracer, m->n_tracer, lw_spatial_tracer), &out->index,
+                                      e);
         if (s == LW_OK && (s = lw_read_need(object, "coordinate", &n, e)) == LW_OK)
             s = lw_read_look_up(&n, "coordinate of a tracer", of_tracer, 3, &which, e);
         out->of = (lw_spatial_of)(LW_OF_X + which);
@@ -534,7 +547,8 @@ static lw_status read_measure(const lw_json_node *object, const lw_spatial *m, b
     const lw_spatial_kind_row *k = lw_spatial_kind_of(j->kind);
     out->of = has ? (lw_spatial_of)which : k->turns ? LW_OF_TURN : LW_OF_SLIDE;
     if (j->kind == LW_SPATIAL_CYLINDRICAL && !has)
-        return lw_json_fault(object, e, "joint \"%s\" turns and slides: say which with \"coordinate\": \"turn\" or \"slide\"",
+        return lw_json_fault(object, e, "joint \"%s\" turns and slides: say which with \"coordinate\": \"turn\" or "
+                                        "\"slide\"",
                              j->name);
     return (out->of == LW_OF_TURN ? k->turns : k->slides) ? LW_OK
          : lw_json_fault(has ? &n : &joint, e, "joint \"%s\" is %s: it has no %s for %s", j->name, k->word,
@@ -576,7 +590,8 @@ static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *
         if (m->input[i].measure.of == in->measure.of && m->input[i].measure.index == in->measure.index)
             s = lw_json_fault(input, e, "this is an input already");
     if (s == LW_OK && in->has_speed && lw_json_member(input, "motion", &n))
-        return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it starts before it "
+        return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it starts "
+                                    "before it "
                              "runs freely; keep one");
     return s == LW_OK ? read_expression(input, "motion", m, OF_TIME, &in->motion, e) : s;
 }
@@ -598,6 +613,29 @@ static lw_status read_inputs(const lw_json_node *root, lw_spatial *m, lw_error *
     return s;
 }
 
+/* "drives": joints whose motors move the model when the inputs prescribe a tool. */
+static lw_status read_drives(const lw_json_node *root, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "joint", "coordinate" };
+    lw_json_node all;
+    if (!lw_json_member(root, "drives", &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 1, SIZE_MAX, e);
+    if (s == LW_OK)
+        s = has_memory(m->drive = calloc(lw_json_count(&all), sizeof *m->drive), e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        lw_spatial_measure *d = &m->drive[m->n_drive++];
+        s = lw_json_expect(&one, LW_JSON_OBJECT, e);
+        if (s == LW_OK && (s = lw_json_known_keys(&one, known, COUNT(known), e)) == LW_OK)
+            s = read_measure(&one, m, false, "a drive", d, e);
+        for (int k = 0; s == LW_OK && k + 1 < m->n_drive; k++)
+            if (m->drive[k].of == d->of && m->drive[k].index == d->index)
+                s = lw_json_fault(&one, e, "this is a drive already");
+    }
+    return s;
+}
+
 static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "link", "at", "frame" };
@@ -608,7 +646,8 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error
     if (s == LW_OK && (s = lw_json_known_keys(tracer, known, COUNT(known), e)) == LW_OK &&
         (s = read_new_name(tracer, "tracer", NAMES(m->tracer, m->n_tracer, lw_spatial_tracer), t->name, e)) == LW_OK &&
         (s = lw_read_need(tracer, "link", &link, e)) == LW_OK && (s = read_link_name(&link, m, &t->link, e)) == LW_OK &&
-        (s = lw_read_need(tracer, "at", &at, e)) == LW_OK && (s = lw_read_triple(&at, m->units.metre, &t->at, e)) == LW_OK)
+        (s = lw_read_need(tracer, "at", &at, e)) == LW_OK && (s = lw_read_triple(&at, m->units.metre, &t->at, e)) ==
+            LW_OK)
         s = read_frame(tracer, &frame, e);
     if (s == LW_OK)
         t->frame = lw_quaternion_of_matrix(&frame);
@@ -641,7 +680,8 @@ static lw_status read_law(const lw_json_node *object, const lw_spatial *m, scope
     return s;
 }
 
-static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m, lw_error *e)
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
+                                  lw_error *e)
 {
     lw_spatial_spring *p = &m->spring[m->n_spring++];
     lw_json_node links, at;
@@ -650,7 +690,8 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
         { "free", m->units.metre, NOT_NEGATIVE, &p->free, NULL },
     };
     lw_status s = read_load_name(object, what, index, p->name, e);
-    if (s == LW_OK && (s = lw_read_need(object, "links", &links, e)) == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK &&
+    if (s == LW_OK && (s = lw_read_need(object, "links", &links, e)) == LW_OK && (s = lw_read_list(&links, 2, 2, e)) ==
+        LW_OK &&
         (s = lw_read_need(object, "at", &at, e)) == LW_OK)
         s = lw_read_list(&at, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
@@ -660,7 +701,8 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
             s = lw_read_triple(&point, m->units.metre, &p->at[end], e);
     }
     if (s == LW_OK && p->link[0] == p->link[1])
-        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move", m->body[p->link[0]].name);
+        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move",
+                          m->body[p->link[0]].name);
     if (s != LW_OK)
         return s;
     p->free = lw_v3_norm(lw_v3_sub(p->at[1], p->at[0]));
@@ -668,7 +710,8 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
     return s == LW_OK ? read_law(object, m, OF_LENGTH, &p->law, e) : s;
 }
 
-static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m, lw_error *e)
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
+                                   lw_error *e)
 {
     lw_spatial_joint_spring *p = &m->joint_spring[m->n_joint_spring++];
     lw_status s = read_load_name(object, what, index, p->name, e);
@@ -684,9 +727,11 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
     return s == LW_OK ? read_law(object, m, OF_DISPLACEMENT, &p->law, e) : s;
 }
 
-static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper, lw_error *e)
+static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper,
+                                       lw_error *e)
 {
-    static const char *const spring[] = { "name", "links", "at", "joint", "coordinate", "stiffness", "damping", "free", "law" };
+    static const char *const spring[] = { "name", "links", "at", "joint", "coordinate", "stiffness", "damping", "free",
+                                          "law" };
     static const char *const dashpot[] = { "name", "links", "at", "joint", "coordinate", "damping" };
     const char *what = damper ? "damper" : "spring";
     lw_json_node n, joint;
@@ -697,7 +742,8 @@ static lw_status read_spring_or_damper(const lw_json_node *object, size_t index,
         return s;
     bool at_joint = lw_json_member(object, "joint", &joint);
     if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
-        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one", what);
+        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one",
+                             what);
     if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) && (damper || !lw_json_member(object, "law", &n)))
         return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
     return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
@@ -722,7 +768,8 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial
     int frame = 0, forces = 0, torques = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = read_load_name(object, "force", index, f->name, e)) == LW_OK && (s = lw_read_need(object, "link", &n, e)) == LW_OK)
+        (s = read_load_name(object, "force", index, f->name, e)) == LW_OK && (s = lw_read_need(object, "link", &n,
+                e)) == LW_OK)
         s = read_link_name(&n, m, &f->link, e);
     if (s == LW_OK && lw_json_member(object, "frame", &n))
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
@@ -750,17 +797,20 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial
     const number numbers[] = { { "stall", 1, ANY, &p->stall, NULL }, { "free_speed", 1, ANY, &p->free_speed, NULL } };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = read_load_name(object, "motor", index, p->name, e)) == LW_OK && (s = lw_read_need(object, "joint", &n, e)) == LW_OK &&
+        (s = read_load_name(object, "motor", index, p->name, e)) == LW_OK && (s = lw_read_need(object, "joint", &n,
+                e)) == LW_OK &&
         (s = lw_read_name_of(&n, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), &p->joint, e)) == LW_OK) {
         lw_spatial_kind k = m->joint[p->joint].kind;
         if (k != LW_SPATIAL_REVOLUTE && k != LW_SPATIAL_PRISMATIC)
             return lw_json_fault(&n, e, "joint \"%s\" is %s; only revolute and prismatic joints have motors",
                                  m->joint[p->joint].name, lw_spatial_kind_of(k)->word);
-        if ((s = lw_read_need(object, "stall", &n, e)) == LW_OK && (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
+        if ((s = lw_read_need(object, "stall", &n, e)) == LW_OK && (s = lw_read_need(object, "free_speed", &n, e)) ==
+            LW_OK)
             s = read_numbers(object, numbers, COUNT(numbers), e);
     }
     if (s == LW_OK && !(p->stall*p->free_speed > 0))
-        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its motion, and are not 0");
+        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its "
+                                     "motion, and are not 0");
     return s;
 }
 
@@ -802,7 +852,7 @@ static lw_status take_tracer(const lw_json_node *n, size_t i, lw_spatial *m, lw_
 static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
-                                         "tracers", "$schema", "gravity", "springs", "dampers", "forces", "motors" };
+                                         "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces", "motors" };
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK)
@@ -827,12 +877,14 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
         (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
-        (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK)
-        s = read_inputs(root, m, e);
+        (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK &&
+        (s = read_inputs(root, m, e)) == LW_OK)
+        s = read_drives(root, m, e);
     if (s == LW_OK && lw_json_member(root, "gravity", &n))
         s = lw_read_triple(&n, 1, &m->gravity, e);
     if (s == LW_OK && (s = read_each(root, "springs", m, read_spring, e)) == LW_OK &&
-        (s = read_each(root, "dampers", m, read_damper, e)) == LW_OK && (s = read_each(root, "forces", m, read_force, e)) == LW_OK)
+        (s = read_each(root, "dampers", m, read_damper, e)) == LW_OK && (s = read_each(root, "forces", m, read_force,
+                                                                                       e)) == LW_OK)
         s = read_each(root, "motors", m, read_motor, e);
     return s;
 }
@@ -868,7 +920,8 @@ bool lw_spatial_text(const char *text, size_t size)
             for (size_t i = 0; !found && i < lw_json_count(&all); i++) {
                 lw_json_node one = lw_json_element(&all, i);
                 for (int k = 0; !found && k < 2 && lw_json_kind_of(&one) == LW_JSON_OBJECT; k++)
-                    found = lw_json_member(&one, key[k], &n) && lw_json_kind_of(&n) == LW_JSON_ARRAY && lw_json_count(&n) == 3;
+                    found = lw_json_member(&one, key[k], &n) && lw_json_kind_of(&n) == LW_JSON_ARRAY
+                        && lw_json_count(&n) == 3;
                 if (!found && lw_json_kind_of(&one) == LW_JSON_OBJECT && lw_json_member(&one, "kind", &kind)) {
                     const char *word = lw_json_text(&kind);
                     found = word && (strlen(word) > 1 || (*word && strchr("cbuheo", *word)));

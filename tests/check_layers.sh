@@ -25,6 +25,7 @@ mbs/batch base grammar mbs/plan
 mbs/kinematics base grammar mbs/plan mbs/batch
 mbs/constraints base grammar
 mbs/ode base
+mbs/space base grammar mbs/ode
 mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode
 optimise/task base grammar mbs
 optimise/problem base grammar mbs optimise/task

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/real.h"
+#include "cli/motion/spatial.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
@@ -203,8 +204,17 @@ static int run(const cli_call *call)
     lw_mobility_options o = { .tolerance = s->tolerance, .seed = call->common.seed };
     lw_output out;
     lw_error e = { 0 };
-    if (cli_read_linkage(call->parsed.word[0], s->result, &k, &e) != LW_OK
-        || lw_mobility_find(&k, &o, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
+    lw_spatial *spatial;
+    if (cli_read_any_linkage(call->parsed.word[0], s->result, &k, &spatial, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (spatial) {
+        static const char *const planar[] = { "result", NULL };
+        int code = cli_spatial_refuse(call, planar);
+        code = code == CLI_DONE ? cli_spatial_mobility(call, spatial, s->tolerance) : code;
+        cli_free_spatial(spatial);
+        return code;
+    }
+    if (lw_mobility_find(&k, &o, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
         return cli_fail(call, &e);
     if (call->common.json)
         write_json(out.f, &k, &m);

@@ -10,6 +10,7 @@
 #include "cli/program/output.h"
 #include "cli/motion/trace.h"
 #include "cli/motion/trace_curve.h"
+#include "cli/motion/spatial.h"
 #include "mbs/constraints/mobility.h"
 
 typedef struct settings {
@@ -501,6 +502,23 @@ static lw_status hold_idle(const cli_call *call, lw_linkage *linkage, lw_error *
     return st;
 }
 
+static int run_spatial(const cli_call *call, const lw_spatial *m)
+{
+    static const char *const planar[] = { "result", "mode", "plot", "cycle", "all-assemblies", "explain", NULL };
+    const settings *s = call->settings;
+    double range[3];
+    lw_error e = { 0 };
+    cli_spatial_trace o = { .steps = s->steps, .tracer = s->tracer, .speed = s->speed,
+                            .input_range = cli_given(&call->parsed, "input-range") ? s->input_range : NULL };
+    int code = cli_spatial_refuse(call, planar);
+    if (code != CLI_DONE)
+        return code;
+    if (s->range && read_range(s, range, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    o.time_range = s->range ? range : NULL;
+    return cli_spatial_trace_run(call, m, &o);
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -511,9 +529,15 @@ static int run(const cli_call *call)
     lw_draw_kind kind;
     if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    lw_model *m = cli_read_model(call->parsed.word[0], s->result, &e);
-    if (!m)
+    lw_model *m;
+    lw_spatial *spatial;
+    if (cli_read_any_model(call->parsed.word[0], s->result, &m, &spatial, &e) != LW_OK)
         return cli_fail(call, &e);
+    if (spatial) {
+        int code = run_spatial(call, spatial);
+        cli_free_spatial(spatial);
+        return code;
+    }
     cli_kept kept = { 0 };
     job j = { .call = call, .s = s, .m = m, .k = m->small, .until = until, .kept = s->plot ? &kept : NULL };
     const lw_linkage *small;

@@ -8,6 +8,7 @@
 #include "cli/program/output.h"
 #include "grammar/model.h"
 #include "grammar/notation.h"
+#include "grammar/spatial.h"
 
 bool cli_is_target(const char *text, size_t size)
 {
@@ -85,8 +86,12 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
 }
 
 /* After a failed read of a linkage: does the file hold something else, for which there is a command? */
-static lw_status hint(const char *path, lw_status s, lw_error *e)
+static lw_status hint(const char *path, const char *text, size_t size, lw_status s, lw_error *e)
 {
+    if (s == LW_E_NOTATION && lw_spatial_text(text, size))
+        return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is a spatial model, and this command knows planar "
+                                                         "ones only; "
+                           "spatial models go with trace, simulate and mobility");
     if (s == LW_E_NOTATION)
         cli_wrong_kind(path, CLI_LINKAGE | CLI_RESULTS, e);
     return s;
@@ -94,7 +99,7 @@ static lw_status hint(const char *path, lw_status s, lw_error *e)
 
 lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage, lw_error *e)
 {
-    return hint(path, lw_linkage_read_result(text, size, path, which, linkage, e), e);
+    return hint(path, text, size, lw_linkage_read_result(text, size, path, which, linkage, e), e);
 }
 
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_error *e)
@@ -108,20 +113,66 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_
     return s;
 }
 
-lw_model *cli_read_model(const char *path, int which, lw_error *e)
+/* A text that is no planar linkage, as `s` says, may be a spatial model. */
+static lw_status or_spatial(const char *path, const char *text, size_t size, lw_status s, lw_spatial **out, lw_error *e)
+{
+    if (s != LW_E_NOTATION || !out || !lw_spatial_text(text, size))
+        return hint(path, text, size, s, e);
+    lw_spatial *m = malloc(sizeof *m);
+    if (!m)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    s = lw_spatial_read(text, size, path, m, e);
+    if (s == LW_OK)
+        *out = m;
+    else
+        free(m);
+    return s;
+}
+
+lw_status cli_read_any_model(const char *path, int which, lw_model **planar, lw_spatial **spatial, lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
     lw_model *m = calloc(1, sizeof *m);
     lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY,
                                                                                               "out of memory");
-    if (s == LW_OK)
-        s = hint(path, lw_model_read_result(text, size, path, which, m, e), e);
+    *planar = NULL;
+    if (spatial)
+        *spatial = NULL;
+    if (s == LW_OK && (s = lw_model_read_result(text, size, path, which, m, e)) == LW_OK)
+        *planar = m;
+    else if (text)
+        s = or_spatial(path, text, size, s, spatial, e);
     free(text);
+    if (!*planar)
+        free(m);
+    return s;
+}
+
+lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, lw_spatial **spatial, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    *spatial = NULL;
+    lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
     if (s == LW_OK)
-        return m;
+        s = or_spatial(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), spatial, e);
+    free(text);
+    return s;
+}
+
+lw_model *cli_read_model(const char *path, int which, lw_error *e)
+{
+    lw_model *m;
+    cli_read_any_model(path, which, &m, NULL, e);
+    return m;
+}
+
+void cli_free_spatial(lw_spatial *m)
+{
+    if (m)
+        lw_spatial_free(m);
     free(m);
-    return NULL;
 }
 
 void cli_free_model(lw_model *m)

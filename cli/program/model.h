@@ -15,6 +15,14 @@ struct lw_model;
 struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
+/* The same of a planar or a spatial model (grammar/spatial.h): one of *planar and *spatial is set.  A planar file costs no
+ * more than with cli_read_model.  spatial NULL: a spatial model is an error. */
+struct lw_spatial;
+lw_status cli_read_any_model(const char *path, int which, struct lw_model **planar, struct lw_spatial **spatial,
+                             lw_error *e);
+lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, struct lw_spatial **spatial, lw_error *e);
+void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
+
 /* The same from text in memory. */
 lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
                            lw_error *e);

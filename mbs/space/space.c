@@ -130,7 +130,8 @@ lw_vec3 lw_space_point_at(const lw_space_frame *frame, lw_space_point p)
 
 lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v)
 {
-    return body < 0 ? lw_v3(0, 0, 0) : lw_m3_apply(&frame[body + 1].turn, lw_v3(v[6*body + 3], v[6*body + 4], v[6*body + 5]));
+    return body < 0 ? lw_v3(0, 0, 0) : lw_m3_apply(&frame[body + 1].turn, lw_v3(v[6*body + 3], v[6*body + 4],
+                                                                                v[6*body + 5]));
 }
 
 lw_vec3 lw_space_point_velocity(const lw_space_frame *frame, lw_space_point p, const double *v)
@@ -155,7 +156,8 @@ void lw_space_move(const lw_space *s, double *q, const double *by)
 void lw_space_rates(const lw_space *s, const double *q, const double *v, double *dq)
 {
     for (int b = 0; b < s->n_body; b++, q += 7, v += 6, dq += 7) {
-        lw_quaternion t = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] }, (lw_quaternion){ 0, v[3]/2, v[4]/2, v[5]/2 });
+        lw_quaternion t = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] }, (lw_quaternion){ 0, v[3]/2,
+                v[4]/2, v[5]/2 });
         dq[0] = v[0], dq[1] = v[1], dq[2] = v[2], dq[3] = t.w, dq[4] = t.x, dq[5] = t.y, dq[6] = t.z;
     }
 }

@@ -1,9 +1,9 @@
 /* mbs/space/space.h - the constraint rows of a spatial model, their derivatives, and what velocities add.
  *
- * A body has 7 coordinates, its centre of mass r [m] in ground axes and a quaternion w, x, y, z of any length that turns
- * its principal axes to ground axes; and 6 velocities, v [m/s] in ground axes and omega [rad/s] in principal axes.  So the
- * mass matrix is diagonal and constant:  m m m I1 I2 I3.  Rows that are lengths are divided by `unit`, the size of the
- * model.  A row touches two bodies at most; its derivatives by their velocities are 12 numbers. */
+ * A body has 7 coordinates, its centre of mass r [m] in ground axes and a quaternion w, x, y, z of any length that
+ * turns its principal axes to ground axes; and 6 velocities, v [m/s] in ground axes and omega [rad/s] in principal
+ * axes.  So the mass matrix is diagonal and constant:  m m m I1 I2 I3.  Rows that are lengths are divided by `unit`,
+ * the size of the model.  A row touches two bodies at most; its derivatives by their velocities are 12 numbers. */
 #ifndef LW_MBS_SPACE_SPACE_H
 #define LW_MBS_SPACE_SPACE_H
 
@@ -19,7 +19,8 @@ typedef struct lw_space_joint {
     int     body[2];             /* -1: ground                                                        */
     int     row;                 /* its first row                                                     */
     lw_vec3 arm[2];              /* its point on each body, in the body's axes                        */
-    lw_vec3 x[2], y[2], z[2];    /* a frame on each body, equal in the posture; z is the axis.  Universal: x[0] the axis of
+    lw_vec3 x[2], y[2], z[2];    /* a frame on each body,
+        equal in the posture; z is the axis.  Universal: x[0] the axis of
                                     link 0, x[1] that of link 1                                       */
     double  fixed;               /* universal: cosine between the axes                                */
     double  pitch;               /* screw: slide per radian [m]                                       */
@@ -65,13 +66,16 @@ void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, 
 /* What J a of the joints' rows has to be because of velocities (n_row). */
 void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out);
 
-/* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to `near`. */
-double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, double *jac);
+/* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to
+ * `near`. */
+double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near,
+                        double *jac);
 double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v);
 double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
 
 /* Its value and rate in SI units. */
-void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, const double *v,
+void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near,
+                       const double *v,
                        double *value, double *rate);
 
 /* Move q by a small displacement (n_v), on the manifold; q' = G v. */

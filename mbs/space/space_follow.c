@@ -1,8 +1,8 @@
 /* mbs/space/space_follow.c - postures along the inputs.
  *
  * A step goes along the tangent and closes the joints by Newton's method.  It is taken when the correction is small
- * beside the step and the tangents at its ends agree: then the step is short beside the radius of the curve of postures,
- * and with it beside the distance to another branch. */
+ * beside the step and the tangents at its ends agree: then the step is short beside the radius of the curve of
+ * postures, and with it beside the distance to another branch. */
 #include "mbs/space/space_follow.h"
 
 #include <stdio.h>
@@ -56,7 +56,8 @@ int lw_space_idle(const lw_space *s, lw_space_extra *out)
         for (int i = 0; idle && i < m->n_spring; i++)
             for (int k = 0; k < 2; k++)
                 idle = idle && (m->spring[i].link[k] != s->link_of[b] ||
-                                on_line(lw_space_point_of(s, s->link_of[b], m->spring[i].at[k]).arm, at, axis, s->unit));
+                                on_line(lw_space_point_of(s, s->link_of[b], m->spring[i].at[k]).arm, at, axis,
+                                        s->unit));
         for (int i = 0; idle && i < m->n_force; i++)
             idle = m->force[i].link != s->link_of[b];
         if (idle)
@@ -75,7 +76,8 @@ void lw_space_follow_free(lw_space_follow *f)
 }
 
 /* Rank of the rows of the joints and the idle spins, without inputs. */
-static lw_status rank_of_joints(const lw_space *s, const lw_space_extra *x, int n, const double *metric, int *rank, lw_error *e)
+static lw_status rank_of_joints(const lw_space *s, const lw_space_extra *x, int n, const double *metric, int *rank,
+                                lw_error *e)
 {
     lw_space_rows_set z;
     lw_status st = lw_space_rows_make(s, x, n, metric, s->start, &z, e);
@@ -92,7 +94,8 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     f->freedom = s->n_v - f->z.n_kept;
     f->redundant = s->n_row + f->n_idle - rank;
     if (f->z.n_kept < rank + f->n_input)
-        return lw_error_set(e, LW_E_ARG, "%d inputs move only %d of %d freedoms in the posture of the file: they contradict each "
+        return lw_error_set(e, LW_E_ARG, "%d inputs move only %d of %d freedoms in the posture of the file: they "
+                                         "contradict each "
                             "other, or the posture is singular for them", f->n_input, f->z.n_kept - rank, freedom);
     if (f->freedom > 0 && !any)
         return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
@@ -101,7 +104,8 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     return LW_OK;
 }
 
-lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *input, int n_input, bool any, lw_space_follow *f,
+lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *input, int n_input, bool any,
+                               lw_space_follow *f,
                                lw_error *e)
 {
     size_t q = (size_t)s->n_q, v = (size_t)s->n_v, extras = (size_t)s->n_body + (size_t)n_input + 1;
@@ -236,7 +240,8 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     return LW_OK;
 }
 
-static lw_status cannot(lw_space_follow *f, double u, lw_error *e)
+/* Why the path to u ends at f->u. */
+static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
     const lw_space *s = f->z.s;
     char where[200] = "";
@@ -249,7 +254,7 @@ static lw_status cannot(lw_space_follow *f, double u, lw_error *e)
         free(want), free(got);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
-    (void)u;
+    bool known = path(context, u, f->path) == LW_OK;
     for (int i = 0; i < f->n_input; i++)
         want[i] = f->path[i][0];
     lw_space_follow_values(f, got);
@@ -262,12 +267,14 @@ static lw_status cannot(lw_space_follow *f, double u, lw_error *e)
                                  of.of == LW_OF_TURN ? "rad" : "m");
         used = used < sizeof where ? used : sizeof where - 1;
     }
-    double gap = lw_space_gap(f, want, &joint, &angle);
+    double gap = known ? lw_space_gap(f, want, &joint, &angle) : 0;
     free(want), free(got);
     if (joint >= 0 && gap > 1e-7)
-        return lw_error_set(e, LW_OPEN, "the joints cannot be closed beyond %s: at the inputs wanted, joint \"%s\" stays %.3g %s "
+        return lw_error_set(e, LW_OPEN, "the joints cannot be closed beyond %s: at the inputs wanted, joint \"%s\" "
+                                        "stays %.3g %s "
                             "open", where, s->model->joint[joint].name, gap, angle ? "rad" : "m");
-    return lw_error_set(e, LW_OPEN, "the motion ends at %s in a singular posture: it can go on in several ways, or not at all",
+    return lw_error_set(e, LW_OPEN, "the motion ends at %s in a singular posture: it can go on in several ways, or "
+                                    "not at all",
                         where);
 }
 
@@ -276,11 +283,12 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
     lw_status st = aim(f, path, context, f->u);
     memcpy(f->q_try, f->q, (size_t)f->z.s->n_q*sizeof *f->q);
     if (st == LW_OK && !tangent(f, f->v))
-        return cannot(f, f->u, e);
+        return cannot(f, path, context, u, e);
     if (st == LW_OK)
         second_rates(f);
     double whole = u - f->u, h = whole;
     int steps = 0;
+    bool arranged = false;
     while (st == LW_OK && f->u != u) {
         bool taken, last = fabs(h) >= fabs(u - f->u);
         double by = last ? u - f->u : h, at = f->u;
@@ -289,8 +297,12 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
         if (taken) {
             f->u = last ? u : at + by;
             h = last ? by : 1.6*by;
+            arranged = false;
+        } else if (f->z.n_kept < f->z.n_row && !arranged && fabs(by) < 1e-3*fabs(whole)) {
+            st = lw_space_rows_arrange(&f->z, f->q, e);    /* the basis kept may be singular where the rows are not */
+            arranged = true;
         } else if (fabs(by) < 1e-10*fabs(whole) || ++steps > 100000)
-            return cannot(f, f->u, e);
+            return cannot(f, path, context, u, e);
         else
             h = by*0.4;
     }
@@ -380,7 +392,8 @@ double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, b
     *angle = false;
     target = calloc((size_t)f->z.n_extra + 1, sizeof *target);
     b = malloc(((size_t)f->z.n_row + 1)*sizeof *b);
-    bool good = q && by && target && b && lw_space_rows_make(s, f->z.extra, f->z.n_extra, f->z.weight, f->q, &z, &none) == LW_OK;
+    bool good = q && by && target && b && lw_space_rows_make(s, f->z.extra, f->z.n_extra, f->z.weight, f->q, &z,
+                                                             &none) == LW_OK;
     if (good && lw_space_dense_make(&z, &d, &none) != LW_OK) {
         lw_space_rows_free(&z);
         good = false;

@@ -24,15 +24,16 @@ typedef struct lw_space_follow {
     void   *memory;
 } lw_space_follow;
 
-/* Begin in the posture of the file with these inputs.  LW_E_ARG: the inputs do not leave the freedom 0 (unless `any`), or
- * ask for more than the freedoms. */
-lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *input, int n_input, bool any, lw_space_follow *f,
+/* Begin in the posture of the file with these inputs.  LW_E_ARG: the inputs do not leave the freedom 0 (unless
+ * `any`), or ask for more than the freedoms. */
+lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *input, int n_input, bool any,
+                               lw_space_follow *f,
                                lw_error *e);
 void      lw_space_follow_free(lw_space_follow *f);
 
 /* Go along the path from f->u to u, whose value at f->u must be that of the posture f->q (else it is first gone to in a
- * straight line).  LW_OPEN with a text: a limit of the motion or a singular posture lies before; f is at the last posture
- * reached. */
+ * straight line).  LW_OPEN with a text: a limit of the motion or a singular posture lies before; f is at the last
+ * posture reached. */
 lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e);
 
 /* Values of the inputs at f->q [SI]. */
@@ -45,8 +46,8 @@ lw_space_path lw_space_motions;
  * value reached and true; or `to` and false. */
 bool lw_space_reach(lw_space_follow *f, double to, double *reached, lw_error *e);
 
-/* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad], and
- * its joint. */
+/* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
+ * and its joint. */
 double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, bool *angle);
 
 #endif

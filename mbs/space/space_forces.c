@@ -12,7 +12,8 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     const lw_spatial *m = s->model;
     size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint;
     *f = (lw_space_forces){ .s = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
-    char *at = f->memory = calloc(1, springs*sizeof *f->spring_end + forces*sizeof *f->force_at + joints*sizeof *f->turn + 1);
+    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + joints*sizeof *f->turn + 1;
+    char *at = f->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     f->spring_end = (lw_space_point (*)[2])(void *)at, at += springs*sizeof *f->spring_end;
@@ -57,7 +58,8 @@ static void push(const lw_space_frame *frame, lw_space_point p, lw_vec3 load, do
 }
 
 /* A force along a measure, in its SI unit. */
-static void push_measure(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, double load, double *force)
+static void push_measure(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, double load,
+                         double *force)
 {
     double jac[LW_SPACE_ROW], scale = lw_space_scale(f->s, of);
     int body[2];
@@ -68,14 +70,16 @@ static void push_measure(const lw_space_forces *f, const lw_space_frame *frame, 
             force[6*body[k] + i] += scale*load*jac[6*k + i];
 }
 
-static void measured(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, const double *v, double *value,
+static void measured(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, const double *v,
+                     double *value,
                      double *rate)
 {
     lw_space_measured(f->s, frame, of, of.of == LW_OF_TURN ? f->turn[of.index] : 0, v, value, rate);
 }
 
 /* Value of an expression; length and rate are those of a law. */
-static double value_of(const lw_space_forces *f, const lw_expression *x, double t, const lw_space_frame *frame, const double *v,
+static double value_of(const lw_space_forces *f, const lw_expression *x, double t, const lw_space_frame *frame,
+                       const double *v,
                        double length, double rate)
 {
     const int *which;
@@ -108,21 +112,24 @@ static double value_of(const lw_space_forces *f, const lw_expression *x, double 
 }
 
 /* Length of a spring, the unit vector along it and the rate. */
-static double spring_line(const lw_space_forces *f, int i, const lw_space_frame *frame, const double *v, lw_vec3 *along, double *rate)
+static double spring_line(const lw_space_forces *f, int i, const lw_space_frame *frame, const double *v,
+                          lw_vec3 *along, double *rate)
 {
     const lw_space_point *end = f->spring_end[i];
     lw_vec3 d = lw_v3_sub(lw_space_point_at(frame, end[1]), lw_space_point_at(frame, end[0]));
     double length = lw_v3_norm(d);
     *along = length > 0 ? lw_v3_scale(d, 1/length) : d;
     if (rate)
-        *rate = lw_v3_dot(*along, lw_v3_sub(lw_space_point_velocity(frame, end[1], v), lw_space_point_velocity(frame, end[0], v)));
+        *rate = lw_v3_dot(*along, lw_v3_sub(lw_space_point_velocity(frame, end[1], v),
+                                            lw_space_point_velocity(frame, end[0], v)));
     return length;
 }
 
 /* How far a measure lies beyond its stop. */
 static double beyond(const lw_joint_stop *p, double value)
 {
-    return p->has_least && value < p->least ? value - p->least : p->has_greatest && value > p->greatest ? value - p->greatest : 0;
+    return p->has_least && value < p->least ? value - p->least : p->has_greatest && value > p->greatest ?
+        value - p->greatest : 0;
 }
 
 static lw_spatial_measure stop_measure(const lw_space *s, int joint)
@@ -130,7 +137,8 @@ static lw_spatial_measure stop_measure(const lw_space *s, int joint)
     return (lw_spatial_measure){ lw_spatial_kind_of(s->joint[joint].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
 }
 
-void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force,
+void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
+                           double *force,
                            double *power)
 {
     const lw_space *s = f->s;
@@ -201,7 +209,8 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
         lw_vec3 own = lw_m3_unapply(turn, twist);
         double *to = force + 6*at.body + 3;
         to[0] += own.x, to[1] += own.y, to[2] += own.z;
-        work += lw_v3_dot(pull, lw_space_point_velocity(frame, at, v)) + lw_v3_dot(twist, lw_space_omega(frame, at.body, v));
+        work += lw_v3_dot(pull, lw_space_point_velocity(frame, at, v)) + lw_v3_dot(twist, lw_space_omega(frame,
+                at.body, v));
     }
     if (power)
         *power = work;
@@ -224,7 +233,8 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_spatial_joint_spring *p = &m->joint_spring[i];
         value = lw_space_scale(s, p->measure)*lw_space_measure(s, frame, p->measure,
-                                                               p->measure.of == LW_OF_TURN ? f->turn[p->measure.index] : 0, NULL);
+                                                               p->measure.of == LW_OF_TURN ? f->turn[p->measure.index]
+                                                                   : 0, NULL);
         sum += p->law ? 0 : p->stiffness*(value - p->free)*(value - p->free)/2;
     }
     for (int i = 0; i < m->n_joint; i++)
@@ -245,7 +255,8 @@ double lw_space_kinetic(const lw_space *s, const double *v)
     return sum/2;
 }
 
-void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear, lw_vec3 *angular)
+void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
+                       lw_vec3 *angular)
 {
     *linear = *angular = lw_v3(0, 0, 0);
     for (int b = 0; b < s->n_body; b++) {

@@ -8,8 +8,7 @@ typedef struct lw_space_forces {
     const lw_space *s;
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
-    double          *turn;               /* (n_joint) turn of the joints at the last accepted posture: angles are counted
-                                            from there, so that whole turns are not lost */
+    double          *turn;               /* (n_joint) turns at the last accepted posture: angles are counted from there */
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;
@@ -21,12 +20,14 @@ void      lw_space_forces_free(lw_space_forces *f);
 void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame);
 
 /* Forces (n_v) with gravity and what spinning bodies add; power of those without potential, unless NULL. */
-void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *force,
+void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
+                           double *force,
                            double *power);
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
 double lw_space_kinetic(const lw_space *s, const double *v);
 
 /* Linear momentum, and angular momentum about the origin (ground axes). */
-void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear, lw_vec3 *angular);
+void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
+                       lw_vec3 *angular);
 
 #endif

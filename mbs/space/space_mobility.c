@@ -42,8 +42,8 @@ static double residual(const search *x)
     return most;
 }
 
-/* Close the joints near x->q by least squares, with rows of rank `most`: rows that depend on others where the joints are
- * closed are independent beside, and would lead far away. */
+/* Close the joints near x->q by least squares, with rows of rank `most`: rows that depend on others where the joints
+ * are closed are independent beside, and would lead far away. */
 static double close_rows(search *x, int most)
 {
     double off = INFINITY;
@@ -89,7 +89,8 @@ static double distance(const search *x)
     double most = 0;
     for (int b = 0; b < x->s->n_body; b++) {
         const double *p = x->q + 7*b, *o = x->s->start + 7*b;
-        lw_quaternion t = lw_quaternion_times(lw_quaternion_inverse((lw_quaternion){ o[3], o[4], o[5], o[6] }), (lw_quaternion){ p[3], p[4], p[5], p[6] });
+        lw_quaternion t = lw_quaternion_times(lw_quaternion_inverse((lw_quaternion){ o[3], o[4], o[5], o[6] }),
+                                              (lw_quaternion){ p[3], p[4], p[5], p[6] });
         most = fmax(most, lw_v3_norm(lw_quaternion_vector(t)));
         most = fmax(most, lw_v3_norm(lw_v3(p[0] - o[0], p[1] - o[1], p[2] - o[2]))/x->s->unit);
     }
@@ -137,7 +138,8 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
 {
     const lw_space *s = x->s;
     int rows = x->z.n_row, n = s->n_v;
-    double *basis = malloc(((size_t)n*(size_t)n + (size_t)n)*sizeof *basis), *row = basis ? basis + (size_t)n*(size_t)n : NULL;
+    double *basis = malloc(((size_t)n*(size_t)n + (size_t)n)*sizeof *basis), *row = basis ? basis + (size_t)n*(size_t)n
+        : NULL;
     m->redundant = calloc((size_t)rows + 1, sizeof *m->redundant);
     if (!basis || !m->redundant) {
         free(basis);
@@ -176,7 +178,8 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint64_t seed, lw_space_mobility *m, lw_error *e)
+lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint64_t seed, lw_space_mobility *m,
+                                 lw_error *e)
 {
     lw_space s;
     search x = { .s = &s, .least = fmax(1e-9, 10*sqrt(tolerance)*1e-3), .rounding = fmax(tolerance, 1e-13) };

@@ -93,7 +93,8 @@ static int line_rows(const lw_space_joint *j, const ends *n, double scale, doubl
     return 2;
 }
 
-static void joint_rows(const lw_space *s, const lw_space_joint *j, const lw_space_frame *frame, double *phi, double *jac)
+static void joint_rows(const lw_space *s, const lw_space_joint *j, const lw_space_frame *frame, double *phi,
+                       double *jac)
 {
     ends n = ends_of(j, frame);
     double scale = 1/s->unit;
@@ -200,7 +201,8 @@ void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double 
         lw_spatial_kind k = j->kind;
         if (k == LW_SPATIAL_FREE)
             continue;
-        if (k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_UNIVERSAL || k == LW_SPATIAL_FIXED) {
+        if (k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_UNIVERSAL || k ==
+            LW_SPATIAL_FIXED) {
             to[0] = -scale*z.rest.x, to[1] = -scale*z.rest.y, to[2] = -scale*z.rest.z;
             to += 3;
         } else if (k == LW_SPATIAL_PLANAR)
@@ -275,7 +277,8 @@ double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_
     return of.of == LW_OF_TURN ? angle_bias(j, &z, &n) : line_bias(&z, &n, lw_m3_apply(n.turn[0], j->z[0]))/s->unit;
 }
 
-void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near, const double *v,
+void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near,
+                       const double *v,
                        double *value, double *rate)
 {
     double jac[LW_SPACE_ROW], scale = lw_space_scale(s, of);

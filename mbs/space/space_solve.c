@@ -40,7 +40,8 @@ static void find_bodies(lw_space_rows_set *z)
         lw_space_bodies(s, &z->extra[i], z->body[s->n_row + i]);
 }
 
-lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight, const double *q,
+lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight,
+                             const double *q,
                              lw_space_rows_set *z, lw_error *e)
 {
     memset(z, 0, sizeof *z);
@@ -89,7 +90,8 @@ void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *tar
             memset(jac, 0, LW_SPACE_ROW*sizeof *jac);
             jac[3] = x->axis.x, jac[4] = x->axis.y, jac[5] = x->axis.z;
         } else
-            *phi = lw_space_measure(s, z->frame, x->measure, target ? target[i] : z->near[i], jac) - (target ? target[i] : 0);
+            *phi = lw_space_measure(s, z->frame, x->measure, target ? target[i] : z->near[i], jac) -
+                   (target ? target[i] : 0);
     }
 }
 
@@ -197,47 +199,64 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
                     int row = order[list[p]], other = order[list[o]], i = z->place[row], j = z->place[other];
                     int side = z->body[row][0] == b ? 0 : 6, other_side = z->body[other][0] == b ? 0 : 6;
                     z->pair[z->n_pair++] = (lw_space_pair){ row*LW_SPACE_ROW + side, other*LW_SPACE_ROW + other_side,
-                                                            lw_cholesky_entry(&z->schur, i < j ? i : j, i < j ? j : i) };
+                                                            lw_cholesky_entry(&z->schur, i < j ? i : j, i < j ? j
+                                                                              : i) };
                 }
     }
     free(first), free(list), free(mark), free(near_at), free(near), free(order);
     return good ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
+/* Among all rows, a basis of n rows that are as independent as possible. */
+static lw_status choose_basis(lw_space_rows_set *z, int n, lw_error *e)
+{
+    lw_space_dense d;
+    lw_status st = lw_space_dense_make(z, &d, e);
+    if (st != LW_OK)
+        return st;
+    d.rank.most = n;
+    lw_space_dense_factor(z, &d, 1e-12);
+    bool *in = calloc((size_t)z->n_row, sizeof *in);
+    for (int i = 0; in && i < d.rank.rank; i++)
+        in[d.rank.column[i]] = true;
+    z->n_kept = 0;
+    for (int i = 0; in && i < z->n_row; i++)
+        if (in[i])
+            z->kept[z->n_kept++] = i;
+    lw_space_dense_free(&d);
+    st = in ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    free(in);
+    return st;
+}
+
 lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e)
 {
-    z->n_kept = z->n_row;
-    for (int i = 0; i < z->n_row; i++)
-        z->kept[i] = i;
-    lw_status st = analyse(z, e);
-    if (st != LW_OK || z->n_row == 0)
-        return st;
-    bool *dependent = calloc((size_t)z->n_row, sizeof *dependent);
-    if (!dependent)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    int n = z->n_kept;
     lw_space_rows_fill(z, q, NULL);
-    weigh(z);
-    memset(z->schur.value, 0, (size_t)(z->schur.n_entry + z->n_kept)*sizeof *z->schur.value);
-    for (int p = 0; p < z->n_pair; p++)
-        z->schur.value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
-    lw_cholesky_factor(&z->schur, least_share, dependent);
-    bool *left_out = calloc((size_t)z->n_row, sizeof *left_out);
-    int n = 0, lost = 0;
-    for (int i = 0; left_out && i < z->n_row; i++)
-        left_out[z->kept[i]] = dependent[i];
-    for (int i = 0; left_out && i < z->n_row; i++)
-        lost += left_out[i];
-    if (lost > 0) {
+    if (n == 0 || n == z->n_row) {           /* not known yet: count the rows that depend on none before them */
+        z->n_kept = z->n_row;
         for (int i = 0; i < z->n_row; i++)
-            if (!left_out[i])
-                z->kept[n++] = i;
-        z->n_kept = n;
-        st = analyse(z, e);
+            z->kept[i] = i;
+        lw_status st = analyse(z, e);
+        if (st != LW_OK || z->n_row == 0)
+            return st;
+        bool *dependent = calloc((size_t)z->n_row, sizeof *dependent);
+        if (!dependent)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        weigh(z);
+        memset(z->schur.value, 0, (size_t)(z->schur.n_entry + z->n_kept)*sizeof *z->schur.value);
+        for (int p = 0; p < z->n_pair; p++)
+            z->schur.value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
+        lw_cholesky_factor(&z->schur, least_share, dependent);
+        n = z->n_row;
+        for (int i = 0; i < z->n_row; i++)
+            n -= dependent[i];
+        free(dependent);
+        if (n == z->n_row)
+            return LW_OK;
     }
-    if (!left_out)
-        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    free(left_out), free(dependent);
-    return st;
+    lw_status st = choose_basis(z, n, e);
+    return st == LW_OK ? analyse(z, e) : st;
 }
 
 /* ---- solving ----------------------------------------------------------------------------------------------------- */
@@ -351,7 +370,7 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
     return before < 1e-11 ? LW_OK : LW_OPEN;
 }
 
-/* ---- full matrix ---------------------------------------------------------------------------------------------------- */
+/* ---- full matrix ---- */
 
 lw_status lw_space_dense_make(const lw_space_rows_set *z, lw_space_dense *d, lw_error *e)
 {

@@ -1,4 +1,5 @@
-/* mbs/space/space_solve.h - the rows in force of a spatial model at one posture, factored, and what is solved with them.
+/* mbs/space/space_solve.h - the rows in force of a spatial model at one posture, factored, and what is solved with
+ * them.
  *
  *     x = W (f - J^T l),   J x = c          W: a positive diagonal, the inverse masses or a metric of displacements
  *
@@ -33,18 +34,20 @@ typedef struct lw_space_rows_set {
 } lw_space_rows_set;
 
 /* Rows of the joints and the extras (copied).  weight (n_v).  The basis is found at q.  LW_E_MEMORY. */
-lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight, const double *q,
+lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight,
+                             const double *q,
                              lw_space_rows_set *z, lw_error *e);
 void      lw_space_rows_free(lw_space_rows_set *z);
 
-/* Find the basis anew at q: the rows whose pivots are not below `least`.  n_kept is the rank. */
+/* Find the basis anew at q: as many rows as before, as independent as possible there.  n_kept is the rank. */
 lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error *e);
 
 /* Rows at q, with wanted values `target` of the extras (over their scale; 0 for spins), and their factors. */
 void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *target);
 bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
 
-/* x and l (n_row, 0 for rows left out) of the system above; f NULL: 0.  Factored.  `refine`: once more for the rounding. */
+/* x and l (n_row, 0 for rows left out) of the system above; f NULL: 0.  Factored.  `refine`: once more for the
+ * rounding. */
 void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
 
 /* l of J^T l = f in the metric of W, for f that the rows can carry. */
@@ -57,8 +60,8 @@ void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l,
 /* What J a has to be, without second rates of extras: those are added (n_row). */
 void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out);
 
-/* Put q on the rows by Newton's method, the change least in W.  LW_OPEN: it does not converge, or a first step is longer
- * than `longest` (in lengths over the size and radians; 0: no limit).  *moved: length of the first step. */
+/* Put q on the rows by Newton's method, the change least in W.  LW_OPEN: it does not converge, or a first step is
+ * longer than `longest` (in lengths over the size and radians; 0: no limit).  *moved: length of the first step. */
 lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved);
 
 /* The greatest displacement of a body in by (n_v): over the size, and in radians. */

@@ -4,6 +4,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+/* Rates have no bound at a limit of the input: traces end before it by this share of their range. */
+static const double limit_inside = 1e-8;
+
 void lw_space_tracers(const lw_space *s, const lw_space_frame *frame, const double *q, const double *v, const double *a,
                       lw_space_tracer *out)
 {
@@ -52,7 +55,8 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
         return LW_OK;
     }
     if (in->measure.of != LW_OF_TURN)
-        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or "
+        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the "
+                                         "file, or "
                             "--input-range");
     lw_space_follow f;
     lw_status st = lw_space_follow_make(s, input, n, false, &f, e);
@@ -71,18 +75,22 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
         }
     } else
         o->from = start, o->to = start + 2*LW_PI;
-    o->from += offset, o->to += offset;
+    double inside = limit_inside*(o->to - o->from);
+    o->from += offset + (o->limit[0] ? inside : 0);
+    o->to += offset - (o->limit[1] ? inside : 0);
     lw_space_follow_free(&f);
     return LW_OK;
 }
 
 /* The rows between the ends, in the order of the input; those before the posture of the file are found on the way back
  * from it, so that each end is reached along the motion curve of the file. */
-lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context, lw_error *e)
+lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_row_sink *sink, void *context,
+                             lw_error *e)
 {
     lw_space s;
     lw_space_follow f = { 0 };
-    lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing to move");
+    lw_status st = m->n_input > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the model has no input, so there is nothing "
+                                                                      "to move");
     if (st == LW_OK)
         st = lw_space_make(m, &s, e);
     if (st != LW_OK)

@@ -1,0 +1,22 @@
+/* cli/motion/spatial.h - commands for spatial models: the same files, places with three numbers. */
+#ifndef CLI_MOTION_SPATIAL_H
+#define CLI_MOTION_SPATIAL_H
+
+#include "cli/program/command.h"
+#include "grammar/spatial.h"
+
+/* Options of trace that spatial models know. */
+typedef struct cli_spatial_trace {
+    int         steps;
+    const char *tracer;                  /* NULL: all                                      */
+    const char *speed;                   /* NULL: rates by the input                       */
+    const double *input_range, *time_range;      /* (2) unit of the file, (3) s; NULL: none */
+} cli_spatial_trace;
+
+/* Refuse the options that are given among `names` (NULL ends them): CLI_USAGE after a message; else CLI_DONE. */
+int cli_spatial_refuse(const cli_call *call, const char *const *names);
+
+int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_spatial_trace *o);
+int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double tolerance);
+
+#endif

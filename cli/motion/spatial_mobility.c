@@ -1,0 +1,94 @@
+/* cli/motion/spatial_mobility.c - degrees of freedom of a spatial model, as text or JSON. */
+#include "cli/motion/spatial.h"
+#include "cli/program/json.h"
+#include "cli/program/output.h"
+#include "mbs/space/space_mobility.h"
+
+static const char *verdict(const lw_space_mobility *m)
+{
+    return m->freedom == 0 ? m->shaky ? "shaky: it yields, but cannot move"
+        : "rigid: nothing moves, not even of first order"
+         : m->freedom > m->count && m->count < 1 ? "moves although the count says it cannot: its dimensions are special"
+         : "moves";
+}
+
+static void write_text(FILE *f, const lw_spatial *model, const lw_space_mobility *m)
+{
+    lw_vec3 normal;
+    fprintf(f, "%-16s%s\n", "verdict", verdict(m));
+    fprintf(f, "%-16s%d = 6*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count, m->n_body,
+            m->n_row);
+    fprintf(f, "%-16s%d", "freedom", m->freedom);
+    if (m->idle > 0 && m->freedom > 0)
+        fprintf(f, "  (%d without idle spins)", m->freedom - m->idle);
+    fputc('\n', f);
+    if (m->idle > 0) {
+        fprintf(f, "%-16s%d spin%s between ball joints, held in every analysis: ", "idle", m->idle, m->idle == 1 ? ""
+                : "s");
+        for (int i = 0; i < m->idle; i++)
+            fprintf(f, "%s%s", i ? ", " : "", model->body[m->idle_link[i]].name);
+        fputc('\n', f);
+    }
+    fprintf(f, "%-16s%d in the posture", "first order", m->instant);
+    if (m->freedom > 0 && m->instant > m->freedom)
+        fputs("  (a singular posture)", f);
+    fputc('\n', f);
+    fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, m->freedom > 0 ? ", along the motion" : "");
+    fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
+    for (int i = 0; i < m->n_redundant; i++)
+        fprintf(f, "%-16s%s of %s\n", "", m->redundant[i].row, model->joint[m->redundant[i].joint].name);
+    if (lw_spatial_is_planar(model, &normal))
+        fprintf(f, "%-16saxes are parallel to [%.6g, %.6g, %.6g]: the motion is planar; written with two numbers a "
+                   "place, it "
+                "is solved faster\n", "planar", normal.x, normal.y, normal.z);
+    if (m->freedom > 0)
+        fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->moved, m->residual);
+}
+
+static void write_json(FILE *f, const lw_spatial *model, const lw_space_mobility *m)
+{
+    lw_vec3 normal;
+    cli_json j = cli_json_begin(f, 2);
+    cli_json_object(&j, NULL);
+    cli_json_text(&j, "verdict", m->freedom > 0 ? "moves" : m->shaky ? "shaky" : "rigid");
+    cli_json_int(&j, "count", m->count);
+    cli_json_int(&j, "freedom", m->freedom);
+    cli_json_int(&j, "first_order_posture", m->instant);
+    cli_json_int(&j, "coordinates", 6*m->n_body);
+    cli_json_int(&j, "rows", m->n_row);
+    cli_json_int(&j, "rank", m->rank);
+    cli_json_array(&j, "redundant");
+    for (int i = 0; i < m->n_redundant; i++) {
+        cli_json_object(&j, NULL);
+        cli_json_text(&j, "joint", model->joint[m->redundant[i].joint].name);
+        cli_json_text(&j, "row", m->redundant[i].row);
+        cli_json_end(&j);
+    }
+    cli_json_end(&j);
+    cli_json_int(&j, "idle", m->idle);
+    cli_json_array(&j, "idle_links");
+    for (int i = 0; i < m->idle; i++)
+        cli_json_text(&j, NULL, model->body[m->idle_link[i]].name);
+    cli_json_end(&j);
+    cli_json_bool(&j, "planar", lw_spatial_is_planar(model, &normal));
+    cli_json_real(&j, "moved", m->moved);
+    cli_json_real(&j, "residual", m->residual);
+    cli_json_end(&j);
+}
+
+int cli_spatial_mobility(const cli_call *call, const lw_spatial *model, double tolerance)
+{
+    lw_space_mobility m;
+    lw_output out;
+    lw_error e = { 0 };
+    if (lw_space_mobility_find(model, tolerance, call->common.seed, &m, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (cli_open(call, &out, &e) != LW_OK)
+        return lw_space_mobility_free(&m), cli_fail(call, &e);
+    if (call->common.json)
+        write_json(out.f, model, &m);
+    else
+        write_text(out.f, model, &m);
+    lw_space_mobility_free(&m);
+    return cli_close(call, &out, CLI_DONE);
+}

@@ -1,0 +1,262 @@
+/* Spatial models: what is read and refused, postures along inputs, mobility of linkages whose answer is known. */
+#include "base/file.h"
+#include "base/rng.h"
+#include "mbs/space/space_mobility.h"
+#include "mbs/space/space_trace.h"
+#include "tests/check.h"
+
+static void load(const char *file, lw_spatial *m)
+{
+    char path[128], *text;
+    size_t size;
+    lw_error e = { 0 };
+    snprintf(path, sizeof path, "examples/space/%s.json", file);
+    memset(m, 0, sizeof *m);
+    if (lw_file_read(path, &text, &size, &e) != LW_OK) {
+        fprintf(stderr, "%s\n", e.text);
+        exit(1);
+    }
+    CHECK(lw_spatial_text(text, size));
+    if (lw_spatial_read(text, size, path, m, &e) != LW_OK) {
+        fprintf(stderr, "%ld:%ld: %s\n", e.line, e.column, e.text);
+        exit(1);
+    }
+    free(text);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------- */
+
+/* A pendulum with `link` for the other members of its link, `joint` for those of its joint, and `more`. */
+static lw_status read_pendulum(const char *link, const char *joint, const char *more, lw_spatial *m, lw_error *e)
+{
+    char text[1024];
+    int n = snprintf(text, sizeof text, "{\"linkwright\": 1,\n\"links\": [\"ground\", {\"name\": "
+                                        "\"a\"%s}],\n\"joints\": [{\"name\": \"A\", "
+                     "\"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0]%s}]%s}", link, joint, more);
+    *e = (lw_error){ 0 };
+    return lw_spatial_read(text, (size_t)n, "f", m, e);
+}
+
+static void refuses_what_no_model_has(void)
+{
+    static const struct { const char *link, *joint, *more, *says; int line; } bad[] = {
+        { "", ", \"axis\": [0, 0, 0]", "", "[0, 0, 0]", 3 },
+        { "", "", "", "needs its \"axis\"", 3 },
+        { "", ", \"kind\": \"b\", \"axis\": [0, 0, 1]", "", "has no axis", 3 },
+        { "", ", \"kind\": \"u\", \"axis\": [0, 0, 1], \"second_axis\": [0, 0, -2]", "", "parallel", 3 },
+        { "", ", \"kind\": \"h\", \"axis\": [0, 0, 1]", "", "\"lead\"", 3 },
+        { "", ", \"kind\": \"revolut\", \"axis\": [0, 0, 1]", "", "did you mean \"revolute\"", 3 },
+        { ", \"mass\": 1, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 2.1]", ", \"axis\": [0, 0, 1]", "", "exceed", 2 },
+        { ", \"mass\": 1, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1, 2, 0, 0]", ", \"axis\": [0, 0, 1]", "",
+          "negative", 2 },
+        { ", \"mass\": 1, \"centre\": [0, 0, 0], \"frame\": {\"x\": [1, 0, 0], \"y\": [0.1, 1, 0]}",
+          ", \"axis\": [0, 0, 1]", "",
+          "84.2894 degrees", 2 },
+        { ", \"mass\": 1, \"centre\": [0, 0, 0], \"frame\": {\"x\": [1, 0, 0], \"y\": [0, 1, 0], \"z\": [0, 0, -1]}",
+          ", \"axis\": [0, 0, 1]", "", "left-handed", 2 },
+        { ", \"mass\": 1", ", \"axis\": [0, 0, 1]", "", "no \"centre\"", 2 },
+        { ", \"mass\": -1, \"centre\": [0, 0, 0]", ", \"axis\": [0, 0, 1]", "", "negative", 2 },
+        { "}, {\"name\": \"b\"", ", \"axis\": [0, 0, 1]", "", "connects link \"b\"", 3 },
+        { "", ", \"axis\": [0, 0, 1]", ",\n\"input\": {\"tracer\": \"P\", \"coordinate\": \"x\"}", "no tracer", 4 },
+        { "", ", \"kind\": \"b\"", ",\n\"input\": {\"joint\": \"A\"}", "no single coordinate", 4 },
+        { "", ", \"axis\": [0, 0, 1], \"friction\": {}", "", "planar models only", 3 },
+        { "", ", \"axis\": [0, 0, 1, 4]", "", "list of 3", 3 },
+        { "", ", \"axis\": [0, 0, 1]", ",\n\"gravity\": [0, -9.81]", "list of 3", 4 },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        lw_spatial m;
+        lw_error e;
+        CHECK_INT(read_pendulum(bad[i].link, bad[i].joint, bad[i].more, &m, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, bad[i].says);
+        CHECK_INT(e.line, bad[i].line);
+        CHECK(e.column > 0);
+    }
+}
+
+/* A tensor in a turned frame is R I R^T; the principal values come back, whatever the frame. */
+static void tensors_turn_with_their_frame(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int k = 0; k < 100; k++) {
+        double value[3], got[3], tensor[6];
+        lw_mat3 r, axes;
+        for (int i = 0; i < 3; i++)
+            value[i] = 1 + lw_rng_uniform(&rng);
+        r = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(lw_rng_normal(&rng), lw_rng_normal(&rng),
+                                                               lw_rng_normal(&rng))));
+        for (int i = 0; i < 6; i++) {
+            static const int row[] = { 0, 1, 2, 0, 0, 1 }, column[] = { 0, 1, 2, 1, 2, 2 };
+            lw_vec3 a = r.row[row[i]], b = r.row[column[i]];
+            tensor[i] = a.x*value[0]*b.x + a.y*value[1]*b.y + a.z*value[2]*b.z;
+        }
+        lw_m3_principal(tensor, got, &axes);
+        CHECK_NEAR(got[0] + got[1] + got[2], value[0] + value[1] + value[2], 1e-14, 0);
+        CHECK_NEAR(got[0]*got[1]*got[2], value[0]*value[1]*value[2], 1e-13, 0);
+        lw_vec3 c = lw_v3_cross(lw_m3_column(&axes, 0), lw_m3_column(&axes, 1));
+        CHECK_NEAR(lw_v3_dot(c, lw_m3_column(&axes, 2)), 1, 1e-14, 0);
+        lw_quaternion q = lw_quaternion_of_matrix(&axes);
+        lw_mat3 back = lw_quaternion_matrix(q);
+        for (int i = 0; i < 3; i++)
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(back.row[i], axes.row[i])), 0, 1e-14, 0);
+        lw_vec3 turn = lw_v3(0.3*k/10, 0.1, -0.2);
+        if (lw_v3_norm(turn) < LW_PI)
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(lw_quaternion_vector(lw_quaternion_of_vector(turn)), turn)), 0, 1e-14, 0);
+    }
+}
+
+/* ---- mobility ---------------------------------------------------------------------------------------------------- */
+
+static void mobility_is_real(void)
+{
+    /* Bennett, Bricard, Sarrus: mobility 1 against counts of -2, 0, 0 (Hunt 1978); the redundant rows are 6 bodies -
+     * rank */
+    static const struct { const char *file; int count, freedom, idle, redundant; } known[] = {
+        { "bennett", -2, 1, 0, 3 }, { "bricard", 0, 1, 0, 1 }, { "sarrus", 0, 1, 0, 1 }, { "slider-crank", 1, 1, 0, 0 },
+        { "delta", 9, 9, 6, 0 }, { "stewart", 6, 6, 0, 0 }, { "arm", 7, 7, 0, 0 }, { "top", 3, 3, 0, 0 },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_spatial m;
+        lw_space_mobility got;
+        lw_error e;
+        load(known[i].file, &m);
+        CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), &got, &e), LW_OK);
+        CHECK_INT(got.count, known[i].count);
+        CHECK_INT(got.freedom, known[i].freedom);
+        CHECK_INT(got.idle, known[i].idle);
+        CHECK_INT(got.n_redundant, known[i].redundant);
+        CHECK(got.residual < 1e-12 && !got.shaky);
+        lw_space_mobility_free(&got);
+        lw_spatial_free(&m);
+    }
+}
+
+/* Bennett's condition broken by a part in a thousand: nothing moves. */
+static void a_broken_bennett_is_rigid(void)
+{
+    lw_spatial m;
+    lw_space_mobility got;
+    lw_error e;
+    load("bennett", &m);
+    m.joint[2].axis = lw_v3_add(m.joint[2].axis, lw_v3(1e-3, 0, 0));
+    m.joint[2].axis = lw_v3_scale(m.joint[2].axis, 1/lw_v3_norm(m.joint[2].axis));
+    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), &got, &e), LW_OK);
+    CHECK_INT(got.freedom, 0);
+    lw_space_mobility_free(&got);
+    lw_spatial_free(&m);
+}
+
+/* ---- postures ---- */
+
+static lw_status line(void *context, double u, double (*out)[3])
+{
+    const double (*ends)[3] = context;         /* from, to */
+    for (int i = 0; i < 3; i++)
+        out[i][0] = ends[0][i] + u*(ends[1][i] - ends[0][i]), out[i][1] = ends[1][i] - ends[0][i], out[i][2] = 0;
+    return LW_OK;
+}
+
+static double turn_of(const lw_space_follow *f, int joint)
+{
+    return lw_space_measure(f->z.s, f->z.frame, (lw_spatial_measure){ LW_OF_TURN, joint }, 0, NULL);
+}
+
+/* Inverse kinematics of the DELTA (l_u .35, l_l .75, R - r .15; worked out from its closed form), and back. */
+static void delta_postures(void)
+{
+    static const double degrees = 180/LW_PI, start = 13.60812855, other[] = { -6.282352804, 29.88751143, 29.88751143 };
+    double ends[2][3] = { { 0, 0, -.65 }, { .2, 0, -.65 } }, motor[3];
+    lw_spatial m;
+    lw_space s;
+    lw_space_follow f;
+    lw_error e = { 0 };
+    load("delta", &m);
+    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
+    lw_spatial_measure tool[3] = { { LW_OF_X, 0 }, { LW_OF_Y, 0 }, { LW_OF_Z, 0 } };
+    CHECK_INT(lw_space_follow_make(&s, tool, 3, false, &f, &e), LW_OK);
+    CHECK_INT(f.n_idle, 6);
+    CHECK_INT(lw_space_follow_to(&f, line, ends, 1, &e), LW_OK);
+    for (int i = 0; i < 3; i++) {
+        motor[i] = turn_of(&f, m.drive[i].index);
+        CHECK_NEAR(start + motor[i]*degrees, other[i], 2e-8, 0);
+    }
+    lw_space_follow_free(&f);
+    CHECK_INT(lw_space_follow_make(&s, m.drive, 3, false, &f, &e), LW_OK);
+    double back[2][3] = { { 0, 0, 0 }, { motor[0], motor[1], motor[2] } };
+    CHECK_INT(lw_space_follow_to(&f, line, back, 1, &e), LW_OK);
+    lw_vec3 p = lw_space_point_at(f.z.frame, s.tracer[0]);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(p, lw_v3(.2, 0, -.65))), 0, 1e-14, 0);
+    lw_space_follow_free(&f);
+    /* the lowest point of its workspace is z = -1.0897247; below it, a bar is too short */
+    double deep[2][3] = { { 0, 0, -.65 }, { 0, 0, -1.2 } };
+    CHECK_INT(lw_space_follow_make(&s, tool, 3, false, &f, &e), LW_OK);
+    CHECK_INT(lw_space_follow_to(&f, line, deep, 1, &e), LW_OPEN);
+    CHECK_NEAR(-.65 - .55*f.u, -1.0897247, 1e-6, 0);
+    CHECK_HAS(e.text, "open");
+    lw_space_follow_free(&f);
+    lw_space_free(&s);
+    lw_spatial_free(&m);
+}
+
+/* Rates of tracers against central differences, of every example with motions. */
+typedef struct series { int n; lw_vec3 place[64], velocity[64], acceleration[64]; double alpha[64], omega[64]; } series;
+
+static lw_status collect(void *context, double u, const double *input, const lw_space_tracer *t)
+{
+    series *s = context;
+    (void)u, (void)input;
+    s->place[s->n] = t[0].place, s->velocity[s->n] = t[0].velocity, s->acceleration[s->n] = t[0].acceleration;
+    s->n++;
+    return LW_OK;
+}
+
+static void rates_are_derivatives(void)
+{
+    static const char *const files[] = { "slider-crank", "bricard", "bennett", "sarrus", "delta", "stewart", "arm" };
+    for (size_t k = 0; k < sizeof files/sizeof *files; k++) {
+        lw_spatial m;
+        lw_error e = { 0 };
+        series got = { 0 };
+        load(files[k], &m);
+        bool in_time = m.input[0].motion != NULL;
+        double from = in_time ? 0.004 : 0.1, h = 1e-3;
+        lw_space_trace o = { .in_time = in_time, .from = from, .to = from + 40*h, .intervals = 40 };
+        CHECK_INT(lw_space_trace_run(&m, &o, collect, &got, &e), LW_OK);
+        for (int i = 2; i + 2 < got.n; i++) {
+            lw_vec3 v = lw_v3_scale(lw_v3_sub(lw_v3_scale(lw_v3_sub(got.place[i + 1], got.place[i - 1]), 8),
+                                              lw_v3_sub(got.place[i + 2], got.place[i - 2])), 1/(12*h));
+            lw_vec3 a = lw_v3_scale(lw_v3_sub(lw_v3_scale(lw_v3_sub(got.velocity[i + 1], got.velocity[i - 1]), 8),
+                                              lw_v3_sub(got.velocity[i + 2], got.velocity[i - 2])), 1/(12*h));
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(v, got.velocity[i])), 0, 1e-9, 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(a, got.acceleration[i])), 0, 1e-8, 0);
+        }
+        lw_spatial_free(&m);
+    }
+}
+
+/* Bricard's linkage turns from -30 to 210 degrees of its first hinge, where it folds. */
+static void bricard_has_limits(void)
+{
+    lw_spatial m;
+    lw_error e = { 0 };
+    series got = { 0 };
+    load("bricard", &m);
+    lw_space_trace o = { .whole = true, .intervals = 12 };
+    CHECK_INT(lw_space_trace_run(&m, &o, collect, &got, &e), LW_OK);
+    CHECK(o.limit[0] && o.limit[1]);
+    CHECK_NEAR(o.from, -LW_PI/6, 1e-6, 0);
+    CHECK_NEAR(o.to, 7*LW_PI/6, 1e-6, 0);
+    lw_spatial_free(&m);
+}
+
+int main(void)
+{
+    RUN(refuses_what_no_model_has);
+    RUN(tensors_turn_with_their_frame);
+    RUN(mobility_is_real);
+    RUN(a_broken_bennett_is_rigid);
+    RUN(delta_postures);
+    RUN(rates_are_derivatives);
+    RUN(bricard_has_limits);
+    return check_end();
+}
