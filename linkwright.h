@@ -610,6 +610,7 @@ typedef struct lw_simulation_sample {
     const double               *input;           /* [rad] or [m] (n_input)                                      */
     const double               *drive;           /* torque or force that moves the input (n_input)               */
     const lw_vec2              *tracer;          /* (n_tracer) [m]                                               */
+    const double               *state;           /* first-order states (lw_model_n_state)                      */
     lw_reaction                 shaking;         /* of moving masses on the frame, about the origin               */
     double                      kinetic, potential, work;      /* [J]                                            */
     double                      residual;        /* of the constraints, over the size of the linkage              */
@@ -636,6 +637,40 @@ LW_API void      lw_simulation_destroy(lw_simulation *simulation);
  * sampled before a failure is valid.  LW_STOPPED: a limit of steps or seconds. */
 LW_API lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,
                                    lw_simulation_report *report, lw_error *error);
+
+/* First-order states of a model (docs/notation.md, "States"), in the order of samples; -1: there is none. */
+LW_API int         lw_model_n_state(const lw_model *model);
+LW_API const char *lw_model_state_name(const lw_model *model, int state);          /* belongs to the model          */
+LW_API int         lw_model_find_state(const lw_model *model, const char *name);
+
+/* A simulation in pieces: go on to a time, read, change loads and states, go on.
+ *
+ * What follows depends on the present (posture, velocities, states, loads held) alone, so a run that is saved and
+ * restored goes on with the same bits.  A state whose rate is 0 serves as a parameter that forces, voltages and
+ * controllers use and the program sets. */
+typedef struct lw_stepper lw_stepper;
+
+/* Starts at options->from; `to` and `intervals` are not used.  The model must outlive the stepper.  Errors as of
+ * lw_simulation_create; LW_E_KIND also for an analysis that is no run in time. */
+LW_API lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *options, lw_stepper **out,
+                                   lw_error *error);
+LW_API void      lw_stepper_destroy(lw_stepper *stepper);
+
+/* Go on to t; a t that is not later than the present computes the present sample again, with the loads of now.  After a
+ * failure the stepper stands where it was. */
+LW_API lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *error);
+
+/* The present: as of the last lw_stepper_advance.  Holds until the next one. */
+LW_API const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper);
+
+/* From now on this load acts on a link, besides all others; set a state.  LW_E_ARG: no such link or state; not finite. */
+LW_API lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load);
+LW_API lw_status lw_stepper_set_state(lw_stepper *stepper, int state, double value);
+
+/* The present as bytes, which the caller frees with lw_free; back to it.  LW_E_NOTATION: no saved run, or one of
+ * another model; the stepper is unchanged. */
+LW_API lw_status lw_stepper_save(const lw_stepper *stepper, char **out, size_t *size);
+LW_API lw_status lw_stepper_restore(lw_stepper *stepper, const void *bytes, size_t size, lw_error *error);
 
 typedef struct lw_vibration_info {
     double re, im;                     /* eigenvalue [1/s], im >= 0                                              */

@@ -12,6 +12,7 @@
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/reactions.h"
 #include "mbs/dynamics/statics.h"
+#include "mbs/dynamics/stepping.h"
 
 /* ---- models ------------------------------------------------------------------------------------------------- */
 
@@ -112,8 +113,9 @@ lw_simulation_options lw_simulation_options_default(void)
                                     .tolerance = 1e-10 };
 }
 
-lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
-                               lw_error *error)
+/* Memory for samples and the options as the library has them. */
+static lw_status make_simulation(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
+                                 lw_error *error)
 {
     static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic", NULL };
     const char *formulations[LW_FORMULATION_GGL + 2] = { NULL };
@@ -141,12 +143,20 @@ lw_status lw_simulation_create(const lw_model *model, const lw_simulation_option
     s->o.until = options->max_seconds > 0 ? lw_clock_wall() + options->max_seconds : 0;
     s->o.stop = options->stop;
     s->o.force = options->force;
-    lw_status status = reserve_sample(s) == LW_OK ? lw_dynamics_make(model, &s->o, &s->d, error)
-                                                  : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    *out = s;
+    return reserve_sample(s) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
+}
+
+lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
+                               lw_error *error)
+{
+    lw_status status = make_simulation(model, options, out, error);
     if (status == LW_OK)
-        *out = s;
-    else
-        lw_simulation_destroy(s);
+        status = lw_dynamics_make(model, &(*out)->o, &(*out)->d, error);
+    if (status == LW_OK)
+        return LW_OK;
+    lw_simulation_destroy(*out);
+    *out = NULL;
     return status;
 }
 
@@ -162,9 +172,8 @@ void lw_simulation_destroy(lw_simulation *simulation)
     free(simulation);
 }
 
-static lw_status hand_over(void *context, const lw_moment *m)
+static lw_simulation_sample sample_of(const lw_simulation *s, const lw_moment *m)
 {
-    const lw_simulation *s = context;
     const lw_system *sys = lw_dynamics_system(s->d);
     const lw_assembly *k = &s->model->linkage;
     for (int b = 0; b < sys->n_body; b++) {
@@ -182,10 +191,16 @@ static lw_status hand_over(void *context, const lw_moment *m)
     }
     lw_reactions_joints(s->d, m, s->joint);
     lw_reactions_driving(s->d, m, s->drive);
-    lw_simulation_sample sample = { .t = m->t, .link = s->link, .acceleration = s->acceleration, .joint = s->joint,
-                                    .input = s->input, .drive = s->drive, .tracer = s->tracer,
-                                    .shaking = lw_reactions_shaking(s->d, m), .kinetic = m->kinetic,
-                                    .potential = m->potential, .work = m->work, .residual = m->off };
+    return (lw_simulation_sample){ .t = m->t, .link = s->link, .acceleration = s->acceleration, .joint = s->joint,
+                                   .input = s->input, .drive = s->drive, .tracer = s->tracer, .state = m->z,
+                                   .shaking = lw_reactions_shaking(s->d, m), .kinetic = m->kinetic,
+                                   .potential = m->potential, .work = m->work, .residual = m->off };
+}
+
+static lw_status hand_over(void *context, const lw_moment *m)
+{
+    const lw_simulation *s = context;
+    lw_simulation_sample sample = sample_of(s, m);
     return s->visit ? s->visit(s->context, &sample) : LW_OK;
 }
 
@@ -218,6 +233,105 @@ lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *v
     if (report)
         put_report(&r, report);
     return s;
+}
+
+/* ---- runs in pieces -------------------------------------------------------------------------------------------- */
+
+struct lw_stepper {
+    lw_simulation       *memory;              /* of samples; its d belongs to steps                                */
+    lw_stepping         *steps;
+    double              *state;
+    lw_simulation_sample sample;
+};
+
+static lw_status keep_sample(void *context, const lw_moment *m)
+{
+    lw_stepper *s = context;
+    s->sample = sample_of(s->memory, m);
+    if (s->memory->model->n_state)
+        memcpy(s->state, m->z, (size_t)s->memory->model->n_state*sizeof *s->state);
+    s->sample.state = s->state;
+    return LW_OK;
+}
+
+lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *options, lw_stepper **out, lw_error *error)
+{
+    lw_stepper *s = calloc(1, sizeof *s);
+    *out = NULL;
+    if (!s)
+        return lw_error_set(error, LW_E_MEMORY, "out of memory");
+    lw_status status = make_simulation(model, options, &s->memory, error);
+    if (status == LW_OK && !(s->state = calloc((size_t)model->n_state + 1, sizeof *s->state)))
+        status = lw_error_set(error, LW_E_MEMORY, "out of memory");
+    if (status == LW_OK)
+        status = lw_stepping_make(model, &s->memory->o, &s->steps, error);
+    if (status == LW_OK) {
+        s->memory->d = (lw_dynamics *)(uintptr_t)lw_stepping_dynamics(s->steps);
+        status = lw_stepping_advance(s->steps, options->from, keep_sample, s, NULL, error);
+    }
+    if (status == LW_OK)
+        *out = s;
+    else
+        lw_stepper_destroy(s);
+    return status;
+}
+
+void lw_stepper_destroy(lw_stepper *stepper)
+{
+    if (stepper) {
+        if (stepper->memory)
+            stepper->memory->d = NULL;
+        lw_simulation_destroy(stepper->memory);
+        lw_stepping_free(stepper->steps);
+        free(stepper->state);
+    }
+    free(stepper);
+}
+
+const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper) { return &stepper->sample; }
+
+lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *error)
+{
+    return lw_stepping_advance(stepper->steps, t, keep_sample, stepper, NULL, error);
+}
+
+lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load)
+{
+    return lw_stepping_set_load(stepper->steps, link, load);
+}
+
+lw_status lw_stepper_set_state(lw_stepper *stepper, int state, double value)
+{
+    return lw_stepping_set_state(stepper->steps, state, value);
+}
+
+lw_status lw_stepper_save(const lw_stepper *stepper, char **out, size_t *size)
+{
+    void *bytes = NULL;
+    lw_status s = lw_stepping_save(stepper->steps, &bytes, size);
+    *out = bytes;
+    return s;
+}
+
+lw_status lw_stepper_restore(lw_stepper *stepper, const void *bytes, size_t size, lw_error *error)
+{
+    lw_status s = lw_stepping_restore(stepper->steps, bytes, size, error);
+    return s == LW_OK ? lw_stepper_advance(stepper, lw_stepping_time(stepper->steps), error) : s;
+}
+
+int lw_model_n_state(const lw_model *model) { return model->n_state; }
+
+const char *lw_model_state_name(const lw_model *model, int state)
+{
+    return state >= 0 && state < model->n_state ? model->state[state].name : NULL;
+}
+
+int lw_model_find_state(const lw_model *model, const char *name)
+{
+    for (int i = 0; i < model->n_state; i++)
+        if (strcmp(model->state[i].name, name) == 0)
+            return i;
+    return -1;
 }
 
 /* ---- counterweights -------------------------------------------------------------------------------------------- */

@@ -57,6 +57,7 @@ typedef struct lw_dynamics_options {
     double until;                /* time of lw_clock_wall at which to stop; 0: no limit */
     const volatile sig_atomic_t *stop;     /* the run ends when it is not 0; may be NULL */
     lw_caller_force force;       /* forces of the caller's own; apply NULL: none */
+    bool pieces;                 /* no formulation that looks beyond the end, or back to the posture of the file */
 } lw_dynamics_options;
 
 /* transient, auto, 0 to 1 s, 100 intervals, 1e-10 */
@@ -114,6 +115,10 @@ typedef struct lw_dynamics lw_dynamics;
  * velocity satisfies the constraints. */
 lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **d, lw_error *e);
 void      lw_dynamics_free(lw_dynamics *d);
+
+/* Run from another start next: from, to, (n_q) q, v and z, which the constraints hold.  The formulation is chosen anew. */
+lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const double *q, const double *v, const double *z,
+                              lw_error *e);
 
 /* Run.  Samples taken before a failure stay valid, and r->t says how far the run came. */
 lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);

@@ -2,6 +2,7 @@
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const lw_formulation_row *const table[] = {
     [LW_FORMULATION_AUTO] = NULL,
@@ -61,7 +62,7 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
                             "run it in time (dynamic)", d->model->state[0].name);
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
-    if (postures || (d->freedom == 0 && !d->eq.n_z))
+    if (postures || (d->freedom == 0 && !d->eq.n_z && !d->o.pieces))
         return take(d, LW_FORMULATION_DRIVEN, r, e);
     lw_status s = d->o.formulation == LW_FORMULATION_DRIVEN ? LW_OK : check_masses(d);
     if (s != LW_OK)
@@ -70,6 +71,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
         return take(d, d->o.formulation, r, e);
     for (int f = 1; f < (int)(sizeof table/sizeof *table); f++) {
         r->formulation = (lw_formulation)f;
+        if (d->o.pieces && (f == LW_FORMULATION_DRIVEN || f == LW_FORMULATION_QUADRATURE))
+            continue;
         s = table[f]->able(d, false, r);
         if (s == LW_OK || s == LW_E_MEMORY)
             return s;
@@ -106,6 +109,26 @@ lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_d
     }
     *out = d;
     return LW_OK;
+}
+
+lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const double *q, const double *v, const double *z,
+                              lw_error *e)
+{
+    lw_error own = { 0 };
+    size_t n = (size_t)d->n_q*sizeof *q;
+    d->e = e ? e : &own;
+    d->o.from = from;
+    d->o.to = to;
+    memcpy(d->start_q, q, n);
+    memcpy(d->start_v, v, n);
+    memcpy(d->start_z, z, (size_t)d->eq.n_z*sizeof *z);
+    d->eq.place_states(d->eq.context, z);
+    free(d->reduced);
+    d->reduced = NULL;
+    d->decay_known = d->ideal_friction = false;
+    d->choice = (lw_dynamics_report){ 0 };
+    lw_status s = lw_mbs_arrange(d, from, q);
+    return s == LW_OK ? choose(d, &d->choice, d->e) : s;
 }
 
 lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e)

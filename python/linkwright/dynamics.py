@@ -17,8 +17,8 @@ class Simulation:
 
     t (n) [s]; link (n, links, 6): x, y, x velocity, y velocity of the centre of mass, angle since the drawn posture,
     angular velocity; acceleration (n, links, 3); reaction (n, joints, 3): force and moment on the joint's second
-    link; input, drive (n, inputs); tracer (n, tracers, 2); shaking (n, 3); energy (n, 3): kinetic, potential, work
-    done; residual (n).  report: how it was computed.
+    link; input, drive (n, inputs); tracer (n, tracers, 2); state (n, states) in the order of Model.states; shaking
+    (n, 3); energy (n, 3): kinetic, potential, work done; residual (n).  report: how it was computed.
     """
 
     t: np.ndarray
@@ -28,13 +28,15 @@ class Simulation:
     input: np.ndarray
     drive: np.ndarray
     tracer: np.ndarray
+    state: np.ndarray
     shaking: np.ndarray
     energy: np.ndarray
     residual: np.ndarray
     report: dict
 
     def __init__(self, samples, report):
-        names = ("t", "link", "acceleration", "reaction", "input", "drive", "tracer", "shaking", "energy", "residual")
+        names = ("t", "link", "acceleration", "reaction", "input", "drive", "tracer", "state", "shaking", "energy",
+                 "residual")
         for name, column in zip(names, zip(*samples)):
             setattr(self, name, np.array(column))
         self.report = report
@@ -83,6 +85,12 @@ class Model:
     def linkage(self) -> Linkage:
         return Linkage(ffi.cast("lw_linkage *", lib.lw_model_linkage(self._handle)), owner=self)
 
+    @property
+    def states(self) -> list[str]:
+        """Names of the first-order states (docs/notation.md, "States")."""
+        return [ffi.string(lib.lw_model_state_name(self._handle, i)).decode()
+                for i in range(lib.lw_model_n_state(self._handle))]
+
     def drive(self, motion: str, input: int = 0) -> None:
         """Move an input by an expression of t: "0.5 + 10*t" [rad] or [m]."""
         error = new_error()
@@ -116,11 +124,12 @@ class Model:
         linkage = lib.lw_model_linkage(self._handle)
         links, joints = lib.lw_linkage_n_link(linkage), lib.lw_linkage_n_joint(linkage)
         inputs, tracers = lib.lw_linkage_n_input(linkage), lib.lw_linkage_n_tracer(linkage)
+        states = lib.lw_model_n_state(self._handle)
 
         def visit(s):
             samples.append((s.t, _copy(s.link, (links, 6)), _copy(s.acceleration, (links, 3)),
                             _copy(s.joint, (joints, 3)), _copy(s.input, (inputs,)), _copy(s.drive, (inputs,)),
-                            _copy(s.tracer, (tracers, 2)),
+                            _copy(s.tracer, (tracers, 2)), _copy(s.state, (states,)),
                             (s.shaking.force.x, s.shaking.force.y, s.shaking.moment),
                             (s.kinetic, s.potential, s.work), s.residual))
 
@@ -152,3 +161,60 @@ class Model:
         calls = Calls(lambda info: found.append(plain(info[0])))
         calls.finish(lib.lw_model_vibrations(self._handle, rest, hold, lib.lw_py_vibration, calls.handle, error), error)
         return found
+
+
+class Stepper:
+    """A simulation in pieces: advance(t), look at t, link, state, change loads and states, go on.
+
+    link (links, 6) as in Simulation.link; state: a dict by name.  save() gives bytes; restore(bytes) goes back to that
+    moment, and what follows then has the same bits.  Options: formulation, tolerance, from_ (start [s]).
+    """
+
+    def __init__(self, model: Model, **options):
+        keep, error, out = [], new_error(), ffi.new("lw_stepper **")
+        what = ffi.new("lw_simulation_options *", lib.lw_simulation_options_default())
+        if "from_" in options:
+            options["from"] = options.pop("from_")
+        fill(what, options, keep, special=("stop", "force"))
+        self._model, self._names = model, model.states
+        self._links = lib.lw_linkage_n_link(lib.lw_model_linkage(model._handle))
+        check(lib.lw_stepper_create(model._handle, what, out, error), error)
+        self._handle = ffi.gc(out[0], lib.lw_stepper_destroy)
+
+    def advance(self, t: float) -> "Stepper":
+        """Go on to t [s]."""
+        error = new_error()
+        check(lib.lw_stepper_advance(self._handle, t, error), error)
+        return self
+
+    @property
+    def t(self) -> float:
+        return lib.lw_stepper_sample(self._handle).t
+
+    @property
+    def link(self) -> np.ndarray:
+        return _copy(lib.lw_stepper_sample(self._handle).link, (self._links, 6))
+
+    @property
+    def state(self) -> dict:
+        sample = lib.lw_stepper_sample(self._handle)
+        return {name: sample.state[i] for i, name in enumerate(self._names)}
+
+    def set_load(self, link: int, fx: float = 0.0, fy: float = 0.0, torque: float = 0.0) -> None:
+        """From now on this force [N] on the centre of mass and torque [N m] act on a link."""
+        check(lib.lw_stepper_set_load(self._handle, link, {"force": {"x": fx, "y": fy}, "torque": torque}))
+
+    def set_state(self, name: str, value: float) -> None:
+        check(lib.lw_stepper_set_state(self._handle, lib.lw_model_find_state(self._model._handle, name.encode()), value))
+
+    def save(self) -> bytes:
+        out, size = ffi.new("char **"), ffi.new("size_t *")
+        check(lib.lw_stepper_save(self._handle, out, size))
+        saved = bytes(ffi.buffer(out[0], size[0]))
+        lib.lw_free(out[0])
+        return saved
+
+    def restore(self, saved: bytes) -> "Stepper":
+        error = new_error()
+        check(lib.lw_stepper_restore(self._handle, saved, len(saved), error), error)
+        return self

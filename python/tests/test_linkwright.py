@@ -150,6 +150,26 @@ def test_pendulum_keeps_its_energy_and_obeys_a_force_of_ones_own():
         model.simulate(to=1, n=10, force=lambda t, motion, load: 1/0)
 
 
+def test_a_run_in_pieces_is_changed_saved_and_restored():
+    model = lw.Model.load(EXAMPLES / "dynamics" / "servo-arm.json")
+    run = model.simulate(to=0.3, n=3)
+    assert "M.current" in model.states
+    steps = lw.Stepper(model).advance(0.1).advance(0.2)
+    saved = steps.save()
+    assert np.allclose(steps.advance(0.3).link, run.link[-1], atol=1e-7) and steps.t == 0.3
+    assert abs(steps.state["M.heat"] - run.state[-1, model.states.index("M.heat")]) < 1e-6
+    bits = steps.link.tobytes()
+    steps.restore(saved)
+    steps.set_load(1, fy=50)
+    assert not np.allclose(steps.advance(0.3).link, run.link[-1], atol=1e-5)
+    assert lw.Stepper(model).restore(saved).advance(0.3).link.tobytes() == bits
+    steps.set_state("M.current", 0)
+    with pytest.raises(lw.Error):
+        steps.set_state("M.voltage", 0)
+    with pytest.raises(lw.Error, match="no saved run"):
+        steps.restore(b"12345")
+
+
 def test_fit_finds_a_four_bar_again():
     path = fourbar().trace(24)
     target = lw.Target(x=path.x, y=path.y, closed=True)

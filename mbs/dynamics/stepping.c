@@ -1,0 +1,224 @@
+#include "mbs/dynamics/stepping.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/real.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
+
+struct lw_stepping {
+    lw_dynamics    *d;
+    lw_caller_force force;                   /* of the caller's own; apply NULL: none */
+    bool            loaded;                  /* some load is held */
+    lw_link_load   *load;                    /* (n_link) loads that are held */
+    double          t, work;                 /* at the present, and the work done since the start */
+    double         *y, *next;                /* (n_q) posture, (n_q) velocities, (n_z) states; the same after a piece */
+    double          next_work;
+    lw_moment_sink *sink;
+    void           *context;
+};
+
+static size_t numbers(const lw_stepping *s) { return 2*(size_t)s->d->n_q + (size_t)s->d->eq.n_z; }
+
+/* The caller's forces and the loads that are held. */
+static void apply(void *context, double t, const lw_link_motion *link, lw_link_load *load)
+{
+    const lw_stepping *s = context;
+    if (s->force.apply)
+        s->force.apply(s->force.context, t, link, load);
+    for (int i = 0; s->loaded && i < s->d->model->linkage.n_link; i++) {
+        load[i].force = lw_v2_add(load[i].force, s->load[i].force);
+        load[i].torque += s->load[i].torque;
+    }
+}
+
+lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
+{
+    lw_dynamics_options with = *o;
+    lw_stepping *s = calloc(1, sizeof *s);
+    *out = NULL;
+    if (o->analysis != LW_ANALYSIS_TRANSIENT && o->analysis != LW_ANALYSIS_DYNAMIC) {
+        free(s);
+        return lw_error_set(e, LW_E_KIND, "only runs in time (transient, dynamic) go in pieces");
+    }
+    if (!s || !(s->load = calloc((size_t)m->linkage.n_link, sizeof *s->load))) {
+        free(s);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    s->force = o->force;
+    with.force = (lw_caller_force){ s, apply };
+    with.pieces = true;
+    with.to = fmax(with.to, with.from + 1e-3);
+    lw_status status = lw_dynamics_make(m, &with, &s->d, e);
+    if (status == LW_OK) {
+        s->y = calloc(2*numbers(s) + 1, sizeof *s->y);
+        status = s->y ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    if (status != LW_OK) {
+        lw_stepping_free(s);
+        return status;
+    }
+    s->next = s->y + numbers(s);
+    s->t = o->from;
+    lw_dynamics_start(s->d, s->y, s->y + s->d->n_q);
+    memcpy(s->y + 2*s->d->n_q, lw_dynamics_start_states(s->d), (size_t)s->d->eq.n_z*sizeof *s->y);
+    *out = s;
+    return LW_OK;
+}
+
+void lw_stepping_free(lw_stepping *s)
+{
+    if (s) {
+        lw_dynamics_free(s->d);
+        free(s->load);
+        free(s->y);
+    }
+    free(s);
+}
+
+double lw_stepping_time(const lw_stepping *s) { return s->t; }
+const lw_dynamics *lw_stepping_dynamics(const lw_stepping *s) { return s->d; }
+
+/* Keep the state; hand on the moment at the end, or the only one. */
+static lw_status take(void *context, const lw_moment *m)
+{
+    lw_stepping *s = context;
+    size_t n = (size_t)s->d->n_q;
+    if (m->t < s->d->o.to && s->d->o.intervals > 0)
+        return LW_OK;
+    memcpy(s->next, m->q, n*sizeof *m->q);
+    memcpy(s->next + n, m->v, n*sizeof *m->v);
+    memcpy(s->next + 2*n, m->z, (size_t)s->d->eq.n_z*sizeof *m->z);
+    s->next_work = s->work + m->work;
+    lw_moment with = *m;
+    with.work = s->next_work;
+    return s->sink ? s->sink(s->context, &with) : LW_OK;
+}
+
+lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, void *context, lw_dynamics_report *r,
+                              lw_error *e)
+{
+    lw_dynamics *d = s->d;
+    lw_dynamics_report report = { 0 };
+    lw_moment m;
+    if (!isfinite(t))
+        return lw_error_set(e, LW_E_ARG, "the time to go on to is not a number");
+    d->f.caller.apply = s->force.apply || s->loaded ? apply : NULL;
+    s->sink = sink;
+    s->context = context;
+    d->o.intervals = t > s->t;
+    lw_status status = lw_dynamics_restart(d, s->t, fmax(t, s->t), s->y, s->y + d->n_q, s->y + 2*d->n_q, e);
+    if (status == LW_OK && t > s->t)
+        status = lw_dynamics_run(d, take, s, &report, e);
+    else if (status == LW_OK) {
+        status = lw_mbs_moment(d, s->t, s->y, s->y + d->n_q, 0, &m);
+        status = status == LW_OK ? take(s, &m) : lw_error_set(e, status, "the linkage stands in a singular posture");
+    }
+    if (r)
+        *r = report;
+    if (status != LW_OK)
+        return status;
+    s->t = fmax(t, s->t);
+    s->work = s->next_work;
+    memcpy(s->y, s->next, numbers(s)*sizeof *s->y);
+    return LW_OK;
+}
+
+lw_status lw_stepping_set_load(lw_stepping *s, int link, lw_link_load load)
+{
+    int n = s->d->model->linkage.n_link;
+    if (link < 0 || link >= n || !isfinite(load.force.x) || !isfinite(load.force.y) || !isfinite(load.torque))
+        return LW_E_ARG;
+    s->load[link] = load;
+    s->loaded = false;
+    for (int i = 0; i < n; i++)
+        s->loaded = s->loaded || s->load[i].force.x != 0 || s->load[i].force.y != 0 || s->load[i].torque != 0;
+    return LW_OK;
+}
+
+lw_status lw_stepping_set_state(lw_stepping *s, int state, double value)
+{
+    if (state < 0 || state >= s->d->eq.n_z || !isfinite(value))
+        return LW_E_ARG;
+    s->y[2*s->d->n_q + state] = value;
+    return LW_OK;
+}
+
+/* ---- save and restore ------------------------------------------------------------------------------------- */
+
+/* Bytes: head, y, loads, and for each rigid stop whether it is rested on. */
+typedef struct head { char magic[8]; uint64_t model, numbers, loads, stops; double t, work; } head;
+
+static const char magic[8] = "lwstep1";
+
+/* A hash (FNV-1a) of names, kinds and masses: tells models apart. */
+static uint64_t fingerprint(const lw_dynamics *d)
+{
+    const lw_assembly *k = &d->model->linkage;
+    uint64_t h = 14695981039346656037u;
+    const struct { const void *at; size_t size; } part[] = {
+        { d->f.mass, (size_t)d->n_q*sizeof *d->f.mass }, { d->f.weight, (size_t)d->n_q*sizeof *d->f.weight },
+        { &d->s.unit, sizeof d->s.unit }, { k->link_name, (size_t)k->n_link*sizeof *k->link_name }
+    };
+    for (size_t p = 0; p < sizeof part/sizeof *part; p++)
+        for (size_t i = 0; i < part[p].size; i++)
+            h = (h ^ ((const unsigned char *)part[p].at)[i])*1099511628211u;
+    for (int i = 0; i < d->eq.n_z; i++)
+        for (const char *c = d->model->state[i].name; *c; c++)
+            h = (h ^ (unsigned char)*c)*1099511628211u;
+    return h;
+}
+
+static head head_of(const lw_stepping *s)
+{
+    head h = { .model = fingerprint(s->d), .numbers = numbers(s), .loads = (uint64_t)s->d->model->linkage.n_link,
+               .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work };
+    memcpy(h.magic, magic, sizeof magic);
+    return h;
+}
+
+static size_t size_of(const head *h)
+{
+    return sizeof *h + (size_t)h->numbers*sizeof(double) + (size_t)h->loads*sizeof(lw_link_load) + (size_t)h->stops;
+}
+
+lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
+{
+    head h = head_of(s);
+    unsigned char *to = malloc(size_of(&h));
+    *bytes = to;
+    *size = to ? size_of(&h) : 0;
+    if (!to)
+        return LW_E_MEMORY;
+    memcpy(to, &h, sizeof h);
+    memcpy(to += sizeof h, s->y, numbers(s)*sizeof *s->y);
+    memcpy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
+    to += (size_t)h.loads*sizeof *s->load;
+    for (int i = 0; i < s->d->n_stop; i++)
+        to[i] = s->d->stop[i].resting;
+    return LW_OK;
+}
+
+lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw_error *e)
+{
+    lw_dynamics *d = s->d;
+    head h, own = head_of(s);
+    if (size < sizeof h || memcmp(bytes, magic, sizeof magic) != 0)
+        return lw_error_set(e, LW_E_NOTATION, "these bytes are no saved run");
+    memcpy(&h, bytes, sizeof h);
+    if (size != size_of(&own) || h.model != own.model || h.numbers != own.numbers || h.loads != own.loads ||
+        h.stops != own.stops)
+        return lw_error_set(e, LW_E_NOTATION, "this run was saved of another model, or is incomplete");
+    const unsigned char *from = (const unsigned char *)bytes + sizeof h;
+    const unsigned char *rest = from + numbers(s)*sizeof *s->y + (size_t)h.loads*sizeof *s->load;
+    memcpy(s->y, from, numbers(s)*sizeof *s->y);
+    memcpy(s->load, from + numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
+    s->t = h.t;
+    s->work = h.work;
+    lw_stepping_set_load(s, 0, s->load[0]);              /* are there any? */
+    d->n_resting = 0;
+    for (int i = 0; i < d->n_stop; i++)
+        if ((d->stop[i].resting = rest[i] != 0))
+            d->resting[d->n_resting++] = i;
+    return LW_OK;
+}

@@ -1,0 +1,247 @@
+/* Runs in pieces against runs in one; saved and restored runs bit by bit. */
+#include <linkwright.h>
+
+#include "base/file.h"
+#include "tests/check.h"
+
+static lw_model *load(const char *path)
+{
+    lw_model *m = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    CHECK_INT(lw_model_load(path, &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return m;
+}
+
+static lw_model *parse(const char *format)
+{
+    char text[3000];
+    lw_model *m = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    snprintf(text, sizeof text, "%s", format);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    CHECK_INT(lw_model_parse(text, strlen(text), "text", &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return m;
+}
+
+typedef struct last { lw_link_motion link[32]; double state[32], work, energy; int n; } last;
+
+static void keep(last *l, const lw_model *m, const lw_simulation_sample *s)
+{
+    l->n = lw_linkage_n_link(lw_model_linkage(m));
+    memcpy(l->link, s->link, (size_t)l->n*sizeof *l->link);
+    if (lw_model_n_state(m))
+        memcpy(l->state, s->state, (size_t)lw_model_n_state(m)*sizeof *l->state);
+    l->work = s->work;
+    l->energy = s->kinetic + s->potential;
+}
+
+static lw_model *model;
+
+static lw_status keep_last(void *context, const lw_simulation_sample *s)
+{
+    keep(context, model, s);
+    return LW_OK;
+}
+
+static void compare(const last *a, const last *b, double off)
+{
+    for (int i = 0; i < a->n; i++) {
+        CHECK_NEAR(a->link[i].place.x, b->link[i].place.x, off, 0);
+        CHECK_NEAR(a->link[i].place.y, b->link[i].place.y, off, 0);
+        CHECK_NEAR(a->link[i].angle, b->link[i].angle, off, 0);
+        CHECK_NEAR(a->link[i].velocity.x, b->link[i].velocity.x, 100*off, 0);
+        CHECK_NEAR(a->link[i].angular_velocity, b->link[i].angular_velocity, 100*off, 0);
+    }
+    for (int i = 0; i < lw_model_n_state(model); i++)
+        CHECK_NEAR(a->state[i], b->state[i], off, 10*off);
+}
+
+/* To `end` in one and in pieces. */
+static void agree(lw_model *m, double end, int pieces, double off)
+{
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_simulation *run = NULL;
+    lw_stepper *steps = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    last one = { .n = 0 }, many = { .n = 0 };
+    model = m;
+    o.to = end;
+    CHECK_INT(lw_simulation_create(m, &o, &run, &e), LW_OK);
+    CHECK_INT(lw_simulation_run(run, keep_last, &one, NULL, &e), LW_OK);
+    CHECK_INT(lw_stepper_create(m, &o, &steps, &e), LW_OK);
+    for (int k = 1; steps && k <= pieces; k++)
+        CHECK_INT(lw_stepper_advance(steps, end*k/pieces, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    if (steps)
+        keep(&many, m, lw_stepper_sample(steps));
+    compare(&many, &one, off);
+    CHECK_NEAR(many.energy - many.work, one.energy - one.work, 100*off, 1e-8);
+    lw_simulation_destroy(run);
+    lw_stepper_destroy(steps);
+    lw_model_destroy(m);
+}
+
+static const char motor[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],"
+    "'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]%s}], 'input': {'joint': 'A', 'speed': 0},"
+    "'gravity': [0, -9.81], 'states': [{'name': 'u', 'rate': 0, 'start': 5}], 'motors': [{'name': 'M', 'joint': 'A',"
+    "'voltage': 'state(u)', 'resistance': 0.8, 'inductance': 1e-3, 'torque_constant': 0.05, 'inertia': 1e-4,"
+    "'ratio': 20}]}";
+
+static lw_model *motor_model(const char *stop)
+{
+    char text[2000];
+    snprintf(text, sizeof text, motor, stop);
+    return parse(text);
+}
+
+static void pieces_make_the_whole(void)
+{
+    agree(load("examples/andrews.json"), 0.03, 30, 1e-7);
+    agree(load("examples/pendulum.json"), 2, 50, 1e-8);
+    agree(load("examples/dynamics/trebuchet.json"), 1, 20, 1e-6);
+    agree(load("examples/dynamics/servo-arm.json"), 0.5, 20, 1e-7);
+    agree(load("examples/five-bar.json"), 0.4, 10, 1e-7);                 /* every freedom is driven */
+    /* an arm that falls on its stop, bounces and rests there */
+    agree(motor_model(", 'stop': {'least': -0.2, 'restitution': 0.4}"), 1.5, 60, 1e-7);
+}
+
+/* A block on an incline sticks by friction, piece after piece, and slides when it is pushed. */
+static void a_block_sticks(void)
+{
+    static const char block[] =
+        "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, 0],"
+        "'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [0.8, 0.6],"
+        "'friction': {'coefficient': 0.9}}], 'input': {'joint': 'S', 'speed': 0}, 'gravity': [0, -9.81]}";
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_stepper *steps = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    model = parse(block);
+    CHECK_INT(lw_stepper_create(model, &o, &steps, &e), LW_OK);
+    for (int k = 1; steps && k <= 10; k++)
+        CHECK_INT(lw_stepper_advance(steps, 0.1*k, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    if (steps) {
+        CHECK(lw_stepper_sample(steps)->link[1].place.x == 0);
+        /* down the incline: 10 N, against 0.9*0.8*9.81 less 0.6*9.81 of gravity */
+        CHECK_INT(lw_stepper_set_load(steps, 1, (lw_link_load){ .force = { -8, -6 } }), LW_OK);
+        CHECK_INT(lw_stepper_advance(steps, 2, &e), LW_OK);
+        CHECK_NEAR(hypot(lw_stepper_sample(steps)->link[1].place.x, lw_stepper_sample(steps)->link[1].place.y),
+                   0.5*(10 - 9.81*(0.72 - 0.6)), 1e-9, 0);
+    }
+    lw_stepper_destroy(steps);
+    lw_model_destroy(model);
+}
+
+/* Loads and states change at 0.2 and 0.4 s: against the same as expressions of time. */
+static void changes_act(void)
+{
+    static const char same[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0},"
+        "'gravity': [0, -9.81], 'motors': [{'name': 'M', 'joint': 'A',"
+        "'voltage': '5 + 3*(1 + sign(t - 0.4))/2', 'resistance': 0.8, 'inductance': 1e-3, 'torque_constant': 0.05,"
+        "'inertia': 1e-4, 'ratio': 20}], 'forces': [{'link': 'arm', 'at': [0.3, 0], 'fy': '-4*(1 + sign(t - 0.2))/2',"
+        "'torque': '2*(1 + sign(t - 0.2))/2'}]}";
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_stepper *steps[2] = { NULL, NULL };
+    lw_model *m[2] = { motor_model(""), parse(same) };
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    for (int k = 0; k < 2; k++) {
+        CHECK_INT(lw_stepper_create(m[k], &o, &steps[k], &e), LW_OK);
+        CHECK_INT(lw_stepper_advance(steps[k], 0.2, &e), LW_OK);
+        if (k == 0)
+            CHECK_INT(lw_stepper_set_load(steps[k], 1, (lw_link_load){ { 0, -4 }, 2 }), LW_OK);
+        CHECK_INT(lw_stepper_advance(steps[k], 0.4, &e), LW_OK);
+        if (k == 0)
+            CHECK_INT(lw_stepper_set_state(steps[k], lw_model_find_state(m[k], "u"), 8), LW_OK);
+        CHECK_INT(lw_stepper_advance(steps[k], 0.7, &e), LW_OK);
+    }
+    CHECK_TEXT(e.text, "");
+    CHECK_NEAR(lw_stepper_sample(steps[0])->link[1].angle, lw_stepper_sample(steps[1])->link[1].angle, 1e-8, 0);
+    CHECK_NEAR(lw_stepper_sample(steps[0])->work, lw_stepper_sample(steps[1])->work, 1e-7, 0);
+    /* the sample of now has the load of now */
+    double before = lw_stepper_sample(steps[0])->acceleration[1].angular;
+    CHECK_INT(lw_stepper_set_load(steps[0], 1, (lw_link_load){ { 0, -4 }, 2 + 0.26 }), LW_OK);
+    CHECK_INT(lw_stepper_advance(steps[0], 0.7, &e), LW_OK);
+    CHECK_NEAR(lw_stepper_sample(steps[0])->acceleration[1].angular - before, 0.26/(0.02 + 2*0.09 + 400e-4*1), 1e-9, 0);
+    CHECK_INT(lw_stepper_set_load(steps[0], 2, (lw_link_load){ { 0, 0 }, 0 }), LW_E_ARG);
+    CHECK_INT(lw_stepper_set_load(steps[0], 1, (lw_link_load){ { 0, NAN }, 0 }), LW_E_ARG);
+    CHECK_INT(lw_stepper_set_state(steps[0], 9, 0), LW_E_ARG);
+    CHECK_INT(lw_stepper_advance(steps[0], NAN, &e), LW_E_ARG);
+    for (int k = 0; k < 2; k++) {
+        lw_stepper_destroy(steps[k]);
+        lw_model_destroy(m[k]);
+    }
+}
+
+static void go(lw_stepper *s, int from, int to, last *l)
+{
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    for (int k = from; k < to; k++) {
+        if (k == 13)
+            lw_stepper_set_load(s, 1, (lw_link_load){ { 0, 3 }, 0 });
+        if (k == 25)
+            lw_stepper_set_state(s, 0, -2);
+        CHECK_INT(lw_stepper_advance(s, 0.05*(k + 1), &e), LW_OK);
+    }
+    keep(l, model, lw_stepper_sample(s));
+}
+
+static void restored_runs_have_the_same_bits(void)
+{
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    model = motor_model(", 'stop': {'least': -0.2, 'restitution': 0.4}");
+    for (int at = 3; at < 35; at += 8) {
+        lw_stepper *a = NULL, *b = NULL;
+        char *bytes = NULL;
+        size_t size;
+        last x, y;
+        memset(&x, 0, sizeof x);
+        memset(&y, 0, sizeof y);
+        CHECK_INT(lw_stepper_create(model, &o, &a, &e), LW_OK);
+        CHECK_INT(lw_stepper_create(model, &o, &b, &e), LW_OK);
+        go(a, 0, at, &x);
+        CHECK_INT(lw_stepper_save(a, &bytes, &size), LW_OK);
+        go(a, at, 40, &x);
+        CHECK_INT(lw_stepper_restore(b, bytes, size, &e), LW_OK);
+        CHECK(lw_stepper_sample(b)->t == 0.05*at);
+        go(b, at, 40, &y);
+        CHECK(memcmp(&x, &y, sizeof x) == 0);
+        CHECK_INT(lw_stepper_restore(a, bytes, size, &e), LW_OK);           /* back in time */
+        go(a, at, 40, &y);
+        CHECK(memcmp(&x, &y, sizeof x) == 0);
+        CHECK_INT(lw_stepper_restore(a, bytes, size - 1, &e), LW_E_NOTATION);
+        CHECK_INT(lw_stepper_restore(a, bytes, 5, &e), LW_E_NOTATION);
+        bytes[0] = 'x';
+        CHECK_INT(lw_stepper_restore(a, bytes, size, &e), LW_E_NOTATION);
+        bytes[0] = 'l';
+        lw_model *other = motor_model("");
+        lw_stepper *c = NULL;
+        CHECK_INT(lw_stepper_create(other, &o, &c, &e), LW_OK);
+        CHECK_INT(lw_stepper_restore(c, bytes, size, &e), LW_E_NOTATION);
+        lw_free(bytes);
+        lw_stepper_destroy(a);
+        lw_stepper_destroy(b);
+        lw_stepper_destroy(c);
+        lw_model_destroy(other);
+    }
+    o.analysis = "static";
+    lw_stepper *s = NULL;
+    CHECK_INT(lw_stepper_create(model, &o, &s, &e), LW_E_KIND);
+    CHECK(s == NULL);
+    lw_model_destroy(model);
+}
+
+int main(void)
+{
+    RUN(pieces_make_the_whole);
+    RUN(a_block_sticks);
+    RUN(changes_act);
+    RUN(restored_runs_have_the_same_bits);
+    return check_end();
+}
