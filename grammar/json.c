@@ -118,6 +118,22 @@ bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *o
     return false;
 }
 
+void lw_json_children(const lw_json_node *parent, lw_json_node *out)
+{
+    const char *name;
+    json_t *value;
+    size_t index = 0;
+    if (json_is_array((json_t *)parent->value)) {
+        for (; index < json_array_size(parent->value); index++)
+            out[index] = lw_json_element(parent, index);
+        return;
+    }
+    json_object_foreach((json_t *)parent->value, name, value) {
+        out[index] = (lw_json_node){ parent->json, parent, name, index, value };
+        index++;
+    }
+}
+
 /* ---- faults ------------------------------------------------------------------------------------ */
 
 /* "joints[2].links[1]" from the root down to n. */

@@ -42,6 +42,9 @@ lw_json_node lw_json_element(const lw_json_node *array, size_t index);
 /* The member of an object; false when there is none. */
 bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *out);
 
+/* All elements or members, in the order of the text; out (lw_json_count). */
+void lw_json_children(const lw_json_node *parent, lw_json_node *out);
+
 /* Fill e with the place of the node and the text, preceded by its path, e.g. "joints[2].at: ".
  * Returns LW_E_NOTATION. */
 lw_status lw_json_fault(const lw_json_node *n, lw_error *e, const char *format, ...)
