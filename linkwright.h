@@ -778,6 +778,39 @@ typedef lw_status lw_counterweight_callback(void *context, const lw_counterweigh
 LW_API lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context,
                                        double *before, double *after, lw_error *error);
 
+/* ---- product families ------------------------------------------------------------------------------------------- */
+
+typedef struct lw_master lw_master;            /* a master file with parameters, constant once read (docs/family.md)  */
+typedef struct lw_variant lw_variant;          /* one choice of its parameters; it needs the master                  */
+
+/* LW_E_NOTATION with line and column, also for unknown names, circular parameters, parts that use themselves. */
+LW_API lw_status lw_master_parse(const char *text, size_t size, const char *file, lw_master **out, lw_error *error);
+LW_API lw_status lw_master_load(const char *path, lw_master **out, lw_error *error);
+LW_API void      lw_master_destroy(lw_master *master);
+
+/* Names: the i-th parameter, configuration or view; NULL past the last one. */
+LW_API const char *lw_master_parameter_name(const lw_master *master, int i);
+LW_API const char *lw_master_configuration(const lw_master *master, int i);
+LW_API const char *lw_master_view(const lw_master *master, int i);
+/* Unit ("": none) and range of a parameter, in that unit; infinite without a range.  LW_E_ARG: no such parameter. */
+LW_API lw_status lw_master_parameter_unit(const lw_master *master, int i, const char **unit, double range[2]);
+
+/* The defaults of the master.  Then choose: values set one by one stand above those of the configuration.  value: a number
+ * in the unit of the parameter or "3.2 m", a text, true or false.  NULL: no configuration, the master's own view. */
+LW_API lw_status lw_variant_create(const lw_master *master, lw_variant **out);
+LW_API void      lw_variant_destroy(lw_variant *variant);
+LW_API lw_status lw_variant_configure(lw_variant *variant, const char *configuration, lw_error *error);
+LW_API lw_status lw_variant_look(lw_variant *variant, const char *view, lw_error *error);
+LW_API lw_status lw_variant_set(lw_variant *variant, const char *parameter, const char *value, lw_error *error);
+
+/* A formula over parameters and derived values, in SI or in the unit after `as`: "2*reach as mm". */
+LW_API lw_status lw_variant_number(lw_variant *variant, const char *formula, double *out, lw_error *error);
+/* LW_E_NOTATION with the place and both sides of the first check of the master that does not hold. */
+LW_API lw_status lw_variant_hold_checks(lw_variant *variant, lw_error *error);
+/* The model file, to be freed with lw_free; the model itself.  Errors name places of the master. */
+LW_API lw_status lw_variant_text(lw_variant *variant, char **out, size_t *size, lw_error *error);
+LW_API lw_status lw_variant_model(lw_variant *variant, lw_model **out, lw_error *error);
+
 /* ---- targets ---------------------------------------------------------------------------------------------------- */
 
 typedef struct lw_target lw_target;            /* stations that a point, or an output angle, has to meet          */

@@ -1313,26 +1313,51 @@ lw_status lw_variant_value(lw_variant *v, int parameter, lw_amount *out, lw_erro
     return s;
 }
 
-lw_status lw_variant_formula(lw_variant *v, const char *text, lw_amount *out, lw_error *e)
+static lw_status work_out(lw_variant *v, const char *text, lw_amount *out, lw_formula **f, lw_error *e)
 {
     place p = { v->m, (lw_scope *)&v->m->scope, false };
-    lw_formula *f = NULL;
+    *f = NULL;
     lw_status s = lw_variant_update(v, e);
     if (s == LW_OK)
-        s = lw_formula_parse(text, strlen(text), look_up, &p, &f, e);
-    if (s == LW_OK)
-        s = lw_formula_value(f, (const lw_amount *const[2]){ v->value, NULL }, out, e);
-    if (s == LW_OK && lw_formula_unit(f) && out->kind == LW_AMOUNT_NUMBER) {
-        lw_amount unit = *lw_formula_unit(f);
-        if (lw_amount_in(out, &unit, &unit.number))
-            *out = unit;
-    }
+        s = lw_formula_parse(text, strlen(text), look_up, &p, f, e);
+    return s == LW_OK ? lw_formula_value(*f, (const lw_amount *const[2]){ v->value, NULL }, out, e) : s;
+}
+
+lw_status lw_variant_formula(lw_variant *v, const char *text, lw_amount *out, lw_error *e)
+{
+    lw_formula *f;
+    lw_status s = work_out(v, text, out, &f, e);
     if (s == LW_OK && out->kind == LW_AMOUNT_TEXT) {           /* it may be a literal of f, which ends here */
         char *copy = strdup(out->text);
         free(v->text[LW_SYMBOL_VIEW]);
         v->text[LW_SYMBOL_VIEW] = copy;
         out->text = copy ? copy : "";
         s = copy ? LW_OK : no_memory(e);
+    }
+    lw_formula_free(f);
+    return s;
+}
+
+lw_status lw_variant_quantity(lw_variant *v, const char *text, double *out, char *unit, lw_error *e)
+{
+    lw_formula *f;
+    lw_amount a;
+    lw_status s = work_out(v, text, &a, &f, e);
+    if (s == LW_OK && a.kind != LW_AMOUNT_NUMBER)
+        s = lw_error_set(e, LW_E_KIND, "this is a %s, no number", a.kind == LW_AMOUNT_TEXT ? "text" : "condition");
+    if (s == LW_OK) {
+        const lw_amount *as = lw_formula_unit(f);
+        const char *name = as ? strstr(text, " as ") : NULL;
+        *out = lw_amount_si(&a);
+        if (as)
+            lw_amount_in(&a, as, out);
+        if (unit && name)
+            snprintf(unit, 64, "%s", name + 4);
+        else if (unit) {
+            lw_dimension_print(a.dimension, unit, 64);
+            if (strcmp(unit, "plain number") == 0)
+                strcpy(unit, "1");
+        }
     }
     lw_formula_free(f);
     return s;
@@ -1349,7 +1374,7 @@ void lw_variant_print(const lw_variant *v, int parameter, const lw_amount *a, ch
     }
     lw_dimension_print(a->dimension, unit, sizeof unit);
     bool own = s && s->has_unit && lw_amount_in(a, &s->unit, &x);
-    lw_number_print(x, digits);
+    lw_number_text(digits, x, 10);
     snprintf(text, size, "%s%s%s", digits, own || strcmp(unit, "plain number") != 0 ? " " : "",
              own ? s->info.unit : strcmp(unit, "plain number") != 0 ? unit : "");
 }
@@ -1369,4 +1394,22 @@ lw_status lw_variant_check(lw_variant *v, int i, bool *holds, lw_amount *left, l
         return lw_json_fault(&c->node->json, e, "this is no condition; write a comparison, such as a + b < c");
     *holds = s == LW_OK && truth.number != 0;
     return s == LW_OK ? s : lw_template_fault(c->node, text_of(c->node)[0] == '=', &inner, e);
+}
+
+lw_status lw_variant_hold_checks(lw_variant *v, lw_error *e)
+{
+    bool holds = true;
+    lw_amount left, right;
+    char a[96], b[96];
+    for (int i = 0; i < v->m->n_check; i++) {
+        lw_status s = lw_variant_check(v, i, &holds, &left, &right, e);
+        if (s != LW_OK)
+            return s;
+        lw_variant_print(v, -1, &left, a, sizeof a);
+        lw_variant_print(v, -1, &right, b, sizeof b);
+        if (!holds)
+            return lw_json_fault(&v->m->check[i].node->json, e, "this check does not hold: %s (%s against %s)",
+                                 lw_master_check_text(v->m, i), a, b);
+    }
+    return LW_OK;
 }

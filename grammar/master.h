@@ -3,14 +3,13 @@
  *
  * A master is constant once read; threads share it.  A variant is one choice of its parameters; each thread has its own.
  * The expander makes JSON and knows of models only which keys hold places, directions and angles, and in which units
- * (master_keys.c), so that it serves planar and spatial models alike. */
+ * (master_keys.c), so that it serves planar and spatial models alike.
+ *
+ * Types and the functions that choose a variant: linkwright.h. */
 #ifndef LW_GRAMMAR_MASTER_H
 #define LW_GRAMMAR_MASTER_H
 
 #include "grammar/formula.h"
-
-typedef struct lw_master lw_master;
-typedef struct lw_variant lw_variant;
 
 typedef struct lw_parameter {
     const char *name, *unit, *doc;       /* unit "": a plain number, a text or a condition; doc "": none */
@@ -33,26 +32,18 @@ void      lw_master_free(lw_master *m);
 const char *lw_master_title(const lw_master *m);                       /* "" when there is none */
 const lw_parameter *lw_master_parameter(const lw_master *m, int i);
 const char *lw_master_let(const lw_master *m, int i);
-const char *lw_master_configuration(const lw_master *m, int i);
-const char *lw_master_view(const lw_master *m, int i);
 const char *lw_master_check_text(const lw_master *m, int i);
 int         lw_master_find_parameter(const lw_master *m, const char *name);       /* -1: none */
 
-/* The defaults of the master. */
-lw_status lw_variant_create(const lw_master *m, lw_variant **out);
 void      lw_variant_free(lw_variant *v);
-
-/* Choose a configuration, a view, a value.  Values set one by one stand above those of the configuration, these above those
- * of the view.  LW_E_ARG with a suggestion; LW_E_NOTATION: the text, as in "2.4 m", is no value of this parameter. */
-lw_status lw_variant_configure(lw_variant *v, const char *configuration, lw_error *e);     /* NULL: none again */
-lw_status lw_variant_look(lw_variant *v, const char *view, lw_error *e);                   /* NULL: that of the master */
-lw_status lw_variant_set(lw_variant *v, const char *name, const char *value, lw_error *e);
 lw_status lw_variant_set_number(lw_variant *v, int parameter, double value);        /* in the unit of the parameter */
 
 /* The value of parameter i, or of a formula over parameters and lets.  Checks ranges and choices first.  The texts of a
  * value belong to the variant and hold until it changes. */
 lw_status lw_variant_value(lw_variant *v, int parameter, lw_amount *out, lw_error *e);
 lw_status lw_variant_formula(lw_variant *v, const char *formula, lw_amount *out, lw_error *e);
+/* The same as a number, in SI or in the unit after `as`; *unit (64 bytes, may be NULL) gets that unit. */
+lw_status lw_variant_quantity(lw_variant *v, const char *formula, double *out, char *unit, lw_error *e);
 
 /* A value as text with its unit, as the user wrote the unit: "350 mm". */
 void lw_variant_print(const lw_variant *v, int parameter, const lw_amount *a, char *text, size_t size);

@@ -154,8 +154,11 @@ static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_
         return fault(w, t, "the units do not fit: [%s] is expected, this is [%s]", unit_names(t, text), one);
     if (lw_amount_in(a, as ? as : &plain, out))
         return LW_OK;
+    const lw_json_node *n = &t->json;
+    while (!n->key && n->parent)
+        n = n->parent;
     return fault(w, t, "the unit of \"%s\" is not known here and this is in [%s]; write the unit of the number, as in \"= ... as mm\"",
-                 t->json.key ? t->json.key : "this list", one);
+                 n->key ? n->key : "this", one);
 }
 
 /* A scalar as a number in the unit of its key. */
@@ -173,6 +176,9 @@ static lw_status number_of(const writer *w, const lw_template *t, double *out)
     return s == LW_OK ? in_unit_of_key(w, t, t->formula, &a, out) : s;
 }
 
+/* Computed numbers have 15 digits: 0.1 + 0.2 is 0.3, as a person would write it.  No -0. */
+static void print_computed(double v, char digits[LW_NUMBER_SIZE]) { lw_number_text(digits, v + 0.0, 15); }
+
 /* Append an amount as the text of a piece: in SI, or in the unit after `as`. */
 static void add_amount(lw_bytes *b, const lw_amount *a, const lw_formula *f)
 {
@@ -184,7 +190,7 @@ static void add_amount(lw_bytes *b, const lw_amount *a, const lw_formula *f)
     }
     if (lw_formula_unit(f))
         lw_amount_in(a, lw_formula_unit(f), &x);
-    lw_number_print(x + 0.0, digits);
+    print_computed(x, digits);
     lw_bytes_text(b, digits);
 }
 
@@ -413,7 +419,7 @@ static lw_status read_turn(writer *w, const lw_template *angle, const lw_templat
         a[i] /= length;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-            f->r[i][k] = (i == k ? c : 0) + (1 - c)*a[i]*a[k];
+            f->r[i][k] = i == k && a[i]*a[i] == 1 ? 1 : (i == k ? c : 0) + (1 - c)*a[i]*a[k];
     f->r[0][1] -= s*a[2];
     f->r[1][0] += s*a[2];
     f->r[0][2] += s*a[1];
@@ -621,7 +627,7 @@ static void put_quoted(writer *w, const char *text)
 static void put_number(writer *w, double v)
 {
     char digits[LW_NUMBER_SIZE];
-    lw_number_print(v + 0.0, digits);                 /* no -0 */
+    print_computed(v, digits);
     put_text(w, digits);
 }
 
