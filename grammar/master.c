@@ -918,6 +918,8 @@ static lw_status read_root(lw_master *m, lw_error *e)
     double version = 0;
     lw_template *root = m->root, *v = lw_template_member(root, "linkwright"), *family = lw_template_member(root, "family");
     lw_status s = expect(root, LW_JSON_OBJECT, e);
+    if (s == LW_OK && lw_template_member(root, "joints"))
+        return lw_json_fault(&root->json, e, "this is no master file but a model; a master holds it under \"model\"");
     if (s == LW_OK)
         s = lw_json_known_keys(&root->json, known, COUNT(known), e);
     if (s == LW_OK && !v)

@@ -8,7 +8,7 @@ static void expansions(void)
 {
     expect("$P family expand " LOADER " | cmp - tests/data/family/loader.json", 0, "", NULL);
     expect("$P family expand " LOADER " --view kinematic | grep -c mass", 1, "0", NULL);
-    expect("$P family expand " LOADER " --set 'reach=3200 mm' -c compact | grep '\"name\": \"loader'", 0, "reach 3.2 m, 400 kg", NULL);
+    expect("$P family expand " LOADER " --set 'reach=3200 mm' --configuration compact | grep '\"name\": \"loader'", 0, "reach 3.2 m, 400 kg", NULL);
     expect("$P family expand " LOADER " --map $D/map.csv -o $D/m.json && grep -c , $D/map.csv", 0, "", NULL);
 }
 
@@ -35,13 +35,13 @@ static void tables_and_checks(void)
 
 static void wrong_use(void)
 {
-    expect("$P family expand " LOADER " -c huge", 2, NULL, "there is no configuration \"huge\"");
+    expect("$P family expand " LOADER " --configuration huge", 2, NULL, "there is no configuration \"huge\"");
     expect("$P family expand " LOADER " --view kinematik", 2, NULL, "did you mean \"kinematic\"");
     expect("$P family expand " LOADER " --set reech=3", 2, NULL, "did you mean \"reach\"");
     expect("$P family expand " LOADER " --set 'reach=3 kg'", 3, NULL, "its unit is [m]");
     expect("$P family expand " LOADER " --set reach=9", 3, NULL, "outside its range 1.2 to 4 m");
     expect("$P family expand " LOADER " --set drop=2", 3, NULL, LOADER ":86:16: checks[0].require: this check does not hold");
-    expect("$P family expand examples/loader.json", 3, NULL, "\"model\" is missing");
+    expect("$P family expand examples/loader.json", 3, NULL, "this is no master file");
     expect("$P family expend " LOADER, 2, NULL, "did you mean 'expand'");
 }
 

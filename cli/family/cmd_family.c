@@ -11,7 +11,7 @@
 #define PLACE(member) offsetof(cli_family_settings, member)
 
 static const cli_option options[] = {
-    { "configuration", 'c', CLI_TEXT, PLACE(configuration), "NAME", NULL,
+    { "configuration", 0, CLI_TEXT, PLACE(configuration), "NAME", NULL,
       "the values of this configuration of the master", 0, 0, NULL, NULL },
     { "set", 0, CLI_TEXT, PLACE(set), "NAME=VALUE,...", NULL,
       "set parameters, in their own unit or in another: \"reach=3,wall=8 mm\"", 0, 0, NULL, NULL },
@@ -385,7 +385,7 @@ const cli_command cli_family_command = {
     .title = "product families: master files with parameters, parts and views that expand to models",
     .examples =
         "  linkwright family table examples/families/loader.json                 # all configurations side by side\n"
-        "  linkwright family expand examples/families/loader.json -c large -o large.json\n"
+        "  linkwright family expand examples/families/loader.json --configuration large -o large.json\n"
         "  linkwright family expand examples/families/loader.json --set \"reach=3 m\" --view kinematic\n"
         "  linkwright family check examples/families/loader.json                 # every configuration in every view\n",
     .about =
