@@ -40,7 +40,7 @@ static void wrong_use(void)
     expect("$P family expand " LOADER " --set reech=3", 2, NULL, "did you mean \"reach\"");
     expect("$P family expand " LOADER " --set 'reach=3 kg'", 3, NULL, "its unit is [m]");
     expect("$P family expand " LOADER " --set reach=9", 3, NULL, "outside its range 1.2 to 4 m");
-    expect("$P family expand " LOADER " --set drop=2", 3, NULL, LOADER ":86:16: checks[0].require: this check does not hold");
+    expect("$P family expand " LOADER " --set drop=2", 3, NULL, LOADER ":86:17: checks[0].require: this check does not hold");
     expect("$P family expand examples/loader.json", 3, NULL, "this is no master file");
     expect("$P family expend " LOADER, 2, NULL, "did you mean 'expand'");
 }
