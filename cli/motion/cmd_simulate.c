@@ -46,7 +46,7 @@ static const cli_option options[] = {
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
       "print counterweights that cancel the static shaking force, as JSON", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
-      "plot columns over time as SVG, PDF or PNG", 0, 0, NULL, NULL },
+      "plot columns over time as SVG, PDF or PNG; with --plot or --gif rows are printed only with -o or --json", 0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, offsetof(settings, columns), "NAME,...", NULL,
       "columns to plot: their names, or the part of the name before the point; without it the drives, or the energies "
       "if there is no drive", 0, 0, "plot", NULL },
@@ -153,7 +153,8 @@ static int run(const cli_call *call)
         return free(c), cli_usage(call, "--from must be less than --to");
     if (!c)
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (!c || prepare(call, c, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK) {
+    if (!c || prepare(call, c, &e) != LW_OK
+        || cli_open_beside(call, s->plot || s->gif, &o, &e) != LW_OK) {
         if (c)
             cli_simulate_free(c);
         free(c);

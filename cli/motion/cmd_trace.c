@@ -52,7 +52,8 @@ static const cli_option options[] = {
       "then with respect to time instead of the input", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
       "draw place, velocity and acceleration of the tracers over the input or the time (.svg, .pdf, .png); of the arc "
-      "that contains the posture of the file, unless --mode both is given", 0, 0, NULL, NULL },
+      "that contains the posture of the file, unless --mode both is given; rows are then printed only with -o or "
+      "--json", 0, 0, NULL, NULL },
     { "cycle", 0, CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
       "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
       "distances", 0, 0, NULL, "input-range" },
@@ -185,7 +186,8 @@ static int print_plan(const cli_call *call, cli_trace *t)
 {
     lw_error e = { 0 };
     lw_output o;
-    if (cli_open(call, &o, &e) != LW_OK)
+    const settings *s = call->settings;
+    if (cli_open_beside(call, s->plot != NULL, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     t->rows.f = o.f;
     t->line = call->line;
@@ -316,7 +318,7 @@ static int print_curves(const cli_call *call, cli_curve_trace *t, const double *
     const settings *s = call->settings;
     lw_output o;
     lw_error e = { 0 };
-    if (cli_open(call, &o, &e) != LW_OK)
+    if (cli_open_beside(call, s->plot != NULL, &o, &e) != LW_OK)
         return fail_in(call, &e);
     cli_progress progress = cli_progress_begin(call, "trace", "rows");
     cli_json json = cli_json_begin(o.f, 1);

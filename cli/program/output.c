@@ -85,14 +85,25 @@ void cli_note(const cli_call *call, const char *format, ...)
 /* The temporary file of -o, which a forced end removes; "" for none. */
 static char temporary[sizeof ((lw_output *)0)->temp];
 
-lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
+static lw_status open_path(const char *path, lw_output *o, lw_error *e)
 {
-    const char *path = call->common.output ? call->common.output : "-";
     lw_output_clean(path);
     lw_status s = lw_output_open(o, path, e);
     if (s == LW_OK)
         strcpy(temporary, o->temp);
     return s;
+}
+
+lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
+{
+    return open_path(call->common.output ? call->common.output : "-", o, e);
+}
+
+lw_status cli_open_beside(const cli_call *call, bool picture, lw_output *o, lw_error *e)
+{
+    if (picture && !call->common.output && !call->common.json)
+        return open_path("/dev/null", o, e);
+    return cli_open(call, o, e);
 }
 
 static bool lost;

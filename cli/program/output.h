@@ -45,6 +45,9 @@ int cli_make_folder(const cli_call *call, const char *folder);
 /* Open the file of -o, or standard output; then write to o->f. */
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
 
+/* The same for rows that a picture can replace: if a picture was asked for, they are printed only with -o or --json. */
+lw_status cli_open_beside(const cli_call *call, bool picture, lw_output *o, lw_error *e);
+
 /* Commit the output. Returns `code` if this succeeded, else the exit code of the failure. If the code is an error or
  * CLI_LIMIT, or a signal or --time ended the work, the output so far goes to FILE.partial and FILE stays as it was. */
 int cli_close(const cli_call *call, lw_output *o, int code);

@@ -1,0 +1,101 @@
+/* test_cli_documents.c - every command of README.md and docs/tutorial.md, run as it is printed and in that order, in one
+ * folder with the examples.
+ *
+ * A command is an indented line that begins with `linkwright` or `$ linkwright`; a comment after " # " belongs to the page.
+ * Long searches of README.md are ended by --time, and may then say so (exit code 5); everything else must end with 0, a
+ * question to a catalogue also with 1 (nothing found). */
+#include "tests/cli_run.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LIMIT " --time 0.5"
+
+/* Commands that search or draw samples until they are told to stop. */
+static bool is_long(const char *command)
+{
+    static const char *const word[] = { "linkwright fit ", "linkwright bench ", "linkwright catalogue curves " };
+    for (size_t i = 0; i < sizeof word/sizeof *word; i++)
+        if (strncmp(command, word[i], strlen(word[i])) == 0)
+            return strstr(command, "--time") == NULL;
+    return false;
+}
+
+/* The end of the command in a line: before " # " outside quotes, without blanks. */
+static size_t command_length(const char *line)
+{
+    size_t n = 0;
+    for (char quote = 0; line[n]; n++) {
+        if (quote ? line[n] == quote : line[n] == '\'' || line[n] == '"')
+            quote = quote ? 0 : line[n];
+        if (!quote && line[n] == '#' && n > 0 && line[n - 1] == ' ')
+            break;
+    }
+    while (n > 0 && isspace((unsigned char)line[n - 1]))
+        n--;
+    return n;
+}
+
+static void run_one(const char *page, int number, const char *command, bool whole)
+{
+    char line[1400];
+    bool limited = !whole && is_long(command);
+    const char *pipe = strpbrk(command, "|>");
+    size_t first = pipe && limited ? (size_t)(pipe - command) : strlen(command);
+    snprintf(line, sizeof line, "cd $D/w && PATH=$D/bin:$PATH && %.*s%s %s", (int)first, command, limited ? LIMIT : "",
+             command + first);
+    ran r = run(line);
+    bool asks = strstr(command, "catalogue query") || strstr(command, "catalogue nearest");
+    bool good = r.code == 0 || (limited && r.code == 5) || (asks && r.code == 1);
+    CHECK(good);
+    if (!good)
+        fprintf(stderr, "%s:%d: exit code %d: %s\n%.600s\n", page, number, r.code, command, r.err);
+    ran_free(&r);
+}
+
+/* whole: without a limit of time, since later commands need the results of earlier ones. */
+static int run_page(const char *page, bool whole)
+{
+    char *text = slurp(page), *rest = text;
+    int number = 0, n = 0;
+    for (char *line; (line = strsep(&rest, "\n"));) {
+        number++;
+        if (strncmp(line, "    ", 4) != 0)
+            continue;
+        line += strspn(line, " ");
+        line += strncmp(line, "$ ", 2) == 0 ? 2 : 0;
+        if (strncmp(line, "linkwright ", 11) != 0 || line[11] == '<')
+            continue;
+        line[command_length(line)] = 0;
+        run_one(page, number, line, whole);
+        n++;
+    }
+    free(text);
+    return n;
+}
+
+static void prepare(void)
+{
+    ran r = run("mkdir $D/w $D/bin && cp -r examples $D/w && ln -s $(realpath $P) $D/bin/linkwright");
+    CHECK_INT(r.code, 0);
+    ran_free(&r);
+}
+
+static void commands_of_readme(void)
+{
+    CHECK(run_page("README.md", false) > 25);
+}
+
+static void commands_of_tutorial(void)
+{
+    CHECK(run_page("docs/tutorial.md", true) > 10);
+}
+
+int main(void)
+{
+    RUN(prepare);
+    RUN(commands_of_readme);
+    RUN(commands_of_tutorial);
+    return check_end();
+}
