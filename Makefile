@@ -109,7 +109,7 @@ $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
-$B/tests/test_flexible_crank: $B/cli/bench/flexible_crank.o
+$B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so

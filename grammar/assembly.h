@@ -17,6 +17,7 @@ typedef struct lw_assembly {
     lw_input  *input;
     lw_tracer *tracer;
     lw_units   units;
+    bool       has_nodes;                     /* links may be tied by elements instead of joints (mbs/elastic/expand.h) */
 } lw_assembly;
 
 /* Free the arrays of an assembly that was read or copied, and zero it. */

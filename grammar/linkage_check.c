@@ -236,7 +236,7 @@ lw_status lw_assembly_find_fault(const lw_assembly *assembly, lw_linkage_place *
         if ((s = check_tracer(assembly, &assembly->tracer[i], e)) != LW_OK)
             return s;
     }
-    *place = (lw_linkage_place){ LW_PART_LINK, find_loose_link(assembly) };
+    *place = (lw_linkage_place){ LW_PART_LINK, assembly->has_nodes ? -1 : find_loose_link(assembly) };
     if (place->index == -2)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (place->index >= 0)

@@ -76,7 +76,7 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
 /* An element of "links": a name, or an object with the name and the masses of a model. */
 static lw_status read_link(const lw_json_node *n, lw_assembly *assembly, lw_error *e)
 {
-    static const char *const known[] = { "name", "mass", "centre", "inertia" };
+    static const char *const known[] = { "name", "mass", "centre", "inertia", "elastic" };
     lw_json_node name = *n;
     lw_status s = LW_OK;
     if (lw_json_kind_of(n) == LW_JSON_OBJECT) {

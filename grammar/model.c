@@ -13,13 +13,15 @@ lw_status lw_model_reserve(lw_model *m)
     m->friction = calloc(joints + 1, sizeof *m->friction);
     m->stop = calloc(joints + 1, sizeof *m->stop);
     m->clearance = calloc(joints + 1, sizeof *m->clearance);
+    m->elastic = calloc(links + 1, sizeof *m->elastic);
     m->small = malloc(sizeof *m->small);
     if (m->small && lw_assembly_linkage(&m->linkage, m->small, NULL) != LW_OK) {
         free(m->small);
         m->small = NULL;
     } else if (!m->small)
         return LW_E_MEMORY;
-    return m->motion && m->has_speed && m->speed && m->body && m->friction && m->stop && m->clearance ? LW_OK : LW_E_MEMORY;
+    return m->motion && m->has_speed && m->speed && m->body && m->elastic && m->friction && m->stop
+        && m->clearance ? LW_OK : LW_E_MEMORY;
 }
 
 lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m)
@@ -78,9 +80,11 @@ void lw_model_free(lw_model *m)
     }
     for (int i = 0; i < m->n_signal; i++)
         lw_expression_free(m->signal[i].value);
+    for (int i = 0; m->elastic && i < m->linkage.n_link; i++)
+        free(m->elastic[i].axis);
     void *const array[] = { m->state, m->signal, m->rotor, m->motion, m->has_speed, m->speed, m->body, m->spring,
                             m->joint_spring, m->force, m->motor,
-                            m->friction, m->stop, m->clearance, m->small };
+                            m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     lw_assembly_free(&m->linkage);

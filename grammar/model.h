@@ -9,6 +9,7 @@
 
 #include "grammar/expression.h"
 #include "grammar/assembly.h"
+#include "grammar/section.h"
 
 typedef struct lw_body {
     bool    given;                   /* the file gives a mass; otherwise all is 0                  */
@@ -105,6 +106,29 @@ typedef struct lw_motor {                /* torque-speed line at a joint        
     double stall, free_speed;            /* torque at rest [N m], speed without load [rad/s]       */
 } lw_motor;
 
+/* A link that bends and stretches: a bar along its axis, or a frame of straight bars (mbs/elastic). */
+typedef struct lw_elastic {
+    bool   given;                        /* otherwise the link is rigid                            */
+    lw_section  section;
+    lw_material material;
+    int    segments;                     /* elements along the axis; 0: as many as `frequency` needs */
+    double frequency;                    /* [Hz]; 0: the first of the bar with hinged ends          */
+    double damping;                      /* time d: damping is d times the stiffness [s]           */
+    bool   consistent;                   /* mass of the shape functions instead of lumps           */
+    int    n_axis;                       /* points of the axis; 0: the line of the link's joints    */
+    lw_vec2 *axis;                       /* in the posture [m]                                     */
+} lw_elastic;
+
+/* An element between two nodes, which are links; elastic links become these (mbs/elastic/expand.h). */
+typedef struct lw_beam {
+    int    link[2];
+    double length, direction;            /* in the posture, from the first node to the second [m] [rad] */
+    double stiffness[3];                 /* stretch [N/m], shear [N/m], bending [N m/rad]           */
+    double damping;                      /* [s]                                                    */
+    double mass, gyration;               /* [kg]; I/A [m^2]                                         */
+    bool   consistent;                   /* modes use the mass of the shape functions                */
+} lw_beam;
+
 typedef struct lw_model {
     lw_assembly     linkage;
     lw_linkage     *small;               /* the same as read, for plans, drawings and exports; NULL: too large for one */
@@ -113,6 +137,10 @@ typedef struct lw_model {
     double         *speed;               /* at t = 0 [rad/s] or [m/s]; the input then runs freely  */
     lw_body        *body;                /* (n_link)                                               */
     lw_vec2         gravity;             /* [m/s^2]                                                */
+    lw_elastic      *elastic;            /* (n_link)                                               */
+    int              n_elastic;          /* links that are elastic                                 */
+    int              n_beam;             /* a file has none                                        */
+    lw_beam         *beam;
     int              n_spring, n_joint_spring, n_force, n_motor;
     lw_spring       *spring;
     lw_joint_spring *joint_spring;

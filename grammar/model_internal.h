@@ -39,6 +39,14 @@ lw_status lw_model_read_ends(const lw_json_node *object, lw_model *m, lw_spring 
 typedef struct lw_generated { const char *word; const lw_expression *expression; int variable; } lw_generated;
 lw_status lw_model_generate(const char *text, const lw_generated *word, int n, lw_expression **out, lw_error *e);
 
+/* ---- model_elastic.c ------------------------------------------------------------------------------------- */
+
+/* "elastic" of link i, the object `link`: its mass is that of its bar. */
+lw_status lw_model_read_elastic(const lw_json_node *link, const lw_json_node *n, lw_model *m, int i, lw_error *e);
+
+/* Joints need a place on an elastic link; guides and gears need a rigid one. */
+lw_status lw_model_check_elastic(const lw_json_node *root, const lw_model *m, lw_error *e);
+
 /* ---- model_states.c: what has first-order states --------------------------------------------------------- */
 
 /* A new state; its number, -1: out of memory. */

@@ -233,13 +233,17 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
 
 static lw_status read_bodies(const lw_json_node *root, lw_model *m, lw_error *e)
 {
-    lw_json_node links, gravity;
+    lw_json_node links, gravity, elastic;
     lw_status s = LW_OK;
     if (lw_json_member(root, "links", &links))
         for (int i = 0; s == LW_OK && i < m->linkage.n_link; i++) {
             lw_json_node link = lw_json_element(&links, (size_t)i);
             s = read_body(&link, m, i, e);
+            if (s == LW_OK && lw_json_kind_of(&link) == LW_JSON_OBJECT && lw_json_member(&link, "elastic", &elastic))
+                s = lw_model_read_elastic(&link, &elastic, m, i, e);
         }
+    if (s == LW_OK)
+        s = lw_model_check_elastic(root, m, e);
     if (s == LW_OK && lw_json_member(root, "gravity", &gravity))
         s = lw_read_pair(&gravity, 1, &m->gravity, e);
     return s;

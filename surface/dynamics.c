@@ -371,11 +371,33 @@ lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_call
 
 /* ---- vibrations ------------------------------------------------------------------------------------------------- */
 
-typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; } vibrations;
+typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; lw_dynamics *d; } vibrations;
+
+/* Of large models and elastic links: the slowest. */
+static lw_status find_slowest(vibrations *w, const lw_model *model, const lw_modes_options *o, lw_error *e)
+{
+    lw_dynamics_options options = lw_dynamics_options_default();
+    options.analysis = LW_ANALYSIS_STATIC;
+    options.hold_inputs = o->hold_inputs;
+    lw_status s = lw_dynamics_make(model, &options, &w->d, e);
+    if (s != LW_OK)
+        return s;
+    size_t n = (size_t)lw_dynamics_system(w->d)->n_q;
+    double *q = calloc(2*n, sizeof *q);
+    if (!q)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_dynamics_start(w->d, q, q + n);
+    s = lw_modes_find_large(w->d, o, LW_MODES_DEFAULT, 0, q, &w->modes, e);
+    free(q);
+    return s;
+}
 
 static lw_status find_modes(vibrations *w, const lw_model *model, const lw_modes_options *o, lw_error *e)
 {
     double q[LW_SYSTEM_Q_MAX];
+    const lw_linkage *small;
+    if (model->n_elastic || lw_model_small(model, &small, NULL) != LW_OK)
+        return find_slowest(w, model, o, e);
     lw_status s = lw_forces_system(model, false, &w->s, e);
     if (s == LW_OK)
         s = lw_forces_make(model, &w->s, NULL, &w->f, e);
@@ -397,6 +419,8 @@ lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vi
         s = visit(context, &info);
     }
     if (w) {
+        lw_modes_free(&w->modes);
+        lw_dynamics_free(w->d);
         lw_forces_free(&w->f);
         lw_system_free(&w->s);
     }

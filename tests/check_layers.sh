@@ -26,7 +26,8 @@ mbs/kinematics base grammar mbs/plan mbs/batch
 mbs/constraints base grammar
 mbs/ode base
 mbs/space base grammar mbs/ode
-mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode
+mbs/elastic base grammar
+mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic
 optimise/task base grammar mbs
 optimise/problem base grammar mbs optimise/task
 optimise/solvers base grammar mbs optimise/task optimise/problem

@@ -222,7 +222,9 @@ static double lowest(int n, int mode)
     lw_forces_free(&f);
     lw_system_free(&s);
     lw_model_free(&d.model);
-    return modes.mode[mode].im;
+    double rate = modes.mode[mode].im;
+    lw_modes_free(&modes);
+    return rate;
 }
 
 /* (b L)^2 sqrt(E I/m), cos b cosh b = -1; lower by a part that falls with the square of the length of a link. */

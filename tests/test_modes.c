@@ -35,6 +35,7 @@ static lw_status find(scene *s, bool hold, bool rest)
 {
     lw_modes_options o = { hold, rest };
     lw_error e = { 0 };
+    lw_modes_free(&s->modes);
     lw_status st = lw_modes_find(&s->f, &o, 0.0, s->q, &s->modes, &e);
     if (st != LW_OK)
         CHECK(strlen(e.text) > 10);
@@ -43,6 +44,7 @@ static lw_status find(scene *s, bool hold, bool rest)
 
 static void drop(scene *s)
 {
+    lw_modes_free(&s->modes);
     lw_forces_free(&s->f);
     lw_system_free(&s->s);
     lw_model_free(&s->m);
@@ -403,6 +405,7 @@ static void four_bar_at_rest(void)
         s->q[2] += (i - 1)*h;
         double want = s->q[2];
         for (int round = 0; round < 50; round++) {               /* the projection moves the crank too: push it back */
+            lw_modes_free(&s->modes);
             lw_modes_find(&s->f, &held, 0.0, s->q, &s->modes, NULL);
             if (fabs(s->q[2] - want) < 1e-15)
                 break;
@@ -515,6 +518,7 @@ static void refused(void)
     CHECK_HAS(e.text, "\"feather\"");
     s->q[0] += 1e6;
     s->q[4] = NAN;
+    lw_modes_free(&s->modes);
     CHECK(lw_modes_find(&s->f, &o, 0, s->q, &s->modes, &e) != LW_OK);
     drop(s);
 }

@@ -21,6 +21,8 @@ typedef struct settings {
 
 #define ANALYSIS_LINEAR (LW_ANALYSIS_DYNAMIC + 1)    /* follows the analyses of the library */
 
+static const double ELASTIC_TOLERANCE = 1e-7;
+
 #define CHOICE(id, name, text) "|" #name
 #define HELP(id, name, text)   "  " #name " - " text "\n"
 static const cli_option options[] = {
@@ -40,9 +42,12 @@ static const cli_option options[] = {
       "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL,
       NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
-      "error allowed in a step: of angles, and of lengths divided by the size of the linkage", 1e-14, 0.1, NULL, NULL },
+      "error allowed in a step: of angles, and of lengths divided by the size of the linkage; 1e-7 with elastic links",
+      1e-14, 0.1, NULL, NULL },
     { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000",
       "greatest number of steps of the integration", 1, 2e9, NULL, NULL },
+    { "rigid", 0, CLI_FLAG, offsetof(settings, linear.rigid), NULL, NULL,
+      "take elastic links as rigid bars of the same mass", 0, 0, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
       "print counterweights that cancel the static shaking force, as JSON", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
@@ -60,6 +65,8 @@ static const cli_option options[] = {
     { "along", 0, CLI_INT, offsetof(settings, linear.along), "N", NULL,
       "with --analysis linear: in N + 1 postures from the first to the last value of the input, or over one turn",
       1, 1000000, NULL, NULL },
+    { "modes", 0, CLI_INT, offsetof(settings, linear.modes), "N", "20",
+      "with --analysis linear, for elastic links and more than 32 links: number of slowest modes", 1, 40, NULL, NULL },
     { "fft", 0, CLI_FLAG, offsetof(settings, linear.fft), NULL, NULL,
       "with --analysis linear: compare with the peaks in the spectrum of a small free vibration", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -81,8 +88,10 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     o.from = s->from;
     o.to = s->to;
     o.intervals = s->steps;
-    o.relative = o.absolute = s->tolerance;
+    bool elastic = c->model->n_elastic > 0 && !s->linear.rigid;
+    o.relative = o.absolute = elastic && !cli_given(&call->parsed, "tolerance") ? ELASTIC_TOLERANCE : s->tolerance;
     o.max_step = s->max_steps;
+    o.rigid = s->linear.rigid;
     o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     o.stop = cli_stop_flag();
     return cli_simulate_make(c, &o, call->parsed.word[0], e);
@@ -98,14 +107,16 @@ static void explain(const cli_call *call, const lw_dynamics_report *r)
 /* Print one row: the rest position. */
 static lw_status rest(cli_simulate *c, double t, lw_error *e)
 {
-    double q[LW_SYSTEM_Q_MAX];
+    double *q = calloc((size_t)lw_dynamics_system(c->d)->n_q + 1, sizeof *q);
     lw_rest r;
-    lw_status s = lw_statics_rest(c->d, t, q, &r, e);
+    lw_status s = q ? lw_statics_rest(c->d, t, q, &r, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK)
-        return s;
+        return free(q), s;
     cli_note(c->call, "at rest after %d iterations, force left %.3g J, %s", r.iterations, r.residual,
              r.stable ? "stable" : "not stable");
-    return lw_statics_moment(c->d, t, q, cli_simulate_row, c, e);
+    s = lw_statics_moment(c->d, t, q, cli_simulate_row, c, e);
+    free(q);
+    return s;
 }
 
 static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
@@ -164,6 +175,8 @@ static int run(const cli_call *call)
     c->report = *lw_dynamics_choice(c->d);
     if (s->explain && s->analysis != LW_ANALYSIS_STATIC)
         explain(call, &c->report);
+    if (s->explain)
+        cli_simulate_explain_elastic(c, s->from, s->to);
     lw_status st = run_it(call, c, &e);
     if (s->analysis != LW_ANALYSIS_STATIC)
         cli_simulate_report(c);

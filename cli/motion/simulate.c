@@ -27,16 +27,23 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
 /* The order is the same as in cli_simulate_row. */
 static lw_status name_columns(cli_simulate *s, lw_error *e)
 {
-    const lw_assembly *k = &s->model->linkage;
+    const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
     const lw_system *sys = lw_dynamics_system(s->d);
     const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
     double metre = 1/k->units.metre, radian = 1/k->units.radian;
     size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8
-             + (size_t)s->model->n_state + (size_t)s->model->n_signal;
+             + (size_t)s->model->n_state + (size_t)s->model->n_signal + 1;
+    const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
+    int most = 0;
+    for (int c = 0; elastic && c < elastic->n_chain; c++) {
+        n += 4*(size_t)elastic->chain[c].n_node + 1;
+        most = elastic->chain[c].n_node > most ? elastic->chain[c].n_node : most;
+    }
+    s->inner = calloc((size_t)most + 1, sizeof *s->inner);
     s->n_column = 0;
     s->column = calloc(n, sizeof *s->column);
     s->scratch = calloc(n + 3*(size_t)sys->n_q + (size_t)k->n_input + 3*(size_t)k->n_joint + 1, sizeof *s->scratch);
-    if (!s->column || !s->scratch)
+    if (!s->column || !s->scratch || !s->inner)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     add(s, "s", 1, "t");
     for (int i = 0; i < k->n_input; i++) {
@@ -68,6 +75,17 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
         add(s, "N", 1, "%s.fy", k->joint[i].name);
         add(s, "N m", 1, "%s.moment", k->joint[i].name);
     }
+    for (int c = 0; elastic && c < elastic->n_chain; c++) {
+        const lw_elastic_chain *chain = &elastic->chain[c];
+        for (int i = 0; i < chain->n_node; i++) {
+            const char *name = k->link_name[chain->node[i]];
+            add(s, "N", 1, "%s.normal", name);
+            add(s, "N", 1, "%s.shear", name);
+            add(s, "N m", 1, "%s.bending", name);
+            add(s, "N/m^2", 1, "%s.stress", name);
+        }
+        add(s, "N/m^2", 1, "%s.stress", s->model->linkage.link_name[chain->link]);
+    }
     add(s, "N", 1, "shaking.fx");
     add(s, "N", 1, "shaking.fy");
     add(s, "N m", 1, "shaking.moment");
@@ -77,6 +95,8 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
         add(s, s->model->signal[i].unit, 1, "%s", s->model->signal[i].name);
     add(s, "J", 1, "kinetic");
     add(s, "J", 1, "potential");
+    if (elastic)
+        add(s, "J", 1, "strain");
     add(s, "J", 1, "work");
     add(s, "1", 1, "residual");
     add(s, "1/s", 1, "residual_rate");
@@ -120,7 +140,7 @@ lw_status cli_simulate_make(cli_simulate *s, const lw_dynamics_options *o, const
 static double *put_inputs(const cli_simulate *s, const lw_moment *m, double *to)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
-    const lw_assembly *k = &s->model->linkage;
+    const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
     double *drive = s->scratch + s->n_column + 3*sys->n_q;
     lw_measure z;
     lw_reactions_driving(s->d, m, drive);
@@ -177,9 +197,27 @@ static double *put_reaction(lw_reaction r, double *to)
     return to;
 }
 
+/* Inner forces of the nodes of an elastic link, and its greatest stress. */
+static double *put_inner(const cli_simulate *s, const lw_moment *m, int chain, double *to)
+{
+    int n = lw_dynamics_elastic(s->d)->chain[chain].n_node;
+    double most = 0;
+    lw_reactions_inner(s->d, m, chain, s->inner);
+    for (int i = 0; i < n; i++) {
+        *to++ = s->inner[i].normal;
+        *to++ = s->inner[i].shear;
+        *to++ = s->inner[i].moment;
+        *to++ = s->inner[i].stress;
+        most = fabs(s->inner[i].stress) > fabs(most) ? s->inner[i].stress : most;
+    }
+    *to++ = most;
+    return to;
+}
+
 static void fill(const cli_simulate *s, const lw_moment *m, double *row)
 {
-    const lw_assembly *k = &s->model->linkage;
+    const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
+    const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
     double *drive = s->scratch + s->n_column + 3*lw_dynamics_system(s->d)->n_q;
     lw_reaction *joint = (lw_reaction *)(void *)(drive + k->n_input);
     double *to = row;
@@ -190,6 +228,8 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
     lw_reactions_joints(s->d, m, joint);
     for (int j = 0; j < k->n_joint; j++)
         to = put_reaction(joint[j], to);
+    for (int c = 0; elastic && c < elastic->n_chain; c++)
+        to = put_inner(s, m, c, to);
     to = put_reaction(lw_reactions_shaking(s->d, m), to);
     for (int i = 0; i < s->model->n_state; i++)
         *to++ = m->z[i];
@@ -197,6 +237,8 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
         *to++ = lw_forces_signal(lw_dynamics_forces(s->d), i, m->t, m->q, m->v);
     *to++ = m->kinetic;
     *to++ = m->potential;
+    if (elastic)
+        *to++ = lw_forces_strain(lw_dynamics_forces(s->d), m->q);
     *to++ = m->work;
     *to++ = m->off;
     *to++ = m->off_rate;
@@ -250,7 +292,7 @@ lw_status cli_simulate_row(void *context, const lw_moment *m)
 /* " A B", the inputs that start at rest because their speed is not given. */
 static void name_inputs_at_rest(const cli_simulate *s, char *text, size_t size)
 {
-    const lw_assembly *k = &s->model->linkage;
+    const lw_assembly *k = &lw_dynamics_model(s->d)->linkage;
     size_t used = 0;
     *text = '\0';
     for (int i = 0; i < lw_dynamics_system(s->d)->n_input && used < size; i++)
@@ -393,4 +435,5 @@ void cli_simulate_free(cli_simulate *s)
     free(s->q);
     free(s->column);
     free(s->scratch);
+    free(s->inner);
 }

@@ -18,6 +18,7 @@ typedef struct cli_simulate {
     int             n_column;
     cli_column     *column;
     double         *scratch;             /* one row, then series of the links and reactions             */
+    lw_inner_force *inner;               /* of the nodes of one elastic link                               */
     size_t          n_row, capacity;
     double         *row;                 /* (capacity * n_column)                                          */
     double         *q;                   /* (capacity * n_q)                                               */
@@ -43,6 +44,9 @@ void cli_simulate_report(const cli_simulate *s);
 /* Plot the columns whose names begin with one of a list (NULL: drives if an input has a motion, else energies). */
 lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e);
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e);
+
+/* Print what elastic links consist of and what follows for the analysis; nothing without them. */
+void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to);
 
 /* Print counterweights that keep the common centre of mass at rest, computed from the poses kept. */
 lw_status cli_simulate_balance(cli_simulate *s, FILE *f, lw_error *e);

@@ -6,16 +6,21 @@
 #include "base/real.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
+#include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/modes.h"
 
 typedef struct linear {
     const cli_call   *call;
-    const lw_model   *m;
+    const lw_model   *m;                 /* whose links the modes are of: nodes of elastic ones too */
+    lw_model         *given;
     const cli_linear *o;
-    lw_system s;
-    lw_forces f;
+    lw_dynamics *d;                      /* large models and elastic links; NULL: others */
+    lw_system own_s;
+    lw_forces own_f;
+    const lw_system *s;
+    const lw_forces *f;
     lw_modes  modes;
-    double    q[LW_SYSTEM_Q_MAX], peak[2*LW_SYSTEM_Q_MAX];
+    double   *q, peak[2*LW_SYSTEM_Q_MAX];
     FILE     *out;
     cli_json  j;
     int       n_posture, n_heard;
@@ -51,14 +56,14 @@ static void tail(linear *l)
 static void write_shape(linear *l, const lw_mode *m)
 {
     cli_json_array(&l->j, "shape");
-    for (int b = 0; b < l->s.n_body; b++) {
+    for (int b = 0; b < l->s->n_body; b++) {
         double v[6];
         for (int i = 0; i < 3; i++) {
-            v[i] = m->shape[3*b + i]*(i < 2 ? l->s.unit : 1.0);
+            v[i] = m->shape[3*b + i]*(i < 2 ? l->s->unit : 1.0);
             v[3 + i] = m->phase[3*b + i];
         }
         cli_json_object(&l->j, NULL);
-        cli_json_text(&l->j, "link", l->m->linkage.link_name[l->s.link[b]]);
+        cli_json_text(&l->j, "link", l->m->linkage.link_name[l->s->link[b]]);
         cli_json_reals(&l->j, "x_y_turn", v, 3);
         cli_json_reals(&l->j, "phase", v + 3, 3);
         cli_json_end(&l->j);
@@ -94,9 +99,9 @@ static void write_mode(linear *l, int k, double input)
 static void write_posture(linear *l)
 {
     double input = NAN;
-    if (l->s.n_input > 0) {
-        int j = l->s.input_joint[0];
-        input = l->s.input_value[0] + lw_system_joint_unit(&l->s, j)*lw_system_measure(&l->s, j, l->q, NULL);
+    if (l->s->n_input > 0) {
+        int j = l->s->input_joint[0];
+        input = l->s->input_value[0] + lw_system_joint_unit(l->s, j)*lw_system_measure(l->s, j, l->q, NULL);
     }
     l->n_posture++;
     if (l->call->common.json) {
@@ -140,10 +145,12 @@ static const lw_mode *growing(const lw_modes *m)
 static lw_status one(linear *l, bool rest, lw_error *e)
 {
     lw_modes_options o = { .hold_inputs = l->o->hold, .rest = rest };
-    lw_status s = lw_modes_find(&l->f, &o, l->o->t, l->q, &l->modes, e);
+    lw_modes_free(&l->modes);
+    lw_status s = l->d ? lw_modes_find_large(l->d, &o, l->o->modes, l->o->t, l->q, &l->modes, e)
+                : lw_modes_find(l->f, &o, l->o->t, l->q, &l->modes, e);
     if (s != LW_OK)
         return s;
-    if (l->o->fft && (s = lw_modes_from_spectra(&l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
+    if (l->o->fft && (s = lw_modes_from_spectra(l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
         return s;
     if (l->o->fft)
         compare(l);
@@ -151,13 +158,51 @@ static lw_status one(linear *l, bool rest, lw_error *e)
     return LW_OK;
 }
 
+/* Make a large model or one with elastic links ready, at its posture. */
+static lw_status open_large(linear *l, lw_error *e)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    o.from = l->o->t;
+    o.hold_inputs = l->o->hold;
+    o.rigid = l->o->rigid;
+    lw_dynamics_free(l->d);
+    lw_status s = lw_dynamics_make(l->given, &o, &l->d, e);
+    if (s != LW_OK)
+        return s;
+    l->s = lw_dynamics_system(l->d);
+    l->f = lw_dynamics_forces(l->d);
+    l->m = lw_dynamics_model(l->d);
+    size_t n = (size_t)l->s->n_q;
+    free(l->q);
+    l->q = calloc(2*n, sizeof *l->q);
+    if (!l->q)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_dynamics_start(l->d, l->q, l->q + n);
+    return LW_OK;
+}
+
+static lw_status open_small(linear *l, lw_error *e)
+{
+    lw_status s = lw_forces_system(l->m, false, &l->own_s, e);
+    if (s == LW_OK)
+        s = lw_forces_make(l->m, &l->own_s, NULL, &l->own_f, e);
+    l->s = &l->own_s;
+    l->f = &l->own_f;
+    if (s == LW_OK && !(l->q = calloc((size_t)l->own_s.n_q + 1, sizeof *l->q)))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        lw_system_posture(l->s, l->q);
+    return s;
+}
+
 /* Move input 0 from end to end. Links held by springs find their rest position with the inputs fixed. */
 static lw_status along(linear *l, lw_error *e)
 {
     const lw_input *in = &l->m->linkage.input[0];
-    if (l->s.n_input == 0)
+    if (l->s->n_input == 0)
         return lw_error_set(e, LW_E_ARG, "modes along the motion need an input, and the model has none");
-    bool pin = lw_joint_turns(l->s.joint[l->s.input_joint[0]].kind), whole = in->first == in->last;
+    bool pin = lw_joint_turns(l->s->joint[l->s->input_joint[0]].kind), whole = in->first == in->last;
     if (whole && !pin)
         return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a "
                             "\"from\" and a "
@@ -165,9 +210,18 @@ static lw_status along(linear *l, lw_error *e)
     double first = whole ? in->value : in->first, last = whole ? in->value + 2*LW_PI : in->last;
     lw_status s = LW_OK;
     for (int k = 0; s == LW_OK && k <= l->o->along && !cli_interrupted(); k++) {
-        s = lw_modes_move_input(&l->f, l->o->t, 0, first + (last - first)*k/l->o->along, l->q, e);
+        if (l->d) {                                        /* elastic: the input is held at each place */
+            char value[40];
+            snprintf(value, sizeof value, "%.17g", first + (last - first)*k/l->o->along);
+            s = lw_model_drive(l->given, 0, value, e);
+            s = s == LW_OK ? open_large(l, e) : s;
+            s = s == LW_OK ? one(l, l->o->rest, e) : s;
+            continue;
+        }
+        s = lw_modes_move_input(l->f, l->o->t, 0, first + (last - first)*k/l->o->along, l->q, e);
         if (s == LW_OK && l->o->rest) {
-            lw_status st = lw_modes_find(&l->f, &(lw_modes_options){ true, true }, l->o->t, l->q, &l->modes, e);
+            lw_modes_free(&l->modes);
+            lw_status st = lw_modes_find(l->f, &(lw_modes_options){ true, true }, l->o->t, l->q, &l->modes, e);
             s = st == LW_NOTHING ? LW_OK : st;
         }
         if (s == LW_OK)
@@ -178,12 +232,15 @@ static lw_status along(linear *l, lw_error *e)
 
 static void free_linear(linear *l)
 {
-    lw_forces_free(&l->f);
-    lw_system_free(&l->s);
+    lw_forces_free(&l->own_f);
+    lw_system_free(&l->own_s);
+    lw_dynamics_free(l->d);
+    lw_modes_free(&l->modes);
+    free(l->q);
     free(l);
 }
 
-int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linear *o)
+int cli_simulate_linear(const cli_call *call, lw_model *m, const cli_linear *o)
 {
     lw_error e = { 0 };
     lw_output out;
@@ -192,13 +249,15 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
         return cli_fail(call, &e);
     }
-    l->call = call, l->m = m, l->o = o;
-    if (lw_forces_system(m, false, &l->s, &e) != LW_OK || lw_forces_make(m, &l->s, NULL, &l->f, &e) != LW_OK
-        || cli_open(call, &out, &e) != LW_OK) {
+    l->call = call, l->m = l->given = m, l->o = o;
+    const lw_linkage *small;
+    bool large = m->n_elastic || lw_model_small(m, &small, NULL) != LW_OK;
+    if (large && o->fft)
+        lw_error_set(&e, LW_E_KIND, "--fft is for models of at most %d rigid links", LW_LINK_MAX);
+    if (e.status != LW_OK || (large ? open_large(l, &e) : open_small(l, &e)) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
         free_linear(l);
         return cli_fail(call, &e);
     }
-    lw_system_posture(&l->s, l->q);
     l->out = out.f;
     head(l);
     lw_status s = o->along > 0 ? along(l, &e) : one(l, o->rest, &e);

@@ -11,10 +11,12 @@ typedef struct cli_linear {
     bool   hold;                 /* inputs fixed                                                    */
     bool   fft;                  /* compare with the spectra of a free vibration                      */
     int    along;                /* > 0: that many intervals of input 0 from its first to its last value, or a turn */
+    int    modes;                /* slowest modes of a large or elastic model                        */
+    bool   rigid;                /* elastic links as rigid bars                                      */
     double t;                    /* time at which loads and motions are taken [s]                    */
 } cli_linear;
 
 /* Run the analysis and print tables or --json to the file of -o. Returns an exit code. */
-int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linear *o);
+int cli_simulate_linear(const cli_call *call, lw_model *m, const cli_linear *o);
 
 #endif

@@ -11,6 +11,7 @@
 
 #include <signal.h>
 #include "mbs/dynamics/forces.h"
+#include "mbs/elastic/expand.h"
 
 typedef enum lw_analysis {
     LW_ANALYSIS_TRANSIENT,       /* kinematic when every freedom is driven, else dynamic */
@@ -26,6 +27,7 @@ typedef enum lw_analysis {
  *     quadrature  K(s) = K0 + int Q ds, t = int sqrt(M/2K) ds, by Chebyshev points panel by panel
  *     reduced     M(s) s'' + M'(s)/2 s'^2 = Q in the input s of the plan, explicit method of order 8; friction is
  *                 set-valued
+ *     radau       the same equations by Radau IIA of order 5 with sparse derivatives
  *     index1      M a + J^T l = Q with J a = c solved in every evaluation, explicit method of order 8, the state put
  *                 back on the constraints after every step
  *     cvode       the same equations by an implicit method
@@ -34,6 +36,7 @@ typedef enum lw_analysis {
     X(DRIVEN, driven, "every freedom is driven: kinematics, then forces") \
     X(QUADRATURE, quadrature, "one freedom, forces by the posture alone: time is an integral") \
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
+    X(RADAU, radau, "implicit Runge-Kutta method of order 5, for elastic links") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
     X(CVODE, cvode, "the same by an implicit method, for smooth friction") \
     X(GGL, ggl, "differential-algebraic equations of index 2, for stiff dampers; no rigid stops")
@@ -58,6 +61,8 @@ typedef struct lw_dynamics_options {
     const volatile sig_atomic_t *stop;     /* the run ends when it is not 0; may be NULL */
     lw_caller_force force;       /* forces of the caller's own; apply NULL: none */
     bool pieces;                 /* no formulation that looks beyond the end, or back to the posture of the file */
+    bool           hold_inputs;  /* keep inputs without a motion where they are */
+    bool           rigid;        /* take elastic links as rigid bars of the same mass */
 } lw_dynamics_options;
 
 /* transient, auto, 0 to 1 s, 100 intervals, 1e-10 */
@@ -125,6 +130,11 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
 
 /* The formulation chosen: formulation, why, unknowns; the rest of the report is empty. */
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d);
+
+/* The model that is solved: that of _make, or the one with its elastic links as chains of elements, whose links are the
+ * nodes.  The chains; NULL: no link is elastic. */
+const lw_model     *lw_dynamics_model(const lw_dynamics *d);
+const lw_elastic_expansion *lw_dynamics_elastic(const lw_dynamics *d);
 
 const lw_system *lw_dynamics_system(const lw_dynamics *d);
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d);

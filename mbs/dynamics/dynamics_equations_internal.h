@@ -28,14 +28,17 @@
 typedef struct lw_row_pair { int row, other, body, to; } lw_row_pair;
 
 struct lw_dynamics {
-    const lw_model      *model;
+    const lw_model      *model;               /* that of the caller, or `expansion.model` or `rigid` */
+    lw_elastic_expansion         expansion;           /* elastic links as chains of elements */
+    lw_model             rigid;               /* elastic links as rigid bars */
+    bool                 elastic;
     lw_dynamics_options  o;
     lw_system            s;
     lw_forces            f;
     lw_planar            planar;              /* of the two, */
     lw_equations         eq;                  /* and what the solvers use of them */
     int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first */
-    bool    large;                            /* more parts than a linkage holds: no way by rank */
+    bool    large;                            /* more parts than a linkage holds, or elastic links: no way by rank */
     int     n_driven, *driven;                /* inputs with a motion */
     int     n_stop;                           /* rigid stops */
     lw_rigid_stop *stop;

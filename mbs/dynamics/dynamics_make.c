@@ -10,6 +10,8 @@
 static const double nudge = 0.02;        /* distance at which the rank is checked again, scaled */
 
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
+const lw_model *lw_dynamics_model(const lw_dynamics *d) { return d->model; }
+const lw_elastic_expansion *lw_dynamics_elastic(const lw_dynamics *d) { return d->elastic ? &d->expansion : NULL; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d) { return &d->f; }
 bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i) { return d->at_rest[i]; }
@@ -90,6 +92,8 @@ void lw_dynamics_free(lw_dynamics *d)
     lw_cholesky_free(&d->schur);
     lw_forces_free(&d->f);
     lw_system_free(&d->s);
+    lw_elastic_expansion_free(&d->expansion);
+    lw_elastic_rigid_free(&d->rigid);
     free(d);
 }
 
@@ -402,7 +406,7 @@ static void find_special_joints(lw_dynamics *d)
             d->friction[d->n_friction++] = lw_friction_joint_of(m, j);
         }
     for (int i = 0; i < d->s.n_input; i++)
-        if (m->motion[i])
+        if (m->motion[i] || d->o.hold_inputs)
             d->driven[d->n_driven++] = i;
     for (int i = 0; i < d->n_q; i++)
         d->has_zero_mass = d->has_zero_mass || !(d->f.mass[i] > 0);
@@ -413,26 +417,79 @@ static lw_status check_large(const lw_dynamics *d, lw_error *e)
 {
     for (int b = 0; b < d->s.n_body; b++)
         if (!(d->f.mass[3*b] > 0 && d->f.mass[3*b + 2] > 0))
-            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model with more than %d "
-                                "links every link has them", d->model->linkage.link_name[d->s.link[b]], LW_LINK_MAX);
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model with elastic links "
+                                "or more than %d links every link has them", d->model->linkage.link_name[d->s.link[b]],
+                                LW_LINK_MAX);
     if (d->n_stop > 0)
-        return lw_error_set(e, LW_E_KIND, "rigid stops are possible with at most %d links; give the stop at joint \"%s\" a "
-                            "\"stiffness\"", LW_LINK_MAX, d->model->linkage.joint[d->stop[0].joint].name);
+        return lw_error_set(e, LW_E_KIND, "rigid stops are possible with at most %d links, none of them elastic; give the stop "
+                            "at joint \"%s\" a \"stiffness\"", LW_LINK_MAX, d->model->linkage.joint[d->stop[0].joint].name);
     if (d->n_friction > LW_JOINT_MAX)
         return lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
     return LW_OK;
 }
 
+/* Start elastic links undeformed, with the posture and the velocities of the same model with rigid links.  LW_NOTHING: it
+ * has none. */
+static lw_status start_as_rigid(lw_dynamics *d, const lw_model *given)
+{
+    lw_dynamics *r = calloc(1, sizeof *r);
+    lw_error ignored = { 0 };
+    if (!r)
+        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    r->model = given;
+    r->o = d->o;
+    r->o.rigid = true;
+    lw_status s = lw_dynamics_prepare(r, &ignored) == LW_OK ? LW_OK : LW_NOTHING;
+    for (int b = 0; s == LW_OK && b < d->s.n_body; b++) {
+        int link = d->s.link[b], body;
+        for (int k = 0; k < d->expansion.n_chain; k++)
+            for (int i = 1; i < d->expansion.chain[k].n_node; i++)
+                link = d->expansion.chain[k].node[i] == d->s.link[b] ? d->expansion.chain[k].link : link;
+        body = r->s.body[link];
+        lw_vec2 at = lw_v2_scale(lw_v2_sub(d->s.reference[b], lw_v2(0, 0)), d->s.unit);      /* the posture; origin (0, 0) */
+        lw_vec2 arm = lw_system_arm(&r->s, body, at), now = lw_system_point(&r->s, body, arm, r->start_q);
+        const double *q = r->start_q + 3*body, *v = r->start_v + 3*body;
+        lw_vec2 turned = lw_v2_scale(lw_v2_turn(arm, lw_v2_polar(1, q[2])), r->s.unit);
+        lw_vec2 rate = lw_v2_add(lw_v2_scale(lw_v2(v[0], v[1]), r->s.unit), lw_v2_scale(lw_v2_perp(turned), v[2]));
+        double *to = d->start_q + 3*b, *to_v = d->start_v + 3*b;
+        to[0] = now.x/d->s.unit, to[1] = now.y/d->s.unit, to[2] = q[2];
+        to_v[0] = rate.x/d->s.unit, to_v[1] = rate.y/d->s.unit, to_v[2] = v[2];
+    }
+    for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
+        d->at_rest[i] = r->at_rest[i];
+    d->moved = r->moved;
+    d->moved_rate = r->moved_rate;
+    lw_dynamics_free(r);
+    if (s == LW_OK)
+        s = lw_mbs_arrange(d, d->o.from, d->start_q);
+    if (s == LW_OK)
+        s = lw_mbs_project_q(d, d->o.from, d->start_q, 0.01);
+    if (s == LW_OK)
+        s = lw_mbs_project_v(d, d->o.from, d->start_v);
+    if (s == LW_OK && d->n_kept != d->n_c)
+        s = rank_nearby_large(d, d->o.from, d->start_q, d->start_v);
+    return s == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : s == LW_OPEN ? LW_NOTHING : s;
+}
+
 lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
 {
-    const lw_model *m = d->model;
+    const lw_model *m = d->model, *given = m;
     for (int j = 0; j < m->linkage.n_joint; j++)
         if (m->clearance[j].model > LW_CLEARANCE_ZERO)
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a clearance; \"linkwright clearance\" runs such models",
                                 m->linkage.joint[j].name);
+    lw_status s = LW_OK;
+    if (m->n_elastic) {
+        d->elastic = !d->o.rigid;
+        d->model = d->elastic ? &d->expansion.model : &d->rigid;
+        s = d->elastic ? lw_elastic_expand(m, &d->expansion, e) : lw_elastic_rigid(m, &d->rigid, e);
+        if (s != LW_OK)
+            return s;
+        m = d->model;
+    }
     const lw_linkage *small;
-    d->large = lw_model_small(m, &small, NULL) != LW_OK;
-    lw_status s = lw_forces_system(m, true, &d->s, e);
+    d->large = d->elastic || lw_model_small(m, &small, NULL) != LW_OK;
+    s = lw_forces_system(m, true, &d->s, e);
     if (s == LW_OK)
         s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);
     if (s == LW_OK)
@@ -449,6 +506,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     if ((s = reserve(d, e)) != LW_OK)
         return s;
     d->e = e;
+    if (d->elastic && (s = start_as_rigid(d, given)) != LW_NOTHING)
+        return s;
     if ((s = find_posture(d, e)) == LW_OK)
         s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
     if (s == LW_OK)

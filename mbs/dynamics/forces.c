@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "mbs/elastic/beam.h"
 
 /* ---- making ------------------------------------------------------------------------------------ */
 
@@ -48,6 +49,9 @@ lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_er
 {
     const lw_assembly *linkage = &m->linkage;
     memset(s, 0, sizeof *s);
+    if (m->n_elastic)
+        return lw_error_set(e, LW_E_KIND, "this analysis takes no elastic links, and the model has %d; \"linkwright simulate\" "
+                            "does, or make them rigid", m->n_elastic);
     if (!any_size && (linkage->n_link > LW_LINK_MAX || linkage->n_joint > LW_JOINT_MAX || linkage->n_input > LW_INPUT_MAX
                       || linkage->n_tracer > LW_TRACER_MAX))
         return lw_error_set(e, LW_E_KIND, "%d links and %d joints are too many for this analysis: at most %d and %d; only "
@@ -133,8 +137,10 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
     }
     for (int i = 0; i < m->n_force; i++)
         f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], m->force[i].at);
+    for (int i = 0; i < m->n_beam; i++)
+        f->conservative = f->conservative && m->beam[i].damping == 0;
     make_stops(f);
-    f->any_state = m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || f->n_stop;
+    f->any_state = m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || f->n_stop || m->n_beam;
     if (caller && caller->apply) {
         f->caller = *caller;
         f->conservative = false;
@@ -472,6 +478,44 @@ static void add_caller_derivatives(const lw_forces *f, double t, const double *q
     }
 }
 
+/* Coordinates of the nodes of a beam element in m and rad, and their rates. */
+static void beam_nodes(const lw_forces *f, const lw_beam *b, const double *q, const double *v, double x[6], double rate[6])
+{
+    for (int i = 0; i < 6; i++) {
+        int at = 3*f->system->body[b->link[i/3]] + i%3;
+        double unit = i%3 == 2 ? 1 : f->system->unit;
+        x[i] = unit*q[at];
+        rate[i] = unit*v[at];
+    }
+}
+
+void lw_forces_beam(const lw_forces *f, int beam, const double *q, const double *v, bool derivatives, lw_beam_state *out)
+{
+    double x[6], rate[6];
+    beam_nodes(f, &f->model->beam[beam], q, v, x, rate);
+    lw_beam_at(&f->model->beam[beam], x, rate, derivatives, out);
+}
+
+static void apply_beams(const lw_forces *f, const double *q, const double *v, sum *to)
+{
+    lw_beam_state z;
+    for (int k = 0; k < f->model->n_beam; k++) {
+        const lw_beam *b = &f->model->beam[k];
+        int first[2] = { 3*f->system->body[b->link[0]], 3*f->system->body[b->link[1]] };
+        lw_forces_beam(f, k, q, v, to->second, &z);
+        for (int i = 0; i < 6; i++) {
+            double unit = i%3 == 2 ? 1 : f->system->unit;
+            to->force[first[i/3] + i%3] += unit*z.force[i];
+            for (int j = 0; to->second && j < 6; j++) {
+                double both = unit*(j%3 == 2 ? 1 : f->system->unit);
+                put(to, first[i/3] + i%3, first[j/3] + j%3, both*z.by_x[i][j], both*z.by_v[i][j]);
+            }
+        }
+        for (int i = 0; i < 3; i++)
+            to->power -= b->stiffness[i]*b->damping*z.rate[i]*z.rate[i];
+    }
+}
+
 static void apply_all(const lw_forces *f, double t, const double *q, const double *v, sum *to)
 {
     memcpy(to->force, f->weight, (size_t)to->n*sizeof *to->force);
@@ -480,6 +524,7 @@ static void apply_all(const lw_forces *f, double t, const double *q, const doubl
     apply_springs(f, t, q, v, to);
     apply_stops(f, q, v, to);
     apply_motors(f, q, v, to);
+    apply_beams(f, q, v, to);
     for (int i = 0; i < f->model->n_force; i++) {
         apply_component(f, i, 0, f->model->force[i].fx, t, q, v, to);
         apply_component(f, i, 1, f->model->force[i].fy, t, q, v, to);
@@ -624,6 +669,8 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
         add_pair(sink, s->joint[f->stop_joint[i]].body);
     for (int i = 0; i < m->n_motor; i++)
         add_pair(sink, s->joint[m->motor[i].joint].body);
+    for (int i = 0; i < m->n_beam; i++)
+        add_pair(sink, (int[]){ s->body[m->beam[i].link[0]], s->body[m->beam[i].link[1]] });
     for (int i = 0; i < m->n_force; i++) {
         int body[2] = { s->body[m->force[i].link], -1 };
         add_block(sink, body[0], body[0]);
@@ -641,6 +688,16 @@ double lw_forces_kinetic(const lw_forces *f, const double *v)
     for (int i = 0; i < f->system->n_q; i++)
         twice += f->mass[i]*v[i]*v[i];
     return 0.5*twice;
+}
+
+double lw_forces_strain(const lw_forces *f, const double *q)
+{
+    double energy = 0, x[6], rate[6];
+    for (int i = 0; i < f->model->n_beam; i++) {
+        beam_nodes(f, &f->model->beam[i], q, q, x, rate);
+        energy += lw_beam_energy(&f->model->beam[i], x);
+    }
+    return energy;
 }
 
 double lw_forces_potential(const lw_forces *f, const double *q)
@@ -672,7 +729,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
         double in = depth(p, l.value, &sense);
         energy += 0.5*p->stiffness*in*in;
     }
-    return energy;
+    return energy + lw_forces_strain(f, q);
 }
 
 /* ---- measures ---------------------------------------------------------------------------------- */

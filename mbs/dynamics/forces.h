@@ -13,6 +13,7 @@
 
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"
+#include "mbs/elastic/beam.h"
 
 typedef struct lw_forces {
     const lw_model  *model;                 /* the caller's; must outlive this */
@@ -34,7 +35,7 @@ typedef struct lw_forces {
 } lw_forces;
 
 /* The system of a model with reference points in the centres of mass, as lw_forces needs it.  any_size false: LW_E_KIND
- * when the model has more parts than a linkage holds (grammar/linkage.h).  s needs lw_system_free. */
+ * when the model has more parts than a linkage holds (grammar/linkage.h), or elastic links.  s needs lw_system_free. */
 lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_error *e);
 
 /* caller: forces of the caller's own; NULL or apply NULL: none.  f needs lw_forces_free. */
@@ -73,7 +74,13 @@ double lw_forces_signal(const lw_forces *f, int i, double t, const double *q, co
  * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3]);
 
-/* Potential of gravity (0 in the posture), linear springs and compliant stops; kinetic energy [J]. */
+/* An element of the model at a moment (mbs/elastic/beam.h). */
+void lw_forces_beam(const lw_forces *f, int beam, const double *q, const double *v, bool derivatives, lw_beam_state *out);
+
+/* Strain energy of all elements [J]. */
+double lw_forces_strain(const lw_forces *f, const double *q);
+
+/* Potential of gravity (0 in the posture), linear springs, compliant stops and elements; kinetic energy [J]. */
 double lw_forces_potential(const lw_forces *f, const double *q);
 double lw_forces_kinetic(const lw_forces *f, const double *v);
 

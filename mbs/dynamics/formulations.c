@@ -51,7 +51,13 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->moved = d->moved;
     r->moved_rate = d->moved_rate;
     r->t = d->o.from;
-    if (d->large && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
+    if (d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
+        return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "
+                            "(dynamic) or --rigid, or see its equilibrium (static)");
+    for (int i = 0; i < d->model->n_beam; i++)
+        if (d->model->beam[i].consistent && a != LW_ANALYSIS_STATIC)
+            return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
+    if (d->large && !d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
         return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
                             "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->model->linkage.n_link);
     for (int i = 0; i < d->n_friction; i++)

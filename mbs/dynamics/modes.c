@@ -18,21 +18,23 @@
 static void set_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode)
 {
     int n = v->n_q, top = 0;
-    double a[LW_SYSTEM_Q_MAX] = { 0.0 }, b[LW_SYSTEM_Q_MAX] = { 0.0 };
+    double *a = mode->shape, *b = mode->phase;
     for (int k = 0; k < v->n_free; k++)
         for (int i = 0; i < n; i++) {
             a[i] += re[k]*v->null[k*n + i];
             b[i] += im ? im[k]*v->null[k*n + i] : 0.0;
         }
     for (int i = 0; i < n; i++) {
-        mode->shape[i] = hypot(a[i], b[i]);
-        top = mode->shape[i] > mode->shape[top]*(1.0 + 1e-9) ? i : top;
+        double size = hypot(a[i], b[i]);
+        b[i] = atan2(b[i], a[i]);
+        a[i] = size;
+        top = size > a[top]*(1.0 + 1e-9) ? i : top;
     }
-    double greatest = mode->shape[top], phase = atan2(b[top], a[top]);
+    double greatest = a[top], phase = b[top];
     for (int i = 0; i < n && greatest > 0.0; i++) {
-        mode->shape[i] /= greatest;
-        mode->phase[i] = mode->shape[i] > NEGLIGIBLE ? remainder(atan2(b[i], a[i]) - phase, 2.0*LW_PI) : 0.0;
-        mode->shape[i] = mode->shape[i] > NEGLIGIBLE ? mode->shape[i] : 0.0;
+        a[i] /= greatest;
+        b[i] = a[i] > NEGLIGIBLE ? remainder(b[i] - phase, 2.0*LW_PI) : 0.0;
+        a[i] = a[i] > NEGLIGIBLE ? a[i] : 0.0;
     }
 }
 
@@ -52,6 +54,14 @@ static int by_size(const void *a, const void *b)
     return (x->natural > y->natural) - (x->natural < y->natural);
 }
 
+static lw_mode *add(lw_modes *out, double re, double im)
+{
+    assert(out->n_mode < 2*LW_SYSTEM_Q_MAX);
+    lw_mode *m = &out->mode[out->n_mode++];
+    set_numbers(m, re, im);
+    return m;
+}
+
 /* ---- eigenvalues --------------------------------------------------------------------------------- */
 
 /* Undamped: w = s^2.  Below 0 it is a vibration; above, a pair of real values, of which the growing one is reported. */
@@ -68,7 +78,7 @@ static lw_status conservative(const lw_vibration *v, double *memory, lw_modes *o
     for (int i = 0; s == LW_OK && i < n; i++)
         most = fmax(most, fabs(w[i]));
     for (int i = 0; s == LW_OK && i < n; i++) {
-        lw_mode *mode = &out->mode[out->n_mode++];
+        lw_mode *mode = add(out, 0.0, 0.0);
         double square_rate = fabs(w[i]) <= NEGLIGIBLE*most ? 0.0 : w[i];     /* a free motion, but for rounding */
         set_numbers(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
         set_shape(v, x + i*n, NULL, mode);
@@ -155,14 +165,6 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *memory)
         b->alone[i] = k <= NEGLIGIBLE*b->k_most && c <= NEGLIGIBLE*b->c_most;
     }
     return LW_OK;
-}
-
-static lw_mode *add(lw_modes *out, double re, double im)
-{
-    assert(out->n_mode < 2*LW_SYSTEM_Q_MAX);
-    lw_mode *m = &out->mode[out->n_mode++];
-    set_numbers(m, re, im);
-    return m;
 }
 
 /* Solve s^2 + c s + k = 0; the result is 0 or a double root where only rounding speaks against it. */
@@ -269,12 +271,23 @@ static const char *lightest(const lw_vibration *v)
     return v->f->model->linkage.link_name[v->f->system->link[top/3]];
 }
 
-static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
+void lw_modes_free(lw_modes *modes)
 {
-    size_t n = (size_t)v->n_free;
+    free(modes->memory);
+    memset(modes, 0, sizeof *modes);
+}
+
+lw_status lw_modes_solve(lw_vibration *v, lw_modes *out, lw_error *e)
+{
+    size_t n = (size_t)v->n_free, n_q = (size_t)v->n_q;
     double *memory = calloc(17*n*n + 8*n + 1, sizeof *memory);
-    if (!memory)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for eigenvalues");
+    out->memory = calloc(4*n*n_q + 1, sizeof *out->memory);
+    for (size_t k = 0; out->memory && k < 2*n; k++) {
+        out->mode[k].shape = out->memory + 2*k*n_q;
+        out->mode[k].phase = out->mode[k].shape + n_q;
+    }
+    if (!memory || !out->memory)
+        return free(memory), lw_error_set(e, LW_E_MEMORY, "no memory for eigenvalues");
     out->conservative = is_conservative(v);
     lw_status s = out->conservative ? conservative(v, memory, out) : damped(v, memory, out);
     free(memory);
@@ -339,7 +352,7 @@ lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t,
         s = lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
     if (s == LW_OK) {
         modes->unbalanced = unbalanced(&v);
-        s = solve(&v, modes, e);
+        s = lw_modes_solve(&v, modes, e);
     }
     lw_vibration_free(&v);
     return s;

@@ -18,8 +18,7 @@ typedef struct lw_mode {
     double frequency;            /* im/(2 pi) [Hz] */
     double natural;              /* |s|/(2 pi) [Hz] */
     double damping;              /* -re/|s|; 0 for s = 0; below 0 the motion grows */
-    double shape[LW_SYSTEM_Q_MAX], phase[LW_SYSTEM_Q_MAX];
-                                 /* coordinate i moves as shape_i cos(im t + phase_i) exp(re t); greatest shape 1;
+    double *shape, *phase;       /* (n_q) coordinate i moves as shape_i cos(im t + phase_i) exp(re t); greatest shape 1;
                                     coordinates are those of the system, scaled */
 } lw_mode;
 
@@ -30,18 +29,31 @@ typedef struct lw_modes {
     double  unbalanced;          /* greatest generalised force left without constraint, over the greatest of all */
     bool    conservative;        /* no damping, symmetric stiffness: eigenvalues are exactly imaginary, 0 or real */
     lw_mode mode[2*LW_SYSTEM_Q_MAX];
+    double *memory;              /* of the shapes */
 } lw_modes;
+
+void lw_modes_free(lw_modes *modes);
+
+#define LW_MODES_DEFAULT 20          /* modes of a large model that are looked for unless told otherwise */
 
 typedef struct lw_modes_options {
     bool hold_inputs;            /* hold every input, not only those with a motion */
     bool rest;                   /* move to the static equilibrium first */
 } lw_modes_options;
 
-/* Modes about q (n_q), which is put on the constraints and, with o->rest, moved to equilibrium.  Loads are those at
+/* modes needs lw_modes_free after each call.
+ *
+ * Modes about q (n_q), which is put on the constraints and, with o->rest, moved to equilibrium.  Loads are those at
  * time t.  LW_NOTHING: no freedom is left.  LW_E_ARG: a motion has no mass (the link is named).  LW_OPEN: no posture
  * on the constraints is near q.  LW_E_NUMERIC: no equilibrium was found. */
 lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
                         lw_error *e);
+
+/* The same for models of any size, with elastic links: the `wanted` slowest modes, at most LW_SYSTEM_Q_MAX/2 - 2.  Inputs with a
+ * motion are held where d holds them; o->hold_inputs is not looked at. */
+struct lw_dynamics;
+lw_status lw_modes_find_large(struct lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
+                              lw_error *e);
 
 /* Move q to where input `input` has the value [rad] or [m] and the other inputs stay, in steps of a twentieth of the
  * size of the linkage or of a radian, which keeps the assembly mode.  LW_OPEN: q does not get there and is as far as

@@ -72,3 +72,22 @@ lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m)
     }
     return r;
 }
+
+void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out)
+{
+    const lw_elastic_chain *c = &lw_dynamics_elastic(d)->chain[chain];
+    memset(out, 0, (size_t)c->n_node*sizeof *out);
+    for (int i = 0; i + 1 < c->n_node; i++) {
+        lw_beam_state z;
+        lw_forces_beam(lw_dynamics_forces(d), c->first_beam + i, m->q, m->v, false, &z);
+        for (int end = 0; end < 2; end++) {
+            lw_inner_force *to = &out[i + end];
+            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5;
+            double stress = lw_section_stress(&c->elastic->section, z.normal, z.moment[end]);
+            to->normal += share*z.normal;
+            to->shear += share*z.shear;
+            to->moment += share*z.moment[end];
+            to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+        }
+    }
+}

@@ -341,6 +341,8 @@ static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
     double margin;
     r->known = NAN;
     r->dynamics = d;
+    if (d->elastic)
+        return no(why, "elastic links");
     if (d->freedom != 1 || d->n_driven)
         return no(why, d->n_driven ? "inputs with a motion beside free ones" : "more than one freedom");
     lw_status s = look_at_loads(d, r, why);

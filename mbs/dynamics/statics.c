@@ -15,8 +15,6 @@
 
 #define CONVERGED 1e-11                  /* two steps below this in a row: rounding stops Newton's method */
 
-static const double still[LW_SYSTEM_Q_MAX];
-
 /* Solve (K + shift W) x = load by Cholesky's method, with W the masses and a small multiple of I.  false: not
  * positive definite. */
 static bool solve_shifted(const lw_vibration *v, double shift, double little, double *x)
@@ -167,6 +165,8 @@ lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_er
 {
     lw_vibration v;
     *r = (lw_rest){ 0 };
+    if (d->large)
+        return lw_statics_rest_large(d, t, q, r, e);
     memcpy(q, d->start_q, sizeof *q*(size_t)d->n_q);
     if (lw_vibration_make(&d->f, false, t, q, &v) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -188,11 +188,17 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
         s = lw_mbs_factor(d, true);
     if (s != LW_OK)
         return lw_error_set(e, LW_E_NUMERIC, "the posture of rest is singular: its reactions do not exist");
-    lw_moment m = { .t = t, .q = q, .v = still, .a = still, .l = d->l, .potential = lw_forces_potential(&d->f, q),
+    double *rest = d->v_try;                     /* the start of a static analysis is not needed any more */
+    memset(rest, 0, (size_t)d->n_q*sizeof *rest);
+    lw_moment m = { .t = t, .q = q, .v = rest, .a = rest, .l = d->l, .potential = lw_forces_potential(&d->f, q),
                     .unique = d->rank == d->n_c };
     for (int r = 0; r < d->n_c; r++)
         m.off = fmax(m.off, fabs(d->phi[r]));
-    lw_forces_apply(&d->f, t, q, still, d->force, NULL, NULL, NULL);
-    lw_rank_solve(&d->rank_of, d->force, d->l);
+    lw_forces_apply(&d->f, t, q, rest, d->force, NULL, NULL, NULL);
+    if (d->large) {
+        memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+        lw_mbs_linear(d, d->force, d->rhs, d->a, d->l);
+    } else
+        lw_rank_solve(&d->rank_of, d->force, d->l);
     return sink(context, &m);
 }

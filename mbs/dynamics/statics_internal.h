@@ -8,4 +8,7 @@
 /* Move q downhill to equilibrium, a stable one where there is one near.  LW_NOTHING: the forces drive it away. */
 lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e);
 
+/* The same from the start of d, for models of any size (mbs/dynamics/statics_large.c): as lw_statics_rest. */
+lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e);
+
 #endif

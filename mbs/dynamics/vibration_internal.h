@@ -3,7 +3,7 @@
 #define LW_MBS_DYNAMICS_VIBRATION_INTERNAL_H
 
 #include "base/rank.h"
-#include "mbs/dynamics/forces.h"
+#include "mbs/dynamics/modes.h"
 
 /* Equations of one posture: rows (system, then held inputs), null space, reduced matrices. */
 typedef struct lw_vibration {
@@ -27,6 +27,9 @@ void      lw_vibration_free(lw_vibration *v);
 
 /* Put q on the rows by the least change.  LW_OPEN: no posture near q. */
 lw_status lw_vibration_project(lw_vibration *v, double *q);
+
+/* Modes of the reduced matrices, n_free at most LW_SYSTEM_Q_MAX; the rest of *out is unchanged. */
+lw_status lw_modes_solve(lw_vibration *v, lw_modes *out, lw_error *e);
 
 /* Null space, multipliers and reduced matrices at (t, q). */
 lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q);

@@ -1,0 +1,28 @@
+/* grammar/section.h - cross-sections and materials of elastic links.
+ *
+ * Axes: x along the bar, y the height, z the width.  In a planar model y lies in the plane.  zeta is the shear factor of
+ * Timoshenko's beam, zeta = A/I^2 int (S/width)^2 dA, with S the static moment of what lies beyond (Makkonen 1999,
+ * appendix A): 6/5 for a rectangle, 10/9 for a circle, 2 for a thin tube, A/A_web where webs carry the shear. */
+#ifndef LW_GRAMMAR_SECTION_H
+#define LW_GRAMMAR_SECTION_H
+
+#include "base/error.h"
+
+typedef struct lw_section {
+    double area;                     /* [m^2] */
+    double iy, iz;                   /* second moments for bending out of the plane (about y) and in it (about z) [m^4] */
+    double it;                       /* torsion constant [m^4] */
+    double zeta_y, zeta_z;           /* shear factors for forces along y and z */
+    double y, z;                     /* distance of the outermost fibre from the axis [m] */
+} lw_section;
+
+typedef struct lw_material { double e, g, density; } lw_material;       /* [N/m^2] [N/m^2] [kg/m^3] */
+
+struct lw_json_node;
+
+/* Read a section {"shape": ..., ...} with lengths times `metre`, or a material: a name or {"E", "G" or "nu", "density"}.
+ * LW_E_NOTATION with line and column. */
+lw_status lw_section_read(const struct lw_json_node *n, double metre, lw_section *s, lw_error *e);
+lw_status lw_material_read(const struct lw_json_node *n, lw_material *m, lw_error *e);
+
+#endif

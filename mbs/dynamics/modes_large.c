@@ -1,0 +1,262 @@
+/* mbs/dynamics/modes_large.c - the slowest modes of models of any size: Lanczos's method on the inverse.
+ *
+ * (K + s M) z + J^T l = M x, J z = 0 gives z from x; the eigenvalues of this map are 1/(w^2 + s) (Ericsson & Ruhe 1980).  The
+ * shift s makes the matrix regular where motions are free.  Vectors stay orthogonal in the metric of the masses by full
+ * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
+ * it is repeated until it finds none below the greatest.  Damped modes are those of the equations reduced to twice as many
+ * undamped modes as are wanted, which is exact where damping is proportional to the stiffness. */
+#include <stdlib.h>
+#include <string.h>
+#include "base/real.h"
+#include "base/rng.h"
+#include "mbs/dynamics/modes_eigen_internal.h"
+#include "mbs/dynamics/statics_internal.h"
+#include "mbs/dynamics/tangent_internal.h"
+
+typedef struct lanczos {
+    lw_dynamics *d;
+    lw_tangent   tangent;
+    int     n, most;                 /* velocities; vectors */
+    double  shift;
+    const double *q;
+    double *basis, *heavy;           /* (most + 1 vectors of n) vectors, and M times these */
+    double *found, *found_heavy, *value;     /* modes, M times these, w^2 */
+    int     n_found;
+    double *b;                       /* (n + c) */
+} lanczos;
+
+static double dot(const double *a, const double *b, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i]*b[i];
+    return sum;
+}
+
+/* x loses its part along the modes found and along the first k vectors, twice; returns its length in the metric of the
+ * masses, and M x in heavy. */
+static double orthogonal(lanczos *z, double *x, double *heavy, int k)
+{
+    for (int twice = 0; twice < 2; twice++) {
+        for (int j = 0; j < z->n_found; j++) {
+            double part = dot(x, z->found_heavy + (size_t)j*(size_t)z->n, z->n);
+            for (int i = 0; i < z->n; i++)
+                x[i] -= part*z->found[(size_t)j*(size_t)z->n + (size_t)i];
+        }
+        for (int j = 0; j < k; j++) {
+            double part = dot(x, z->heavy + (size_t)j*(size_t)z->n, z->n);
+            for (int i = 0; i < z->n; i++)
+                x[i] -= part*z->basis[(size_t)j*(size_t)z->n + (size_t)i];
+        }
+    }
+    lw_tangent_mass(&z->tangent, z->q, x, heavy);
+    double size = sqrt(fmax(dot(x, heavy, z->n), 0));
+    for (int i = 0; size > 0 && i < z->n; i++) {
+        x[i] /= size;
+        heavy[i] /= size;
+    }
+    return size;
+}
+
+/* x = the map of what has the heavy vector `from`. */
+static void apply(lanczos *z, const double *from, double *x)
+{
+    memcpy(z->b, from, (size_t)z->n*sizeof *z->b);
+    memset(z->b + z->n, 0, (size_t)z->tangent.c*sizeof *z->b);
+    lw_tangent_solve(&z->tangent, z->b);
+    memcpy(x, z->b, (size_t)z->n*sizeof *x);
+}
+
+/* One run of at most z->most vectors from a random one.  Adds the modes that have converged, of the greatest |1/(w^2 + s)|
+ * first and at most `wanted`; returns how many.  -1: out of memory. */
+static int one_run(lanczos *z, lw_rng *rng, int wanted)
+{
+    int n = z->n, k = 0, added = 0;
+    size_t m = (size_t)z->most;
+    double *work = calloc(3*m*m + 4*m + 4, sizeof *work), *alpha = work + 3*m*m, *beta = alpha + m + 1, *w = beta + m + 1;
+    if (!work)
+        return -1;
+    for (int i = 0; i < n; i++)
+        z->heavy[i] = lw_rng_uniform(rng) - 0.5;
+    for (int i = 0; i < n; i++)
+        z->heavy[i] *= z->d->f.mass[i];
+    apply(z, z->heavy, z->basis);
+    double size = orthogonal(z, z->basis, z->heavy, 0), least = 0;
+    apply(z, z->heavy, z->basis);            /* twice: into the motions that the rows allow */
+    size = orthogonal(z, z->basis, z->heavy, 0);
+    for (k = 0; k < z->most && size > least; k++) {
+        double *x = z->basis + (size_t)(k + 1)*(size_t)n, *heavy = z->heavy + (size_t)(k + 1)*(size_t)n;
+        apply(z, z->heavy + (size_t)k*(size_t)n, x);
+        alpha[k] = dot(x, z->heavy + (size_t)k*(size_t)n, n);
+        beta[k] = size = orthogonal(z, x, heavy, k + 1);
+        least = 1e-13*fabs(alpha[0]);
+    }
+    double *a = work, *unit = work + (size_t)k*(size_t)k, *vectors = unit + (size_t)k*(size_t)k;
+    for (int i = 0; i < k; i++) {
+        a[i*k + i] = alpha[i];
+        unit[i*k + i] = 1;
+        if (i + 1 < k)
+            a[i*k + i + 1] = a[(i + 1)*k + i] = beta[i];
+    }
+    if (k > 0 && lw_eigen_symmetric(k, a, unit, w, vectors) == LW_OK)
+        for (int pick = 0; pick < k && added < wanted; pick++) {
+            int best = 0;
+            for (int i = 1; i < k; i++)
+                best = fabs(w[i]) > fabs(w[best]) ? i : best;
+            double theta = w[best], *to = z->found + (size_t)z->n_found*(size_t)n;
+            w[best] = 0;
+            if (!(fabs(theta) > 0) || fabs(beta[k - 1]*vectors[best*k + k - 1]) > 1e-10*fabs(theta))
+                break;
+            memset(to, 0, (size_t)n*sizeof *to);
+            for (int j = 0; j < k; j++)
+                for (int i = 0; i < n; i++)
+                    to[i] += vectors[best*k + j]*z->basis[(size_t)j*(size_t)n + (size_t)i];
+            double *heavy = z->found_heavy + (size_t)z->n_found*(size_t)n;
+            lw_tangent_mass(&z->tangent, z->q, to, heavy);
+            double length = sqrt(dot(to, heavy, n));
+            for (int i = 0; i < n; i++) {
+                to[i] /= length;
+                heavy[i] /= length;
+            }
+            z->value[z->n_found++] = 1/theta - z->shift;
+            added++;
+        }
+    free(work);
+    return added;
+}
+
+/* Fill the modes: at least `wanted` of the slowest, if there are as many. */
+static lw_status find_modes(lanczos *z, int wanted, int room)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, 1, 0);
+    for (int run = 0; run < 20 && z->n_found < room; run++) {
+        int before = z->n_found, ask = before < wanted ? wanted - before : 1;
+        double slow = 0;
+        for (int i = 0; i < before; i++)
+            slow = fmax(slow, fabs(z->value[i]));
+        int added = one_run(z, &rng, ask < room - before ? ask : room - before);
+        if (added < 0)
+            return LW_E_MEMORY;
+        bool new_one = false;
+        for (int i = before; i < z->n_found; i++)
+            new_one = new_one || fabs(z->value[i]) < slow*(1 - 1e-9);
+        if (added == 0 || (before >= wanted && !new_one))
+            break;
+    }
+    return z->n_found > 0 ? LW_OK : LW_NOTHING;
+}
+
+/* x^T A y of all pairs of modes for A = K or C, by columns of the derivatives. */
+typedef struct product { const double *x; double *k, *c; } product;
+
+static void multiply(void *context, int row, int column, double by_q, double by_v)
+{
+    product *p = context;
+    p->k[row] -= by_q*p->x[column];
+    p->c[row] -= by_v*p->x[column];
+}
+
+/* false: the stiffness is not symmetric. */
+static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, double *k, double *c, double *still)
+{
+    lw_dynamics *d = z->d;
+    int n = z->n, m = z->n_found;
+    for (int j = 0; j < m; j++) {
+        const double *x = z->found + (size_t)j*(size_t)n;
+        product p = { x, k, c };
+        memset(k, 0, (size_t)n*sizeof *k);
+        memset(c, 0, (size_t)n*sizeof *c);
+        d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
+        for (int r = 0; r < z->tangent.c; r++) {
+            lw_bend bend[LW_BEND_MAX];
+            int row = d->kept[r], count = row < d->n_row && !lw_joint_has_ratio(d->s.joint[d->s.row[row].joint].kind)
+                && !(d->s.n_tie && row >= d->s.tie_row) ? d->eq.bends(d->eq.context, row, bend) : 0;
+            for (int b = 0; b < count; b++) {
+                k[bend[b].a] += l[r]*bend[b].h*x[bend[b].b];
+                if (bend[b].a != bend[b].b)
+                    k[bend[b].b] += l[r]*bend[b].h*x[bend[b].a];
+            }
+        }
+        for (int i = 0; i < m; i++) {
+            const double *y = z->found + (size_t)i*(size_t)n;
+            v->stiffness[i*m + j] = dot(y, k, n);
+            v->damping[i*m + j] = dot(y, c, n);
+            v->mass[i*m + j] = i == j;
+        }
+    }
+    /* stiffness of a potential is diagonal here, but for rounding */
+    double skew = 0, stiff = 0;
+    for (int i = 0; i < m*m; i++) {
+        stiff = fmax(stiff, fabs(v->stiffness[i]));
+        skew = fmax(skew, fabs(v->stiffness[i] - v->stiffness[i%m*m + i/m]));
+    }
+    for (int i = 0; i < m*m; i++)
+        v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
+    return skew <= 1e-7*stiff;
+}
+
+lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
+                              lw_error *e)
+{
+    size_t n = (size_t)d->n_q, c = (size_t)d->n_kept;
+    lw_rest rest = { 0 };
+    memset(modes, 0, sizeof *modes);
+    if (o->rest) {
+        lw_status s = lw_statics_rest_large(d, t, q, &rest, e);
+        if (s != LW_OK)
+            return s == LW_NOTHING ? LW_E_NUMERIC : s;
+    }
+    modes->freedom = d->n_q - d->n_kept;
+    modes->redundant = d->n_c - d->n_kept;
+    if (modes->freedom <= 0)
+        return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
+    int room = 2*wanted + 4 < modes->freedom ? 2*wanted + 4 : modes->freedom;
+    int most = 4*room + 40 < modes->freedom ? 4*room + 40 : modes->freedom;
+    size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
+    double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
+    lanczos z = { .d = d, .n = d->n_q, .most = most, .q = q };
+    lw_status s = memory && lw_tangent_make(d, false, true, &z.tangent) == LW_OK ? LW_OK
+                : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        z.basis = p, p += ((size_t)most + 1)*n, z.heavy = p, p += ((size_t)most + 1)*n;
+        z.found = p, p += ((size_t)room + 1)*n, z.found_heavy = p, p += ((size_t)room + 1)*n, z.value = p, p += room;
+        double *still = p, *k = p + n, *damp = p + 2*n, *l = p + 3*n;
+        z.b = l + c;
+        lw_vibration v = { .f = &d->f, .n_q = d->n_q, .null = z.found };
+        v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
+        s = lw_tangent_at_rest(d, t, q, still, d->a, l);
+        double left = 0, force = 0, ratio = 0, scale = 0;
+        for (size_t i = 0; s == LW_OK && i < n; i++) {
+            left = fmax(left, fabs(d->f.mass[i]*d->a[i]));
+            force = fmax(force, fabs(d->force[i]));
+        }
+        modes->unbalanced = force > 0 ? left/force : 0;
+        /* a shift far below the squares of most rates: found from the stiffness of the diagonal over the masses */
+        if (s == LW_OK)
+            s = lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 }) == LW_E_MEMORY ? LW_E_MEMORY
+              : LW_OK;
+        for (int i = 0; i < z.n; i++)
+            ratio = fmax(ratio, fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)])/d->f.mass[i]);
+        scale = ratio > 0 ? ratio : 1;
+        z.shift = 1e-9*scale;
+        if (s == LW_OK && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
+            s = lw_error_set(e, LW_E_NUMERIC, "the stiffness is singular in this posture");
+        if (s == LW_OK)
+            s = find_modes(&z, wanted < room ? wanted : room, room);
+        if (s == LW_OK) {
+            for (int i = 0; i < z.n_found; i++)
+                if (fabs(z.value[i]) < 1e-6*z.shift)                       /* a free motion, but for rounding */
+                    z.value[i] = 0;
+            v.n_free = z.n_found;
+            s = reduce(&z, t, l, &v, k, damp, still) ? lw_modes_solve(&v, modes, e)
+              : lw_error_set(e, LW_E_KIND, "modes of large models and of elastic links need loads with a potential; a force that "
+                             "turns with its link or depends on others has none");
+        }
+        if (s == LW_OK && modes->n_mode > wanted)
+            modes->n_mode = wanted;
+    }
+    lw_tangent_free(&z.tangent);
+    free(memory);
+    return s;
+}

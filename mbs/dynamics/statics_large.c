@@ -1,0 +1,269 @@
+/* mbs/dynamics/statics_large.c - equilibrium of models of any size, by Newton's method with sparse matrices.
+ *
+ * The force that the start lacks is taken away in steps, F(q) = (1 - part) F(start), which for a dead load on an undeformed
+ * model are load steps; a step that fails is halved.  Where the model gives way (a mechanism under gravity) or the result
+ * is not stable (a column beyond its buckling load), masses are added to the stiffness and taken away as the potential
+ * falls, which leads downhill to a stable equilibrium. */
+#include <stdlib.h>
+#include <string.h>
+#include "base/real.h"
+#include "mbs/dynamics/statics_internal.h"
+#include "mbs/dynamics/tangent_internal.h"
+
+typedef struct search {
+    lw_dynamics *d;
+    lw_tangent   tangent;
+    int     n, c;
+    double  t;
+    double *q, *l, *load, *residual, *step, *still, *old_q, *old_l, *aside;
+} search;
+
+static const int most_newton = 30, most_parts = 400, most_downhill = 2000;
+static const double longest = 0.5;           /* step of Newton's method, in radians or sizes of the model */
+static const double settled = 1e-13;         /* the same when it has converged, over the greatest coordinate */
+
+static double greatest(const double *x, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, isfinite(x[i]) ? fabs(x[i]) : INFINITY);
+    return most;
+}
+
+/* What is added to the forces: a part of the load that the start lacks, and of a load that pushes aside. */
+typedef struct loads { double left, aside; } loads;
+
+/* residual (n + c) = J^T l - Q + left*load - aside*aside, Phi. */
+static lw_status find_residual(search *s, loads w)
+{
+    lw_dynamics *d = s->d;
+    lw_status st = lw_mbs_rows(d, s->t, s->q);
+    if (st != LW_OK)
+        return st;
+    d->eq.forces(d->eq.context, s->t, s->q, s->still, d->force, NULL);
+    for (int i = 0; i < s->n; i++)
+        s->residual[i] = w.left*s->load[i] - w.aside*s->aside[i] - d->force[i];
+    lw_tangent_push(d, s->l, s->residual);
+    for (int k = 0; k < s->c; k++)
+        s->residual[s->n + k] = d->phi[d->kept[k]];
+    return isfinite(greatest(s->residual, s->n + s->c)) ? LW_OK : LW_E_NUMERIC;
+}
+
+/* One step with `mass` times the masses in the matrix.  Returns its length; INFINITY: there is none. */
+static double newton_step(search *s, double mass)
+{
+    const double m[2] = { mass, 0 }, c[2] = { 0, 0 };
+    if (lw_tangent_factor(&s->tangent, s->t, s->q, s->still, s->l, m, c) != LW_OK)
+        return INFINITY;
+    for (int i = 0; i < s->n + s->c; i++)
+        s->step[i] = -s->residual[i];
+    lw_tangent_solve(&s->tangent, s->step);
+    return greatest(s->step, s->n);
+}
+
+static void move(search *s)
+{
+    for (int i = 0; i < s->n; i++)
+        s->q[i] += s->step[i];
+    for (int k = 0; k < s->c; k++)
+        s->l[k] += s->step[s->n + k];
+}
+
+/* Newton's method under these loads. */
+static lw_status balance(search *s, loads w, int *iterations)
+{
+    double before = INFINITY;
+    for (int pass = 0; pass < most_newton; pass++) {
+        lw_status st = find_residual(s, w);
+        if (st != LW_OK)
+            return LW_OPEN;
+        double size = newton_step(s, 0), all = fmax(1, greatest(s->q, s->n));
+        ++*iterations;
+        if (!(size < longest) || (pass > 3 && size > 2*before))
+            return LW_OPEN;
+        move(s);
+        if (size <= settled*all || (pass > 2 && size < 1e-10*all && size > 0.3*before))
+            return find_residual(s, w) == LW_OK ? LW_OK : LW_OPEN;
+        before = size;
+    }
+    return LW_OPEN;
+}
+
+static void keep(search *s)
+{
+    memcpy(s->old_q, s->q, (size_t)s->n*sizeof *s->q);
+    memcpy(s->old_l, s->l, (size_t)s->c*sizeof *s->l);
+}
+
+static void put_back(search *s)
+{
+    memcpy(s->q, s->old_q, (size_t)s->n*sizeof *s->q);
+    memcpy(s->l, s->old_l, (size_t)s->c*sizeof *s->l);
+}
+
+/* From one pair of loads to another in parts. */
+static lw_status load_steps(search *s, loads from, loads to, lw_rest *r)
+{
+    double part = 0, next = 1;
+    keep(s);
+    for (int k = 0; k < most_parts && part < 1; k++) {
+        double end = fmin(part + next, 1);
+        loads w = { from.left + end*(to.left - from.left), from.aside + end*(to.aside - from.aside) };
+        if (balance(s, w, &r->iterations) == LW_OK) {
+            keep(s);
+            part = end;
+            next *= 2;
+        } else {
+            put_back(s);
+            next *= 0.5;
+            if (next < 1e-6)
+                return LW_OPEN;
+        }
+    }
+    return part < 1 ? LW_OPEN : LW_OK;
+}
+
+/* Work of the forces on the step from old_q to q, by their values at both ends; 0 where it is rounding. */
+static double work_of_step(search *s, double size)
+{
+    lw_dynamics *d = s->d;
+    double work = 0, all = 0;
+    for (int end = 0; end < 2; end++) {
+        d->eq.forces(d->eq.context, s->t, end ? s->q : s->old_q, s->still, d->force, NULL);
+        for (int i = 0; i < s->n; i++) {
+            work += 0.5*d->force[i]*(s->q[i] - s->old_q[i]);
+            all += fabs(d->force[i]*(s->q[i] - s->old_q[i]));
+        }
+    }
+    return size < 1e-9 || fabs(work) < 1e-12*all ? 0 : work;
+}
+
+/* Downhill, the way the forces do work, with masses in the matrix.  The start of each step lies on the constraints. */
+static lw_status downhill(search *s, lw_rest *r)
+{
+    lw_dynamics *d = s->d;
+    double mass = 0, unit = 0;
+    int good = 0;
+    for (int i = 0; i < s->n; i++)
+        unit = fmax(unit, d->f.mass[i] > 0 ? fabs(d->f.weight[i])/d->f.mass[i] : 0);
+    unit = unit > 0 ? unit : 1;
+    mass = 100*unit;
+    for (int k = 0; k < most_downhill; k++) {
+        if (lw_mbs_rows(d, s->t, s->q) != LW_OK || find_residual(s, (loads){ 0, 0 }) != LW_OK)
+            return LW_E_NUMERIC;
+        keep(s);
+        double size = newton_step(s, mass);
+        r->iterations++;
+        if (size < longest) {
+            move(s);
+            if (size <= settled && mass < 1e-6*unit)
+                return LW_OK;
+            if (lw_mbs_project_q(d, s->t, s->q, longest) == LW_OK && work_of_step(s, size) >= 0) {
+                good++;                          /* slowly down: with too little mass Newton's step leads to a saddle */
+                mass = size < 1e-6 ? 0.1*mass : good > 3 ? 0.5*mass : mass;
+                mass = mass < 1e-9*unit ? 0 : mass;
+                continue;
+            }
+        }
+        put_back(s);
+        good = 0;
+        mass = mass > 0 ? 4*mass : 1e-3*unit;
+        if (mass > 1e18*unit)
+            return LW_OPEN;
+    }
+    return LW_OPEN;
+}
+
+static lw_status prepare(search *s, lw_dynamics *d, double t, double *q)
+{
+    size_t n = (size_t)d->n_q, c = (size_t)d->n_kept;
+    double *p = calloc(5*n + 4*(n + c), sizeof *p);
+    *s = (search){ .d = d, .n = d->n_q, .c = d->n_kept, .t = t, .q = q, .load = p };
+    if (!p || lw_tangent_make(d, false, false, &s->tangent) != LW_OK)
+        return LW_E_MEMORY;
+    p += n;
+    s->aside = p, p += n;
+    s->still = p, p += n, s->old_q = p, p += n, s->l = p, p += n + c;
+    s->old_l = p, p += n + c, s->residual = p, p += n + c, s->step = p;
+    lw_status st = lw_tangent_at_rest(d, t, q, s->still, d->a, s->l);
+    for (size_t i = 0; i < n; i++)
+        s->load[i] = d->f.mass[i]*d->a[i];
+    return st;
+}
+
+/* From an equilibrium that is not stable along a mode that grows: the path from the start under an additional load that pushes
+ * along the mode, which is taken away at the end; or downhill. */
+static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
+{
+    lw_dynamics *d = s->d;
+    double most = 0, *saddle = calloc(2*(size_t)s->n + 1, sizeof *saddle), *away = saddle + s->n;
+    lw_status st = saddle ? LW_OPEN : LW_E_MEMORY;
+    if (st == LW_E_MEMORY)
+        return st;
+    memcpy(saddle, s->q, (size_t)s->n*sizeof *saddle);
+    for (int i = 0; i < s->n; i++) {
+        away[i] = mode->shape[i]*cos(mode->phase[i]);
+        s->aside[i] = d->f.mass[i]*away[i];
+        most = fmax(most, fabs(s->aside[i]));
+    }
+    for (double share = 0.1; st == LW_OPEN && share > 1e-4; share *= 0.3) {
+        double scale = share*greatest(s->load, s->n)/most, moved = 0;
+        for (int i = 0; i < s->n; i++)
+            s->aside[i] *= scale;
+        most *= scale;
+        memcpy(s->q, d->start_q, (size_t)s->n*sizeof *s->q);
+        if (!(scale > 0) || lw_tangent_at_rest(d, s->t, s->q, s->still, d->a, s->l) != LW_OK)
+            break;
+        st = load_steps(s, (loads){ 1, 0 }, (loads){ 0, 1 }, r);
+        if (st == LW_OK)
+            st = load_steps(s, (loads){ 0, 1 }, (loads){ 0, 0 }, r);
+        for (int i = 0; st == LW_OK && i < s->n; i++)
+            moved = fmax(moved, fabs(s->q[i] - saddle[i]));
+        st = st == LW_OK && moved < 1e-6 ? LW_OPEN : st;
+    }
+    for (int i = 0; st == LW_OPEN && i < s->n; i++)
+        s->q[i] = saddle[i] + 0.01*away[i];
+    if (st == LW_OPEN)
+        st = lw_mbs_project_q(d, s->t, s->q, 1) == LW_OK ? downhill(s, r) : LW_OPEN;
+    free(saddle);
+    return st;
+}
+
+lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
+{
+    search s;
+    lw_modes_options o = { 0 };
+    lw_modes modes = { 0 };
+    lw_error ignored = { 0 };
+    memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
+    lw_status st = prepare(&s, d, t, q);
+    if (st == LW_OK && load_steps(&s, (loads){ 1, 0 }, (loads){ 0, 0 }, r) != LW_OK) {
+        put_back(&s);
+        st = downhill(&s, r);
+    }
+    for (int k = 0; st == LW_OK; k++) {                       /* off an equilibrium that is not stable */
+        r->residual = greatest(s.residual, s.n);
+        st = lw_modes_find_large(d, &o, 4, t, q, &modes, &ignored);
+        r->stable = st == LW_NOTHING;
+        if (st != LW_OK) {
+            st = st == LW_NOTHING ? LW_OK : st;
+            break;
+        }
+        int worst = -1;
+        for (int i = 0; i < modes.n_mode; i++)
+            if (modes.mode[i].re > 1e-6*(modes.mode[i].natural + 1e-300) && modes.conservative)
+                worst = worst < 0 || modes.mode[i].re > modes.mode[worst].re ? i : worst;
+        r->stable = worst < 0 && modes.mode[0].natural > 0;
+        if (worst < 0 || k == 3)
+            break;
+        st = leave_saddle(&s, &modes.mode[worst], r);
+        lw_modes_free(&modes);
+    }
+    lw_modes_free(&modes);
+    lw_tangent_free(&s.tangent);
+    free(s.load);
+    if (st == LW_E_MEMORY)
+        return lw_error_set(e, st, "out of memory");
+    return st == LW_OK ? LW_OK : lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive "
+                                              "it away, or an elastic link buckles");
+}

@@ -1,0 +1,49 @@
+/* mbs/dynamics/tangent_internal.h - sparse matrices of implicit steps, of equilibrium and of vibrations; internal to mbs/.
+ *
+ *     [ m M + c C + K   s J^T ]        K = -dQ/dq + sum l_r H_r,  C = -dQ/dv,  J: the kept rows,
+ *     [      s J          0   ]        H_r: second derivatives of row r (none of gears and ties are counted)
+ *
+ * m and c may be complex: then each unknown is a pair (real, imaginary), one after the other.  The scale s keeps the rows
+ * near the size of the rest. */
+#ifndef LW_MBS_DYNAMICS_TANGENT_INTERNAL_H
+#define LW_MBS_DYNAMICS_TANGENT_INTERNAL_H
+
+#include "base/sparse_lu.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
+
+typedef struct lw_tangent {
+    lw_dynamics *d;
+    bool    is_complex, consistent;      /* consistent: masses of elements by their shape functions, where asked for */
+    int     n, c;                        /* velocities; kept rows */
+    double  scale;                       /* s */
+    lw_columns columns;
+    double *value;
+    lw_sparse_lu *lu;
+    int    *pair;                        /* while the pattern is listed */
+    long    n_pair, most_pair;
+    bool    failed;
+    double  weight_re, weight_im;        /* of C, while it is filled */
+} lw_tangent;
+
+/* LW_E_MEMORY.  t needs lw_tangent_free, after a failure too. */
+lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t);
+void      lw_tangent_free(lw_tangent *t);
+
+/* Fill and factor at (t, q, v, l), l of the kept rows; the rows are those of lw_mbs_rows at q.  m, c: real and imaginary
+ * part.  LW_E_NUMERIC: singular. */
+lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const double *v, const double *l,
+                            const double m[2], const double c[2]);
+
+/* Solve in place: b (n + c, or twice as many); the last c are multipliers, already divided by s. */
+void lw_tangent_solve(lw_tangent *t, double *b);
+
+/* out (n) = M x, of consistent masses where they are asked for. */
+void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, double *out);
+
+/* Accelerations a and multipliers of the kept rows l at rest: M a + J^T l = Q, J a = 0.  Leaves Q in d->force. */
+lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const double *still, double *a, double *l);
+
+/* out (n) += J^T l, l of the kept rows. */
+void lw_tangent_push(const lw_dynamics *d, const double *l, double *out);
+
+#endif

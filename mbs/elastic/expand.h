@@ -1,0 +1,40 @@
+/* mbs/elastic/expand.h - elastic links of a model as chains of nodes and beam elements.
+ *
+ * An elastic link becomes n elements between n + 1 nodes, which are links with lumped masses: half the mass of each element
+ * and half of its rotary inertia rho I h at either end.  Joints, tracers, springs and forces of the link act on the node at
+ * their place; beside the axis, through a rigid arm from the nearest point of it.  All other links, joints, tracers and
+ * inputs keep their indices, so expressions stay valid; node 0 of a link has the index of the link. */
+#ifndef LW_MBS_ELASTIC_EXPAND_H
+#define LW_MBS_ELASTIC_EXPAND_H
+
+#include "grammar/model.h"
+
+typedef struct lw_elastic_chain {
+    int    link;                     /* of the model */
+    const lw_elastic *elastic;       /* the model's */
+    int    n_node, *node;            /* links of the expanded model, along the axis */
+    int    first_beam;               /* element i is between nodes i and i + 1: beam[first_beam + i] */
+    double length, mass;             /* [m] [kg] */
+    double frequency;                /* up to which elements chosen by themselves are good to 1 %; 0: their number was given [Hz] */
+    double first;                    /* first bending frequency with hinged ends (Euler & Bernoulli) [Hz] */
+} lw_elastic_chain;
+
+typedef struct lw_elastic_expansion {
+    lw_model model;                  /* shares expressions and names with the model it comes from, which must outlive it */
+    int      n_chain;
+    lw_elastic_chain *chain;
+} lw_elastic_expansion;
+
+/* LW_E_ARG: an axis that does not follow from the joints, or has no length (the link is named).  x needs
+ * lw_elastic_expansion_free, after a failure too. */
+lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error *e);
+void      lw_elastic_expansion_free(lw_elastic_expansion *x);
+
+/* The same model with its elastic links as rigid bars of the same mass; *rigid needs lw_elastic_rigid_free. */
+lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e);
+void      lw_elastic_rigid_free(lw_model *rigid);
+
+/* Greatest stress of a section under tension and bending moment, N/A + |M| y/I [N/m^2], of the greater absolute value. */
+double lw_section_stress(const lw_section *s, double normal, double moment);
+
+#endif
