@@ -28,7 +28,8 @@ void lw_spatial_free(lw_spatial *m)
             lw_expression_free(m->force[i].force[k]);
             lw_expression_free(m->force[i].torque[k]);
         }
-    void *const array[] = { m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring, m->force, m->motor };
+    void *const array[] = { m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
+                            m->force, m->motor };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     memset(m, 0, sizeof *m);

@@ -852,7 +852,8 @@ static lw_status take_tracer(const lw_json_node *n, size_t i, lw_spatial *m, lw_
 static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
-                                         "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces", "motors" };
+                                         "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces",
+                                         "motors" };
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK)

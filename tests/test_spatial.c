@@ -1,28 +1,8 @@
 /* Spatial models: what is read and refused, postures along inputs, mobility of linkages whose answer is known. */
-#include "base/file.h"
 #include "base/rng.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"
-#include "tests/check.h"
-
-static void load(const char *file, lw_spatial *m)
-{
-    char path[128], *text;
-    size_t size;
-    lw_error e = { 0 };
-    snprintf(path, sizeof path, "examples/space/%s.json", file);
-    memset(m, 0, sizeof *m);
-    if (lw_file_read(path, &text, &size, &e) != LW_OK) {
-        fprintf(stderr, "%s\n", e.text);
-        exit(1);
-    }
-    CHECK(lw_spatial_text(text, size));
-    if (lw_spatial_read(text, size, path, m, &e) != LW_OK) {
-        fprintf(stderr, "%ld:%ld: %s\n", e.line, e.column, e.text);
-        exit(1);
-    }
-    free(text);
-}
+#include "tests/spatial_models.h"
 
 /* ---- reading ----------------------------------------------------------------------------------------------- */
 
@@ -119,7 +99,7 @@ static void mobility_is_real(void)
         lw_spatial m;
         lw_space_mobility got;
         lw_error e;
-        load(known[i].file, &m);
+        load_spatial(known[i].file, &m);
         CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), &got, &e), LW_OK);
         CHECK_INT(got.count, known[i].count);
         CHECK_INT(got.freedom, known[i].freedom);
@@ -137,7 +117,7 @@ static void a_broken_bennett_is_rigid(void)
     lw_spatial m;
     lw_space_mobility got;
     lw_error e;
-    load("bennett", &m);
+    load_spatial("bennett", &m);
     m.joint[2].axis = lw_v3_add(m.joint[2].axis, lw_v3(1e-3, 0, 0));
     m.joint[2].axis = lw_v3_scale(m.joint[2].axis, 1/lw_v3_norm(m.joint[2].axis));
     CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), &got, &e), LW_OK);
@@ -170,7 +150,7 @@ static void delta_postures(void)
     lw_space s;
     lw_space_follow f;
     lw_error e = { 0 };
-    load("delta", &m);
+    load_spatial("delta", &m);
     CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
     lw_spatial_measure tool[3] = { { LW_OF_X, 0 }, { LW_OF_Y, 0 }, { LW_OF_Z, 0 } };
     CHECK_INT(lw_space_follow_make(&s, tool, 3, false, &f, &e), LW_OK);
@@ -217,7 +197,7 @@ static void rates_are_derivatives(void)
         lw_spatial m;
         lw_error e = { 0 };
         series got = { 0 };
-        load(files[k], &m);
+        load_spatial(files[k], &m);
         bool in_time = m.input[0].motion != NULL;
         double from = in_time ? 0.004 : 0.1, h = 1e-3;
         lw_space_trace o = { .in_time = in_time, .from = from, .to = from + 40*h, .intervals = 40 };
@@ -240,7 +220,7 @@ static void bricard_has_limits(void)
     lw_spatial m;
     lw_error e = { 0 };
     series got = { 0 };
-    load("bricard", &m);
+    load_spatial("bricard", &m);
     lw_space_trace o = { .whole = true, .intervals = 12 };
     CHECK_INT(lw_space_trace_run(&m, &o, collect, &got, &e), LW_OK);
     CHECK(o.limit[0] && o.limit[1]);

@@ -8,6 +8,7 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/motion/simulate.h"
+#include "cli/motion/spatial.h"
 #include "cli/motion/simulate_linear.h"
 #include "mbs/dynamics/statics.h"
 
@@ -79,8 +80,7 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     c->call = call;
     c->json = call->common.json;
     c->keep = s->balance || s->plot || s->gif;
-    c->model = cli_read_model(call->parsed.word[0], 0, e);
-    lw_status st = c->model ? cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e) : e->status;
+    lw_status st = cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e);
     if (st != LW_OK)
         return st;
     o.analysis = (lw_analysis)s->analysis;
@@ -135,33 +135,67 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     return st;
 }
 
-static int linear(const cli_call *call)
+static int linear(const cli_call *call, lw_model *m)
 {
     cli_linear o = ((const settings *)call->settings)->linear;
-    lw_error e = { 0 };
-    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
     o.t = ((const settings *)call->settings)->from;
-    int code = m ? cli_simulate_linear(call, m, &o) : cli_fail(call, &e);
+    int code = cli_simulate_linear(call, m, &o);
     cli_free_model(m);
     return code;
+}
+
+static int run_spatial(const cli_call *call, lw_spatial *m)
+{
+    static const char *const planar[] = { "balance", "plot", "columns", "gif", "rest", "hold", "along", "fft", NULL };
+    static const char *const known[] = { "auto", "driven", "index1", "cvode" };
+    const settings *s = call->settings;
+    lw_space_options o = { .analysis = (lw_space_analysis)s->analysis, .from = s->from, .to = s->to, .intervals = s->steps,
+                           .relative = s->tolerance, .max_step = s->max_steps, .stop = cli_stop_flag(),
+                           .until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0 };
+    const char *name = lw_formulation_name((lw_formulation)s->formulation);
+    int code = cli_spatial_refuse(call, planar), f = 0;
+    if (code != CLI_DONE)
+        return code;
+    if (s->analysis == ANALYSIS_LINEAR)
+        return cli_usage(call, "--analysis linear is for planar models; this model is spatial");
+    while (f < 4 && strcmp(name, known[f]) != 0)
+        f++;
+    if (f == 4)
+        return cli_usage(call, "--formulation %s is for planar models; spatial ones know auto, driven, index1 and cvode", name);
+    o.formulation = (lw_space_formulation)f;
+    return cli_spatial_simulate(call, m, &o, s->speed, s->explain);
 }
 
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
     const cli_linear *l = &s->linear;
-    if (s->analysis == ANALYSIS_LINEAR)
-        return linear(call);
-    if (l->rest || l->hold || l->fft || l->along)
+    bool linear_only = l->rest || l->hold || l->fft || l->along;
+    if (s->analysis != ANALYSIS_LINEAR && linear_only)
         return cli_usage(call, "--rest, --hold, --along and --fft go with --analysis linear");
-    cli_simulate *c = calloc(1, sizeof *c);
     lw_error e = { 0 };
     lw_output o;
     lw_draw_kind kind;
-    if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
-        return free(c), cli_usage(call, "%s", e.text);
-    if (!(s->from < s->to))
-        return free(c), cli_usage(call, "--from must be less than --to");
+    lw_model *m;
+    lw_spatial *spatial;
+    if (s->analysis != ANALYSIS_LINEAR && s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (s->analysis != ANALYSIS_LINEAR && !(s->from < s->to))
+        return cli_usage(call, "--from must be less than --to");
+    if (cli_read_any_model(call->parsed.word[0], 0, &m, &spatial, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (spatial) {
+        int code = run_spatial(call, spatial);
+        cli_free_spatial(spatial);
+        return code;
+    }
+    if (s->analysis == ANALYSIS_LINEAR)
+        return linear(call, m);
+    cli_simulate *c = calloc(1, sizeof *c);
+    if (c)
+        c->model = m;
+    else
+        cli_free_model(m);
     if (!c)
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (!c || prepare(call, c, &e) != LW_OK

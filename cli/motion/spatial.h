@@ -3,7 +3,7 @@
 #define CLI_MOTION_SPATIAL_H
 
 #include "cli/program/command.h"
-#include "grammar/spatial.h"
+#include "mbs/space/space_run.h"
 
 /* Options of trace that spatial models know. */
 typedef struct cli_spatial_trace {
@@ -18,5 +18,9 @@ int cli_spatial_refuse(const cli_call *call, const char *const *names);
 
 int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_spatial_trace *o);
 int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double tolerance);
+
+/* speed: of the inputs without a motion; NULL: they run freely. */
+int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_options *o, const char *speed,
+                         bool explain);
 
 #endif

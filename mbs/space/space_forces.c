@@ -137,6 +137,19 @@ static lw_spatial_measure stop_measure(const lw_space *s, int joint)
     return (lw_spatial_measure){ lw_spatial_kind_of(s->joint[joint].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
 }
 
+void lw_space_forces_unit(const lw_space_forces *f, const lw_space_frame *frame, int spring, double *force)
+{
+    const lw_spatial *m = f->s->model;
+    lw_vec3 along;
+    if (spring >= m->n_spring) {
+        push_measure(f, frame, m->joint_spring[spring - m->n_spring].measure, 1, force);
+        return;
+    }
+    spring_line(f, spring, frame, NULL, &along, NULL);
+    push(frame, f->spring_end[spring][0], along, force);
+    push(frame, f->spring_end[spring][1], lw_v3_scale(along, -1), force);
+}
+
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force,
                            double *power)

@@ -8,7 +8,7 @@ typedef struct lw_space_forces {
     const lw_space *s;
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
-    double          *turn;               /* (n_joint) turns at the last accepted posture: angles are counted from there */
+    double          *turn;               /* (n_joint) turns at the posture accepted last; angles are counted from there */
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;
@@ -23,6 +23,9 @@ void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame);
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force,
                            double *power);
+/* Unit force of spring number `spring` (those between points, then those at joints), added to force (n_v). */
+void lw_space_forces_unit(const lw_space_forces *f, const lw_space_frame *frame, int spring, double *force);
+
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
 double lw_space_kinetic(const lw_space *s, const double *v);
 

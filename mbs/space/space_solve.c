@@ -49,13 +49,14 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     z->n_extra = n_extra;
     z->n_row = s->n_row + n_extra;
     size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1;
-    size_t bytes = (rows*(2*LW_SPACE_ROW + 2) + 3*v + x)*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
+    size_t bytes = (rows*(2*LW_SPACE_ROW + 3) + 3*v + x)*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
                    x*sizeof *z->extra + rows*(sizeof *z->body + 2*sizeof(int));
     char *at = z->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step, &z->near };
-    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, v, v, v, x };
+    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->full_l, &z->weight, &z->full, &z->step,
+                                 &z->near };
+    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, rows, v, v, v, x };
     for (size_t i = 0; i < sizeof doubles/sizeof *doubles; i++) {
         *doubles[i] = (double *)(void *)at;
         at += sizes[i]*sizeof(double);
@@ -321,6 +322,8 @@ void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rh
         improve(z, rhs, x, l);
 }
 
+void lw_space_rows_correct(lw_space_rows_set *z, const double *rhs, double *v) { improve(z, rhs, v, z->full_l); }
+
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l)
 {
     lw_space_rows_solve(z, f, NULL, true, z->full, l);
@@ -374,7 +377,7 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
 
 lw_status lw_space_dense_make(const lw_space_rows_set *z, lw_space_dense *d, lw_error *e)
 {
-    *d = (lw_space_dense){ .n_v = z->s->n_v, .n_row = z->n_row, .unit = z->s->unit };
+    *d = (lw_space_dense){ .n_v = z->s->n_v, .n_row = z->n_row };
     d->doubles = malloc(lw_rank_doubles(d->n_v, d->n_row)*sizeof *d->doubles);
     d->ints = malloc(lw_rank_ints(d->n_v, d->n_row)*sizeof *d->ints + sizeof *d->ints);
     if (!d->doubles || !d->ints) {
@@ -397,6 +400,7 @@ void lw_space_dense_factor(const lw_space_rows_set *z, lw_space_dense *d, double
     for (int r = 0; r < d->n_row; r++)
         for (int k = 0; k < 2; k++)
             for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
-                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[r*LW_SPACE_ROW + 6*k + i]*(i < 3 ? d->unit : 1);
+                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[r*LW_SPACE_ROW + 6*k + i]*
+                                                         sqrt(z->weight[6*z->body[r][k] + i]);
     lw_rank_factor(&d->rank, least);
 }

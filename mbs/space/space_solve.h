@@ -29,7 +29,7 @@ typedef struct lw_space_rows_set {
     lw_space_pair *pair;
     lw_cholesky schur;
     double   weak;                       /* least pivot over its diagonal when factored last               */
-    double  *small, *full, *step;        /* (n_row) (n_v) (n_v) scratch                                    */
+    double  *small, *full_l, *full, *step;       /* (n_row) (n_row) (n_v) (n_v) scratch                    */
     void    *memory;
 } lw_space_rows_set;
 
@@ -49,6 +49,9 @@ bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
 /* x and l (n_row, 0 for rows left out) of the system above; f NULL: 0.  Factored.  `refine`: once more for the
  * rounding. */
 void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
+
+/* Put v on J v = rhs, the change least in W.  Factored. */
+void lw_space_rows_correct(lw_space_rows_set *z, const double *rhs, double *v);
 
 /* l of J^T l = f in the metric of W, for f that the rows can carry. */
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
@@ -70,8 +73,8 @@ double lw_space_length(const lw_space *s, const double *by);
 /* W of displacements: 1 for lengths over the size and for radians. */
 void lw_space_metric(const lw_space *s, double *weight);
 
-/* The same rows as a full matrix J^T (n_v x n_row) in a rank-revealing factorisation, columns scaled by the size. */
-typedef struct lw_space_dense { lw_rank rank; double *doubles; int *ints; int n_v, n_row; double unit; } lw_space_dense;
+/* The same rows as a full matrix J^T (n_v x n_row) in a rank-revealing factorisation, scaled by the root of W. */
+typedef struct lw_space_dense { lw_rank rank; double *doubles; int *ints; int n_v, n_row; } lw_space_dense;
 lw_status lw_space_dense_make(const lw_space_rows_set *z, lw_space_dense *d, lw_error *e);
 void      lw_space_dense_free(lw_space_dense *d);
 void      lw_space_dense_factor(const lw_space_rows_set *z, lw_space_dense *d, double least);

@@ -1,0 +1,302 @@
+/* cli/motion/spatial_simulate.c - a run of a spatial model as rows of named columns, CSV or JSON. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "base/real.h"
+#include "cli/motion/spatial.h"
+#include "cli/program/json.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "mbs/space/space_run.h"
+
+typedef struct column { char name[LW_NAME_SIZE + 24]; const char *unit; double scale; } column;
+
+typedef struct run {
+    const lw_spatial *m;
+    const lw_space   *s;
+    lw_space_tracer  *tracer;
+    column           *column;
+    int               n_column, capacity;
+    double           *row;
+    FILE             *f;
+    bool              as_json, no_memory;
+    cli_json          json;
+} run;
+
+static void add(run *r, const char *of, const char *part, const char *unit, double scale)
+{
+    if (r->n_column == r->capacity) {
+        int capacity = 2*r->capacity + 64;
+        column *more = realloc(r->column, (size_t)capacity*sizeof *more);
+        r->no_memory = r->no_memory || !more;
+        if (!more)
+            return;
+        r->column = more;
+        r->capacity = capacity;
+    }
+    column *c = &r->column[r->n_column++];
+    snprintf(c->name, sizeof c->name, "%s%s%s", of, *of && *part ? "." : "", part);
+    c->unit = unit;
+    c->scale = scale;
+}
+
+/* x, y, z after a prefix: "v" gives vx, vy, vz. */
+static void add_vector(run *r, const char *of, const char *prefix, const char *unit, double scale)
+{
+    static const char axis[] = "xyz";
+    char part[16];
+    for (int i = 0; i < 3; i++) {
+        snprintf(part, sizeof part, "%s%c", prefix, axis[i]);
+        add(r, of, part, unit, scale);
+    }
+}
+
+static void add_body(run *r, const char *name)
+{
+    static const char *const turn[] = { "qw", "qx", "qy", "qz" };
+    const lw_units *u = &r->m->units;
+    add_vector(r, name, "", u->length[0] ? u->length : "m", 1/u->metre);
+    for (int i = 0; i < 4; i++)
+        add(r, name, turn[i], "1", 1);
+    add_vector(r, name, "v", "m/s", 1);
+    add_vector(r, name, "w", "rad/s", 1);
+    add_vector(r, name, "a", "m/s^2", 1);
+    add_vector(r, name, "alpha_", "rad/s^2", 1);
+}
+
+static const char *force_unit(lw_spatial_measure of) { return of.of == LW_OF_TURN ? "N m" : "N"; }
+
+static void make_columns(run *r)
+{
+    const lw_spatial *m = r->m;
+    const char *length = m->units.length[0] ? m->units.length : "m";
+    char name[LW_NAME_SIZE + 16];
+    add(r, "t", "", "s", 1);
+    for (int i = 0; i < m->n_input; i++) {
+        lw_spatial_measure of = m->input[i].measure;
+        bool turn = of.of == LW_OF_TURN;
+        lw_spatial_measure_name(m, of, name, sizeof name);
+        for (char *c = name; *c; c++)
+            *c = *c == ' ' ? '_' : *c;
+        add(r, name, "input", turn ? m->units.angle : length, turn ? 1/m->units.radian : 1/m->units.metre);
+        add(r, name, "rate", turn ? "rad/s" : "m/s", 1);
+        if (m->n_drive == 0)
+            add(r, name, "drive", force_unit(of), 1);
+    }
+    for (int i = 0; i < m->n_drive; i++) {
+        lw_spatial_measure_name(m, m->drive[i], name, sizeof name);
+        add(r, name, "drive", force_unit(m->drive[i]), 1);
+    }
+    for (int i = 0; i < m->n_tracer; i++)
+        add_body(r, m->tracer[i].name);
+    for (int b = 0; b < r->s->n_body; b++)
+        add_body(r, m->body[r->s->link_of[b]].name);
+    for (int j = 0; j < m->n_joint; j++) {
+        add_vector(r, m->joint[j].name, "f", "N", 1);
+        add_vector(r, m->joint[j].name, "m", "N m", 1);
+    }
+    add_vector(r, "momentum", "p", "kg m/s", 1);
+    add_vector(r, "momentum", "l", "kg m^2/s", 1);
+    add(r, "kinetic", "", "J", 1);
+    add(r, "potential", "", "J", 1);
+    add(r, "work", "", "J", 1);
+    add(r, "residual", "", "1", 1);
+    add(r, "residual_rate", "", "1/s", 1);
+}
+
+static double *put(double *to, lw_vec3 a)
+{
+    to[0] = a.x, to[1] = a.y, to[2] = a.z;
+    return to + 3;
+}
+
+static double *put_body(double *to, lw_vec3 at, lw_quaternion turn, lw_vec3 v, lw_vec3 w, lw_vec3 a, lw_vec3 alpha)
+{
+    double sign = turn.w < 0 ? -1 : 1;
+    to = put(to, at);
+    *to++ = sign*turn.w, *to++ = sign*turn.x, *to++ = sign*turn.y, *to++ = sign*turn.z;
+    return put(put(put(put(to, v), w), a), alpha);
+}
+
+static void put_number(FILE *f, double v)
+{
+    char text[LW_NUMBER_SIZE];
+    if (isnan(v))
+        return;
+    lw_number_print(v + 0.0, text);
+    fputs(text, f);
+}
+
+static lw_status put_row(void *context, const lw_space_moment *o)
+{
+    run *r = context;
+    const lw_spatial *m = r->m;
+    const lw_space *s = r->s;
+    double *to = r->row;
+    lw_vec3 linear, angular;
+    *to++ = o->t;
+    for (int i = 0; i < m->n_input; i++) {
+        *to++ = o->input[i], *to++ = o->input_rate[i];
+        if (m->n_drive == 0)
+            *to++ = o->drive[i];
+    }
+    for (int i = 0; i < m->n_drive; i++)
+        *to++ = o->drive[i];
+    lw_space_tracers(s, o->frame, o->q, o->v, o->a, r->tracer);
+    for (int i = 0; i < m->n_tracer; i++) {
+        const lw_space_tracer *t = &r->tracer[i];
+        to = put_body(to, t->place, t->turn, t->velocity, t->omega, t->acceleration, t->alpha);
+    }
+    for (int b = 0; b < s->n_body; b++) {
+        const double *q = o->q + 7*b, *v = o->v + 6*b, *a = o->a + 6*b;
+        lw_quaternion turn = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
+                                                 lw_quaternion_inverse(s->axes[b]));
+        to = put_body(to, lw_v3(q[0], q[1], q[2]), turn, lw_v3(v[0], v[1], v[2]), lw_space_omega(o->frame, b, o->v),
+                      lw_v3(a[0], a[1], a[2]), lw_space_omega(o->frame, b, o->a));
+    }
+    for (int j = 0; j < m->n_joint; j++)
+        to = put(put(to, o->joint[j].force), o->joint[j].moment);
+    lw_space_momentum(s, o->frame, o->v, &linear, &angular);
+    to = put(put(to, linear), angular);
+    *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
+    for (int i = 0; i < r->n_column; i++)
+        r->row[i] *= r->column[i].scale;
+    if (r->as_json)
+        cli_json_reals(&r->json, NULL, r->row, (size_t)r->n_column);
+    else
+        for (int i = 0; i < r->n_column; i++)
+            put_number(r->f, r->row[i]), fputc(i + 1 < r->n_column ? ',' : '\n', r->f);
+    return LW_OK;
+}
+
+static void head(run *r, const cli_call *call)
+{
+    if (!r->as_json) {
+        for (int i = 0; i < r->n_column; i++)
+            fprintf(r->f, "%s%s%c", i ? "" : "# units: ", r->column[i].unit, i + 1 < r->n_column ? ',' : '\n');
+        for (int i = 0; i < r->n_column; i++)
+            fprintf(r->f, "%s%c", r->column[i].name, i + 1 < r->n_column ? ',' : '\n');
+        return;
+    }
+    r->json = cli_json_begin(r->f, 1);
+    cli_json_object(&r->json, NULL);
+    cli_json_text(&r->json, "version", LW_VERSION);
+    cli_json_text(&r->json, "command", call->line);
+    cli_json_array(&r->json, "columns");
+    for (int i = 0; i < r->n_column; i++)
+        cli_json_text(&r->json, NULL, r->column[i].name);
+    cli_json_end(&r->json);
+    cli_json_array(&r->json, "units");
+    for (int i = 0; i < r->n_column; i++)
+        cli_json_text(&r->json, NULL, r->column[i].unit);
+    cli_json_end(&r->json);
+    cli_json_array(&r->json, "rows");
+}
+
+static void tail(run *r, const lw_space_report *q, lw_status st, const lw_error *e)
+{
+    if (!r->as_json)
+        return;
+    cli_json_end(&r->json);
+    cli_json_text(&r->json, "formulation", lw_space_formulation_name(q->formulation));
+    cli_json_bool(&r->json, "complete", st == LW_OK);
+    if (st != LW_OK)
+        cli_json_text(&r->json, "ended", e->text);
+    cli_json_real(&r->json, "t", q->t);
+    cli_json_int(&r->json, "steps", q->steps);
+    cli_json_int(&r->json, "evaluations", q->rates);
+    cli_json_int(&r->json, "redundant", q->redundant);
+    cli_json_int(&r->json, "idle", q->idle);
+    cli_json_real(&r->json, "residual", q->worst_off);
+    cli_json_real(&r->json, "residual_rate", q->worst_off_rate);
+    cli_json_real(&r->json, "energy_error", q->energy_error);
+    cli_json_end(&r->json);
+}
+
+static void report(const cli_call *call, const lw_space_run *run_, const lw_space_report *q)
+{
+    char text[512];
+    lw_space_run_redundant(run_, text, sizeof text);
+    if (q->redundant)
+        cli_note(call, "%d constraint%s redundant, at%s: reactions are not unique, those of least norm are given",
+                 q->redundant,
+                 q->redundant == 1 ? " is" : "s are", text);
+    if (q->idle)
+        cli_note(call, "%d spin%s of links between ball joints %s held", q->idle, q->idle == 1 ? "" : "s", q->idle == 1
+                 ? "is" : "are");
+    if (q->formulation == LW_SPACE_EQUILIBRIUM)
+        cli_note(call, "at rest after %ld iterations, %s", q->steps, q->stable ? "stable" : "not stable");
+    if (q->energy_scale > 0)
+        cli_note(call, "energy error %.3g J of %.3g J", q->energy_error, q->energy_scale);
+    cli_note(call, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", q->worst_off,
+             q->worst_off_rate, q->steps, q->refused, q->rates);
+}
+
+/* Inputs without a motion move at constant speed from their values in the file. */
+static lw_status drive(lw_spatial *m, const char *speed, lw_error *e)
+{
+    char text[96];
+    if (m->n_input == 0)
+        return lw_error_set(e, LW_E_ARG, "--speed is for inputs, and the model has none");
+    for (int i = 0; i < m->n_input; i++) {
+        double value;
+        if (m->input[i].motion)
+            continue;
+        lw_status st = cli_speed(speed, m->input[i].measure.of != LW_OF_TURN, 1, &value, e);
+        if (st != LW_OK)
+            return st;
+        snprintf(text, sizeof text, "%.17g + %.17g*t", m->input[i].value, value);
+        if ((st = lw_spatial_set_motion(m, i, text, e)) != LW_OK)
+            return st;
+    }
+    return LW_OK;
+}
+
+int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_options *o, const char *speed,
+                         bool explain)
+{
+    run r = { .m = m, .as_json = call->common.json };
+    lw_space_run *made = NULL;
+    lw_error e = { 0 };
+    lw_output out;
+    lw_status st = speed ? drive(m, speed, &e) : LW_OK;
+    if (st == LW_OK)
+        st = lw_space_run_make(m, o, &made, &e);
+    if (st == LW_OK) {
+        const lw_space_report *q = lw_space_run_report(made);
+        if (explain)
+            cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s",
+                     lw_space_formulation_name(q->formulation), q->why,
+                     q->unknowns, q->unknowns == 1 ? "" : "s", q->freedom, q->freedom == 1 ? "" : "s", q->redundant,
+                     q->redundant == 1 ? "" : "s");
+        r.s = lw_space_run_space(made);
+        make_columns(&r);
+        r.row = malloc((size_t)r.n_column*sizeof *r.row);
+        r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
+        st = r.no_memory || !r.row || !r.tracer ? lw_error_set(&e, LW_E_MEMORY, "out of memory") : cli_open(call, &out,
+                &e);
+    }
+    int code;
+    if (st == LW_OK) {
+        r.f = out.f;
+        head(&r, call);
+        st = lw_space_run_go(made, put_row, &r, &e);
+        tail(&r, lw_space_run_report(made), st, &e);
+        report(call, made, lw_space_run_report(made));
+        bool limit = st == LW_STOPPED && lw_space_run_report(made)->samples > 0;
+        if (limit)
+            cli_note(call, "%s; the rows so far are kept", e.text);
+        if (!e.file[0])
+            snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
+        code = cli_close(call, &out, st == LW_OK ? CLI_DONE : limit ? CLI_LIMIT : cli_fail(call, &e));
+    } else {
+        if (!e.file[0])
+            snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
+        code = cli_fail(call, &e);
+    }
+    free(r.row), free(r.tracer), free(r.column);
+    lw_space_run_free(made);
+    return code;
+}

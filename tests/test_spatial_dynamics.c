@@ -1,0 +1,493 @@
+/* Spatial models in time: reference values worked out by independent prototypes (published problems of IFToMM's
+ * library of benchmarks, Euler's free body, the heavy top, a DELTA robot), invariants, a planar model written in
+ * space. */
+#include "base/rng.h"
+#include "mbs/dynamics/dynamics.h"
+#include "mbs/space/space_run.h"
+#include "tests/spatial_models.h"
+
+typedef struct sample { double t, input, input_rate, drive[8], energy, q[64], v[64]; lw_vec3 tracer, linear,
+                        angular; lw_space_reaction joint[16]; } sample;
+
+typedef struct kept { const lw_space *s; int n; double off, off_rate; sample at[1002]; } kept;
+
+static kept k;
+
+static lw_status keep(void *context, const lw_space_moment *o)
+{
+    kept *to = context;
+    sample *s = &to->at[to->n++];
+    const lw_spatial *m = to->s->model;
+    s->t = o->t;
+    s->input = m->n_input ? o->input[0] : 0;
+    s->input_rate = m->n_input ? o->input_rate[0] : 0;
+    for (int i = 0; i < 8 && i < (m->n_drive ? m->n_drive : m->n_input); i++)
+        s->drive[i] = o->drive[i];
+    s->energy = o->kinetic + o->potential - (isnan(o->work) ? 0 : o->work);
+    if (m->n_tracer)
+        s->tracer = lw_space_point_at(o->frame, to->s->tracer[0]);
+    for (int i = 0; i < to->s->n_v && i < 64; i++)
+        s->v[i] = o->v[i];
+    for (int i = 0; i < to->s->n_q && i < 64; i++)
+        s->q[i] = o->q[i];
+    for (int i = 0; i < m->n_joint && i < 16; i++)
+        s->joint[i] = o->joint[i];
+    lw_space_momentum(to->s, o->frame, o->v, &s->linear, &s->angular);
+    to->off = fmax(to->off, o->off);
+    to->off_rate = fmax(to->off_rate, o->off_rate);
+    return LW_OK;
+}
+
+/* Run m; the samples are in k.  Returns the report. */
+static lw_space_report run(const lw_spatial *m, lw_space_analysis a, double to, int intervals, double tolerance)
+{
+    lw_space_run *r;
+    lw_error e = { 0 };
+    lw_space_options o = lw_space_options_default();
+    o.analysis = a;
+    o.to = to;
+    o.intervals = intervals;
+    o.relative = tolerance;
+    k.n = 0;
+    k.off = k.off_rate = 0;
+    if (lw_space_run_make(m, &o, &r, &e) != LW_OK) {
+        fprintf(stderr, "%s\n", e.text);
+        CHECK(false);
+        return (lw_space_report){ 0 };
+    }
+    k.s = lw_space_run_space(r);
+    lw_status st = lw_space_run_go(r, keep, &k, &e);
+    if (st != LW_OK)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(st, LW_OK);
+    lw_space_report q = *lw_space_run_report(r);
+    lw_space_run_free(r);
+    return q;
+}
+
+/* ---- free bodies ------------------------------------------------------------------------------------------------ */
+
+/* Euler's equations, I = (1, 2, 3), w0 = (1, 0, 1): elliptic functions to 8 digits. */
+static void a_free_body_tumbles(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, "
+                               "\"centre\": [1, 2, 3], "
+        "\"inertia\": [1, 2, 3], \"angular_velocity\": [1, 0, 1], \"velocity\": [1, 2, -1]}], \"joints\": "
+        "[{\"name\": \"F\", "
+        "\"kind\": \"free\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0]}]}";
+    static const double want[3][4] = { { 1, .57780247, .81617664, .88201582 }, { 5, -.16435043, -.98640202, .82199170 },
+                                       { 10, -.92107000, .38939704, .97440066 } };
+    lw_spatial m;
+    read_spatial(text, strlen(text), "free", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 10, 10, 1e-13);
+    for (int i = 0; i < 3; i++)
+        for (int c = 0; c < 3; c++)
+            CHECK_NEAR(k.at[(int)want[i][0]].v[3 + c], want[i][1 + c], 1e-8, 0);
+    for (int i = 0; i < k.n; i++) {
+        const double *w = k.at[i].v + 3;
+        CHECK_NEAR(w[0]*w[0] + 2*w[1]*w[1] + 3*w[2]*w[2], 4, 1e-13*4, 0);
+        CHECK_NEAR(w[0]*w[0] + 4*w[1]*w[1] + 9*w[2]*w[2], 10, 1e-13*10, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.at[i].angular, k.at[0].angular)), 0, 1e-12, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.at[i].linear, k.at[0].linear)), 0, 1e-12, 0);
+    }
+    CHECK_INT(q.freedom, 6);
+    lw_spatial_free(&m);
+}
+
+/* Spinning about its middle axis is unstable: it turns over again and again, and keeps energy and momentum. */
+static void a_body_turns_over(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
+                               "\"centre\": [0, 0, 0], "
+        "\"inertia\": [1, 2, 2.9], \"angular_velocity\": [1e-4, 6, 0]}], \"joints\": [{\"name\": \"F\", "
+        "\"kind\": \"free\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0]}]}";
+    lw_spatial m;
+    double least = 6;
+    read_spatial(text, strlen(text), "free", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 100, 1000, 1e-12);
+    for (int i = 0; i < k.n; i++) {
+        least = fmin(least, k.at[i].v[4]);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.at[i].angular, k.at[0].angular)), 0, 1e-10, 0);
+    }
+    CHECK(least < -5.99);
+    CHECK(q.energy_error < 1e-9*q.energy_scale);
+    lw_spatial_free(&m);
+}
+
+/* Steady precession of the symmetric heavy top, I1 .05, I3 .02, m g l 2, 30 degrees, spin 60: 1.78114338 rad/s, over
+ * 100 turns. */
+static void the_top_precesses(void)
+{
+    static const double precession = 1.78114338;
+    lw_spatial m;
+    load_spatial("top", &m);
+    double turn = 2*LW_PI/precession;
+    run(&m, LW_SPACE_TRANSIENT, 100*turn, 400, 1e-12);
+    for (int i = 0; i < k.n; i++)
+        CHECK_NEAR(k.at[i].tracer.z, .2*cos(LW_PI/6), 1e-9, 0);
+    double angle = atan2(k.at[1].tracer.y, k.at[1].tracer.x);       /* a quarter of a turn */
+    CHECK_NEAR(angle/(turn/4), precession, 1e-8, 0);
+    lw_spatial_free(&m);
+}
+
+/* ---- published mechanisms ---- */
+
+static void slider_crank(void)
+{
+    static const double want[3][3] = { { 2, 1.230926918, .2605459327 }, { 5, -1.033286465, .1887481033 },
+                                       { 10, -2.082296776, .2337647503 } };
+    lw_spatial m;
+    load_spatial("slider-crank", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 1, 10, 1e-12);
+    for (int i = 0; i < 3; i++) {
+        CHECK_NEAR(remainder(k.at[(int)want[i][0]].input - want[i][1], 2*LW_PI), 0, 1e-9, 0);
+        CHECK_NEAR(k.at[(int)want[i][0]].tracer.x, want[i][2], 1e-10, 0);
+    }
+    CHECK(q.energy_error < 1e-11*q.energy_scale);
+    CHECK(k.off < 1e-12 && k.off_rate < 1e-12*20);
+    lw_spatial_free(&m);
+}
+
+static void bricard(void)
+{
+    static const double want[3][4] = { { 20, .999223645, -1.038649891, .960603202 }, { 50, .968283679, -1.224625159,
+                                                                                       .750146609 },
+                                       { 100, .510501461, -1.649167599, .140123115 } };
+    lw_spatial m;
+    load_spatial("bricard", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 10, 1000, 1e-12);
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 p = k.at[(int)want[i][0]].tracer;
+        CHECK_NEAR(p.x, want[i][1], 1e-9, 0);
+        CHECK_NEAR(p.y, want[i][2], 1e-9, 0);
+        CHECK_NEAR(p.z, want[i][3], 1e-9, 0);
+    }
+    CHECK_INT(q.redundant, 1);
+    CHECK_INT(q.freedom, 1);
+    CHECK(q.energy_error < 1e-9*q.energy_scale);
+    CHECK(k.off < 1e-12);
+    lw_spatial_free(&m);
+}
+
+/* Its stiff dampers ask for 4000 steps a second; 5 and 10 s agree too (slider .535563104, .619622917). */
+static void governor(void)
+{
+    lw_spatial m;
+    load_spatial("governor", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 1, 1, 1e-8);
+    CHECK_NEAR(k.at[1].tracer.z, .501420922, 1e-9, 0);
+    CHECK_NEAR(k.at[1].input_rate, 6.271125742, 1e-9, 0);
+    CHECK(q.energy_error < 1e-9*q.energy_scale);
+    CHECK_NEAR(k.at[1].angular.z, k.at[0].angular.z, 1e-11, 0);
+    lw_spatial_free(&m);
+}
+
+/* ---- DELTA ---- */
+
+/* 400 mm along x through the middle in 100 ms at 160 m/s^2, bars as slender rods: torques at the start, their peaks and
+ * mean squares; and at rest in the middle. */
+static void delta_torques(void)
+{
+    double sum[2] = { 0, 0 }, peak[2] = { 0, 0 }, power = 0;
+    lw_spatial m;
+    load_spatial("delta", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, .1, 1000, 1e-10);
+    CHECK_INT(q.formulation, LW_SPACE_DRIVEN);
+    CHECK_INT(q.idle, 6);
+    CHECK_NEAR(k.at[0].drive[0], -37.7817, 5e-5, 0);
+    CHECK_NEAR(k.at[0].drive[1], 8.8914, 5e-5, 0);
+    CHECK_NEAR(k.at[0].drive[2], 8.8914, 5e-5, 0);
+    for (int i = 0; i < k.n; i++)
+        for (int d = 0; d < 2; d++) {
+            double tau = k.at[i].drive[d];
+            sum[d] += tau*tau*(i == 0 || i == 1000 ? .5 : 1)/1000;
+            peak[d] = fmax(peak[d], fabs(tau));
+        }
+    (void)power;
+    CHECK_NEAR(peak[0], 37.7817, 5e-5, 0);
+    CHECK_NEAR(peak[1], 20.0403, 5e-5, 0);
+    CHECK_NEAR(sqrt(sum[0]), 30.3835, 2e-2,
+               0);      /* the torque jumps in the middle: a sample there counts for one side */
+    CHECK_NEAR(sqrt(sum[1]), 15.2444, 2e-2, 0);
+    for (int i = 0; i < 3; i++) {
+        char still[] = "0";
+        lw_error e;
+        CHECK_INT(lw_spatial_set_motion(&m, i, i < 2 ? still : "-0.65", &e), LW_OK);
+    }
+    run(&m, LW_SPACE_TRANSIENT, 1, 1, 1e-10);
+    for (int d = 0; d < 3; d++)
+        CHECK_NEAR(k.at[0].drive[d], -1.20166, 5e-6, 0);
+    lw_spatial_free(&m);
+}
+
+/* Virtual power: the power of the drives is the rate of the energy, along a smooth motion of the Stewart platform. */
+static void drives_do_the_work(void)
+{
+    lw_spatial m;
+    load_spatial("stewart", &m);
+    double work = 0;
+    static double power[1001];
+    lw_space_run *r;
+    lw_error e = { 0 };
+    run(&m, LW_SPACE_KINEMATIC, 1, 1000, 1e-10);
+    for (int i = 0; i < k.n; i++) {
+        power[i] = 0;
+        for (int d = 0; d < 6; d++)
+            power[i] += k.at[i].drive[d]*.05*(d + 2)*cos((d + 2)*k.at[i].t);
+    }
+    for (int i = 0; i + 2 < k.n; i += 2)     /* Simpson's rule */
+        work += (power[i] + 4*power[i + 1] + power[i + 2])/3000;
+    CHECK_NEAR(work, k.at[1000].energy - k.at[0].energy, 1e-8, 0);
+    lw_space_options o = lw_space_options_default();
+    o.analysis = LW_SPACE_DYNAMIC;
+    CHECK_INT(lw_space_run_make(&m, &o, &r, &e), LW_E_ARG);
+    lw_spatial_free(&m);
+}
+
+/* ---- a planar model in space ---- */
+
+static double planar_angle[11];
+static int planar_n;
+static lw_status keep_planar(void *context, const lw_moment *m)
+{
+    (void)context;
+    planar_angle[planar_n++] = m->q[2];
+    return LW_OK;
+}
+
+static void a_planar_four_bar_in_space(void)
+{
+    static const char plane[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
+                                "\"centre\": [0.1, 0.2], "
+        "\"inertia\": 0.02}, {\"name\": \"b\", \"mass\": 2, \"centre\": [0.6, 0.5], \"inertia\": 0.1}, {\"name\": "
+        "\"c\", \"mass\": 1.5, "
+        "\"centre\": [1.1, 0.3], \"inertia\": 0.05}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], "
+        "\"at\": [0, 0]}, "
+        "{\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0.2, 0.4]}, {\"name\": \"C\", \"links\": [\"b\", "
+        "\"c\"], \"at\": [1.2, 0.7]}, "
+        "{\"name\": \"D\", \"links\": [\"ground\", \"c\"], \"at\": [1, 0]}], \"input\": {\"joint\": \"A\", "
+        "\"speed\": 3}, "
+        "\"gravity\": [0, -9.81]}";
+    static const char space[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
+                                "\"centre\": [0.1, 0.2, 0], "
+        "\"inertia\": [0.015, 0.015, 0.02]}, {\"name\": \"b\", \"mass\": 2, \"centre\": [0.6, 0.5, 0], \"inertia\": "
+        "[0.07, 0.06, 0.1]}, "
+        "{\"name\": \"c\", \"mass\": 1.5, \"centre\": [1.1, 0.3, 0], \"inertia\": [0.03, 0.04, 0.05]}], \"joints\": ["
+        "{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, "
+        "{\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0.2, 0.4, 0], \"axis\": [0, 0, 1]}, "
+        "{\"name\": \"C\", \"links\": [\"b\", \"c\"], \"at\": [1.2, 0.7, 0], \"axis\": [0, 0, 1]}, "
+        "{\"name\": \"D\", \"links\": [\"ground\", \"c\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], "
+        "\"input\": {\"joint\": \"A\", \"speed\": 3}, \"gravity\": [0, -9.81, 0]}";
+    lw_spatial m;
+    lw_model p;
+    lw_dynamics *d;
+    lw_dynamics_report report;
+    lw_error e = { 0 };
+    lw_vec3 normal;
+    read_spatial(space, strlen(space), "space", &m);
+    CHECK(lw_spatial_is_planar(&m, &normal));
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 1, 10, 1e-13);
+    CHECK_INT(q.redundant, 3);
+    CHECK_HAS(q.why, "parallel");
+    CHECK(!lw_spatial_text(plane, strlen(plane)));
+    CHECK_INT(lw_model_read(plane, strlen(plane), "plane", &p, &e), LW_OK);
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.to = 1;
+    o.intervals = 10;
+    o.relative = o.absolute = 1e-13;
+    CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
+    CHECK_INT(lw_dynamics_run(d, keep_planar, NULL, &report, &e), LW_OK);
+    for (int i = 0; i < k.n && i < planar_n; i++)
+        CHECK_NEAR(remainder(k.at[i].input - (planar_angle[i] - planar_angle[0]), 2*LW_PI), 0, 1e-12, 0);
+    lw_dynamics_free(d);
+    lw_model_free(&p);
+    lw_spatial_free(&m);
+}
+
+/* ---- accuracy, forces, hard cases ---- */
+
+/* The error falls with the tolerance, down to 1e-11. */
+static void errors_fall_with_the_tolerance(void)
+{
+    lw_spatial m;
+    load_spatial("slider-crank", &m);
+    run(&m, LW_SPACE_TRANSIENT, 1, 1, 1e-14);
+    double best = k.at[1].input, before = 1;
+    for (double tolerance = 1e-4; tolerance > 0.5e-12; tolerance *= 1e-2) {
+        run(&m, LW_SPACE_TRANSIENT, 1, 1, tolerance);
+        double error = fabs(k.at[1].input - best);
+        CHECK(error < before || error < 1e-11);
+        CHECK(error < 2e3*tolerance);
+        before = error;
+    }
+    CHECK(before < 1e-11);
+    lw_spatial_free(&m);
+}
+
+/* Newton's law for each body: what its joints carry, and gravity, accelerate it; reactions at the two ends of a joint
+ * are opposite.  In the slider-crank at t = 0.4, the ground carries the whole. */
+static void reactions_carry_the_masses(void)
+{
+    lw_spatial m;
+    load_spatial("slider-crank", &m);
+    run(&m, LW_SPACE_TRANSIENT, .4, 400, 1e-12);
+    /* linear momentum rate by differences = weight + reactions of A and D on the moving links (link 1 is the moving
+     * one) */
+    const sample *s = &k.at[100];
+    double h = 1e-3;
+    lw_vec3 rate = lw_v3_scale(lw_v3_sub(lw_v3_scale(lw_v3_sub(s[1].linear, s[-1].linear), 8), lw_v3_sub(s[2].linear,
+            s[-2].linear)),
+                               1/(12*h));
+    lw_vec3 sum = lw_v3(0, 0, -9.81*(.12 + .5 + 2));
+    sum = lw_v3_add(sum, lw_v3_add(s->joint[0].force, s->joint[3].force));
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(sum, rate)), 0, 1e-6*lw_v3_norm(sum), 0);
+    /* angular momentum about the origin: moments about the joints' points, forces with their levers */
+    lw_vec3 spin = lw_v3_scale(lw_v3_sub(lw_v3_scale(lw_v3_sub(s[1].angular, s[-1].angular), 8),
+                                         lw_v3_sub(s[2].angular, s[-2].angular)), 1/(12*h));
+    lw_vec3 moment = lw_v3_add(s->joint[0].moment, lw_v3_cross(m.joint[0].at, s->joint[0].force));
+    moment = lw_v3_add(moment, lw_v3_add(s->joint[3].moment, lw_v3_cross(s->tracer, s->joint[3].force)));
+    for (int b = 0; b < 3; b++)
+        moment = lw_v3_add(moment, lw_v3_cross(lw_v3(s->q[7*b], s->q[7*b + 1], s->q[7*b + 2]),
+                                               lw_v3(0, 0, -9.81*m.body[b + 1].mass)));
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(moment, spin)), 0, 1e-6*lw_v3_norm(moment), 0);
+    lw_spatial_free(&m);
+}
+
+/* A thin rod has no inertia about its axis: solved by rank.  A conical pendulum of a rod on a universal joint: steady
+ * at 3 g/(2 L cos a) = w^2 for a thin rod. */
+static void a_thin_rod_swings(void)
+{
+    char text[1024];
+    double a = 0.5, c = cos(a), s = sin(a), w = sqrt(3*9.81/(2*c));
+    snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", \"cross\", {\"name\": \"rod\", "
+                                "\"mass\": 1, \"centre\": "
+             "[%.17g, 0, %.17g], \"inertia\": [0, %.17g, %.17g], \"frame\": {\"x\": [%.17g, 0, %.17g], \"y\": [0, 1, "
+             "0]}}], "
+             "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"cross\"], \"at\": [0, 0, 0], \"axis\": [0, 0, "
+             "1]}, "
+             "{\"name\": \"B\", \"links\": [\"cross\", \"rod\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}], "
+             "\"inputs\": [{\"joint\": \"A\", \"speed\": %.17g}, {\"joint\": \"B\", \"speed\": 0}], \"gravity\": [0, "
+             "0, -9.81], "
+             "\"tracers\": [{\"name\": \"P\", \"link\": \"rod\", \"at\": [%.17g, 0, %.17g]}]}",
+             s/2, -c/2, 1./12, 1./12, s, -c, w, s, -c);
+    lw_spatial m;
+    read_spatial(text, strlen(text), "rod", &m);
+    lw_space_report q = run(&m, LW_SPACE_TRANSIENT, 5, 50, 1e-12);
+    for (int i = 0; i < k.n; i++) {
+        CHECK_NEAR(k.at[i].tracer.z, -c, 1e-9, 0);
+        CHECK_NEAR(k.at[i].input, w*k.at[i].t, 1e-8, 0);
+    }
+    CHECK_HAS(q.why, "by rank");
+    lw_spatial_free(&m);
+}
+
+/* 100 turns against a torsion spring are counted: a flywheel winds it up and comes back after half a period. */
+static void turns_are_counted(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
+                               "\"centre\": [0, 0, 0], "
+        "\"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], "
+        "\"axis\": [1, 2, 2]}], \"input\": {\"joint\": \"A\", \"speed\": 628.3185307179587}, \"springs\": "
+        "[{\"joint\": \"A\", "
+        "\"stiffness\": 1}]}";
+    lw_spatial m;
+    read_spatial(text, strlen(text), "wheel", &m);
+    run(&m, LW_SPACE_TRANSIENT, LW_PI, 2, 1e-12);
+    CHECK_NEAR(k.at[1].input, 200*LW_PI, 1e-7, 0);
+    CHECK_NEAR(k.at[2].input, 0, 1e-7, 0);
+    lw_spatial_free(&m);
+}
+
+/* A weight hung on three springs: at rest where the potential is least. */
+static void a_weight_comes_to_rest(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, "
+                               "\"centre\": [0.1, 0, 0], "
+        "\"inertia\": [0.1, 0.1, 0.1]}], \"joints\": [{\"name\": \"A\", \"kind\": \"spherical\", \"links\": "
+        "[\"ground\", \"a\"], "
+        "\"at\": [0, 0, 0]}], \"springs\": [{\"links\": [\"ground\", \"a\"], \"at\": [[0.1, 0.5, 1], [0.1, 0, 0]], "
+        "\"stiffness\": 50, "
+        "\"free\": 0.3}, {\"links\": [\"ground\", \"a\"], \"at\": [[1, -0.2, 0.4], [0, 0.1, 0]], \"stiffness\": 80, "
+        "\"free\": 0.2}], "
+        "\"gravity\": [0, 0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"a\", \"at\": [0.1, 0, 0]}]}";
+    lw_spatial m;
+    read_spatial(text, strlen(text), "weight", &m);
+    run(&m, LW_SPACE_STATIC, 1, 1, 1e-10);
+    double least = k.at[0].energy;
+    sample rest = k.at[0];
+    lw_space s;
+    lw_space_forces f;
+    lw_error e;
+    lw_rng rng;
+    lw_space_frame frame[2];
+    lw_rng_seed(&rng, check_seed(), 0);
+    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
+    CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
+    for (int i = 0; i < 100; i++) {          /* turned a little about the ball: the potential is greater */
+        double q[7], by[6] = { 0 };
+        memcpy(q, rest.q, sizeof q);
+        lw_vec3 turn = lw_v3_scale(lw_v3(lw_rng_normal(&rng), lw_rng_normal(&rng), lw_rng_normal(&rng)), 1e-3);
+        lw_space_place(&s, q, frame);
+        by[3] = turn.x, by[4] = turn.y, by[5] = turn.z;
+        lw_space_move(&s, q, by);
+        lw_space_place(&s, q, frame);
+        lw_vec3 pin = lw_space_point_at(frame, (lw_space_point){ 0, s.joint[0].arm[1] });
+        q[0] -= pin.x, q[1] -= pin.y, q[2] -= pin.z;
+        lw_space_place(&s, q, frame);
+        CHECK(lw_space_potential(&f, frame) > least);
+    }
+    lw_space_forces_free(&f);
+    lw_space_free(&s);
+    lw_spatial_free(&m);
+}
+
+static void refuses_what_it_cannot(void)
+{
+    static const struct { const char *link, *joint, *more, *says; } bad[] = {
+        { "\"mass\": 1, \"centre\": [1, 0, 0], \"inertia\": [1, 1, 1], \"angular_velocity\": [0, 1, 1]", "", "",
+          "contradict" },
+        { "\"mass\": 0, \"centre\": [1, 0, 0]", "", "", "without moving any mass" },
+        { "\"mass\": 1, \"centre\": [1, 0, 0]", ", \"stop\": {\"least\": -1}", "", "rigid stop" },
+        { "\"mass\": 1, \"centre\": [1, 0, 0]", "", ", \"input\": {\"joint\": \"A\", \"motion\": \"log(t - 1)\"}",
+          "not a number" },
+        { "\"mass\": 1, \"centre\": [1, 0, 0]", "", ", \"inputs\": [{\"joint\": \"A\", \"motion\": \"t\"}, "
+                                                    "{\"tracer\": \"P\", "
+          "\"coordinate\": \"x\", \"motion\": \"t\"}]", "contradict" },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        char text[1024];
+        lw_spatial m;
+        lw_space_run *r;
+        lw_error e = { 0 };
+        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", %s}], \"joints\": "
+                                    "[{\"name\": \"A\", "
+                 "\"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]%s}], \"tracers\": "
+                 "[{\"name\": \"P\", "
+                 "\"link\": \"a\", \"at\": [1, 1, 0]}]%s}", bad[i].link, bad[i].joint, bad[i].more);
+        read_spatial(text, strlen(text), "bad", &m);
+        lw_space_options o = lw_space_options_default();
+        CHECK(lw_space_run_make(&m, &o, &r, &e) != LW_OK);
+        CHECK_HAS(e.text, bad[i].says);
+        lw_spatial_free(&m);
+    }
+}
+
+int main(void)
+{
+    RUN(a_free_body_tumbles);
+    RUN(a_body_turns_over);
+    RUN(the_top_precesses);
+    RUN(slider_crank);
+    RUN(bricard);
+    RUN(governor);
+    RUN(delta_torques);
+    RUN(drives_do_the_work);
+    RUN(a_planar_four_bar_in_space);
+    RUN(errors_fall_with_the_tolerance);
+    RUN(reactions_carry_the_masses);
+    RUN(a_thin_rod_swings);
+    RUN(turns_are_counted);
+    RUN(a_weight_comes_to_rest);
+    RUN(refuses_what_it_cannot);
+    return check_end();
+}
