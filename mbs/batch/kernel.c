@@ -357,21 +357,24 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
     }
 }
 
-typedef struct chunk_jacobian { const lw_plan *plan; int which; const lw_jacobian *out; } chunk_jacobian;
+typedef struct chunk_jacobian { const lw_plan *plan; int n; const int *which; const lw_jacobian *out; } chunk_jacobian;
 
 static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
 {
     const chunk_jacobian *q = caller;
-    lw_jacobian to = shift_jacobian(q->out, first);
-    jacobians(q->plan, part, q->which, work, group_poses, &to);
+    for (int i = 0; i < q->n; i++) {
+        lw_jacobian to = shift_jacobian(&q->out[i], first);
+        jacobians(q->plan, part, q->which[i], work, group_poses, &to);
+    }
 }
 
-static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
+static void kernel_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work,
+                             const lw_jacobian *out)
 {
-    if (plan->n_higher)
-        lw_in_chunks(plan, in, work, jacobian_of_chunk, &(chunk_jacobian){ plan, which, out });
-    else
-        jacobians(plan, in, which, work, NULL, out);
+    if (plan->n_higher && n > 0)
+        lw_in_chunks(plan, in, work, jacobian_of_chunk, &(chunk_jacobian){ plan, n, which, out });
+    for (int i = 0; i < n && !plan->n_higher; i++)
+        jacobians(plan, in, which[i], work, NULL, &out[i]);
 }
 
 /* ---- sum of squares with gradient ---------------------------------------------------------------------------- */
@@ -568,5 +571,5 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
 }
 
 extern const lw_kernels lw_kernels_here;
-const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
+const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobians, kernel_sum,
                                      lw_kernel_normal, lw_kernel_group_pose, &lw_higher_size, &lw_follow_size };

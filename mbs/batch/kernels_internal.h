@@ -27,7 +27,7 @@ typedef struct lw_kernels {
                   double *x, double *y, double *u, double *v, double *margin);
     void (*frame)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   double *ox, double *oy, double *dx, double *dy, double *margin);
-    void (*jacobian)(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out);
+    void (*jacobians)(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work, const lw_jacobian *out);
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);

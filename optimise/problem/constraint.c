@@ -233,23 +233,34 @@ static void sample_turn(lw_work *w)
 }
 
 /* lw_batch_jacobian of n poses of check_at at the inputs c, s, one run of poses on the same stroke after the other. */
-static void jacobian(const lw_problem *p, const double *x, lw_work *w, int which, const double *c, const double *s,
-                     size_t n, const lw_jacobian *out)
+static void jacobians(const lw_problem *p, const double *x, lw_work *w, int n_which, const int *which, const double *c,
+                      const double *s, size_t n, const lw_jacobian *out)
 {
     for (size_t first = 0, next; first < n; first = next) {
-        lw_jacobian j = *out;
-        double **each[] = { &j.x, &j.y, &j.u, &j.v, &j.margin, &j.jx, &j.jy, &j.jt, &j.tx, &j.ty, &j.tt, &j.jm, &j.tm };
+        lw_jacobian part[LW_PLACE_MAX];
         for (next = first + 1; next < n && (!lw_problem_has_modes(p)
                                             || w->check_at[next].leg == w->check_at[first].leg); next++)
             ;
-        for (size_t i = 0; i < sizeof each/sizeof *each; i++)
-            if (*each[i])
-                *each[i] += first;
+        for (int k = 0; k < n_which; k++) {
+            lw_jacobian *j = &part[k];
+            *j = out[k];
+            double **each[] = { &j->x, &j->y, &j->u, &j->v, &j->margin, &j->jx, &j->jy, &j->jt, &j->tx, &j->ty, &j->tt,
+                                &j->jm, &j->tm };
+            for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+                if (*each[i])
+                    *each[i] += first;
+        }
         lw_lanes in = { .n = next - first, .c = c + first, .s = s + first, .dim = x, .mode = p->intended.mode };
         if (lw_problem_has_modes(p))
             in.mode = w->swing.stroke[w->check_at[first].leg].mode;
-        lw_batch_jacobian(&p->plan, &in, which, w->batch, &j);
+        lw_batch_jacobians(&p->plan, &in, n_which, which, w->batch, part);
     }
+}
+
+static void jacobian(const lw_problem *p, const double *x, lw_work *w, int which, const double *c, const double *s,
+                     size_t n, const lw_jacobian *out)
+{
+    jacobians(p, x, w, 1, &which, c, s, n, out);
 }
 
 /* Does the motion pass a limit on the way to the next sample? */
@@ -563,12 +574,15 @@ static void find_places(const lw_problem *p, const double *x, lw_work *w, places
         out->which[out->n++] = i;
     for (size_t k = 0; k < ZONE_POSES; k++)
         out->closes[k] = true;
-    for (int i = 0; i < out->n; i++) {
-        lw_jacobian j = { .x = w->place_x + i*POSES, .y = w->place_y + i*POSES, .margin = w->pose_m, .ld = w->pose.ld };
-        jacobian(p, x, w, out->which[i], w->check_c, w->check_s, ZONE_POSES, &j);
+    lw_jacobian all[LW_PLACE_MAX];
+    double margin[LW_PLACE_MAX][POSES];
+    for (int i = 0; i < out->n; i++)
+        all[i] = (lw_jacobian){ .x = w->place_x + i*POSES, .y = w->place_y + i*POSES, .margin = margin[i],
+                                .ld = w->pose.ld };
+    jacobians(p, x, w, out->n, out->which, w->check_c, w->check_s, ZONE_POSES, all);
+    for (int i = 0; i < out->n; i++)
         for (size_t k = 0; k < ZONE_POSES; k++)
-            out->closes[k] &= w->pose_m[k] >= 0;
-    }
+            out->closes[k] &= margin[i][k] >= 0;
 }
 
 /* Where a condition is least: of which place, how far from pose k - 1 to pose k, with the bulge or not. */
@@ -785,23 +799,37 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
         zones(p, x, w, &between, g, j);
 }
 
-/* Replace rows that are not known by central differences: those of the margin of a higher group. */
+/* Only the conditions on the transmission angle of a turning input, which need no stations. */
+static void transmissions_alone(const lw_problem *p, const double *x, double *g, lw_work *w)
+{
+    motion turn = { .moves = false };
+    sample_turn(w);
+    transmissions(p, x, w, &turn, g, NULL);
+}
+
+/* Replace rows that are not known by central differences: those of the margin of a higher group.  Of a turning input these
+ * are the transmission angles, and all else need not be computed. */
 static void by_differences(const lw_problem *p, const double *x, double *j, lw_work *w)
 {
-    size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var;
-    bool any = false;
+    size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var, first = (size_t)(p->n_linear + p->n_side);
+    bool any = false, alone = p->intended.turns && p->min_transmission > 0 && !lw_problem_must_close(p);
     double at[LW_VAR_MAX];
-    for (size_t i = 0; i < m*nv && !any; i++)
+    size_t last = alone ? first + POSES : m;
+    for (size_t i = first*nv; i < last*nv && !any; i++)
         any = isnan(j[i]);
     memcpy(at, x, sizeof at[0]*nv);
     for (size_t v = 0; any && v < nv; v++) {
         double h = 2e-7*fmax(1, fabs(x[v]));
-        at[v] = x[v] + h;
-        all_conditions(p, at, false, w->g_up, NULL, w);
-        at[v] = x[v] - h;
-        all_conditions(p, at, false, w->g_down, NULL, w);
+        for (int side = -1; side <= 1; side += 2) {
+            double *g = side < 0 ? w->g_down : w->g_up;
+            at[v] = x[v] + side*h;
+            if (alone)
+                transmissions_alone(p, at, g + first, w);
+            else
+                all_conditions(p, at, false, g, NULL, w);
+        }
         at[v] = x[v];
-        for (size_t i = (size_t)p->n_linear; i < m; i++)
+        for (size_t i = first; i < last; i++)
             if (isnan(j[i*nv + v]))
                 j[i*nv + v] = (w->g_up[i] - w->g_down[i])/(2*h);
     }

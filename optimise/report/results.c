@@ -14,7 +14,7 @@ static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int
     return true;
 }
 
-/* A result is worth a row beside a better one if it is smaller by this factor, or ... */
+/* A result is worth a row beside a better one if it is smaller or strays less by this factor, or ... */
 #define SMALLER 0.8
 /* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
 #define GENTLER (5*LW_PI/180)
@@ -34,12 +34,14 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
 static bool covers(const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
 {
     return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && !(b->size < SMALLER*a->size)
+        && !(lw_fit_report_stray(b) < SMALLER*lw_fit_report_stray(a))
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
-static bool is_rough(const lw_target *t, const lw_candidate *first, const lw_candidate *c, const lw_fit_report *r)
+static bool is_rough(const lw_target *t, const lw_candidate *first, const lw_fit_report *best, const lw_candidate *c,
+                     const lw_fit_report *r)
 {
-    return c->objective > WORSE*WORSE*first->objective
+    return c->objective > WORSE*WORSE*first->objective && !(lw_fit_report_stray(r) < lw_fit_report_stray(best))
         && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
@@ -54,7 +56,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
     bool wanted = s->by_default || out->n < most;
     for (int k = 0; k < out->n && wanted && s->by_default; k++)
         wanted = !covers(&fit->candidate[out->candidate[k]], &out->report[k], c, r);
-    return wanted && !(s->by_default && is_rough(t, &fit->candidate[out->candidate[0]], c, r));
+    return wanted && !(s->by_default && is_rough(t, &fit->candidate[out->candidate[0]], &out->report[0], c, r));
 }
 
 /* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */

@@ -631,7 +631,8 @@ lw_status lw_search_widen(lw_search *s)
     polish_list *list = new_list(s);
     if (!list)
         return LW_E_MEMORY;
-    pool->n = pool->n < LEFT ? pool->n : LEFT;
+    int left = s->o->both_ways ? lw_fit_kept(s->o) : LEFT;        /* ordered stations may hide the nearest curves   */
+    pool->n = pool->n < left ? pool->n : left;
     for (int i = 0; i < pool->n && list->n < WIDENED*variants_of(s); i++)
         for (int k = 0; k < variants_of(s); k++)
             take(&pool->item[i], list);

@@ -26,7 +26,7 @@ static int rounds_of(const lw_search *s)
     const lw_fit_spec *q = &s->o->spec;
     if (q->min_transmission > 0 || q->max_acceleration > 0 || q->n_zone > 0)      /* a job costs twice as much */
         jobs *= 0.5;
-    if (s->o->part == LW_FIT_OTHERS)
+    if (s->o->part == LW_FIT_OTHERS || s->o->both_ways)         /* after a search in the cranks, or of the same */
         jobs *= 0.4;
     int rounds = (int)(jobs/s->n_job + 0.5);
     return rounds < 5 ? 5 : rounds;

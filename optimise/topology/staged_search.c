@@ -148,22 +148,21 @@ static bool can_stray(const lw_target *t, const lw_fit_spec *s)
     return t->closed && s->by_default & LW_LIMIT_MOTION && lw_task_has_place(s->task) && s->timing == LW_TIMING_FREE;
 }
 
-/* Does the curve of the best linkage with `links` links leave the closed target between the stations?  Then a search
- * without timing, which compares both ways, finds better ones. */
+/* Does the curve of the linkage with `links` links and the least error leave the closed target between the stations?
+ * Then a search without timing, which compares both ways, finds better ones. */
 static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool *out)
 {
-    lw_status st = LW_OK;
-    lw_fit_report *r = can_stray(t, s) ? malloc(sizeof *r) : NULL;
+    const lw_candidate *best = NULL;
     *out = false;
-    for (int i = 0; i < all->n && r && st == LW_OK; i++) {
-        if (lw_candidate_links(&all->candidate[i]) != links)
-            continue;
-        st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
-        *out = r->stray.to_target > 1.5*r->error_max + STRAY*t->size;
-        break;
-    }
+    for (int i = 0; i < all->n && can_stray(t, s); i++)
+        if (lw_candidate_links(&all->candidate[i]) == links
+            && (!best || all->candidate[i].objective < best->objective))
+            best = &all->candidate[i];
+    lw_fit_report *r = best ? malloc(sizeof *r) : NULL;
+    lw_status st = !best ? LW_OK : r ? lw_fit_report_make(t, s, best, r, NULL) : LW_E_MEMORY;
+    *out = best && st == LW_OK && r->stray.to_target > 1.5*r->error_max + STRAY*t->size;
     free(r);
-    return !r && can_stray(t, s) ? LW_E_MEMORY : st;
+    return st;
 }
 
 /* Run the searches of a stage: of four-link types the cranks, then the others; then once more if the best curve strays.
@@ -178,7 +177,9 @@ static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, 
     for (int i = whole ? 1 : 0; i <= BOTH_WAYS; i++) {
         lw_fit fit;
         lw_error why = { .text = "" };
-        if (i == BOTH_WAYS && (strays(t, &o->spec, &out->fit, links, &again) != LW_OK || !again))
+        if (i == BOTH_WAYS && (st = strays(t, &o->spec, &out->fit, links, &again)) != LW_OK)
+            return st;
+        if (i == BOTH_WAYS && !again)
             break;
         o->part = whole || i == BOTH_WAYS ? LW_FIT_WHOLE : i == 0 ? LW_FIT_CRANKS : LW_FIT_OTHERS;
         o->both_ways = i == BOTH_WAYS;
