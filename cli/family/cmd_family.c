@@ -5,8 +5,10 @@
 #include <string.h>
 
 #include "cli/program/json.h"
+#include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "grammar/model.h"
+#include "grammar/spatial.h"
 
 #define PLACE(member) offsetof(cli_family_settings, member)
 
@@ -96,13 +98,13 @@ lw_status cli_family_open(const cli_call *call, lw_master **m, lw_variant **v, l
 
 lw_status cli_family_read_back(const lw_expansion *x, lw_error *e)
 {
-    lw_model *model = calloc(1, sizeof *model);
-    lw_status s = model ? lw_model_read(x->text, x->size, "", model, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        lw_model_free(model);
-    else
+    lw_model *planar = NULL;
+    lw_spatial *spatial = NULL;
+    lw_status s = cli_any_model_text(x->text, x->size, "", 0, &planar, &spatial, e);
+    if (s != LW_OK)
         lw_expansion_fault(x, e);
-    free(model);
+    cli_free_model(planar);
+    cli_free_spatial(spatial);
     return s;
 }
 

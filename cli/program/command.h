@@ -16,7 +16,8 @@ typedef enum cli_kind_of_file {
     CLI_TOPOLOGIES = 32, CLI_CATALOGUE = 64,
     CLI_FOREIGN = 128,                 /* a linkage of Pyslvs or ADAMS                                 */
     CLI_BINARY = 256,
-    CLI_LENGTHS = 512                  /* lines of four lengths                                        */
+    CLI_LENGTHS = 512,                 /* lines of four lengths                                        */
+    CLI_MASTER = 1024                  /* a master file of a product family                            */
 } cli_kind_of_file;
 
 typedef struct cli_call {

@@ -27,6 +27,7 @@ static cli_kind_of_file kind_of_json(const char *text, size_t size)
     const json_t *joints = json_object_get(root, "joints");
     cli_kind_of_file kind = json_is_array(json_object_get(root, "results")) ? CLI_RESULTS
                           : json_object_get(root, "linkwright-task") ? CLI_TASK
+                          : json_is_object(json_object_get(root, "model")) ? CLI_MASTER
                           : !joints ? CLI_UNKNOWN : json_is_array(json_array_get(joints, 0)) ? CLI_TOPOLOGIES
                               : CLI_LINKAGE;
     json_decref(root);
@@ -59,6 +60,7 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         { CLI_TARGET, "a target", "fit %s" }, { CLI_DRAWING, "a drawing", "fit %s" },
         { CLI_TASK, "a task", "fit %s" },
         { CLI_TOPOLOGIES, "a list of chains or mechanisms", "draw %s -o chains.svg" },
+        { CLI_MASTER, "a master file of a product family", "family expand %s" },
         { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
         { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
         { CLI_BINARY, "no text (a picture, a workbook or an archive)", NULL }, { CLI_LENGTHS, "a table of lengths",
@@ -129,23 +131,36 @@ static lw_status or_spatial(const char *path, const char *text, size_t size, lw_
     return s;
 }
 
+lw_status cli_any_model_text(const char *text, size_t size, const char *path, int which, lw_model **planar,
+                             lw_spatial **spatial, lw_error *e)
+{
+    lw_model *m = calloc(1, sizeof *m);
+    *planar = NULL;
+    if (spatial)
+        *spatial = NULL;
+    if (!m)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = lw_model_read_result(text, size, path, which, m, e);
+    if (s == LW_OK)
+        *planar = m;
+    else {
+        free(m);
+        s = or_spatial(path, text, size, s, spatial, e);
+    }
+    return s;
+}
+
 lw_status cli_read_any_model(const char *path, int which, lw_model **planar, lw_spatial **spatial, lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
-    lw_model *m = calloc(1, sizeof *m);
-    lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY,
-                                                                                              "out of memory");
     *planar = NULL;
     if (spatial)
         *spatial = NULL;
-    if (s == LW_OK && (s = lw_model_read_result(text, size, path, which, m, e)) == LW_OK)
-        *planar = m;
-    else if (text)
-        s = or_spatial(path, text, size, s, spatial, e);
+    lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
+    if (s == LW_OK)
+        s = cli_any_model_text(text, size, path, which, planar, spatial, e);
     free(text);
-    if (!*planar)
-        free(m);
     return s;
 }
 

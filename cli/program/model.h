@@ -20,6 +20,8 @@ void             cli_free_model(struct lw_model *m);               /* NULL is fi
 struct lw_spatial;
 lw_status cli_read_any_model(const char *path, int which, struct lw_model **planar, struct lw_spatial **spatial,
                              lw_error *e);
+lw_status cli_any_model_text(const char *text, size_t size, const char *path, int which, struct lw_model **planar,
+                             struct lw_spatial **spatial, lw_error *e);
 lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, struct lw_spatial **spatial, lw_error *e);
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
 
