@@ -1288,6 +1288,9 @@ lw_status lw_variant_update(lw_variant *v, lw_error *e)
             done[i] = true;
         }
     lw_status s = LW_OK;
+    for (int i = 1; s == LW_OK && i <= m->n_parameter; i++)       /* values given before formulas over them */
+        if (done[i] || !scope->symbol[i].formula)
+            s = suits(v, &scope->symbol[i], &v->value[i], e);
     for (int k = 0; s == LW_OK && k < scope->n_order; k++) {
         int i = scope->order[k];
         const lw_symbol *y = &scope->symbol[i];
@@ -1300,7 +1303,8 @@ lw_status lw_variant_update(lw_variant *v, lw_error *e)
             s = lw_template_fault(y->node, text && text[0] == '=', &inner, e);
     }
     for (int i = 1; s == LW_OK && i <= m->n_parameter; i++)
-        s = suits(v, &scope->symbol[i], &v->value[i], e);
+        if (!done[i] && scope->symbol[i].formula)
+            s = suits(v, &scope->symbol[i], &v->value[i], e);
     free(done);
     v->fresh = s == LW_OK;
     return s;

@@ -22,6 +22,34 @@ static const cli_option options[] = {
       "everything", 0, 0, NULL, NULL },
     { "map", 0, CLI_OUTPUT, PLACE(map), "FILE", NULL,
       "expand: also write where each line of the model comes from, as CSV", 0, 0, NULL, NULL },
+    { "vary", 0, CLI_TEXT, PLACE(vary), "NAME=FROM:TO,...", NULL,
+      "sweep, optimise: parameters to vary, in their units; a grid takes NAME=FROM:TO:N, and NAME alone its range in the master",
+      0, 0, NULL, NULL },
+    { "measure", 0, CLI_TEXT, PLACE(measure), "FIGURE,...", NULL,
+      "sweep: figures of each variant, listed above; without it peak and rms of each drive, and its greatest speed", 0, 0,
+      NULL, NULL },
+    { "samples", 0, CLI_INT, PLACE(samples), "N", NULL,
+      "sweep: N points that fill the ranges evenly (Sobol's sequence) instead of a grid", 1, 1000000, NULL, NULL },
+    { "sensitivity", 0, CLI_FLAG, PLACE(sensitivity), NULL, NULL,
+      "sweep: percent of change of each figure for one percent of each parameter, about the chosen variant", 0, 0, NULL, "samples" },
+    { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
+      "sweep: draw the figures over the first parameter, as SVG, PDF or PNG", 0, 0, NULL, NULL },
+    { "normalised", 0, CLI_FLAG, PLACE(normalised), NULL, NULL,
+      "sweep: with --plot, draw each figure over its value in the chosen variant", 0, 0, "plot", NULL },
+    { "minimise", 0, CLI_TEXT, PLACE(minimise), "FIGURE", NULL, "optimise: the figure to make small", 0, 0, NULL, "maximise" },
+    { "maximise", 0, CLI_TEXT, PLACE(maximise), "FIGURE", NULL, "optimise: the figure to make large", 0, 0, NULL, NULL },
+    { "require", 0, CLI_TEXT, PLACE(require), "FIGURE<=N,...", NULL,
+      "optimise: conditions besides the checks of the master: FIGURE<=N or FIGURE>=N", 0, 0, NULL, NULL },
+    { "solver", 0, CLI_TEXT, PLACE(solver), "NAME", "cobyla",
+      "optimise: method of NLopt without derivatives: cobyla, neldermead, sbplx, bobyqa; isres, crs, direct, esch search the "
+      "whole range", 0, 0, NULL, NULL },
+    { "max-evaluations", 0, CLI_INT, PLACE(max_evals), "N", "500", "optimise: greatest number of models", 1, 10000000, NULL, NULL },
+    { "from", 0, CLI_REAL, PLACE(from), "T", "0", "sweep, optimise: start of the run of a model [s]", 0, 0, NULL, NULL },
+    { "to", 0, CLI_REAL, PLACE(to), "T", "1", "sweep, optimise: end of the run of a model [s]", 0, 0, NULL, NULL },
+    { "steps", 'n', CLI_INT, PLACE(steps), "N", "200", "sweep, optimise: number of time intervals of a run", 1, 10000000, NULL, NULL },
+    { "speed", 's', CLI_TEXT, PLACE(speed), "W", NULL,
+      "sweep, optimise: drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0,
+      NULL, NULL },
     { .name = NULL }
 };
 
@@ -29,14 +57,24 @@ static const cli_action actions[] = {
     { "expand", "MASTER.json",
       "Writes the model of the chosen parameters as an ordinary model file. The model is read back first, and all checks of\n"
       "the master must hold; errors name the line and column of the master.\n",
-      1, 1, cli_family_expand, 0 },
+      1, 1, cli_family_expand, CLI_MASTER },
     { "table", "MASTER.json",
       "Prints the parameters, derived values and checks of all configurations, one column each.\n",
-      1, 1, cli_family_table, 0 },
+      1, 1, cli_family_table, CLI_MASTER },
     { "check", "MASTER.json",
       "Makes every configuration in every view, reads each model back, and works out all checks. Exit code 1: something\n"
       "fails.\n",
-      1, 1, cli_family_check, 0 },
+      1, 1, cli_family_check, CLI_MASTER },
+    { "sweep", "MASTER.json --vary NAME=FROM:TO:N",
+      "Varies parameters over a grid or an even design, or about the chosen variant, and prints figures of each model. A figure is\n"
+      "FUNCTION(COLUMN) over a run as of 'linkwright simulate': peak (greatest magnitude), max, min, mean, rms, range, first,\n"
+      "last, integral of a column, such as rms(lift.drive), and NAME.power of a drive; frequency(K), the K-th natural frequency; or\n"
+      "a formula over parameters and derived values. A variant that fails has empty figures and the reason.\n",
+      1, 1, cli_family_sweep, CLI_MASTER },
+    { "optimise", "MASTER.json --vary NAME,... --minimise FIGURE",
+      "Finds the parameters within their ranges that make a figure least or greatest, under the checks of the master and\n"
+      "--require. A local method starts from the chosen variant.\n",
+      1, 1, cli_family_optimise, CLI_MASTER },
     { .name = NULL }
 };
 
@@ -77,7 +115,6 @@ static lw_status set_values(const char *list, lw_variant *v, lw_error *e)
 
 lw_status cli_family_open(const cli_call *call, lw_master **m, lw_variant **v, lw_error *e)
 {
-    const cli_family_settings *o = call->settings;
     const char *path = call->parsed.word[1];
     char *text = NULL;
     size_t size = 0;
@@ -87,8 +124,15 @@ lw_status cli_family_open(const cli_call *call, lw_master **m, lw_variant **v, l
     if (s == LW_OK)
         s = lw_master_read(text, size, path, m, e);
     free(text);
-    if (s == LW_OK && (s = lw_variant_create(*m, v)) != LW_OK)
-        lw_error_set(e, s, "out of memory");
+    return s == LW_OK ? cli_family_variant(call, *m, v, e) : s;
+}
+
+lw_status cli_family_variant(const cli_call *call, const lw_master *m, lw_variant **v, lw_error *e)
+{
+    const cli_family_settings *o = call->settings;
+    lw_status s = lw_variant_create(m, v);
+    if (s != LW_OK)
+        return lw_error_set(e, s, "out of memory");
     if (s == LW_OK && o->configuration)
         s = lw_variant_configure(*v, o->configuration, e);
     if (s == LW_OK && o->view)
@@ -389,7 +433,11 @@ const cli_command cli_family_command = {
         "  linkwright family table examples/families/loader.json                 # all configurations side by side\n"
         "  linkwright family expand examples/families/loader.json --configuration large -o large.json\n"
         "  linkwright family expand examples/families/loader.json --set \"reach=3 m\" --view kinematic\n"
-        "  linkwright family check examples/families/loader.json                 # every configuration in every view\n",
+        "  linkwright family check examples/families/loader.json                 # every configuration in every view\n"
+        "  linkwright family sweep examples/families/loader.json --vary reach=2:3:11 --to 2 -p reach.svg --normalised\n"
+        "  linkwright family sweep examples/families/loader.json --vary reach,drop --sensitivity --to 2\n"
+        "  linkwright family optimise examples/families/loader.json --vary drop,pin_height --minimise \"peak(lift.drive)\" "
+        "--to 2\n",
     .about =
         "A master file describes all sizes and variants of a product: parameters with units and ranges, formulas, parts\n"
         "that are used several times, conditions, views and checks (docs/family.md).\n",

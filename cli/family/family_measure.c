@@ -1,0 +1,233 @@
+#include "cli/family/family_measure.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/real.h"
+#include "base/suggest.h"
+#include "cli/motion/simulate.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "grammar/spatial.h"
+
+enum { PEAK, MAX, MIN, MEAN, RMS, RANGE, FIRST, LAST, INTEGRAL, FREQUENCY };
+static const char *const figures[] = { "peak", "max", "min", "mean", "rms", "range", "first", "last", "integral", "frequency" };
+
+static const char *trim(char *text)
+{
+    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--)
+        text[n - 1] = '\0';
+    return text + strspn(text, " ");
+}
+
+/* "rms(lift.drive)"; several arguments make a formula. */
+static void read_one(cli_measure *m)
+{
+    const char *open = strchr(m->text, '(');
+    size_t n = strlen(m->text), word = open ? (size_t)(open - m->text) : 0;
+    char inside[128];
+    m->figure = -1;
+    if (!open || m->text[n - 1] != ')')
+        return;
+    snprintf(inside, sizeof inside, "%.*s", (int)(n - 2 - word), open + 1);
+    for (int i = 0; i <= FREQUENCY && !strpbrk(inside, ",()+*/"); i++)
+        if (strlen(figures[i]) == word && strncmp(figures[i], m->text, word) == 0) {
+            snprintf(m->column, sizeof m->column, "%s", trim(inside));
+            m->figure = i;
+        }
+}
+
+lw_status cli_measures_read(const char *list, int *n, cli_measure *m, lw_error *e)
+{
+    char item[256];
+    *n = 0;
+    for (const char *at = list; cli_family_next(&at, item, sizeof item);) {
+        if (*n == CLI_MEASURE_MAX)
+            return lw_error_set(e, LW_E_ARG, "at most %d figures can be measured", CLI_MEASURE_MAX);
+        cli_measure *k = &m[(*n)++];
+        *k = (cli_measure){ .figure = -1 };
+        const char *text = trim(item);
+        if (strlen(text) >= sizeof k->text)
+            return lw_error_set(e, LW_E_ARG, "\"%.60s\" is too long", text);
+        strcpy(k->text, text);
+        read_one(k);
+    }
+    return *n > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "this list of figures is empty");
+}
+
+/* ---- a run ------------------------------------------------------------------------------------------- */
+
+static lw_status make_model(lw_variant *v, lw_model **m, lw_expansion *x, lw_error *e)
+{
+    lw_spatial *spatial = NULL;
+    *m = NULL;
+    lw_status s = lw_variant_hold_checks(v, e);
+    if (s == LW_OK)
+        s = lw_variant_expand(v, x, e);
+    if (s != LW_OK)
+        return s;
+    s = cli_any_model_text(x->text, x->size, "", 0, m, &spatial, e);
+    if (s == LW_OK && spatial)
+        s = lw_error_set(e, LW_E_KIND, "this is a spatial model; figures are measured on planar ones, and formulas on all");
+    cli_free_spatial(spatial);
+    return s;
+}
+
+lw_status cli_measures_default(const cli_call *call, lw_variant *v, int *n, cli_measure *m, lw_error *e)
+{
+    static const char *const forms[] = { "peak(%s.drive)", "rms(%s.drive)", "peak(%s.rate)" };
+    lw_model *model;
+    lw_expansion x = { 0 };
+    lw_status s = make_model(v, &model, &x, e);
+    *n = 0;
+    (void)call;
+    for (int i = 0; s == LW_OK && i < model->linkage.n_input && *n + 3 <= CLI_MEASURE_MAX; i++)
+        for (int k = 0; k < 3; k++) {
+            cli_measure *one = &m[(*n)++];
+            *one = (cli_measure){ .figure = -1 };
+            snprintf(one->text, sizeof one->text, forms[k], model->linkage.joint[model->linkage.input[i].joint].name);
+            read_one(one);
+        }
+    if (s == LW_OK && *n == 0)
+        s = lw_error_set(e, LW_E_ARG, "the model has no input; --measure names the figures");
+    if (s != LW_OK)
+        lw_expansion_fault(&x, e);
+    lw_expansion_free(&x);
+    cli_free_model(model);
+    return s;
+}
+
+static int find_column(const cli_simulate *c, const char *name)
+{
+    for (int i = 0; i < c->n_column; i++)
+        if (strcmp(c->column[i].name, name) == 0)
+            return i;
+    return -1;
+}
+
+/* Sample r of a column; NAME.power is speed times drive. */
+static double sample(const cli_simulate *c, int column, int rate, size_t r)
+{
+    const double *row = c->row + r*(size_t)c->n_column;
+    return rate < 0 ? row[column] : row[column]*row[rate];
+}
+
+static lw_status figure_of(const cli_simulate *c, cli_measure *m, double *out, lw_error *e)
+{
+    char name[128];
+    int column = find_column(c, m->column), rate = -1;
+    size_t n = strlen(m->column);
+    if (column < 0 && n > 6 && strcmp(m->column + n - 6, ".power") == 0) {
+        snprintf(name, sizeof name, "%.*s.rate", (int)(n - 6), m->column);
+        rate = find_column(c, name);
+        snprintf(name, sizeof name, "%.*s.drive", (int)(n - 6), m->column);
+        column = rate >= 0 ? find_column(c, name) : -1;
+    }
+    if (column < 0) {
+        const char **names = calloc((size_t)c->n_column + 1, sizeof *names);
+        for (int i = 0; names && i < c->n_column; i++)
+            names[i] = c->column[i].name;
+        const char *near = names ? lw_suggest(m->column, names, c->n_column) : NULL;
+        lw_error_set(e, LW_E_ARG, "%s: no column is called \"%s\"%s%s%s; 'linkwright simulate' names them", m->text, m->column,
+                     near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+        free(names);
+        return LW_E_ARG;
+    }
+    double most = -INFINITY, least = INFINITY, sum = 0, square = 0, before = 0, step = 0;
+    for (size_t r = 0; r < c->n_row; r++) {
+        double x = sample(c, column, rate, r);
+        most = fmax(most, x);
+        least = fmin(least, x);
+        if (r > 0) {
+            step = c->row[r*(size_t)c->n_column] - c->row[(r - 1)*(size_t)c->n_column];
+            sum += (x + before)/2*step;
+            square += (x*x + x*before + before*before)/3*step;
+        }
+        before = x;
+    }
+    double time = c->row[(c->n_row - 1)*(size_t)c->n_column] - c->row[0];
+    const double values[] = { fmax(most, -least), most, least, sum/time, sqrt(square/time), most - least, sample(c, column, rate, 0),
+                              before, sum };
+    *out = values[m->figure];
+    snprintf(m->unit, sizeof m->unit, "%s%s", rate >= 0 ? "W" : c->column[column].unit, m->figure != INTEGRAL ? ""
+             : rate >= 0 || strcmp(c->column[column].unit, "1") != 0 ? " s" : "");
+    if (m->figure == INTEGRAL && rate >= 0)
+        strcpy(m->unit, "J");
+    return isfinite(*out) ? LW_OK : lw_error_set(e, LW_E_NUMERIC, "%s is no finite number", m->text);
+}
+
+typedef struct modes { int n; double natural[256]; } modes;
+
+static lw_status take_mode(void *context, const lw_vibration_info *mode)
+{
+    modes *k = context;
+    if (k->n < 256)
+        k->natural[k->n++] = mode->natural;
+    return LW_OK;
+}
+
+/* frequency(3): the third natural frequency about the posture of the file. */
+static lw_status frequencies(const lw_model *model, int n, cli_measure *m, double *value, lw_error *e)
+{
+    modes k = { 0 };
+    lw_status s = lw_model_vibrations(model, false, false, take_mode, &k, e);
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        char *end;
+        long number = m[i].figure == FREQUENCY ? strtol(m[i].column, &end, 10) : 0;
+        if (m[i].figure != FREQUENCY)
+            continue;
+        if (*end || number < 1 || number > k.n)
+            return lw_error_set(e, LW_E_ARG, "%s: the model has %d natural frequencies", m[i].text, k.n);
+        value[i] = k.natural[number - 1];
+        strcpy(m[i].unit, "Hz");
+    }
+    return s;
+}
+
+lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measure *m, double *value, lw_error *e)
+{
+    const cli_family_settings *o = call->settings;
+    bool run = false, vibrates = false;
+    for (int i = 0; i < n; i++) {
+        run = run || (m[i].figure >= 0 && m[i].figure != FREQUENCY);
+        vibrates = vibrates || m[i].figure == FREQUENCY;
+    }
+    lw_status s = lw_variant_hold_checks(v, e);
+    for (int i = 0; s == LW_OK && i < n; i++)
+        if (m[i].figure < 0 && (s = lw_variant_quantity(v, m[i].text, &value[i], m[i].unit, e)) != LW_OK) {
+            char text[sizeof e->text];
+            snprintf(text, sizeof text, "%s: %.300s", m[i].text, e->text);
+            s = lw_error_set(e, s == LW_E_NOTATION ? LW_E_ARG : s, "%s", text);
+        }
+    if (s != LW_OK || (!run && !vibrates))
+        return s;
+    lw_expansion x = { 0 };
+    cli_simulate *c = calloc(1, sizeof *c);
+    if (!c)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_dynamics_options d = lw_dynamics_options_default();
+    d.from = o->from;
+    d.to = o->to;
+    d.intervals = o->steps;
+    d.stop = cli_stop_flag();
+    c->call = call;
+    c->keep = true;
+    s = make_model(v, &c->model, &x, e);
+    if (s == LW_OK && vibrates)
+        s = frequencies(c->model, n, m, value, e);
+    if (s == LW_OK && run)
+        s = cli_simulate_speed(c->model, o->speed, "", e);
+    if (s == LW_OK && run)
+        s = cli_simulate_make(c, &d, "", e);
+    if (s == LW_OK && run)
+        s = lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
+    for (int i = 0; s == LW_OK && i < n; i++)
+        if (m[i].figure >= 0 && m[i].figure != FREQUENCY)
+            s = figure_of(c, &m[i], &value[i], e);
+    if (s != LW_OK && s != LW_E_ARG)
+        lw_expansion_fault(&x, e);
+    lw_expansion_free(&x);
+    cli_simulate_free(c);
+    free(c);
+    return s;
+}
