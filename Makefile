@@ -80,7 +80,7 @@ $B/mbs/batch/%-$(1).o: mbs/batch/%.c
 endef
 $(foreach isa,$(ISAS),$(eval $(call KERNEL_RULE,$(isa))))
 # the web pages' style sheets and scripts as C texts, line by line
-$B/catalogues/pages/page.o $B/catalogues/pages/atlas_html.o: $B/catalogues/pages/page_files.h
+$B/catalogues/pages/page.o $B/catalogues/pages/atlas_html.o $B/catalogues/pages/space_page.o: $B/catalogues/pages/page_files.h
 $B/catalogues/pages/page_files.h: $(wildcard catalogues/pages/*.css catalogues/pages/*.js)
 	@mkdir -p $(@D)
 	@for f in $^; do echo "__attribute__((unused)) static const char *const lw_$$(basename $$f | tr . _)[] = {"; \

@@ -21,8 +21,7 @@ typedef struct lw_palette {
 } lw_palette;
 
 typedef struct lw_film {
-    const lw_scene *s;
-    lw_drawing  drawing;
+    const lw_gif_motion *motion;
     int         width, height;
     uint32_t   *pixel;           /* of one frame                          (width * height)          */
     GifByteType *now, *before;   /* palette indices of this frame, and of what the viewer shows     */
@@ -130,7 +129,7 @@ static bool put_frame(lw_film *m, GifFileType *gif, int delay, bool first)
 
 static lw_status render(lw_film *m, size_t frame, lw_error *e)
 {
-    lw_status st = lw_picture_pixels(&m->drawing, m->s, frame, m->pixel, e);
+    lw_status st = m->motion->render(m->motion->context, frame, m->pixel, e);
     for (size_t i = 0; st == LW_OK && i < (size_t)m->width*(size_t)m->height; i++)
         m->now[i] = palette_index(&m->palette, m->pixel[i]);
     return st;
@@ -155,13 +154,13 @@ static bool put_head(const lw_film *m, GifFileType *gif)
 /* Write all frames. A motion that does not loop then runs back over the same frames; its two ends are not repeated. */
 static lw_status put_motion(lw_film *m, GifFileType *gif, const lw_gif_options *o, lw_error *e)
 {
-    size_t most = m->s->loops ? o->n_frame : o->n_frame/2 + 1, all = m->s->n_frame;
+    const lw_gif_motion *g = m->motion;
+    size_t most = g->loops ? o->n_frame : o->n_frame/2 + 1, all = g->n_frame;
     size_t n = all < most ? all : most < 2 ? 2 : most;
-    size_t total = m->s->loops || n < 2 ? n : 2*n - 2;
+    size_t total = g->loops || n < 2 ? n : 2*n - 2;
     for (size_t i = 0; i < total; i++) {
         size_t step = i < n ? i : total - i;
-        size_t frame = m->s->loops || n < 2 ? (m->s->first_frame + step*all/n) % all
-                                            : step*(all - 1)/(n - 1);
+        size_t frame = g->loops || n < 2 ? (g->first_frame + step*all/n) % all : step*(all - 1)/(n - 1);
         lw_status st = render(m, frame, e);
         if (st != LW_OK)
             return st;
@@ -186,10 +185,8 @@ static lw_status encode(lw_film *m, const lw_gif_options *o, lw_bytes *out, lw_e
     return st;
 }
 
-lw_status lw_gif_write(const lw_scene *s, const lw_gif_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_gif_encode(const lw_gif_motion *motion, const lw_gif_options *o, lw_bytes *out, lw_error *e)
 {
-    lw_gif_options standard = lw_gif_options_default();
-    o = o ? o : &standard;
     *out = (lw_bytes){ 0 };
     if (o->width < 64 || o->width > 2048 || o->height < 64 || o->height > 2048)
         return lw_error_set(e, LW_E_ARG, "an animation of %d by %d px: sizes are 64 to 2048",
@@ -198,31 +195,52 @@ lw_status lw_gif_write(const lw_scene *s, const lw_gif_options *o, lw_bytes *out
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "not enough memory for an animation");
     size_t area = (size_t)o->width*(size_t)o->height;
-    m->s = s;
+    m->motion = motion;
     m->width = o->width;
     m->height = o->height;
     m->pixel = malloc(area*sizeof *m->pixel);
-    m->now = malloc(2*area + (size_t)o->width);
-    lw_diagram_options d = lw_diagram_options_default();
-    d.width = o->width;
-    d.height = o->height;
-    d.whole_motion = true;
-    d.length_labels = false;
-    lw_status st = !m->pixel || !m->now
-                 ? lw_error_set(e, LW_E_MEMORY, "not enough memory for an animation")
-                 : lw_diagram_draw(s, &d, &m->drawing, e);
-    if (st == LW_OK) {
+    m->now = calloc(2*area + (size_t)o->width, 1);
+    lw_status st = LW_OK;
+    if (!m->pixel || !m->now) {
+        st = lw_error_set(e, LW_E_MEMORY, "not enough memory for an animation");
+    } else {
         m->before = m->now + area;
         m->row = m->before + area;
-        memset(m->before, 0, area);
         st = encode(m, o, out, e);
     }
-    lw_drawing_free(&m->drawing);
     free(m->pixel);
     free(m->now);
     free(m);
     if (st == LW_OK)
         return lw_bytes_end(out, e);
     lw_bytes_free(out);
+    return st;
+}
+
+typedef struct planar_film { const lw_scene *s; lw_drawing drawing; } planar_film;
+
+static lw_status render_scene(void *context, size_t frame, uint32_t *pixel, lw_error *e)
+{
+    planar_film *f = context;
+    return lw_picture_pixels(&f->drawing, f->s, frame, pixel, e);
+}
+
+lw_status lw_gif_write(const lw_scene *s, const lw_gif_options *o, lw_bytes *out, lw_error *e)
+{
+    lw_gif_options standard = lw_gif_options_default();
+    o = o ? o : &standard;
+    planar_film f = { .s = s };
+    lw_gif_motion motion = { .n_frame = s->n_frame, .first_frame = s->first_frame, .loops = s->loops,
+                             .render = render_scene, .context = &f };
+    lw_diagram_options d = lw_diagram_options_default();
+    d.width = o->width;
+    d.height = o->height;
+    d.whole_motion = true;
+    d.length_labels = false;
+    *out = (lw_bytes){ 0 };
+    lw_status st = lw_diagram_draw(s, &d, &f.drawing, e);
+    if (st == LW_OK)
+        st = lw_gif_encode(&motion, o, out, e);
+    lw_drawing_free(&f.drawing);
     return st;
 }

@@ -3,6 +3,7 @@
 #ifndef LW_CATALOGUES_DRAW_GIF_H
 #define LW_CATALOGUES_DRAW_GIF_H
 
+#include <stdint.h>
 #include "base/bytes.h"
 #include "catalogues/draw/scene.h"
 
@@ -14,7 +15,18 @@ typedef struct lw_gif_options {
 
 lw_gif_options lw_gif_options_default(void);
 
+/* The frames of a motion; render fills pixels 0x00RRGGBB of the size of the animation. */
+typedef struct lw_gif_motion {
+    size_t n_frame, first_frame;   /* the frame that comes first, if the motion loops */
+    bool   loops;
+    lw_status (*render)(void *context, size_t frame, uint32_t *pixel, lw_error *e);
+    void  *context;
+} lw_gif_motion;
+
 /* A motion that does not loop is shown there and back.  LW_E_ARG for sizes outside 64 .. 2048. */
+lw_status lw_gif_encode(const lw_gif_motion *motion, const lw_gif_options *o, lw_bytes *out, lw_error *e);
+
+/* The same of a scene; o NULL: the defaults. */
 lw_status lw_gif_write(const lw_scene *s, const lw_gif_options *o, lw_bytes *out, lw_error *e);
 
 #endif

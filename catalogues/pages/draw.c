@@ -9,6 +9,7 @@
 #include "catalogues/draw/diagram.h"
 #include "catalogues/draw/gif.h"
 #include "catalogues/pages/page.h"
+#include "catalogues/pages/space_page.h"
 #include "catalogues/draw/picture.h"
 #include "catalogues/draw/svg.h"
 
@@ -73,6 +74,48 @@ lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int hei
     o.width = width > 0 ? width : o.width;
     o.height = height > 0 ? height : o.height;
     return lw_gif_write(s, &o, out, e);
+}
+
+typedef struct space_film { const lw_space_scene *s; lw_space_view view; int width, height; } space_film;
+
+static lw_status render_space(void *context, size_t frame, uint32_t *pixel, lw_error *e)
+{
+    space_film *f = context;
+    lw_drawing d;
+    lw_status st = lw_space_draw(f->s, frame, f->view, f->width, f->height, &d, e);
+    if (st == LW_OK)
+        st = lw_picture_pixels(&d, NULL, 0, pixel, e);
+    lw_drawing_free(&d);
+    return st;
+}
+
+lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kind kind, int width, int height,
+                        lw_bytes *out, lw_error *e)
+{
+    lw_gif_options o = lw_gif_options_default();
+    lw_diagram_options page = lw_diagram_options_default();
+    lw_drawing d;
+    *out = (lw_bytes){ 0 };
+    if (kind == LW_DRAW_HTML)
+        return lw_space_page_write(s, view, out, e);
+    if (kind == LW_DRAW_GIF) {
+        o.width = width > 0 ? width : o.width;
+        o.height = height > 0 ? height : o.height;
+        space_film f = { s, view, o.width, o.height };
+        lw_gif_motion motion = { .n_frame = s->n_frame, .loops = s->loops, .render = render_space, .context = &f };
+        if (s->seconds > 0) {                                /* in true time, as far as 1/50 s allows */
+            double frames = fmin((double)s->n_frame, (double)o.n_frame);
+            o.delay = (int)fmax(2, lrint(100*s->seconds/frames));
+        }
+        return lw_gif_encode(&motion, &o, out, e);
+    }
+    lw_status st = lw_space_draw(s, 0, view, width > 0 ? width : (int)page.width, height > 0 ? height : (int)page.height,
+                                 &d, e);
+    if (st != LW_OK)
+        return st;
+    st = lw_draw_still(&d, kind, out, e);
+    lw_drawing_free(&d);
+    return st;
 }
 
 lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height,

@@ -5,6 +5,7 @@
 #include "base/bytes.h"
 #include "catalogues/draw/plot.h"
 #include "catalogues/draw/scene.h"
+#include "catalogues/draw/space_scene.h"
 
 typedef enum lw_draw_kind { LW_DRAW_SVG, LW_DRAW_PDF, LW_DRAW_PNG, LW_DRAW_GIF, LW_DRAW_HTML } lw_draw_kind;
 
@@ -19,6 +20,10 @@ lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int hei
 /* Write the scene to a file; path "-" is standard output. */
 lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height,
                        lw_error *e);
+
+/* The same of a spatial scene, seen from a direction. */
+lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kind kind, int width, int height,
+                        lw_bytes *out, lw_error *e);
 
 /* A drawing as SVG, PNG or PDF.  LW_E_ARG: another kind. */
 lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, lw_error *e);

@@ -5,6 +5,7 @@
 #include "cli/draw/draw.h"
 #include "cli/program/model.h"
 #include "grammar/model.h"
+#include "grammar/spatial.h"
 #include "grammar/notation.h"
 
 typedef cli_draw_settings settings;
@@ -33,6 +34,10 @@ static const cli_option options[] = {
     { "to", 0, CLI_REAL, offsetof(settings, until), "T", "0",
       "linkage whose inputs have motions in time: show them from 0 to T [s]; 0: until they repeat or come to rest",
       0, 1e6, NULL, NULL },
+    { "azimuth", 0, CLI_REAL, offsetof(settings, azimuth), "DEG", "35",
+      "spatial model: direction it is seen from, about the upward axis [degrees]", -360, 360, NULL, NULL },
+    { "elevation", 0, CLI_REAL, offsetof(settings, elevation), "DEG", "25",
+      "spatial model: height it is seen from, above the level plane [degrees]", -90, 90, NULL, NULL },
     { "grid", 0, CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8",
       "chains: number of pictures on a page", 1, 64, NULL, NULL },
     { "each", 0, CLI_FLAG, offsetof(settings, each), NULL, NULL,
@@ -83,13 +88,39 @@ static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_
     return st;
 }
 
+static lw_status draw_spatial(const cli_call *call, const lw_spatial *m, lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_space_scene_options o = { .title = s->title, .n_frame = (size_t)s->steps, .until = s->until, .stop = cli_stop_flag() };
+    lw_space_view view = { s->azimuth*LW_PI/180, s->elevation*LW_PI/180 };
+    lw_space_scene scene;
+    lw_status st = lw_space_scene_make(m, &o, &scene, e);
+    if (st == LW_OK && scene.note[0])
+        cli_note(call, "%s", scene.note);
+    if (st == LW_OK)
+        st = lw_draw_space(&scene, view, kind, s->size[0], s->size[1], bytes, e);
+    lw_space_scene_free(&scene);
+    return st;
+}
+
 static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
 {
     static const lw_target_options by_file = { .closed = -1 };
     const settings *s = call->settings;
     lw_target t = { 0 };
-    lw_model *m = cli_read_model(call->parsed.word[0], s->result, e);
-    lw_status st = m ? LW_OK : e->status;
+    lw_model *m = NULL;
+    lw_spatial *spatial = NULL;
+    lw_status st = cli_read_any_model(call->parsed.word[0], s->result, &m, &spatial, e);
+    static const char *const planar[] = { "target", "all-modes", NULL }, *const of_space[] = { "azimuth", "elevation", NULL };
+    for (const char *const *name = spatial ? planar : of_space; st == LW_OK && *name; name++)
+        if (cli_given(&call->parsed, *name))
+            st = lw_error_set(e, LW_E_ARG, "--%s is for %s models, and this one is %s", *name,
+                              spatial ? "planar" : "spatial", spatial ? "spatial" : "planar");
+    if (spatial) {
+        st = st != LW_OK ? st : draw_spatial(call, spatial, kind, bytes, e);
+        cli_free_spatial(spatial);
+        return st;
+    }
     if (st == LW_OK && s->target)
         st = cli_read_target(s->target, &by_file, &t, e);
     if (st == LW_OK)
@@ -135,7 +166,7 @@ static bool holds_topologies(const char *path)
 /* NULL, or the name of an option that does not apply to what is drawn. */
 static const char *misplaced(const cli_call *call, bool chains)
 {
-    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "to", NULL };
+    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "to", "azimuth", "elevation", NULL };
     static const char *const of_chains[] = { "grid", "each", "caption", "numbers", "keep-going", NULL };
     for (const char *const *name = chains ? of_linkage : of_chains; *name; name++)
         if (cli_given(&call->parsed, *name))
@@ -169,6 +200,8 @@ const cli_command cli_draw_command = {
         "  linkwright draw examples/hoeken.json -o hoeken.svg             a picture\n"
         "  linkwright draw examples/jansen.json -o leg.gif --size 400x300 an animation\n"
         "  linkwright draw examples/loader.json -o loader.html            several inputs move by their motions\n"
+        "  linkwright draw examples/space/delta.json -o delta.html        in space: a page that turns by mouse\n"
+        "  linkwright draw examples/space/bricard.json --azimuth 60 -o bricard.svg\n"
         "  linkwright draw best.json -t examples/ellipse.csv -o best.png  with the points it was made for\n"
         "  linkwright draw fits.json --result 2 -o second.pdf             the second best of a fit\n"
         "  linkwright chains --links 10 | linkwright draw -o ten.pdf      230 chains on five pages\n"
@@ -178,6 +211,8 @@ const cli_command cli_draw_command = {
     .about =
         "FILE is a linkage (docs/notation.md) or the output of 'linkwright fit --json'; - is standard input. The\n"
         "linkage is drawn in the pose of its file, with the curves of its tracers and labels at joints and lengths.\n"
+        "A model in space is drawn in parallel projection, what is nearer over what is farther; .html is a page in which it\n"
+        "moves and is turned by mouse, finger or keys.\n"
         "An animation moves the first input until the motion closes. If several inputs have motions or ranges, they\n"
         "move together.\n"
         "FILE can also hold chains or mechanisms in any notation; without FILE they are read from standard input.\n"

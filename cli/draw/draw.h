@@ -9,7 +9,7 @@ typedef struct cli_draw_settings {
     const char *target, *title;
     int         size[2], grid[2];
     int         steps, result, format, caption;
-    double      until;
+    double      until, azimuth, elevation;
     bool        all_modes, each, numbers, keep_going;
 } cli_draw_settings;
 

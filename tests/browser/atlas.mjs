@@ -323,6 +323,38 @@ await test("linkages move", async () => {
   check("there are none", moved > 0 && curves > 0);
 });
 
+await test("a spatial model moves and is turned", async () => {
+  const { context, page, faults, requests } = await open("index.html");
+  requests.length = 0;
+  await page.goto(pathToFileURL(resolve(process.argv[5])).href);
+  const shot = async () => (await page.locator("#view").screenshot()).toString("base64");
+  if ((await page.locator("#play").innerText()) === "Play") await page.click("#play");
+  const before = await shot();
+  await page.waitForFunction(() => Number(document.getElementById("time").value) > 2);
+  await page.click("#play");
+  const stopped = await shot();
+  check("it moves", stopped !== before);
+  check("it stops", (await shot()) === stopped);
+  const box = await page.locator("#view").boundingBox();
+  await page.mouse.move(box.x + 200, box.y + 200);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 320, box.y + 240, { steps: 4 });
+  await page.mouse.up();
+  const turned = await shot();
+  check("the mouse turns it", turned !== stopped);
+  await page.locator("#view").focus();
+  await page.keyboard.press("ArrowLeft");
+  const keyed = await shot();
+  check("keys turn it", keyed !== turned);
+  await page.mouse.wheel(0, -300);
+  check("the wheel zooms", (await shot()) !== keyed);
+  await page.click("[data-view=home]");
+  check("home", (await shot()) !== keyed);
+  check(`asks for ${requests.slice(1)}; ${faults.join("; ")}`, requests.length === 1 && faults.length === 0);
+  check("not wider than the screen", !(await isWide(page)));
+  await context.close();
+});
+
 await test("readable without scripts", async () => {
   const { context, page } = await open("index.html", { javaScriptEnabled: false });
   check("list of chains", (await page.locator("noscript").count()) === 1 || (await page.locator(".plain a").count()) > 0);

@@ -21,5 +21,6 @@ fi
 real=$build/browser/real
 rm -rf "$real" "$real.db"
 for links in 4 6 8; do "$build/linkwright" catalogue build "$real.db" --links $links --quiet; done
+"$build/linkwright" draw examples/space/bricard.json -o "$build/browser/bricard.html" --force --quiet
 "$build/linkwright" catalogue html "$real.db" -o "$real" --quiet
-node "$build/browser/atlas.mjs" "$folder" "$chromium" "$real"
+node "$build/browser/atlas.mjs" "$folder" "$chromium" "$real" "$build/browser/bricard.html"

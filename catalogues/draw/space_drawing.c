@@ -1,0 +1,244 @@
+/* catalogues/draw/space_drawing.c - a frame of a spatial scene in parallel projection, drawn from the farthest piece to the
+ * nearest.  Long lines are cut into pieces, so that two bars that pass each other are drawn in the right order. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec3.h"
+#include "catalogues/draw/space_scene.h"
+
+#define PIECES 12                /* of a line across the whole picture                                 */
+#define MARGIN 36                /* [px]                                                               */
+
+/* A piece of a shape (or of a path, shape NULL) on the page. */
+typedef struct piece { const lw_space_shape *shape; double depth; int n; lw_vec2 p[LW_SPACE_POINTS]; } piece;
+
+typedef struct page {
+    const lw_space_scene *s;
+    size_t   frame;
+    lw_vec3  axis[3];
+    double   scale, width, height;
+    piece   *piece;
+    size_t   n, room;
+} page;
+
+lw_space_view lw_space_view_default(void) { return (lw_space_view){ 35*LW_PI/180, 25*LW_PI/180 }; }
+
+void lw_space_view_axes(const lw_space_scene *s, lw_space_view view, lw_vec3 axis[3])
+{
+    lw_vec3 u = s->up, a = fabs(u.z) > 0.9 ? lw_v3(1, 0, 0) : fabs(u.y) > 0.9 ? lw_v3(0, 0, 1) : lw_v3(0, 1, 0);
+    a = lw_v3_sub(a, lw_v3_scale(u, lw_v3_dot(a, u)));
+    a = lw_v3_scale(a, 1/lw_v3_norm(a));
+    lw_vec3 b = lw_v3_cross(u, a);
+    double c = cos(view.elevation), across = cos(view.azimuth), along = sin(view.azimuth);
+    axis[2] = lw_v3_add(lw_v3_scale(lw_v3_add(lw_v3_scale(a, across), lw_v3_scale(b, along)), c),
+                        lw_v3_scale(u, sin(view.elevation)));
+    axis[0] = lw_v3_sub(lw_v3_scale(b, across), lw_v3_scale(a, along));
+    axis[1] = lw_v3_cross(axis[2], axis[0]);
+}
+
+static lw_vec2 on_page(const page *g, lw_vec3 p, double *depth)
+{
+    lw_vec3 d = lw_v3_sub(p, g->s->middle);
+    *depth = lw_v3_dot(d, g->axis[2]);
+    return lw_v2(0.5*g->width + g->scale*lw_v3_dot(d, g->axis[0]), 0.5*g->height + 12 - g->scale*lw_v3_dot(d, g->axis[1]));
+}
+
+static piece *new_piece(page *g, const lw_space_shape *shape, int n)
+{
+    if (g->n == g->room)
+        return NULL;                                    /* count_pieces made room for all of them */
+    g->piece[g->n] = (piece){ .shape = shape, .n = n };
+    return &g->piece[g->n++];
+}
+
+static int pieces_of(const page *g, lw_vec3 a, lw_vec3 b)
+{
+    int n = (int)ceil(PIECES*lw_v3_norm(lw_v3_sub(a, b))/(2*g->s->radius));
+    return n < 1 ? 1 : n > PIECES ? PIECES : n;
+}
+
+static void put_line(page *g, const lw_space_shape *shape, lw_vec3 a, lw_vec3 b)
+{
+    int n = pieces_of(g, a, b);
+    for (int i = 0; i < n; i++) {
+        piece *q = new_piece(g, shape, 2);
+        double depth[2];
+        if (!q)
+            return;
+        for (int k = 0; k < 2; k++)
+            q->p[k] = on_page(g, lw_v3_add(a, lw_v3_scale(lw_v3_sub(b, a), (i + k)/(double)n)), &depth[k]);
+        q->depth = 0.5*(depth[0] + depth[1]);
+    }
+}
+
+static void put_shape(page *g, const lw_space_shape *shape)
+{
+    lw_vec3 p[LW_SPACE_POINTS];
+    for (int i = 0; i < shape->n; i++)
+        p[i] = lw_space_scene_at(g->s, g->frame, shape->link, shape->p[i]);
+    if (shape->n == 2) {
+        put_line(g, shape, p[0], p[1]);
+        return;
+    }
+    piece *q = new_piece(g, shape, shape->n);
+    for (int i = 0; q && i < shape->n; i++) {
+        double depth;
+        q->p[i] = on_page(g, p[i], &depth);
+        q->depth += depth/shape->n;
+    }
+    if (q && shape->kind != LW_SPACE_PLATE)
+        q->depth += 0.02*g->s->radius;                  /* in front of the bars that end there */
+}
+
+static void put_paths(page *g)
+{
+    const lw_space_scene *s = g->s;
+    for (int t = 0; t < s->n_tracer; t++)
+        for (size_t f = 0; f + 1 < s->n_frame + s->loops; f++) {
+            lw_vec3 a = s->path[f*(size_t)s->n_tracer + (size_t)t];
+            lw_vec3 b = s->path[(f + 1) % s->n_frame*(size_t)s->n_tracer + (size_t)t];
+            piece *q = new_piece(g, NULL, 2);
+            double depth[2];
+            if (!q)
+                return;
+            q->p[0] = on_page(g, a, &depth[0]);
+            q->p[1] = on_page(g, b, &depth[1]);
+            q->depth = 0.5*(depth[0] + depth[1]);
+        }
+}
+
+static int compare(const void *a, const void *b)
+{
+    const piece *p = a, *q = b;
+    if (p->depth != q->depth)
+        return p->depth < q->depth ? -1 : 1;
+    return (p->shape > q->shape) - (p->shape < q->shape);
+}
+
+/* ---- ink ------------------------------------------------------------------------------------------------- */
+
+/* A light seam beside a bar, so that it is seen to pass over what is behind it.  Its round ends stay within the piece. */
+static void seam(lw_drawing *d, const piece *q, double width)
+{
+    lw_vec2 way = lw_v2_sub(q->p[1], q->p[0]);
+    double length = hypot(way.x, way.y), cut = length > width ? 0.5*width/length : 0.5;
+    piece inner = *q;
+    inner.p[0] = lw_v2_add(q->p[0], lw_v2_scale(way, cut));
+    inner.p[1] = lw_v2_sub(q->p[1], lw_v2_scale(way, cut));
+    if (cut < 0.5) {
+        lw_shape *s = lw_drawing_line(d, LW_ROLE_LINK, inner.p[0], inner.p[1]);
+        s->stroke = LW_INK_PAPER;
+        s->width = width;
+    }
+}
+
+static void line(lw_drawing *d, lw_role role, const piece *q, lw_ink ink, double width)
+{
+    lw_shape *s = lw_drawing_line(d, role, q->p[0], q->p[1]);
+    s->stroke = ink;
+    s->width = width;
+}
+
+static void ink(lw_drawing *d, const piece *q)
+{
+    lw_shape *s;
+    if (!q->shape) {
+        line(d, LW_ROLE_CURVE, q, LW_INK_BLUE, 2.2);
+        return;
+    }
+    lw_ink dark = q->shape->grounded ? LW_INK_GROUND : LW_INK_LINK;
+    switch (q->shape->kind) {
+    case LW_SPACE_BAR:
+        seam(d, q, 8);
+        line(d, LW_ROLE_LINK, q, LW_INK_LINK, 5);
+        break;
+    case LW_SPACE_GUIDE: line(d, LW_ROLE_GUIDE, q, LW_INK_FAINT, 1.6); break;
+    case LW_SPACE_PIN:
+        line(d, LW_ROLE_JOINT, q, dark, 12);
+        line(d, LW_ROLE_JOINT, q, q->shape->grounded ? LW_INK_FAINT : LW_INK_PAPER, 8);
+        break;
+    case LW_SPACE_PLATE:
+        s = lw_drawing_path(d, LW_ROLE_LINK, q->p, (size_t)q->n, true);
+        s->stroke = s->fill = LW_INK_LINK;
+        s->width = 3;
+        s->alpha = 0.25;
+        break;
+    case LW_SPACE_BALL:
+    case LW_SPACE_TRACER:
+        s = lw_drawing_circle(d, q->shape->kind == LW_SPACE_BALL ? LW_ROLE_JOINT : LW_ROLE_TRACER, q->p[0],
+                              q->shape->kind == LW_SPACE_BALL ? 6 : 4.5);
+        s->stroke = q->shape->kind == LW_SPACE_BALL ? dark : LW_INK_BLUE;
+        s->fill = q->shape->grounded ? LW_INK_FAINT : LW_INK_PAPER;
+        s->width = 2.4;
+        break;
+    }
+    if (d->n_shape)
+        d->shape[d->n_shape - 1].item = q->shape->item;
+}
+
+/* The directions of the axes in the lower left corner. */
+static void triad(const page *g, lw_drawing *d)
+{
+    static const char *const name[] = { "x", "y", "z" };
+    static const lw_ink colour[] = { LW_INK_RED, LW_INK_GREEN, LW_INK_BLUE };
+    lw_vec2 foot = lw_v2(44, g->height - 44);
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 unit = lw_v3(i == 0, i == 1, i == 2);
+        lw_vec2 way = lw_v2(lw_v3_dot(unit, g->axis[0]), -lw_v3_dot(unit, g->axis[1]));
+        lw_shape *s = lw_drawing_line(d, LW_ROLE_AXIS, foot, lw_v2_add(foot, lw_v2_scale(way, 24)));
+        s->stroke = colour[i];
+        s->width = 2;
+        s = lw_drawing_text(d, LW_ROLE_AXIS, name[i], lw_v2_add(lw_v2_add(foot, lw_v2_scale(way, 33)), lw_v2(0, 4)), 12, 0.5);
+        s->fill = colour[i];
+    }
+}
+
+static size_t count_pieces(const lw_space_scene *s)
+{
+    return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_frame + 1;
+}
+
+/* The greatest scale at which every pose is on the page. */
+static void choose_scale(page *g)
+{
+    double w = 1e-12, h = 1e-12;
+    g->scale = 1;
+    for (size_t f = 0; f < g->s->n_frame; f++)
+        for (int i = 0; i < g->s->n_shape; i++)
+            for (int k = 0; k < g->s->shape[i].n; k++) {
+                const lw_space_shape *shape = &g->s->shape[i];
+                lw_vec3 p = lw_v3_sub(lw_space_scene_at(g->s, f, shape->link, shape->p[k]), g->s->middle);
+                w = fmax(w, fabs(lw_v3_dot(p, g->axis[0])));
+                h = fmax(h, fabs(lw_v3_dot(p, g->axis[1])));
+            }
+    g->scale = fmin((0.5*g->width - MARGIN)/w, (0.5*g->height - MARGIN - 12)/h);
+}
+
+lw_status lw_space_draw(const lw_space_scene *s, size_t frame, lw_space_view view, int width, int height,
+                        lw_drawing *d, lw_error *e)
+{
+    page g = { .s = s, .frame = frame, .width = width, .height = height, .room = count_pieces(s) };
+    memset(d, 0, sizeof *d);
+    d->width = width;
+    d->height = height;
+    g.piece = calloc(g.room, sizeof *g.piece);
+    if (!g.piece)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_space_view_axes(s, view, g.axis);
+    choose_scale(&g);
+    for (int i = 0; i < s->n_shape; i++)
+        put_shape(&g, &s->shape[i]);
+    put_paths(&g);
+    qsort(g.piece, g.n, sizeof *g.piece, compare);
+    lw_vec2 corner[] = { { 0, 0 }, { width, 0 }, { width, height }, { 0, height } };
+    lw_drawing_path(d, LW_ROLE_PAPER, corner, 4, true)->fill = LW_INK_PAPER;
+    for (size_t i = 0; i < g.n; i++)
+        ink(d, &g.piece[i]);
+    triad(&g, d);
+    snprintf(d->title, sizeof d->title, "%s", s->title);
+    lw_shape *title = lw_drawing_text(d, LW_ROLE_TITLE, s->title, lw_v2(16, 30), 18, 0);
+    title->bold = true;
+    free(g.piece);
+    return lw_drawing_end(d, e);
+}

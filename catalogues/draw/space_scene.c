@@ -1,0 +1,339 @@
+#include "catalogues/draw/space_scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec3.h"
+#include "mbs/space/space_trace.h"
+
+lw_vec3 lw_space_scene_at(const lw_space_scene *s, size_t frame, int link, lw_vec3 p)
+{
+    const lw_space_pose *q = &s->pose[frame*(size_t)s->n_link + (size_t)link];
+    lw_mat3 turn = lw_quaternion_matrix(q->turn);
+    return lw_v3_add(q->at, lw_m3_apply(&turn, lw_v3_sub(p, s->origin[link])));
+}
+
+/* ---- motion ---------------------------------------------------------------------------------------------- */
+
+typedef struct film { lw_space_scene *s; const lw_spatial *m; size_t most; } film;
+
+/* The tracers that follow those of the model are one for each link. */
+static lw_status take_frame(void *context, double u, const double *input, const lw_space_tracer *tracer)
+{
+    film *f = context;
+    lw_space_scene *s = f->s;
+    (void)u, (void)input;
+    if (s->n_frame == f->most)
+        return LW_OK;
+    for (int i = 0; i < s->n_tracer; i++)
+        s->path[s->n_frame*(size_t)s->n_tracer + (size_t)i] = tracer[i].place;
+    for (int i = 0; i < s->n_link; i++)
+        s->pose[s->n_frame*(size_t)s->n_link + (size_t)i] = (lw_space_pose){ tracer[s->n_tracer + i].place,
+                                                                             tracer[s->n_tracer + i].turn };
+    s->n_frame++;
+    return LW_OK;
+}
+
+/* The posture of the file. */
+static void stand_still(lw_space_scene *s, const lw_spatial *m)
+{
+    s->n_frame = 1;
+    for (int i = 0; i < s->n_link; i++)
+        s->pose[i] = (lw_space_pose){ s->origin[i], { 1, 0, 0, 0 } };
+    for (int i = 0; i < s->n_tracer; i++)
+        s->path[i] = m->tracer[i].at;
+}
+
+static bool moves_in_time(const lw_spatial *m)
+{
+    for (int i = 0; i < m->n_input; i++)
+        if (m->input[i].motion)
+            return true;
+    return false;
+}
+
+/* Do the last and the first pose agree, to a part of the size? */
+static bool closes(const lw_space_scene *s)
+{
+    const lw_space_pose *a = s->pose, *b = s->pose + (s->n_frame - 1)*(size_t)s->n_link;
+    for (int i = 0; i < s->n_link; i++) {
+        lw_quaternion t = lw_quaternion_times(b[i].turn, lw_quaternion_inverse(a[i].turn));
+        if (lw_v3_norm(lw_v3_sub(a[i].at, b[i].at)) > 1e-6*s->radius || lw_v3_norm(lw_quaternion_vector(t)) > 1e-6)
+            return false;
+    }
+    return s->n_frame > 2;
+}
+
+static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
+{
+    film f = { .s = s, .m = m, .most = o->n_frame + 1 };
+    lw_space_trace t = { .in_time = moves_in_time(m), .to = o->until > 0 ? o->until : 1, .intervals = (int)o->n_frame,
+                         .stop = o->stop };
+    lw_spatial with = *m;                 /* the same model, with a tracer for each link */
+    lw_error why = { 0 };
+    t.whole = !t.in_time;
+    s->seconds = t.in_time ? t.to : 0;
+    if (m->n_input == 0) {
+        stand_still(s, m);
+        snprintf(s->note, sizeof s->note, "no input: it stands still");
+        return LW_OK;
+    }
+    with.n_tracer = m->n_tracer + m->n_link;
+    with.tracer = calloc((size_t)with.n_tracer, sizeof *with.tracer);
+    if (!with.tracer)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (m->n_tracer)
+        memcpy(with.tracer, m->tracer, (size_t)m->n_tracer*sizeof *m->tracer);
+    for (int i = 0; i < m->n_link; i++)
+        with.tracer[m->n_tracer + i] = (lw_spatial_tracer){ .link = i, .at = s->origin[i], .frame = { 1, 0, 0, 0 } };
+    lw_status status = lw_space_trace_run(&with, &t, take_frame, &f, &why);
+    free(with.tracer);
+    if (status == LW_STOPPED || status == LW_E_MEMORY)
+        return lw_error_set(e, status, "%s", why.text[0] ? why.text : lw_status_text(status));
+    if (status != LW_OK)
+        snprintf(s->note, sizeof s->note, "%.250s", why.text);
+    if (s->n_frame == 0)
+        stand_still(s, m);
+    s->loops = closes(s);
+    s->n_frame -= s->loops;
+    return LW_OK;
+}
+
+/* ---- shapes ---------------------------------------------------------------------------------------------- */
+
+static void add(lw_space_scene *s, lw_space_shape shape) { s->shape[s->n_shape++] = shape; }
+
+/* Points of a link, each once: its joints, then its tracers. */
+static int points_of(const lw_spatial *m, int link, double near, lw_vec3 p[LW_SPACE_POINTS])
+{
+    int n = 0;
+    for (int i = 0; i < m->n_joint + m->n_tracer; i++) {
+        bool joint = i < m->n_joint;
+        const lw_spatial_joint *j = joint ? &m->joint[i] : NULL;
+        const lw_spatial_tracer *t = joint ? NULL : &m->tracer[i - m->n_joint];
+        if (joint ? j->link[0] != link && j->link[1] != link : t->link != link)
+            continue;
+        lw_vec3 at = joint ? j->at : t->at;
+        bool there = false;
+        for (int k = 0; k < n; k++)
+            there = there || lw_v3_norm(lw_v3_sub(p[k], at)) < near;
+        if (!there && n < LW_SPACE_POINTS)
+            p[n++] = at;
+    }
+    if (n == 1 && m->body[link].given && lw_v3_norm(lw_v3_sub(p[0], m->body[link].centre)) > near)
+        p[n++] = m->body[link].centre;
+    return n;
+}
+
+static lw_vec3 middle_of(const lw_vec3 *p, int n)
+{
+    lw_vec3 sum = { 0, 0, 0 };
+    for (int i = 0; i < n; i++)
+        sum = lw_v3_add(sum, p[i]);
+    return lw_v3_scale(sum, 1.0/n);
+}
+
+/* The unit normal of the points if they are in a plane and not on a line. */
+static bool are_flat(const lw_vec3 *p, int n, double near, lw_vec3 *normal)
+{
+    lw_vec3 best = { 0, 0, 0 };
+    for (int i = 1; i < n; i++)
+        for (int k = i + 1; k < n; k++) {
+            lw_vec3 c = lw_v3_cross(lw_v3_sub(p[i], p[0]), lw_v3_sub(p[k], p[0]));
+            best = lw_v3_norm(c) > lw_v3_norm(best) ? c : best;
+        }
+    double length = lw_v3_norm(best);
+    if (!(length > near*near))
+        return false;
+    *normal = lw_v3_scale(best, 1/length);
+    for (int i = 1; i < n; i++)
+        if (fabs(lw_v3_dot(*normal, lw_v3_sub(p[i], p[0]))) > near)
+            return false;
+    return true;
+}
+
+/* The outline of points of a plane: their convex hull (Andrew 1979).  Returns its number of points. */
+static int outline(lw_vec3 *p, int n, lw_vec3 normal)
+{
+    lw_vec3 x = lw_v3_across(normal), y = lw_v3_cross(normal, x), hull[2*LW_SPACE_POINTS];
+    int size = 0;
+    for (int i = 1; i < n; i++)
+        for (int k = i; k > 0; k--) {
+            double d = lw_v3_dot(lw_v3_sub(p[k], p[k - 1]), x);
+            if (d > 0 || (d == 0 && lw_v3_dot(lw_v3_sub(p[k], p[k - 1]), y) >= 0))
+                break;
+            lw_vec3 q = p[k];
+            p[k] = p[k - 1];
+            p[k - 1] = q;
+        }
+    for (int side = 0; side < 2; side++) {
+        int first = size;
+        for (int i = 0; i < n; i++) {
+            lw_vec3 q = p[side ? n - 1 - i : i];
+            while (size > first + 1 && lw_v3_dot(normal, lw_v3_cross(lw_v3_sub(hull[size - 1], hull[size - 2]),
+                                                                     lw_v3_sub(q, hull[size - 1]))) <= 0)
+                size--;
+            hull[size++] = q;
+        }
+        size--;                                            /* the last is the first of the other side */
+    }
+    memcpy(p, hull, (size_t)size*sizeof *p);
+    return size;
+}
+
+static void add_bar(lw_space_scene *s, int link, lw_vec3 a, lw_vec3 b)
+{
+    add(s, (lw_space_shape){ .kind = LW_SPACE_BAR, .link = link, .item = link, .n = 2, .p = { a, b } });
+}
+
+/* Two points on a line: the ends of all of them. */
+static void add_line(lw_space_scene *s, int link, const lw_vec3 *p, int n)
+{
+    int a = 0, b = n > 1 ? 1 : 0;
+    for (int i = 0; i < n; i++)
+        for (int k = i + 1; k < n; k++)
+            if (lw_v3_norm(lw_v3_sub(p[i], p[k])) > lw_v3_norm(lw_v3_sub(p[a], p[b])))
+                a = i, b = k;
+    if (a != b)
+        add_bar(s, link, p[a], p[b]);
+}
+
+static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
+{
+    lw_vec3 p[LW_SPACE_POINTS], normal;
+    double near = 1e-6*s->radius;
+    int n = points_of(m, link, near, p);
+    if (n < 3) {
+        add_line(s, link, p, n);
+    } else if (are_flat(p, n, near, &normal)) {
+        lw_space_shape plate = { .kind = LW_SPACE_PLATE, .link = link, .item = link, .n = outline(p, n, normal) };
+        memcpy(plate.p, p, (size_t)plate.n*sizeof *p);
+        add(s, plate);
+    } else if (lw_v3_norm(lw_v3_cross(lw_v3_sub(p[1], p[0]), lw_v3_sub(p[n - 1], p[0]))) < near*s->radius && n == 3) {
+        add_line(s, link, p, n);
+    } else {
+        lw_vec3 hub = middle_of(p, n);
+        for (int i = 0; i < n; i++)
+            add_bar(s, link, hub, p[i]);
+    }
+}
+
+static void add_axis(lw_space_scene *s, lw_space_shape_kind kind, const lw_spatial_joint *j, int item, int link,
+                     lw_vec3 axis, double half, bool grounded)
+{
+    lw_vec3 d = lw_v3_scale(axis, half);
+    add(s, (lw_space_shape){ .kind = kind, .link = link, .item = item, .grounded = grounded, .n = 2,
+                             .p = { lw_v3_sub(j->at, d), lw_v3_add(j->at, d) } });
+}
+
+static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
+{
+    const lw_spatial_joint *j = &m->joint[item];
+    double pin = 0.035*s->radius;
+    bool grounded = j->link[0] == m->ground || j->link[1] == m->ground;
+    int first = j->link[0], second = j->link[1];
+    switch (j->kind) {
+    case LW_SPATIAL_REVOLUTE:    add_axis(s, LW_SPACE_PIN, j, item, first, j->axis, pin, grounded); break;
+    case LW_SPATIAL_CYLINDRICAL:
+    case LW_SPATIAL_SCREW:
+        add_axis(s, LW_SPACE_GUIDE, j, item, first, j->axis, 8*pin, grounded);
+        add_axis(s, LW_SPACE_PIN, j, item, second, j->axis, 1.6*pin, grounded);
+        break;
+    case LW_SPATIAL_PRISMATIC:
+        add_axis(s, LW_SPACE_GUIDE, j, item, first, j->axis, 8*pin, grounded);
+        add_axis(s, LW_SPACE_PIN, j, item, second, j->axis, 1.3*pin, grounded);
+        break;
+    case LW_SPATIAL_UNIVERSAL:
+        add_axis(s, LW_SPACE_PIN, j, item, first, j->axis, pin, grounded);
+        add_axis(s, LW_SPACE_PIN, j, item, second, j->second, pin, grounded);
+        break;
+    case LW_SPATIAL_SPHERICAL:
+        add(s, (lw_space_shape){ .kind = LW_SPACE_BALL, .link = first, .item = item, .grounded = grounded, .n = 1,
+                                 .p = { j->at } });
+        break;
+    case LW_SPATIAL_PLANAR: {
+        lw_vec3 x = lw_v3_scale(lw_v3_across(j->axis), 4*pin), y = lw_v3_cross(j->axis, x);
+        add(s, (lw_space_shape){ .kind = LW_SPACE_PLATE, .link = first, .item = item, .grounded = grounded, .n = 4,
+                                 .p = { lw_v3_add(j->at, lw_v3_add(x, y)), lw_v3_add(j->at, lw_v3_sub(x, y)),
+                                        lw_v3_sub(j->at, lw_v3_add(x, y)), lw_v3_sub(j->at, lw_v3_sub(x, y)) } });
+        break;
+    }
+    case LW_SPATIAL_FIXED:
+    case LW_SPATIAL_FREE: break;
+    }
+}
+
+static void make_shapes(const lw_spatial *m, lw_space_scene *s)
+{
+    for (int i = 0; i < m->n_link; i++)
+        if (i != m->ground)
+            add_link(m, i, s);
+    for (int i = 0; i < m->n_joint; i++)
+        add_joint(m, i, s);
+    for (int i = 0; i < m->n_tracer; i++)
+        add(s, (lw_space_shape){ .kind = LW_SPACE_TRACER, .link = m->tracer[i].link, .item = i, .n = 1,
+                                 .p = { m->tracer[i].at } });
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------- */
+
+/* A point on each link where nothing else can be wrong with it: a joint.  An idle link turns about the line of its joints. */
+static lw_vec3 origin_of(const lw_spatial *m, int link)
+{
+    for (int i = 0; i < m->n_joint; i++)
+        if (m->joint[i].kind != LW_SPATIAL_FREE && (m->joint[i].link[0] == link || m->joint[i].link[1] == link))
+            return m->joint[i].at;
+    return m->body[link].centre;
+}
+
+static void measure(lw_space_scene *s)
+{
+    lw_vec3 least = { INFINITY, INFINITY, INFINITY }, most = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t f = 0; f < s->n_frame; f++)
+        for (int i = 0; i < s->n_shape; i++)
+            for (int k = 0; k < s->shape[i].n; k++) {
+                lw_vec3 p = lw_space_scene_at(s, f, s->shape[i].link, s->shape[i].p[k]);
+                least = lw_v3(fmin(least.x, p.x), fmin(least.y, p.y), fmin(least.z, p.z));
+                most = lw_v3(fmax(most.x, p.x), fmax(most.y, p.y), fmax(most.z, p.z));
+            }
+    if (s->n_shape == 0)
+        return;
+    s->middle = lw_v3_scale(lw_v3_add(least, most), 0.5);
+    s->radius = fmax(0.5*lw_v3_norm(lw_v3_sub(most, least)), 1e-9);
+}
+
+lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
+{
+    size_t n_frame = o->n_frame + 1, n_link = (size_t)m->n_link, n_tracer = (size_t)m->n_tracer;
+    size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer;
+    *s = (lw_space_scene){ .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 } };
+    snprintf(s->title, sizeof s->title, "%s", o->title ? o->title : m->name);
+    s->shape = calloc(n_shape + 1, sizeof *s->shape);
+    s->origin = calloc(n_link, sizeof *s->origin);
+    s->pose = calloc(n_frame*n_link, sizeof *s->pose);
+    s->path = calloc(n_frame*n_tracer + 1, sizeof *s->path);
+    if (!s->shape || !s->origin || !s->pose || !s->path)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double g = lw_v3_norm(m->gravity);
+    if (g > 0)
+        s->up = lw_v3_scale(m->gravity, -1/g);
+    s->radius = lw_spatial_size(m);
+    for (int i = 0; i < m->n_link; i++)
+        s->origin[i] = origin_of(m, i);
+    lw_status status = make_motion(m, o, s, e);
+    if (status != LW_OK)
+        return status;
+    make_shapes(m, s);
+    measure(s);
+    return LW_OK;
+}
+
+void lw_space_scene_free(lw_space_scene *s)
+{
+    free(s->shape);
+    free(s->origin);
+    free(s->pose);
+    free(s->path);
+    *s = (lw_space_scene){ 0 };
+}

@@ -1,0 +1,160 @@
+/* test_space_scene.c - scenes of spatial models: links stay rigid, joints stay together, closed motions close; the
+ * projection; pages that a reader of JSON understands. */
+#include "catalogues/draw/space_scene.h"
+
+#include <jansson.h>
+#include "base/bytes.h"
+#include "base/file.h"
+#include "base/vec3.h"
+#include "catalogues/pages/draw.h"
+#include "tests/check.h"
+
+static const char *const examples[] = {
+    "examples/space/bennett.json", "examples/space/bricard.json", "examples/space/sarrus.json",
+    "examples/space/slider-crank.json", "examples/space/stewart.json", "examples/space/delta.json",
+    "examples/space/arm.json",
+};
+enum { N_EXAMPLE = sizeof examples/sizeof *examples };
+
+static bool read_model(const char *file, lw_spatial *m)
+{
+    char *text;
+    size_t size;
+    lw_error e = { 0 };
+    bool good = lw_file_read(file, &text, &size, &e) == LW_OK && lw_spatial_read(text, size, file, m, &e) == LW_OK;
+    CHECK(good);
+    if (!good)
+        fprintf(stderr, "%s\n", e.text);
+    else
+        free(text);
+    return good;
+}
+
+static lw_space_scene make_scene(const lw_spatial *m, double until)
+{
+    lw_space_scene s;
+    lw_error e = { 0 };
+    lw_space_scene_options o = { .n_frame = 24, .until = until };
+    CHECK_INT(lw_space_scene_make(m, &o, &s, &e), LW_OK);
+    return s;
+}
+
+/* The place of a joint by each of its links: together, or for those that slide on the axis or in the plane. */
+static double gap(const lw_space_scene *s, const lw_spatial_joint *j, size_t frame)
+{
+    lw_vec3 a = lw_space_scene_at(s, frame, j->link[0], j->at), b = lw_space_scene_at(s, frame, j->link[1], j->at);
+    lw_vec3 d = lw_v3_sub(b, a), axis = lw_v3_sub(lw_space_scene_at(s, frame, j->link[0], lw_v3_add(j->at, j->axis)), a);
+    switch (j->kind) {
+    case LW_SPATIAL_PRISMATIC: case LW_SPATIAL_CYLINDRICAL: case LW_SPATIAL_SCREW:
+        return lw_v3_norm(lw_v3_sub(d, lw_v3_scale(axis, lw_v3_dot(d, axis))));
+    case LW_SPATIAL_PLANAR: return fabs(lw_v3_dot(d, axis));
+    case LW_SPATIAL_FREE:   return 0;
+    default:                return lw_v3_norm(d);
+    }
+}
+
+static void joints_stay_together(void)
+{
+    for (int i = 0; i < N_EXAMPLE; i++) {
+        lw_spatial m;
+        if (!read_model(examples[i], &m))
+            continue;
+        lw_space_scene s = make_scene(&m, 0.1);
+        CHECK(s.n_frame > 10);
+        double moved = 0;
+        for (size_t f = 0; f < s.n_frame; f++) {
+            for (int j = 0; j < m.n_joint; j++)
+                CHECK(gap(&s, &m.joint[j], f) < 1e-9*s.radius);
+            for (int k = 0; k < s.n_tracer; k++) {        /* the path of a tracer is that of its point on the link */
+                lw_vec3 p = lw_space_scene_at(&s, f, m.tracer[k].link, m.tracer[k].at);
+                CHECK(lw_v3_norm(lw_v3_sub(p, s.path[f*(size_t)s.n_tracer + (size_t)k])) < 1e-9*s.radius);
+                moved = fmax(moved, lw_v3_norm(lw_v3_sub(p, s.path[k])));
+            }
+        }
+        CHECK(moved > 0.01*s.radius);
+        lw_space_scene_free(&s);
+        lw_spatial_free(&m);
+    }
+}
+
+static void closed_motion(void)
+{
+    lw_spatial m;
+    if (!read_model("examples/space/bennett.json", &m))
+        return;
+    lw_space_scene s = make_scene(&m, 0);
+    CHECK(s.loops);                                       /* the input of Bennett's linkage turns fully */
+    CHECK_INT(s.n_frame, 24);
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
+/* Axes are a right-handed set of unit vectors, and every shape is on the page. */
+static void projection(void)
+{
+    lw_spatial m;
+    if (!read_model("examples/space/stewart.json", &m))
+        return;
+    lw_space_scene s = make_scene(&m, 0);
+    for (int i = 0; i < 40; i++) {
+        lw_space_view view = { 0.37*i, -1.5707 + 0.08*i };
+        lw_vec3 a[3];
+        lw_drawing d;
+        lw_error e = { 0 };
+        lw_space_view_axes(&s, view, a);
+        for (int p = 0; p < 3; p++) {
+            CHECK_NEAR(lw_v3_dot(a[p], a[p]), 1, 1e-14, 0);
+            CHECK_NEAR(lw_v3_dot(a[p], a[(p + 1) % 3]), 0, 1e-14, 0);
+        }
+        CHECK_NEAR(lw_v3_dot(lw_v3_cross(a[0], a[1]), a[2]), 1, 1e-14, 0);
+        CHECK_NEAR(lw_v3_dot(s.up, a[2]), sin(view.elevation), 1e-14, 0);
+        CHECK_INT(lw_space_draw(&s, (size_t)i % s.n_frame, view, 400, 300, &d, &e), LW_OK);
+        for (size_t k = 0; k < d.n_shape; k++)
+            for (size_t p = 0; d.shape[k].kind == LW_SHAPE_PATH && p < d.shape[k].n; p++) {
+                lw_vec2 at = d.point[d.shape[k].first + p];
+                CHECK(at.x >= 0 && at.x <= 400 && at.y >= 0 && at.y <= 300);
+            }
+        lw_drawing_free(&d);
+    }
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
+static void files(void)
+{
+    lw_spatial m;
+    if (!read_model("examples/space/slider-crank.json", &m))
+        return;
+    lw_space_scene s = make_scene(&m, 0);
+    static const struct { lw_draw_kind kind; const char *begin; } file[] = {
+        { LW_DRAW_SVG, "<?xml" }, { LW_DRAW_PDF, "%PDF" }, { LW_DRAW_PNG, "\x89PNG" }, { LW_DRAW_GIF, "GIF89a" },
+        { LW_DRAW_HTML, "<!DOCTYPE html>" }
+    };
+    for (size_t i = 0; i < sizeof file/sizeof *file; i++) {
+        lw_bytes out;
+        lw_error e = { 0 };
+        CHECK_INT(lw_draw_space(&s, lw_space_view_default(), file[i].kind, 200, 150, &out, &e), LW_OK);
+        CHECK(out.size > 500 && memcmp(out.data, file[i].begin, strlen(file[i].begin)) == 0);
+        if (file[i].kind == LW_DRAW_HTML && out.data) {
+            const char *from = strstr(out.data, "id=\"data\">"), *to = from ? strstr(from, "</script>") : NULL;
+            json_t *data = to ? json_loadb(from + 10, (size_t)(to - from) - 10, 0, NULL) : NULL;
+            CHECK(data != NULL);
+            CHECK_INT(json_array_size(json_object_get(data, "frames")), s.n_frame);
+            CHECK_INT(json_array_size(json_array_get(json_object_get(data, "frames"), 0)), 7*s.n_link);
+            CHECK_INT(json_array_size(json_object_get(data, "shapes")), s.n_shape);
+            json_decref(data);
+        }
+        lw_bytes_free(&out);
+    }
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
+int main(void)
+{
+    RUN(joints_stay_together);
+    RUN(closed_motion);
+    RUN(projection);
+    RUN(files);
+    return check_end();
+}
