@@ -176,6 +176,7 @@ static void freedoms_by_rank(void)
         CHECK(lw_continuation_create(&s, &input, 1, false, &f));
         CHECK_INT(lw_continuation_freedoms(&f, q, v), flat);
         lw_continuation_free(&f);
+        lw_system_free(&s);
     }
 }
 

@@ -87,6 +87,7 @@ static void at_the_top(void)
     lw_model_free(&d.model);
     hang(LW_PI - 1e-6, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-12, 8, 40), LW_OK);
+    lw_model_free(&d.model);
     hang(LW_PI - 1e-6, 0);
     double y[40];
     for (int i = 0; i < 40; i++)

@@ -308,9 +308,11 @@ static void falls_as_a_gear_pair(void)
         five_bar(&k, 2, false);
         load(&k, &m);
         run_model(&m, LW_ANALYSIS_DYNAMIC, way[i], &tied);
+        lw_model_free(&m);
         five_bar(&k, 2, true);
         load(&k, &m);
         run_model(&m, LW_ANALYSIS_DYNAMIC, way[i], &geared);
+        lw_model_free(&m);
         CHECK_NEAR(tied.energy, geared.energy, off, 0);
         CHECK(fabs(tied.tracer[20] - tied.tracer[0]) > 1);
         for (int s = 0; s < 21; s++) {
@@ -332,6 +334,7 @@ static void clearance_knows_no_ties(void)
     m.clearance[3] = (lw_clearance){ .model = LW_CLEARANCE_MLSD, .gap = 1e-3, .stiffness = 1e6, .exponent = 1 };
     CHECK_INT(lw_clearance_make(&m, &scene, &e), LW_E_KIND);
     CHECK_HAS(e.text, "input \"J2\" is tied to the first one");
+    lw_model_free(&m);
 }
 
 /* ---- plans ------------------------------------------------------------------------------------------ */

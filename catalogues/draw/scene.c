@@ -428,9 +428,10 @@ static lw_status start_path(lw_work *w, const lw_scene_options *o, lw_error *why
     if (ranges)
         return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->path, why);
     lw_status st = lw_motion_path_along(k, o->other_branches, &w->path, why);
-    if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(w))
-        st = lw_motion_path_along(k, o->other_branches, &w->path, why);
-    return st;
+    if (st != LW_E_ARG || k->n_input == 0 || !fasten_idle_links(w))
+        return st;
+    lw_motion_path_free(&w->path);
+    return lw_motion_path_along(k, o->other_branches, &w->path, why);
 }
 
 static bool show_course(lw_work *w, const lw_scene_options *o)

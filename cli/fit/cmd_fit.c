@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/real.h"
 #include "base/number.h"
 #include "cli/fit/fit.h"
@@ -456,7 +457,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     o.fit.solver = lw_solver_find(s->solver);
     o.fit.seed = set->seed = call->common.seed;
     o.fit.jobs = call->common.jobs;
-    o.fit.max_seconds = call->common.time;
+    o.fit.max_seconds = set->seconds;
     o.fit.starts = s->starts;
     o.fit.max_rounds = s->rounds;
     o.fit.n_result = s->results;
@@ -670,13 +671,16 @@ static int check(const cli_call *call)
     return s->save && code == CLI_DONE ? cli_fit_check_folder(call, s->save, s->results) : code;
 }
 
-/* Fit every target; report those that fail and go on. Returns the exit code. */
+/* Fit every target; report those that fail and go on. The targets share --time: each gets an equal part of what the
+ * targets before it have left. Returns the exit code. */
 static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
 {
-    int code = CLI_DONE;
-    for (int i = 0; i < call->parsed.n_word && !cli_interrupted(); i++) {
+    int code = CLI_DONE, n = call->parsed.n_word;
+    double end = lw_clock_wall() + call->common.time;
+    for (int i = 0; i < n && !cli_interrupted(); i++) {
         lw_error e = { 0 };
         cli_fit_set *now = &set[*done];
+        now->seconds = call->common.time > 0 ? fmax(1e-3, (end - lw_clock_wall())/(n - i)) : 0;
         lw_status st = fit_one(call, call->parsed.word[i], now, &e);
         if (st < 0 || st == LW_NOTHING) {
             code = cli_fail(call, &e);

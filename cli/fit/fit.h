@@ -29,6 +29,7 @@ typedef struct cli_fit_set {
     lw_topology_search search;    /* with --exact only candidates and results, which come from ... */
     bool        is_exact;
     lw_exact    exact;            /* ... these precision points                                    */
+    double      seconds;          /* its part of --time; 0: no limit                               */
     uint64_t    seed;
     bool        has_tolerances;   /* --tolerances                                                  */
     lw_tolerances tolerances;

@@ -429,11 +429,17 @@ double cli_memory(const cli_call *call)
     return call->common.memory > 0 ? 1e9*call->common.memory : 0.75*fmin(machine, group_memory());
 }
 
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+#define RESERVES true                            /* sanitizers reserve terabytes: no limit holds           */
+#else
+#define RESERVES false
+#endif
+
 void cli_limit_memory(const cli_call *call)
 {
     struct rlimit r;
     double most = cli_memory(call);
-    if (getrlimit(RLIMIT_DATA, &r) == 0 && (r.rlim_cur == RLIM_INFINITY || most < (double)r.rlim_cur)) {
+    if (!RESERVES && getrlimit(RLIMIT_DATA, &r) == 0 && (r.rlim_cur == RLIM_INFINITY || most < (double)r.rlim_cur)) {
         r.rlim_cur = (rlim_t)most;
         setrlimit(RLIMIT_DATA, &r);
     }
