@@ -14,7 +14,7 @@ static int tie_of(lw_joint_kind kind, bool kinds)
     case LW_JOINT_SLOT:     return 2;
     case LW_JOINT_SLIDER:   return 3;
     case LW_JOINT_GEAR:     return 4;
-    case LW_JOINT_FIXED:    break;
+    case LW_JOINT_FIXED: case LW_JOINT_FREE: break;
     }
     return 0;
 }

@@ -19,13 +19,14 @@ typedef enum lw_joint_measure {
  * lw_linkage_gear)?
  *
  * The last four columns determine the constraint equations: two for a common point, one for a slide line, one for the
- * angle, one for a ratio.  A weld stands in linkages only, never in a chain. */
+ * angle, one for a ratio.  A weld and a free link stand in linkages only, never in a chain. */
 #define LW_JOINT_LIST(X)                                                                   \
     X('r', LW_JOINT_REVOLUTE, "revolute",    1, LW_MEASURE_ANGLE,  true,  false, false)    \
     X('t', LW_JOINT_SLIDER,   "prismatic",   1, LW_MEASURE_LENGTH, false, true,  false)    \
     X('p', LW_JOINT_SLOT,     "pin-in-slot", 2, LW_MEASURE_LENGTH, false, false, false)    \
     X('g', LW_JOINT_GEAR,     "gear",        2, LW_MEASURE_NONE,   false, false, true)     \
-    X('f', LW_JOINT_FIXED,    "weld",        0, LW_MEASURE_NONE,   true,  true,  false)
+    X('f', LW_JOINT_FIXED,    "weld",        0, LW_MEASURE_NONE,   true,  true,  false)    \
+    X('n', LW_JOINT_FREE,     "free",        3, LW_MEASURE_NONE,   false, false, false)
 
 typedef enum lw_joint_kind {
 #define X(letter, name, word, freedoms, measure, point, turn, ratio) name = letter,

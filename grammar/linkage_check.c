@@ -120,7 +120,7 @@ static lw_status check_joint(const lw_assembly *assembly, const lw_joint *j, lw_
 {
     if (!lw_joint_is_kind((char)j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is of no known kind: r pin, t slider, p pin in "
-                            "slot, g gear, f fixed", j->name);
+                            "slot, g gear, f fixed, n free", j->name);
     if (!in_range(j->link[0], assembly->n_link) || !in_range(j->link[1], assembly->n_link))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins links number %d and %d; there are links 0 to "
                             "%d", j->name, j->link[0], j->link[1], assembly->n_link - 1);

@@ -76,7 +76,8 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
 /* An element of "links": a name, or an object with the name and the masses of a model. */
 static lw_status read_link(const lw_json_node *n, lw_assembly *assembly, lw_error *e)
 {
-    static const char *const known[] = { "name", "mass", "centre", "inertia", "elastic" };
+    static const char *const known[] = { "name", "mass", "centre", "inertia", "elastic", "velocity", "omega",
+                                         "shapes" };
     lw_json_node name = *n;
     lw_status s = LW_OK;
     if (lw_json_kind_of(n) == LW_JSON_OBJECT) {
@@ -147,7 +148,7 @@ static lw_status read_head(const lw_json_node *root, lw_assembly *assembly, lw_e
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input",
                                          "inputs", "tracers", "fit", "$schema", "gravity", "springs", "dampers",
-                                         "forces", "motors", "states", "controllers", "cylinders" };
+                                         "forces", "motors", "states", "controllers", "cylinders", "contacts", "ropes" };
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK)
@@ -178,7 +179,7 @@ static lw_status read_kind(const lw_json_node *joint, lw_joint *j, lw_error *e)
     const char *kind = lw_json_text(&n);
     if (strlen(kind) != 1 || !lw_joint_is_kind(*kind))
         return lw_json_fault(&n, e, "unknown kind \"%.20s\"; known are \"r\" pin, \"t\" slider, \"p\" pin in slot, "
-                             "\"g\" gear, \"f\" fixed", kind);
+                             "\"g\" gear, \"f\" fixed, \"n\" free", kind);
     j->kind = (lw_joint_kind)*kind;
     return LW_OK;
 }
@@ -281,12 +282,12 @@ static lw_status finish_gear(const lw_json_node *joint, lw_assembly *assembly, i
     return LW_OK;
 }
 
-/* A weld without a place is put where the other joints of its first link are. */
+/* A weld or a free link without a place is put where the other joints of its links are. */
 static void finish_weld(lw_assembly *assembly, int i)
 {
+    int link = assembly->joint[i].link[assembly->joint[i].kind == LW_JOINT_FREE && assembly->joint[i].link[0] == assembly->ground];
     for (int j = 0; j < assembly->n_joint; j++)
-        if (assembly->joint[j].kind != LW_JOINT_FIXED && (assembly->joint[j].link[0] == assembly->joint[i].link[0] ||
-                                                  assembly->joint[j].link[1] == assembly->joint[i].link[0])) {
+        if (lw_joint_has_position(assembly->joint[j].kind) && (assembly->joint[j].link[0] == link || assembly->joint[j].link[1] == link)) {
             assembly->joint[i].at = assembly->joint[j].at;
             return;
         }
@@ -297,7 +298,7 @@ static lw_status finish_joint(const lw_json_node *joint, lw_assembly *assembly, 
     lw_json_node at;
     if (lw_joint_has_ratio(assembly->joint[i].kind))
         return finish_gear(joint, assembly, i, e);
-    if (assembly->joint[i].kind == LW_JOINT_FIXED && !lw_json_member(joint, "at", &at))
+    if (!lw_joint_has_position(assembly->joint[i].kind) && !lw_json_member(joint, "at", &at))
         finish_weld(assembly, i);
     return LW_OK;
 }

@@ -82,7 +82,9 @@ void lw_model_free(lw_model *m)
         lw_expression_free(m->signal[i].value);
     for (int i = 0; m->elastic && i < m->linkage.n_link; i++)
         free(m->elastic[i].axis);
-    void *const array[] = { m->state, m->signal, m->rotor, m->motion, m->has_speed, m->speed, m->body, m->spring,
+    for (int i = 0; i < m->n_shape; i++)
+        free(m->shape[i].at);
+    void *const array[] = { m->shape, m->contact, m->rope, m->state, m->signal, m->rotor, m->motion, m->has_speed, m->speed, m->body, m->spring,
                             m->joint_spring, m->force, m->motor,
                             m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)

@@ -13,9 +13,12 @@
 
 typedef struct lw_body {
     bool    given;                   /* the file gives a mass; otherwise all is 0                  */
+    bool    has_velocity;            /* at the start, of the centre of mass and of the rotation     */
     double  mass;                    /* >= 0 [kg]                                                   */
     lw_vec2 centre;                  /* of mass [m]                                                 */
     double  inertia;                 /* about the centre of mass, >= 0 [kg m^2]                     */
+    lw_vec2 velocity;                /* [m/s]                                                       */
+    double  omega;                   /* [rad/s]                                                     */
 } lw_body;
 
 /* Between a point of one link and a point of another.  The force f along the line of the points is positive when
@@ -100,6 +103,46 @@ typedef struct lw_rotor {                /* of a motor: inertia that moves with 
     double inertia;                      /* seen at the joint [kg m^2], at a slider [kg]           */
 } lw_rotor;
 
+/* The outline of a link, for contact.  Points are in the posture [m].
+ *
+ *     circle    at[0] its centre, radius
+ *     segment   a bar from at[0] to at[1] with round ends, as thick as 2 radius; both sides can be touched
+ *     polygon   n corners in counter-clockwise order, solid inside; it may have notches
+ *     line      an infinite line through at[0] and at[1], solid on the right of that direction */
+typedef enum lw_contour_kind { LW_CONTOUR_CIRCLE, LW_CONTOUR_SEGMENT, LW_CONTOUR_POLYGON, LW_CONTOUR_LINE } lw_contour_kind;
+
+typedef struct lw_contour {
+    lw_contour_kind kind;
+    int      link, n;
+    lw_vec2 *at;                         /* (n)                                                    */
+    double   radius;                     /* of a circle; half the thickness of a segment [m]       */
+} lw_contour;
+
+/* How two things behave that touch: rigid with Newton's restitution (Poisson's, with friction) or, with a stiffness,
+ * compliant: F = stiffness depth^exponent (1 + damping d(depth)/dt), never less than 0 (Hunt & Crossley 1975). */
+typedef struct lw_surface {
+    double friction;                     /* Coulomb's coefficient, 0: none                         */
+    double friction_speed;               /* > 0: regularised, mu tanh(v/speed) [m/s]; 0: set-valued */
+    double restitution;                  /* 0 .. 1                                                 */
+    double stiffness, exponent, damping; /* > 0: compliant [N/m^exponent]; [1]; [s/m]              */
+} lw_surface;
+
+/* All shapes of one link touch all shapes of the other. */
+typedef struct lw_contact {
+    char       name[LW_NAME_SIZE];
+    int        link[2];
+    lw_surface surface;
+} lw_contact;
+
+/* Keeps a point of one link within `length` of a point of another. */
+typedef struct lw_rope {
+    char       name[LW_NAME_SIZE];
+    int        link[2];
+    lw_vec2    at[2];
+    double     length;                   /* [m]                                                    */
+    lw_surface surface;                  /* without friction                                       */
+} lw_rope;
+
 typedef struct lw_motor {                /* torque-speed line at a joint                           */
     char   name[LW_NAME_SIZE];
     int    joint;
@@ -141,7 +184,7 @@ typedef struct lw_model {
     int              n_elastic;          /* links that are elastic                                 */
     int              n_beam;             /* a file has none                                        */
     lw_beam         *beam;
-    int              n_spring, n_joint_spring, n_force, n_motor;
+    int              n_spring, n_joint_spring, n_force, n_motor, n_shape, n_contact, n_rope;
     lw_spring       *spring;
     lw_joint_spring *joint_spring;
     lw_force        *force;
@@ -150,6 +193,9 @@ typedef struct lw_model {
     lw_state        *state;
     lw_signal       *signal;
     lw_rotor        *rotor;
+    lw_contour        *shape;
+    lw_contact      *contact;
+    lw_rope         *rope;
     lw_friction     *friction;           /* (n_joint) of each joint                                */
     lw_joint_stop   *stop;
     lw_clearance    *clearance;

@@ -64,4 +64,11 @@ lw_status lw_model_read_states(const lw_json_node *root, lw_model *m, lw_error *
 bool lw_model_is_driven_motor(const lw_json_node *object);
 lw_status lw_model_read_driven_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
 
+/* ---- model_contact.c: what can touch ---------------------------------------------------------------------- */
+
+/* The "shapes" of all links; then one of "contacts", which needs them, and one of "ropes". */
+lw_status lw_model_read_shapes(const lw_json_node *root, lw_model *m, lw_error *e);
+lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
+lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
+
 #endif

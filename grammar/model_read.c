@@ -218,6 +218,7 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
     };
     if (lw_json_kind_of(link) != LW_JSON_OBJECT)
         return LW_OK;
+    const lw_number_key omega = { "omega", 1, LW_ANY, &b->omega, &b->has_velocity };
     bool centre = lw_json_member(link, "centre", &n);
     lw_status s = centre ? lw_read_pair(&n, m->linkage.units.metre, &b->centre, e) : LW_OK;
     if (s == LW_OK)
@@ -228,6 +229,14 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
     if (s == LW_OK && b->mass > 0 && !centre)
         s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts",
                           m->linkage.link_name[i]);
+    if (s == LW_OK)
+        s = read_number(link, &omega, e);
+    if (s == LW_OK && lw_json_member(link, "velocity", &n)) {
+        b->has_velocity = true;
+        s = lw_read_pair(&n, 1, &b->velocity, e);
+    }
+    if (s == LW_OK && b->has_velocity && i == m->linkage.ground)
+        s = lw_json_fault(link, e, "the ground does not move: leave \"velocity\" and \"omega\" out");
     return s;
 }
 
@@ -568,12 +577,15 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *
     return s;
 }
 
-typedef enum { SPRINGS, DAMPERS, FORCES, MOTORS } load;
+/* ---- all loads ------------------------------------------------------------------------------------ */
+
+typedef enum { SPRINGS, DAMPERS, FORCES, MOTORS, CONTACTS, ROPES } load;
 
 static lw_status read_loads(const lw_json_node *root, load which, lw_model *m, lw_error *e)
 {
     static const char *const key[] = {
-        [SPRINGS] = "springs", [DAMPERS] = "dampers", [FORCES] = "forces", [MOTORS] = "motors"
+        [SPRINGS] = "springs", [DAMPERS] = "dampers", [FORCES] = "forces", [MOTORS] = "motors",
+        [CONTACTS] = "contacts", [ROPES] = "ropes"
     };
     lw_json_node all;
     if (!lw_json_member(root, key[which], &all))
@@ -582,6 +594,7 @@ static lw_status read_loads(const lw_json_node *root, load which, lw_model *m, l
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
         lw_json_node one = lw_json_element(&all, i);
         s = which == FORCES ? read_force(&one, i, m, e) : which == MOTORS ? read_motor(&one, i, m, e)
+          : which == CONTACTS ? lw_model_read_contact(&one, i, m, e) : which == ROPES ? lw_model_read_rope(&one, i, m, e)
           : read_spring(&one, i, m, which == DAMPERS, e);
     }
     return s;
@@ -603,7 +616,9 @@ static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *
     m->rotor = calloc(motors, sizeof *m->rotor);
     m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
-    return m->spring && m->joint_spring && m->force && m->motor && m->rotor
+    m->contact = calloc(count_list(root, "contacts") + 1, sizeof *m->contact);
+    m->rope = calloc(count_list(root, "ropes") + 1, sizeof *m->rope);
+    return m->spring && m->joint_spring && m->force && m->motor && m->rotor && m->contact && m->rope
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -636,6 +651,8 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
     if (s == LW_OK)
         s = read_joint_extras(root, m, e);
     if (s == LW_OK)
+        s = lw_model_read_shapes(root, m, e);
+    if (s == LW_OK)
         s = lw_model_name_states(root, m, e);
     for (int kind = SPRINGS; s == LW_OK && kind <= DAMPERS; kind++)
         s = read_loads(root, (load)kind, m, e);
@@ -643,7 +660,7 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
         s = lw_model_read_cylinder_ends(root, m, e);
     if (s == LW_OK)
         s = lw_model_read_controllers(root, m, e);
-    for (int kind = FORCES; s == LW_OK && kind <= MOTORS; kind++)
+    for (int kind = FORCES; s == LW_OK && kind <= ROPES; kind++)
         s = read_loads(root, (load)kind, m, e);
     if (s == LW_OK)
         s = lw_model_read_states(root, m, e);

@@ -259,7 +259,7 @@ static lw_point_type type_of(lw_joint_kind kind)
     switch (kind) {
     case LW_JOINT_SLIDER: return LW_POINT_SLIDER;
     case LW_JOINT_SLOT:   return LW_POINT_SLOT;
-    case LW_JOINT_REVOLUTE: case LW_JOINT_GEAR: case LW_JOINT_FIXED: break;
+    case LW_JOINT_REVOLUTE: case LW_JOINT_GEAR: case LW_JOINT_FIXED: case LW_JOINT_FREE: break;
     }
     return LW_POINT_PIN;
 }

@@ -240,7 +240,7 @@ static void draw_joint(sketch *k, int joint)
     case LW_JOINT_SLOT:     draw_slot(k, joint); break;
     case LW_JOINT_GEAR:     draw_contact(k, joint); break;
     case LW_JOINT_REVOLUTE: lw_symbol_pin(k->d, b, pixel(k, k->l->at[joint]), k->u); break;
-    case LW_JOINT_FIXED:    assert(!"no chain has welds");
+    case LW_JOINT_FIXED: case LW_JOINT_FREE: assert(!"no chain has welds or free links");
     }
 }
 

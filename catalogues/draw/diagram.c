@@ -3,6 +3,7 @@
 #include "catalogues/draw/diagram.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/bytes.h"
@@ -11,6 +12,7 @@
 #include "catalogues/draw/labels.h"
 #include "catalogues/draw/symbols.h"
 #include "catalogues/draw/views.h"
+#include "grammar/model.h"
 
 typedef struct sketch {
     const lw_scene *s;
@@ -304,9 +306,53 @@ static void draw_input(sketch *k, int input)
     lw_label_map_line(&k->map, a, b, 2);
 }
 
+/* The outline of a link that can touch others: shaded; a line of the ground is hatched. */
+static void draw_contour(sketch *k, const lw_contour *c)
+{
+    const lw_linkage *l = linkage(k);
+    double scale = k->d->view[0].scale, u = k->u;
+    lw_vec2 a = pixel_of(k, 0, c->at[0]), b = pixel_of(k, 0, c->at[c->n > 1]), *p;
+    lw_bearer carrier = bearer(l, c->link, c->link);
+    const lw_box page = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
+    lw_shape *s;
+    switch (c->kind) {
+    case LW_CONTOUR_LINE: {
+        lw_vec2 along = lw_v2_sub(b, a);
+        along = lw_v2_scale(along, 4*(k->d->width + k->d->height)/fmax(lw_v2_norm(along), 1e-9));
+        lw_vec2 from = lw_v2_sub(a, along), to = lw_v2_add(a, along);
+        if (clip_line(&page, &from, &to))
+            lw_symbol_hatched_line(k->d, carrier, from, to, u);
+        return;
+    }
+    case LW_CONTOUR_CIRCLE:
+        s = lw_drawing_circle(k->d, LW_ROLE_LINK, a, scale*c->radius);
+        break;
+    case LW_CONTOUR_SEGMENT:
+        s = lw_drawing_line(k->d, LW_ROLE_LINK, a, b);
+        break;
+    default:
+        p = malloc((size_t)c->n*sizeof *p);
+        for (int i = 0; p && i < c->n; i++)
+            p[i] = pixel_of(k, 0, c->at[i]);
+        s = lw_drawing_path(k->d, LW_ROLE_LINK, p, p ? (size_t)c->n : 0, true);
+        free(p);
+    }
+    bool bar = c->kind == LW_CONTOUR_SEGMENT;
+    s->item = carrier.item;
+    s->link = carrier.link;
+    s->panel = 0;
+    s->stroke = c->link == l->ground ? LW_INK_GROUND : link_ink(l, c->link);
+    s->width = bar ? fmax(2*c->radius*scale, 2*u) : 1.5*u;
+    if (!bar)
+        s->fill = s->stroke;
+    s->alpha = 0.15;
+}
+
 static void sketch_linkage(sketch *k)
 {
     const lw_linkage *l = linkage(k);
+    for (int i = 0; i < k->s->n_contour; i++)
+        draw_contour(k, &k->s->contour[i]);
     draw_frame_line(k);
     for (int i = 0; i < l->n_joint; i++)
         if (lw_joint_slides(l->joint[i].kind))
@@ -321,7 +367,7 @@ static void sketch_linkage(sketch *k)
         switch (l->joint[i].kind) {
         case LW_JOINT_SLIDER: draw_block(k, i); break;
         case LW_JOINT_FIXED:  draw_weld(k, i);  break;
-        case LW_JOINT_REVOLUTE: case LW_JOINT_SLOT: case LW_JOINT_GEAR: break;
+        case LW_JOINT_REVOLUTE: case LW_JOINT_SLOT: case LW_JOINT_GEAR: case LW_JOINT_FREE: break;
         }
     for (int i = 0; i < l->n_input; i++)
         draw_input(k, i);
@@ -356,6 +402,8 @@ static void label_points(sketch *k)
     }
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
+        if (j->kind == LW_JOINT_FREE)
+            continue;
         bool slides = lw_joint_translates(j->kind);
         lw_slide w = slides ? lw_body_shapes_slide(k->s, i) : (lw_slide){ .at = j->at };
         lw_cylinder c;

@@ -19,6 +19,7 @@
 #define LW_CURVE_MAX 64
 
 struct lw_model;                  /* grammar/model.h */
+struct lw_contour;
 
 /* Where a link is: the place of its reference point (lw_scene.origin), and its rotation since the pose shown as a unit
  * vector.  A point p of the link is at  at + turn * (p - origin). */
@@ -55,6 +56,8 @@ typedef struct lw_scene {
     double     dim[LW_DIM_MAX];               /* [m] or [rad]                                        */
     lw_dim_kind dim_kind[LW_DIM_MAX];
     int        dim_link[LW_DIM_MAX];
+    int        n_contour;                     /* outlines of links, in the pose shown; the model's     */
+    const struct lw_contour *contour;
     char       note[256];                     /* why it does not move; "" when it does               */
 } lw_scene;
 

@@ -3,6 +3,7 @@
 
 #include "base/real.h"
 #include "catalogues/draw/body_shapes.h"
+#include "grammar/model.h"
 
 #define ENDLESS 8.0            /* a motion this many times larger than the pose shown is cut off */
 
@@ -86,11 +87,28 @@ static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
 }
 
 /* Add pins, blocks and tracers; if `guides`, also the travel of guides, and gears. */
+/* Outlines, but not infinite lines. */
+static void add_contours(lw_box *b, const lw_scene *s, size_t frame)
+{
+    for (int i = 0; i < s->n_contour; i++) {
+        const lw_contour *c = &s->contour[i];
+        lw_vec2 reach = lw_v2(c->radius, c->radius);
+        for (int k = 0; k < c->n && c->kind != LW_CONTOUR_LINE; k++) {
+            lw_vec2 at = lw_scene_at(s, frame, c->link, c->at[k]);
+            box_add(b, lw_v2_sub(at, reach));
+            box_add(b, lw_v2_add(at, reach));
+        }
+    }
+}
+
 static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
     const lw_linkage *k = &s->linkage;
+    add_contours(b, s, frame);
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
+        if (j->kind == LW_JOINT_FREE)
+            continue;
         if (!lw_joint_slides(j->kind)) {
             box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
             if (guides && lw_joint_has_ratio(j->kind))

@@ -131,6 +131,7 @@ static const char *joint_statement(lw_joint_kind kind)
     case LW_JOINT_SLOT:     return ", INPLANE";
     case LW_JOINT_FIXED:    return ", FIXED";
     case LW_JOINT_GEAR:     break;                /* a COUPLER instead */
+    case LW_JOINT_FREE:     break;                /* no statement */
     }
     return "";
 }

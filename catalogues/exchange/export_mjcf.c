@@ -411,6 +411,7 @@ static lw_status put_closures(writer *w, lw_error *e)
         case LW_JOINT_SLIDER:   put_pair(w, "<weld", j, true, false);     break;
         case LW_JOINT_FIXED:    put_pair(w, "<weld", j, false, false);    break;
         case LW_JOINT_GEAR:     s = put_gear(w, j, e);                    break;
+        case LW_JOINT_FREE:     break;
         }
     }
     for (int i = lw_linkage_free_inputs(w->k); s == LW_OK && i < w->k->n_input; i++)

@@ -24,7 +24,7 @@ static int type_number(lw_joint_kind kind)
     switch (kind) {
     case LW_JOINT_REVOLUTE: return 11;
     case LW_JOINT_SLIDER:   return 12;
-    case LW_JOINT_SLOT: case LW_JOINT_GEAR: case LW_JOINT_FIXED: break;
+    case LW_JOINT_SLOT: case LW_JOINT_GEAR: case LW_JOINT_FIXED: case LW_JOINT_FREE: break;
     }
     return 13;
 }

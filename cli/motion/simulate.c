@@ -32,7 +32,8 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
     double metre = 1/k->units.metre, radian = 1/k->units.radian;
     size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8
-             + (size_t)s->model->n_state + (size_t)s->model->n_signal + 1;
+             + (size_t)s->model->n_state + (size_t)s->model->n_signal + 1
+             + 2*(size_t)s->model->n_contact + (size_t)s->model->n_rope;
     const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
     int most = 0;
     for (int c = 0; elastic && c < elastic->n_chain; c++) {
@@ -42,7 +43,7 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     s->inner = calloc((size_t)most + 1, sizeof *s->inner);
     s->n_column = 0;
     s->column = calloc(n, sizeof *s->column);
-    s->scratch = calloc(n + 3*(size_t)sys->n_q + (size_t)k->n_input + 3*(size_t)k->n_joint + 1, sizeof *s->scratch);
+    s->scratch = calloc(n + 3*(size_t)sys->n_q + (size_t)k->n_input + 3*(size_t)k->n_joint + 1 + n, sizeof *s->scratch);
     if (!s->column || !s->scratch || !s->inner)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     add(s, "s", 1, "t");
@@ -86,6 +87,12 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
         }
         add(s, "N/m^2", 1, "%s.stress", s->model->linkage.link_name[chain->link]);
     }
+    for (int i = 0; i < s->model->n_contact; i++) {
+        add(s, "N", 1, "%s.fx", s->model->contact[i].name);
+        add(s, "N", 1, "%s.fy", s->model->contact[i].name);
+    }
+    for (int i = 0; i < s->model->n_rope; i++)
+        add(s, "N", 1, "%s.tension", s->model->rope[i].name);
     add(s, "N", 1, "shaking.fx");
     add(s, "N", 1, "shaking.fy");
     add(s, "N m", 1, "shaking.moment");
@@ -214,6 +221,21 @@ static double *put_inner(const cli_simulate *s, const lw_moment *m, int chain, d
     return to;
 }
 
+/* forces: scratch. */
+static double *put_contacts(const cli_simulate *s, const lw_moment *m, double *forces, double *to)
+{
+    lw_vec2 *contact = (lw_vec2 *)(void *)forces;
+    double *rope = forces + 2*s->model->n_contact;
+    lw_reactions_contacts(s->d, m, contact, rope);
+    for (int i = 0; i < s->model->n_contact; i++) {
+        *to++ = contact[i].x;
+        *to++ = contact[i].y;
+    }
+    for (int i = 0; i < s->model->n_rope; i++)
+        *to++ = rope[i];
+    return to;
+}
+
 static void fill(const cli_simulate *s, const lw_moment *m, double *row)
 {
     const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
@@ -230,6 +252,7 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
         to = put_reaction(joint[j], to);
     for (int c = 0; elastic && c < elastic->n_chain; c++)
         to = put_inner(s, m, c, to);
+    to = put_contacts(s, m, (double *)(void *)(joint + k->n_joint), to);
     to = put_reaction(lw_reactions_shaking(s->d, m), to);
     for (int i = 0; i < s->model->n_state; i++)
         *to++ = m->z[i];
@@ -379,8 +402,12 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
         const lw_run_event *h = &r->event[i];
         cli_json_object(&s->j, NULL);
         cli_json_real(&s->j, "t", h->t);
-        cli_json_text(&s->j, "joint", s->model->linkage.joint[h->joint].name);
-        cli_json_text(&s->j, "stop", h->greatest ? "greatest" : "least");
+        if (h->touch)
+            cli_json_text(&s->j, "touch", h->touch);
+        else {
+            cli_json_text(&s->j, "joint", s->model->linkage.joint[h->joint].name);
+            cli_json_text(&s->j, "stop", h->greatest ? "greatest" : "least");
+        }
         cli_json_text(&s->j, "what", h->impact ? "impact" : "leaves");
         cli_json_real(&s->j, "speed", h->speed);
         cli_json_end(&s->j);
@@ -413,8 +440,11 @@ void cli_simulate_report(const cli_simulate *s)
                  r->redundant, r->redundant == 1 ? " is" : "s are", text);
     for (int i = 0; i < r->n_event && i < 10; i++) {
         const lw_run_event *h = &r->event[i];
-        cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, s->model->linkage.joint[h->joint].name,
-                 h->impact ? "strikes" : "leaves", h->greatest ? "greatest" : "least");
+        if (h->touch)
+            cli_note(c, "t = %.15g s: %s %s", h->t, h->touch, h->impact ? "strikes" : "leaves");
+        else
+            cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, s->model->linkage.joint[h->joint].name,
+                     h->impact ? "strikes" : "leaves", h->greatest ? "greatest" : "least");
     }
     if (r->n_event_seen > 10)
         cli_note(c, "%d events in all", r->n_event_seen);

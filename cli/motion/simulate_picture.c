@@ -103,6 +103,9 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
                 : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
         }
     }
+    scene->note[0] = '\0';
+    scene->n_contour = s->model->n_shape;
+    scene->contour = s->model->shape;
     free(scene->place);
     free(scene->input);
     scene->place = place;

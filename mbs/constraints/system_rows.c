@@ -154,6 +154,8 @@ static void fill(const lw_system *s, const lw_body_frame *f, double *phi, double
                 phi[r] = left;
             continue;
         }
+        if (lw_joint_equations(j->kind) == 0)
+            continue;
         contact c = touch(j, f);
         bool point = lw_joint_holds_point(j->kind);
         bool turn = lw_joint_holds_rotation(j->kind);

@@ -103,6 +103,8 @@ static void joint_rows(const lw_system *s, const lw_system_joint *j, int order, 
         gear_series(s, j, order, q, phi);
         return;
     }
+    if (lw_joint_equations(j->kind) == 0)
+        return;
     read_joint(s, j, order, q, &c);
     bool point = lw_joint_holds_point(j->kind);
     bool turn = lw_joint_holds_rotation(j->kind);

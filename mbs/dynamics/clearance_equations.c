@@ -474,7 +474,7 @@ static lw_status add_friction(lw_clearance_work *w, double t, const double *du, 
         solve_again(w, b, w->response + k*all);
     }
     return lw_friction_add(c->m, &c->s, c->n_friction, c->friction, w->friction_row, w->response, t, w->n_u, ddu,
-                           w->n_c, w->lambda, size, &w->undetermined);
+                           w->n_c, w->lambda, size, NULL, &w->undetermined);
 }
 
 /* ---- accelerations ------------------------------------------------------------------------------- */

@@ -85,8 +85,9 @@ typedef lw_status lw_moment_sink(void *context, const lw_moment *m);
 
 #define LW_REPORT_EVENT_MAX 64
 
-/* A rigid stop struck (impact) or left: joint, which end, rate of the gap [rad/s] or [m/s]. */
-typedef struct lw_run_event { double t; int joint; bool greatest, impact; double speed; } lw_run_event;
+/* A rigid stop struck (impact) or left: joint, which end, rate of the gap [rad/s] or [m/s].  touch: the name of the
+ * contact or rope instead, which the model owns; NULL: a stop. */
+typedef struct lw_run_event { double t; int joint; bool greatest, impact; double speed; const char *touch; } lw_run_event;
 
 typedef struct lw_dynamics_report {
     lw_formulation formulation;

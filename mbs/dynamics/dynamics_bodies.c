@@ -60,7 +60,8 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
         return s;
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
                        .project = w->implicit ? lw_run_project : project_and_hold_energy,
-                       .n_event = run->d->n_stop, .event = lw_run_stop_events };
+                       .n_event = run->d->touch ? LW_TOUCH_EVENTS : run->d->n_stop,
+                       .event = run->d->touch ? lw_run_touch_events : lw_run_stop_events };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)
         return lw_cvode_make(&w->implicit_one, &w->ode, &each, LW_CVODE_BDF, t, y, run->e);
@@ -98,6 +99,18 @@ static lw_status restart(stepper *w, const double *y, double flight, lw_error *e
                        : lw_integrate_restart(&w->explicit_one, y, e);
 }
 
+/* Places that touch after a step: their event functions are positive, and the next step misses none. */
+static lw_status watch_touch(stepper *w, double *y)
+{
+    lw_integrator *e = &w->explicit_one;
+    memcpy(y, e->y, (size_t)w->run->n*sizeof *y);
+    lw_status s = lw_run_touch_accept(w->run, e->t, y);
+    memset(e->side, 1, LW_TOUCH_EVENTS);
+    e->o.greatest = lw_run_touch_step(w->run, y);
+    e->o.greatest = e->o.greatest < INFINITY ? e->o.greatest : 0;
+    return s;
+}
+
 /* The state at t within the last step. */
 static lw_status state_at(void *context, double t, double *y)
 {
@@ -118,7 +131,7 @@ static const double beside = 1e-4;           /* least pivot near a singular post
 /* Does the solver take ever shorter steps towards a singular posture? */
 static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f, lw_status s)
 {
-    if (s == LW_STOPPED || w->implicit || d->n_stop || !(f->h > 0) || d->weak > beside)
+    if (s == LW_STOPPED || w->implicit || d->n_stop || d->touch || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }
@@ -166,7 +179,7 @@ static lw_status check_progress(const lw_run *run, const stepper *w, long *n)
 static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 {
     double t = time_of(w);
-    if (run->d->large)                       /* step_over_singular and take_back see to its singular postures */
+    if (run->d->large || run->d->touch)      /* step_over_singular and take_back see to its singular postures */
         return LW_OK;
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);
@@ -217,6 +230,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     int taken = 0;
     good_state f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
+    if (s == LW_OK && d->touch)
+        s = watch_touch(w, y);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         s = step(w, d->o.to, &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
@@ -226,7 +241,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s != LW_OK)
             break;
         double weak = d->weak;
-        if (!w->implicit && !d->n_stop && (s = take_back(run, w, y, &taken)) != LW_NOTHING) {
+        if (!w->implicit && !d->n_stop && !d->touch && (s = take_back(run, w, y, &taken)) != LW_NOTHING) {
             stop = LW_ODE_STEP;
             continue;
         }
@@ -236,9 +251,18 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         s = lw_run_samples(run, time_of(w), state_at, w);
         if (s == LW_OK && stop == LW_ODE_EVENT) {
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
-            s = lw_run_strike(run, time_of(w), y, &changed);
+            s = d->touch ? lw_run_touch(run, time_of(w), y, w->explicit_one.events)
+                         : lw_run_strike(run, time_of(w), y, &changed);
             if (s == LW_OK)
                 s = restart(w, y, run->flight, run->e);
+        }
+        if (s == LW_OK && d->touch) {
+            s = watch_touch(w, y);
+            if (s == LW_OK && stop == LW_ODE_EVENT && d->o.to - time_of(w) < 1e-14*fabs(d->o.to)) {
+                w->explicit_one.t = d->o.to;             /* nothing is left of the run */
+                s = lw_run_samples(run, d->o.to, state_at, w);
+                stop = LW_ODE_END;
+            }
         }
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);
@@ -263,7 +287,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     lw_dynamics_start(d, y, y + d->n_q);
     memcpy(y + lw_run_states(run), d->start_z, (size_t)d->eq.n_z*sizeof *y);
     d->eq.place_states(d->eq.context, d->start_z);
-    lw_status s = lw_run_strike(run, d->o.from, y, &changed);
+    lw_status s = d->touch ? lw_run_touch(run, d->o.from, y, 0) : lw_run_strike(run, d->o.from, y, &changed);
     if (s == LW_OK)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
@@ -303,6 +327,8 @@ static lw_status run_cvode(lw_run *run) { return run_bodies(run, true); }
 static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     char why[200];
+    if (d->touch)
+        return lw_formulation_say(r, LW_OK, 2*d->n_q, "bodies' coordinates; contacts and ropes by complementarity");
     if (asked)
         return lw_formulation_say(r, LW_OK, 2*d->n_q, "asked for");
     if (d->n_friction || lw_mbs_is_stiff(d))
@@ -313,6 +339,8 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 
 static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (d->touch)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (!asked && lw_ggl_suits(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "ggl solves stiff dampers in fewer steps");
     if (d->large)

@@ -8,6 +8,7 @@
 #include <string.h>
 #include "base/sparse.h"
 #include "mbs/dynamics/friction.h"
+#include "mbs/dynamics/touch_internal.h"
 
 static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
 static const double least_pivot_large = 1e-9;     /* the same of large models: singular */
@@ -41,6 +42,8 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
         d->phi[row] = d->eq.measure(d->eq.context, stop->joint, d->jac + row*LW_ROW_SIZE, d->row_body[row])
                     - stop->limit;
     }
+    if (d->touch)
+        lw_mbs_touch_rows(d, row);
     return LW_OK;
 }
 
@@ -76,6 +79,8 @@ static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
     }
     for (int i = 0; i < d->n_resting; i++, row++)
         d->rhs[row] = -d->eq.measure_bias(d->eq.context, d->stop[d->resting[i]].joint, v);
+    if (d->touch)
+        lw_mbs_touch_bias(d, row, v);
     return LW_OK;
 }
 
@@ -262,18 +267,20 @@ lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, 
 static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                               double *power)
 {
-    int n = d->n_friction, stride = d->n_q + d->n_c;
+    int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_q + d->n_c;
+    double *response = d->touch ? d->touch->response : d->response;
     double size[LW_JOINT_MAX], unit_power[LW_JOINT_MAX];
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     lw_status s = LW_OK;
     for (int j = 0; s == LW_OK && j < n; j++) {
-        double *to = d->response + j*stride;
-        unit_power[j] = lw_friction_force(&d->s, &d->friction[j], q, v, d->force);
+        double *to = response + j*stride;
+        unit_power[j] = j < joints ? lw_friction_force(&d->s, &d->friction[j], q, v, d->force)
+                                   : lw_mbs_touch_slip(d, j - joints, v, d->force);
         s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_q);
     }
     if (s == LW_OK)
-        s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, d->response, t, d->n_q, a, d->n_c, l,
-                            size, d->e);
+        s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, response, t, d->n_q, a, d->n_c, l,
+                            size, d->touch ? &d->touch->determinant : NULL, d->e);
     for (int j = 0; s == LW_OK && power && j < n; j++)
         *power += size[j]*unit_power[j];
     return s;
@@ -285,14 +292,19 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
                        double *power)
 {
     d->eq.forces(d->eq.context, t, q, v, d->force, power);
+    if (d->touch)
+        lw_mbs_touch_forces(d, v, d->force, power);
     for (int i = 0; i < d->n_q; i++)
-        if (!isfinite(d->force[i]))
+        if (!isfinite(d->force[i]) && d->touch)          /* a trial step far into a stiff contact */
+            return LW_OPEN;
+        else if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
                                 d->model->linkage.link_name[d->s.link[i/3]], t);
     if (acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
     lw_status s = lw_mbs_linear(d, d->force, d->rhs, a, l);
-    return s == LW_OK && d->n_friction ? add_friction(d, t, q, v, a, l, power) : s;
+    bool slips = d->n_friction || (d->touch && d->touch->n_slip);
+    return s == LW_OK && slips ? add_friction(d, t, q, v, a, l, power) : s;
 }
 
 lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate)
@@ -424,6 +436,8 @@ static void find_row_bodies(lw_dynamics *d)
         d->eq.measure_bodies(d->eq.context, d->s.input_joint[d->driven[i]], d->row_body[row++]);
     for (int i = 0; i < d->n_resting; i++)
         d->eq.measure_bodies(d->eq.context, d->stop[d->resting[i]].joint, d->row_body[row++]);
+    if (d->touch)
+        lw_mbs_touch_bodies(d, row);
 }
 
 /* The kept rows of each body: those of body b at list[at[b]] .. list[at[b + 1] - 1], with their place in row_body. */
@@ -571,7 +585,7 @@ static void set_rank(lw_dynamics *d, int rank)
 
 lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 {
-    d->n_c = d->n_row + d->n_driven + d->n_resting;
+    d->n_c = d->n_row + d->n_driven + d->n_resting + (d->touch ? d->touch->n_row : 0);
     find_row_bodies(d);
     if (!d->large)
         lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);

@@ -39,6 +39,7 @@ struct lw_dynamics {
     lw_equations         eq;                  /* and what the solvers use of them */
     int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first */
     bool    large;                            /* more parts than a linkage holds, or elastic links: no way by rank */
+    int     n_velocity;                       /* links whose velocity at the start is given */
     int     n_driven, *driven;                /* inputs with a motion */
     int     n_stop;                           /* rigid stops */
     lw_rigid_stop *stop;
@@ -47,6 +48,7 @@ struct lw_dynamics {
     lw_friction_joint *friction;
     int    *friction_row;
     bool    ideal_friction;                   /* in some joint */
+    struct lw_touching *touch;                /* places where parts touch; NULL: none are named */
     int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank */
     bool    has_zero_mass;
     /* rows of the fast way */

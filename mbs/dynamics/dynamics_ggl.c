@@ -456,7 +456,7 @@ static lw_status run_ggl(lw_run *run)
 
 bool lw_ggl_suits(lw_dynamics *d)
 {
-    return !d->large && d->n_stop == 0 && has_derivatives(d) && lw_mbs_is_stiff(d);
+    return !d->large && d->n_stop == 0 && !d->touch && has_derivatives(d) && lw_mbs_is_stiff(d);
 }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
@@ -472,6 +472,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!asked)
         return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept,
                                   "dampers make the equations stiff: an implicit method with exact derivatives");
+    if (d->touch)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
                      : lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, "asked for");
 }

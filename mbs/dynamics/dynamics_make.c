@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/dynamics/touch_internal.h"
 #include "mbs/ode/integrate.h"
 
 static const double nudge = 0.02;        /* distance at which the rank is checked again, scaled */
@@ -32,8 +33,9 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
 {
     size_t joints = (size_t)d->s.n_joint, inputs = (size_t)(d->s.n_input + d->s.n_tie) + 1;
     d->stop = calloc(2*joints, sizeof *d->stop);
-    d->friction = calloc(joints, sizeof *d->friction);
-    d->friction_row = calloc(joints, sizeof *d->friction_row);
+    size_t slips = d->model->n_contact ? LW_JOINT_MAX : 0;
+    d->friction = calloc(joints + slips, sizeof *d->friction);
+    d->friction_row = calloc(joints + slips, sizeof *d->friction_row);
     d->driven = calloc(inputs, sizeof *d->driven);
     d->at_rest = calloc(inputs, sizeof *d->at_rest);
     return d->stop && d->friction && d->friction_row && d->driven && d->at_rest
@@ -44,8 +46,9 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
 static lw_status reserve(lw_dynamics *d, lw_error *e)
 {
     size_t inputs = (size_t)d->s.n_input, dense = d->large ? 0 : 1;
-    size_t q = (size_t)d->n_q, c = (size_t)d->n_row + inputs + (d->n_stop ? LW_STOP_ROW_MAX : 0);
-    size_t all = 0, n_int = 0, speeds = c + inputs;
+    size_t q = (size_t)d->n_q, c = (size_t)d->n_row + inputs + (d->n_stop ? LW_STOP_ROW_MAX : 0)
+             + (d->touch ? (size_t)d->touch->row_max : 0);
+    size_t all = 0, n_int = 0, speeds = c + inputs + 3*(size_t)d->n_velocity;
     const piece pieces[] = {
         { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, q },
         { &d->rank_work, dense*lw_rank_doubles((int)q, (int)speeds) }, { &d->null, dense*q*q }, { &d->mass_null, dense*q*q },
@@ -89,6 +92,7 @@ void lw_dynamics_free(lw_dynamics *d)
                             d->driven, d->at_rest, d->reduced, d->rule };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
+    lw_mbs_touch_free(d);
     lw_cholesky_free(&d->schur);
     lw_forces_free(&d->f);
     lw_system_free(&d->s);
@@ -309,6 +313,21 @@ static void add_speed(lw_dynamics *d, lw_rank *r, int i, int *n)
         d->at_rest[i] = true;
 }
 
+/* Add the velocities that the model gives its links to the rows. */
+static void add_velocities(lw_dynamics *d, int *n)
+{
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_body *from = &d->model->body[d->s.link[b]];
+        double rate[3] = { from->velocity.x/d->s.unit, from->velocity.y/d->s.unit, from->omega };
+        for (int i = 0; from->has_velocity && i < 3; i++, ++*n) {
+            double *row = d->speed_rows + (size_t)*n*(size_t)d->n_q;
+            memset(row, 0, (size_t)d->n_q*sizeof *row);
+            row[3*b + i] = 1;
+            d->rhs[*n] = rate[i];
+        }
+    }
+}
+
 /* Hold input i of a large model as if it had a motion, unless its row depends on the others. */
 static lw_status hold_speed(lw_dynamics *d, int i)
 {
@@ -375,6 +394,7 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         return s;
     for (int row = 0; row < d->n_c; row++)
         lw_mbs_row(d, row, d->speed_rows + row*d->n_q);
+    add_velocities(d, &n);
     for (int given = 1; given >= 0; given--)
         for (int i = 0; i < d->s.n_input; i++)
             if (d->model->has_speed[i] == (bool)given && !d->model->motion[i])
@@ -390,6 +410,13 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
     for (int i = 0; i < d->s.n_input; i++)
         d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_body *from = &d->model->body[d->s.link[b]];
+        const double *v = d->start_v + 3*b;
+        if (from->has_velocity)
+            d->moved_rate = fmax(d->moved_rate, fmax(fabs(v[2] - from->omega), hypot(v[0] - from->velocity.x/d->s.unit,
+                                                                                   v[1] - from->velocity.y/d->s.unit)));
+    }
     for (int i = 0; s == LW_OK && i < d->n_q; i++)
         if (!isfinite(d->start_v[i]))
             return lw_error_set(e, LW_E_NUMERIC, "no velocities at the start satisfy the constraints");
@@ -408,6 +435,8 @@ static void find_special_joints(lw_dynamics *d)
     for (int i = 0; i < d->s.n_input; i++)
         if (m->motion[i] || d->o.hold_inputs)
             d->driven[d->n_driven++] = i;
+    for (int b = 0; b < d->s.n_body; b++)
+        d->n_velocity += m->body[d->s.link[b]].has_velocity;
     for (int i = 0; i < d->n_q; i++)
         d->has_zero_mass = d->has_zero_mass || !(d->f.mass[i] > 0);
 }
@@ -423,6 +452,9 @@ static lw_status check_large(const lw_dynamics *d, lw_error *e)
     if (d->n_stop > 0)
         return lw_error_set(e, LW_E_KIND, "rigid stops are possible with at most %d links, none of them elastic; give the stop "
                             "at joint \"%s\" a \"stiffness\"", LW_LINK_MAX, d->model->linkage.joint[d->stop[0].joint].name);
+    if (d->n_velocity > 0)
+        return lw_error_set(e, LW_E_KIND, "links have a \"velocity\" in models with at most %d links, none of them elastic",
+                            LW_LINK_MAX);
     if (d->n_friction > LW_JOINT_MAX)
         return lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
     return LW_OK;
@@ -499,6 +531,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     d->n_q = d->s.n_q;
     d->n_row = d->s.n_row;
     find_special_joints(d);
+    if ((s = lw_mbs_touch_make(d, e)) != LW_OK)
+        return s;
     if (d->large && (s = check_large(d, e)) != LW_OK)
         return s;
     if (d->n_stop > LW_EVENT_MAX/2)

@@ -172,7 +172,7 @@ lw_status lw_run_begin(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
     run->potential0 = d->eq.potential(d->eq.context, y);
-    run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q);
+    run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q) - (run->has_work ? y[2*d->n_q] : 0);
     run->momentum0 = momentum(d, y);
     run->r->momentum_scale = keeps_momentum(d) ? fmax(momentum_scale(d, y), 1e-300) : 0;
     lw_run_watch(run, y);

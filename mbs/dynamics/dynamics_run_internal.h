@@ -77,6 +77,19 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
 /* Apply the impacts, rests and departures at t; *changed is set if y or the rows changed. */
 lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed);
 
+/* ---- dynamics_touch.c: contact, ropes, and the rigid stops of models that have them ------------------- */
+
+/* Event functions (LW_TOUCH_EVENTS); all are positive between events. */
+#define LW_TOUCH_EVENTS 7
+lw_status lw_run_touch_events(void *context, double t, const double *y, double *g);
+
+/* Impacts at (t, y), then the states of all places.  events: bits of the event functions that crossed 0. */
+lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events);
+
+/* After a step to (t, y); LW_E_NUMERIC: a closure was missed.  And the longest step from there that misses none. */
+lw_status lw_run_touch_accept(lw_run *run, double t, const double *y);
+double    lw_run_touch_step(lw_run *run, const double *y);
+
 /* ---- dynamics_singular.c: through singular postures -------------------------------------------------- */
 
 /* Where rows are redundant, those kept may become dependent in a posture that is not singular: choose others.  *weak:

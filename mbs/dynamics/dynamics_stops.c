@@ -94,7 +94,7 @@ static void note(void *context, int i, double t, bool impact, double rate)
     const lw_rigid_stop *p = &run->d->stop[i];
     double unit = lw_system_joint_unit(&run->d->s, p->joint);
     if (r->n_event < LW_REPORT_EVENT_MAX)
-        r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit };
+        r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit, NULL };
     r->n_event_seen++;
 }
 

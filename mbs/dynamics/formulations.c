@@ -60,6 +60,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     if (d->large && !d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
         return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
                             "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->model->linkage.n_link);
+    if (d->touch && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0))
+        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in dynamic runs with a freedom only");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
@@ -145,7 +147,7 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (r->formulation == LW_FORMULATION_AUTO)
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
     d->e = run.e;
-    run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_stop;
+    run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
     run.n = 2*d->n_q + run.has_work + d->eq.n_z;
     run.pivot_tried = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&

@@ -40,13 +40,17 @@ lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multip
     return lw_v2(multiplier[0]/s->unit, pin ? multiplier[1]/s->unit : 0);
 }
 
-lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response, double *size)
+/* The size of reaction j of n, of which the last n_signed keep their sign. */
+static double size_of(lw_vec2 r, int j, int n, int n_signed) { return j < n - n_signed ? lw_v2_norm(r) : r.x; }
+
+lw_status lw_friction_sizes(int n, int n_signed, const lw_vec2 *rest, const lw_vec2 *response, double *size,
+                            double *determinant)
 {
     double matrix[LW_JOINT_MAX*LW_JOINT_MAX], diag[LW_JOINT_MAX], left[LW_JOINT_MAX], scale = 0;
     assert(n > 0 && n <= LW_JOINT_MAX);
     for (int j = 0; j < n; j++) {
-        size[j] = lw_v2_norm(rest[j]);
-        scale = fmax(scale, size[j]);
+        size[j] = size_of(rest[j], j, n, n_signed);
+        scale = fmax(scale, fabs(size[j]));
     }
     for (int pass = 0; pass < 60; pass++) {
         double off = 0;
@@ -54,39 +58,57 @@ lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response,
             lw_vec2 r = rest[j];
             for (int k = 0; k < n; k++)
                 r = lw_v2_add(r, lw_v2_scale(response[j + n*k], size[k]));
-            double norm = lw_v2_norm(r);
+            double norm = size_of(r, j, n, n_signed);
+            bool is_signed = j >= n - n_signed;
             left[j] = norm - size[j];
             off = fmax(off, fabs(left[j]));
             for (int k = 0; k < n; k++)
-                matrix[j + n*k] = (j == k) - (norm > 0 ? lw_v2_dot(r, response[j + n*k])/norm : 0);
+                matrix[j + n*k] = (j == k) - (is_signed ? response[j + n*k].x
+                                              : norm > 0 ? lw_v2_dot(r, response[j + n*k])/norm : 0);
         }
-        if (off <= 1e-13*scale)
+        if (off <= 1e-13*scale && !(determinant && pass == 0))
             return LW_OK;
         lw_qr_factor(n, n, matrix, diag);
-        if (!(lw_qr_determinant(n, diag) > singular))
+        double value = lw_qr_determinant(n, diag);
+        if (determinant)
+            *determinant = value;
+        if (!(value > singular))
             break;
         lw_qr_solve(n, n, matrix, diag, left);
         for (int j = 0; j < n; j++) {
-            size[j] = fmax(0, size[j] + left[j]);
-            scale = fmax(scale, size[j]);
+            size[j] += left[j];
+            if (j < n - n_signed)
+                size[j] = fmax(0, size[j]);
+            scale = fmax(scale, fabs(size[j]));
         }
     }
     return LW_E_NUMERIC;
 }
 
+/* The same of a contact: its force along the normal. */
+static lw_vec2 reaction_of(const lw_system *s, int joint, const double *multiplier)
+{
+    return joint < 0 ? lw_v2(-multiplier[0]/s->unit, 0) : lw_friction_reaction(s, joint, multiplier);
+}
+
 lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
                           double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
-                          lw_error *e)
+                          double *determinant, lw_error *e)
 {
     const int stride = n_a + n_l;
+    int n_signed = 0;
     assert(n > 0 && n <= LW_JOINT_MAX);
     lw_vec2 rest[LW_JOINT_MAX], *change = (lw_vec2 *)(response + n*stride);
     for (int j = 0; j < n; j++) {
-        rest[j] = lw_friction_reaction(s, joint[j].joint, l + row[j]);
+        n_signed += joint[j].joint < 0;
+        rest[j] = reaction_of(s, joint[j].joint, l + row[j]);
         for (int k = 0; k < n; k++)
-            change[j + n*k] = lw_friction_reaction(s, joint[j].joint, response + k*stride + n_a + row[j]);
+            change[j + n*k] = reaction_of(s, joint[j].joint, response + k*stride + n_a + row[j]);
     }
-    if (lw_friction_sizes(n, rest, change, size) != LW_OK)
+    lw_status found = lw_friction_sizes(n, n_signed, rest, change, size, determinant);
+    if (found != LW_OK && n_signed > 0)      /* the caller of contacts knows what follows */
+        return LW_OPEN;
+    if (found != LW_OK)
         return lw_error_set(e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
                             "links (Painleve's paradox) at t = %.9g s; lower the coefficient or give the joint "
                             "compliance",

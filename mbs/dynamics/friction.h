@@ -11,7 +11,7 @@
 
 #include "mbs/dynamics/forces.h"
 
-/* A joint with friction.  lever_arm: radius of the pin [m]; 1 for a joint that slides.  ideal: the model wants
+/* A joint with friction, or a contact that slips (joint -1).  lever_arm: radius of the pin [m]; 1 for a joint that slides.  ideal: the model wants
  * set-valued friction; a formulation that knows it sets `held`, and `part`, the part of the friction that acts and its
  * sense. */
 typedef struct lw_friction_joint {
@@ -38,16 +38,19 @@ double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const d
 /* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
 lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);
 
-/* Sizes N of n reactions, n <= LW_JOINT_MAX.  rest (n): R0; response[j + n*k]: R_jk; size (n): N.
+/* Sizes N of n reactions, n <= LW_JOINT_MAX.  The last n_signed are forces along one direction, R.x, which keep their sign.
+ * rest (n): R0; response[j + n*k]: R_jk; size (n): N.  *determinant, unless NULL: 1 without friction.
  * LW_E_NUMERIC: they are not determined. */
-lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response, double *size);
+lw_status lw_friction_sizes(int n, int n_signed, const lw_vec2 *rest, const lw_vec2 *response, double *size,
+                            double *determinant);
 
 /* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.
- * row[j]: first multiplier of the reaction of joint j.  response: n times (n_a + n_l), the a and l that the friction of
- * each joint causes for a reaction of 1 N; behind them 2*n*n doubles of scratch.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the
- * error names the first joint. */
+ * row[j]: first multiplier of the reaction of joint j; the row of the gap of a contact.  response: n times (n_a + n_l),
+ * the a and l that the friction of each joint causes for a reaction of 1 N; behind them 2*n*n doubles of scratch.
+ * size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the error names the first joint.  LW_OPEN: the
+ * same, with a contact among them. */
 lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
                           double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
-                          lw_error *e);
+                          double *determinant, lw_error *e);
 
 #endif

@@ -1,5 +1,5 @@
 #include "mbs/dynamics/reactions.h"
-#include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/dynamics/touch_internal.h"
 
 #include <string.h>
 #include "base/real.h"
@@ -88,6 +88,26 @@ void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_
             to->shear += share*z.shear;
             to->moment += share*z.moment[end];
             to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+        }
+    }
+}
+
+void lw_reactions_contacts(const lw_dynamics *d, const lw_moment *m, lw_vec2 *contact, double *rope)
+{
+    const lw_model *model = d->model;
+    memset(contact, 0, (size_t)model->n_contact*sizeof *contact);
+    memset(rope, 0, (size_t)model->n_rope*sizeof *rope);
+    if (d->touch)
+        lw_mbs_system_rows(d, m->q);
+    for (int i = 0; d->touch && i < d->touch->list.n; i++) {
+        lw_vec2 f;
+        double normal = lw_mbs_touch_load(d, i, m->v, m->l, &f);
+        const lw_touch *p = &d->touch->list.touch[i];
+        if (p->kind == LW_TOUCH_ROPE)
+            rope[p->owner] += normal;
+        else if (p->kind != LW_TOUCH_STOP) {     /* f acts on link 0 of the place; the columns are of link 1 of the contact */
+            bool second = model->contact[p->owner].link[1] != p->link;
+            contact[p->owner] = lw_v2_add(contact[p->owner], lw_v2_scale(f, second ? -1 : 1));
         }
     }
 }

@@ -43,6 +43,8 @@ static lw_status look_at_loads(const lw_dynamics *d, lw_reduced *r, char *why)
     const lw_model *m = d->model;
     if (d->n_stop || d->f.n_stop)
         return no(why, "stops");
+    if (d->touch)
+        return no(why, "contacts or ropes");
     r->general = d->f.caller.apply != NULL;
     for (int i = 0; i < m->n_force; i++)
         r->general = r->general || !of_time_alone(m->force[i].fx) || !of_time_alone(m->force[i].fy) ||

@@ -71,6 +71,8 @@ static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
     double slope = (gb - ga)/(b - a), fa = ga, fb = gb, wide = 1e-3*fabs(b - a);
     for (int i = 0; i < 100 && fabs(b - a) > tight; i++) {
         double t = i % 4 == 3 ? 0.5*(a + b) : a + (b - a)*fa/(fa - fb), g;
+        if (!(fabs(t - a) > 0.0))
+            t = 0.5*(a + b);                             /* g is 0 at a too, up to rounding */
         if (!(fabs(t - a) > 0.0 && fabs(t - b) > 0.0))
             break;
         if ((s = g_at(w, c->event, t, &g, y)) != LW_OK)
@@ -136,6 +138,10 @@ static lw_status land(lw_integrator *w, const crossing *c)
         if (s != LW_OK)
             return s;
         double g = w->g_try[c->event];
+        if (i > 0 && fabs(g) > 1e3*fabs(g_before) && fabs(t - t_before) > 1e-12*fabs(whole)) {
+            s = lw_rk_advance(w, t_before - w->t_old);   /* g has a kink there: the slope led away */
+            return s == LW_OK ? lw_rk_arrive(w) : s;
+        }
         if (i > 0 && fabs(g) >= fabs(g_before))
             break;                                       /* rounding */
         if (i > 0 && fabs(t - t_before) > 1e-9*fabs(w->h_done))

@@ -141,7 +141,7 @@ static lw_status check_joints(const lw_linkage *linkage, lw_plan_kind plan_kind,
         case LW_JOINT_REVOLUTE: case LW_JOINT_SLIDER: known = true; break;
         case LW_JOINT_SLOT:  known = higher; break;
         case LW_JOINT_GEAR:  known = gears;  break;
-        case LW_JOINT_FIXED: break;
+        case LW_JOINT_FIXED: case LW_JOINT_FREE: break;
         }
         if (known)
             continue;

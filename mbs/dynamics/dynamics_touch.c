@@ -1,0 +1,713 @@
+/* mbs/dynamics/dynamics_touch.c - contact, ropes and rigid stops during a run: impacts, rest, stick, slip, departure.
+ *
+ * Between events the states of all places are fixed and the motion is smooth.  An event is where a gap closes, a force
+ * would have to pull, friction no longer holds a place that sticks, a slip ends, or a disc leaves a face over its end.
+ * There all places that are closed are looked at together:
+ *
+ * Impacts.  Poisson's law with friction: the impulses of the compression end the approach, and those of the expansion
+ * are at least `restitution` times as great; both satisfy Coulomb's law (Glocker & Pfeiffer 1995).  Only places that
+ * approach take part; then those that approach because of it, and so on: impacts travel through touching bodies as
+ * in Newton's cradle.  Without restitution all places take part at once.  Where this would gain energy, the
+ * restitution is halved until it does not.
+ *
+ * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/dynamics/complementarity.h);
+ * they decide which places are held, stick or slip.  Of several solutions the method takes the one it finds first from
+ * that without contact forces.  Where there is none (Painleve 1895), friction stops the slip at once: an impulse at a
+ * place that does not approach, by Keller's integration over the impulse (Keller 1986). */
+#include "base/real.h"
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/dynamics/complementarity.h"
+#include "mbs/dynamics/touch_internal.h"
+
+static const double missed = 1e-9;           /* a gap below minus this was not seen to close, scaled           */
+static const double overlap = 1e-6;          /* a gap below minus this: shapes overlap, scaled                 */
+static const double struck = 1e-13;          /* a gap below this takes part in an impact, scaled                */
+static const double late = 1e-14;            /* events happen where a gap is below minus this, scaled          */
+/* Rates of gaps and slips below this times a speed count as 0.  The speed is the fastest velocity, or that which free
+ * accelerations reach over the size of the linkage. */
+static const double still = 1e-12, no_slip = 1e-10;
+static const double least_share = 1e-8;      /* pivot of a row that depends on others, over its diagonal       */
+static const double undetermined = 2e-3;     /* the friction equations below this determinant have no use      */
+enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
+
+static bool is_rigid(const lw_touch *p) { return !(p->surface->stiffness > 0); }
+
+/* ---- events -------------------------------------------------------------------------------------------- */
+
+enum { GAP, PULL, STICK, SLIP, END, COMPLIANT, DETERMINANT };
+
+static double pressed_force(const lw_dynamics *d, const lw_touch *p, const lw_touch_motion *m)
+{
+    return lw_touch_force(p->surface, d->s.unit, -m->gap, -m->rate)*d->s.unit;
+}
+
+static void least(double *g, double value) { *g = fmin(*g, value); }
+
+lw_status lw_run_touch_events(void *context, double t, const double *y, double *g)
+{
+    const lw_run *run = context;
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    const double *v = y + d->n_q;
+    for (int i = 0; i < LW_TOUCH_EVENTS; i++)
+        g[i] = 1;
+    if (w->n_row > 0) {
+        d->eq.place_states(d->eq.context, y + lw_run_states(run));
+        lw_status s = lw_mbs_accelerate(d, t, y, v, d->a, d->l, NULL);
+        if (s != LW_OK)
+            return s;
+    }
+    if (w->n_slip > 0)
+        g[DETERMINANT] = w->determinant - undetermined;
+    const double *l = d->l + d->n_c - w->n_row;
+    d->eq.place(d->eq.context, y);
+    for (int k = 0; k < w->n_row; k++)
+        if (!w->row[k].tangent)
+            least(&g[PULL], (w->list.touch[w->row[k].touch].force = -l[k]) + w->least_force);
+    for (int k = 0; k < w->n_row; k++) {
+        const lw_touch *p = &w->list.touch[w->row[k].touch];
+        if (!w->row[k].tangent)
+            continue;
+        lw_touch_motion m;
+        double normal = p->force;
+        if (p->state == LW_TOUCH_PRESSED) {
+            lw_touch_at(p, &d->eq, d->frames, v, &m);
+            normal = pressed_force(d, p, &m);
+        }
+        least(&g[STICK], p->surface->friction*normal - fabs(l[k]) + w->least_force);
+    }
+    for (int i = 0; i < w->list.n; i++) {
+        const lw_touch *p = &w->list.touch[i];
+        bool compliant = p->surface->stiffness > 0;
+        if (compliant && !w->events)
+            continue;
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, v, &m);
+        if (p->state == LW_TOUCH_APART)
+            least(&g[compliant ? COMPLIANT : GAP], m.gap + late + p->passed);
+        else if (p->state == LW_TOUCH_PASSIVE)
+            least(&g[GAP], m.gap + LW_TOUCH_CLOSED + p->passed);
+        else if (p->state == LW_TOUCH_PRESSED)
+            least(&g[COMPLIANT], -m.gap + late);
+        if (p->slips != 0)
+            least(&g[SLIP], p->slips*m.slip + late);
+        if (p->state == LW_TOUCH_HELD && p->kind == LW_TOUCH_FACE && isfinite(p->length))
+            least(&g[END], fmin(m.place, p->length - m.place) + LW_TOUCH_END);
+    }
+    return LW_OK;
+}
+
+lw_status lw_run_touch_accept(lw_run *run, double t, const double *y)
+{
+    lw_dynamics *d = run->d;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        bool rigid_apart = p->state == LW_TOUCH_APART && is_rigid(p);
+        if (rigid_apart || p->state == LW_TOUCH_PASSIVE) {
+            lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+            if (m.gap + p->passed < -missed)
+                return lw_error_set(run->e, LW_E_NUMERIC, "contact \"%s\" was closed before t = %.9g s without being seen; "
+                                    "ask for a smaller tolerance", lw_touch_name(d->model, p), t);
+            bool open = m.gap > LW_TOUCH_CLOSED;
+            p->state = p->state == LW_TOUCH_PASSIVE && open ? LW_TOUCH_APART : p->state;
+            p->passed = open ? 0 : p->passed;            /* the next closure is where the gap is 0 again */
+        }
+        if (p->state == LW_TOUCH_APART)
+            lw_touch_choose_side(p, d->frames, false);
+    }
+    return LW_OK;
+}
+
+/* Events are looked for at four points of a step.  Between two of them a disc must neither jump over a thin body nor into
+ * and out of one. */
+double lw_run_touch_step(lw_run *run, const double *y)
+{
+    lw_dynamics *d = run->d;
+    const double *v = y + d->n_q;
+    double longest = INFINITY;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (p->state != LW_TOUCH_APART || p->kind == LW_TOUCH_STOP || !(p->size < INFINITY))
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, v, &m);
+        double speed = hypot(m.rate, m.slip), pull = 0, way = fmax(0.5*p->size, 0.5*m.gap);
+        for (int end = 0; end < 2; end++)
+            for (int k = 0; p->body[end] >= 0 && k < 3; k++)
+                pull += fabs(d->a[3*p->body[end] + k]);
+        double root = speed + sqrt(speed*speed + 2*pull*way);
+        longest = root > 0 ? fmin(longest, 2*way/root) : longest;
+    }
+    return longest;
+}
+
+/* ---- the places that are closed ---------------------------------------------------------------------- */
+
+/* m places: their numbers, rows (12 m: gap, slip), responses (2m x n_q), W (2m x 2m) and rates u (2m). */
+typedef struct closed {
+    int     m, *place;
+    double *row, *response, *w, *u, *b, *force, *rate, *gap, *sub;
+    lw_touch_law *law;
+    bool   *in, *noted;                  /* takes part; its impact has been reported                    */
+} closed;
+
+static void free_closed(closed *c)
+{
+    free(c->place);
+    free(c->row);
+    free(c->law);
+    free(c->in);
+}
+
+static bool allocate(closed *c, size_t most, size_t n_q)
+{
+    size_t r = 2*most;
+    c->place = calloc(2*most + 1, sizeof *c->place);
+    c->row = calloc(12*most + r*n_q + r*r + 5*r + r*r + 6*r + 1, sizeof *c->row);
+    c->law = calloc(2*most + 1, sizeof *c->law);
+    c->in = calloc(2*most + 1, sizeof *c->in);
+    if (!c->place || !c->row || !c->law || !c->in)
+        return false;
+    c->noted = c->in + most;
+    c->response = c->row + 12*most;
+    c->w = c->response + r*n_q;
+    c->u = c->w + r*r;
+    c->b = c->u + r;
+    c->force = c->b + r;
+    c->rate = c->force + r;
+    c->gap = c->rate + r;
+    c->sub = c->gap + r;
+    return true;
+}
+
+static bool has_set_valued_friction(const lw_touch *p)
+{
+    return p->surface->friction > 0 && !(p->surface->friction_speed > 0) && p->kind <= LW_TOUCH_DISCS;
+}
+
+/* Is the place closed at (t, y)?  Sets the state of a compliant one. */
+static lw_status look_at(lw_run *run, double t, lw_touch *p, const lw_touch_motion *m, bool *is)
+{
+    *is = false;
+    if (!is_rigid(p)) {
+        bool in = m->gap < -LW_TOUCH_CLOSED || (m->gap <= LW_TOUCH_CLOSED && m->rate < 0);
+        p->state = in ? LW_TOUCH_PRESSED : LW_TOUCH_APART;
+        *is = in && has_set_valued_friction(p);
+        return LW_OK;
+    }
+    if (m->gap < -overlap)
+        return lw_error_set(run->e, LW_E_ARG, "\"%s\": %s at t = %.9g s", lw_touch_name(run->d->model, p),
+                            p->kind == LW_TOUCH_STOP ? "the stop of this joint is passed" :
+                            p->kind == LW_TOUCH_ROPE ? "this rope is longer than its length" : "these shapes overlap", t);
+    *is = m->gap <= LW_TOUCH_CLOSED && !lw_touch_past_end(p, m);
+    p->state = *is ? LW_TOUCH_PASSIVE : LW_TOUCH_APART;
+    return LW_OK;
+}
+
+static double row_dot(const lw_touch *p, const double *row, const double *x)
+{
+    double sum = 0;
+    for (int i = 0; i < 6; i++)
+        if (p->body[i/3] >= 0)
+            sum += row[i]*x[3*p->body[i/3] + i%3];
+    return sum;
+}
+
+/* The places that are closed, with rows, responses and W.  Rows of the joints are factored, without those of places. */
+static lw_status find_closed(lw_run *run, double t, const double *y, closed *c)
+{
+    lw_dynamics *d = run->d;
+    size_t n_q = (size_t)d->n_q, most = 0;
+    lw_touch_list *list = &d->touch->list;
+    lw_status s = LW_OK;
+    for (int pass = 0; s == LW_OK && pass < 2; pass++) {
+        if (pass && !allocate(c, most, n_q))
+            return LW_E_MEMORY;
+        for (int i = 0; s == LW_OK && i < list->n; i++) {
+            lw_touch_motion m;
+            bool is;
+            lw_touch_at(&list->touch[i], &d->eq, d->frames, y + n_q, &m);
+            s = look_at(run, t, &list->touch[i], &m, &is);
+            most += is && !pass;
+            if (!is || !pass)
+                continue;
+            c->gap[c->m] = m.gap;
+            memcpy(c->row + 12*c->m, m.n, sizeof m.n);
+            memcpy(c->row + 12*c->m + 6, m.t, sizeof m.t);
+            c->place[c->m++] = i;
+        }
+    }
+    size_t r = 2*(size_t)c->m;
+    for (size_t k = 0; s == LW_OK && k < r; k++) {
+        const lw_touch *p = &list->touch[c->place[k/2]];
+        double *g = d->hold;
+        memset(g, 0, n_q*sizeof *g);
+        if (k%2 && !has_set_valued_friction(p))
+            continue;                        /* no such force: zeros */
+        for (int i = 0; i < 6; i++)
+            if (p->body[i/3] >= 0)
+                g[3*p->body[i/3] + i%3] += c->row[6*k + (size_t)i];
+        lw_mbs_impulse(d, g, c->response + k*n_q);
+        for (size_t j = 0; j < r; j++)
+            c->w[j*r + k] = row_dot(&list->touch[c->place[j/2]], c->row + 6*j, c->response + k*n_q);
+    }
+    return s;
+}
+
+static void find_rates(const lw_dynamics *d, const double *v, closed *c)
+{
+    for (int k = 0; k < 2*c->m; k++)
+        c->u[k] = row_dot(&d->touch->list.touch[c->place[k/2]], c->row + 6*k, v);
+}
+
+static void apply_impulse(const lw_dynamics *d, const closed *c, const double *impulse, double *v)
+{
+    for (int k = 0; k < 2*c->m; k++)
+        for (int i = 0; impulse[k] != 0 && i < d->n_q; i++)
+            v[i] += impulse[k]*c->response[(size_t)k*(size_t)d->n_q + (size_t)i];
+}
+
+/* Solve for the places of c that are `in`, with c->law and the rates `b`; c->force and c->rate (2m) of all places. */
+static lw_status solve(const closed *c, const double *b, double *force, double *rate)
+{
+    int n = 0, *at = c->place + c->m;
+    size_t r = 2*(size_t)c->m;
+    lw_touch_law *law = c->law + c->m;
+    for (int i = 0; i < c->m; i++)
+        if (c->in[i]) {
+            law[n] = c->law[i];
+            at[n++] = i;
+        }
+    size_t q = 2*(size_t)n;
+    double *w = c->sub, *own = w + r*r, *f = own + r, *u = f + r;
+    for (size_t i = 0; i < q; i++) {
+        own[i] = b[2*(size_t)at[i/2] + i%2];
+        for (size_t j = 0; j < q; j++)
+            w[i*q + j] = c->w[(2*(size_t)at[i/2] + i%2)*r + 2*(size_t)at[j/2] + j%2];
+    }
+    lw_status s = lw_complementarity(n, w, own, law, f, u);
+    memset(force, 0, r*sizeof *force);
+    for (size_t i = 0; i < q; i++)
+        force[2*(size_t)at[i/2] + i%2] = f[i];
+    for (size_t i = 0; i < r; i++) {
+        rate[i] = b[i];
+        for (size_t j = 0; j < r; j++) {
+            bool counted = c->law[j/2].fixed && j%2 == 0;
+            rate[i] += counted ? 0 : c->w[i*r + j]*force[j];
+        }
+    }
+    return s;
+}
+
+/* ---- impacts ------------------------------------------------------------------------------------------- */
+
+static void note(lw_run *run, int place, double t, bool impact, double rate)
+{
+    lw_dynamics_report *r = run->r;
+    const lw_touch *p = &run->d->touch->list.touch[place];
+    bool stop = p->kind == LW_TOUCH_STOP;
+    double unit = stop ? lw_system_joint_unit(&run->d->s, p->owner) : run->d->s.unit;
+    if (r->n_event < LW_REPORT_EVENT_MAX)
+        r->event[r->n_event++] = (lw_run_event){ t, stop ? p->owner : -1, p->sign < 0, impact, rate*unit,
+                                                 stop ? NULL : lw_touch_name(run->d->model, p) };
+    r->n_event_seen++;
+}
+
+/* Compression, then expansion with `part` of the restitution, of the places in c->in: c->force is the impulse, c->rate the
+ * rates after it.  *gain: change of the energy. */
+static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, double *gain)
+{
+    bool bounces = false;
+    for (int i = 0; i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        c->law[i] = (lw_touch_law){ .friction = has_set_valued_friction(p) ? p->surface->friction : 0 };
+    }
+    lw_status s = solve(c, c->u, c->force, c->rate);
+    for (int i = 0; s == LW_OK && i < c->m; i++) {
+        c->law[i].least = part*d->touch->list.touch[c->place[i]].surface->restitution*c->force[2*i];
+        bounces = bounces || c->law[i].least > 0;
+    }
+    if (s == LW_OK && bounces) {
+        size_t r = 2*(size_t)c->m;
+        double *first = c->b, *before = c->sub + r*r + 3*r;  /* neither is in use here */
+        memcpy(first, c->force, r*sizeof *first);
+        memcpy(before, c->rate, r*sizeof *before);
+        s = solve(c, before, c->force, c->rate);
+        for (size_t k = 0; k < r; k++)
+            c->force[k] += first[k];
+    }
+    *gain = 0;
+    for (int k = 0; k < 2*c->m; k++)
+        *gain += 0.5*c->force[k]*(c->u[k] + c->rate[k]);
+    return s;
+}
+
+/* Impacts at places that approach faster than `tiny`, and those that follow from them. */
+static lw_status strike(lw_run *run, double t, closed *c, double tiny, double *v, bool *any)
+{
+    lw_dynamics *d = run->d;
+    const lw_touch *touch = d->touch->list.touch;
+    bool plastic = true;
+    for (int i = 0; i < c->m; i++)
+        plastic = plastic && !(touch[c->place[i]].surface->restitution > 0);
+    for (int pass = 0; pass < PASSES; pass++) {
+        bool hit = false;
+        for (int i = 0; i < c->m; i++) {
+            c->in[i] = is_rigid(&touch[c->place[i]]) && c->gap[i] < struck && c->u[2*i] < -tiny;
+            hit = hit || c->in[i];
+            if (c->in[i] && !c->noted[i] && (pass == 0 || !plastic)) {
+                note(run, c->place[i], t, true, c->u[2*i]);
+                c->noted[i] = true;
+            }
+        }
+        if (!hit)
+            return LW_OK;
+        for (int i = 0; (plastic || pass >= TOGETHER) && i < c->m; i++)
+            c->in[i] = is_rigid(&touch[c->place[i]]);
+        double gain, part = pass < TOGETHER;
+        lw_status s = impact_once(d, c, part, &gain);
+        for (int k = 0; s == LW_OK && gain > 0 && part > 0; k++) {
+            part = k < 30 ? 0.5*part : 0;
+            s = impact_once(d, c, part, &gain);
+        }
+        if (s == LW_E_MEMORY)
+            return s;
+        double blocked = 0;
+        for (int i = 0; i < c->m; i++)
+            blocked = c->in[i] && !(c->w[4*(size_t)c->m*(size_t)i + 2*(size_t)i] > 0) ? 1 : blocked;
+        if (s != LW_OK || blocked > 0)
+            return lw_error_set(run->e, LW_E_NUMERIC, "the impact at t = %.9g s has no solution: what is hit cannot give way",
+                                t);
+        apply_impulse(d, c, c->force, v);
+        find_rates(d, v, c);
+        *any = true;
+    }
+    return lw_error_set(run->e, LW_E_NUMERIC, "impacts follow each other without end at t = %.9g s", t);
+}
+
+/* Painleve: end the slip of place i of c by an impulse, although it does not approach.  The impulse grows, first with
+ * friction against the slip, then, once that is 0, sticking or sliding back, until the approach it causes has ended. */
+static lw_status jam(lw_run *run, double t, closed *c, int i, double *v)
+{
+    size_t r = 2*(size_t)c->m, a = 2*(size_t)i;
+    double wn = c->w[a*r + a], wx = c->w[a*r + a + 1], wt = c->w[(a + 1)*r + a + 1];
+    double mu = run->d->touch->list.touch[c->place[i]].surface->friction, rate = c->u[a], slip = c->u[a + 1];
+    double normal = 0, across = 0;
+    for (int phase = 0; phase < 3; phase++) {
+        double sense = slip > 0 ? 1 : -1, hold = -wx/wt, ratio = -mu*sense;
+        if (phase > 0) {                     /* slip is 0: can friction keep it there? */
+            bool sticks = fabs(hold) <= mu;
+            sense = hold > 0 ? -1 : 1;
+            ratio = sticks ? hold : -mu*sense;
+        }
+        double by = wn + wx*ratio, change = wx + wt*ratio;
+        double to_stop = phase == 0 && slip*change < 0 ? -slip/change : INFINITY;
+        double to_end = by > 0 && rate < 0 ? -rate/by : INFINITY, p = fmin(to_stop, to_end);
+        if (!(p < INFINITY))
+            break;
+        normal += p;
+        across += ratio*p;
+        rate += by*p;
+        slip += change*p;
+        if (p == to_end) {
+            double *impulse = c->force;
+            memset(impulse, 0, r*sizeof *impulse);
+            impulse[a] = normal;
+            impulse[a + 1] = across;
+            apply_impulse(run->d, c, impulse, v);
+            find_rates(run->d, v, c);
+            note(run, c->place[i], t, true, 0);
+            return LW_OK;
+        }
+        slip = 0;
+    }
+    return LW_NOTHING;
+}
+
+/* ---- forces and states -------------------------------------------------------------------------------- */
+
+/* Free rates of gaps and slips at v into c->b, and what forces act at compliant places. */
+static lw_status find_free(lw_run *run, double t, const double *y, closed *c)
+{
+    lw_dynamics *d = run->d;
+    const double *v = y + d->n_q;
+    lw_status s = lw_mbs_solve(d, t, y, v, d->a, d->l, NULL);
+    for (int i = 0; s == LW_OK && i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, v, &m);
+        c->b[2*i] = row_dot(p, c->row + 12*i, d->a) + m.bias;
+        c->b[2*i + 1] = row_dot(p, c->row + 12*i + 6, d->a) + m.slip_bias;
+        c->law[i].least = is_rigid(p) ? 0 : pressed_force(d, p, &m);
+    }
+    return s;
+}
+
+static void set_laws(const lw_dynamics *d, const closed *c, double speed)
+{
+    for (int i = 0; i < c->m; i++) {
+        const lw_touch *p = &d->touch->list.touch[c->place[i]];
+        double slip = c->u[2*i + 1];
+        bool rubs = has_set_valued_friction(p);
+        c->law[i].fixed = !is_rigid(p);
+        c->law[i].friction = rubs ? p->surface->friction : 0;
+        c->law[i].slips = !rubs || fabs(slip) <= no_slip*speed ? 0 : slip > 0 ? 1 : -1;
+    }
+}
+
+/* Forces at the places that rest: those whose gap has no rate.  A bounce that stays below the least height is rest. */
+static lw_status find_forces(closed *c, double tiny)
+{
+    for (int i = 0; i < c->m; i++)
+        c->in[i] = c->law[i].fixed || fabs(c->u[2*i]) <= tiny;
+    for (bool again = true; again;) {
+        lw_status s = solve(c, c->b, c->force, c->rate);
+        again = false;
+        if (s != LW_OK)
+            return s;
+        for (int i = 0; i < c->m; i++) {
+            double u = c->u[2*i], a = c->rate[2*i];
+            bool low = !c->in[i] && u > 0 && a < 0 && u*u <= -2*a*LW_STOP_LEAST_BOUNCE;
+            c->in[i] = c->in[i] || low;
+            again = again || low;
+        }
+    }
+    return LW_OK;
+}
+
+/* The place whose friction makes its own force grow without end: the least response of its gap to its force. */
+static int find_painleve(const closed *c)
+{
+    size_t r = 2*(size_t)c->m;
+    int worst = -1;
+    double most = 0.1;
+    for (int i = 0; i < c->m; i++) {
+        size_t a = 2*(size_t)i;
+        double mu = c->law[i].friction, wn = c->w[a*r + a];
+        if (!c->in[i] || c->law[i].slips == 0 || c->law[i].fixed)
+            continue;
+        double share = (wn - mu*c->law[i].slips*c->w[a*r + a + 1])/wn;
+        if (share < most)
+            most = share, worst = i;
+    }
+    return worst;
+}
+
+/* Add row k of c to those that are held if it is independent of them: by Cholesky's method on W.  `factor` (rows x rows)
+ * holds what is factored so far, `taken` the rows of c. */
+static bool take_row(const closed *c, double *factor, int *taken, int n, int most, int k)
+{
+    size_t r = 2*(size_t)c->m;
+    double *to = factor + (size_t)n*(size_t)most, whole = c->w[(size_t)k*r + (size_t)k], left = whole;
+    for (int j = 0; j < n; j++) {
+        const double *row = factor + (size_t)j*(size_t)most;
+        double sum = c->w[(size_t)k*r + (size_t)taken[j]];
+        for (int i = 0; i < j; i++)
+            sum -= to[i]*row[i];
+        to[j] = sum/row[j];
+        left -= to[j]*to[j];
+    }
+    if (!(left > least_share*whole))
+        return false;
+    to[n] = sqrt(left);
+    taken[n] = k;
+    return true;
+}
+
+/* A place that begins to stick stays where it is; frames are those of the event. */
+static void set_anchor(const lw_dynamics *d, lw_touch *p)
+{
+    lw_touch_motion m;
+    lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+    p->anchor_angle = atan2(m.normal.y, m.normal.x);
+    lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+    p->anchor = m.path;
+}
+
+/* States of the places from forces and rates; the rows that are held.  lets_go: friction no longer holds a place that
+ * stuck, at which the slip has no acceleration yet. */
+static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go)
+{
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    int n = 0, most = 2*c->m;
+    double top = 0, fastest = 0;
+    for (int i = 0; i < c->m; i++) {
+        top = fmax(top, c->force[2*i]);
+        fastest = fmax(fastest, fmax(fabs(c->rate[2*i]), fabs(c->rate[2*i + 1])));
+        fastest = fmax(fastest, fmax(fabs(c->b[2*i]), fabs(c->b[2*i + 1])));
+    }
+    w->least_force = 1e-11*top;
+    double *factor = calloc((size_t)most*(size_t)most + 1, sizeof *factor);
+    int *taken = calloc((size_t)most + 1, sizeof *taken);
+    if (!factor || !taken) {
+        free(factor);
+        free(taken);
+        return LW_E_MEMORY;
+    }
+    for (int pass = 0; pass < 2; pass++)                 /* gaps, then slips */
+        for (int i = 0; i < c->m; i++) {
+            lw_touch *p = &w->list.touch[c->place[i]];
+            bool presses = c->in[i] && c->force[2*i] > w->least_force;
+            if (pass == 0 && is_rigid(p)) {
+                bool leaves = !c->in[i] || c->rate[2*i] > 1e-9*fastest;
+                p->state = presses ? LW_TOUCH_HELD : leaves ? LW_TOUCH_APART : LW_TOUCH_PASSIVE;
+                p->passed = fmax(0, -c->gap[i]);
+                if (p->held && !presses)
+                    note(run, c->place[i], t, false, 0);
+                if (presses && n < w->row_max && take_row(c, factor, taken, n, most, 2*i))
+                    w->row[n++] = (lw_touch_row){ c->place[i], false };
+                else if (presses)
+                    p->state = LW_TOUCH_PASSIVE;
+            }
+            bool bears = p->state == LW_TOUCH_HELD || p->state == LW_TOUCH_PRESSED;
+            if (pass == 0 || !bears || !(c->law[i].friction > 0))
+                continue;
+            double slip = c->rate[2*i + 1], reserve = c->law[i].friction*c->force[2*i] - fabs(c->force[2*i + 1]);
+            bool at_limit = reserve <= 1e-9*top, starts = lets_go && p->stuck && at_limit && fabs(slip) <= 1e-9*fastest;
+            bool holds = c->law[i].slips == 0 && !starts && (fabs(slip) <= 1e-9*fastest || !at_limit);
+            slip = starts ? -c->force[2*i + 1] : slip;
+            if (holds && n < w->row_max && take_row(c, factor, taken, n, most, 2*i + 1)) {
+                w->row[n++] = (lw_touch_row){ c->place[i], true };
+                p->sticks = true;
+                if (!p->stuck)
+                    set_anchor(d, p);
+            } else if (!holds)
+                p->slips = c->law[i].slips != 0 ? c->law[i].slips : slip > 0 ? 1 : -1;
+        }
+    free(factor);
+    free(taken);
+    w->n_row = n;
+    int slipping = 0;
+    for (int k = 0; k < n; k++) {
+        const lw_touch *p = &w->list.touch[w->row[k].touch];
+        if (w->row[k].tangent || p->slips == 0)
+            continue;
+        if (d->n_friction + slipping == LW_JOINT_MAX)
+            return lw_error_set(run->e, LW_E_KIND, "more than %d rigid places slip at t = %.9g s; give the contacts a "
+                                "\"stiffness\"", LW_JOINT_MAX - d->n_friction, t);
+        int at = d->n_friction + slipping++;
+        d->friction[at] = (lw_friction_joint){ .joint = -1 };
+        d->friction_row[at] = d->n_row + d->n_driven + d->n_resting + k;
+    }
+    w->n_slip = slipping;
+    free(w->response);
+    size_t rows = (size_t)(d->n_row + d->n_driven + d->n_resting + n), rubs = (size_t)(d->n_friction + slipping);
+    size_t all = rubs*((size_t)d->n_q + rows + 2*rubs);
+    w->response = calloc(all + 1, sizeof *w->response);
+    return w->response ? LW_OK : LW_E_MEMORY;
+}
+
+/* Duration of the shortest bounce that begins, by the accelerations found. */
+static double find_flight(const closed *c)
+{
+    double flight = 0;
+    for (int i = 0; i < c->m; i++) {
+        double u = c->u[2*i], a = c->rate[2*i], f = !c->in[i] && u > 0 && a < 0 ? -2*u/a : 0;
+        if (f > 0 && (flight == 0 || f < flight))
+            flight = f;
+    }
+    return flight;
+}
+
+static double greatest_of(const lw_dynamics *d, const double *v)
+{
+    double most = 0;
+    for (int i = 0; i < d->n_q; i++)
+        most = fmax(most, fabs(v[i]));
+    return most;
+}
+
+static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undecided, bool *any)
+{
+    lw_dynamics *d = run->d;
+    double *v = y + d->n_q;
+    lw_status s = find_free(run, t, y, c);
+    double speed = fmax(greatest_of(d, v), sqrt(greatest_of(d, d->a))), tiny = still*speed;
+    find_rates(d, v, c);
+    for (int tries = 0; s == LW_OK && tries < 20; tries++) {
+        s = strike(run, t, c, tiny, v, any);
+        if (s == LW_OK)
+            s = find_free(run, t, y, c);
+        if (s != LW_OK)
+            return s;
+        set_laws(d, c, speed);
+        s = find_forces(c, tiny);
+        int worst = s == LW_NOTHING || undecided ? find_painleve(c) : -1;
+        undecided = false;
+        if (s == LW_OK && worst < 0)
+            return LW_OK;
+        if (s != LW_OK && s != LW_NOTHING)
+            return s;
+        if (worst < 0 || jam(run, t, c, worst, v) != LW_OK)
+            break;
+        *any = true;
+        s = LW_OK;
+    }
+    return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of rigid contact with friction go on with the motion "
+                        "(Painleve's paradox); give the contacts a \"stiffness\"", t);
+}
+
+/* Does the run stand still between events? */
+static lw_status check_progress(lw_run *run, double t)
+{
+    struct lw_touching *w = run->d->touch;
+    const lw_dynamics_options *o = &run->d->o;
+    bool still_here = t - w->last < 1e-12*(o->to - o->from);
+    w->stalled = still_here ? w->stalled + 1 : 0;
+    w->last = still_here ? w->last : t;
+    return w->stalled < STALLED_MOST ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "contacts close and open without end at t = %.9g s", t);
+}
+
+lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
+{
+    lw_dynamics *d = run->d;
+    struct lw_touching *w = d->touch;
+    closed c = { 0 };
+    bool any = false;
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
+    double before = d->eq.kinetic(d->eq.context, y + d->n_q);
+    lw_status s = check_progress(run, t);
+    for (int i = 0; i < w->list.n; i++) {
+        w->list.touch[i].stuck = w->list.touch[i].sticks;
+        w->list.touch[i].sticks = false;
+        w->list.touch[i].slips = 0;
+        w->list.touch[i].passed = 0;
+        w->list.touch[i].held = w->list.touch[i].state == LW_TOUCH_HELD;
+        if (w->list.touch[i].held)
+            w->list.touch[i].state = LW_TOUCH_PASSIVE;
+    }
+    bool had = w->n_row > 0;
+    w->n_row = w->n_slip = 0;
+    w->determinant = 1;
+    if (s == LW_OK && had)
+        s = lw_mbs_arrange(d, t, y);
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, t, y);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    for (int i = 0; t == d->o.from && s == LW_OK && i < w->list.n; i++)
+        lw_touch_choose_side(&w->list.touch[i], d->frames, true);
+    if (s == LW_OK)
+        s = find_closed(run, t, y, &c);
+    if (s == LW_OK)
+        s = decide(run, t, y, &c, events >> DETERMINANT & 1, &any);
+    if (s == LW_OK)
+        s = set_states(run, t, &c, events >> STICK & 1);
+    run->flight = s == LW_OK ? find_flight(&c) : 0;
+    free_closed(&c);
+    if (s == LW_OK && w->n_row > 0)
+        s = lw_mbs_arrange(d, t, y);
+    if (s == LW_OK)
+        s = lw_run_project(run, t, y);
+    if (s == LW_OK)
+        y[2*d->n_q] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
+    return s;
+}

@@ -1,0 +1,45 @@
+/* mbs/dynamics/touch_internal.h - the places where a model touches, in its equations; internal to mbs/.
+ *
+ * Places that are held are rows of the constraints, after those of the rigid stops: gaps, and slips that stick.  At
+ * places that slip, friction is a force in proportion to the multiplier of the gap (mbs/dynamics/friction.h).  Forces
+ * of compliant contacts depend on the state. */
+#ifndef LW_MBS_DYNAMICS_TOUCH_INTERNAL_H
+#define LW_MBS_DYNAMICS_TOUCH_INTERNAL_H
+
+#include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/dynamics/touch.h"
+
+typedef struct lw_touch_row { int touch; bool tangent; } lw_touch_row;
+
+struct lw_touching {
+    lw_touch_list list;
+    int     n_row, row_max;
+    lw_touch_row *row;                   /* (row_max)                                                  */
+    int     n_slip;                      /* rigid places that slip; they follow the joints in d->friction */
+    double *response;                    /* (n_friction + n_slip)*(n_q + n_c)                          */
+    double  determinant;                 /* of the friction equations; 1 without friction              */
+    bool    events;                      /* where compliant contacts begin and end                     */
+    double  least_force;                 /* a force below this is rounding                             */
+    long    stalled;                     /* events in a row without progress in time, */
+    double  last;                        /* and the time of the last                                   */
+};
+
+/* Find the places of a model with contacts or ropes; d->touch stays NULL for others. */
+lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e);
+void      lw_mbs_touch_free(lw_dynamics *d);
+
+/* Rows from `row` on: their bodies; values and derivatives; what J v' has to be. */
+void lw_mbs_touch_bodies(lw_dynamics *d, int row);
+void lw_mbs_touch_rows(lw_dynamics *d, int row);
+void lw_mbs_touch_bias(lw_dynamics *d, int row, const double *v);
+
+/* Add the forces of compliant contacts, with their friction unless it sticks; frames are those of the rows. */
+void lw_mbs_touch_forces(lw_dynamics *d, const double *v, double *force, double *power);
+
+/* Normal force [N] at place i, and in *f the force on its link 0; placed at the coordinates, l the multipliers. */
+double lw_mbs_touch_load(const lw_dynamics *d, int i, const double *v, const double *l, lw_vec2 *f);
+
+/* Generalised force (n_q) of the friction of slipping place k for a normal force of 1 N; returns its power [W]. */
+double lw_mbs_touch_slip(lw_dynamics *d, int k, const double *v, double *force);
+
+#endif

@@ -1,0 +1,441 @@
+/* Contact between shapes, ropes and free links: formulas of textbooks, and the laws of contact themselves at random. */
+#include "base/rng.h"
+#include "mbs/dynamics/complementarity.h"
+#include "mbs/dynamics/reactions.h"
+#include "tests/dynamics_run.h"
+
+static drun d;
+
+static const double g = 9.81;
+
+/* A model of the ground and one free link: its shape, mass and place, contact and gravity. */
+#define FREE(ground, link, shape, contact)                                                                    \
+    "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [" ground "]}, {'name': 'b', " link             \
+    ", 'shapes': [" shape "]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground', 'b']}],"            \
+    " 'contacts': [{'name': 'c', 'links': ['ground', 'b'], " contact "}], 'gravity': [0, -9.81],"             \
+    " 'tracers': [{'name': 'P', 'link': 'b', 'at': [0, 0]}]}"
+#define FLOOR "{'line': [[0, 0], [1, 0]]}"
+
+static void free_model(const char *format, double a, double b)
+{
+    drun_read_format(&d, format, a, b);
+}
+
+static double state(const double *q, int i) { return q[i]*(i%3 < 2 ? d.system.unit : 1); }
+
+/* ---- the laws, at random ------------------------------------------------------------------------------- */
+
+static void complementarity(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int trial = 0; trial < 2000; trial++) {
+        int n = 1 + (int)(5*lw_rng_uniform(&rng)), dof = 1 + (int)(6*lw_rng_uniform(&rng));
+        double row[10][7], w[100], b[10], v[7], force[10], rate[10];
+        lw_touch_law law[5];
+        for (int k = 0; k < dof; k++)
+            v[k] = 2*lw_rng_uniform(&rng) - 1;
+        for (int i = 0; i < 2*n; i++) {                  /* rows repeat now and then: contacts that share a load */
+            bool twin = i >= 2 && lw_rng_uniform(&rng) < 0.3;
+            for (int k = 0; k < dof; k++)
+                row[i][k] = twin ? row[i - 2][k] : 2*lw_rng_uniform(&rng) - 1;
+        }
+        for (int i = 0; i < 2*n; i++) {
+            b[i] = 0;
+            for (int k = 0; k < dof; k++)
+                b[i] += row[i][k]*v[k];
+            for (int j = 0; j < 2*n; j++) {
+                w[i*2*n + j] = 0;
+                for (int k = 0; k < dof; k++)
+                    w[i*2*n + j] += row[i][k]*row[j][k];
+            }
+        }
+        for (int i = 0; i < n; i++)
+            law[i] = (lw_touch_law){ .friction = trial%3 ? 1.5*lw_rng_uniform(&rng) : 0,
+                                     .least = trial%4 == 0 ? 0.3*lw_rng_uniform(&rng) : 0 };
+        CHECK_INT(lw_complementarity(n, w, b, law, force, rate), LW_OK);
+        double lost = 0;
+        for (int i = 0; i < n; i++) {
+            const double *f = force + 2*i, *r = rate + 2*i;
+            double left = law[i].friction*f[0] - fabs(f[1]);
+            CHECK(f[0] >= law[i].least - 1e-9 && r[0] >= -1e-8);
+            CHECK(fmin(f[0] - law[i].least, r[0]) <= 1e-7);
+            CHECK(left >= -1e-8);
+            CHECK(left <= 1e-7 || fabs(r[1]) <= 1e-7);            /* sticks, or all friction acts, */
+            CHECK(fabs(r[1]) <= 1e-7 || f[1]*r[1] <= 1e-12);      /* against the slip */
+            lost += 0.5*(f[0]*(b[2*i] + r[0]) + f[1]*(b[2*i + 1] + r[1]));
+        }
+        if (trial%4 != 0)
+            CHECK(lost <= 1e-9);                         /* impacts without restitution gain no energy */
+    }
+}
+
+/* ---- one body ------------------------------------------------------------------------------------------- */
+
+static void bouncing_ball(void)
+{
+    double e = 0.6, h = 1, t = sqrt(2*h/g), v = e*g*t;
+    free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 1.1], 'inertia': 0.01", "{'circle': [0, 1.1], 'radius': 0.1}",
+                    "'restitution': 0.6"), 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 3, 300), LW_OK);
+    for (int k = 0; k < 20; k++) {
+        CHECK_NEAR(d.report.event[k].t, t, 1e-12, 0);
+        CHECK_NEAR(d.report.event[k].speed, -v/e, 1e-9, 0);
+        t += 2*v/g;
+        v *= e;
+    }
+    CHECK_NEAR(state(d.q, 1), 0.1, 1e-15, 0);
+    CHECK_NEAR(d.v[1], 0, 1e-100, 0);
+    CHECK_NEAR(d.report.energy_error, 0, 1e-11*d.report.energy_scale, 0);
+    lw_model_free(&d.model);
+}
+
+static void block_on_incline(void)
+{
+    const char *incline = FREE("{'line': [[0, 0], [2, 1]]}", "'mass': 2, 'centre': [0.95, 0.6], 'inertia': 0.02",
+                               "{'polygon': [[0.8, 0.4], [1.2, 0.6], [1.1, 0.8], [0.7, 0.6]]}", "'friction': %.17g");
+    double slope = atan(0.5), mu = 0.3, a = g*(sin(slope) - mu*cos(slope)), t = 2;
+    free_model(incline, 0.501, 0);                       /* rests, for long */
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1e5, 10), LW_OK);
+    CHECK_NEAR(state(d.q, 0), 0.95, 1e-13, 0);
+    CHECK_NEAR(state(d.q, 1), 0.6, 1e-13, 0);
+    CHECK_NEAR(d.v[0], 0, 1e-15, 0);
+    lw_model_free(&d.model);
+    free_model(incline, mu, 0);                          /* slides */
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, t, 10), LW_OK);
+    CHECK_NEAR(state(d.q, 0), 0.95 - 0.5*a*t*t*cos(slope), 1e-12, 0);
+    CHECK_NEAR(state(d.q, 1), 0.6 - 0.5*a*t*t*sin(slope), 1e-12, 0);
+    CHECK_NEAR(d.q[2], 0, 1e-13, 0);
+    lw_model_free(&d.model);
+}
+
+/* A ball rolls with 5/7 of the acceleration of a frictionless block, a disc with 2/3; with too little friction both slip. */
+static void rolling_wheel(void)
+{
+    double slope = 0.3, r = 0.2, t = 1.5;
+    char line[1500];
+    for (int k = 0; k < 3; k++) {
+        double share = k == 0 ? 0.4 : 0.5, mu = k < 2 ? 0.5 : 0.05, a = g*sin(slope)/(1 + share), alpha = -a/r;
+        if (k == 2) {
+            a = g*(sin(slope) - mu*cos(slope));
+            alpha = -mu*g*cos(slope)/(share*r);
+        }
+        snprintf(line, sizeof line, FREE("{'line': [[0, 0], [%.17g, %.17g]]}", "'mass': 3, 'centre': [%.17g, %.17g], 'inertia': %.17g",
+                                         "{'circle': [%.17g, %.17g], 'radius': 0.2}", "'friction': %.17g"),
+                 cos(slope), -sin(slope), r*sin(slope), r*cos(slope), share*3*r*r, r*sin(slope), r*cos(slope), mu);
+        drun_read_format(&d, line, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, t, 6), LW_OK);
+        CHECK_NEAR(state(d.q, 0), r*sin(slope) + 0.5*a*t*t*cos(slope), 1e-12, 0);
+        CHECK_NEAR(state(d.q, 1), r*cos(slope) - 0.5*a*t*t*sin(slope), 1e-12, 0);
+        CHECK_NEAR(d.q[2], 0.5*alpha*t*t, 1e-12, 0);
+        CHECK(d.report.energy_error < 1e-12*d.report.energy_scale);
+        lw_model_free(&d.model);
+    }
+}
+
+/* A bowling ball slips until t = 2 v/(7 mu g), then rolls at 5/7 v. */
+static void bowling_ball(void)
+{
+    double v = 7, mu = 0.2, until = 2*v/(7*mu*g), t = 2;
+    free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 0.2], 'inertia': 0.032, 'velocity': [7, 0]",
+                    "{'circle': [0, 0.2], 'radius': 0.2}", "'friction': 0.2"), 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, t, 10), LW_OK);
+    CHECK_NEAR(state(d.v, 0), 5*v/7, 1e-11, 0);
+    CHECK_NEAR(d.v[2], -5*v/7/0.2, 1e-10, 0);
+    CHECK_NEAR(state(d.q, 0), v*until - 0.5*mu*g*until*until + 5*v/7*(t - until), 1e-11, 0);
+    lw_model_free(&d.model);
+}
+
+/* A rod of length 1 falls from the angle a0; its foot, at the origin, slips where friction no longer holds it.
+ * y: angle, rate, place and speed of the foot.  mode 0: sticks, N and T from the motion. */
+typedef struct foot { double mu; int slips; } foot;
+
+static void foot_forces(const double *y, double *normal, double *across)
+{
+    double a = y[0], w = y[1], alpha = -1.5*g*cos(a);            /* about the foot, length 1 */
+    *normal = g + 0.5*(alpha*cos(a) - w*w*sin(a));               /* per mass */
+    *across = 0.5*(-alpha*sin(a) - w*w*cos(a));
+}
+
+static lw_status rod_rate(void *context, double t, const double *y, double *dy)
+{
+    const foot *f = context;
+    double a = y[0], w = y[1], s = f->slips, c = cos(a), n = sin(a), alpha = -1.5*g*c;
+    (void)t;
+    if (f->slips) {
+        /* N = g + (alpha c - w^2 n)/2,  T = -mu s N,  alpha/12 = -N c/2 + T n/2 (lever arms of the foot) */
+        double lever = -0.5*c - 0.5*f->mu*s*n;
+        alpha = 12*lever*(g - 0.5*w*w*n)/(1 - 6*lever*c);
+        double normal = g + 0.5*(alpha*c - w*w*n);
+        dy[3] = -f->mu*s*normal + 0.5*(alpha*n + w*w*c);         /* of the foot */
+    } else
+        dy[3] = 0;
+    dy[0] = w;
+    dy[1] = alpha;
+    dy[2] = f->slips ? y[3] : 0;
+    return LW_OK;
+}
+
+static void falling_rod(void)
+{
+    double mu = 0.2, a0 = 80*LW_PI/180, y[4] = { a0, 0, 0, 0 }, normal, across, lo = 0.1, hi = 0.5, end = 0.55;
+    foot f = { mu, 0 };
+    lw_ode ode = { .n = 4, .context = &f, .rate = rod_rate };
+    for (int i = 0; i < 60; i++) {                       /* when does friction end? */
+        double at[4] = { a0, 0, 0, 0 }, t = 0.5*(lo + hi);
+        drun_exact(&ode, 0, at, t);
+        foot_forces(at, &normal, &across);
+        *(fabs(across) > mu*normal ? &hi : &lo) = t;
+    }
+    drun_exact(&ode, 0, y, lo);
+    foot_forces(y, &normal, &across);
+    f.slips = across > 0 ? -1 : 1;
+    drun_exact(&ode, lo, y, end);
+    free_model(FREE(FLOOR, "'mass': 3, 'centre': [%.17g, %.17g], 'inertia': 0.25",
+                    "{'segment': [[0, 0], [0.1736481776669304, 0.984807753012208]]}", "'friction': 0.2"), 0.5*cos(a0), 0.5*sin(a0));
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, end, 10), LW_OK);
+    CHECK_NEAR(d.q[2], y[0] - a0, 1e-9, 0);
+    CHECK_NEAR(d.tracer[10].x, y[2], 1e-9, 0);
+    CHECK_NEAR(d.tracer[10].y, 0, 1e-14, 0);
+    CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
+/* Painleve's rod: its foot slides ahead of it with mu = 2, where no force goes on with the motion.  An impulse at the
+ * foot ends the slip: the angular momentum about the foot stays. */
+static void painleve(void)
+{
+    double a = LW_PI/3, v = 5, inertia = 1/12.0 + 0.25;
+    free_model(FREE(FLOOR, "'mass': 1, 'centre': [-0.25, 0.4330127018922193], 'inertia': 0.08333333333333333, 'velocity': [%.17g, 0]",
+                    "{'segment': [[0, 0], [-0.5, 0.8660254037844386]]}", "'friction': 2"), v, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1e-9, 1), LW_OK);
+    CHECK_NEAR(d.v[2], -v*0.5*sin(a)/inertia, 1e-7, 0);
+    CHECK_NEAR(state(d.v, 0), -d.v[2]*0.5*sin(a), 1e-7, 0);      /* the foot is at rest */
+    CHECK_NEAR(state(d.v, 1), -d.v[2]*0.5*cos(a), 1e-7, 0);
+    CHECK(d.report.n_event == 1 && d.report.event[0].impact);
+    lw_model_free(&d.model);
+}
+
+/* A weight on a rope, v at the lowest point with 2 g L < v^2 < 5 g L: slack where cos = (v^2 - 2 g L)/(3 g L). */
+static lw_status pendulum_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = -g*sin(y[0]);
+    return LW_OK;
+}
+
+static void slack_rope(void)
+{
+    double v = 5.86, up = (v*v - 2*g)/(3*g), slack = acos(-up), lo = 0.2, hi = 0.6;
+    lw_ode ode = { .n = 2, .rate = pendulum_rate };
+    for (int i = 0; i < 60; i++) {
+        double y[2] = { 0, v }, t = 0.5*(lo + hi);
+        drun_exact(&ode, 0, y, t);
+        *(y[0] > slack ? &hi : &lo) = t;
+    }
+    double speed = sqrt(g*up), x = sin(slack), y = -cos(slack), vx = speed*cos(slack), vy = speed*sin(slack);
+    double flight = 4*speed*sin(slack)/g;                /* the parabola meets the circle again */
+    drun_read(&d, "examples/dynamics/rope.json");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, lo + 0.5, 1), LW_OK);
+    CHECK_NEAR(d.tracer[1].x, x + 0.5*vx, 1e-9, 0);
+    CHECK_NEAR(d.tracer[1].y, y + 0.5*vy - 0.125*g, 1e-9, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 2, 10), LW_OK);
+    CHECK_NEAR(d.report.event[0].t, lo, 1e-9, 0);
+    CHECK_NEAR(d.report.event[1].t, lo + flight, 1e-9, 0);
+    CHECK(!d.report.event[0].impact && d.report.event[1].impact);
+    CHECK_NEAR(lw_v2_norm(d.tracer[10]), 1, 1e-12, 0);   /* taut again, without restitution */
+    lw_model_free(&d.model);
+}
+
+/* Compliant, without damping: the ball comes back to where it fell from; contact lasts  2 (pi - atan(v w/g))/w. */
+static void compliant_ball(void)
+{
+    double stiffness = 1e4, mass = 2, h = 1, w = sqrt(stiffness/mass), fall = sqrt(2*h/g), v = g*fall;
+    double lasts = 2*(LW_PI - atan(v*w/g))/w;
+    free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 1.1], 'inertia': 0.01", "{'circle': [0, 1.1], 'radius': 0.1}",
+                    "'stiffness': 1e4"), 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 2*fall + lasts, 10), LW_OK);
+    CHECK_NEAR(state(d.q, 1), 1.1, 1e-9, 0);
+    CHECK_NEAR(state(d.v, 1), 0, 1e-9, 0);
+    lw_model_free(&d.model);
+}
+
+/* ---- several bodies --------------------------------------------------------------------------------------- */
+
+#define BALL(name, x, v)                                                                                          \
+    "{'name': '" name "', 'mass': 1, 'centre': [" x ", 0], 'inertia': 0.01, 'velocity': [" v ", 0], 'shapes': ["   \
+    "{'circle': [" x ", 0], 'radius': 0.1}]}"
+#define TIE(name) "{'name': '" name "', 'kind': 'n', 'links': ['ground', '" name "']}"
+
+static void cradle(void)
+{
+    static const double want[2][3] = { { 0, 0, 1 }, { 1/3.0, 1/3.0, 1/3.0 } };
+    for (int k = 0; k < 2; k++) {
+        drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', " BALL("a", "0", "1") ", " BALL("b", "0.5", "0") ", "
+                         BALL("c", "0.7", "0") "], 'joints': [" TIE("a") ", " TIE("b") ", " TIE("c") "], 'contacts': ["
+                         "{'links': ['a', 'b'], 'restitution': %g}, {'links': ['b', 'c'], 'restitution': %g}]}",
+                         k == 0, k == 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 2), LW_OK);
+        for (int b = 0; b < 3; b++)
+            CHECK_NEAR(state(d.v, 3*b), want[k][b], 1e-12, 0);
+        lw_model_free(&d.model);
+    }
+}
+
+/* Boxes fall on each other, bounce, rock and stay. */
+static void boxes(void)
+{
+    drun_read(&d, "examples/dynamics/boxes.json");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 4, 4), LW_OK);
+    for (int i = 0; i < 9; i++)
+        CHECK(fabs(d.v[i]) < 1e-14);
+    for (int b = 0; b < 3; b++) {
+        CHECK_NEAR(state(d.q, 3*b + 1), 0.1 + 0.2*b, 1e-12, 0);
+        CHECK_NEAR(d.q[3*b + 2], 0, 1e-12, 0);
+    }
+    CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
+/* A disc in a groove: both sides carry, N = m g/(2 cos a). */
+typedef struct loads { double least_x, most_x, fy; const lw_dynamics *m; } loads;
+
+static lw_status keep_loads(void *context, const lw_moment *m)
+{
+    loads *l = context;
+    lw_vec2 f[2];
+    lw_reactions_contacts(l->m, m, f, NULL);
+    l->fy = f[0].y;
+    l->most_x = f[0].x;
+    return LW_OK;
+}
+
+static void groove(void)
+{
+    lw_dynamics *m;
+    loads l = { 0 };
+    free_model(FREE("{'polygon': [[-2, 2], [-2, -1], [2, -1], [2, 2], [0, 0]]}", "'mass': 2, 'centre': [0, 1], 'inertia': 0.5",
+                    "{'circle': [0, 1], 'radius': 0.7071067811865476}", "'friction': 0.1"), 0, 0);
+    d.o.to = 3;
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
+    l.m = m;
+    CHECK_INT(lw_dynamics_run(m, keep_loads, &l, &d.report, &d.e), LW_OK);
+    CHECK_NEAR(l.fy, 2*g, 1e-9, 0);
+    CHECK_NEAR(l.most_x, 0, 1e-9, 0);
+    lw_dynamics_free(m);
+    lw_model_free(&d.model);
+}
+
+static void hook_holds(void)
+{
+    drun_read(&d, "examples/dynamics/hook.json");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 3, 300), LW_OK);
+    for (int k = 0; k <= 300; k++)                       /* the bar hangs on its pin, 0.184 long, within the hook */
+        CHECK(d.tracer[k].y < -0.09 && d.tracer[k].y > -0.2 && fabs(d.tracer[k].x) < 0.2);
+    CHECK(d.report.energy_error < 1e-8*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
+/* Four legs stand, then walk: forward, upright, without falling. */
+static void walking_machine(void)
+{
+    drun_read(&d, "examples/dynamics/walking-machine.json");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-7, 3, 60), LW_OK);
+    for (int k = 0; k <= 60; k++) {
+        CHECK_NEAR(d.tracer[k].y, d.tracer[0].y, 0.006, 0);
+        CHECK(k < 10 || d.tracer[k].x > d.tracer[k - 5].x);
+    }
+    CHECK(d.tracer[60].x > 0.6 && fabs(d.q[2]) < 0.02);
+    CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
+/* A wavy chain of n links falls on the ground: rigid, or compliant, which has no size limit. */
+static void falling_chain(int n, const char *law, double to)
+{
+    size_t size = 600*(size_t)n + 1000, used = 0;
+    char *text = malloc(size);
+    used += (size_t)snprintf(text + used, size - used, "{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [{\"name\": \"ground\", "
+                             "\"shapes\": [{\"line\": [[0, 0], [1, 0]]}]}");
+    for (int i = 0; i < n; i++) {
+        double x = 0.1*i, y0 = 0.2 + 0.05*sin(0.6*i), y1 = 0.2 + 0.05*sin(0.6*(i + 1));
+        used += (size_t)snprintf(text + used, size - used, ", {\"name\": \"l%d\", \"mass\": 0.1, \"centre\": [%.9g, %.9g], "
+                                 "\"inertia\": 1e-4, \"shapes\": [{\"segment\": [[%.9g, %.9g], [%.9g, %.9g]], \"radius\": 0.005}]}",
+                                 i, x + 0.05, 0.5*(y0 + y1), x, y0, x + 0.1, y1);
+    }
+    used += (size_t)snprintf(text + used, size - used, "], \"joints\": [{\"name\": \"F\", \"kind\": \"n\", \"links\": [\"ground\", \"l0\"]}");
+    for (int i = 1; i < n; i++)
+        used += (size_t)snprintf(text + used, size - used, ", {\"name\": \"j%d\", \"links\": [\"l%d\", \"l%d\"], \"at\": [%.9g, %.9g]}",
+                                 i, i - 1, i, 0.1*i, 0.2 + 0.05*sin(0.6*i));
+    used += (size_t)snprintf(text + used, size - used, "], \"contacts\": [");
+    for (int i = 0; i < n; i++)
+        used += (size_t)snprintf(text + used, size - used, "%s{\"name\": \"c%d\", \"links\": [\"ground\", \"l%d\"], %s}", i ? ", " : "",
+                                 i, i, law);
+    snprintf(text + used, size - used, "]}");
+    lw_model m;
+    lw_dynamics *run;
+    lw_error e = { 0 };
+    lw_dynamics_report r = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.relative = o.absolute = 1e-6;
+    o.to = to;
+    o.intervals = 4;
+    CHECK_INT(lw_model_read(text, strlen(text), "text", &m, &e), LW_OK);
+    CHECK_INT(lw_dynamics_make(&m, &o, &run, &e), LW_OK);
+    CHECK_INT(lw_dynamics_run(run, NULL, NULL, &r, &e), LW_OK);
+    if (r.samples != 5)
+        fprintf(stderr, "chain of %d: %s\n", n, e.text);
+    CHECK(r.energy_error < 1e-5*r.energy_scale);
+    lw_dynamics_free(run);
+    lw_model_free(&m);
+    free(text);
+}
+
+/* ---- refused ---------------------------------------------------------------------------------------------- */
+
+static void refused(void)
+{
+    lw_dynamics *m;
+    free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 0.05], 'inertia': 0.01", "{'circle': [0, 0.05], 'radius': 0.1}",
+                    "'restitution': 0.6"), 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 10), LW_E_ARG);
+    CHECK(strstr(d.e.text, "overlap") != NULL);
+    d.o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_E_KIND);
+    d.o.analysis = LW_ANALYSIS_TRANSIENT;
+    for (lw_formulation f = LW_FORMULATION_QUADRATURE; f <= LW_FORMULATION_GGL; f++) {
+        d.o.formulation = f;
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), f == LW_FORMULATION_INDEX1 ? LW_OK : LW_E_KIND);
+        lw_dynamics_free(m);
+    }
+    lw_model_free(&d.model);
+}
+
+static void falling_chains(void)
+{
+    falling_chain(8, "\"friction\": 0.5", 0.5);
+    falling_chain(60, "\"friction\": 0.5, \"friction_speed\": 0.02, \"stiffness\": 3000, \"damping\": 1", 0.25);
+}
+
+int main(void)
+{
+    RUN(complementarity);
+    RUN(bouncing_ball);
+    RUN(block_on_incline);
+    RUN(rolling_wheel);
+    RUN(bowling_ball);
+    RUN(falling_rod);
+    RUN(painleve);
+    RUN(slack_rope);
+    RUN(compliant_ball);
+    RUN(cradle);
+    RUN(boxes);
+    RUN(groove);
+    RUN(hook_holds);
+    RUN(walking_machine);
+    RUN(falling_chains);
+    RUN(refused);
+    lw_system_free(&d.system);
+    return check_end();
+}
