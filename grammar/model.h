@@ -13,10 +13,10 @@
 
 typedef struct lw_body {
     bool    given;                   /* the file gives a mass; otherwise all is 0                  */
-    bool    has_velocity;            /* at the start, of the centre of mass and of the rotation     */
     double  mass;                    /* >= 0 [kg]                                                   */
     lw_vec2 centre;                  /* of mass [m]                                                 */
     double  inertia;                 /* about the centre of mass, >= 0 [kg m^2]                     */
+    bool    has_velocity;            /* at the start, of the centre of mass and of the rotation     */
     lw_vec2 velocity;                /* [m/s]                                                       */
     double  omega;                   /* [rad/s]                                                     */
 } lw_body;

@@ -367,6 +367,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (d->eq.n_z > 0)
         return lw_formulation_say(r, LW_E_KIND, 0, "it integrates no first-order states");
+    if (d->touch)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->n_friction || d->n_stop || d->f.caller.apply || d->has_zero_mass || d->n_kept != d->n_c)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops, massless links, redundant constraints or "
                                   "forces of the caller's");
