@@ -28,6 +28,7 @@ mbs/ode base
 mbs/space base grammar mbs/ode
 mbs/elastic base grammar
 mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic
+mbs/drives base grammar mbs/ode mbs/dynamics
 optimise/task base grammar mbs
 optimise/problem base grammar mbs optimise/task
 optimise/solvers base grammar mbs optimise/task optimise/problem
