@@ -37,6 +37,37 @@ static void arm(void)
     ran_free(&r);
 }
 
+/* A rigid axis behind a ramp lags by v/gain; its matrices have the poles that are printed. */
+static void loop(void)
+{
+    static const char axis[] =
+        "'{\"linkwright\": 1, \"servo\": {\"motor\": {\"torque_constant\": 1, \"inertia\": 0.001, \"resistance\": 1}, "
+        "\"control\": {\"position\": {\"gain\": 20%s}, \"speed\": {\"proportional\": %s}}, "
+        "\"motion\": {\"expression\": \"%s\"}}}'";
+    char command[1200], text[800];
+    snprintf(text, sizeof text, axis, "", "100", "0.5*t");
+    snprintf(command, sizeof command, "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 3 --json --matrices $D/m.json; "
+             "cat $D/m.json", text);
+    ran r = run(command);
+    CHECK_INT(r.code, 0);
+    CHECK_NEAR(figure(r.out, "\"error_end\":"), 0.5/20, 1e-9, 0);
+    CHECK_NEAR(figure(r.out, "\"poles\": [\n    ["), -50 + sqrt(2500 - 2000), 1e-7, 0);
+    CHECK_HAS(r.out, "\"stable\": true");
+    CHECK_HAS(r.out, "[-2000, -100]");                      /* x'' = 100 (20 (-x) - x') */
+    CHECK_HAS(r.out, "\"wanted position\"");
+    ran_free(&r);
+    snprintf(text, sizeof text, axis, ", \"sample\": 0.05, \"delay\": 0.05", "100", "0.001*sin(t)");
+    snprintf(command, sizeof command, "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 0.5", text);
+    expect(command, 0, "poles of the whole", "unstable: its pole");
+    snprintf(command, sizeof command, "echo %s > $D/axis.json; $P drive simulate $D/axis.json --to 1e3", text);
+    expect(command, 4, NULL, "unstable, its pole");
+    expect("$P drive simulate examples/drives/servo-axis.json -n 10", 0, "t,wanted,wanted_speed", NULL);
+    expect("$P drive simulate examples/drives/servo-axis.json --speed 3", 2, NULL, "drive load");
+    expect("$P drive simulate examples/drives/servo-axis.json --to 0", 2, NULL, "greater than 0");
+    expect("$P drive simulate examples/drives/lifting-arm.json", 3, NULL, "units");
+    expect("$P drive simulate $D/none.json", 3, NULL, "none.json");
+}
+
 static void wrong_use(void)
 {
     expect("$P drive", 2, NULL, "linkwright drive ACTION FILE");
@@ -51,6 +82,7 @@ static void wrong_use(void)
 int main(void)
 {
     RUN(arm);
+    RUN(loop);
     RUN(wrong_use);
     return check_end();
 }

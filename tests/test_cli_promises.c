@@ -45,6 +45,7 @@ static const row rows[] = {
       "family sweep examples/families/loader.json --vary reach=2:3:1000000", "examples/families/loader.json", false },
     { "family optimise examples/families/loader.json --vary reach=2:3 --minimise boom_mass", NULL, "examples/families/loader.json", false },
     { "family check examples/families/loader.json", NULL, "examples/families/loader.json", false },
+    { "drive simulate examples/drives/servo-axis.json -n 8", NULL, "examples/drives/servo-axis.json", false },
     { "drive load examples/drives/lifting-arm.json -n 8", NULL, "examples/drives/lifting-arm.json", false },
     { "trace examples/jansen.json -n 8", "trace examples/jansen.json -n 1e7", "examples/jansen.json", false },
     { "mobility examples/jansen.json", NULL, "examples/jansen.json", false },

@@ -291,22 +291,24 @@ lw_servo_margin lw_servo_margin_of(const lw_servo *s, int loop)
         double at = low + (high - low)*k/N;
         double complex z = response(s, &plant, loop, exp(at));
         double g = cabs(z), p = phase_near(z, k ? phase : -LW_PI/2);
-        for (int what = 0; k > 0 && what < 2; what++) {
-            bool found = what == 0 ? gain >= 1 && g < 1 && isnan(m.crossover)
-                                   : phase > -LW_PI && p <= -LW_PI && isnan(m.reversal);
-            double a = was, b = at, near = phase;
-            for (int i = 0; found && i < 60; i++) {
+        for (int what = 0; k > 0 && what < 2; what++) {    /* gain 1; phase -180 degrees */
+            double a = was, b = at, turn = 2*LW_PI, level = floor((fmax(phase, p) + LW_PI)/turn)*turn - LW_PI;
+            if (what == 0 ? (gain >= 1) == (g >= 1) : !(fmin(phase, p) < level))
+                continue;
+            for (int i = 0; i < 60; i++) {
                 double mid = 0.5*(a + b);
                 double complex there = response(s, &plant, loop, exp(mid));
-                bool before = what == 0 ? cabs(there) >= 1 : phase_near(there, near) > -LW_PI;
+                bool before = what == 0 ? (cabs(there) >= 1) == (gain >= 1)
+                                        : (phase_near(there, phase) >= level) == (phase >= level);
                 *(before ? &a : &b) = mid;
-                near = before ? phase_near(there, near) : near;
             }
-            double complex there = found ? response(s, &plant, loop, exp(b)) : 0;
-            if (found && what == 0)
-                m.crossover = exp(b), m.phase = LW_PI + phase_near(there, near);
-            else if (found)
-                m.reversal = exp(b), m.gain = 1/cabs(there);
+            double complex there = response(s, &plant, loop, exp(b));
+            double margin = LW_PI + carg(there), factor = 1/cabs(there);
+            margin = margin > LW_PI ? margin - turn : margin;
+            if (what == 0 && !(fabs(margin) >= fabs(m.phase)))
+                m.crossover = exp(b), m.phase = margin;
+            else if (what == 1 && !(fabs(log(factor)) >= fabs(log(m.gain))))
+                m.reversal = exp(b), m.gain = factor;
         }
         was = at, phase = p, gain = g;
     }

@@ -31,10 +31,11 @@ lw_status lw_servo_closed(const lw_servo *s, lw_state_matrices *m, lw_error *e);
  * the sampling time, without those at 0, which have died out after one period.  LW_E_NUMERIC, LW_E_MEMORY. */
 lw_status lw_matrices_poles(const lw_state_matrices *m, int *n, double *re, double *im);
 
-/* Margins of the open loop of a controller, with holds and delays of all samplings. */
+/* Least margins of the open loop of a controller, with holds and delays of all samplings, up to half its sampling
+ * frequency. */
 typedef struct lw_servo_margin {
-    double crossover;                    /* where the gain is 1 [rad/s]; NaN: nowhere                           */
-    double phase;                        /* margin there [rad]                                                  */
+    double crossover;                    /* where the gain is 1, with the least margin [rad/s]; NaN: nowhere     */
+    double phase;                        /* margin there [rad], -pi .. pi                                        */
     double reversal;                     /* where the phase is -180 degrees [rad/s]; NaN: nowhere               */
     double gain;                         /* 1/gain there                                                        */
 } lw_servo_margin;

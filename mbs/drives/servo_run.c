@@ -225,12 +225,14 @@ void lw_servo_events(lw_servo_axis *a, double t, const double *y, bool last)
             sample(a, k, t, y);
 }
 
+static const double absurd = 1e100;
+
 static lw_status rate(void *context, double t, const double *y, double *dy)
 {
     lw_servo_rates(context, t, y, dy);
     for (int i = 0; i < LW_SERVO_N; i++)
-        if (!isfinite(dy[i]))
-            return LW_OPEN;
+        if (!(fabs(dy[i]) < absurd))                       /* squares of errors of steps stay finite */
+            return LW_E_NUMERIC;
     return LW_OK;
 }
 
