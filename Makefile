@@ -9,7 +9,7 @@ endif
 ifeq ($(origin CFLAGS),undefined)
 CFLAGS   = -O3 -g1
 # rooms without hot loops compile twice as fast with less optimisation
-PLAIN    = $(addsuffix /%,cli/program cli/topologies cli/motion cli/fit cli/draw cli/catalogue surface optimise/task \
+PLAIN    = $(addsuffix /%,cli/program cli/topologies cli/motion cli/fit cli/draw cli/catalogue cli/studio studio surface optimise/task \
            catalogues/draw catalogues/exchange catalogues/pages catalogues/build)
 LESS     = $(if $(filter-out catalogues/draw/chain_%,$(filter $(PLAIN),$<)),-O1)
 endif
@@ -20,7 +20,7 @@ STAGES   = base grammar enumerate mbs optimise catalogues surface     # each inc
 PKGS     = gsl nlopt jansson sqlite3
 LATE     = igraph cairo        # loaded when they are first called (base/library.h): 2 ms a start instead of 7
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
-           libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev libsuitesparse-dev
+           libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev libsuitesparse-dev libmicrohttpd-dev
 PEERS    = g++ libsimbody-dev libmujoco-dev                         # optional: measured beside by `bench mbs`
 SUNDIALS = -lsundials_cvode -lsundials_ida -lsundials_nvecserial   # Debian 12 has no .pc for it
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Werror=switch -Wno-unknown-pragmas
@@ -30,6 +30,7 @@ STACK    = $(if $(filter tests/%,$<)$(findstring sanitize,$(CFLAGS)),,-Wframe-la
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) $(LATE) 2>/dev/null)
 # as needed: only a test links one of those that are loaded late
+SERVER   = -lmicrohttpd        # of the program only: linkwright studio
 PRIVATE  = -lplanarity -lgif -lklu $(SUNDIALS) -lpthread -ldl -lm       # those without a .pc file
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) $(LATE) 2>/dev/null) $(PRIVATE)
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
@@ -52,7 +53,7 @@ KERNEL_LEAN = $(if $(filter %/kernel_higher.c %/kernel_continuation.c,$<),-fno-g
 HOT_SRC := $(wildcard mbs/batch/kernel*.c)
 LIB_SRC := $(filter-out $(HOT_SRC),$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
 LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/%.o)
-CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c))
+CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c studio/*.c))
 FUZZ    := $(patsubst %.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c)) $(FUZZ)
 SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))     # of the shared library and linkwright.h alone
@@ -85,6 +86,15 @@ $B/catalogues/pages/page_files.h: $(wildcard catalogues/pages/*.css catalogues/p
 	@mkdir -p $(@D)
 	@for f in $^; do echo "__attribute__((unused)) static const char *const lw_$$(basename $$f | tr . _)[] = {"; \
 	    sed 's/[\\"]/\\&/g; s/.*/"&\\n",/' $$f; echo 'NULL };'; done > $@
+# those of the studio, in a table of names and texts
+$B/studio/server.o: $B/studio_files.h
+$B/studio_files.h: $(wildcard studio/*.html studio/*.css studio/*.js studio/*.svg)
+	@mkdir -p $(@D)
+	@n=0; for f in $^; do n=$$((n + 1)); echo "static const char *const studio_file_$$n[] = {"; \
+	    sed 's/[\\"]/\\&/g; s/.*/"&\\n",/' $$f; echo 'NULL };'; done > $@
+	@n=0; echo 'static const struct { const char *name; const char *const *line; } studio_files[] = {' >> $@; \
+	    for f in $^; do n=$$((n + 1)); echo "{ \"$$(basename $$f)\", studio_file_$$n },"; done >> $@; \
+	    echo '{ NULL, NULL } };' >> $@
 $B/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -c $< -o $@
@@ -100,16 +110,23 @@ $B/install/liblinkwright.a: $(LIB_OBJ)
 	@mkdir -p $(@D)
 	rm -f $@; $(LD) -r $(LIB_OBJ) -o $(@:.a=.o) && $(OBJCOPY) --localize-hidden $(@:.a=.o) && ar rcs $@ $(@:.a=.o)
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) $(SERVER) -o $@
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
            lw_kernels_supported
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) $(SERVER) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o
+STUDIO_OBJ := $(patsubst %.c,$B/%.o,$(wildcard studio/*.c))
+$B/tests/test_studio: $(STUDIO_OBJ)
+$B/tests/test_studio: LIBS += $(SERVER)
+# the page in Chromium, where there is one
+$B/tests/test_studio_page: tests/browser/studio.sh
+	@mkdir -p $(@D)
+	@printf '#!/bin/sh\nexec tests/browser/studio.sh "%s"\n' '$B/linkwright' > $@; chmod +x $@
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so
@@ -152,8 +169,8 @@ test demo: deps
 shared: $B/liblinkwright.so
 samples: $(SAMPLES)                # each checks its own result
 	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
-run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $B/tests/test_python samples   # replay.o named: else a second make misses it
-	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS) $B/tests/test_python
+run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $B/tests/test_python $B/tests/test_studio_page samples   # replay.o named: else a second make misses it
+	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS) $B/tests/test_python $B/tests/test_studio_page
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
 	    --results 1 --quiet --json -o $B/foot.json
@@ -173,7 +190,7 @@ check: $B/$(SONAME) $B/linkwright
 	tests/check_layers.sh
 	@tests/check_docs.sh $B/linkwright
 	@tests/check_headers.sh -D_GNU_SOURCE -DLW_VERSION='""' -I. $(INCS) -Wall -Wextra
-	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c tests/*.c tests/*/*.c); do \
+	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c studio/*.c tests/*.c tests/*/*.c); do \
 	    case "$$f $(PEER_BIN)" in */peer_mujoco.c*peers/mujoco*) ;; */peer_mujoco.c*) continue ;; esac; \
 	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
 	@nm -D --defined-only $B/$(SONAME) | awk '{ print $$3 }' | LC_ALL=C sort > $B/exported
@@ -195,8 +212,9 @@ run-threads: $(THREADED:%=$B/tests/test_%)
 coverage:
 	$(MAKE) B=$B/cov CFLAGS="-O0 -g --coverage -fprofile-update=atomic" KERNEL_CFLAGS="-O1 -g" test
 	@tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 12 $B/coverage.txt
-browser-test: $B/tests/test_atlas_html $B/linkwright      # the atlas in Chromium; skipped without
+browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the studio in Chromium; skipped without
 	@tests/browser/run.sh $B
+	@tests/browser/studio.sh $B/linkwright long
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz

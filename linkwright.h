@@ -467,6 +467,19 @@ LW_API lw_status   lw_kinematics_set_dimension(lw_kinematics *kinematics, int i,
 LW_API lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
                                     double *link_angle, lw_vec2 *tracer, double *margin);
 
+/* How one link moves against another at one moment.  Its instant centre is at rest on both; it rolls the moving
+ * centrode on the fixed one as the input moves.  Points of the link on the circle whose diameter goes from `centre` to
+ * `inflection` pass an inflection of their path. */
+typedef struct lw_instant_motion {
+    lw_vec2 centre, inflection;        /* [m]; NaN: the links only shift against each other                      */
+    double  turn;                      /* relative angular velocity by the input [rad/rad] or [rad/m]             */
+} lw_instant_motion;
+
+/* The motion of `link` seen from `base`.  LW_OPEN as lw_kinematics_pose; LW_E_ARG: no such links; LW_E_KIND: a link
+ * has neither a pin nor a tracer. */
+LW_API lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base,
+                                       lw_instant_motion *out);
+
 /* Points of one tracer at n inputs.  x, y (n) [m]; angle (n) of its link, margin (n): may be NULL.  No memory is
  * allocated.  Inputs where it cannot close have a negative margin. */
 LW_API lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,
@@ -833,8 +846,8 @@ typedef struct lw_target_options {
                                  * them leaves by more than this [length unit of the target]       */
 } lw_target_options;
 
-/* From CSV text with a header x,y[,theta][,angle|t][,weight] or angle,theta[,weight] (docs/notation.md, "Target").
- * options NULL: by the file.  LW_E_NOTATION with line and column. */
+/* From CSV text with a header x,y[,theta][,angle|t][,weight] or angle,theta[,weight] (docs/notation.md, "Target"), or
+ * from the text of an SVG or DXF drawing; `file`, may be NULL, is its name.  options NULL: by the file.  LW_E_NOTATION with line and column. */
 LW_API lw_status lw_target_parse(const char *text, size_t size, const char *file, const lw_target_options *options,
                                  lw_target **out, lw_error *error);
 
@@ -877,6 +890,10 @@ typedef struct lw_zone {
     lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
     double  reach;        /* circle: radius; line: how far off [m]                                  */
 } lw_zone;
+
+/* Called when a search found a better linkage: in the posture of the first station, tracer 0 draws the curve.  Calls
+ * come one at a time. */
+typedef void lw_fit_found(void *context, const lw_linkage *linkage, double objective, double seconds);
 
 typedef struct lw_fit_request {
     /* where to look */
@@ -926,13 +943,17 @@ typedef struct lw_fit_request {
     int         results;               /* at most                                                         (10)    */
     const volatile int *stop;          /* *stop not 0 ends the search; may be set by a signal             (NULL)  */
     lw_progress *progress;             /* NULL: none                                                      (NULL)  */
-    void        *context;              /* of progress                                                     (NULL)  */
+    lw_fit_found *found;               /* NULL: none                                                      (NULL)  */
+    void        *context;              /* of progress and found                                           (NULL)  */
 } lw_fit_request;
 LW_API lw_fit_request lw_fit_request_default(void);
 
 /* A task file (docs/notation.md, "Task") with the targets it names.  _request: what it asks for, the rest as by
  * default; it points into the task, which must outlive its use. */
 LW_API lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **target, lw_error *error);
+/* The same from text, with its own stations; `file` is for messages, may be NULL. */
+LW_API lw_status lw_task_file_parse(const char *text, size_t size, const char *file, lw_task_file **out,
+                                    lw_target **target, lw_error *error);
 LW_API void      lw_task_file_destroy(lw_task_file *task);
 LW_API lw_fit_request lw_task_file_request(const lw_task_file *task);
 

@@ -14,7 +14,7 @@ static const cli_command *const commands[] = { &cli_fit_command, &cli_classify_c
                                               &cli_numbers_command,
                                               &cli_structures_command, &cli_chains_command,
                                               &cli_mechanisms_command, &cli_grammar_command,
-                                              &cli_catalogue_command,
+                                              &cli_catalogue_command, &cli_studio_command,
                                               &cli_bench_command };
 
 #define N_COMMAND ((int)(sizeof commands/sizeof *commands))

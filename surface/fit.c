@@ -27,7 +27,7 @@ lw_status lw_target_parse(const char *text, size_t size, const char *file, const
 {
     lw_target t;
     *out = NULL;
-    return own_target(&t, lw_target_read(text, size, file, options, &t, error), out);
+    return own_target(&t, lw_target_read_text(text, size, file ? file : "", options, &t, error), out);
 }
 
 lw_status lw_target_load(const char *path, const lw_target_options *options, lw_target **out, lw_error *error)
@@ -97,6 +97,30 @@ lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **ta
     if (!task)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     lw_status s = lw_task_file_read_file(path, NULL, task, &t, error);
+    if (s != LW_OK) {
+        free(task);
+        return s;
+    }
+    s = LW_SURFACE_COPY(&t, target);
+    if (s == LW_OK) {
+        *out = task;
+        return s;
+    }
+    lw_target_free(&t);
+    lw_task_file_destroy(task);
+    return s;
+}
+
+lw_status lw_task_file_parse(const char *text, size_t size, const char *file, lw_task_file **out, lw_target **target,
+                             lw_error *error)
+{
+    lw_task_file *task = calloc(1, sizeof *task);
+    lw_target t;
+    *out = NULL;
+    *target = NULL;
+    if (!task)
+        return lw_error_set(error, LW_E_MEMORY, "out of memory");
+    lw_status s = lw_task_file_read_text(text, size, file ? file : "", task, &t, error);
     if (s != LW_OK) {
         free(task);
         return s;
@@ -210,6 +234,9 @@ static unsigned limits_given(const lw_fit_request *r)
 /* Progress that can say no, on top of a flag that can be set from outside. */
 typedef struct control {
     const lw_fit_request *request;
+    const lw_target      *target;
+    const lw_fit_spec    *spec;
+    double                best, started;
     volatile int          stop;
 } control;
 
@@ -222,10 +249,24 @@ static void show(void *context, double done, double seconds, double best)
         c->stop = 1;
 }
 
+/* Each stage begins with finds of its own: only what beats all stages is shown. */
+static void show_found(void *context, const lw_candidate *best)
+{
+    control *c = context;
+    lw_linkage *k = best->objective < c->best ? malloc(sizeof *k) : NULL;
+    if (k && lw_fit_report_linkage(c->target, c->spec, best, k, NULL) == LW_OK) {
+        c->best = best->objective;
+        c->request->found(c->request->context, k, best->objective,
+                          lw_clock_wall() - c->started);
+    }
+    free(k);
+}
+
 static lw_status make_options(const lw_target *t, const lw_fit_request *r, control *c, lw_fit_options *o, lw_error *e)
 {
     *o = lw_fit_options_default();
-    *c = (control){ .request = r };
+    *c = (control){ .request = r, .target = t, .spec = &o->spec, .best = INFINITY,
+                    .started = lw_clock_wall() };
     lw_status s = make_spec(t, r, &o->spec, e);
     o->types = r->types;
     o->solver = r->solver ? lw_solver_find(r->solver) : NULL;
@@ -240,6 +281,7 @@ static lw_status make_options(const lw_target *t, const lw_fit_request *r, contr
     o->budget = (long)r->budget;
     o->interrupt = r->progress || !r->stop ? &c->stop : r->stop;
     o->progress = r->progress ? show : NULL;
+    o->found = r->found ? show_found : NULL;
     o->context = c;
     return s;
 }

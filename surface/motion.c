@@ -6,6 +6,7 @@
 #include <string.h>
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/circuits.h"
+#include "mbs/kinematics/instant.h"
 #include "mbs/kinematics/motion.h"
 #include "mbs/batch/pose.h"
 
@@ -91,6 +92,15 @@ lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int 
     if (margin)
         *margin = pose.margin;
     return s;
+}
+
+lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base,
+                                lw_instant_motion *out)
+{
+    lw_pose pose;
+    *out = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
+    lw_status s = lw_pose_solve(&kinematics->plan, kinematics->dim, kinematics->mode, input, 2, &pose);
+    return s == LW_OK ? lw_instant_motion_of(&kinematics->linkage, &pose, link, base, out) : s;
 }
 
 lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,

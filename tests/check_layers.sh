@@ -10,7 +10,7 @@ while read -r folder allowed; do
     pattern=$(for a in $folder $allowed; do
                   case $a in */*) echo "$a/[^/\"]*\"" ;; *) [ "$a" = "$folder" ] && echo "$a/[^/\"]*\"" || echo "$a/" ;; esac
               done | paste -sd '|')
-    hits=$(grep -nE '^#include "(base|grammar|enumerate|mbs|optimise|catalogues|surface|cli|tests)/' "$folder"/*.[ch] 2>/dev/null |
+    hits=$(grep -nE '^#include "(base|grammar|enumerate|mbs|optimise|catalogues|surface|cli|studio|tests)/' "$folder"/*.[ch] 2>/dev/null |
            grep -vE "#include \"($pattern)")
     if [ -n "$hits" ]; then
         echo "$hits" | sed "s|\$|   ($folder may include: $allowed)|"
@@ -51,16 +51,18 @@ cli/fit base grammar enumerate mbs optimise catalogues cli/program
 cli/draw base grammar enumerate mbs optimise catalogues cli/program
 cli/catalogue base grammar enumerate mbs optimise catalogues cli/program
 cli/bench base grammar enumerate mbs optimise catalogues cli/program
+studio base grammar enumerate mbs optimise catalogues
+cli/studio base grammar enumerate mbs optimise catalogues cli/program studio
 TABLE
 
 # every folder with sources has its row
-for d in $(find base grammar enumerate mbs optimise catalogues surface cli -name '*.[ch]' -printf '%h\n' | sort -u); do
+for d in $(find base grammar enumerate mbs optimise catalogues surface cli studio -name '*.[ch]' -printf '%h\n' | sort -u); do
     grep -qE "^$d( |\$)" "$0" || [ "$d" = cli ] || { echo "$d: no row in tests/check_layers.sh"; bad=1; }
 done
 
 # header of a foreign library: the files that may see it
 while read -r header files; do
-    hits=$(grep -rnE "^#include <$header" --include=*.[ch] base grammar enumerate mbs optimise catalogues surface cli |
+    hits=$(grep -rnE "^#include <$header" --include=*.[ch] base grammar enumerate mbs optimise catalogues surface cli studio |
            grep -vE "^($(tr ' ' '|' <<< "$files")):")
     if [ -n "$hits" ]; then
         echo "$hits" | sed "s|\$|   (bridge files of $header: $files)|"
@@ -69,12 +71,13 @@ while read -r header files; do
 done <<'TABLE'
 gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c mbs/dynamics/modes_eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
-jansson grammar/json.c cli/program/model.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c
+jansson grammar/json.c cli/program/model.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
 cairo catalogues/draw/picture.c
 gif_lib catalogues/draw/gif.c
 planarity grammar/planar.c
 sqlite3 catalogues/store/store_internal.h
 igraph enumerate/canon.c
+microhttpd studio/server.c
 mpi.h cli/program/mpi_jobs.c
 cvode mbs/ode/cvode.c
 ida mbs/ode/ida.c
@@ -84,7 +87,7 @@ TABLE
 
 # functions of the C library whose last bits depend on the processor: base/real.h has its own
 hits=$(grep -rnE '^#include <(math|complex|tgmath)\.h>|[^a-z_](exp2|exp10|expm1|log1p|cbrt|asinh|acosh|atanh|erfc?|[lt]gamma|csqrt|clog|cpow|csin|ccos)\(' \
-       --include=*.[ch] base grammar enumerate mbs optimise catalogues surface cli | grep -vE '^base/real(_complex)?\.h:')
+       --include=*.[ch] base grammar enumerate mbs optimise catalogues surface cli studio | grep -vE '^base/real(_complex)?\.h:')
 if [ -n "$hits" ]; then
     echo "$hits" | sed 's/$/   (use base\/real.h)/'
     bad=1

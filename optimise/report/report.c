@@ -456,3 +456,25 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
     free(plan);
     return st;
 }
+
+lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
+                                lw_error *e)
+{
+    lw_pose pose;
+    double modes[LW_MODE_MAX];
+    lw_plan *plan = malloc(sizeof *plan);
+    lw_status st = plan ? full_plan(t, s, c, k, plan, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK) {
+        modes_at(c, plan, 0, modes);
+        st = lw_plan_write(plan, c->dim, modes, c->input[0], k);
+        if (st != LW_OK)
+            lw_error_set(e, st, "%s", lw_status_text(st));
+    }
+    if (st == LW_OK) {
+        lw_pose_solve(plan, c->dim, modes, c->input[0], 0, &pose);
+        turn_tools(c, t, &pose, k);
+        k->units = t->units;
+    }
+    free(plan);
+    return st;
+}

@@ -95,4 +95,9 @@ void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);
 lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r,
                              lw_error *e);
 
+/* The linkage of a candidate alone, in the posture of the first station, in the units of the target.  LW_OPEN: it does
+ * not close there. */
+lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
+                                lw_error *e);
+
 #endif

@@ -16,6 +16,8 @@
  * `crank_only` without drag links asks for, and one in the others: so it is never worse than that. */
 typedef enum lw_fit_part { LW_FIT_WHOLE, LW_FIT_CRANKS, LW_FIT_OTHERS } lw_fit_part;
 
+struct lw_candidate;
+
 typedef struct lw_fit_options {
     lw_fit_spec spec;
     lw_fit_part part;            /* of `types` (LW_FIT_WHOLE)                                        */
@@ -40,6 +42,8 @@ typedef struct lw_fit_options {
     void      (*progress)(void *context, double done, double seconds, double best);
     /* Called after each round that found something better, for work-precision curves; may be NULL. */
     void      (*improved)(void *context, long evals, double seconds, double best);
+    /* Called after each round whose best find is better than that of the rounds before; may be NULL. */
+    void      (*found)(void *context, const struct lw_candidate *best);
     void       *context;
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);

@@ -1,4 +1,5 @@
 /* optimise/search/fit_run.c - rounds until the search ends, and what the caller gets. */
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,9 +82,26 @@ static double done_part(const lw_search *s, int rounds)
     return s->o->families ? fmax(rounded, fmin(1, (double)s->evals/(double)budget_of(s))) : rounded;
 }
 
-/* Call the user's progress functions. */
-static void report_progress(lw_search *s, int rounds, double *least)
+/* Show the caller the best find, if it is better than the last one shown. */
+static void show_best(lw_search *s, lw_found *shown)
 {
+    const lw_found *best = s->pool.item;
+    lw_candidate c;
+    if (!s->o->found || s->pool.n == 0 || best->beyond > shown->beyond
+        || (best->beyond == shown->beyond && !(best->f < shown->f)))
+        return;
+    if (lw_search_fill(s, best, &c)) {
+        s->o->found(s->o->context, &c);
+        lw_candidate_free(&c);
+        shown->beyond = best->beyond;
+        shown->f = best->f;
+    }
+}
+
+/* Call the user's progress functions. */
+static void report_progress(lw_search *s, int rounds, double *least, lw_found *shown)
+{
+    show_best(s, shown);
     double best = s->pool.n && !s->pool.item[0].beyond ? s->pool.item[0].f : INFINITY, now = lw_clock_wall() - s->started;
     lw_status st;
     const lw_problem *p = s->pool.n ? lw_search_made(s, 0, s->pool.item[0].candidate, false, &st) : NULL;
@@ -98,6 +116,7 @@ static void report_progress(lw_search *s, int rounds, double *least)
 static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
 {
     double least = INFINITY;
+    lw_found shown = { .f = INFINITY, .beyond = INT_MAX };
     int rounds = rounds_of(s);
     *stop = LW_STOP_EVALS;
     for (s->round = 0; s->round < rounds && s->n_job > 0; s->round++) {
@@ -106,7 +125,7 @@ static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
             st = LW_E_MEMORY;
         if (st != LW_OK)
             return st;
-        report_progress(s, rounds, &least);
+        report_progress(s, rounds, &least, &shown);
         if (s->o->interrupt && *s->o->interrupt)
             *stop = LW_STOP_USER;
         else if (lw_search_stopped(s))

@@ -129,8 +129,7 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         c->input[k] = from + step;
 }
 
-/* Fill `out` with one find; false: no memory, which s->no_memory tells, or no inputs suit its stations. */
-static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
+bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
 {
     lw_work *w;
     const lw_problem *p = settled(s, c, &w);
@@ -205,13 +204,13 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
             lw_candidate instead;
             fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, seen[k].of)
                                                         : !same_curves(t, &seen[k], n);
-            if (fresh || !is_smaller(s, c, seen[k].of) || !fill_candidate(s, c, &instead))
+            if (fresh || !is_smaller(s, c, seen[k].of) || !lw_search_fill(s, c, &instead))
                 continue;
             lw_candidate_free(&out->candidate[k]);
             out->candidate[k] = instead;
             seen[k].of = c;
         }
-        if (fresh && fill_candidate(s, c, &out->candidate[out->n]))
+        if (fresh && lw_search_fill(s, c, &out->candidate[out->n]))
             out->n++;
     }
     free(seen);

@@ -68,6 +68,24 @@ static const char *find_curve(const char *path)
     return hash && hash > path && access(path, F_OK) != 0 ? hash + 1 : NULL;
 }
 
+lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
+                              lw_error *e)
+{
+    lw_status s = refuse_foreign(text, size, file, e);
+    *t = (lw_target){ .n = 0 };
+    if (s != LW_OK)
+        return s;
+    switch (lw_target_kind_of(text, size, file)) {
+    case LW_TARGET_KIND_SVG:
+        return lw_target_read_svg(text, size, file, o, t, e);
+    case LW_TARGET_KIND_DXF:
+        return lw_target_read_dxf(text, size, file, o, t, e);
+    case LW_TARGET_KIND_TABLE:
+        break;
+    }
+    return lw_target_read(text, size, file, o, t, e);
+}
+
 lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
 {
     char *text = NULL, file[4096];
@@ -78,14 +96,10 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
     mine.curve = curve ? curve : mine.curve;
     lw_status s = lw_file_read(file, &text, &size, e);
     *t = (lw_target){ .n = 0 };
-    if (s == LW_OK)
-        s = refuse_foreign(text, size, file, e);
-    lw_target_kind kind = s == LW_OK ? lw_target_kind_of(text, size, file) : LW_TARGET_KIND_TABLE;
-    if (s == LW_OK && kind == LW_TARGET_KIND_TABLE && curve)
+    if (s == LW_OK && curve && lw_target_kind_of(text, size, file) == LW_TARGET_KIND_TABLE)
         s = lw_error_at(e, LW_E_ARG, file, 0, 0, "'#%s' names a curve of a drawing, but this is a table", curve);
     if (s == LW_OK)
-        s = (kind == LW_TARGET_KIND_SVG ? lw_target_read_svg : kind == LW_TARGET_KIND_DXF ? lw_target_read_dxf
-             : lw_target_read)(text, size, file, &mine, t, e);
+        s = lw_target_read_text(text, size, file, &mine, t, e);
     free(text);
     return s;
 }
@@ -146,6 +160,22 @@ lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, l
     s = read_target(path, o, task, t, e);
     if (s != LW_OK && e && !e->file[0])
         snprintf(e->file, sizeof e->file, "%s", path);
+    if (s != LW_OK)
+        lw_task_file_free(task);
+    return s;
+}
+
+lw_status lw_task_file_read_text(const char *text, size_t size, const char *file, lw_task_file *task, lw_target *t,
+                                 lw_error *e)
+{
+    lw_status s = lw_task_file_read(text, size, file, task, e);
+    if (s != LW_OK)
+        return s;
+    const char *named = task->target;
+    for (int i = 0; i < task->n_also && !named[0]; i++)
+        named = task->also[i].target;
+    s = named[0] ? lw_error_set(e, LW_E_ARG, "the task names the file %.200s; it must hold its stations itself", named)
+                 : read_target(file, NULL, task, t, e);
     if (s != LW_OK)
         lw_task_file_free(task);
     return s;

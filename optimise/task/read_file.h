@@ -10,6 +10,10 @@ typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGE
 /* What a text is read as: a drawing, by the end of its name or by how it begins, or else a table. */
 lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path);
 
+/* A table (CSV) or a drawing, from text; `file` decides by its end which of them, and is for messages; may be "". */
+lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
+                              lw_error *e);
+
 /* A table (CSV) or a drawing.  "FILE#NAME" names a curve of a drawing (lw_target_options.curve).  "-" is standard
  * input.
  * LW_E_IO, and failures of the readers. */
@@ -18,6 +22,10 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
 /* A task with its target: its own stations, or the files it names, beside it; dwells put in.  o overrules the file,
  * may be NULL.  After a failure neither needs _free. */
 lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
+                                 lw_error *e);
+
+/* A task from text, which must hold its own stations.  LW_E_ARG: it names a file. */
+lw_status lw_task_file_read_text(const char *text, size_t size, const char *file, lw_task_file *task, lw_target *t,
                                  lw_error *e);
 
 /* Path of a file named in the task file `path`: relative to the task's folder, unless the name is absolute. */

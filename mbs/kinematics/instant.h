@@ -1,0 +1,13 @@
+/* mbs/kinematics/instant.h - how one link moves against another at one moment: instant centre and inflection circle.
+ * Derivatives are by the input, so that the results do not depend on its speed. */
+#ifndef LW_MBS_KINEMATICS_INSTANT_H
+#define LW_MBS_KINEMATICS_INSTANT_H
+
+#include "grammar/linkage.h"     /* lw_instant_motion: linkwright.h */
+#include "mbs/batch/pose.h"
+
+/* The motion of `link` seen from `base`, in a pose with derivatives of order 2.  LW_E_ARG: no such links, or the same
+ * one twice; LW_E_KIND: a link has neither a pin nor a tracer, so that the pose has no point of it. */
+lw_status lw_instant_motion_of(const lw_linkage *k, const lw_pose *pose, int link, int base, lw_instant_motion *out);
+
+#endif

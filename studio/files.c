@@ -1,0 +1,335 @@
+/* studio/files.c - what comes into the page and what leaves it: files, targets, chains, the gallery, exports. */
+#include "studio/studio_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/file.h"
+#include "base/real.h"
+#include "linkwright.h"
+#include "optimise/task/target.h"
+
+/* {}: what the page begins with. */
+lw_status studio_begin(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    (void)ask, (void)e;
+    lw_bytes_text(&r->body, "{");
+    studio_put_text(&r->body, "version", lw_version());
+    studio_put_text(&r->body, "file", s->file);
+    studio_put_text(&r->body, "text", s->text);
+    pthread_mutex_lock(&s->lock);
+    studio_put_real(&r->body, "atlas", s->atlas_state);
+    pthread_mutex_unlock(&s->lock);
+    lw_bytes_text(&r->body, "}\n");
+    return LW_OK;
+}
+
+/* ---- targets --------------------------------------------------------------------------------------------------- */
+
+static void put_target(lw_bytes *b, const lw_target *t, double unit, bool rows)
+{
+    const double *x, *y, *theta, *angle;
+    size_t n = lw_target_n(t);
+    lw_target_stations(t, &x, &y, &theta, &angle);
+    studio_put_bool(b, "closed", lw_target_closed(t));
+    studio_put_real(b, "length", lw_target_length(t)/unit);
+    studio_put_text(b, "note", lw_target_note(t));
+    if (x)
+        studio_put_reals(b, "x", x, n, 1, unit);
+    if (y)
+        studio_put_reals(b, "y", y, n, 1, unit);
+    if (theta && rows)
+        studio_put_reals(b, "theta", theta, n, 1, 1);
+    if (angle && rows)
+        studio_put_reals(b, "angle", angle, n, 1, 1);
+}
+
+/* { text, name, unit, stations, smooth, closed }: stations of a path, in the unit; of a table, of an SVG or DXF drawing,
+ * or of what was drawn on the page, which comes as an SVG path. */
+lw_status studio_target(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    lw_target *t = NULL;
+    lw_units u = lw_units_si();
+    char *text;
+    size_t size;
+    const char *unit = studio_text(ask, "unit", "mm");
+    const json_t *closed = json_object_get(ask, "closed");
+    lw_target_options o = { .closed = json_is_boolean(closed) ? json_is_true(closed) : -1,
+                            .length_unit = studio_bool(ask, "force_unit") ? unit : NULL,
+                            .curve = studio_text(ask, "curve", NULL), .stations = (int)studio_real(ask, "stations", 0),
+                            .smooth = studio_real(ask, "smooth", 0) };
+    (void)s;
+    if (!lw_units_set_length(&u, unit))
+        return lw_error_set(e, LW_E_ARG, "there is no unit '%.20s'", unit);
+    lw_status st = studio_source(ask, "text", &text, &size, e);
+    if (st != LW_OK)
+        return st;
+    st = lw_target_parse(text, size, studio_text(ask, "name", ""), &o, &t, e);
+    free(text);
+    if (st != LW_OK)
+        return st;
+    lw_bytes_text(&r->body, "{");
+    put_target(&r->body, t, u.metre, true);
+    lw_bytes_text(&r->body, "}\n");
+    lw_target_destroy(t);
+    return st;
+}
+
+/* ---- linkages --------------------------------------------------------------------------------------------------- */
+
+static bool is_target(const char *text, const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const char *const ends[] = { ".csv", ".svg", ".dxf", ".txt" };
+    for (int i = 0; dot && i < 4; i++)
+        if (strcasecmp(dot, ends[i]) == 0)
+            return i < 3 || text[strspn(text, " \t\r\n")] != '{';
+    return false;
+}
+
+/* Every result of a fit, or one linkage. */
+static lw_status put_linkages(lw_bytes *b, const char *text, size_t size, const char *name, lw_error *e)
+{
+    lw_linkage *k = malloc(sizeof *k);
+    lw_status s = k ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    int n = 0;
+    lw_bytes_text(b, "{");
+    studio_put_text(b, "kind", "linkage");
+    studio_put_key(b, "linkages");
+    lw_bytes_text(b, "[");
+    if (s == LW_OK && text[strspn(text, " \t\r\n\xef\xbb\xbf")] == '{') {
+        while (n < 64 && lw_linkage_read_result(text, size, name, n + 1, k, NULL) == LW_OK) {
+            studio_put_linkage(b, NULL, k);
+            n++;
+        }
+        if (n == 0 && (s = lw_linkage_read(text, size, name, k, e)) == LW_OK)
+            studio_put_linkage(b, NULL, k);
+    } else if (s == LW_OK) {
+        lw_linkage *other = NULL;
+        if ((s = lw_linkage_parse(text, size, name, NULL, &other, e)) == LW_OK)
+            studio_put_linkage(b, NULL, other);
+        lw_linkage_destroy(other);
+    }
+    lw_bytes_text(b, "]}\n");
+    free(k);
+    return s;
+}
+
+/* { text, name, unit }: what a dropped file holds: linkages as docs/notation.md writes them, or a target. */
+lw_status studio_open(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    char *text;
+    size_t size;
+    const char *name = studio_text(ask, "name", "");
+    lw_status st = studio_source(ask, "text", &text, &size, e);
+    if (st != LW_OK)
+        return st;
+    if (is_target(text, name)) {
+        lw_target *t = NULL;
+        lw_target_options o = { .closed = -1 };
+        st = lw_target_parse(text, size, name, &o, &t, e);
+        if (st == LW_OK) {
+            lw_bytes_text(&r->body, "{");
+            studio_put_text(&r->body, "kind", "target");
+            studio_put_text(&r->body, "unit", t->units.length[0] ? t->units.length : "m");
+            put_target(&r->body, t, t->units.metre, true);
+            lw_bytes_text(&r->body, "}\n");
+        }
+        lw_target_destroy(t);
+    } else
+        st = put_linkages(&r->body, text, size, name, e);
+    (void)s;
+    free(text);
+    return st;
+}
+
+/* {}: the list of known mechanisms; { name }: the file of one.  Only names of the list are read. */
+lw_status studio_gallery(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    char path[LW_PATH_SIZE], *text;
+    size_t size, i;
+    const char *name = studio_text(ask, "name", NULL);
+    const json_t *row;
+    json_error_t fault;
+    bool known = false;
+    if (!s->gallery)
+        return lw_error_set(e, LW_E_IO, "the gallery is not installed");
+    snprintf(path, sizeof path, "%s/index.json", s->gallery);
+    lw_status st = lw_file_read(path, &text, &size, e);
+    json_t *list = st == LW_OK ? json_loadb(text, size, 0, &fault) : NULL;
+    json_array_foreach(list, i, row)
+        known = known || (name && strcmp(name, studio_text(row, "name", "")) == 0);
+    json_decref(list);
+    if (st == LW_OK && name) {
+        free(text);
+        text = NULL;
+        snprintf(path, sizeof path, "%s/%s.json", s->gallery, known ? name : "");
+        st = known ? lw_file_read(path, &text, &size, e) : lw_error_set(e, LW_E_ARG, "the gallery has no \"%.60s\"", name);
+    }
+    if (st == LW_OK)
+        lw_bytes_add(&r->body, text, size);
+    free(text);
+    return st;
+}
+
+/* ---- chains to build from ---------------------------------------------------------------------------------------- */
+
+typedef struct chain_list { lw_bytes *b; int n; } chain_list;
+
+static lw_status put_mechanism(void *context, const lw_mechanism *m)
+{
+    chain_list *list = context;
+    char *json = NULL, *edges = NULL;
+    lw_error e;
+    lw_picture *picture = NULL;
+    char *svg = NULL;
+    size_t size;
+    const char *caption = NULL;
+    if (list->n++ >= 400)
+        return LW_STOPPED;
+    lw_status s = lw_mechanism_to_text(m, "json", &json, &e);
+    if (s == LW_OK && lw_picture_of_mechanisms(1, &m, &caption, 1, NULL, &picture, &e) == LW_OK)
+        lw_picture_write(picture, "svg", 160, 120, &svg, &size, &e);
+    if (s == LW_OK) {
+        studio_put_key(list->b, NULL);
+        lw_bytes_text(list->b, "{");
+        studio_put_text(list->b, "mechanism", json);
+        studio_put_text(list->b, "picture", svg);
+        lw_bytes_text(list->b, "}");
+    }
+    lw_picture_destroy(picture);
+    lw_free(svg);
+    lw_free(edges);
+    lw_free(json);
+    return s;
+}
+
+static lw_status put_chain(void *context, const lw_chain *chain)
+{
+    lw_mechanism *m = NULL;
+    lw_choices choices = lw_choices_default();
+    choices.inputs = 1;
+    choices.output = true;
+    lw_status s = lw_mechanism_of_chain(chain, &m);
+    if (s == LW_OK)
+        s = lw_enumerate_mechanisms(m, &choices, put_mechanism, context, NULL, NULL);
+    lw_mechanism_destroy(m);
+    return s;
+}
+
+/* { links }: mechanisms of pins with so many links, each choice of ground, input and output once, with a picture. */
+lw_status studio_chains(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    int links = (int)studio_real(ask, "links", 4);
+    lw_enumeration what = lw_enumeration_default(links, 1);
+    chain_list list = { &r->body, 0 };
+    what.jobs = 1;
+    (void)s;
+    if (links != 4 && links != 6 && links != 8)
+        return lw_error_set(e, LW_E_ARG, "chains of 4, 6 or 8 links");
+    lw_bytes_text(&r->body, "{");
+    studio_put_key(&r->body, "mechanisms");
+    lw_bytes_text(&r->body, "[");
+    lw_status st = lw_enumerate_chains(&what, put_chain, &list, e);
+    lw_bytes_text(&r->body, "]}\n");
+    return st == LW_STOPPED ? LW_OK : st;
+}
+
+/* { mechanism, seed, unit, size, at }: a linkage of this topology that closes, of about this size, in the unit. */
+lw_status studio_chain_linkage(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    const char *text = studio_text(ask, "mechanism", "");
+    lw_mechanism *m = NULL;
+    lw_linkage *k = NULL;
+    double size = studio_real(ask, "size", 100);
+    lw_units u = lw_units_si();
+    (void)s;
+    lw_units_set_length(&u, studio_text(ask, "unit", "mm"));
+    lw_units_set_angle(&u, "deg");
+    lw_status st = lw_mechanism_from_text(text, strlen(text), "json", &m, e);
+    if (st == LW_OK)
+        st = lw_linkage_of_mechanism(m, (uint64_t)fabs(studio_real(ask, "seed", 1)), &k, e);
+    if (st == LW_OK) {
+        lw_vec2 least = { INFINITY, INFINITY }, most = { -INFINITY, -INFINITY };
+        for (int i = 0; i < k->n_joint; i++) {
+            lw_vec2 p = k->joint[i].at;
+            least = (lw_vec2){ fmin(least.x, p.x), fmin(least.y, p.y) };
+            most = (lw_vec2){ fmax(most.x, p.x), fmax(most.y, p.y) };
+        }
+        double scale = size*u.metre/fmax(hypot(most.x - least.x, most.y - least.y), 1e-300);
+        lw_linkage_lay(k, false, 0, scale, (lw_vec2){ -scale*(least.x + most.x)/2, -scale*(least.y + most.y)/2 });
+        k->units = u;
+        lw_bytes_text(&r->body, "{");
+        studio_put_linkage(&r->body, "linkage", k);
+        lw_bytes_text(&r->body, "}\n");
+    }
+    lw_linkage_destroy(k);
+    lw_mechanism_destroy(m);
+    return st;
+}
+
+/* ---- take away ----------------------------------------------------------------------------------------------------- */
+
+static const struct { const char *format, *type; bool picture; } formats[] = {
+    { "json", "application/json", false },  { "svg", "image/svg+xml", true },    { "pdf", "application/pdf", true },
+    { "png", "image/png", true },           { "gif", "image/gif", true },        { "html", "text/html", true },
+    { "dxf", "image/vnd.dxf", false },      { "scad", "text/plain", false },     { "mjcf", "application/xml", false },
+    { "poses", "text/csv", false },         { "step", "model/step", false },     { "stl", "model/stl", false },
+    { "urdf", "application/xml", false },   { "sdf", "application/xml", false }, { "adams", "text/plain", false },
+    { "slvs", "text/plain", false },        { "pyslvs", "text/plain", false },   { "pmks", "text/plain", false },
+    { "motiongen", "application/json", false },
+};
+
+static lw_status export_picture(const json_t *ask, const lw_linkage *k, const char *format, char **out, size_t *size,
+                                lw_error *e)
+{
+    lw_picture *p = NULL;
+    lw_target *t = NULL;
+    char *text = NULL;
+    size_t n;
+    if (json_object_get(ask, "target") && studio_source(ask, "target", &text, &n, NULL) == LW_OK)
+        lw_target_parse(text, n, NULL, NULL, &t, NULL);
+    free(text);
+    lw_status s = lw_picture_of_linkage(k, t, NULL, &p, e);
+    if (s == LW_OK)
+        s = lw_picture_write(p, format, 0, 0, out, size, e);
+    lw_picture_destroy(p);
+    lw_target_destroy(t);
+    return s;
+}
+
+/* { linkage, format, target }: the bytes of a file.  The JSON of a linkage goes out as the page holds it, with masses and
+ * all. */
+lw_status studio_export(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    const char *format = studio_text(ask, "format", "");
+    size_t i = 0, n = sizeof formats/sizeof *formats, size = 0;
+    char *text, *out = NULL;
+    lw_model *m = NULL;
+    (void)s;
+    while (i < n && strcmp(formats[i].format, format) != 0)
+        i++;
+    if (i == n)
+        return lw_error_set(e, LW_E_ARG, "there is no format '%.20s'", format);
+    lw_status st = studio_source(ask, "linkage", &text, &size, e);
+    if (st != LW_OK)
+        return st;
+    st = lw_model_parse(text, size, NULL, &m, e);
+    if (st == LW_OK && !lw_model_linkage(m))
+        st = lw_error_set(e, LW_E_ARG, "the linkage is too large");
+    if (st == LW_OK && strcmp(format, "json") == 0) {
+        out = text;
+        text = NULL;
+    } else if (st == LW_OK && formats[i].picture)
+        st = export_picture(ask, lw_model_linkage(m), format, &out, &size, e);
+    else if (st == LW_OK)
+        st = lw_model_export(m, format, NULL, &out, &size, e);
+    if (st == LW_OK) {
+        r->type = formats[i].type;
+        lw_bytes_add(&r->body, out, size);
+    }
+    lw_free(out);
+    free(text);
+    lw_model_destroy(m);
+    return st;
+}

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# The studio in a real browser.   tests/browser/studio.sh LINKWRIGHT [long] [FOLDER FOR PICTURES]
+# Skipped, with a word, where there is no Chromium or Node.
+set -eu
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+for need in "${chromium:-chromium}" node; do
+    command -v "$need" > /dev/null || { echo "skipped, there is no $need (Debian: chromium, nodejs)"; echo "test_studio_page: 0 passed, 0 failed"; exit 0; }
+done
+exec node "$(dirname "$0")/studio.mjs" "$1" "$chromium" "${2:-short}" ${3:+"$3"}

@@ -1,0 +1,113 @@
+/* test_instant.c - instant centres by Kennedy's theorem and by the lines of links; points of the inflection circle pass an
+ * inflection of their path. */
+#include <string.h>
+
+#include "base/rng.h"
+#include "base/vec2.h"
+#include "linkwright.h"
+#include "tests/check.h"
+
+static double draw(lw_rng *rng, double from, double to) { return lw_rng_range(rng, from, to); }
+
+/* A four-bar A0 A B B0 with a tracer P on the coupler, or a slider-crank where `slides`. */
+static lw_kinematics *make(lw_rng *rng, bool slides, lw_vec2 tracer, lw_vec2 place[4])
+{
+    lw_vec2 a0 = { 0, 0 }, a = { draw(rng, 0.2, 0.6), draw(rng, 0.3, 0.7) }, b = { draw(rng, 2, 3), draw(rng, 1.5, 2.5) },
+            b0 = { draw(rng, 2, 3), draw(rng, -0.3, 0.3) };
+    lw_joint_info joint[4] = {
+        { NULL, 'r', { 0, 1 }, a0, { 0, 0 }, 0 }, { NULL, 'r', { 1, 2 }, a, { 0, 0 }, 0 },
+        { NULL, 'r', { 2, 3 }, b, { 0, 0 }, 0 },
+        { NULL, slides ? 't' : 'r', { 0, 3 }, slides ? b : b0, slides ? lw_v2(1, 0) : lw_v2(0, 0), 0 } };
+    lw_input_info input = { 0, NAN, 0, 0, 0 };
+    lw_tracer_info p = { NULL, 2, tracer, 0 };
+    lw_linkage *k;
+    lw_kinematics *m = NULL;
+    memcpy(place, (lw_vec2[]){ a0, a, b, b0 }, 4*sizeof *place);
+    lw_error e;
+    CHECK(lw_linkage_create(4, 0, 4, joint, 1, &input, 1, &p, &k, &e) == LW_OK);
+    CHECK(lw_kinematics_create(k, &m, &e) == LW_OK);
+    lw_linkage_destroy(k);
+    return m;
+}
+
+static lw_vec2 crossing(lw_vec2 p, lw_vec2 u, lw_vec2 q, lw_vec2 v)
+{
+    return lw_v2_add(p, lw_v2_scale(u, lw_v2_cross(lw_v2_sub(q, p), v)/lw_v2_cross(u, v)));
+}
+
+static void near(lw_vec2 got, lw_vec2 want)
+{
+    double far = 1 + lw_v2_norm(want);
+    CHECK_NEAR(got.x, want.x, 1e-9*far*far, 0);
+    CHECK_NEAR(got.y, want.y, 1e-9*far*far, 0);
+}
+
+static void centres_of_fourbars(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int trial = 0; trial < 200; trial++) {
+        lw_vec2 p[4];
+        lw_kinematics *m = make(&rng, false, lw_v2(1, 1), p);
+        double input = lw_kinematics_input(m);
+        lw_instant_motion at;
+        CHECK(lw_kinematics_instant(m, input, 2, 0, &at) == LW_OK);      /* coupler: cranks' lines meet */
+        near(at.centre, crossing(p[0], lw_v2_sub(p[1], p[0]), p[3], lw_v2_sub(p[2], p[3])));
+        CHECK(lw_kinematics_instant(m, input, 3, 1, &at) == LW_OK);      /* cranks: coupler and frame meet */
+        near(at.centre, crossing(p[0], lw_v2_sub(p[3], p[0]), p[1], lw_v2_sub(p[2], p[1])));
+        CHECK(lw_kinematics_instant(m, input, 1, 2, &at) == LW_OK);      /* neighbours: their pin */
+        near(at.centre, p[1]);
+        CHECK(lw_kinematics_instant(m, input, 2, 2, &at) == LW_E_ARG);
+        lw_kinematics_destroy(m);
+    }
+}
+
+static void centres_of_slider_cranks(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int trial = 0; trial < 100; trial++) {
+        lw_vec2 p[4];
+        lw_kinematics *m = make(&rng, true, lw_v2(1, 1), p);
+        lw_instant_motion at;
+        CHECK(lw_kinematics_instant(m, lw_kinematics_input(m), 2, 0, &at) == LW_OK);
+        near(at.centre, crossing(p[0], lw_v2_sub(p[1], p[0]), p[2], lw_v2(0, 1)));
+        CHECK(lw_kinematics_instant(m, lw_kinematics_input(m), 3, 0, &at) == LW_OK);     /* it only shifts */
+        CHECK(isnan(at.centre.x) && at.turn == 0);
+        lw_kinematics_destroy(m);
+    }
+}
+
+/* A point of the coupler on the circle is traced: velocity and acceleration are parallel there, and nowhere else. */
+static void points_of_the_inflection_circle(void)
+{
+    for (int trial = 0; trial < 200; trial++) {
+        lw_rng rng;
+        lw_rng_seed(&rng, check_seed(), (uint64_t)(100 + trial));
+        lw_rng again = rng;
+        lw_vec2 p[4], tracer[3];
+        bool slides = trial % 2;
+        lw_kinematics *m = make(&rng, slides, lw_v2(1, 1), p);
+        lw_instant_motion at;
+        CHECK(lw_kinematics_instant(m, lw_kinematics_input(m), 2, 0, &at) == LW_OK);
+        lw_kinematics_destroy(m);
+        lw_vec2 middle = lw_v2_scale(lw_v2_add(at.centre, at.inflection), 0.5);
+        lw_vec2 on = lw_v2_add(middle, lw_v2_turn(lw_v2_sub(at.centre, middle), lw_v2_polar(1, draw(&rng, 0.5, 5.5))));
+        for (int off = 0; off < 2; off++) {
+            lw_rng same = again;
+            m = make(&same, slides, off ? lw_v2_add(on, lw_v2_scale(lw_v2_sub(on, middle), 0.3)) : on, p);
+            CHECK(lw_kinematics_pose(m, lw_kinematics_input(m), 2, NULL, NULL, tracer, NULL) == LW_OK);
+            double bend = lw_v2_cross(tracer[1], tracer[2])/(lw_v2_norm(tracer[1])*lw_v2_norm(tracer[2]));
+            CHECK(off ? fabs(bend) > 1e-6 : fabs(bend) < 1e-6);
+            lw_kinematics_destroy(m);
+        }
+    }
+}
+
+int main(void)
+{
+    RUN(centres_of_fourbars);
+    RUN(centres_of_slider_cranks);
+    RUN(points_of_the_inflection_circle);
+    return check_end();
+}
