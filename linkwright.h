@@ -75,7 +75,7 @@ typedef struct lw_error {
 
 typedef struct lw_vec2 { double x, y; } lw_vec2;
 typedef struct lw_vec3 { double x, y, z; } lw_vec3;
-typedef struct lw_quaternion { double w, x, y, z; } lw_quaternion;     /* orientation as a unit quaternion, w the real part */
+typedef struct lw_quaternion { double w, x, y, z; } lw_quaternion;      /* of length 1, w the real part: a turn      */
 
 /* Version of the library that runs, "0.1.0"; LW_VERSION_STRING is that of this header. */
 LW_API const char *lw_version(void);
@@ -454,7 +454,8 @@ LW_API double    lw_kinematics_input(const lw_kinematics *kinematics);
 /* Turns of the linkage's input in one turn here: more than 1 with gears of fractional ratio. */
 LW_API int       lw_kinematics_turns(const lw_kinematics *kinematics);
 
-/* Dimensions: "r1", "cx", "theta0", ... (docs/conventions.md).  Changing one keeps the topology and the assembly mode. */
+/* Dimensions: "r1", "cx", "theta0", ... (docs/conventions.md).  Changing one keeps the topology and the assembly
+ * mode. */
 LW_API int         lw_kinematics_n_dimension(const lw_kinematics *kinematics);
 LW_API const char *lw_kinematics_dimension_name(const lw_kinematics *kinematics, int i);
 LW_API double      lw_kinematics_dimension(const lw_kinematics *kinematics, int i);
@@ -560,7 +561,8 @@ LW_API lw_status lw_model_load(const char *path, lw_model **out, lw_error *error
 LW_API void      lw_model_destroy(lw_model *model);
 LW_API const lw_linkage *lw_model_linkage(const lw_model *model);      /* belongs to the model; NULL: too large    */
 
-/* Sizes of plates in drawings for cutting and in solids [m]; 0, and for the clearance a value below 0: the usual ones.  */
+/* Sizes of plates in drawings for cutting and in solids [m]; 0, and for the clearance a value below 0: the usual
+ * ones.  */
 typedef struct lw_plate_options {
     double width;                      /* of a bar                                                                */
     double thickness;
@@ -676,7 +678,8 @@ LW_API lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *err
 /* The present: as of the last lw_stepper_advance.  Holds until the next one. */
 LW_API const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper);
 
-/* From now on this load acts on a link, besides all others; set a state.  LW_E_ARG: no such link or state; not finite. */
+/* From now on this load acts on a link, besides all others; set a state.  LW_E_ARG: no such link or state; not
+ * finite. */
 LW_API lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load);
 LW_API lw_status lw_stepper_set_state(lw_stepper *stepper, int state, double value);
 
@@ -696,6 +699,67 @@ typedef lw_status lw_vibration_callback(void *context, const lw_vibration_info *
  * held, with `hold` all inputs.  LW_NOTHING: no freedom is left. */
 LW_API lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit,
                                      void *context, lw_error *error);
+
+/* ---- models in space ---- */
+
+typedef struct lw_spatial lw_spatial;          /* bodies and joints in space (docs/notation.md, "Spatial model")   */
+
+/* Has a place three numbers in this text, or a joint a kind that only space has? */
+LW_API bool      lw_spatial_text(const char *text, size_t size);
+LW_API lw_status lw_spatial_parse(const char *text, size_t size, const char *file, lw_spatial **out, lw_error *error);
+LW_API lw_status lw_spatial_load(const char *path, lw_spatial **out, lw_error *error);
+LW_API void      lw_spatial_destroy(lw_spatial *model);
+
+/* Number and name of the parts: what is 'l' links (the ground too), 'j' joints, 'i' inputs, 'd' drives, 't' tracers. 
+ * The name of an input or drive is that of its joint or tracer.  NULL: there is no such part. */
+LW_API int         lw_spatial_count(const lw_spatial *model, char what);
+LW_API const char *lw_spatial_name(const lw_spatial *model, char what, int index);
+
+/* Move an input by an expression of t: "0.5 + 10*t" [rad] or [m].  LW_E_NOTATION with the column. */
+LW_API lw_status lw_spatial_set_motion(lw_spatial *model, int input, const char *motion, lw_error *error);
+
+/* Degrees of freedom; generic is -1, driven is 0; idle: spins of links between ball joints. */
+LW_API lw_status lw_spatial_analyse_mobility(const lw_spatial *model, double tolerance, uint64_t seed,
+                                             lw_mobility_info *out, lw_error *error);
+
+/* How a point with axes moves: rates by time, or by the input [1/rad] or [1/m]; all in ground axes. */
+typedef struct lw_frame_motion {
+    lw_vec3 place, velocity, acceleration;       /* [m] [m/s] [m/s^2]                                             */
+    lw_quaternion turn;                          /* of a tracer's axes; of a link since the posture of the file   */
+    lw_vec3 omega, alpha;                        /* angular velocity and acceleration [rad/s] [rad/s^2]            */
+} lw_frame_motion;
+
+/* One row of a trace: at: the first input [rad] or [m], or the time [s]; input (n_input); tracer (n_tracer). */
+typedef lw_status lw_spatial_trace_callback(void *context, double at, const double *input,
+                                            const lw_frame_motion *tracer);
+
+/* Follow the tracers: in time by the motions of all inputs, or over the first input while the others stand still;
+ * from == to: over its range in the file, or as far as it goes.  Steps never jump to another branch.  LW_OPEN: a
+ * limit or a singular posture lies before the end (the text says where, and how far which joint stays open);
+ * LW_E_ARG: the inputs do not fit the freedoms. */
+LW_API lw_status lw_spatial_trace(const lw_spatial *model, bool in_time, double from, double to, int intervals,
+                                  lw_spatial_trace_callback *visit, void *context, lw_error *error);
+
+/* What a joint does to its link[1], about the joint's point on that link [N] [N m]. */
+typedef struct lw_spatial_reaction { lw_vec3 force, moment; } lw_spatial_reaction;
+
+typedef struct lw_spatial_sample {
+    double                     t;
+    const lw_frame_motion     *link;             /* (n_link) of the centres of mass; 0 for the ground             */
+    const lw_frame_motion     *tracer;           /* (n_tracer)                                                    */
+    const lw_spatial_reaction *joint;            /* (n_joint)                                                     */
+    const double              *input, *rate;     /* (n_input) [rad] or [m], per second                            */
+    const double              *drive;            /* torque or force of each drive, or input without drives        */
+    double                     kinetic, potential, work;   /* [J]; work NaN where every freedom is driven         */
+    double                     residual;         /* of the constraints, over the size of the model                */
+} lw_spatial_sample;
+typedef lw_status lw_spatial_callback(void *context, const lw_spatial_sample *sample);
+
+/* Run a model, as lw_simulation_run; analysis "static": one sample.  Formulations: auto, driven, index1, cvode. 
+ * LW_E_KIND: a rigid stop, or a force of the caller's own in the options, which spatial models do not know. */
+LW_API lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_options *options,
+                                     lw_spatial_callback *visit, void *context, lw_simulation_report *report,
+                                     lw_error *error);
 
 /* Pins with clearance, as the model file gives them ("clearance" of a joint). */
 typedef struct lw_clearance_settings {
@@ -808,8 +872,9 @@ LW_API const char *lw_master_view(const lw_master *master, int i);
 /* Unit ("": none) and range of a parameter, in that unit; infinite without a range.  LW_E_ARG: no such parameter. */
 LW_API lw_status lw_master_parameter_unit(const lw_master *master, int i, const char **unit, double range[2]);
 
-/* The defaults of the master.  Then choose: values set one by one stand above those of the configuration.  value: a number
- * in the unit of the parameter or "3.2 m", a text, true or false.  NULL: no configuration, the master's own view. */
+/* The defaults of the master.  Then choose: values set one by one stand above those of the configuration.  value: a
+ * number in the unit of the parameter or "3.2 m", a text, true or false.  NULL: no configuration, the master's own
+ * view. */
 LW_API lw_status lw_variant_create(const lw_master *master, lw_variant **out);
 LW_API void      lw_variant_destroy(lw_variant *variant);
 LW_API lw_status lw_variant_configure(lw_variant *variant, const char *configuration, lw_error *error);
@@ -1140,9 +1205,9 @@ LW_API lw_status lw_catalogue_check(lw_catalogue *catalogue, lw_error *error);
 LW_API lw_status lw_catalogue_pages(lw_catalogue *catalogue, const char *folder, int links, int limit,
                                     const lw_catalogue_work *work, lw_error *error);
 
-/* A data set to cite, in a folder that exists: all chains with up to `links` links (7 ..) as graph6, mechanisms with up to 4
- * links less, Assur groups with up to 2 less, a catalogue, counts, checksums.  The same bytes for any number of threads
- * (docs/catalogue.md).  LW_STOPPED: progress said so; the same call goes on. */
+/* A data set to cite, in a folder that exists: all chains with up to `links` links (7 ..) as graph6, mechanisms with
+ * up to 4 links less, Assur groups with up to 2 less, a catalogue, counts, checksums.  The same bytes for any number
+ * of threads (docs/catalogue.md).  LW_STOPPED: progress said so; the same call goes on. */
 LW_API lw_status lw_release(const char *folder, int links, const lw_catalogue_work *work, lw_error *error);
 
 #ifdef __cplusplus

@@ -187,7 +187,8 @@ static void linkages_move_and_are_written(void)
     char name[] = "/tmp/linkwright-XXXXXX";
     int fd = mkstemp(name);
     CHECK_INT(lw_linkage_export(k, "json", &text, &size, &e), LW_OK);
-    dprintf(fd, "{ \"results\": [\n{ \"linkage\": %s },\n{ \"objective\": 1 }, { \"linkage\": { \"joints\": 7 } } ] }", text);
+    dprintf(fd, "{ \"results\": [\n{ \"linkage\": %s },\n{ \"objective\": 1 }, { \"linkage\": { \"joints\": 7 } } ] }",
+            text);
     close(fd);
     CHECK_INT(lw_linkage_load(name, &back, &e), LW_OK);
     CHECK_INT(lw_linkage_mobility(back), 1);
@@ -321,6 +322,62 @@ static void no_error_reaches_the_program(void)
     CHECK(now == of_program);                                     /* as the program left it */
 }
 
+/* ---- space ------------------------------------------------------------------------------------------------------- */
+
+static lw_status last_place(void *context, double at, const double *input, const lw_frame_motion *tracer)
+{
+    (void)at, (void)input;
+    *(lw_vec3 *)context = tracer[0].place;
+    return LW_OK;
+}
+
+typedef struct spatial_end { int n; double t, torque, x, w, fz; } spatial_end;
+
+static lw_status last_sample(void *context, const lw_spatial_sample *s)
+{
+    spatial_end *end = context;
+    *end = (spatial_end){ end->n + 1, s->t, s->drive[0], s->tracer[0].place.x, s->link[1].omega.z, s->joint[0].force.z };
+    return LW_OK;
+}
+
+static void spatial_models(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 2, "
+                               "\"centre\": [0.5, 0, 0], "
+        "\"inertia\": [0.1, 0.1, 0.1]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"arm\"], \"at\": "
+        "[0, 0, 0], "
+        "\"axis\": [0, 0, 1]}], \"input\": {\"joint\": \"A\", \"motion\": \"t^2\"}, \"gravity\": [0, 0, -10], "
+        "\"tracers\": [{\"name\": \"P\", \"link\": \"arm\", \"at\": [1, 0, 0]}]}";
+    lw_spatial *m;
+    lw_mobility_info info;
+    lw_simulation_report report;
+    lw_error e = { 0 };
+    lw_vec3 end;
+    spatial_end at = { 0 };
+    CHECK(lw_spatial_text(text, strlen(text)));
+    CHECK_INT(lw_spatial_parse(text, strlen(text), "arm", &m, &e), LW_OK);
+    CHECK_INT(lw_spatial_count(m, 'l'), 2);
+    CHECK_TEXT(lw_spatial_name(m, 'i', 0), "A");
+    CHECK(lw_spatial_name(m, 't', 1) == NULL);
+    CHECK_INT(lw_spatial_analyse_mobility(m, 1e-12, 1, &info, &e), LW_OK);
+    CHECK_INT(info.freedom, 1);
+    CHECK_INT(lw_spatial_trace(m, false, 0, 0.5, 5, last_place, &end, &e), LW_OK);
+    CHECK_NEAR(end.x, cos(0.5), 1e-14, 0);
+    lw_simulation_options o = lw_simulation_options_default();
+    CHECK_INT(lw_spatial_simulate(m, &o, last_sample, &at, &report, &e), LW_OK);
+    CHECK_INT(at.n, 101);
+    CHECK_TEXT(report.formulation, "driven");
+    CHECK_NEAR(at.torque, (0.1 + 2*0.25)*2, 1e-12, 0);
+    CHECK_NEAR(at.w, 2, 1e-13, 0);
+    CHECK_NEAR(at.fz, 20, 1e-12, 0);
+    CHECK_INT(lw_spatial_set_motion(m, 0, "t +", &e), LW_E_NOTATION);
+    o.formulation = "reduced";
+    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &e), LW_E_ARG);
+    lw_spatial_destroy(m);
+    CHECK_INT(lw_spatial_load("no/such/file", &m, &e), LW_E_IO);
+    CHECK(m == NULL);
+}
+
 int main(void)
 {
     gsl_set_error_handler(of_program);
@@ -332,5 +389,6 @@ int main(void)
     RUN(faults_of_a_linkage_are_named);
     RUN(fits_find_stop_and_explain);
     RUN(no_error_reaches_the_program);
+    RUN(spatial_models);
     return check_end();
 }

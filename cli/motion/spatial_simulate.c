@@ -16,7 +16,7 @@ typedef struct column { char name[LW_NAME_SIZE + 24]; const char *unit; double s
 typedef struct run {
     const lw_spatial *m;
     const lw_space   *s;
-    lw_space_tracer  *tracer;
+    lw_frame_motion  *tracer, *link;
     column           *column;
     int               n_column, capacity;
     double           *row;
@@ -112,12 +112,12 @@ static double *put(double *to, lw_vec3 a)
     return to + 3;
 }
 
-static double *put_body(double *to, lw_vec3 at, lw_quaternion turn, lw_vec3 v, lw_vec3 w, lw_vec3 a, lw_vec3 alpha)
+static double *put_body(double *to, const lw_frame_motion *m)
 {
-    double sign = turn.w < 0 ? -1 : 1;
-    to = put(to, at);
-    *to++ = sign*turn.w, *to++ = sign*turn.x, *to++ = sign*turn.y, *to++ = sign*turn.z;
-    return put(put(put(put(to, v), w), a), alpha);
+    double sign = m->turn.w < 0 ? -1 : 1;
+    to = put(to, m->place);
+    *to++ = sign*m->turn.w, *to++ = sign*m->turn.x, *to++ = sign*m->turn.y, *to++ = sign*m->turn.z;
+    return put(put(put(put(to, m->velocity), m->omega), m->acceleration), m->alpha);
 }
 
 static void put_number(FILE *f, double v)
@@ -145,17 +145,11 @@ static lw_status put_row(void *context, const lw_space_moment *o)
     for (int i = 0; i < m->n_drive; i++)
         *to++ = o->drive[i];
     lw_space_tracers(s, o->frame, o->q, o->v, o->a, r->tracer);
-    for (int i = 0; i < m->n_tracer; i++) {
-        const lw_space_tracer *t = &r->tracer[i];
-        to = put_body(to, t->place, t->turn, t->velocity, t->omega, t->acceleration, t->alpha);
-    }
-    for (int b = 0; b < s->n_body; b++) {
-        const double *q = o->q + 7*b, *v = o->v + 6*b, *a = o->a + 6*b;
-        lw_quaternion turn = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
-                                                 lw_quaternion_inverse(s->axes[b]));
-        to = put_body(to, lw_v3(q[0], q[1], q[2]), turn, lw_v3(v[0], v[1], v[2]), lw_space_omega(o->frame, b, o->v),
-                      lw_v3(a[0], a[1], a[2]), lw_space_omega(o->frame, b, o->a));
-    }
+    for (int i = 0; i < m->n_tracer; i++)
+        to = put_body(to, &r->tracer[i]);
+    lw_space_links(s, o, r->link);
+    for (int b = 0; b < s->n_body; b++)
+        to = put_body(to, &r->link[s->link_of[b]]);
     for (int j = 0; j < m->n_joint; j++)
         to = put(put(to, o->joint[j].force), o->joint[j].moment);
     lw_space_momentum(s, o->frame, o->v, &linear, &angular);
@@ -275,7 +269,9 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_opt
         make_columns(&r);
         r.row = malloc((size_t)r.n_column*sizeof *r.row);
         r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
-        st = r.no_memory || !r.row || !r.tracer ? lw_error_set(&e, LW_E_MEMORY, "out of memory") : cli_open(call, &out,
+        r.link = malloc((size_t)m->n_link*sizeof *r.link);
+        st = r.no_memory || !r.row || !r.tracer || !r.link ? lw_error_set(&e, LW_E_MEMORY, "out of memory")
+            : cli_open(call, &out,
                 &e);
     }
     int code;
@@ -296,7 +292,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_opt
             snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
         code = cli_fail(call, &e);
     }
-    free(r.row), free(r.tracer), free(r.column);
+    free(r.row), free(r.tracer), free(r.link), free(r.column);
     lw_space_run_free(made);
     return code;
 }

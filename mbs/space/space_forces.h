@@ -8,7 +8,7 @@ typedef struct lw_space_forces {
     const lw_space *s;
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
-    double          *turn;               /* (n_joint) turns at the posture accepted last; angles are counted from there */
+    double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;

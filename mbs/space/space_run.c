@@ -996,3 +996,19 @@ void lw_space_run_redundant(const lw_space_run *r, char *text, size_t size)
         }
     }
 }
+
+void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out)
+{
+    for (int i = 0; i < s->model->n_link; i++) {
+        int b = s->body_of[i];
+        out[i] = (lw_frame_motion){ .turn = { 1, 0, 0, 0 } };
+        if (b < 0)
+            continue;
+        const double *q = m->q + 7*b, *v = m->v + 6*b, *a = m->a + 6*b;
+        lw_quaternion turn = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
+                                                 lw_quaternion_inverse(s->axes[b]));
+        out[i] = (lw_frame_motion){ { q[0], q[1], q[2] }, { v[0], v[1], v[2] }, { a[0], a[1], a[2] },
+                                    lw_quaternion_unit(turn),
+                                    lw_space_omega(m->frame, b, m->v), lw_space_omega(m->frame, b, m->a) };
+    }
+}

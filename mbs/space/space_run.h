@@ -34,7 +34,7 @@ typedef struct lw_space_options {
 
 lw_space_options lw_space_options_default(void);     /* transient, 0 to 1 s, 100 intervals, 1e-10 */
 
-typedef struct lw_space_reaction { lw_vec3 force, moment; } lw_space_reaction;
+typedef lw_spatial_reaction lw_space_reaction;
 
 /* One moment; arrays are the solver's. */
 typedef struct lw_space_moment {
@@ -54,7 +54,7 @@ typedef lw_status lw_space_moment_sink(void *context, const lw_space_moment *m);
 
 typedef struct lw_space_report {
     lw_space_formulation formulation;
-    char   why[320];
+    char   why[256];
     int    unknowns, freedom, redundant, idle;
     long   steps, refused, rates, samples;
     double worst_off, worst_off_rate;
@@ -74,6 +74,9 @@ const lw_space_report *lw_space_run_report(const lw_space_run *r);
 
 /* Run and hand out all samples; static: one, the equilibrium near the posture of the file. */
 lw_status lw_space_run_go(lw_space_run *r, lw_space_moment_sink *sink, void *context, lw_error *e);
+
+/* Motion of all links (n_link) at a moment of a run. */
+void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out);
 
 /* Names of joints whose reactions are not unique, " A B"; they are given with the least norm. */
 void lw_space_run_redundant(const lw_space_run *r, char *text, size_t size);

@@ -5,12 +5,7 @@
 #include <signal.h>
 #include "mbs/space/space_follow.h"
 
-/* Motion of a tracer; rates are by the input, or by time. */
-typedef struct lw_space_tracer {
-    lw_vec3 place, velocity, acceleration;       /* [m], ...                                           */
-    lw_quaternion turn;                          /* of its axes                                        */
-    lw_vec3 omega, alpha;                        /* in ground axes                                     */
-} lw_space_tracer;
+typedef lw_frame_motion lw_space_tracer;         /* rates are by the input, or by time */
 
 /* One row; the arrays hold until the next one.  u: the input [rad] or [m], or the time [s]. */
 typedef lw_status lw_space_row_sink(void *context, double u, const double *input, const lw_space_tracer *tracer);

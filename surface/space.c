@@ -1,0 +1,159 @@
+/* Models in space. */
+#include "surface/surface.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/clock.h"
+#include "grammar/spatial.h"
+#include "mbs/space/space_mobility.h"
+#include "mbs/space/space_run.h"
+
+lw_status lw_spatial_parse(const char *text, size_t size, const char *file, lw_spatial **out, lw_error *error)
+{
+    lw_spatial *m = calloc(1, sizeof *m);
+    *out = NULL;
+    lw_status s = m ? lw_spatial_read(text, size, file, m, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        *out = m;
+    else
+        free(m);
+    return s;
+}
+
+static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)
+{
+    return lw_spatial_parse(text, size, file, out, e);
+}
+
+lw_status lw_spatial_load(const char *path, lw_spatial **out, lw_error *error)
+{
+    *out = NULL;
+    return lw_surface_load(path, parse, out, error);
+}
+
+void lw_spatial_destroy(lw_spatial *model)
+{
+    if (model)
+        lw_spatial_free(model);
+    free(model);
+}
+
+int lw_spatial_count(const lw_spatial *model, char what)
+{
+    switch (what) {
+    case 'l': return model->n_link;
+    case 'j': return model->n_joint;
+    case 'i': return model->n_input;
+    case 'd': return model->n_drive;
+    case 't': return model->n_tracer;
+    default:  return 0;
+    }
+}
+
+const char *lw_spatial_name(const lw_spatial *model, char what, int index)
+{
+    if (index < 0 || index >= lw_spatial_count(model, what))
+        return NULL;
+    lw_spatial_measure of = what == 'i' ? model->input[index].measure : what == 'd' ? model->drive[index]
+                          : (lw_spatial_measure){ what == 't' ? LW_OF_X : LW_OF_TURN, index };
+    return what == 'l' ? model->body[index].name : of.of >= LW_OF_X ? model->tracer[of.index].name
+        : model->joint[of.index].name;
+}
+
+lw_status lw_spatial_analyse_mobility(const lw_spatial *model, double tolerance, uint64_t seed, lw_mobility_info *out,
+                                      lw_error *error)
+{
+    lw_space_mobility m;
+    if (!(tolerance > 0 && tolerance <= 1e-4))
+        return lw_error_set(error, LW_E_ARG, "the tolerance of closing lies between 0 and 1e-4");
+    lw_status s = lw_space_mobility_find(model, tolerance, seed, &m, error);
+    if (s != LW_OK)
+        return s;
+    *out = (lw_mobility_info){ .kind = m.freedom > 0 ? "moves" : m.shaky ? "shaky" : "rigid", .count = m.count,
+                               .freedom = m.freedom, .generic = -1, .instant = m.instant, .redundant = m.n_redundant,
+                               .idle = m.idle, .residual = m.residual };
+    lw_space_mobility_free(&m);
+    return LW_OK;
+}
+
+lw_status lw_spatial_trace(const lw_spatial *model, bool in_time, double from, double to, int intervals,
+                           lw_spatial_trace_callback *visit, void *context, lw_error *error)
+{
+    lw_space_trace o = { .in_time = in_time, .from = from, .to = to, .intervals = intervals, .whole = !in_time
+                         && from == to };
+    if (intervals < 1 || !(from <= to) || (in_time && from == to))
+        return lw_error_set(error, LW_E_ARG, "a trace needs an interval or more, and an end that is not before its "
+                                             "begin");
+    return lw_space_trace_run(model, &o, visit, context, error);
+}
+
+/* ---- simulation --------------------------------------------------------------------------------------------- */
+
+typedef struct visitor {
+    const lw_space      *s;
+    lw_spatial_callback *visit;
+    void                *context;
+    lw_frame_motion     *link, *tracer;
+} visitor;
+
+static lw_status hand_on(void *context, const lw_space_moment *m)
+{
+    visitor *v = context;
+    lw_space_links(v->s, m, v->link);
+    lw_space_tracers(v->s, m->frame, m->q, m->v, m->a, v->tracer);
+    lw_spatial_sample sample = { m->t, v->link, v->tracer, m->joint, m->input, m->input_rate, m->drive, m->kinetic,
+                                 m->potential,
+                                 m->work, m->off };
+    return v->visit(v->context, &sample);
+}
+
+static int find(const char *name, const char *const *names, int n, int otherwise)
+{
+    for (int i = 0; i < n; i++)
+        if (name && strcmp(name, names[i]) == 0)
+            return i;
+    return name ? -1 : otherwise;
+}
+
+lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_options *options, lw_spatial_callback *visit,
+                              void *context, lw_simulation_report *report, lw_error *error)
+{
+    static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic" };
+    static const char *const formulations[] = { "auto", "driven", "index1", "cvode" };
+    lw_simulation_options all = options ? *options : lw_simulation_options_default();
+    int analysis = find(all.analysis, analyses, 5, 0), formulation = find(all.formulation, formulations, 4, 0);
+    lw_space_options o = { .analysis = (lw_space_analysis)analysis, .formulation = (lw_space_formulation)formulation,
+                           .from = all.from, .to = all.to, .intervals = all.intervals, .relative = all.tolerance,
+                           .max_step = all.max_steps, .stop = all.stop,
+                           .until = all.max_seconds > 0 ? lw_clock_wall() + all.max_seconds : 0 };
+    lw_space_run *run;
+    if (report)
+        *report = (lw_simulation_report){ .formulation = "" };
+    if (analysis < 0 || formulation < 0)
+        return lw_error_set(error, LW_E_ARG, "spatial models know the analyses transient, static, quasistatic, "
+                                             "kinematic, dynamic "
+                            "and the formulations auto, driven, index1, cvode");
+    if (all.force.apply)
+        return lw_error_set(error, LW_E_KIND, "spatial models take no forces of the caller's own");
+    if (!(all.from < all.to) || all.intervals < 1 || !(all.tolerance > 0))
+        return lw_error_set(error, LW_E_ARG, "a run needs from < to, an interval or more, and a tolerance above 0");
+    lw_status s = lw_space_run_make(model, &o, &run, error);
+    if (s != LW_OK)
+        return s;
+    visitor v = { lw_space_run_space(run), visit, context, malloc((size_t)model->n_link*sizeof *v.link),
+                  malloc(((size_t)model->n_tracer + 1)*sizeof *v.tracer) };
+    s = v.link && v.tracer ? lw_space_run_go(run, visit ? hand_on : NULL, &v, error)
+                           : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    const lw_space_report *q = lw_space_run_report(run);
+    if (report) {
+        report->formulation = lw_space_formulation_name(q->formulation);
+        snprintf(report->why, sizeof report->why, "%s", q->why);
+        report->freedom = q->freedom, report->unknowns = q->unknowns, report->redundant = q->redundant;
+        report->steps = q->steps, report->refused = q->refused, report->evaluations = q->rates;
+        report->t = q->t, report->energy_error = q->energy_error, report->residual = q->worst_off;
+    }
+    free(v.link), free(v.tracer);
+    lw_space_run_free(run);
+    return s;
+}
