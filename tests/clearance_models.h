@@ -42,7 +42,7 @@ static inline void give_masses(lw_rng *r, const lw_linkage *k, int joint, lw_mod
 {
     lw_model_from_linkage(k, m);
     for (int l = 0; l < k->n_link; l++)
-        m->body[l] = (lw_body){ true, lw_rng_range(r, 0.5, 3), random_place(r), lw_rng_range(r, 0.1, 1) };
+        m->body[l] = (lw_body){ .given = true, .mass = lw_rng_range(r, 0.5, 3), .centre = random_place(r), .inertia = lw_rng_range(r, 0.1, 1) };
     m->gravity = lw_v2(lw_rng_range(r, -3, 3), -9.81);
     m->has_speed[0] = true;
     m->speed[0] = lw_rng_range(r, -2, 2);

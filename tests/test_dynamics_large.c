@@ -111,7 +111,7 @@ static void examples_agree(void)
                 int j = 0;
                 while (m.linkage.joint[j].link[0] != l && m.linkage.joint[j].link[1] != l)
                     j++;
-                m.body[l] = (lw_body){ true, 1, m.linkage.joint[j].at, 0.1 };
+                m.body[l] = (lw_body){ .given = true, .mass = 1, .centre = m.linkage.joint[j].at, .inertia = 0.1 };
             }
         for (int k = 0; k < m.linkage.n_input; k++) {         /* and runs freely */
             lw_expression_free(m.motion[k]);

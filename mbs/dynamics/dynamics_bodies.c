@@ -228,6 +228,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     bool changed = false;
     long n_stuck = 0;
     int taken = 0;
+    double redecided = -INFINITY;
     good_state f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     if (s == LW_OK && d->touch)
@@ -235,6 +236,17 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         s = step(w, d->o.to, &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
+        if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
+            redecided = time_of(w);          /* rows of places have become dependent: choose others */
+            memcpy(y, state(w), (size_t)run->n*sizeof *y);
+            s = lw_run_touch(run, redecided, y, 0);
+            if (s == LW_OK)
+                s = restart(w, y, run->flight, run->e);
+            w->explicit_one.h *= 0.01;
+            s = s != LW_OPEN ? s : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the forces of contact are undetermined; "
+                                                "give the contacts a \"stiffness\"", redecided);
+            stop = LW_ODE_STEP;
+        }
         if (s == LW_OK && w->implicit)
             s = check_progress(run, w, &n_stuck);
         run->r->t = time_of(w);

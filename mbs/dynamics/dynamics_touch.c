@@ -12,8 +12,8 @@
  *
  * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/dynamics/complementarity.h);
  * they decide which places are held, stick or slip.  Of several solutions the method takes the one it finds first from
- * that without contact forces.  Where there is none (Painleve 1895), friction stops the slip at once: an impulse at a
- * place that does not approach, by Keller's integration over the impulse (Keller 1986). */
+ * that without contact forces.  Where there is none (Painleve 1895), friction stops slips at once, by impulses at places
+ * that do not approach. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -29,7 +29,8 @@ static const double late = 1e-14;            /* events happen where a gap is bel
 /* Rates of gaps and slips below this times a speed count as 0.  The speed is the fastest velocity, or that which free
  * accelerations reach over the size of the linkage. */
 static const double still = 1e-12, no_slip = 1e-10;
-static const double least_share = 1e-8;      /* pivot of a row that depends on others, over its diagonal       */
+static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
+static const double least_share = 1e-6;      /* pivot of a row that depends on others, over its diagonal       */
 static const double undetermined = 2e-3;     /* the friction equations below this determinant have no use      */
 enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
 
@@ -61,7 +62,7 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
             return s;
     }
     if (w->n_slip > 0)
-        g[DETERMINANT] = w->determinant - undetermined;
+        g[DETERMINANT] = fabs(w->determinant) - undetermined;
     const double *l = d->l + d->n_c - w->n_row;
     d->eq.place(d->eq.context, y);
     for (int k = 0; k < w->n_row; k++)
@@ -391,43 +392,41 @@ static lw_status strike(lw_run *run, double t, closed *c, double tiny, double *v
     return lw_error_set(run->e, LW_E_NUMERIC, "impacts follow each other without end at t = %.9g s", t);
 }
 
-/* Painleve: end the slip of place i of c by an impulse, although it does not approach.  The impulse grows, first with
- * friction against the slip, then, once that is 0, sticking or sliding back, until the approach it causes has ended. */
-static lw_status jam(lw_run *run, double t, closed *c, int i, double *v)
+/* Where the complementarity problem of the forces has no solution, or none is found: the impulses of a time h in which free
+ * accelerations change the rates by a trace.  That problem always has a solution.  Impulses of the order of h are forces
+ * (c->force, c->rate).  Others remain when h goes to 0: friction ends slips at once, at places that do not approach
+ * (Painleve); they are applied and *any is set.  LW_NOTHING: no solution was found. */
+static lw_status solve_impulses(lw_run *run, double t, closed *c, double speed, double *v, bool *any)
 {
-    size_t r = 2*(size_t)c->m, a = 2*(size_t)i;
-    double wn = c->w[a*r + a], wx = c->w[a*r + a + 1], wt = c->w[(a + 1)*r + a + 1];
-    double mu = run->d->touch->list.touch[c->place[i]].surface->friction, rate = c->u[a], slip = c->u[a + 1];
-    double normal = 0, across = 0;
-    for (int phase = 0; phase < 3; phase++) {
-        double sense = slip > 0 ? 1 : -1, hold = -wx/wt, ratio = -mu*sense;
-        if (phase > 0) {                     /* slip is 0: can friction keep it there? */
-            bool sticks = fabs(hold) <= mu;
-            sense = hold > 0 ? -1 : 1;
-            ratio = sticks ? hold : -mu*sense;
-        }
-        double by = wn + wx*ratio, change = wx + wt*ratio;
-        double to_stop = phase == 0 && slip*change < 0 ? -slip/change : INFINITY;
-        double to_end = by > 0 && rate < 0 ? -rate/by : INFINITY, p = fmin(to_stop, to_end);
-        if (!(p < INFINITY))
-            break;
-        normal += p;
-        across += ratio*p;
-        rate += by*p;
-        slip += change*p;
-        if (p == to_end) {
-            double *impulse = c->force;
-            memset(impulse, 0, r*sizeof *impulse);
-            impulse[a] = normal;
-            impulse[a + 1] = across;
-            apply_impulse(run->d, c, impulse, v);
-            find_rates(run->d, v, c);
-            note(run, c->place[i], t, true, 0);
-            return LW_OK;
-        }
-        slip = 0;
+    size_t r = 2*(size_t)c->m;
+    double *after = c->sub + r*r + 3*r, most = 0, change = 0;
+    for (size_t k = 0; k < r; k++)
+        most = fmax(most, fabs(c->b[k]));
+    double h = trace*speed/fmax(most, 1e-300);
+    for (int i = 0; i < c->m; i++) {
+        after[2*i] = (c->in[i] ? fmin(c->u[2*i], 0) : c->u[2*i]) + h*c->b[2*i];
+        after[2*i + 1] = c->u[2*i + 1] + h*c->b[2*i + 1];
+        c->law[i].slips = 0;
+        c->law[i].least *= h;
     }
-    return LW_NOTHING;
+    lw_status s = solve(c, after, c->force, c->rate);
+    for (size_t k = 0; s == LW_OK && k < r; k++)
+        change = fmax(change, fabs(c->rate[k] - after[k]));
+    *any = change > 30*trace*speed;
+    for (int i = 0; s == LW_OK && i < c->m; i++) {
+        bool strikes = c->in[i] && !c->law[i].fixed && c->force[2*i]*c->w[2*(size_t)i*(r + 1)] > 30*trace*speed;
+        if (*any && strikes)
+            note(run, c->place[i], t, true, 0);
+    }
+    if (s == LW_OK && *any) {
+        apply_impulse(run->d, c, c->force, v);
+        find_rates(run->d, v, c);
+    }
+    for (size_t k = 0; s == LW_OK && !*any && k < r; k++) {
+        c->rate[k] = c->b[k] + (c->rate[k] - after[k])/h;
+        c->force[k] /= h;
+    }
+    return s;
 }
 
 /* ---- forces and states -------------------------------------------------------------------------------- */
@@ -479,24 +478,6 @@ static lw_status find_forces(closed *c, double tiny)
         }
     }
     return LW_OK;
-}
-
-/* The place whose friction makes its own force grow without end: the least response of its gap to its force. */
-static int find_painleve(const closed *c)
-{
-    size_t r = 2*(size_t)c->m;
-    int worst = -1;
-    double most = 0.1;
-    for (int i = 0; i < c->m; i++) {
-        size_t a = 2*(size_t)i;
-        double mu = c->law[i].friction, wn = c->w[a*r + a];
-        if (!c->in[i] || c->law[i].slips == 0 || c->law[i].fixed)
-            continue;
-        double share = (wn - mu*c->law[i].slips*c->w[a*r + a + 1])/wn;
-        if (share < most)
-            most = share, worst = i;
-    }
-    return worst;
 }
 
 /* Add row k of c to those that are held if it is independent of them: by Cholesky's method on W.  `factor` (rows x rows)
@@ -639,16 +620,18 @@ static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undeci
             return s;
         set_laws(d, c, speed);
         s = find_forces(c, tiny);
-        int worst = s == LW_NOTHING || undecided ? find_painleve(c) : -1;
-        undecided = false;
-        if (s == LW_OK && worst < 0)
-            return LW_OK;
-        if (s != LW_OK && s != LW_NOTHING)
+        if ((s == LW_OK && !undecided) || (s != LW_OK && s != LW_NOTHING))
             return s;
-        if (worst < 0 || jam(run, t, c, worst, v) != LW_OK)
+        undecided = false;
+        bool impulsive;
+        s = solve_impulses(run, t, c, speed, v, &impulsive);
+        *any = *any || impulsive;
+        if (s == LW_NOTHING)
             break;
-        *any = true;
-        s = LW_OK;
+        if (s == LW_OK && !impulsive) {
+            set_laws(d, c, speed);
+            return LW_OK;
+        }
     }
     return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of rigid contact with friction go on with the motion "
                         "(Painleve's paradox); give the contacts a \"stiffness\"", t);

@@ -72,7 +72,7 @@ lw_status lw_friction_sizes(int n, int n_signed, const lw_vec2 *rest, const lw_v
         double value = lw_qr_determinant(n, diag);
         if (determinant)
             *determinant = value;
-        if (!(value > singular))
+        if (!((n_signed ? fabs(value) : value) > singular))
             break;
         lw_qr_solve(n, n, matrix, diag, left);
         for (int j = 0; j < n; j++) {
