@@ -160,7 +160,7 @@ lw_fit_request lw_task_file_request(const lw_task_file *task)
     r.angle_length = s->angle_length;
     r.crank_only = s->crank_only && s->exclude_drag_link;
     r.full_turn = s->crank_only;
-    r.min_transmission = s->min_transmission;
+    r.min_transmission = task->limits & LW_LIMIT_TRANSMISSION && !(s->min_transmission > 0) ? -1 : s->min_transmission;
     r.max_acceleration = s->max_acceleration;
     r.max_slide_acceleration = s->max_slide_acceleration;
     r.length_range[0] = s->length_lo;
@@ -168,6 +168,11 @@ lw_fit_request lw_task_file_request(const lw_task_file *task)
     r.position_range[0] = s->position_lo;
     r.position_range[1] = s->position_hi;
     r.length_ratio = s->length_ratio;
+    r.max_size = task->limits & LW_LIMIT_SIZE && !(s->max_size > 0) ? -1 : s->max_size;
+    r.class_margin = task->limits & LW_LIMIT_MARGIN && !(s->class_margin > 0) ? -1 : s->class_margin;
+    r.through_limits = task->limits & LW_LIMIT_MOTION;
+    r.unlimited = task->limits == LW_LIMIT_ALL;
+    r.tolerance = s->tolerance;
     r.n_bound = s->n_bound;
     r.bound = s->bound;
     r.n_zone = s->n_zone;
@@ -213,6 +218,7 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
     spec->length_ratio = fmax(0, r->length_ratio);
     spec->max_size = fmax(0, r->max_size);
     spec->class_margin = fmax(0, r->class_margin);
+    spec->tolerance = r->tolerance;
     spec->n_bound = r->n_bound;
     spec->n_zone = r->n_zone;
     if (r->n_bound > 0)

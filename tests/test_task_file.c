@@ -16,7 +16,8 @@ static void everything_is_read(void)
         "\"crank\":true,\"weights\":{\"path\":2,\"angle\":3},\"transmission\":30,\"acceleration\":4,"
         "\"lengths\":{\"least\":5,\"most\":50,\"ratio\":6},\"positions\":{\"least\":-7,\"most\":8},"
         "\"pivots\":{\"line\":[[1,1],[1,3]],\"within\":0.5},"
-        "\"forbidden\":[{\"circle\":[[9,8],2]},{\"box\":[[20,30],[40,50]]}]}";
+        "\"forbidden\":[{\"circle\":[[9,8],2]},{\"box\":[[20,30],[40,50]]}],"
+        "\"max_size\":3,\"class_margin\":0,\"through_limits\":true,\"tolerance\":0.2,\"smooth\":1.5,\"resample\":40}";
     lw_task_file b;
     lw_error e;
     CHECK_INT(read(text, &b, &e), LW_OK);
@@ -34,6 +35,11 @@ static void everything_is_read(void)
     CHECK_NEAR(b.spec.length_hi, 5e-2, 0, 1e-15);
     CHECK_NEAR(b.spec.length_ratio, 6, 0, 0);
     CHECK_NEAR(b.spec.position_lo, -7e-3, 0, 1e-15);
+    CHECK_NEAR(b.spec.max_size, 3, 0, 0);
+    CHECK_NEAR(b.spec.tolerance, 2e-4, 0, 1e-14);
+    CHECK_NEAR(b.smooth, 1.5, 0, 0);
+    CHECK_INT(b.resample, 40);
+    CHECK_INT(b.limits, LW_LIMIT_ALL);                  /* transmission, ratio, size, margin 0, through limits  */
     CHECK_INT(b.spec.n_zone, 3);
     CHECK_INT(b.spec.zone[0].kind, LW_ZONE_PIVOTS_LINE);
     CHECK_NEAR(b.spec.zone[0].to.y, 1, 1e-15, 0);
@@ -52,6 +58,9 @@ static void faults_have_a_place(void)
         { "{\"linkwright-task\":1,\"target\":\"a\",\n\"timming\":\"free\"}", 2, 1, "timing" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"timing\":\"fre\"}", 1, 44, "free" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"lengths\":{\"least\":5,\"most\":4}}", 1, 45, "no linkage can do both" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"resample\":2.5}", 1, 46, "whole number" },
+        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":2}],\"smooth\":1}", 1, 58, "names none" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"unlimited\":true,\"tolerance\":1}", 1, 64, "unlimited" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"links\":5}", 1, 43, "4, 6, 8 or 10" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":2,\"links\":6}", 1, 51, "5, 7 or 9 links" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":4}", 1, 41, "3" },

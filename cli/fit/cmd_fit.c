@@ -238,10 +238,10 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
 static lw_status read_tolerance(const char *text, const lw_units *u, double *metres, lw_error *e)
 {
     lw_units unit = *u;
-    size_t n = text ? strspn(text, "0123456789.eE+-") : 0;
-    const char *end = text ? text + n + strspn(text + n, " ") : "";
+    size_t n = strspn(text, "0123456789.eE+-");
+    const char *end = text + n + strspn(text + n, " ");
     *metres = 0;
-    if (text && (lw_number_parse(text, n, metres) != LW_OK || !(*metres > 0)
+    if ((lw_number_parse(text, n, metres) != LW_OK || !(*metres > 0)
                  || (*end && !lw_units_set_length(&unit, end))))
         return lw_error_set(e, LW_E_ARG, "--tolerance takes a length above 0, as 1mm, not '%s'", text);
     *metres *= unit.metre;
@@ -281,8 +281,8 @@ static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
                             "the target has no column angle");
-    lw_fit_spec_set_limits(spec, t, limits_given(call, spec));
-    lw_status st = read_tolerance(s->tolerance, &t->units, &spec->tolerance, e);
+    lw_fit_spec_set_limits(spec, t, limits_given(call, spec) | (set->has_task_file ? set->task_file.limits : 0));
+    lw_status st = s->tolerance ? read_tolerance(s->tolerance, &t->units, &spec->tolerance, e) : LW_OK;
     if (st == LW_OK && spec->tolerance > 0 && (!lw_task_has_place(spec->task) || s->unlimited || s->exact))
         st = lw_error_set(e, LW_E_ARG, "--tolerance chooses among linkages by size and by their distance from a path: it "
                           "does not go together with a function, --unlimited or --exact");

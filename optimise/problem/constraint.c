@@ -575,7 +575,7 @@ static void find_places(const lw_problem *p, const double *x, lw_work *w, places
     for (size_t k = 0; k < ZONE_POSES; k++)
         out->closes[k] = true;
     lw_jacobian all[LW_PLACE_MAX];
-    double margin[LW_PLACE_MAX][POSES];
+    double margin[LW_PLACE_MAX][ZONE_POSES];
     for (int i = 0; i < out->n; i++)
         all[i] = (lw_jacobian){ .x = w->place_x + i*POSES, .y = w->place_y + i*POSES, .margin = margin[i],
                                 .ld = w->pose.ld };

@@ -83,7 +83,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
  * links. */
 static void order_front(const lw_target *t, const lw_fit *fit, int most, lw_fit_report *all, lw_fit_results *out)
 {
-    int n = 0, exact = out->n > 0 ? out->candidate[0] : -1;
+    int n = 0, exact = out->n > 0 && most > 1 ? out->candidate[0] : -1;       /* still to come */
     for (int i = 1; i < out->n; i++) {
         int now = out->candidate[i], at = i;
         double cost = cost_of(t, &fit->candidate[now], &all[now]);

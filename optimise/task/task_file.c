@@ -430,6 +430,52 @@ static lw_status links_fault(const lw_json_node *root, const lw_task_file *b, lw
                          links[b->dof > 0 ? b->dof - 1 : 0]);
 }
 
+/* Limits that hold by default, given instead or switched off. */
+static lw_status read_limits(const lw_json_node *root, lw_task_file *b, lw_error *e)
+{
+    static const struct { const char *key; unsigned limit; } given[] = {
+        { "transmission", LW_LIMIT_TRANSMISSION }, { "max_size", LW_LIMIT_SIZE }, { "class_margin", LW_LIMIT_MARGIN }
+    };
+    lw_fit_spec *f = &b->spec;
+    int through = -1, unlimited = -1;
+    lw_json_node o;
+    lw_status s = read_bounded(root, "max_size", 1, 0.1, 1e9, &f->max_size, e);
+    if (s == LW_OK && (s = read_bounded(root, "class_margin", 1, 0, 0.5, &f->class_margin, e)) == LW_OK
+        && (s = read_bounded(root, "tolerance", b->units.metre, 1e-90, 1e90, &f->tolerance, e)) == LW_OK
+        && (s = read_yes(root, "through_limits", &through, e)) == LW_OK)
+        s = read_yes(root, "unlimited", &unlimited, e);
+    for (size_t i = 0; i < COUNT(given); i++)
+        b->limits |= lw_json_member(root, given[i].key, &o) ? given[i].limit : 0;
+    b->limits |= (f->length_ratio > 0 ? LW_LIMIT_RATIO : 0) | (through == 1 ? LW_LIMIT_MOTION : 0)
+               | (unlimited == 1 ? LW_LIMIT_ALL : 0);
+    if (s == LW_OK && unlimited == 1 && lw_json_member(root, "tolerance", &o))
+        s = lw_json_fault(&o, e, "\"tolerance\" chooses among linkages by size, which does not go together with "
+                          "\"unlimited\"");
+    return s;
+}
+
+/* How the path of a target file becomes stations. */
+static lw_status read_sampling(const lw_json_node *root, lw_task_file *b, lw_error *e)
+{
+    double n = 0;
+    char word[8] = "";
+    lw_json_node o;
+    lw_status s = read_bounded(root, "smooth", 1, 0, 1e90, &b->smooth, e);
+    if (s == LW_OK && !b->target[0] && (lw_json_member(root, "smooth", &o) || lw_json_member(root, "resample", &o)))
+        return lw_json_fault(&o, e, "this is about the path of a \"target\" file, and this task names none");
+    if (s != LW_OK || !lw_json_member(root, "resample", &o))
+        return s;
+    if (lw_json_expect(&o, LW_JSON_TEXT, NULL) == LW_OK && lw_json_name(&o, word, sizeof word, NULL) == LW_OK
+        && strcmp(word, "drawn") == 0) {
+        b->resample = -1;
+        return LW_OK;
+    }
+    s = read_bounded(root, "resample", 1, 2, 10000, &n, e);
+    b->resample = (int)n;
+    return s == LW_OK && n != b->resample ? lw_json_fault(&o, e, "a whole number of stations, or \"drawn\", is expected "
+                                                          "here") : s;
+}
+
 static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "path", "angle", "angle_length" };
@@ -456,6 +502,8 @@ static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_e
         && (s = read_text(root, "topology", b->topology, sizeof b->topology, e)) == LW_OK
         && (s = read_lengths(root, b, e)) == LW_OK && (s = read_positions(root, b, e)) == LW_OK)
         s = read_zones(root, b, e);
+    if (s == LW_OK && (s = read_limits(root, b, e)) == LW_OK)
+        s = read_sampling(root, b, e);
     const char *why = s == LW_OK ? lw_contradiction(f) : NULL;
     if (why && (lw_json_member(root, "forbidden", &o) || lw_json_member(root, "pivots", &o)))
         s = lw_json_fault(&o, e, "%s: no linkage can do both", why);
@@ -471,7 +519,8 @@ static lw_status read_root(const lw_json_node *root, lw_task_file *b, lw_error *
     static const char *const known[] = {
         "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task",
         "timing", "links", "dof", "joints", "topology", "crank", "weights", "transmission", "acceleration", "lengths",
-        "positions", "pivots", "forbidden", "dwell"
+        "positions", "pivots", "forbidden", "dwell", "max_size", "class_margin", "through_limits", "unlimited",
+        "tolerance", "smooth", "resample"
     };
     lw_json_node version;
     double number;

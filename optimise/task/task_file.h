@@ -31,6 +31,9 @@ typedef struct lw_task_file {
     lw_task_file_tracer also[LW_ALSO_MAX];      /* further points, row by row with these (lw_target_join) */
     int         closed;                     /* 1, 0, -1: not given                                 */
     lw_fit_spec spec;
+    unsigned    limits;                     /* LW_LIMIT_ bits of the limits that it gives, or switches off */
+    double      smooth;                     /* as lw_target_options.smooth, in the unit of the target file */
+    int         resample;                   /* as lw_target_options.stations                       */
     bool        has_task, has_timing;       /* given; else the target's columns decide             */
     int         links, dof;                 /* 0: not given                                        */
     char        joints[16], topology[LW_TASK_FILE_TEXT];      /* "": not given                          */
