@@ -4,8 +4,9 @@
  *     p      crank angle [rad], coupler angle [rad], place of the slider [m], then the four elastic coordinates [m]
  *     M(p) p'' = f(p, p') - G^T l,   Phi(t, p) = 0: the loop (two rows), and the crank at constant speed
  *
- * No model file says this: links of models are rigid.  It is here to show the integrators where the fast
- * vibration of the coupler lies beside the slow motion of the crank. */
+ * Its links bend in given modes; elastic links of models are chains of elements (mbs/elastic).  It is here to show the integrators
+ * where the fast
+ * vibration of the coupler lies beside the slow motion of the crank, with published end values. */
 #ifndef CLI_BENCH_FLEXIBLE_CRANK_H
 #define CLI_BENCH_FLEXIBLE_CRANK_H
 

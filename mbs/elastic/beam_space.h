@@ -1,0 +1,39 @@
+/* mbs/elastic/beam_space.h - the beam element of mbs/elastic/beam.h in space: six strains in the frame half-way between the
+ * rotations of its nodes, three of the vector between them and the vector g of the rotation from one to the other, whose
+ * components are the same in all three frames.
+ *
+ *     U = 1/2 sum of k_i e_i^2,    k = EA/h, 12 EIz/(h^3 (1 + ky)), 12 EIy/(h^3 (1 + kz)), G It/h, EIy/h, EIz/h
+ *
+ * Rotations between the nodes may have any angle below 360 degrees. */
+#ifndef LW_MBS_ELASTIC_BEAM_SPACE_H
+#define LW_MBS_ELASTIC_BEAM_SPACE_H
+
+#include "base/vec3.h"
+#include "grammar/section.h"
+
+typedef struct lw_beam_space {
+    double  length;
+    double  stiffness[6];        /* stretch, shear along y and z [N/m]; torsion, bending about y and z [N m/rad] */
+    double  damping;             /* [s] */
+    lw_mat3 axes[2];             /* x along the beam, y, z of the section, in the axes of each node */
+} lw_beam_space;
+
+/* A node: place [m], its axes, velocity and angular velocity, all in ground axes. */
+typedef struct lw_beam_node { lw_vec3 at; lw_mat3 turn; lw_vec3 v, omega; } lw_beam_node;
+
+typedef struct lw_beam_space_state {
+    double  energy;
+    double  inner[6];            /* tension, shear along y and z [N], torque, bending moments about y and z in the middle [N m],
+                                    in the mid frame */
+    double  power;               /* of the dampers [W] */
+    lw_mat3 frame;               /* the mid frame; columns are its axes */
+    double  force[12];           /* force and moment on each node, in ground axes [N] [N m] */
+    double  by_x[12][12];        /* derivatives of force by small displacements and turns of the nodes, in ground axes; without
+                                    those of the rates of damping */
+    double  by_v[12][12];        /* by velocities and angular velocities */
+} lw_beam_space_state;
+
+void lw_beam_space_stiffness(const lw_section *s, const lw_material *m, double h, double out[6]);
+void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, lw_beam_space_state *out);
+
+#endif
