@@ -578,6 +578,7 @@ LW_API lw_status lw_model_export(const lw_model *model, const char *format, cons
 /* Move an input by an expression of t: "0.5 + 10*t" [rad] or [m].  LW_E_NOTATION with the column. */
 LW_API lw_status lw_model_drive(lw_model *model, int input, const char *motion, lw_error *error);
 LW_API lw_status lw_model_set_speed(lw_model *model, int input, double speed);     /* at the start, then free     */
+/* LW_E_ARG: a mass below 0, or an elastic link, whose mass is that of its section and material. */
 LW_API lw_status lw_model_set_mass(lw_model *model, int link, double mass, lw_vec2 centre, double inertia);
 LW_API void      lw_model_set_gravity(lw_model *model, lw_vec2 gravity);           /* [m/s^2]                     */
 
@@ -614,12 +615,22 @@ typedef struct lw_simulation_options {
     double         max_seconds;        /* 0: no limit                                               (0)           */
     const volatile int *stop;          /* *stop not 0 ends the run; may be set by a signal          (NULL)        */
     lw_caller_force force;             /* apply NULL: none                                          (NULL)        */
+    bool           rigid;              /* elastic links as rigid bars of the same mass              (false)       */
 } lw_simulation_options;
 LW_API lw_simulation_options lw_simulation_options_default(void);
 
+/* A node of an elastic link (docs/notation.md, "Elastic links"), with the forces inside the bar there. */
+typedef struct lw_elastic_node {
+    int     link, number;              /* from 0 along its axis                                                    */
+    lw_vec2 at;                        /* [m]                                                                      */
+    double  turn;                      /* since the posture of the file [rad]                                      */
+    double  normal, shear, bending;    /* tension and shear force [N], bending moment [N m]                         */
+    double  stress;                    /* N/A + M/W, of the greater absolute value [N/m^2]                          */
+} lw_elastic_node;
+
 typedef struct lw_simulation_sample {
     double                      t;
-    const lw_link_motion       *link;            /* (n_link)                                                    */
+    const lw_link_motion       *link;            /* (n_link); of an elastic link: its node 0                     */
     const lw_link_acceleration *acceleration;    /* (n_link)                                                    */
     const lw_reaction          *joint;           /* (n_joint)                                                   */
     const double               *input;           /* [rad] or [m] (n_input)                                      */
@@ -629,6 +640,8 @@ typedef struct lw_simulation_sample {
     lw_reaction                 shaking;         /* of moving masses on the frame, about the origin               */
     double                      kinetic, potential, work;      /* [J]                                            */
     double                      residual;        /* of the constraints, over the size of the linkage              */
+    int                         n_node;          /* of all elastic links, link by link                            */
+    const lw_elastic_node      *node;            /* (n_node)                                                      */
 } lw_simulation_sample;
 typedef lw_status lw_simulation_callback(void *context, const lw_simulation_sample *sample);
 

@@ -69,7 +69,7 @@ lw_status lw_model_set_speed(lw_model *model, int input, double speed)
 
 lw_status lw_model_set_mass(lw_model *model, int link, double mass, lw_vec2 centre, double inertia)
 {
-    bool good = link >= 0 && link < model->linkage.n_link && mass >= 0 && inertia >= 0 && isfinite(mass)
+    bool good = link >= 0 && link < model->linkage.n_link && !model->elastic[link].given && mass >= 0 && inertia >= 0 && isfinite(mass)
                 && isfinite(inertia) && isfinite(centre.x) && isfinite(centre.y);
     if (good)
         model->body[link] = (lw_body){ .given = true, .mass = mass, .centre = centre, .inertia = inertia };
@@ -92,6 +92,9 @@ struct lw_simulation {
     lw_reaction          *joint;
     double               *input, *drive;
     lw_vec2              *tracer;
+    int                   n_node;
+    lw_elastic_node      *node;                /* of elastic links, reserved with the first sample */
+    lw_inner_force       *inner;
 };
 
 static lw_status reserve_sample(lw_simulation *s)
@@ -143,8 +146,20 @@ static lw_status make_simulation(const lw_model *model, const lw_simulation_opti
     s->o.until = options->max_seconds > 0 ? lw_clock_wall() + options->max_seconds : 0;
     s->o.stop = options->stop;
     s->o.force = options->force;
+    s->o.rigid = options->rigid;
     *out = s;
     return reserve_sample(s) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
+}
+
+/* Memory for the nodes of elastic links; known once the model is expanded. */
+static lw_status reserve_nodes(lw_simulation *s, const lw_dynamics *d)
+{
+    const lw_elastic_expansion *x = lw_dynamics_elastic(d);
+    for (int c = 0; x && c < x->n_chain; c++)
+        s->n_node += x->chain[c].n_node;
+    s->node = calloc((size_t)s->n_node + 1, sizeof *s->node);
+    s->inner = calloc((size_t)s->n_node + 1, sizeof *s->inner);
+    return s->node && s->inner ? LW_OK : LW_E_MEMORY;
 }
 
 lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
@@ -153,6 +168,8 @@ lw_status lw_simulation_create(const lw_model *model, const lw_simulation_option
     lw_status status = make_simulation(model, options, out, error);
     if (status == LW_OK)
         status = lw_dynamics_make(model, &(*out)->o, &(*out)->d, error);
+    if (status == LW_OK && reserve_nodes(*out, (*out)->d) != LW_OK)
+        status = lw_error_set(error, LW_E_MEMORY, "out of memory");
     if (status == LW_OK)
         return LW_OK;
     lw_simulation_destroy(*out);
@@ -164,12 +181,28 @@ void lw_simulation_destroy(lw_simulation *simulation)
 {
     if (simulation) {
         void *const array[] = { simulation->link, simulation->acceleration, simulation->joint, simulation->input,
-                                simulation->drive, simulation->tracer };
+                                simulation->drive, simulation->tracer, simulation->node, simulation->inner };
         for (size_t i = 0; i < sizeof array/sizeof *array; i++)
             free(array[i]);
         lw_dynamics_free(simulation->d);
     }
     free(simulation);
+}
+
+static void put_nodes(const lw_simulation *s, const lw_moment *m)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
+    for (int c = 0, n = 0; x && c < x->n_chain; n += x->chain[c++].n_node) {
+        const lw_elastic_chain *chain = &x->chain[c];
+        lw_reactions_inner(s->d, m, c, s->inner);
+        for (int i = 0; i < chain->n_node; i++) {
+            int b = sys->body[chain->node[i]];
+            const lw_inner_force *f = &s->inner[i];
+            s->node[n + i] = (lw_elastic_node){ chain->link, i, lw_system_point(sys, b, lw_v2(0, 0), m->q), m->q[3*b + 2],
+                                                f->normal, f->shear, f->moment, f->stress };
+        }
+    }
 }
 
 static lw_simulation_sample sample_of(const lw_simulation *s, const lw_moment *m)
@@ -178,6 +211,8 @@ static lw_simulation_sample sample_of(const lw_simulation *s, const lw_moment *m
     const lw_assembly *k = &s->model->linkage;
     for (int b = 0; b < sys->n_body; b++) {
         const double *v = &m->v[3*b], *a = &m->a[3*b];
+        if (sys->link[b] >= k->n_link)           /* a node of an elastic link */
+            continue;
         s->link[sys->link[b]] = (lw_link_motion){ lw_system_point(sys, b, lw_v2(0, 0), m->q),
                                                lw_v2(v[0]*sys->unit, v[1]*sys->unit), m->q[3*b + 2], v[2] };
         s->acceleration[sys->link[b]] = (lw_link_acceleration){ lw_v2(a[0]*sys->unit, a[1]*sys->unit), a[2] };
@@ -191,10 +226,12 @@ static lw_simulation_sample sample_of(const lw_simulation *s, const lw_moment *m
     }
     lw_reactions_joints(s->d, m, s->joint);
     lw_reactions_driving(s->d, m, s->drive);
+    put_nodes(s, m);
     return (lw_simulation_sample){ .t = m->t, .link = s->link, .acceleration = s->acceleration, .joint = s->joint,
                                    .input = s->input, .drive = s->drive, .tracer = s->tracer, .state = m->z,
                                    .shaking = lw_reactions_shaking(s->d, m), .kinetic = m->kinetic,
-                                   .potential = m->potential, .work = m->work, .residual = m->off };
+                                   .potential = m->potential, .work = m->work, .residual = m->off,
+                                   .n_node = s->n_node, .node = s->node };
 }
 
 static lw_status hand_over(void *context, const lw_moment *m)
@@ -216,12 +253,14 @@ static void put_report(const lw_dynamics_report *r, lw_simulation_report *out)
 lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,
                             lw_simulation_report *report, lw_error *error)
 {
-    double q[LW_SYSTEM_Q_MAX];
+    double *q = calloc((size_t)lw_dynamics_system(simulation->d)->n_q + 1, sizeof *q);
     lw_dynamics_report r = *lw_dynamics_choice(simulation->d);
     lw_rest rest;
     lw_status s;
     simulation->visit = visit;
     simulation->context = context;
+    if (!q)
+        return lw_error_set(error, LW_E_MEMORY, "out of memory");
     if (simulation->o.analysis == LW_ANALYSIS_STATIC) {
         s = lw_statics_rest(simulation->d, simulation->o.from, q, &rest, error);
         if (s == LW_OK)
@@ -232,6 +271,7 @@ lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *v
     }
     if (report)
         put_report(&r, report);
+    free(q);
     return s;
 }
 
@@ -267,6 +307,9 @@ lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *
         status = lw_stepping_make(model, &s->memory->o, &s->steps, error);
     if (status == LW_OK) {
         s->memory->d = (lw_dynamics *)(uintptr_t)lw_stepping_dynamics(s->steps);
+        status = reserve_nodes(s->memory, s->memory->d) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    }
+    if (status == LW_OK) {
         status = lw_stepping_advance(s->steps, options->from, keep_sample, s, NULL, error);
     }
     if (status == LW_OK)

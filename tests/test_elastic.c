@@ -746,6 +746,60 @@ static void rigid(void)
     CHECK_NEAR(period[0], period[1], 0, 1e-12);
 }
 
+/* ---- the library -------------------------------------------------------------------------------------------------------------- */
+
+static lw_simulation_sample seen;
+static lw_elastic_node root, tip;
+
+static lw_status look(void *context, const lw_simulation_sample *s)
+{
+    (void)context;
+    seen = *s;
+    root = s->node[0];
+    tip = s->node[s->n_node - 1];
+    return LW_OK;
+}
+
+/* Samples of the library name the nodes of elastic links; a stepper holds a load on one, which swings about where it would rest. */
+static void library(void)
+{
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_simulation *run;
+    lw_stepper *steps;
+    scene s;
+    double ei = 210e9*1e-4/12;
+    CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
+                         "'segments': 40, 'damping': 1e-3}}, {'name': 'end', 'mass': 1e-3, 'centre': [2, 0], 'inertia': 1e-4}], "
+                         "'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}, {'name': 'B', 'kind': 'f', "
+                         "'links': ['beam', 'end'], 'at': [2, 0]}], 'forces': [{'link': 'end', 'at': [2, 0], 'fy': -700}]}"), LW_OK);
+    o.analysis = "static";
+    CHECK_INT(lw_simulation_create(&s.m, &o, &run, &s.e), LW_OK);
+    CHECK_INT(lw_simulation_run(run, look, NULL, NULL, &s.e), LW_OK);
+    CHECK_INT(seen.n_node, 41);
+    CHECK_INT(tip.number, 40);
+    CHECK_INT(tip.link, 1);
+    CHECK_NEAR(root.bending, -1400, 0, 1e-4);
+    CHECK_NEAR(root.stress, 1400*0.05/(1e-4/12), 0, 1e-4);
+    CHECK_NEAR(tip.at.y, -700*8/(3*ei), 0, 3e-3);
+    CHECK_NEAR(seen.potential, 0.5*700*700*8/(3*ei), 0, 3e-3);
+    lw_simulation_destroy(run);
+    CHECK_INT(lw_model_set_mass(&s.m, 1, 1, lw_v2(0, 0), 1), LW_E_ARG);
+    lw_expression_free(s.m.force[0].fy);
+    s.m.force[0].fy = NULL;
+    o = lw_simulation_options_default();
+    o.tolerance = 1e-6;
+    CHECK_INT(lw_stepper_create(&s.m, &o, &steps, &s.e), LW_OK);
+    CHECK_INT(lw_stepper_set_load(steps, 2, (lw_link_load){ .force = { 0, -700 } }), LW_OK);
+    double least = 0, rest = -700*8/(3*ei);
+    for (int i = 1; i <= 30; i++) {
+        CHECK_INT(lw_stepper_advance(steps, 0.002*i, &s.e), LW_OK);
+        least = fmin(least, lw_stepper_sample(steps)->node[40].at.y);
+    }
+    CHECK(least < 1.7*rest && least > 2.1*rest);             /* a load put on at once swings twice as far */
+    lw_stepper_destroy(steps);
+    close_scene(&s);
+}
+
 int main(void)
 {
     RUN(sections);
@@ -767,5 +821,6 @@ int main(void)
     RUN(slider_crank);
     RUN(refused);
     RUN(rigid);
+    RUN(library);
     return check_end();
 }

@@ -4,9 +4,8 @@
  *     p      crank angle [rad], coupler angle [rad], place of the slider [m], then the four elastic coordinates [m]
  *     M(p) p'' = f(p, p') - G^T l,   Phi(t, p) = 0: the loop (two rows), and the crank at constant speed
  *
- * Its links bend in given modes; elastic links of models are chains of elements (mbs/elastic).  It is here to show the integrators
- * where the fast
- * vibration of the coupler lies beside the slow motion of the crank, with published end values. */
+ * Its coupler bends in given modes; elastic links of models are chains of elements (mbs/elastic).  It is here to show the
+ * integrators where the fast vibration of the coupler lies beside the slow motion of the crank, with published end values. */
 #ifndef CLI_BENCH_FLEXIBLE_CRANK_H
 #define CLI_BENCH_FLEXIBLE_CRANK_H
 

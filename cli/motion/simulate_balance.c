@@ -6,7 +6,8 @@ lw_status cli_simulate_balance(cli_simulate *c, FILE *f, lw_error *e)
 {
     const lw_assembly *k = &c->model->linkage;
     lw_counterweights found;
-    lw_status s = lw_counterweights_find(c->model, lw_dynamics_system(c->d), c->n_row, c->q, &found, e);
+    const lw_model *model = lw_dynamics_elastic(c->d) ? c->model : lw_dynamics_model(c->d);      /* elastic: refused */
+    lw_status s = lw_counterweights_find(model, lw_dynamics_system(c->d), c->n_row, c->q, &found, e);
     if (s != LW_OK)
         return s;
     cli_json j = cli_json_begin(f, 1);

@@ -79,30 +79,46 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
     return st;
 }
 
+/* The frame of a link in pose q: its body's; of an elastic link that of the line between its ends. */
+static lw_place place_of(const cli_simulate *s, int link, const double *q)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
+    int b = sys->body[link];
+    for (int c = 0; x && c < x->n_chain; c++)
+        if (x->chain[c].link == link) {
+            int last = sys->body[x->chain[c].node[x->chain[c].n_node - 1]];
+            lw_vec2 from = lw_system_point(sys, b, lw_v2(0, 0), q), d = lw_v2_sub(lw_system_point(sys, last, lw_v2(0, 0), q), from);
+            return (lw_place){ from, lw_v2_scale(d, 1/lw_v2_norm(d)) };
+        }
+    return b < 0 ? (lw_place){ { 0, 0 }, { 1, 0 } }
+                 : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
+}
+
 /* Use the poses of the run as frames of a scene. */
 static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
-    const lw_assembly *k = &s->model->linkage;
-    size_t n = s->n_row, links = (size_t)k->n_link;
-    double start[LW_SYSTEM_Q_MAX];
+    size_t n = s->n_row, links = (size_t)s->model->linkage.n_link;
+    double *start = calloc((size_t)sys->n_q + 1, sizeof *start);
     lw_place *place = calloc(n*links + 1, sizeof *place);
     double *input = calloc(n + 1, sizeof *input);
-    if (!place || !input) {
+    if (!start || !place || !input) {
+        free(start);
         free(place);
         free(input);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     lw_system_posture(sys, start);
-    for (int l = 0; l < k->n_link; l++) {
-        int b = sys->body[l];
-        scene->origin[l] = b < 0 ? lw_v2(0, 0) : lw_system_point(sys, b, lw_v2(0, 0), start);
+    for (size_t l = 0; l < links; l++) {
+        lw_place first = place_of(s, (int)l, start);
+        scene->origin[l] = first.at;
         for (size_t i = 0; i < n; i++) {
-            const double *q = s->q + i*(size_t)sys->n_q;
-            place[i*links + (size_t)l] = b < 0 ? (lw_place){ { 0, 0 }, { 1, 0 } }
-                : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
+            lw_place now = place_of(s, (int)l, s->q + i*(size_t)sys->n_q);
+            place[i*links + l] = (lw_place){ now.at, lw_v2_unturn(now.turn, first.turn) };
         }
     }
+    free(start);
     scene->note[0] = '\0';
     scene->n_contour = s->model->n_shape;
     scene->contour = s->model->shape;

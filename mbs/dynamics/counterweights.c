@@ -218,6 +218,8 @@ lw_status lw_counterweights_find(const lw_model *m, const lw_system *s, size_t n
     lw_status fits = lw_model_small(m, &small, e);
     if (fits != LW_OK)
         return fits;
+    if (m->n_elastic)
+        return lw_error_set(e, LW_E_KIND, "counterweights are found for rigid links; make the elastic ones rigid (--rigid)");
     find_links(&b);
     if (b.n_link == 0)
         return lw_error_set(e, LW_E_KIND, "no link turns about a pin at the ground, where a counterweight could sit");

@@ -22,7 +22,7 @@ typedef struct lw_counterweights {
 } lw_counterweights;
 
 /* Counterweights for a model whose postures q (n_posture x n_q, mbs/constraints/system.h) cover its motion.
- * LW_E_KIND: no link turns about a ground pin; LW_E_ARG: fewer than n_body + 2 postures. */
+ * LW_E_KIND: no link turns about a ground pin, or some are elastic; LW_E_ARG: fewer than n_body + 2 postures. */
 lw_status lw_counterweights_find(const lw_model *m, const lw_system *s, size_t n_posture, const double *q,
                                  lw_counterweights *out, lw_error *e);
 

@@ -513,6 +513,9 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     lw_status s = LW_OK;
     if (m->n_elastic) {
         d->elastic = !d->o.rigid;
+        if (d->elastic && (m->n_contact || m->n_rope))
+            return lw_error_set(e, LW_E_KIND, "contacts and ropes are between rigid links, and the model has elastic ones; leave "
+                                "either out, or make the links rigid (--rigid)");
         d->model = d->elastic ? &d->expansion.model : &d->rigid;
         s = d->elastic ? lw_elastic_expand(m, &d->expansion, e) : lw_elastic_rigid(m, &d->rigid, e);
         if (s != LW_OK)

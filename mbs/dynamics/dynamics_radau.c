@@ -369,9 +369,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "it integrates no first-order states");
     if (d->touch)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
-    if (d->n_friction || d->n_stop || d->f.caller.apply || d->has_zero_mass || d->n_kept != d->n_c)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops, massless links, redundant constraints or "
-                                  "forces of the caller's");
+    if (d->n_friction || d->n_stop || d->has_zero_mass)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops or massless links");
     if (!asked && !d->elastic)
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_q + d->n_c, asked ? "asked for" : "elastic links vibrate fast: an implicit method "

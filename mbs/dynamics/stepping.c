@@ -41,10 +41,8 @@ lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_s
         free(s);
         return lw_error_set(e, LW_E_KIND, "only runs in time (transient, dynamic) go in pieces");
     }
-    if (!s || !(s->load = calloc((size_t)m->linkage.n_link, sizeof *s->load))) {
-        free(s);
+    if (!s)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    }
     s->force = o->force;
     with.force = (lw_caller_force){ s, apply };
     with.pieces = true;
@@ -52,7 +50,8 @@ lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_s
     lw_status status = lw_dynamics_make(m, &with, &s->d, e);
     if (status == LW_OK) {
         s->y = calloc(2*numbers(s) + 1, sizeof *s->y);
-        status = s->y ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        s->load = calloc((size_t)s->d->model->linkage.n_link, sizeof *s->load);      /* with the nodes of elastic links */
+        status = s->y && s->load ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     if (status != LW_OK) {
         lw_stepping_free(s);

@@ -18,7 +18,8 @@ class Simulation:
     t (n) [s]; link (n, links, 6): x, y, x velocity, y velocity of the centre of mass, angle since the drawn posture,
     angular velocity; acceleration (n, links, 3); reaction (n, joints, 3): force and moment on the joint's second
     link; input, drive (n, inputs); tracer (n, tracers, 2); state (n, states) in the order of Model.states; shaking
-    (n, 3); energy (n, 3): kinetic, potential, work done; residual (n).  report: how it was computed.
+    (n, 3); energy (n, 3): kinetic, potential, work done; residual (n); node (n, nodes, 9) of elastic links: link, number
+    along it, x, y, turn, tension, shear force, bending moment, stress.  report: how it was computed.
     """
 
     t: np.ndarray
@@ -32,11 +33,12 @@ class Simulation:
     shaking: np.ndarray
     energy: np.ndarray
     residual: np.ndarray
+    node: np.ndarray
     report: dict
 
     def __init__(self, samples, report):
         names = ("t", "link", "acceleration", "reaction", "input", "drive", "tracer", "state", "shaking", "energy",
-                 "residual")
+                 "residual", "node")
         for name, column in zip(names, zip(*samples)):
             setattr(self, name, np.array(column))
         self.report = report
@@ -56,6 +58,13 @@ def _copy(cdata, shape):
     if not count:
         return np.empty(shape)
     return np.frombuffer(ffi.buffer(cdata, 8*count), np.float64).reshape(shape).copy()
+
+
+def _nodes(sample):
+    """Nodes of elastic links as rows."""
+    rows = [(p.link, p.number, p.at.x, p.at.y, p.turn, p.normal, p.shear, p.bending, p.stress)
+            for p in (sample.node[i] for i in range(sample.n_node))]
+    return np.array(rows).reshape(sample.n_node, 9)
 
 
 class Model:
@@ -113,7 +122,8 @@ class Model:
 
         force(t, motion, load): your own loads; motion (links, 6) as in Simulation.link, load (links, 3): write force
         and torque into it.  Options: analysis ("transient", "static", "quasistatic", "kinematic", "dynamic"),
-        formulation ("auto"), tolerance, max_steps, max_seconds.  Ctrl-C ends it.
+        formulation ("auto"), tolerance (1e-7 suits elastic links), max_steps, max_seconds, rigid (elastic links as
+        rigid bars).  Ctrl-C ends it.
         """
         keep, error, stop, samples = [], new_error(), ffi.new("int *"), []
         what = ffi.new("lw_simulation_options *", lib.lw_simulation_options_default())
@@ -131,7 +141,7 @@ class Model:
                             _copy(s.joint, (joints, 3)), _copy(s.input, (inputs,)), _copy(s.drive, (inputs,)),
                             _copy(s.tracer, (tracers, 2)), _copy(s.state, (states,)),
                             (s.shaking.force.x, s.shaking.force.y, s.shaking.moment),
-                            (s.kinetic, s.potential, s.work), s.residual))
+                            (s.kinetic, s.potential, s.work), s.residual, _nodes(s)))
 
         def apply(t, link, load):
             force(t, np.frombuffer(ffi.buffer(link, 48*links), np.float64).reshape(links, 6),
