@@ -5,7 +5,7 @@
  *     unary   = ("+" | "-") unary | power
  *     power   = primary ("^" unary)?                        -2^2 is -4, 2^-1 is 0.5, 2^3^2 is 2^9
  *     primary = number | "(" sum ")" | "pi" | function "(" sum ("," sum)* ")" | word ("(" name ")")?
- *             | "integral" "(" sum ("," number)? ")" | "lag" "(" sum "," number ("," number)? ")" */
+ *             | "profile" "(" name ("," sum)? ")" | "integral" "(" sum ("," number)? ")" | "lag" "(" sum "," number ("," number)? ")" */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -294,10 +294,11 @@ static lw_status name_of(parser *p, char name[WORD_SIZE], size_t *name_at)
 
 static const char *near_function(const char *word)
 {
-    const char *words[N_FUNCTION + 1] = { "pi" };
+    enum { MORE = 4 };
+    const char *words[N_FUNCTION + MORE] = { "pi", "integral", "lag", "profile" };
     for (int i = 0; i < N_FUNCTION; i++)
-        words[i + 1] = functions[i].name;
-    return lw_suggest(word, words, N_FUNCTION + 1);
+        words[i + MORE] = functions[i].name;
+    return lw_suggest(word, words, N_FUNCTION + MORE);
 }
 
 static lw_status unknown(const parser *p, const char *word, size_t at)
@@ -326,6 +327,55 @@ static lw_status variable(parser *p, size_t at, int id, lw_operand *out)
                                   .b = number(0) }, out);
 }
 
+static lw_status add_moves(lw_expression *x, const struct lw_moves *moves)
+{
+    const struct lw_moves **more = realloc(x->moves, ((size_t)x->n_moves + 1)*sizeof *more);
+    if (!more)
+        return LW_E_MEMORY;
+    x->moves = more;
+    more[x->n_moves++] = moves;
+    return LW_OK;
+}
+
+/* profile(name) or profile(name, x); the opening bracket is next. */
+static lw_status profile(parser *p, size_t at, lw_operand *out)
+{
+    char name[WORD_SIZE], why[128] = "";
+    if (!p->words->moves)
+        return fault(p, at, "profile is possible in model files only");
+    if (!take(p, '('))
+        return fault(p, p->at, "'(' is expected: profile(name) or profile(name, x)");
+    peek(p);
+    size_t begin = p->at, end = begin;
+    while (byte_at(p, end) >= ' ' && byte_at(p, end) != ')' && byte_at(p, end) != ',')
+        end++;
+    p->at = end;
+    while (end > begin && p->text[end - 1] == ' ')
+        end--;
+    if (end == begin || end - begin >= WORD_SIZE)
+        return fault(p, begin, "the name of a profile is expected");
+    memcpy(name, p->text + begin, end - begin);
+    name[end - begin] = '\0';
+    const struct lw_moves *moves = p->words->moves(p->words->context, name);
+    if (!moves)
+        return fault(p, begin, "there is no profile \"%s\"", name);
+    lw_operand u;
+    lw_status s;
+    if (take(p, ','))
+        s = sum(p, &u);
+    else {
+        int id = p->words->variable ? p->words->variable(p->words->context, "t", NULL, why) : -1;
+        s = id >= 0 ? variable(p, at, id, &u) : fault(p, at, "there is no t here: profile(name, x)");
+    }
+    if (s != LW_OK)
+        return s;
+    if (!take(p, ')'))
+        return fault(p, p->at, "')' is expected: profile(name) or profile(name, x)");
+    if (add_moves(p->x, moves) != LW_OK)
+        return lw_error_set(p->e, LW_E_MEMORY, "out of memory for an expression");
+    return emit(p, at, (lw_expression_node){ .op = LW_OP_MOVES, .index = p->x->n_moves - 1, .a = u, .b = number(0) }, out);
+}
+
 /* Append the operations of y, whose variables are looked up in both by the caller's numbers. */
 static lw_status insert(parser *p, size_t at, const lw_expression *y, lw_operand *out)
 {
@@ -345,13 +395,16 @@ static lw_status insert(parser *p, size_t at, const lw_expression *y, lw_operand
         memcpy(block, y->spline[i].x, n*sizeof *block);
         x->spline[x->n_spline++] = (lw_spline){ y->spline[i].n, block, block + n/4, block + n/2 };
     }
+    int first_moves = x->n_moves;
+    for (int i = 0; s == LW_OK && i < y->n_moves; i++)
+        s = add_moves(x, y->moves[i]);
     for (int i = 0; s == LW_OK && i < y->n_node; i++) {
         lw_expression_node n = y->node[i];
         if (n.op == LW_OP_VARIABLE) {
             s = variable(p, at, y->variable[n.index], &to[i]);
             continue;
         }
-        n.index += n.op == LW_OP_SPLINE ? first : 0;
+        n.index += n.op == LW_OP_SPLINE ? first : n.op == LW_OP_MOVES ? first_moves : 0;
         n.a = n.a.node < 0 ? n.a : to[n.a.node];
         n.b = n.b.node < 0 ? n.b : to[n.b.node];
         s = emit(p, at, n, &to[i]);
@@ -436,6 +489,8 @@ static lw_status word(parser *p, lw_operand *out)
     for (int i = 0; i < N_FUNCTION; i++)
         if (strcmp(text, functions[i].name) == 0)
             return function_call(p, at, &functions[i], out);
+    if (strcmp(text, "profile") == 0)
+        return profile(p, at, out);
     if (strcmp(text, "integral") == 0 || strcmp(text, "lag") == 0)
         return integral(p, at, text[0] == 'l', out);
     bool named = peek(p) == '(', function = named && near_function(text);
@@ -614,6 +669,7 @@ void lw_expression_free(lw_expression *x)
     for (int i = 0; i < x->n_spline; i++)
         free(x->spline[i].x);
     free(x->spline);
+    free(x->moves);
     free(x->text);
     free(x);
 }

@@ -8,6 +8,7 @@
  *     step(x, x0, h0, x1, h1)     cubic from h0 to h1, constant outside
  *     havsin(x, x0, h0, x1, h1)   half a sine wave from h0 to h1
  *     poly(x, x0, a0, a1, ...)    sum of a_k (x - x0)^k
+ *     profile(name), profile(name, x)   a motion with limits, at t or at x
  *     table(x, x1, y1, x2, y2, ...)  natural cubic spline through the points, rising x; straight outside
  * Any other text of the form  word  or  word(name)  is a variable, which the caller accepts or refuses.
  *
@@ -42,6 +43,8 @@ typedef struct lw_expression_words {
     lw_expression_lookup *variable;
     const lw_expression *(*insert)(void *context, const char *word, const char *name);
     int (*integrate)(void *context, lw_expression *x, double lag, double start);
+    /* The motion of profile(name) and profile(name, x), which must outlive the expression; NULL: none of that name. */
+    const struct lw_moves *(*moves)(void *context, const char *name);
 } lw_expression_words;
 
 lw_status lw_expression_parse_words(const char *text, size_t size, const lw_expression_words *words, lw_expression **out,
@@ -63,6 +66,11 @@ double lw_expression_gradient(const lw_expression *x, const double *v, double *d
  * a curve; out (order + 1) gets the coefficients of the expression.  order <= LW_SERIES_ORDER_MAX.  At a kink
  * (abs, min, ends of step) the derivatives are those from the right. */
 void lw_expression_series(const lw_expression *x, int order, const double *v, double *out);
+
+/* The first time after t at which the expression has a kink whose place depends on t alone: where a profile changes its
+ * phase, at the ends of step and havsin, the points of tables, zeros of abs and sign, steps of mod; t_variable: the
+ * caller's number of t.  Infinite: none. */
+double lw_expression_next_kink(const lw_expression *x, int t_variable, double t);
 
 /* The text as it was given. */
 const char *lw_expression_text(const lw_expression *x);

@@ -11,6 +11,8 @@
 
 #define LW_EXPRESSION_NODE_MAX 512
 
+struct lw_moves;
+
 typedef enum lw_op {
     LW_OP_VARIABLE, LW_OP_NEGATE, LW_OP_ADD, LW_OP_SUBTRACT, LW_OP_MULTIPLY, LW_OP_DIVIDE,
     LW_OP_POWER,
@@ -20,6 +22,7 @@ typedef enum lw_op {
     LW_OP_CUBIC,        /* 0 before 0, 3 u^2 - 2 u^3, 1 behind 1    */
     LW_OP_HALF_SINE,    /* 0 before 0, sin^2(pi u/2), 1 behind 1    */
     LW_OP_SPLINE,       /* the table of the node                   */
+    LW_OP_MOVES,        /* the motion of the node                  */
     LW_OP_STEP, LW_OP_HAVSIN, LW_OP_POLY, LW_OP_TABLE     /* names only: expanded while reading */
 } lw_op;
 
@@ -38,19 +41,22 @@ typedef struct lw_expression_node {
 
 struct lw_expression {
     char       *text;
-    int         n_node, n_variable, n_spline;
+    int         n_node, n_variable, n_spline, n_moves;
     lw_operand  result;
     int         variable[LW_EXPRESSION_VARIABLE_MAX];
     lw_spline  *spline;
+    const struct lw_moves **moves;             /* (n_moves) the caller's */
     lw_expression_node     node[];
 };
 
 /* The result of one operation; operations with one operand ignore b. */
 double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b);
 
-/* The cubic polynomial that LW_OP_CUBIC or LW_OP_SPLINE equals at u and beyond u in the direction given by the
- * sign of `direction`:  p[0] + p[1] d + p[2] d^2 + p[3] d^3,  d = difference to u. */
-void lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, double p[4]);
+/* The polynomial that LW_OP_CUBIC, LW_OP_SPLINE or LW_OP_MOVES equals at u and beyond u in the direction given by the
+ * sign of `direction`:  p[0] + p[1] d + p[2] d^2 + ...,  d = difference to u.  Returns its degree; of a motion, up to
+ * the order given. */
+int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order,
+                double p[LW_SERIES_ORDER_MAX + 1]);
 
 /* Second derivatives of the natural cubic spline through the n >= 2 points, x rising.  work (n). */
 void lw_spline_bend(int n, const double *x, const double *y, double *work, double *bend);

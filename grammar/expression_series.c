@@ -243,15 +243,15 @@ static void half_sine(int order, const series a, series c)
 
 static void piecewise(const lw_expression *x, const lw_expression_node *n, int order, const series a, series c)
 {
-    double p[4];
+    double p[LW_SERIES_ORDER_MAX + 1];
     series d, next;
     /* the side matters only at the ends of pieces; there the first nonzero difference decides */
     copy(a, d);
     d[0] = 0;
     int direction = side(order, d, 0);
-    lw_op_piece(x, n, a[0], direction ? direction : 1, p);
-    constant(p[3], c);
-    for (int i = 2; i >= 0; i--) {
+    int degree = lw_op_piece(x, n, a[0], direction ? direction : 1, order, p);
+    constant(p[degree], c);
+    for (int i = degree - 1; i >= 0; i--) {
         multiply(order, c, d, next);
         copy(next, c);
         c[0] += p[i];
@@ -285,7 +285,8 @@ static void function(const lw_expression *x, const lw_expression_node *n, int or
     case LW_OP_ABS:    scale_into(order, side(order, a, 0) < 0 ? -1 : 1, a, c); break;
     case LW_OP_HALF_SINE: half_sine(order, a, c); break;
     case LW_OP_CUBIC:
-    case LW_OP_SPLINE: piecewise(x, n, order, a, c); break;
+    case LW_OP_SPLINE:
+    case LW_OP_MOVES:  piecewise(x, n, order, a, c); break;
     default: break;                                        /* sign: constant on either side */
     }
 }

@@ -4,6 +4,7 @@
 #include "base/real.h"
 #include "base/vec2.h"
 #include "grammar/expression_internal.h"
+#include "grammar/moves.h"
 
 /* ---- pieces ------------------------------------------------------------------------------------ */
 
@@ -56,8 +57,13 @@ static void spline_piece(const lw_spline *s, double u, int direction, double p[4
     p[0] = d == h ? s->y[low+1] : s->y[low] + d*(slope + d*(s->bend[low]/2 + d*jump/6));
 }
 
-void lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, double p[4])
+int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order,
+                double p[LW_SERIES_ORDER_MAX + 1])
 {
+    if (n->op == LW_OP_MOVES) {
+        lw_moves_series(x->moves[n->index], u, direction, order, p);
+        return order;
+    }
     p[1] = p[2] = p[3] = 0;
     if (n->op == LW_OP_SPLINE) {
         spline_piece(&x->spline[n->index], u, direction, p);
@@ -71,6 +77,7 @@ void lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, 
         p[2] = 3 - 6*u;
         p[3] = -2;
     }
+    return 3;
 }
 
 /* ---- value ------------------------------------------------------------------------------------- */
@@ -91,7 +98,7 @@ static double modulo(double a, double b)
 
 double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b)
 {
-    double p[4];
+    double p[LW_SERIES_ORDER_MAX + 1];
     if (isnan(a))
         return a;
     switch (n->op) {
@@ -122,7 +129,8 @@ double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a
     case LW_OP_HYPOT:     return hypot(a, b);
     case LW_OP_HALF_SINE: return half_sine(a);
     case LW_OP_CUBIC:
-    case LW_OP_SPLINE:    lw_op_piece(x, n, a, 1, p); return p[0];
+    case LW_OP_SPLINE:
+    case LW_OP_MOVES:     lw_op_piece(x, n, a, 1, 0, p); return p[0];
     default:              return NAN;
     }
 }
@@ -172,8 +180,8 @@ static void atan2_partials(double a, double b, double *da, double *db)
 
 static double piece_slope(const lw_expression *x, const lw_expression_node *n, double u)
 {
-    double p[4];
-    lw_op_piece(x, n, u, 1, p);
+    double p[LW_SERIES_ORDER_MAX + 1];
+    lw_op_piece(x, n, u, 1, 1, p);
     return p[1];
 }
 
@@ -209,7 +217,8 @@ static void partials(const lw_expression *x, const lw_expression_node *n, double
     case LW_OP_HYPOT:     hypot_partials(a, b, f, da, db); break;
     case LW_OP_HALF_SINE: *da = a <= 0 || a >= 1 ? 0 : LW_PI/2*sin(LW_PI*a); break;
     case LW_OP_CUBIC:
-    case LW_OP_SPLINE:    *da = piece_slope(x, n, a); break;
+    case LW_OP_SPLINE:
+    case LW_OP_MOVES:     *da = piece_slope(x, n, a); break;
     default:              break;
     }
 }
@@ -240,4 +249,75 @@ double lw_expression_gradient(const lw_expression *x, const double *v, double *d
             share[n->b.node] += share[i]*db;
     }
     return of(&x->result, value);
+}
+
+/* ---- kinks -------------------------------------------------------------------------------------- */
+
+/* The least time after t at which a + b t passes u. */
+static double passes(double a, double b, double u, double t)
+{
+    double at = (u - a)/b;
+    return b != 0 && at > t ? at : INFINITY;
+}
+
+/* The first kink of an operation whose operand is a + b t near t. */
+static double own_kink(const lw_expression *x, const lw_expression_node *n, double a, double b, double modulus, double t)
+{
+    double next = INFINITY;
+    switch (n->op) {
+    case LW_OP_CUBIC: case LW_OP_HALF_SINE:
+        return fmin(passes(a, b, 0, t), passes(a, b, 1, t));
+    case LW_OP_ABS: case LW_OP_SIGN:
+        return passes(a, b, 0, t);
+    case LW_OP_SPLINE:
+        for (int i = 0; i < x->spline[n->index].n; i++)
+            next = fmin(next, passes(a, b, x->spline[n->index].x[i], t));
+        return next;
+    case LW_OP_MOVES:                        /* b > 0; against the time its kinks are left to the error of steps */
+        return b > 0 ? (lw_moves_next_kink(x->moves[n->index], a + b*t) - a)/b : INFINITY;
+    case LW_OP_MOD:
+        for (int side = -1; side <= 1; side++)
+            next = fmin(next, passes(a, b, modulus*(floor((a + b*t)/modulus) + side), t));
+        return next;
+    default:
+        return INFINITY;
+    }
+}
+
+double lw_expression_next_kink(const lw_expression *x, int t_variable, double t)
+{
+    struct { bool is; double a, b; } of[LW_EXPRESSION_NODE_MAX];      /* the node is a + b t near t */
+    double next = INFINITY;
+    for (int i = 0; i < x->n_node; i++) {
+        const lw_expression_node *n = &x->node[i];
+        of[i].is = false;
+        of[i].a = of[i].b = 0;
+        if (n->op == LW_OP_VARIABLE) {
+            of[i].is = x->variable[n->index] == t_variable;
+            of[i].b = 1;
+            continue;
+        }
+        bool p = n->a.node < 0 || of[n->a.node].is, q = n->b.node < 0 || of[n->b.node].is;
+        double a = n->a.node < 0 ? n->a.value : of[n->a.node].a, b = n->a.node < 0 ? 0 : of[n->a.node].b;
+        double c = n->b.node < 0 ? n->b.value : of[n->b.node].a, d = n->b.node < 0 ? 0 : of[n->b.node].b;
+        if (p && (q || n->op != LW_OP_MOD) && b != 0)
+            next = fmin(next, own_kink(x, n, a, b, c, t));
+        of[i].is = p && q;
+        switch (n->op) {
+        case LW_OP_NEGATE:   of[i].a = -a, of[i].b = -b; break;
+        case LW_OP_ADD:      of[i].a = a + c, of[i].b = b + d; break;
+        case LW_OP_SUBTRACT: of[i].a = a - c, of[i].b = b - d; break;
+        case LW_OP_MULTIPLY: of[i].a = a*c, of[i].b = a*d + b*c, of[i].is = p && q && (b == 0 || d == 0); break;
+        case LW_OP_DIVIDE:   of[i].a = a/c, of[i].b = b/c, of[i].is = p && q && d == 0; break;
+        case LW_OP_MOD: {                    /* of the piece that begins at t */
+            double later = a + b*t;
+            of[i].is = p && q && d == 0 && c != 0;
+            of[i].a = a - c*floor(later/c);
+            of[i].b = b;
+            break;
+        }
+        default:             of[i].is = false;
+        }
+    }
+    return next;
 }

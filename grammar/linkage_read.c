@@ -148,7 +148,7 @@ static lw_status read_head(const lw_json_node *root, lw_assembly *assembly, lw_e
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input",
                                          "inputs", "tracers", "fit", "$schema", "gravity", "springs", "dampers",
-                                         "forces", "motors", "states", "controllers", "cylinders", "contacts", "ropes" };
+                                         "forces", "motors", "states", "controllers", "cylinders", "profiles", "contacts", "ropes" };
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK)

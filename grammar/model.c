@@ -1,3 +1,4 @@
+#include "base/real.h"
 #include "grammar/model_internal.h"
 
 #include <stdlib.h>
@@ -49,10 +50,42 @@ static int time_alone(void *context, const char *word, const char *name, char *w
     return strcmp(word, "t") == 0 && !name ? lw_variable(LW_QUANTITY_T, 0) : -1;
 }
 
+const struct lw_moves *lw_model_find_profile(void *context, const char *name)
+{
+    const lw_model *m = context;
+    for (int i = 0; i < m->n_profile; i++)
+        if (strcmp(name, m->profile[i].name) == 0)
+            return &m->profile[i];
+    return NULL;
+}
+
+static double earlier(double than, const lw_expression *x, double t)
+{
+    double at = x ? lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t) : than;
+    return at < than ? at : than;
+}
+
+double lw_model_next_kink(const lw_model *m, double t)
+{
+    double next = INFINITY;
+    for (int i = 0; i < m->linkage.n_input; i++)
+        next = earlier(next, m->motion[i], t);
+    for (int i = 0; i < m->n_spring; i++)
+        next = earlier(next, m->spring[i].law, t);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        next = earlier(next, m->joint_spring[i].law, t);
+    for (int i = 0; i < m->n_force; i++)
+        next = earlier(earlier(earlier(next, m->force[i].fx, t), m->force[i].fy, t), m->force[i].torque, t);
+    for (int i = 0; i < m->n_state; i++)
+        next = earlier(next, m->state[i].rate, t);
+    return next;
+}
+
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e)
 {
     lw_expression *x;
-    lw_status s = lw_expression_parse(motion, strlen(motion), time_alone, NULL, &x, e);
+    lw_expression_words words = { .context = m, .variable = time_alone, .moves = lw_model_find_profile };
+    lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
     if (s != LW_OK)
         return s;
     lw_expression_free(m->motion[input]);

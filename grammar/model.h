@@ -9,6 +9,7 @@
 
 #include "grammar/expression.h"
 #include "grammar/assembly.h"
+#include "grammar/moves.h"
 #include "grammar/section.h"
 
 typedef struct lw_body {
@@ -189,6 +190,8 @@ typedef struct lw_model {
     lw_joint_spring *joint_spring;
     lw_force        *force;
     lw_motor        *motor;
+    int              n_profile;
+    lw_moves        *profile;            /* of profile(name) in expressions                        */
     int              n_state, n_signal, n_rotor;
     lw_state        *state;
     lw_signal       *signal;
@@ -227,6 +230,9 @@ lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error
 
 /* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
+
+/* The first time after t at which a motion, force, law or rate has a kink (lw_expression_next_kink); infinite: none. */
+double lw_model_next_kink(const lw_model *m, double t);
 
 /* A model of a linkage alone: no masses, no loads.  LW_E_MEMORY: m is empty. */
 lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m);

@@ -25,6 +25,9 @@ typedef enum { LW_OF_TIME, LW_OF_STATE, LW_OF_LENGTH, LW_OF_DISPLACEMENT } lw_ex
 lw_status lw_model_read_expression(const lw_json_node *object, const char *key, lw_model *m, lw_expression_scope scope,
                                    lw_expression **out, lw_error *e);
 
+/* The profile of a name; context: the model.  NULL: none. */
+const struct lw_moves *lw_model_find_profile(void *context, const char *name);
+
 /* The name of a load, or "spring 2" when it has none. */
 lw_status lw_model_read_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE],
                              lw_error *e);

@@ -66,7 +66,7 @@ static const lw_expression *generated_insert(void *context, const char *word, co
 lw_status lw_model_generate(const char *text, const lw_generated *word, int n, lw_expression **out, lw_error *e)
 {
     generated_words g = { word, n };
-    lw_expression_words words = { &g, generated_variable, generated_insert, NULL };
+    lw_expression_words words = { .context = &g, .variable = generated_variable, .insert = generated_insert };
     return lw_expression_parse_words(text, strlen(text), &words, out, e);
 }
 

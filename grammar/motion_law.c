@@ -95,3 +95,37 @@ void lw_motion_law_at(int law, double u, double out[4])
     else if (u >= 0)
         polynomial_at(laws[law].power, u, out);
 }
+
+double lw_motion_law_border(int law, int i)
+{
+    const wave *w = laws[law].wave;
+    for (int k = 0; w[0].to > 0 && w[k].to < 1; k++)
+        if (k == i)
+            return w[k].to;
+    return 1;
+}
+
+void lw_motion_law_series(int law, double u, int direction, int order, double *out)
+{
+    const wave *w = laws[law].wave;
+    double at[4], start = 0, factor = 1;
+    u = fmin(fmax(u, 0), 1);
+    if (!(w->to > 0)) {                                    /* the polynomial about u, by repeated division */
+        double c[8];
+        memcpy(c, laws[law].power, sizeof c);
+        for (int k = 0; k <= order; k++) {
+            for (int i = 6; i >= k && k < 8; i--)
+                c[i] += u*c[i + 1];
+            out[k] = k < 8 ? c[k] : 0;
+        }
+        return;
+    }
+    while (w->to < 1 && (u > w->to || (u == w->to && direction >= 0)))
+        start = w++->to;
+    lw_motion_law_at(law, fmin(u, 1 - 1e-16), at);
+    double d = u - start;
+    for (int k = 0; k <= order; k++, factor *= k) {        /* the acceleration is size sin(rate d + phase) */
+        double rate = k < 2 ? 1 : pow(w->rate, k - 2);
+        out[k] = (k < 2 ? at[k] : k > 2 && w->rate == 0 ? 0 : w->size*rate*sin(w->rate*d + w->phase + (k - 2)*PI/2))/factor;
+    }
+}

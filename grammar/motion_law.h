@@ -19,4 +19,10 @@ int lw_motion_law_find(const char *name);
 /* Way, speed, acceleration and jerk at u; 0 and 1 outside [0, 1].  At a step they are those after it. */
 void lw_motion_law_at(int law, double u, double out[4]);
 
+/* Taylor coefficients 0 .. order of the way at u; at a step those behind it, with direction < 0 those before it. */
+void lw_motion_law_series(int law, double u, int direction, int order, double *out);
+
+/* The i-th place inside at which the law changes its formula; 1: there is none. */
+double lw_motion_law_border(int law, int i);
+
 #endif

@@ -6,7 +6,6 @@
 #include "base/real.h"
 #include "base/vec2.h"
 #include "grammar/model_internal.h"
-#include "grammar/motion_law.h"
 #include "grammar/read_internal.h"
 
 /* An object that may be left out: *out is false then. */
@@ -172,66 +171,18 @@ static lw_status read_encoder(const lw_json_node *root, lw_servo *p, lw_error *e
     return s;
 }
 
-static lw_status read_move(const lw_json_node *object, const lw_axis_limits *limits, lw_servo *p, double *at, double *time,
-                           lw_error *e)
-{
-    static const char *const known[] = { "to", "dwell", "law", "duration" };
-    lw_servo_move *m = &p->move[p->n_move];
-    lw_json_node n;
-    lw_error inner = { 0 };
-    double to = 0, dwell = 0, duration = 0;
-    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_need(object, "to", &n, e)) == LW_OK)
-        s = NUMBERS(object, { "to", 1, LW_ANY, &to, NULL }, AMOUNT("dwell", &dwell), MORE("duration", &duration));
-    if (s != LW_OK)
-        return s;
-    *m = (lw_servo_move){ .start = *time, .from = *at, .way = to - *at, .law = -1 };
-    if (lw_json_member(object, "law", &n)) {
-        const char *name = lw_json_text(&n);
-        m->law = name ? lw_motion_law_find(name) : -1;
-        if (m->law < 0)
-            return lw_json_fault(&n, e, "there is no such law of motion; `linkwright help profile` lists them");
-        m->duration = duration;
-        if (!(duration > 0))
-            return lw_json_fault(object, e, "a move by a law needs its \"duration\" [s]");
-    } else {
-        lw_axis_state from = { *at, 0, 0 }, there = { to, 0, 0 };
-        s = duration > 0 ? lw_profile_make_timed(from, there, limits, duration, &m->profile, NULL, &inner)
-                         : lw_profile_make(from, there, limits, 0, &m->profile, &inner);
-        if (s != LW_OK)
-            return lw_json_fault(object, e, "%s", inner.text);
-        m->duration = m->profile.duration;
-    }
-    p->n_move++;
-    p->end = m->start + m->duration;
-    *time = p->end + dwell;
-    *at = to;
-    return LW_OK;
-}
-
 static lw_status read_motion(const lw_json_node *root, lw_servo *p, lw_error *e)
 {
-    static const char *const known[] = { "expression", "speed", "acceleration", "jerk", "moves" };
+    static const char *const known[] = { "expression", "speed", "acceleration", "jerk", "from", "start", "moves" };
     lw_json_node n, moves;
     bool given;
-    double v = 0, a = 0, j = INFINITY, at = 0, time = 0;
     lw_status s = PART(root, "motion", known, true, &n, &given);
     if (s != LW_OK)
         return s;
     if (lw_json_member(&n, "expression", &moves))
         return lw_json_member(&n, "moves", &moves) ? lw_json_fault(&moves, e, "a motion has an \"expression\" or \"moves\"")
              : lw_model_read_expression(&n, "expression", NULL, LW_OF_TIME, &p->reference, e);
-    if ((s = lw_read_need(&n, "moves", &moves, e)) == LW_OK && (s = lw_read_list(&moves, 1, SIZE_MAX, e)) == LW_OK)
-        s = NUMBERS(&n, MORE("speed", &v), MORE("acceleration", &a), MORE("jerk", &j));
-    lw_axis_limits limits = lw_axis_limits_even(v > 0 ? v : INFINITY, a > 0 ? a : INFINITY, j);
-    if (s == LW_OK && !(p->move = calloc(lw_json_count(&moves), sizeof *p->move)))
-        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (size_t i = 0; s == LW_OK && i < lw_json_count(&moves); i++) {
-        lw_json_node one = lw_json_element(&moves, i);
-        s = read_move(&one, &limits, p, &at, &time, e);
-    }
-    return s;
+    return lw_moves_read(&n, &p->moves, e);
 }
 
 lw_status lw_servo_read(const char *text, size_t size, const char *file, lw_servo *p, lw_error *e)
@@ -266,7 +217,7 @@ lw_status lw_servo_read(const char *text, size_t size, const char *file, lw_serv
 
 void lw_servo_free(lw_servo *p)
 {
-    free(p->move);
+    lw_moves_free(&p->moves);
     lw_expression_free(p->force);
     lw_expression_free(p->reference);
     memset(p, 0, sizeof *p);
@@ -281,34 +232,7 @@ lw_axis_state lw_servo_wanted(const lw_servo *p, double t)
         lw_expression_series(p->reference, 2, series, out);
         return (lw_axis_state){ out[0], out[1], 2*out[2] };
     }
-    int k = 0;
-    while (k + 1 < p->n_move && t >= p->move[k + 1].start)
-        k++;
-    const lw_servo_move *m = &p->move[k];
-    double u = t - m->start;
-    if (u >= m->duration || u < 0)
-        return (lw_axis_state){ u < 0 ? m->from : m->from + m->way, 0, 0 };
-    if (m->law < 0)
-        return lw_profile_at(&m->profile, u, NULL);
-    double at[4], T = m->duration;
-    lw_motion_law_at(m->law, u/T, at);
-    return (lw_axis_state){ m->from + m->way*at[0], m->way*at[1]/T, m->way*at[2]/(T*T) };
+    return lw_moves_at(&p->moves, t);
 }
 
-double lw_servo_next_kink(const lw_servo *p, double t)
-{
-    double next = INFINITY;
-    for (int k = 0; k < p->n_move; k++) {
-        const lw_servo_move *m = &p->move[k];
-        if (m->start + m->duration <= t)
-            continue;
-        if (m->start > t)
-            return fmin(next, m->start);
-        next = m->start + m->duration;
-        for (int i = m->law < 0 ? m->profile.n - 1 : 0; i > 0; i--)
-            if (m->start + m->profile.t[i] > t)
-                next = fmin(next, m->start + m->profile.t[i]);
-        return next;
-    }
-    return next;
-}
+double lw_servo_next_kink(const lw_servo *p, double t) { return lw_moves_next_kink(&p->moves, t); }

@@ -7,19 +7,13 @@
 #define LW_GRAMMAR_SERVO_H
 
 #include "grammar/expression.h"
-#include "grammar/profile.h"
+#include "grammar/moves.h"
 
 /* Force against the motion: (coulomb + (breakaway - coulomb) exp(-(v/stribeck)^2)) tanh(v/smoothing) + viscous v. */
 typedef struct lw_servo_friction { double coulomb, breakaway, stribeck, viscous, smoothing; } lw_servo_friction;
 
 /* A controller, its sampling time (0: it acts at every moment) and the time from a sample to its output. */
 typedef struct lw_servo_loop { double proportional, integral, sample, delay; } lw_servo_loop;
-
-typedef struct lw_servo_move {             /* from rest to rest, then rest until the next one                 */
-    double start, duration, from, way;
-    int    law;                            /* grammar/motion_law.h; -1: the profile                            */
-    lw_profile profile;                    /* its time begins at 0                                             */
-} lw_servo_move;
 
 typedef struct lw_servo {
     char   name[64];
@@ -41,10 +35,8 @@ typedef struct lw_servo {
     bool   ideal_current;                  /* no current controller: the wanted current flows                    */
     double speed_feed_forward, acceleration_feed_forward;   /* shares of the wanted speed and acceleration        */
     bool   emf_compensation;
-    int    n_move;
-    lw_servo_move *move;
+    lw_moves moves;                        /* the wanted motion; none with a reference                            */
     lw_expression *reference;              /* wanted position as a function of t instead of moves                 */
-    double end;                            /* of the last move; 0 with a reference                                */
 } lw_servo;
 
 /* LW_E_NOTATION with line and column; s needs lw_servo_free after success. */

@@ -321,8 +321,8 @@ static void look(watcher *w, double t, const double *y)
     r->voltage_peak = fmax(r->voltage_peak, fabs(voltage));
     r->torque_peak = fmax(r->torque_peak, fabs(row.torque));
     r->speed_peak = fmax(r->speed_peak, fabs(row.motor_speed)/s->factor);
-    if (s->n_move && t >= s->move[s->n_move - 1].start) {
-        const lw_servo_move *m = &s->move[s->n_move - 1];
+    if (s->moves.n && t >= s->moves.move[s->moves.n - 1].start) {
+        const lw_move *m = &s->moves.move[s->moves.n - 1];
         r->overshoot = fmax(r->overshoot, (row.position - m->from - m->way)*(m->way < 0 ? -1 : 1));
     }
     if (size > w->o->band)
@@ -378,7 +378,7 @@ lw_status lw_servo_run(const lw_servo *s, const lw_servo_options *o, lw_servo_si
     lw_axis_state start = lw_servo_wanted(s, 0);
     double y[LW_SERVO_N] = { 0 };
     watcher w = { .a = &a, .o = o, .sink = sink, .context = context, .r = r, .next = 1, .inside = 0 };
-    *r = (lw_servo_report){ .end = s->end, .to = o->to > 0 ? o->to : s->end > 0 ? 1.5*s->end : 1 };
+    *r = (lw_servo_report){ .end = s->moves.end, .to = o->to > 0 ? o->to : s->moves.end > 0 ? 1.5*s->moves.end : 1 };
     y[LW_SERVO_XM] = y[LW_SERVO_X] = start.x;
     a.held[LW_HELD_POSITION] = measured_position(&a, y);
     double before = stored(&a, y);

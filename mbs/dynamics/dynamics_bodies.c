@@ -234,7 +234,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     if (s == LW_OK && d->touch)
         s = watch_touch(w, y);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
-        s = step(w, d->o.to, &stop, run->e);
+        s = step(w, lw_run_end(run, time_of(w)), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
             redecided = time_of(w);          /* rows of places have become dependent: choose others */
@@ -275,6 +275,13 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
                 s = lw_run_samples(run, d->o.to, state_at, w);
                 stop = LW_ODE_END;
             }
+        }
+        if (s == LW_OK && lw_run_at_kink(run, time_of(w))) {
+            memcpy(y, state(w), (size_t)run->n*sizeof *y);
+            s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
+            stop = time_of(w) >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            if (s == LW_OK && stop != LW_ODE_END)
+                s = restart(w, y, 0, run->e);
         }
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);

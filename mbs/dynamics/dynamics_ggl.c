@@ -394,7 +394,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     if (s != LW_OK)
         return s;
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
-        s = lw_ida_step(w, d->o.to, &stop, run->e);
+        s = lw_ida_step(w, lw_run_end(run, w->t), &stop, run->e);
         run->r->t = w->t;
         if (s == LW_E_NUMERIC && w->n_step > g->since + worth_restart) {
             s = after_failure(g, w, y, dy);
@@ -408,6 +408,13 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
         s = lw_run_samples(run, w->t, state_at, g);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
+        if (s == LW_OK && lw_run_at_kink(run, w->t)) {
+            unpack(g, w->y, run->state);
+            s = lw_run_pass_kink(run, &w->t, state_at, g);
+            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            if (s == LW_OK && stop != LW_ODE_END)
+                s = begin_again(g, w, w->t, y, dy);
+        }
         if (s == LW_OK && stop != LW_ODE_END) {
             s = pass_singular(g, w, y, dy);
             stop = w->t >= d->o.to ? LW_ODE_END : stop;

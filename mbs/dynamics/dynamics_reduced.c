@@ -423,7 +423,7 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
     m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
-        s = lw_integrate_step(w, d->o.to, &stop, run->e);
+        s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
         if (s != LW_OK)
             break;
         run->r->t = w->t;
@@ -447,6 +447,13 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
         if (s == LW_OK && stop == LW_ODE_EVENT) {
             s = change_friction(m, w->events & 1);
             stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            longest = 0;
+        }
+        if (s == LW_OK && lw_run_at_kink(run, w->t)) {
+            s = lw_run_pass_kink(run, &w->t, state_at, m);
+            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            if (s == LW_OK && stop != LW_ODE_END)
+                s = lw_integrate_restart(w, NULL, run->e);
             longest = 0;
         }
         if (s == LW_OK && !run->has_work)

@@ -168,6 +168,32 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
     return s;
 }
 
+/* So near a kink loads are not evaluated: times of kinks are rounded. */
+static double beside_kink(double kink) { return 8*DBL_EPSILON*fmax(fabs(kink), 1e-3); }
+
+double lw_run_end(lw_run *run, double t)
+{
+    const lw_dynamics *d = run->d;
+    if (!d->model->n_profile)
+        return d->o.to;
+    while (run->kink - beside_kink(run->kink) <= t)
+        run->kink = lw_model_next_kink(d->model, fmax(t, run->kink) + 2*beside_kink(fmax(fabs(t), fabs(run->kink))));
+    return fmin(d->o.to, run->kink - beside_kink(run->kink));
+}
+
+bool lw_run_at_kink(const lw_run *run, double t)
+{
+    return run->d->model->n_profile && t >= run->kink - beside_kink(run->kink) && t < run->d->o.to;
+}
+
+lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context)
+{
+    double after = fmin(run->kink + beside_kink(run->kink), run->d->o.to);
+    lw_status s = lw_run_samples(run, after, state_at, context);
+    *t = after;
+    return s;
+}
+
 lw_status lw_run_begin(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
@@ -177,6 +203,7 @@ lw_status lw_run_begin(lw_run *run, const double *y)
     run->r->momentum_scale = keeps_momentum(d) ? fmax(momentum_scale(d, y), 1e-300) : 0;
     lw_run_watch(run, y);
     run->next = 1;
+    run->kink = d->o.from;
     return lw_run_show(run, d->o.from, y);
 }
 

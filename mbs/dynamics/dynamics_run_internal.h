@@ -16,6 +16,7 @@ typedef struct lw_run {
     bool    has_work;
     long    n_busy;                  /* evaluations */
     int     next;                    /* the next sample */
+    double  kink;                    /* the next time at which the loads have a kink; infinite: none */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
@@ -43,6 +44,14 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y);
 /* Hand out the samples that are due up to time t; state_at fills y (n) at the time of each. */
 typedef lw_status lw_run_state_at(void *context, double t, double *y);
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
+
+/* Where the next step from t must end: just before a kink of the loads (models with profiles), or at the end. */
+double lw_run_end(lw_run *run, double t);
+
+/* Is t, the end of a step, just before a kink?  Then pass_kink hands out the samples up to it and sets *t to just behind
+ * it, where the solver must begin anew. */
+bool      lw_run_at_kink(const lw_run *run, double t);
+lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context);
 
 /* Compare energy and momentum at y with those of the start. */
 void lw_run_watch(lw_run *run, const double *y);

@@ -20,8 +20,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         demand(status != LW_E_NOTATION || (e.line > 0 && e.column > 0));
         return 0;
     }
-    demand(s.constant > 0 && s.inertia > 0 && s.factor > 0 && s.load >= 0 && (s.n_move > 0 || s.reference));
-    for (double t = 0; s.n_move && t < 1e9; t = lw_servo_next_kink(&s, t))
+    demand(s.constant > 0 && s.inertia > 0 && s.factor > 0 && s.load >= 0 && (s.moves.n > 0 || s.reference));
+    for (double t = 0; s.moves.n && t < 1e9; t = lw_servo_next_kink(&s, t))
         demand(isfinite(lw_servo_wanted(&s, t).x));
     lw_servo_free(&s);
     return 0;

@@ -1,0 +1,144 @@
+/* Lists of moves: exact series, kinks, and models that follow them. */
+#include "grammar/motion_law.h"
+#include "tests/dynamics_run.h"
+
+static drun d;
+
+static void read_model(const char *profiles, const char *rest)
+{
+    char text[3000];
+    snprintf(text, sizeof text, "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'cart', 'mass': 2, "
+             "'centre': [0, 0], 'inertia': 1}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], "
+             "'at': [0, 0], 'along': [1, 0]}], 'profiles': [%s], %s}", profiles, rest);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    drun_read_text(&d, text);
+}
+
+#define GO "{'name': 'go', 'speed': 3, 'acceleration': 20, 'jerk': 400, 'start': 0.1, 'from': 0.25, " \
+           "'moves': [{'to': 1, 'dwell': 0.2}, {'to': 0, 'law': '%s', 'duration': 0.5}, {'to': 0.3, 'duration': 0.6}]}"
+
+/* The Taylor polynomial of order 8 gives what stands nearby on its side; its first terms are those of profile and law. */
+static void series_are_exact(void)
+{
+    for (int law = 0; lw_motion_law_get(law); law++) {
+        char profiles[600];
+        snprintf(profiles, sizeof profiles, GO, lw_motion_law_get(law)->name);
+        read_model(profiles, "'input': {'joint': 'S', 'motion': 'profile(go)'}");
+        const lw_moves *m = &d.model.profile[0];
+        CHECK_NEAR(m->move[1].start, 0.1 + m->move[0].duration + 0.2, 1e-15, 0);
+        int kinks = 0;
+        for (double t = -0.1, next; t < m->end; t = next, kinks++) {
+            next = lw_moves_next_kink(m, t);
+            if (!(next < INFINITY))
+                break;
+            double middle = 0.5*(t + next), half = 0.5*(next - t), c[9], v[9], at[9] = { middle, 1 };
+            lw_moves_series(m, middle, 1, 8, c);
+            lw_expression_series(d.model.motion[0], 8, at, v);
+            for (int k = 0; k < 9; k++)
+                CHECK_NEAR(v[k], c[k], 0, 1e-15);
+            for (double x = -0.2; x < 0.3; x += 0.1) {
+                double sum = 0;
+                for (int k = 8; k >= 0; k--)
+                    sum = sum*x*half + c[k];
+                CHECK_NEAR(lw_moves_at(m, middle + x*half).x, sum, 2e-8, 0);
+                CHECK_NEAR(lw_expression_value(d.model.motion[0], (double[]){ middle + x*half }),
+                           lw_moves_at(m, middle + x*half).x, 0, 0);
+            }
+            lw_moves_series(m, next, -1, 2, c);              /* both sides of a kink agree in way and speed */
+            lw_moves_series(m, next, 1, 2, v);
+            CHECK_NEAR(c[0], v[0], 1e-12, 0);
+            CHECK_NEAR(c[1], v[1], 1e-11, 0);
+        }
+        CHECK(kinks >= 15);
+        CHECK_NEAR(lw_moves_at(m, 9).x, 0.3, 0, 0);
+        CHECK_NEAR(lw_moves_at(m, -9).x, 0.25, 0, 0);
+        lw_model_free(&d.model);
+    }
+}
+
+/* Way and speed of 2 kg under a force that a list of moves says, each turn anew; by Simpson's rule between the kinks, where
+ * the force is of degree 2. */
+static void exact_motion(double end, double *x, double *v)
+{
+    const lw_moves *m = &d.model.profile[0];
+    enum { N = 200 };
+    *x = *v = 0;
+    for (double t = 0; t < end;) {
+        double turn = floor(t/0.75 + 1e-12), own = t - 0.75*turn;
+        double next = fmin(fmin(0.75*turn + lw_moves_next_kink(m, own + 1e-12), 0.75*(turn + 1)), end), h = (next - t)/N;
+        for (int i = 0; i < N; i++) {
+            double a = own + i*h, f[3], series[3];
+            for (int k = 0; k < 3; k++) {
+                lw_moves_series(m, a + 0.5*k*h, k == 2 ? -1 : 1, 0, series);
+                f[k] = series[0];
+            }
+            *x += *v*h + h*h*(f[0] + 2*f[1])/6;              /* force 2 profile over 2 kg */
+            *v += h*(f[0] + 4*f[1] + f[2])/6;
+        }
+        t = next;
+    }
+}
+
+static void runs_stop_at_kinks(void)
+{
+    static const lw_formulation formulation[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                                  LW_FORMULATION_GGL };
+    static const double off[] = { 1e-12, 1e-12, 1e-6, 1e-6 };
+    lw_measure s;
+    for (int k = 0; k < 4; k++) {
+        double x, v;
+        read_model("{'name': 'go', 'speed': 3, 'acceleration': 20, 'start': 0.1, 'moves': [{'to': 1}, {'to': 0}]}",
+                   "'input': {'joint': 'S', 'speed': 0}, 'forces': [{'link': 'cart', 'at': [0, 0], "
+                   "'fx': '2*profile(go, mod(t, 0.75))'}]");
+        CHECK_INT(drun_to(&d, formulation[k], 1e-8, 2, 8), LW_OK);
+        CHECK_TEXT(d.e.text, "");
+        CHECK_INT(d.n_moment, 9);
+        lw_measure_joint(&d.system, 0, d.q, d.v, false, &s);
+        exact_motion(2, &x, &v);
+        CHECK_NEAR(s.value, x, off[k], 0);
+        CHECK_NEAR(s.rate, v, off[k], 0);
+        CHECK(k > 1 || d.report.steps < 60);                 /* no step is wasted on a kink */
+        lw_system_free(&d.system);
+        lw_model_free(&d.model);
+    }
+}
+
+static void refused(const char *profiles, const char *rest, const char *why)
+{
+    char text[2000];
+    lw_model m;
+    lw_error e = { 0 };
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', 'cart'], 'joints': [{'name': 'S', 'kind': 't', 'links': "
+             "['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}], 'profiles': [%s], 'input': {'joint': 'S', 'motion': '%s'}}",
+             profiles, rest);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    CHECK_INT(lw_model_read(text, strlen(text), "text", &m, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, why);
+    CHECK(e.line > 0 && e.column > 0);
+}
+
+static void bad_moves_are_refused(void)
+{
+    static const char good[] = "{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': [{'to': 1}]}";
+    char two[300];
+    snprintf(two, sizeof two, "%s, %s", good, good);
+    refused(good, "profile(gone)", "no profile \"gone\"");
+    refused(good, "profile()", "name");
+    refused(good, "profile(go, t", "')' is expected");
+    refused(good, "profile(go, q(S))", "t alone");
+    refused(two, "0", "two profiles");
+    refused("{'name': 'go', 'moves': [{'to': 1}]}", "0", "limit");
+    refused("{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': [{'to': 1, 'duration': 0.5}]}", "0", "duration");
+    refused("{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': []}", "0", "moves");
+    refused("{'name': 'go', 'moves': [{'to': 1, 'law': 'cycloid'}]}", "0", "\"duration\"");
+}
+
+int main(void)
+{
+    RUN(series_are_exact);
+    RUN(runs_stop_at_kinks);
+    RUN(bad_moves_are_refused);
+    return check_end();
+}
