@@ -10,7 +10,7 @@
 static const cli_command *const commands[] = { &cli_fit_command, &cli_classify_command, &cli_trace_command,
                                               &cli_simulate_command,
                                               &cli_mobility_command, &cli_plasma_command, &cli_convert_command,
-                                              &cli_draw_command, &cli_gallery_command, &cli_clearance_command, &cli_profile_command, &cli_drive_command, &cli_family_command,
+                                              &cli_draw_command, &cli_gallery_command, &cli_clearance_command, &cli_profile_command, &cli_robot_command, &cli_drive_command, &cli_family_command,
                                               &cli_numbers_command,
                                               &cli_structures_command, &cli_chains_command,
                                               &cli_mechanisms_command, &cli_grammar_command,

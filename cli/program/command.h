@@ -55,7 +55,7 @@ typedef struct cli_command {
 extern const cli_command cli_simulate_command, cli_clearance_command, cli_fit_command, cli_classify_command,
                          cli_trace_command, cli_draw_command, cli_numbers_command, cli_structures_command,
                          cli_chains_command, cli_mechanisms_command, cli_grammar_command, cli_catalogue_command,
-                         cli_bench_command, cli_mobility_command, cli_plasma_command, cli_convert_command, cli_profile_command,
+                         cli_bench_command, cli_mobility_command, cli_plasma_command, cli_convert_command, cli_profile_command, cli_robot_command,
                          cli_gallery_command, cli_drive_command, cli_family_command, cli_studio_command;
 
 /* Help of one command, from its row, or of one of its actions (NULL: of all); the same as a section of the manual page

@@ -1,0 +1,445 @@
+/* linkwright robot - a model in space as a robot: Jacobian, workspace, maps of the condition number. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "base/vec3.h"
+#include "catalogues/pages/draw.h"
+#include "cli/motion/spatial.h"
+#include "cli/program/json.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "cli/program/progress.h"
+#include "mbs/space/robot.h"
+
+typedef struct settings {
+    const char *tool, *at, *plot;
+    double      max_condition;
+    int         rays, grid;
+    bool        links_only;
+} settings;
+
+#define PLACE(member) offsetof(settings, member)
+
+static const cli_option options[] = {
+    { "tool", 0, CLI_TEXT, PLACE(tool), "NAME", NULL, "tracer that is the tool; without it the first", 0, 0, NULL, NULL },
+    { "tool-at", 0, CLI_TEXT, PLACE(at), "X,Y,Z", NULL,
+      "move the tool there first, in the unit of the file; without it the place of the file", 0, 0, NULL, NULL },
+    { "max-condition", 0, CLI_REAL, PLACE(max_condition), "C", NULL,
+      "workspace, map: only postures whose condition number is at most C", 1, 1e9, NULL, NULL },
+    { "links-only", 0, CLI_FLAG, PLACE(links_only), NULL, NULL,
+      "workspace, map: what the links alone can reach: stops and cones of joints do not count, nor do postures in which the "
+      "drives lose the tool", 0, 0, NULL, NULL },
+    { "rays", 0, CLI_INT, PLACE(rays), "N", "72", "workspace: number of directions in the level plane", 3, 100000, NULL,
+      NULL },
+    { "places", 0, CLI_INT, PLACE(grid), "N", "25", "map: number of places across the workspace", 2, 1000, NULL, NULL },
+    { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
+      "workspace: draw its edge; map: draw the condition numbers (.svg, .pdf, .png)", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+typedef struct job {
+    const cli_call   *call;
+    const settings   *s;
+    lw_spatial       *m;
+    lw_robot          r;
+    const char       *unit;
+    double            metre;
+    lw_vec3           up, right, ahead;      /* of the level plane: right and ahead lie in it        */
+    lw_error          e;
+} job;
+
+/* ---- beginning ------------------------------------------------------------------------------------------- */
+
+static lw_status read_place(const job *j, const char *text, lw_vec3 *p, lw_error *e)
+{
+    double v[3];
+    const char *at = text;
+    for (int i = 0; i < 3; i++) {
+        char *end;
+        v[i] = strtod(at, &end);
+        if (end == at || !isfinite(v[i]) || *end != (i < 2 ? ',' : 0))
+            return lw_error_set(e, LW_E_ARG, "--tool-at takes three numbers, such as 0.2,0,-0.65 [%s], not '%.60s'", j->unit, text);
+        at = end + 1;
+    }
+    *p = lw_v3_scale(lw_v3(v[0], v[1], v[2]), j->metre);
+    return LW_OK;
+}
+
+static int begin(const cli_call *call, job *j)
+{
+    struct lw_model *planar = NULL;
+    lw_vec3 place;
+    *j = (job){ .call = call, .s = call->settings };
+    lw_status st = cli_read_any_model(call->parsed.word[1], 0, &planar, &j->m, &j->e);
+    if (st == LW_OK && planar) {
+        cli_free_model(planar);
+        st = lw_error_at(&j->e, LW_E_KIND, call->parsed.word[1], 0, 0, "this model is planar, and robot needs one in space: "
+                         "give its places a third number, 0, and its pins \"axis\": [0, 0, 1]");
+    }
+    if (st != LW_OK)
+        return cli_fail(call, &j->e);
+    j->unit = j->m->units.length[0] ? j->m->units.length : "m";
+    j->metre = j->m->units.metre;
+    st = lw_robot_make(j->m, j->s->tool, &j->r, &j->e);
+    if (st == LW_OK) {
+        double g = lw_v3_norm(j->m->gravity);
+        j->up = g > 0 ? lw_v3_scale(j->m->gravity, -1/g) : lw_v3(0, 0, 1);
+        j->right = fabs(j->up.x) < 0.9 ? lw_v3(1, 0, 0) : lw_v3(0, 1, 0);
+        j->right = lw_v3_sub(j->right, lw_v3_scale(j->up, lw_v3_dot(j->right, j->up)));
+        j->right = lw_v3_scale(j->right, 1/lw_v3_norm(j->right));
+        j->ahead = lw_v3_cross(j->up, j->right);
+        j->r.free = j->s->links_only;
+        j->r.condition_limit = cli_given(&call->parsed, "max-condition") ? j->s->max_condition : 0;
+        if (j->s->at && (st = read_place(j, j->s->at, &place, &j->e)) == LW_OK)
+            st = lw_robot_move(&j->r, place, NULL, &j->e);
+    }
+    return st == LW_OK ? CLI_DONE : cli_fail(call, &j->e);
+}
+
+static void end(job *j)
+{
+    lw_robot_free(&j->r);
+    cli_free_spatial(j->m);
+}
+
+/* ---- jacobian -------------------------------------------------------------------------------------------- */
+
+static lw_spatial_measure drive_of(const job *j, int i)
+{
+    return j->m->n_drive ? j->m->drive[i] : j->m->input[i].measure;
+}
+
+static bool turns(const job *j, int i) { return drive_of(j, i).of == LW_OF_TURN; }
+
+static void json_pose(const job *j, FILE *f, const lw_robot_pose *p)
+{
+    cli_json w = cli_json_begin(f, 2);
+    double row[LW_ROBOT_DRIVES];
+    char name[80];
+    cli_json_object(&w, NULL);
+    cli_json_text(&w, "version", LW_VERSION);
+    cli_json_text(&w, "command", j->call->line);
+    cli_json_text(&w, "length_unit", "m");
+    cli_json_text(&w, "tool", j->m->tracer[j->r.tool].name);
+    cli_json_reals(&w, "place", (double[]){ p->place.x, p->place.y, p->place.z }, 3);
+    cli_json_reals(&w, "quaternion", (double[]){ p->turn.w, p->turn.x, p->turn.y, p->turn.z }, 4);
+    cli_json_array(&w, "drives");
+    for (int i = 0; i < j->r.n_drive; i++) {
+        lw_spatial_measure_name(j->m, drive_of(j, i), name, sizeof name);
+        cli_json_object(&w, NULL);
+        cli_json_text(&w, "name", name);
+        cli_json_real(&w, "value", p->drive[i]);
+        cli_json_text(&w, "unit", turns(j, i) ? "rad" : "m");
+        cli_json_end(&w);
+    }
+    cli_json_end(&w);
+    cli_json_array(&w, "jacobian");
+    for (int k = 0; k < 6; k++) {
+        memcpy(row, p->jacobian[k], sizeof row);
+        cli_json_reals(&w, NULL, row, (size_t)j->r.n_drive);
+    }
+    cli_json_end(&w);
+    cli_json_reals(&w, "singular_values", p->singular, 3);
+    cli_json_real(&w, "condition", p->condition);
+    cli_json_real(&w, "isotropy", 1/p->condition);
+    cli_json_real(&w, "manipulability", p->manipulability);
+    cli_json_reals(&w, "moved_mass", p->mass, p->mass[0] > 0 ? 3 : 0);
+    cli_json_end(&w);
+}
+
+/* A number without the rounding of others of this size. */
+static double clean(double v, double size) { return fabs(v) < 1e-13*size ? 0 : v; }
+
+static void print_direction(FILE *f, lw_vec3 a)
+{
+    fprintf(f, "(%.6f, %.6f, %.6f)", clean(a.x, 1e6), clean(a.y, 1e6), clean(a.z, 1e6));
+}
+
+static void print_pose(const job *j, FILE *f, const lw_robot_pose *p)
+{
+    static const char *const row[] = { "vx", "vy", "vz", "wx", "wy", "wz" };
+    char name[80];
+    double size = j->r.space.unit;
+    fprintf(f, "tool '%s' at (%.9g, %.9g, %.9g) %s\n", j->m->tracer[j->r.tool].name,
+            clean(p->place.x, size)/j->metre, clean(p->place.y, size)/j->metre, clean(p->place.z, size)/j->metre, j->unit);
+    for (int i = 0; i < j->r.n_drive; i++) {
+        lw_spatial_measure_name(j->m, drive_of(j, i), name, sizeof name);
+        fprintf(f, "drive %-24s %.10g %s\n", name, clean(p->drive[i], turns(j, i) ? 1 : size)/(turns(j, i) ? LW_PI/180 : j->metre),
+                turns(j, i) ? "deg" : j->unit);
+    }
+    fprintf(f, "Jacobian: velocity of the tool [m/s] and its turn [rad/s] by the rates of the drives [rad/s] or [m/s]\n");
+    for (int k = 0; k < 6; k++) {
+        fprintf(f, "  %s", row[k]);
+        for (int i = 0; i < j->r.n_drive; i++)
+            fprintf(f, " %15.9g", clean(p->jacobian[k][i], 100*p->singular[0]));
+        fputc('\n', f);
+    }
+    fprintf(f, "singular values");
+    for (int i = 0; i < p->rank; i++) {
+        fprintf(f, "%s %.9g in ", i ? ";" : "", p->singular[i]);
+        print_direction(f, lw_m3_column(&p->axes, i));
+    }
+    fprintf(f, "\ncondition %.9g, isotropy %.6g, manipulability %.6g\n", p->condition, 1/p->condition, p->manipulability);
+    if (p->mass[0] > 0) {
+        fprintf(f, "mass that a force on the tool moves [kg]");
+        for (int i = 0; i < 3; i++) {
+            fprintf(f, "%s %.6g in ", i ? ";" : "", p->mass[i]);
+            print_direction(f, lw_m3_column(&p->mass_axes, i));
+        }
+        fputc('\n', f);
+    }
+}
+
+static int run_jacobian(const cli_call *call)
+{
+    job j;
+    lw_robot_pose p;
+    lw_output o;
+    int code = begin(call, &j);
+    if (code == CLI_DONE && (lw_robot_measure(&j.r, &p, &j.e) != LW_OK || cli_open(call, &o, &j.e) != LW_OK))
+        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE) {
+        (call->common.json ? json_pose : print_pose)(&j, o.f, &p);
+        code = cli_close(call, &o, CLI_DONE);
+    }
+    end(&j);
+    return code;
+}
+
+/* ---- workspace ------------------------------------------------------------------------------------------- */
+
+static lw_vec3 direction(const job *j, double angle)
+{
+    return lw_v3_add(lw_v3_scale(j->right, cos(angle)), lw_v3_scale(j->ahead, sin(angle)));
+}
+
+/* Every ray begins where the tool is now. */
+static lw_status follow_ray(job *j, const double *q, const double *near, double angle, double *far)
+{
+    lw_robot *r = &j->r;
+    memcpy(r->follow.q, q, (size_t)r->space.n_q*sizeof *q);
+    memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_extra*sizeof *near);
+    return lw_robot_reach(r, direction(j, angle), 4*r->space.unit, far, &j->e);
+}
+
+static int draw_edge(const job *j, int n, const double *x, const double *y)
+{
+    lw_error e;
+    lw_series edge = { .name = "", .n = (size_t)n, .x = x, .y = y };
+    char label[2][40];
+    snprintf(label[0], sizeof label[0], "to the right [%s]", j->unit);
+    snprintf(label[1], sizeof label[1], "ahead [%s]", j->unit);
+    lw_plot plot = { .title = "Workspace in the level plane of the tool", .x_label = label[0], .y_label = label[1],
+                     .n_series = 1, .series = &edge, .equal = true, .width = 640, .height = 640 };
+    return lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
+}
+
+static int run_workspace(const cli_call *call)
+{
+    job j;
+    lw_robot_pose p;
+    lw_output o;
+    double area = 0, least = INFINITY, most = 0;
+    int code = begin(call, &j), n = j.s->rays;
+    if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_extra : 0;
+    double *q = malloc((n_q + n_near + 2*(size_t)n + 3)*sizeof *q), *near = q + n_q, *x = near + n_near, *y = x + n + 1;
+    if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
+        code = cli_fail(call, &j.e);
+    if (code != CLI_DONE) {
+        free(q);
+        end(&j);
+        return code;
+    }
+    memcpy(q, j.r.follow.q, n_q*sizeof *q);
+    memcpy(near, j.r.follow.z.near, n_near*sizeof *near);
+    cli_progress progress = cli_progress_begin(call, "workspace", "rays");
+    cli_json w = cli_json_begin(o.f, 2);
+    if (call->common.json) {
+        cli_json_object(&w, NULL);
+        cli_json_text(&w, "version", LW_VERSION);
+        cli_json_text(&w, "command", call->line);
+        cli_json_text(&w, "length_unit", j.unit);
+        cli_json_array(&w, "edge");
+    } else
+        fprintf(o.f, "# units: direction deg; distance x y z %s\ndirection,distance,x,y,z,limit\n", j.unit);
+    int done = 0;
+    for (int i = 0; i <= n && !cli_interrupted(); i++, done = i) {
+        double a = 2*LW_PI*(i % n)/n, far = 0;
+        j.e.text[0] = 0;
+        if (i < n && follow_ray(&j, q, near, a, &far) != LW_OK) {
+            code = cli_fail(call, &j.e);
+            break;
+        }
+        if (i == n)
+            far = hypot(x[0], y[0])*j.metre;
+        x[i] = far*cos(a)/j.metre;
+        y[i] = far*sin(a)/j.metre;
+        area += i ? 0.5*(x[i - 1]*y[i] - y[i - 1]*x[i]) : 0;
+        if (i == n)
+            continue;
+        least = fmin(least, far), most = fmax(most, far);
+        lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(direction(&j, a), far));
+        const char *why = strstr(j.e.text, "m: ");
+        double row[] = { a*180/LW_PI, far/j.metre, at.x/j.metre, at.y/j.metre, at.z/j.metre };
+        if (call->common.json)
+            cli_json_reals(&w, NULL, row, 5);
+        else
+            fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", row[0], row[1], row[2] + 0.0, row[3] + 0.0, row[4] + 0.0,
+                    why ? why + 3 : "none found");
+        cli_progress_show(&progress, i, n, NULL);
+    }
+    cli_progress_end(&progress);
+    if (call->common.json) {
+        cli_json_end(&w);
+        cli_json_real(&w, "area", area);
+        cli_json_bool(&w, "complete", done == n + 1);
+        cli_json_end(&w);
+    }
+    if (code == CLI_DONE && done == n + 1) {
+        cli_note(call, "area %.6g %s^2 in the level plane, from %.6g to %.6g %s around the tool", area, j.unit, least/j.metre,
+                 most/j.metre, j.unit);
+        if (j.s->plot)
+            code = draw_edge(&j, n + 1, x, y);
+    }
+    code = cli_close(call, &o, code);
+    free(q);
+    end(&j);
+    return code;
+}
+
+/* ---- map ------------------------------------------------------------------------------------------------- */
+
+#define BANDS 6
+
+typedef struct map { double *x, *y, *condition; int n; } map;
+
+/* Points by bands of the condition number, in equal shares. */
+static int draw_map(const job *j, const map *m)
+{
+    lw_series series[BANDS];
+    char name[BANDS][40], label[2][40];
+    lw_error e;
+    double edge[BANDS + 1] = { 1, 1.5, 2, 3, 5, 10, INFINITY };
+    double *xy = malloc(2*(size_t)m->n*sizeof *xy + 1);
+    int used = 0, n_series = 0;
+    if (!xy)
+        return cli_fail(j->call, &(lw_error){ .status = LW_E_MEMORY, .text = "out of memory" });
+    for (int b = 0; b < BANDS; b++) {
+        int first = used;
+        for (int i = 0; i < m->n; i++)
+            if (m->condition[i] >= edge[b] && m->condition[i] < edge[b + 1]) {
+                xy[used] = m->x[i];
+                xy[m->n + used++] = m->y[i];
+            }
+        if (isfinite(edge[b + 1]))
+            snprintf(name[b], sizeof name[b], "%g to %g", edge[b], edge[b + 1]);
+        else
+            snprintf(name[b], sizeof name[b], "above %g", edge[b]);
+        if (used > first)
+            series[n_series++] = (lw_series){ .name = name[b], .n = (size_t)(used - first), .x = xy + first,
+                                              .y = xy + m->n + first, .style = LW_SERIES_POINTS };
+    }
+    snprintf(label[0], sizeof label[0], "to the right [%s]", j->unit);
+    snprintf(label[1], sizeof label[1], "ahead [%s]", j->unit);
+    lw_plot plot = { .title = "Condition number of the Jacobian", .x_label = label[0], .y_label = label[1],
+                     .n_series = n_series, .series = series, .equal = true, .width = 760, .height = 640 };
+    int code = lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
+    free(xy);
+    return code;
+}
+
+static int run_map(const cli_call *call)
+{
+    job j;
+    lw_robot_pose p, here;
+    lw_output o;
+    int code = begin(call, &j), n = j.s->grid, lost = 0;
+    if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_extra : 0;
+    size_t most = (size_t)n*(size_t)n;
+    double *q = malloc((n_q + n_near + 3*most + 1)*sizeof *q), *near = q + n_q, reach = 0;
+    map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0 };
+    if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
+        code = cli_fail(call, &j.e);
+    if (code != CLI_DONE) {
+        free(q);
+        end(&j);
+        return code;
+    }
+    memcpy(q, j.r.follow.q, n_q*sizeof *q);
+    memcpy(near, j.r.follow.z.near, n_near*sizeof *near);
+    for (int i = 0; i < 12 && !cli_interrupted(); i++) {        /* how far the grid has to go */
+        double far = 0;
+        if (follow_ray(&j, q, near, 2*LW_PI*i/12, &far) == LW_OK)
+            reach = fmax(reach, far);
+    }
+    reach *= 1.02;
+    cli_progress progress = cli_progress_begin(call, "map", "places");
+    fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m\nx,y,z,condition,greatest,least,manipulability\n", j.unit);
+    for (int i = 0; i < n*n && !cli_interrupted(); i++) {
+        double a = reach*(2.0*(i % n)/(n - 1) - 1), b = reach*(2.0*(i/n)/(n - 1) - 1);
+        lw_vec3 to = lw_v3_add(p.place, lw_v3_add(lw_v3_scale(j.right, a), lw_v3_scale(j.ahead, b)));
+        memcpy(j.r.follow.q, q, n_q*sizeof *q);
+        memcpy(j.r.follow.z.near, near, n_near*sizeof *near);
+        if (lw_robot_move(&j.r, to, NULL, &j.e) != LW_OK || lw_robot_measure(&j.r, &here, &j.e) != LW_OK) {
+            lost++;
+            continue;
+        }
+        fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", to.x/j.metre + 0.0, to.y/j.metre + 0.0, to.z/j.metre + 0.0,
+                here.condition, here.singular[0], here.singular[here.rank - 1], here.manipulability);
+        m.x[m.n] = a/j.metre;
+        m.y[m.n] = b/j.metre;
+        m.condition[m.n++] = here.condition;
+        cli_progress_show(&progress, i, (double)n*n, NULL);
+    }
+    cli_progress_end(&progress);
+    cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
+    if (j.s->plot && m.n > 0 && !cli_interrupted())
+        code = draw_map(&j, &m);
+    code = cli_close(call, &o, code == CLI_DONE && m.n == 0 ? CLI_NOTHING : code);
+    free(q);
+    end(&j);
+    return code;
+}
+
+/* ---- the command ----------------------------------------------------------------------------------------- */
+
+static const cli_action actions[] = {
+    { "jacobian", "MODEL.json",
+      "Prints where the tool is, the values of the drives, the Jacobian, its singular values and condition number, and the\n"
+      "mass that a force on the tool moves in each direction.\n",
+      1, 1, run_jacobian, CLI_LINKAGE },
+    { "workspace", "MODEL.json",
+      "Moves the tool from where it is outwards in the level plane, in each of --rays directions, and prints how far it gets\n"
+      "and what stops it: the links, a stop or a cone of a joint, a posture in which the drives lose the tool, or\n"
+      "--max-condition. The area is that of the polygon of these ends.\n",
+      1, 1, run_workspace, CLI_LINKAGE },
+    { "map", "MODEL.json",
+      "Prints condition number, singular values and manipulability over a grid in the level plane of the tool, at the places\n"
+      "that it reaches on a straight way.\n",
+      1, 1, run_map, CLI_LINKAGE },
+    { .name = NULL }
+};
+
+const cli_command cli_robot_command = {
+    .name = "robot",
+    .words = "ACTION MODEL.json",
+    .title = "a model in space as a robot: Jacobian, workspace, condition number",
+    .examples =
+        "  linkwright robot jacobian examples/space/delta.json                    in the posture of the file\n"
+        "  linkwright robot jacobian examples/space/delta.json --tool-at 0.2,0,-0.65   elsewhere, with the drives' values\n"
+        "  linkwright robot workspace examples/space/delta.json --tool-at 0,0,-0.65 --max-condition 5 --plot edge.svg\n"
+        "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --plot map.svg\n"
+        "  linkwright robot jacobian examples/space/stewart.json --json\n",
+    .about =
+        "MODEL is a spatial model (docs/notation.md). Its drives are \"drives\", or its inputs, and leave no freedom; its tool\n"
+        "is a tracer. A robot with six drives or more keeps the tool's orientation when it moves. The level plane is across\n"
+        "gravity, or across z without gravity.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .actions = actions
+};

@@ -1,0 +1,502 @@
+#include "mbs/space/robot.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/linalg.h"
+#include "base/suggest.h"
+#include "base/vec3.h"
+
+#define CLOSE 1e-11              /* of the size, and [rad]: the tool is there                          */
+#define LEAST_STEP 1e-8          /* of the size: a limit is found so well                              */
+#define LONGEST_STEP 0.1         /* of the size: stops, cones and the condition are looked at so often  */
+
+/* ---- making ---------------------------------------------------------------------------------------------- */
+
+static lw_status find_tool(const lw_spatial *m, const char *name, int *tool, lw_error *e)
+{
+    const char *names[64];
+    if (m->n_tracer == 0)
+        return lw_error_set(e, LW_E_ARG, "the model has no tracer: its tool is one, \"tracers\"");
+    *tool = 0;
+    if (!name)
+        return LW_OK;
+    for (*tool = 0; *tool < m->n_tracer; ++*tool)
+        if (strcmp(m->tracer[*tool].name, name) == 0)
+            return LW_OK;
+    int n = m->n_tracer < 64 ? m->n_tracer : 64;
+    for (int i = 0; i < n; i++)
+        names[i] = m->tracer[i].name;
+    const char *near = lw_suggest(name, names, n);
+    return lw_error_set(e, LW_E_ARG, "there is no tracer \"%.40s\"%s%s%s", name, near ? "; did you mean \"" : "",
+                        near ? near : "", near ? "\"?" : "");
+}
+
+lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
+{
+    lw_spatial_measure drive[LW_ROBOT_DRIVES];
+    *r = (lw_robot){ .model = m };
+    lw_status s = find_tool(m, tool, &r->tool, e);
+    if (s != LW_OK)
+        return s;
+    r->n_drive = m->n_drive ? m->n_drive : m->n_input;
+    if (r->n_drive == 0 || r->n_drive > LW_ROBOT_DRIVES)
+        return lw_error_set(e, LW_E_ARG, r->n_drive ? "the model has more than %d drives" :
+                            "the model has no drives: name the joints that motors move, \"drives\" (at most %d)",
+                            LW_ROBOT_DRIVES);
+    for (int i = 0; i < r->n_drive; i++)
+        drive[i] = m->n_drive ? m->drive[i] : m->input[i].measure;
+    r->turns = r->n_drive >= 6;
+    s = lw_space_make(m, &r->space, e);
+    if (s != LW_OK)
+        return s;
+    s = lw_space_follow_make(&r->space, drive, r->n_drive, false, &r->follow, e);
+    size_t n_v = (size_t)r->space.n_v, n_q = (size_t)r->space.n_q;
+    if (s == LW_OK && !(r->column = calloc((size_t)r->n_drive*n_v + n_q, sizeof *r->column)))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s != LW_OK) {
+        lw_robot_free(r);
+        return s;
+    }
+    const lw_spatial_measure place[] = { { LW_OF_X, r->tool }, { LW_OF_Y, r->tool }, { LW_OF_Z, r->tool } };
+    lw_error none;
+    if (r->n_drive == 3 && lw_space_follow_make(&r->space, place, 3, false, &r->by_tool, &none) != LW_OK)
+        r->by_tool.memory = NULL;                /* the tool moves in a plane, or only turns */
+    r->start = r->column + (size_t)r->n_drive*n_v;
+    memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
+    lw_space_follow_values(&r->follow, r->drive);
+    return LW_OK;
+}
+
+void lw_robot_free(lw_robot *r)
+{
+    if (r->follow.memory)
+        lw_space_follow_free(&r->follow);
+    if (r->by_tool.memory)
+        lw_space_follow_free(&r->by_tool);
+    lw_space_free(&r->space);
+    free(r->column);
+    *r = (lw_robot){ 0 };
+}
+
+static lw_spatial_measure measure_of(const lw_robot *r, int i)
+{
+    return r->model->n_drive ? r->model->drive[i] : r->model->input[i].measure;
+}
+
+/* Values as the model counts them are those of the joints and an offset. */
+static double offset_of(const lw_robot *r, int i)
+{
+    return r->model->n_drive ? 0 : lw_spatial_offset(&r->model->input[i]);
+}
+
+void lw_robot_reset(lw_robot *r)
+{
+    memcpy(r->follow.q, r->start, (size_t)r->space.n_q*sizeof *r->start);
+    memset(r->follow.z.near, 0, (size_t)r->follow.z.n_extra*sizeof *r->follow.z.near);
+    r->follow.u = 0;
+}
+
+/* ---- the posture reached --------------------------------------------------------------------------------- */
+
+/* Columns of J, and the velocities of all bodies that belong to them. */
+static lw_status fill_jacobian(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES], lw_error *e)
+{
+    lw_space_follow *f = &r->follow;
+    const lw_space *s = &r->space;
+    int first = s->n_row + f->n_idle;
+    lw_space_rows_fill(&f->z, f->q, f->z.near);
+    if (!lw_space_rows_factor(&f->z))
+        return lw_error_set(e, LW_OPEN, "the drives do not hold the tool in this posture: it is singular");
+    for (int i = 0; i < r->n_drive; i++) {
+        double *v = r->column + (size_t)i*(size_t)s->n_v;
+        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
+        f->rhs[first + i] = 1/lw_space_scale(s, measure_of(r, i));
+        lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l);
+        lw_vec3 p = lw_space_point_velocity(f->z.frame, s->tracer[r->tool], v);
+        lw_vec3 w = lw_space_omega(f->z.frame, s->tracer[r->tool].body, v);
+        double of[] = { p.x, p.y, p.z, w.x, w.y, w.z };
+        for (int k = 0; k < 6; k++)
+            jacobian[k][i] = of[k];
+    }
+    return LW_OK;
+}
+
+static void tool_pose(const lw_robot *r, lw_vec3 *place, lw_quaternion *turn)
+{
+    const lw_space *s = &r->space;
+    lw_space_point p = s->tracer[r->tool];
+    const double *q = r->follow.q + 7*p.body;
+    *turn = r->model->tracer[r->tool].frame;
+    if (p.body >= 0)
+        *turn = lw_quaternion_times(lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
+                                                        lw_quaternion_inverse(s->axes[p.body])), *turn);
+    *turn = lw_quaternion_unit(*turn);
+    *place = lw_space_point_at(r->follow.z.frame, p);
+}
+
+/* A direction of the posture of the file as a body carries it now. */
+static lw_vec3 carried(const lw_robot *r, int body, lw_vec3 direction)
+{
+    if (body < 0)
+        return direction;
+    lw_mat3 axes = lw_quaternion_matrix(r->space.axes[body]);
+    return lw_m3_apply(&r->follow.z.frame[body + 1].turn, lw_m3_unapply(&axes, direction));
+}
+
+/* Principal values and axes, the greatest first. */
+static void principal(const double a[6], double value[3], lw_mat3 *axes)
+{
+    lw_mat3 by;
+    double v[3];
+    int order[3] = { 0, 1, 2 };
+    lw_m3_principal(a, v, &by);
+    for (int i = 0; i < 2; i++)
+        for (int k = i + 1; k < 3; k++)
+            if (v[order[k]] > v[order[i]]) {
+                int o = order[i];
+                order[i] = order[k];
+                order[k] = o;
+            }
+    for (int i = 0; i < 3; i++)
+        value[i] = v[order[i]];
+    *axes = lw_m3_columns(lw_m3_column(&by, order[0]), lw_m3_column(&by, order[1]), lw_m3_column(&by, order[2]));
+}
+
+static void fill_tensor(int n, double (*row)[LW_ROBOT_DRIVES], double a[6])
+{
+    static const int at[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    for (int k = 0; k < 6; k++) {
+        a[k] = 0;
+        for (int i = 0; i < n; i++)
+            a[k] += row[at[k][0]][i]*row[at[k][1]][i];
+    }
+}
+
+/* Masses that forces on the tool move: J M^-1 J^T = A A^T with A = J L^-T, M = L L^T. */
+static void fill_masses(const lw_robot *r, lw_robot_pose *out)
+{
+    double m[LW_ROBOT_DRIVES][LW_ROBOT_DRIVES], a[6][LW_ROBOT_DRIVES], tensor[6], value[3];
+    int n = r->n_drive;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k <= i; k++) {
+            m[i][k] = 0;
+            for (int j = 0; j < r->space.n_v; j++)
+                m[i][k] += r->column[i*r->space.n_v + j]*r->space.mass[j]*r->column[k*r->space.n_v + j];
+        }
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k <= i; k++) {
+            double sum = m[i][k];
+            for (int j = 0; j < k; j++)
+                sum -= m[i][j]*m[k][j];
+            if (i == k && !(sum > 0))
+                return;                                        /* massless in a direction of the drives */
+            m[i][k] = i == k ? sqrt(sum) : sum/m[k][k];
+        }
+    for (int row = 0; row < 3; row++)
+        for (int i = 0; i < n; i++) {
+            double sum = out->jacobian[row][i];
+            for (int k = 0; k < i; k++)
+                sum -= m[i][k]*a[row][k];
+            a[row][i] = sum/m[i][i];
+        }
+    fill_tensor(n, a, tensor);
+    principal(tensor, value, &out->mass_axes);
+    for (int i = 0; i < 3 && out->rank == 3; i++)
+        out->mass[i] = 1/value[i];
+}
+
+lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
+{
+    double tensor[6], square[3];
+    memset(out, 0, sizeof *out);
+    lw_space_follow_values(&r->follow, out->drive);
+    for (int i = 0; i < r->n_drive; i++)
+        out->drive[i] += offset_of(r, i);
+    lw_status s = fill_jacobian(r, out->jacobian, e);
+    if (s != LW_OK)
+        return s;
+    tool_pose(r, &out->place, &out->turn);
+    fill_tensor(r->n_drive, out->jacobian, tensor);
+    principal(tensor, square, &out->axes);
+    out->manipulability = 1;
+    for (int i = 0; i < 3; i++) {
+        out->singular[i] = square[i] > 0 ? sqrt(square[i]) : 0;
+        if (out->singular[i] > 1e-7*out->singular[0]) {        /* squares know nothing smaller */
+            out->rank = i + 1;
+            out->manipulability *= out->singular[i];
+            out->condition = out->singular[0]/out->singular[i];
+        }
+    }
+    fill_masses(r, out);
+    return LW_OK;
+}
+
+/* ---- moving ---------------------------------------------------------------------------------------------- */
+
+static lw_status to_drives(void *context, double u, double (*out)[3])
+{
+    const lw_robot *r = context;
+    for (int i = 0; i < r->n_drive; i++) {
+        out[i][0] = r->from[i] + u*(r->drive[i] - r->from[i]);
+        out[i][1] = r->drive[i] - r->from[i];
+        out[i][2] = 0;
+    }
+    return LW_OK;
+}
+
+/* Move the drives to r->drive. */
+static lw_status go(lw_robot *r, lw_error *e)
+{
+    lw_space_follow_values(&r->follow, r->from);
+    r->follow.u = 0;
+    return lw_space_follow_to(&r->follow, to_drives, r, 1, e);
+}
+
+lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e)
+{
+    for (int i = 0; i < r->n_drive; i++)
+        r->drive[i] = value[i] - offset_of(r, i);
+    return go(r, e);
+}
+
+/* Which stop or cone is passed in this posture?  NULL: none. */
+static const char *passed(const lw_robot *r, char text[120])
+{
+    const lw_spatial *m = r->model;
+    for (int j = 0; j < m->n_joint && !r->free; j++) {
+        const lw_spatial_joint *p = &m->joint[j];
+        const lw_space_joint *q = &r->space.joint[j];
+        if (p->has_cone) {
+            lw_vec3 first = carried(r, q->body[0], p->cone_axis), second = carried(r, q->body[1], p->cone_axis);
+            double tilt = atan2(lw_v3_norm(lw_v3_cross(first, second)), lw_v3_dot(first, second));
+            if (tilt > p->cone) {
+                snprintf(text, 120, "the cone of joint \"%s\"", p->name);
+                return text;
+            }
+        }
+        if (!p->stop.has_least && !p->stop.has_greatest)
+            continue;
+        lw_spatial_measure of = { p->kind == LW_SPATIAL_PRISMATIC ? LW_OF_SLIDE : LW_OF_TURN, j };
+        double value = lw_space_scale(&r->space, of)*lw_space_measure(&r->space, r->follow.z.frame, of, 0, NULL);
+        if ((p->stop.has_least && value < p->stop.least) || (p->stop.has_greatest && value > p->stop.greatest)) {
+            snprintf(text, 120, "the stop of joint \"%s\"", p->name);
+            return text;
+        }
+    }
+    return NULL;
+}
+
+/* Change of the drives that brings the tool nearer by `error` (place, and turn): least squares, the least change. */
+static void solve_drives(const lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES], const double error[6],
+                         double change[LW_ROBOT_DRIVES])
+{
+    int rows = r->turns ? 6 : 3, n = r->n_drive;
+    double a[(6 + LW_ROBOT_DRIVES)*6], diag[6], top = 0;
+    /* (J J^T + small^2) y = error, change = J^T y: Q R of J^T over a small multiple of the unit matrix */
+    for (int k = 0; k < rows; k++)
+        for (int i = 0; i < n; i++)
+            top = fmax(top, fabs(jacobian[k][i]));
+    double small = 1e-7*top;
+    int m = n + rows;
+    for (int k = 0; k < rows; k++) {
+        for (int i = 0; i < n; i++)
+            a[k*m + i] = jacobian[k][i];
+        for (int i = 0; i < rows; i++)
+            a[k*m + n + i] = i == k ? small : 0;
+    }
+    lw_qr_factor(m, rows, a, diag);
+    /* R^T R y = error */
+    double y[6];
+    for (int i = 0; i < rows; i++) {
+        double sum = error[i];
+        for (int k = 0; k < i; k++)
+            sum -= a[i*m + k]*y[k];
+        y[i] = sum/diag[i];
+    }
+    for (int i = rows - 1; i >= 0; i--) {
+        double sum = y[i];
+        for (int k = i + 1; k < rows; k++)
+            sum -= a[k*m + i]*y[k];
+        y[i] = sum/diag[i];
+    }
+    for (int i = 0; i < n; i++) {
+        change[i] = 0;
+        for (int k = 0; k < rows; k++)
+            change[i] += jacobian[k][i]*y[k];
+    }
+}
+
+/* The tool's distance from a pose: place [m], turn [rad]. */
+static double pose_error(const lw_robot *r, lw_vec3 place, const lw_quaternion *turn, double error[6])
+{
+    lw_vec3 at, d, w = { 0, 0, 0 };
+    lw_quaternion now;
+    tool_pose(r, &at, &now);
+    d = lw_v3_sub(place, at);
+    if (turn && r->turns)
+        w = lw_quaternion_vector(lw_quaternion_times(*turn, lw_quaternion_inverse(now)));
+    double of[] = { d.x, d.y, d.z, w.x, w.y, w.z };
+    memcpy(error, of, sizeof of);
+    return lw_v3_norm(d)/r->space.unit + lw_v3_norm(w);
+}
+
+static lw_status to_place(void *context, double u, double (*out)[3])
+{
+    const lw_robot *r = context;
+    lw_vec3 way = lw_v3_sub(r->goal, r->begin), at = lw_v3_add(r->begin, lw_v3_scale(way, u));
+    double of[] = { at.x, at.y, at.z }, rate[] = { way.x, way.y, way.z };
+    for (int i = 0; i < 3; i++)
+        out[i][0] = of[i], out[i][1] = rate[i], out[i][2] = 0;
+    return LW_OK;
+}
+
+/* Angles of the drives are counted on from where they were: the drives' rows measure the turn nearest to `near`. */
+static void take_posture(lw_robot *r, const double *q)
+{
+    memcpy(r->follow.q, q, (size_t)r->space.n_q*sizeof *q);
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    for (int i = 0; i < r->n_drive; i++) {
+        double *near = &r->follow.z.near[r->follow.n_idle + i];
+        *near = lw_space_measure(&r->space, r->follow.z.frame, measure_of(r, i), *near, NULL);
+    }
+}
+
+/* Is the posture reached one in which the robot may be? */
+static bool may_be_there(lw_robot *r, char why[120])
+{
+    lw_robot_pose now;
+    lw_error none;
+    if (r->free)
+        return true;
+    if (lw_robot_measure(r, &now, &none) != LW_OK) {
+        snprintf(why, 120, "a posture in which the drives do not hold the tool");
+        return false;
+    }
+    if (r->condition_limit > 0 && now.condition > r->condition_limit) {
+        snprintf(why, 120, "the limit of the condition number");
+        return false;
+    }
+    return !passed(r, why);
+}
+
+/* Three freedoms: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is where
+ * they do. */
+static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
+{
+    lw_space_follow *f = &r->by_tool;
+    lw_quaternion turn;
+    lw_error none;
+    memcpy(f->q, r->follow.q, (size_t)r->space.n_q*sizeof *f->q);
+    tool_pose(r, &r->begin, &turn);
+    r->goal = place;
+    f->u = 0;
+    *end = lw_space_follow_to(f, to_place, r, 1, &none) != LW_OK;
+    take_posture(r, f->q);
+    if (!may_be_there(r, why)) {
+        *end = false;
+        return false;
+    }
+    if (*end)
+        snprintf(why, 120, "the limit of what the links can reach");
+    return !*end;
+}
+
+/* Bring the tool to a near pose by Newton's method on the drives. */
+static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, char why[120])
+{
+    lw_robot_pose now;
+    lw_error none;
+    double error[6], change[LW_ROBOT_DRIVES], before = INFINITY;
+    for (int round = 0; round < 12; round++) {
+        if (lw_robot_measure(r, &now, &none) != LW_OK) {
+            snprintf(why, 120, "a posture in which the drives do not hold the tool");
+            return false;
+        }
+        double far = pose_error(r, place, turn, error);
+        if (far < CLOSE)
+            return may_be_there(r, why);
+        snprintf(why, 120, "the limit of what the drives can reach");
+        if (far > 0.7*before)
+            return false;
+        before = far;
+        solve_drives(r, now.jacobian, error, change);
+        lw_space_follow_values(&r->follow, r->drive);
+        for (int i = 0; i < r->n_drive; i++) {
+            double scale = lw_space_scale(&r->space, measure_of(r, i));
+            if (!(fabs(change[i]) < 0.5*scale))
+                return false;
+            r->drive[i] += change[i];
+        }
+        if (go(r, &none) != LW_OK)
+            return false;
+    }
+    return false;
+}
+
+lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e)
+{
+    const lw_space *s = &r->space;
+    lw_vec3 first;
+    lw_quaternion from, to;
+    char why[120] = "";
+    lw_space_place(s, r->follow.q, r->follow.z.frame);
+    tool_pose(r, &first, &from);
+    to = turn ? *turn : from;
+    lw_vec3 way = lw_v3_sub(place, first), spin = lw_quaternion_vector(lw_quaternion_times(to, lw_quaternion_inverse(from)));
+    double length = lw_v3_norm(way)/s->unit + (r->turns ? lw_v3_norm(spin) : 0), at = 0, h = length;
+    double *kept = malloc(2*(size_t)s->n_q*sizeof *kept);
+    if (!kept)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double *near = malloc((size_t)r->follow.z.n_extra*sizeof *near + 1);
+    if (!near) {
+        free(kept);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    while (at < length) {
+        h = fmin(h, LONGEST_STEP);
+        double next = fmin(at + h, length), part = next/length;
+        lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
+        memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
+        memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_extra*sizeof *near);
+        lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
+        bool end = false;
+        if (r->by_tool.memory ? pull_tool(r, to_go, &end, why) : close_tool(r, to_go, &now, why)) {
+            at = next;
+            h *= 2;
+            continue;
+        }
+        if (end) {
+            memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
+            memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_extra*sizeof *near);
+            h = 0;
+        }
+        memcpy(r->follow.q, kept, (size_t)s->n_q*sizeof *kept);
+        memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_extra*sizeof *near);
+        lw_space_place(s, r->follow.q, r->follow.z.frame);
+        h *= 0.5;
+        if (h < LEAST_STEP) {
+            tool_pose(r, &first, &from);
+            free(kept);
+            free(near);
+            return lw_error_set(e, LW_OPEN, "the tool stops at (%.9g, %.9g, %.9g) m: %s", first.x, first.y, first.z, why);
+        }
+    }
+    free(kept);
+    free(near);
+    return LW_OK;
+}
+
+lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *limit)
+{
+    lw_vec3 first, last;
+    lw_quaternion turn;
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    tool_pose(r, &first, &turn);
+    lw_status s = lw_robot_move(r, lw_v3_add(first, lw_v3_scale(direction, most)), NULL, limit);
+    lw_space_place(&r->space, r->follow.q, r->follow.z.frame);
+    tool_pose(r, &last, &turn);
+    *far = lw_v3_norm(lw_v3_sub(last, first));
+    return s == LW_OPEN ? LW_OK : s;
+}

@@ -1,0 +1,71 @@
+/* mbs/space/robot.h - a spatial model as a robot: drives move a tool.
+ *
+ * The drives are the model's "drives", or its inputs if it has none.  They must leave no freedom.  The Jacobian is that of
+ * the tool's twist (velocity of its point, and of its turn) by the rates of the drives:
+ *
+ *     [ v; omega ] = J q',   tau = J^T [ F; M ]        (Makkonen 1999, eq. 9-15)
+ *
+ * It comes from the rows of the joints, one solve for each drive, so it holds for serial and parallel robots alike. */
+#ifndef LW_MBS_SPACE_ROBOT_H
+#define LW_MBS_SPACE_ROBOT_H
+
+#include "mbs/space/space_follow.h"
+
+#define LW_ROBOT_DRIVES 12
+
+typedef struct lw_robot {
+    const lw_spatial *model;
+    int    tool;                                 /* tracer                                              */
+    int    n_drive;
+    bool   turns;                                /* six freedoms or more: the tool's turn is a part of its pose */
+    lw_space space;
+    lw_space_follow follow;                      /* the drives as inputs                                */
+    lw_space_follow by_tool;                     /* three freedoms: the tool's place as inputs; memory NULL: none */
+    double drive[LW_ROBOT_DRIVES];               /* where the path below goes                           */
+    double from[LW_ROBOT_DRIVES];
+    lw_vec3 goal, begin;                         /* the same of the tool                                */
+    double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
+    double condition_limit;                      /* going ends where the condition number exceeds it; 0: no limit (0) */
+    bool   free;                                 /* only what the links can reach ends it: no stop, no cone, and no posture in
+                                                  * which the drives lose the tool (false) */
+} lw_robot;
+
+typedef struct lw_robot_pose {
+    lw_vec3 place;                               /* of the tool [m]                                     */
+    lw_quaternion turn;
+    double  drive[LW_ROBOT_DRIVES];              /* as the model counts them [rad] or [m]               */
+    double  jacobian[6][LW_ROBOT_DRIVES];        /* [m/rad], [m/m]; below [rad/rad], [rad/m]            */
+    double  singular[3];                         /* singular values of the upper three rows, the greatest first */
+    int     rank;                                /* of those rows: 2 where the tool moves in a plane    */
+    double  condition;                           /* greatest over least of `rank` singular values       */
+    double  manipulability;                      /* their product (Yoshikawa 1985)                      */
+    lw_mat3 axes;                                /* columns: directions that belong to them             */
+    double  mass[3];                             /* principal values of (J M^-1 J^T)^-1, M the mass matrix of the drives:
+                                                  * the mass that a force on the tool moves [kg], rising; with rank 3 */
+    lw_mat3 mass_axes;
+} lw_robot_pose;
+
+/* tool NULL: the first tracer.  The model must outlive r.  LW_E_ARG with a text: no tracer of that name, no drives, or
+ * drives that leave a freedom; LW_E_MEMORY. */
+lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e);
+void      lw_robot_free(lw_robot *r);
+
+/* Back to the posture of the file. */
+void lw_robot_reset(lw_robot *r);
+
+/* All about the posture reached.  LW_OPEN: the drives do not hold the tool there (a singularity of the drives). */
+lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e);
+
+/* Forward kinematics: move the drives to these values (n_drive), without a jump to another branch.  LW_OPEN with a text:
+ * they cannot go there; the robot is where they stopped. */
+lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e);
+
+/* Inverse kinematics: move the tool to a place along a straight line, with an even turn (turn NULL: as it comes; a robot
+ * with six freedoms keeps its turn).  LW_OPEN with a text: a limit of the workspace, of a stop, a cone or the condition lies
+ * before; the robot is at it, to 1e-8 of its size. */
+lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e);
+
+/* How far the tool gets from where it is in a direction, at most `most` [m]; the robot is there then.  *limit: why. */
+lw_status lw_robot_reach(lw_robot *r, lw_vec3 direction, double most, double *far, lw_error *limit);
+
+#endif

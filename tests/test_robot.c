@@ -1,0 +1,294 @@
+/* test_robot.c - robots: the DELTA robot of Makkonen 1999 (upper arms 0.35 m, lower bars 0.75 m, base less plate 0.15 m)
+ * against its closed form (intersections of spheres, Clavel 1991) and against values worked out independently; a Stewart
+ * platform and an arm against differences, unit forces and their inverse. */
+#include "mbs/space/robot.h"
+
+#include "base/file.h"
+#include "base/rng.h"
+#include "base/vec3.h"
+#include "tests/check.h"
+
+static bool read_model(const char *file, lw_spatial *m)
+{
+    char *text;
+    size_t size;
+    lw_error e = { 0 };
+    bool good = lw_file_read(file, &text, &size, &e) == LW_OK && lw_spatial_read(text, size, file, m, &e) == LW_OK;
+    CHECK(good);
+    if (good)
+        free(text);
+    else
+        fprintf(stderr, "%s\n", e.text);
+    return good;
+}
+
+static bool make(const char *file, lw_spatial *m, lw_robot *r)
+{
+    lw_error e = { 0 };
+    if (!read_model(file, m))
+        return false;
+    bool good = lw_robot_make(m, NULL, r, &e) == LW_OK;
+    CHECK(good);
+    if (!good) {
+        fprintf(stderr, "%s: %s\n", file, e.text);
+        lw_spatial_free(m);
+    }
+    return good;
+}
+
+/* ---- the closed form of the DELTA robot ---------------------------------------------------------------- */
+
+static const double arm = 0.35, bar = 0.75, apart = 0.15;
+
+/* Angle of arm i below the level, for the tool at p: the knee lies outside. */
+static double closed_angle(int i, lw_vec3 p)
+{
+    double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
+    double x = c*p.x + s*p.y - apart, y = c*p.y - s*p.x, z = p.z;           /* tool from the arm's axis, x outwards */
+    double reach = (x*x + y*y + z*z + arm*arm - bar*bar)/(2*arm);           /* x cos q - z sin q */
+    return atan2(-z, x) - acos(reach/sqrt(x*x + z*z));                      /* knee outside: the smaller angle */
+}
+
+static lw_vec3 random_place(lw_rng *rng)
+{
+    return lw_v3(lw_rng_range(rng, -0.4, 0.4), lw_rng_range(rng, -0.4, 0.4), lw_rng_range(rng, -0.85, -0.55));
+}
+
+/* The model counts from the posture of its file, the tool at (0, 0, -0.65). */
+static const lw_vec3 home = { 0, 0, -0.65 };
+
+static void delta_poses(void)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    lw_rng rng;
+    if (!make("examples/space/delta.json", &m, &r))
+        return;
+    CHECK_NEAR(closed_angle(0, home)*180/LW_PI, 13.60812855, 5e-9, 0);
+    CHECK_NEAR(closed_angle(0, lw_v3(0.2, 0, -0.65))*180/LW_PI, -6.282352804, 5e-10, 0);
+    CHECK_NEAR(closed_angle(1, lw_v3(0.2, 0, -0.65))*180/LW_PI, 29.88751143, 5e-9, 0);
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int n = 0; n < 200; n++) {
+        lw_vec3 at = n == 0 ? lw_v3(0.2, 0, -0.65) : random_place(&rng);
+        CHECK_INT(lw_robot_move(&r, at, NULL, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-10, 0);
+        double level = lw_v3_norm(lw_quaternion_vector(p.turn));
+        CHECK_NEAR(level, 0, 1e-9, 0);                                  /* the plate does not turn */
+        double angle[3];
+        for (int i = 0; i < 3; i++) {
+            CHECK_NEAR(p.drive[i], closed_angle(i, at) - closed_angle(i, home), 1e-9, 0);
+            angle[i] = p.drive[i];
+        }
+        for (int i = 0; i < 3; i++) {                                    /* J against differences of the closed form */
+            double h = 1e-6, sum[3] = { 0 };
+            for (int k = 0; k < 3; k++) {
+                double d[] = { h*(k == 0), h*(k == 1), h*(k == 2) };
+                double rate = (closed_angle(i, lw_v3(at.x + d[0], at.y + d[1], at.z + d[2]))
+                               - closed_angle(i, lw_v3(at.x - d[0], at.y - d[1], at.z - d[2])))/(2*h);
+                for (int j = 0; j < 3; j++)
+                    sum[j] += rate*p.jacobian[k][j];
+            }
+            for (int j = 0; j < 3; j++)
+                CHECK_NEAR(sum[j], i == j, 1e-7, 0);
+        }
+        if (n % 20 == 0) {                                               /* forwards again */
+            CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
+            CHECK_INT(lw_robot_drive(&r, angle, &e), LW_OK);
+            CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-10, 0);
+        }
+    }
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* Singular values of J and condition numbers, worked out independently from the closed form. */
+static void delta_jacobian(void)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    if (!make("examples/space/delta.json", &m, &r))
+        return;
+    CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.singular[0], 0.388889893, 5e-10, 0);
+    CHECK_NEAR(p.singular[1], 0.388889893, 5e-10, 0);
+    CHECK_NEAR(p.singular[2], 0.237454472, 5e-10, 0);
+    CHECK_NEAR(p.condition, 1.637745080, 5e-10, 0);
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.2, 0, -0.65), NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.singular[0], 0.433671173, 5e-10, 0);
+    CHECK_NEAR(p.singular[1], 0.376908018, 5e-10, 0);
+    CHECK_NEAR(p.singular[2], 0.236663863, 5e-10, 0);
+    CHECK_NEAR(p.condition, 1.832435114, 5e-10, 0);
+    double least = INFINITY, at = 0;                                     /* the best height on the axis */
+    for (double z = -0.50; z > -0.62; z -= 0.002) {
+        CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, z), NULL, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        if (p.condition < least)
+            least = p.condition, at = z;
+    }
+    CHECK_NEAR(least, 1.581, 5e-4, 0);
+    CHECK_NEAR(at, -0.56, 5e-3, 0);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* The lowest place of the tool, and the area that it reaches at z = -0.65 where only the links limit it. */
+static void delta_workspace(void)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    double far, area = 0, first = 0, before = 0;
+    enum { RAYS = 90 };
+    if (!make("examples/space/delta.json", &m, &r))
+        return;
+    r.free = true;
+    CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_reach(&r, lw_v3(0, 0, -1), 2, &far, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.place.z, -1.0897247, 2e-7, 0);
+    for (int i = 0; i <= RAYS; i++) {
+        double a = 2*LW_PI*i/RAYS;
+        lw_robot_reset(&r);
+        CHECK_INT(lw_robot_reach(&r, lw_v3(cos(a), sin(a), 0), 2, &far, &e), LW_OK);
+        double least = 0.6, most = 0.8, middle;                /* the closed form along the same ray */
+        while (most - least > 1e-9) {
+            middle = 0.5*(least + most);
+            lw_vec3 at = lw_v3(middle*cos(a), middle*sin(a), -0.65);
+            bool closes = isfinite(closed_angle(0, at)) && isfinite(closed_angle(1, at)) && isfinite(closed_angle(2, at));
+            *(closes ? &least : &most) = middle;
+        }
+        CHECK_NEAR(far, least, 1e-6, 0);
+        area += i ? 0.5*before*far*sin(2*LW_PI/RAYS) : 0;
+        first = i ? first : far;
+        before = far;
+    }
+    CHECK_NEAR(before, first, 1e-6, 0);
+    CHECK_NEAR(area, 1.511, 0.0015, 0);                       /* a polygon of 90 corners is 0.001 smaller */
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* Unit forces (eq. 9-15): drive torques that hold a force on the tool are J^T of it.  The second opinion is the multiplier
+ * of each drive's row. */
+static void unit_forces(const char *file)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    if (!make(file, &m, &r))
+        return;
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    lw_space_follow *f = &r.follow;
+    int n_v = r.space.n_v, body = r.space.tracer[r.tool].body;
+    double *force = calloc((size_t)n_v, sizeof *force), *l = calloc((size_t)f->z.n_row, sizeof *l);
+    for (int k = 0; k < 3; k++) {
+        lw_vec3 unit = lw_v3(k == 0, k == 1, k == 2), arm_now;
+        const lw_space_frame *frame = &f->z.frame[body + 1];
+        arm_now = lw_m3_apply(&frame->turn, r.space.tracer[r.tool].arm);
+        lw_vec3 moment = lw_m3_unapply(&frame->turn, lw_v3_cross(arm_now, unit));
+        double of[] = { unit.x, unit.y, unit.z, moment.x, moment.y, moment.z };
+        memset(force, 0, (size_t)n_v*sizeof *force);
+        memcpy(force + 6*body, of, sizeof of);
+        lw_space_rows_carry(&f->z, force, l);
+        for (int i = 0; i < r.n_drive; i++) {
+            lw_spatial_measure drive = m.n_drive ? m.drive[i] : m.input[i].measure;
+            double torque = l[r.space.n_row + f->n_idle + i]/lw_space_scale(&r.space, drive);
+            CHECK_NEAR(torque, p.jacobian[k][i], 1e-12, 1e-10);
+        }
+    }
+    free(force);
+    free(l);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+static void forces_of_delta(void)   { unit_forces("examples/space/delta.json"); }
+static void forces_of_stewart(void) { unit_forces("examples/space/stewart.json"); }
+
+/* J of any robot against differences of its forward kinematics; its inverse kinematics come back. */
+static void against_differences(const char *file, double stroke)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p, plus, minus;
+    lw_error e = { 0 };
+    double value[LW_ROBOT_DRIVES], h = 1e-5;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    if (!make(file, &m, &r))
+        return;
+    lw_space_follow_values(&r.follow, value);
+    for (int i = 0; i < r.n_drive; i++)
+        value[i] += lw_rng_range(&rng, -stroke, stroke);
+    if (!m.n_drive)
+        for (int i = 0; i < r.n_drive; i++)
+            value[i] += lw_spatial_offset(&m.input[i]);
+    CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    for (int i = 0; i < r.n_drive; i++) {
+        value[i] += h;
+        CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &plus, &e), LW_OK);
+        value[i] -= 2*h;
+        CHECK_INT(lw_robot_drive(&r, value, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &minus, &e), LW_OK);
+        value[i] += h;
+        lw_vec3 v = lw_v3_scale(lw_v3_sub(plus.place, minus.place), 1/(2*h));
+        lw_vec3 w = lw_v3_scale(lw_quaternion_vector(lw_quaternion_times(plus.turn, lw_quaternion_inverse(minus.turn))),
+                                1/(2*h));
+        double of[] = { v.x, v.y, v.z, w.x, w.y, w.z };
+        for (int k = 0; k < 6; k++)
+            CHECK_NEAR(p.jacobian[k][i], of[k], 1e-8*fmax(1, r.space.unit), 1e-7);
+    }
+    lw_robot_reset(&r);                                       /* there by the tool's pose */
+    CHECK_INT(lw_robot_move(&r, p.place, &p.turn, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &plus, &e), LW_OK);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(plus.place, p.place)), 0, 1e-10*r.space.unit, 0);
+    if (r.turns)
+        CHECK_NEAR(lw_v3_norm(lw_quaternion_vector(lw_quaternion_times(plus.turn, lw_quaternion_inverse(p.turn)))), 0,
+                   1e-10, 0);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+static void stewart(void) { against_differences("examples/space/stewart.json", 0.03); }
+static void delta(void)   { against_differences("examples/space/delta.json", 0.2); }
+
+static void bad_robots(void)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_error e = { 0 };
+    if (!read_model("examples/space/delta.json", &m))
+        return;
+    CHECK_INT(lw_robot_make(&m, "tol", &r, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "tool");
+    lw_spatial_free(&m);
+    if (!read_model("examples/space/top.json", &m))
+        return;
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_E_ARG);
+    lw_spatial_free(&m);
+}
+
+int main(void)
+{
+    RUN(delta_poses);
+    RUN(delta_jacobian);
+    RUN(delta_workspace);
+    RUN(forces_of_delta);
+    RUN(forces_of_stewart);
+    RUN(delta);
+    RUN(stewart);
+    RUN(bad_robots);
+    return check_end();
+}
