@@ -220,7 +220,7 @@ static void report(const cli_call *call, const lw_space_run *run_, const lw_spac
     if (q->idle)
         cli_note(call, "%d spin%s of links between ball joints %s held", q->idle, q->idle == 1 ? "" : "s", q->idle == 1
                  ? "is" : "are");
-    if (q->formulation == LW_SPACE_EQUILIBRIUM)
+    if (q->formulation == LW_SPACE_EQUILIBRIUM && q->samples > 0)
         cli_note(call, "at rest after %ld iterations, %s", q->steps, q->stable ? "stable" : "not stable");
     if (q->energy_scale > 0)
         cli_note(call, "energy error %.3g J of %.3g J", q->energy_error, q->energy_scale);

@@ -111,7 +111,7 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     size_t q = (size_t)s->n_q, v = (size_t)s->n_v, extras = (size_t)s->n_body + (size_t)n_input + 1;
     size_t rows = (size_t)s->n_row + extras;
     memset(f, 0, sizeof *f);
-    double *at = f->memory = calloc(2*q + 4*v + extras + 2*rows + 3*extras, sizeof *at);
+    double *at = f->memory = calloc(2*q + 4*v + extras + 2*rows + 6*extras, sizeof *at);
     lw_space_extra *x = calloc(extras, sizeof *x);
     if (!at || !x) {
         free(at), free(x);
@@ -127,6 +127,8 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     f->rhs = at, at += rows;
     f->l = at, at += rows;
     f->path = (double (*)[3])(void *)at, at += 3*extras;
+    f->made = (double (*)[3])(void *)at, at += 3*extras;
+    f->made_at = NAN;
     double *metric = at;
     memcpy(f->q, s->start, q*sizeof *f->q);
     lw_space_metric(s, metric);
@@ -281,11 +283,15 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
 static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
     lw_status st = aim(f, path, context, f->u);
+    bool same = f->made_at == f->u && f->made_by == path;
+    for (int i = 0; i < f->n_input && st == LW_OK; i++)
+        same = same && memcmp(f->path[i], f->made[i], sizeof f->made[i]) == 0;
     memcpy(f->q_try, f->q, (size_t)f->z.s->n_q*sizeof *f->q);
-    if (st == LW_OK && !tangent(f, f->v))
-        return cannot(f, path, context, u, e);
-    if (st == LW_OK)
+    if (st == LW_OK && !same) {              /* else the rates of the last step still hold */
+        if (!tangent(f, f->v))
+            return cannot(f, path, context, u, e);
         second_rates(f);
+    }
     double whole = u - f->u, h = whole;
     int steps = 0;
     bool arranged = false;
@@ -296,6 +302,9 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
             break;
         if (taken) {
             f->u = last ? u : at + by;
+            f->made_at = f->u;
+            f->made_by = path;
+            memcpy(f->made, f->path, (size_t)f->n_input*sizeof *f->made);
             h = last ? by : 1.6*by;
             arranged = false;
         } else if (f->z.n_kept < f->z.n_row && !arranged && fabs(by) < 1e-3*fabs(whole)) {

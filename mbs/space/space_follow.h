@@ -19,8 +19,8 @@ typedef struct lw_space_follow {
     double  u;                           /* parameter reached                                              */
     double *q, *v, *a;                   /* (n_q) posture there; (n_v) rates by u                          */
     double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
-    double  h;                           /* proposed step                                                  */
-    double *idle_axis;
+    double  made_at, (*made)[3];         /* v and a are those of this path at this u                       */
+    lw_space_path *made_by;
     void   *memory;
 } lw_space_follow;
 

@@ -27,7 +27,7 @@ struct lw_space_run {
     lw_space_moment_sink *sink;
     void   *context;
     lw_error *e;
-    double energy0, potential0;
+    double energy0, potential0, energy_off;
     int    next;
     long   n_busy;
 };
@@ -122,6 +122,31 @@ static lw_status check_model(const lw_spatial *m, lw_error *e)
     return LW_OK;
 }
 
+/* A spin that is held changes nothing where the body is symmetric about its axis and not set spinning.  Others run. */
+static int keep_exact_spins(const lw_space_run *r, lw_space_extra *x)
+{
+    int n = 0;
+    for (int i = 0; i < r->n_idle; i++) {
+        const double *inertia = r->s.mass + 6*x[i].body + 3;
+        const double axis[] = { fabs(x[i].axis.x), fabs(x[i].axis.y), fabs(x[i].axis.z) };
+        int k = axis[0] > axis[1] && axis[0] > axis[2] ? 0 : axis[1] > axis[2] ? 1 : 2;
+        double a = inertia[(k + 1)%3], b = inertia[(k + 2)%3];
+        bool along = axis[k] > 1 - 1e-12 || fabs(a - inertia[k]) + fabs(b - inertia[k]) <= 1e-12*a;
+        if (along && fabs(a - b) <= 1e-9*fmax(a, b) && !r->m->body[r->s.link_of[x[i].body]].has_omega)
+            x[n++] = x[i];
+    }
+    return n;
+}
+
+/* Are there as many motions of inputs as freedoms that are not spins between balls? */
+static bool every_freedom_is_driven(const lw_space_run *r)
+{
+    int motions = 0, rows = r->s.n_row + r->n_idle;
+    for (int i = 0; i < r->m->n_input; i++)
+        motions += r->m->input[i].motion != NULL;
+    return motions > 0 && motions >= r->s.n_v - rows;
+}
+
 /* Rows with the inputs that have a motion. */
 static lw_status make_rows(lw_space_run *r, lw_error *e)
 {
@@ -134,6 +159,8 @@ static lw_status make_rows(lw_space_run *r, lw_error *e)
     if (st == LW_OK) {
         lw_space_metric(&r->s, metric);
         r->n_idle = lw_space_idle(&r->s, x);
+        if (!every_freedom_is_driven(r))
+            r->n_idle = keep_exact_spins(r, x);
         weigh(r, x, weight);
         for (int i = 0; i < m->n_input; i++)
             if (m->input[i].motion) {
@@ -252,12 +279,12 @@ static lw_status add_free(lw_space_run *r, double *a)
     return LW_OK;
 }
 
-/* l of least norm with J^T l = force - M a, by the factors of r->dense. */
-static void carry_least(lw_space_run *r, const double *a, double *l)
+/* l of least norm with J^T l = force - M a, by the factors of r->dense, made from z. */
+static void carry_least(lw_space_run *r, const lw_space_rows_set *z, const double *a, double *l)
 {
     double *b = r->small;
     for (int i = 0; i < r->s.n_v; i++)
-        b[i] = (r->force[i] - r->s.mass[i]*a[i])*sqrt(r->z.weight[i]);
+        b[i] = (r->force[i] - r->s.mass[i]*a[i])*sqrt(z->weight[i]);
     lw_rank_solve(&r->dense.rank, b, l);
 }
 
@@ -280,7 +307,7 @@ static lw_status accelerate(lw_space_run *r, double t, const double *v, double *
         a[i] *= sqrt(r->z.weight[i]);
     lw_status st = add_free(r, a);
     if (st == LW_OK)
-        carry_least(r, a, l);
+        carry_least(r, &r->z, a, l);
     return st;
 }
 
@@ -314,7 +341,7 @@ static lw_status settle(lw_space_run *r, double t, double *q, double *v)
 static void reactions(lw_space_run *r, const double *l)
 {
     const lw_space *s = &r->s;
-    const lw_space_rows_set *z = r->has_drives && is_driven(r) ? &r->drives : &r->z;
+    const lw_space_rows_set *z = !is_driven(r) ? &r->z : r->has_drives ? &r->drives : &r->follow.z;
     for (int i = 0; i < s->n_joint; i++) {
         const lw_space_joint *j = &s->joint[i];
         lw_vec3 load[2] = { { 0, 0, 0 }, { 0, 0, 0 } }, twist[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
@@ -369,20 +396,21 @@ static lw_status load_drives(lw_space_run *r, double t, const double *q, const d
 static lw_status hand_out(lw_space_run *r, double t, const double *q, const double *v, const double *a, double work)
 {
     const lw_spatial *m = r->m;
-    lw_space_moment out = { .t = t, .q = q, .v = v, .a = a, .frame = r->z.frame, .input = r->input, .input_rate =
+    const lw_space_rows_set *z = is_driven(r) ? &r->follow.z : &r->z;
+    lw_space_moment out = { .t = t, .q = q, .v = v, .a = a, .frame = z->frame, .input = r->input, .input_rate =
                             r->input_rate,
                             .drive = r->drive, .joint = r->joint, .work = work };
     bool tool = r->has_drives && is_driven(r);
-    lw_space_rows_times(&r->z, v, r->rates);
+    lw_space_rows_times(z, v, r->rates);
     wanted(r, 1, r->rhs);
-    for (int i = 0; i < r->z.n_row; i++) {
-        out.off = fmax(out.off, fabs(r->z.phi[i]));
+    for (int i = 0; i < z->n_row; i++) {
+        out.off = fmax(out.off, fabs(z->phi[i]));
         out.off_rate = fmax(out.off_rate, fabs(r->rates[i] - r->rhs[i]));
     }
-    if (!tool && (r->r.redundant > 0 && !r->by_rank)) {
-        r->dense.rank.most = r->z.n_kept;
-        lw_space_dense_factor(&r->z, &r->dense, 1e-10);
-        carry_least(r, a, r->l);
+    if (!tool && r->r.redundant > 0 && (is_driven(r) || !r->by_rank)) {
+        r->dense.rank.most = z->n_kept;
+        lw_space_dense_factor(z, &r->dense, 1e-10);
+        carry_least(r, z, a, r->l);
     }
     lw_status st = tool ? load_drives(r, t, q, a) : LW_OK;
     if (st == LW_OPEN)
@@ -393,7 +421,7 @@ static lw_status hand_out(lw_space_run *r, double t, const double *q, const doub
     for (int i = 0; i < m->n_input; i++) {
         lw_spatial_measure of = m->input[i].measure;
         double near = of.of == LW_OF_TURN ? r->f.turn[of.index] : 0;
-        lw_space_measured(&r->s, r->z.frame, of, near, v, &r->input[i], &r->input_rate[i]);
+        lw_space_measured(&r->s, z->frame, of, near, v, &r->input[i], &r->input_rate[i]);
         r->input[i] += lw_spatial_offset(&m->input[i]);
         if (!tool)
             r->drive[i] = 0;
@@ -403,7 +431,7 @@ static lw_status hand_out(lw_space_run *r, double t, const double *q, const doub
                                                                                   m->input[r->driven[i]].measure);
     reactions(r, r->l);
     out.kinetic = lw_space_kinetic(&r->s, v);
-    out.potential = lw_space_potential(&r->f, r->z.frame);
+    out.potential = lw_space_potential(&r->f, z->frame);
     r->r.samples++;
     r->r.worst_off = fmax(r->r.worst_off, out.off);
     r->r.worst_off_rate = fmax(r->r.worst_off_rate, out.off_rate);
@@ -444,24 +472,21 @@ static lw_status run_driven(lw_space_run *r)
         double t = sample_time(r, k);
         if ((st = check_limits(r, t, true)) != LW_OK || (st = lw_space_follow_to(f, motions, r, t, r->e)) != LW_OK)
             break;
-        if ((st = rows_at(r, t, f->q)) != LW_OK)
-            return lw_error_set(r->e, LW_OPEN, "at t = %.9g s the model stands in a singular posture, whose forces "
-                                               "have no limit", t);
-        lw_space_forces_accept(&r->f, r->z.frame);
+        lw_space_forces_accept(&r->f, f->z.frame);
         memcpy(r->v, f->v, (size_t)r->s.n_v*sizeof *r->v);
         memcpy(r->a, f->a, (size_t)r->s.n_v*sizeof *r->a);
         bool still = r->o.analysis == LW_SPACE_QUASISTATIC;
-        lw_space_forces_apply(&r->f, t, r->z.frame, r->v, r->force, NULL);
+        lw_space_forces_apply(&r->f, t, f->z.frame, r->v, r->force, NULL);
         if (still) {                         /* forces without inertia: neither accelerations nor gyroscopic ones */
             double *none = r->small;
             memset(none, 0, (size_t)r->s.n_v*sizeof *none);
-            lw_space_forces_apply(&r->f, t, r->z.frame, none, r->force, NULL);
+            lw_space_forces_apply(&r->f, t, f->z.frame, none, r->force, NULL);
             memset(r->a, 0, (size_t)r->s.n_v*sizeof *r->a);
         }
         for (int i = 0; i < r->s.n_v; i++)
-            r->small[i] = r->force[i] - r->s.mass[i]*r->a[i];
-        memcpy(r->y, r->small, (size_t)r->s.n_v*sizeof *r->y);
-        lw_space_rows_carry(&r->z, r->y, r->l);
+            r->y[i] = r->force[i] - r->s.mass[i]*r->a[i];
+        if (!r->has_drives)
+            lw_space_rows_carry(&f->z, r->y, r->l);
         st = hand_out(r, t, f->q, r->v, r->a, NAN);
         r->r.steps++;
     }
@@ -521,15 +546,25 @@ static lw_status show(lw_space_run *r, double t, double *y)
     return hand_out(r, t, y, y + q, r->a, has_work(r) ? y[n] : 0);
 }
 
-static void watch(lw_space_run *r, const double *y)
+/* Follow the energy.  A step over a singular posture can end on another branch: then the energy jumps, which ends the
+ * run. */
+static lw_status watch(lw_space_run *r, double t, const double *y)
 {
+    static const double jump = 1e-5, jump_share = 1e5;   /* of the greatest energy; the same over the tolerance */
     int q = r->s.n_q, n = q + r->s.n_v;
     lw_space_place(&r->s, y, r->z.frame);
     double kinetic = lw_space_kinetic(&r->s, y + q), potential = lw_space_potential(&r->f, r->z.frame);
     if (r->r.samples == 0)
         r->energy0 = kinetic + potential, r->potential0 = potential;
-    r->r.energy_error = fmax(r->r.energy_error, fabs(kinetic + potential - r->energy0 - (has_work(r) ? y[n] : 0)));
+    double off = kinetic + potential - r->energy0 - (has_work(r) ? y[n] : 0), before = r->energy_off;
+    r->energy_off = off;
+    r->r.energy_error = fmax(r->r.energy_error, fabs(off));
     r->r.energy_scale = fmax(r->r.energy_scale, fmax(kinetic, fabs(potential - r->potential0)));
+    if (fabs(off - before) <= (jump + jump_share*r->o.relative)*r->r.energy_scale)
+        return LW_OK;
+    return lw_error_set(r->e, LW_E_NUMERIC, "at t = %.9g s the energy changes by %.3g of %.3g J in one step: the "
+                                            "model passes "
+                        "a singular posture, or the tolerance is too great", t, off - before, r->r.energy_scale);
 }
 
 /* One of two integrators. */
@@ -581,7 +616,7 @@ static lw_status run_in_time(lw_space_run *r)
     o.absolute_each = each;
     o.smooth = true;
     o.max_step = 0;
-    watch(r, y);
+    watch(r, r->o.from, y);
     if (st == LW_OK)
         st = show(r, r->o.from, y);
     if (st == LW_OK)
@@ -591,7 +626,7 @@ static lw_status run_in_time(lw_space_run *r)
         st = step(&w, r->o.to, &stop, &r->r, r->e);
         if (st != LW_OK)
             break;
-        watch(r, w.y);
+        st = watch(r, w.t, w.y);
         while (st == LW_OK && r->next <= r->o.intervals && sample_time(r, r->next) <= w.t) {
             double at = sample_time(r, r->next);
             if (at == w.t)
@@ -930,6 +965,13 @@ static lw_status choose(lw_space_run *r, lw_error *e)
     return LW_OK;
 }
 
+/* The full matrix, where it is needed: large models have none. */
+static lw_status make_dense(lw_space_run *r, lw_error *e)
+{
+    bool needed = r->by_rank || r->r.redundant > 0 || r->o.analysis == LW_SPACE_STATIC;
+    return needed ? lw_space_dense_make(&r->z, &r->dense, e) : LW_OK;
+}
+
 lw_status lw_space_run_make(const lw_spatial *m, const lw_space_options *o, lw_space_run **out, lw_error *e)
 {
     lw_error own = { 0 };
@@ -944,7 +986,7 @@ lw_status lw_space_run_make(const lw_spatial *m, const lw_space_options *o, lw_s
     if (st == LW_OK && (st = lw_space_make(m, &r->s, e)) == LW_OK && (st = lw_space_forces_make(&r->s, &r->f, e)) ==
         LW_OK &&
         (st = make_rows(r, e)) == LW_OK && (st = reserve(r, e)) == LW_OK && (st = choose(r, e)) == LW_OK &&
-        (st = lw_space_dense_make(&r->z, &r->dense, e)) == LW_OK && (st = start_posture(r, e)) == LW_OK) {
+        (st = make_dense(r, e)) == LW_OK && (st = start_posture(r, e)) == LW_OK) {
         lw_space_place(&r->s, r->q, r->z.frame);
         lw_space_forces_accept(&r->f, r->z.frame);
         if (!is_driven(r) && o->analysis != LW_SPACE_STATIC)

@@ -338,15 +338,14 @@ void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out
 
 lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved)
 {
-    static const double rounding = 4e-15;
+    static const double rounding = 4e-15, near = 1e-4;
     double before = INFINITY;
+    bool chord = false;                      /* after a short step the factors are good for one more */
     for (int round = 0; round < 30; round++) {
         lw_space_rows_fill(z, q, target);
-        if (!lw_space_rows_factor(z))
+        if (!chord && !lw_space_rows_factor(z))
             return LW_OPEN;
-        for (int i = 0; i < z->s->n_v; i++)
-            z->step[i] = 0;
-        memset(z->full, 0, (size_t)z->s->n_v*sizeof *z->full);
+        memset(z->step, 0, (size_t)z->s->n_v*sizeof *z->step);
         double *b = z->small;
         for (int i = 0; i < z->n_kept; i++)
             b[i] = z->phi[z->kept[i]];
@@ -368,6 +367,7 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
             return LW_OK;
         if (before < 1e-8 && size < 1e-13)
             return LW_OK;
+        chord = size < near && (!chord || size < 1e-3*before);
         before = size;
     }
     return before < 1e-11 ? LW_OK : LW_OPEN;

@@ -1,0 +1,60 @@
+/* The program and spatial models: what it prints, and what it refuses with a status that is not 0. */
+#include "tests/cli_run.h"
+
+static void traces(void)
+{
+    expect("$P trace examples/space/slider-crank.json -n 4 --tracer P", 0, "\n0,0.1999", NULL);
+    expect("$P trace examples/space/bricard.json -n 4", 0, "units: input rad; x y z m", "both ends are limits of the motion");
+    expect("$P trace examples/space/delta.json --time-range 0:0.1:0.05 --json", 0, "\"complete\": true", NULL);
+    expect("$P trace examples/space/stewart.json --input-range 0:0.05 -n 2", 0, NULL, "the others stand still");
+    expect("$P trace examples/space/sarrus.json --speed '60 rpm' -n 2", 0, "m/s", NULL);
+    expect("$P trace examples/space/slider-crank.json --tracer Q", 3, NULL, "there is no tracer \"Q\"");
+    expect("sed 's/\"motion\": -0.65/\"motion\": \"-0.65 - t\"/' examples/space/delta.json > $D/deep.json", 0, NULL, NULL);
+    expect("$P trace $D/deep.json --time-range 0:1:0.1", 4, NULL, "open");
+}
+
+static void runs(void)
+{
+    expect("$P simulate examples/space/delta.json --to 0.1 -n 10 --explain", 0, "M1.drive", "every freedom is driven");
+    expect("$P simulate examples/space/bricard.json -n 2", 0, "kinetic,potential,work", "at P");
+    expect("$P simulate examples/space/top.json -n 2 --json", 0, "\"formulation\": \"index1\"", "energy error");
+    expect("$P simulate examples/space/sarrus.json -a static", 4, NULL, "cannot be closed");
+    expect("$P simulate examples/space/slider-crank.json --speed 3 -n 2 --explain", 0, "A.drive", "driven");
+    expect("$P simulate examples/space/slider-crank.json --formulation cvode --tolerance 1e-6 -n 2", 0, NULL, "energy error");
+    expect("$P simulate examples/space/bricard.json --max-steps 3 --to 50", 5, NULL, "rows so far are kept");
+}
+
+/* What is not there for spatial models is refused, never ignored. */
+static void refusals(void)
+{
+    expect("$P simulate examples/space/top.json -a linear", 2, NULL, "planar");
+    expect("$P simulate examples/space/top.json --formulation reduced", 2, NULL, "auto, driven, index1 and cvode");
+    expect("$P simulate examples/space/top.json --balance", 2, NULL, "planar");
+    expect("$P simulate examples/space/top.json --gif $D/a.gif", 2, NULL, "planar");
+    expect("$P simulate examples/space/top.json -a kinematic", 3, NULL, "no prescribed motion");
+    expect("$P trace examples/space/bricard.json --cycle", 2, NULL, "planar");
+    expect("$P trace examples/space/top.json", 3, NULL, "no input");
+    expect("$P fit examples/space/top.json", 3, NULL, "");
+    expect("$P clearance examples/space/top.json", 3, NULL, "spatial model");
+    expect("$P convert examples/space/top.json -o $D/a.adm", 3, NULL, "");
+}
+
+static void freedoms(void)
+{
+    expect_words("$P mobility examples/space/bennett.json", "\nfreedom 1");
+    expect("$P mobility examples/space/bennett.json", 0, "tilt 2 of D", NULL);
+    expect("$P mobility examples/space/delta.json", 0, "bar 1a, bar 1b", NULL);
+    expect("$P mobility examples/space/bricard.json --json", 0, "\"redundant\": [", NULL);
+    expect("sed 's/\\(\\.[0-9]\\{5\\}\\)[0-9]*/\\1/g' examples/space/bennett.json > $D/r.json", 0, NULL, NULL);
+    expect_words("$P mobility $D/r.json", "\nfreedom 0");
+    expect_words("$P mobility $D/r.json --tolerance 1e-4", "\nfreedom 1");
+}
+
+int main(void)
+{
+    RUN(traces);
+    RUN(runs);
+    RUN(refusals);
+    RUN(freedoms);
+    return check_end();
+}
