@@ -365,6 +365,9 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
             fprintf(s->f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are "
                     "left empty\n", s->report.without_forces, s->report.without_forces == 1 ? "" : "s",
                     s->report.without_forces_t);
+        if (s->report.adjusted > 0)
+            fprintf(s->f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m so that it moves\n",
+                    s->report.adjusted);
         if (s->report.smooth_friction)
             fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", s->f);
         if (status != LW_OK)
@@ -388,6 +391,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     cli_json_int(&s->j, "steps", r->steps);
     cli_json_int(&s->j, "evaluations", r->rates);
     cli_json_int(&s->j, "redundant", r->redundant);
+    cli_json_real(&s->j, "adjusted", r->adjusted);
     cli_json_real(&s->j, "residual", r->worst_off);
     cli_json_real(&s->j, "residual_rate", r->worst_off_rate);
     cli_json_real(&s->j, "energy_error", r->energy_error);
@@ -430,6 +434,9 @@ void cli_simulate_report(const cli_simulate *s)
     if (r->smooth_friction)
         cli_note(c, "friction without a \"speed\" sticks only in linkages of one freedom that are solved in closed form; here "
                  "it is regularised by 0.001 m/s, and a joint at rest under load creeps");
+    if (r->adjusted > 0)
+        cli_note(c, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m so that "
+                 "they do, by least squares", r->adjusted);
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     if (r->moved_rate > 1e-9)

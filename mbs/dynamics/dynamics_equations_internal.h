@@ -72,6 +72,7 @@ struct lw_dynamics {
     double *speed_rows;                       /* (n_c + inputs) x n_q: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */
     double  moved, moved_rate;                /* change of the start by putting it on the constraints */
+    double  adjusted;                         /* greatest change of a dimension (mbs/constraints/adjust.h) */
     struct lw_reduced *reduced;               /* one coordinate, once asked for; whether the model allows it, */
     lw_status reduced_status;
     char    not_reduced[128];                 /* and if not, why */

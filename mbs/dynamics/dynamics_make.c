@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/constraints/adjust.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/ode/integrate.h"
 
@@ -249,7 +250,10 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     memcpy(d->a, q, (size_t)d->n_q*sizeof *q);
     /* first without motions: close a posture that is not quite closed */
     d->n_driven = 0;
-    lw_status s = lw_mbs_arrange(d, d->o.from, q);
+    lw_status s = d->large ? LW_NOTHING : lw_system_adjust(&d->s, q, &d->adjusted, e);
+    if (s < 0)
+        return s;
+    s = lw_mbs_arrange(d, d->o.from, q);
     if (s == LW_OK)
         s = lw_mbs_project_q(d, d->o.from, q, 1);
     if (s < 0)

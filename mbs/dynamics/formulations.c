@@ -50,6 +50,7 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->redundant = d->n_c - d->rank;
     r->moved = d->moved;
     r->moved_rate = d->moved_rate;
+    r->adjusted = d->adjusted*d->s.unit;
     r->t = d->o.from;
     if (d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
         return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "

@@ -1,0 +1,277 @@
+#include "mbs/constraints/adjust.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/rank.h"
+#include "base/real.h"
+
+static const double loose = 5e-3;            /* a row this near to others, relatively, may depend on them if it were exact */
+static const double strict = 1e-9;
+static const double stride = 0.25;           /* between postures, scaled */
+static const double exact = 1e-12;           /* rows that are satisfied by the dimensions given */
+static const double closed = 2e-13;          /* rows that are satisfied by the dimensions adjusted */
+static const double ease = 10;               /* a change of a posture costs less than one of a dimension by this factor */
+static const double least_shift = 1e-16;     /* of the squares of the rows, and more where rounding asks for it */
+enum { POSTURES = 8, LEAST_SQUARES = 60, ROWS_MOST = 700 };
+
+/* A dimension: coordinate `axis` of the arm of a joint at one end, or (end 2) the direction of its line. */
+typedef struct dimension { int joint, end, axis; } dimension;
+
+typedef struct adjuster {
+    lw_system *s;
+    int     n_q, n_row, n_dim, n_posture;
+    dimension *dim;
+    double *q;                               /* (n_posture * n_q) */
+    double *phi, *jac, *other;               /* of one posture */
+    double *a, *gram, *right, *step;         /* the least-squares problem */
+    double *doubles;                         /* of rank */
+    int    *ints;
+} adjuster;
+
+static void free_adjuster(adjuster *w)
+{
+    void *const array[] = { w->dim, w->q, w->phi, w->a, w->doubles, w->ints };
+    for (size_t i = 0; i < sizeof array/sizeof *array; i++)
+        free(array[i]);
+}
+
+static double *value_of(const adjuster *w, const dimension *d)
+{
+    lw_vec2 *arm = &w->s->joint[d->joint].arm[d->end];
+    return d->axis == 0 ? &arm->x : &arm->y;
+}
+
+static void change(const adjuster *w, const dimension *d, double by)
+{
+    if (d->end < 2)
+        *value_of(w, d) += by;
+    else {
+        lw_vec2 *along = &w->s->joint[d->joint].along;
+        *along = lw_v2_turn(*along, lw_v2_polar(1, by));
+    }
+}
+
+static void list_dimensions(adjuster *w)
+{
+    for (int j = 0; j < w->s->n_joint; j++) {
+        lw_joint_kind kind = w->s->joint[j].kind;
+        for (int end = 0; end < 2 && lw_joint_has_position(kind); end++)
+            for (int axis = 0; axis < 2; axis++)
+                w->dim[w->n_dim++] = (dimension){ j, end, axis };
+        if (lw_joint_slides(kind))
+            w->dim[w->n_dim++] = (dimension){ j, 2, 0 };
+    }
+}
+
+/* Rows at q; the factorisation of their transposed derivatives, with at most `most` of them (0: all). */
+static void factor(adjuster *w, const double *q, int most, double least, lw_rank *r)
+{
+    lw_system_rows(w->s, q, w->phi, w->jac);
+    lw_rank_place(r, w->n_q, w->n_row, w->doubles, w->ints);
+    memcpy(r->a, w->jac, (size_t)w->n_q*(size_t)w->n_row*sizeof *r->a);
+    r->most = most;
+    lw_rank_factor(r, least);
+}
+
+static double greatest(const double *x, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* Postures along motion k of the linkage, as if rows that nearly depend on others did: from q in both senses, each closed
+ * in the sense of least squares.  Returns the greatest residual; infinite where the rows do not depend on others any more:
+ * the posture given is singular. */
+static double walk(adjuster *w, int rank, int k)
+{
+    lw_rank r;
+    double worst = 0, *way = w->other, *old = way + w->n_q, *b = old + w->n_q;
+    for (int sense = -1; sense <= 1; sense += 2) {
+        const double *from = w->q;
+        for (int i = 0; i < POSTURES/2; i++) {
+            double *to = w->q + (size_t)w->n_posture++*(size_t)w->n_q, along = 0, size = 0;
+            factor(w, from, rank, strict, &r);
+            lw_rank_left_null(&r, i == 0 ? k : 0, way);
+            for (int free = 0; i > 0 && free < w->n_q - r.rank; free++) {     /* the motion nearest to the last step */
+                double *one = b, part = 0;
+                lw_rank_left_null(&r, free, one);
+                for (int c = 0; c < w->n_q; c++)
+                    part += one[c]*old[c];
+                for (int c = 0; c < w->n_q; c++)
+                    way[c] = (free ? way[c] : 0) + part*one[c];
+            }
+            for (int c = 0; c < w->n_q; c++) {
+                along += i ? way[c]*old[c] : 0;
+                size = fmax(size, fabs(way[c]));
+            }
+            double by = (i == 0 ? sense : along < 0 ? -1 : 1)*stride/fmax(size, 1e-30);
+            for (int c = 0; c < w->n_q; c++)
+                to[c] = from[c] + (old[c] = by*way[c]);
+            for (int pass = 0; pass < 30; pass++) {
+                factor(w, to, rank, strict, &r);
+                lw_rank_solve_transposed(&r, w->phi, way);
+                for (int c = 0; c < w->n_q; c++)
+                    to[c] -= way[c];
+                if (greatest(way, w->n_q) < 1e-14)
+                    break;
+            }
+            factor(w, to, 0, loose, &r);
+            worst = r.rank > rank ? INFINITY : fmax(worst, greatest(w->phi, w->n_row));
+            from = to;
+        }
+    }
+    return worst;
+}
+
+/* The rows of all postures and their derivatives by the dimensions and, made easy but for the first, by the postures:
+ * right (m), a (m x n). */
+static double fill(adjuster *w, int n)
+{
+    const double h = 1e-6;
+    double worst = 0;
+    memset(w->a, 0, (size_t)w->n_posture*(size_t)w->n_row*(size_t)n*sizeof *w->a);
+    for (int p = 0; p < w->n_posture; p++) {
+        const double *q = w->q + (size_t)p*(size_t)w->n_q;
+        double *a = w->a + (size_t)p*(size_t)w->n_row*(size_t)n;
+        lw_system_rows(w->s, q, w->phi, w->jac);
+        for (int r = 0; r < w->n_row; r++) {
+            w->right[p*w->n_row + r] = w->phi[r];
+            worst = fmax(worst, fabs(w->phi[r]));
+            for (int c = 0; c < w->n_q; c++)
+                a[(size_t)r*(size_t)n + (size_t)(w->n_dim + p*w->n_q + c)] = (p ? ease : 1)*w->jac[r*w->n_q + c];
+        }
+        for (int d = 0; d < w->n_dim; d++) {
+            change(w, &w->dim[d], h);
+            lw_system_rows(w->s, q, w->phi, NULL);
+            change(w, &w->dim[d], -2*h);
+            lw_system_rows(w->s, q, w->other, NULL);
+            change(w, &w->dim[d], h);
+            for (int r = 0; r < w->n_row; r++)
+                a[(size_t)r*(size_t)n + (size_t)d] = (w->phi[r] - w->other[r])/(2*h);
+        }
+    }
+    return worst;
+}
+
+/* step = -A^T (A A^T + shift)^-1 right, by Cholesky's method.  False: not positive definite. */
+static bool solve(adjuster *w, int m, int n, double shift)
+{
+    double *g = w->gram, *x = w->right;
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = i == j ? shift : 0;
+            const double *a = w->a + (size_t)i*(size_t)n, *b = w->a + (size_t)j*(size_t)n;
+            for (int k = 0; k < n; k++)
+                sum += a[k]*b[k];
+            for (int k = 0; k < j; k++)
+                sum -= g[i*m + k]*g[j*m + k];
+            if (i == j && !(sum > 0))
+                return false;
+            g[i*m + j] = i == j ? sqrt(sum) : sum/g[j*m + j];
+        }
+    for (int i = 0; i < m; i++) {
+        for (int k = 0; k < i; k++)
+            x[i] -= g[i*m + k]*x[k];
+        x[i] /= g[i*m + i];
+    }
+    for (int i = m - 1; i >= 0; i--) {
+        for (int k = i + 1; k < m; k++)
+            x[i] -= g[k*m + i]*x[k];
+        x[i] /= g[i*m + i];
+    }
+    for (int k = 0; k < n; k++) {
+        w->step[k] = 0;
+        for (int i = 0; i < m; i++)
+            w->step[k] -= w->a[(size_t)i*(size_t)n + (size_t)k]*x[i];
+    }
+    return true;
+}
+
+/* Levenberg's method on all rows of all postures, whose shift goes to 0 with the residual: it converges fast although rows
+ * are dependent in the limit (Yamashita & Fukushima 2001). */
+static bool close_all(adjuster *w, double *total)
+{
+    int m = w->n_posture*w->n_row, n = w->n_dim + w->n_posture*w->n_q;
+    for (int pass = 0; pass < LEAST_SQUARES; pass++) {
+        double worst = fill(w, n);
+        if (worst < closed)
+            return true;
+        double shift = fmax(worst*worst, least_shift);
+        while (!solve(w, m, n, shift)) {
+            fill(w, n);
+            if (!((shift *= 10) < 1e-6))
+                return false;
+        }
+        for (int d = 0; d < w->n_dim; d++) {
+            change(w, &w->dim[d], w->step[d]);
+            total[d] += w->step[d];
+        }
+        for (int k = 0; k < w->n_posture*w->n_q; k++)
+            w->q[k] += (k < w->n_q ? 1 : ease)*w->step[w->n_dim + k];
+        if (!(greatest(total, w->n_dim) <= LW_ADJUST_MOST))
+            return false;
+    }
+    return false;
+}
+
+static lw_status allocate(adjuster *w, int freedom, lw_error *e)
+{
+    size_t q = (size_t)w->n_q, r = (size_t)w->n_row, p = 1 + (size_t)freedom*POSTURES, dims = 5*(size_t)w->s->n_joint;
+    size_t m = p*r, n = dims + p*q;
+    w->dim = calloc(dims, sizeof *w->dim);
+    w->q = calloc(p*q, sizeof *w->q);
+    w->a = calloc(m*n + m*m + m + n + dims, sizeof *w->a);
+    if (!w->dim || !w->q || !w->a)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    w->gram = w->a + m*n;
+    w->right = w->gram + m*m;
+    w->step = w->right + m;
+    return LW_OK;
+}
+
+lw_status lw_system_adjust(lw_system *s, double *q, double *by, lw_error *e)
+{
+    adjuster w = { .s = s, .n_q = s->n_q, .n_row = s->n_row };
+    size_t n = (size_t)s->n_q, rows = (size_t)s->n_row;
+    lw_rank r;
+    *by = 0;
+    w.phi = calloc(2*rows + rows*n + 3*n, sizeof *w.phi);
+    w.doubles = calloc(lw_rank_doubles(s->n_q, s->n_row), sizeof *w.doubles);
+    w.ints = calloc(lw_rank_ints(s->n_q, s->n_row), sizeof *w.ints);
+    if (!w.phi || !w.doubles || !w.ints) {
+        free_adjuster(&w);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    w.jac = w.phi + rows;
+    w.other = w.jac + rows*n;
+    factor(&w, q, 0, loose, &r);
+    int rank = r.rank, freedom = s->n_q - rank;
+    bool candidate = rank < s->n_row && freedom > 0 && (1 + freedom*POSTURES)*s->n_row <= ROWS_MOST;
+    lw_status status = candidate ? allocate(&w, freedom, e) : LW_NOTHING;
+    size_t bytes = (size_t)s->n_joint*sizeof *s->joint;
+    lw_system_joint *before = malloc(bytes);
+    if (status == LW_OK && !before)
+        status = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (status == LW_OK) {
+        double *total = w.step + (5*(size_t)s->n_joint + (size_t)(1 + freedom*POSTURES)*n), worst = 0;
+        memcpy(before, s->joint, bytes);
+        memcpy(w.q, q, n*sizeof *q);
+        w.n_posture = 1;
+        list_dimensions(&w);
+        for (int k = 0; k < freedom; k++)
+            worst = fmax(worst, walk(&w, rank, k));
+        bool near = worst > exact && worst < LW_ADJUST_MOST && close_all(&w, total);
+        if (near) {
+            *by = greatest(total, w.n_dim);
+            memcpy(q, w.q, n*sizeof *q);
+        } else {
+            memcpy(s->joint, before, bytes);
+            status = LW_NOTHING;
+        }
+    }
+    free(before);
+    free_adjuster(&w);
+    return status;
+}

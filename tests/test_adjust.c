@@ -1,0 +1,83 @@
+/* Overconstrained linkages drawn with rounded numbers: they are adjusted by the least change, and then move. */
+#include "base/rng.h"
+#include "mbs/constraints/adjust.h"
+#include "tests/dynamics_run.h"
+
+static drun d;
+
+static void read_rounded(const char *file, double by, lw_rng *rng)
+{
+    drun_read(&d, file);
+    for (int j = 0; j < d.model.linkage.n_joint; j++) {
+        lw_joint *p = &d.model.linkage.joint[j];
+        p->at.x += by*lw_rng_range(rng, -1, 1);
+        p->at.y += by*lw_rng_range(rng, -1, 1);
+    }
+    for (int l = 0; l < d.model.linkage.n_link; l++)
+        d.model.body[l] = (lw_body){ .given = true, .mass = 1, .inertia = 0.2, .centre = { 1 + 0.2*l, 1 } };
+}
+
+/* Misfits from 1e-9 to 5e-4 of the size; the joints stay within a small multiple of the rounding. */
+static void rounded_drawings_move(void)
+{
+    static const char *const files[] = { "examples/mobility/parallelogram.json", "examples/mobility/focal.json" };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int f = 0; f < 2; f++)
+        for (double by = 1e-9; by < 2e-3; by *= 31) {
+            read_rounded(files[f], by, &rng);
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.2, 10), LW_OK);
+            CHECK(d.report.freedom == 1 && d.report.redundant >= 1);
+            CHECK(d.report.adjusted > 0.01*by && d.report.adjusted < 20*by);
+            CHECK(d.report.worst_off < 1e-11);
+            CHECK(d.energy[10] - d.energy[0] < 1e-8 && d.energy[0] - d.energy[10] < 1e-8);
+            lw_model_free(&d.model);
+        }
+}
+
+/* Exact drawings are not touched. */
+static void exact_drawings_stay(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, 1, 1);
+    read_rounded("examples/mobility/parallelogram.json", 0, &rng);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.2, 10), LW_OK);
+    CHECK(d.report.adjusted == 0 && d.report.freedom == 1);
+    lw_model_free(&d.model);
+}
+
+/* A four-bar that is almost a parallelogram, almost flat: its rows nearly depend on each other there, but nowhere else. */
+static void singular_postures_stay(void)
+{
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0], 'inertia': 0.1},"
+                     "{'name': 'b', 'mass': 1, 'centre': [3, 0], 'inertia': 0.1}, {'name': 'c', 'mass': 1, 'centre': [4.5, 0], 'inertia': 0.1}],"
+                     "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [1, %g]},"
+                     "{'name': 'C', 'links': ['b', 'c'], 'at': [%g, 0.001]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [4, 0]}],"
+                     "'input': {'joint': 'A', 'speed': 1}}", 0.001, 5.0001);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.2, 10), LW_OK);
+    CHECK(d.report.adjusted == 0 && d.report.freedom == 1);
+    lw_model_free(&d.model);
+}
+
+/* A rigid linkage that no small change makes move stays rigid. */
+static void rigid_stays_rigid(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int trial = 0; trial < 20; trial++) {
+        read_rounded("examples/mobility/parallelogram.json", 0.2, &rng);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.2, 10), LW_OK);
+        CHECK(d.report.adjusted == 0 && d.report.freedom == 0);
+        lw_model_free(&d.model);
+    }
+}
+
+int main(void)
+{
+    RUN(rounded_drawings_move);
+    RUN(exact_drawings_stay);
+    RUN(singular_postures_stay);
+    RUN(rigid_stays_rigid);
+    lw_system_free(&d.system);
+    return check_end();
+}
