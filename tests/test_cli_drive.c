@@ -68,8 +68,46 @@ static void loop(void)
     expect("$P drive simulate $D/none.json", 3, NULL, "none.json");
 }
 
+#define PARTS " --motors examples/drives/motors.csv --gears examples/drives/gears.csv --amplifiers examples/drives/amplifiers.csv"
+#define ARM "examples/drives/lifting-arm.json --to 2.5"
+
+/* The DELTA robot of docs: known torques; its tool is driven, its motors carry the load. */
+static void delta(void)
+{
+    ran r = run("$P drive load examples/space/delta.json --to 0.1 -n 200 --json");
+    CHECK_INT(r.code, 0);
+    CHECK_NEAR(figure(r.out, "\"torque_peak\":"), 37.7817, 5e-5, 0);
+    CHECK_NEAR(figure(r.out, "\"speed_peak\":"), 16.7965, 5e-5, 0);
+    ran_free(&r);
+    expect("$P family expand examples/families/delta.json -o $D/delta.json && $P drive load $D/delta.json --to 0.1 -n 200", 0,
+           "M2               20.0403", NULL);
+}
+
+static void selections(void)
+{
+    expect("$P drive select " ARM PARTS, 0, "* S80-5.0            P80-40", NULL);
+    expect("$P drive select " ARM PARTS " --json", 0, "\"pareto\": true", NULL);
+    expect("for f in motors gears amplifiers; do $P catalogue add $D/parts.db examples/drives/$f.csv -q || exit 9; done; $P drive select " ARM
+           " --motors $D/parts.db > $D/one && $P drive select " ARM PARTS " | cmp - $D/one && $P catalogue check $D/parts.db", 0, "", NULL);
+    expect("$P drive select " ARM " --motors examples/drives/motors.csv", 1, "0 of 10 choices", "no choice can do the cycle; the nearest is");
+    expect("$P drive select " ARM PARTS " -p $D/select.svg && grep -c 'continuous limit' $D/select.svg", 0, "1", NULL);
+    ran r = run("$P drive load " ARM " --json");
+    CHECK_NEAR(figure(r.out, "\"reflected_inertia\": ["), 2.78, 1e-9, 0);
+    ran_free(&r);
+    expect("$P drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 20", 1,
+           "5.9700    255.222     1.876     0.176     0.188    86.63%     1.5237    3.36366", NULL);
+    expect("$P drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 20", 1,
+           "20 m/s^2 is impossible with this motor at any radius: its best is 2.2386 m/s^2 at r = 2.345 mm", NULL);
+    expect("$P drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 2 --json", 0, "\"possible\": true", NULL);
+}
+
 static void wrong_use(void)
 {
+    expect("$P drive select " ARM, 2, NULL, "--motors is missing");
+    expect("$P drive select " ARM PARTS " --drive sholder", 2, NULL, "did you mean \"shoulder\"");
+    expect("$P drive select " ARM " --motors examples/drives/gears.csv", 3, NULL, "holds no motor");
+    expect("$P drive select " ARM " --motors examples/ellipse.csv", 3, NULL, "this is a target");
+    expect("$P drive radius examples/drives/paper-d.csv --mass 200", 2, NULL, "--mass and --way");
     expect("$P drive", 2, NULL, "linkwright drive ACTION FILE");
     expect("$P drive lode x.json", 2, NULL, "did you mean 'load'");
     expect("$P drive load examples/drives/lifting-arm.json --from 2", 2, NULL, "--from must be less than --to");
@@ -83,6 +121,8 @@ int main(void)
 {
     RUN(arm);
     RUN(loop);
+    RUN(delta);
+    RUN(selections);
     RUN(wrong_use);
     return check_end();
 }

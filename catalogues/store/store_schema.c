@@ -52,7 +52,22 @@ static const char version_2[] =
     "CREATE INDEX linkage_label ON linkage(label);"
     "CREATE INDEX linkage_error ON linkage(error);";
 
-const char *const lw_store_steps[] = { version_1, version_2 };
+/* Parts of drives, in SI units; 0: not given. */
+static const char version_3[] =
+    "CREATE TABLE motor("
+    " id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, torque_constant REAL NOT NULL, resistance REAL NOT NULL,"
+    " inductance REAL NOT NULL, inertia REAL NOT NULL, torque REAL NOT NULL, torque_peak REAL NOT NULL, speed REAL NOT NULL,"
+    " mass REAL NOT NULL, price REAL NOT NULL, run INTEGER NOT NULL REFERENCES run(id));"
+    "CREATE TABLE gear("
+    " id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, ratio REAL NOT NULL, radius REAL NOT NULL,"
+    " efficiency REAL NOT NULL, inertia REAL NOT NULL, torque REAL NOT NULL, torque_peak REAL NOT NULL, speed REAL NOT NULL,"
+    " mass REAL NOT NULL, price REAL NOT NULL, run INTEGER NOT NULL REFERENCES run(id));"
+    "CREATE TABLE amplifier("
+    " id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, voltage REAL NOT NULL, current REAL NOT NULL,"
+    " current_peak REAL NOT NULL, peak_time REAL NOT NULL, mass REAL NOT NULL, price REAL NOT NULL,"
+    " run INTEGER NOT NULL REFERENCES run(id));";
+
+const char *const lw_store_steps[] = { version_1, version_2, version_3 };
 const int lw_store_step_count = sizeof lw_store_steps/sizeof *lw_store_steps;
 
 static int run_steps(lw_store *s, int from)

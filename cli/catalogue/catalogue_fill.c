@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "catalogues/build/build.h"
+#include "catalogues/store/drive_store.h"
 #include "cli/catalogue/catalogue.h"
 
 #define CONTINUE "; the same command goes on from here"
@@ -73,6 +74,24 @@ int cli_catalogue_build(const cli_call *call)
 
 /* ---- add ------------------------------------------------------------------------------------------------ */
 
+/* Motors, gears or amplifiers. */
+static lw_status add_parts(const cli_call *call, const char *text, size_t size, lw_error *e)
+{
+    const char *file = call->parsed.word[2];
+    lw_drive_parts p = { 0 };
+    lw_store *store = NULL;
+    lw_status status = lw_drive_parts_read(text, size, file, &p, e);
+    if (status == LW_OK)
+        status = cli_catalogue_open(call, true, &store, e);
+    if (status == LW_OK)
+        status = lw_store_add_drive_parts(store, &p, file, call->line, e);
+    if (status == LW_OK)
+        cli_note(call, "%d motors, %d gears, %d amplifiers added", p.n_motor, p.n_gear, p.n_amplifier);
+    lw_store_close(store);
+    lw_drive_parts_free(&p);
+    return status;
+}
+
 int cli_catalogue_add(const cli_call *call)
 {
     const char *file = call->parsed.word[2];
@@ -84,6 +103,11 @@ int cli_catalogue_add(const cli_call *call)
     cli_catalogue_watch w = cli_catalogue_watch_begin(call, "add", "linkages");
     lw_build_control control = control_of(call, &w);
     lw_status status = cli_read_file(file, "results of fit or linkages (JSON)", &text, &size, &e);
+    if (status == LW_OK && lw_drive_parts_is(text, size)) {
+        status = add_parts(call, text, size, &e);
+        free(text);
+        return cli_catalogue_watch_end(&w, status == LW_OK ? CLI_DONE : cli_fail(call, &e));
+    }
     if (status == LW_OK)
         status = cli_catalogue_open(call, true, &store, &e);
     if (status == LW_OK)

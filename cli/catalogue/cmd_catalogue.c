@@ -72,7 +72,7 @@ static const cli_action actions[] = {
     { "add", "FILE RESULTS.json",
       "Adds linkages with their errors from the output of 'linkwright fit --json', or linkage files. Several\n"
       "results may follow one another; - is standard input. Linkages that the catalogue already holds are\n"
-      "skipped.\n",
+      "skipped. A table of motors, gears or amplifiers (CSV, docs/drive.md) is added for 'linkwright drive select'.\n",
       2, 2, cli_catalogue_add, CLI_CATALOGUE | CLI_LINKAGE | CLI_RESULTS },
     { "curves", "FILE --samples N",
       "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes\n"

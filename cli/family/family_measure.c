@@ -5,10 +5,9 @@
 
 #include "base/real.h"
 #include "base/suggest.h"
-#include "cli/motion/simulate.h"
+#include "cli/motion/table.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
-#include "grammar/spatial.h"
 
 enum { PEAK, MAX, MIN, MEAN, RMS, RANGE, FIRST, LAST, INTEGRAL, FREQUENCY };
 static const char *const figures[] = { "peak", "max", "min", "mean", "rms", "range", "first", "last", "integral", "frequency" };
@@ -57,71 +56,68 @@ lw_status cli_measures_read(const char *list, int *n, cli_measure *m, lw_error *
 
 /* ---- a run ------------------------------------------------------------------------------------------- */
 
-static lw_status make_model(lw_variant *v, lw_model **m, lw_expansion *x, lw_error *e)
+static lw_status make_model(lw_variant *v, lw_model **m, lw_spatial **spatial, lw_expansion *x, lw_error *e)
 {
-    lw_spatial *spatial = NULL;
     *m = NULL;
+    *spatial = NULL;
     lw_status s = lw_variant_hold_checks(v, e);
     if (s == LW_OK)
         s = lw_variant_expand(v, x, e);
-    if (s != LW_OK)
-        return s;
-    s = cli_any_model_text(x->text, x->size, "", 0, m, &spatial, e);
-    if (s == LW_OK && spatial)
-        s = lw_error_set(e, LW_E_KIND, "this is a spatial model; figures are measured on planar ones, and formulas on all");
-    cli_free_spatial(spatial);
-    return s;
+    return s == LW_OK ? cli_any_model_text(x->text, x->size, "", 0, m, spatial, e) : s;
+}
+
+static lw_status run_model(const cli_call *call, lw_model *m, lw_spatial *spatial, cli_table *t, lw_error *e)
+{
+    const cli_family_settings *o = call->settings;
+    const cli_table_options run = { .from = o->from, .to = o->to, .steps = o->steps, .speed = o->speed };
+    return cli_table_run(call, m, spatial, &run, t, e);
 }
 
 lw_status cli_measures_default(const cli_call *call, lw_variant *v, int *n, cli_measure *m, lw_error *e)
 {
     static const char *const forms[] = { "peak(%s.drive)", "rms(%s.drive)", "peak(%s.rate)" };
     lw_model *model;
+    lw_spatial *spatial;
     lw_expansion x = { 0 };
-    lw_status s = make_model(v, &model, &x, e);
+    cli_table t = { 0 };
+    lw_status s = make_model(v, &model, &spatial, &x, e);
     *n = 0;
-    (void)call;
-    for (int i = 0; s == LW_OK && i < model->linkage.n_input && *n + 3 <= CLI_MEASURE_MAX; i++)
+    if (s == LW_OK)
+        s = run_model(call, model, spatial, &t, e);
+    for (int i = 0; s == LW_OK && i < t.n_drive && *n + 3 <= CLI_MEASURE_MAX; i++)
         for (int k = 0; k < 3; k++) {
             cli_measure *one = &m[(*n)++];
             *one = (cli_measure){ .figure = -1 };
-            snprintf(one->text, sizeof one->text, forms[k], model->linkage.joint[model->linkage.input[i].joint].name);
+            snprintf(one->text, sizeof one->text, forms[k], t.drive[i].name);
             read_one(one);
         }
     if (s == LW_OK && *n == 0)
         s = lw_error_set(e, LW_E_ARG, "the model has no input; --measure names the figures");
-    if (s != LW_OK)
+    if (s != LW_OK && s != LW_E_ARG)
         lw_expansion_fault(&x, e);
+    cli_table_free(&t);
     lw_expansion_free(&x);
     cli_free_model(model);
+    cli_free_spatial(spatial);
     return s;
 }
 
-static int find_column(const cli_simulate *c, const char *name)
-{
-    for (int i = 0; i < c->n_column; i++)
-        if (strcmp(c->column[i].name, name) == 0)
-            return i;
-    return -1;
-}
-
 /* Sample r of a column; NAME.power is speed times drive. */
-static double sample(const cli_simulate *c, int column, int rate, size_t r)
+static double sample(const cli_table *c, int column, int rate, size_t r)
 {
-    const double *row = c->row + r*(size_t)c->n_column;
-    return rate < 0 ? row[column] : row[column]*row[rate];
+    return cli_table_at(c, r, column)*(rate < 0 ? 1 : cli_table_at(c, r, rate));
 }
 
-static lw_status figure_of(const cli_simulate *c, cli_measure *m, double *out, lw_error *e)
+static lw_status figure_of(const cli_table *c, cli_measure *m, double *out, lw_error *e)
 {
     char name[128];
-    int column = find_column(c, m->column), rate = -1;
+    int column = cli_table_find(c, m->column), rate = -1;
     size_t n = strlen(m->column);
     if (column < 0 && n > 6 && strcmp(m->column + n - 6, ".power") == 0) {
         snprintf(name, sizeof name, "%.*s.rate", (int)(n - 6), m->column);
-        rate = find_column(c, name);
+        rate = cli_table_find(c, name);
         snprintf(name, sizeof name, "%.*s.drive", (int)(n - 6), m->column);
-        column = rate >= 0 ? find_column(c, name) : -1;
+        column = rate >= 0 ? cli_table_find(c, name) : -1;
     }
     if (column < 0) {
         const char **names = calloc((size_t)c->n_column + 1, sizeof *names);
@@ -186,7 +182,6 @@ static lw_status frequencies(const lw_model *model, int n, cli_measure *m, doubl
 
 lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measure *m, double *value, lw_error *e)
 {
-    const cli_family_settings *o = call->settings;
     bool run = false, vibrates = false;
     for (int i = 0; i < n; i++) {
         run = run || (m[i].figure >= 0 && m[i].figure != FREQUENCY);
@@ -202,32 +197,24 @@ lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measu
     if (s != LW_OK || (!run && !vibrates))
         return s;
     lw_expansion x = { 0 };
-    cli_simulate *c = calloc(1, sizeof *c);
-    if (!c)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_dynamics_options d = lw_dynamics_options_default();
-    d.from = o->from;
-    d.to = o->to;
-    d.intervals = o->steps;
-    d.stop = cli_stop_flag();
-    c->call = call;
-    c->keep = true;
-    s = make_model(v, &c->model, &x, e);
+    lw_model *model;
+    lw_spatial *spatial;
+    cli_table t = { 0 };
+    s = make_model(v, &model, &spatial, &x, e);
+    if (s == LW_OK && vibrates && spatial)
+        s = lw_error_set(e, LW_E_KIND, "natural frequencies are known of planar models only");
     if (s == LW_OK && vibrates)
-        s = frequencies(c->model, n, m, value, e);
+        s = frequencies(model, n, m, value, e);
     if (s == LW_OK && run)
-        s = cli_simulate_speed(c->model, o->speed, "", e);
-    if (s == LW_OK && run)
-        s = cli_simulate_make(c, &d, "", e);
-    if (s == LW_OK && run)
-        s = lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
+        s = run_model(call, model, spatial, &t, e);
     for (int i = 0; s == LW_OK && i < n; i++)
         if (m[i].figure >= 0 && m[i].figure != FREQUENCY)
-            s = figure_of(c, &m[i], &value[i], e);
+            s = figure_of(&t, &m[i], &value[i], e);
     if (s != LW_OK && s != LW_E_ARG)
         lw_expansion_fault(&x, e);
+    cli_table_free(&t);
     lw_expansion_free(&x);
-    cli_simulate_free(c);
-    free(c);
+    cli_free_model(model);
+    cli_free_spatial(spatial);
     return s;
 }

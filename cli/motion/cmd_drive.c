@@ -7,18 +7,33 @@ static const cli_option options[] = {
     { "from", 0, CLI_REAL, PLACE(from), "T", "0", "start of the cycle [s]", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, PLACE(to), "T", "1",
       "end of the cycle [s]; simulate: of the run, without it half as long again as the motion", 0, 0, NULL, NULL },
-    { "steps", 'n', CLI_INT, PLACE(steps), "N", "1000", 
+    { "steps", 'n', CLI_INT, PLACE(steps), "N", "1000",
       "number of time intervals of the cycle; simulate: print N + 1 rows instead of the figures", 1, 10000000, NULL, NULL },
     { "speed", 's', CLI_TEXT, PLACE(speed), "W", NULL,
       "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL,
       NULL },
     { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
-      "load: draw torque over speed of each drive; simulate: draw the run over time; as SVG, PDF or PNG", 0, 0, NULL,
+      "load: draw torque over speed of each drive; select: with the limits of the first choice; simulate: the run over time; as "
+      "SVG, PDF or PNG", 0, 0, NULL,
       NULL },
     { "band", 0, CLI_REAL, PLACE(band), "X", "0.001",
       "simulate: the axis has settled where its error stays below X [m] or [rad]", 1e-15, 1e9, NULL, NULL },
     { "matrices", 0, CLI_OUTPUT, PLACE(matrices), "FILE", NULL,
       "simulate: write the state matrices A, B, C, D of the axis and of the closed loop as JSON", 0, 0, NULL, NULL },
+    { "motors", 0, CLI_INPUT, PLACE(motors), "FILE", NULL,
+      "select: table of motors (CSV), or a catalogue that holds motors, gears and amplifiers", 0, 0, NULL, NULL },
+    { "gears", 0, CLI_INPUT, PLACE(gears), "FILE", NULL,
+      "select: table of gears; a gear with a radius moves a slide; without a table the motor turns the joint itself", 0, 0, NULL, NULL },
+    { "amplifiers", 0, CLI_INPUT, PLACE(amplifiers), "FILE", NULL,
+      "select: table of amplifiers; without it voltage and current are not limited", 0, 0, NULL, NULL },
+    { "drive", 0, CLI_TEXT, PLACE(drive), "NAME", NULL, "select: only this drive of the model", 0, 0, NULL, NULL },
+    { "inertia-ratio", 0, CLI_REAL, PLACE(inertia_ratio), "X", "10",
+      "select: greatest ratio of the load's inertia, seen by the motor, to that of motor and gear; 0: any", 0, 1e9, NULL, NULL },
+    { "results", 0, CLI_INT, PLACE(results), "N", "10", "select: number of choices to print", 1, 2e9, NULL, NULL },
+    { "mass", 0, CLI_REAL, PLACE(mass), "M", NULL, "radius: the mass that is moved [kg]", 1e-15, 1e15, NULL, NULL },
+    { "way", 0, CLI_REAL, PLACE(way), "S", NULL, "radius: the way from rest to rest [m]", 1e-9, 1e9, NULL, NULL },
+    { "wanted-acceleration", 0, CLI_REAL, PLACE(acceleration), "A", NULL, "radius: the acceleration that is wanted [m/s^2]", 1e-9, 1e9,
+      NULL, NULL },
     { .name = NULL }
 };
 
@@ -33,16 +48,31 @@ static const cli_action actions[] = {
       "friction, encoder and sampled controllers. Prints the error, settling, overshoot, currents, voltages, heat and the\n"
       "energy balance; crossover and margins of each loop; the poles of the whole. -n prints rows over time.\n",
       1, 1, cli_drive_simulate, 0 },
+    { "select", "MODEL.json --motors FILE",
+      "Tries every motor with every gear and amplifier on each drive of the model over the cycle: speed, peak and\n"
+      "root-mean-square torque of motor and gear, voltage, current and i^2 t of the amplifier, inertia ratio. It prints the\n"
+      "choices that can do the cycle, the cheapest first (by price, else mass, else rated power), with what they use of\n"
+      "each limit in percent; * marks those that nothing cheaper uses less. If none can, it says so, with the nearest; exit\n"
+      "code 1. --plot draws the load and the limits of the first choice of each drive.\n",
+      1, 1, cli_drive_select, CLI_LINKAGE | CLI_RESULTS },
+    { "radius", "MOTORS.csv --mass M --way S",
+      "The radius of the wheel on which each motor moves a mass over a way, by the formulas of Makkonen 1999, paper D,\n"
+      "beside what the axis truly does with it: acceleration, time of the way, and whether the wanted acceleration can be had\n"
+      "with any radius.\n",
+      1, 1, cli_drive_radius, 0 },
     { .name = NULL }
 };
 
 const cli_command cli_drive_command = {
     .name = "drive",
     .words = "ACTION FILE",
-    .title = "torque, speed and energy that the drives of a model need; servo loops",
+    .title = "load of the drives of a model, motors that can carry it; servo loops",
     .examples =
         "  linkwright drive load examples/drives/lifting-arm.json --to 2.5          # torque, speed, power of each drive\n"
         "  linkwright drive load model.json --speed \"60 rpm\" --plot load.svg  # torque over speed\n"
+        "  linkwright drive select examples/drives/lifting-arm.json --to 2.5 --motors examples/drives/motors.csv "
+        "--gears examples/drives/gears.csv --amplifiers examples/drives/amplifiers.csv\n"
+        "  linkwright drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 20\n"
         "  linkwright drive simulate examples/drives/servo-axis.json --plot loop.svg  # error, current, margins, poles\n",
     .about = "The cycle of a load is the time from --from to --to; it is taken to repeat.\n",
     .options = options,

@@ -6,6 +6,7 @@
 #include "base/number.h"
 #include "base/real.h"
 #include "cli/motion/spatial.h"
+#include "cli/motion/table.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
@@ -23,6 +24,7 @@ typedef struct run {
     FILE             *f;
     bool              as_json, no_memory;
     cli_json          json;
+    cli_table        *table;             /* not NULL: rows are kept there instead of printed */
 } run;
 
 static void add(run *r, const char *of, const char *part, const char *unit, double scale)
@@ -82,11 +84,16 @@ static void make_columns(run *r)
             *c = *c == ' ' ? '_' : *c;
         add(r, name, "input", turn ? m->units.angle : length, turn ? 1/m->units.radian : 1/m->units.metre);
         add(r, name, "rate", turn ? "rad/s" : "m/s", 1);
-        if (m->n_drive == 0)
+        if (m->n_drive == 0) {
+            add(r, name, "acceleration", turn ? "rad/s^2" : "m/s^2", 1);
             add(r, name, "drive", force_unit(of), 1);
+        }
     }
     for (int i = 0; i < m->n_drive; i++) {
         lw_spatial_measure_name(m, m->drive[i], name, sizeof name);
+        bool turn = m->drive[i].of == LW_OF_TURN;
+        add(r, name, "rate", turn ? "rad/s" : "m/s", 1);
+        add(r, name, "acceleration", turn ? "rad/s^2" : "m/s^2", 1);
         add(r, name, "drive", force_unit(m->drive[i]), 1);
     }
     for (int i = 0; i < m->n_tracer; i++)
@@ -129,6 +136,14 @@ static void put_number(FILE *f, double v)
     fputs(text, f);
 }
 
+/* Of a measure [rad/s^2] or [m/s^2]. */
+static double acceleration(const run *r, const lw_space_moment *o, lw_spatial_measure of)
+{
+    double value, out;
+    lw_space_measured(r->s, o->frame, of, 0, o->a, &value, &out);
+    return out - lw_space_measure_bias(r->s, o->frame, of, o->v)*lw_space_scale(r->s, of);
+}
+
 static lw_status put_row(void *context, const lw_space_moment *o)
 {
     run *r = context;
@@ -139,11 +154,17 @@ static lw_status put_row(void *context, const lw_space_moment *o)
     *to++ = o->t;
     for (int i = 0; i < m->n_input; i++) {
         *to++ = o->input[i], *to++ = o->input_rate[i];
-        if (m->n_drive == 0)
+        if (m->n_drive == 0) {
+            *to++ = acceleration(r, o, m->input[i].measure);
             *to++ = o->drive[i];
+        }
     }
-    for (int i = 0; i < m->n_drive; i++)
+    for (int i = 0; i < m->n_drive; i++) {
+        double value;
+        lw_space_measured(s, o->frame, m->drive[i], 0, o->v, &value, to++);
+        *to++ = acceleration(r, o, m->drive[i]);
         *to++ = o->drive[i];
+    }
     lw_space_tracers(s, o->frame, o->q, o->v, o->a, r->tracer);
     for (int i = 0; i < m->n_tracer; i++)
         to = put_body(to, &r->tracer[i]);
@@ -157,7 +178,13 @@ static lw_status put_row(void *context, const lw_space_moment *o)
     *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
     for (int i = 0; i < r->n_column; i++)
         r->row[i] *= r->column[i].scale;
-    if (r->as_json)
+    if (r->table) {
+        double *more = realloc(r->table->row, (r->table->n_row + 1)*(size_t)r->n_column*sizeof *more);
+        if (!more)
+            return LW_E_MEMORY;
+        r->table->row = more;
+        memcpy(more + r->table->n_row++*(size_t)r->n_column, r->row, (size_t)r->n_column*sizeof *more);
+    } else if (r->as_json)
         cli_json_reals(&r->json, NULL, r->row, (size_t)r->n_column);
     else
         for (int i = 0; i < r->n_column; i++)
@@ -246,6 +273,34 @@ static lw_status drive(lw_spatial *m, const char *speed, lw_error *e)
             return st;
     }
     return LW_OK;
+}
+
+lw_status cli_spatial_table(lw_spatial *m, const lw_space_options *o, const char *speed, cli_table *t, lw_error *e)
+{
+    run r = { .m = m, .table = t };
+    lw_space_run *made = NULL;
+    lw_status st = speed ? drive(m, speed, e) : LW_OK;
+    if (st == LW_OK)
+        st = lw_space_run_make(m, o, &made, e);
+    if (st == LW_OK) {
+        r.s = lw_space_run_space(made);
+        make_columns(&r);
+        r.row = malloc((size_t)r.n_column*sizeof *r.row);
+        r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
+        r.link = malloc((size_t)m->n_link*sizeof *r.link);
+        t->column = calloc((size_t)r.n_column + 1, sizeof *t->column);
+        st = r.no_memory || !r.row || !r.tracer || !r.link || !t->column ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
+    }
+    t->n_column = r.n_column;
+    for (int i = 0; st == LW_OK && i < r.n_column; i++) {
+        snprintf(t->column[i].name, sizeof t->column[i].name, "%s", r.column[i].name);
+        t->column[i].unit = r.column[i].unit;
+    }
+    if (st == LW_OK)
+        st = lw_space_run_go(made, put_row, &r, e);
+    free(r.row), free(r.tracer), free(r.link), free(r.column);
+    lw_space_run_free(made);
+    return st;
 }
 
 int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_options *o, const char *speed,

@@ -1,0 +1,47 @@
+/* cli/motion/table.h - a run of a planar or spatial model in time, kept as rows of the named columns of `simulate`. */
+#ifndef CLI_MOTION_TABLE_H
+#define CLI_MOTION_TABLE_H
+
+#include "cli/program/command.h"
+#include "grammar/model.h"
+#include "grammar/spatial.h"
+
+typedef struct cli_table_column { char name[2*LW_NAME_SIZE + 24]; const char *unit; } cli_table_column;
+
+/* A driven coordinate: its columns of speed and of torque or force, and its acceleration in every row. */
+typedef struct cli_table_drive {
+    char    name[LW_NAME_SIZE + 16];
+    bool    slides;
+    int     rate, drive;
+    double *acceleration;
+    double  inertia[2];                  /* least and greatest reflected inertia, for who works it out */
+} cli_table_drive;
+
+typedef struct cli_table cli_table;
+struct cli_table {
+    int               n_column, n_drive;
+    cli_table_column *column;            /* the first is t [s] */
+    size_t            n_row;
+    double           *row;               /* (n_row * n_column) */
+    cli_table_drive  *drive;
+};
+
+typedef struct cli_table_options {
+    double      from, to;
+    int         steps;
+    bool        driven;                  /* refuse models with free degrees of freedom */
+    const char *speed;                   /* of inputs without a motion; NULL: they run freely */
+} cli_table_options;
+
+/* One of planar and spatial is the model, which may be changed.  t needs cli_table_free also after a failure. */
+lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o, cli_table *t,
+                        lw_error *e);
+void      cli_table_free(cli_table *t);
+
+int cli_table_find(const cli_table *t, const char *name);        /* -1: no such column */
+static inline double cli_table_at(const cli_table *t, size_t row, int column)
+{
+    return t->row[row*(size_t)t->n_column + (size_t)column];
+}
+
+#endif

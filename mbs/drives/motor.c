@@ -1,0 +1,200 @@
+#include "mbs/drives/motor.h"
+
+#include <stdlib.h>
+#include "base/real.h"
+
+const char *lw_drive_limit_text(int limit)
+{
+    static const char *const texts[] = {
+#define X(name, text) text,
+        LW_DRIVE_LIMIT_LIST(X)
+#undef X
+    };
+    return limit >= 0 && limit < LW_DRIVE_N_LIMIT ? texts[limit] : "";
+}
+
+lw_load_figures lw_load_figures_of(const lw_load *l)
+{
+    lw_load_figures f = { .power_least = INFINITY, .power_peak = -INFINITY };
+    double square = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        double power = l->speed[i]*l->torque[i];
+        f.torque_peak = fmax(f.torque_peak, fabs(l->torque[i]));
+        f.speed_peak = fmax(f.speed_peak, fabs(l->speed[i]));
+        f.power_peak = fmax(f.power_peak, power);
+        f.power_least = fmin(f.power_least, power);
+        if (i == 0)
+            continue;
+        double before = l->speed[i - 1]*l->torque[i - 1], a = l->torque[i - 1], b = l->torque[i];
+        double cross = power != before ? before/(before - power) : 0;      /* where the power changes its sign */
+        square += (a*a + a*b + b*b)/3;
+        if (before*power < 0) {
+            *(before > 0 ? &f.energy_out : &f.energy_back) += fabs(before)*cross/2*l->step;
+            *(power > 0 ? &f.energy_out : &f.energy_back) += fabs(power)*(1 - cross)/2*l->step;
+        } else
+            *(before + power > 0 ? &f.energy_out : &f.energy_back) += fabs(before + power)/2*l->step;
+    }
+    double time = (double)(l->n - 1)*l->step, energy = f.energy_out - f.energy_back;
+    f.torque_rms = sqrt(square*l->step/time);
+    f.power_mean = fabs(energy) > 1e-12*f.energy_out ? energy/time : 0;
+    return f;
+}
+
+/* ---- one choice ------------------------------------------------------------------------------------ */
+
+static void limit(lw_drive_choice *c, int which, double value, double most)
+{
+    if (!(most > 0))
+        return;
+    c->use[which] = value/most;
+    c->worst = fmax(c->worst, c->use[which]);
+    if (c->use[which] > 1 + 1e-12)
+        c->fails |= 1u << which;
+}
+
+/* Torque of the motor: the load through the gear, whose losses the driving side pays, and the inertia of motor and gear. */
+static double motor_torque(const lw_load *l, size_t k, double ratio, double efficiency, double inertia)
+{
+    double through = l->torque[k]*l->speed[k] >= 0 ? l->torque[k]/efficiency : l->torque[k]*efficiency;
+    return through/ratio + inertia*ratio*l->acceleration[k];
+}
+
+lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int motor, int gear, int amplifier,
+                             double greatest_inertia)
+{
+    const lw_motor_part *m = &p->motor[motor];
+    const lw_gear_part *g = &p->gear[gear];
+    const lw_amplifier_part *a = amplifier >= 0 ? &p->amplifier[amplifier] : NULL;
+    lw_drive_choice c = { .motor = motor, .gear = gear, .amplifier = amplifier };
+    double efficiency = g->efficiency > 0 ? g->efficiency : 1, inertia = m->inertia + g->inertia;
+    double square = 0, out_square = 0, out_peak = 0, voltage = 0, before = 0, out_before = 0;
+    for (int i = 0; i < LW_DRIVE_N_LIMIT; i++)
+        c.use[i] = NAN;
+    c.ratio = l->slides ? g->ratio/g->radius : g->ratio;
+    for (size_t k = 0; k < l->n; k++) {
+        double torque = motor_torque(l, k, c.ratio, efficiency, inertia), speed = c.ratio*l->speed[k];
+        double out = l->torque[k]*(l->slides ? g->radius : 1);
+        c.torque_peak = fmax(c.torque_peak, fabs(torque));
+        c.speed = fmax(c.speed, fabs(speed));
+        out_peak = fmax(out_peak, fabs(out));
+        voltage = fmax(voltage, fabs(m->resistance*torque/m->torque_constant + m->torque_constant*speed));
+        if (k > 0) {
+            square += (torque*torque + torque*before + before*before)/3;
+            out_square += (out*out + out*out_before + out_before*out_before)/3;
+        }
+        before = torque;
+        out_before = out;
+    }
+    c.torque_rms = sqrt(square/(double)(l->n - 1));
+    c.current_peak = c.torque_peak/m->torque_constant;
+    c.current_rms = c.torque_rms/m->torque_constant;
+    c.voltage = voltage;
+    c.heat = m->resistance*c.current_rms*c.current_rms;
+    c.inertia_ratio = l->inertia[1]/(c.ratio*c.ratio*inertia);
+    limit(&c, LW_DRIVE_SPEED, c.speed, m->speed);
+    limit(&c, LW_DRIVE_PEAK, c.torque_peak, m->torque_peak > 0 ? m->torque_peak : 3*m->torque);
+    limit(&c, LW_DRIVE_RMS, c.torque_rms, m->torque);
+    limit(&c, LW_DRIVE_GEAR_SPEED, c.speed, g->speed);
+    limit(&c, LW_DRIVE_GEAR_PEAK, out_peak, g->torque_peak);
+    limit(&c, LW_DRIVE_GEAR_RMS, sqrt(out_square/(double)(l->n - 1)), g->torque);
+    if (isfinite(greatest_inertia) && !isnan(c.inertia_ratio))
+        limit(&c, LW_DRIVE_INERTIA, c.inertia_ratio, greatest_inertia);
+    if (a) {
+        double peak = a->current_peak > 0 ? a->current_peak : a->current, room = (peak*peak - a->current*a->current)*a->peak_time;
+        double charge = 0, most = 0;
+        for (int cycle = 0; cycle < 2 && room > 0; cycle++)         /* the second cycle begins charged */
+            for (size_t k = 0; k + 1 < l->n; k++) {
+                double i = motor_torque(l, k, c.ratio, efficiency, inertia)/m->torque_constant;
+                charge = fmax(0, charge + (i*i - a->current*a->current)*l->step);
+                most = fmax(most, charge);
+            }
+        c.i2t = room > 0 ? most/room : 0;
+        limit(&c, LW_DRIVE_VOLTAGE, voltage, a->voltage);
+        limit(&c, LW_DRIVE_CURRENT, c.current_peak, peak);
+        limit(&c, LW_DRIVE_CURRENT_RMS, c.current_rms, a->current);
+        limit(&c, LW_DRIVE_HEAT, most, room);
+    }
+    double price = m->price + g->price + (a ? a->price : 0), mass = m->mass + g->mass + (a ? a->mass : 0);
+    c.cost = m->price > 0 ? price : m->mass > 0 ? mass : m->torque*m->speed;
+    return c;
+}
+
+static int by_rank(const void *a, const void *b)
+{
+    const lw_drive_choice *x = a, *y = b;
+    if (!x->fails != !y->fails)
+        return x->fails ? 1 : -1;
+    double dx = x->fails ? x->worst : x->cost, dy = y->fails ? y->worst : y->cost;
+    if (dx != dy)
+        return dx < dy ? -1 : 1;
+    if (x->worst != y->worst)
+        return x->worst < y->worst ? -1 : 1;
+    return x->motor != y->motor ? x->motor - y->motor : x->gear != y->gear ? x->gear - y->gear : x->amplifier - y->amplifier;
+}
+
+lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double greatest_inertia, size_t *n,
+                          lw_drive_choice **out, bool **front, lw_error *e)
+{
+    size_t amplifiers = p->n_amplifier > 0 ? (size_t)p->n_amplifier : 1, room = (size_t)p->n_motor*(size_t)p->n_gear*amplifiers;
+    *n = 0;
+    *out = malloc((room + 1)*sizeof **out);
+    *front = calloc(room + 1, sizeof **front);
+    if (!*out || !*front)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int m = 0; m < p->n_motor; m++)
+        for (int g = 0; g < p->n_gear; g++)
+            for (int a = p->n_amplifier ? 0 : -1; a < p->n_amplifier; a++)
+                if (!l->slides == !(p->gear[g].radius > 0))          /* a wheel for a slider, none for a turn */
+                    (*out)[(*n)++] = lw_drive_try(l, p, m, g, a, greatest_inertia);
+    qsort(*out, *n, sizeof **out, by_rank);
+    double least = INFINITY;
+    for (size_t i = 0; i < *n && !(*out)[i].fails; i++)
+        if ((*out)[i].worst < least) {
+            (*front)[i] = true;
+            least = (*out)[i].worst;
+        }
+    return LW_OK;
+}
+
+/* ---- paper D ------------------------------------------------------------------------------------------ */
+
+static double acceleration_at(const lw_motor_part *m, double mass, double r) { return m->torque*r/(m->inertia + mass*r*r); }
+
+static double time_at(const lw_motor_part *m, double mass, double way, double r)
+{
+    double v = m->speed*r, a = acceleration_at(m, mass, r);
+    return way >= v*v/a ? way/v + v/a : 2*sqrt(way/a);
+}
+
+lw_radius lw_radius_at(const lw_motor_part *m, double mass, double way, double limit_, double r)
+{
+    double v = m->speed*r;
+    return (lw_radius){ .r = r, .alpha = m->torque/(m->inertia + mass*r*r), .speed = v,
+                        .efficiency = 1/(1 + m->inertia/(mass*r*r)), .printed_way = v*v/limit_, .printed_time = 2*v/limit_,
+                        .acceleration = acceleration_at(m, mass, r), .time = time_at(m, mass, way, r) };
+}
+
+double lw_radius_printed(const lw_motor_part *m, double limit_) { return limit_*m->inertia/m->torque; }
+
+double lw_radius_of_way(const lw_motor_part *m, double mass, double way)
+{
+    return pow(way*m->torque/(2*m->speed*m->speed*mass), 1/3.0);
+}
+
+double lw_radius_of_acceleration(const lw_motor_part *m, double mass) { return sqrt(m->inertia/mass); }
+
+/* The time falls to one minimum: at the radius of greatest acceleration if the motor never reaches its speed there, else
+ * between it and where the printed formula is, or where the speed is just reached. */
+double lw_radius_best(const lw_motor_part *m, double mass, double way)
+{
+    double low = lw_radius_of_acceleration(m, mass)*1e-3, high = lw_radius_of_acceleration(m, mass)*1e3, golden = (sqrt(5) - 1)/2;
+    double a = log(low), b = log(high);
+    for (int i = 0; i < 200; i++) {
+        double x = b - golden*(b - a), y = a + golden*(b - a);
+        if (time_at(m, mass, way, exp(x)) < time_at(m, mass, way, exp(y)))
+            b = y;
+        else
+            a = x;
+    }
+    return exp((a + b)/2);
+}
