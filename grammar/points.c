@@ -320,7 +320,7 @@ static void name_links(const lw_linkage *linkage, lw_points *p)
         plain[n] = '\0';
         snprintf(name, LW_NAME_SIZE, "%s", plain);
         for (int i = 2; is_word(linkage, name) || taken(p, l, name); i++)
-            snprintf(name, LW_NAME_SIZE, "%s_%d", plain, i);
+            snprintf(name, LW_NAME_SIZE, "%s_%d", plain, (unsigned char)i);       /* at most 32 links */
     }
 }
 

@@ -94,7 +94,7 @@ static void a_function_is_judged_by_its_output(void)
 
 static void every_condition_is_asked(void)
 {
-    static const lw_motion_limits good = { 0.5, 0.9, 2, 0 };
+    static const lw_motion_limits good = { .margin_least = 0.5, .margin_most = 0.9, .acceleration = 2 };
     char why[160] = "";
     lw_linkage k;
     lw_fit_spec s = lw_fit_spec_default();

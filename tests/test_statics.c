@@ -244,8 +244,8 @@ static void machines(void)
         for (int j = 0; j < k->n_joint; j++)
             for (int end = 0; end < 2; end++)
                 if (k->joint[j].link[end] != k->ground && !d.model.body[k->joint[j].link[end]].given)
-                    d.model.body[k->joint[j].link[end]] = (lw_body){ true, 0.5 + 0.1*j,
-                        lw_v2_add(k->joint[j].at, lw_v2(0.01*j, 0.02)), 0.01 };
+                    d.model.body[k->joint[j].link[end]] = (lw_body){ .given = true,
+                        .mass = 0.5 + 0.1*j, .centre = lw_v2_add(k->joint[j].at, lw_v2(0.01*j, 0.02)), .inertia = 0.01 };
         double w = i ? 3 : 100;
         snprintf(motion, sizeof motion, "%.17g + %g*t", k->input[0].value, w);
         CHECK_INT(lw_model_drive(&d.model, 0, motion, &d.e), LW_OK);

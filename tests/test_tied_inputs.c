@@ -264,7 +264,8 @@ static void load(const lw_linkage *k, lw_model *m)
 {
     lw_model_from_linkage(k, m);
     for (int i = 1; i < k->n_link; i++)
-        m->body[i] = (lw_body){ true, 0.1 + 0.1*i, lw_v2(10.0*i, 5.0 + 3*i), 20.0*i };
+        m->body[i] = (lw_body){ .given = true, .mass = 0.1 + 0.1*i, .centre = lw_v2(10.0*i, 5.0 + 3*i),
+                                .inertia = 20.0*i };
     m->gravity = lw_v2(0, -98);
 }
 
