@@ -69,6 +69,8 @@ lw_status lw_model_read_elastic(const lw_json_node *link, const lw_json_node *n,
     if (s == LW_OK && lw_json_member(link, "mass", &at))
         s = lw_json_fault(&at, e, "the mass of an elastic link is that of its section and material; leave \"mass\" out, and weld "
                           "another link with the mass that it carries");
+    if (s == LW_OK && (lw_json_member(link, "velocity", &at) || lw_json_member(link, "omega", &at)))
+        s = lw_json_fault(&at, e, "an elastic link starts with the velocities of the rigid linkage; give the speed of an input");
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(n, "section", &at, e)) == LW_OK &&
         (s = lw_section_read(&at, m->linkage.units.metre, &p->section, e)) == LW_OK &&

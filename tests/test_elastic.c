@@ -667,6 +667,51 @@ static void slider_crank(void)
     slider_crank_at(150, 8, 0.085);
 }
 
+/* Quasi-static runs: a load that grows to P L^2/EI = 5 bends the beam as the elastica; and a slider-crank that turns slowly moves as in
+ * time, where its rod bends under its weight. */
+static void quasi_static(void)
+{
+    static record r, slow;
+    lw_dynamics_report report;
+    scene s;
+    CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': {'shape': 'general', 'area': 1e4, "
+                         "'Iz': 1e-6, 'zeta': 0}, 'material': {'E': 1e6, 'G': 1e6, 'density': 1e-4}, 'segments': 16}}], 'joints': [{'name': "
+                         "'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}], 'tracers': [{'name': 'P', 'link': 'beam', 'at': "
+                         "[1, 0]}], 'forces': [{'link': 'beam', 'at': [1, 0], 'fy': '5*t'}]}"), LW_OK);
+    s.o.intervals = 5;
+    CHECK_INT(open_scene(&s, LW_ANALYSIS_QUASISTATIC), LW_OK);
+    r = (record){ .s = &s };
+    CHECK_INT(lw_dynamics_run(s.d, keep, &r, &report, &s.e), LW_OK);
+    CHECK_INT(r.n, 6);
+    CHECK_NEAR(r.p[0].y, 0, 1e-9, 0);
+    CHECK_NEAR(r.p[1].y, 0.301720774, 1.4e-4, 0);
+    CHECK_NEAR(r.p[2].y, 0.493457480, 2e-4, 0);
+    CHECK_NEAR(r.p[5].y, 0.713791524, 4e-4, 0);
+    close_scene(&s);
+    for (int k = 0; k < 2; k++) {
+        CHECK_INT(read_scene(&s, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0], "
+                             "'inertia': 0.01}, {'name': 'rod', 'elastic': {'section': {'shape': 'rectangle', 'width': 0.02, 'height': 0.002}, "
+                             "'material': 'steel', 'segments': 8, 'damping': 2e-2}}, {'name': 'slider', 'mass': 0.1, 'centre': [1.2, 0], "
+                             "'inertia': 1e-4}], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': "
+                             "['crank', 'rod'], 'at': [0.2, 0]}, {'name': 'C', 'links': ['rod', 'slider'], 'at': [1.2, 0]}, {'name': 'D', "
+                             "'kind': 't', 'links': ['ground', 'slider'], 'at': [1.2, 0], 'along': [1, 0]}], 'input': {'joint': 'A', 'motion': "
+                             "'0.1*t'}, 'tracers': [{'name': 'P', 'link': 'rod', 'at': [0.7, 0]}]}"), LW_OK);
+        s.o.relative = s.o.absolute = 1e-6;
+        s.o.to = 62.83;
+        s.o.intervals = 20;
+        CHECK_INT(open_scene(&s, k ? LW_ANALYSIS_QUASISTATIC : LW_ANALYSIS_TRANSIENT), LW_OK);
+        record *to = k ? &r : &slow;
+        *to = (record){ .s = &s };
+        CHECK_INT(lw_dynamics_run(s.d, keep, to, &report, &s.e), LW_OK);
+        CHECK_INT(to->n, 21);
+        CHECK(report.worst_off < 1e-11 && report.worst_off_rate < 1e-9);
+        close_scene(&s);
+    }
+    for (int i = 1; i < 21; i++)
+        CHECK_NEAR(lw_v2_norm(lw_v2_sub(r.p[i], slow.p[i])), 0, 3e-5, 0);
+    CHECK(fabs(r.p[10].y) > 1e-3);               /* it sags */
+}
+
 /* ---- what is refused; rigid ------------------------------------------------------------------------------------------------ */
 
 static void refused(void)
@@ -711,7 +756,7 @@ static void refused(void)
     CHECK_INT(read_scene(&s, CANTILEVER, "'segments': 2, 'mass': 'consistent'", 1.), LW_OK);
     CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_KIND);
     CHECK_HAS(s.e.text, "lumped");
-    s.o.analysis = LW_ANALYSIS_QUASISTATIC;
+    s.o.analysis = LW_ANALYSIS_KINEMATIC;
     CHECK_INT(lw_dynamics_make(&s.m, &s.o, &s.d, &s.e), LW_E_KIND);
     lw_system system;
     CHECK_INT(lw_forces_system(&s.m, true, &system, &s.e), LW_E_KIND);
@@ -819,6 +864,7 @@ int main(void)
     RUN(spinning);
     RUN(tolerances);
     RUN(slider_crank);
+    RUN(quasi_static);
     RUN(refused);
     RUN(rigid);
     RUN(library);

@@ -79,7 +79,7 @@ void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to)
         cli_note(call, "first frequency in the posture of the file, inputs held: %.4g Hz", first);
     if (ratio > 0)
         cli_note(call, "that is %.3g times the greatest speed of the drive, %.4g rad/s: %s (rule of Sanders and Tesar: 20 times)",
-                 ratio, drive, ratio > 20 ? "rigid links (--rigid) and an equilibrium under their loads are enough"
+                 ratio, drive, ratio > 20 ? "vibrations are small, a quasi-static run (--analysis quasistatic) or rigid links (--rigid) are enough"
                  : "vibrations matter, run the model in time");
     if (drive > 0)
         cli_note(call, "longest step to see %d harmonics with %d samples each: %.3g s (Makkonen 1999, eq. 21)", HIGHER, SAMPLES,

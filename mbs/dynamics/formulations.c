@@ -1,5 +1,6 @@
 /* mbs/dynamics/formulations.c - the table of formulations: which one a model takes, and its run. */
 #include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/statics_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -52,9 +53,9 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->moved_rate = d->moved_rate;
     r->adjusted = d->adjusted*d->s.unit;
     r->t = d->o.from;
-    if (d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
+    if (d->elastic && a == LW_ANALYSIS_KINEMATIC)
         return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "
-                            "(dynamic) or --rigid, or see its equilibrium (static)");
+                            "(dynamic) or --rigid, or see its equilibrium (static, quasistatic)");
     for (int i = 0; i < d->model->n_beam; i++)
         if (d->model->beam[i].consistent && a != LW_ANALYSIS_STATIC)
             return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
@@ -71,6 +72,10 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
                             "run it in time (dynamic)", d->model->state[0].name);
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
+    if (d->elastic && a == LW_ANALYSIS_QUASISTATIC) {
+        r->formulation = LW_FORMULATION_DRIVEN;
+        return lw_formulation_say(r, LW_OK, d->n_q + d->n_kept, "equilibrium of the elastic links at every moment, without inertia");
+    }
     if (postures || (d->freedom == 0 && !d->eq.n_z && !d->o.pieces))
         return take(d, LW_FORMULATION_DRIVEN, r, e);
     lw_status s = d->o.formulation == LW_FORMULATION_DRIVEN ? LW_OK : check_masses(d);
@@ -153,7 +158,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     run.pivot_tried = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
                          r->formulation != LW_FORMULATION_REDUCED;
-    lw_status s = table[r->formulation]->run(&run);
+    bool equilibria = d->elastic && d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    lw_status s = equilibria ? lw_statics_run_large(&run) : table[r->formulation]->run(&run);
     if (s == LW_OPEN && run.apart > 0 && run.apart < 1e-5)
         s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two motion curves come within %.1e of the size of the "
                          "linkage, and it is undecided which of them goes on%s", r->t, run.apart, run.apart > 1e-8

@@ -267,3 +267,80 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     return st == LW_OK ? LW_OK : lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive "
                                               "it away, or an elastic link buckles");
 }
+
+/* ---- quasi-static runs ------------------------------------------------------------------------------------------ */
+
+/* From the equilibrium in s->q to the one at time t. */
+static lw_status follow(search *s, double t, lw_rest *r)
+{
+    lw_dynamics *d = s->d;
+    s->t = t;
+    if (lw_tangent_at_rest(d, t, s->q, s->still, d->a, s->l) != LW_OK)
+        return LW_OPEN;
+    for (int i = 0; i < s->n; i++)
+        s->load[i] = d->f.mass[i]*d->a[i];
+    return load_steps(s, (loads){ 1, 0 }, (loads){ 0, 0 }, r);
+}
+
+/* Velocities at the equilibrium that the motions of the inputs cause. */
+static lw_status find_velocities(search *s, double *v)
+{
+    lw_dynamics *d = s->d;
+    const double none[2] = { 0, 0 };
+    lw_status st = lw_mbs_rows(d, s->t, s->q);
+    if (st == LW_OK && (st = lw_mbs_rate_wanted(d, s->t)) == LW_OK)
+        st = lw_tangent_factor(&s->tangent, s->t, s->q, s->still, s->l, none, none);
+    memset(s->step, 0, (size_t)s->n*sizeof *s->step);
+    for (int k = 0; k < s->c; k++)
+        s->step[s->n + k] = d->rhs[d->kept[k]];
+    if (st == LW_OK)
+        lw_tangent_solve(&s->tangent, s->step);
+    memcpy(v, s->step, (size_t)s->n*sizeof *v);
+    return st;
+}
+
+lw_status lw_statics_run_large(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    search s = { 0 };
+    lw_rest rest = { 0 };
+    double *y = calloc((size_t)run->n + 2*(size_t)d->n_q, sizeof *y), *safe = y + run->n;
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    memcpy(y, d->start_q, (size_t)d->n_q*sizeof *y);
+    lw_status st = prepare(&s, d, d->o.from, y) == LW_E_MEMORY ? lw_error_set(run->e, LW_E_MEMORY, "out of memory") : LW_OK;
+    double now = d->o.from;
+    for (int k = 0; st == LW_OK && k <= d->o.intervals; k++) {
+        double to = lw_run_time(d, k), step = to - now;
+        do {                                     /* the whole interval, or parts of it */
+            double next = to - now <= step*(1 + 1e-9) ? to : now + step;
+            memcpy(safe, y, (size_t)d->n_q*sizeof *y);
+            if (follow(&s, next, &rest) == LW_OK)
+                now = next;
+            else {
+                memcpy(y, safe, (size_t)d->n_q*sizeof *y);
+                step *= 0.5;
+                if (!(step > 1e-4*(to - now)))
+                    st = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no equilibrium was found near the one before: the forces "
+                                      "drive the links away, or one of them buckles", next);
+            }
+            if (st == LW_OK)
+                st = lw_run_limits(run, now, 0);
+        } while (st == LW_OK && now < to);
+        if (st == LW_OK && find_velocities(&s, y + d->n_q) != LW_OK)
+            st = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the equilibrium is neutral: its stiffness is singular", now);
+        if (st != LW_OK)
+            break;
+        memset(d->a, 0, (size_t)d->n_q*sizeof *d->a);
+        memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+        for (int c = 0; c < s.c; c++)
+            d->l[d->kept[c]] = s.l[c];
+        run->r->t = now;
+        st = lw_run_show_solved(run, now, y);
+    }
+    run->r->steps = run->r->rates = rest.iterations;
+    lw_tangent_free(&s.tangent);
+    free(s.load);
+    free(y);
+    return st;
+}
