@@ -117,9 +117,10 @@ void lw_model_free(lw_model *m)
         free(m->elastic[i].axis);
     for (int i = 0; i < m->n_shape; i++)
         free(m->shape[i].at);
-    void *const array[] = { m->shape, m->contact, m->rope, m->state, m->signal, m->rotor, m->motion, m->has_speed, m->speed, m->body, m->spring,
-                            m->joint_spring, m->force, m->motor,
-                            m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
+    for (int i = 0; i < m->n_profile; i++)
+        lw_moves_free(&m->profile[i]);
+    void *const array[] = { m->profile, m->shape, m->contact, m->rope, m->state, m->signal, m->rotor, m->motion,
+                            m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor, m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     lw_assembly_free(&m->linkage);
