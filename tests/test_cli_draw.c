@@ -47,10 +47,22 @@ static void any_linkage(void)
     expect("$P draw examples/loader.json --to -1", 2, NULL, "out of range");
 }
 
+/* Two linkages in one picture, and what cannot be compared. */
+static void compared(void)
+{
+    expect("$P draw examples/hoeken.json examples/chebyshev.json", 0, "second linkage", NULL);
+    expect("test $($P draw examples/hoeken.json examples/chebyshev.json | grep -c other-curve) = 4", 0, NULL, NULL);
+    expect("$P draw examples/hoeken.json none.json", 3, "", "no such file");
+    expect("$P chains --links 6 -o $D/six.g6; $P draw $D/six.g6 examples/hoeken.json", 2, "", "compared");
+    expect("$P draw examples/space/bennett.json examples/hoeken.json", 3, "", "planar");
+    expect("$P draw examples/hoeken.json --azimuth 3", 3, "", "spatial");
+}
+
 int main(void)
 {
     RUN(pictures);
     RUN(results_of_a_fit);
     RUN(any_linkage);
+    RUN(compared);
     return check_end();
 }

@@ -576,9 +576,10 @@ static void scale_bar(sketch *k, int panel)
 }
 
 /* The entries of the legend, from right to left: what each one shows, its text, width of its sample [px]. */
-typedef enum lw_sample { TARGET, OTHER, TRACED, N_SAMPLE } lw_sample;
+typedef enum lw_sample { TARGET, OTHER, COMPARED, TRACED, N_SAMPLE } lw_sample;
 static const struct { const char *text; double room; } samples[N_SAMPLE] = {
-    [TARGET] = { "target", 36 }, [OTHER] = { "also possible", 52 }, [TRACED] = { "traced curve", 52 },
+    [TARGET] = { "target", 36 }, [OTHER] = { "also possible", 52 }, [COMPARED] = { "second linkage", 52 },
+    [TRACED] = { "traced curve", 52 },
 };
 
 static bool is_shown(const lw_scene *s, lw_sample sample)
@@ -586,7 +587,8 @@ static bool is_shown(const lw_scene *s, lw_sample sample)
     if (sample == TARGET)
         return s->n_station > 0;
     for (int i = 0; i < s->n_curve; i++)
-        if (s->curve[i].shown_branch == (sample == TRACED))
+        if (s->curve[i].compared ? sample == COMPARED
+                                 : sample != COMPARED && s->curve[i].shown_branch == (sample == TRACED))
             return true;
     return false;
 }
@@ -617,8 +619,8 @@ static double entry(sketch *k, double x, double y, lw_sample sample)
     else {
         lw_shape *s = lw_drawing_line(k->d, LW_ROLE_LEGEND, lw_v2(left - 34*u, y - 4*u),
                                       lw_v2(left - 8*u, y - 4*u));
-        s->stroke = LW_INK_BLUE;
-        s->width = (sample == OTHER ? 1.6 : 2.6)*u;
+        s->stroke = sample == COMPARED ? LW_INK_RED : LW_INK_BLUE;
+        s->width = (sample == TRACED ? 2.6 : 1.6)*u;
         s->dashed = sample == OTHER;
     }
     return left - samples[sample].room*u;
@@ -705,8 +707,8 @@ static void curve_ink(sketch *k, int panel, lw_shape *s, const lw_curve *c)
 {
     s->item = c->tracer;
     s->panel = panel;
-    s->stroke = LW_INK_BLUE;
-    s->width = (c->shown_branch ? 2.6 : 1.6)*k->u;
+    s->stroke = c->outline ? LW_INK_FAINT : c->compared ? LW_INK_RED : LW_INK_BLUE;
+    s->width = (c->shown_branch && !c->compared ? 2.6 : 1.6)*k->u;
     s->dashed = !c->shown_branch;
 }
 
@@ -718,7 +720,7 @@ static void draw_curve(sketch *k, int panel, const lw_curve *c)
     const lw_box near = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
     lw_vec2 piece[PIECE];
     size_t n = 0, n_side = c->n < 2 ? 0 : c->n - (c->closed ? 0 : 1);
-    lw_role role = c->shown_branch ? LW_ROLE_CURVE : LW_ROLE_OTHER_CURVE;
+    lw_role role = c->shown_branch && !c->compared ? LW_ROLE_CURVE : LW_ROLE_OTHER_CURVE;
     for (size_t i = 0; i < n_side; i++) {
         lw_vec2 a = pixel_of(k, panel, c->p[i]), a0 = a;
         lw_vec2 b = pixel_of(k, panel, c->p[(i + 1) % c->n]);
@@ -740,9 +742,9 @@ static void draw_curve(sketch *k, int panel, const lw_curve *c)
 
 static void draw_curves(sketch *k, int panel)
 {
-    for (int shown = 0; shown < 2; shown++)
+    for (int layer = 0; layer < 3; layer++)              /* of another linkage, of other branches, of this motion */
         for (int i = 0; i < k->s->n_curve; i++)
-            if (k->s->curve[i].shown_branch == shown)
+            if (layer == (k->s->curve[i].compared ? 0 : 1 + k->s->curve[i].shown_branch))
                 draw_curve(k, panel, &k->s->curve[i]);
 }
 

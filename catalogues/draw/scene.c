@@ -53,6 +53,61 @@ void lw_scene_free(lw_scene *s)
     s->input = NULL;
 }
 
+static bool take_copy(lw_scene *s, lw_curve c)
+{
+    lw_vec2 *p = malloc((c.n + 1)*sizeof *p);
+    if (!p)
+        return false;
+    memcpy(p, c.p, c.n*sizeof *p);
+    c.p = p;
+    c.tracer = -1;
+    c.compared = c.shown_branch = true;
+    s->curve[s->n_curve++] = c;
+    return true;
+}
+
+/* The line through the joints and tracers of a link, around their middle. */
+static size_t outline_of(const lw_linkage *linkage, int link, lw_vec2 p[LW_JOINT_MAX + LW_TRACER_MAX])
+{
+    double angle[LW_JOINT_MAX + LW_TRACER_MAX];
+    lw_vec2 middle = { 0, 0 };
+    size_t n = 0;
+    for (int j = 0; j < linkage->n_joint; j++)
+        if ((linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link)
+            && lw_joint_has_position(linkage->joint[j].kind))
+            p[n++] = linkage->joint[j].at;
+    for (int i = 0; i < linkage->n_tracer; i++)
+        if (linkage->tracer[i].link == link)
+            p[n++] = linkage->tracer[i].at;
+    for (size_t i = 0; i < n; i++)
+        middle = lw_v2_add(middle, lw_v2_scale(p[i], 1.0/(double)n));
+    for (size_t i = 0; i < n; i++) {
+        angle[i] = atan2(p[i].y - middle.y, p[i].x - middle.x);
+        for (size_t k = i; k > 0 && angle[k] < angle[k - 1]; k--) {
+            double a = angle[k];
+            lw_vec2 q = p[k];
+            angle[k] = angle[k - 1], p[k] = p[k - 1];
+            angle[k - 1] = a, p[k - 1] = q;
+        }
+    }
+    return n;
+}
+
+lw_status lw_scene_compare(lw_scene *s, const lw_scene *other, lw_error *e)
+{
+    lw_vec2 p[LW_JOINT_MAX + LW_TRACER_MAX];
+    bool good = true;
+    for (int link = 0; link < other->linkage.n_link && good && s->n_curve < LW_CURVE_MAX; link++) {
+        size_t n = link == other->linkage.ground ? 0 : outline_of(&other->linkage, link, p);
+        if (n > 1)
+            good = take_copy(s, (lw_curve){ .outline = true, .closed = n > 2, .n = n, .p = p });
+    }
+    for (int i = 0; i < other->n_curve && good && s->n_curve < LW_CURVE_MAX; i++)
+        if (other->curve[i].shown_branch && !other->curve[i].compared)
+            good = take_copy(s, other->curve[i]);
+    return good ? LW_OK : lw_error_set(e, LW_E_MEMORY, "not enough memory for the picture");
+}
+
 lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p)
 {
     const lw_place *a = &s->place[frame*(size_t)s->linkage.n_link + (size_t)link];

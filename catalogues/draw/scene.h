@@ -29,6 +29,8 @@ typedef struct lw_curve {
     int      tracer;
     bool     shown_branch;        /* false: of another circuit or assembly mode, or outside the range
                                    * of the input that the linkage asks for (drawn dashed)           */
+    bool     compared;                       /* of the linkage that this one is compared with        */
+    bool     outline;                        /* of a link of that linkage, in its pose               */
     bool     closed;              /* the last point is followed by the first                         */
     size_t   n;
     lw_vec2 *p;                   /* [m]; a point that is not finite interrupts the line    (n)      */
@@ -80,6 +82,10 @@ lw_scene_options lw_scene_options_default(void);
 lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e);
 void      lw_scene_free(lw_scene *s);
+
+/* Show another linkage in the same picture: the curves of its tracers and the outlines of its links, in the pose of its
+ * file.  Curves beyond LW_CURVE_MAX are left out.  LW_E_MEMORY. */
+lw_status lw_scene_compare(lw_scene *s, const lw_scene *other, lw_error *e);
 
 /* Dimension i for display: in the linkage's units, and 0 when it is rounding noise (below 1e-9 of the linkage's size,
  * or 1e-12 rad). */

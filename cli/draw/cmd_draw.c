@@ -62,6 +62,26 @@ static lw_status choose_kind(const cli_call *call, lw_draw_kind *kind, lw_error 
     return LW_OK;
 }
 
+/* The linkage of the second file, in the same picture. */
+static lw_status compare(const cli_call *call, lw_scene *scene, lw_error *e)
+{
+    lw_scene_options o = lw_scene_options_default();
+    lw_scene *other = calloc(1, sizeof *other);
+    lw_model *m = other ? cli_read_model(call->parsed.word[1], 0, e) : NULL;
+    const lw_linkage *k;
+    lw_status st = !other ? lw_error_set(e, LW_E_MEMORY, "out of memory") : m ? lw_model_small(m, &k, e) : e->status;
+    o.model = m;
+    if (st == LW_OK)
+        st = lw_scene_make(k, NULL, &o, other, e);
+    if (st == LW_OK)
+        st = lw_scene_compare(scene, other, e);
+    if (other)
+        lw_scene_free(other);
+    free(other);
+    cli_free_model(m);
+    return st;
+}
+
 static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_target *t,
                               lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
 {
@@ -81,6 +101,8 @@ static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_
         st = lw_scene_make(k, t, &o, scene, e);
     if (st == LW_OK && scene->note[0])
         cli_note(call, "%s", scene->note);
+    if (st == LW_OK && call->parsed.n_word > 1)
+        st = compare(call, scene, e);
     if (st == LW_OK)
         st = lw_draw_bytes(scene, kind, s->size[0], s->size[1], bytes, e);
     lw_scene_free(scene);
@@ -116,6 +138,8 @@ static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, 
         if (cli_given(&call->parsed, *name))
             st = lw_error_set(e, LW_E_ARG, "--%s is for %s models, and this one is %s", *name,
                               spatial ? "planar" : "spatial", spatial ? "spatial" : "planar");
+    if (spatial && call->parsed.n_word > 1 && st == LW_OK)
+        st = lw_error_set(e, LW_E_ARG, "two planar linkages can be compared, and this model is spatial");
     if (spatial) {
         st = st != LW_OK ? st : draw_spatial(call, spatial, kind, bytes, e);
         cli_free_spatial(spatial);
@@ -189,12 +213,14 @@ static int run(const cli_call *call)
     if (wrong)
         return cli_usage(call, "--%s is for %s, and this %s", wrong, chains ? "linkages" : "chains and mechanisms",
                          chains ? "draws chains" : "is a linkage");
+    if (call->parsed.n_word > 1 && chains)
+        return cli_usage(call, "two files are compared if they are linkages, and '%s' holds chains", file);
     return chains ? cli_draw_chains(call, file, kind) : draw_linkage(call, kind);
 }
 
 const cli_command cli_draw_command = {
     .name = "draw",
-    .words = "[FILE]",
+    .words = "[FILE [SECOND]]",
     .title = "picture of a linkage (SVG, PDF, PNG, GIF, HTML); sheets of chains and mechanisms (SVG, PDF, PNG)",
     .examples =
         "  linkwright draw examples/hoeken.json -o hoeken.svg             a picture\n"
@@ -203,6 +229,7 @@ const cli_command cli_draw_command = {
         "  linkwright draw examples/space/delta.json -o delta.html        in space: a page that turns by mouse\n"
         "  linkwright draw examples/space/bricard.json --azimuth 60 -o bricard.svg\n"
         "  linkwright draw best.json -t examples/ellipse.csv -o best.png  with the points it was made for\n"
+        "  linkwright draw examples/hoeken.json examples/chebyshev.json -o two.svg   two linkages in one picture\n"
         "  linkwright draw fits.json --result 2 -o second.pdf             the second best of a fit\n"
         "  linkwright chains --links 10 | linkwright draw -o ten.pdf      230 chains on five pages\n"
         "  linkwright draw --format g6 < chains.g6 > sheet.svg            chains of any notation, one page\n"
@@ -213,6 +240,7 @@ const cli_command cli_draw_command = {
         "linkage is drawn in the pose of its file, with the curves of its tracers and labels at joints and lengths.\n"
         "A model in space is drawn in parallel projection, what is nearer over what is farther; .html is a page in which it\n"
         "moves and is turned by mouse, finger or keys.\n"
+        "SECOND is a linkage to compare it with, drawn thin with its curves in red.\n"
         "An animation moves the first input until the motion closes. If several inputs have motions or ranges, they\n"
         "move together.\n"
         "FILE can also hold chains or mechanisms in any notation; without FILE they are read from standard input.\n"
@@ -222,7 +250,7 @@ const cli_command cli_draw_command = {
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,
-    .most_words = 1,
+    .most_words = 2,
     .run = run,
     .reads = CLI_LINKAGE | CLI_RESULTS | CLI_TOPOLOGIES,
 };
