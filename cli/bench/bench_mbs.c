@@ -83,14 +83,26 @@ const cli_mbs_problem cli_mbs_problems[] = {
       pendulum_error, 0 },
     { "two-four-bars", "N-four-bar, N = 2 (A02), 10 s through ten singular postures", "place of B0 [m], any 0.1 s",
       "two-four-bars", 10, 12, four_bars_error, 0 },
-    { "row-of-15", "N-four-bar, N = 15: 31 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-15-four-bars", 10, 12,
+    { "row-of-15", "N-four-bar, N = 15: 31 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-15-four-bars",
+      10, 12,
       four_bars_error, 15 },
-    { "row-of-40", "N-four-bar, N = 40: 81 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-40-four-bars", 10, 10,
+    { "row-of-40", "N-four-bar, N = 40: 81 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-40-four-bars",
+      10, 10,
       four_bars_error, 40 },
-    { "row-of-400", "N-four-bar, N = 400: 801 moving links, 10 s", "place of B0 [m], any 0.1 s", "row-of-400-four-bars", 10, 8,
+    { "row-of-400", "N-four-bar, N = 400: 801 moving links, 10 s", "place of B0 [m], any 0.1 s",
+      "row-of-400-four-bars", 10, 8,
       four_bars_error, 400 },
     { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], any ms", "andrews", 0.03, 12, andrews_error, 0 },
-    { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL, 0 },
+    { "space-slider-crank", "spatial slider-crank (IFToMM), 1 s", "place of the slider [m], any 0.05 s", NULL, 1, 12,
+      NULL, 0 },
+    { "space-bricard", "Bricard's six-bar (A04), 10 s", "place of P3 [m], any 0.5 s", NULL, 10, 12, NULL, 0 },
+    { "space-governor", "flyball governor (A05), stiff dampers, 1 s", "place of the slider [m], any 0.05 s", NULL, 1,
+      10, NULL,
+      0 },
+    { "space-chain", "chain of 100 bars in space, 0.2 s", "place of its end [m], any 0.01 s", NULL, 0.2, 12, NULL,
+      100 },
+    { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL,
+      0 },
     { clearance, "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13,
       NULL, 0 },
     { chaotic, "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, 13, NULL, 0 },
@@ -164,11 +176,14 @@ static lw_status make_row(int n, lw_model *m, lw_error *e)
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    fputs("{\"linkwright\": 1, \"gravity\": [0, -9.81], \"input\": {\"joint\": \"A0\", \"speed\": -1},\n\"links\": [\"ground\"", f);
+    fputs("{\"linkwright\": 1, \"gravity\": [0, -9.81], \"input\": {\"joint\": \"A0\", \"speed\": -1},\n\"links\": "
+          "[\"ground\"", f);
     for (int i = 0; i <= n; i++)
-        fprintf(f, ",\n{\"name\": \"c%d\", \"mass\": 1, \"centre\": [%d, 0.5], \"inertia\": 0.083333333333333329}", i, i);
+        fprintf(f, ",\n{\"name\": \"c%d\", \"mass\": 1, \"centre\": [%d, 0.5], \"inertia\": 0.083333333333333329}", i,
+                i);
     for (int i = 0; i < n; i++)
-        fprintf(f, ",\n{\"name\": \"r%d\", \"mass\": 1, \"centre\": [%.1f, 1], \"inertia\": 0.083333333333333329}", i, i + 0.5);
+        fprintf(f, ",\n{\"name\": \"r%d\", \"mass\": 1, \"centre\": [%.1f, 1], \"inertia\": 0.083333333333333329}", i,
+                i + 0.5);
     fputs("],\n\"joints\": [{\"name\": \"A0\", \"links\": [\"ground\", \"c0\"], \"at\": [0, 0]}", f);
     for (int i = 1; i <= n; i++)
         fprintf(f, ",\n{\"name\": \"A%d\", \"links\": [\"ground\", \"c%d\"], \"at\": [%d, 0]},\n"
@@ -178,7 +193,8 @@ static lw_status make_row(int n, lw_model *m, lw_error *e)
     fputs("]}\n", f);
     bool bad = ferror(f) != 0;
     bad = fclose(f) != 0 || bad;
-    lw_status st = bad ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_model_read(text, size, "row of four-bars", m, e);
+    lw_status st = bad ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_model_read(text, size, "row of four-bars",
+                                                                                       m, e);
     free(text);
     return st;
 }
@@ -453,8 +469,9 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
         if (i == n)
             return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word,
                                 near ? "did you mean '" : "there are "
-                                "pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, flexible-crank, clearance, "
-                                "clearance-250",
+                                "pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, "
+                                "space-slider-crank, "
+                                "space-bricard, space-governor, space-chain, flexible-crank, clearance, clearance-250",
                                 near ? near : "",
                                 near ? "'?" : "");
         *wanted |= 1ull << i;
@@ -471,7 +488,8 @@ lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_erro
         if (!(b->wanted >> i & 1))
             continue;
         cli_progress_show(&line, i, 6, p->name);
-        st = p->file ? run_model(b, p, e) : p->name == flexible ? run_flexible(b, p, e) : run_clearance(b, p, e);
+        st = p->file ? run_model(b, p, e) : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
+           : p->name == flexible ? run_flexible(b, p, e) : run_clearance(b, p, e);
     }
     cli_progress_end(&line);
     if (st == LW_OK && folder)

@@ -65,6 +65,9 @@ lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
 lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
                         lw_error *e);
 
+/* Add the rows of a problem in space; n_loop > 0: a chain of so many bars instead of a model of the data. */
+lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e);
+
 /* Run the whole benchmark. folder NULL: write no files. cases NULL: all problems. LW_E_ARG: unknown problem in
  * `cases`. */
 lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e);

@@ -42,7 +42,8 @@ static const cli_option options[] = {
       "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target",
       0, 0, NULL, NULL },
     { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
-      "mbs: pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, flexible-crank, clearance, clearance-250; "
+      "mbs: pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, space-slider-crank, "
+      "space-bricard, space-governor, space-chain, flexible-crank, clearance, clearance-250; "
       "without it all",
       0, 0, NULL, NULL },
     { "tolerance-range", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",

@@ -27,7 +27,7 @@ struct lw_space_run {
     lw_space_moment_sink *sink;
     void   *context;
     lw_error *e;
-    double energy0, potential0, energy_off;
+    double energy0, potential0, energy_off, energy_least;
     int    next;
     long   n_busy;
 };
@@ -550,7 +550,7 @@ static lw_status show(lw_space_run *r, double t, double *y)
  * run. */
 static lw_status watch(lw_space_run *r, double t, const double *y)
 {
-    static const double jump = 1e-5, jump_share = 1e5;   /* of the greatest energy; the same over the tolerance */
+    static const double jump = 1e-4, jump_share = 1e6;   /* of the greatest energy; the same over the tolerance */
     int q = r->s.n_q, n = q + r->s.n_v;
     lw_space_place(&r->s, y, r->z.frame);
     double kinetic = lw_space_kinetic(&r->s, y + q), potential = lw_space_potential(&r->f, r->z.frame);
@@ -560,7 +560,13 @@ static lw_status watch(lw_space_run *r, double t, const double *y)
     r->energy_off = off;
     r->r.energy_error = fmax(r->r.energy_error, fabs(off));
     r->r.energy_scale = fmax(r->r.energy_scale, fmax(kinetic, fabs(potential - r->potential0)));
-    if (fabs(off - before) <= (jump + jump_share*r->o.relative)*r->r.energy_scale)
+    if (r->r.samples == 0) {                 /* at rest: what forces do over the size */
+        memset(r->small, 0, (size_t)r->s.n_v*sizeof *r->small);
+        lw_space_forces_apply(&r->f, t, r->z.frame, y + q, r->small, NULL);
+        for (int i = 0; i < r->s.n_v; i++)
+            r->energy_least += fabs(r->small[i])*(i%6 < 3 ? r->s.unit : 1);
+    }
+    if (fabs(off - before) <= (jump + jump_share*r->o.relative)*fmax(r->r.energy_scale, r->energy_least))
         return LW_OK;
     return lw_error_set(r->e, LW_E_NUMERIC, "at t = %.9g s the energy changes by %.3g of %.3g J in one step: the "
                                             "model passes "

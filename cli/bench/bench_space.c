@@ -1,0 +1,139 @@
+/* Problems of `linkwright bench mbs` in space: one row for each formulation and tolerance.  Reference: order 8 at
+ * 1e-14. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/real.h"
+#include "cli/bench/bench_mbs.h"
+#include "cli/program/data.h"
+#include "mbs/space/space_run.h"
+
+enum { REPEAT_MAX = 50, MOMENTS = 20 };
+
+static const double give_up = 20;             /* [s] for one run */
+
+/* A chain of n bars of 0.1 m and 0.1 kg, the first hinged to the ground, level at the start; hinges across it in turn
+ * along y and z. */
+static lw_status make_chain(int n, lw_spatial *m, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    fputs("{\"linkwright\": 1, \"gravity\": [0, 0, -9.81],\n\"links\": [\"b0\"", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, ",\n{\"name\": \"b%d\", \"mass\": 0.1, \"centre\": [%.17g, 0, 0], \"inertia\": [2e-6, 1e-4, 1e-4]}",
+                i, 0.1*i - 0.05);
+    fputs("],\n\"ground\": \"b0\", \"joints\": [", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, "%s\n{\"name\": \"J%d\", \"links\": [\"b%d\", \"b%d\"], \"at\": [%.17g, 0, 0], \"axis\": [0, %d, "
+                   "%d]}", i > 1 ? "," : "",
+                i, i - 1, i, 0.1*(i - 1), i%2, 1 - i%2);
+    fprintf(f, "],\n\"tracers\": [{\"name\": \"P\", \"link\": \"b%d\", \"at\": [%.17g, 0, 0]}]}\n", n, 0.1*n);
+    bool bad = ferror(f) != 0;
+    bad = fclose(f) != 0 || bad;
+    lw_status st = bad ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_spatial_read(text, size, "chain", m, e);
+    free(text);
+    return st;
+}
+
+static lw_status read_model(const char *name, lw_spatial *m, lw_error *e)
+{
+    char file[128], path[CLI_PATH_SIZE], *text = NULL;
+    size_t size;
+    snprintf(file, sizeof file, "mbs/%s.json", name);
+    cli_data_path(file, path, sizeof path);
+    lw_status st = lw_file_read(path, &text, &size, e);
+    if (st == LW_OK)
+        st = lw_spatial_read(text, size, path, m, e);
+    free(text);
+    return st;
+}
+
+typedef struct places { const lw_space *s; int n; lw_vec3 at[MOMENTS + 1]; } places;
+
+static lw_status keep(void *context, const lw_space_moment *m)
+{
+    places *p = context;
+    if (p->s)
+        p->at[p->n++] = lw_space_point_at(m->frame, p->s->tracer[0]);
+    return LW_OK;
+}
+
+static lw_status run_once(const lw_spatial *m, const lw_space_options *o, places *p, cli_mbs_row *row, lw_error *e)
+{
+    lw_space_run *r;
+    double start = lw_clock_cpu();
+    lw_status st = lw_space_run_make(m, o, &r, e);
+    double made = lw_clock_cpu();
+    if (st != LW_OK)
+        return st;
+    p->s = row ? NULL : lw_space_run_space(r);
+    p->n = 0;
+    st = lw_space_run_go(r, keep, p, e);
+    if (row) {
+        const lw_space_report *q = lw_space_run_report(r);
+        row->make = fmin(row->make, made - start);
+        row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
+        row->energy = q->energy_error/q->energy_scale;
+        row->steps = q->steps;
+        row->rates = q->rates;
+    }
+    lw_space_run_free(r);
+    return st;
+}
+
+static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, lw_space_formulation f,
+                         double tolerance,
+                         const places *exact, bool *slow)
+{
+    cli_mbs_row *row = cli_mbs_add(b, p->name, lw_space_formulation_name(f), tolerance);
+    lw_error e = { 0 };
+    places got;
+    if (!row)
+        return LW_E_MEMORY;
+    lw_space_options o = { .formulation = f, .to = p->to, .intervals = MOMENTS, .relative = tolerance, .stop =
+                           cli_stop_flag(),
+                           .until = lw_clock_wall() + give_up };
+    lw_status st = run_once(m, &o, &got, NULL, &e);
+    if (st == LW_OK) {
+        row->error = 0;
+        for (int i = 0; i <= MOMENTS; i++)
+            row->error = fmax(row->error, lw_v3_norm(lw_v3_sub(got.at[i], exact->at[i])));
+    }
+    o.intervals = 1;
+    double until = lw_clock_wall() + b->time;
+    for (int i = 0; i < REPEAT_MAX && st == LW_OK && (i == 0 || lw_clock_wall() < until) && !cli_interrupted(); i++)
+        st = run_once(m, &o, &got, row, &e);
+    if (st != LW_OK) {
+        row->error = row->energy = NAN;
+        snprintf(row->note, sizeof row->note, "%.150s", e.text);
+        row->note[strcspn(row->note, "\n")] = 0;
+    }
+    *slow = st != LW_OK || row->seconds > CLI_MBS_TOO_SLOW;
+    return LW_OK;
+}
+
+lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
+{
+    static const lw_space_formulation every[] = { LW_SPACE_INDEX1, LW_SPACE_CVODE };
+    lw_spatial m;
+    places exact;
+    lw_status st = p->n_loop > 0 ? make_chain(p->n_loop, &m, e) : read_model(p->name, &m, e);
+    if (st != LW_OK)
+        return st;
+    lw_space_options o = { .formulation = LW_SPACE_INDEX1, .to = p->to, .intervals = MOMENTS, .relative = p->n_loop ?
+                           1e-13 : 1e-14,
+                           .stop = cli_stop_flag() };
+    st = run_once(&m, &o, &exact, NULL, e);
+    for (int f = 0; f < 2 && st == LW_OK; f++) {
+        bool slow = false;
+        for (int k = b->loosest; k <= b->tightest && k <= p->implicit && !slow && st == LW_OK
+             && !cli_interrupted(); k++)
+            st = one_row(b, p, &m, every[f], pow(10, -k), &exact, &slow);
+    }
+    lw_spatial_free(&m);
+    return st;
+}
