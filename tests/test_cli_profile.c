@@ -48,6 +48,16 @@ static void tables_and_pictures(void)
     ran_free(&r);
 }
 
+static void cycles(void)
+{
+    expect("$P profile examples/cycles/gantry.json", 0, " 2.418536337\nwanted", NULL);
+    expect("$P profile examples/cycles/gantry.json --json", 0, "\"kept\": true", NULL);
+    expect("sed 's/2.5/2.4/' examples/cycles/gantry.json > $D/late.json; $P profile $D/late.json", 1, "NOT kept", "more than wanted");
+    expect("$P profile examples/cycles/blended.json -n 10 -p $D/cycle.svg", 0, "t,y,y.v,y.a,y.j,z,z.v,z.a,z.j,payload\n0,0,0,0,0,0,", NULL);
+    expect("$P profile examples/cycles/gantry.json --speed-limit 3", 2, NULL, "--speed-limit is for a single motion");
+    expect("$P profile examples/loader.json", 3, NULL, "examples/loader.json:2:3: linkwright: this key is not known");
+}
+
 static void wrong_use(void)
 {
     expect("$P profile 1" LIMITS "--speed-limit 3 --duration 0.3", 1, NULL,
@@ -71,6 +81,7 @@ int main(void)
 {
     RUN(known_motions);
     RUN(tables_and_pictures);
+    RUN(cycles);
     RUN(wrong_use);
     return check_end();
 }

@@ -54,6 +54,7 @@ static const row rows[] = {
     { "drive select examples/drives/lifting-arm.json --to 2.5 -n 100 --motors examples/drives/motors.csv --gears examples/drives/gears.csv",
       NULL, "examples/drives/motors.csv", false },
     { "drive radius examples/drives/motors.csv --mass 20 --way 1", NULL, "examples/drives/motors.csv", false },
+    { "profile examples/cycles/gantry.json", NULL, "examples/cycles/gantry.json", false },
     { "drive load examples/drives/lifting-arm.json -n 8", NULL, "examples/drives/lifting-arm.json", false },
     { "trace examples/jansen.json -n 8", "trace examples/jansen.json -n 1e7", "examples/jansen.json", false },
     { "mobility examples/jansen.json", NULL, "examples/jansen.json", false },

@@ -6,6 +6,7 @@
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
 #include "cli/program/json.h"
+#include "cli/motion/profile_cycle.h"
 #include "cli/program/output.h"
 #include "grammar/motion_law.h"
 #include "grammar/profile.h"
@@ -341,9 +342,18 @@ static int run(const cli_call *call)
 {
     const settings *o = call->settings;
     static const cli_option row = { .kind = CLI_REAL };
+    static const char *const others[] = { "from-state", "to-state", "speed-limit", "acceleration-limit", "jerk-limit", "law",
+                                          "duration", "frequency", "swing", "power", "mass" };
     motion m = { 0 };
     lw_output out;
     lw_error e = { 0 };
+    size_t length = strlen(call->parsed.word[0]);
+    if (length > 5 && strcmp(call->parsed.word[0] + length - 5, ".json") == 0) {
+        for (size_t i = 0; i < sizeof others/sizeof *others; i++)
+            if (cli_given(&call->parsed, others[i]))
+                return cli_usage(call, "--%s is for a single motion; the file of a cycle has its own limits", others[i]);
+        return cli_profile_cycle(call, o->rows, o->plot);
+    }
     lw_status s = cli_value(&row, "WAY", call->parsed.word[0], &m.way, &e);
     if (s != LW_OK)
         return cli_usage(call, "%s", e.text);
@@ -370,7 +380,7 @@ static int run(const cli_call *call)
 
 const cli_command cli_profile_command = {
     .name = "profile",
-    .words = "WAY",
+    .words = "WAY or CYCLE.json",
     .title = "motion of an axis: least time under limits of speed, acceleration and jerk, or a law",
     .examples =
         "  linkwright profile 0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400          # metres, or any "
@@ -380,7 +390,8 @@ const cli_command cli_profile_command = {
         "  linkwright profile 90 --law modified-sine --duration 0.5 -n 100 -o cam.csv  # degrees in half a second\n"
         "  linkwright profile 1 --acceleration-limit 20 --jerk-limit 400 --frequency 20 -p move.svg # no swing of 20 "
             "Hz "
-            "afterwards\n",
+            "afterwards\n"
+        "  linkwright profile examples/cycles/gantry.json                        # a work cycle: phase times of its moves\n",
     .about =
         "Prints the duration, the extremes of speed, acceleration and jerk, and the phases of constant jerk of a "
             "motion over\n"
@@ -391,7 +402,11 @@ const cli_command cli_profile_command = {
         "or jerk must have one. With --duration it takes just that time, as smoothly as a mixture of the two extreme\n"
         "motions does. With -n it prints a table, with --plot it draws the motion, with --json it prints everything.\n"
         "Exit code 1: no motion within the limits takes the duration; the message names the next one that is "
-            "possible.\n",
+            "possible.\n"
+        "\n"
+        "A file with a work cycle (docs/profile.md, \"Work cycles\") is a list of moves of several axes with payloads, rests,\n"
+        "overlaps and passing speeds. It prints when each move begins and how long it takes; exit code 1: the cycle takes\n"
+        "longer than the file wants.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,
