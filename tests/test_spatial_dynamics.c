@@ -509,6 +509,31 @@ static void a_weight_comes_to_rest(void)
     lw_spatial_free(&m);
 }
 
+/* More drives than freedoms: their torques are not unique, and none are given. */
+static void refuses_drives_that_share(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
+                               "\"centre\": [0, 0.5, 0]}, "
+        "{\"name\": \"b\", \"mass\": 1, \"centre\": [0.6, 1.1, 0]}, {\"name\": \"c\", \"mass\": 1, \"centre\": [1.1, "
+        "0.6, 0]}], "
+        "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, "
+        "{\"name\": \"B\", "
+        "\"links\": [\"a\", \"b\"], \"at\": [0, 1, 0], \"axis\": [0, 0, 1]}, {\"name\": \"C\", \"links\": [\"b\", "
+        "\"c\"], \"at\": "
+        "[1.2, 1.2, 0], \"axis\": [0, 0, 1]}, {\"name\": \"D\", \"links\": [\"ground\", \"c\"], \"at\": [1, 0, 0], "
+        "\"axis\": "
+        "[0, 0, 1]}], \"input\": {\"joint\": \"A\", \"motion\": \"0.1*t\"}, \"drives\": [{\"joint\": \"A\"}, "
+        "{\"joint\": \"D\"}]}";
+    lw_spatial m;
+    lw_space_run *r;
+    lw_error e = { 0 };
+    lw_space_options o = lw_space_options_default();
+    read_spatial(text, strlen(text), "drives", &m);
+    CHECK_INT(lw_space_run_make(&m, &o, &r, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "more drives than freedoms");
+    lw_spatial_free(&m);
+}
+
 static void refuses_what_it_cannot(void)
 {
     static const struct { const char *link, *joint, *more, *says; } bad[] = {
@@ -558,6 +583,7 @@ int main(void)
     RUN(spins_of_bars);
     RUN(turns_are_counted);
     RUN(a_weight_comes_to_rest);
+    RUN(refuses_drives_that_share);
     RUN(refuses_what_it_cannot);
     return check_end();
 }

@@ -195,7 +195,7 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
         t.from = o->input_range[0]*input_unit(m, 0), t.to = o->input_range[1]*input_unit(m, 0);
     if (o->time_range) {
         t.from = o->time_range[0], t.to = o->time_range[1];
-        t.intervals = (int)lrint((t.to - t.from)/o->time_range[2]);
+        t.intervals = (int)floor((t.to - t.from)/o->time_range[2] + 1e-9);
         t.intervals = t.intervals > 0 ? t.intervals : 1;
         t.to = t.from + t.intervals*o->time_range[2];
     }

@@ -190,6 +190,13 @@ static lw_status make_rows(lw_space_run *r, lw_error *e)
             x[r->n_idle + i] = (lw_space_extra){ .measure = m->drive[i] };
         r->has_drives = true;
         st = lw_space_rows_make(&r->s, x, r->n_idle + m->n_drive, metric, r->s.start, &r->drives, e);
+        int independent = r->s.n_v - r->r.freedom;
+        if (st == LW_OK && r->freedom == 0 && r->drives.n_kept < independent + m->n_drive)
+            st = lw_error_set(e, LW_E_ARG, "%d drives carry only %d forces in the posture of the file: there are "
+                                           "more drives than "
+                              "freedoms, so that their forces are not unique, or the posture is singular for them",
+                                  m->n_drive,
+                              r->drives.n_kept - independent);
     }
     free(x), free(weight), free(metric);
     return st;
