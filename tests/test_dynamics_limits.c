@@ -239,6 +239,22 @@ static void end_of_the_way(void)
     lw_model_free(&d.model);
 }
 
+/* Conservative examples for 20 s; for 1000 s: tests/bench/bench_energy.c. */
+static void energy_of_examples(void)
+{
+    static const char *const files[] = { "examples/pendulum.json", "examples/two-four-bars.json", "examples/dynamics/trebuchet.json",
+                                         "examples/dynamics/rolling-wheel.json", "examples/dynamics/governor.json",
+                                         "examples/dynamics/falling-ladder.json" };
+    for (int i = 0; i < 6; i++)
+        for (int f = 0; f < 2; f++) {
+            drun_read(&d, files[i]);
+            CHECK_INT(drun_to(&d, f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-10, 20, 100), LW_OK);
+            CHECK(d.report.energy_error < 1e-11*d.report.energy_scale);
+            CHECK(d.report.energy_held < 1e-7*d.report.energy_scale);
+            lw_model_free(&d.model);
+        }
+}
+
 int main(void)
 {
     RUN(heavy_last);
@@ -246,6 +262,7 @@ int main(void)
     RUN(massless_between_springs);
     RUN(massless_loop);
     RUN(a_million_periods);
+    RUN(energy_of_examples);
     RUN(periods_of_a_four_bar);
     RUN(dead_point);
     RUN(equal_crank_and_rod);

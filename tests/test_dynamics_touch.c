@@ -392,6 +392,82 @@ static void falling_chain(int n, const char *law, double to)
     free(text);
 }
 
+/* ---- random scenes ------------------------------------------------------------------------------------------ */
+
+static lw_rng scene;
+
+static double draw(double lo, double hi) { return lw_rng_range(&scene, lo, hi); }
+
+/* A disc, a bar, a box or a triangle about (x, y). */
+static int put_shape(char *to, size_t size, double x, double y)
+{
+    int kind = (int)draw(0, 4), n = 0;
+    double a = draw(0, 6.28), corner[4][2], w = draw(0.1, 0.2), h = draw(0.1, 0.2);
+    if (kind == 0)
+        return snprintf(to, size, "{'circle': [%.9g, %.9g], 'radius': 0.15}", x, y);
+    if (kind == 1)
+        return snprintf(to, size, "{'segment': [[%.9g, %.9g], [%.9g, %.9g]], 'radius': 0.03}", x - 0.2*cos(a), y - 0.2*sin(a),
+                        x + 0.2*cos(a), y + 0.2*sin(a));
+    int corners = kind + 1 == 3 ? 3 : 4;
+    for (int k = 0; k < corners; k++) {
+        double u = corners == 4 ? (k == 0 || k == 3 ? -w : w) : 0.2*cos(2.1*k), v = corners == 4 ? (k < 2 ? -h : h) : 0.2*sin(2.1*k);
+        corner[k][0] = x + u*cos(a) - v*sin(a);
+        corner[k][1] = y + u*sin(a) + v*cos(a);
+    }
+    n += snprintf(to, size, "{'polygon': [");
+    for (int k = 0; k < corners; k++)
+        n += snprintf(to + n, size - (size_t)n, "%s[%.9g, %.9g]", k ? ", " : "", corner[k][0], corner[k][1]);
+    return n + snprintf(to + n, size - (size_t)n, "]}");
+}
+
+/* Bodies thrown into a box, with any friction and restitution: the run ends, nothing is left out of the energy, no
+ * energy comes from contact, and nothing leaves the box. */
+static void random_scenes(void)
+{
+    static char text[8000];
+    lw_rng_seed(&scene, check_seed(), 3);
+    for (int trial = 0; trial < 10; trial++) {
+        int n = 1 + (int)draw(0, 3);
+        size_t used = 0;
+        double mu = draw(0, 0.7), e = draw(0, 1) < 0.5 ? 0 : draw(0, 0.9);
+        used += (size_t)snprintf(text, sizeof text, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': "
+                                 "[{'polygon': [[-2, -1], [2, -1], [2, 3], [1.5, 3], [1.5, 0], [-1.5, 0], [-1.5, 3], [-2, 3]]}]}");
+        for (int i = 0; i < n; i++) {
+            double x = draw(-1, 1), y = 0.6 + 0.5*i;
+            used += (size_t)snprintf(text + used, sizeof text - used, ", {'name': 'b%d', 'mass': 1, 'centre': [%.9g, %.9g], 'inertia': 0.01, "
+                                     "'velocity': [%.9g, %.9g], 'omega': %.9g, 'shapes': [", i, x, y, draw(-1, 1), draw(-1, 1), draw(-3, 3));
+            used += (size_t)put_shape(text + used, sizeof text - used, x, y);
+            used += (size_t)snprintf(text + used, sizeof text - used, "]}");
+        }
+        used += (size_t)snprintf(text + used, sizeof text - used, "], 'joints': [");
+        for (int i = 0; i < n; i++)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s{'name': 'F%d', 'kind': 'n', 'links': ['ground', 'b%d']}",
+                                     i ? ", " : "", i, i);
+        used += (size_t)snprintf(text + used, sizeof text - used, "], 'contacts': [");
+        for (int i = 0; i < n; i++)
+            for (int j = -1; j < i; j++) {
+                char other[16] = "ground";
+                if (j >= 0)
+                    snprintf(other, sizeof other, "b%d", j);
+                used += (size_t)snprintf(text + used, sizeof text - used, "%s{'links': ['%s', 'b%d'], 'friction': %.9g, 'restitution': %.9g}",
+                                         i + j >= 0 ? ", " : "", other, i, mu, e);
+            }
+        snprintf(text + used, sizeof text - used, "]}");
+        for (char *c = text; *c; c++)
+            *c = *c == '\'' ? '"' : *c;
+        drun_read_text(&d, text);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1, 20), LW_OK);
+        if (d.status != LW_OK)
+            fprintf(stderr, "scene %d: %s\n", trial, d.e.text);
+        CHECK(d.report.energy_error < 1e-7*d.report.energy_scale);
+        for (int k = 1; k < d.n_moment; k++)
+            CHECK(d.energy[k] <= d.energy[k - 1] + 1e-7*d.report.energy_scale);
+        for (int b = 0; b < n; b++)
+            CHECK(fabs(state(d.q, 3*b)) < 1.5 && state(d.q, 3*b + 1) > 0.029);
+        lw_model_free(&d.model);
+    }
+}
+
 /* ---- refused ---------------------------------------------------------------------------------------------- */
 
 static void refused(void)
@@ -435,6 +511,7 @@ int main(void)
     RUN(hook_holds);
     RUN(walking_machine);
     RUN(falling_chains);
+    RUN(random_scenes);
     RUN(refused);
     lw_system_free(&d.system);
     return check_end();
