@@ -739,12 +739,12 @@ static lw_status read_parts(lw_master *m, const lw_template *list, lw_error *e)
 /* ---- views, configurations, checks ------------------------------------------------------------------ */
 
 /* Views that every master has, unless it says otherwise. */
-static const struct { const char *name, *omit[16]; } own_views[] = {
+static const struct { const char *name, *omit[20]; } own_views[] = {
     { "kinematic", { "mass", "centre", "inertia", "gravity", "springs", "dampers", "forces", "motors", "friction", "stop",
-                     "clearance", "beam", "controllers", "cylinders" } },
-    { "dynamic", { "clearance", "beam" } },
+                     "clearance", "elastic", "states", "controllers", "cylinders", "contacts", "ropes" } },
+    { "dynamic", { "clearance", "elastic" } },
     { "elastic", { "clearance" } },
-    { "clearance", { "beam" } },
+    { "clearance", { "elastic" } },
 };
 
 static bool omitted_by(const lw_setting *view, const char *key)
@@ -753,7 +753,7 @@ static bool omitted_by(const lw_setting *view, const char *key)
         if (strcmp(text_of(&view->omit->child[i]), key) == 0)
             return true;
     for (int i = 0; !view->omit && i < COUNT(own_views); i++)
-        for (int k = 0; strcmp(own_views[i].name, view->name) == 0 && k < 16 && own_views[i].omit[k]; k++)
+        for (int k = 0; strcmp(own_views[i].name, view->name) == 0 && k < 20 && own_views[i].omit[k]; k++)
             if (strcmp(own_views[i].omit[k], key) == 0)
                 return true;
     return false;

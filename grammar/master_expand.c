@@ -767,14 +767,17 @@ static lw_status put_elements(writer *w, const lw_template *t, list *l)
 
 static bool omits(const writer *w, const char *key) { return lw_master_omits(w->m, w->v->view, key); }
 
+/* An elastic link has no mass of its own: the mass in the master is that of the rigid link. */
+static bool is_rigid_only(const char *key) { return strcmp(key, "mass") == 0 || strcmp(key, "centre") == 0 || strcmp(key, "inertia") == 0; }
+
 static lw_status put_object(writer *w, const lw_template *t)
 {
-    bool any = false;
+    bool any = false, elastic = !omits(w, "elastic") && lw_template_member(t, "elastic");
     lw_status s = LW_OK;
     put_text(w, "{");
     for (int i = 0; s == LW_OK && i < t->n; i++) {
         const lw_template *c = &t->child[i];
-        if (c == t->when || c == t->repeat || omits(w, c->json.key))
+        if (c == t->when || c == t->repeat || omits(w, c->json.key) || (elastic && is_rigid_only(c->json.key)))
             continue;
         put_text(w, any ? ", " : "");
         any = true;

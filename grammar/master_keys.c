@@ -9,6 +9,7 @@
 
 static const lw_key keys[] = {           /* rows with a parent before those without */
     { "damping", "at", SI, { "Hz", "rad/s" } }, { "damping", "ratio", SI, { "1" } },
+    { "elastic", "axis", PLACE, { "m" } },
     { "cone", "angle", POSTURE, { "rad" } },
     { "frame", "x", LW_KEY_DIRECTION, false, { "1", "m" } }, { "frame", "y", LW_KEY_DIRECTION, false, { "1", "m" } },
     { "frame", "z", LW_KEY_DIRECTION, false, { "1", "m" } },
@@ -27,7 +28,7 @@ static const lw_key keys[] = {           /* rows with a parent before those with
     { NULL, "angular_velocity", LW_KEY_DIRECTION, false, { "rad/s" } },
     { NULL, "speed", SI, { "m/s", "rad/s" } }, { NULL, "friction_speed", SI, { "m/s" } },
     { NULL, "free_speed", SI, { "rad/s", "m/s" } }, { NULL, "stall", SI, { "N m", "N" } },
-    { NULL, "stiffness", SI, { "N/m", "N m/rad", "N/m^2" } }, { NULL, "damping", SI, { "N s/m", "N m s/rad" } },
+    { NULL, "stiffness", SI, { "N/m", "N m/rad", "N/m^2" } }, { NULL, "damping", SI, { "N s/m", "N m s/rad", "s" } },
     { NULL, "coefficient", SI, { "1" } }, { NULL, "restitution", SI, { "1" } }, { NULL, "exponent", SI, { "1" } },
     { NULL, "friction", SI, { "1", "N" } },
     { NULL, "bore", POSTURE, { "m" } }, { NULL, "rod", POSTURE, { "m" } }, { NULL, "retracted", POSTURE, { "m" } },

@@ -18,6 +18,10 @@ static void hand_written(void)
     expect("$P family expand tests/data/family/two-cylinders.json --view kinematic -o $D/made.json", 0, NULL, NULL);
     expect("for f in $D/made.json tests/data/family/hand.json; do $P trace $f --time-range 0:1:0.01 -q | grep -v '^#' > "
            "$D/$(basename $f).csv; done; wc -l < $D/made.json.csv && cmp $D/made.json.csv $D/hand.json.csv", 0, "10", NULL);
+    /* the rigid view of an elastic master: all columns of simulate */
+    expect("$P family expand examples/families/boom.json -o $D/boom.json && for f in $D/boom.json tests/data/family/boom-rigid.json; do $P "
+           "simulate $f --to 2 -n 50 -q | grep -v '^#' > $D/$(basename $f).csv; done; wc -l < $D/boom.json.csv && cmp $D/boom.json.csv "
+           "$D/boom-rigid.json.csv", 0, "52", NULL);
 }
 
 static void tables_and_checks(void)
@@ -28,6 +32,11 @@ static void tables_and_checks(void)
     CHECK_HAS(r.out, "the bucket stays above the ground   holds");
     ran_free(&r);
     expect("$P family table " LOADER " --json", 0, "\"unit\": \"kg/m^3\"", NULL);
+    expect("for f in delta gantry boom; do $P family check examples/families/$f.json || exit 9; done", 0,
+           "15 models, 0 failed\n3 configurations in 5 views: 15 models, 0 failed\n3 configurations", NULL);
+    expect("$P family expand examples/families/boom.json --view elastic -o $D/e.json && $P simulate $D/e.json --analysis linear --hold -q "
+           "| grep -c '^1,0,1,4.0'", 0, "1", NULL);        /* 4.04 Hz with a rigid cylinder, by an independent beam model */
+    expect("$P family expand examples/families/gantry.json -o $D/g.json && $P drive load $D/g.json --to 1.2", 0, "96.7136", NULL);
     expect("$P family check " LOADER, 0, "3 configurations in 5 views: 15 models, 0 failed", NULL);
     expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1, "the bucket stays above the ground (2.2 m against 2 m)", NULL);
     expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1, "15 models, 3 failed", NULL);
