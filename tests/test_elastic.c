@@ -555,7 +555,8 @@ static void tolerances(void)
     }
 }
 
-/* First-order states beside elastic links: an integral and a lag that drive the arm give the motion that IDA finds. */
+/* First-order states beside elastic links: an integral and a lag that drive the arm.  IDA takes them by itself; the explicit method gives the
+ * same motion. */
 static void states(void)
 {
     static record by[2];
@@ -563,20 +564,20 @@ static void states(void)
         lw_dynamics_report report;
         scene s;
         CHECK_INT(read_scene(&s, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'arm', 'elastic': {'section': {'shape': "
-                             "'tube', 'diameter': 0.04, 'wall': 0.002}, 'material': 'aluminium', 'segments': 5, 'damping': 1e-4}}, {'name': "
+                             "'tube', 'diameter': 0.04, 'wall': 0.002}, 'material': {'E': 7e8, 'nu': 0.3, 'density': 2700}, 'segments': 2, 'damping': 1e-6}}, {'name': "
                              "'load', 'mass': 1, 'centre': [1, 0], 'inertia': 0.002}], 'joints': [{'name': 'S', 'links': ['ground', 'arm'], "
                              "'at': [0, 0]}, {'name': 'T', 'kind': 'f', 'links': ['arm', 'load'], 'at': [1, 0]}], 'springs': [{'joint': 'S', "
                              "'stiffness': 2000, 'damping': 30}], 'states': [{'name': 'i', 'rate': 'q(S)'}, {'name': 'slow', 'rate': "
                              "'(v(S) - state(slow))/0.02'}], 'forces': [{'link': 'arm', 'at': [0, 0], 'torque': '-20000*state(i) - "
                              "20*state(slow)'}], 'tracers': [{'name': 'P', 'link': 'load', 'at': [1, 0]}]}"), LW_OK);
-        s.o.formulation = k ? LW_FORMULATION_GGL : LW_FORMULATION_AUTO;
-        CHECK_INT(run(&s, k ? 1e-10 : 1e-8, 1, 20, &by[k], &report), LW_OK);
-        CHECK(k || report.formulation == LW_FORMULATION_RADAU);
+        s.o.formulation = k ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO;
+        CHECK_INT(run(&s, k ? 1e-9 : 1e-8, 0.1, 20, &by[k], &report), LW_OK);
+        CHECK(k || report.formulation == LW_FORMULATION_GGL);
         close_scene(&s);
     }
     for (int i = 0; i < 21; i++)
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(by[0].p[i], by[1].p[i])), 0, 1e-7, 0);
-    CHECK(fabs(by[1].p[3].y) > 1e-3);
+    CHECK(fabs(by[1].p[20].y) > 1e-3);
 }
 
 /* ---- slider-crank with an elastic rod ---------------------------------------------------------------------------------- */

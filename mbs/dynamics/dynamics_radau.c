@@ -41,9 +41,6 @@ typedef struct stages {
     double *last, *last_l;                   /* those of the last step */
     double *vi, *ai, *r, *b, *pair_b, *qi, *e, *old;
     double  power[3];
-    int     n_z;                             /* first-order states: solved by repetition beside Newton's steps */
-    double *zn, *zi, *zr;                    /* (n_z) at t, (3 n_z) in the stages; (3 n_z) rates */
-    double  states_moved;                    /* by the last repetition, over their sizes */
     double  contraction;
     long    since;                           /* steps with the present history; 0: none */
 } stages;
@@ -96,11 +93,7 @@ static lw_status residuals(stages *g)
         lw_status s = lw_mbs_rows(d, t, g->qi);
         if (s != LW_OK)
             return s;
-        if (g->n_z)
-            d->eq.place_states(d->eq.context, g->zi + k*g->n_z);
         d->eq.forces(d->eq.context, t, g->qi, g->vi + k*n, d->force, &g->power[k]);
-        if (g->n_z && (s = lw_mbs_state_rates(d, t, g->qi, g->vi + k*n, g->zr + k*g->n_z)) != LW_OK)
-            return s;
         for (int i = 0; i < n; i++)
             r[i] = d->f.mass[i]*g->ai[k*n + i] - d->force[i];
         lw_tangent_push(d, g->zl + k*g->c, r);
@@ -118,24 +111,6 @@ static lw_status residuals(stages *g)
                 return LW_E_NUMERIC;
     }
     return LW_OK;
-}
-
-/* States of the stages from their rates: z = z(t) + h A z', A the inverse of W. */
-static void repeat_states(stages *g)
-{
-    const double s6 = sqrt(6.0);
-    const double a[3][3] = { { (88 - 7*s6)/360, (296 - 169*s6)/1800, (-2 + 3*s6)/225 },
-                             { (296 + 169*s6)/1800, (88 + 7*s6)/360, (-2 - 3*s6)/225 },
-                             { (16 - s6)/36, (16 + s6)/36, 1.0/9 } };
-    g->states_moved = 0;
-    for (int i = 0; i < g->n_z; i++)
-        for (int k = 0; k < 3; k++) {
-            double now = g->zn[i], *to = &g->zi[k*g->n_z + i];
-            for (int j = 0; j < 3; j++)
-                now += g->h*a[k][j]*g->zr[j*g->n_z + i];
-            g->states_moved = fmax(g->states_moved, fabs(now - *to)/g->run->d->eq.state_scale(g->run->d->eq.context, i));
-            *to = now;
-        }
 }
 
 /* One simplified Newton step.  Returns the greatest change of a stage of q. */
@@ -205,8 +180,6 @@ static lw_status solve_stages(stages *g)
     const double c2[2] = { w_re/g->h, w_im/g->h }, m2[2] = { c2[0]*c2[0] - c2[1]*c2[1], 2*c2[0]*c2[1] };
     double before = 0, wanted = 0.02*tolerance(g);
     lw_status s = lw_mbs_rows(d, g->t, g->q);
-    if (g->n_z)
-        d->eq.place_states(d->eq.context, g->zn);
     if (s == LW_OK && lw_tangent_factor(&g->real, g->t, g->q, g->v, g->l, m1, c1) != LW_OK)
         return LW_OPEN;
     if (s == LW_OK && lw_tangent_factor(&g->pair, g->t, g->q, g->v, g->l, m2, c2) != LW_OK)
@@ -214,8 +187,6 @@ static lw_status solve_stages(stages *g)
     if (s != LW_OK)
         return s;
     predict(g);
-    for (int k = 0; k < 3; k++)
-        memcpy(g->zi + k*g->n_z, g->zn, (size_t)g->n_z*sizeof *g->zn);
     g->contraction = 0;
     for (int pass = 0; pass < most_newton; pass++) {
         s = lw_run_busy(g->run, g->t);
@@ -225,8 +196,6 @@ static lw_status solve_stages(stages *g)
         if (s != LW_OK)
             return s == LW_E_NUMERIC ? LW_OPEN : s;
         double change = newton_step(g);
-        repeat_states(g);
-        change = fmax(change, g->states_moved);
         if (!(change < 1e3) || (pass > 1 && change > 2*before))
             return LW_OPEN;
         double ratio = pass ? change/fmax(before, 1e-300) : 1;
@@ -260,15 +229,7 @@ static double error_of(stages *g)
     lw_tangent_solve(&g->real, g->b);
     for (int i = 0; i < n; i++)
         most = fmax(most, fabs(g->b[i]));
-    most /= tolerance(g);
-    for (int i = 0; i < g->n_z; i++) {           /* against the quadratic through the first two stages and the start */
-        double size = d->eq.state_scale(d->eq.context, i), c = g->at[0], e = g->at[1];
-        double start = (g->zr[i]*e - g->zr[g->n_z + i]*c)/(e - c), sum = start/w;
-        for (int k = 0; k < 3; k++)
-            sum += g->error[k]*(g->zi[k*g->n_z + i] - g->zn[i]);
-        most = fmax(most, fabs(sum)/(d->o.absolute*size + d->o.relative*fabs(g->zn[i])));
-    }
-    return most;
+    return most/tolerance(g);
 }
 
 /* Take the stages as the step to t + h. */
@@ -282,7 +243,6 @@ static lw_status accept(stages *g, double t)
         g->a[i] = g->ai[2*n + i];
     }
     memcpy(g->l, g->zl + 2*g->c, (size_t)g->c*sizeof *g->l);
-    memcpy(g->zn, g->zi + 2*g->n_z, (size_t)g->n_z*sizeof *g->zn);
     memcpy(g->last, g->z, 3*(size_t)n*sizeof *g->z);
     memcpy(g->last_l, g->zl, 3*(size_t)g->c*sizeof *g->zl);
     for (int k = 0; k < 3; k++)
@@ -302,7 +262,6 @@ static double *state(stages *g, double *y)
     memcpy(y + g->n, g->v, (size_t)g->n*sizeof *y);
     if (g->run->has_work)
         y[2*g->n] = g->work;
-    memcpy(y + lw_run_states(g->run), g->zn, (size_t)g->n_z*sizeof *y);
     return y;
 }
 
@@ -378,20 +337,18 @@ static lw_status run_steps(stages *g)
 static lw_status run_radau(lw_run *run)
 {
     lw_dynamics *d = run->d;
-    stages g = { .run = run, .n = d->n_q, .c = d->n_kept, .n_z = d->eq.n_z, .t = d->o.from };
+    stages g = { .run = run, .n = d->n_q, .c = d->n_kept, .t = d->o.from };
     size_t n = (size_t)g.n, c = (size_t)g.c;
-    double *memory = calloc(2*((size_t)run->n + n) + 22*n + 16*c + 7*(size_t)g.n_z + 8, sizeof *memory), *p = memory;
+    double *memory = calloc(2*((size_t)run->n + n) + 22*n + 16*c + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += run->n;
     g.q = p, p += n, g.v = p, p += n, g.a = p, p += n, g.l = p, p += c;
     g.z = p, p += 3*n, g.zl = p, p += 3*c, g.last = p, p += 3*n, g.last_l = p, p += 3*c;
     g.vi = p, p += 3*n, g.ai = p, p += 3*n, g.r = p, p += 3*(n + c), g.b = p, p += n + c;
-    g.pair_b = p, p += 2*(n + c), g.qi = p, p += n, g.e = p, p += n;
-    g.zn = p, p += g.n_z, g.zi = p, p += 3*g.n_z, g.zr = p;
+    g.pair_b = p, p += 2*(n + c), g.qi = p, p += n, g.e = p;
     set_method(&g);
     lw_dynamics_start(d, g.q, g.v);
-    memcpy(g.zn, lw_dynamics_start_states(d), (size_t)g.n_z*sizeof *g.zn);
     lw_status s = lw_run_begin(run, state(&g, run->y));
     memcpy(g.a, d->a, n*sizeof *g.a);
     for (int k = 0; k < g.c; k++)
@@ -408,6 +365,8 @@ static lw_status run_radau(lw_run *run)
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (d->eq.n_z > 0)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it integrates no first-order states");
     if (d->touch)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->n_friction || d->n_stop || d->has_zero_mass)
