@@ -105,6 +105,9 @@ static void pieces_make_the_whole(void)
     agree(load("examples/dynamics/trebuchet.json"), 1, 20, 1e-6);
     agree(load("examples/dynamics/servo-arm.json"), 0.5, 20, 1e-7);
     agree(load("examples/five-bar.json"), 0.4, 10, 1e-7);                 /* every freedom is driven */
+    agree(load("examples/dynamics/boxes.json"), 0.6, 12, 1e-6);           /* contacts that stick and slip */
+    agree(load("examples/dynamics/rope.json"), 1, 20, 1e-8);
+    agree(load("examples/elastic-slider-crank.json"), 0.02, 4, 1e-5);
     /* an arm that falls on its stop, bounces and rests there */
     agree(motor_model(", 'stop': {'least': -0.2, 'restitution': 0.4}"), 1.5, 60, 1e-7);
 }

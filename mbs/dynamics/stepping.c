@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
-#include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/dynamics/touch_internal.h"
+
+/* What a run knows of a place that touches besides posture and velocities. */
+typedef struct touch_memory { double anchor, anchor_angle, passed, force; int state, sticks, slips, side; } touch_memory;
 
 struct lw_stepping {
     lw_dynamics    *d;
@@ -14,9 +17,45 @@ struct lw_stepping {
     double          t, work;                 /* at the present, and the work done since the start */
     double         *y, *next;                /* (n_q) posture, (n_q) velocities, (n_z) states; the same after a piece */
     double          next_work;
+    touch_memory   *touch;                   /* (of d->touch) at the present */
+    unsigned char  *resting;                 /* (n_stop) is the stop rested on? */
+    bool            only_start;              /* the piece under way ends with its first sample */
     lw_moment_sink *sink;
     void           *context;
 };
+
+static int n_touch(const lw_stepping *s) { return s->d->touch ? s->d->touch->list.n : 0; }
+
+static void put_memory(const lw_stepping *s)
+{
+    lw_dynamics *d = s->d;
+    d->n_resting = 0;
+    for (int i = 0; i < d->n_stop; i++)
+        if ((d->stop[i].resting = s->resting[i] != 0))
+            d->resting[d->n_resting++] = i;
+    for (int i = 0; i < n_touch(s); i++) {
+        lw_touch *p = &d->touch->list.touch[i];
+        const touch_memory *m = &s->touch[i];
+        p->anchor = m->anchor, p->anchor_angle = m->anchor_angle, p->passed = m->passed, p->force = m->force;
+        p->state = (lw_touch_state)m->state, p->sticks = m->sticks, p->slips = m->slips, p->side = m->side;
+    }
+    if (d->touch) {                          /* which places are rows is decided at the start of the piece */
+        d->touch->n_row = d->touch->n_slip = 0;
+        d->touch->stalled = 0;
+        d->touch->last = -INFINITY;
+    }
+}
+
+static void take_memory(lw_stepping *s)
+{
+    for (int i = 0; i < s->d->n_stop; i++)
+        s->resting[i] = s->d->stop[i].resting;
+    for (int i = 0; i < n_touch(s); i++) {
+        const lw_touch *p = &s->d->touch->list.touch[i];
+        s->touch[i] = (touch_memory){ p->anchor, p->anchor_angle, p->passed, p->force, (int)p->state, p->sticks, p->slips,
+                                      p->side };
+    }
+}
 
 static size_t numbers(const lw_stepping *s) { return 2*(size_t)s->d->n_q + (size_t)s->d->eq.n_z; }
 
@@ -51,12 +90,15 @@ lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_s
     if (status == LW_OK) {
         s->y = calloc(2*numbers(s) + 1, sizeof *s->y);
         s->load = calloc((size_t)s->d->model->linkage.n_link, sizeof *s->load);      /* with the nodes of elastic links */
-        status = s->y && s->load ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        s->touch = calloc((size_t)n_touch(s) + 1, sizeof *s->touch);
+        s->resting = calloc((size_t)s->d->n_stop + 1, 1);
+        status = s->y && s->load && s->touch && s->resting ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     if (status != LW_OK) {
         lw_stepping_free(s);
         return status;
     }
+    take_memory(s);
     s->next = s->y + numbers(s);
     s->t = o->from;
     lw_dynamics_start(s->d, s->y, s->y + s->d->n_q);
@@ -70,6 +112,8 @@ void lw_stepping_free(lw_stepping *s)
     if (s) {
         lw_dynamics_free(s->d);
         free(s->load);
+        free(s->touch);
+        free(s->resting);
         free(s->y);
     }
     free(s);
@@ -83,7 +127,7 @@ static lw_status take(void *context, const lw_moment *m)
 {
     lw_stepping *s = context;
     size_t n = (size_t)s->d->n_q;
-    if (m->t < s->d->o.to && s->d->o.intervals > 0)
+    if (m->t < s->d->o.to && !s->only_start)
         return LW_OK;
     memcpy(s->next, m->q, n*sizeof *m->q);
     memcpy(s->next + n, m->v, n*sizeof *m->v);
@@ -91,7 +135,8 @@ static lw_status take(void *context, const lw_moment *m)
     s->next_work = s->work + m->work;
     lw_moment with = *m;
     with.work = s->next_work;
-    return s->sink ? s->sink(s->context, &with) : LW_OK;
+    lw_status status = s->sink ? s->sink(s->context, &with) : LW_OK;
+    return status == LW_OK && s->only_start ? LW_STOPPED : status;
 }
 
 lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, void *context, lw_dynamics_report *r,
@@ -99,24 +144,24 @@ lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, vo
 {
     lw_dynamics *d = s->d;
     lw_dynamics_report report = { 0 };
-    lw_moment m;
     if (!isfinite(t))
         return lw_error_set(e, LW_E_ARG, "the time to go on to is not a number");
     d->f.caller.apply = s->force.apply || s->loaded ? apply : NULL;
     s->sink = sink;
     s->context = context;
-    d->o.intervals = t > s->t;
-    lw_status status = lw_dynamics_restart(d, s->t, fmax(t, s->t), s->y, s->y + d->n_q, s->y + 2*d->n_q, e);
-    if (status == LW_OK && t > s->t)
+    s->only_start = t <= s->t;
+    d->o.intervals = 1;
+    put_memory(s);
+    lw_status status = lw_dynamics_restart(d, s->t, s->only_start ? s->t + 1e-3 : t, s->y, s->y + d->n_q, s->y + 2*d->n_q, e);
+    if (status == LW_OK)
         status = lw_dynamics_run(d, take, s, &report, e);
-    else if (status == LW_OK) {
-        status = lw_mbs_moment(d, s->t, s->y, s->y + d->n_q, 0, &m);
-        status = status == LW_OK ? take(s, &m) : lw_error_set(e, status, "the linkage stands in a singular posture");
-    }
+    if (status == LW_STOPPED && s->only_start && report.samples > 0)
+        status = LW_OK;
     if (r)
         *r = report;
     if (status != LW_OK)
         return status;
+    take_memory(s);
     s->t = fmax(t, s->t);
     s->work = s->next_work;
     memcpy(s->y, s->next, numbers(s)*sizeof *s->y);
@@ -145,8 +190,8 @@ lw_status lw_stepping_set_state(lw_stepping *s, int state, double value)
 
 /* ---- save and restore ------------------------------------------------------------------------------------- */
 
-/* Bytes: head, y, loads, and for each rigid stop whether it is rested on. */
-typedef struct head { char magic[8]; uint64_t model, numbers, loads, stops; double t, work; } head;
+/* Bytes: head, y, loads, places that touch, and for each rigid stop whether it is rested on. */
+typedef struct head { char magic[8]; uint64_t model, numbers, loads, touches, stops; double t, work; } head;
 
 static const char magic[8] = "lwstep1";
 
@@ -171,14 +216,15 @@ static uint64_t fingerprint(const lw_dynamics *d)
 static head head_of(const lw_stepping *s)
 {
     head h = { .model = fingerprint(s->d), .numbers = numbers(s), .loads = (uint64_t)s->d->model->linkage.n_link,
-               .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work };
+               .touches = (uint64_t)n_touch(s), .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work };
     memcpy(h.magic, magic, sizeof magic);
     return h;
 }
 
 static size_t size_of(const head *h)
 {
-    return sizeof *h + (size_t)h->numbers*sizeof(double) + (size_t)h->loads*sizeof(lw_link_load) + (size_t)h->stops;
+    return sizeof *h + (size_t)h->numbers*sizeof(double) + (size_t)h->loads*sizeof(lw_link_load)
+         + (size_t)h->touches*sizeof(touch_memory) + (size_t)h->stops;
 }
 
 lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
@@ -192,32 +238,27 @@ lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
     memcpy(to, &h, sizeof h);
     memcpy(to += sizeof h, s->y, numbers(s)*sizeof *s->y);
     memcpy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
-    to += (size_t)h.loads*sizeof *s->load;
-    for (int i = 0; i < s->d->n_stop; i++)
-        to[i] = s->d->stop[i].resting;
+    memcpy(to += (size_t)h.loads*sizeof *s->load, s->touch, (size_t)h.touches*sizeof *s->touch);
+    memcpy(to + (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
     return LW_OK;
 }
 
 lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw_error *e)
 {
-    lw_dynamics *d = s->d;
     head h, own = head_of(s);
     if (size < sizeof h || memcmp(bytes, magic, sizeof magic) != 0)
         return lw_error_set(e, LW_E_NOTATION, "these bytes are no saved run");
     memcpy(&h, bytes, sizeof h);
     if (size != size_of(&own) || h.model != own.model || h.numbers != own.numbers || h.loads != own.loads ||
-        h.stops != own.stops)
+        h.touches != own.touches || h.stops != own.stops)
         return lw_error_set(e, LW_E_NOTATION, "this run was saved of another model, or is incomplete");
     const unsigned char *from = (const unsigned char *)bytes + sizeof h;
-    const unsigned char *rest = from + numbers(s)*sizeof *s->y + (size_t)h.loads*sizeof *s->load;
     memcpy(s->y, from, numbers(s)*sizeof *s->y);
-    memcpy(s->load, from + numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
+    memcpy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
+    memcpy(s->touch, from += (size_t)h.loads*sizeof *s->load, (size_t)h.touches*sizeof *s->touch);
+    memcpy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
     s->t = h.t;
     s->work = h.work;
     lw_stepping_set_load(s, 0, s->load[0]);              /* are there any? */
-    d->n_resting = 0;
-    for (int i = 0; i < d->n_stop; i++)
-        if ((d->stop[i].resting = rest[i] != 0))
-            d->resting[d->n_resting++] = i;
     return LW_OK;
 }
