@@ -231,6 +231,7 @@ const cli_command cli_mobility_command = {
         "  linkwright mobility examples/jansen.json          one degree of freedom\n"
         "  linkwright mobility examples/mobility/focal.json           moves although the count says -1\n"
         "  linkwright mobility bridge.json --json            the same as JSON\n"
+        "  linkwright mobility examples/space/bennett.json   a model in space\n"
         "  linkwright mobility rounded.json --tolerance 1e-6          coordinates with six digits\n",
     .about =
         "'count' is the number of Gruebler's formula. 'freedom' is found by moving the linkage: it is displaced\n"

@@ -229,6 +229,7 @@ const cli_command cli_simulate_command = {
     .examples =
         "  linkwright simulate examples/andrews.json --to 0.03 --explain     dynamics, as CSV\n"
         "  linkwright simulate examples/pendulum.json --to 10 -n 1000 --json\n"
+        "  linkwright simulate examples/space/delta.json --to 0.1            torques of a DELTA robot's motors\n"
         "  linkwright simulate model.json --speed \"60 rpm\" --plot torque.svg  drive its input, plot the torque\n"
         "  linkwright simulate model.json --analysis static                 static equilibrium\n"
         "  linkwright simulate model.json --speed 6.283185307179586 --balance\n"
@@ -247,6 +248,9 @@ const cli_command cli_simulate_command = {
         "damping ratio and eigenvalue [1/s]; --json adds the mode shapes. The model is linearised about the\n"
         "posture of the file at time --from, as if it were at rest there; 'unbalanced' tells how far this posture\n"
         "is from equilibrium.\n"
+        "\n"
+        "Spatial models (places with three numbers, docs/notation.md, \"Spatial model\") know the analyses transient,\n"
+        "static, quasistatic, kinematic and dynamic, and the formulations auto, driven, index1 and cvode.\n"
         "\n"
         "Formulations; auto takes the first that suits the model, see --explain:\n"
         LW_FORMULATION_LIST(HELP),

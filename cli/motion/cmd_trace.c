@@ -579,7 +579,8 @@ const cli_command cli_trace_command = {
         "  linkwright trace model.json --input-range -90:90 --json  part of the input, as JSON\n"
         "  linkwright trace examples/chebyshev.json --cycle         over both limits and back\n"
         "  linkwright trace model.json --tracer foot --explain      how it is solved\n"
-        "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
+        "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n"
+        "  linkwright trace examples/space/bricard.json             a model in space: places, turns as quaternions\n",
     .about =
         "Prints a row for each position of the input. An arc is a range of the input in one assembly mode. If an\n"
         "arc ends at a limit of the motion, the limit is found to 1e-10 and is the first or last row. Lengths and\n"
