@@ -1,13 +1,13 @@
 /* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and a message, or with all output.
  *
- * One row a command; bench and plasma have none, since they print what they measure.  Each row runs undisturbed first, which tells
+ * One row a command, with measured times taken out of what it prints.  Each row runs undisturbed first, which tells
  * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
  * spread is taken: the first N_FIRST, then ever longer steps.  LW_FAULTS=n makes the spread n times as dense;
  * LW_FAULTS_ROW=text runs the rows that hold the text. */
 #include <stdbool.h>
 #include "tests/cli_run.h"
 
-enum { N_FIRST = 24, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+enum { N_FIRST = 24, N_FIRST_OF_SEARCH = 5, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
 
 /* $C commands write to standard output or to $D/o, which is removed before each run. */
 static const char *const rows[] = {
@@ -50,6 +50,17 @@ static const char *const rows[] = {
     "LW_CLOCK_STEP=1e-9 $C fit examples/ellipse.csv --starts 20 --rounds 1 -j 2 -q",
     "LW_CLOCK_STEP=1e-9 $C fit $D/five.csv --exact -j 1 --json -q",
     "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
+    "$C profile 2 --speed-limit 1 --acceleration-limit 20 -o $D/o",
+    "$C profile 1 --acceleration-limit 20 --jerk-limit 400",
+    "$C trace tests/data/linkages/triad-eight-bar.json -n 4",
+    "$C draw tests/data/linkages/triad-eight-bar.json -f svg -o $D/o",
+    "$C plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 -q",
+    "$C plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 -q --save $D/out -o $D/o --force",
+    "$C bench fit --problems $D/problems --solvers lm --seeds 0 --time 0.01 -o $D/out -q > $D/table && ls $D/out",
+    "$C bench mbs --cases pendulum --tolerance-range 1e-4:1e-4 --peers none -o $D/out -q > $D/table && ls $D/out",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --links 6 --topology watt1 --budget 1000 --starts 1 --rounds 1 --results 1 -j 2 -q",
+    "rm -rf $D/release; $C catalogue release -o $D/release --links 7 -q && cat $D/release/*",
+    "$C drive load examples/drives/lifting-arm.json --to 0.1",
 };
 
 static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
@@ -107,7 +118,8 @@ static void fail_each(const char *command)
         fprintf(stderr, "%s\n  said: %s", command, whole.err);
     CHECK_INT(whole.code, 0);
     for (size_t k = 0; k < sizeof kinds/sizeof *kinds; k++) {
-        long n_call = count_calls(kinds[k]), n_first = N_FIRST*(denser ? atol(denser) : 1);
+        long n_call = count_calls(kinds[k]), n_first = strstr(command, "C fit ") ? N_FIRST_OF_SEARCH : N_FIRST;
+        n_first *= denser ? atol(denser) : 1;
         for (long n = 1; n <= n_call; n = n < n_first ? n + 1 : (long)(step*(double)n))
             fail_one(command, kinds[k], n, &whole, file);
     }
@@ -120,6 +132,8 @@ static void faults(void)
     const char *only = getenv("LW_FAULTS_ROW");
     expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
            "$P chains --links 4 -f lam -o $D/four.lam && $P catalogue build $D/six.db --links 6 -q && "
+           "mkdir $D/problems && cp examples/ellipse.csv $D/problems && "
+           "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && "
            "$P catalogue curves $D/curves.db --links 4 --samples 200 -q && "
            "$P fit examples/ellipse.csv --starts 20 --rounds 1 --json -o $D/fit.json -q && "
            "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);

@@ -1,9 +1,10 @@
 /* test_library_faults.c - a program that uses linkwright.h runs out of memory: the library returns a failure or the same
- * result, and never ends the program.
+ * result, and never ends the program; and its threads have little stack.
  *
  * This program's own malloc replaces that of the C library in all libraries, among them GSL, igraph, NLopt, SUNDIALS and
  * cairo, whose error handlers stay as they are: GSL's default ends the program.  Each call that takes memory fails once,
  * in a child process.  GMP, which ends a program without memory, is not reached: see docs/promises.md. */
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -109,6 +110,57 @@ static lw_status search(sum *s, bool exact)
 static lw_status fit(sum *s)   { return search(s, false); }
 static lw_status exact(sum *s) { return search(s, true); }
 
+/* A short search by a solver of another library, or of more links. */
+static lw_status short_search(sum *s, const char *solver, int links)
+{
+    static const double x[] = { 0, 0.030, 0.061, 0.090, 0.120 }, y[] = { 0, 0.011, 0.014, 0.009, -0.006 };
+    static const double angle[] = { 0, 0.3, 0.6, 0.9, 1.2 };
+    lw_target *t = NULL;
+    lw_results *r = NULL;
+    lw_fit_request o = lw_fit_request_default();
+    lw_error e;
+    o.starts = o.rounds = o.jobs = o.results = 1;
+    o.timing = "prescribed";
+    o.solver = solver;
+    o.links = links;
+    o.topology = links > 4 ? "watt1" : "all";
+    o.budget = 1000;
+    o.joints = "r";
+    o.unlimited = true;
+    lw_status st = lw_target_create(5, x, y, NULL, angle, NULL, false, &t, &e);
+    if (st == LW_OK)
+        st = lw_fit_target(t, &o, &r, &e);
+    int n = r ? lw_results_count(r) : 0;
+    add(s, &n, sizeof n);
+    lw_results_destroy(r);
+    lw_target_destroy(t);
+    return st == LW_STOPPED ? LW_OK : st;
+}
+
+static lw_status fit_gsl(sum *s)    { return short_search(s, "lm-gsl", 4); }
+static lw_status fit_slsqp(sum *s)  { return short_search(s, "slsqp", 4); }
+static lw_status fit_lbfgs(sum *s)  { return short_search(s, "lbfgs", 4); }
+static lw_status fit_six(sum *s)    { return short_search(s, NULL, 6); }
+
+/* The poses of an eight-bar whose coupler links are a group of order three. */
+static lw_status group(sum *s)
+{
+    lw_linkage *linkage = NULL;
+    lw_kinematics *k = NULL;
+    lw_error e;
+    lw_vec2 at[1] = { { 0, 0 } };
+    lw_status st = lw_linkage_load("tests/data/linkages/triad-eight-bar.json", &linkage, &e);
+    if (st == LW_OK)
+        st = lw_kinematics_create(linkage, &k, &e);
+    for (int i = 0; i < 3 && st == LW_OK; i++) {
+        st = lw_kinematics_pose(k, lw_kinematics_input(k) + 0.01*i, 0, NULL, NULL, at, NULL);
+        add(s, at, sizeof at);
+    }
+    lw_kinematics_destroy(k);
+    lw_linkage_destroy(linkage);
+    return st;
+}
+
 static lw_status chain(sum *s)
 {
     lw_chain *c = NULL, *form = NULL;
@@ -133,8 +185,11 @@ static lw_status chain(sum *s)
     return st;
 }
 
-static const struct { const char *name; lw_status (*run)(sum *s); } calls[] = {
-    { "vibrations", vibrations }, { "simulation", simulation }, { "fit", fit }, { "exact", exact }, { "chain", chain },
+/* The first allocations fail one by one, further ones at growing distances. */
+static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
+    { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
+    { "chain", 40, 4, chain }, { "poses of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
+    { "fit by slsqp", 3, 1, fit_slsqp }, { "fit by lbfgs", 3, 1, fit_lbfgs }, { "fit with six links", 3, 1, fit_six },
 };
 
 /* ---- each allocation fails once -------------------------------------------------------------------- */
@@ -164,7 +219,7 @@ static void each_allocation_fails(void)
     for (size_t i = 0; i < sizeof calls/sizeof *calls; i++) {
         CHECK_INT(run_child((int)i, 0, &out[0]), 0);
         CHECK_INT(out[0].status, LW_OK);
-        for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = n < 40 ? n + 1 : n + n/4) {
+        for (long n = 1; n <= out[0].n_call && OWN_MALLOC; n = n < calls[i].first ? n + 1 : n + n/calls[i].density) {
             int state = run_child((int)i, n, &out[1]);
             bool good = state == 0 && (out[1].status < 0 || (out[1].status == LW_OK
                                                              && out[1].s.hash == out[0].s.hash));
@@ -177,8 +232,38 @@ static void each_allocation_fails(void)
     munmap(out, 2*sizeof *out);
 }
 
+/* ---- little stack ------------------------------------------------------------------------------------ */
+
+static void *run_call(void *at)
+{
+    outcome *o = at;
+    o->s = (sum){ 14695981039346656037u };
+    o->status = calls[o->n_call].run(&o->s);
+    return NULL;
+}
+
+/* A thread with 256 KB of stack is enough for every call. */
+static void little_stack_is_enough(void)
+{
+    for (size_t i = 0; i < sizeof calls/sizeof *calls && OWN_MALLOC; i++) {
+        outcome usual = { .n_call = (long)i }, little = usual;
+        pthread_attr_t about;
+        pthread_t thread;
+        run_call(&usual);
+        CHECK_INT(pthread_attr_init(&about), 0);
+        CHECK_INT(pthread_attr_setstacksize(&about, 256*1024), 0);
+        CHECK_INT(pthread_create(&thread, &about, run_call, &little), 0);
+        CHECK_INT(pthread_join(thread, NULL), 0);
+        pthread_attr_destroy(&about);
+        CHECK_INT(usual.status, LW_OK);
+        CHECK_INT(little.status, LW_OK);
+        CHECK(little.s.hash == usual.s.hash);
+    }
+}
+
 int main(void)
 {
+    RUN(little_stack_is_enough);
     RUN(each_allocation_fails);
     return check_end();
 }

@@ -45,7 +45,7 @@ lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_op
  * range; it starts from the pose, where time and displacement u are 0.
  *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
 typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
-lw_export_law lw_export_law_of(const lw_linkage *linkage, int input);
+lw_status lw_export_law_of(const lw_linkage *linkage, int input, lw_export_law *law);        /* LW_E_MEMORY */
 
 /* Plates in millimetres, in layers in which they pass each other over the whole motion; failures as in layers.h. DXF
  * R12 for a cutter: outlines of lines and arcs, holes, slots, side by side, one DXF layer for each link. OpenSCAD:

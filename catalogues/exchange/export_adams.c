@@ -316,49 +316,58 @@ static void put_loads(writer *w)
 
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
-/* How far the input can move to either side of the pose. False: a full turn. */
-static bool input_way(const lw_linkage *linkage, int input, double *down, double *up)
+/* How far the input can move to either side of the pose; *turns: a full turn.  LW_OK or LW_E_MEMORY. */
+static lw_status input_way(const lw_linkage *linkage, int input, double *down, double *up, bool *turns)
 {
     const lw_input *in = &linkage->input[input];
     bool slider = lw_joint_slides(linkage->joint[in->joint].kind);
     lw_scene scene;
     *down = *up = slider ? 0.1*lw_export_size(linkage) : 0.1;
+    *turns = false;
     if (in->first < in->last) {
         *down = in->value - in->first;
         *up = in->last - in->value;
-        return true;
+        return LW_OK;
     }
     const lw_scene_options o = { .n_frame = 181, .n_curve_point = 8 };
-    if (lw_linkage_free_inputs(linkage) != 1 || lw_scene_make(linkage, NULL, &o, &scene, NULL) != LW_OK)
-        return true;
+    if (lw_linkage_free_inputs(linkage) != 1)
+        return LW_OK;
+    lw_status s = lw_scene_make(linkage, NULL, &o, &scene, NULL);
+    if (s != LW_OK)
+        return s == LW_E_MEMORY ? s : LW_OK;
     double here = scene.input[scene.first_frame], least = here, most = here;
     for (size_t f = 0; f < scene.n_frame; f++) {
         least = fmin(least, scene.input[f]);
         most = fmax(most, scene.input[f]);
     }
-    bool turns = !slider && scene.loops && most - least > 1.95*LW_PI;
+    *turns = !slider && scene.loops && most - least > 1.95*LW_PI;
     if (scene.n_frame > 1) {
         *down = here - least;
         *up = most - here;
     }
     lw_scene_free(&scene);
-    return !turns;
+    return LW_OK;
 }
 
-lw_export_law lw_export_law_of(const lw_linkage *linkage, int input)
+lw_status lw_export_law_of(const lw_linkage *linkage, int input, lw_export_law *law)
 {
     double down, up;
-    if (!input_way(linkage, input, &down, &up))
-        return (lw_export_law){ .turns = true };
+    *law = (lw_export_law){ .turns = false };
+    lw_status s = input_way(linkage, input, &down, &up, &law->turns);
+    if (s != LW_OK || law->turns)
+        return s;
     double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);
-    return (lw_export_law){ .half = half, .phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0 };
+    law->half = half;
+    law->phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0;
+    return LW_OK;
 }
 
 static void put_motion(writer *w, int input)
 {
     const lw_input *in = &w->k->input[input];
     bool slider = lw_joint_slides(w->k->joint[in->joint].kind);
-    lw_export_law law = lw_export_law_of(w->k, input);
+    lw_export_law law;
+    w->out->failed |= lw_export_law_of(w->k, input, &law) != LW_OK;
     put_name(w, w->k->joint[in->joint].name, " motion");
     put_id(w, "MOTION/", input + 1, 2);
     put_id(w, ", JOINT = ", in->joint + 1, 2);

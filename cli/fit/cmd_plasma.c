@@ -75,9 +75,13 @@ static int try_choice(job *b, int input, int tracer, lw_linkage *linkage)
     m.input[0] = (uint8_t)input;
     m.output = tracer;
     lw_rng_seed(&rng, b->call->common.seed, 7);
-    if (plan && lw_linkage_sketch(&m, &rng, linkage) == LW_OK
-        && lw_plan_make(linkage, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK)
+    lw_status st = plan ? lw_linkage_sketch(&m, &rng, linkage) : LW_E_MEMORY;
+    if (st == LW_OK)
+        st = lw_plan_make(linkage, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, plan, NULL);
+    if (st == LW_OK)
         links = plan->n_link;
+    if (st == LW_E_MEMORY)
+        cli_lost();
     free(plan);
     return links;
 }
@@ -177,28 +181,27 @@ static void make_spec(job *b)
     b->spec.crank_only = b->s->crank_only;
 }
 
-/* Write the pose of variables x into the linkage, at an input at which it closes. */
-static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *linkage)
+/* Write the pose of variables x into the linkage, at an input at which it closes.  LW_OPEN: there is none; LW_E_MEMORY. */
+static lw_status put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *linkage)
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
     lw_plan *plan = malloc(sizeof *plan);
-    bool ok = plan && lw_plan_make(&b->sketch, (lw_plan_options){ .tracers = 1, .all_joints = true,
-                                                                  .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK;
-    double scale = plan && ok && plan->input_is_slider ? p->unit : 1;
+    const lw_plan_options whole = { .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER };
+    lw_status made = plan ? lw_plan_make(&b->sketch, whole, plan, NULL) : LW_E_MEMORY, st = LW_OPEN;
+    double scale = made == LW_OK && plan->input_is_slider ? p->unit : 1;
     double mid = p->intended.turns ? 0 : p->intended.mid*scale;
-    bool found = false;
     memcpy(mode, p->intended.mode, sizeof mode);
     lw_problem_to_dims(p, x, dim);
-    for (int i = 0; ok && !found && i < 73; i++) {
+    for (int i = 0; made == LW_OK && st != LW_OK && st != LW_E_MEMORY && i < 73; i++) {
         double input = mid + (p->intended.turns ? 2*LW_PI : 2*p->intended.half*scale)*(i % 2 ? 1 : -1)*(i/2)/72.0;
         *linkage = b->sketch;
-        found = lw_plan_write(plan, dim, mode, input, linkage) == LW_OK;
+        st = lw_plan_write(plan, dim, mode, input, linkage);
     }
     free(plan);
     linkage->units = b->target.units;
-    if (found)
+    if (st == LW_OK)
         linkage->input[0].value = lw_linkage_posture_input(linkage, linkage->input[0].joint);
-    return found;
+    return made == LW_E_MEMORY ? made : st;
 }
 
 static lw_status first_dimensions(job *b, double *objective, lw_error *e)
@@ -217,13 +220,15 @@ static lw_status first_dimensions(job *b, double *objective, lw_error *e)
     void *work = aligned_alloc(64, (lw_problem_work_size(p) + 127) & ~(size_t)63);
     if (work)
         lw_problem_work_init(p, work);
+    else
+        st = LW_E_MEMORY;
     lw_rng_seed(&rng, b->call->common.seed, 8);
-    for (int trial = 0; work && trial < b->s->first && !cli_interrupted(); trial++) {
+    for (int trial = 0; st != LW_E_MEMORY && trial < b->s->first && !cli_interrupted(); trial++) {
         double u[LW_START_DRAWS];
         for (int i = 0; i < LW_START_DRAWS; i++)
             u[i] = lw_rng_uniform(&rng);
         double f = lw_start(p, u, x, work);
-        if (f < best && put_posture(b, p, x, &k)) {
+        if (f < best && (st = put_posture(b, p, x, &k)) == LW_OK) {
             best = f;
             b->first = k;
         }
@@ -232,7 +237,7 @@ static lw_status first_dimensions(job *b, double *objective, lw_error *e)
     free(work);
     lw_problem_free(p);
     free(p);
-    return best < INFINITY ? LW_OK
+    return st == LW_E_MEMORY ? lw_error_set(e, st, "out of memory") : best < INFINITY ? LW_OK
          : lw_error_set(e, LW_NOTHING, "no first dimensions were found that close at all points of the target; try "
                         "more with --first, or another input or ground");
 }

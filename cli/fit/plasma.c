@@ -9,13 +9,10 @@
 
 void cli_plasma_matrix(const lw_lam *a, FILE *f)
 {
-    char *text = malloc(LW_LAM_SIZE);
+    char text[LW_LAM_SIZE];
     fputs("Dimension Synthesis Preprocessor LAM- matrix:\n\n", f);
-    if (text) {
-        lw_lam_print(a, text, LW_LAM_SIZE);
-        fputs(text, f);
-    }
-    free(text);
+    lw_lam_print(a, text, LW_LAM_SIZE);
+    fputs(text, f);
     fprintf(f, "\nParts: %d Joints: %d\n\n", a->n_link, a->n_joint);
 }
 
@@ -145,8 +142,11 @@ static void acceleration_table(const lw_linkage *linkage, moved *m, const lw_exp
 lw_status cli_plasma_path(const lw_linkage *linkage, int points, FILE *f, lw_error *e)
 {
     moved *m = NULL;
-    lw_export_law law = lw_export_law_of(linkage, 0);
-    lw_status s = make(linkage, &m, e);
+    lw_export_law law;
+    lw_status s = lw_export_law_of(linkage, 0, &law);
+    if (s != LW_OK)
+        return lw_error_set(e, s, "out of memory");
+    s = make(linkage, &m, e);
     if (s != LW_OK)
         return s;
     bool closes = path_table(m, &law, linkage->units.metre, points, f);

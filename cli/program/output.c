@@ -110,15 +110,21 @@ static bool lost;
 
 void cli_lost(void) { lost = true; }
 
+static int close_lost(lw_output *o, int code)
+{
+    lw_output_abandon(o);
+    if (code <= CLI_NOTHING)
+        fputs("linkwright: out of memory; the output is not whole\n", stderr);
+    return cli_end_code(code);
+}
+
 int cli_close(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
     cli_finish();
+    if (lost)
+        return close_lost(o, code);
     code = cli_end_code(code);
-    if (lost) {
-        lw_output_abandon(o);
-        return code;
-    }
     bool partial = o->temp[0] && code != CLI_DONE && code != CLI_NOTHING;
     if (partial && !o->partial && ftello(o->f) == 0) {
         lw_output_abandon(o);
@@ -136,10 +142,8 @@ int cli_close_marked(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
     cli_finish();
-    if (lost) {
-        lw_output_abandon(o);
-        return code;
-    }
+    if (lost)
+        return close_lost(o, code);
     return lw_output_commit(o, &e) == LW_OK ? cli_end_code(code) : cli_fail(call, &e);
 }
 

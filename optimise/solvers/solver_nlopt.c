@@ -92,25 +92,31 @@ static int remaining_evals(const lw_barrier_stage *s)
 
 typedef enum steps { DESCENT, SIMPLE, BOX } steps;  /* with gradient, without, the whole box (by both) */
 
-static bool set_up(nlopt_opt opt, steps kind, bool takes_constraints, call *c)
+static nlopt_result set_up(nlopt_opt opt, steps kind, bool takes_constraints, call *c)
 {
     const lw_barrier_stage *s = c->stage;
     const lw_record *r = s->record;
     const lw_function *fn = r->fn;
     const lw_solver_options *o = r->o;
-    bool ok = nlopt_set_lower_bounds(opt, fn->lo) > 0 && nlopt_set_upper_bounds(opt, fn->hi) > 0
-           && nlopt_set_min_objective(opt, objective, c) > 0
-           && nlopt_set_ftol_rel(opt, kind == BOX ? 0.0 : s->f_tol) > 0      /* a search of the box */
-           && nlopt_set_xtol_rel(opt, kind == BOX ? 0.0 : o->x_tol) > 0      /* uses its whole budget */
-           && nlopt_set_maxeval(opt, remaining_evals(s)) > 0;
-    if (ok && o->max_seconds > 0.0)                /* 0 would mean no limit */
-        ok = nlopt_set_maxtime(opt, fmax(o->max_seconds - (lw_clock_wall() - r->started), 1e-6)) > 0;
-    if (ok && kind == DESCENT)
-        ok = nlopt_set_vector_storage(opt, 20) > 0;
-    if (ok && kind == SIMPLE)
-        ok = set_steps(opt, s) > 0;
-    if (ok && takes_constraints && fn->m > 0)      /* no tolerances: the record applies ours */
-        ok = nlopt_add_inequality_mconstraint(opt, (unsigned)fn->m, conditions, c, NULL) > 0;
+    nlopt_result ok = nlopt_set_lower_bounds(opt, fn->lo);
+    if (ok > 0)
+        ok = nlopt_set_upper_bounds(opt, fn->hi);
+    if (ok > 0)
+        ok = nlopt_set_min_objective(opt, objective, c);
+    if (ok > 0)                                    /* a search of the box uses its whole budget */
+        ok = nlopt_set_ftol_rel(opt, kind == BOX ? 0.0 : s->f_tol);
+    if (ok > 0)
+        ok = nlopt_set_xtol_rel(opt, kind == BOX ? 0.0 : o->x_tol);
+    if (ok > 0)
+        ok = nlopt_set_maxeval(opt, remaining_evals(s));
+    if (ok > 0 && o->max_seconds > 0.0)            /* 0 would mean no limit */
+        ok = nlopt_set_maxtime(opt, fmax(o->max_seconds - (lw_clock_wall() - r->started), 1e-6));
+    if (ok > 0 && kind == DESCENT)
+        ok = nlopt_set_vector_storage(opt, 20);
+    if (ok > 0 && kind == SIMPLE)
+        ok = set_steps(opt, s);
+    if (ok > 0 && takes_constraints && fn->m > 0)  /* no tolerances: the record applies ours */
+        ok = nlopt_add_inequality_mconstraint(opt, (unsigned)fn->m, conditions, c, NULL);
     return ok;
 }
 
@@ -131,12 +137,14 @@ static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constr
     nlopt_srand((unsigned long)r->o->seed);
     if (isfinite(r->f))
         c.scale = fmin(1.0/r->f, SCALE_MAX);
-    if (set_up(c.opt, kind, takes_constraints, &c)
-        && (algorithm != NLOPT_GD_MLSL_LDS || set_local(c.opt, n) > 0)) {
-        nlopt_result result = nlopt_optimize(c.opt, x, &f);
-        r->no_memory |= result == NLOPT_OUT_OF_MEMORY;
+    nlopt_result result = set_up(c.opt, kind, takes_constraints, &c);
+    if (result > 0 && algorithm == NLOPT_GD_MLSL_LDS)
+        result = set_local(c.opt, n);
+    if (result > 0) {
+        result = nlopt_optimize(c.opt, x, &f);
         why = reason(result, r);
     }
+    r->no_memory |= result == NLOPT_OUT_OF_MEMORY;
     nlopt_destroy(c.opt);
     if (takes_constraints && r->fn->m > 0 && lw_finite(x, n) && lw_feasible_repair(r, x))
         lw_barrier_stage_value(stage, x, NULL);
