@@ -58,6 +58,7 @@ static const row rows[] = {
     { "drive load examples/drives/lifting-arm.json -n 8", NULL, "examples/drives/lifting-arm.json", false },
     { "trace examples/jansen.json -n 8", "trace examples/jansen.json -n 1e7", "examples/jansen.json", false },
     { "mobility examples/jansen.json", NULL, "examples/jansen.json", false },
+    { "drive load examples/drives/lifting-arm.json --to 0.1", NULL, "examples/drives/lifting-arm.json", false },
     { "simulate examples/dynamics/governor.json --to 0.01 -n 4",
       "simulate examples/dynamics/governor.json --to 1e5 -n 1e6", "examples/dynamics/governor.json", false },
     { "simulate examples/pendulum.json --analysis linear",
@@ -272,6 +273,27 @@ static void catalogues(void)
            "FROM x, chain' --sql > $D/rows; c=$?; wait; test $c = 3 -o $c = 0", 0, NULL, NULL);
 }
 
+/* Outputs that cannot be written: a full disk, a limit of file sizes, a folder, a closed stream, another name of an input. */
+static void bad_outputs(void)
+{
+    char line[2000], small[600];
+    for (int i = 0; i < N_ROW; i++) {
+        with_program(rows[i].small, small);
+        snprintf(line, sizeof line, "%s -o /dev/full; test $? = 3 && %s -o $D; test $? = 3 && %s -o $D/none/x; test $? = 3",
+                 small, small, small);
+        demand(line, small);
+    }
+    expect("ulimit -f 1; $P chains --links 10 -o $D/none", 3, "", "cannot be written");
+    expect("ulimit -f 1; $P chains --links 10 > $D/rows", 3, "", "cannot be written");
+    expect("ulimit -f 20; $P catalogue build $D/none --links 8 -q", 3, "", "linkwright catalogue");
+    expect("$P chains --links 10 >&-", 3, "", "cannot be written");
+    expect("$P mechanisms <&-", 3, "", "cannot be read");
+    expect("ln -s $D/six.g6 $D/link; $P mechanisms $D/six.g6 -o $D/link --force", 2, "", "is an input");
+    expect("$P fit examples/ellipse.csv --save $D/six.g6", 3, "", "the folder cannot be made");
+    expect("$P drive load examples/drives/lifting-arm.json --to 0.1 --plot $D/p.svg -o $D/p.svg", 2, "", "are one file");
+    expect("$P chains --links 10 | head -n 1 > $D/rows; test -s $D/rows", 0, "", NULL);
+}
+
 static void prepare(void)
 {
     demand("$P chains --links 6 -o $D/six.g6 && $P catalogue build $D/six.db --links 6 -q && "
@@ -311,6 +333,7 @@ int main(void)
     RUN(killed);
     RUN(little_stack);
     RUN(inputs_and_long_names);
+    RUN(bad_outputs);
     RUN(bounded_memory);
     RUN(catalogues);
     return check_end();

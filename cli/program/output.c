@@ -381,6 +381,7 @@ void cli_watch_signals(void)
     if (signal(SIGHUP, on_signal) == SIG_IGN)
         signal(SIGHUP, SIG_IGN);                 /* nohup */
     signal(SIGALRM, on_signal);
+    signal(SIGXFSZ, SIG_IGN);                    /* a file beyond the limit of the shell: the write fails */
     timed = timer_create(CLOCK_MONOTONIC, &event, &timer) == 0;
 }
 
