@@ -217,6 +217,12 @@ static void delta_torques(void)
     run(&m, LW_SPACE_TRANSIENT, 1, 1, 1e-10);
     for (int d = 0; d < 3; d++)
         CHECK_NEAR(k.at[0].drive[d], -1.20166, 5e-6, 0);
+    run(&m, LW_SPACE_STATIC, 1, 1, 1e-10);
+    for (int d = 0; d < 3; d++)
+        CHECK_NEAR(k.at[0].drive[d], -1.20166, 5e-6, 0);
+    run(&m, LW_SPACE_QUASISTATIC, 1, 1, 1e-10);
+    for (int d = 0; d < 3; d++)
+        CHECK_NEAR(k.at[0].drive[d], -1.20166, 5e-6, 0);
     lw_spatial_free(&m);
 }
 

@@ -345,10 +345,13 @@ static lw_status settle(lw_space_run *r, double t, double *q, double *v)
 
 /* ---- samples ---- */
 
+/* Do the drives carry the forces, in place of inputs that leave no freedom? */
+static bool drives_carry(const lw_space_run *r) { return r->has_drives && r->freedom == 0; }
+
 static void reactions(lw_space_run *r, const double *l)
 {
     const lw_space *s = &r->s;
-    const lw_space_rows_set *z = !is_driven(r) ? &r->z : r->has_drives ? &r->drives : &r->follow.z;
+    const lw_space_rows_set *z = drives_carry(r) ? &r->drives : is_driven(r) ? &r->follow.z : &r->z;
     for (int i = 0; i < s->n_joint; i++) {
         const lw_space_joint *j = &s->joint[i];
         lw_vec3 load[2] = { { 0, 0, 0 }, { 0, 0, 0 } }, twist[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
@@ -407,7 +410,7 @@ static lw_status hand_out(lw_space_run *r, double t, const double *q, const doub
     lw_space_moment out = { .t = t, .q = q, .v = v, .a = a, .frame = z->frame, .input = r->input, .input_rate =
                             r->input_rate,
                             .drive = r->drive, .joint = r->joint, .work = work };
-    bool tool = r->has_drives && is_driven(r);
+    bool tool = drives_carry(r);
     lw_space_rows_times(z, v, r->rates);
     wanted(r, 1, r->rhs);
     for (int i = 0; i < z->n_row; i++) {
@@ -430,10 +433,10 @@ static lw_status hand_out(lw_space_run *r, double t, const double *q, const doub
         double near = of.of == LW_OF_TURN ? r->f.turn[of.index] : 0;
         lw_space_measured(&r->s, z->frame, of, near, v, &r->input[i], &r->input_rate[i]);
         r->input[i] += lw_spatial_offset(&m->input[i]);
-        if (!tool)
-            r->drive[i] = 0;
     }
-    for (int i = 0; i < r->n_driven && !tool; i++)
+    for (int i = 0; i < m->n_input && !r->has_drives; i++)
+        r->drive[i] = 0;                     /* drives that carry nothing run freely: 0 */
+    for (int i = 0; i < r->n_driven && !r->has_drives; i++)
         r->drive[r->driven[i]] = -r->l[r->s.n_row + r->n_idle + i]/lw_space_scale(&r->s,
                                                                                   m->input[r->driven[i]].measure);
     reactions(r, r->l);
@@ -828,6 +831,7 @@ static lw_status run_static(lw_space_run *r)
     double *trial = g ? stiff + 2*n*n : NULL;
     int round = 0;
     bool done = n == 0;
+    r->r.stable = true;
     if (st == LW_OK)
         st = rows_at(r, t, r->q);
     for (; st == LW_OK && !done && round < 200; round++) {
@@ -953,7 +957,7 @@ static lw_status choose(lw_space_run *r, lw_error *e)
     if (a == LW_SPACE_DYNAMIC && r->freedom == 0)
         return lw_error_set(e, LW_E_ARG, "every freedom is driven, there is nothing left for dynamics; ask for "
                                          "--analysis kinematic");
-    if (r->has_drives && !driven && a != LW_SPACE_STATIC && r->n_driven > 0)
+    if (r->has_drives && r->freedom > 0 && r->n_driven > 0)
         return lw_error_set(e, LW_E_KIND, "\"drives\" carry the forces of a model whose inputs leave no freedom; "
                                           "here %d freedoms are "
                             "left", r->freedom);
