@@ -363,7 +363,7 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
     r->is_exact = true;
     s = lw_exact_run(target, &o, &r->exact, error);
     if (s >= 0 && s != LW_NOTHING) {
-        lw_status made = lw_fit_results_make(target, &o.spec, &r->exact.fit, request->results, r->exact.defect,
+        lw_status made = lw_fit_results_make(target, &o.spec, &r->exact.fit, request->results, r->exact.defect, NULL,
                                              &r->verified, error);
         s = made == LW_OK ? s : made;
         if (made != LW_OK)

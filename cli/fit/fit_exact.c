@@ -31,7 +31,7 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
 {
     const lw_fit *fit = &s->search.found.fit;
     lw_fit_results *r = &s->search.results;
-    lw_status st = lw_fit_results_make(&s->target, &s->spec, fit, fit->n, s->exact.defect, r, e);
+    lw_status st = lw_fit_results_make(&s->target, &s->spec, fit, fit->n, s->exact.defect, NULL, r, e);
     if (st != LW_OK)
         return st;
     for (int i = 0; i < r->n_left_out; i++)

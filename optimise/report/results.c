@@ -1,9 +1,12 @@
 #include "optimise/report/results.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
+#include "base/parallel.h"
 #include "base/real.h"
 
 static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int i)
@@ -155,24 +158,68 @@ static int within_tolerance(const lw_fit_spec *s, const lw_fit *fit, const lw_fi
     return kept;
 }
 
+/* Reports to make, by several threads. */
+typedef struct reports {
+    const lw_target   *t;
+    const lw_fit_spec *s;
+    const lw_fit      *fit;
+    const unsigned    *may_fail;
+    double             until;
+    lw_fit_report     *report;
+    bool              *made, *usable;
+    lw_status         *status;
+    atomic_bool        any;                  /* there is one to keep                               */
+} reports;
+
+static void make_report(void *context, size_t i, int thread)
+{
+    (void)thread;
+    reports *c = context;
+    lw_fit_report *r = &c->report[i];
+    if (c->until > 0 && c->any && lw_clock_wall() > c->until)
+        return;
+    c->status[i] = lw_fit_report_make(c->t, c->s, &c->fit->candidate[i], r, NULL);
+    c->made[i] = c->status[i] == LW_OK;
+    bool passed = c->made[i] && (r->verified || (c->may_fail && c->may_fail[i] && r->meets));
+    c->usable[i] = passed && !(r->broken & ~c->s->by_default);
+    if (c->usable[i])
+        c->any = true;
+}
+
+/* A report that failed for another reason than memory is made again, for its text. */
+static lw_status first_fault(const reports *c, lw_error *e)
+{
+    for (int i = 0; i < c->fit->n; i++)
+        if (c->status[i] != LW_OK)
+            return lw_fit_report_make(c->t, c->s, &c->fit->candidate[i], &c->report[i], e) == LW_OK
+                 ? lw_error_set(e, LW_E_MEMORY, "out of memory for a report") : c->status[i];
+    return LW_OK;
+}
+
 lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most,
-                              const unsigned *may_fail, lw_fit_results *out, lw_error *e)
+                              const unsigned *may_fail, const lw_results_effort *effort, lw_fit_results *out, lw_error *e)
 {
     size_t n = (size_t)fit->n + 1;
     *out = (lw_fit_results){ .candidate = calloc(n, sizeof *out->candidate), .report = calloc(n, sizeof *out->report),
                              .left_out = calloc(n, sizeof *out->left_out) };
     lw_fit_report *all = calloc(n, sizeof *all);
-    bool *fit_for_use = calloc(n, sizeof *fit_for_use), any = false;
-    lw_status st = out->candidate && out->report && out->left_out && all && fit_for_use
+    bool *fit_for_use = calloc(2*n, sizeof *fit_for_use), any = false;
+    lw_status *status = calloc(n, sizeof *status);
+    lw_status st = out->candidate && out->report && out->left_out && all && fit_for_use && status
                  ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for %d results", fit->n);
+    reports work = { .t = t, .s = s, .fit = fit, .may_fail = may_fail, .until = effort ? effort->until : 0, .report = all,
+                     .made = fit_for_use + n, .usable = fit_for_use, .status = status };
+    if (st == LW_OK) {
+        lw_parallel(!effort ? 1 : effort->jobs > 0 ? effort->jobs : lw_core_count(), (size_t)fit->n, make_report, &work);
+        st = first_fault(&work, e);
+    }
+    free(status);
     for (int i = 0; i < fit->n && st == LW_OK; i++) {
-        lw_fit_report *r = &all[i];
-        if ((st = lw_fit_report_make(t, s, &fit->candidate[i], r, e)) != LW_OK)
-            break;
-        bool passed = r->verified || (may_fail && may_fail[i] && r->meets), asked = r->broken & ~s->by_default;
-        fit_for_use[i] = passed && !asked;
+        const lw_fit_report *r = &all[i];
+        if (!work.made[i])
+            continue;
         if (!fit_for_use[i])
-            leave_out(out, i, passed ? r->broken_text : r->fault);
+            leave_out(out, i, r->verified || (may_fail && may_fail[i] && r->meets) ? r->broken_text : r->fault);
         else if (!any || bits(r->broken) < bits(out->broken))
             out->broken = r->broken;
         any |= fit_for_use[i];

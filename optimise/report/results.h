@@ -22,12 +22,20 @@ typedef struct lw_fit_results {
     lw_left_out   *left_out;       /*                                                 (n_left_out)  */
 } lw_fit_results;
 
+/* How much work the reports may be. */
+typedef struct lw_results_effort {
+    int    jobs;                   /* threads; < 1: one per core                                    */
+    double until;                  /* wall clock (base/clock.h) after which no further report is begun once there is one
+                                    * to keep; 0: no limit                                          */
+} lw_results_effort;
+
 /* Report on every candidate of `fit` and keep those that are verified: the first `most`, and beyond these the first
  * of each number of links.  may_fail (fit->n, or NULL): candidates with a nonzero entry need not pass the second
- * simulation if they meet the conditions; a linkage that must be taken apart between two stations cannot pass it.
+ * simulation if they meet the conditions; effort: NULL for one thread without limit; a linkage that must be taken apart between two stations cannot pass it.
  * LW_E_MEMORY; then nothing is left to free. */
 lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most,
-                              const unsigned *may_fail, lw_fit_results *out, lw_error *e);
+                              const unsigned *may_fail, const lw_results_effort *effort, lw_fit_results *out,
+                              lw_error *e);
 void      lw_fit_results_free(lw_fit_results *r);
 
 #endif

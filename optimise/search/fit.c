@@ -50,15 +50,22 @@ void lw_fit_free(lw_fit *f)
 /* Time kept back for the last polish [s], and at most this part of a time limit. */
 #define POLISH_TIME 0.5
 #define POLISH_PART 0.1
+/* And for the front. */
+#define WIDEN_PART  0.2
 
 double lw_search_grace(const lw_search *s)
 {
     return s->o->max_seconds > 0 ? fmin(POLISH_TIME, POLISH_PART*s->o->max_seconds) : POLISH_TIME;
 }
 
+double lw_search_widening(const lw_search *s)
+{
+    return lw_search_widens(s) ? WIDEN_PART*s->o->max_seconds : 0;
+}
+
 double lw_search_end(const lw_search *s)
 {
-    return s->o->max_seconds > 0 ? s->started + s->o->max_seconds - lw_search_grace(s) : 0;
+    return s->o->max_seconds > 0 ? s->started + s->o->max_seconds - lw_search_grace(s) - lw_search_widening(s) : 0;
 }
 
 bool lw_search_stopped(const lw_search *s)

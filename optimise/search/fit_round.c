@@ -621,12 +621,17 @@ static void fit_variant(void *context, size_t job, int thread)
         l->find.f = INFINITY;
 }
 
+bool lw_search_widens(const lw_search *s)
+{
+    return s->o->spec.by_default && lw_task_has_place(s->o->spec.task) && lw_fit_kept(s->o) >= LEFT;
+}
+
 lw_status lw_search_widen(lw_search *s)
 {
     lw_status st = LW_OK;
     lw_pool *pool = &s->pool;
     bool called_off = s->o->interrupt && *s->o->interrupt;
-    if (!s->o->spec.by_default || !lw_task_has_place(s->o->spec.task) || called_off || lw_fit_kept(s->o) < LEFT)
+    if (!lw_search_widens(s) || called_off)
         return LW_OK;
     polish_list *list = new_list(s);
     if (!list)
@@ -636,7 +641,7 @@ lw_status lw_search_widen(lw_search *s)
     for (int i = 0; i < pool->n && list->n < WIDENED*variants_of(s); i++)
         for (int k = 0; k < variants_of(s); k++)
             take(&pool->item[i], list);
-    list->until = lw_search_end(s) + 0.5*lw_search_grace(s);
+    list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
     lw_parallel(s->n_thread, (size_t)list->n, fit_variant, list);

@@ -11,7 +11,8 @@
 enum {
     PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
-    OF_EACH = 4             /* candidates of every number of links that are kept, in case the best has a defect */
+    OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
+    FRONT_OF_EACH = 24      /* where the results are a front                                        */
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
@@ -235,8 +236,8 @@ static bool same(const lw_candidate *a, const lw_candidate *b)
         && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
 }
 
-/* Keep `most` candidates, and OF_EACH of every number of links. */
-static void shorten(lw_staged_search *s, int most)
+/* Keep `most` candidates, and `each` of every number of links. */
+static void shorten(lw_staged_search *s, int most, int each)
 {
     lw_fit *f = &s->fit;
     int n = 0;
@@ -244,7 +245,7 @@ static void shorten(lw_staged_search *s, int most)
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        if ((n < most || seen[links] < OF_EACH) && (n == 0 || !same(c, &f->candidate[n - 1]))) {
+        if ((n < most || seen[links] < each) && (n == 0 || !same(c, &f->candidate[n - 1]))) {
             f->candidate[n++] = *c;
             seen[links]++;
         } else {
@@ -252,6 +253,16 @@ static void shorten(lw_staged_search *s, int most)
         }
     }
     f->n = n;
+}
+
+/* Part of the time that is left for stage i of n: more links take longer and gain more, as the square of the links beyond
+ * two.  A stage that ends earlier leaves its time to the others. */
+static double part_of_time(const lw_search_stage *stage, int i, int n)
+{
+    double mine = (stage[i].links - 2.0)*(stage[i].links - 2.0), all = 0;
+    for (int k = i; k < n; k++)
+        all += (stage[k].links - 2.0)*(stage[k].links - 2.0);
+    return all > 0 ? mine/all : 1;
 }
 
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
@@ -263,7 +274,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
     for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
         double left = o->max_seconds - (lw_clock_wall() - start);
         lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
-                                  o->max_seconds > 0 ? fmax(left/(n_stage - i), 1e-3) : 0, out, e);
+                                  o->max_seconds > 0 ? fmax(left*part_of_time(stage, i, n_stage), 1e-3) : 0, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_staged_search_free(out);
             return now;
@@ -272,7 +283,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
         if (now == LW_STOPPED && o->interrupt && *o->interrupt)
             break;
     }
-    shorten(out, 2*lw_fit_kept(o));
+    shorten(out, 2*lw_fit_kept(o), o->spec.by_default ? FRONT_OF_EACH : OF_EACH);
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 
