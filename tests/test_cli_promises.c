@@ -42,7 +42,7 @@ static const row rows[] = {
     { "robot jacobian examples/space/stewart.json", NULL, "examples/space/stewart.json", false },
     { "robot workspace examples/space/delta.json --rays 6", "robot workspace examples/space/delta.json --rays 100000",
       "examples/space/delta.json", false },
-    { "robot map examples/space/delta.json --places 4", "robot map examples/space/delta.json --grid 1000",
+    { "robot map examples/space/delta.json --places 4", "robot map examples/space/delta.json --places 1000",
       "examples/space/delta.json", false },
     { "family expand examples/families/loader.json", NULL, "examples/families/loader.json", false },
     { "family table examples/families/loader.json", NULL, "examples/families/loader.json", false },

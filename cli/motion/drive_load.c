@@ -30,7 +30,7 @@ static void print(const cli_call *call, FILE *f, int n, const lw_load *l)
                     g.torque_rms, g.speed_peak, g.power_peak, g.power_mean, g.energy_out, g.energy_back);
             if (isnan(l[i].inertia[0]))
                 fputs("not known\n", f);
-            else if (l[i].inertia[1] - l[i].inertia[0] < 1e-9*fabs(l[i].inertia[1]))
+            else if (l[i].inertia[1] - l[i].inertia[0] <= 1e-9*fabs(l[i].inertia[1]))
                 fprintf(f, "%.6g\n", l[i].inertia[1]);
             else
                 fprintf(f, "%.6g to %.6g\n", l[i].inertia[0], l[i].inertia[1]);

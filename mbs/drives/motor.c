@@ -21,8 +21,8 @@ lw_load_figures lw_load_figures_of(const lw_load *l)
         double power = l->speed[i]*l->torque[i];
         f.torque_peak = fmax(f.torque_peak, fabs(l->torque[i]));
         f.speed_peak = fmax(f.speed_peak, fabs(l->speed[i]));
-        f.power_peak = fmax(f.power_peak, power);
-        f.power_least = fmin(f.power_least, power);
+        f.power_peak = fmax(f.power_peak, power + 0.0);       /* no -0 */
+        f.power_least = fmin(f.power_least, power + 0.0);
         if (i == 0)
             continue;
         double before = l->speed[i - 1]*l->torque[i - 1], a = l->torque[i - 1], b = l->torque[i];
