@@ -140,6 +140,57 @@ LW_API lw_axis_state lw_profile_at(const lw_profile *profile, double t, double *
 /* Least and greatest speed, acceleration and jerk over the whole motion, exact. */
 LW_API lw_axis_limits lw_profile_extremes(const lw_profile *profile);
 
+/* ---- servo axes ------------------------------------------------------------------------------------------------- */
+
+typedef struct lw_servo lw_servo;      /* motor, transmission, load, controllers, wanted motion (docs/drive.md)  */
+
+/* From JSON text or file, as lw_model_parse and lw_model_load. */
+LW_API lw_status lw_servo_parse(const char *text, size_t size, const char *file, lw_servo **out, lw_error *error);
+LW_API lw_status lw_servo_load(const char *path, lw_servo **out, lw_error *error);
+LW_API void      lw_servo_destroy(lw_servo *servo);
+
+/* One moment; positions and forces are those of the load. */
+typedef struct lw_servo_row {
+    double t;
+    lw_axis_state wanted;
+    double position, speed, error;     /* of the load; wanted less reached                                       */
+    double motor_position, motor_speed;                  /* of the motor, seen at the load                        */
+    double current, voltage, torque;   /* of the motor [A] [V] [N m]                                             */
+    double heat, electrical;           /* in the copper, and energy taken from the amplifier, since 0 [J]         */
+} lw_servo_row;
+typedef lw_status lw_servo_callback(void *context, const lw_servo_row *row);
+
+typedef struct lw_servo_options {
+    double to;                         /* [s]; 0: the motion and half as long again                 (0)           */
+    int    intervals;                  /* rows less one                                             (1000)        */
+    double tolerance;                  /* of a step of the integration                              (1e-9)        */
+    double band;                       /* settled: |error| stays below this [m] or [rad]            (1e-3)        */
+    const volatile int *stop;          /* *stop not 0 ends the run; may be set by a signal          (NULL)        */
+} lw_servo_options;
+LW_API lw_servo_options lw_servo_options_default(void);
+
+typedef struct lw_servo_report {
+    double end, to;                    /* end of the motion, of the run [s]                                       */
+    double error_peak, error_peak_t, error_end;
+    double settled;                    /* |error| <= band from here on [s]; NaN: not at the end                   */
+    double overshoot;                  /* beyond the end of the last move, in its direction                       */
+    double current_peak, current_rms, voltage_peak, torque_peak, speed_peak;     /* speed of the motor [rad/s]    */
+    double current_limited, voltage_limited;             /* time at these limits [s]                              */
+    double electrical, heat, friction, transmission;     /* energy taken; lost in copper, friction, gear [J]      */
+    double stored, work;               /* change of kinetic, elastic, magnetic energy; done by the force [J]      */
+    double energy_error;               /* electrical + work - heat - friction - transmission - stored [J]         */
+    long   steps;
+} lw_servo_report;
+
+/* Run from rest at the wanted position at t = 0.  visit may be NULL.  LW_E_NUMERIC: the axis moves beyond all numbers, as
+ * with unstable gains; LW_STOPPED. */
+LW_API lw_status lw_servo_run(const lw_servo *servo, const lw_servo_options *options, lw_servo_callback *visit,
+                              void *context, lw_servo_report *report, lw_error *error);
+
+/* Poles of the closed loop without dry friction, play, limits and encoder steps [1/s], the least damped first: *n of them
+ * into re, im (16).  LW_E_KIND: the sampling times have no common multiple that is one of them. */
+LW_API lw_status lw_servo_poles(const lw_servo *servo, int *n, double *re, double *im, lw_error *error);
+
 /* ---- topologies: chains and mechanisms ----------------------------------------------------------------------- */
 
 typedef struct lw_chain lw_chain;              /* links and joints, nothing fixed                              */

@@ -7,7 +7,7 @@
 #define LW_GRAMMAR_SERVO_H
 
 #include "grammar/expression.h"
-#include "grammar/moves.h"
+#include "grammar/moves.h"     /* lw_servo: linkwright.h */
 
 /* Force against the motion: (coulomb + (breakaway - coulomb) exp(-(v/stribeck)^2)) tanh(v/smoothing) + viscous v. */
 typedef struct lw_servo_friction { double coulomb, breakaway, stribeck, viscous, smoothing; } lw_servo_friction;
@@ -15,7 +15,7 @@ typedef struct lw_servo_friction { double coulomb, breakaway, stribeck, viscous,
 /* A controller, its sampling time (0: it acts at every moment) and the time from a sample to its output. */
 typedef struct lw_servo_loop { double proportional, integral, sample, delay; } lw_servo_loop;
 
-typedef struct lw_servo {
+struct lw_servo {
     char   name[64];
     bool   slides;                         /* the load is a slide                                              */
     double constant, inertia, resistance, inductance;      /* motor [N m/A] [kg m^2] [Ohm] [H]                */
@@ -37,7 +37,7 @@ typedef struct lw_servo {
     bool   emf_compensation;
     lw_moves moves;                        /* the wanted motion; none with a reference                            */
     lw_expression *reference;              /* wanted position as a function of t instead of moves                 */
-} lw_servo;
+};
 
 /* LW_E_NOTATION with line and column; s needs lw_servo_free after success. */
 lw_status lw_servo_read(const char *text, size_t size, const char *file, lw_servo *s, lw_error *e);

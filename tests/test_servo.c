@@ -235,6 +235,27 @@ static void matrices_give_the_run(void)
     CHECK_NEAR(position, 0.01, 5e-3, 0);
 }
 
+/* The same through the library's own functions. */
+static void the_library_runs_files(void)
+{
+    lw_servo *p = NULL;
+    lw_servo_options o = lw_servo_options_default();
+    lw_servo_report r;
+    double re[16], im[16];
+    int n;
+    CHECK_INT(lw_servo_load("examples/drives/servo-axis.json", &p, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    if (!p)
+        return;
+    CHECK_INT(lw_servo_run(p, &o, NULL, NULL, &r, &e), LW_OK);
+    CHECK(r.error_peak < 2e-3 && r.settled < r.end && fabs(r.energy_error) < 1e-8*r.electrical);
+    CHECK_INT(lw_servo_poles(p, &n, re, im, &e), LW_OK);
+    CHECK(n > 5 && re[0] < 0);
+    lw_servo_destroy(p);
+    CHECK_INT(lw_servo_load("examples/pendulum.json", &p, &e), LW_E_NOTATION);
+    CHECK(p == NULL);
+}
+
 static void refused(const char *parts, const char *why)
 {
     char text[3000];
@@ -273,6 +294,7 @@ int main(void)
     RUN(margins_in_closed_form);
     RUN(poles_of_the_whole);
     RUN(matrices_give_the_run);
+    RUN(the_library_runs_files);
     RUN(bad_files_are_refused);
     return check_end();
 }

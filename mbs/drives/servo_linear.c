@@ -188,6 +188,16 @@ lw_status lw_matrices_poles(const lw_state_matrices *m, int *n, double *re, doub
     return s;
 }
 
+lw_status lw_servo_poles(const lw_servo *servo, int *n, double *re, double *im, lw_error *error)
+{
+    lw_state_matrices m;
+    *n = 0;
+    lw_status s = lw_servo_closed(servo, &m, error);
+    if (s == LW_OK && (s = lw_matrices_poles(&m, n, re, im)) != LW_OK)
+        lw_error_set(error, s, "the eigenvalues of the closed loop are not found");
+    return s;
+}
+
 /* ---- frequency responses --------------------------------------------------------------------------------------- */
 
 /* Solve (s I - A) x = b by elimination with row exchanges. */

@@ -284,7 +284,7 @@ lw_servo_options lw_servo_options_default(void)
 typedef struct watcher {
     lw_servo_axis  *a;
     const lw_servo_options *o;
-    lw_servo_sink  *sink;
+    lw_servo_callback  *sink;
     void           *context;
     lw_servo_report *r;
     int    next;                         /* row */
@@ -371,7 +371,7 @@ static double stored(const lw_servo_axis *a, const double *y)
     return sum;
 }
 
-lw_status lw_servo_run(const lw_servo *s, const lw_servo_options *o, lw_servo_sink *sink, void *context,
+lw_status lw_servo_run(const lw_servo *s, const lw_servo_options *o, lw_servo_callback *sink, void *context,
                        lw_servo_report *r, lw_error *e)
 {
     lw_servo_axis a = lw_servo_axis_of(s, false);
