@@ -72,6 +72,34 @@ static void six_links_are_never_worse_than_four(void)
     lw_target_free(&t);
 }
 
+/* With default limits, too: cranks, the others, both ways, variants for the front, reports by several threads.  The front
+ * holds the least error, and more rounds are never worse. */
+static void default_limits_give_one_answer(void)
+{
+    lw_target t = target();
+    lw_topology_search found[3];
+    double least[3] = { INFINITY, INFINITY, INFINITY };
+    for (int i = 0; i < 3; i++) {
+        lw_topology_search_options o = options(4, i == 1 ? 3 : 1);
+        o.fit.max_rounds = i == 2 ? 2 : 1;
+        lw_fit_spec_set_limits(&o.fit.spec, &t, 0);
+        CHECK_INT(lw_topology_search_run(&t, &o, &found[i], NULL), LW_OK);
+        const lw_fit_results *r = &found[i].results;
+        for (int k = 0; k < r->n; k++)
+            least[i] = fmin(least[i], found[i].found.fit.candidate[r->candidate[k]].objective);
+        CHECK(r->n > 0 && r->n <= 3);
+    }
+    CHECK_INT(found[0].results.n, found[1].results.n);
+    for (int k = 0; k < found[0].results.n && k < found[1].results.n; k++) {
+        const lw_fit_report *a = &found[0].results.report[k], *b = &found[1].results.report[k];
+        CHECK(a->objective == b->objective && a->size == b->size && a->transmission_min == b->transmission_min);
+    }
+    CHECK(least[2] <= least[0]);
+    for (int i = 0; i < 3; i++)
+        lw_topology_search_free(&found[i]);
+    lw_target_free(&t);
+}
+
 typedef struct watcher { int calls, stop; bool in_range; } watcher;
 
 static void watch(void *context, double done, double seconds, double best)
@@ -104,6 +132,7 @@ static void progress_is_told_and_the_stop_flag_honoured(void)
 int main(void)
 {
     RUN(six_links_are_never_worse_than_four);
+    RUN(default_limits_give_one_answer);
     RUN(progress_is_told_and_the_stop_flag_honoured);
     return check_end();
 }
