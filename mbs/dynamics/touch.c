@@ -370,8 +370,6 @@ static void between_points(const lw_touch *t, const lw_body_frame *f, const doub
             - (t->radius[0] + t->radius[1])*turned;
 }
 
-static const double notch = 1e-6;
-
 static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, lw_touch_motion *m)
 {
     lw_vec2 u = lw_v2_turn(t->along, f[t->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
@@ -389,9 +387,9 @@ static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, 
             + t->radius[0]*(f[t->body[0] + 1].turn - f[t->body[1] + 1].turn);
     if (t->state == LW_TOUCH_HELD)
         return;
-    /* at a notch the next face holds the disc, up to rounding: this face goes on there */
+    /* at a notch the next face holds the disc, up to interpolation: this face goes on there */
     bool corner = t->side == 0;
-    double begin = corner && !(t->slope[0] < INFINITY) ? notch : 0, end = corner && !(t->slope[1] < INFINITY) ? notch : 0;
+    double begin = corner && !(t->slope[0] < INFINITY) ? t->deepest : 0, end = corner && !(t->slope[1] < INFINITY) ? t->deepest : 0;
     double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
     if (past > 0)                            /* an end: the disc there repels, and this less than that */
         m->gap = hypot(past, height) - reach + past;

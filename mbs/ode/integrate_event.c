@@ -69,8 +69,8 @@ static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
         return LW_OK;
     }
     double slope = (gb - ga)/(b - a), fa = ga, fb = gb, wide = 1e-3*fabs(b - a);
-    for (int i = 0; i < 100 && fabs(b - a) > tight; i++) {
-        double t = i % 4 == 3 ? 0.5*(a + b) : a + (b - a)*fa/(fa - fb), g;
+    for (int i = 0; i < 200 && fabs(b - a) > tight; i++) {      /* where g has kinks, by bisection at last */
+        double t = i % 4 == 3 || i > 100 ? 0.5*(a + b) : a + (b - a)*fa/(fa - fb), g;
         if (!(fabs(t - a) > 0.0))
             t = 0.5*(a + b);                             /* g is 0 at a too, up to rounding */
         if (!(fabs(t - a) > 0.0 && fabs(t - b) > 0.0))
