@@ -32,7 +32,8 @@ static char *part_at(const lw_drive_parts *p, int kind, int i)
     return kind == 0 ? (char *)&p->motor[i] : kind == 1 ? (char *)&p->gear[i] : (char *)&p->amplifier[i];
 }
 
-int lw_part_count(const lw_drive_parts *p, int kind) { return kind == 0 ? p->n_motor : kind == 1 ? p->n_gear : p->n_amplifier; }
+int lw_part_count(const lw_drive_parts *p, int kind) { return kind == 0 ? p->n_motor : kind == 1 ? p->n_gear
+                                                       : p->n_amplifier; }
 
 const char *lw_part_name(const lw_drive_parts *p, int kind, int i) { return part_at(p, kind, i); }
 
@@ -87,7 +88,8 @@ static int split(const char *line, size_t size, field *f)
     return n;
 }
 
-static bool is_word(const field *f, size_t n, const char *word) { return strlen(word) == n && memcmp(f->text, word, n) == 0; }
+static bool is_word(const field *f, size_t n, const char *word) { return strlen(word) == n && memcmp(f->text, word,
+    n) == 0; }
 
 /* The kind whose columns the header has. */
 static int kind_of(const field *f, int n)
@@ -128,8 +130,10 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
         if (!h->of[i] && word > 2 && memcmp(f[i].text, "x-", 2) == 0)
             continue;
         if (!h->of[i])
-            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "there is no column \"%s\" of a %s%s%s%s; columns of your "
-                               "own begin with x-", text, kinds[h->kind], near ? "; did you mean \"" : "", near ? near : "",
+            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column,
+                               "there is no column \"%s\" of a %s%s%s%s; columns of your "
+                               "own begin with x-", text, kinds[h->kind], near ? "; did you mean \"" : "", near ? near
+                                   : "",
                                near ? "\"?" : "");
         lw_amount si;
         lw_error inner = { 0 };
@@ -141,10 +145,12 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
         if (open && f[i].text[f[i].n - 1] != ']')
             return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "this unit has no ]");
         if (!lw_dimension_fits(h->unit[i].dimension, si.dimension))
-            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s needs a unit like [%s]", h->of[i]->name, h->of[i]->unit);
+            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s needs a unit like [%s]", h->of[i]->name,
+                               h->of[i]->unit);
         for (int k = 0; k < i; k++)
             if (h->of[k] == h->of[i])
-                return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "the column %s is given twice", h->of[i]->name);
+                return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "the column %s is given twice",
+                                   h->of[i]->name);
     }
     if (h->name < 0)
         return lw_error_at(e, LW_E_NOTATION, file, line, 1, "the column \"name\" is missing");
@@ -153,13 +159,15 @@ static lw_status read_header(const field *f, int n, const char *file, long line,
         for (int i = 0; i < n; i++)
             there = there || h->of[i] == c;
         if (!there)
-            return lw_error_at(e, LW_E_NOTATION, file, line, 1, "the column \"%s\" [%s] of a %s is missing", c->name, c->unit,
+            return lw_error_at(e, LW_E_NOTATION, file, line, 1, "the column \"%s\" [%s] of a %s is missing", c->name,
+                               c->unit,
                                kinds[h->kind]);
     }
     return LW_OK;
 }
 
-static lw_status read_part(const header *h, const field *f, int n, const char *file, long line, lw_drive_parts *p, lw_error *e)
+static lw_status read_part(const header *h, const field *f, int n, const char *file, long line, lw_drive_parts *p,
+                           lw_error *e)
 {
     char *part = lw_part_add(p, h->kind);
     if (!part)
@@ -168,7 +176,8 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
     if (n != h->n)
         return lw_error_at(e, LW_E_NOTATION, file, line, 1, "this line has %d fields, the header has %d", n, h->n);
     if (f[h->name].n == 0 || f[h->name].n >= LW_PART_NAME)
-        return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "a name of 1 to %d bytes is expected", LW_PART_NAME - 1);
+        return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "a name of 1 to %d bytes is expected",
+                           LW_PART_NAME - 1);
     memcpy(part, f[h->name].text, f[h->name].n);
     for (int i = 0; i < at; i++)
         if (strcmp(lw_part_name(p, h->kind, i), part) == 0)
@@ -180,7 +189,8 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
         if (f[i].n == 0 && !h->of[i]->needed)
             continue;
         if (lw_number_parse(f[i].text, f[i].n, &x) != LW_OK || x < 0 || (x == 0 && h->of[i]->needed))
-            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s: a number %s 0 is expected", h->of[i]->name,
+            return lw_error_at(e, LW_E_NOTATION, file, line, f[i].column, "%s: a number %s 0 is expected",
+                               h->of[i]->name,
                                h->of[i]->needed ? "above" : "of at least");
         lw_amount a = h->unit[i];
         a.number = x;

@@ -1,7 +1,7 @@
 /* grammar/drive_parts.h - motors, gears and amplifiers, from tables (docs/drive.md, "Catalogue of parts").
  *
- * A table is CSV: a header with column names, each with its unit in brackets when it is not SI, as in "speed [rpm]"; one
- * part in a line; lines that begin with # are comments.  The columns tell what the parts are. */
+ * A table is CSV: a header with column names, each with its unit in brackets when it is not SI, as in "speed [rpm]";
+ * one part in a line; lines that begin with # are comments.  The columns tell what the parts are. */
 #ifndef LW_GRAMMAR_DRIVE_PARTS_H
 #define LW_GRAMMAR_DRIVE_PARTS_H
 

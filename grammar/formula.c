@@ -77,7 +77,8 @@ static const unit units[] = {                         /*    m  kg   s   A  K rad
     { "N", 1, 1, D(1, 1, -2) }, { "kN", 1e3, 1, D(1, 1, -2) }, { "MN", 1e6, 1, D(1, 1, -2) },
     { "Pa", 1, 1, D(-1, 1, -2) }, { "kPa", 1e3, 1, D(-1, 1, -2) }, { "MPa", 1e6, 1, D(-1, 1, -2) },
     { "GPa", 1e9, 1, D(-1, 1, -2) }, { "bar", 1e5, 1, D(-1, 1, -2) },
-    { "J", 1, 1, D(2, 1, -2) }, { "kJ", 1e3, 1, D(2, 1, -2) }, { "W", 1, 1, D(2, 1, -3) }, { "kW", 1e3, 1, D(2, 1, -3) },
+    { "J", 1, 1, D(2, 1, -2) }, { "kJ", 1e3, 1, D(2, 1, -2) }, { "W", 1, 1, D(2, 1, -3) }, { "kW", 1e3, 1, D(2, 1,
+        -3) },
     { "A", 1, 1, D(0, 0, 0, 1) }, { "V", 1, 1, D(2, 1, -3, -1) }, { "ohm", 1, 1, D(2, 1, -3, -2) },
     { "H", 1, 1, D(2, 1, -2, -2) }, { "mH", 1, 1e3, D(2, 1, -2, -2) }, { "K", 1, 1, D(0, 0, 0, 0, 1) },
     { "l", 1, 1e3, D(3) }, { "%", 1, 100, D(0) }, { "1", 1, 1, D(0) },
@@ -449,7 +450,8 @@ static lw_status primary(parser *p)
     p->at++;
     lw_status s = disjunction(p);
     if (s == LW_OK && !take(p, ')'))
-        s = fault(p, p->at, "')' is expected, not %s: the bracket of column %zu is open", lw_byte_name(peek(p), buf), at + 1);
+        s = fault(p, p->at, "')' is expected, not %s: the bracket of column %zu is open", lw_byte_name(peek(p), buf),
+                  at + 1);
     return s;
 }
 
@@ -622,7 +624,8 @@ int lw_formula_words(const lw_formula *f, const int **which)
 
 /* ---- value --------------------------------------------------------------------------------------- */
 
-static lw_status mistake(const operation *o, lw_error *e, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static lw_status mistake(const operation *o, lw_error *e, const char *format, ...) __attribute__((format(printf, 3,
+    4)));
 static lw_status mistake(const operation *o, lw_error *e, const char *format, ...)
 {
     char text[400];
@@ -643,7 +646,8 @@ static const char *print_kind(const lw_amount *a, char text[64])
 static lw_status unfit(const operation *o, const lw_amount *a, const lw_amount *b, const char *what, lw_error *e)
 {
     char one[64], two[64];
-    return mistake(o, e, "the units do not fit: [%s] and [%s] cannot be %s", print_kind(a, one), print_kind(b, two), what);
+    return mistake(o, e, "the units do not fit: [%s] and [%s] cannot be %s", print_kind(a, one), print_kind(b, two),
+                   what);
 }
 
 /* b in the unit of a. */
@@ -788,7 +792,8 @@ static lw_status logic(const operation *o, lw_amount *a, lw_error *e)
     char text[64];
     for (int i = 0; i < o->n; i++)
         if (a[i].kind != LW_AMOUNT_TRUTH)
-            return mistake(o, e, "a condition is expected on %s side, this is a [%s]", o->n == 1 ? "the right" : i ? "the right"
+            return mistake(o, e, "a condition is expected on %s side, this is a [%s]", o->n == 1 ? "the right" : i ?
+                           "the right"
                            : "the left", print_kind(&a[i], text));
     a->number = o->op == OP_NOT ? a->number == 0 : o->op == OP_AND ? a[0].number != 0 && a[1].number != 0
               : a[0].number != 0 || a[1].number != 0;
@@ -870,7 +875,8 @@ static lw_status apply(const operation *o, lw_amount *a, lw_error *e)
     }
 }
 
-static lw_status run(const lw_formula *f, const lw_amount *const value[2], lw_amount *out, lw_amount *sides, lw_error *e)
+static lw_status run(const lw_formula *f, const lw_amount *const value[2], lw_amount *out, lw_amount *sides,
+                     lw_error *e)
 {
     lw_amount stack[STACK_MAX + 1];
     int n = 0;

@@ -29,7 +29,8 @@ lw_status lw_template_fault(const lw_template *t, size_t at, const lw_error *inn
 {
     if (inner->status != LW_E_NOTATION)
         return lw_error_set(e, inner->status, "%s", inner->text);
-    return lw_json_fault_inside(&t->json, at + (inner->column > 0 ? (size_t)inner->column - 1 : 0), e, "%s", inner->text);
+    return lw_json_fault_inside(&t->json, at + (inner->column > 0 ? (size_t)inner->column - 1 : 0), e, "%s",
+                                inner->text);
 }
 
 static size_t count_nodes(const lw_json_node *n)
@@ -70,7 +71,8 @@ static lw_status fill_tree(lw_master *m, lw_template *t, lw_json_node json, lw_e
 
 static const char *text_of(const lw_template *t) { return t ? lw_json_text(&t->json) : NULL; }
 
-static lw_status expect(const lw_template *t, lw_json_kind kind, lw_error *e) { return lw_json_expect(&t->json, kind, e); }
+static lw_status expect(const lw_template *t, lw_json_kind kind, lw_error *e) { return lw_json_expect(&t->json, kind,
+    e); }
 
 /* ---- scopes -------------------------------------------------------------------------------------- */
 
@@ -121,7 +123,8 @@ static bool is_name(const char *name)
 static int add_symbol(lw_scope *s, const char *name, lw_template *node, lw_error *e)
 {
     if (node && !is_name(name)) {
-        lw_json_fault(&node->json, e, "\"%.60s\" cannot be a name; write letters, digits and _, a letter first, at most %d, and "
+        lw_json_fault(&node->json, e, "\"%.60s\" cannot be a name; write letters, digits and _, a letter first, at "
+                                      "most %d, and "
                       "none of the words of formulas", name, LW_MASTER_NAME - 1);
         return -1;
     }
@@ -441,8 +444,8 @@ static lw_status constant_of(const lw_template *t, const lw_symbol *s, lw_amount
         lw_formula_free(f);
         return st == LW_OK ? st : lw_template_fault(t, 1, &inner, e);
     }
-    *out = text ? lw_amount_of_text(text) : (lw_amount){ .kind = LW_AMOUNT_TRUTH, .number = lw_json_truth(&t->json) == 1,
-                                                         .over = 1, .under = 1 };
+    *out = text ? lw_amount_of_text(text) : (lw_amount){ .kind = LW_AMOUNT_TRUTH, .over = 1, .under = 1,
+                                                     .number = lw_json_truth(&t->json) == 1 };
     if (!text && lw_json_truth(&t->json) < 0)
         return lw_json_fault(&t->json, e, "a number, a text, true or false is expected here");
     return LW_OK;
@@ -556,7 +559,8 @@ static lw_status find_part(const lw_master *m, const lw_template *t, int *out, l
     for (int i = 0; names && i < m->n_part; i++)
         names[i] = m->part[i].name;
     const char *near = names ? lw_suggest(name, names, m->n_part) : NULL;
-    s = lw_json_fault(&t->json, e, "there is no part \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near ? near : "",
+    s = lw_json_fault(&t->json, e, "there is no part \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "", near
+                      ? near : "",
                       near ? "\"?" : "");
     free(names);
     return s;
@@ -592,7 +596,8 @@ static lw_status read_with(const place *p, lw_use *u, lw_template *with, lw_erro
 
 static lw_status read_use(const place *p, lw_use *u, lw_template *t, lw_error *e)
 {
-    static const char *const known[] = { "part", "name", "at", "angle", "axis", "attach", "to", "with", "when", "repeat", "doc" };
+    static const char *const known[] = { "part", "name", "at", "angle", "axis", "attach", "to", "with", "when",
+                                         "repeat", "doc" };
     lw_template *part = lw_template_member(t, "part"), *with = lw_template_member(t, "with");
     lw_status s = expect(t, LW_JSON_OBJECT, e);
     if (s == LW_OK)
@@ -614,7 +619,8 @@ static lw_status read_use(const place *p, lw_use *u, lw_template *t, lw_error *e
             s = compile(p, *members[i].at, lw_key_find(NULL, members[i].key), NULL, e);
     }
     if (s == LW_OK && (!u->attach != !u->to))
-        s = lw_json_fault(&t->json, e, "\"attach\" and \"to\" belong together: a port of the part, and the port that it is laid on");
+        s = lw_json_fault(&t->json, e, "\"attach\" and \"to\" belong together: a port of the part, and the port that "
+                                       "it is laid on");
     if (s == LW_OK && u->attach && u->at)
         s = lw_json_fault(&u->at->json, e, "\"to\" says where the part is; leave out \"at\"");
     if (s == LW_OK && u->axis && !u->angle)
@@ -648,7 +654,8 @@ static lw_status read_ports(const place *p, lw_part *part, const lw_template *li
     for (int i = 0; s == LW_OK && i < list->n; i++) {
         lw_template *t = &list->child[i];
         lw_port *port = &part->port[part->n_port++];
-        *port = (lw_port){ t, lw_template_member(t, "at"), lw_template_member(t, "angle"), lw_template_member(t, "axis") };
+        *port = (lw_port){ t, lw_template_member(t, "at"), lw_template_member(t, "angle"),
+                            lw_template_member(t, "axis") };
         s = expect(t, LW_JSON_OBJECT, e);
         if (s == LW_OK)
             s = lw_json_known_keys(&t->json, known, COUNT(known), e);
@@ -676,7 +683,8 @@ static lw_status read_part(lw_master *m, lw_part *part, lw_error *e)
         if (other)
             continue;
         if (list->type != LW_JSON_ARRAY)
-            s = lw_json_fault(&list->json, e, "a part holds parameters, let, ports, use and lists such as links, joints, forces");
+            s = lw_json_fault(&list->json, e, "a part holds parameters, let, ports, use and lists such as links, "
+                                              "joints, forces");
         else
             s = compile(&p, list, lw_key_find(NULL, list->json.key), list->json.key, e);
     }
@@ -740,7 +748,8 @@ static lw_status read_parts(lw_master *m, const lw_template *list, lw_error *e)
 
 /* Views that every master has, unless it says otherwise. */
 static const struct { const char *name, *omit[20]; } own_views[] = {
-    { "kinematic", { "mass", "centre", "inertia", "gravity", "springs", "dampers", "forces", "motors", "friction", "stop",
+    { "kinematic", { "mass", "centre", "inertia", "gravity", "springs", "dampers", "forces", "motors", "friction",
+                     "stop",
                      "clearance", "elastic", "states", "controllers", "cylinders", "contacts", "ropes" } },
     { "dynamic", { "clearance", "elastic" } },
     { "elastic", { "clearance" } },
@@ -789,7 +798,8 @@ static lw_status read_set(const lw_master *m, lw_setting *setting, lw_template *
     return s;
 }
 
-static lw_status read_settings(const lw_master *m, const lw_template *list, lw_setting *out, int *n, bool view, lw_error *e)
+static lw_status read_settings(const lw_master *m, const lw_template *list, lw_setting *out, int *n, bool view,
+                               lw_error *e)
 {
     static const char *const known[] = { "doc", "set", "omit" };
     lw_status s = list ? expect(list, LW_JSON_OBJECT, e) : LW_OK;
@@ -828,7 +838,8 @@ static lw_status no_setting(const char *what, const lw_setting *list, int n, con
     for (int i = 0; names && i < n; i++)
         names[i] = list[i].name;
     const char *near = names ? lw_suggest(name, names, n) : NULL;
-    snprintf(text, size, "there is no %s \"%.60s\"%s%s%s", what, name, near ? "; did you mean \"" : "", near ? near : "",
+    snprintf(text, size, "there is no %s \"%.60s\"%s%s%s", what, name, near ? "; did you mean \"" : "", near ? near :
+             "",
              near ? "\"?" : "");
     free(names);
     return LW_E_ARG;
@@ -865,7 +876,8 @@ static lw_status read_checks(lw_master *m, const lw_template *list, lw_error *e)
     if (!m->check)
         return no_memory(e);
     for (int i = 0; s == LW_OK && i < list->n; i++) {
-        lw_template *t = &list->child[i], *require = lw_template_member(t, "require"), *text = lw_template_member(t, "text");
+        lw_template *t = &list->child[i], *require = lw_template_member(t, "require"), *text = lw_template_member(t,
+            "text");
         lw_check *c = &m->check[m->n_check++];
         s = expect(t, LW_JSON_OBJECT, e);
         if (s == LW_OK)
@@ -913,10 +925,12 @@ static lw_status read_units(lw_master *m, lw_error *e)
 
 static lw_status read_root(lw_master *m, lw_error *e)
 {
-    static const char *const known[] = { "linkwright", "family", "doc", "parameters", "let", "parts", "model", "view", "views",
+    static const char *const known[] = { "linkwright", "family", "doc", "parameters", "let", "parts", "model", "view",
+                                         "views",
                                          "configurations", "checks", "$schema" };
     double version = 0;
-    lw_template *root = m->root, *v = lw_template_member(root, "linkwright"), *family = lw_template_member(root, "family");
+    lw_template *root = m->root, *v = lw_template_member(root, "linkwright"), *family = lw_template_member(root,
+        "family");
     lw_status s = expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && lw_template_member(root, "joints"))
         return lw_json_fault(&root->json, e, "this is no master file but a model; a master holds it under \"model\"");
@@ -973,7 +987,8 @@ static lw_status read_all(lw_master *m, const char *text, size_t size, const cha
     if (first < 0)
         return LW_E_MEMORY;
     m->scope.symbol[LW_SYMBOL_VIEW].value = lw_amount_of_text("");
-    if ((s = fill_tree(m, m->root, root, e)) != LW_OK || (s = read_root(m, e)) != LW_OK || (s = read_units(m, e)) != LW_OK
+    if ((s = fill_tree(m, m->root, root, e)) != LW_OK || (s = read_root(m, e)) != LW_OK || (s = read_units(m,
+        e)) != LW_OK
         || (s = read_scope(&p, m->root, &m->n_parameter, &m->n_let, e)) != LW_OK
         || (s = read_parts(m, lw_template_member(m->root, "parts"), e)) != LW_OK || (s = read_model(m, e)) != LW_OK
         || (s = read_views(m, e)) != LW_OK)
@@ -1214,11 +1229,13 @@ lw_status lw_variant_set(lw_variant *v, const char *name, const char *value, lw_
             a.number = number;
         }
         if (st == LW_OK && a.kind != s->info.kind)
-            st = lw_error_set(&inner, LW_E_NOTATION, "%s is expected", s->info.kind == LW_AMOUNT_TRUTH ? "true or false" : "a number");
+            st = lw_error_set(&inner, LW_E_NOTATION, "%s is expected", s->info.kind == LW_AMOUNT_TRUTH ?
+                              "true or false" : "a number");
     }
     if (st != LW_OK) {
         free(copy);
-        return lw_error_at(e, st == LW_E_NOTATION ? LW_E_ARG : st, v->m->file, 0, 0, "%s = %.60s: %s", name, value, inner.text);
+        return lw_error_at(e, st == LW_E_NOTATION ? LW_E_ARG : st, v->m->file, 0, 0, "%s = %.60s: %s", name, value,
+                           inner.text);
     }
     free(v->text[1 + at]);
     v->text[1 + at] = copy;
@@ -1240,11 +1257,13 @@ static lw_status suits(const lw_variant *v, const lw_symbol *s, const lw_amount 
         return LW_OK;
     if (a->kind == LW_AMOUNT_NUMBER && !lw_amount_in(a, s->has_unit ? &s->unit : &plain, &x)) {
         lw_dimension_print(a->dimension, text, sizeof text);
-        return lw_json_fault(at, e, "the value of %s is in [%s], its unit is [%s]", s->name, text, s->has_unit ? p->unit : "1");
+        return lw_json_fault(at, e, "the value of %s is in [%s], its unit is [%s]", s->name, text, s->has_unit
+                             ? p->unit : "1");
     }
     lw_variant_print(v, (int)(s - v->m->scope.symbol) - 1, a, text, sizeof text);
     if (p->has_range && a->kind == LW_AMOUNT_NUMBER && !(x >= p->least && x <= p->most))
-        return lw_json_fault(at, e, "%s = %s is outside its range %g to %g %s", s->name, text, p->least, p->most, p->unit);
+        return lw_json_fault(at, e, "%s = %s is outside its range %g to %g %s", s->name, text, p->least, p->most,
+                             p->unit);
     if (p->whole && a->kind == LW_AMOUNT_NUMBER && x != round(x))
         return lw_json_fault(at, e, "%s = %s is no whole number", s->name, text);
     bool found = !s->choices;
@@ -1252,7 +1271,8 @@ static lw_status suits(const lw_variant *v, const lw_symbol *s, const lw_amount 
         const lw_template *c = &s->choices->child[i];
         double number = 0;
         found = found || (a->kind == LW_AMOUNT_TEXT && text_of(c) && strcmp(text_of(c), a->text) == 0)
-             || (a->kind == LW_AMOUNT_NUMBER && c->type == LW_JSON_NUMBER && lw_json_number(&c->json, &number, NULL) == LW_OK
+             || (a->kind == LW_AMOUNT_NUMBER && c->type == LW_JSON_NUMBER && lw_json_number(&c->json, &number,
+                 NULL) == LW_OK
                  && number == x);
     }
     return found ? LW_OK : lw_json_fault(at, e, "%s = %s is none of its choices", s->name, text);

@@ -1,7 +1,8 @@
-/* grammar/master.h - product families: a master file with parameters, formulas, parts and views that expands to ordinary
- * model files (docs/family.md).
+/* grammar/master.h - product families: a master file with parameters, formulas, parts and views that expands to
+ * ordinary model files (docs/family.md).
  *
- * A master is constant once read; threads share it.  A variant is one choice of its parameters; each thread has its own.
+ * A master is constant once read; threads share it.  A variant is one choice of its parameters; each thread has its
+ * own.
  * The expander makes JSON and knows of models only which keys hold places, directions and angles, and in which units
  * (master_keys.c), so that it serves planar and spatial models alike.
  *

@@ -1,8 +1,8 @@
 /* grammar/master_expand.c - the model file of a variant.
  *
- * First all parts are placed: each use becomes an instance with its own values and its frame in the model.  Then the keys
- * of the model are written; lists continue with the elements of the instances.  Each value written is noted with the
- * template that it came from, for errors of the reader of the model. */
+ * First all parts are placed: each use becomes an instance with its own values and its frame in the model.  Then the
+ * keys of the model are written; lists continue with the elements of the instances.  Each value written is noted with
+ * the template that it came from, for errors of the reader of the model. */
 #include "grammar/master_internal.h"
 
 #include <stdarg.h>
@@ -22,7 +22,8 @@
 #define ELEMENT_MAX   1000000
 #define TEXT_MAX      (64u << 20)
 
-typedef struct frame { double r[3][3], t[3]; bool turned, moved, out_of_plane; double angle; } frame;    /* angle [rad] about z */
+/* angle [rad] about z */
+typedef struct frame { double r[3][3], t[3]; bool turned, moved, out_of_plane; double angle; } frame;
 
 typedef struct instance {
     const lw_part *part;
@@ -35,7 +36,8 @@ typedef struct instance {
 /* A place of the output and the template it was written from. */
 typedef struct mark { uint32_t out, node; int32_t instance; bool key; } mark;
 
-typedef struct block { struct block *next; size_t used, room; } block;      /* memory of an expansion; the data follow */
+/* memory of an expansion; the data follow */
+typedef struct block { struct block *next; size_t used, room; } block;
 
 typedef struct map {
     const lw_master *m;
@@ -84,7 +86,8 @@ static void add_instance_text(const map *p, int at, lw_error *e)
              p->instance[at].part->name);
 }
 
-static lw_status fault(const writer *w, const lw_template *t, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static lw_status fault(const writer *w, const lw_template *t, const char *format, ...) __attribute__((format(printf, 3,
+    4)));
 static lw_status fault(const writer *w, const lw_template *t, const char *format, ...)
 {
     char text[400];
@@ -126,7 +129,8 @@ static lw_status formula_value(const writer *w, const lw_template *t, const lw_f
     return s;
 }
 
-static size_t formula_at(const lw_template *t) { const char *text = lw_json_text(&t->json); return text && text[0] == '='; }
+static size_t formula_at(const lw_template *t) { const char *text = lw_json_text(&t->json); return text
+                                                 && text[0] == '='; }
 
 static const char *unit_names(const lw_template *t, char text[96])
 {
@@ -139,7 +143,8 @@ static const char *unit_names(const lw_template *t, char text[96])
 }
 
 /* The number of a scalar as it stands in the model file: in the unit of its key. */
-static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_formula *f, const lw_amount *a, double *out)
+static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_formula *f, const lw_amount *a,
+                                double *out)
 {
     char text[96], one[64];
     const lw_amount *as = lw_formula_unit(f), plain = lw_amount_plain(1);
@@ -157,7 +162,8 @@ static lw_status in_unit_of_key(const writer *w, const lw_template *t, const lw_
     const lw_json_node *n = &t->json;
     while (!n->key && n->parent)
         n = n->parent;
-    return fault(w, t, "the unit of \"%s\" is not known here and this is in [%s]; write the unit of the number, as in \"= ... as mm\"",
+    return fault(w, t, "the unit of \"%s\" is not known here and this is in [%s]; write the unit of the number, as in "
+                       "\"= ... as mm\"",
                  n->key ? n->key : "this", one);
 }
 
@@ -287,7 +293,8 @@ static lw_status whole_of(writer *w, const lw_template *t, double *out)
     if (s != LW_OK)
         return s;
     *out = lw_amount_si(&a);
-    if (a.kind != LW_AMOUNT_NUMBER || !lw_dimension_fits(a.dimension, lw_amount_plain(0).dimension) || *out != round(*out)
+    if (a.kind != LW_AMOUNT_NUMBER || !lw_dimension_fits(a.dimension, lw_amount_plain(0).dimension)
+        || *out != round(*out)
         || !(fabs(*out) < 1e9))
         return fault(w, t, "a whole number is expected here");
     return LW_OK;
@@ -394,7 +401,8 @@ static lw_status read_vector(writer *w, const lw_template *t, int least, double 
     lw_status s = LW_OK;
     out[0] = out[1] = out[2] = 0;
     if (t->kind != LW_TEMPLATE_ARRAY || t->n < least || t->n > 3)
-        return fault(w, t, least == 3 ? "three numbers [x, y, z] are expected here" : "[x, y] or [x, y, z] is expected here");
+        return fault(w, t, least == 3 ? "three numbers [x, y, z] are expected here" :
+                     "[x, y] or [x, y, z] is expected here");
     for (int i = 0; s == LW_OK && i < t->n; i++)
         s = number_of(w, &t->child[i], &out[i]);
     return s;
@@ -445,7 +453,8 @@ static lw_status find_port(writer *w, const lw_template *t, frame *out)
                        || memcmp(w->map->instance[at].name, text, n) != 0))
         at--;
     if (at < 0)
-        return fault(w, t, "a port of a part used before is expected here, as \"name.port\"; there is no \"%.60s\"", text);
+        return fault(w, t, "a port of a part used before is expected here, as \"name.port\"; there is no \"%.60s\"",
+                     text);
     const instance *of = &w->map->instance[at];
     int k = 0;
     while (k < of->part->n_port && strcmp(of->part->port[k].node->json.key, dot + 1) != 0)
@@ -455,7 +464,8 @@ static lw_status find_port(writer *w, const lw_template *t, frame *out)
         for (int i = 0; names && i < k; i++)
             names[i] = of->part->port[i].node->json.key;
         const char *near = names ? lw_suggest(dot + 1, names, k) : NULL;
-        s = fault(w, t, "part \"%s\" has no port \"%.60s\"%s%s%s", of->part->name, dot + 1, near ? "; did you mean \"" : "",
+        s = fault(w, t, "part \"%s\" has no port \"%.60s\"%s%s%s", of->part->name, dot + 1, near ? "; did you mean \""
+                  : "",
                   near ? near : "", near ? "\"?" : "");
         free(names);
         return s;
@@ -501,7 +511,8 @@ static lw_status set_values(writer *w, const lw_use *u, int at)
         for (int n = 0; n < u->n_with; n++)
             given = given || u->with[n].symbol == i;
         if (!given)
-            s = formula_value(w, scope->symbol[i].node, scope->symbol[i].formula, formula_at(scope->symbol[i].node), &value[i]);
+            s = formula_value(w, scope->symbol[i].node, scope->symbol[i].formula, formula_at(scope->symbol[i].node),
+                              &value[i]);
     }
     for (int i = 1; s == LW_OK && i < scope->n; i++) {
         const lw_symbol *y = &scope->symbol[i];
@@ -525,7 +536,8 @@ static lw_status set_values(writer *w, const lw_use *u, int at)
             s = fault(w, blame, "%s of part \"%s\" is in [%s], but it is a plain number; give it a \"unit\"", p->name,
                       x->part->name, one);
         else if (p->has_range && value[i].kind == LW_AMOUNT_NUMBER && !(number >= p->least && number <= p->most))
-            s = fault(w, blame, "%s = %g of part \"%s\" is outside its range %g to %g %s", p->name, number, x->part->name, p->least,
+            s = fault(w, blame, "%s = %g of part \"%s\" is outside its range %g to %g %s", p->name, number,
+                      x->part->name, p->least,
                       p->most, p->unit);
         w->now = at;
     }
@@ -552,7 +564,8 @@ static lw_status place_one(writer *w, const lw_template *t, void *context)
             return fault(w, u->node, "the name \"%.60s\" is given to two parts", x.name);
     for (int i = at - 1; s == LW_OK && i >= 0 && !u->name; i--)
         if (p->instance[i].parent == parent && strcmp(p->instance[i].name, x.name) == 0)
-            return fault(w, u->node, "part \"%s\" is used several times; give each use a \"name\", as in \"arm {i}\"", x.name);
+            return fault(w, u->node, "part \"%s\" is used several times; give each use a \"name\", as in \"arm {i}\"",
+                         x.name);
     if (s == LW_OK && !(x.value = take(p, ((size_t)part->scope.n + 1)*sizeof *x.value)))
         s = no_memory(w);
     if (s == LW_OK && u->at)
@@ -568,7 +581,8 @@ static lw_status place_one(writer *w, const lw_template *t, void *context)
     p->instance[p->n_instance++] = x;
     s = set_values(w, u, at);
     w->now = parent;
-    if (s == LW_OK && u->attach) {                   /* port of the user, the turn of this use, inverse of the part's port */
+    /* port of the user, the turn of this use, inverse of the part's port */
+    if (s == LW_OK && u->attach) {
         const char *name;
         frame own = still;
         s = text_of(w, u->attach, &name);
@@ -768,7 +782,8 @@ static lw_status put_elements(writer *w, const lw_template *t, list *l)
 static bool omits(const writer *w, const char *key) { return lw_master_omits(w->m, w->v->view, key); }
 
 /* An elastic link has no mass of its own: the mass in the master is that of the rigid link. */
-static bool is_rigid_only(const char *key) { return strcmp(key, "mass") == 0 || strcmp(key, "centre") == 0 || strcmp(key, "inertia") == 0; }
+static bool is_rigid_only(const char *key) { return strcmp(key, "mass") == 0 || strcmp(key, "centre") == 0
+                                             || strcmp(key, "inertia") == 0; }
 
 static lw_status put_object(writer *w, const lw_template *t)
 {

@@ -91,7 +91,8 @@ typedef struct lw_part {
     lw_use      *use;
 } lw_part;
 
-typedef struct lw_setting { const char *name; int n; struct { int symbol; lw_amount value; } *set; lw_template *node, *omit; }
+typedef struct lw_setting { const char *name; int n; struct { int symbol; lw_amount value; } *set; lw_template *node,
+                            *omit; }
     lw_setting;                        /* a configuration or a view */
 
 typedef struct lw_check { lw_template *node; const char *text; lw_formula *formula; } lw_check;

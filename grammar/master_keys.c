@@ -32,7 +32,8 @@ static const lw_key keys[] = {           /* rows with a parent before those with
     { NULL, "coefficient", SI, { "1" } }, { NULL, "restitution", SI, { "1" } }, { NULL, "exponent", SI, { "1" } },
     { NULL, "friction", SI, { "1", "N" } },
     { NULL, "bore", POSTURE, { "m" } }, { NULL, "rod", POSTURE, { "m" } }, { NULL, "retracted", POSTURE, { "m" } },
-    { NULL, "stroke", POSTURE, { "m" } }, { NULL, "dead_volume", SI, { "m^3" } }, { NULL, "bulk_modulus", SI, { "Pa" } },
+    { NULL, "stroke", POSTURE, { "m" } }, { NULL, "dead_volume", SI, { "m^3" } }, { NULL, "bulk_modulus", SI, {
+         "Pa" } },
     { NULL, "pressures", SI, { "Pa" } }, { NULL, "drop", SI, { "Pa" } }, { NULL, "supply", SI, { "Pa" } },
     { NULL, "tank", SI, { "Pa" } }, { NULL, "relief", SI, { "Pa" } }, { NULL, "flow", SI, { "m^3/s" } },
     { NULL, "stop_stiffness", SI, { "N/m" } }, { NULL, "stop_damping", SI, { "N s/m" } },

@@ -16,12 +16,14 @@ static lw_status read_axis(const lw_json_node *object, lw_work_cycle *c, lw_erro
     static const char *const known[] = { "name", "speed", "acceleration", "jerk", "at" };
     lw_cycle_axis *a = &c->axis[c->n_axis];
     double v = INFINITY, acceleration = INFINITY, j = INFINITY;
-    const lw_number_key numbers[] = { { "speed", 1, LW_POSITIVE, &v, NULL }, { "acceleration", 1, LW_POSITIVE, &acceleration, NULL },
+    const lw_number_key numbers[] = { { "speed", 1, LW_POSITIVE, &v, NULL }, { "acceleration", 1, LW_POSITIVE,
+                                                                               &acceleration, NULL },
                                       { "jerk", 1, LW_POSITIVE, &j, NULL }, { "at", 1, LW_ANY, &a->start, NULL } };
     lw_json_node n;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK
-        && (s = lw_read_need(object, "name", &n, e)) == LW_OK && (s = lw_json_name(&n, a->name, sizeof a->name, e)) == LW_OK)
+        && (s = lw_read_need(object, "name", &n, e)) == LW_OK && (s = lw_json_name(&n, a->name, sizeof a->name,
+            e)) == LW_OK)
         s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
     for (int i = 0; s == LW_OK && i < c->n_axis; i++)
         if (strcmp(c->axis[i].name, a->name) == 0)
@@ -34,7 +36,8 @@ static lw_status read_axis(const lw_json_node *object, lw_work_cycle *c, lw_erro
 }
 
 /* Values of axes, {"x": 0.5, "z": 1}; moves (may be NULL) marks the axes named. */
-static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c, double *value, bool *moves, lw_error *e)
+static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c, double *value, bool *moves,
+                             lw_error *e)
 {
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     const char **names = malloc((size_t)c->n_axis*sizeof *names);
@@ -52,14 +55,16 @@ static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c,
         if (moves)
             moves[i] = true;
         else if (s == LW_OK && value[i] != 0 && fabs(value[i]) > c->axis[i].limits.v[1])
-            s = lw_json_fault(&n, e, "this speed is above the limit %g of axis \"%s\"", c->axis[i].limits.v[1], names[i]);
+            s = lw_json_fault(&n, e, "this speed is above the limit %g of axis \"%s\"", c->axis[i].limits.v[1],
+                              names[i]);
     }
     free(names);
     return s;
 }
 
 /* Plan the move once its goal is known. */
-static lw_status plan_move(const lw_json_node *object, plan *p, lw_cycle_move *m, const double *goal, const double *speed,
+static lw_status plan_move(const lw_json_node *object, plan *p, lw_cycle_move *m, const double *goal,
+                           const double *speed,
                            double duration, bool straight, lw_error *e)
 {
     lw_work_cycle *c = p->c;
@@ -71,10 +76,12 @@ static lw_status plan_move(const lw_json_node *object, plan *p, lw_cycle_move *m
     lw_status s = from && limits && profile ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < c->n_axis; i++) {
         if (m->moves[i] && p->free_at[i] > m->start + 1e-12)
-            s = lw_json_fault(object, e, "axis \"%s\" still moves until %g s and cannot begin at %g s; a smaller \"blend\" before, or "
+            s = lw_json_fault(object, e, "axis \"%s\" still moves until %g s and cannot begin at %g s; a smaller "
+                                         "\"blend\" before, or "
                               "moves of different axes, may overlap", c->axis[i].name, p->free_at[i], m->start);
         else if (p->at[i].v != 0 && (!m->moves[i] || m->start > p->free_at[i] + 1e-12))
-            s = lw_json_fault(object, e, "axis \"%s\" arrives here with a speed of %g and has to go on at once", c->axis[i].name,
+            s = lw_json_fault(object, e, "axis \"%s\" arrives here with a speed of %g and has to go on at once",
+                              c->axis[i].name,
                               p->at[i].v);
         if (s == LW_OK && m->moves[i]) {
             from[n] = p->at[i];
@@ -87,7 +94,8 @@ static lw_status plan_move(const lw_json_node *object, plan *p, lw_cycle_move *m
     if (s == LW_OK) {
         s = lw_profile_make_axes((int)n, from, to, limits, duration, straight, profile, &inner);
         if (s == LW_NOTHING && !inner.text[0])
-            lw_error_set(&inner, s, straight ? "the axes do not begin and end along one straight line" : "no motion within the limits "
+            lw_error_set(&inner, s, straight ? "the axes do not begin and end along one straight line" :
+                         "no motion within the limits "
                          "brings the axes there together");
         if (s != LW_OK)
             s = s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory") : lw_json_fault(object, e, "%s", inner.text);
@@ -117,8 +125,10 @@ static lw_status read_move(const lw_json_node *object, plan *p, double *goal, do
     bool straight = false;
     lw_json_node n;
     m->payload = before ? before->payload : 0;
-    const lw_number_key numbers[] = { { "duration", 1, LW_POSITIVE, &duration, NULL }, { "payload", 1, 0, INFINITY, &m->payload, NULL },
-                                      { "dwell", 1, 0, INFINITY, &m->dwell, NULL }, { "blend", 1, 0, INFINITY, &blend, NULL } };
+    const lw_number_key numbers[] = { { "duration", 1, LW_POSITIVE, &duration, NULL }, { "payload", 1, 0, INFINITY,
+         &m->payload, NULL },
+                                      { "dwell", 1, 0, INFINITY, &m->dwell, NULL }, { "blend", 1, 0, INFINITY, &blend,
+                                           NULL } };
     m->moves = calloc((size_t)c->n_axis, sizeof *m->moves);
     m->profile = calloc((size_t)c->n_axis, sizeof *m->profile);
     m->to = calloc((size_t)c->n_axis, sizeof *m->to);
@@ -129,7 +139,8 @@ static lw_status read_move(const lw_json_node *object, plan *p, double *goal, do
     memset(speed, 0, (size_t)c->n_axis*sizeof *speed);
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK
-        && (s = lw_model_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && lw_json_member(object, "name", &n))
+        && (s = lw_model_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && lw_json_member(object, "name",
+            &n))
         s = lw_json_name(&n, m->name, sizeof m->name, e);
     if (s == LW_OK && (s = lw_read_need(object, "to", &n, e)) == LW_OK)
         s = read_places(&n, c, goal, m->moves, e);
@@ -142,8 +153,10 @@ static lw_status read_move(const lw_json_node *object, plan *p, double *goal, do
     }
     if (s == LW_OK && blend > 0 && (!before || blend > before->duration || before->dwell > 0)) {
         lw_json_member(object, "blend", &n);
-        s = lw_json_fault(&n, e, before && before->dwell > 0 ? "the move before is followed by a rest; a move cannot begin before it"
-                          : "a move can begin at most as long before the end of the one before as that takes%s", before ? "" :
+        s = lw_json_fault(&n, e, before && before->dwell > 0 ? "the move before is followed by a rest; a move cannot "
+                                                               "begin before it"
+                          : "a move can begin at most as long before the end of the one before as that takes%s", before
+                              ? "" :
                           ", and there is none before");
     }
     m->start = p->time - blend;
@@ -162,11 +175,13 @@ static lw_status read_all(const lw_json_node *root, lw_work_cycle *c, lw_error *
     const lw_number_key numbers[] = { { "cycle_time", 1, LW_POSITIVE, &c->wanted, NULL } };
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(root, known, COUNT(known), e)) == LW_OK
-        && (s = lw_read_need(root, "linkwright-cycle", &n, e)) == LW_OK && (s = lw_json_number(&n, &version, e)) == LW_OK && version != 1)
+        && (s = lw_read_need(root, "linkwright-cycle", &n, e)) == LW_OK && (s = lw_json_number(&n, &version,
+            e)) == LW_OK && version != 1)
         s = lw_json_fault(&n, e, "version %g of the notation is unknown; this program reads version 1", version);
     if (s == LW_OK && lw_json_member(root, "name", &n))
         s = lw_json_name(&n, c->name, sizeof c->name, e);
-    if (s == LW_OK && (s = lw_model_read_numbers(root, numbers, 1, e)) == LW_OK && (s = lw_read_need(root, "axes", &axes, e)) == LW_OK
+    if (s == LW_OK && (s = lw_model_read_numbers(root, numbers, 1, e)) == LW_OK && (s = lw_read_need(root, "axes",
+        &axes, e)) == LW_OK
         && (s = lw_read_list(&axes, 1, 64, e)) == LW_OK && (s = lw_read_need(root, "moves", &moves, e)) == LW_OK)
         s = lw_read_list(&moves, 1, 100000, e);
     if (s != LW_OK)
@@ -195,7 +210,8 @@ static lw_status read_all(const lw_json_node *root, lw_work_cycle *c, lw_error *
     for (int i = 0; s == LW_OK && i < c->n_axis; i++)
         if (p.at[i].v != 0) {
             lw_json_node last = lw_json_element(&moves, lw_json_count(&moves) - 1);
-            s = lw_json_fault(&last, e, "axis \"%s\" still has a speed of %g at the end of the cycle", c->axis[i].name, p.at[i].v);
+            s = lw_json_fault(&last, e, "axis \"%s\" still has a speed of %g at the end of the cycle", c->axis[i].name,
+                              p.at[i].v);
         }
     free(p.at);
     free(p.free_at);
@@ -239,7 +255,8 @@ lw_axis_state lw_work_cycle_at(const lw_work_cycle *c, int axis, double t, doubl
         if (!m->moves[axis] || t < m->start)
             continue;
         double end = m->profile[axis].duration;
-        return t - m->start < end ? lw_profile_at(&m->profile[axis], t - m->start, jerk) : (lw_axis_state){ m->to[axis], 0, 0 };
+        return t - m->start < end ? lw_profile_at(&m->profile[axis], t - m->start, jerk)
+            : (lw_axis_state){ m->to[axis], 0, 0 };
     }
     return at;
 }

@@ -1,5 +1,5 @@
-/* grammar/work_cycle.h - the cycle of a machine with several axes: moves one after the other or overlapping, with payloads
- * and rests; each in least time within the limits of its axes (docs/profile.md, "Work cycles"). */
+/* grammar/work_cycle.h - the cycle of a machine with several axes: moves one after the other or overlapping, with
+ * payloads and rests; each in least time within the limits of its axes (docs/profile.md, "Work cycles"). */
 #ifndef LW_GRAMMAR_WORK_CYCLE_H
 #define LW_GRAMMAR_WORK_CYCLE_H
 

@@ -1,5 +1,5 @@
-/* test_master.c - master files: units, formulas, parts, repeats, ports, views; models against hand-written ones; what is
- * refused, with its place. */
+/* test_master.c - master files: units, formulas, parts, repeats, ports, views; models against hand-written ones; what
+ * is refused, with its place. */
 #include "base/file.h"
 #include "base/rng.h"
 #include "base/vec2.h"
@@ -31,7 +31,8 @@ static void done(lw_variant *v, lw_master *m)
 /* ---- units and formulas -------------------------------------------------------------------------- */
 
 static const char plain_master[] =
-    "{\"linkwright\": 1, \"parameters\": {\"l\": {\"value\": 350, \"unit\": \"mm\"}, \"n\": 3, \"q\": {\"value\": 30, \"unit\": "
+    "{\"linkwright\": 1, \"parameters\": {\"l\": {\"value\": 350, \"unit\": \"mm\"}, \"n\": 3, \"q\": {\"value\": 30, "
+    "\"unit\": "
     "\"deg\"},\n \"name\": \"long\", \"load\": true, \"m\": {\"value\": 2, \"unit\": \"kg\"}}, \"model\": {}}";
 
 /* Values worked out by hand; exact, because factors of units are kept as whole numbers. */
@@ -39,14 +40,17 @@ static void values(void)
 {
     static const struct { const char *formula; double value; const char *unit; } rows[] = {
         { "l", 0.35, "m" }, { "l as mm", 350, "mm" }, { "2*l + 50 mm as mm", 750, "mm" }, { "l/2 as cm", 17.5, "cm" },
-        { "l^2 as mm^2", 122500, "mm^2" }, { "q", LW_PI/6, "rad" }, { "4*q as deg", 120, "deg" }, { "1 in as mm", 25.4, "mm" },
+        { "l^2 as mm^2", 122500, "mm^2" }, { "q", LW_PI/6, "rad" }, { "4*q as deg", 120, "deg" }, { "1 in as mm", 25.4,
+             "mm" },
         { "n^2 - 1", 8, "1" }, { "-2^2", -4, "1" }, { "2^-1", 0.5, "1" }, { "2^3^2", 512, "1" }, { "10 %", 0.1, "1" },
         { "7850 [kg/m^3]*l^3 as kg", 7850*0.35*0.35*0.35, "kg" }, { "sqrt(l^2 + l^2)/l", 1.4142135623730951, "1" },
         { "min(l, 20 cm, 1 m) as mm", 200, "mm" }, { "standard(33 mm, 25 mm, 40 mm, 32 mm, 50 mm) as mm", 40, "mm" },
-        { "if(n > 2 and not load, 1, 2)", 2, "1" }, { "if(name == 'long', 5, 6)", 5, "1" }, { "if(l < 35.1 cm, 1, 0)", 1, "1" },
+        { "if(n > 2 and not load, 1, 2)", 2, "1" }, { "if(name == 'long', 5, 6)", 5, "1" }, { "if(l < 35.1 cm, 1, 0)",
+             1, "1" },
         { "floor(2.7) + ceil(2.1) + round(2.5)", 8, "1" }, { "mod(-1, 3)", 2, "1" }, { "hypot(3 m, 400 cm)", 5, "m" },
         { "atan2(l, l) as deg", 45, "deg" }, { "sin(30 deg)", 0.5, "1" }, { "l*q", 0.35*LW_PI/6, "m rad" },
-        { "60 rpm as rad/s", 2*LW_PI, "rad/s" }, { "9.81 [m/s^2]*m", 19.62, "N" }, { "2 kN/(1 [m^2]) as kPa", 2, "kPa" },
+        { "60 rpm as rad/s", 2*LW_PI, "rad/s" }, { "9.81 [m/s^2]*m", 19.62, "N" }, { "2 kN/(1 [m^2]) as kPa", 2,
+             "kPa" },
         { "1 bar as Pa", 1e5, "Pa" }, { "(m*l)/m as mm", 350, "mm" }, { "abs(-l) + 0*l as mm", 350, "mm" } };
     lw_master *m;
     lw_variant *v = variant_of(plain_master, &m);
@@ -67,10 +71,13 @@ static void wrong_formulas(void)
     static const struct { const char *formula, *says; long column; } rows[] = {
         { "l + m", "[m] and [kg] cannot be added", 3 }, { "l + 5", "[m] and [plain number] cannot be added", 3 },
         { "l < m", "[m] and [kg] cannot be compared", 3 }, { "sin(l)", "a plain number or an angle is expected", 1 },
-        { "exp(m)", "a plain number is expected", 1 }, { "sqrt(l)", "[m] has no power 0.5", 1 }, { "2^l", "plain number", 2 },
-        { "q + 1", "[rad] and [plain number]", 3 }, { "l as kg", "the units do not fit", 1 }, { "ll + 1", "did you mean l?", 1 },
+        { "exp(m)", "a plain number is expected", 1 }, { "sqrt(l)", "[m] has no power 0.5", 1 }, { "2^l",
+             "plain number", 2 },
+        { "q + 1", "[rad] and [plain number]", 3 }, { "l as kg", "the units do not fit", 1 }, { "ll + 1",
+             "did you mean l?", 1 },
         { "squrt(2)", "did you mean sqrt?", 1 }, { "2 mn", "did you mean", 3 }, { "(1 + 2", "')' is expected", 7 },
-        { "1/0", "no finite number", 1 }, { "if(n, 1, 2)", "if needs a condition", 1 }, { "n and load", "a condition is expected", 3 },
+        { "1/0", "no finite number", 1 }, { "if(n, 1, 2)", "if needs a condition", 1 }, { "n and load",
+             "a condition is expected", 3 },
         { "hypot(1)", "something is missing", 8 }, { "abs(1, 2)", "one too many", 8 }, { "'text", "no closing '", 1 },
         { "name + 1", "[text] and [plain number]", 6 }, { "2 [kg", "no ]", 3 }, { "1 + ", "a number, a word", 5 },
         { "standard(1 m, 2 mm)", "no standard size", 1 }, { "round(l)", "divide it by a unit", 1 } };
@@ -95,14 +102,17 @@ static void parts(void)
 {
     static const char text[] =
         "{\"linkwright\": 1, \"family\": \"chains\",\n"
-        " \"parameters\": {\"n\": {\"value\": 3, \"whole\": true}, \"l\": {\"value\": 100, \"unit\": \"mm\"}, \"held\": true},\n"
+        " \"parameters\": {\"n\": {\"value\": 3, \"whole\": true}, \"l\": {\"value\": 100, \"unit\": \"mm\"}, "
+        "\"held\": true},\n"
         " \"parts\": {\"bar\": {\"parameters\": {\"length\": {\"value\": 50, \"unit\": \"mm\"}, \"on\": \"ground\"},\n"
         "   \"ports\": {\"foot\": {\"at\": [0, 0]}, \"hand\": {\"at\": [\"=length\", 0], \"angle\": 90}},\n"
         "   \"links\": [{\"name\": \"{self}\", \"mass\": \"=length/(1 m)*10 kg\", \"centre\": [\"=length/2\", 0]}],\n"
         "   \"joints\": [{\"name\": \"pin of {self}\", \"links\": [\"{on}\", \"{self}\"], \"at\": [0, 0]}]}},\n"
-        " \"model\": {\"name\": \"{n} bars\", \"units\": {\"length\": \"mm\", \"angle\": \"deg\"}, \"links\": [\"ground\"],\n"
+        " \"model\": {\"name\": \"{n} bars\", \"units\": {\"length\": \"mm\", \"angle\": \"deg\"}, \"links\": "
+        "[\"ground\"],\n"
         "   \"use\": [{\"part\": \"bar\", \"name\": \"bar 1\", \"at\": [10, 20], \"with\": {\"length\": \"=l\"}},\n"
-        "     {\"repeat\": {\"i\": {\"from\": 2, \"to\": \"=n\"}}, \"part\": \"bar\", \"name\": \"bar {i}\", \"attach\": \"foot\",\n"
+        "     {\"repeat\": {\"i\": {\"from\": 2, \"to\": \"=n\"}}, \"part\": \"bar\", \"name\": \"bar {i}\", "
+        "\"attach\": \"foot\",\n"
         "      \"to\": \"bar {i - 1}.hand\", \"with\": {\"length\": \"=l/i\", \"on\": \"bar {i - 1}\"}}],\n"
         "   \"input\": {\"joint\": \"pin of bar 1\", \"motion\": \"{l}*sin(t)\", \"when\": \"held\"},\n"
         "   \"springs\": [{\"when\": \"n > 5\", \"joint\": \"pin of bar 1\", \"stiffness\": 5}],\n"
@@ -135,11 +145,14 @@ static void turned_parts(void)
 {
     static const char form[] =
         "{\"linkwright\": 1, \"parts\": {\n"
-        "\"inner\": {\"links\": [\"{self} a\"], \"joints\": [{\"name\": \"{self} s\", \"kind\": \"t\", \"links\": [\"ground\", "
+        "\"inner\": {\"links\": [\"{self} a\"], \"joints\": [{\"name\": \"{self} s\", \"kind\": \"t\", \"links\": "
+        "[\"ground\", "
         "\"{self} a\"], \"at\": [%.17g, %.17g], \"angle\": %.17g}],\n"
-        "  \"tracers\": [{\"name\": \"{self} p\", \"link\": \"{self} a\", \"at\": [%.17g, %.17g], \"angle\": %.17g}]},\n"
+        "  \"tracers\": [{\"name\": \"{self} p\", \"link\": \"{self} a\", \"at\": [%.17g, %.17g], \"angle\": "
+        "%.17g}]},\n"
         "\"outer\": {\"use\": [{\"part\": \"inner\", \"name\": \"x\", \"at\": [%.17g, %.17g], \"angle\": %.17g}]}},\n"
-        "\"model\": {\"units\": {\"angle\": \"deg\"}, \"links\": [\"ground\"], \"joints\": [], \"use\": [{\"part\": \"outer\", "
+        "\"model\": {\"units\": {\"angle\": \"deg\"}, \"links\": [\"ground\"], \"joints\": [], \"use\": [{\"part\": "
+        "\"outer\", "
         "\"at\": [%.17g, %.17g], \"angle\": %.17g}]}}";
     static char text[2000];
     lw_rng rng;
@@ -181,9 +194,11 @@ static void turned_parts(void)
 static void spatial_parts(void)
 {
     static const char text[] =
-        "{\"linkwright\": 1, \"parts\": {\"p\": {\"links\": [{\"name\": \"a\", \"mass\": 1, \"centre\": [1, 2, 3], \"inertia\": "
+        "{\"linkwright\": 1, \"parts\": {\"p\": {\"links\": [{\"name\": \"a\", \"mass\": 1, \"centre\": [1, 2, 3], "
+        "\"inertia\": "
         "[1, 2, 3, 0.1, 0.2, 0.3]}],\n \"joints\": [{\"kind\": \"r\", \"at\": [[1, 0, 0]], \"axis\": [0, 0, 1]}]}},\n"
-        "\"model\": {\"use\": [{\"part\": \"p\", \"at\": [10, 20, 30], \"axis\": [1, 1, 1], \"angle\": \"=120 deg\"}]}}";
+        "\"model\": {\"use\": [{\"part\": \"p\", \"at\": [10, 20, 30], \"axis\": [1, 1, 1], \"angle\": \"=120 "
+        "deg\"}]}}";
     lw_master *m;
     lw_variant *v = variant_of(text, &m);
     lw_expansion x;
@@ -251,21 +266,26 @@ static void loaders(void)
 
 static void refused(void)
 {
-    static const struct { const char *text, *says; } rows[] = {       /* @ marks the place, and is not part of the text */
+    /* @ marks the place, and is not part of the text */
+    static const struct { const char *text, *says; } rows[] = {
         { "@[1]", "an object" },
         { "{\"linkwright\": @2, \"model\": {}}", "version 2" },
         { HEAD "@\"parametres\": {}, \"model\": {}}", "did you mean \"parameters\"" },
-        { HEAD "\"parameters\": {\"a\": @\"=b\", \"b\": \"=2*c\",\n \"c\": \"=a + 1\"}, \"model\": {}}", "a -> b -> c -> a" },
+        { HEAD "\"parameters\": {\"a\": @\"=b\", \"b\": \"=2*c\",\n \"c\": \"=a + 1\"}, \"model\": {}}",
+          "a -> b -> c -> a" },
         { HEAD "\"parameters\": {\"a\": 1}, \"let\": {\"b\": @\"b + a\"}, \"model\": {}}", "b -> b" },
-        { HEAD "\"parameters\": {\"width\": 1}, \"let\": {\"b\": \"@widht + 1\"}, \"model\": {}}", "did you mean width" },
+        { HEAD "\"parameters\": {\"width\": 1}, \"let\": {\"b\": \"@widht + 1\"}, \"model\": {}}",
+          "did you mean width" },
         { HEAD "\"parameters\": {\"a\": {\"value\": 1, \"unit\": \"@mn\"}}, \"model\": {}}", "no unit \"mn\"" },
         { HEAD "\"parameters\": {\"a\": {\"value\": 1, \"range\": @[3, 2]}}, \"model\": {}}", "must be less" },
         { HEAD "\"parameters\": {\"2a\": @1}, \"model\": {}}", "cannot be a name" },
         { HEAD "\"parameters\": {\"a\": 1}, \"let\": {\"a\": @\"2\"}, \"model\": {}}", "given twice" },
-        { HEAD "\"parts\": {\"p\": @{\"use\": [{\"part\": \"q\"}]},\n \"q\": {\"use\": [{\"part\": \"p\"}]}}, \"model\": {}}",
+        { HEAD "\"parts\": {\"p\": @{\"use\": [{\"part\": \"q\"}]},\n \"q\": {\"use\": [{\"part\": \"p\"}]}}, "
+               "\"model\": {}}",
           "p -> q -> p" },
         { HEAD "\"parts\": {\"arm\": {}}, \"model\": {\"use\": [{\"part\": @\"amr\"}]}}", "did you mean \"arm\"" },
-        { HEAD "\"parts\": {\"arm\": {\"parameters\": {\"len\": 1}}}, \"model\": {\"use\": [{\"part\": \"arm\", \"with\": {\"lne\": @2}}]}}",
+        { HEAD "\"parts\": {\"arm\": {\"parameters\": {\"len\": 1}}}, \"model\": {\"use\": [{\"part\": \"arm\", "
+               "\"with\": {\"lne\": @2}}]}}",
           "did you mean \"len\"" },
         { HEAD "\"parts\": {\"arm\": {\"gravity\": @5}}, \"model\": {}}", "a part holds" },
         { HEAD BODY ", \"joints\": [{\"at\": [@\"=2 kg\", 0]}]}}", "[m] is expected, this is [kg]" },
@@ -277,25 +297,34 @@ static void refused(void)
         { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @2.5}}]}}", "a whole number" },
         { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @-1}}]}}", "at least 0" },
         { HEAD BODY ", \"joints\": [{\"repeat\": {\"i\": @{\"from\": 1}}}]}}", "both \"from\" and \"to\"" },
-        { HEAD BODY ", \"joints\": [@{\"repeat\": {\"i\": 1000, \"j\": 1000, \"k\": 1000}, \"at\": [0, 0]}]}}", "elements" },
-        { HEAD "\"parts\": {\"p\": {\"links\": [\"a\"]}}, " BODY ", \"use\": [@{\"part\": \"p\", \"repeat\": {\"i\": 3}}]}}",
+        { HEAD BODY ", \"joints\": [@{\"repeat\": {\"i\": 1000, \"j\": 1000, \"k\": 1000}, \"at\": [0, 0]}]}}",
+          "elements" },
+        { HEAD "\"parts\": {\"p\": {\"links\": [\"a\"]}}, " BODY ", \"use\": [@{\"part\": \"p\", \"repeat\": {\"i\": "
+                                                                 "3}}]}}",
           "give each use a \"name\"" },
-        { HEAD "\"parts\": {\"p\": {\"forces\": [{\"fx\": @5}]}}, " BODY ", \"use\": [{\"part\": \"p\", \"angle\": 3}]}}",
+        { HEAD "\"parts\": {\"p\": {\"forces\": [{\"fx\": @5}]}}, " BODY
+          ", \"use\": [{\"part\": \"p\", \"angle\": 3}]}}",
           "needs \"frame\": \"link\"" },
-        { HEAD "\"parts\": {\"p\": {\"ports\": {\"hand\": {\"at\": [0, 0]}}}}, " BODY ", \"use\": [{\"part\": \"p\"}, {\"part\": \"p\", "
+        { HEAD "\"parts\": {\"p\": {\"ports\": {\"hand\": {\"at\": [0, 0]}}}}, " BODY
+          ", \"use\": [{\"part\": \"p\"}, {\"part\": \"p\", "
           "\"name\": \"x\", \"attach\": \"hand\", \"to\": @\"p.hnad\"}]}}", "did you mean \"hand\"" },
         { HEAD "\"views\": {\"rigid\": {@\"omitt\": []}}, \"model\": {}}", "did you mean \"omit\"" },
         { HEAD "\"view\": @\"elastik\", \"model\": {}}", "did you mean \"elastic\"" },
         { HEAD "\"parameters\": {\"size\": 1}, \"configurations\": {\"a\": {\"set\": {\"sise\": @1}}}, \"model\": {}}",
           "did you mean \"size\"" },
         { HEAD "\"checks\": [{\"require\": \"1 @< 2 m\"}], \"model\": {}}", "cannot be compared" },
-        { HEAD "\"checks\": [{\"require\": @\"3 < 2\", \"text\": \"three is small\"}], \"model\": {}}", "three is small (3 against 2)" },
+        { HEAD "\"checks\": [{\"require\": @\"3 < 2\", \"text\": \"three is small\"}], \"model\": {}}",
+          "three is small (3 against 2)" },
         { HEAD "\"checks\": [{\"require\": @\"3 + 2\"}], \"model\": {}}", "this is no condition" },
-        { HEAD "\"parameters\": {\"a\": {\"value\": @5, \"range\": [1, 2]}}, \"model\": {}}", "outside its range 1 to 2" },
+        { HEAD "\"parameters\": {\"a\": {\"value\": @5, \"range\": [1, 2]}}, \"model\": {}}",
+          "outside its range 1 to 2" },
         { HEAD "\"parameters\": {\"a\": {\"value\": @1.5, \"whole\": true}}, \"model\": {}}", "no whole number" },
         { HEAD "\"parameters\": {\"a\": {\"value\": @3, \"choices\": [1, 2]}}, \"model\": {}}", "none of its choices" },
         { HEAD BODY ", \"joints\": [{\"when\": @\"3\"}]}}", "a condition is expected" },
-        { HEAD "\"model\": {\"links\": [\"ground\", \"a\"]" ", \"joints\": [{\"name\": \"j\", \"kind\": @\"y\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}]}}", "kind" },   /* by its reader */
+        /* by its reader */
+        { HEAD "\"model\": {\"links\": [\"ground\", \"a\"]" ", \"joints\": [{\"name\": \"j\", \"kind\": @\"y\", "
+                                                            "\"links\": [\"ground\", \"a\"], \"at\": [0, 0]}]}}",
+                                                                "kind" },
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_master *m = NULL;
@@ -332,7 +361,8 @@ static void wrong_choices(void)
     lw_master *m;
     lw_variant *v = variant_of(plain_master, &m);
     static const struct { const char *name, *value, *says; } rows[] = {
-        { "ll", "3", "did you mean \"l\"" }, { "l", "3 kx", "no unit" }, { "load", "3", "true or false" }, { "n", "x", "x" } };
+        { "ll", "3", "did you mean \"l\"" }, { "l", "3 kx", "no unit" }, { "load", "3", "true or false" }, { "n", "x",
+             "x" } };
     for (size_t i = 0; v && i < sizeof rows/sizeof *rows; i++) {
         error = (lw_error){ 0 };
         CHECK_INT(lw_variant_set(v, rows[i].name, rows[i].value, &error), LW_E_ARG);

@@ -1,4 +1,5 @@
-/* test_motor.c - tables of parts; the choice of motors against a slow second opinion and known answers; table 4 of the source. */
+/* test_motor.c - tables of parts; the choice of motors against a slow second opinion and known answers; table 4 of
+ * the source. */
 #include "base/vec2.h"
 #include "mbs/drives/motor.h"
 #include "tests/check.h"
@@ -8,7 +9,8 @@ static lw_error error;
 /* Makkonen 1999, table 4, to the printed digits; the stroke of its second branch is not printed: it is 4 m. */
 static void table_4(void)
 {
-    const lw_motor_part m = { .torque_constant = 1.6, .resistance = 30, .inductance = 0.0703, .inertia = 0.0011, .torque = 2.1,
+    const lw_motor_part m = { .torque_constant = 1.6, .resistance = 30, .inductance = 0.0703, .inertia = 0.0011,
+                              .torque = 2.1,
                               .speed = 100*LW_PI };
     const double mass = 200, way = 4, limit = 20;
     lw_radius r = lw_radius_at(&m, mass, way, limit, lw_radius_of_way(&m, mass, way));
@@ -46,7 +48,8 @@ static void best_radius(void)
 
 static void tables(void)
 {
-    static const char text[] = "# motors\r\n name , torque_constant [N m/A], resistance [ohm],inertia [kg m^2],torque [N m],speed [rpm],x-shop\r\n"
+    static const char text[] = "# motors\r\n name , torque_constant [N m/A], resistance [ohm],inertia [kg m^2],torque "
+                               "[N m],speed [rpm],x-shop\r\n"
                                "\"A 1\",1,2,3,4,60,here\r\n\r\nB,0.5,2,3e-4,4,120,\r\n";
     lw_drive_parts p = { 0 };
     CHECK_INT(lw_drive_parts_read(text, strlen(text), "f", &p, &error), LW_OK);
@@ -62,7 +65,8 @@ static void tables(void)
     static const struct { const char *text, *says; long line, column; } wrong[] = {
         { "", "no part", 1, 1 }, { "a,b\n1,2\n", "no table of parts", 1, 1 },
         { "name,ratio\n", "no part", 1, 1 }, { "name,ratio,radus\nG,1,2\n", "did you mean \"radius\"", 1, 12 },
-        { "name,ratio,radius [kg]\nG,1,2\n", "needs a unit like [m]", 1, 12 }, { "name,ratio,radius [mn]\nG,1,2\n", "no unit", 1, 20 },
+        { "name,ratio,radius [kg]\nG,1,2\n", "needs a unit like [m]", 1, 12 }, { "name,ratio,radius [mn]\nG,1,2\n",
+                                                                                 "no unit", 1, 20 },
         { "name,ratio\nH,x\n", "a number above 0", 2, 3 }, { "name,ratio\nH,-1\n", "a number above 0", 2, 3 },
         { "name,ratio\nH\n", "has 1 fields", 2, 1 }, { "name,ratio\nH,1\nH,2\n", "given twice", 3, 1 },
         { "name,ratio,efficiency\nH,1,95\n", "too large", 2, 5 }, { "ratio\n5\n", "\"name\" is missing", 1, 1 },
@@ -97,7 +101,8 @@ static void known_choice(void)
     CHECK_NEAR(g.torque_rms, mass*top*w/sqrt(2), 0, 1e-5);
     CHECK_NEAR(g.energy_out, mass*top*top, 0, 1e-4);                 /* m v^2/2 twice a cycle */
     CHECK_NEAR(g.energy_back, mass*top*top, 0, 1e-4);
-    lw_motor_part motor = { "M", .torque_constant = 0.5, .resistance = 2, .inertia = 1e-3, .torque = 5, .torque_peak = 15, .speed = 300 };
+    lw_motor_part motor = { "M", .torque_constant = 0.5, .resistance = 2, .inertia = 1e-3, .torque = 5, .torque_peak
+                            = 15, .speed = 300 };
     lw_gear_part gear = { "G", .ratio = 1, .radius = 0.02 };
     lw_amplifier_part amplifier = { "A", .voltage = 300, .current = 12, .current_peak = 40, .peak_time = 1 };
     lw_drive_parts p = { 1, 1, 1, &motor, &gear, &amplifier };
@@ -110,7 +115,8 @@ static void known_choice(void)
     CHECK_NEAR(c.inertia_ratio, mass*0.02*0.02/1e-3, 1e-12, 0);
     CHECK_NEAR(c.voltage, hypot(2*current, 0.5*250), 0, 1e-4);       /* cos and sin */
     CHECK_NEAR(c.heat, 2*current*current/2, 0, 1e-4);
-    double charge = 0, most = 0;                                     /* i^2 t on a fine grid, from the middle of a cycle */
+    /* i^2 t on a fine grid, from the middle of a cycle */
+    double charge = 0, most = 0;
     for (int k = 0; k < 400000; k++) {
         double i = current*cos(w*k*1e-5);
         charge = fmax(0, charge + (i*i - 144)*1e-5);
@@ -139,7 +145,8 @@ static void ranking(void)
         a[k] = 30*cos(0.01*k);
     }
     for (int i = 0; i < 6; i++)
-        motor[i] = (lw_motor_part){ .torque_constant = 1, .resistance = 1, .inertia = 1e-4*(1 + i), .torque = 1 + i, .speed = 300, .price = 100*(1 + i) };
+        motor[i] = (lw_motor_part){ .torque_constant = 1, .resistance = 1, .inertia = 1e-4*(1 + i), .torque = 1 + i,
+                                    .speed = 300, .price = 100*(1 + i) };
     for (int i = 1; i < 7; i++)
         gear[i] = (lw_gear_part){ .ratio = 4*i*i, .efficiency = 0.9, .price = 50 + 10*i };
     lw_load l = { "q", false, N, 1e-3, v, f, a, { NAN, NAN } };

@@ -2,7 +2,8 @@
 #include "grammar/work_cycle.h"
 #include "tests/check.h"
 
-#define AXES "\"axes\": [{\"name\": \"y\", \"speed\": 3, \"acceleration\": 20, \"jerk\": 400}, {\"name\": \"z\", \"speed\": 3, " \
+#define AXES "\"axes\": [{\"name\": \"y\", \"speed\": 3, \"acceleration\": 20, \"jerk\": 400}, " \
+             "{\"name\": \"z\", \"speed\": 3, " \
              "\"acceleration\": 20, \"jerk\": 400}]"
 #define CYCLE(moves) "{\"linkwright-cycle\": 1, " AXES ",\n\"moves\": [" moves "]}"
 
@@ -20,9 +21,12 @@ static lw_work_cycle read_cycle(const char *text)
 /* Makkonen 1999, paper D, table 3: up 0.2, over 1.0, down 0.8 m with 20 m/s^2 and 400 m/s^3: 1.209268169 s one way. */
 static void gantry(void)
 {
-    lw_work_cycle c = read_cycle("{\"linkwright-cycle\": 1, \"cycle_time\": 2.5, \"axes\": [{\"name\": \"y\", \"acceleration\": 20, \"jerk\": 400}, "
-                                 "{\"name\": \"z\", \"acceleration\": 20, \"jerk\": 400}], \"moves\": [{\"to\": {\"z\": 0.2}, \"payload\": 10}, "
-                                 "{\"to\": {\"y\": 1}}, {\"to\": {\"z\": -0.6}}, {\"to\": {\"z\": 0.2}, \"payload\": 0}, {\"to\": {\"y\": 0}}, "
+    lw_work_cycle c = read_cycle("{\"linkwright-cycle\": 1, \"cycle_time\": 2.5, \"axes\": [{\"name\": \"y\", "
+                                 "\"acceleration\": 20, \"jerk\": 400}, "
+                                 "{\"name\": \"z\", \"acceleration\": 20, \"jerk\": 400}], \"moves\": [{\"to\": "
+                                 "{\"z\": 0.2}, \"payload\": 10}, "
+                                 "{\"to\": {\"y\": 1}}, {\"to\": {\"z\": -0.6}}, {\"to\": {\"z\": 0.2}, \"payload\": "
+                                 "0}, {\"to\": {\"y\": 0}}, "
                                  "{\"to\": {\"z\": 0}}]}");
     CHECK_NEAR(c.move[3].start, 1.209268169, 1e-9, 0);
     CHECK_NEAR(c.end, 2.418536337, 1e-9, 0);
@@ -33,13 +37,15 @@ static void gantry(void)
     lw_work_cycle_free(&c);
 }
 
-/* Over a cycle with overlaps, a passing speed, rests, axes together: positions follow from speeds, these from accelerations, and
- * no limit is exceeded. */
+/* Over a cycle with overlaps, a passing speed, rests, axes together: positions follow from speeds, these from
+ * accelerations, and no limit is exceeded. */
 static void smooth(void)
 {
     enum { N = 200000 };
-    lw_work_cycle c = read_cycle(CYCLE("{\"to\": {\"z\": 0.3}}, {\"to\": {\"y\": 1.2}, \"blend\": 0.1}, {\"to\": {\"z\": -0.5}, \"speed\": {\"z\": -0.5}, "
-                                       "\"blend\": 0.12}, {\"to\": {\"z\": -0.6}, \"dwell\": 0.2}, {\"to\": {\"y\": 0.4, \"z\": 0.1}, "
+    lw_work_cycle c = read_cycle(CYCLE("{\"to\": {\"z\": 0.3}}, {\"to\": {\"y\": 1.2}, \"blend\": 0.1}, {\"to\": "
+                                       "{\"z\": -0.5}, \"speed\": {\"z\": -0.5}, "
+                                       "\"blend\": 0.12}, {\"to\": {\"z\": -0.6}, \"dwell\": 0.2}, {\"to\": {\"y\": "
+                                       "0.4, \"z\": 0.1}, "
                                        "\"straight\": true}, {\"to\": {\"y\": 0, \"z\": 0}, \"duration\": 1.5}"));
     double speed = 0, step = c.end/N;
     for (int k = 0; k < 2; k++) {
@@ -57,7 +63,8 @@ static void smooth(void)
     CHECK(speed > 2);
     const lw_cycle_move *m = &c.move[4];                      /* straight: y and z in one proportion */
     for (int i = 1; i < 20; i++) {
-        double t = m->start + m->duration*i/20, y = lw_work_cycle_at(&c, 0, t, NULL).x, z = lw_work_cycle_at(&c, 1, t, NULL).x;
+        double t = m->start + m->duration*i/20, y = lw_work_cycle_at(&c, 0, t, NULL).x, z = lw_work_cycle_at(&c, 1, t,
+            NULL).x;
         CHECK_NEAR((y - 1.2)/(0.4 - 1.2), (z + 0.6)/0.7, 1e-9, 0);
     }
     CHECK_NEAR(c.move[5].duration, 1.5, 1e-9, 0);
@@ -68,7 +75,8 @@ static void smooth(void)
 
 static void refused(void)
 {
-    static const struct { const char *text, *says; } rows[] = {            /* @ marks the place, and is not part of the text */
+    /* @ marks the place, and is not part of the text */
+    static const struct { const char *text, *says; } rows[] = {
         { "{@\"linkwright-cicle\": 1}", "did you mean \"linkwright-cycle\"" },
         { "{\"linkwright-cycle\": 1, \"axes\": [@{\"name\": \"y\", \"speed\": 1}], \"moves\": [{}]}", "needs a limit" },
         { "{\"linkwright-cycle\": 1, \"axes\": @[], \"moves\": [{}]}", "a list of 1 to 64" },

@@ -5,14 +5,17 @@
 
 /* Columns in the order of lw_part_columns. */
 static const char *const insert[] = {
-    "INSERT OR REPLACE INTO motor(name, run, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, "
+    "INSERT OR REPLACE INTO motor(name, run, torque_constant, resistance, inductance, inertia, torque, torque_peak, "
+    "speed, mass, "
     "price) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
-    "INSERT OR REPLACE INTO gear(name, run, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, price) "
+    "INSERT OR REPLACE INTO gear(name, run, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, "
+    "price) "
     "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
     "INSERT OR REPLACE INTO amplifier(name, run, voltage, current, current_peak, peak_time, mass, price) "
     "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)" };
 static const char *const choose[] = {
-    "SELECT name, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, price FROM motor ORDER BY id",
+    "SELECT name, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, price FROM "
+    "motor ORDER BY id",
     "SELECT name, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, price FROM gear ORDER BY id",
     "SELECT name, voltage, current, current_peak, peak_time, mass, price FROM amplifier ORDER BY id" };
 
@@ -32,7 +35,8 @@ static lw_status add_one(lw_store *s, const lw_drive_parts *p, int kind, int i, 
     return code == SQLITE_DONE ? LW_OK : lw_store_fail(s, code, "cannot be written", e);
 }
 
-lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command, lw_error *e)
+lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command,
+                                   lw_error *e)
 {
     const lw_store_run run = { .action = "add", .what = file, .command = command };
     lw_status status = lw_store_begin(s, e);
@@ -77,7 +81,8 @@ lw_status lw_store_read_drive_parts(const char *path, lw_drive_parts *p, lw_erro
     lw_status status = lw_store_open(path, &o, &s, e);
     if (status == LW_OK && lw_store_found_version(s) < 3) {
         lw_store_close(s);
-        return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this catalogue holds no motors; add them by 'linkwright catalogue add "
+        return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this catalogue holds no motors; add them by 'linkwright "
+                                                         "catalogue add "
                            "%s motors.csv'", path);
     }
     for (int kind = 0; status == LW_OK && kind < 3; kind++)

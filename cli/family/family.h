@@ -6,7 +6,8 @@
 #include "grammar/master.h"
 
 typedef struct cli_family_settings {
-    const char *configuration, *view, *set, *map, *vary, *measure, *plot, *speed, *require, *minimise, *maximise, *solver;
+    const char *configuration, *view, *set, *map, *vary, *measure, *plot, *speed, *require, *minimise, *maximise,
+        *solver;
     bool        sensitivity, normalised;
     int         samples, steps, max_evals;
     double      from, to;

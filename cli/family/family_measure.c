@@ -10,7 +10,8 @@
 #include "cli/program/output.h"
 
 enum { PEAK, MAX, MIN, MEAN, RMS, RANGE, FIRST, LAST, INTEGRAL, FREQUENCY };
-static const char *const figures[] = { "peak", "max", "min", "mean", "rms", "range", "first", "last", "integral", "frequency" };
+static const char *const figures[] = { "peak", "max", "min", "mean", "rms", "range", "first", "last", "integral",
+                                       "frequency" };
 
 static const char *trim(char *text)
 {
@@ -124,7 +125,8 @@ static lw_status figure_of(const cli_table *c, cli_measure *m, double *out, lw_e
         for (int i = 0; names && i < c->n_column; i++)
             names[i] = c->column[i].name;
         const char *near = names ? lw_suggest(m->column, names, c->n_column) : NULL;
-        lw_error_set(e, LW_E_ARG, "%s: no column is called \"%s\"%s%s%s; 'linkwright simulate' names them", m->text, m->column,
+        lw_error_set(e, LW_E_ARG, "%s: no column is called \"%s\"%s%s%s; 'linkwright simulate' names them", m->text,
+                     m->column,
                      near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
         free(names);
         return LW_E_ARG;
@@ -142,7 +144,8 @@ static lw_status figure_of(const cli_table *c, cli_measure *m, double *out, lw_e
         before = x;
     }
     double time = c->row[(c->n_row - 1)*(size_t)c->n_column] - c->row[0];
-    const double values[] = { fmax(most, -least), most, least, sum/time, sqrt(square/time), most - least, sample(c, column, rate, 0),
+    const double values[] = { fmax(most, -least), most, least, sum/time, sqrt(square/time), most - least, sample(c,
+        column, rate, 0),
                               before, sum };
     *out = values[m->figure];
     snprintf(m->unit, sizeof m->unit, "%s%s", rate >= 0 ? "W" : c->column[column].unit, m->figure != INTEGRAL ? ""

@@ -53,14 +53,16 @@ static lw_status read_vary(const lw_master *m, char *item, bool ranges, vary *y,
             n++;
         }
         const char *near = lw_suggest(item, names, n);
-        return lw_error_set(e, LW_E_ARG, "--vary: there is no parameter \"%.60s\"%s%s%s", item, near ? "; did you mean \"" : "",
+        return lw_error_set(e, LW_E_ARG, "--vary: there is no parameter \"%.60s\"%s%s%s", item, near ?
+                            "; did you mean \"" : "",
                             near ? near : "", near ? "\"?" : "");
     }
     const lw_parameter *p = lw_master_parameter(m, y->parameter);
     y->name = p->name;
     y->unit = *p->unit ? p->unit : "1";
     if (p->kind != LW_AMOUNT_NUMBER)
-        return lw_error_set(e, LW_E_ARG, "--vary: %s is no number; make a configuration for each of its values", p->name);
+        return lw_error_set(e, LW_E_ARG, "--vary: %s is no number; make a configuration for each of its values",
+                            p->name);
     y->from = p->least;
     y->to = p->most;
     if (!equals && !p->has_range)
@@ -79,7 +81,8 @@ static lw_status read_vary(const lw_master *m, char *item, bool ranges, vary *y,
         good = end > second && n >= 2 && n <= POINT_MAX;
     }
     if (!good || *end || (ranges && y->n))
-        return lw_error_set(e, LW_E_ARG, "--vary %s=%.60s: expected %s%s in the unit of %s [%s]", y->name, equals + 1, "FROM:TO",
+        return lw_error_set(e, LW_E_ARG, "--vary %s=%.60s: expected %s%s in the unit of %s [%s]", y->name, equals + 1,
+                            "FROM:TO",
                             ranges ? "" : " or FROM:TO:N, N at least 2,", y->name, y->unit);
     return LW_OK;
 }
@@ -87,7 +90,8 @@ static lw_status read_vary(const lw_master *m, char *item, bool ranges, vary *y,
 static lw_status read_variation(sweep *s, const char *list, bool ranges, lw_error *e)
 {
     char item[256];
-    lw_status st = list ? LW_OK : lw_error_set(e, LW_E_ARG, "--vary is missing: the parameters to vary, as in \"reach=2:3:11\"");
+    lw_status st = list ? LW_OK : lw_error_set(e, LW_E_ARG, "--vary is missing: the parameters to vary, as in "
+                                                            "\"reach=2:3:11\"");
     for (const char *at = list; st == LW_OK && cli_family_next(&at, item, sizeof item);) {
         if (s->n_vary == VARY_MAX)
             return lw_error_set(e, LW_E_ARG, "at most %d parameters can be varied", VARY_MAX);
@@ -160,7 +164,8 @@ static lw_status make_grid(sweep *s, lw_error *e)
         n *= y->n;
     }
     if (n > POINT_MAX)
-        return lw_error_set(e, LW_E_ARG, "this grid has %.0f points, at most %d are computed; --samples N takes N points that fill "
+        return lw_error_set(e, LW_E_ARG, "this grid has %.0f points, at most %d are computed; --samples N takes N "
+                                         "points that fill "
                             "the ranges evenly", n, POINT_MAX);
     lw_status st = make_room(s, (size_t)n, e);
     for (size_t k = 0; st == LW_OK && k < s->n; k++) {
@@ -309,7 +314,8 @@ static lw_status draw(const sweep *s, const double *base, bool normalised, const
     size_t width = (size_t)s->vary[0].n, lines = s->n/width;
     int panels = 0;
     if ((size_t)s->n_measure*lines > LW_PANEL_MAX*LINES)
-        return lw_error_set(e, LW_E_ARG, "a plot shows at most %d lines in a panel and %d panels; vary fewer parameters or measure "
+        return lw_error_set(e, LW_E_ARG, "a plot shows at most %d lines in a panel and %d panels; vary fewer "
+                                         "parameters or measure "
                             "fewer figures", LINES, LW_PANEL_MAX);
     double *xy = malloc((size_t)(s->n_measure + 1)*s->n*sizeof *xy);
     if (!xy)
@@ -339,7 +345,8 @@ static lw_status draw(const sweep *s, const double *base, bool normalised, const
             int line = plot[p].n_series++;
             size_t used = (size_t)snprintf(name[p][line], sizeof name[p][line], "%.60s", s->measure[i].text);
             for (int k = 1; k < s->n_vary && lines > 1 && used < 100; k++)
-                used += (size_t)snprintf(name[p][line] + used, sizeof name[p][line] - used, ", %.30s %.4g", s->vary[k].name,
+                used += (size_t)snprintf(name[p][line] + used, sizeof name[p][line] - used, ", %.30s %.4g",
+                                         s->vary[k].name,
                                          s->point[b*width*(size_t)s->n_vary + (size_t)k]);
             series[p][line] = (lw_series){ .name = name[p][line], .n = width, .x = xy + b*width, .y = y };
         }
@@ -356,7 +363,7 @@ static lw_status draw(const sweep *s, const double *base, bool normalised, const
     return st;
 }
 
-/* ---- sensitivities ------------------------------------------------------------------------------------------------ */
+/* ---- sensitivities ------------------------------------------------------------------------------------------ */
 
 /* Central differences about the base, with steps of 1/1000 of the ranges: (p/r) dr/dp. */
 static lw_status make_differences(sweep *s, double *base_point, lw_error *e)
@@ -400,7 +407,8 @@ static void write_sensitivities(const sweep *s, FILE *f, const double *base_poin
         cli_json_end(&j);
         cli_json_array(&j, "sensitivities");
     } else {
-        fprintf(f, "# %s\n# percent of change of a figure for one percent of change of a parameter\nparameter,base,unit", s->call->line);
+        fprintf(f, "# %s\n# percent of change of a figure for one percent of change of a "
+                   "parameter\nparameter,base,unit", s->call->line);
         for (int i = 0; i < s->n_measure; i++) {
             fputc(',', f);
             put_quoted(f, s->measure[i].text);
@@ -409,7 +417,8 @@ static void write_sensitivities(const sweep *s, FILE *f, const double *base_poin
     }
     for (int i = 0; i < s->n_vary; i++) {
         const double *low = s->value + (size_t)(2*i)*(size_t)s->n_measure, *high = low + s->n_measure;
-        double step = s->point[(size_t)(2*i + 1)*(size_t)s->n_vary + (size_t)i] - s->point[(size_t)(2*i)*(size_t)s->n_vary + (size_t)i];
+        double step = s->point[(size_t)(2*i + 1)*(size_t)s->n_vary
+                               + (size_t)i] - s->point[(size_t)(2*i)*(size_t)s->n_vary + (size_t)i];
         double values[CLI_MEASURE_MAX];
         for (int k = 0; k < s->n_measure; k++)
             values[k] = (high[k] - low[k])/step*base_point[i]/base[k];
@@ -433,7 +442,7 @@ static void write_sensitivities(const sweep *s, FILE *f, const double *base_poin
     }
 }
 
-/* ---- sweep ---------------------------------------------------------------------------------------------------------- */
+/* ---- sweep -------------------------------------------------------------------------------------------------- */
 
 static lw_status open_sweep(const cli_call *call, sweep *s, bool ranges, lw_error *e)
 {
@@ -470,7 +479,8 @@ int cli_family_sweep(const cli_call *call)
     lw_output out;
     double base[CLI_MEASURE_MAX] = { 0 }, base_point[VARY_MAX] = { 0 };
     int code = CLI_DONE;
-    lw_status st = s ? open_sweep(call, s, o->sensitivity || o->samples > 0, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    lw_status st = s ? open_sweep(call, s, o->sensitivity || o->samples > 0, &e) : lw_error_set(&e, LW_E_MEMORY,
+        "out of memory");
     if (st == LW_OK && o->samples > 0 && o->plot)
         st = lw_error_set(&e, LW_E_ARG, "--plot draws grids; leave out --samples");
     if (st == LW_OK && o->sensitivity && o->plot)
@@ -481,7 +491,8 @@ int cli_family_sweep(const cli_call *call)
     if (st == LW_OK)
         st = try_base(s, base, &e);
     if (st == LW_OK)
-        st = o->sensitivity ? make_differences(s, base_point, &e) : o->samples > 0 ? make_samples(s, o->samples, &e) : make_grid(s, &e);
+        st = o->sensitivity ? make_differences(s, base_point, &e) : o->samples > 0 ? make_samples(s, o->samples, &e)
+            : make_grid(s, &e);
     if (st == LW_OK)
         st = compute(s, &e);
     if (st == LW_OK && (st = cli_open(call, &out, &e)) == LW_OK) {
@@ -500,7 +511,7 @@ int cli_family_sweep(const cli_call *call)
     return code;
 }
 
-/* ---- optimise --------------------------------------------------------------------------------------------------------- */
+/* ---- optimise ----------------------------------------------------------------------------------------------- */
 
 typedef struct limit { int measure; double sign, bound; } limit;          /* sign*(bound - value) >= 0 */
 
@@ -619,7 +630,8 @@ static void write_optimum(const optimum *p, FILE *f, const double *x, const lw_s
             cli_json_real(&j, "before", first[i]);
             cli_json_end(&j);
         } else
-            fprintf(f, "%-32s %.10g %s   (before %.10g)\n", s->measure[i].text, p->value[i], s->measure[i].unit, first[i]);
+            fprintf(f, "%-32s %.10g %s   (before %.10g)\n", s->measure[i].text, p->value[i], s->measure[i].unit,
+                    first[i]);
     }
     if (json) {
         cli_json_end(&j);
@@ -650,8 +662,10 @@ static lw_status optimise(optimum *p, const cli_family_settings *o, lw_error *e,
         return st;
     const lw_solver *method = lw_solver_find(o->solver);
     if (!method || method->takes_gradient || !method->minimise)
-        return lw_error_set(e, LW_E_ARG, "--solver %.40s: expected cobyla, neldermead, sbplx, bobyqa, isres, crs, direct or esch", o->solver);
-    lw_function fn = { .n = (size_t)s->n_vary, .m = (size_t)p->n_limit, .lo = lo, .hi = hi, .context = p, .value = objective,
+        return lw_error_set(e, LW_E_ARG, "--solver %.40s: expected cobyla, neldermead, sbplx, bobyqa, isres, crs, "
+                                         "direct or esch", o->solver);
+    lw_function fn = { .n = (size_t)s->n_vary, .m = (size_t)p->n_limit, .lo = lo, .hi = hi, .context = p, .value
+                       = objective,
                        .conditions = conditions };
     lw_solver_options so = lw_solver_options_default();
     lw_solver_result r;
@@ -664,7 +678,8 @@ static lw_status optimise(optimum *p, const cli_family_settings *o, lw_error *e,
     p->scale = fabs(first[0]) > 0 ? fabs(first[0]) : 1;
     st = lw_method_run(method, &fn, &so, x, &r);
     if (st == LW_NOTHING)
-        return lw_error_set(e, LW_NOTHING, "no variant that was tried keeps all conditions%s%s", p->why[0] ? "; the last failure: " : "",
+        return lw_error_set(e, LW_NOTHING, "no variant that was tried keeps all conditions%s%s", p->why[0] ?
+                            "; the last failure: " : "",
                             p->why);
     if (st != LW_OK && st != LW_STOPPED)
         return lw_error_set(e, st, "the method failed: %s", lw_stop_text(r.stop));

@@ -13,7 +13,8 @@
 static void print(const cli_call *call, FILE *f, int n, const lw_load *l)
 {
     if (!call->common.json)
-        fprintf(f, "%-16s %-12s %-12s %-12s %-12s %-12s %-12s %-12s %s\n%-16s %-12s %-12s %-12s %-12s %-12s %-12s %-12s %s\n",
+        fprintf(f, "%-16s %-12s %-12s %-12s %-12s %-12s %-12s %-12s %s\n%-16s %-12s %-12s %-12s %-12s %-12s %-12s "
+                   "%-12s %s\n",
                 "drive", "peak", "rms", "speed", "peak power", "mean power", "energy out", "energy back", "inertia",
                 "", "[N m] or [N]", "[N m] or [N]", "[rad/s, m/s]", "[W]", "[W]", "[J]", "[J]", "[kg m^2] or [kg]");
     cli_json j = cli_json_begin(f, 2);
@@ -38,7 +39,8 @@ static void print(const cli_call *call, FILE *f, int n, const lw_load *l)
         }
         const double values[] = { g.torque_peak, g.torque_rms, g.speed_peak, g.power_peak, g.power_least, g.power_mean,
                                   g.energy_out, g.energy_back };
-        static const char *const turning[] = { "torque_peak", "torque_rms" }, *const sliding[] = { "force_peak", "force_rms" };
+        static const char *const turning[] = { "torque_peak", "torque_rms" }, *const sliding[] = { "force_peak",
+             "force_rms" };
         static const char *const names[] = { "speed_peak", "power_peak", "power_least", "power_mean", "energy_out",
                                              "energy_back" };
         cli_json_object(&j, NULL);
@@ -63,13 +65,15 @@ static lw_status draw(int n, const lw_load *l, const char *path, lw_error *e)
     for (int i = 0; i < n; i++) {
         series[i] = (lw_series){ .name = l[i].name, .n = l[i].n, .x = l[i].speed, .y = l[i].torque };
         plot[i] = (lw_plot){ .x_label = l[i].slides ? "speed [m/s]" : "speed [rad/s]",
-                             .y_label = l[i].slides ? "force [N]" : "torque [N m]", .n_series = 1, .series = &series[i] };
+                             .y_label = l[i].slides ? "force [N]" : "torque [N m]", .n_series = 1, .series
+                                 = &series[i] };
     }
     return lw_draw_plots(n, plot, path, e);
 }
 
 /* The motion of an input with an acceleration of `extra` from time t on; extra 0: the motion itself. */
-static lw_status disturb(lw_model *planar, lw_spatial *spatial, int i, const char *motion, double extra, double t, lw_error *e)
+static lw_status disturb(lw_model *planar, lw_spatial *spatial, int i, const char *motion, double extra, double t,
+                         lw_error *e)
 {
     size_t size = strlen(motion) + 128;
     char *text = malloc(size);
@@ -84,9 +88,10 @@ static lw_status disturb(lw_model *planar, lw_spatial *spatial, int i, const cha
     return s;
 }
 
-/* Reflected inertia of each drive: what its torque rises by when only its acceleration rises.  An acceleration that begins at a
- * sample changes neither the posture nor the speeds there. */
-static lw_status find_inertias(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o, cli_table *t,
+/* Reflected inertia of each drive: what its torque rises by when only its acceleration rises.  An acceleration that
+ * begins at a sample changes neither the posture nor the speeds there. */
+static lw_status find_inertias(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o,
+                               cli_table *t,
                                lw_error *e)
 {
     enum { PLACES = 9 };

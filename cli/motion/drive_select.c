@@ -76,7 +76,8 @@ static void name_fails(const lw_drive_choice *c, char *text, size_t size)
                                      lw_drive_limit_text(i));
 }
 
-static void print_choices(FILE *f, const lw_load *l, const lw_drive_parts *p, size_t n, const lw_drive_choice *c, const bool *front,
+static void print_choices(FILE *f, const lw_load *l, const lw_drive_parts *p, size_t n, const lw_drive_choice *c,
+                          const bool *front,
                           size_t most)
 {
     size_t good = 0;
@@ -86,7 +87,8 @@ static void print_choices(FILE *f, const lw_load *l, const lw_drive_parts *p, si
     if (n == 0)
         return;
     fprintf(f, "  %-18s %-14s %-12s %10s %8s %7s %7s %7s %7s %7s %7s %9s %8s\n", "motor", "gear", "amplifier",
-            l->slides ? "rad/m" : "ratio", "speed", "peak", "rms", "volt", "A peak", "A rms", "i^2 t", "inertia", cost_name(p, c));
+            l->slides ? "rad/m" : "ratio", "speed", "peak", "rms", "volt", "A peak", "A rms", "i^2 t", "inertia",
+                cost_name(p, c));
     for (size_t i = 0; i < n && i < most && (good == 0 ? i < 3 : i < good); i++) {
         const lw_drive_choice *k = &c[i];
         fprintf(f, "%c %-18s %-14s %-12s %10.6g ", front[i] ? '*' : ' ', p->motor[k->motor].name, p->gear[k->gear].name,
@@ -170,7 +172,8 @@ static double limit_at(const lw_drive_parts *p, const lw_drive_choice *c, bool p
 }
 
 /* The load as the motor sees it, and the limits; |speed|, torque positive when it drives. */
-static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_drive_parts *p, const lw_drive_choice *const *best,
+static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_drive_parts *p,
+                              const lw_drive_choice *const *best,
                               const char *only, const char *path, lw_error *e)
 {
     lw_plot plot[LW_PANEL_MAX] = { 0 };
@@ -205,7 +208,8 @@ static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_dri
                 to[k] = w*30/LW_PI;
                 limit[k] = k < CORNERS ? limit_at(p, c, s == 0, w) : -limit_at(p, c, s == 0, 0);
             }
-            series[panels][1 + s] = (lw_series){ .name = s ? "continuous limit" : "peak limit", .n = 2*CORNERS, .x = to, .y = limit };
+            series[panels][1 + s] = (lw_series){ .name = s ? "continuous limit" : "peak limit", .n = 2*CORNERS, .x
+                                                 = to, .y = limit };
         }
         snprintf(label[panels], sizeof label[0], "torque [N m]");
         plot[panels] = (lw_plot){ .x_label = "speed of the motor [r/min]", .y_label = label[panels], .n_series = 3,
@@ -213,12 +217,14 @@ static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_dri
         panels++;
         if (panels == 1) {
             static char title[200];
-            snprintf(title, sizeof title, "%s: %s, %s, %s", l[i].name, p->motor[c->motor].name, g->name, amplifier_name(p, c));
+            snprintf(title, sizeof title, "%s: %s, %s, %s", l[i].name, p->motor[c->motor].name, g->name,
+                     amplifier_name(p, c));
             plot[0].title = title;
         }
     }
     plot[0].height = panels == 1 ? 560 : 420*panels;
-    lw_status s = panels ? lw_draw_plots(panels, plot, path, e) : lw_error_set(e, LW_NOTHING, "there is no choice to draw");
+    lw_status s = panels ? lw_draw_plots(panels, plot, path, e) : lw_error_set(e, LW_NOTHING,
+                                                                               "there is no choice to draw");
     free(xy);
     return s;
 }
@@ -236,13 +242,15 @@ static lw_status find_drive(const cli_table *t, const char *name, lw_error *e)
             names[n++] = t->drive[i].name;
     }
     const char *near = lw_suggest(name, names, n);
-    return lw_error_set(e, LW_E_ARG, "--drive: the model has no drive \"%.60s\"%s%s%s", name, near ? "; did you mean \"" : "",
+    return lw_error_set(e, LW_E_ARG, "--drive: the model has no drive \"%.60s\"%s%s%s", name, near ?
+                        "; did you mean \"" : "",
                         near ? near : "", near ? "\"?" : "");
 }
 
 typedef struct selection { size_t n; lw_drive_choice *choice; bool *front; } selection;
 
-static lw_status select_all(const cli_call *call, const cli_table *t, const lw_load *l, const lw_drive_parts *p, selection *s,
+static lw_status select_all(const cli_call *call, const cli_table *t, const lw_load *l, const lw_drive_parts *p,
+                            selection *s,
                             lw_error *e)
 {
     const cli_drive_settings *o = call->settings;
@@ -252,13 +260,15 @@ static lw_status select_all(const cli_call *call, const cli_table *t, const lw_l
         if (!o->drive || strcmp(o->drive, l[i].name) == 0) {
             st = lw_drive_choose(&l[i], p, most, &s[i].n, &s[i].choice, &s[i].front, e);
             if (st == LW_OK && s[i].n == 0)
-                st = lw_error_set(e, LW_E_ARG, "drive %s %s: no gear of the tables %s", l[i].name, l[i].slides ? "slides" : "turns",
+                st = lw_error_set(e, LW_E_ARG, "drive %s %s: no gear of the tables %s", l[i].name, l[i].slides ?
+                                  "slides" : "turns",
                                   l[i].slides ? "has a \"radius\"" : "is without a \"radius\"");
         }
     return st;
 }
 
-static int print_selection(const cli_call *call, const cli_table *t, const lw_load *l, const lw_drive_parts *p, const selection *s,
+static int print_selection(const cli_call *call, const cli_table *t, const lw_load *l, const lw_drive_parts *p,
+                           const selection *s,
                            FILE *f)
 {
     const cli_drive_settings *o = call->settings;
@@ -314,7 +324,8 @@ int cli_drive_select(const cli_call *call)
         st = cli_drive_run(call, &t, &e);
     if (st == LW_OK)
         st = cli_drive_loads(&t, (o->to - o->from)/o->steps, &value, &l, &e);
-    if (st == LW_OK && (!(s = calloc((size_t)t.n_drive, sizeof *s)) || !(best = calloc((size_t)t.n_drive, sizeof *best))))
+    if (st == LW_OK && (!(s = calloc((size_t)t.n_drive, sizeof *s)) || !(best = calloc((size_t)t.n_drive,
+        sizeof *best))))
         st = lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK)
         st = select_all(call, &t, l, &p, s, &e);
@@ -345,22 +356,29 @@ int cli_drive_select(const cli_call *call)
 
 static void print_row(FILE *f, const char *what, const lw_radius *r)
 {
-    fprintf(f, "  %-34s %10.4f %10.3f %9.3f %9.3f %9.3f %8.2f%% %10.4f %10.5f\n", what, 1000*r->r, r->alpha, r->speed, r->printed_way,
+    fprintf(f, "  %-34s %10.4f %10.3f %9.3f %9.3f %9.3f %8.2f%% %10.4f %10.5f\n", what, 1000*r->r, r->alpha, r->speed,
+            r->printed_way,
             r->printed_time, 100*r->efficiency, r->acceleration, r->time);
 }
 
 static void print_motor(FILE *f, const lw_motor_part *m, const cli_drive_settings *o)
 {
     double current = m->torque/m->torque_constant, heat = m->resistance*current*current, power = m->torque*m->speed;
-    double fall = m->resistance*current, emf = m->torque_constant*m->speed, best = m->torque/(2*sqrt(m->inertia*o->mass));
-    double wanted = o->acceleration > 0 ? o->acceleration : best, t_63 = m->resistance*m->inertia/(m->torque_constant*m->torque_constant);
-    fprintf(f, "%s\n  current %.4g A; power: electrical %.2f W, mechanical %.2f W, lost in the winding %.2f W; voltage %.2f V: "
-            "back EMF %.2f V, resistance %.3f V\n  time constant R J/Kt^2 %.2f ms (63 %% of the speed); J w/T as printed %.1f ms (to full speed at "
+    double fall = m->resistance*current, emf = m->torque_constant*m->speed, best
+        = m->torque/(2*sqrt(m->inertia*o->mass));
+    double wanted = o->acceleration > 0 ? o->acceleration : best, t_63
+        = m->resistance*m->inertia/(m->torque_constant*m->torque_constant);
+    fprintf(f, "%s\n  current %.4g A; power: electrical %.2f W, mechanical %.2f W, lost in the winding %.2f W; "
+               "voltage %.2f V: "
+            "back EMF %.2f V, resistance %.3f V\n  time constant R J/Kt^2 %.2f ms (63 %% of the speed); J w/T as "
+            "printed %.1f ms (to full speed at "
             "constant torque)\n", m->name, current, power + heat, power, heat, emf + fall, emf, fall, 1000*t_63,
             1000*m->inertia*m->speed/m->torque);
-    fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "radius", "motor", "speed", "way v2/a", "time 2v/a", "efficiency",
+    fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "radius", "motor", "speed", "way v2/a",
+            "time 2v/a", "efficiency",
             "true a", "true time");
-    fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "[mm]", "[rad/s2]", "[m/s]", "[m]", "[s]", "", "[m/s2]", "[s]");
+    fprintf(f, "  %-34s %10s %10s %9s %9s %9s %9s %10s %10s\n", "", "[mm]", "[rad/s2]", "[m/s]", "[m]", "[s]", "",
+            "[m/s2]", "[s]");
     const struct { const char *what; double r; } rows[] = {
         { "a J/T (leaves out the load)", lw_radius_printed(m, wanted) },
         { "least time, (s T/(2 w^2 m))^(1/3)", lw_radius_of_way(m, o->mass, o->way) },
@@ -371,7 +389,8 @@ static void print_motor(FILE *f, const lw_motor_part *m, const cli_drive_setting
         print_row(f, rows[i].what, &r);
     }
     if (o->acceleration > 0 && o->acceleration > best)
-        fprintf(f, "  %g m/s^2 is impossible with this motor at any radius: its best is %.4f m/s^2 at r = %.3f mm\n", o->acceleration, best,
+        fprintf(f, "  %g m/s^2 is impossible with this motor at any radius: its best is %.4f m/s^2 at r = %.3f mm\n",
+                o->acceleration, best,
                 1000*lw_radius_of_acceleration(m, o->mass));
     else if (o->acceleration > 0)
         fprintf(f, "  %g m/s^2 is possible for radii around %.3f mm, where it is %.4f m/s^2\n", o->acceleration,
@@ -396,7 +415,8 @@ static void json_motor(cli_json *j, const lw_motor_part *m, const cli_drive_sett
 {
     double best = m->torque/(2*sqrt(m->inertia*o->mass)), wanted = o->acceleration > 0 ? o->acceleration : best;
     static const char *const keys[] = { "acceleration_formula", "way_formula", "greatest_acceleration", "least_time" };
-    const double radii[] = { lw_radius_printed(m, wanted), lw_radius_of_way(m, o->mass, o->way), lw_radius_of_acceleration(m, o->mass),
+    const double radii[] = { lw_radius_printed(m, wanted), lw_radius_of_way(m, o->mass, o->way),
+                             lw_radius_of_acceleration(m, o->mass),
                              lw_radius_best(m, o->mass, o->way) };
     cli_json_object(j, NULL);
     cli_json_text(j, "motor", m->name);

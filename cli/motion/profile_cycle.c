@@ -20,7 +20,8 @@ static void peaks(const lw_cycle_move *m, int axis, double *v, double *a)
 
 static void write_text(const lw_work_cycle *c, FILE *f)
 {
-    fprintf(f, "%s%s%-20s %12s %12s %12s %10s  %s\n", c->name, *c->name ? "\n" : "", "move", "start [s]", "duration [s]", "rest [s]",
+    fprintf(f, "%s%s%-20s %12s %12s %12s %10s  %s\n", c->name, *c->name ? "\n" : "", "move", "start [s]",
+            "duration [s]", "rest [s]",
             "load [kg]", "axis: goal, greatest speed, greatest acceleration");
     for (int i = 0; i < c->n_move; i++) {
         const lw_cycle_move *m = &c->move[i];
@@ -128,7 +129,8 @@ static lw_status draw(const lw_work_cycle *c, const char *path, lw_error *e)
     for (int d = 0; d < 4; d++) {
         for (int k = 0; k < c->n_axis; k++)
             series[d][k] = (lw_series){ .name = c->axis[k].name, .n = N + 1, .x = v, .y = v + (1 + 4*k + d)*(N + 1) };
-        plot[d] = (lw_plot){ .y_label = labels[d], .x_label = d == 3 ? "time [s]" : NULL, .n_series = c->n_axis, .series = series[d] };
+        plot[d] = (lw_plot){ .y_label = labels[d], .x_label = d == 3 ? "time [s]" : NULL, .n_series = c->n_axis,
+                             .series = series[d] };
     }
     plot[0].title = c->name;
     lw_status s = lw_draw_plots(4, plot, path, e);

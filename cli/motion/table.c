@@ -125,7 +125,8 @@ static lw_status spatial_table(lw_spatial *m, const cli_table_options *o, cli_ta
     return s;
 }
 
-lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o, cli_table *t,
+lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o,
+                        cli_table *t,
                         lw_error *e)
 {
     *t = (cli_table){ 0 };

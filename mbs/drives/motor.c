@@ -52,7 +52,8 @@ static void limit(lw_drive_choice *c, int which, double value, double most)
         c->fails |= 1u << which;
 }
 
-/* Torque of the motor: the load through the gear, whose losses the driving side pays, and the inertia of motor and gear. */
+/* Torque of the motor: the load through the gear, whose losses the driving side pays, and the inertia of motor and
+ * gear. */
 static double motor_torque(const lw_load *l, size_t k, double ratio, double efficiency, double inertia)
 {
     double through = l->torque[k]*l->speed[k] >= 0 ? l->torque[k]/efficiency : l->torque[k]*efficiency;
@@ -100,7 +101,8 @@ lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int moto
     if (isfinite(greatest_inertia) && !isnan(c.inertia_ratio))
         limit(&c, LW_DRIVE_INERTIA, c.inertia_ratio, greatest_inertia);
     if (a) {
-        double peak = a->current_peak > 0 ? a->current_peak : a->current, room = (peak*peak - a->current*a->current)*a->peak_time;
+        double peak = a->current_peak > 0 ? a->current_peak : a->current, room
+            = (peak*peak - a->current*a->current)*a->peak_time;
         double charge = 0, most = 0;
         for (int cycle = 0; cycle < 2 && room > 0; cycle++)         /* the second cycle begins charged */
             for (size_t k = 0; k + 1 < l->n; k++) {
@@ -129,13 +131,15 @@ static int by_rank(const void *a, const void *b)
         return dx < dy ? -1 : 1;
     if (x->worst != y->worst)
         return x->worst < y->worst ? -1 : 1;
-    return x->motor != y->motor ? x->motor - y->motor : x->gear != y->gear ? x->gear - y->gear : x->amplifier - y->amplifier;
+    return x->motor != y->motor ? x->motor - y->motor : x->gear != y->gear ? x->gear - y->gear
+        : x->amplifier - y->amplifier;
 }
 
 lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double greatest_inertia, size_t *n,
                           lw_drive_choice **out, bool **front, lw_error *e)
 {
-    size_t amplifiers = p->n_amplifier > 0 ? (size_t)p->n_amplifier : 1, room = (size_t)p->n_motor*(size_t)p->n_gear*amplifiers;
+    size_t amplifiers = p->n_amplifier > 0 ? (size_t)p->n_amplifier : 1, room
+        = (size_t)p->n_motor*(size_t)p->n_gear*amplifiers;
     *n = 0;
     *out = malloc((room + 1)*sizeof **out);
     *front = calloc(room + 1, sizeof **front);
@@ -158,7 +162,8 @@ lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double grea
 
 /* ---- paper D ------------------------------------------------------------------------------------------ */
 
-static double acceleration_at(const lw_motor_part *m, double mass, double r) { return m->torque*r/(m->inertia + mass*r*r); }
+static double acceleration_at(const lw_motor_part *m, double mass, double r) { return m->torque*r/(m->inertia
+    + mass*r*r); }
 
 static double time_at(const lw_motor_part *m, double mass, double way, double r)
 {
@@ -170,7 +175,8 @@ lw_radius lw_radius_at(const lw_motor_part *m, double mass, double way, double l
 {
     double v = m->speed*r;
     return (lw_radius){ .r = r, .alpha = m->torque/(m->inertia + mass*r*r), .speed = v,
-                        .efficiency = 1/(1 + m->inertia/(mass*r*r)), .printed_way = v*v/limit_, .printed_time = 2*v/limit_,
+                        .efficiency = 1/(1 + m->inertia/(mass*r*r)), .printed_way = v*v/limit_, .printed_time
+                            = 2*v/limit_,
                         .acceleration = acceleration_at(m, mass, r), .time = time_at(m, mass, way, r) };
 }
 
@@ -183,11 +189,12 @@ double lw_radius_of_way(const lw_motor_part *m, double mass, double way)
 
 double lw_radius_of_acceleration(const lw_motor_part *m, double mass) { return sqrt(m->inertia/mass); }
 
-/* The time falls to one minimum: at the radius of greatest acceleration if the motor never reaches its speed there, else
- * between it and where the printed formula is, or where the speed is just reached. */
+/* The time falls to one minimum: at the radius of greatest acceleration if the motor never reaches its speed there,
+ * else between it and where the printed formula is, or where the speed is just reached. */
 double lw_radius_best(const lw_motor_part *m, double mass, double way)
 {
-    double low = lw_radius_of_acceleration(m, mass)*1e-3, high = lw_radius_of_acceleration(m, mass)*1e3, golden = (sqrt(5) - 1)/2;
+    double low = lw_radius_of_acceleration(m, mass)*1e-3, high = lw_radius_of_acceleration(m, mass)*1e3, golden
+        = (sqrt(5) - 1)/2;
     double a = log(low), b = log(high);
     for (int i = 0; i < 200; i++) {
         double x = b - golden*(b - a), y = a + golden*(b - a);

@@ -1,7 +1,7 @@
 /* mbs/drives/motor.h - loads of drives, and whether a motor with a gear and an amplifier can carry them.
  *
- * Sign: torque and speed of the same sign drive the load.  `torque` and `speed` of a slider are a force [N] and [m/s], and a
- * transmission then has radians of the motor per metre. */
+ * Sign: torque and speed of the same sign drive the load.  `torque` and `speed` of a slider are a force [N] and [m/s],
+ * and a transmission then has radians of the motor per metre. */
 #ifndef LW_MBS_DRIVES_MOTOR_H
 #define LW_MBS_DRIVES_MOTOR_H
 
@@ -75,8 +75,8 @@ lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double grea
  *     a = T r/(J + m r^2)                     greatest at r = sqrt(J/m):  a = T/(2 sqrt(J m))
  *     t = s/(r w) + w (J + m r^2)/T           while s >= v^2/a; least at r = (s T/(2 w^2 m))^(1/3)
  *
- * The printed program takes the acceleration limit for a, not what the motor reaches, and r = a J/T, which leaves out the
- * load.  Both are given beside the true values. */
+ * The printed program takes the acceleration limit for a, not what the motor reaches, and r = a J/T, which leaves out
+ * the load.  Both are given beside the true values. */
 typedef struct lw_radius {
     double r, alpha, speed, efficiency;      /* [m] [rad/s^2] [m/s]; 1/(1 + J/(m r^2))         */
     double printed_way, printed_time;        /* v^2/a and 2 v/a with the limit of acceleration */
