@@ -211,8 +211,8 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
     modes->redundant = d->n_c - d->n_kept;
     if (modes->freedom <= 0)
         return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
-    int room = 2*wanted + 4 < modes->freedom ? 2*wanted + 4 : modes->freedom;
-    int most = 4*room + 40 < modes->freedom ? 4*room + 40 : modes->freedom;
+    int aim = d->f.conservative ? wanted : 2*wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
+    int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom;
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
     lanczos z = { .d = d, .n = d->n_q, .most = most, .q = q };
@@ -243,7 +243,7 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         if (s == LW_OK && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
             s = lw_error_set(e, LW_E_NUMERIC, "the stiffness is singular in this posture");
         if (s == LW_OK)
-            s = find_modes(&z, wanted < room ? wanted : room, room);
+            s = find_modes(&z, aim < room ? aim : room, room);
         if (s == LW_OK) {
             for (int i = 0; i < z.n_found; i++)
                 if (fabs(z.value[i]) < 1e-6*z.shift)                       /* a free motion, but for rounding */
