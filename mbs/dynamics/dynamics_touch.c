@@ -321,8 +321,8 @@ static void note(lw_run *run, int place, double t, bool impact, double rate)
 }
 
 /* Compression, then expansion with `part` of the restitution, of the places in c->in: c->force is the impulse, c->rate the
- * rates after it.  *gain: change of the energy. */
-static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, double *gain)
+ * rates after it.  *gains: energy is gained, by more than rounding. */
+static lw_status impact_once(const lw_dynamics *d, const closed *c, double part, bool *gains)
 {
     bool bounces = false;
     for (int i = 0; i < c->m; i++) {
@@ -343,9 +343,12 @@ static lw_status impact_once(const lw_dynamics *d, const closed *c, double part,
         for (size_t k = 0; k < r; k++)
             c->force[k] += first[k];
     }
-    *gain = 0;
-    for (int k = 0; k < 2*c->m; k++)
-        *gain += 0.5*c->force[k]*(c->u[k] + c->rate[k]);
+    double gain = 0, size = 0;
+    for (int k = 0; k < 2*c->m; k++) {
+        gain += 0.5*c->force[k]*(c->u[k] + c->rate[k]);
+        size += 0.5*fabs(c->force[k])*(fabs(c->u[k]) + fabs(c->rate[k]));
+    }
+    *gains = gain > 1e-12*size;
     return s;
 }
 
@@ -371,11 +374,12 @@ static lw_status strike(lw_run *run, double t, closed *c, double tiny, double *v
             return LW_OK;
         for (int i = 0; (plastic || pass >= TOGETHER) && i < c->m; i++)
             c->in[i] = is_rigid(&touch[c->place[i]]);
-        double gain, part = pass < TOGETHER;
-        lw_status s = impact_once(d, c, part, &gain);
-        for (int k = 0; s == LW_OK && gain > 0 && part > 0; k++) {
+        double part = pass < TOGETHER;
+        bool gains;
+        lw_status s = impact_once(d, c, part, &gains);
+        for (int k = 0; s == LW_OK && gains && part > 0; k++) {
             part = k < 30 ? 0.5*part : 0;
-            s = impact_once(d, c, part, &gain);
+            s = impact_once(d, c, part, &gains);
         }
         if (s == LW_E_MEMORY)
             return s;
