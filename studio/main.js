@@ -95,7 +95,7 @@ function handle(layer, key, p, data, label) {
 // Where a point of a link is now, and how the link is turned.
 function poses() {
   const m = app.motion, k = app.doc.linkage;
-  if (!m || app.stale || app.touching) return { where: (p) => p, turn: () => [1, 0], k };
+  if (!app.fresh() || app.touching) return { where: (p) => p, turn: () => [1, 0], k };
   const index = new Map(m.links.map((n, i) => [n, i]));
   return { where: (p, link) => (index.has(link) ? placed(m, app.frame, index.get(link), p) : p),
     turn: (link) => (index.has(link) ? turned(m, app.frame, index.get(link)) : [1, 0]), k };
@@ -174,8 +174,10 @@ app.fit = () => {
 
 // ---- the motion, from the server
 
-const got = (m) => {
+app.fresh = () => app.motion && !app.stale && app.motionOf === app.doc.linkage;
+const got = (m, body) => {
   app.motion = m;
+  app.motionOf = body.linkage;
   app.stale = false;
   app.frame = m.first;
   app.touching = false;
@@ -185,7 +187,7 @@ const got = (m) => {
   emit("motion");
 };
 const failed = (error) => {
-  app.stale = true;
+  app.stale = error instanceof Refused || app.motionOf !== app.doc.linkage;
   app.touching = false;
   if (error instanceof Refused) {
     fault(error.message);
@@ -234,6 +236,7 @@ app.refresh = () => {
 // ---- the path, from the server
 
 const askTarget = latest("target", (t) => {
+  if (app.doc.path.mode === "points" || app.doc.path.anchors.length < 2) return;      // an answer that came too late
   app.target = t;
   app.stations = t.x.map((x, i) => [x, t.y[i]]);
   emit("target");
@@ -361,6 +364,7 @@ const pointers = new Map();
 let pinch = null, active = null;
 const where = (e) => { const b = canvas.getBoundingClientRect(); return [e.clientX - b.left, e.clientY - b.top]; };
 canvas.addEventListener("pointerdown", (e) => {
+  app.touched = true;
   canvas.setPointerCapture(e.pointerId);
   pointers.set(e.pointerId, where(e));
   if (pointers.size === 2) {                       // two fingers move and zoom the paper
@@ -390,11 +394,11 @@ canvas.addEventListener("pointermove", (e) => {
     app.redraw();
   } else if (active) active.move(at, e);
 });
-for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (e) => {
+for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) canvas.addEventListener(end, (e) => {
   const mine = pointers.delete(e.pointerId);
   if (!mine) return;
   if (!pointers.size) pinch = null;
-  if (active && end === "pointerup") active.up(app.view.at(...where(e)), e);
+  if (active && end !== "pointercancel") active.up(app.view.at(...where(e)), e);
   else if (active) active.cancel?.();
   active = null;
 });
@@ -671,18 +675,19 @@ onConnection((up) => {
 makePanels();
 choose(tools[0]);
 app.say("");
+const linked = location.hash.length > 1;
 const had = await recall();
 changed("all");
 try {
   const start = await ask("begin", {}), mark = `${start.file} ${location.pathname}`;
   app.version = start.version;
-  if (start.file && sessionStorage.getItem("opened") !== mark) {
+  if (start.file && !linked && sessionStorage.getItem("opened") !== mark) {
     sessionStorage.setItem("opened", mark);
     app.doc = blank();
     await openText(start.text, start.file);
   } else if (!had && !app.doc.path.anchors.length) choose(tools[1]);
 } catch (error) { /* the banner says so */ }
-setTimeout(app.fit, 120);
+setTimeout(() => { if (pointers.size === 0 && !app.touched) app.fit(); }, 120);
 app.ready = true;
 document.documentElement.dataset.ready = "yes";
 window.studio = app;

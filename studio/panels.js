@@ -287,7 +287,7 @@ function searchPanel(panel) {
     cards.replaceChildren();
     s.task = taskOf(app.doc, app.stations);
     try {
-      const from = improve && app.doc.linkage ? (app.motion && !app.stale ? rebase(app.doc.linkage, app.motion, 0) : app.doc.linkage) : undefined;
+      const from = improve && app.doc.linkage ? (app.fresh() ? rebase(app.doc.linkage, app.motion, 0) : app.doc.linkage) : undefined;
       const o = await ask("search", { task: s.task, ...optionsOf(app.doc), ...(from ? { start: from } : {}) });
       s.id = o.id;
       s.command = o.command;
@@ -324,6 +324,7 @@ function searchPanel(panel) {
       if (s.state !== "running") return;
       app.doc.linkage = k;
       app.motion = m;
+      app.motionOf = k;
       app.stale = false;
       app.frame = Math.min(app.frame, m.frames - 1);
       s.shown = (s.shown || 0) + 1;
@@ -453,7 +454,7 @@ function mechanismPanel(panel) {
     swap(list, ...parts);
   });
 
-  const now = () => (app.motion && !app.stale ? rebase(app.doc.linkage, app.motion, app.frame) : clone(app.doc.linkage));
+  const now = () => (app.fresh() ? rebase(app.doc.linkage, app.motion, app.frame) : clone(app.doc.linkage));
 
   function setLength(l, length) {
     if (!(length > 0)) return;

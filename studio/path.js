@@ -65,5 +65,6 @@ export function optionsOf(doc, without) {
   if (t.maxSize !== null) o.max_size = t.maxSize;
   if (t.seed !== 1) o.seed = t.seed;
   if (t.results !== 10) o.results = t.results;
+  if (t.rounds) o.rounds = t.rounds;
   return o;
 }

@@ -108,7 +108,7 @@ const corners = (a, b) => [a, [b[0], a[1]], b, [a[0], b[1]]];
 
 function ensureLinkage() {
   if (!app.doc.linkage) app.doc.linkage = empty(app.doc.unit);
-  else if (app.motion && !app.stale) app.doc.linkage = rebase(app.doc.linkage, app.motion, app.frame);
+  else if (app.fresh()) app.doc.linkage = rebase(app.doc.linkage, app.motion, app.frame);
   return app.doc.linkage;
 }
 const reach = () => 13 / app.view.scale;
@@ -164,7 +164,7 @@ export const select = {
     app.pause();
     const kept = app.doc.linkage;
     begin();
-    this.start = app.motion && !app.stale ? rebase(kept, app.motion, app.frame) : clone(kept);
+    this.start = app.fresh() ? rebase(kept, app.motion, app.frame) : clone(kept);
     this.point = [...this.start.joints, ...this.start.tracers].find((q) => q.name === name);
     app.pick({ point: this.point });
     this.moved = false;
@@ -201,7 +201,7 @@ export const select = {
 };
 
 function posture() {
-  return app.motion && !app.stale ? rebase(app.doc.linkage, app.motion, app.frame) : app.doc.linkage;
+  return app.fresh() ? rebase(app.doc.linkage, app.motion, app.frame) : app.doc.linkage;
 }
 
 // Arrow keys on a point do what dragging does.

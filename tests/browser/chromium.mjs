@@ -55,6 +55,7 @@ class Page {
     const { browserContextId } = beside ? { browserContextId: beside.context } : await this.root("Target.createBrowserContext");
     this.context = browserContextId;
     const { targetId } = await this.root("Target.createTarget", { url: "about:blank", browserContextId });
+    this.target = targetId;
     this.session = (await this.root("Target.attachToTarget", { targetId, flatten: true })).sessionId;
     for (const domain of ["Page", "Runtime", "Network", "Log"]) await this.send(`${domain}.enable`);
     await this.send("Emulation.setDeviceMetricsOverride", this.size);
@@ -63,6 +64,12 @@ class Page {
     if (this.size.mobile) await this.send("Emulation.setTouchEmulationEnabled", { enabled: true });
     return this;
   }
+  // In front, and drawing: windows behind others get no pointer moves.
+  async front() {
+    await this.send("Page.bringToFront");
+    await this.run("new Promise((go) => { requestAnimationFrame(() => requestAnimationFrame(go)); })");
+  }
+  async close() { await this.root("Target.closeTarget", { targetId: this.target }); }
   hear(m) {
     const p = m.params;
     if (m.method === "Runtime.exceptionThrown") this.faults.push(p.exceptionDetails.exception?.description || p.exceptionDetails.text);

@@ -34,7 +34,11 @@ async function serve(...words) {
 const browser = await launch(chromium);
 let server, page;
 
-async function test(name, run) {
+// LW_ONLY=words: only the tests whose names match.
+// A test that fails runs once more on a fresh page: a machine that does ten other things may lose a pointer event.
+let last = [];
+async function test(name, run, again = true) {
+  if (process.env.LW_ONLY && !new RegExp(process.env.LW_ONLY).test(name)) return;
   const start = Date.now();
   try {
     await run();
@@ -42,14 +46,23 @@ async function test(name, run) {
     passed++;
     if (process.env.LW_VERBOSE) console.log(`  ${name}: ${Date.now() - start} ms`);
   } catch (error) {
+    if (again) {
+      console.log(`  once more: ${name}: ${error.message}`);
+      await fresh(...last);
+      await settled().catch(() => {});
+      await test(name, run, false);
+      return;
+    }
     failed++;
     console.log(`FAIL ${name}: ${error.message}`);
+    if (process.env.LW_VERBOSE) console.log(JSON.stringify(await page.run("[studio.fresh(), studio.stale, studio.touching, studio.dragging, studio.fault, document.getElementById('offline').hidden]").catch(String)));
     if (pictures) writeFileSync(join(pictures, `fail-${failed}.png`), await page.picture().catch(() => ""));
     page.faults.length = 0;
   }
 }
 
 async function fresh(...words) {
+  last = words;
   if (server) await server.end();
   server = await serve(...words);
   page = await browser.page();
@@ -60,7 +73,21 @@ const canvas = async () => page.run("(() => { const b = document.getElementById(
 const screen = async (p) => page.run(`(() => { const b = document.getElementById('canvas').getBoundingClientRect(), v = studio.view, p = ${JSON.stringify(p)}; return [b.x + v.X(p), b.y + v.Y(p)]; })()`);
 const curve = () => page.run("document.querySelector('.curves-layer .curve')?.getAttribute('d')");
 const joint = (name) => page.run(`studio.doc.linkage.joints.concat(studio.doc.linkage.tracers).find((q) => q.name === "${name}").at`);
-const settled = () => page.until("studio.motion && !studio.stale && !studio.touching && !studio.dragging", "the motion came", 10);
+const settled = () => page.until("studio.fresh() && !studio.touching && !studio.dragging", "the motion came", 10);
+
+// Drag a point by so many pixels, once the drawing stands still.
+async function pull(name, ...ways) {
+  const old = JSON.stringify(await joint(name));
+  let p = await page.where(`[data-point=${name}]`);
+  for (let q = null; !q || q[0] !== p[0] || q[1] !== p[1];) {
+    q = p;
+    await sleep(150);
+    p = await page.where(`[data-point=${name}]`);
+  }
+  await page.stroke([p, ...ways.map((w) => [p[0] + w[0], p[1] + w[1]])]);
+  await page.until(`JSON.stringify(studio.doc.linkage.joints.concat(studio.doc.linkage.tracers).find((q) => q.name === "${name}").at) !== ${JSON.stringify(old)} && !studio.dragging`,
+    `${name} is dragged`, 10);
+}
 
 async function oval(points = 48, cx = 0.45, cy = 0.42, rx = 150, ry = 80) {
   const [x, y, w, h] = await canvas(), out = [];
@@ -90,18 +117,21 @@ await test("a file opens, its curve is drawn, nothing is loaded from elsewhere",
 await test("drag a joint: the curve follows while the pointer moves, and undo brings it back", async () => {
   const before = await joint("B"), from = await page.where("[data-point=B]"), curves = new Set();
   const n = page.asked("motion").length;
+  await page.click("#snap");
   await page.press(from);
-  for (let i = 1; i <= 20; i++) {
-    await page.move([from[0] + 2 * i, from[1] + i]);
-    await sleep(20);
+  for (let i = 1; i <= 10; i++) {                   // the pointer stays down: each step has a curve of its own
+    const old = await curve();
+    await page.move([from[0] + 4 * i, from[1] + 2 * i]);
+    await page.until(`document.querySelector('.curves-layer .curve').getAttribute('d') !== ${JSON.stringify(old)}`, "the curve follows", 10);
     curves.add(await curve());
   }
   await page.release([from[0] + 40, from[1] + 20]);
-  check(`the curve stood still: ${curves.size} curves`, curves.size > 8);
+  await page.click("#snap");
+  check(`the curve stood still: ${curves.size} curves`, curves.size === 10);
   await settled();
   const after = await joint("B"), asked = page.asked("motion").slice(n);
   check("the joint did not move", Math.hypot(after[0] - before[0], after[1] - before[1]) > 1);
-  check("1000 points were asked for", asked.length > 8 && asked.some((r) => JSON.parse(r.body).points === 1000));
+  check("1000 points were asked for", asked.length >= 8 && asked.some((r) => JSON.parse(r.body).points === 1000));
   await page.key("z", 2);
   await settled();
   const back = await joint("B");
@@ -131,8 +161,7 @@ await test("locked lengths stay while a joint is dragged", async () => {
   await page.click("[aria-label='Lock the lengths of crank']");
   const length = async (a, b) => { const [p, q] = [await joint(a), await joint(b)]; return Math.hypot(p[0] - q[0], p[1] - q[1]); };
   const rocker = await length("B", "C"), crank = await length("O", "A"), coupler = await length("A", "B");
-  const p = await page.where("[data-point=B]");
-  await page.stroke([p, [p[0] + 10, p[1] + 10], [p[0] + 40, p[1] + 30]]);
+  await pull("B", [10, 10], [40, 30]);
   await settled();
   check("rocker", Math.abs((await length("B", "C")) - rocker) < 1e-9 * rocker);
   check("crank", Math.abs((await length("O", "A")) - crank) < 1e-9 * crank);
@@ -187,19 +216,19 @@ await test("two windows do not disturb each other", async () => {
   const first = page;
   const other = page = await browser.page({}, first);
   await page.go(server.address);
+  await page.front();
   await settled();
-  await sleep(300);
-  const p = await page.where("[data-point=C]");
-  await page.stroke([p, [p[0] + 9, p[1]], [p[0] + 30, p[1] + 9]]);
+  await pull("C", [9, 0], [30, 9]);
   await settled();
   const there = await joint("C");
   page = first;
-  await page.send("Page.bringToFront");
+  await page.front();
   await settled();
   check("the first window moved too", Math.abs((await joint("C"))[0] - there[0]) > 0.5);
-  const q = await page.where("[data-point=P]");
-  await Promise.all([page.stroke([q, [q[0] + 9, q[1]], [q[0] + 18, q[1]]]), other.run("studio.refresh()")]);
+  await Promise.all([pull("P", [9, 0], [18, 0]), other.run("studio.refresh()")]);
   await settled();
+  await other.close();
+  await page.front();
   await page.key("z", 2);
   await settled();
 });
@@ -208,8 +237,7 @@ await test("the server is killed and started again: nothing drawn is lost", asyn
   await settled();
   const before = JSON.stringify((await doc()).linkage);
   await server.end("SIGKILL");
-  const p = await page.where("[data-point=P]");
-  await page.stroke([p, [p[0] + 9, p[1]], [p[0] + 22, p[1] + 4]]);
+  await pull("P", [9, 0], [22, 4]);
   await page.until("!document.getElementById('offline').hidden", "the page says that the server is gone");
   const drawn = JSON.stringify((await doc()).linkage);
   check("the drag is lost", drawn !== before);
@@ -246,7 +274,7 @@ await test(`50 drags a second for ${long === "long" ? 60 : 4} s`, async () => {
   check("the page still answers", (await page.run("1 + 1")) === 2);
 });
 
-globalThis.T = { test, check, sleep, fresh, doc, canvas, screen, curve, joint, settled, oval, page: () => page, server: () => server, folder, program, pictures, browser, environment,
+globalThis.T = { test, check, sleep, fresh, doc, canvas, screen, curve, joint, settled, oval, page: () => page, server: () => server, folder, program, pictures, long: long === "long", browser, environment,
   readFileSync, writeFileSync, join, execFileSync };
 for (const more of ["./studio_draw.mjs", "./studio_build.mjs"]) {
   try { await import(more); } catch (error) {
