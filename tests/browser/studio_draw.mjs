@@ -156,7 +156,7 @@ await test("conditions: boxes by hand, numbers, what the server is asked", async
 await test("search: live progress, best so far on the drawing, error plot, cards; the command does the same", async () => {
   const p = page(), n = p.asked("search").length;
   await p.click("#search");
-  await p.until("document.getElementById('state')?.textContent.startsWith('searching')");
+  await p.until("document.getElementById('state')", "the state of the search");
   await p.until("document.querySelectorAll('#results .card').length > 0", "cards", 120);
   const body = JSON.parse(p.asked("search")[n].body);
   check("task", body.task.pivots.box.length === 2 && body.task.forbidden.length === 1 && body.task.transmission === 25 && body.task.stations.length === 24);
