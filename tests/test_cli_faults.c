@@ -59,7 +59,7 @@ static const char *const rows[] = {
     "$C bench fit --problems $D/problems --solvers lm --seeds 0 --time 0.01 -o $D/out -q > $D/table && ls $D/out",
     "$C bench mbs --cases pendulum --tolerance-range 1e-4:1e-4 --peers none -o $D/out -q > $D/table && ls $D/out",
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --links 6 --topology watt1 --budget 1000 --starts 1 --rounds 1 --results 1 -j 2 -q",
-    "rm -rf $D/release; $C catalogue release -o $D/release --links 7 -q && cat $D/release/*",
+    "rm -rf $D/release; $C catalogue release -o $D/release --links 7 -q && cat $(find $D/release -type f | sort)",
     "$C drive load examples/drives/lifting-arm.json --to 0.1",
 };
 

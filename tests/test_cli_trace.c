@@ -194,7 +194,8 @@ static void several_tracers_and_all_examples(void)
     expect("$P trace examples/slider-crank.json -n 2", 0, "arc,mode,input,tracer,x,y", NULL);
     expect("$P trace examples/slider-crank.json -n 2", 0, ",middle,", NULL);
     expect("$P trace examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
-    expect("for f in $(grep -l tracers examples/*.json); do $P trace $f -n 5 > $D/t.csv || exit 1; grep -qi nan "
+    expect("for f in $(grep -l tracers $(grep -l '\"input' examples/*.json)); do "
+           "$P trace $f -n 5 > $D/t.csv || exit 1; grep -qi nan "
            "$D/t.csv && exit 1; done; true",
            0, NULL, NULL);
     expect("$P trace - < examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
