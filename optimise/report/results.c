@@ -70,12 +70,22 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_LINK     0.2           /* for each link more                                                            */
 #define ROCKING      0.1           /* an input that has to be reversed                                              */
 
+#define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
+
+/* How far the curve is from the target [m].  Between the stations the target is an interpolation, which is less exact than
+ * a linkage that meets all of many stations. */
+static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
+{
+    bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*lw_candidate_links(c);
+    return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
+}
+
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     double error = isnan(r->angle_max) ? 0 : r->angle_max, size = 0;
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r))) {
-        error = (lw_fit_report_stray(r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
+        error = (distance_of(t, c, r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
         size = log(fmax(1, r->size/(COMPACT*t->extent)));
     }
     return log(error + EXACT_ENOUGH) + PER_SIZE*size + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
