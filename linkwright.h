@@ -38,9 +38,9 @@ extern "C" {
 #endif
 
 #define LW_VERSION_MAJOR  0
-#define LW_VERSION_MINOR  1
+#define LW_VERSION_MINOR  2
 #define LW_VERSION_PATCH  0
-#define LW_VERSION_STRING "0.1.0"
+#define LW_VERSION_STRING "0.2.0"
 
 #define LW_API __attribute__((visibility("default")))
 
@@ -77,7 +77,7 @@ typedef struct lw_vec2 { double x, y; } lw_vec2;
 typedef struct lw_vec3 { double x, y, z; } lw_vec3;
 typedef struct lw_quaternion { double w, x, y, z; } lw_quaternion;      /* of length 1, w the real part: a turn      */
 
-/* Version of the library that runs, "0.1.0"; LW_VERSION_STRING is that of this header. */
+/* Version of the library that runs, "0.2.0"; LW_VERSION_STRING is that of this header. */
 LW_API const char *lw_version(void);
 
 /* Text of a status; never NULL, also for numbers that are no status. */

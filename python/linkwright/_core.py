@@ -5,7 +5,7 @@ from ._c import ffi, lib
 
 
 def version():
-    """Version of the C library, "0.1.0"."""
+    """Version of the C library, "0.2.0"."""
     return ffi.string(lib.lw_version()).decode()
 
 
