@@ -5,17 +5,15 @@
 
 /* Columns in the order of lw_part_columns. */
 static const char *const insert[] = {
-    "INSERT OR REPLACE INTO motor(name, run, torque_constant, resistance, inductance, inertia, torque, torque_peak, "
-    "speed, mass, "
-    "price) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
-    "INSERT OR REPLACE INTO gear(name, run, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, "
-    "price) "
-    "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
-    "INSERT OR REPLACE INTO amplifier(name, run, voltage, current, current_peak, peak_time, mass, price) "
-    "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)" };
+    ("INSERT OR REPLACE INTO motor(name, run, torque_constant, resistance, inductance, inertia, torque, torque_peak, "
+     "speed, mass, price) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)"),
+    ("INSERT OR REPLACE INTO gear(name, run, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, "
+     "price) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)"),
+    ("INSERT OR REPLACE INTO amplifier(name, run, voltage, current, current_peak, peak_time, mass, price) "
+     "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)") };
 static const char *const choose[] = {
-    "SELECT name, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, price FROM "
-    "motor ORDER BY id",
+    ("SELECT name, torque_constant, resistance, inductance, inertia, torque, torque_peak, speed, mass, price FROM "
+     "motor ORDER BY id"),
     "SELECT name, ratio, radius, efficiency, inertia, torque, torque_peak, speed, mass, price FROM gear ORDER BY id",
     "SELECT name, voltage, current, current_peak, peak_time, mass, price FROM amplifier ORDER BY id" };
 
