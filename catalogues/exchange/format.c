@@ -96,3 +96,19 @@ const lw_format *lw_format_find(const char *name)
             return f;
     return NULL;
 }
+
+lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out,
+                          lw_error *e)
+{
+    const lw_model *m = f->loads && o ? o->model : NULL;
+    for (int j = 0; j < linkage->n_joint && f->write != write_json; j++)
+        if (linkage->joint[j].kind == LW_JOINT_FREE)
+            return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s",
+                                linkage->joint[j].name, f->name);
+    const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"
+                     : m->n_state ? "states" : NULL;
+    if (what)
+        return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of the file "
+                            "to export the rest", what, f->name);
+    return f->write(linkage, o, out, e);
+}

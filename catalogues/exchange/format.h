@@ -21,6 +21,11 @@ typedef struct lw_format {
 /* Ends with a row without name.  Ask in this order whether a text is theirs: the last that can be read takes any. */
 extern const lw_format lw_formats[];
 
+/* f->write, after refusing with LW_E_KIND what no format but json can say: free links; and, where the format takes loads,
+ * contacts, ropes, elastic links and states of the model.  Whoever writes a format calls this. */
+lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out,
+                          lw_error *e);
+
 /* NULL: there is none of that name. */
 const lw_format *lw_format_find(const char *name);
 

@@ -177,7 +177,7 @@ static int run(const cli_call *call)
     }
     lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
                             .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
-    lw_status st = to->write(&k, &o, &b, &e);
+    lw_status st = lw_format_write(to, &k, &o, &b, &e);
     cli_free_model(m);
     if (st != LW_OK) {
         lw_output_abandon(&out);
