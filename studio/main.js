@@ -169,6 +169,7 @@ app.fit = () => {
   for (const z of [app.doc.task.pivots, ...app.doc.task.forbidden]) if (z) points.push([z[0], z[1]], [z[2], z[3]]);
   if (app.doc.photo && !points.length) points.push([app.doc.photo.x, app.doc.photo.y], [app.doc.photo.x + app.doc.photo.w, app.doc.photo.y - app.doc.photo.h]);
   app.view.show(points);
+  app.fitAgain = Boolean(k) && !app.fresh();      // the curves are not there yet
   app.redraw();
 };
 
@@ -183,6 +184,7 @@ const got = (m, body) => {
   app.touching = false;
   fault(m.note);
   freedom(m);
+  if (app.fitAgain && pointers.size === 0) app.fit();
   app.redraw();
   emit("motion");
 };

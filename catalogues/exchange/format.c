@@ -108,7 +108,7 @@ lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const l
     const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"
                      : m->n_state ? "states" : NULL;
     if (what)
-        return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of the file "
-                            "to export the rest", what, f->name);
+        return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "
+                            "the file to export the rest", what, f->name);
     return f->write(linkage, o, out, e);
 }
