@@ -184,7 +184,7 @@ const got = (m, body) => {
   app.touching = false;
   fault(m.note);
   freedom(m);
-  if (app.fitAgain && pointers.size === 0) app.fit();
+  if (app.fitAgain && pointers.size === 0 && !app.touched) app.fit();
   app.redraw();
   emit("motion");
 };
