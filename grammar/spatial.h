@@ -60,7 +60,7 @@ typedef struct lw_spatial_tracer {
     char    name[LW_NAME_SIZE];
     int     link;
     lw_vec3 at;                  /* [m]                                                                */
-    lw_quaternion frame;               /* orientation of its axes (a tool)                                   */
+    lw_quaternion frame;         /* orientation of its axes (a tool)                                   */
 } lw_spatial_tracer;
 
 /* A number that a posture has: turn [rad] or slide [m] of link[1] relative to link[0] along the axis of a joint, 0 in

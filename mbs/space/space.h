@@ -19,9 +19,8 @@ typedef struct lw_space_joint {
     int     body[2];             /* -1: ground                                                        */
     int     row;                 /* its first row                                                     */
     lw_vec3 arm[2];              /* its point on each body, in the body's axes                        */
-    lw_vec3 x[2], y[2], z[2];    /* a frame on each body,
-        equal in the posture; z is the axis.  Universal: x[0] the axis of
-                                    link 0, x[1] that of link 1                                       */
+    lw_vec3 x[2], y[2], z[2];    /* a frame on each body, equal in the posture; z is the axis.  Universal: x[0] is the
+                                  * axis of link 0, x[1] that of link 1                               */
     double  fixed;               /* universal: cosine between the axes                                */
     double  pitch;               /* screw: slide per radian [m]                                       */
 } lw_space_joint;
@@ -39,7 +38,7 @@ typedef struct lw_space {
     int    *body_of, *link_of;   /* (n_link) body of a link, -1: ground; (n_body)                     */
     lw_space_joint *joint;       /* (n_joint)                                                         */
     lw_space_point *tracer;      /* (n_tracer)                                                        */
-    lw_quaternion *axes;               /* (n_body) principal axes in the posture of the file                */
+    lw_quaternion *axes;         /* (n_body) principal axes in the posture of the file                */
     double  *mass;               /* (n_v) diagonal of the mass matrix                                 */
     double  *start;              /* (n_q) posture of the file                                         */
     void    *memory;
