@@ -95,8 +95,10 @@ void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_
 void lw_reactions_contacts(const lw_dynamics *d, const lw_moment *m, lw_vec2 *contact, double *rope)
 {
     const lw_model *model = d->model;
-    memset(contact, 0, (size_t)model->n_contact*sizeof *contact);
-    memset(rope, 0, (size_t)model->n_rope*sizeof *rope);
+    for (int i = 0; i < model->n_contact; i++)
+        contact[i] = lw_v2(0, 0);
+    for (int i = 0; i < model->n_rope; i++)
+        rope[i] = 0;
     if (d->touch)
         lw_mbs_system_rows(d, m->q);
     for (int i = 0; d->touch && i < d->touch->list.n; i++) {
