@@ -385,9 +385,16 @@ static int run_map(const cli_call *call)
         lw_vec3 to = lw_v3_add(p.place, lw_v3_add(lw_v3_scale(j.right, a), lw_v3_scale(j.ahead, b)));
         memcpy(j.r.follow.q, q, n_q*sizeof *q);
         memcpy(j.r.follow.z.near, near, n_near*sizeof *near);
-        if (lw_robot_move(&j.r, to, NULL, &j.e) != LW_OK || lw_robot_measure(&j.r, &here, &j.e) != LW_OK) {
+        lw_status st = lw_robot_move(&j.r, to, NULL, &j.e);
+        if (st == LW_OK)
+            st = lw_robot_measure(&j.r, &here, &j.e);
+        if (st == LW_OPEN) {
             lost++;
             continue;
+        }
+        if (st != LW_OK) {
+            code = cli_fail(call, &j.e);
+            break;
         }
         fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", to.x/j.metre + 0.0, to.y/j.metre + 0.0, to.z/j.metre + 0.0,
                 here.condition, here.singular[0], here.singular[here.rank - 1], here.manipulability);

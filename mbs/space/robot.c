@@ -381,6 +381,14 @@ static bool may_be_there(lw_robot *r, char why[120])
     return !passed(r, why);
 }
 
+/* Remember a failure that is no limit of the motion. */
+static lw_status watched(lw_robot *r, lw_status s)
+{
+    if (s != LW_OK && s != LW_OPEN)
+        r->broken = s;
+    return s;
+}
+
 /* Three freedoms: the tool itself is moved, and the drives follow.  *end: the links reach no farther, the tool is where
  * they do. */
 static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
@@ -392,7 +400,7 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
     tool_pose(r, &r->begin, &turn);
     r->goal = place;
     f->u = 0;
-    *end = lw_space_follow_to(f, to_place, r, 1, &none) != LW_OK;
+    *end = watched(r, lw_space_follow_to(f, to_place, r, 1, &none)) != LW_OK;
     take_posture(r, f->q);
     if (!may_be_there(r, why)) {
         *end = false;
@@ -429,7 +437,7 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, ch
                 return false;
             r->drive[i] += change[i];
         }
-        if (go(r, &none) != LW_OK)
+        if (watched(r, go(r, &none)) != LW_OK)
             return false;
     }
     return false;
@@ -454,6 +462,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         free(kept);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
+    r->broken = LW_OK;
     while (at < length) {
         h = fmin(h, LONGEST_STEP);
         double next = fmin(at + h, length), part = next/length;
@@ -466,6 +475,11 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
             at = next;
             h *= 2;
             continue;
+        }
+        if (r->broken != LW_OK) {
+            free(kept);
+            free(near);
+            return lw_error_set(e, r->broken, "the tool could not be moved: %s", lw_status_text(r->broken));
         }
         if (end) {
             memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
