@@ -488,8 +488,8 @@ LW_API lw_status lw_fourbar_classify(const double lengths[4], double tolerance, 
 LW_API lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9], double out_mode[2]);
 
 /* Input angle and mode of both cognates where `in` has its input at `angle`.  LW_OPEN: it cannot close there. */
-LW_API lw_status lw_fourbar_cognate_pose(const double in[9], double mode, double angle, double out_angle[2],
-                                         double out_mode[2]);
+LW_API lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle, double out_angle[2],
+                                            double out_mode[2]);
 
 /* A linkage prepared for evaluation at many inputs, in the assembly mode of its posture. */
 typedef struct lw_kinematics lw_kinematics;
@@ -516,8 +516,8 @@ LW_API lw_status   lw_kinematics_set_dimension(lw_kinematics *kinematics, int i,
  * may be NULL: joint (n_joint), link_angle (n_link), tracer (n_tracer).  *margin, may be NULL: squared sine of the
  * least transmission angle, negative where it cannot close.  LW_OPEN: positions are those of the nearest posture,
  * derivatives 0. */
-LW_API lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
-                                    double *link_angle, lw_vec2 *tracer, double *margin);
+LW_API lw_status lw_kinematics_posture(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
+                                       double *link_angle, lw_vec2 *tracer, double *margin);
 
 /* How one link moves against another at one moment.  Its instant centre is at rest on both; it rolls the moving
  * centrode on the fixed one as the input moves.  Points of the link on the circle whose diameter goes from `centre` to
@@ -527,7 +527,7 @@ typedef struct lw_instant_motion {
     double  turn;                      /* relative angular velocity by the input [rad/rad] or [rad/m]             */
 } lw_instant_motion;
 
-/* The motion of `link` seen from `base`.  LW_OPEN as lw_kinematics_pose; LW_E_ARG: no such links; LW_E_KIND: a link
+/* The motion of `link` seen from `base`.  LW_OPEN as lw_kinematics_posture; LW_E_ARG: no such links; LW_E_KIND: a link
  * has neither a pin nor a tracer. */
 LW_API lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base,
                                        lw_instant_motion *out);
@@ -1138,7 +1138,7 @@ LW_API lw_status lw_results_inputs(const lw_results *results, int i, double *inp
 /* How far the point of result i spreads when every length varies by +-tolerance (three standard deviations) and each
  * pin has this radial clearance [m]. */
 typedef struct lw_result_spread {
-    double      rms, worst;            /* standard deviation of the place: over the path, in the worst pose [m]  */
+    double      rms, worst;            /* standard deviation of the place: over the path, in the worst posture [m]  */
     double      trial_rms, within;     /* rms of 1000 random linkages; 95 of 100 stay this near everywhere [m]  */
     int         open;                  /* of these do not close everywhere                                       */
     const char *dimension;             /* matters most ...                                                       */

@@ -1,4 +1,4 @@
-/* studio/motion.c - how a linkage moves: poses and curves, velocities, instant centres, limits, forces. */
+/* studio/motion.c - how a linkage moves: postures and curves, velocities, instant centres, limits, forces. */
 #include "studio/studio_internal.h"
 
 #include <stdlib.h>
@@ -7,12 +7,12 @@
 #include "base/real.h"
 #include "catalogues/draw/scene.h"
 #include "grammar/model.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/kinematics/output_limits.h"
 #include "mbs/plan/plan.h"
 #include "linkwright.h"
 
-/* ---- poses and curves ----------------------------------------------------------------------------------------- */
+/* ---- postures and curves ----------------------------------------------------------------------------------------- */
 
 static void put_joints(lw_bytes *b, const lw_linkage *k)
 {
@@ -175,7 +175,7 @@ static void find_moment(const lw_kinematics *m, const lw_scene *s, size_t frame,
 {
     const lw_linkage *k = &s->linkage;
     double size = 0;
-    lw_status st = lw_kinematics_pose(m, s->input[frame], 2, out->joint[0], NULL, out->tracer[0], &out->margin);
+    lw_status st = lw_kinematics_posture(m, s->input[frame], 2, out->joint[0], NULL, out->tracer[0], &out->margin);
     out->valid = st == LW_OK;
     for (int i = 0; i < k->n_joint; i++)
         size = fmax(size, hypot(k->joint[i].at.x, k->joint[i].at.y));
@@ -318,7 +318,7 @@ static void put_cognates(lw_bytes *b, const lw_linkage *k)
         if (strcmp(plan.dim[i].name, names[i]) != 0)
             return;
     if (lw_fourbar_cognates(dim, mode[0], other, other_mode) != LW_OK
-        || lw_fourbar_cognate_pose(dim, mode[0], input, angle, other_mode) != LW_OK)
+        || lw_fourbar_cognate_posture(dim, mode[0], input, angle, other_mode) != LW_OK)
         return;
     studio_put_key(b, "cognates");
     lw_bytes_text(b, "[");

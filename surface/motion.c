@@ -8,7 +8,7 @@
 #include "mbs/constraints/circuits.h"
 #include "mbs/kinematics/instant.h"
 #include "mbs/kinematics/motion.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
 #define ALIGNMENT 64
 #define LANES     256              /* inputs worked out at once */
@@ -74,33 +74,33 @@ lw_status lw_kinematics_set_dimension(lw_kinematics *kinematics, int i, double v
     return LW_OK;
 }
 
-lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
-                             double *link_angle, lw_vec2 *tracer, double *margin)
+lw_status lw_kinematics_posture(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
+                                double *link_angle, lw_vec2 *tracer, double *margin)
 {
     const lw_linkage *k = &kinematics->linkage;
-    lw_pose pose;
+    lw_posture posture;
     if (order < 0 || order > LW_ORDER_MAX)
         return LW_E_ARG;
-    lw_status s = lw_pose_solve(&kinematics->plan, kinematics->dim, kinematics->mode, input, order, &pose);
+    lw_status s = lw_posture_solve(&kinematics->plan, kinematics->dim, kinematics->mode, input, order, &posture);
     size_t n = (size_t)order + 1;
     for (int i = 0; i < k->n_joint && joint; i++)
-        memcpy(joint + (size_t)i*n, pose.joint[i], n*sizeof *joint);
+        memcpy(joint + (size_t)i*n, posture.joint[i], n*sizeof *joint);
     for (int i = 0; i < k->n_link && link_angle; i++)
-        memcpy(link_angle + (size_t)i*n, pose.angle[i], n*sizeof *link_angle);
+        memcpy(link_angle + (size_t)i*n, posture.angle[i], n*sizeof *link_angle);
     for (int i = 0; i < k->n_tracer && tracer; i++)
-        memcpy(tracer + (size_t)i*n, pose.tracer[i], n*sizeof *tracer);
+        memcpy(tracer + (size_t)i*n, posture.tracer[i], n*sizeof *tracer);
     if (margin)
-        *margin = pose.margin;
+        *margin = posture.margin;
     return s;
 }
 
 lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base,
                                 lw_instant_motion *out)
 {
-    lw_pose pose;
+    lw_posture posture;
     *out = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
-    lw_status s = lw_pose_solve(&kinematics->plan, kinematics->dim, kinematics->mode, input, 2, &pose);
-    return s == LW_OK ? lw_instant_motion_of(&kinematics->linkage, &pose, link, base, out) : s;
+    lw_status s = lw_posture_solve(&kinematics->plan, kinematics->dim, kinematics->mode, input, 2, &posture);
+    return s == LW_OK ? lw_instant_motion_of(&kinematics->linkage, &posture, link, base, out) : s;
 }
 
 lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,
@@ -231,7 +231,7 @@ lw_status lw_motion_curves_trace(lw_motion_curves *curves, int curve, int tracer
     bool closed = lw_motion_curve_ended(c) == LW_MOTION_CURVE_CLOSED;
     double step = lw_motion_curve_length(c)/(double)(closed || n < 2 ? n : n - 1);
     for (size_t i = 0; i < n; i++) {
-        lw_motion_curve_pose(c, lw_motion_curve_station(c, step*(double)i), q, NULL);
+        lw_motion_curve_posture(c, lw_motion_curve_station(c, step*(double)i), q, NULL);
         lw_vec2 p = x || y ? lw_system_point(&curves->s, curves->s.tracer_body[tracer], curves->s.tracer_arm[tracer], q)
                            : lw_v2(0, 0);
         if (input)

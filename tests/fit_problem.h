@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/rng.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/problem/family.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/constraint.h"
@@ -60,9 +60,9 @@ static inline void find_way(member *m)
         return;
     int best = 0, best_at = 0, run = 0;
     for (int i = 0; i <= STEPS; i++) {
-        lw_pose pose;
+        lw_posture posture;
         double at = from + (to - from)*i/STEPS;
-        bool open = lw_pose_solve(&m->plan, m->dim, &m->mode, at, 0, &pose) != LW_OK || pose.margin < 0.02;
+        bool open = lw_posture_solve(&m->plan, m->dim, &m->mode, at, 0, &posture) != LW_OK || posture.margin < 0.02;
         run = open ? 0 : run + 1;
         if (run > best) {
             best = run;
@@ -109,13 +109,13 @@ static inline void trace_member(const member *m, size_t n, stations *s)
     s->n = n;
     s->closed = m->family->turns;
     for (size_t k = 0; k < n; k++) {
-        lw_pose pose;
+        lw_posture posture;
         double part = s->closed ? (double)k/(double)n : n > 1 ? (double)k/(double)(n - 1) : 0.5;
         s->input[k] = m->first + part*(m->last - m->first);
-        CHECK_INT(lw_pose_solve(&m->plan, m->dim, &m->mode, s->input[k], 0, &pose), LW_OK);
-        s->x[k] = pose.tracer[0][0].x;
-        s->y[k] = pose.tracer[0][0].y;
-        s->theta[k] = pose.angle[link][0];
+        CHECK_INT(lw_posture_solve(&m->plan, m->dim, &m->mode, s->input[k], 0, &posture), LW_OK);
+        s->x[k] = posture.tracer[0][0].x;
+        s->y[k] = posture.tracer[0][0].y;
+        s->theta[k] = posture.angle[link][0];
     }
 }
 

@@ -37,14 +37,14 @@ static inline lw_vec2 tracer(const curve *c, int i, const double *q)
 static inline lw_vec2 tracer_at(const curve *c, int i, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(c->b, station, q, NULL);
+    lw_motion_curve_posture(c->b, station, q, NULL);
     return tracer(c, i, q);
 }
 
 static inline double input_at(const curve *c, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(c->b, station, q, NULL);
+    lw_motion_curve_posture(c->b, station, q, NULL);
     return lw_motion_curve_input(c->b, q);
 }
 

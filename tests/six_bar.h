@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "grammar/linkage.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/task/target.h"
 #include "tests/check.h"
 
@@ -37,11 +37,11 @@ static inline void six_bar_curve(const lw_linkage *k, size_t n, double *x, doubl
     CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (size_t i = 0; i < n; i++) {
-        lw_pose pose;
+        lw_posture posture;
         angle[i] = 2*LW_PI*(double)i/(double)n;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + angle[i], 0, &pose), LW_OK);
-        x[i] = pose.tracer[0][0].x;
-        y[i] = pose.tracer[0][0].y;
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + angle[i], 0, &posture), LW_OK);
+        x[i] = posture.tracer[0][0].x;
+        y[i] = posture.tracer[0][0].y;
     }
 }
 

@@ -4,7 +4,7 @@
 #undef I
 #include "mbs/batch/batch.h"
 #include "mbs/batch/kernels_internal.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
@@ -114,17 +114,17 @@ static void same_bits_on_every_instruction_set(void)
     }
 }
 
-/* Pins and the least margin of the whole plan: values against single poses, derivatives against their differences.
+/* Pins and the least margin of the whole plan: values against single postures, derivatives against their differences.
  * Returns how many numbers were compared; a margin that changes its dyad within the difference is left out. */
 static int check_pins(const subject *q, double input)
 {
     enum { N = LW_DIM_MAX };
     const double h = 1e-6;
-    static lw_pose now, pose[2];
+    static lw_posture now, posture[2];
     double x, y, m, jx[N], jy[N], jm[N], tx, ty, tm, c = lane_c(q, input), s = lane_s(q, input);
     int n = 0;
     lw_lanes in = { 1, &c, &s, q->dim, 0, q->mode, 0 };
-    if (lw_pose_solve(&q->p, q->dim, q->mode, input, 1, &now) != LW_OK || now.margin < 0.05)
+    if (lw_posture_solve(&q->p, q->dim, q->mode, input, 1, &now) != LW_OK || now.margin < 0.05)
         return 0;
     for (int j = 0; j < LW_JOINT_MAX; j++) {
         if (q->p.joint_point[j] < 0)
@@ -140,17 +140,17 @@ static int check_pins(const subject *q, double input)
             for (int side = 0; side < 2; side++) {
                 memcpy(dim, q->dim, sizeof dim);
                 dim[d < q->p.n_dim ? d : 0] += d < q->p.n_dim ? (side ? h : -h) : 0;
-                lw_pose_solve(&q->p, dim, q->mode, input + (d < q->p.n_dim ? 0 : side ? h : -h), 0, &pose[side]);
+                lw_posture_solve(&q->p, dim, q->mode, input + (d < q->p.n_dim ? 0 : side ? h : -h), 0, &posture[side]);
             }
-            by[0] = (pose[1].joint[j][0].x - pose[0].joint[j][0].x)/(2*h);
-            by[1] = (pose[1].joint[j][0].y - pose[0].joint[j][0].y)/(2*h);
-            by[2] = (pose[1].margin - pose[0].margin)/(2*h);
+            by[0] = (posture[1].joint[j][0].x - posture[0].joint[j][0].x)/(2*h);
+            by[1] = (posture[1].joint[j][0].y - posture[0].joint[j][0].y)/(2*h);
+            by[2] = (posture[1].margin - posture[0].margin)/(2*h);
             size = 1 + fabs(by[0]) + fabs(by[1]) + fabs(by[2]);
             if (size > 30)
                 continue;
             CHECK_NEAR(d < q->p.n_dim ? jx[d] : tx, by[0], 1e-6*size, 0);
             CHECK_NEAR(d < q->p.n_dim ? jy[d] : ty, by[1], 1e-6*size, 0);
-            if (fabs(pose[1].margin + pose[0].margin - 2*now.margin) < 1e-9)
+            if (fabs(posture[1].margin + posture[0].margin - 2*now.margin) < 1e-9)
                 CHECK_NEAR(d < q->p.n_dim ? jm[d] : tm, by[2], 1e-6*size, 0);
             n++;
         }
@@ -445,7 +445,7 @@ static void whole_can_be_moved(void)
     }
 }
 
-static void batch_agrees_with_pose(void)
+static void batch_agrees_with_posture(void)
 {
     static subject q;
     lw_rng r;
@@ -453,16 +453,16 @@ static void batch_agrees_with_pose(void)
     for (int trial = 0; trial < 1000; trial++) {
         random_grown(&r, 1 + trial%3, &q.k);
         plan_of(&q, false);
-        lw_pose pose;
+        lw_posture posture;
         lw_vec2 p;
         double input = q.input + lw_rng_range(&r, -1, 1), margin = point_at(&q, q.dim, input, &p);
-        lw_status s = lw_pose_solve(&q.p, q.dim, q.mode, input, 0, &pose);
+        lw_status s = lw_posture_solve(&q.p, q.dim, q.mode, input, 0, &posture);
         double size = 1 + lw_v2_norm(p);
-        CHECK_NEAR(margin, pose.margin, 1e-9, 1e-9);
-        CHECK_INT(s, pose.margin < 0 ? LW_OPEN : LW_OK);
-        if (pose.margin > 1e-6) {
-            CHECK_NEAR(p.x, pose.tracer[0][0].x, 1e-9*size, 0);
-            CHECK_NEAR(p.y, pose.tracer[0][0].y, 1e-9*size, 0);
+        CHECK_NEAR(margin, posture.margin, 1e-9, 1e-9);
+        CHECK_INT(s, posture.margin < 0 ? LW_OPEN : LW_OK);
+        if (posture.margin > 1e-6) {
+            CHECK_NEAR(p.x, posture.tracer[0][0].x, 1e-9*size, 0);
+            CHECK_NEAR(p.y, posture.tracer[0][0].y, 1e-9*size, 0);
         }
     }
 }
@@ -742,7 +742,7 @@ int main(void)
     RUN(jacobian_of_every_link);
     RUN(sum_agrees_with_its_parts);
     RUN(whole_can_be_moved);
-    RUN(batch_agrees_with_pose);
+    RUN(batch_agrees_with_posture);
     RUN(change_points_give_numbers);
     RUN(coinciding_centres_are_reported);
     RUN(margins_near_change_points_are_right);

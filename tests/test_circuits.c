@@ -92,7 +92,7 @@ static void both_branches_at_a_change_point(void)
         CHECK_INT(crossings, 2);
         CHECK_INT(abs(lw_motion_curve_turns(c.curve[i], -1)), 1);
         for (int j = 0; j <= 200; j++) {
-            lw_motion_curve_pose(c.curve[i], lw_motion_curve_segments(c.curve[i])*j/200.0, q, NULL);
+            lw_motion_curve_posture(c.curve[i], lw_motion_curve_segments(c.curve[i])*j/200.0, q, NULL);
             double angle = lw_motion_curve_input(c.curve[i], q);
             lw_vec2 at = lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q);
             lw_vec2 a = lw_v2_sub(fourbar_at(k, 1, angle).p, at), b = lw_v2_sub(fourbar_at(k, -1, angle).p, at);

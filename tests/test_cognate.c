@@ -69,7 +69,7 @@ static void cognates_meet_in_every_posture(void)
                 double t = lw_rng_range(&rng, -LW_PI, LW_PI), angle[2], now[2];
                 lw_vec2 want, got;
                 bool closes = coupler_point(k, mode, t, &want);
-                CHECK_INT(lw_fourbar_cognate_pose(k, mode, t, angle, now), closes ? LW_OK : LW_OPEN);
+                CHECK_INT(lw_fourbar_cognate_posture(k, mode, t, angle, now), closes ? LW_OK : LW_OPEN);
                 if (!closes)
                     continue;
                 n_posture++;
@@ -89,7 +89,7 @@ static void cognates_meet_in_every_posture(void)
         }
     }
     CHECK(n_posture > 10000);
-    CHECK(n_changed > 1000);               /* that is why there is lw_fourbar_cognate_pose */
+    CHECK(n_changed > 1000);               /* that is why there is lw_fourbar_cognate_posture */
 }
 
 /* The whole of each cognate's curve, both modes, lies on the curve of the given linkage. */

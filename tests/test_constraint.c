@@ -1,4 +1,4 @@
-/* Subsidiary conditions against plain geometry and exact derivatives of single poses. */
+/* Subsidiary conditions against plain geometry and exact derivatives of single postures. */
 #include "optimise/search/random_linkage.h"
 #include "tests/fit_problem.h"
 #include "tests/six_bar.h"
@@ -79,7 +79,7 @@ static void linear_ones_are_grashofs(void)
     }
 }
 
-/* Angle between coupler and rocker by the law of cosines, in every pose of the turn; the poses hold its
+/* Angle between coupler and rocker by the law of cosines, in every posture of the turn; the postures hold its
  * extremes, which are where crank and frame are in line. */
 static void transmission_is_that_of_the_triangle(void)
 {
@@ -136,9 +136,9 @@ static double apart(const lw_problem *p, double a, double b)
     return fabs(p->plan.input_is_slider ? a - b : remainder(a - b, 2*LW_PI));
 }
 
-/* Poses in which conditions are looked at, from scratch: of the turn, or of the way between the stations, which
+/* Postures in which conditions are looked at, from scratch: of the turn, or of the way between the stations, which
  * here are the member's own. */
-static void conditions_are_those_of_single_poses(void)
+static void conditions_are_those_of_single_postures(void)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
@@ -146,7 +146,7 @@ static void conditions_are_those_of_single_poses(void)
     for (int trial = 0; trial < 20*N_FAMILY; trial++) {
         member m;
         lw_problem p;
-        lw_pose pose;
+        lw_posture posture;
         stations st;
         double x[LW_VAR_MAX] = { 0 }, limit = lw_rng_range(&rng, 0.05, 0.3), most = lw_rng_range(&rng, 2, 5);
         lw_timing timing = trial % 2 ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
@@ -168,8 +168,8 @@ static void conditions_are_those_of_single_poses(void)
         else
             CHECK(lw_problem_settle(&p, x, work));
         for (size_t k = 0; k < closure; k++) {
-            CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, st.input[k], 2, &pose), LW_OK);
-            CHECK_NEAR(at[k], pose.margin, 1e-12, 1e-10);
+            CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, st.input[k], 2, &posture), LW_OK);
+            CHECK_NEAR(at[k], posture.margin, 1e-12, 1e-10);
         }
         for (size_t k = 0; k < N; k++) {
             double mode[LW_MODE_MAX];
@@ -179,10 +179,10 @@ static void conditions_are_those_of_single_poses(void)
                 input *= p.unit;
             if (!round && (k == 0 || k == N - 1))
                 CHECK(fmin(apart(&p, input, st.input[0]), apart(&p, input, st.input[8])) < 1e-6);
-            lw_pose_solve(&m.plan, m.dim, round ? &m.mode : mode, input, 2, &pose);
-            CHECK(pose.margin > -1e-9);
-            sine[k] = pose.margin - pow(sin(limit), 2);
-            acceleration[k] = 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2);
+            lw_posture_solve(&m.plan, m.dim, round ? &m.mode : mode, input, 2, &posture);
+            CHECK(posture.margin > -1e-9);
+            sine[k] = posture.margin - pow(sin(limit), 2);
+            acceleration[k] = 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2);
         }
         for (size_t k = 0; k < N; k++) {
             check_sample(at + closure, sine, k, round, 1e-7);
@@ -195,7 +195,7 @@ static void conditions_are_those_of_single_poses(void)
     CHECK(seen > 10*N_FAMILY);
 }
 
-/* The least over the whole turn of a linkage whose extremes are at no sample, by 5000 poses. */
+/* The least over the whole turn of a linkage whose extremes are at no sample, by 5000 postures. */
 static void extremes_between_samples_are_found(void)
 {
     lw_rng rng;
@@ -209,15 +209,15 @@ static void extremes_between_samples_are_found(void)
         make_case(trial % 2 ? "crank-rocker" : "slider-crank", LW_TIMING_FREE, 0, most, &rng, &m, &p, x);
         double *g = conditions(&p, x, NULL);
         for (int k = 0; k < FINE; k++) {
-            lw_pose pose;
-            CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*k/FINE, 2, &pose), LW_OK);
-            want = fmin(want, 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2));
+            lw_posture posture;
+            CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*k/FINE, 2, &posture), LW_OK);
+            want = fmin(want, 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2));
         }
         double at[LW_CURVE_SAMPLES], beside = 0;
         for (size_t k = 0; k < LW_CURVE_SAMPLES; k++) {
-            lw_pose pose;
-            lw_pose_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*(double)k/LW_CURVE_SAMPLES, 2, &pose);
-            at[k] = 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2);
+            lw_posture posture;
+            lw_posture_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*(double)k/LW_CURVE_SAMPLES, 2, &posture);
+            at[k] = 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2);
             sampled = fmin(sampled, at[k]);
             least = fmin(least, g[(size_t)p.n_linear + k]);
         }
@@ -248,7 +248,7 @@ static void ask_for_everything(const stations *st, lw_fit_spec *s)
     s->zone[3] = (lw_zone){ LW_ZONE_NO_BOX, { x - 1.3, y - 0.7 }, { x - 0.8, y - 0.1 }, 0 };
 }
 
-/* Is row i an acceleration beside a pose near a dead point, where it grows beyond all bounds? */
+/* Is row i an acceleration beside a posture near a dead point, where it grows beyond all bounds? */
 static bool beside_dead_point(const lw_problem *p, const double *g, size_t i)
 {
     size_t first = lw_problem_constraint_count(p) - p->n_zone_condition - LW_CURVE_SAMPLES;
@@ -390,7 +390,7 @@ int main(void)
     RUN(counts_are_those_asked_for);
     RUN(linear_ones_are_grashofs);
     RUN(transmission_is_that_of_the_triangle);
-    RUN(conditions_are_those_of_single_poses);
+    RUN(conditions_are_those_of_single_postures);
     RUN(extremes_between_samples_are_found);
     RUN(derivatives_are_those_of_differences);
     RUN(derivatives_of_a_six_bar);

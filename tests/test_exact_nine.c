@@ -115,7 +115,7 @@ static bool traces_the_curve(const lw_candidate *c)
 }
 
 /* Five points with both fixed pins given: 36 solutions over the complex numbers, each real one moves through the points
- * in a single pose of its own, and the four-bar that drew the points is among them. */
+ * in a single posture of its own, and the four-bar that drew the points is among them. */
 static void all_with_given_pins_are_found(void)
 {
     for (int trial = 0; trial < 4; trial++) {

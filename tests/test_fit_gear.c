@@ -3,7 +3,7 @@
 #include "base/rng.h"
 #include "grammar/linkage.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/problem/work.h"
 #include "optimise/topology/staged_search.h"
@@ -114,12 +114,12 @@ static int make_target(const lw_linkage *k, lw_target *t)
     CHECK_TEXT(e.text, "");
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < STATIONS; i++) {
-        lw_pose pose;
+        lw_posture posture;
         double turn = 2*LW_PI*i/STATIONS;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + turn, 0, &pose), LW_OK);
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + turn, 0, &posture), LW_OK);
         angle[i] = turn*plan.input_turns_per_period;
-        x[i] = pose.tracer[0][0].x;
-        y[i] = pose.tracer[0][0].y;
+        x[i] = posture.tracer[0][0].x;
+        y[i] = posture.tracer[0][0].y;
     }
     CHECK_INT(lw_target_make(STATIONS, x, y, NULL, angle, NULL, 1, t, &e), LW_OK);
     CHECK_TEXT(e.text, "");

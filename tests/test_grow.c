@@ -10,8 +10,8 @@ static bool closes(const lw_linkage *k, int n)
     CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < n; i++) {
-        lw_pose pose;
-        if (lw_pose_solve(&plan, dim, mode, input + 2*LW_PI*i/n, 0, &pose) != LW_OK)
+        lw_posture posture;
+        if (lw_posture_solve(&plan, dim, mode, input + 2*LW_PI*i/n, 0, &posture) != LW_OK)
             return false;
     }
     return true;

@@ -5,7 +5,7 @@
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/kinematics/motion.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
@@ -30,7 +30,7 @@ static lw_newton *newton_of(const lw_linkage *k)
     return s;
 }
 
-static bool finite_pose(const lw_pose *p)
+static bool finite_posture(const lw_posture *p)
 {
     for (int i = 0; i <= LW_ORDER_MAX; i++)
         if (!isfinite(p->tracer[0][i].x) || !isfinite(p->tracer[0][i].y) || !isfinite(p->angle[2][i]))
@@ -131,11 +131,11 @@ static void change_points_through_the_plan(void)
         for (double mode = -1.0; mode <= 1.0; mode += 2.0) {
             double k[9] = { 0, 0, 0, 0, 1.5, 2.5, 0.3, -0.4, 0.2 };
             memcpy(k, change_point[c].r, sizeof change_point[c].r);
-            static lw_pose p;
+            static lw_posture p;
             for (int i = 0; i < 360; i++) {
                 double t = i*LW_PI/180.0;
-                lw_status status = lw_pose_solve(&plan, k, &mode, t, LW_ORDER_MAX, &p);
-                CHECK(finite_pose(&p));
+                lw_status status = lw_posture_solve(&plan, k, &mode, t, LW_ORDER_MAX, &p);
+                CHECK(finite_posture(&p));
                 if (i % 180 == 0) {
                     CHECK(fabs(p.margin) < 1e-12 || c >= 4);
                     continue;
@@ -205,7 +205,7 @@ static void near_the_change_point_by_class_and_motion(void)
 }
 
 /* The plan closes where the closed form says, and never gives a NaN. */
-static void near_the_change_point_by_pose(void)
+static void near_the_change_point_by_posture(void)
 {
     lw_linkage l;
     lw_plan plan = plan_of_type("fourbar", &l);
@@ -213,12 +213,12 @@ static void near_the_change_point_by_pose(void)
         for (double sign = -1.0; sign <= 1.0; sign += 2.0) {
             double k[9], limit, mode = 1.0;
             near_change_point(digits, sign, k, &limit);
-            static lw_pose p;
+            static lw_posture p;
             double width = fmax(LW_PI - limit, 1e-9);
             for (int i = -40; i <= 40; i++) {
                 double t = limit + 0.05*i*width;
-                lw_status status = lw_pose_solve(&plan, k, &mode, t, LW_ORDER_MAX, &p);
-                CHECK(finite_pose(&p));
+                lw_status status = lw_posture_solve(&plan, k, &mode, t, LW_ORDER_MAX, &p);
+                CHECK(finite_posture(&p));
                 /* the square of the distance is known to 4e-15 of its size: 2 sin is its derivative */
                 bool known = fabs(t - limit)*fmax(LW_PI - limit, 1e-8) > 4e-15;
                 if (known && t <= LW_PI)
@@ -268,10 +268,10 @@ static void compare_over_a_turn(const double k[9], double mode, double start, do
     CHECK_INT(lw_plan_read(&plan, &l, dim, modes, &input, NULL), LW_OK);
     lw_newton *s = newton_of(&l);
     for (int i = 1; s && i <= 24; i++) {
-        static lw_pose p;
+        static lw_posture p;
         double turn = 2.0*LW_PI*i/24.0;
         CHECK_INT(lw_newton_move(s, l.input[0].value + turn, NULL), LW_OK);
-        CHECK_INT(lw_pose_solve(&plan, dim, modes, input + turn, 0, &p), LW_OK);
+        CHECK_INT(lw_posture_solve(&plan, dim, modes, input + turn, 0, &p), LW_OK);
         CHECK_NEAR(distance(lw_newton_tracer(s, 0), p.tracer[0][0]), 0.0, tolerance, 0);
     }
     lw_newton_free(s);
@@ -375,17 +375,17 @@ static void straight_lines_by_plan_and_newton(void)
         double middle = 0.5*(line[i].first + line[i].last) + 0.1*(line[i].last - line[i].first);
         fourbar_linkage(&l, k, line[i].mode, middle);
         lw_newton *s = newton_of(&l);
-        static lw_pose p;
+        static lw_posture p;
         for (int j = 0; s && j < 4; j++) {
             double t = line[i].extreme[j].input, want = line[i].extreme[j].deviation;
-            CHECK_INT(lw_pose_solve(&plan, k, &line[i].mode, t, 0, &p), LW_OK);
+            CHECK_INT(lw_posture_solve(&plan, k, &line[i].mode, t, 0, &p), LW_OK);
             CHECK_NEAR(deviation(i, p.tracer[0][0]), want, 5e-14, 0);
             CHECK_INT(lw_newton_move(s, t + k[8], NULL), LW_OK);
             CHECK_NEAR(deviation(i, lw_newton_tracer(s, 0)), want, 5e-14, 0);
         }
         for (int j = 0; j <= 1000; j++) {
             double t = line[i].first + (line[i].last - line[i].first)*j/1000.0;
-            CHECK_INT(lw_pose_solve(&plan, k, &line[i].mode, t, 0, &p), LW_OK);
+            CHECK_INT(lw_posture_solve(&plan, k, &line[i].mode, t, 0, &p), LW_OK);
             double d = deviation(i, p.tracer[0][0]);
             CHECK(d >= line[i].least - 5e-14 && d <= line[i].most + 5e-14);
         }
@@ -426,7 +426,7 @@ static void equal_crank_and_rod(void)
     lw_newton_free(s);
 
     lw_motion m;
-    static lw_pose p;
+    static lw_posture p;
     CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
@@ -434,7 +434,7 @@ static void equal_crank_and_rod(void)
     CHECK(m.arc[0].turns && m.arc[1].turns);
     for (int i = -89; i <= 89; i++) {                      /* while cos t > 0 in the drawn mode */
         double t = i*LW_PI/180.0;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, t, 0, &p), LW_OK);
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, t, 0, &p), LW_OK);
         CHECK_NEAR(p.tracer[0][0].x, 0.0, 2e-14, 0);
         CHECK_NEAR(p.tracer[0][0].y, 2.0*sin(t), 2e-14, 0);
     }
@@ -500,10 +500,10 @@ static void peaucellier_is_straight(void)
     CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     for (int i = -9; s && i <= 9; i++) {
-        static lw_pose p;
+        static lw_posture p;
         CHECK_INT(lw_newton_move(s, 0.185*i, NULL), LW_OK);
         CHECK_NEAR(lw_newton_tracer(s, 0).x, 16.0/3.0, 2e-13, 0);
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + 0.185*i - 0.3, 0, &p), LW_OK);
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + 0.185*i - 0.3, 0, &p), LW_OK);
         CHECK_NEAR(p.tracer[0][0].x, 16.0/3.0, 2e-13, 0);
         CHECK_NEAR(p.tracer[0][0].y, lw_newton_tracer(s, 0).y, 2e-13, 0);
     }
@@ -546,7 +546,7 @@ int main(void)
     RUN(change_points_through_the_plan);
     RUN(change_points_are_told);
     RUN(near_the_change_point_by_class_and_motion);
-    RUN(near_the_change_point_by_pose);
+    RUN(near_the_change_point_by_posture);
     RUN(near_the_change_point_by_newton);
     RUN(length_ratio_of_a_million);
     RUN(far_from_the_origin_and_small);

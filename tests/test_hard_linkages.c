@@ -5,7 +5,7 @@
 #include "grammar/linkage.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "base/file.h"
 #include "tests/mbs_random.h"
 #include "tests/motion_curve.h"
@@ -17,7 +17,7 @@ static void peaucellier_by_plan(const lw_linkage *l, double t)
 {
     const double limit = 96.37937020844280386828*LW_PI/180, near = 1e-6*LW_PI/180, c = 1.5;
     lw_plan plan;
-    static lw_pose pose;
+    static lw_posture posture;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
     CHECK_INT(lw_plan_make(l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, l, dim, mode, &input, NULL), LW_OK);
@@ -25,18 +25,18 @@ static void peaucellier_by_plan(const lw_linkage *l, double t)
     for (int i = 0; i <= 100; i++)
         for (int way = -1; way <= 1; way += 2) {
             double angle = limit - near*(1 + i), d = 2*c*cos(angle/2), mean = 0.5*(d + 16/d), h = sqrt(25 - mean*mean);
-            CHECK_INT(lw_pose_solve(&plan, dim, mode, input - t + way*(limit - 0.05)*i/100, 0, &pose), LW_OK);
-            CHECK_NEAR(pose.tracer[0][0].x, 16/3.0, 5e-14, 0);
-            CHECK_INT(lw_pose_solve(&plan, dim, mode, input - t + way*angle, 0, &pose), LW_OK);
-            CHECK_NEAR(pose.tracer[0][0].x, 16/3.0, 1.2e-14/h, 0);
+            CHECK_INT(lw_posture_solve(&plan, dim, mode, input - t + way*(limit - 0.05)*i/100, 0, &posture), LW_OK);
+            CHECK_NEAR(posture.tracer[0][0].x, 16/3.0, 5e-14, 0);
+            CHECK_INT(lw_posture_solve(&plan, dim, mode, input - t + way*angle, 0, &posture), LW_OK);
+            CHECK_NEAR(posture.tracer[0][0].x, 16/3.0, 1.2e-14/h, 0);
         }
     /* that is the lengths read off coordinates, which miss 3 and 5 by an ulp: where they are right, 1e-12 of the arms */
     for (int d = 0; d < plan.n_dim; d++)
         dim[d] = plan.dim[d].kind == LW_DIM_LENGTH ? nearbyint(2*dim[d])/2 : dim[d];
     for (int i = 0; i <= 100; i++)
         for (int way = -1; way <= 1; way += 2) {
-            CHECK_INT(lw_pose_solve(&plan, dim, mode, input - t + way*(limit - near*(1 + i)), 0, &pose), LW_OK);
-            CHECK_NEAR(pose.tracer[0][0].x, 16/3.0, 5e-12, 0);
+            CHECK_INT(lw_posture_solve(&plan, dim, mode, input - t + way*(limit - near*(1 + i)), 0, &posture), LW_OK);
+            CHECK_NEAR(posture.tracer[0][0].x, 16/3.0, 5e-12, 0);
         }
 }
 
@@ -129,7 +129,7 @@ static void parallelograms_in_a_row(void)
         for (int i = 0; i < found; i++)
             CHECK_NEAR(sin(e[i].input), 0, 1e-10, 0);
         for (int i = 0; i <= 500; i++) {
-            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/500.0, q, NULL);
+            lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*i/500.0, q, NULL);
             for (int body = n + 1; body < 2*n + 1; body++)
                 CHECK_NEAR(q[3*body + 2], 0, 1e-11, 0);
             CHECK(residual(v, q) <= 1e-12);
@@ -172,7 +172,7 @@ static void by_plan_and_curve(const char *file)
 {
     lw_linkage l;
     lw_plan plan;
-    static lw_pose pose;
+    static lw_posture posture;
     char *text = NULL;
     size_t size;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
@@ -186,9 +186,9 @@ static void by_plan_and_curve(const char *file)
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     for (int i = 0; i <= 360; i++) {
         double u = l.input[0].value + 2*LW_PI*i/360;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + 2*LW_PI*i/360, 0, &pose), LW_OK);
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + 2*LW_PI*i/360, 0, &posture), LW_OK);
         lw_vec2 p = tracer_at(v, 0, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), u));
-        CHECK_NEAR(distance(p, pose.tracer[0][0]), 0, 1e-13*v->s.unit*20, 0);
+        CHECK_NEAR(distance(p, posture.tracer[0][0]), 0, 1e-13*v->s.unit*20, 0);
     }
     curve_free(v);
 }
@@ -262,7 +262,7 @@ static lw_status follow_chain(void *context, const lw_chain_item *item)
             all.curves++;
             CHECK(lw_motion_curve_worst(v->b) <= 1e-12*v->s.unit);
             for (int i = 0; i < 20; i++) {
-                lw_motion_curve_pose(v->b, lw_rng_range(&all.rng, 0, lw_motion_curve_segments(v->b)), q, NULL);
+                lw_motion_curve_posture(v->b, lw_rng_range(&all.rng, 0, lw_motion_curve_segments(v->b)), q, NULL);
                 CHECK(residual(v, q) <= 1e-12);
             }
             drive_every_joint(&l, q);

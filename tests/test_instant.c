@@ -96,7 +96,7 @@ static void points_of_the_inflection_circle(void)
         for (int off = 0; off < 2; off++) {
             lw_rng same = again;
             m = make(&same, slides, off ? lw_v2_add(on, lw_v2_scale(lw_v2_sub(on, middle), 0.3)) : on, p);
-            CHECK(lw_kinematics_pose(m, lw_kinematics_input(m), 2, NULL, NULL, tracer, NULL) == LW_OK);
+            CHECK(lw_kinematics_posture(m, lw_kinematics_input(m), 2, NULL, NULL, tracer, NULL) == LW_OK);
             double bend = lw_v2_cross(tracer[1], tracer[2])/(lw_v2_norm(tracer[1])*lw_v2_norm(tracer[2]));
             CHECK(off ? fabs(bend) > 1e-6 : fabs(bend) < 1e-6);
             lw_kinematics_destroy(m);

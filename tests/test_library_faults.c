@@ -142,7 +142,7 @@ static lw_status fit_slsqp(sum *s)  { return short_search(s, "slsqp", 4); }
 static lw_status fit_lbfgs(sum *s)  { return short_search(s, "lbfgs", 4); }
 static lw_status fit_six(sum *s)    { return short_search(s, NULL, 6); }
 
-/* The poses of an eight-bar whose coupler links are a group of order three. */
+/* The postures of an eight-bar whose coupler links are a group of order three. */
 static lw_status group(sum *s)
 {
     lw_linkage *linkage = NULL;
@@ -153,7 +153,7 @@ static lw_status group(sum *s)
     if (st == LW_OK)
         st = lw_kinematics_create(linkage, &k, &e);
     for (int i = 0; i < 3 && st == LW_OK; i++) {
-        st = lw_kinematics_pose(k, lw_kinematics_input(k) + 0.01*i, 0, NULL, NULL, at, NULL);
+        st = lw_kinematics_posture(k, lw_kinematics_input(k) + 0.01*i, 0, NULL, NULL, at, NULL);
         add(s, at, sizeof at);
     }
     lw_kinematics_destroy(k);
@@ -188,7 +188,7 @@ static lw_status chain(sum *s)
 /* The first allocations fail one by one, further ones at growing distances. */
 static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
     { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
-    { "chain", 40, 4, chain }, { "poses of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
+    { "chain", 40, 4, chain }, { "postures of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
     { "fit by slsqp", 3, 1, fit_slsqp }, { "fit by lbfgs", 3, 1, fit_lbfgs }, { "fit with six links", 3, 1, fit_six },
 };
 

@@ -36,7 +36,7 @@ static void a_roller_is_held(void)
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
     CHECK_INT(lw_motion_curve_create(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, NULL), LW_OK);
     for (int i = 0; i <= 50; i++) {
-        lw_motion_curve_pose(b, lw_motion_curve_segments(b)*i/50.0, q, NULL);
+        lw_motion_curve_posture(b, lw_motion_curve_segments(b)*i/50.0, q, NULL);
         CHECK_NEAR(lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q).x, 2.4 + cos(lw_motion_curve_input(b, q)), 1e-13, 0);
     }
     lw_motion_curve_free(b);

@@ -1,10 +1,10 @@
 /* tests/test_motion.c - arcs and circuits against the closed forms of the four-bar, against margins
- * sampled through the pose, and against the verifier, which runs into every limit. */
+ * sampled through the posture, and against the verifier, which runs into every limit. */
 #include "mbs/kinematics/motion.h"
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
@@ -161,19 +161,19 @@ static int run_into_ends(const lw_plan *plan, const double *dim, const lw_arc *a
 /* At a limit the linkage passes into another arc of its circuit: same end, same posture. */
 static void check_joints_of_arcs(const lw_plan *plan, const double *dim, const lw_motion *m)
 {
-    static lw_pose p, q;
+    static lw_posture p, q;
     for (int i = 0; i < 2*m->n_arc; i++) {
         const lw_arc *a = &m->arc[i/2];
         int e = i % 2, n_met = 0;
         double at = e ? a->last : a->first;
         if (!a->limit[e])
             continue;
-        lw_pose_solve(plan, dim, a->mode, at, 0, &p);
+        lw_posture_solve(plan, dim, a->mode, at, 0, &p);
         for (int j = 0; j < m->n_arc; j++) {
             const lw_arc *b = &m->arc[j];
             if (b == a || b->circuit != a->circuit || fabs((e ? b->last : b->first) - at) > 1e-12*fabs(at))
                 continue;
-            lw_pose_solve(plan, dim, b->mode, at, 0, &q);
+            lw_posture_solve(plan, dim, b->mode, at, 0, &q);
             n_met += lw_v2_norm(lw_v2_sub(p.tracer[0][0], q.tracer[0][0])) < 1e-5;
         }
         CHECK(n_met > 0);
@@ -197,8 +197,8 @@ static double draw_dimensions(lw_rng *rng, const lw_plan *plan, const double *fr
 
 static bool closes_at(const lw_plan *plan, const double *dim, const double *mode, double input)
 {
-    static lw_pose pose;
-    return lw_pose_solve(plan, dim, mode, input, 0, &pose) == LW_OK;
+    static lw_posture posture;
+    return lw_posture_solve(plan, dim, mode, input, 0, &posture) == LW_OK;
 }
 
 /* Samples close where an arc says so and nowhere else. */
@@ -351,9 +351,9 @@ static void jansens_leg(void)
     CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
     CHECK_INT(lw_newton_create(&k, &s, NULL), LW_OK);
     for (int i = 0; s && i < 6; i++) {
-        static lw_pose p;
+        static lw_posture p;
         CHECK_INT(lw_newton_move(s, i*LW_PI/3.0, NULL), LW_OK);
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + i*LW_PI/3.0 - 0.2, 0, &p), LW_OK);
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + i*LW_PI/3.0 - 0.2, 0, &p), LW_OK);
         lw_vec2 q = lw_newton_tracer(s, 0), r = p.tracer[0][0];
         CHECK_NEAR(hypot(q.x - foot[i][0], q.y - foot[i][1]), 0.0, 1e-12, 0);
         CHECK_NEAR(hypot(r.x - foot[i][0], r.y - foot[i][1]), 0.0, 1e-12, 0);

@@ -53,7 +53,7 @@ static void four_bars_of_all_classes(void)
             }
         for (int i = 0; i < 50; i++) {
             double station = lw_rng_range(&r, 0, lw_motion_curve_segments(v->b));
-            lw_motion_curve_pose(v->b, station, q, NULL);
+            lw_motion_curve_posture(v->b, station, q, NULL);
             CHECK(residual(v, q) <= 3e-15);
             double angle = lw_motion_curve_input(v->b, q);
             fourbar_joints p = fourbar_at(k, 1, angle), m = fourbar_at(k, -1, angle);
@@ -72,11 +72,11 @@ static void arcs_and_stations_agree(void)
     fourbar_linkage(&l, k, 1, 0.5);
     curve *v = follow(&l, 0);
     double length = lw_motion_curve_length(v->b), sum = 0;
-    lw_motion_curve_pose(v->b, 0, p, NULL);
+    lw_motion_curve_posture(v->b, 0, p, NULL);
     for (int i = 0; i <= 400; i++) {
         double s = lw_motion_curve_station(v->b, length*i/400);
         CHECK_NEAR(lw_motion_curve_arc(v->b, s), length*i/400, 1e-13, 0);
-        lw_motion_curve_pose(v->b, s, q, NULL);
+        lw_motion_curve_posture(v->b, s, q, NULL);
         double step = 0;
         for (int j = 0; j < 9; j++) {
             step += (q[j] - p[j])*(q[j] - p[j]);
@@ -87,8 +87,8 @@ static void arcs_and_stations_agree(void)
             CHECK_NEAR(sqrt(step), length/400, 0, 2e-3);
     }
     CHECK_NEAR(sum, length, 0, 2e-4);
-    lw_motion_curve_pose(v->b, 0, q, NULL);
-    lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b), p, NULL);
+    lw_motion_curve_posture(v->b, 0, q, NULL);
+    lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b), p, NULL);
     for (int j = 0; j < 9; j++)
         CHECK_NEAR(remainder(q[j] - p[j], j%3 == 2 ? 2*LW_PI : 100), 0, 1e-14, 0);
     curve_free(v);
@@ -139,7 +139,7 @@ static void straight_on_through_change_points(void)
         double station = lw_motion_curve_segments(v->b)*i/3000.0;
         if (i%10 == 0)                                      /* close to the change point too */
             station = e[0].station + 1e-3*pow(0.5, i/60.0)*(i%20 ? 1 : -1);
-        lw_motion_curve_pose(v->b, station, q, NULL);
+        lw_motion_curve_posture(v->b, station, q, NULL);
         CHECK_NEAR(q[5], 0, 1e-12, 0);
         CHECK(residual(v, q) <= 1e-12);
         fourbar_joints p = fourbar_at(k, 1, 0.5);
@@ -195,7 +195,7 @@ static void drawn_at_change_points(void)
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
         CHECK(!lw_motion_curve_rests(v->b));
         for (int j = 0; j <= 100; j++) {
-            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*j/100.0, q, NULL);
+            lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*j/100.0, q, NULL);
             CHECK(residual(v, q) <= 1e-12);
         }
         lw_system_posture(&v->s, q);
@@ -236,7 +236,7 @@ static void starts_next_to_change_points(void)
         CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
         for (int n = 0; n <= 40; n++) {
-            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*n/40.0, q, NULL);
+            lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*n/40.0, q, NULL);
             CHECK_NEAR(q[5], 0, 1e-9, 0);                  /* the posture itself holds the angle to 1e-16/angle */
         }
         curve_free(v);
@@ -263,7 +263,7 @@ static void equal_slider_crank(void)
     for (int i = 0; i < n; i++)
         CHECK_NEAR(e[i].kind == LW_EVENT_CROSSING ? cos(e[i].input) : sin(e[i].input), 0, 1e-10, 0);
     for (int i = 0; i <= 1000; i++) {
-        lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/1000.0, q, NULL);
+        lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*i/1000.0, q, NULL);
         CHECK_NEAR(tracer(v, 0, q).x, 2*cos(lw_motion_curve_input(v->b, q)), 1e-12, 0);
     }
     curve_free(v);
@@ -289,7 +289,7 @@ static void gears_close_after_several_turns(void)
         CHECK_INT(lw_motion_curve_turns(v->b, -1), ratio[i][1]);
         CHECK_INT(lw_motion_curve_turns(v->b, 2), -ratio[i][0]);
         for (int n = 0; n < 50; n++) {
-            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*n/50.0, q, NULL);
+            lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*n/50.0, q, NULL);
             CHECK_NEAR(q[5], -q[2]*ratio[i][0]/ratio[i][1], 1e-14, 0);
             CHECK(residual(v, q) <= 1e-14);
         }
@@ -326,12 +326,12 @@ static void six_bars_agree_with_newton(void)
                 last = e[i].station;
         lw_newton *s;
         CHECK_INT(lw_newton_create(&l, &s, NULL), LW_OK);
-        lw_motion_curve_pose(v->b, last, q, NULL);
+        lw_motion_curve_posture(v->b, last, q, NULL);
         double end = lw_motion_curve_input(v->b, q);
         bool limit = last < lw_motion_curve_segments(v->b);
         for (int i = 1; i <= 10; i++) {
             double input = end*i/10, at = i < 10 ? lw_motion_curve_find(v->b, first, last, input) : last;
-            lw_motion_curve_pose(v->b, at, q, NULL);
+            lw_motion_curve_posture(v->b, at, q, NULL);
             CHECK_NEAR(lw_motion_curve_input(v->b, q), input, 2e-14, 0);      /* of stations up to some 1000 */
             lw_status status = lw_newton_move(s, i == 10 && limit ? end + 1e-3 : input, &reached);
             CHECK_INT(status, i == 10 && limit ? LW_OPEN : LW_OK);
@@ -380,7 +380,7 @@ static void rates_by_the_input(void)
     curve *v = follow(&l, 0);
     for (int i = 0; i < 40; i++) {
         double at = i/40.0*lw_motion_curve_segments(v->b), speed = i%2 ? -3 : 1, motion[4] = { 0, speed, 0, 0 };
-        lw_motion_curve_pose(v->b, at, q, NULL);
+        lw_motion_curve_posture(v->b, at, q, NULL);
         double x = lw_motion_curve_input(v->b, q);
         CHECK(lw_motion_curve_rates(v->b, 3, motion, q));
         lw_system_point_series(&v->s, v->s.tracer_body[0], v->s.tracer_arm[0], 3, q, p);
@@ -404,7 +404,7 @@ static void knows_its_postures(void)
     fourbar_linkage(&other, k, -1, 0.5);
     curve *v = follow(&l, 0), *w = follow(&other, 0);
     for (int i = 0; i < 20; i++) {
-        lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/20.0, q, NULL);
+        lw_motion_curve_posture(v->b, lw_motion_curve_segments(v->b)*i/20.0, q, NULL);
         q[2] += 2*LW_PI;
         CHECK(lw_motion_curve_holds(v->b, q));
         q[5] += 1e-3;
@@ -431,11 +431,11 @@ static void curves_without_end(void)
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_FAR);
     double start = lw_motion_curve_start(v->b);
     CHECK(start > 1 && start < lw_motion_curve_segments(v->b) - 1);
-    lw_motion_curve_pose(v->b, start, q, NULL);
+    lw_motion_curve_posture(v->b, start, q, NULL);
     CHECK_NEAR(lw_motion_curve_input(v->b, q), 5, 1e-15, 0);
-    lw_motion_curve_pose(v->b, 0, q, NULL);
+    lw_motion_curve_posture(v->b, 0, q, NULL);
     CHECK(lw_motion_curve_input(v->b, q) < 5 - 20);
-    lw_motion_curve_pose(v->b, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), -7.25), q, NULL);
+    lw_motion_curve_posture(v->b, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), -7.25), q, NULL);
     CHECK_NEAR(lw_motion_curve_input(v->b, q), -7.25, 1e-14, 0);
     curve_free(v);
 }

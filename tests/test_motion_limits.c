@@ -4,39 +4,39 @@
 
 static lw_rng rng;
 
-static double pin_depth(const lw_zone *z, const lw_pose *pose, const lw_plan *plan)
+static double pin_depth(const lw_zone *z, const lw_posture *posture, const lw_plan *plan)
 {
     double most = 0;
     for (int j = 0; j < LW_JOINT_MAX; j++)
         if (plan->joint_point[j] >= 0)
-            most = fmax(most, z->reach - lw_v2_norm(lw_v2_sub(pose->joint[j][0], z->at)));
-    return fmax(most, z->reach - lw_v2_norm(lw_v2_sub(pose->tracer[0][0], z->at)));
+            most = fmax(most, z->reach - lw_v2_norm(lw_v2_sub(posture->joint[j][0], z->at)));
+    return fmax(most, z->reach - lw_v2_norm(lw_v2_sub(posture->tracer[0][0], z->at)));
 }
 
-static void a_turn_is_that_of_its_poses(void)
+static void a_turn_is_that_of_its_postures(void)
 {
     for (int trial = 0; trial < 30; trial++) {
         enum { LOOKS = 360 };
         member m;
-        lw_pose pose;
+        lw_posture posture;
         lw_fit_spec s = lw_fit_spec_default();
         double least = INFINITY, most = 0, fast = 0, deep = 0;
         draw_member("crank-rocker", 1, false, &rng, &m);
-        CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, 1, 0, &pose), LW_OK);
+        CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, 1, 0, &posture), LW_OK);
         s.n_zone = 1;
-        s.zone[0] = (lw_zone){ LW_ZONE_NO_CIRCLE, lw_v2_add(pose.tracer[0][0], lw_v2(0.2, 0)), { 0, 0 }, 0.3 };
+        s.zone[0] = (lw_zone){ LW_ZONE_NO_CIRCLE, lw_v2_add(posture.tracer[0][0], lw_v2(0.2, 0)), { 0, 0 }, 0.3 };
         for (int k = 0; k <= LOOKS; k++) {
-            lw_pose a, b;
+            lw_posture a, b;
             const double h = 1e-4;
             double at = 2*LW_PI*k/LOOKS;
-            lw_pose_solve(&m.plan, m.dim, &m.mode, at, 0, &pose);
-            lw_pose_solve(&m.plan, m.dim, &m.mode, at - h, 0, &a);
-            lw_pose_solve(&m.plan, m.dim, &m.mode, at + h, 0, &b);
-            lw_vec2 second = lw_v2_sub(lw_v2_add(a.tracer[0][0], b.tracer[0][0]), lw_v2_scale(pose.tracer[0][0], 2));
-            least = fmin(least, pose.margin);
-            most = fmax(most, pose.margin);
+            lw_posture_solve(&m.plan, m.dim, &m.mode, at, 0, &posture);
+            lw_posture_solve(&m.plan, m.dim, &m.mode, at - h, 0, &a);
+            lw_posture_solve(&m.plan, m.dim, &m.mode, at + h, 0, &b);
+            lw_vec2 second = lw_v2_sub(lw_v2_add(a.tracer[0][0], b.tracer[0][0]), lw_v2_scale(posture.tracer[0][0], 2));
+            least = fmin(least, posture.margin);
+            most = fmax(most, posture.margin);
             fast = fmax(fast, lw_v2_norm(second)/h/h);
-            deep = fmax(deep, pin_depth(&s.zone[0], &pose, &m.plan));
+            deep = fmax(deep, pin_depth(&s.zone[0], &posture, &m.plan));
         }
         lw_motion_limits w = lw_motion_limits_begin();
         lw_motion_limits_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
@@ -65,11 +65,11 @@ static void a_function_is_judged_by_its_output(void)
         draw_member("crank-rocker", 1, true, &rng, &m);
         trace_member(&m, 12, &st);
         for (int k = 0; k < LOOKS; k++) {
-            lw_pose a, b, c;
+            lw_posture a, b, c;
             double at = 2*LW_PI*k/LOOKS;
-            lw_pose_solve(&m.plan, m.dim, &m.mode, at - h, 0, &a);
-            lw_pose_solve(&m.plan, m.dim, &m.mode, at, 0, &b);
-            lw_pose_solve(&m.plan, m.dim, &m.mode, at + h, 0, &c);
+            lw_posture_solve(&m.plan, m.dim, &m.mode, at - h, 0, &a);
+            lw_posture_solve(&m.plan, m.dim, &m.mode, at, 0, &b);
+            lw_posture_solve(&m.plan, m.dim, &m.mode, at + h, 0, &c);
             double up = remainder(c.angle[3][0] - b.angle[3][0], 2*LW_PI), down = remainder(b.angle[3][0] - a.angle[3][0], 2*LW_PI);
             fast = fmax(fast, fabs(up - down)/h/h);
         }
@@ -129,7 +129,7 @@ static void every_condition_is_asked(void)
 int main(void)
 {
     lw_rng_seed(&rng, check_seed(), 1);
-    RUN(a_turn_is_that_of_its_poses);
+    RUN(a_turn_is_that_of_its_postures);
     RUN(a_function_is_judged_by_its_output);
     RUN(every_condition_is_asked);
     return check_end();

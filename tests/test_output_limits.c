@@ -2,7 +2,7 @@
 #include "mbs/kinematics/output_limits.h"
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
 
@@ -65,9 +65,9 @@ static void slider_turns_at_stroke_ends(void)
     int n = lw_output_limits_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 8);
     CHECK_INT(n, 2);
     for (int i = 0; i < n; i++) {
-        lw_pose pose;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, t[i].input, 1, &pose), LW_OK);
-        lw_vec2 o = pose.joint[0][0], a = pose.joint[1][0], b = pose.joint[2][0];
+        lw_posture posture;
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, t[i].input, 1, &posture), LW_OK);
+        lw_vec2 o = posture.joint[0][0], a = posture.joint[1][0], b = posture.joint[2][0];
         double sine = lw_v2_cross(lw_v2_sub(a, o), lw_v2_sub(b, o))/(lw_v2_norm(lw_v2_sub(a, o))*lw_v2_norm(lw_v2_sub(b, o)));
         CHECK_NEAR(sine, 0, 1e-12, 0);
     }

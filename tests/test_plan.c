@@ -1,6 +1,6 @@
 /* The plan: dimensions out of a posture and back, linkages told in any order, what cannot be planned. */
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
@@ -35,16 +35,16 @@ static double apart(const lw_linkage *a, const lw_linkage *b)
  * than the posture: slides that are nearly parallel meet far away. */
 static void check_round_trip(planned *q, double growth)
 {
-    lw_pose pose;
+    lw_posture posture;
     lw_linkage back = q->k;
     double far = fmax(1, fabs(q->p.input_is_slider ? q->input : 0));
     for (int d = 0; d < q->p.n_dim; d++)
         far = fmax(far, fabs(q->dim[d]));
     growth *= far;
-    CHECK_INT(lw_pose_solve(&q->p, q->dim, q->mode, q->input, 0, &pose), LW_OK);
+    CHECK_INT(lw_posture_solve(&q->p, q->dim, q->mode, q->input, 0, &posture), LW_OK);
     CHECK_INT(lw_plan_write(&q->p, q->dim, q->mode, q->input, &back), LW_OK);
-    CHECK(apart(&q->k, &back) <= growth*1e-15/pose.margin);
-    CHECK_NEAR(back.input[0].value, q->k.input[0].value, growth*1e-15/pose.margin, 0);
+    CHECK(apart(&q->k, &back) <= growth*1e-15/posture.margin);
+    CHECK_NEAR(back.input[0].value, q->k.input[0].value, growth*1e-15/posture.margin, 0);
 }
 
 static void types_read_and_write(void)
@@ -86,12 +86,12 @@ static void order_of_telling_does_not_matter(void)
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 3);
     for (int trial = 0; trial < 500; trial++) {
-        lw_pose pa, pb;
+        lw_posture pa, pb;
         random_grown(&r, 2, &a.k);
         shuffle_linkage(&r, &a.k, &b.k);
         CHECK(plan_all(&a) && plan_all(&b));
-        lw_status sa = lw_pose_solve(&a.p, a.dim, a.mode, a.input + 1e-3, 1, &pa);
-        lw_status sb = lw_pose_solve(&b.p, b.dim, b.mode, b.input + 1e-3, 1, &pb);
+        lw_status sa = lw_posture_solve(&a.p, a.dim, a.mode, a.input + 1e-3, 1, &pa);
+        lw_status sb = lw_posture_solve(&b.p, b.dim, b.mode, b.input + 1e-3, 1, &pb);
         CHECK_INT(sa, sb);
         if (sa != LW_OK || pa.margin < 1e-3)
             continue;
@@ -112,13 +112,13 @@ static void dimensions_do_not_move(void)
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 200; trial++) {
             double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, step = lw_rng_range(&r, -0.2, 0.2);
-            lw_pose pose;
+            lw_posture posture;
             random_type(&r, t, &q.k);
             lw_linkage moved = q.k;
             if (!plan_all(&q) || lw_plan_write(&q.p, q.dim, q.mode, q.input + step, &moved) != LW_OK)
                 continue;
-            lw_pose_solve(&q.p, q.dim, q.mode, q.input + step, 0, &pose);
-            if (pose.margin < 1e-6)
+            lw_posture_solve(&q.p, q.dim, q.mode, q.input + step, 0, &posture);
+            if (posture.margin < 1e-6)
                 continue;
             CHECK_INT(lw_plan_read(&q.p, &moved, dim, mode, &input, NULL), LW_OK);
             for (int d = 0; d < q.p.n_dim; d++)
@@ -164,7 +164,7 @@ static void newton_arrives_at_the_same_place(void)
     for (int trial = 0; trial < 600; trial++) {
         lw_linkage k;
         lw_newton *s;
-        lw_pose pose;
+        lw_posture posture;
         if (trial%2)
             random_type(&r, &lw_type_table[trial/2%11], &k);
         else
@@ -174,16 +174,16 @@ static void newton_arrives_at_the_same_place(void)
         if (!plan_all(&q))
             continue;
         for (int i = 0; i <= 20; i++) {
-            lw_pose_solve(&q.p, q.dim, q.mode, q.input + step*i/20, 0, &pose);
-            least = fmin(least, pose.margin);
+            lw_posture_solve(&q.p, q.dim, q.mode, q.input + step*i/20, 0, &posture);
+            least = fmin(least, posture.margin);
         }
         if (least < 0.01 || lw_newton_create(&q.k, &s, NULL) != LW_OK)
             continue;
         if (lw_newton_move(s, q.k.input[0].value + step, &reached) == LW_OK) {
             lw_vec2 p = lw_newton_tracer(s, 0);
             double size = 1 + lw_v2_norm(p);
-            CHECK_NEAR(pose.tracer[0][0].x, p.x, 1e-9*size, 0);
-            CHECK_NEAR(pose.tracer[0][0].y, p.y, 1e-9*size, 0);
+            CHECK_NEAR(posture.tracer[0][0].x, p.x, 1e-9*size, 0);
+            CHECK_NEAR(posture.tracer[0][0].y, p.y, 1e-9*size, 0);
             n_checked++;
         }
         lw_newton_free(s);

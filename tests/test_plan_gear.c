@@ -7,7 +7,7 @@
 #include "base/rng.h"
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
@@ -222,7 +222,7 @@ static void turns_as_the_loop_equations(void)
     for (int i = 0; i < CASES; i++) {
         planned p;
         lw_newton *n;
-        lw_pose pose;
+        lw_posture posture;
         if (!plan_case(i, &p))
             continue;
         CHECK_INT(p.plan.input_turns_per_period, cases[i].input_turns_per_period);
@@ -238,20 +238,20 @@ static void turns_as_the_loop_equations(void)
         int far = 0;
         for (int s = 0; s <= 48; s++) {
             double turn = way*s/48;
-            if (lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &pose) != LW_OK)
+            if (lw_posture_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &posture) != LW_OK)
                 break;                                           /* some rock: up to their limit    */
             far = s;
             CHECK(lw_newton_move(n, before + p.plan.input_turns_per_period*turn, &reached) == LW_OK);
             lw_vec2 at = lw_newton_tracer(n, 0);
-            CHECK_NEAR(pose.tracer[0][0].x, at.x, 1e-9, 1e-9);
-            CHECK_NEAR(pose.tracer[0][0].y, at.y, 1e-9, 1e-9);
+            CHECK_NEAR(posture.tracer[0][0].x, at.x, 1e-9, 1e-9);
+            CHECK_NEAR(posture.tracer[0][0].y, at.y, 1e-9, 1e-9);
         }
         if (far < 48) {                                          /* so does the second opinion      */
             lw_status end = lw_newton_move(n, before + p.plan.input_turns_per_period*way*(far + 1)/48, &reached);
             CHECK_INT(end, LW_OPEN);
         }
         if (far == 48 && !p.plan.input_is_slider)
-            CHECK_NEAR(pose.tracer[0][0].x, p.k.tracer[0].at.x, 1e-9, 1e-9);   /* it comes back     */
+            CHECK_NEAR(posture.tracer[0][0].x, p.k.tracer[0].at.x, 1e-9, 1e-9); /* it comes back    */
         lw_newton_free(n);
     }
 }
@@ -265,7 +265,7 @@ static void random_ones_too(void)
     lw_rng_seed(&r, check_seed(), 3);
     for (int trial = 0; trial < 8*CASES; trial++) {
         planned p;
-        lw_pose pose;
+        lw_posture posture;
         lw_newton *n;
         int i = trial % CASES;
         cases[i].make(&p.k, cases[i].ratio);
@@ -281,10 +281,10 @@ static void random_ones_too(void)
             double turn = (p.plan.input_is_slider ? 1 : 0.1/p.plan.input_turns_per_period)*s;
             lw_newton_reset(n);
             bool there = lw_newton_move(n, p.k.input[0].value + p.plan.input_turns_per_period*turn, NULL) == LW_OK;
-            if (lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &pose) != LW_OK || pose.margin < 1e-4)
+            if (lw_posture_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &posture) != LW_OK || posture.margin < 1e-4)
                 continue;
             CHECK(there);
-            CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[0][0], lw_newton_tracer(n, 0))), 0, 1e-9/pose.margin, 0);
+            CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[0][0], lw_newton_tracer(n, 0))), 0, 1e-9/posture.margin, 0);
             compared++;
         }
         lw_newton_free(n);
@@ -318,10 +318,10 @@ static void a_posture_elsewhere_is_the_same_linkage(void)
                 }
             CHECK(lw_plan_read(&p.plan, &there, dim, mode, &input, NULL) == LW_OK);
             for (int s = 0; s < 5; s++) {
-                lw_pose a, b;
+                lw_posture a, b;
                 double on = 0.01*s;
-                lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn + on, 0, &a);
-                lw_pose_solve(&p.plan, dim, mode, input + on, 0, &b);
+                lw_posture_solve(&p.plan, p.dim, p.mode, p.input + turn + on, 0, &a);
+                lw_posture_solve(&p.plan, dim, mode, input + on, 0, &b);
                 if (a.margin < 1e-3)
                     break;                                       /* as above                         */
                 CHECK_NEAR(a.tracer[0][0].x, b.tracer[0][0].x, 1e-9, 0);
@@ -337,11 +337,11 @@ static void wheels_turn_by_their_ratio(void)
 {
     for (int i = 0; i < CASES; i++) {
         planned p;
-        lw_pose a;
+        lw_posture a;
         lw_gear g;
         if (!plan_case(i, &p))
             continue;
-        lw_pose_solve(&p.plan, p.dim, p.mode, p.input, 1, &a);
+        lw_posture_solve(&p.plan, p.dim, p.mode, p.input, 1, &a);
         for (int j = 0; j < p.k.n_joint; j++)
             if (p.k.joint[j].kind == LW_JOINT_GEAR) {
                 const int *link = p.k.joint[j].link;
@@ -375,20 +375,20 @@ static void derivatives_are_differences(void)
         lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N, NULL, NULL };
         lw_batch_jacobian(&p.plan, &in, 0, work, &out);
         for (int k = 0; k < N; k++) {
-            lw_pose pose;
-            lw_pose_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k, 3, &pose);
+            lw_posture posture;
+            lw_posture_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k, 3, &posture);
             if (!(row[4][k] > 0.05))
                 continue;                                        /* differences are none near limits */
             compared++;
-            CHECK_NEAR(row[0][k], pose.tracer[0][0].x, 1e-11, 1e-12);
-            CHECK_NEAR(row[1][k], pose.tracer[0][0].y, 1e-11, 1e-12);
-            CHECK_NEAR(row[5][k], pose.tracer[0][1].x, 1e-9, 1e-10);
-            CHECK_NEAR(row[6][k], pose.tracer[0][1].y, 1e-9, 1e-10);
-            lw_pose up, down;
-            lw_pose_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k + h, 2, &up);
-            lw_pose_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k - h, 2, &down);
-            CHECK_NEAR(pose.tracer[0][1].x, (up.tracer[0][0].x - down.tracer[0][0].x)/(2*h), 1e-5, 1e-6);
-            CHECK_NEAR(pose.tracer[0][3].y, (up.tracer[0][2].y - down.tracer[0][2].y)/(2*h), 1e-3, 1e-5);
+            CHECK_NEAR(row[0][k], posture.tracer[0][0].x, 1e-11, 1e-12);
+            CHECK_NEAR(row[1][k], posture.tracer[0][0].y, 1e-11, 1e-12);
+            CHECK_NEAR(row[5][k], posture.tracer[0][1].x, 1e-9, 1e-10);
+            CHECK_NEAR(row[6][k], posture.tracer[0][1].y, 1e-9, 1e-10);
+            lw_posture up, down;
+            lw_posture_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k + h, 2, &up);
+            lw_posture_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k - h, 2, &down);
+            CHECK_NEAR(posture.tracer[0][1].x, (up.tracer[0][0].x - down.tracer[0][0].x)/(2*h), 1e-5, 1e-6);
+            CHECK_NEAR(posture.tracer[0][3].y, (up.tracer[0][2].y - down.tracer[0][2].y)/(2*h), 1e-3, 1e-5);
         }
         for (int d = 0; d < p.plan.n_dim; d++) {
             double keep = p.dim[d], x[2][N], y[2][N], u[2][N], v[2][N], step = h*fmax(1, fabs(keep));

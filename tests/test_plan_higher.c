@@ -3,7 +3,7 @@
 #include "mbs/batch/batch.h"
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
@@ -70,20 +70,20 @@ static int n_moved, n_open;
 /* The posture itself, and one a little way on, are those of all links' equations. */
 static void check_motion(subject *q, double step)
 {
-    lw_pose pose;
+    lw_posture posture;
     lw_linkage moved = q->k;
     lw_newton *s;
     double far = fmax(1, fabs(q->p.input_is_slider ? q->input : 0)), reached;
     for (int d = 0; d < q->p.n_dim; d++)
         far = fmax(far, fabs(q->dim[d]));
-    lw_status at_seed = lw_pose_solve(&q->p, q->dim, q->mode, q->input, 0, &pose);
+    lw_status at_seed = lw_posture_solve(&q->p, q->dim, q->mode, q->input, 0, &posture);
     if (sliders_of(&q->k) == 0)                       /* with them, whole loops may be kept from turning */
         CHECK_INT(at_seed, LW_OK);
-    if (pose.margin < 1e-4 || far > 100)
+    if (posture.margin < 1e-4 || far > 100)
         return;
     for (int o = 0; o < q->p.n_output; o++)
-        CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[o][0], q->k.tracer[q->p.output_tracer[o]].at)), 0,
-                   1e-13*far/pose.margin, 0);
+        CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[o][0], q->k.tracer[q->p.output_tracer[o]].at)), 0,
+                   1e-13*far/posture.margin, 0);
     if (sliders_of(&q->k) > 0) {
         if (lw_plan_write(&q->p, q->dim, q->mode, q->input + step, &moved) == LW_OK) {
             CHECK_NEAR(strain(&q->k, &moved), 0, 1e-12*far, 0);
@@ -98,18 +98,18 @@ static void check_motion(subject *q, double step)
     lw_status st = lw_plan_write(&q->p, q->dim, q->mode, q->input + step, &moved);
     n_open += st == LW_OPEN;
     if (by_all == LW_OK && lw_newton_crossings(s) == 0) {
-        lw_pose_solve(&q->p, q->dim, q->mode, q->input + step, 0, &pose);
-        if (pose.margin > 1e-4) {
+        lw_posture_solve(&q->p, q->dim, q->mode, q->input + step, 0, &posture);
+        if (posture.margin > 1e-4) {
             n_moved++;
             CHECK_INT(st, LW_OK);
             CHECK_NEAR(strain(&q->k, &moved), 0, 1e-12*far, 0);
             for (int o = 0; o < q->p.n_output; o++)
-                CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[o][0], lw_newton_tracer(s, q->p.output_tracer[o]))), 0,
-                           1e-9*far/pose.margin, 0);
+                CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[o][0], lw_newton_tracer(s, q->p.output_tracer[o]))), 0,
+                           1e-9*far/posture.margin, 0);
         }
     } else if (st == LW_OK && by_all == LW_OPEN) {             /* a dyad's gap, narrower than the step */
-        lw_pose_solve(&q->p, q->dim, q->mode, q->input + reached - q->k.input[0].value, 0, &pose);
-        CHECK_NEAR(pose.margin, 0, 1e-9, 0);
+        lw_posture_solve(&q->p, q->dim, q->mode, q->input + reached - q->k.input[0].value, 0, &posture);
+        CHECK_NEAR(posture.margin, 0, 1e-9, 0);
     }
     lw_newton_free(s);
 }

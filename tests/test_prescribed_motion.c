@@ -26,13 +26,13 @@ static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)
 
 static lw_vec2 tracer(const ride *r, int i)
 {
-    return lw_system_point(&r->s, r->s.tracer_body[i], r->s.tracer_arm[i], lw_prescribed_motion_pose(r->d));
+    return lw_system_point(&r->s, r->s.tracer_body[i], r->s.tracer_arm[i], lw_prescribed_motion_posture(r->d));
 }
 
 static double residual(const ride *r)
 {
     double phi[LW_SYSTEM_ROW_MAX], most = 0;
-    lw_system_rows(&r->s, lw_prescribed_motion_pose(r->d), phi, NULL);
+    lw_system_rows(&r->s, lw_prescribed_motion_posture(r->d), phi, NULL);
     for (int i = 0; i < r->s.n_row; i++)
         most = fmax(most, fabs(phi[i]));
     return most;
@@ -190,7 +190,7 @@ static void stops_at_branch_points(void)
             CHECK_INT(lw_prescribed_motion_to(r->d, t), LW_OK);
             CHECK_NEAR(lw_prescribed_motion_time(r->d), t, 0, 0);
             CHECK(residual(r) <= 1e-12);
-            CHECK_NEAR(remainder(lw_prescribed_motion_pose(r->d)[5], 2*LW_PI), 0, 1e-11, 0);
+            CHECK_NEAR(remainder(lw_prescribed_motion_posture(r->d)[5], 2*LW_PI), 0, 1e-11, 0);
             lw_vec2 at = lw_v2_add(fourbar_at(k, 1, 0.5).p, lw_v2_sub(lw_v2_polar(1, u), lw_v2_polar(1, 0.5)));
             CHECK_NEAR(distance(tracer(r, 0), at), 0, 1e-11, 0);
             if (i < 2)
@@ -203,7 +203,7 @@ static void stops_at_branch_points(void)
         }
     CHECK_INT(lw_prescribed_motion_crossings(r->d, NULL), 4);
     CHECK_INT(lw_prescribed_motion_to(r->d, 0), LW_OK);                 /* and back */
-    CHECK_NEAR(lw_prescribed_motion_pose(r->d)[2], 0, 1e-11, 0);
+    CHECK_NEAR(lw_prescribed_motion_posture(r->d)[2], 0, 1e-11, 0);
     stop(r);
 }
 

@@ -1,7 +1,7 @@
 /* Members of a family of any linkage: they close where they say, by a simulation that shares nothing with the
  * drawing; f of such a family has the derivatives it claims. */
 #include "base/rng.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/constraints/newton.h"
 #include "optimise/problem/family.h"
 #include "optimise/search/random_linkage.h"

@@ -18,12 +18,12 @@ static double eq17(const made *k)
 {
     double f = 0;
     for (size_t i = 0; i < k->t.n; i++) {
-        lw_pose pose;
+        lw_posture posture;
         double mode = k->c.mode_of ? k->c.mode_of[i] : k->c.intended.mode[0];
-        lw_pose_solve(&k->m.plan, k->c.dim, &mode, k->c.input[i], 0, &pose);
+        lw_posture_solve(&k->m.plan, k->c.dim, &mode, k->c.input[i], 0, &posture);
         if (k->spec.task != LW_TASK_FUNCTION)
-            f += k->spec.a*k->t.weight[i]*(pow(pose.tracer[0][0].x - k->t.x[i], 2) + pow(pose.tracer[0][0].y - k->t.y[i], 2));
-        double turn = k->t.theta ? pose.angle[k->m.plan.output_link[0]][0] + k->c.tool0 - k->t.theta[i] : 0;
+            f += k->spec.a*k->t.weight[i]*(pow(posture.tracer[0][0].x - k->t.x[i], 2) + pow(posture.tracer[0][0].y - k->t.y[i], 2));
+        double turn = k->t.theta ? posture.angle[k->m.plan.output_link[0]][0] + k->c.tool0 - k->t.theta[i] : 0;
         f += k->spec.b*k->t.weight[i]*pow(remainder(turn, 2*LW_PI), 2);
     }
     return f;
@@ -220,7 +220,7 @@ static void cognates_trace_the_curve(void)
         for (size_t i = 0; i < 9; i++) {
             lw_vec2 p = lw_v2(k.st.x[i], k.st.y[i]);
             double turn[2], mode[2];
-            CHECK_INT(lw_fourbar_cognate_pose(k.c.dim, k.m.mode, k.input[i], turn, mode), LW_OK);
+            CHECK_INT(lw_fourbar_cognate_posture(k.c.dim, k.m.mode, k.input[i], turn, mode), LW_OK);
             CHECK_NEAR(remainder(turn[0] - k.input[i], 2*LW_PI), 0, 1e-12, 0);
             CHECK(mode[0] == r.cognate_mode[0]);
             for (int which = 0; which < 2; which++) {
@@ -297,12 +297,12 @@ static bool make_swing(lw_rng *rng, double side, made *k)
     if (!a || m.change_point)
         return false;
     for (size_t i = 0; i < 9; i++) {
-        lw_pose pose;
+        lw_posture posture;
         k->mode[i] = sin(angle_of[i]) > 0 ? 1 : -1;
         k->st.input[i] = 0.5*(a->first + a->last) - 0.5*(a->last - a->first)*cos(angle_of[i]);
-        CHECK_INT(lw_pose_solve(&k->m.plan, k->m.dim, &k->mode[i], k->st.input[i], 0, &pose), LW_OK);
-        k->st.x[i] = pose.tracer[0][0].x;
-        k->st.y[i] = pose.tracer[0][0].y;
+        CHECK_INT(lw_posture_solve(&k->m.plan, k->m.dim, &k->mode[i], k->st.input[i], 0, &posture), LW_OK);
+        k->st.x[i] = posture.tracer[0][0].x;
+        k->st.y[i] = posture.tracer[0][0].y;
     }
     shake_stations(&k->st, 0.05, rng);
     lw_target_free(&k->t);
@@ -462,9 +462,9 @@ static void sliding_inputs_pass_their_limits(void)
 /* The rate of a link, NaN where it cannot close. */
 static double rate_of(const lw_plan *plan, const double *dim, const double *mode, int link, double input)
 {
-    lw_pose pose;
-    bool there = lw_pose_solve(plan, dim, mode, input, 1, &pose) == LW_OK;
-    return there ? pose.angle[link][1] : NAN;
+    lw_posture posture;
+    bool there = lw_posture_solve(plan, dim, mode, input, 1, &posture) == LW_OK;
+    return there ? posture.angle[link][1] : NAN;
 }
 
 /* Turns of links pinned to the ground change their sense as often as is said, and there; the input cannot be moved
@@ -560,13 +560,13 @@ static void motion_of_higher_groups(void)
         CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &first, &e), LW_OK);
         static lw_vec2 around[N + 3], *p = around + 1;
         for (int q = -1; q <= N + 1; q++) {
-            lw_pose pose;
-            CHECK_INT(lw_pose_solve(&plan, dim, mode, first + known[i].way*q/N, 0, &pose), LW_OK);
-            p[q] = pose.tracer[0][0];
+            lw_posture posture;
+            CHECK_INT(lw_posture_solve(&plan, dim, mode, first + known[i].way*q/N, 0, &posture), LW_OK);
+            p[q] = posture.tracer[0][0];
             if (q < 0 || q > N)
                 continue;
-            least = fmin(least, asin(sqrt(pose.margin)));
-            most = fmax(most, asin(sqrt(pose.margin)));
+            least = fmin(least, asin(sqrt(posture.margin)));
+            most = fmax(most, asin(sqrt(posture.margin)));
         }
         for (int q = 0; q <= N; q++) {
             lw_vec2 bend = lw_v2_sub(lw_v2_add(p[q - 1], p[q + 1]), lw_v2_scale(p[q], 2));

@@ -143,12 +143,12 @@ static void linkages_move_and_are_written(void)
     CHECK_TEXT(barker.symbol, "GCRR");
     CHECK_INT(lw_kinematics_create(k, &moving, &e), LW_OK);
     input = lw_kinematics_input(moving);
-    CHECK_INT(lw_kinematics_pose(moving, input, 3, NULL, NULL, tracer, &margin), LW_OK);
+    CHECK_INT(lw_kinematics_posture(moving, input, 3, NULL, NULL, tracer, &margin), LW_OK);
     CHECK_INT(lw_kinematics_trace(moving, 0, 1, &input, &x, &y, NULL, NULL), LW_OK);
     CHECK_NEAR(tracer[0].x, 4, 1e-14, 0);
     CHECK_NEAR(x, 4, 1e-14, 0);
     CHECK_NEAR(y, 4, 1e-14, 0);
-    CHECK_INT(lw_kinematics_pose(moving, input, 4, NULL, NULL, NULL, NULL), LW_E_ARG);
+    CHECK_INT(lw_kinematics_posture(moving, input, 4, NULL, NULL, NULL, NULL), LW_E_ARG);
     CHECK_INT(lw_kinematics_trace(moving, 1, 1, &input, &x, &y, NULL, NULL), LW_E_ARG);
     CHECK_TEXT(lw_kinematics_dimension_name(moving, 0), "r1");
     CHECK_NEAR(lw_kinematics_dimension(moving, 0), 2, 1e-15, 0);

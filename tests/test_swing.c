@@ -43,7 +43,7 @@ static bool travel(const lw_linkage *k, size_t n, journey *to)
             to->limits += e[i].kind == LW_EVENT_LIMIT;
         for (size_t i = 0; i < n; i++) {
             double place = lw_motion_curve_station(b, lw_motion_curve_length(b)*(double)i/(double)n);
-            lw_motion_curve_pose(b, place, q, NULL);
+            lw_motion_curve_posture(b, place, q, NULL);
             lw_vec2 p = lw_system_point(s, s->tracer_body[0], s->tracer_arm[0], q);
             to->x[i] = p.x;
             to->y[i] = p.y;

@@ -15,7 +15,7 @@
 #include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/dynamics/reactions.h"
 #include "tests/check.h"
 #include "tests/kept_system.h"
@@ -196,7 +196,7 @@ static void goes_with_the_first_in_time(void)
             CHECK_INT(lw_prescribed_motion_to(d, t), LW_OK);
             lw_prescribed_motion_of_model(&m, t, 1, u);
             there = k;
-            lw_system_write(&s, lw_prescribed_motion_pose(d), &there);
+            lw_system_write(&s, lw_prescribed_motion_posture(d), &there);
             CHECK_NEAR(there.input[0].value, LW_PI/4 + 0.3*sin(2*t), 1e-12, 0);
             CHECK_NEAR(there.input[1].value, k.input[1].value + k.input[1].ratio*0.3*sin(2*t), 1e-11, 0);
             CHECK_NEAR(there.input[1].value, u[2], 1e-11, 0);
@@ -357,9 +357,9 @@ static void planned_as_a_gear_pair(void)
         CHECK(memcmp(dim[0], dim[1], sizeof(double)*(size_t)plan[0].n_dim) == 0);
         CHECK(lw_plan_dim(&plan[0], "phi3") >= 0);
         for (int s = 0; s < 40; s++) {
-            static lw_pose a, b;
-            lw_status one = lw_pose_solve(&plan[0], dim[0], mode[0], input[0] + 0.15*s, 0, &a);
-            lw_status two = lw_pose_solve(&plan[1], dim[1], mode[1], input[1] + 0.15*s, 0, &b);
+            static lw_posture a, b;
+            lw_status one = lw_posture_solve(&plan[0], dim[0], mode[0], input[0] + 0.15*s, 0, &a);
+            lw_status two = lw_posture_solve(&plan[1], dim[1], mode[1], input[1] + 0.15*s, 0, &b);
             CHECK_INT(one, two);
             CHECK(one != LW_OK || (a.tracer[0][0].x == b.tracer[0][0].x && a.tracer[0][0].y == b.tracer[0][0].y));
         }
@@ -433,10 +433,11 @@ static void shown_and_exported(void)
 
 /* ---- every chain ------------------------------------------------------------------------------------ */
 
-static struct { lw_rng rng; int chains, mechanisms, planned, higher, poses, derivatives; } sum;
+static struct { lw_rng rng; int chains, mechanisms, planned, higher, postures, derivatives; } sum;
 
-/* Coordinates of a pose in the system of the posture it came from. */
-static void coordinates(const lw_system *s, const lw_linkage *k, const lw_pose *here, const lw_pose *there, double *q)
+/* Coordinates of a posture in the system of the posture it came from. */
+static void coordinates(const lw_system *s, const lw_linkage *k, const lw_posture *here, const lw_posture *there,
+                        double *q)
 {
     for (int b = 0; b < s->n_body; b++) {
         int link = s->link[b], j = 0;
@@ -494,17 +495,17 @@ static void derivatives(const lw_plan *plan, double *dim, const double *mode, do
 }
 
 /* About its posture, where it closes well enough. */
-static void check_poses(const lw_linkage *k, const lw_plan *plan, double *dim, double *mode, double input)
+static void check_postures(const lw_linkage *k, const lw_plan *plan, double *dim, double *mode, double input)
 {
-    static lw_pose here, there;
+    static lw_posture here, there;
     KEPT_SYSTEM s = { 0 };
     double q[LW_SYSTEM_Q_MAX];
     CHECK_INT(lw_system_make(k, NULL, 0, &s, NULL), LW_OK);
     CHECK_INT(s.n_row, s.n_q - 1);
-    CHECK_INT(lw_pose_solve(plan, dim, mode, input, 0, &here), LW_OK);
+    CHECK_INT(lw_posture_solve(plan, dim, mode, input, 0, &here), LW_OK);
     CHECK_NEAR(lw_v2_norm(lw_v2_sub(here.tracer[0][0], k->tracer[0].at)), 0, 1e-11, 0);
     for (int i = -3; i <= 3; i++) {
-        if (i == 0 || lw_pose_solve(plan, dim, mode, input + 0.02*i, 0, &there) != LW_OK || there.margin < 0.05)
+        if (i == 0 || lw_posture_solve(plan, dim, mode, input + 0.02*i, 0, &there) != LW_OK || there.margin < 0.05)
             continue;
         lw_linkage moved = *k;
         CHECK_INT(lw_plan_write(plan, dim, mode, input + 0.02*i, &moved), LW_OK);
@@ -514,7 +515,7 @@ static void check_poses(const lw_linkage *k, const lw_plan *plan, double *dim, d
         }
         coordinates(&s, k, &here, &there, q);
         CHECK(residual(&s, q) <= 1e-12);
-        sum.poses++;
+        sum.postures++;
         if (i == 1 && here.margin > 0.01)                /* a seed next to a limit leads nowhere */
             derivatives(plan, dim, mode, input + 0.02);
     }
@@ -543,7 +544,7 @@ static lw_status check_inputs(void *context, const lw_mechanism *m)
         return LW_OK;
     sum.planned++;
     sum.higher += plan.n_higher > 0;
-    check_poses(&k, &plan, dim, mode, input);
+    check_postures(&k, &plan, dim, mode, input);
     return LW_OK;
 }
 
@@ -575,9 +576,9 @@ static void every_chain_with_five_and_seven_links(void)
     }
     CHECK_INT(sum.chains, 1 + 3);
     CHECK_INT(sum.planned, sum.mechanisms);
-    CHECK(sum.poses >= 4*sum.planned);
+    CHECK(sum.postures >= 4*sum.planned);
     CHECK(3*sum.derivatives >= sum.planned);
-    printf("# %d mechanisms, %d with a higher group, %d poses\n", sum.mechanisms, sum.higher, sum.poses);
+    printf("# %d mechanisms, %d with a higher group, %d postures\n", sum.mechanisms, sum.higher, sum.postures);
 }
 
 int main(void)

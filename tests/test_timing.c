@@ -167,12 +167,12 @@ static void programme_finds_the_cheapest_sequence(void)
 
 /* ---- foot points ------------------------------------------------------------------------------------ */
 
-/* Squared distance of station i to the curve at a phase, by a single pose. */
+/* Squared distance of station i to the curve at a phase, by a single posture. */
 static double distance2(const lw_problem *p, const double *x, size_t i, double phase)
 {
-    lw_pose pose;
-    lw_pose_solve(&p->plan, x, p->intended.mode, phase, 0, &pose);
-    return p->w[i]*(pow(pose.tracer[0][0].x - p->x[i], 2) + pow(pose.tracer[0][0].y - p->y[i], 2));
+    lw_posture posture;
+    lw_posture_solve(&p->plan, x, p->intended.mode, phase, 0, &posture);
+    return p->w[i]*(pow(posture.tracer[0][0].x - p->x[i], 2) + pow(posture.tracer[0][0].y - p->y[i], 2));
 }
 
 /* Of each block of stations with one phase (round the turn, too) the sum is least there, among near ones. */

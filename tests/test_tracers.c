@@ -51,14 +51,14 @@ static void draw_machine(lw_rng *rng, machine *m)
 static void trace_machine(const machine *m, double first, rows *r)
 {
     for (int i = 0; i < N; i++) {
-        lw_pose pose;
+        lw_posture posture;
         r->angle[i] = 2*LW_PI*i/N;
-        CHECK_INT(lw_pose_solve(&m->plan, m->dim, &m->mode, first + r->angle[i], 0, &pose), LW_OK);
-        r->x[i] = pose.tracer[0][0].x;
-        r->y[i] = pose.tracer[0][0].y;
-        r->x2[i] = pose.tracer[1][0].x;
-        r->y2[i] = pose.tracer[1][0].y;
-        r->theta3[i] = pose.angle[3][0] + 0.7;
+        CHECK_INT(lw_posture_solve(&m->plan, m->dim, &m->mode, first + r->angle[i], 0, &posture), LW_OK);
+        r->x[i] = posture.tracer[0][0].x;
+        r->y[i] = posture.tracer[0][0].y;
+        r->x2[i] = posture.tracer[1][0].x;
+        r->y2[i] = posture.tracer[1][0].y;
+        r->theta3[i] = posture.angle[3][0] + 0.7;
     }
 }
 
@@ -271,14 +271,14 @@ static void shaken_six_bar(lw_linkage *k, bool timed, lw_rng *rng, lw_target *t)
     CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 7, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < N; i++) {
-        lw_pose pose;
+        lw_posture posture;
         r.angle[i] = 2*LW_PI*i/N;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + r.angle[i], 0, &pose), LW_OK);
-        r.x[i] = pose.tracer[0][0].x + 0.03*lw_rng_normal(rng);
-        r.y[i] = pose.tracer[0][0].y;
-        r.x2[i] = pose.tracer[1][0].x;
-        r.y2[i] = pose.tracer[1][0].y + 0.03*lw_rng_normal(rng);
-        r.theta3[i] = pose.angle[5][0] + 0.03*lw_rng_normal(rng);
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + r.angle[i], 0, &posture), LW_OK);
+        r.x[i] = posture.tracer[0][0].x + 0.03*lw_rng_normal(rng);
+        r.y[i] = posture.tracer[0][0].y;
+        r.x2[i] = posture.tracer[1][0].x;
+        r.y2[i] = posture.tracer[1][0].y + 0.03*lw_rng_normal(rng);
+        r.theta3[i] = posture.angle[5][0] + 0.03*lw_rng_normal(rng);
     }
     *t = target_rows(&r, timed);
 }
@@ -409,13 +409,13 @@ static void points_on_two_links_are_found_again(void)
     CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 3, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < N; i++) {
-        lw_pose pose;
+        lw_posture posture;
         r.angle[i] = 2*LW_PI*i/N;
-        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + r.angle[i], 0, &pose), LW_OK);
-        r.x[i] = pose.tracer[0][0].x;
-        r.y[i] = pose.tracer[0][0].y;
-        r.x2[i] = pose.tracer[1][0].x;
-        r.y2[i] = pose.tracer[1][0].y;
+        CHECK_INT(lw_posture_solve(&plan, dim, mode, input + r.angle[i], 0, &posture), LW_OK);
+        r.x[i] = posture.tracer[0][0].x;
+        r.y[i] = posture.tracer[0][0].y;
+        r.x2[i] = posture.tracer[1][0].x;
+        r.y2[i] = posture.tracer[1][0].y;
     }
     const lw_also also = { .x = r.x2, .y = r.y2 };
     CHECK_INT(lw_target_make_all(N, r.x, r.y, NULL, r.angle, NULL, &also, 1, 1, &t, &e), LW_OK);

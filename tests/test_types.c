@@ -1,6 +1,6 @@
 /* The four-link types: dimensions by name, no type forgotten, postures that say what their plan says. */
 #include "check.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 
 /* What a plan of the type with its tracer on the coupler must call its dimensions. */
@@ -61,7 +61,7 @@ static void postures_are_sound(void)
     for (const lw_type *t = lw_type_table; t->letters; t++) {
         lw_linkage k;
         lw_plan p;
-        lw_pose pose;
+        lw_posture posture;
         lw_error e;
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         lw_type_linkage(t, &k);
@@ -71,10 +71,10 @@ static void postures_are_sound(void)
         CHECK_INT(lw_plan_read(&p, &k, dim, mode, &input, &e), LW_OK);
         CHECK_INT(p.input_is_slider, t->input_is_slider);
         CHECK_NEAR(k.input[0].value, input, 1e-15, 0);
-        CHECK_INT(lw_pose_solve(&p, dim, mode, input, 0, &pose), LW_OK);
-        CHECK(pose.margin > 0.1);
-        CHECK_NEAR(pose.tracer[0][0].x, k.tracer[0].at.x, 4e-15, 0);
-        CHECK_NEAR(pose.tracer[0][0].y, k.tracer[0].at.y, 4e-15, 0);
+        CHECK_INT(lw_posture_solve(&p, dim, mode, input, 0, &posture), LW_OK);
+        CHECK(posture.margin > 0.1);
+        CHECK_NEAR(posture.tracer[0][0].x, k.tracer[0].at.x, 4e-15, 0);
+        CHECK_NEAR(posture.tracer[0][0].y, k.tracer[0].at.y, 4e-15, 0);
     }
 }
 

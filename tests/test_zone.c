@@ -74,13 +74,13 @@ static void nothing_enters_a_circle(void)
             for (int j = 0; j < r->linkage.n_joint; j++)
                 least = fmin(least, lw_v2_norm(lw_v2_sub(lw_newton_joint(n, j), s.zone[0].at)));
         }
-        CHECK(least > 0.5 - 0.02);                       /* looked at in 24 poses                   */
+        CHECK(least > 0.5 - 0.02);                       /* looked at in 24 postures                   */
         lw_newton_free(n);
     }
     free(r);
 }
 
-/* A zone much smaller than the way from pose to pose, in the middle of it: the conditions see it, and only then. */
+/* A zone much smaller than the way between two postures, in the middle of it: the conditions see it, and only then. */
 static void a_small_zone_is_not_stepped_over(void)
 {
     member m;
@@ -94,9 +94,9 @@ static void a_small_zone_is_not_stepped_over(void)
     trace_member(&m, 12, &st);
     for (int k = 0; k < 60; k++) {
         lw_fit_spec s = lw_fit_spec_default();
-        lw_pose pose;
-        CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, m.first + 2*LW_PI*(k + 0.3)/60, 0, &pose), LW_OK);
-        lw_vec2 at = pose.tracer[0][0];
+        lw_posture posture;
+        CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, m.first + 2*LW_PI*(k + 0.3)/60, 0, &posture), LW_OK);
+        lw_vec2 at = posture.tracer[0][0];
         bool box = k & 1;
         s.n_zone = 1;
         s.zone[0] = box ? (lw_zone){ LW_ZONE_NO_BOX, { at.x - 0.02, at.y - 0.02 }, { at.x + 0.02, at.y + 0.02 }, 0 }

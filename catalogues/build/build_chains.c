@@ -104,7 +104,7 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
         row->n_slider += lw_joint_holds_rotation(m->kind[j]);
     for (int k = 0; k < a.n_group; k++) {
         row->highest = a.group[k].n_class > row->highest ? a.group[k].n_class : row->highest;
-        row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank's pose is given by its input */
+        row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank's posture is given by its input */
     }
     print_inputs(m, inputs, sizeof inputs);
     print_groups(&a, groups);

@@ -6,7 +6,7 @@
 #include "base/real.h"
 #include "catalogues/curves/curves_internal.h"
 #include "mbs/batch/batch.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 
 #define FAMILY_MAX 32
@@ -180,7 +180,7 @@ size_t lw_curve_work_size(const lw_curve_maker *maker)
     return batch_end(maker) + (maker->topology_size + 63)/64*64;
 }
 
-/* ---- poses ---------------------------------------------------------------------------------------- */
+/* ---- postures ---------------------------------------------------------------------------------------- */
 
 /* Set the inputs of lanes from..to-1 between `first` and `last`. ends: spaced like a cosine, dense near the ends, where
  * the linkage may be at a limit and move fast. */
@@ -254,8 +254,8 @@ static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *wo
                                   range);
 }
 
-/* Does a dyad fail to close on the way, at one of the poses or between two? Its margin is smooth: it is negative
- * between two poses if the parabola through a least value and its neighbours has a vertex below 0. */
+/* Does a dyad fail to close on the way, at one of the postures or between two? Its margin is smooth: it is negative
+ * between two postures if the parabola through a least value and its neighbours has a vertex below 0. */
 static bool opens(const double *margin, bool round)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -337,7 +337,7 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
 
 /* ---- points ----------------------------------------------------------------------------------------- */
 
-/* The least margin of the poses, and between them that of the parabola through a least value and its neighbours. */
+/* The least margin of the postures, and between them that of the parabola through a least value and its neighbours. */
 static double least_margin(const double *margin, bool round)
 {
     double least = INFINITY;
@@ -351,7 +351,7 @@ static double least_margin(const double *margin, bool round)
     return least;
 }
 
-/* Solve all poses of a four-bar. */
+/* Solve all postures of a four-bar. */
 static lw_status solve_type(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, scratch *w,
                             lw_curve_traits *traits)
 {

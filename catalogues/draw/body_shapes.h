@@ -1,6 +1,6 @@
 /* catalogues/draw/body_shapes.h - the bodies that represent a linkage in a drawing: which link of a sliding pair is
  * the guide and which the block, where the block sits, how far it travels, which points a link must reach. In
- * metres, in the pose shown. */
+ * metres, in the posture shown. */
 #ifndef LW_CATALOGUES_DRAW_BODY_SHAPES_H
 #define LW_CATALOGUES_DRAW_BODY_SHAPES_H
 

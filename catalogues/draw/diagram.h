@@ -18,7 +18,7 @@ typedef struct lw_diagram_options {
     bool   labels;             /* names of joints, numbers of stations                     (true) */
     bool   length_labels;      /* names of lengths beside their links                      (true) */
     bool   length_values;      /* and their values                                         (true) */
-    bool   whole_motion;       /* the view holds every pose, for animation                 (false) */
+    bool   whole_motion;       /* the view holds every posture, for animation              (false) */
     bool   dimensions;         /* the list of dimensions below the title                   (true) */
 } lw_diagram_options;
 
@@ -28,7 +28,7 @@ lw_diagram_options lw_diagram_options_default(void);
 lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d,
                           lw_error *e);
 
-/* How link `link` moves on the page from the pose shown to `frame`, in view v:
+/* How link `link` moves on the page from the posture shown to `frame`, in view v:
  *     q -> to + turn * (q - from)   [px], turn a unit vector of the page (y down). */
 typedef struct lw_page_motion { lw_vec2 from, to, turn; } lw_page_motion;
 lw_page_motion lw_diagram_motion(const lw_scene *s, const lw_view *v, size_t frame, int link);

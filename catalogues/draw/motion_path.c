@@ -6,12 +6,12 @@
 #include "base/real.h"
 
 #define REACH 8.0                     /* a curve that does not close is followed this far, sizes of the linkage */
-#define PATIENCE 60                   /* random poses without a new curve after which the search ends */
+#define PATIENCE 60                   /* random postures without a new curve after which the search ends */
 
 static double input_at(lw_motion_curve *motion, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(motion, station, q, NULL);
+    lw_motion_curve_posture(motion, station, q, NULL);
     return lw_motion_curve_input(motion, q);
 }
 
@@ -75,14 +75,14 @@ lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *m
         st = lw_prescribed_motion_create(&c->s, motion, context, from, &c->drive, e);
     if (st != LW_OK)
         return st;
-    memcpy(q, lw_prescribed_motion_pose(c->drive), (size_t)c->s.n_q*sizeof *q);
+    memcpy(q, lw_prescribed_motion_posture(c->drive), (size_t)c->s.n_q*sizeof *q);
     if (lw_prescribed_motion_to(c->drive, to) != LW_OK) {
         double last = lw_prescribed_motion_time(c->drive);
         c->to = from + (last - from)*(1 - 1e-9);
         return lw_error_set(e, LW_OPEN, "the inputs cannot go on beyond t = %.6g s", last);
     }
     for (int i = 0; i < c->s.n_q; i++) {
-        double d = lw_prescribed_motion_pose(c->drive)[i] - q[i];
+        double d = lw_prescribed_motion_posture(c->drive)[i] - q[i];
         apart = fmax(apart, fabs(i % 3 == 2 ? remainder(d, 2*LW_PI) : d));
     }
     c->loops = apart < 1e-6;
@@ -97,7 +97,7 @@ void lw_motion_path_free(lw_motion_path *c)
     lw_system_free(&c->s);
 }
 
-/* Station of curve 0 where the input is u. u lies between the limits next to the pose. On a closed curve the pose
+/* Station of curve 0 where the input is u. u lies between the limits next to the posture. On a closed curve the posture
  * is at station 0, so that its neighbourhood is at both ends of the stations. */
 static double station_of(const lw_motion_path *c, double u)
 {
@@ -116,7 +116,7 @@ static double station_of(const lw_motion_path *c, double u)
     return lw_motion_curve_find(motion, around[0], end, u + input_at(motion, end) - first);
 }
 
-/* The inputs at the limits next to the pose of curve 0, the smaller first. */
+/* The inputs at the limits next to the posture of curve 0, the smaller first. */
 static void input_limits(const lw_motion_path *c, double limit[2])
 {
     lw_motion_curve *motion = c->curves.curve[0];
@@ -181,8 +181,8 @@ double lw_motion_path_at(lw_motion_path *c, double t, double *q)
     t = fmin(fmax(t, 0), 1);
     if (c->pace == LW_PACE_TIME) {
         lw_prescribed_motion_to(c->drive, c->from + t*(c->to - c->from));
-        memcpy(q, lw_prescribed_motion_pose(c->drive), (size_t)c->s.n_q*sizeof *q);
+        memcpy(q, lw_prescribed_motion_posture(c->drive), (size_t)c->s.n_q*sizeof *q);
     } else
-        lw_motion_curve_pose(c->curves.curve[c->shown], station_at(c, t, &input), q, NULL);
+        lw_motion_curve_posture(c->curves.curve[c->shown], station_at(c, t, &input), q, NULL);
     return isnan(input) ? first_input(&c->s, q) : input;
 }

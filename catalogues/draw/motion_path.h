@@ -1,4 +1,4 @@
-/* catalogues/draw/motion_path.h - the motion of any linkage as poses q(t), t from 0 to 1: along its motion curve
+/* catalogues/draw/motion_path.h - the motion of any linkage as postures q(t), t from 0 to 1: along its motion curve
  * (mbs/constraints/motion_curve.h), or in time with several inputs at once (mbs/constraints/prescribed_motion.h).
  *
  * Along a motion curve: when the input turns endlessly, t is proportional to the input; else t follows the arc length.
@@ -13,21 +13,21 @@ typedef enum lw_motion_path_pace { LW_PACE_INPUT, LW_PACE_ARC, LW_PACE_RANGE, LW
 
 typedef struct lw_motion_path {
     lw_system             s;
-    lw_circuits           curves;   /* curve 0 holds the pose of the linkage                          */
+    lw_circuits           curves;   /* curve 0 holds the posture of the linkage                       */
     lw_prescribed_motion *drive;    /* NULL: along curve `shown`                                      */
     int                   shown;
     lw_motion_path_pace   pace;
     double                from, to; /* LW_PACE_INPUT, _RANGE: of the input; _TIME: of the time [s]    */
     bool                  loops;    /* t = 1 is t = 0                                                 */
-    double                start;    /* t of the drawn pose (curve 0; in time: 0)                      */
+    double                start;    /* t of the drawn posture (curve 0; in time: 0)                   */
     int                   turns;    /* full turns of the input until the curve closes; 0: it swings   */
 } lw_motion_path;                   /* { 0 } is empty                                                 */
 
-/* Follow the motion curve through the linkage's pose by its first input; other inputs rest.  all: also find the curves
- * of other circuits and assembly modes, with a fixed seed.  Fails as lw_system_make and lw_motion_curve_create do. */
+/* Follow the motion curve through the linkage's posture by its first input; other inputs rest.  all: also find the
+ * curves of other circuits and assembly modes, with a fixed seed.  Fails as lw_system_make and lw_motion_curve_create do. */
 lw_status lw_motion_path_along(const lw_linkage *linkage, bool all, lw_motion_path *c, lw_error *e);
 
-/* Move all inputs by `motion` from time `from` to `to`, starting at the linkage's pose. LW_OPEN with a text: the
+/* Move all inputs by `motion` from time `from` to `to`, starting at the linkage's posture. LW_OPEN with a text: the
  * motion ends before the first time that cannot be reached. Other failures as lw_prescribed_motion_create. */
 lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *motion, void *context, double from,
                                  double to, lw_motion_path *c, lw_error *e);
@@ -36,8 +36,8 @@ void      lw_motion_path_free(lw_motion_path *c);
 /* Show the whole of this curve. */
 void      lw_motion_path_choose(lw_motion_path *c, int curve);
 
-/* Show only inputs between first and last, as far as they are reached from the pose without passing a limit: there and
- * back. */
+/* Show only inputs between first and last, as far as they are reached from the posture without passing a limit: there
+ * and back. */
 void      lw_motion_path_restrict(lw_motion_path *c, double first, double last);
 
 /* Coordinates q (n_q of s) at t. Returns the first input there [rad] or [m], counted over full turns; 0 without

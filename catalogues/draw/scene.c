@@ -21,12 +21,12 @@ typedef struct lw_work {
     lw_plan    plan;
     double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - (index of its tracer)   */
-    lw_pose    start, pose;                /* pose shown; pose being computed                      */
+    lw_posture    start, posture;          /* posture shown; posture being computed                */
     lw_motion  motion;
-    lw_walk    walk;                       /* through the circuit that holds the pose shown        */
+    lw_walk    walk;                       /* through the circuit that holds the posture shown     */
     bool       by_path;                    /* no closed-form plan: the motion comes from `path`, not from `walk` */
     lw_motion_path path;
-    double     q[LW_SYSTEM_Q_MAX];         /* coordinates of the pose being computed                */
+    double     q[LW_SYSTEM_Q_MAX];         /* coordinates of the posture being computed             */
     bool       no_memory;                  /* while looking for a plan or a walk                    */
 } lw_work;
 
@@ -170,10 +170,10 @@ static bool choose_references(lw_work *w)
     return true;
 }
 
-static lw_vec2 reference(const lw_work *w, const lw_pose *pose, int link)
+static lw_vec2 reference(const lw_work *w, const lw_posture *posture, int link)
 {
     int pin = w->pin[link];
-    return pin >= 0 ? pose->joint[pin][0] : pose->tracer[-1 - pin][0];
+    return pin >= 0 ? posture->joint[pin][0] : posture->tracer[-1 - pin][0];
 }
 
 static void keep_dimensions(lw_work *w)
@@ -193,7 +193,7 @@ static void keep_dimensions(lw_work *w)
     }
 }
 
-/* Make plan, dimensions and starting pose. False: there is no plan in closed form, or the pose does not close.
+/* Make plan, dimensions and starting posture. False: there is no plan in closed form, or the posture does not close.
  * Dimensions are filled whenever there is a plan. */
 static bool prepare(lw_work *w)
 {
@@ -205,10 +205,10 @@ static bool prepare(lw_work *w)
     if (any)
         keep_dimensions(w);
     return any && w->plan.n_higher == 0
-           && lw_pose_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start) == LW_OK;
+           && lw_posture_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start) == LW_OK;
 }
 
-/* Size of the linkage: diagonal of the box around its joints, in the pose shown. */
+/* Size of the linkage: diagonal of the box around its joints, in the posture shown. */
 static double span(const lw_linkage *linkage)
 {
     double d = 0;
@@ -232,22 +232,22 @@ static double move_to(lw_work *w, double t)
 {
     if (w->by_path)
         return lw_motion_path_at(&w->path, t, w->q);
-    lw_walk_pose(&w->walk, t, &w->pose);
-    return w->pose.input;
+    lw_walk_posture(&w->walk, t, &w->posture);
+    return w->posture.input;
 }
 
 static lw_place place_now(const lw_work *w, int link)
 {
     if (!w->by_path)
-        return (lw_place){ reference(w, &w->pose, link),
-                           lw_v2_polar(1, w->pose.angle[link][0] - w->start.angle[link][0]) };
+        return (lw_place){ reference(w, &w->posture, link),
+                           lw_v2_polar(1, w->posture.angle[link][0] - w->start.angle[link][0]) };
     const lw_system *s = &w->path.s;
     int body = s->body[link];
     return (lw_place){ lw_system_point(s, body, lw_system_arm(s, body, w->s->origin[link]), w->q),
                        lw_v2_polar(1, w->q[3*body + 2]) };
 }
 
-/* Fill the frames of the motion: place of each link relative to the pose shown. */
+/* Fill the frames of the motion: place of each link relative to the posture shown. */
 static bool take_frames(lw_work *w, size_t n)
 {
     lw_scene *s = w->s;
@@ -287,7 +287,7 @@ static lw_vec2 trace(lw_work *w, int tracer, double t)
 {
     move_to(w, t);
     if (!w->by_path)
-        return w->pose.tracer[tracer][0];
+        return w->posture.tracer[tracer][0];
     const lw_system *s = &w->path.s;
     return lw_system_point(s, s->tracer_body[tracer], s->tracer_arm[tracer], w->q);
 }
@@ -334,7 +334,7 @@ static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
     return !g.failed;
 }
 
-/* Does the file ask for a part of the input's range, and is the pose shown inside that part? */
+/* Does the file ask for a part of the input's range, and is the posture shown inside that part? */
 static bool is_restricted(const lw_work *w)
 {
     const lw_input *in = &w->linkage.input[0];
@@ -369,7 +369,7 @@ static bool take_others(lw_work *w, size_t n)
     return ok;
 }
 
-/* Find the walk through the pose shown; its input counts turns as the arc does. False: not found. */
+/* Find the walk through the posture shown; its input counts turns as the arc does. False: not found. */
 static bool find_walk(lw_work *w)
 {
     lw_status st = lw_motion_find(&w->plan, w->dim, &w->motion);

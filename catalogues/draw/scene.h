@@ -1,7 +1,7 @@
-/* catalogues/draw/scene.h - everything to show of a linkage: its pose, its coupler curves, its motion as a list of
- * poses, and the target it was made for. Numbers in metres; no picture yet.
+/* catalogues/draw/scene.h - everything to show of a linkage: its posture, its coupler curves, its motion as a list of
+ * postures, and the target it was made for. Numbers in metres; no picture yet.
  *
- * The motion is the one through the pose in the file: a full turn of the input if it can turn, else from limit to
+ * The motion is the one through the posture in the file: a full turn of the input if it can turn, else from limit to
  * limit and, through the limits, back in the other assembly mode; only the range of the input that the linkage asks
  * for (lw_input.first, last), if it does. Linkages of dyads move by their plan. All others (higher groups, gears,
  * welds, inputs between moving links) move along their motion curve (motion_path.h) until it closes. Several inputs
@@ -21,8 +21,8 @@
 struct lw_model;                  /* grammar/model.h */
 struct lw_contour;
 
-/* Where a link is: the place of its reference point (lw_scene.origin), and its rotation since the pose shown as a unit
- * vector.  A point p of the link is at  at + turn * (p - origin). */
+/* Where a link is: the place of its reference point (lw_scene.origin), and its rotation since the posture shown as a
+ * unit vector.  A point p of the link is at  at + turn * (p - origin). */
 typedef struct lw_place { lw_vec2 at, turn; } lw_place;
 
 typedef struct lw_curve {
@@ -30,7 +30,7 @@ typedef struct lw_curve {
     bool     shown_branch;        /* false: of another circuit or assembly mode, or outside the range
                                    * of the input that the linkage asks for (drawn dashed)           */
     bool     compared;                       /* of the linkage that this one is compared with        */
-    bool     outline;                        /* of a link of that linkage, in its pose               */
+    bool     outline;                        /* of a link of that linkage, in its posture               */
     bool     closed;              /* the last point is followed by the first                         */
     size_t   n;
     lw_vec2 *p;                   /* [m]; a point that is not finite interrupts the line    (n)      */
@@ -38,8 +38,8 @@ typedef struct lw_curve {
 
 typedef struct lw_scene {
     char       title[128];
-    lw_linkage linkage;                       /* in the pose shown                                   */
-    lw_vec2    origin[LW_LINK_MAX];           /* reference point of each link in that pose [m]       */
+    lw_linkage linkage;                       /* in the posture shown                                */
+    lw_vec2    origin[LW_LINK_MAX];           /* reference point of each link in that posture [m]    */
     size_t     n_station;
     lw_vec2   *station;                       /* target points [m]; none for a function (n_station)  */
     size_t     n_each;                        /* points for each tracer that has a target, tracer after
@@ -47,8 +47,8 @@ typedef struct lw_scene {
     bool       station_closed;
     int        n_curve;
     lw_curve   curve[LW_CURVE_MAX];
-    size_t     n_frame;                       /* poses of the motion; 1: it does not move            */
-    size_t     first_frame;                   /* the frame of the pose shown                         */
+    size_t     n_frame;                       /* postures of the motion; 1: it does not move         */
+    size_t     first_frame;                   /* the frame of the posture shown                      */
     bool       loops;                         /* true: the first frame follows the last; false: the
                                                * motion goes back and forth                          */
     lw_place  *place;                         /* [frame * n_link + link]           (n_frame*n_link)  */
@@ -58,7 +58,7 @@ typedef struct lw_scene {
     double     dim[LW_DIM_MAX];               /* [m] or [rad]                                        */
     lw_dim_kind dim_kind[LW_DIM_MAX];
     int        dim_link[LW_DIM_MAX];
-    int        n_contour;                     /* outlines of links, in the pose shown; the model's     */
+    int        n_contour;                     /* outlines of links, in the posture shown; the model's  */
     const struct lw_contour *contour;
     char       note[256];                     /* why it does not move; "" when it does               */
 } lw_scene;
@@ -83,15 +83,15 @@ lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_
                         lw_scene *s, lw_error *e);
 void      lw_scene_free(lw_scene *s);
 
-/* Show another linkage in the same picture: the curves of its tracers and the outlines of its links, in the pose of its
- * file.  Curves beyond LW_CURVE_MAX are left out.  LW_E_MEMORY. */
+/* Show another linkage in the same picture: the curves of its tracers and the outlines of its links, in the posture of
+ * its file.  Curves beyond LW_CURVE_MAX are left out.  LW_E_MEMORY. */
 lw_status lw_scene_compare(lw_scene *s, const lw_scene *other, lw_error *e);
 
 /* Dimension i for display: in the linkage's units, and 0 when it is rounding noise (below 1e-9 of the linkage's size,
  * or 1e-12 rad). */
 double lw_scene_dimension(const lw_scene *s, int i);
 
-/* Place of point p of a link in a frame [m]; p is given in the pose shown. */
+/* Place of point p of a link in a frame [m]; p is given in the posture shown. */
 lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p);
 
 #endif

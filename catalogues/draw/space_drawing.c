@@ -199,7 +199,7 @@ static size_t count_pieces(const lw_space_scene *s)
     return (size_t)s->n_shape*PIECES + (size_t)s->n_tracer*s->n_frame + 1;
 }
 
-/* The greatest scale at which every pose is on the page. */
+/* The greatest scale at which every posture is on the page. */
 static void choose_scale(page *g)
 {
     double w = 1e-12, h = 1e-12;

@@ -5,7 +5,7 @@
 #include "catalogues/draw/body_shapes.h"
 #include "grammar/model.h"
 
-#define ENDLESS 8.0            /* a motion this many times larger than the pose shown is cut off */
+#define ENDLESS 8.0            /* a motion this many times larger than the posture shown is cut off */
 
 static void box_empty(lw_box *b)
 {

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-/* Greatest distance of a joint or tracer between two poses. */
-static double pose_distance(const lw_plan *plan, const lw_pose *a, const lw_pose *b)
+/* Greatest distance of a joint or tracer between two postures. */
+static double posture_distance(const lw_plan *plan, const lw_posture *a, const lw_posture *b)
 {
     double d = 0;
     for (int i = 0; i < LW_JOINT_MAX; i++)
@@ -37,22 +37,22 @@ static int limit_at(const lw_plan *plan, const lw_arc *a, double input, double s
 }
 
 /* The arc on which the linkage continues at the end of stage s: of the arcs that end there with one dyad in the other
- * assembly mode, the one with the same pose. -1: none. */
+ * assembly mode, the one with the same posture. -1: none. */
 static int arc_beyond(const lw_walk *w, const lw_motion *m, const lw_walk_stage *s, int *end)
 {
     const lw_arc *now = &m->arc[s->arc];
     double slack = 1e-9*(w->plan->input_is_slider ? now->last - now->first : 1), least = INFINITY;
-    lw_pose here, there;
+    lw_posture here, there;
     int best = -1;
-    lw_pose_solve(w->plan, w->dim, s->mode, s->to, 0, &here);
+    lw_posture_solve(w->plan, w->dim, s->mode, s->to, 0, &here);
     for (int i = 0; i < m->n_arc; i++) {
         const lw_arc *a = &m->arc[i];
         int at = i != s->arc && a->circuit == now->circuit && modes_apart(w->plan, a->mode, s->mode) == 1
                ? limit_at(w->plan, a, s->to, slack) : -1;
         if (at < 0)
             continue;
-        lw_pose_solve(w->plan, w->dim, a->mode, at ? a->last : a->first, 0, &there);
-        double d = pose_distance(w->plan, &here, &there);
+        lw_posture_solve(w->plan, w->dim, a->mode, at ? a->last : a->first, 0, &there);
+        double d = posture_distance(w->plan, &here, &there);
         if (d < least) {
             least = d;
             best = i;
@@ -125,8 +125,8 @@ double lw_walk_time(const lw_walk *w, double input)
     return w->turns ? u : acos(1 - 2*u)/LW_PI;
 }
 
-void lw_walk_pose(const lw_walk *w, double t, lw_pose *pose)
+void lw_walk_posture(const lw_walk *w, double t, lw_posture *posture)
 {
     int i = (int)fmin(fmax(floor(t), 0), w->n_stage - 1);
-    lw_pose_solve(w->plan, w->dim, w->stage[i].mode, lw_walk_input(w, t), 0, pose);
+    lw_posture_solve(w->plan, w->dim, w->stage[i].mode, lw_walk_input(w, t), 0, posture);
 }

@@ -6,7 +6,7 @@
 
 #include "mbs/kinematics/motion.h"
 #include "mbs/plan/plan.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
 /* One arc, walked from `from` to `to` (either may be the greater). */
 typedef struct lw_walk_stage {
@@ -38,7 +38,7 @@ void lw_walk_restrict(lw_walk *w, double first, double last);
 double lw_walk_input(const lw_walk *w, double t);
 double lw_walk_time(const lw_walk *w, double input);    /* the t of an input of the first stage   */
 
-/* The pose there.  At a limit, where rounding decides whether the linkage closes, the nearest pose. */
-void   lw_walk_pose(const lw_walk *w, double t, lw_pose *pose);
+/* The posture there.  At a limit, where rounding decides whether the linkage closes, the nearest posture. */
+void   lw_walk_posture(const lw_walk *w, double t, lw_posture *posture);
 
 #endif

@@ -17,9 +17,9 @@ typedef struct lw_export_options {
 } lw_export_options;
 
 /* MuJoCo's MJCF. Bodies are the moving links, nested along a spanning tree of the joints, all parallel to the world
- * in the pose of the file. Pins are hinges about z, sliders slides, slots both. Equality constraints close the
+ * in the posture of the file. Pins are hinges about z, sliders slides, slots both. Equality constraints close the
  * other joints: connect for pins, weld for sliders and welds, joint for gears. The coordinate of a joint counts as
- * an lw_input does and has the same value in the pose. Tracers are sites with a position sensor.
+ * an lw_input does and has the same value in the posture. Tracers are sites with a position sensor.
  *   Without masses the links are steel rods that do not collide, there is no gravity, and every input has a drive. With
  * a model the file holds masses, gravity, springs and dampers, motors, constant forces and stops, and inputs without a
  * motion run freely from rest. Drives, loops and the step of time are chosen so that the file is stable when stepped.
@@ -42,7 +42,7 @@ lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o,
 lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
- * range; it starts from the pose, where time and displacement u are 0.
+ * range; it starts from the posture, where time and displacement u are 0.
  *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
 typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
 lw_status lw_export_law_of(const lw_linkage *linkage, int input, lw_export_law *law);        /* LW_E_MEMORY */
@@ -53,9 +53,9 @@ lw_status lw_export_law_of(const lw_linkage *linkage, int input, lw_export_law *
 lw_status lw_export_dxf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_openscad(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
-/* The same plates and pins as solids in the pose, in millimetres. STEP AP214: an assembly of one product for each plate
- * and pin, with planes and cylinders. STL: a closed mesh for each, circles with 48 sides. LW_E_KIND: holes of a plate
- * that meet. */
+/* The same plates and pins as solids in the posture, in millimetres. STEP AP214: an assembly of one product for each
+ * plate and pin, with planes and cylinders. STL: a closed mesh for each, circles with 48 sides. LW_E_KIND: holes of a
+ * plate that meet. */
 lw_status lw_export_step(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_stl(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
@@ -63,8 +63,8 @@ lw_status lw_export_stl(const lw_linkage *linkage, const lw_export_options *o, l
  * linkage moves. LW_E_KIND: gears, welds. */
 lw_status lw_export_solvespace(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
-/* The motion in LW_EXPORT_FRAMES poses. CSV: frame, input, link, x and y of the link's reference point, and its
- * angle, a row for each link and pose, in the linkage's units. SVG: the coupler curves as paths in millimetres, y
+/* The motion in LW_EXPORT_FRAMES postures. CSV: frame, input, link, x and y of the link's reference point, and its
+ * angle, a row for each link and posture, in the linkage's units. SVG: the coupler curves as paths in millimetres, y
  * down. JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator, tracers
  * with their curves. LW_E_KIND: no motion is known. */
 #define LW_EXPORT_FRAMES 180

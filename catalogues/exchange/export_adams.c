@@ -316,7 +316,7 @@ static void put_loads(writer *w)
 
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
-/* How far the input can move to either side of the pose; *turns: a full turn.  LW_OK or LW_E_MEMORY. */
+/* How far the input can move to either side of the posture; *turns: a full turn.  LW_OK or LW_E_MEMORY. */
 static lw_status input_way(const lw_linkage *linkage, int input, double *down, double *up, bool *turns)
 {
     const lw_input *in = &linkage->input[input];

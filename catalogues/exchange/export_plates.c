@@ -9,7 +9,7 @@
 
 #define MM      1000.0
 #define DIGITS  10
-#define SHOWN   60               /* poses in an OpenSCAD file; a divisor of LW_PLATES_FRAMES */
+#define SHOWN   60               /* frames in an OpenSCAD file; a divisor of LW_PLATES_FRAMES */
 
 /* ---- DXF -------------------------------------------------------------------------------------------------- */
 

@@ -4,8 +4,8 @@
  * A plate is the convex hull of the joints and tracers of its link, widened by `radius`. A pin has a hole in each
  * link it joins and passes through all layers between them. A slider is a slot in the guide with two pins of the
  * block in it; a pin in a slot is one such pin. The ground is the base, alone in layer 0. Two plates in one layer
- * must stay apart over the whole motion, and so must a pin and the plates it passes. Between two poses of the scene
- * this is concluded from how far each can move. Where that does not decide, 4 and 16 times as many poses are
+ * must stay apart over the whole motion, and so must a pin and the plates it passes. Between two postures of the scene
+ * this is concluded from how far each can move. Where that does not decide, 4 and 16 times as many postures are
  * computed; pairs that are still undecided count as touching. */
 #ifndef LW_CATALOGUES_EXCHANGE_LAYERS_H
 #define LW_CATALOGUES_EXCHANGE_LAYERS_H
@@ -21,12 +21,12 @@ typedef struct lw_hole { lw_vec2 a, b; } lw_hole;      /* centres of its ends; e
 typedef struct lw_plate {
     int     n_corner, n_hole;
     lw_vec2 corner[LW_CORNER_MAX];     /* of the hull before it is widened, counter-clockwise; 1: a disc,
-                                        * 2: a bar; in the pose [m]                                    */
+                                        * 2: a bar; in the posture [m]                                 */
     lw_hole hole[LW_HOLE_MAX];
 } lw_plate;
 
 typedef struct lw_pin {
-    lw_vec2  at;                       /* in the pose [m]                                              */
+    lw_vec2  at;                       /* in the posture [m]                                           */
     uint32_t links;                    /* bit of each link it goes through                             */
     int      owner;                    /* the link it moves with                                       */
     int      low, high;                /* layers of the lowest and the highest of these                */

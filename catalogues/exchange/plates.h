@@ -7,7 +7,7 @@
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/layers.h"
 
-#define LW_PLATES_FRAMES 240               /* poses of the motion                                      */
+#define LW_PLATES_FRAMES 240               /* postures of the motion                                   */
 
 typedef struct lw_plates { lw_scene scene; lw_layers layers; } lw_plates;
 

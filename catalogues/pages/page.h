@@ -1,7 +1,7 @@
 /* catalogues/pages/page.h - one HTML file that shows targets, the linkages found for them and how they move.
  *
  * Everything is inside the file: it opens from a disk without a network, and its content security policy forbids it to
- * load anything.  The script only plays poses that were computed before. */
+ * load anything.  The script only plays postures that were computed before. */
 #ifndef LW_CATALOGUES_PAGES_PAGE_H
 #define LW_CATALOGUES_PAGES_PAGE_H
 

@@ -19,7 +19,7 @@ static const cli_option options[] = {
     { "size", 0, CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
       "size in pixels; without it a size that suits the format, A4 for sheets", 64, 8192, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "120",
-      "linkage: number of poses in an animation", 2, 10000, NULL, NULL },
+      "linkage: number of postures in an animation", 2, 10000, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
       "linkage: draw result N of a file written by fit, 1 is the best; 0: the best, or the only linkage in the file",
       0, 1000000, NULL, NULL },
@@ -237,7 +237,7 @@ const cli_command cli_draw_command = {
         "  linkwright chains --links 8 | linkwright draw --each -o eight.svg   eight-001.svg and so on\n",
     .about =
         "FILE is a linkage (docs/notation.md) or the output of 'linkwright fit --json'; - is standard input. The\n"
-        "linkage is drawn in the pose of its file, with the curves of its tracers and labels at joints and lengths.\n"
+        "linkage is drawn in the posture of its file, with the curves of its tracers and labels at joints and lengths.\n"
         "A model in space is drawn in parallel projection, what is nearer over what is farther; .html is a page in which it\n"
         "moves and is turned by mouse, finger or keys.\n"
         "SECOND is a linkage to compare it with, drawn thin with its curves in red.\n"

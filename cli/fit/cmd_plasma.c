@@ -9,7 +9,7 @@
 #include "cli/program/output.h"
 #include "cli/fit/plasma.h"
 #include "grammar/sketch.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/report/report.h"
 #include "optimise/search/start.h"
 
@@ -181,7 +181,7 @@ static void make_spec(job *b)
     b->spec.crank_only = b->s->crank_only;
 }
 
-/* Write the pose of variables x into the linkage, at an input at which it closes.  LW_OPEN: there is none; LW_E_MEMORY. */
+/* Write the posture of variables x into the linkage, at an input at which it closes.  LW_OPEN: there is none; LW_E_MEMORY. */
 static lw_status put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *linkage)
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];

@@ -380,7 +380,7 @@ static void json_robustness(const cli_fit_set *s, int i, cli_json *j)
 static void print_robustness(const cli_fit_set *s, FILE *f)
 {
     const char *unit = s->target.units.length[0] ? s->target.units.length : "unit";
-    fprintf(f, "tolerance +-%.4g, clearance %.4g %s: standard deviation of the path (rms, worst pose), the same of random "
+    fprintf(f, "tolerance +-%.4g, clearance %.4g %s: standard deviation of the path (rms, worst posture), the same of random "
             "linkages, how near 95 %% of them stay everywhere [%s]\n", length(s, s->tolerances.length),
             length(s, s->tolerances.clearance), unit, unit);
     for (int i = 0; i < s->search.results.n; i++) {

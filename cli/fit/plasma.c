@@ -5,7 +5,7 @@
 
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
 void cli_plasma_matrix(const lw_lam *a, FILE *f)
 {
@@ -41,7 +41,7 @@ void cli_plasma_joints(const lw_linkage *linkage, FILE *f)
 }
 
 /* A linkage with what the tables need to evaluate it. */
-typedef struct moved { lw_plan plan; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; lw_pose pose; } moved;
+typedef struct moved { lw_plan plan; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; lw_posture posture; } moved;
 
 static lw_status make(const lw_linkage *linkage, moved **out, lw_error *e)
 {
@@ -91,11 +91,11 @@ static void in_time(const lw_vec2 *p, const double *u, double metre, lw_vec2 out
     out[2] = lw_v2_scale(lw_v2_add(lw_v2_scale(p[2], u[1]*u[1]), lw_v2_scale(p[1], u[2])), 1/metre);
 }
 
-static lw_status pose_at(moved *m, const lw_export_law *law, int i, int points, double *t, double u[3])
+static lw_status posture_at(moved *m, const lw_export_law *law, int i, int points, double *t, double u[3])
 {
     *t = points > 1 ? (double)i/(points - 1) : 0;
     law_at(law, *t, u);
-    return lw_pose_solve(&m->plan, m->dim, m->mode, m->input + u[0], 2, &m->pose);
+    return lw_posture_solve(&m->plan, m->dim, m->mode, m->input + u[0], 2, &m->posture);
 }
 
 static bool path_table(moved *m, const lw_export_law *law, double metre, int points, FILE *f)
@@ -106,12 +106,12 @@ static bool path_table(moved *m, const lw_export_law *law, double metre, int poi
     for (int i = 0; i < points; i++) {
         double t, u[3];
         lw_vec2 p[3];
-        if (pose_at(m, law, i, points, &t, u) != LW_OK) {
+        if (posture_at(m, law, i, points, &t, u) != LW_OK) {
             fprintf(f, "%4d %6.3f  does not close\n", i + 1, t);
             closes = false;
             continue;
         }
-        in_time(m->pose.tracer[0], u, metre, p);
+        in_time(m->posture.tracer[0], u, metre, p);
         fprintf(f, "%4d %6.3f %11.5g %11.5g %11.5g %11.5g %11.5g %11.5g %11.5g %11.5g\n", i + 1, t, p[0].x, p[0].y,
                 lw_v2_norm(p[1]), p[1].x, p[1].y, lw_v2_norm(p[2]), p[2].x, p[2].y);
     }
@@ -126,13 +126,13 @@ static void acceleration_table(const lw_linkage *linkage, moved *m, const lw_exp
     for (int i = 0; i < points; i++) {
         double t, u[3];
         fprintf(f, "\n%4d", i + 1);
-        if (pose_at(m, law, i, points, &t, u) != LW_OK) {
+        if (posture_at(m, law, i, points, &t, u) != LW_OK) {
             fputs("  does not close", f);
             continue;
         }
         for (int n = 1; n <= linkage->n_joint; n++) {
             lw_vec2 p[3];
-            in_time(m->pose.joint[n - 1], u, linkage->units.metre, p);
+            in_time(m->posture.joint[n - 1], u, linkage->units.metre, p);
             fprintf(f, " %11.5g", lw_v2_norm(p[2]));
         }
     }

@@ -130,13 +130,13 @@ static void set_window(const settings *s, const cli_call *call, cli_trace *t)
     }
 }
 
-/* The tool of a tracer turns with its link: read its angle from the pose in the file. */
+/* The tool of a tracer turns with its link: read its angle from the posture in the file. */
 static void set_tools(cli_trace *t)
 {
-    lw_pose pose;
-    lw_pose_solve(&t->plan, t->dim, t->mode, t->input, 0, &pose);
+    lw_posture posture;
+    lw_posture_solve(&t->plan, t->dim, t->mode, t->input, 0, &posture);
     for (int i = 0; i < t->k.n_tracer; i++)
-        t->tool[i] = t->k.tracer[i].angle - pose.angle[t->k.tracer[i].link][0];
+        t->tool[i] = t->k.tracer[i].angle - posture.angle[t->k.tracer[i].link][0];
 }
 
 /* ---- by the plan ------------------------------------------------------------------------------- */
@@ -235,8 +235,8 @@ static int fail_in(const cli_call *call, lw_error *e)
     return cli_fail(call, e);
 }
 
-/* Keep only the stretch that contains the pose of the file. */
-static void keep_pose_stretch(cli_curve_trace *t)
+/* Keep only the stretch that contains the posture of the file. */
+static void keep_posture_stretch(cli_curve_trace *t)
 {
     double start = lw_motion_curve_start(t->curves.curve[0]);
     for (int i = 0; i < t->n_stretch; i++) {
@@ -363,7 +363,7 @@ static void free_curves(cli_curve_trace *t)
     free(t);
 }
 
-/* Prepare the curves. all: every circuit, not only that of the pose in the file. */
+/* Prepare the curves. all: every circuit, not only that of the posture in the file. */
 static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace **out, lw_error *e)
 {
     cli_curve_trace *t = *out = calloc(1, sizeof *t);
@@ -380,7 +380,7 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, j->tracers);
     cli_curve_stretches(t);
     if (j->s->mode == MODE_FILE)
-        keep_pose_stretch(t);
+        keep_posture_stretch(t);
     return LW_OK;
 }
 
@@ -412,7 +412,7 @@ static int explain(const cli_call *call, const lw_linkage *linkage, unsigned tra
     else {
         lw_plan_explain(&plan, linkage, text, sizeof text);
         fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs, unless they pass change points"
-                : "along its motion curve, which passes limits; between the poses of the curve by these groups");
+                : "along its motion curve, which passes limits; between the postures of the curve by these groups");
     }
     return cli_close(call, &o, CLI_DONE);
 }
@@ -437,7 +437,7 @@ static int in_time(const job *j)
 }
 
 /* Trace with the plan, dyad by dyad. At a change point an assembly mode of a dyad turns off, while the linkage itself
- * goes straight on into the other mode: then trace along the curves, unless the pose is a branch point with too many
+ * goes straight on into the other mode: then trace along the curves, unless the posture is a branch point with too many
  * branches. */
 static int by_plan(const job *j, cli_trace *t)
 {

@@ -13,7 +13,7 @@ typedef struct cli_simulate {
     lw_model       *model;
     lw_dynamics    *d;
     FILE           *f;                   /* where rows are written; NULL: nowhere                      */
-    bool            json, keep;          /* keep: rows and poses stay in memory                        */
+    bool            json, keep;          /* keep: rows and postures stay in memory                     */
     cli_json        j;
     int             n_column;
     cli_column     *column;
@@ -48,7 +48,7 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
 /* Print what elastic links consist of and what follows for the analysis; nothing without them. */
 void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to);
 
-/* Print counterweights that keep the common centre of mass at rest, computed from the poses kept. */
+/* Print counterweights that keep the common centre of mass at rest, computed from the postures kept. */
 lw_status cli_simulate_balance(cli_simulate *s, FILE *f, lw_error *e);
 
 void cli_simulate_free(cli_simulate *s);

@@ -1,4 +1,4 @@
-/* cli/motion/simulate_linear.h - `simulate --analysis linear`: modes about a pose, about its rest position, or along
+/* cli/motion/simulate_linear.h - `simulate --analysis linear`: modes about a posture, about its rest position, or along
  * the motion. */
 #ifndef CLI_MOTION_SIMULATE_LINEAR_H
 #define CLI_MOTION_SIMULATE_LINEAR_H

@@ -79,7 +79,7 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
     return st;
 }
 
-/* The frame of a link in pose q: its body's; of an elastic link that of the line between its ends. */
+/* The frame of a link in posture q: its body's; of an elastic link that of the line between its ends. */
 static lw_place place_of(const cli_simulate *s, int link, const double *q)
 {
     const lw_system *sys = lw_dynamics_system(s->d);
@@ -95,7 +95,7 @@ static lw_place place_of(const cli_simulate *s, int link, const double *q)
                  : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
 }
 
-/* Use the poses of the run as frames of a scene. */
+/* Use the postures of the run as frames of a scene. */
 static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
 {
     const lw_system *sys = lw_dynamics_system(s->d);

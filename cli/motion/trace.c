@@ -85,21 +85,21 @@ void cli_trace_pieces(cli_trace *t, bool only_file)
 /* ---- one row ----------------------------------------------------------------------------------- */
 
 /* Angle of the tool, by whole turns near that of the row before. */
-static double tool_angle(const cli_trace *t, const lw_pose *pose, int tracer, const double *before)
+static double tool_angle(const cli_trace *t, const lw_posture *posture, int tracer, const double *before)
 {
-    double a = pose->angle[t->k.tracer[tracer].link][0] + t->tool[tracer];
+    double a = posture->angle[t->k.tracer[tracer].link][0] + t->tool[tracer];
     return before ? *before + remainder(a - *before, 2*LW_PI) : remainder(a, 2*LW_PI);
 }
 
 /* Derivatives are by the input in its own unit (rad, or the length unit of the file), or by time with --speed. */
-static void row_values(const cli_trace *t, const lw_pose *pose, int tracer, double angle, double *v)
+static void row_values(const cli_trace *t, const lw_posture *posture, int tracer, double angle, double *v)
 {
     lw_vec2 p[LW_ORDER_MAX + 1];
     double a[LW_ORDER_MAX + 1], scale = 1;
     double by = t->timed ? t->speed : t->plan.input_is_slider ? t->k.units.metre : 1;
     for (int order = 0; order <= LW_ORDER_MAX; order++, scale *= by) {
-        p[order] = lw_v2_scale(pose->tracer[tracer][order], scale);
-        a[order] = pose->angle[t->k.tracer[tracer].link][order]*scale;
+        p[order] = lw_v2_scale(posture->tracer[tracer][order], scale);
+        a[order] = posture->angle[t->k.tracer[tracer].link][order]*scale;
     }
     cli_row_values(&t->rows, p, a, angle, v);
 }
@@ -112,18 +112,18 @@ static void put_row(cli_trace *t, const cli_piece *p, const char *mode, int i, d
     const lw_arc *arc = &t->motion.arc[p->arc];
     double signs[LW_MODE_MAX];
     double input = end0 ? p->first : end1 ? p->last : p->first + (p->last - p->first)*i/t->steps;
-    lw_pose pose;
+    lw_posture posture;
     memcpy(signs, arc->mode, sizeof signs);
     if (limit)
         signs[arc->flips[end1]] = 0;
-    lw_status s = lw_pose_solve(&t->plan, t->dim, signs, input, LW_ORDER_MAX, &pose);
+    lw_status s = lw_posture_solve(&t->plan, t->dim, signs, input, LW_ORDER_MAX, &posture);
     r.lead[0] = shown_input(t, input);
-    r.rates = s == LW_OK && pose.margin > 0 && !limit;
+    r.rates = s == LW_OK && posture.margin > 0 && !limit;
     for (int k = 0; k < t->k.n_tracer; k++) {
         if (!(t->rows.tracers >> k & 1))
             continue;
-        angle[k] = tool_angle(t, &pose, k, i ? &angle[k] : NULL);
-        row_values(t, &pose, k, angle[k], r.value[k]);
+        angle[k] = tool_angle(t, &posture, k, i ? &angle[k] : NULL);
+        row_values(t, &posture, k, angle[k], r.value[k]);
     }
     cli_rows_put(&t->rows, &r);
 }

@@ -4,7 +4,7 @@
 
 #include "cli/motion/trace_rows.h"
 #include "mbs/kinematics/motion.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
 #define CLI_PIECE_MAX 1024
 
@@ -19,7 +19,7 @@ typedef struct cli_trace {
     lw_linkage k;
     lw_plan    plan;
     lw_motion  motion;
-    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the pose in the file           */
+    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the posture in the file        */
     double     tool[LW_TRACER_MAX];     /* tool direction minus direction of its link [rad]        */
     bool       whole;                   /* whole input range, else from .. to                      */
     double     from, to;                /* in the angle convention of the file [rad] or [m]        */
@@ -33,7 +33,7 @@ typedef struct cli_trace {
     const char *line;                   /* the command                                             */
 } cli_trace;
 
-/* Cut the arcs into pieces; only_file: only the arc that contains the pose of the file. */
+/* Cut the arcs into pieces; only_file: only the arc that contains the posture of the file. */
 void cli_trace_pieces(cli_trace *t, bool only_file);
 
 /* Print every piece; stops after a row when t->rows says so. */

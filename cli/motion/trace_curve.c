@@ -48,7 +48,7 @@ void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_
 static double input_at(lw_motion_curve *motion, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(motion, station, q, NULL);
+    lw_motion_curve_posture(motion, station, q, NULL);
     return lw_motion_curve_input(motion, q);
 }
 
@@ -176,7 +176,7 @@ static double rate_unit(const cli_curve_trace *t)
     return t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
 }
 
-/* Compute the pose at a station and its derivatives. False: there are no derivatives. */
+/* Compute the posture at a station and its derivatives. False: there are no derivatives. */
 static bool fill_series(cli_curve_trace *t, lw_motion_curve *motion, double station, double *series)
 {
     double rates[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
@@ -279,7 +279,7 @@ static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_motion
     double q[LW_SYSTEM_Q_MAX];
     if (e->kind != LW_EVENT_CROSSING)
         return -1;
-    lw_motion_curve_pose(t->curves.curve[curve], e->station, q, NULL);
+    lw_motion_curve_posture(t->curves.curve[curve], e->station, q, NULL);
     for (int i = 0; i < t->curves.n; i++)
         if (i != curve && lw_motion_curve_holds(t->curves.curve[i], q))
             return i;
@@ -472,7 +472,7 @@ static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX] = { 0 }, u[LW_INPUT_MAX];
     cli_row row = { .arc = 1, .mode = ".", .n_lead = 1 + t->k->n_input };
     row.rates = lw_prescribed_motion_rates(d, CLI_ROW_ORDER, series);
-    memcpy(series, lw_prescribed_motion_pose(d), (size_t)t->s.n_q*sizeof *series);
+    memcpy(series, lw_prescribed_motion_posture(d), (size_t)t->s.n_q*sizeof *series);
     row.lead[0] = lw_prescribed_motion_time(d);
     lw_prescribed_motion_of_model((void *)t->model, lw_prescribed_motion_time(d), 0, u);
     for (int i = 0; i < t->k->n_input; i++)
@@ -541,10 +541,10 @@ cli_groups *cli_groups_make(const lw_linkage *linkage, unsigned tracers)
 
 static bool solve(cli_groups *g, double u)
 {
-    lw_status s = lw_pose_solve(&g->plan, g->dim, g->mode, u + g->more, CLI_ROW_ORDER, &g->pose);
+    lw_status s = lw_posture_solve(&g->plan, g->dim, g->mode, u + g->more, CLI_ROW_ORDER, &g->posture);
     if (s == LW_E_MEMORY)
         cli_lost();
-    return s == LW_OK && g->pose.margin > LEAST_MARGIN;
+    return s == LW_OK && g->posture.margin > LEAST_MARGIN;
 }
 
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
@@ -557,7 +557,7 @@ void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double 
     g->seeded = g->seeded && solve(g, u);
     for (int i = 0; i < g->k.n_tracer && g->seeded; i++) {
         g->angle[i] = row->value[i][8]*rows->k->units.radian;
-        g->tool[i] = g->angle[i] - g->pose.angle[g->k.tracer[i].link][0];
+        g->tool[i] = g->angle[i] - g->posture.angle[g->k.tracer[i].link][0];
     }
 }
 
@@ -570,9 +570,9 @@ bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cl
         double a[CLI_ROW_ORDER + 1], scale = 1;
         if (!(rows->tracers >> i & 1))
             continue;
-        const double *turn = g->pose.angle[g->k.tracer[i].link];
+        const double *turn = g->posture.angle[g->k.tracer[i].link];
         for (int order = 0; order <= CLI_ROW_ORDER; order++, scale *= by) {
-            p[order] = lw_v2_scale(g->pose.tracer[i][order], scale);
+            p[order] = lw_v2_scale(g->posture.tracer[i][order], scale);
             a[order] = turn[order]*scale;
         }
         g->angle[i] += remainder(turn[0] + g->tool[i] - g->angle[i], 2*LW_PI);

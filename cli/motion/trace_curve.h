@@ -5,12 +5,12 @@
 #include "cli/motion/trace_rows.h"
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/constraints/circuits.h"
 #include "mbs/constraints/prescribed_motion.h"
 
-/* The plan of the linkage's groups (mbs/plan/plan.h) computes the rows between two poses of the curve. It starts from a
- * pose on the curve and gives the next rows in a fraction of the time, with the same rounding error. */
+/* The plan of the linkage's groups (mbs/plan/plan.h) computes the rows between two postures of the curve. It starts
+ * from a posture on the curve and gives the next rows in a fraction of the time, with the same rounding error. */
 #define CLI_GROUP_ROWS 16              /* rows from one seed to the next                             */
 
 typedef struct cli_groups {
@@ -21,13 +21,13 @@ typedef struct cli_groups {
     double     tool[LW_TRACER_MAX];    /* printed angles minus the plan's [rad]                      */
     double     angle[LW_TRACER_MAX];   /* in the previous row [rad]                                  */
     lw_linkage k;
-    lw_pose    pose;
+    lw_posture    posture;
 } cli_groups;
 
 /* Returns NULL if the linkage has no plan or memory ran out; then the curve alone gives all rows. Free with free(). */
 cli_groups *cli_groups_make(const lw_linkage *linkage, unsigned tracers);
 
-/* Start the next rows from pose q of s, which was printed as `row` at input u. */
+/* Start the next rows from posture q of s, which was printed as `row` at input u. */
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
                      const cli_row *row);
 
@@ -77,7 +77,7 @@ void cli_curve_print(cli_curve_trace *t, bool cycle);
  * LW_E_NUMERIC: the rows end early; e has the reason. */
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e);
 
-/* Compute the values of all tracers from a series of a pose (4 x n_q) into row. */
+/* Compute the values of all tracers from a series of a posture (4 x n_q) into row. */
 void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row);
 double cli_curve_unit(const cli_curve_trace *t, int input);       /* metre or radian of the file       */
 const char *cli_curve_unit_name(const cli_curve_trace *t, int input);

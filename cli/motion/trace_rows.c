@@ -1,4 +1,4 @@
-/* Rows of a trace: one line per tracer in CSV, one list per pose in JSON. */
+/* Rows of a trace: one line per tracer in CSV, one list per posture in JSON. */
 #include "cli/motion/trace_rows.h"
 
 #include <stdlib.h>

@@ -1,14 +1,14 @@
-/* mbs/batch/batch.h - many poses at once, laid out so that one instruction computes eight of them.
+/* mbs/batch/batch.h - many postures at once, laid out so that one instruction computes eight of them.
  *
- * A lane is one pose.  Arrays over lanes are contiguous.  Dimensions are either one set for all lanes (a linkage over
- * many inputs; dim_stride is 0) or one set a lane (many candidates): dimension d of lane k is dim[d*dim_stride + k].
- * Modes have mode_stride in the same way.
+ * A lane is one posture.  Arrays over lanes are contiguous.  Dimensions are either one set for all lanes (a linkage
+ * over many inputs; dim_stride is 0) or one set a lane (many candidates): dimension d of lane k is dim[d*dim_stride +
+ * k]. Modes have mode_stride in the same way.
  *
  * Outputs must not overlap inputs, because some lanes may be computed twice, with the same bits.
  *
- * For a lane that cannot close, the result is the nearest pose that almost closes (the square root of a negative number
- * is replaced by 0), and `margin` is negative.  No result is NaN while lengths and coordinates are below 1e70, so that
- * their fourth power is finite.  Lengths below 1e-70 count as 0.
+ * For a lane that cannot close, the result is the nearest posture that almost closes (the square root of a negative
+ * number is replaced by 0), and `margin` is negative.  No result is NaN while lengths and coordinates are below 1e70,
+ * so that their fourth power is finite.  Lengths below 1e-70 count as 0.
  *     margin = least over the dyads of  the squared sine of the angle between the two circles or lines at the point
  *              where they meet; negative when they do not meet [1]
  * so sqrt(margin) is the sine of the transmission angle of an RRR dyad; it is 0 at a dead point.

@@ -54,13 +54,13 @@ static int set_numbers(run *k, const lw_lanes *in, size_t first)
     return per_lane;
 }
 
-/* Set the inputs and the poses of higher groups, from lane `first` on. */
+/* Set the inputs and the postures of higher groups, from lane `first` on. */
 static void at_lanes(run *k, const lw_lanes *in, size_t first)
 {
     k->c = in->c + first;
     k->s = in->s ? in->s + first : NULL;
-    k->group_pose = k->group_poses ? k->group_poses + first : NULL;
-    k->group_pose_row = LW_CHUNK + LW_GROUP;
+    k->group_posture = k->group_postures ? k->group_postures + first : NULL;
+    k->group_posture_row = LW_CHUNK + LW_GROUP;
 }
 
 /* Copy the lanes from `first` on, fewer than a group, to a full group that repeats the last lane. */
@@ -133,7 +133,7 @@ static void move_out(const run *k, size_t n, int reg, double *x, double *y, int 
 static void block_point(run *k, const lw_lanes *in, int which, size_t first, size_t n, const rows *out, int frame)
 {
     const lw_plan *p = k->plan;
-    int per_lane = set_numbers(k, in, first), outputs = out->margin ? WITH_MARGIN : POSE_ONLY;
+    int per_lane = set_numbers(k, in, first), outputs = out->margin ? WITH_MARGIN : POSTURE_ONLY;
     at_lanes(k, in, first);
     if (per_lane || first == 0)
         set_turns(k, p->n_angle - frame, per_lane, n);
@@ -174,11 +174,11 @@ static void few_points(run *k, const lw_lanes *in, int which, const rows *out, i
 }
 
 /* Compute whole groups in blocks.  The remaining lanes are computed as one more group, which overlaps the last one. */
-static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
+static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures,
                    const rows *out, int frame)
 {
     run k = start(plan, in->n, work);
-    k.group_poses = group_poses;
+    k.group_postures = group_postures;
     size_t full = in->n/LW_GROUP*LW_GROUP, block = block_size(plan, in, which, out, frame);
     set_ground(&k, is_fast(plan, which, NULL));
     if (in->n > 0 && in->n < LW_GROUP)
@@ -196,11 +196,11 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
 /* Arguments of `points` for the chunks of a plan with higher groups. */
 typedef struct chunk_points { const lw_plan *plan; int which, frame; const rows *out; } chunk_points;
 
-static void points_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
+static void points_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_postures)
 {
     const chunk_points *q = caller;
     rows to = shift_rows(q->out, first);
-    points(q->plan, part, q->which, work, group_poses, &to, q->frame);
+    points(q->plan, part, q->which, work, group_postures, &to, q->frame);
 }
 
 static void all_points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const rows *out, int frame)
@@ -338,11 +338,11 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
 
-static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
+static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures,
                       const lw_jacobian *out)
 {
     run k = start(plan, in->n, work);
-    k.group_poses = group_poses;
+    k.group_postures = group_postures;
     size_t full = in->n/LW_GROUP*LW_GROUP;
     set_ground(&k, is_fast(plan, which, out));
     if (in->n > 0 && in->n < LW_GROUP)
@@ -359,12 +359,13 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
 
 typedef struct chunk_jacobian { const lw_plan *plan; int n; const int *which; const lw_jacobian *out; } chunk_jacobian;
 
-static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
+static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work,
+                              const double *group_postures)
 {
     const chunk_jacobian *q = caller;
     for (int i = 0; i < q->n; i++) {
         lw_jacobian to = shift_jacobian(&q->out[i], first);
-        jacobians(q->plan, part, q->which[i], work, group_poses, &to);
+        jacobians(q->plan, part, q->which[i], work, group_postures, &to);
     }
 }
 
@@ -508,11 +509,11 @@ static double fast_kernel_sum(run *k, const lw_lanes *in, int which, const targe
     return total(a.f);
 }
 
-static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
+static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures,
                        const double *tx, const double *ty, const double *w, double *grad, double *margin)
 {
     run k = start(plan, in->n, work);
-    k.group_poses = group_poses;
+    k.group_postures = group_postures;
     target t = { tx, ty, w };
     size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
     double *acc = tail_row(&k, 3), smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
@@ -531,7 +532,7 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
     if (rest) {
         lw_lanes last = pad(&k, in, full);
         target here = pad_target(&k, &t, full, rest);
-        k.group_poses = group_poses ? group_poses + full : NULL;
+        k.group_postures = group_postures ? group_postures + full : NULL;
         block_sum(&k, &last, which, 0, LW_GROUP, &here, acc);
         keep_least(smallest, k.margin, LW_GROUP);
     }
@@ -544,11 +545,11 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
 
 typedef struct chunk_sum { const lw_plan *plan; int which; target target; double *grad, *margin, f; } chunk_sum;
 
-static void sum_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
+static void sum_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_postures)
 {
     chunk_sum *q = caller;
     double grad[LW_DIM_MAX], least;
-    q->f += lane_sum(q->plan, part, q->which, work, group_poses, q->target.x + first, q->target.y + first,
+    q->f += lane_sum(q->plan, part, q->which, work, group_postures, q->target.x + first, q->target.y + first,
                      q->target.w ? q->target.w + first : NULL, grad, &least);
     for (int d = 0; q->grad && d < q->plan->n_dim; d++)
         q->grad[d] += grad[d];
@@ -572,4 +573,4 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
 
 extern const lw_kernels lw_kernels_here;
 const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobians, kernel_sum,
-                                     lw_kernel_normal, lw_kernel_group_pose, &lw_higher_size, &lw_follow_size };
+                                     lw_kernel_normal, lw_kernel_group_posture, &lw_higher_size, &lw_follow_size };

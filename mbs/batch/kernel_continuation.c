@@ -107,7 +107,7 @@ static bool near_limit(const follower *f, int n)
     return false;
 }
 
-/* Follow the path and store each pose reached in q, unless q is NULL.  Returns the number of inputs reached. */
+/* Follow the path and store each posture reached in q, unless q is NULL.  Returns the number of inputs reached. */
 static size_t follow_path(follower *f, const input_path *path, const chunk *q)
 {
     double unit = unit_of(f);
@@ -150,8 +150,8 @@ static bool advance(follower *f, double to) { return follow_path(f, &(input_path
 /* ---- a chunk of lanes ------------------------------------------------------------------------------------ */
 
 struct chunk {
-    size_t  n, row;                        /* lanes; doubles in a row of group_pose                   */
-    double *group_pose;                    /* n_row rows, then the distance out of reach              */
+    size_t  n, row;                        /* lanes; doubles in a row of group_posture                   */
+    double *group_posture;                 /* n_row rows, then the distance out of reach              */
     double  t[LW_CHUNK + LW_GROUP];        /* inputs in the order in which they are followed          */
     unsigned short lane[LW_CHUNK + LW_GROUP];        /* lane of each of these                         */
     bool    ordered, falls;                /* inputs only rise or only fall; most of them fall        */
@@ -162,16 +162,16 @@ struct chunk {
 static void put_trial(const follower *f, const chunk *q, size_t at, int j)
 {
     for (int r = 0; r < f->plan->n_row; r++)
-        q->group_pose[(size_t)r*q->row + at] = f->row[r][j];
-    q->group_pose[(size_t)f->plan->n_row*q->row + at] = 0;
+        q->group_posture[(size_t)r*q->row + at] = f->row[r][j];
+    q->group_posture[(size_t)f->plan->n_row*q->row + at] = 0;
 }
 
 /* Store the present posture as lane `at`. */
-static void put_group_pose(const follower *f, const chunk *q, size_t at, double out_of_reach)
+static void put_group_posture(const follower *f, const chunk *q, size_t at, double out_of_reach)
 {
     for (int r = 0; r < f->plan->n_row; r++)
-        q->group_pose[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
-    q->group_pose[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
+        q->group_posture[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
+    q->group_posture[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
 }
 
 /* Write the inputs of the lanes as continuous numbers: the angle of a pin changes by at most half a turn per lane. */
@@ -252,7 +252,7 @@ static void put_block(const follower *f, const chunk *q, const between *b, size_
         size_t at = first + (i + LW_GROUP <= count ? i : count - LW_GROUP);
         between_at(f, b, get8(q->t + at), row);
         for (int r = 0; r <= f->plan->n_row; r++)
-            put8(q->group_pose + (size_t)r*q->row + at, row[r]);
+            put8(q->group_posture + (size_t)r*q->row + at, row[r]);
     }
 }
 
@@ -276,7 +276,7 @@ static void put_between(const follower *f, const chunk *q, const input_path *pat
         between_at(f, &b, t, row);
         for (int r = 0; r <= f->plan->n_row; r++)
             for (size_t j = 0; j < count; j++)
-                q->group_pose[(size_t)r*q->row + q->lane[path->first + (i + j)*path->step]] = row[r][j];
+                q->group_posture[(size_t)r*q->row + q->lane[path->first + (i + j)*path->step]] = row[r][j];
     }
 }
 
@@ -307,7 +307,7 @@ static void follow_lanes(follower *f, chunk *q, size_t first, size_t step)
     const input_path path = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
     for (size_t i = follow_path(f, &path, q); i < path.count; i++) {
         double beyond = fabs(path_at(&path, i) - back(&f->at, 0)->t)/unit_of(f);
-        put_group_pose(f, q, q->lane[first + i*step], fmax(beyond, BEYOND_LEAST));
+        put_group_posture(f, q, q->lane[first + i*step], fmax(beyond, BEYOND_LEAST));
     }
 }
 
@@ -376,12 +376,12 @@ static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, si
         to = now + remainder(to - now, 2*LW_PI);
     if (!f->lost)
         out = advance(f, to) ? 0 : fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
-    put_group_pose(f, q, at, out);
+    put_group_posture(f, q, at, out);
 }
 
-/* Find the poses of the groups in all lanes of a chunk; repeat the last lane to a full group. */
-static void group_poses_of_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work,
-                                 chunk *q)
+/* Find the postures of the groups in all lanes of a chunk; repeat the last lane to a full group. */
+static void group_postures_of_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work,
+                                    chunk *q)
 {
     q->n = in->n;
     if (in->dim_stride || in->mode_stride)
@@ -389,21 +389,21 @@ static void group_poses_of_chunk(follower *f, const lw_plan *plan, const lw_lane
             follow_lane(f, plan, in, i, work, q);
     else if (f->lost)
         for (size_t i = 0; i < in->n; i++)
-            put_group_pose(f, q, i, 1);
+            put_group_posture(f, q, i, 1);
     else
         follow_chunk(f, in, more, q);
     for (size_t i = in->n; i%LW_GROUP; i++)
         for (int r = 0; r <= plan->n_row; r++)
-            q->group_pose[(size_t)r*q->row + i] = q->group_pose[(size_t)r*q->row + in->n - 1];
+            q->group_posture[(size_t)r*q->row + i] = q->group_posture[(size_t)r*q->row + in->n - 1];
 }
 
 /* The lanes of a plan with higher groups, in chunks: the first part of the scratch. */
 typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
 const size_t lw_follow_size = sizeof(chunks);
 
-/* The pose of the groups at one input, for mbs/batch/pose.c. */
-void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                        lw_group_pose *group_pose)
+/* The posture of the groups at one input, for mbs/batch/posture.c. */
+void lw_kernel_group_posture(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                        lw_group_posture *group_posture)
 {
     chunks *c = lw_scratch_align(work);
     follower *f = &c->f;
@@ -412,15 +412,15 @@ void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *
     if (!plan->input_is_slider)
         to = back(&f->at, 0)->t + remainder(input - back(&f->at, 0)->t, 2*LW_PI);
     bool there = !f->lost && advance(f, to);
-    memset(group_pose, 0, sizeof *group_pose);
-    memcpy(group_pose->row, back(&f->at, 0)->row, (size_t)plan->n_row*sizeof(double));
-    group_pose->margin = 1;
+    memset(group_posture, 0, sizeof *group_posture);
+    memcpy(group_posture->row, back(&f->at, 0)->row, (size_t)plan->n_row*sizeof(double));
+    group_posture->margin = 1;
     if (!there)
-        group_pose->margin = f->lost ? -1 : -fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
-    double *inverse = group_pose->inverse;
+        group_posture->margin = f->lost ? -1 : -fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
+    double *inverse = group_posture->inverse;
     for (int g = 0; there && g < plan->n_higher; g++) {
         const eight *w = &f->group[g];
-        group_pose->margin = fmin(group_pose->margin, w->margin[f->at_lane]);
+        group_posture->margin = fmin(group_posture->margin, w->margin[f->at_lane]);
         for (int i = 0; i < w->n*w->n; i++)
             *inverse++ = w->inv[i][f->at_lane];
     }
@@ -439,9 +439,9 @@ static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
 
 static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, void *work)
 {
-    c->q.group_pose = work;
+    c->q.group_posture = work;
     c->q.row = LW_CHUNK + LW_GROUP;
-    double *follow = c->q.group_pose + ((size_t)plan->n_row + 1)*c->q.row;
+    double *follow = c->q.group_posture + ((size_t)plan->n_row + 1)*c->q.row;
     c->lane_work = follow + lw_continuation_size(plan);
     c->next = 0;
     if (!in->dim_stride && !in->mode_stride)
@@ -457,7 +457,7 @@ static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
     c->first = c->next;
     c->next += n;
     c->part = part_of(in, c->first, n);
-    group_poses_of_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
+    group_postures_of_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
     return true;
 }
 
@@ -466,5 +466,5 @@ void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_
     chunks *c = lw_scratch_align(work);
     begin_chunks(c, plan, in, (double *)(c + 1));
     while (next_chunk(c, plan, in))
-        work_on(caller, &c->part, c->first, c->lane_work, c->q.group_pose);
+        work_on(caller, &c->part, c->first, c->lane_work, c->q.group_posture);
 }

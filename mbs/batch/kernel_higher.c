@@ -12,15 +12,15 @@ static double *inverse_rows(const run *k, const lw_higher *g)
     return at;
 }
 
-static void take_group_pose(const run *k, eight *w, size_t i)
+static void take_group_posture(const run *k, eight *w, size_t i)
 {
     const lw_higher *g = w->g;
-    const double *row = k->group_pose + (size_t)g->first_row*k->group_pose_row + i;
-    for (int a = 0; a < g->n_turn; a++, row += 2*k->group_pose_row) {
+    const double *row = k->group_posture + (size_t)g->first_row*k->group_posture_row + i;
+    for (int a = 0; a < g->n_turn; a++, row += 2*k->group_posture_row) {
         w->ux[w->at[a]] = get8(row);
-        w->uy[w->at[a]] = get8(row + k->group_pose_row);
+        w->uy[w->at[a]] = get8(row + k->group_posture_row);
     }
-    for (int d = 0; d < g->n_disp; d++, row += k->group_pose_row)
+    for (int d = 0; d < g->n_disp; d++, row += k->group_posture_row)
         w->d[d] = get8(row);
     turn_directions(w);
 }
@@ -38,8 +38,8 @@ LW_INLINE mask hold_astray(const int n, eight *w, mask within)
     return within & ~near;
 }
 
-/* Converge from the group pose to rounding.  Its error is about 1e-10, or below 0.001 in interpolated lanes.  Lanes out
- * of reach do not move.  A lane whose step is too long counts as out of reach. */
+/* Converge from the group posture to rounding.  Its error is about 1e-10, or below 0.001 in interpolated lanes.  Lanes
+ * out of reach do not move.  A lane whose step is too long counts as out of reach. */
 LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int outputs)
 {
     const double enough = outputs == WITH_ROOTS ? 1e-20 : 1e-16;      /* squared step; inverses are from before it   */
@@ -72,7 +72,7 @@ const size_t lw_higher_size = sizeof(eight);
 void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs)
 {
     const lw_higher *g = &k->plan->higher[s->dim[0]];
-    const double *reach = k->group_pose + (size_t)k->plan->n_row*k->group_pose_row;
+    const double *reach = k->group_posture + (size_t)k->plan->n_row*k->group_posture_row;
     double *inverse = inverse_rows(k, g);
     eight *w = k->group;
     take_group(w, g);
@@ -92,7 +92,7 @@ void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, i
             load_known(k, w, i, 1);
         } else
             load_known(k, w, i, 0);
-        take_group_pose(k, w, i);
+        take_group_posture(k, w, i);
         settle(w, reach + i, outputs);
         put_group(k, w, i);
         if (outputs >= WITH_MARGIN)

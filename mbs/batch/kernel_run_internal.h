@@ -23,7 +23,7 @@
 #define lw_in_chunks         LW_OF_ISA(lw_in_chunks, LW_ISA)
 #define lw_follow_size       LW_OF_ISA(lw_follow_size, LW_ISA)
 #define lw_higher_size       LW_OF_ISA(lw_higher_size, LW_ISA)
-#define lw_kernel_group_pose       LW_OF_ISA(lw_kernel_group_pose, LW_ISA)
+#define lw_kernel_group_posture       LW_OF_ISA(lw_kernel_group_posture, LW_ISA)
 #define lw_kernel_normal     LW_OF_ISA(lw_kernel_normal, LW_ISA)
 #define lw_fast_points       LW_OF_ISA(lw_fast_points, LW_ISA)
 #define lw_fast_jacobian     LW_OF_ISA(lw_fast_jacobian, LW_ISA)
@@ -57,9 +57,9 @@ typedef struct run {
     double *tail;                            /* the padded last group                      */
     double *inverse;                         /* inverse Jacobians of the higher groups             */
     void *group;                             /* scratch of one higher group, lw_kernels.group_size */
-    const double *group_poses;               /* poses of the higher groups in the lanes of a chunk */
-    const double *group_pose;                /* the same from this block on: n_row rows, then a row of the  */
-    size_t group_pose_row;                   /* distance by which the input is out of reach, else 0; row length */
+    const double *group_postures;            /* postures of the higher groups in the lanes of a chunk */
+    const double *group_posture;             /* the same from this block on: n_row rows, then a row of the  */
+    size_t group_posture_row;                /* distance by which the input is out of reach, else 0; row length */
 } run;
 
 LW_INLINE double *reg_x(const run *k, int r) { return k->reg + 2*(size_t)r*k->nb; }
@@ -104,7 +104,7 @@ static inline void fill(double *row, double v, size_t n)
 }
 
 /* What a forward pass stores besides the registers: nothing; margins; margins and the reciprocals for derivatives. */
-enum { POSE_ONLY, WITH_MARGIN, WITH_ROOTS };
+enum { POSTURE_ONLY, WITH_MARGIN, WITH_ROOTS };
 
 /* ---- a block of lanes ---------------------------------------------------------------------------------- */
 
@@ -194,7 +194,7 @@ LW_INLINE const lw_step *step_of(const lw_plan *p, int which, int i)
 }
 LW_INLINE int keep_of(const lw_plan *p, int which, int i) { return which < 0 ? ~0 : p->output_keep[which][i]; }
 
-/* Evaluate the steps of `which` over n lanes; outputs: POSE_ONLY, ...  lw_forward_step evaluates
+/* Evaluate the steps of `which` over n lanes; outputs: POSTURE_ONLY, ...  lw_forward_step evaluates
  * one step with margins, for lanes that share their dimensions; not for higher groups.  kernel_steps.c */
 void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs);
 void lw_forward_step(const run *k, const lw_step *s, size_t n);
@@ -213,12 +213,13 @@ void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, i
 void lw_higher_backward(const run *k, const lw_step *s, size_t n);
 
 /* For plans with higher groups: follow the groups over the lanes of `in`, chunk by chunk, and call `work_on` for each
- * chunk with its lanes, the number of its first lane, scratch, and the poses of its groups.  kernel_continuation.c */
-typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses);
+ * chunk with its lanes, the number of its first lane, scratch, and its groups' postures.  kernel_continuation.c */
+typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work,
+                           const double *group_postures);
 extern const size_t lw_follow_size;
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
-void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                          lw_group_pose *group_pose);
+void lw_kernel_group_posture(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                             lw_group_posture *group_posture);
 
 /* The normal equations J'J and J'r.  kernel_normal.c */
 void lw_kernel_normal(const lw_normal *in, double *h, double *g);

@@ -234,10 +234,10 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, 
     {                                                                      \
         step_forward(k, s, keep, n, per_lane, outputs);                       \
     }
-FORWARD(forward_shared_pose, 0, POSE_ONLY)
+FORWARD(forward_shared_posture, 0, POSTURE_ONLY)
 FORWARD(forward_shared_margin, 0, WITH_MARGIN)
 FORWARD(forward_shared_roots, 0, WITH_ROOTS)
-FORWARD(forward_lanes_pose, 1, POSE_ONLY)
+FORWARD(forward_lanes_posture, 1, POSTURE_ONLY)
 FORWARD(forward_lanes_margin, 1, WITH_MARGIN)
 
 void lw_forward_step(const run *k, const lw_step *s, size_t n) { forward_shared_margin(k, s, ~0, n); }
@@ -245,8 +245,8 @@ void lw_forward_step(const run *k, const lw_step *s, size_t n) { forward_shared_
 void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs)
 {
     static void (*const step[2][3])(const run *, const lw_step *, int, size_t) = {
-        { forward_shared_pose, forward_shared_margin, forward_shared_roots },
-        { forward_lanes_pose, forward_lanes_margin, NULL }
+        { forward_shared_posture, forward_shared_margin, forward_shared_roots },
+        { forward_lanes_posture, forward_lanes_margin, NULL }
     };
     const lw_plan *p = k->plan;
     double *margin = k->margin;

@@ -13,13 +13,13 @@
 
 #define LW_CHUNK 1024         /* lanes per pass of the continuation; the last pass has up to LW_GROUP - 1 more */
 
-/* The pose of the higher groups of a plan at one input: in row[] x, y for the direction of each turn and d for each
+/* The posture of the higher groups of a plan at one input: in row[] x, y for the direction of each turn and d for each
  * displacement; the inverse Jacobians of the groups one after the other; the least margin. */
 #define LW_GROUP_ROW_MAX (2*LW_MODE_MAX)
 #define LW_INVERSE_MAX   (LW_HIGHER_MAX*LW_UNKNOWN_MAX*LW_UNKNOWN_MAX)
-typedef struct lw_group_pose {
+typedef struct lw_group_posture {
     double row[LW_GROUP_ROW_MAX], inverse[LW_INVERSE_MAX], margin;
-} lw_group_pose;
+} lw_group_posture;
 
 typedef struct lw_kernels {
     const char *isa;
@@ -31,9 +31,9 @@ typedef struct lw_kernels {
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
-    /* Follow the higher groups from the seed to one input.  work: lw_group_pose_size bytes. */
-    void (*group_pose)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                       lw_group_pose *group_pose);
+    /* Follow the higher groups from the seed to one input.  work: lw_group_posture_size bytes. */
+    void (*group_posture)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                          lw_group_posture *group_posture);
     const size_t *group_size, *follow_size;      /* bytes of scratch for a higher group, to follow all of them: the */
                                                  /* same in each table                                      */
 } lw_kernels;
@@ -44,8 +44,8 @@ size_t lw_lane_rows(const lw_plan *plan);
 size_t lw_inverse_rows(const lw_plan *plan);
 size_t lw_continuation_size(const lw_plan *plan);
 
-/* The scratch of lw_kernels.group_pose [byte]: 0.3 to 1 MB, too much for the stack. */
-size_t lw_group_pose_size(const lw_plan *plan);
+/* The scratch of lw_kernels.group_posture [byte]: 0.3 to 1 MB, too much for the stack. */
+size_t lw_group_posture_size(const lw_plan *plan);
 
 #define LW_SCRATCH_ALIGNMENT 64
 static inline void *lw_scratch_align(void *p)
@@ -53,9 +53,9 @@ static inline void *lw_scratch_align(void *p)
     return (char *)p + (LW_SCRATCH_ALIGNMENT - (uintptr_t)p%LW_SCRATCH_ALIGNMENT)%LW_SCRATCH_ALIGNMENT;
 }
 
-/* Find the pose of the higher groups at one input.  LW_E_MEMORY: there is no scratch.  pose.c */
-lw_status lw_group_pose_find(const lw_plan *plan, const double *dim, const double *mode, double input,
-                             lw_group_pose *group_pose);
+/* Find the posture of the higher groups at one input.  LW_E_MEMORY: there is no scratch.  posture.c */
+lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input,
+                                lw_group_posture *group_posture);
 
 /* The tables this processor can run, best first; NULL past the last. */
 const lw_kernels *lw_kernels_supported(int rank);

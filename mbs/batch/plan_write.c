@@ -1,7 +1,7 @@
 /* The inverse of lw_plan_read: move a linkage into a posture of its plan; move the seeds of higher groups to another
  * posture. */
 #include "mbs/batch/kernels_internal.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/plan/plan_internal.h"
 
@@ -100,7 +100,7 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
         if ((p->joint_point[j] < 0 && !lw_joint_has_ratio(linkage->joint[j].kind))
             || (lw_joint_translates(linkage->joint[j].kind) && p->slider_dir[j] < 0))
             return LW_E_ARG;
-    s = lw_pose_registers(p, dim, mode, input, q.reg);
+    s = lw_posture_registers(p, dim, mode, input, q.reg);
     if (s != LW_OK)
         return s;
     place(p, dim, &q);
@@ -144,10 +144,10 @@ lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode,
 
 lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode)
 {
-    lw_group_pose at;
+    lw_group_posture at;
     if (!plan->n_higher)
         return LW_OK;
-    lw_status s = lw_group_pose_find(plan, dim, mode, input, &at);
+    lw_status s = lw_group_posture_find(plan, dim, mode, input, &at);
     if (s != LW_OK)
         return s;
     if (!(at.margin > 0))

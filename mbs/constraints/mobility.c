@@ -18,7 +18,7 @@ typedef struct search {
     double      q0[LW_SYSTEM_Q_MAX];
     double     *block;        /* memory of the following arrays */
     double     *q;            /* (2 WALKS, n_q): the middle and the end of each walk */
-    lw_mobility_pose    best, now;    /* the posture with most motions; the present posture */
+    lw_mobility_posture    best, now; /* the posture with most motions; the present posture */
     int         n_q, n_stand;
     bool        moved[LW_LINK_MAX], worked[LW_JOINT_MAX];
 } search;
@@ -71,7 +71,7 @@ static bool works(const lw_system *s, int j, const double *q, const double *dq)
 }
 
 /* Mark links and joints that move at a posture. */
-static void mark_moving(search *f, const lw_mobility_pose *t)
+static void mark_moving(search *f, const lw_mobility_posture *t)
 {
     const lw_system *s = f->s;
     for (int i = 0; i < t->freedom; i++) {
@@ -346,12 +346,12 @@ static void find_generic(search *f, const lw_linkage *linkage, uint64_t seed)
 static void keep_best(search *f)
 {
     lw_mobility *m = f->m;
-    lw_mobility_pose *t = &f->now;
+    lw_mobility_posture *t = &f->now;
     bool first = f->n_stand++ == 0;
     mark_moving(f, t);
     m->least_freedom = first || t->freedom < m->least_freedom ? t->freedom : m->least_freedom;
     if (first || t->freedom > f->best.freedom || (t->freedom == f->best.freedom && t->rank > f->best.rank)) {
-        lw_mobility_pose swap = f->best;
+        lw_mobility_posture swap = f->best;
         f->best = *t;
         *t = swap;
     }
@@ -442,8 +442,8 @@ lw_status lw_mobility_find(const lw_linkage *linkage, const lw_mobility_options 
         lw_system_free(&system);
         return lw_error_set(e, LW_E_MEMORY, memory);
     }
-    f.best = (lw_mobility_pose){ .q = f.block, .motion = f.block + n };
-    f.now = (lw_mobility_pose){ .q = f.block + n + room, .motion = f.block + 2*n + room };
+    f.best = (lw_mobility_posture){ .q = f.block, .motion = f.block + n };
+    f.now = (lw_mobility_posture){ .q = f.block + n + room, .motion = f.block + 2*n + room };
     status = look(&f, linkage, o->seed);
     lw_drift_free(&f.d);
     free(f.block);

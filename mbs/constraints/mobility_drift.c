@@ -202,7 +202,7 @@ double lw_drift_walk(lw_drift *d, lw_rng *r, double *q, double *residual)
 }
 
 /* Push along every motion of first order and find the component that remains. */
-static void probe(lw_drift *d, lw_mobility_pose *t)
+static void probe(lw_drift *d, lw_mobility_posture *t)
 {
     int n = d->s->n_q, k = t->first_order;
     double *basis = t->motion + (size_t)n*(size_t)k;       /* its upper half, 2 k columns, is free */
@@ -226,7 +226,7 @@ static void probe(lw_drift *d, lw_mobility_pose *t)
     t->freedom = lw_drift_independent(n, k, t->motion, 0.1);
 }
 
-void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_pose *t)
+void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_posture *t)
 {
     int n = d->s->n_q;
     t->rank = lw_drift_rank(d, t->q, fmax(LW_RANK_ZERO, 10*d->tolerance));

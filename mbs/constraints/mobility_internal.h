@@ -19,10 +19,10 @@ typedef struct lw_drift {
 } lw_drift;
 
 /* A posture and its motions: orthonormal columns motion[i*n_q ..], i = 0 .. freedom - 1. */
-typedef struct lw_mobility_pose {
+typedef struct lw_mobility_posture {
     int     rank, first_order, freedom;
     double *q, *motion;
-} lw_mobility_pose;
+} lw_mobility_posture;
 
 lw_status lw_drift_create(const lw_system *s, double tolerance, lw_drift *d);
 void      lw_drift_free(lw_drift *d);
@@ -50,6 +50,6 @@ double lw_drift_settle(lw_drift *d, const double *from, const double *along, dou
 double lw_drift_walk(lw_drift *d, lw_rng *r, double *q, double *residual);
 
 /* Find the motions at t->q, those of first order and the true ones.  t->motion has room for n_q columns. */
-void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_pose *t);
+void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_posture *t);
 
 #endif

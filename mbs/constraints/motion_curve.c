@@ -170,7 +170,7 @@ static const lw_motion_curve_segment *segment_of(const lw_motion_curve *b, doubl
     return &b->segment[i];
 }
 
-void lw_motion_curve_pose(lw_motion_curve *b, double station, double *q, double *tangent)
+void lw_motion_curve_posture(lw_motion_curve *b, double station, double *q, double *tangent)
 {
     double share;
     const lw_motion_curve_segment *s = segment_of(b, station, &share);
@@ -219,13 +219,13 @@ double lw_motion_curve_find(lw_motion_curve *b, double first, double last, doubl
 {
     double *q = b->c, x[2] = { first, last }, g[2];
     for (int i = 0; i < 2; i++) {
-        lw_motion_curve_pose(b, x[i], q, NULL);
+        lw_motion_curve_posture(b, x[i], q, NULL);
         g[i] = lw_motion_curve_input(b, q) - input;
     }
     double lo = floor(first) + 1.0;                       /* whole segments first */
     while (lo < last) {
         double hi = ceil(last) - 1.0, middle = lo < hi ? floor(0.5*(lo + hi)) : lo;
-        lw_motion_curve_pose(b, middle, q, NULL);
+        lw_motion_curve_posture(b, middle, q, NULL);
         double at = lw_motion_curve_input(b, q) - input;
         int side = (at > 0.0) == (g[0] > 0.0) ? 0 : 1;
         x[side] = middle;
@@ -239,7 +239,7 @@ double lw_motion_curve_find(lw_motion_curve *b, double first, double last, doubl
         double at = x[1] - g[1]*(x[1] - x[0])/(g[1] - g[0]);
         if (!(at > x[0] && at < x[1]))
             at = fabs(g[0]) < fabs(g[1]) ? x[0] : x[1];
-        lw_motion_curve_pose(b, at, q, NULL);
+        lw_motion_curve_posture(b, at, q, NULL);
         double value = lw_motion_curve_input(b, q) - input;
         if (fabs(value) <= 2e-16*fmax(unit, fabs(input)) || at == x[0] || at == x[1])
             return at;
@@ -323,7 +323,7 @@ bool lw_motion_curve_holds(lw_motion_curve *b, const double *q)
 
 int lw_motion_curve_side(lw_motion_curve *b, double station)
 {
-    lw_motion_curve_pose(b, station, b->a, NULL);
+    lw_motion_curve_posture(b, station, b->a, NULL);
     lw_continuation_factor(&b->driven, b->a);
     if (b->driven.m != b->driven.n)
         return 0;

@@ -70,7 +70,7 @@ const lw_motion_curve_event *lw_motion_curve_events(const lw_motion_curve *b, in
 bool   lw_motion_curve_other(lw_motion_curve *b, int event, double *q);
 
 /* Coordinates (n_q) of a station, and the unit tangent there if tangent is not NULL. */
-void   lw_motion_curve_pose(lw_motion_curve *b, double station, double *q, double *tangent);
+void   lw_motion_curve_posture(lw_motion_curve *b, double station, double *q, double *tangent);
 
 /* Value of the free input in a posture [rad] or [m], as in lw_input; it counts whole turns. */
 double lw_motion_curve_input(const lw_motion_curve *b, const double *q);

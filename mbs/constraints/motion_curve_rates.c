@@ -51,7 +51,7 @@ static void look_beside(lw_motion_curve *b, double arc, double away, const doubl
     double length = lw_motion_curve_length(b), at = arc + fmin(1.0, length)*away;
     if (b->end == LW_MOTION_CURVE_CLOSED)
         at -= length*floor(at/length);
-    lw_motion_curve_pose(b, lw_motion_curve_station(b, fmin(fmax(at, 0.0), length)), p, tangent);
+    lw_motion_curve_posture(b, lw_motion_curve_station(b, fmin(fmax(at, 0.0), length)), p, tangent);
     for (int i = 2; i < b->n; i += 3)
         p[i] -= 2.0*LW_PI*round((p[i] - q[i])/(2.0*LW_PI));
 }
@@ -141,7 +141,7 @@ bool lw_motion_curve_motion(lw_motion_curve *b, double station, int order, const
 {
     double direction[LW_SYSTEM_Q_MAX], all[LW_INPUT_MAX*(LW_MOTION_CURVE_ORDER + 1)] = { 0 }, at;
     double *own = all + b->input*(order + 1), unit = input_turns(b, b->input) ? 1.0 : b->s->unit;
-    lw_motion_curve_pose(b, station, q, direction);
+    lw_motion_curve_posture(b, station, q, direction);
     if (b->rests)
         return false;
     for (int k = 1; k <= order; k++)

@@ -184,7 +184,7 @@ bool lw_motion_curve_other(lw_motion_curve *b, int event, double *q)
     double at[LW_SYSTEM_Q_MAX], t[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     if (event < 0 || event >= b->n_event || b->event[event].kind != LW_EVENT_CROSSING)
         return false;
-    lw_motion_curve_pose(b, b->event[event].station, at, t);
+    lw_motion_curve_posture(b, b->event[event].station, at, t);
     return other_direction(b, at, t, v) && step_from(b, at, v, q);
 }
 

@@ -29,7 +29,7 @@ struct lw_prescribed_motion {
     double           from, to;
     double          *over;                  /* (ORDER + 1) x n                                         */
     double           asked;                 /* reported time and posture; inside a singular step they  */
-    double          *pose;                  /* differ from those where the next step starts            */
+    double          *posture;               /* differ from those where the next step starts            */
 };
 
 /* Series of the inputs at t, relative to the posture; false if a motion is not a number. */
@@ -190,7 +190,7 @@ static double from_crossing(const lw_prescribed_motion *d, double t)
 
 static void tell(lw_prescribed_motion *d, double t, const double *q)
 {
-    memcpy(d->pose, q, (size_t)d->n*sizeof *q);
+    memcpy(d->posture, q, (size_t)d->n*sizeof *q);
     d->asked = t;
 }
 
@@ -200,7 +200,7 @@ static void tell_leapt(lw_prescribed_motion *d, double t)
     lw_continuation_sum(&d->f, ORDER, d->over, t - d->from, d->next);
     tell(d, t, d->next);
     if (from_crossing(d, t) > 0.1 && hold(d, t) && lw_continuation_correct(&d->f, d->next)
-        && lw_continuation_distance(&d->f, d->next, d->pose) < 1e-6)
+        && lw_continuation_distance(&d->f, d->next, d->posture) < 1e-6)
         tell(d, t, d->next);
 }
 
@@ -342,7 +342,7 @@ static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
                             "comes %.6g %% of the way, straight in its inputs", t, 100.0*d->t);
     if (d->t != 1.0 && from_crossing(d, 1.0) < 0.1)
         return lw_error_set(e, LW_E_NUMERIC, "the motions begin at a branch point at t = %g; begin a little before", t);
-    memcpy(d->q, d->pose, (size_t)d->n*sizeof *d->q);
+    memcpy(d->q, d->posture, (size_t)d->n*sizeof *d->q);
     d->motion = motion;
     d->context = context;
     d->t = t;
@@ -381,8 +381,8 @@ lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *mot
     d->next = d->q + d->n;
     d->series = d->next + d->n;
     d->over = d->series + (ORDER + 2)*d->n;
-    d->pose = d->over + (ORDER + 1)*d->n;
-    d->track = d->pose + d->n;
+    d->posture = d->over + (ORDER + 1)*d->n;
+    d->track = d->posture + d->n;
     lw_status status = check_inputs(d, e);
     if (status == LW_OK)
         status = begin(d, t, e);
@@ -421,11 +421,11 @@ void lw_prescribed_motion_free(lw_prescribed_motion *d)
 }
 
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d) { return d->stuck ? d->limit : d->asked; }
-const double *lw_prescribed_motion_pose(const lw_prescribed_motion *d) { return d->pose; }
+const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d) { return d->posture; }
 
 bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
 {
-    memcpy(q, d->pose, (size_t)d->n*sizeof *q);
+    memcpy(q, d->posture, (size_t)d->n*sizeof *q);
     if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
         for (int k = 1; k <= order; k++) {                /* the series of the singular step, about this time */
             double choose = 1.0;
@@ -436,7 +436,7 @@ bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
         }
         return true;
     }
-    if (!make_series(d, d->asked, d->pose, order))
+    if (!make_series(d, d->asked, d->posture, order))
         return false;
     memcpy(q, d->series, (size_t)(order + 1)*(size_t)d->n*sizeof *q);
     return true;

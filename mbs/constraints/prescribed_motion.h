@@ -30,7 +30,7 @@ void      lw_prescribed_motion_free(lw_prescribed_motion *d);
 lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
 
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d);
-const double *lw_prescribed_motion_pose(const lw_prescribed_motion *d);      /* coordinates (n_q) */
+const double *lw_prescribed_motion_posture(const lw_prescribed_motion *d);   /* coordinates (n_q) */
 
 /* Coefficients q[k*n_q + i], k = 0 .. order, of the motion with respect to time; false at a dead point.  At a branch
  * point they are those of the motion straight on, the third accurate to 1e-6.  Just before a branch point digits are

@@ -135,7 +135,7 @@ static lw_status fill(driven *z, window *w)
         w->x[i] = i < N_SIDE ? -w->half*node[N_SIDE - 1 - i] : w->half*node[i - N_SIDE];
         lw_status s = lw_prescribed_motion_to(z->motion, w->at + w->x[i]);
         if (s == LW_OK) {
-            memcpy(to, lw_prescribed_motion_pose(z->motion), (size_t)n*sizeof *to);
+            memcpy(to, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *to);
             s = velocities_at(d, w->at + w->x[i], to, to + n);
         }
         if (s == LW_OK)
@@ -261,7 +261,7 @@ static lw_status moment_at(driven *z, double t, double *y)
     lw_status s = follow(z, t);
     if (s != LW_OK)
         return s;
-    memcpy(y, lw_prescribed_motion_pose(z->motion), (size_t)n*sizeof *y);
+    memcpy(y, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *y);
     double series[2*LW_SYSTEM_Q_MAX], half, at;
     bool near = apart(d, t, y) < beside && !(t > z->clear_from && t < z->clear_to)
              && lw_prescribed_motion_rates(z->motion, 1, series) && greatest(series + n, n) > 0;

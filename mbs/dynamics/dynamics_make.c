@@ -236,7 +236,7 @@ static lw_status start_on_motion(lw_dynamics *d, double *q, lw_error *e)
     lw_system system = { 0 };
     lw_status s = lw_mbs_follow(d, &system, &motion, e);
     if (s == LW_OK)
-        memcpy(q, lw_prescribed_motion_pose(motion), (size_t)d->n_q*sizeof *q);
+        memcpy(q, lw_prescribed_motion_posture(motion), (size_t)d->n_q*sizeof *q);
     lw_prescribed_motion_free(motion);
     lw_system_free(&system);
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;

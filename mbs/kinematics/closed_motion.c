@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "mbs/batch/batch.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/plan/plan_internal.h"
 #include "mbs/plan/sincos_internal.h"
@@ -72,7 +72,7 @@ static double one_margin(const walk *w, const double *mode, double input, int *w
     lw_vec2 reg[LW_REG_MAX];
     double m[LW_DYAD_MAX];
     int first = -1, least = 0;
-    lw_pose_registers(w->plan, w->dim, mode, input, reg);
+    lw_posture_registers(w->plan, w->dim, mode, input, reg);
     for (int i = 0; i < w->n_step; i++) {
         lw_opening o = lw_dyad_opening(w->dim, w->step[i], reg);
         m[i] = o.less*o.more;
@@ -300,7 +300,7 @@ static double other_margin(const walk *w, const lw_leg *leg)
 {
     lw_vec2 reg[LW_REG_MAX];
     double least = 1;
-    lw_pose_registers(w->plan, w->dim, leg->mode, leg->last, reg);
+    lw_posture_registers(w->plan, w->dim, leg->mode, leg->last, reg);
     for (int i = 0; i < w->n_step; i++) {
         lw_opening o = lw_dyad_opening(w->dim, w->step[i], reg);
         if (w->step[i]->dyad != leg->dyad)

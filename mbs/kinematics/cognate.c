@@ -46,8 +46,8 @@ static lw_status close_loop(const double r[4], double mode, double angle, lw_vec
     return LW_OK;
 }
 
-lw_status lw_fourbar_cognate_pose(const double in[9], double mode, double angle,
-                                  double out_angle[2], double out_mode[2])
+lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle,
+                                     double out_angle[2], double out_mode[2])
 {
     lw_fourbar_class c;
     lw_status status = lw_fourbar_classify(in, LW_FOURBAR_TOLERANCE, &c, NULL);
@@ -74,7 +74,7 @@ lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9],
     if (status != LW_OK)
         return status;
     double posture[2], third = (2.0*class.range[0][0] + class.range[0][1])/3.0;
-    status = lw_fourbar_cognate_pose(in, mode, third, posture, out_mode);
+    status = lw_fourbar_cognate_posture(in, mode, third, posture, out_mode);
     if (status != LW_OK)
         return status;
 

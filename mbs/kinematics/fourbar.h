@@ -23,7 +23,7 @@ lw_status lw_fourbar_classify(const double r[4], double tolerance, lw_fourbar_cl
  *   out[1]  It shares the ground pin of the crank of `in`, and its input turns as the coupler of `in`.  Its mode
  * changes
  *           along the curve; out_mode[1] is its mode where the input of `in` is at a third of the first range of
- *           lw_fourbar_class.  See lw_fourbar_cognate_pose.
+ *           lw_fourbar_class.  See lw_fourbar_cognate_posture.
  *
  * LW_E_ARG: the lengths are no four-bar.  LW_E_NUMERIC: the coupler point is on a pivot (nearer than 1e-12 of the
  * coupler), so that one cognate shrinks to a point.  Its nine numbers are 0; the other cognate is valid. */
@@ -31,7 +31,7 @@ lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9],
 
 /* The input angle from the frame [rad], in (-pi, pi], and the mode of both cognates when the input of `in` is at
  * `angle`. LW_OPEN when `in` cannot close there; LW_E_ARG as above. */
-lw_status lw_fourbar_cognate_pose(const double in[9], double mode, double angle,
-                                  double out_angle[2], double out_mode[2]);
+lw_status lw_fourbar_cognate_posture(const double in[9], double mode, double angle,
+                                     double out_angle[2], double out_mode[2]);
 
 #endif

@@ -6,20 +6,20 @@
 /* A point of the link with velocity and acceleration, and the link's angular velocity and acceleration. */
 typedef struct state { lw_vec2 p, v, a; double w, e; } state;
 
-static bool state_of(const lw_linkage *k, const lw_pose *pose, int link, state *s)
+static bool state_of(const lw_linkage *k, const lw_posture *posture, int link, state *s)
 {
     const lw_vec2 *at = NULL;
-    *s = (state){ .w = pose->angle[link][1], .e = pose->angle[link][2] };
+    *s = (state){ .w = posture->angle[link][1], .e = posture->angle[link][2] };
     if (link == k->ground)
         return true;
     for (int i = 0; i < k->n_joint && !at; i++) {
         const lw_joint *j = &k->joint[i];
         if ((j->kind == LW_JOINT_REVOLUTE && (j->link[0] == link || j->link[1] == link)) || (j->kind == LW_JOINT_SLOT && j->link[1] == link))
-            at = pose->joint[i];
+            at = posture->joint[i];
     }
     for (int i = 0; i < k->n_tracer && !at; i++)
         if (k->tracer[i].link == link)
-            at = pose->tracer[i];
+            at = posture->tracer[i];
     if (at) {
         s->p = at[0];
         s->v = at[1];
@@ -39,16 +39,17 @@ static lw_vec2 acceleration(const state *s, lw_vec2 p)
     return lw_v2_add(s->a, lw_v2_sub(lw_v2_scale(lw_v2_perp(r), s->e), lw_v2_scale(r, s->w*s->w)));
 }
 
-/* The centre C has the same velocity on both links: v(p) + w i (C - p) = 0 for the relative motion, so C = p + i v(p)/w.
- * There the relative acceleration a needs no Coriolis term.  A point at r from C has the relative velocity w i r and
- * acceleration a + e i r - w^2 r; they are parallel where r a = w^2 r r, on the circle with the diameter a/w^2. */
-lw_status lw_instant_motion_of(const lw_linkage *k, const lw_pose *pose, int link, int base, lw_instant_motion *out)
+/* The centre C has the same velocity on both links: v(p) + w i (C - p) = 0 for the relative motion, so C = p + i
+ * v(p)/w. There the relative acceleration a needs no Coriolis term.  A point at r from C has the relative velocity w i
+ * r and acceleration a + e i r - w^2 r; they are parallel where r a = w^2 r r, on the circle with the diameter a/w^2. */
+lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base,
+                               lw_instant_motion *out)
 {
     state of, from;
     *out = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
     if (link < 0 || base < 0 || link >= k->n_link || base >= k->n_link || link == base)
         return LW_E_ARG;
-    if (!state_of(k, pose, link, &of) || !state_of(k, pose, base, &from))
+    if (!state_of(k, posture, link, &of) || !state_of(k, posture, base, &from))
         return LW_E_KIND;
     out->turn = of.w - from.w;
     if (!(fabs(out->turn) > STILL))

@@ -4,10 +4,11 @@
 #define LW_MBS_KINEMATICS_INSTANT_H
 
 #include "grammar/linkage.h"     /* lw_instant_motion: linkwright.h */
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
-/* The motion of `link` seen from `base`, in a pose with derivatives of order 2.  LW_E_ARG: no such links, or the same
- * one twice; LW_E_KIND: a link has neither a pin nor a tracer, so that the pose has no point of it. */
-lw_status lw_instant_motion_of(const lw_linkage *k, const lw_pose *pose, int link, int base, lw_instant_motion *out);
+/* The motion of `link` seen from `base`, in a posture with derivatives of order 2.  LW_E_ARG: no such links, or the
+ * same one twice; LW_E_KIND: a link has neither a pin nor a tracer, so that the posture has no point of it. */
+lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base,
+                               lw_instant_motion *out);
 
 #endif

@@ -4,7 +4,7 @@
  *     input = middle - half cos(pi s)
  * the margin is a smooth function of s in [0, 1] up to both ends, and samples at equal steps of s are dense there. */
 #include "mbs/kinematics/motion_internal.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/plan_internal.h"
 
 enum { N_SAMPLE = 256 };
@@ -29,7 +29,7 @@ static double input_at(const lw_motion_piece *p, double s)
 static lw_opening opening_at(const track *k, double s)
 {
     lw_vec2 reg[LW_REG_MAX];
-    lw_pose_registers(k->plan, k->dim, k->piece->mode, input_at(k->piece, s), reg);
+    lw_posture_registers(k->plan, k->dim, k->piece->mode, input_at(k->piece, s), reg);
     return lw_dyad_opening(k->dim, k->step, reg);
 }
 

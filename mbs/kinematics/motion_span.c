@@ -8,7 +8,7 @@
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/plan/sincos_internal.h"
 #include "base/sum.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/plan/plan_internal.h"
 
@@ -66,7 +66,7 @@ static void set_scene(scene *c, const lw_plan *plan, const double *dim, const lw
     c->plan = plan;
     c->step = step;
     find_moves(plan, c->reg_moves);
-    lw_pose_registers(plan, dim, any_mode, 0.0, c->reg);
+    lw_posture_registers(plan, dim, any_mode, 0.0, c->reg);
     c->pivot = c->reg[plan->link_origin[plan->link[1]]];
     c->along = lw_v2(0.0, 0.0);
     for (int i = 0; i < plan->n_step; i++)

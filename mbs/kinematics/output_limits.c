@@ -2,7 +2,7 @@
 #include "mbs/kinematics/output_limits.h"
 
 #include "base/real.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
 #define N_SAMPLE 256
 
@@ -19,12 +19,12 @@ typedef struct output {
 /* The speed (order 1) or acceleration (2) of the link by the input; NAN where the linkage does not close. */
 static double rate(const output *o, double input, int order)
 {
-    lw_pose pose;
-    if (lw_pose_solve(o->plan, o->dim, o->mode, input, order, &pose) != LW_OK || !(pose.margin > 0))
+    lw_posture posture;
+    if (lw_posture_solve(o->plan, o->dim, o->mode, input, order, &posture) != LW_OK || !(posture.margin > 0))
         return NAN;
     if (o->pin < 0)
-        return pose.angle[o->link][order];
-    return lw_v2_dot(pose.joint[o->pin][order], o->k->joint[o->joint].along);
+        return posture.angle[o->link][order];
+    return lw_v2_dot(posture.joint[o->pin][order], o->k->joint[o->joint].along);
 }
 
 /* The zero of `rate` between a, where its sign is that of fa, and b, where it is the opposite; bisection to

@@ -1,7 +1,7 @@
-/* mbs/plan/dyad_internal.h - the closed forms of the dyads and their derivatives, one pose at a time.
+/* mbs/plan/dyad_internal.h - the closed forms of the dyads and their derivatives, one posture at a time.
  *
- * The arithmetic has no branches.  It is inlined into every loop (mbs/batch/kernel*.c) and into the single pose
- * (mbs/batch/pose.c).  Internal to mbs.
+ * The arithmetic has no branches.  It is inlined into every loop (mbs/batch/kernel*.c) and into the single posture
+ * (mbs/batch/posture.c).  Internal to mbs.
  *
  * Where circles or lines do not meet, the square root of a negative number is replaced by 0 and the direction stays a
  * unit vector: the link points as near to the other as it can.  Where the centres coincide the direction is set along

@@ -1,5 +1,5 @@
-/* mbs/plan/plan.h - how the pose of a linkage is worked out: a plan is made once from the topology, then evaluated many
- * times in the caller's memory.
+/* mbs/plan/plan.h - how the posture of a linkage is worked out: a plan is made once from the topology, then evaluated
+ * many times in the caller's memory.
  *
  * A plan is a list of steps: the input link, then one Assur group after the other, then the tracer points.  It holds
  * only the steps that the outputs depend on.  Dyads (RRR, RRP, RPR, PRP, PPR) are steps in closed form.  Higher groups
@@ -241,7 +241,7 @@ typedef struct lw_fast_dyad {
 
 typedef struct lw_plan {
     int         n_dim, n_dyad, n_step, n_reg, n_output;
-    int         n_mode, n_higher, n_row;          /* rows: numbers that give the pose of the higher groups */
+    int         n_mode, n_higher, n_row;          /* rows: numbers that give the posture of the higher groups */
     bool        input_is_slider;
     int         input_turns_per_period;           /* turns of the linkage's input in one turn of the plan's input */
     lw_dim_info dim[LW_DIM_MAX];

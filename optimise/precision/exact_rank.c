@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/kinematics/motion.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/report/report.h"
 #include "optimise/task/motion_limits.h"
 
@@ -239,10 +239,10 @@ static double least_margin(const lw_ranking *r, const kind *w, const lw_candidat
         double mode[LW_DYAD_MAX] = { r->mode[i] }, from = r->input[i], by = r->input[i + 1] - from;
         int steps = r->mode[i] == r->mode[i + 1] ? 4 : 0;
         for (int k = 0; k <= steps; k++) {
-            lw_pose pose;
-            if (lw_pose_solve(&w->plan, c->dim, mode, from + (steps ? by*k/steps : 0), 0, &pose) != LW_OK)
+            lw_posture posture;
+            if (lw_posture_solve(&w->plan, c->dim, mode, from + (steps ? by*k/steps : 0), 0, &posture) != LW_OK)
                 return 0;
-            least = fmin(least, pose.margin);
+            least = fmin(least, posture.margin);
         }
     }
     return least;
@@ -454,7 +454,7 @@ static bool own_arrays(lw_ranking *r, entry *now)
     return true;
 }
 
-/* Eq. 17 at the poses that the plan computes for the stations. */
+/* Eq. 17 at the postures that the plan computes for the stations. */
 static double objective(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     const lw_target *t = r->t;
@@ -463,21 +463,21 @@ static double objective(const lw_ranking *r, const kind *w, const lw_candidate *
     double f = 0;
     for (size_t i = 0; i < t->n; i++) {
         double mode[LW_DYAD_MAX] = { c->mode_of[i] };
-        lw_pose pose;
-        lw_pose_solve(&w->plan, c->dim, mode, c->input[i], 0, &pose);
+        lw_posture posture;
+        lw_posture_solve(&w->plan, c->dim, mode, c->input[i], 0, &posture);
         if (place) {
-            double d = hypot(pose.tracer[0][0].x - t->x[i], pose.tracer[0][0].y - t->y[i]);
+            double d = hypot(posture.tracer[0][0].x - t->x[i], posture.tracer[0][0].y - t->y[i]);
             f += s->a*t->weight[i]*d*d;
         }
         if (lw_task_has_angle(s->task)) {
-            double d = remainder(pose.angle[place ? 2 : 3][0] + c->tool0 - t->theta[i], 2*LW_PI);
+            double d = remainder(posture.angle[place ? 2 : 3][0] + c->tool0 - t->theta[i], 2*LW_PI);
             f += s->b*t->weight[i]*d*d;
         }
     }
     return f;
 }
 
-/* Does the plan compute poses at the stations?  At a singular posture rounding decides the mode. */
+/* Does the plan compute postures at the stations?  At a singular posture rounding decides the mode. */
 static bool reaches(lw_ranking *r, const kind *w, entry *now)
 {
     const lw_fit_spec *s = &r->o->spec;
@@ -495,11 +495,12 @@ static bool reaches(lw_ranking *r, const kind *w, entry *now)
 static bool complete(lw_ranking *r, const kind *w, int link, double angle, entry *now)
 {
     double mode[LW_DYAD_MAX] = { r->mode[0] };
-    lw_pose pose;
+    lw_posture posture;
     if (!judge(r, w, now))
         return false;
-    if (lw_task_has_angle(r->o->spec.task) && lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
-        now->c.tool0 = remainder(angle - pose.angle[link][0], 2*LW_PI);
+    if (lw_task_has_angle(r->o->spec.task)
+        && lw_posture_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &posture) == LW_OK)
+        now->c.tool0 = remainder(angle - posture.angle[link][0], 2*LW_PI);
     return own_arrays(r, now) && reaches(r, w, now);
 }
 

@@ -1,6 +1,6 @@
 /* optimise/problem/circuit.c - see circuit.h.
  *
- * Near a limit the pose varies like the square root of the input's distance from the limit. With input = mid - half
+ * Near a limit the posture varies like the square root of the input's distance from the limit. With input = mid - half
  * cos(psi) this root is proportional to sqrt(half) psi. Each stroke gets a part of the phase in proportion to
  * sqrt(half), so that the speed is continuous from one stroke to the next. */
 #include "optimise/problem/circuit.h"
@@ -211,7 +211,7 @@ double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
     return lw_circuit_drift_at(w, &at, d);
 }
 
-/* ---- poses on the circuit ----------------------------------------------------------------------------- */
+/* ---- postures on the circuit ----------------------------------------------------------------------------- */
 
 lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase)
 {

@@ -1,26 +1,26 @@
 /* optimise/problem/constraint.c - the conditions g(x) >= 0 of a fitting problem, with their derivatives.
  *
- * A condition on the motion is checked in sampled poses.  Its derivative has two parts: by the dimensions at constant
- * input, from the plan's adjoints, and by the input of the pose, which moves with the variables where the ends of the
- * motion do. */
+ * A condition on the motion is checked in sampled postures.  Its derivative has two parts: by the dimensions at
+ * constant input, from the plan's adjoints, and by the input of the posture, which moves with the variables where the
+ * ends of the motion do. */
 #include "optimise/problem/constraint.h"
 
 #include <string.h>
 
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"
 #include "optimise/problem/timing.h"
 #include "optimise/problem/variable_projection.h"
 
-/* Conditions on the motion are checked in LW_CURVE_SAMPLES poses: over the turn if the input turns fully, else from the
- * first station to the last. The samples of a turn include every multiple of 90 degrees in the ground frame, where
+/* Conditions on the motion are checked in LW_CURVE_SAMPLES postures: over the turn if the input turns fully, else from
+ * the first station to the last. The samples of a turn include every multiple of 90 degrees in the ground frame, where
  * transmission angles of four-link chains have their extremes. Other extremes are found between the samples by a
  * parabola. */
 enum {
-    POSES = LW_CURVE_SAMPLES,
-    ZONE_POSES = LW_ZONE_SAMPLES + 1
+    POSTURES = LW_CURVE_SAMPLES,
+    ZONE_POSTURES = LW_ZONE_SAMPLES + 1
 };
 
 static void linear(const lw_problem *p, const double *x, double *g)
@@ -34,7 +34,7 @@ static void linear(const lw_problem *p, const double *x, double *g)
 
 /* ---- the motion that is checked ------------------------------------------------------------------------------ */
 
-/* Poses from `from` on over `length`: phases of the circuit if the stations have modes of their own, else inputs.
+/* Postures from `from` on over `length`: phases of the circuit if the stations have modes of their own, else inputs.
  * moves: these depend on the variables, with the derivatives by[0] of `from` and by[1] of from + length. */
 typedef struct motion {
     double from, length;
@@ -50,7 +50,7 @@ static bool is_whole(const lw_problem *p)
                                    : p->intended.turns && (p->closed || p->must_turn);
 }
 
-/* Phase of the first pose of a whole circuit: with strokes of equal length no pose is at a limit, where the pose has no
+/* Phase of the first posture of a whole circuit: with strokes of equal length no posture is at a limit, where it has no
  * derivative by the input. */
 #define WHOLE_FROM 0.02
 
@@ -198,7 +198,7 @@ static void end_slopes(const lw_problem *p, const double *x, lw_work *w, motion 
         }
 }
 
-/* Derivative of the input of the pose `at`, which is at `part` of the motion, by variable d. */
+/* Derivative of the input of the posture `at`, which is at `part` of the motion, by variable d. */
 static double input_slope(const lw_problem *p, const lw_work *w, const motion *m, const lw_cycle_point *at, double part,
                           int d)
 {
@@ -208,13 +208,13 @@ static double input_slope(const lw_problem *p, const lw_work *w, const motion *m
     return at->rate*by + (d < p->n_dim ? lw_circuit_drift_at(w, at, (size_t)d) : 0);
 }
 
-/* Do the inputs of the poses depend on the variables? */
+/* Do the inputs of the postures depend on the variables? */
 static bool inputs_move(const lw_problem *p, const lw_work *w, const motion *m)
 {
     return m->moves || (lw_problem_has_modes(p) && !w->swing.turning);
 }
 
-/* Set w->check_at, check_c and check_s to n poses of the motion, or of the turn. */
+/* Set w->check_at, check_c and check_s to n postures of the motion, or of the turn. */
 static void sample_motion(const lw_problem *p, lw_work *w, const motion *m, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -226,13 +226,13 @@ static void sample_motion(const lw_problem *p, lw_work *w, const motion *m, size
 
 static void sample_turn(lw_work *w)
 {
-    for (size_t i = 0; i < POSES; i++)
+    for (size_t i = 0; i < POSTURES; i++)
         w->check_at[i] = (lw_cycle_point){ .c = w->turn_c[i], .s = w->turn_s[i], .input = w->turn[i], .rate = 1 };
-    memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSES);
-    memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSES);
+    memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSTURES);
+    memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSTURES);
 }
 
-/* lw_batch_jacobian of n poses of check_at at the inputs c, s, one run of poses on the same stroke after the other. */
+/* lw_batch_jacobian of n postures of check_at at the inputs c, s, one run on the same stroke after the other. */
 static void jacobians(const lw_problem *p, const double *x, lw_work *w, int n_which, const int *which, const double *c,
                       const double *s, size_t n, const lw_jacobian *out)
 {
@@ -266,36 +266,36 @@ static void jacobian(const lw_problem *p, const double *x, lw_work *w, int which
 /* Does the motion pass a limit on the way to the next sample? */
 static bool changes(const lw_problem *p, const lw_work *w, size_t k)
 {
-    return lw_problem_has_modes(p) && k + 1 < POSES && w->check_at[k].leg != w->check_at[k + 1].leg;
+    return lw_problem_has_modes(p) && k + 1 < POSTURES && w->check_at[k].leg != w->check_at[k + 1].leg;
 }
 
 /* One row of derivatives: those by the dimensions and by the input are column k of `slope`. */
 static void put_row(const lw_problem *p, const lw_work *w, const motion *m, double part, const lw_cycle_point *at,
                     const double *slope, size_t k, double *row)
 {
-    double by_input = slope[(size_t)p->n_dim*w->pose.ld + k];
+    double by_input = slope[(size_t)p->n_dim*w->posture.ld + k];
     for (int d = 0; d < p->n_var; d++)
-        row[d] = d < p->n_dim ? slope[(size_t)d*w->pose.ld + k] : 0;
+        row[d] = d < p->n_dim ? slope[(size_t)d*w->posture.ld + k] : 0;
     for (int d = 0; d < p->n_var && inputs_move(p, w, m); d++)
         row[d] += by_input*input_slope(p, w, m, at, part, d);
 }
 
 /* ---- margins and accelerations -------------------------------------------------------------------------------- */
 
-/* Least margin over all outputs of n poses at c, s; with `slope` its derivatives. */
+/* Least margin over all outputs of n postures at c, s; with `slope` its derivatives. */
 static void margins_at(const lw_problem *p, const double *x, lw_work *w, const double *c, const double *s, size_t n,
                        double *margin, double *slope)
 {
-    size_t ld = w->pose.ld, rows = (size_t)p->n_dim;
+    size_t ld = w->posture.ld, rows = (size_t)p->n_dim;
     for (int i = 0; i <= p->n_also; i++) {
         double *to = i == 0 ? slope : slope ? w->slope[1] : NULL;
-        lw_jacobian j = { .x = w->pose_x, .y = w->pose_y, .margin = i == 0 ? margin : w->pose_m, .ld = ld, .jm = to,
-                          .tm = to ? to + rows*ld : NULL };
+        lw_jacobian j = { .x = w->posture_x, .y = w->posture_y, .margin = i == 0 ? margin : w->posture_m, .ld = ld,
+                          .jm = to, .tm = to ? to + rows*ld : NULL };
         jacobian(p, x, w, i, c, s, n, &j);
         for (size_t k = 0; i > 0 && k < n; k++) {
-            if (!(w->pose_m[k] < margin[k]))
+            if (!(w->posture_m[k] < margin[k]))
                 continue;
-            margin[k] = w->pose_m[k];
+            margin[k] = w->posture_m[k];
             for (size_t d = 0; slope && d <= rows; d++)
                 slope[d*ld + k] = to[d*ld + k];
         }
@@ -310,15 +310,15 @@ typedef struct acceleration { double x, y, vx, vy; } acceleration;
 static void shifted(const lw_problem *p, const double *x, lw_work *w, double by, double *tx, double *ty)
 {
     double cb = cos(by), sb = sin(by);
-    for (size_t k = 0; k < POSES; k++) {
+    for (size_t k = 0; k < POSTURES; k++) {
         double c = w->check_c[k], s = w->check_s[k];
-        w->pose_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
-        w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
+        w->posture_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
+        w->posture_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
     }
-    lw_jacobian j = w->pose;
+    lw_jacobian j = w->posture;
     j.tx = tx;
     j.ty = ty;
-    jacobian(p, x, w, 0, w->pose_c, w->pose_s, POSES, &j);
+    jacobian(p, x, w, 0, w->posture_c, w->posture_s, POSTURES, &j);
 }
 
 static double acceleration_condition(const lw_problem *p, const acceleration *a)
@@ -333,16 +333,16 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
 {
     static const double first[5] = { 1, -8, 0, 8, -1 }, second[5] = { -1, 16, -30, 16, -1 };
     const double h = 2e-3;
-    size_t ld = w->pose.ld, rows = (size_t)p->n_dim + 1;
+    size_t ld = w->posture.ld, rows = (size_t)p->n_dim + 1;
     for (int i = 0; i < 4; i++)
         memset(w->slope[i], 0, sizeof(double)*rows*ld);
     for (int i = 0; i < 5; i++) {
         double a = second[i]/(12*h*h), v = first[i]/(12*h);
-        shifted(p, x, w, (i - 2)*h, w->pose_u, w->pose_v);
+        shifted(p, x, w, (i - 2)*h, w->posture_u, w->posture_v);
         for (size_t d = 0; d < rows; d++) {
-            const double *jx = d + 1 < rows ? w->pose.jx + d*ld : w->pose_u;
-            const double *jy = d + 1 < rows ? w->pose.jy + d*ld : w->pose_v;
-            for (size_t k = 0; k < POSES; k++) {
+            const double *jx = d + 1 < rows ? w->posture.jx + d*ld : w->posture_u;
+            const double *jy = d + 1 < rows ? w->posture.jy + d*ld : w->posture_v;
+            for (size_t k = 0; k < POSTURES; k++) {
                 w->slope[0][d*ld + k] += a*jx[k];
                 w->slope[1][d*ld + k] += a*jy[k];
                 w->slope[2][d*ld + k] += v*jx[k];
@@ -356,20 +356,20 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
 static void accelerations(const lw_problem *p, const double *x, lw_work *w, double *g, bool slope)
 {
     const double h = 1e-4, scale = 2/(p->max_acceleration*p->max_acceleration);
-    acceleration of[POSES];
-    shifted(p, x, w, +h, w->pose_x, w->pose_y);
-    shifted(p, x, w, -h, w->pose_u, w->pose_v);
-    for (size_t k = 0; k < POSES; k++) {
-        of[k] = (acceleration){ (w->pose_x[k] - w->pose_u[k])/(2*h), (w->pose_y[k] - w->pose_v[k])/(2*h),
-                                0.5*(w->pose_x[k] + w->pose_u[k]), 0.5*(w->pose_y[k] + w->pose_v[k]) };
+    acceleration of[POSTURES];
+    shifted(p, x, w, +h, w->posture_x, w->posture_y);
+    shifted(p, x, w, -h, w->posture_u, w->posture_v);
+    for (size_t k = 0; k < POSTURES; k++) {
+        of[k] = (acceleration){ (w->posture_x[k] - w->posture_u[k])/(2*h), (w->posture_y[k] - w->posture_v[k])/(2*h),
+                                0.5*(w->posture_x[k] + w->posture_u[k]), 0.5*(w->posture_y[k] + w->posture_v[k]) };
         g[k] = acceleration_condition(p, &of[k]);
     }
     if (!slope)
         return;
     acceleration_slopes(p, x, w);
     for (size_t d = 0; d <= (size_t)p->n_dim; d++)
-        for (size_t k = 0; k < POSES; k++) {
-            size_t at = d*w->pose.ld + k;
+        for (size_t k = 0; k < POSTURES; k++) {
+            size_t at = d*w->posture.ld + k;
             const acceleration *a = &of[k];
             double v2 = !lw_task_has_place(p->task) ? 2*(a->vx*a->vx + a->vy*a->vy) : 0;
             w->slope[0][at] = -scale*(a->x*w->slope[0][at] + a->y*w->slope[1][at]
@@ -381,14 +381,14 @@ static void accelerations(const lw_problem *p, const double *x, lw_work *w, doub
 static void look_between(const lw_problem *p, bool round, double *g, double *j)
 {
     size_t nv = (size_t)p->n_var;
-    double raw[POSES], *row = j;
+    double raw[POSTURES], *row = j;
     double before_row[LW_VAR_MAX], now_row[LW_VAR_MAX], first_row[LW_VAR_MAX];
     memcpy(raw, g, sizeof raw);
     if (j)
         memcpy(first_row, j, sizeof *j*nv);
-    for (size_t k = 0; k < POSES; k++) {
-        double now = raw[k], before = k > 0 ? raw[k - 1] : round ? raw[POSES - 1] : INFINITY;
-        double after = k + 1 < POSES ? raw[k + 1] : round ? raw[0] : INFINITY;
+    for (size_t k = 0; k < POSTURES; k++) {
+        double now = raw[k], before = k > 0 ? raw[k - 1] : round ? raw[POSTURES - 1] : INFINITY;
+        double after = k + 1 < POSTURES ? raw[k + 1] : round ? raw[0] : INFINITY;
         double bend = before + after - 2*now, slope = after - before;
         bool lower = now <= before && now <= after && bend > 0 && isfinite(bend);
         if (lower)
@@ -396,7 +396,7 @@ static void look_between(const lw_problem *p, bool round, double *g, double *j)
         if (!j)
             continue;
         memcpy(now_row, row, sizeof *row*nv);
-        const double *b = k > 0 ? before_row : j + (POSES - 1)*nv, *a = k + 1 < POSES ? row + nv : first_row;
+        const double *b = k > 0 ? before_row : j + (POSTURES - 1)*nv, *a = k + 1 < POSTURES ? row + nv : first_row;
         for (size_t d = 0; lower && d < nv; d++)
             row[d] -= slope/(4*bend)*(a[d] - b[d]) - slope*slope/(8*bend*bend)*(b[d] + a[d] - 2*now_row[d]);
         memcpy(before_row, now_row, sizeof *row*nv);
@@ -408,7 +408,7 @@ static void look_between(const lw_problem *p, bool round, double *g, double *j)
 static void lower_changes(const lw_problem *p, const lw_work *w, double most, double *g, double *j)
 {
     size_t nv = (size_t)p->n_var;
-    for (size_t k = 0; k < POSES; k++) {
+    for (size_t k = 0; k < POSTURES; k++) {
         if (!changes(p, w, k))
             continue;
         size_t least = g[k] < g[k + 1] ? k : k + 1;
@@ -419,21 +419,21 @@ static void lower_changes(const lw_problem *p, const lw_work *w, double most, do
     }
 }
 
-/* The rows of the sampled poses, from the derivatives in `slope`. */
+/* The rows of the sampled postures, from the derivatives in `slope`. */
 static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, const double *slope, double *j)
 {
-    for (size_t k = 0; k < POSES; k++)
-        put_row(p, w, m, (double)k/(POSES - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
+    for (size_t k = 0; k < POSTURES; k++)
+        put_row(p, w, m, (double)k/(POSTURES - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
 }
 
 static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
 {
     double sine = sin(p->min_transmission);
-    margins_at(p, x, w, w->check_c, w->check_s, POSES, g, j ? w->slope[0] : NULL);
+    margins_at(p, x, w, w->check_c, w->check_s, POSTURES, g, j ? w->slope[0] : NULL);
     if (j)
         put_rows(p, w, m, w->slope[0], j);
     lower_changes(p, w, 0, g, j);
-    for (size_t k = 0; k < POSES; k++)
+    for (size_t k = 0; k < POSTURES; k++)
         g[k] -= sine*sine;
     look_between(p, p->intended.turns, g, j);
 }
@@ -441,7 +441,7 @@ static void transmissions(const lw_problem *p, const double *x, lw_work *w, cons
 static void closure(const lw_problem *p, const double *x, lw_work *w, double *g, double *j)
 {
     double *slope = j ? w->slope[0] : NULL;
-    size_t ld = w->pose.ld, nv = (size_t)p->n_var;
+    size_t ld = w->posture.ld, nv = (size_t)p->n_var;
     margins_at(p, x, w, w->c, w->s, p->n, g, slope);
     for (size_t k = 0; j && k < p->n; k++)
         for (size_t d = 0; d < nv; d++) {
@@ -546,18 +546,18 @@ static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double eno
     return least;
 }
 
-/* How far a path may leave the chord between its poses b and c, from its curvature at b. */
+/* How far a path may leave the chord between its postures b and c, from its curvature at b. */
 static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
 {
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
 }
 
 /* The pins and tracers whose places are checked, each place once; which: as lw_batch_jacobian has it. */
-typedef struct places { int n, which[LW_PLACE_MAX]; bool closes[ZONE_POSES]; } places;
+typedef struct places { int n, which[LW_PLACE_MAX]; bool closes[ZONE_POSTURES]; } places;
 
 static lw_vec2 place(const lw_work *w, int i, size_t k)
 {
-    return lw_v2(w->place_x[(size_t)i*POSES + k], w->place_y[(size_t)i*POSES + k]);
+    return lw_v2(w->place_x[(size_t)i*POSTURES + k], w->place_y[(size_t)i*POSTURES + k]);
 }
 
 static void find_places(const lw_problem *p, const double *x, lw_work *w, places *out)
@@ -572,23 +572,23 @@ static void find_places(const lw_problem *p, const double *x, lw_work *w, places
     }
     for (int i = 0; i <= p->n_also; i++)
         out->which[out->n++] = i;
-    for (size_t k = 0; k < ZONE_POSES; k++)
+    for (size_t k = 0; k < ZONE_POSTURES; k++)
         out->closes[k] = true;
     lw_jacobian all[LW_PLACE_MAX];
-    double margin[LW_PLACE_MAX][ZONE_POSES];
+    double margin[LW_PLACE_MAX][ZONE_POSTURES];
     for (int i = 0; i < out->n; i++)
-        all[i] = (lw_jacobian){ .x = w->place_x + i*POSES, .y = w->place_y + i*POSES, .margin = margin[i],
-                                .ld = w->pose.ld };
-    jacobians(p, x, w, out->n, out->which, w->check_c, w->check_s, ZONE_POSES, all);
+        all[i] = (lw_jacobian){ .x = w->place_x + i*POSTURES, .y = w->place_y + i*POSTURES, .margin = margin[i],
+                                .ld = w->posture.ld };
+    jacobians(p, x, w, out->n, out->which, w->check_c, w->check_s, ZONE_POSTURES, all);
     for (int i = 0; i < out->n; i++)
-        for (size_t k = 0; k < ZONE_POSES; k++)
+        for (size_t k = 0; k < ZONE_POSTURES; k++)
             out->closes[k] &= margin[i][k] >= 0;
 }
 
-/* Where a condition is least: of which place, how far from pose k - 1 to pose k, with the bulge or not. */
+/* Where a condition is least: of which place, how far from posture k - 1 to posture k, with the bulge or not. */
 typedef struct nearest { int place; double where; bool bulges; } nearest;
 
-/* Least distance between poses k - 1 and k. 0 if one of them does not close; another condition covers that. */
+/* Least distance between postures k - 1 and k. 0 if one of them does not close; another condition covers that. */
 static double least_between(const lw_work *w, const places *all, const lw_zone *z, size_t k, nearest *at)
 {
     double least = INFINITY, where;
@@ -629,12 +629,12 @@ static lw_vec2 outwards(const lw_zone *z, lw_vec2 at, lw_vec2 line)
     return beyond.x > beyond.y ? lw_v2(sign.x, 0) : lw_v2(0, sign.y);
 }
 
-/* Add pull . dP/dx of the place in the scratch's Jacobian at pose k to a row. */
+/* Add pull . dP/dx of the place in the scratch's Jacobian at posture k to a row. */
 static void add_place(const lw_problem *p, const lw_work *w, const motion *m, size_t k, lw_vec2 pull, double *row)
 {
-    size_t ld = w->pose.ld;
-    const double *jx = w->pose.jx + k, *jy = w->pose.jy + k;
-    double by_input = pull.x*w->pose_u[k] + pull.y*w->pose_v[k];
+    size_t ld = w->posture.ld;
+    const double *jx = w->posture.jx + k, *jy = w->posture.jy + k;
+    double by_input = pull.x*w->posture_u[k] + pull.y*w->posture_v[k];
     for (int d = 0; d < p->n_var; d++) {
         if (d < p->n_dim)
             row[d] += pull.x*jx[(size_t)d*ld] + pull.y*jy[(size_t)d*ld];
@@ -664,28 +664,28 @@ static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, 
         add_place(p, w, m, k - 2 + (size_t)i, pull[i], row);
 }
 
-/* The least distances of all pins and points from the forbidden zones, between each pose and the next. */
+/* The least distances of all pins and points from the forbidden zones, between each posture and the next. */
 static void forbidden(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *const *g,
                       double *const *j)
 {
     places all;
-    nearest at[LW_ZONE_MAX][ZONE_POSES];
-    sample_motion(p, w, m, ZONE_POSES);
+    nearest at[LW_ZONE_MAX][ZONE_POSTURES];
+    sample_motion(p, w, m, ZONE_POSTURES);
     find_places(p, x, w, &all);
     for (int i = 0; i < p->n_zone; i++)
-        for (size_t k = 1; g[i] && k < ZONE_POSES; k++)
+        for (size_t k = 1; g[i] && k < ZONE_POSTURES; k++)
             g[i][k - 1] = least_between(w, &all, &p->zone[i], k, &at[i][k]);
     for (int q = 0; j && q < all.n; q++) {
         bool any = false;
         for (int i = 0; i < p->n_zone; i++)
-            for (size_t k = 1; g[i] && k < ZONE_POSES; k++) {
+            for (size_t k = 1; g[i] && k < ZONE_POSTURES; k++) {
                 if (at[i][k].place != q)
                     continue;
                 if (!any) {
-                    lw_jacobian jac = w->pose;
-                    jac.tx = w->pose_u;
-                    jac.ty = w->pose_v;
-                    jacobian(p, x, w, all.which[q], w->check_c, w->check_s, ZONE_POSES, &jac);
+                    lw_jacobian jac = w->posture;
+                    jac.tx = w->posture_u;
+                    jac.ty = w->posture_v;
+                    jacobian(p, x, w, all.which[q], w->check_c, w->check_s, ZONE_POSTURES, &jac);
                     any = true;
                 }
                 nearest_row(p, w, m, &p->zone[i], k, &at[i][k], j[i] + (k - 1)*(size_t)p->n_var);
@@ -722,11 +722,11 @@ static void zones(const lw_problem *p, const double *x, lw_work *w, const motion
 /* Do conditions need the stations' inputs? */
 static bool needs_stations(const lw_problem *p)
 {
-    bool poses = p->min_transmission > 0 || p->max_acceleration > 0, forbids = false;
+    bool postures = p->min_transmission > 0 || p->max_acceleration > 0, forbids = false;
     for (int i = 0; i < p->n_zone; i++)
         forbids |= lw_zone_forbids(&p->zone[i]);
-    return lw_problem_must_close(p) || (poses && !p->intended.turns) || (forbids && !is_whole(p))
-        || (lw_problem_has_modes(p) && (poses || forbids));
+    return lw_problem_must_close(p) || (postures && !p->intended.turns) || (forbids && !is_whole(p))
+        || (lw_problem_has_modes(p) && (postures || forbids));
 }
 
 /* Set the inputs of the stations. False: the linkage cannot close. */
@@ -759,7 +759,7 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
         return;
     if (!find_stations(p, x, settled, w)) {
         for (size_t k = 0; k < m; k++)
-            g[k] = -1;                                   /* without poses the condition counts as fully violated */
+            g[k] = -1;                                   /* without postures the condition counts as fully violated */
         if (j)
             memset(j, 0, sizeof *j*m*nv);
         return;
@@ -779,12 +779,12 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
         if (p->intended.turns)
             sample_turn(w);
         else
-            sample_motion(p, w, &between, POSES);
+            sample_motion(p, w, &between, POSTURES);
     }
     if (p->min_transmission > 0) {
         transmissions(p, x, w, checked, g, j);
-        g += POSES;
-        j += j ? POSES*nv : 0;
+        g += POSTURES;
+        j += j ? POSTURES*nv : 0;
     }
     if (p->max_acceleration > 0) {
         accelerations(p, x, w, g, j != NULL);
@@ -792,8 +792,8 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
             put_rows(p, w, checked, w->slope[0], j);
         lower_changes(p, w, -1, g, j);                      /* at a dead point it is unbounded */
         look_between(p, p->intended.turns, g, j);
-        g += POSES;
-        j += j ? POSES*nv : 0;
+        g += POSTURES;
+        j += j ? POSTURES*nv : 0;
     }
     if (p->n_zone > 0)
         zones(p, x, w, &between, g, j);
@@ -807,14 +807,14 @@ static void transmissions_alone(const lw_problem *p, const double *x, double *g,
     transmissions(p, x, w, &turn, g, NULL);
 }
 
-/* Replace rows that are not known by central differences: those of the margin of a higher group.  Of a turning input these
- * are the transmission angles, and all else need not be computed. */
+/* Replace rows that are not known by central differences: those of the margin of a higher group.  Of a turning input
+ * these are the transmission angles, and all else need not be computed. */
 static void by_differences(const lw_problem *p, const double *x, double *j, lw_work *w)
 {
     size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var, first = (size_t)(p->n_linear + p->n_side);
     bool any = false, alone = p->intended.turns && p->min_transmission > 0 && !lw_problem_must_close(p);
     double at[LW_VAR_MAX];
-    size_t last = alone ? first + POSES : m;
+    size_t last = alone ? first + POSTURES : m;
     for (size_t i = first*nv; i < last*nv && !any; i++)
         any = isnan(j[i]);
     memcpy(at, x, sizeof at[0]*nv);

@@ -4,7 +4,7 @@
 
 #include "optimise/problem/work.h"
 
-/* Inputs and poses of every station at x.  false when the linkage cannot close. */
+/* Inputs and postures of every station at x.  false when the linkage cannot close. */
 bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w);
 
 #endif

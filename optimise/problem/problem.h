@@ -24,7 +24,7 @@
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
 #define LW_LINEAR_MAX 128
-#define LW_CURVE_SAMPLES 64           /* poses of one turn or circuit: samples of the curve, checks of the motion  */
+#define LW_CURVE_SAMPLES 64           /* postures of one turn or circuit: samples of the curve, checks of the motion  */
 #define LW_ZONE_SAMPLES  24           /* steps of the motion at which forbidden zones are checked                  */
 #define LW_PROBLEM_TRACER_MAX (1 + LW_ALSO_MAX)
 /* greatest number of residuals of a station: x, y, angle of each point */
@@ -120,8 +120,7 @@ static inline bool lw_problem_turns_either_way(const lw_problem *p)
 /* Number of residuals of one station. */
 int lw_problem_component_count(const lw_problem *p);
 
-/* Number of lanes, the inputs at which poses are computed together: stations, and for timing none also curve samples.
- */
+/* Number of lanes, the inputs at which postures are computed together: stations; curve samples for timing none. */
 size_t lw_problem_lane_count(const lw_problem *p);
 
 /* The fixed pivots in the ground frame, whose origin is the first pivot: their places, and the variables that are their

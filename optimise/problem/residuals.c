@@ -7,11 +7,11 @@
 
 void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin)
 {
-    lw_batch_frame(&p->plan, in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
+    lw_batch_frame(&p->plan, in, 0, w->batch, w->posture_x, w->posture_y, w->posture_u, w->posture_v, margin);
     for (int i = 1; i <= p->n_also; i++) {
-        lw_batch_frame(&p->plan, in, i, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose_m);
+        lw_batch_frame(&p->plan, in, i, w->batch, w->posture_x, w->posture_y, w->posture_u, w->posture_v, w->posture_m);
         for (size_t k = 0; k < in->n; k++)
-            margin[k] = fmin(margin[k], w->pose_m[k]);
+            margin[k] = fmin(margin[k], w->posture_m[k]);
     }
 }
 
@@ -65,13 +65,13 @@ static double margin_of_range(const lw_problem *p, const double *x, double shift
         hi = lo + 2*LW_PI;
     for (size_t k = 0; k < n; k++) {
         double at = lo + (hi - lo)*((double)k + shift)/(double)n;
-        w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
-        w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+        w->posture_c[k] = p->plan.input_is_slider ? at : cos(at);
+        w->posture_s[k] = p->plan.input_is_slider ? 0 : sin(at);
     }
-    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->intended.mode };
-    lw_problem_margin(p, &in, w, w->pose.margin);
+    lw_lanes in = { .n = n, .c = w->posture_c, .s = w->posture_s, .dim = x, .mode = p->intended.mode };
+    lw_problem_margin(p, &in, w, w->posture.margin);
     for (size_t k = 0; k < n; k++)
-        least = fmin(least, w->pose.margin[k]);
+        least = fmin(least, w->posture.margin[k]);
     return least;
 }
 
@@ -81,19 +81,19 @@ static double margin_of_circuit(const lw_problem *p, const double *x, double shi
 {
     size_t n = LW_CURVE_SAMPLES;
     double least = 1, part[LW_CURVE_SAMPLES];
-    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = w->turn_mode, .mode_stride = n };
+    lw_lanes in = { .n = n, .c = w->posture_c, .s = w->posture_s, .dim = x, .mode = w->turn_mode, .mode_stride = n };
     if (!lw_circuit_find(p, x, w))
         return -1;
     for (size_t k = 0; k < n; k++) {
         lw_cycle_point at = lw_circuit_point(p, w, 2*LW_PI*((double)k + shift)/(double)n);
-        w->pose_c[k] = at.c;
-        w->pose_s[k] = at.s;
+        w->posture_c[k] = at.c;
+        w->posture_s[k] = at.s;
         part[k] = w->swing.turning ? 1 : fmax(at.psi_s*at.psi_s, 1e-9);
         lw_circuit_put_mode(p, w, at.leg, w->turn_mode + k, n);
     }
-    lw_problem_margin(p, &in, w, w->pose.margin);
+    lw_problem_margin(p, &in, w, w->posture.margin);
     for (size_t k = 0; k < n; k++)
-        least = fmin(least, w->pose.margin[k]/part[k]);
+        least = fmin(least, w->posture.margin[k]/part[k]);
     return least;
 }
 

@@ -1,7 +1,7 @@
-/* optimise/problem/residuals.h - poses at the inputs of the stations, and the residuals whose squares add up to f.
+/* optimise/problem/residuals.h - postures at the inputs of the stations, and the residuals whose squares add up to f.
  *
- * Inputs come first (from x where the timing is prescribed, else from the phases in the scratch), then the poses of all
- * lanes, then the residuals. */
+ * Inputs come first (from x where the timing is prescribed, else from the phases in the scratch), then the postures of
+ * all lanes, then the residuals. */
 #ifndef LW_OPTIMISE_PROBLEM_RESIDUALS_H
 #define LW_OPTIMISE_PROBLEM_RESIDUALS_H
 
@@ -13,15 +13,15 @@ bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w);
 /* Inputs of the stations from x, for a prescribed timing. */
 void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w);
 
-/* Compute the poses of all lanes at their inputs, with derivatives. False: a lane cannot close. */
+/* Compute the postures of all lanes at their inputs, with derivatives. False: a lane cannot close. */
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 
 /* Residuals of the lanes and, if requested, their derivatives. Where the input of a station is free, the part of the
  * derivatives that a change of this input can compensate is removed (variable_projection.h). Returns f. */
 double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives);
 
-/* Margin of each lane of `in` (mbs/batch/batch.h), the least over all points; as many lanes as w->pose_m has.
- * Overwrites w->pose_x .. pose_v. */
+/* Margin of each lane of `in` (mbs/batch/batch.h), the least over all points; as many lanes as w->posture_m has.
+ * Overwrites w->posture_x .. posture_v. */
 void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin);
 
 /* Does the linkage stay clear of dead points between the stations, at twelve times as many samples as usual?  Always

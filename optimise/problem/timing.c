@@ -33,9 +33,9 @@ void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
                    w->curve_m);
     for (int i = 0; i < p->n_also; i++) {
         const lw_also_work *a = &w->also[i];
-        lw_batch_point(&p->plan, &in, i + 1, w->batch, a->curve_x, a->curve_y, a->curve_u, a->curve_v, w->pose_m);
+        lw_batch_point(&p->plan, &in, i + 1, w->batch, a->curve_x, a->curve_y, a->curve_u, a->curve_v, w->posture_m);
         for (int j = 0; j < M; j++)
-            w->curve_m[j] = fmin(w->curve_m[j], w->pose_m[j]);
+            w->curve_m[j] = fmin(w->curve_m[j], w->posture_m[j]);
     }
 }
 

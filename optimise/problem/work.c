@@ -59,17 +59,18 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->check_at = piece(base, &at, m*sizeof *w->check_at);
     w->place_x = piece(base, &at, p->n_zone > 0 ? LW_PLACE_MAX*m*v : 0);
     w->place_y = piece(base, &at, p->n_zone > 0 ? LW_PLACE_MAX*m*v : 0);
-    size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
-    double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v, &w->pose_m,
-                        &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };
-    for (size_t i = 0; i < sizeof pose/sizeof *pose; i++)
-        *pose[i] = piece(base, &at, poses*v);
-    w->pose.jx = piece(base, &at, poses*v*(size_t)p->n_dim);
-    w->pose.jy = piece(base, &at, poses*v*(size_t)p->n_dim);
-    w->pose.jt = w->pose.tt = NULL;
-    w->pose.ld = poses;
+    size_t postures = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
+    double **posture[] = { &w->posture_c, &w->posture_s, &w->posture_x, &w->posture_y, &w->posture_u, &w->posture_v,
+                           &w->posture_m, &w->posture.x, &w->posture.y, &w->posture.u, &w->posture.v,
+                           &w->posture.margin };
+    for (size_t i = 0; i < sizeof posture/sizeof *posture; i++)
+        *posture[i] = piece(base, &at, postures*v);
+    w->posture.jx = piece(base, &at, postures*v*(size_t)p->n_dim);
+    w->posture.jy = piece(base, &at, postures*v*(size_t)p->n_dim);
+    w->posture.jt = w->posture.tt = NULL;
+    w->posture.ld = postures;
     for (int i = 0; i < 4; i++)
-        w->slope[i] = piece(base, &at, lw_problem_is_nonlinear(p) ? poses*v*(size_t)(p->n_dim + 1) : 0);
+        w->slope[i] = piece(base, &at, lw_problem_is_nonlinear(p) ? postures*v*(size_t)(p->n_dim + 1) : 0);
     w->g_now = piece(base, &at, g*v);
     w->g_up = piece(base, &at, g*v);
     w->g_down = piece(base, &at, g*v);

@@ -55,13 +55,13 @@ typedef struct lw_work {
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
     double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
     double  sample_weight;
-    /* poses in which conditions on the motion are checked: of the turn, or of the motion between the stations */
+    /* postures in which conditions on the motion are checked: of the turn, or of the motion between the stations */
     double *check_c, *check_s;
     lw_cycle_point *check_at;
-    double *place_x, *place_y;             /* of pins and tracers, place*LW_CURVE_SAMPLES + pose              */
-    double *slope[4];                      /* derivatives in these poses: (n_dim + 1) rows, the last by the input */
-    double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
-    lw_jacobian pose;
+    double *place_x, *place_y;             /* of pins and tracers, place*LW_CURVE_SAMPLES + posture              */
+    double *slope[4];                      /* derivatives in these postures: (n_dim + 1) rows, the last by the input */
+    double *posture_c, *posture_s, *posture_x, *posture_y, *posture_u, *posture_v, *posture_m;
+    lw_jacobian posture;
     double *g_now, *g_up, *g_down; /* conditions; at x moved up and down by a difference              */
     double *g_row;                 /* their derivatives, g_row[i*n_var + d]                           */
     double *step_h;                /* its quadratic model: four matrices of (n_var)^2                  */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "mbs/kinematics/motion.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "mbs/kinematics/output_limits.h"
 #include "optimise/report/report_internal.h"
 #include "optimise/problem/tracers.h"
@@ -21,11 +21,11 @@ static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_ca
     return st == LW_OK ? lw_plan_make(linkage, options, plan, e) : st;
 }
 
-/* Angles of the tracers' tools in the posture of a pose of the candidate. */
-static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *linkage)
+/* Angles of the tracers' tools in the posture of a posture of the candidate. */
+static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_posture *posture, lw_linkage *linkage)
 {
     for (int i = 0; i <= t->n_also; i++)
-        linkage->tracer[i].angle = pose->angle[linkage->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
+        linkage->tracer[i].angle = posture->angle[linkage->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
 }
 
 /* Assembly modes of the candidate at a station, modes (LW_MODE_MAX). */
@@ -68,21 +68,21 @@ static void add_angle(double weight, double d, size_t i, sums *sum)
 
 /* Add the errors of each point at one station, and their share of eq. 17. */
 static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_linkage *linkage,
-                        size_t i, const lw_pose *pose, lw_vec2 *at, sums *sum)
+                        size_t i, const lw_posture *posture, lw_vec2 *at, sums *sum)
 {
-    lw_vec2 p = at[i] = pose->tracer[0][0];
+    lw_vec2 p = at[i] = posture->tracer[0][0];
     double weight = t->weight[i];
     if (lw_task_has_place(s->task))
         add_distance(s->a*weight, hypot(p.x - t->x[i], p.y - t->y[i]), i, &sum[0]);
     if (lw_task_has_angle(s->task))
-        add_angle(s->b*weight, pose->angle[linkage->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
+        add_angle(s->b*weight, posture->angle[linkage->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
     for (int q = 0; q < t->n_also; q++) {
         const lw_also *a = &t->also[q];
-        p = at[(size_t)(q + 1)*t->n + i] = pose->tracer[q + 1][0];
+        p = at[(size_t)(q + 1)*t->n + i] = posture->tracer[q + 1][0];
         if (a->x)
             add_distance(s->a*a->weight[i], hypot(p.x - a->x[i], p.y - a->y[i]), i, &sum[q + 1]);
         if (a->theta)
-            add_angle(s->b*a->weight[i], pose->angle[linkage->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
+            add_angle(s->b*a->weight[i], posture->angle[linkage->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
                       &sum[q + 1]);
     }
 }
@@ -118,21 +118,21 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
     sums sum[1 + LW_ALSO_MAX] = { { .f = 0 } };
     for (size_t i = 0; i < t->n; i++) {
         double modes[LW_MODE_MAX];
-        lw_pose pose;
+        lw_posture posture;
         modes_at(c, plan, i, modes);
-        lw_status st = lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose);
+        lw_status st = lw_posture_solve(plan, c->dim, modes, c->input[i], 0, &posture);
         if (st != LW_OK)
             return st;
-        add_station(t, s, c, &r->linkage, i, &pose, at, sum);
+        add_station(t, s, c, &r->linkage, i, &posture, at, sum);
     }
     for (int j = 0; j < c->n_sample; j++) {                /* without timing, which has one point */
         double modes[LW_MODE_MAX];
-        lw_pose pose;
+        lw_posture posture;
         modes_at(c, plan, t->n + (size_t)j, modes);
-        lw_status st = lw_pose_solve(plan, c->dim, modes, c->input[t->n + (size_t)j], 0, &pose);
+        lw_status st = lw_posture_solve(plan, c->dim, modes, c->input[t->n + (size_t)j], 0, &posture);
         if (st != LW_OK)
             return st;
-        at[t->n + (size_t)j] = pose.tracer[0][0];
+        at[t->n + (size_t)j] = posture.tracer[0][0];
     }
     r->objective = sum[0].f;
     errors_of_first(t, s, &sum[0], r);
@@ -163,10 +163,10 @@ enum { SAMPLES = 720 };           /* of a motion                                
 static void measure_distance(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes,
                              double from, double to, lw_fit_report *r)
 {
-    lw_pose pose;
+    lw_posture posture;
     for (int k = 0; k <= SAMPLES; k++)
-        if (lw_pose_solve(plan, c->dim, modes, from + (to - from)*k/SAMPLES, 0, &pose) == LW_OK)
-            r->curve_max = fmax(r->curve_max, lw_fit_report_distance(t, pose.tracer[0][0]));
+        if (lw_posture_solve(plan, c->dim, modes, from + (to - from)*k/SAMPLES, 0, &posture) == LW_OK)
+            r->curve_max = fmax(r->curve_max, lw_fit_report_distance(t, posture.tracer[0][0]));
 }
 
 /* The arc that holds station 0; -1: none. */
@@ -340,10 +340,10 @@ static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a,
     size_t n = 0;
     modes_at(c, plan, a, modes);
     for (int k = 0; k < steps; k++) {
-        lw_pose pose;
-        lw_status st = lw_pose_solve(plan, c->dim, modes, c->input[a] + travel*k/steps, 0, &pose);
+        lw_posture posture;
+        lw_status st = lw_posture_solve(plan, c->dim, modes, c->input[a] + travel*k/steps, 0, &posture);
         if (st == LW_OK)
-            curve[n++] = pose.tracer[0][0];
+            curve[n++] = posture.tracer[0][0];
         r->no_memory |= st == LW_E_MEMORY;
     }
     return n;
@@ -415,17 +415,17 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     r->stray = (lw_stray){ NAN, NAN };
-    lw_pose pose;
+    lw_posture posture;
     lw_status st = lw_plan_write(plan, c->dim, modes, c->input[0], &r->linkage);
     if (st == LW_OK)
         st = station_errors(t, s, c, plan, at, r);
     if (st == LW_OK)
-        st = lw_pose_solve(plan, c->dim, modes, c->input[0], 0, &pose);
+        st = lw_posture_solve(plan, c->dim, modes, c->input[0], 0, &posture);
     r->no_memory |= st == LW_E_MEMORY;
     if (st != LW_OK)
         snprintf(r->fault, sizeof r->fault, "the linkage does not close at every station");
     else {
-        turn_tools(c, t, &pose, &r->linkage);
+        turn_tools(c, t, &posture, &r->linkage);
         r->linkage.units = t->units;
         r->no_memory |= !lw_fit_report_cycle(plan, c, modes, &cycle);
         r->legs = cycle.n;
@@ -460,7 +460,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
 lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
                                 lw_error *e)
 {
-    lw_pose pose;
+    lw_posture posture;
     double modes[LW_MODE_MAX];
     lw_plan *plan = malloc(sizeof *plan);
     lw_status st = plan ? full_plan(t, s, c, k, plan, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -471,8 +471,8 @@ lw_status lw_fit_report_linkage(const lw_target *t, const lw_fit_spec *s, const 
             lw_error_set(e, st, "%s", lw_status_text(st));
     }
     if (st == LW_OK) {
-        lw_pose_solve(plan, c->dim, modes, c->input[0], 0, &pose);
-        turn_tools(c, t, &pose, k);
+        lw_posture_solve(plan, c->dim, modes, c->input[0], 0, &posture);
+        turn_tools(c, t, &posture, k);
         k->units = t->units;
     }
     free(plan);

@@ -45,7 +45,7 @@ typedef struct lw_fit_report {
     int      input_turns_per_period;   /* turns of the input until gears return to their first position, else 1; the
                                     * candidate's inputs count them as one turn, inputs here and in files do not */
     int      circuits;             /* of the linkage with these lengths; 0: not counted.  With higher groups: circuits
-                                    * found from random starting poses; maybe not all (mbs/constraints/circuits.h) */
+                                    * found from random starting postures; maybe not all (mbs/constraints/circuits.h) */
     double   input_first, input_last;  /* range of the input around the first station without passing a limit, as
                                     * lw_candidate.input times input_turns_per_period; of a turning input one period;
                                     * NaN: not known                                                */

@@ -26,10 +26,10 @@ size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, co
         const lw_leg *leg = &cycle->leg[j];
         double first = lw_closed_motion_first(cycle, j), mid = 0.5*(first + leg->last), half = 0.5*(leg->last - first);
         for (size_t k = 0; k < each; k++) {              /* not at the limits: rounding may open it there */
-            lw_pose pose;
+            lw_posture posture;
             double input = mid - half*cos(LW_PI*((double)k + 0.5)/(double)each);
-            if (lw_pose_solve(plan, c->dim, leg->mode, input, 0, &pose) == LW_OK)
-                curve[n++] = pose.tracer[0][0];
+            if (lw_posture_solve(plan, c->dim, leg->mode, input, 0, &posture) == LW_OK)
+                curve[n++] = posture.tracer[0][0];
         }
     }
     return n;

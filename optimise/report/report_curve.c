@@ -5,7 +5,7 @@
 
 #include "base/real.h"
 #include "mbs/constraints/circuits.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/report/report_internal.h"
 
 enum { STEPS = 720 };
@@ -13,28 +13,28 @@ enum { STEPS = 720 };
 typedef struct work {
     lw_system  s;
     lw_linkage k;
-    lw_pose    pose;
+    lw_posture    posture;
     double     q[LW_SYSTEM_Q_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX];
 } work;
 
-/* Measure postures of the whole curve at equal steps of the input.  Each posture is the seed of its own pose. */
+/* Measure postures of the whole curve at equal steps of the input.  Each posture is the seed of its own posture. */
 static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_motion_curve *motion,
                         work *w, lw_motion_limits *limits)
 {
     double end = lw_motion_curve_segments(motion), input, ends[2];
     for (int i = 0; i < 2; i++) {
-        lw_motion_curve_pose(motion, i*end, w->q, NULL);
+        lw_motion_curve_posture(motion, i*end, w->q, NULL);
         ends[i] = lw_motion_curve_input(motion, w->q);
     }
     for (int i = 0; i < STEPS; i++) {
         double station = i ? lw_motion_curve_find(motion, 0, end, ends[0] + (ends[1] - ends[0])*i/STEPS) : 0;
-        lw_motion_curve_pose(motion, station, w->q, NULL);
+        lw_motion_curve_posture(motion, station, w->q, NULL);
         lw_system_write(&w->s, w->q, &w->k);
         lw_status st = lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL);
         if (st == LW_OK)
-            st = lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose);
+            st = lw_posture_solve(plan, c->dim, w->mode, input, 2, &w->posture);
         if (st == LW_OK)
-            lw_motion_limits_pose(plan, s, &w->pose, limits);
+            lw_motion_limits_posture(plan, s, &w->posture, limits);
         limits->no_memory |= st == LW_E_MEMORY;
     }
 }
@@ -88,7 +88,7 @@ static void add_reversals(lw_motion_curve *motion, double shift, work *w, lw_fit
     double from, to, end = lw_motion_curve_segments(motion), input[2];
     bool limit[2];
     for (int i = 0; i < 2; i++) {
-        lw_motion_curve_pose(motion, i*end, w->q, NULL);
+        lw_motion_curve_posture(motion, i*end, w->q, NULL);
         input[i] = lw_motion_curve_input(motion, w->q);
     }
     bool closed = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED;

@@ -3,7 +3,7 @@
 #define LW_OPTIMISE_REPORT_REPORT_INTERNAL_H
 
 #include "mbs/kinematics/closed_motion.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/report/report.h"
 #include "optimise/task/motion_limits.h"
 

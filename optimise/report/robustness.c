@@ -13,7 +13,7 @@ typedef struct spread {
     lw_plan plan;
     size_t  n;
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], sigma[LW_DIM_MAX];
-    double *c, *s, *x, *y, *margin, *far;      /* of each pose; far: the greatest distance in each trial */
+    double *c, *s, *x, *y, *margin, *far;      /* of each posture; far: the greatest distance in each trial */
     double *by[2];                             /* derivatives of x and y                  (n_dim*n)      */
     void   *work;
 } spread;
@@ -78,7 +78,7 @@ static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
     for (size_t k = 0; k < p->n; k++) {
         double here = 0;
         if (!(p->margin[k] > 0))
-            return lw_error_set(e, LW_OPEN, "the linkage does not close at pose %zu", k + 1);
+            return lw_error_set(e, LW_OPEN, "the linkage does not close at posture %zu", k + 1);
         for (int d = 0; d < p->plan.n_dim; d++) {
             size_t at = (size_t)d*p->n + k;
             double part = p->sigma[d]*p->sigma[d]*(p->by[0][at]*p->by[0][at] + p->by[1][at]*p->by[1][at]);
@@ -88,7 +88,7 @@ static lw_status linearise(spread *p, lw_robustness *out, lw_error *e)
         all += here;
         if (here > out->worst) {
             out->worst = here;
-            out->worst_pose = k;
+            out->worst_posture = k;
         }
     }
     out->worst = sqrt(out->worst);
@@ -148,7 +148,7 @@ lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, siz
     memset(out, 0, sizeof *out);
     out->trials = of->trials > 0 ? of->trials : TRIALS;
     if (n == 0 || !(of->length >= 0 && of->clearance >= 0) || linkage->n_tracer == 0)
-        return lw_error_set(e, LW_E_ARG, "tolerances need a point, poses, and lengths that are not negative");
+        return lw_error_set(e, LW_E_ARG, "tolerances need a point, postures, and lengths that are not negative");
     spread *p = calloc(1, sizeof *p);
     if (!p)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the tolerances");
@@ -168,8 +168,8 @@ lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, siz
 lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, const lw_tolerances *of,
                            lw_robustness *out, lw_error *e)
 {
-    enum { POSES = 64 };
-    double input[POSES], lo = 0, hi = 0;
+    enum { POSTURES = 64 };
+    double input[POSTURES], lo = 0, hi = 0;
     size_t dyads = (size_t)c->n_dyad;
     memset(out, 0, sizeof *out);
     for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
@@ -180,7 +180,7 @@ lw_status lw_robustness_of(const lw_target *t, const lw_candidate *c, const lw_f
         lo = fmin(lo, c->input[i] - c->input[0]);
         hi = fmax(hi, c->input[i] - c->input[0]);
     }
-    for (int i = 0; i < POSES; i++)
-        input[i] = r->turns ? 2*LW_PI*i/POSES : lo + (hi - lo)*i/(POSES - 1);
-    return lw_robustness_make(&r->linkage, input, POSES, of, out, e);
+    for (int i = 0; i < POSTURES; i++)
+        input[i] = r->turns ? 2*LW_PI*i/POSTURES : lo + (hi - lo)*i/(POSTURES - 1);
+    return lw_robustness_make(&r->linkage, input, POSTURES, of, out, e);
 }

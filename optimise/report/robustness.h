@@ -18,19 +18,19 @@ typedef struct lw_tolerances {
 
 typedef struct lw_robustness {
     /* to first order, from exact derivatives: root mean square distance of the point from its place [m] ... */
-    double rms, worst;              /* ... over all poses, and in the worst pose                       */
-    size_t worst_pose;              /* its number                                                      */
+    double rms, worst;              /* ... over all postures, and in the worst posture                       */
+    size_t worst_posture;           /* its number                                                      */
     /* random linkages */
-    int    trials, open;            /* drawn; of these do not close in every pose                      */
+    int    trials, open;            /* drawn; of these do not close in every posture                      */
     double trial_rms;               /* the same as rms, of those that close [m]                        */
-    double within;                  /* 95 of 100 of them stay this near in every pose [m]              */
+    double within;                  /* 95 of 100 of them stay this near in every posture [m]           */
     int    n_dim, first;            /* dimensions; the one with the greatest part of rms^2             */
     char   name[LW_DIM_MAX][16];
     double part[LW_DIM_MAX];        /* of rms^2, their sum is 1                                        */
 } lw_robustness;
 
-/* Poses: the linkage's posture with its input moved by each of input[n] [rad] or [m], as the plan counts it.  LW_OPEN:
- * the linkage itself does not close in one of them; LW_E_KIND: no plan knows it; LW_E_MEMORY; with a text. */
+/* Postures: the linkage's posture with its input moved by each of input[n] [rad] or [m], as the plan counts it.
+ * LW_OPEN: the linkage itself does not close in one of them; LW_E_KIND: no plan knows it; LW_E_MEMORY; with a text. */
 lw_status lw_robustness_make(const lw_linkage *linkage, const double *input, size_t n, const lw_tolerances *of,
                              lw_robustness *out, lw_error *e);
 

@@ -7,7 +7,7 @@
 
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/report/report_internal.h"
 
 typedef struct replay {
@@ -76,7 +76,7 @@ static bool move_to(replay *v, size_t i, double to)
 static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
 {
     double most = 0;
-    lw_motion_curve_pose(v->curve, place, v->q, NULL);
+    lw_motion_curve_posture(v->curve, place, v->q, NULL);
     v->now = v->k;
     lw_system_write(&v->system, v->q, &v->now);
     for (int k = 0; k <= v->t->n_also; k++)
@@ -84,7 +84,7 @@ static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
     return most;
 }
 
-/* Near a limit the input does not determine the pose well: find the place nearby at which the first point is
+/* Near a limit the input does not determine the posture well: find the place nearby at which the first point is
  * nearest. */
 static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i)
 {
@@ -110,7 +110,7 @@ static void search_piece(replay *v, double first, double last, double input, con
 {
     double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? TOLERANCE*v->t->length : TOLERANCE;
     for (int e = 0; e < 2; e++) {
-        lw_motion_curve_pose(v->curve, place[e], v->q, NULL);
+        lw_motion_curve_posture(v->curve, place[e], v->q, NULL);
         ends[e] = lw_motion_curve_input(v->curve, v->q);
     }
     double lo = fmin(ends[0], ends[1]), hi = fmax(ends[0], ends[1]), turn = 2*LW_PI*v->plan->input_turns_per_period;

@@ -5,7 +5,7 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/search/fit_internal.h"
 #include "optimise/solvers/lm.h"
 #include "optimise/solvers/lowdiscrepancy.h"

@@ -337,18 +337,18 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
         int first = half, last = half;
         for (int k = 0; k < M; k++) {
             double at = p->intended.mid + (k - half + (double)part/FINER)*width;
-            w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
-            w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+            w->posture_c[k] = p->plan.input_is_slider ? at : cos(at);
+            w->posture_s[k] = p->plan.input_is_slider ? 0 : sin(at);
         }
-        lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->intended.mode };
-        lw_problem_margin(p, &in, w, w->pose.margin);
-        if (part > 0 && !(w->pose.margin[half - 1] > 1e-3))      /* between the middle and the samples beside it */
+        lw_lanes in = { .n = M, .c = w->posture_c, .s = w->posture_s, .dim = shape, .mode = p->intended.mode };
+        lw_problem_margin(p, &in, w, w->posture.margin);
+        if (part > 0 && !(w->posture.margin[half - 1] > 1e-3))   /* between the middle and the samples beside it */
             lo = half;
-        if (part > 0 && !(w->pose.margin[half] > 1e-3))
+        if (part > 0 && !(w->posture.margin[half] > 1e-3))
             hi = half;
-        while (first > 0 && w->pose.margin[first - 1] > 1e-3)
+        while (first > 0 && w->posture.margin[first - 1] > 1e-3)
             first--;
-        while (last < M - 1 && w->pose.margin[last + (part == 0)] > 1e-3)
+        while (last < M - 1 && w->posture.margin[last + (part == 0)] > 1e-3)
             last++;
         lo = first > lo ? first : lo;
         hi = last < hi ? last : hi;
@@ -386,7 +386,7 @@ static bool find_motion(lw_problem *p, const double *shape, lw_work *w)
 }
 
 /* A group with gears is computed by continuation from its seed, half a turn to either side: do both sides end at the
- * same pose?  Compare the step across that input with the steps just before and after it.  (Lanes in order of their
+ * same posture?  Compare the step across that input with the steps just before and after it.  (Lanes in order of their
  * inputs would all be continued from one side.) */
 static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
 {
@@ -414,13 +414,13 @@ static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
     return step[1] <= 10*(step[0] + step[2]) + 1e-9;
 }
 
-/* Does the linkage close at every sample of a turn, and return to its first pose? */
+/* Does the linkage close at every sample of a turn, and return to its first posture? */
 static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->intended.mode };
-    lw_problem_margin(p, &in, w, w->pose.margin);
+    lw_problem_margin(p, &in, w, w->posture.margin);
     for (int k = 0; k < M; k++)
-        if (!(w->pose.margin[k] > 0))
+        if (!(w->posture.margin[k] > 0))
             return false;
     return comes_back(p, x, w);
 }
@@ -540,13 +540,13 @@ static bool closes_between(const lw_problem *p, const double *shape, lw_work *w)
     for (int part = 1; part < FINER; part++) {
         for (int k = 0; k < M; k++) {
             double at = 2*LW_PI*(k + (double)part/FINER)/M;
-            w->pose_c[k] = cos(at);
-            w->pose_s[k] = sin(at);
+            w->posture_c[k] = cos(at);
+            w->posture_s[k] = sin(at);
         }
-        lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->intended.mode };
-        lw_problem_margin(p, &in, w, w->pose.margin);
+        lw_lanes in = { .n = M, .c = w->posture_c, .s = w->posture_s, .dim = shape, .mode = p->intended.mode };
+        lw_problem_margin(p, &in, w, w->posture.margin);
         for (int k = 0; k < M; k++)
-            if (!(w->pose.margin[k] > 1e-6))
+            if (!(w->posture.margin[k] > 1e-6))
                 return false;
     }
     return true;

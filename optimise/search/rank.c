@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/search/fit_internal.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/evaluate.h"
@@ -117,7 +117,7 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
 {
     double mode[LW_MODE_MAX], unit = p->plan.input_is_slider ? p->unit : 1, from = c->input[k] = input*unit;
     size_t dyads = (size_t)c->n_dyad;
-    lw_pose pose;
+    lw_posture posture;
     if (!c->mode_of)
         return;
     lw_circuit_put_mode(p, w, leg, c->mode_of + k*dyads, 1);
@@ -125,7 +125,8 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         return;
     double step = copysign(FIRST_PULL*w->swing.stroke[leg].half, psi_c)*unit;
     memcpy(mode, c->mode_of + k*dyads, sizeof *mode*dyads);
-    for (int i = 0; i < PULLS && lw_pose_solve(&p->plan, c->dim, mode, c->input[k], 0, &pose) != LW_OK; i++, step *= 2)
+    for (int i = 0; i < PULLS && lw_posture_solve(&p->plan, c->dim, mode, c->input[k], 0, &posture) != LW_OK;
+         i++, step *= 2)
         c->input[k] = from + step;
 }
 

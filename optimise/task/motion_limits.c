@@ -10,37 +10,37 @@ lw_motion_limits lw_motion_limits_begin(void)
     return (lw_motion_limits){ .margin_least = NAN, .margin_most = NAN };
 }
 
-static double depth(const lw_zone *z, const lw_plan *plan, const lw_pose *pose)
+static double depth(const lw_zone *z, const lw_plan *plan, const lw_posture *posture)
 {
     double least = 0;
     for (int j = 0; j < LW_JOINT_MAX; j++)
         if (plan->joint_point[j] >= 0)
-            least = fmin(least, lw_zone_outside(z, pose->joint[j][0]));
+            least = fmin(least, lw_zone_outside(z, posture->joint[j][0]));
     for (int i = 0; i < plan->n_output; i++)
-        least = fmin(least, lw_zone_outside(z, pose->tracer[i][0]));
+        least = fmin(least, lw_zone_outside(z, posture->tracer[i][0]));
     return -least;
 }
 
-void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_motion_limits *w)
+void lw_motion_limits_posture(const lw_plan *plan, const lw_fit_spec *s, const lw_posture *posture, lw_motion_limits *w)
 {
-    double a = !lw_task_has_place(s->task) ? fabs(pose->angle[plan->output_link[0]][2])
-                                           : lw_v2_norm(pose->tracer[0][2]);
-    w->margin_least = fmin(w->margin_least, pose->margin);              /* fmin prefers a number to NaN */
-    w->margin_most = fmax(w->margin_most, pose->margin);
+    double a = !lw_task_has_place(s->task) ? fabs(posture->angle[plan->output_link[0]][2])
+                                           : lw_v2_norm(posture->tracer[0][2]);
+    w->margin_least = fmin(w->margin_least, posture->margin);           /* fmin prefers a number to NaN */
+    w->margin_most = fmax(w->margin_most, posture->margin);
     w->acceleration = fmax(w->acceleration, a/plan->input_turns_per_period/plan->input_turns_per_period);
     for (int i = 0; i < s->n_zone; i++)
         if (lw_zone_forbids(&s->zone[i]))
-            w->intrusion = fmax(w->intrusion, depth(&s->zone[i], plan, pose));
+            w->intrusion = fmax(w->intrusion, depth(&s->zone[i], plan, posture));
 }
 
 void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes,
                           double from, double to, int steps, lw_motion_limits *w)
 {
-    lw_pose pose;
+    lw_posture posture;
     for (int k = 0; k <= steps; k++) {
-        lw_status st = lw_pose_solve(plan, dim, modes, from + (to - from)*k/steps, 2, &pose);
+        lw_status st = lw_posture_solve(plan, dim, modes, from + (to - from)*k/steps, 2, &posture);
         if (st == LW_OK)
-            lw_motion_limits_pose(plan, s, &pose, w);
+            lw_motion_limits_posture(plan, s, &posture, w);
         w->no_memory |= st == LW_E_MEMORY;
     }
 }

@@ -2,25 +2,26 @@
 #ifndef LW_OPTIMISE_TASK_MOTION_LIMITS_H
 #define LW_OPTIMISE_TASK_MOTION_LIMITS_H
 
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "optimise/task/specification.h"
 
 /* What a motion was found to reach, as far as it was looked at. */
 typedef struct lw_motion_limits {
-    double margin_least, margin_most;   /* of mbs/batch/batch.h [1]; NaN: no pose was added yet            */
+    double margin_least, margin_most;   /* of mbs/batch/batch.h [1]; NaN: no posture was added yet         */
     double acceleration;                /* greatest, by the input: of the point [m/rad^2]; for a function that
                                          * of the output angle [rad/rad^2]                          */
     double intrusion;                   /* greatest depth of a pin or point in a forbidden zone [m]        */
-    bool   no_memory;                   /* some pose could not be computed for lack of memory              */
+    bool   no_memory;                   /* some posture could not be computed for lack of memory           */
 } lw_motion_limits;
 
 lw_motion_limits lw_motion_limits_begin(void);
 
-/* Add one pose, solved to order 2. */
-void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_motion_limits *w);
+/* Add one posture, solved to order 2. */
+void lw_motion_limits_posture(const lw_plan *plan, const lw_fit_spec *s, const lw_posture *posture,
+                              lw_motion_limits *w);
 
-/* Add the poses at `steps` + 1 equal steps from one input to another in one assembly mode.  Poses that do not close are
- * skipped. */
+/* Add the postures at `steps` + 1 equal steps from one input to another in one assembly mode.  Postures that do not
+ * close are skipped. */
 void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes,
                           double from, double to, int steps, lw_motion_limits *w);
 

@@ -5,11 +5,11 @@
 #include <string.h>
 
 #include "base/real.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 
 enum { SAMPLES = 48, TRIES = 12, HALVINGS = 30 };
 
-/* The poses of the parent over its motion. */
+/* The postures of the parent over its motion. */
 typedef struct motion_path {
     const lw_linkage *k;
     int     point;                               /* the tracer that the new dyad takes over          */
@@ -17,11 +17,11 @@ typedef struct motion_path {
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     bool    turns, no_memory;
     double  first, last;
-    lw_pose pose[SAMPLES + 1];                   /* the last one is the posture                      */
+    lw_posture posture[SAMPLES + 1];             /* the last one is the posture                      */
 } motion_path;
 
-/* Input of sample i: at equal steps over a turn; else denser near both ends, where at a limit the pose varies like the
- * square root of the input. */
+/* Input of sample i: at equal steps over a turn; else denser near both ends, where at a limit the posture varies like
+ * the square root of the input. */
 static double sample_input(const motion_path *c, int i)
 {
     if (c->turns)
@@ -36,7 +36,8 @@ static lw_status run_path(const lw_linkage *linkage, motion_path *c)
     if (s == LW_OK)
         s = lw_plan_read(&c->plan, linkage, c->dim, c->mode, &c->input, NULL);
     for (int i = 0; s == LW_OK && i <= SAMPLES; i++)
-        s = lw_pose_solve(&c->plan, c->dim, c->mode, i == SAMPLES ? c->input : sample_input(c, i), 1, &c->pose[i]);
+        s = lw_posture_solve(&c->plan, c->dim, c->mode, i == SAMPLES ? c->input : sample_input(c, i), 1,
+                             &c->posture[i]);
     return s;
 }
 
@@ -53,10 +54,10 @@ static int joint_of(const lw_linkage *linkage, int link)
 /* A point of a link, by its position in the posture. */
 typedef struct link_point { int link, joint; lw_vec2 at; } link_point;
 
-/* Its position and velocity in a pose. */
-static void move_point(const motion_path *c, const link_point *h, const lw_pose *b, lw_vec2 out[2])
+/* Its position and velocity in a posture. */
+static void move_point(const motion_path *c, const link_point *h, const lw_posture *b, lw_vec2 out[2])
 {
-    const lw_pose *a = &c->pose[SAMPLES];
+    const lw_posture *a = &c->posture[SAMPLES];
     out[0] = h->at;
     out[1] = lw_v2(0, 0);
     if (h->link == c->k->ground || h->joint < 0)
@@ -70,7 +71,7 @@ static void move_point(const motion_path *c, const link_point *h, const lw_pose 
 /* ---- distances that the new dyad spans -------------------------------------------------------------------- */
 
 /* Distance between the tracer and a point, and half the rate of its square. */
-static double span(const motion_path *c, const link_point *h, const lw_pose *p, double *rate)
+static double span(const motion_path *c, const link_point *h, const lw_posture *p, double *rate)
 {
     lw_vec2 at[2];
     move_point(c, h, p, at);
@@ -83,11 +84,11 @@ static double span(const motion_path *c, const link_point *h, const lw_pose *p, 
 static double extreme(motion_path *c, const link_point *h, double lo, double hi, bool rises)
 {
     double rate, d = 0;
-    lw_pose pose;
+    lw_posture posture;
     for (int i = 0; i < HALVINGS; i++) {
         double middle = 0.5*(lo + hi);
-        c->no_memory |= lw_pose_solve(&c->plan, c->dim, c->mode, middle, 1, &pose) == LW_E_MEMORY;
-        d = span(c, h, &pose, &rate);
+        c->no_memory |= lw_posture_solve(&c->plan, c->dim, c->mode, middle, 1, &posture) == LW_E_MEMORY;
+        d = span(c, h, &posture, &rate);
         if ((rate > 0) == rises)
             lo = middle;
         else
@@ -99,11 +100,11 @@ static double extreme(motion_path *c, const link_point *h, double lo, double hi,
 static void reach(motion_path *c, const link_point *h, double *least, double *most)
 {
     double before = 0, rate;
-    int n = SAMPLES + c->turns;                           /* a turn ends at its first pose */
+    int n = SAMPLES + c->turns;                           /* a turn ends at its first posture */
     *least = INFINITY;
     *most = 0;
     for (int i = 0; i < n; i++, before = rate) {
-        double d = span(c, h, &c->pose[i % SAMPLES], &rate);
+        double d = span(c, h, &c->posture[i % SAMPLES], &rate);
         *least = fmin(*least, d);
         *most = fmax(*most, d);
         if (!(before*rate < 0))                           /* at limits there is no rate */
@@ -117,9 +118,9 @@ static void reach(motion_path *c, const link_point *h, double *least, double *mo
 /* Size of the motion: diagonal of the bounding box of the tracer's path. */
 static double size_of(const motion_path *c)
 {
-    lw_vec2 lo = c->pose[0].tracer[0][0], hi = lo;
+    lw_vec2 lo = c->posture[0].tracer[0][0], hi = lo;
     for (int i = 1; i <= SAMPLES; i++) {
-        lw_vec2 p = c->pose[i].tracer[0][0];
+        lw_vec2 p = c->posture[i].tracer[0][0];
         lo = lw_v2(fmin(lo.x, p.x), fmin(lo.y, p.y));
         hi = lw_v2(fmax(hi.x, p.x), fmax(hi.y, p.y));
     }
@@ -157,7 +158,7 @@ static bool try_once(motion_path *c, double size, lw_rng *rng, lw_linkage *child
     const lw_linkage *parent = c->k;
     int base = lw_rng_uniform(rng) < 0.6 ? parent->ground : (int)(lw_rng_uniform(rng)*parent->n_link);
     double far = size*0.3*exp(2.5*lw_rng_uniform(rng)), turn = lw_rng_range(rng, 0, 2*LW_PI);
-    lw_vec2 p = c->pose[SAMPLES].tracer[0][0];
+    lw_vec2 p = c->posture[SAMPLES].tracer[0][0];
     link_point h = { base, joint_of(parent, base), lw_v2_add(p, lw_v2_polar(far, turn)) };
     double least, most, here = lw_v2_norm(lw_v2_sub(h.at, p));
     double more = 0.02*exp(3.5*lw_rng_uniform(rng)), fold = lw_rng_range(rng, -0.95, 0.95);

@@ -11,7 +11,7 @@
 
 /* Draw the lengths of the new dyad so that it closes over the parent's motion: a turn of the input (`turns`), or
  * inputs from `first` to `last` (as lw_plan_read counts them).  The least and the greatest distance that the dyad
- * spans are found as zeros of their rate between 48 poses, to rounding; only two zeros between two poses can be
+ * spans are found as zeros of their rate between 48 postures, to rounding; only two zeros between two postures can be
  * missed, and the lengths keep some percent of margin for that.  Of several tracers one is drawn; it stays where it
  * was, on the new link. LW_E_ARG: too many links or joints; LW_OPEN: some tries gave no child; LW_E_MEMORY. */
 lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,

@@ -13,7 +13,7 @@ typedef enum lw_pair_outcome {
     LW_PAIR_FITTED,
     LW_PAIR_CIRCLE,            /* the tracer link is joined to the ground: its points draw circles or lines */
     LW_PAIR_SMALLER,           /* a mechanism with fewer links moves the point in the same way      */
-    LW_PAIR_NO_PLAN,           /* no input makes the pose computable; F > 1: there are no F pins at the ground */
+    LW_PAIR_NO_PLAN,           /* no input makes the posture computable; F > 1: there are no F pins at the ground */
     LW_PAIR_NO_CARRIER,        /* a gear pair has no link, or several, on which both its sides turn or slide */
     LW_PAIR_NOT_REQUESTED,     /* lw_mechanism_request.only leaves it out                           */
     LW_PAIR_OUTCOMES

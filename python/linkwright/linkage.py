@@ -41,7 +41,7 @@ class Trace(NamedTuple):
     margin: np.ndarray         #: squared sine of the least transmission angle; negative where it cannot close
 
 
-class Pose(NamedTuple):
+class Posture(NamedTuple):
     """One posture with derivatives 0 to order by the input."""
 
     joint: np.ndarray          #: (joints, order + 1, 2) [m]
@@ -282,15 +282,15 @@ class Kinematics:
         if status:
             check(status)
 
-    def pose(self, input: float, order: int = 0) -> Pose:
+    def posture(self, input: float, order: int = 0) -> Posture:
         """One posture with derivatives by the input up to order (at most 3); Error with status LW_OPEN where it cannot
         close."""
         n_joint, n_link, n_tracer = self._count
         joint, tracer = np.empty((n_joint, order + 1, 2)), np.empty((n_tracer, order + 1, 2))
         angle, margin = np.empty((n_link, order + 1)), ffi.new("double *")
-        check(lib.lw_kinematics_pose(self._handle, input, order, ffi.from_buffer("lw_vec2[]", joint), pointer(angle),
+        check(lib.lw_kinematics_posture(self._handle, input, order, ffi.from_buffer("lw_vec2[]", joint), pointer(angle),
                                      ffi.from_buffer("lw_vec2[]", tracer), margin))
-        return Pose(joint, angle, tracer, margin[0])
+        return Posture(joint, angle, tracer, margin[0])
 
     def linkage(self, input: float) -> Linkage:
         """The linkage in the posture at this input."""

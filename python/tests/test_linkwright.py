@@ -77,8 +77,8 @@ def test_path_of_a_four_bar_against_numpy():
 
 def test_derivatives_of_a_posture_against_differences():
     kinematics, h = lw.Linkage.load(EXAMPLES / "jansen.json").kinematics(), 1e-6
-    here = kinematics.pose(1.0, order=1)
-    ahead, behind = kinematics.pose(1.0 + h), kinematics.pose(1.0 - h)
+    here = kinematics.posture(1.0, order=1)
+    ahead, behind = kinematics.posture(1.0 + h), kinematics.posture(1.0 - h)
     assert np.allclose(here.tracer[:, 1], (ahead.tracer[:, 0] - behind.tracer[:, 0])/(2*h), atol=1e-8)
     assert np.allclose(here.joint[:, 1], (ahead.joint[:, 0] - behind.joint[:, 0])/(2*h), atol=1e-8)
 

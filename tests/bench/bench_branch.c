@@ -39,7 +39,7 @@ static double one_posture(const lw_system *s, lw_motion_curve *b)
     enum { N = 2000 };
     double q[4*LW_SYSTEM_Q_MAX], speed[4*LW_INPUT_MAX] = { 0, 1 }, start = lw_clock_cpu();
     for (int i = 0; i < N; i++) {
-        lw_motion_curve_pose(b, lw_motion_curve_segments(b)*(i + 0.5)/N, q, NULL);
+        lw_motion_curve_posture(b, lw_motion_curve_segments(b)*(i + 0.5)/N, q, NULL);
         lw_motion_curve_rates(b, 3, speed, q);
     }
     (void)s;

@@ -224,7 +224,7 @@ await test("take away: every format, the path, the task; a saved file opens agai
   await settled();
   await p.click("#tab-away");
   await p.run(`(() => { window.saved = {}; studio.download = (name, blob) => { blob.arrayBuffer().then((b) => { saved[name] = [...new Uint8Array(b)].slice(0, 400); saved[name].size = b.byteLength; saved[name + " size"] = b.byteLength; }); }; })()`);
-  const begins = { json: "{", svg: "<?xml", pdf: "%PDF", png: "\x89PNG", gif: "GIF8", html: "<!", dxf: "", scad: "", step: "ISO-10303-21", stl: "", mjcf: "<", poses: "", urdf: "<", adams: "", slvs: "", pmks: "" };
+  const begins = { json: "{", svg: "<?xml", pdf: "%PDF", png: "\x89PNG", gif: "GIF8", html: "<!", dxf: "", scad: "", step: "ISO-10303-21", stl: "", mjcf: "<", postures: "", urdf: "<", adams: "", slvs: "", pmks: "" };
   for (const format of Object.keys(begins)) {
     const k = await p.run("Object.keys(saved).length");
     await p.click(`[data-format=${format}]`);

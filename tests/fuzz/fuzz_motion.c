@@ -1,4 +1,4 @@
-/* A linkage that can be read is moved: plan, input ranges, poses with rates, a trace, its mechanism, pictures' text.  Every
+/* A linkage that can be read is moved: plan, input ranges, postures with rates, a trace, its mechanism, pictures' text.  Every
  * number that a successful call gives is finite. */
 #include <math.h>
 #include "linkwright.h"

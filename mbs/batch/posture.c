@@ -1,7 +1,7 @@
-/* Evaluate one pose step by step, and its derivatives in truncated Taylor arithmetic: every number is replaced by its
- * Taylor coefficients in the input, every operation by that on the coefficients (Griewank & Walther 2008, ch. 13).  The
- * derivatives are exact to rounding. */
-#include "mbs/batch/pose.h"
+/* Evaluate one posture step by step, and its derivatives in truncated Taylor arithmetic: every number is replaced by
+ * its Taylor coefficients in the input, every operation by that on the coefficients (Griewank & Walther 2008, ch. 13).
+ * The derivatives are exact to rounding. */
+#include "mbs/batch/posture.h"
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/plan/plan_internal.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the pose alone --------------------------------------------------------------------------------- */
+/* ---- the posture alone --------------------------------------------------------------------------------- */
 
 static double value(const double *dim, int d) { return d < 0 ? 0 : dim[d]; }
 
@@ -111,29 +111,29 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
 }
 
 /* Copy the directions and displacements of a higher group to the registers. */
-static void take_group_pose(const lw_higher *g, const lw_group_pose *group_pose, lw_vec2 *reg)
+static void take_group_posture(const lw_higher *g, const lw_group_posture *group_posture, lw_vec2 *reg)
 {
-    const double *row = group_pose->row + g->first_row;
+    const double *row = group_posture->row + g->first_row;
     for (int a = 0; a < g->n_turn; a++, row += 2)
         reg[g->turn_reg[a]] = lw_v2(row[0], row[1]);
     for (int d = 0; d < g->n_disp; d++)
         reg[g->disp_reg[d]] = lw_v2(*row++, 0);
 }
 
-lw_status lw_group_pose_find(const lw_plan *plan, const double *dim, const double *mode, double input,
-                             lw_group_pose *group_pose)
+lw_status lw_group_posture_find(const lw_plan *plan, const double *dim, const double *mode, double input,
+                                lw_group_posture *group_posture)
 {
-    void *work = malloc(lw_group_pose_size(plan));
+    void *work = malloc(lw_group_posture_size(plan));
     if (!work)
         return LW_E_MEMORY;
-    lw_kernels_of(plan)->group_pose(plan, dim, mode, input, work, group_pose);
+    lw_kernels_of(plan)->group_posture(plan, dim, mode, input, work, group_posture);
     free(work);
     return LW_OK;
 }
 
-/* Evaluate all steps.  group_pose: pose of the higher groups, unused without them.  Returns the least margin. */
+/* Evaluate all steps.  group_posture: posture of the higher groups, unused without them.  Returns the least margin. */
 static double registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                        const lw_group_pose *group_pose,
+                        const lw_group_posture *group_posture,
                         lw_vec2 *reg)
 {
     double margin = 1;
@@ -141,21 +141,21 @@ static double registers(const lw_plan *plan, const double *dim, const double *mo
     reg[LW_AXIS_REG] = lw_v2(1, 0);
     for (int i = 0; i < plan->n_step; i++)
         if (plan->step[i].kind == LW_STEP_HIGHER)
-            take_group_pose(&plan->higher[plan->step[i].dim[0]], group_pose, reg);
+            take_group_posture(&plan->higher[plan->step[i].dim[0]], group_posture, reg);
         else
             margin = fmin(margin, solve_step(&plan->step[i], dim, mode, input, reg));
     return margin;
 }
 
-lw_status lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                            lw_vec2 reg[LW_REG_MAX])
+lw_status lw_posture_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
+                               lw_vec2 reg[LW_REG_MAX])
 {
-    lw_group_pose group_pose;
-    lw_status s = plan->n_higher ? lw_group_pose_find(plan, dim, mode, input, &group_pose) : LW_OK;
+    lw_group_posture group_posture;
+    lw_status s = plan->n_higher ? lw_group_posture_find(plan, dim, mode, input, &group_posture) : LW_OK;
     if (s != LW_OK)
         return s;
-    double least = plan->n_higher ? group_pose.margin : 1;
-    return fmin(least, registers(plan, dim, mode, input, &group_pose, reg)) < 0 ? LW_OPEN : LW_OK;
+    double least = plan->n_higher ? group_posture.margin : 1;
+    return fmin(least, registers(plan, dim, mode, input, &group_posture, reg)) < 0 ? LW_OPEN : LW_OK;
 }
 
 /* ---- Taylor coefficients of numbers and vectors ------------------------------------------------------ */
@@ -467,11 +467,11 @@ static void jet_higher(const lw_higher *g, const double *inverse, const double *
             reg[g->turn_reg[g->dir[a].root]] = q.dir[a];
 }
 
-/* Evaluate all steps in Taylor arithmetic, from a pose without derivatives. */
+/* Evaluate all steps in Taylor arithmetic, from a posture without derivatives. */
 static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input,
-                      const lw_group_pose *group_pose, jet2 *reg)
+                      const lw_group_posture *group_posture, jet2 *reg)
 {
-    const double *inverse = group_pose->inverse;
+    const double *inverse = group_posture->inverse;
     for (int i = 0; i < plan->n_step; i++) {
         const lw_step *s = &plan->step[i];
         if (s->kind != LW_STEP_HIGHER) {
@@ -515,31 +515,31 @@ static void put_angle(const sink *k, const jet2 *u, double out[N])
     }
 }
 
-static void put_all(const lw_plan *plan, const sink *k, const jet2 *reg, lw_pose *pose)
+static void put_all(const lw_plan *plan, const sink *k, const jet2 *reg, lw_posture *posture)
 {
     for (int j = 0; j < LW_JOINT_MAX; j++)
         if (plan->joint_point[j] >= 0)
-            put_point(k, &reg[plan->joint_point[j]], pose->joint[j]);
+            put_point(k, &reg[plan->joint_point[j]], posture->joint[j]);
     for (int i = 0; i < plan->n_link; i++)
         if (plan->link_dir[plan->link[i]] >= 0)
-            put_angle(k, &reg[plan->link_dir[plan->link[i]]], pose->angle[plan->link[i]]);
+            put_angle(k, &reg[plan->link_dir[plan->link[i]]], posture->angle[plan->link[i]]);
     for (int o = 0; o < plan->n_output; o++)
-        put_point(k, &reg[plan->output_point[o]], pose->tracer[o]);
+        put_point(k, &reg[plan->output_point[o]], posture->tracer[o]);
 }
 
-/* The pose without derivatives. */
-static void put_places(const lw_plan *plan, const sink *k, const lw_vec2 *reg, lw_pose *pose)
+/* The posture without derivatives. */
+static void put_places(const lw_plan *plan, const sink *k, const lw_vec2 *reg, lw_posture *posture)
 {
     for (int j = 0; j < LW_JOINT_MAX; j++)
         if (plan->joint_point[j] >= 0)
-            pose->joint[j][0] = lw_v2_add(k->z0, lw_v2_turn(reg[plan->joint_point[j]], k->turn));
+            posture->joint[j][0] = lw_v2_add(k->z0, lw_v2_turn(reg[plan->joint_point[j]], k->turn));
     for (int i = 0; i < plan->n_link; i++)
         if (plan->link_dir[plan->link[i]] >= 0) {
             lw_vec2 u = reg[plan->link_dir[plan->link[i]]];
-            pose->angle[plan->link[i]][0] = atan2(u.y, u.x) + k->theta0;
+            posture->angle[plan->link[i]][0] = atan2(u.y, u.x) + k->theta0;
         }
     for (int o = 0; o < plan->n_output; o++)
-        pose->tracer[o][0] = lw_v2_add(k->z0, lw_v2_turn(reg[plan->output_point[o]], k->turn));
+        posture->tracer[o][0] = lw_v2_add(k->z0, lw_v2_turn(reg[plan->output_point[o]], k->turn));
 }
 
 static bool all_finite(const jet2 *reg, int n)
@@ -551,35 +551,35 @@ static bool all_finite(const jet2 *reg, int n)
     return true;
 }
 
-lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order,
-                        lw_pose *pose)
+lw_status lw_posture_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order,
+                           lw_posture *posture)
 {
     lw_vec2 flat[LW_REG_MAX];
     jet2 reg[LW_REG_MAX];
     if (order < 0 || order > LW_ORDER_MAX)
         return LW_E_ARG;
-    memset(pose, 0, sizeof *pose);
-    pose->input = input;
-    lw_group_pose group_pose;
-    lw_status s = plan->n_higher ? lw_group_pose_find(plan, dim, mode, input, &group_pose) : LW_OK;
+    memset(posture, 0, sizeof *posture);
+    posture->input = input;
+    lw_group_posture group_posture;
+    lw_status s = plan->n_higher ? lw_group_posture_find(plan, dim, mode, input, &group_posture) : LW_OK;
     if (s != LW_OK)
         return s;
-    double least = plan->n_higher ? group_pose.margin : 1;
-    pose->margin = fmin(least, registers(plan, dim, mode, input, &group_pose, flat));
+    double least = plan->n_higher ? group_posture.margin : 1;
+    posture->margin = fmin(least, registers(plan, dim, mode, input, &group_posture, flat));
     sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]),
                dim[plan->i_theta0] };
     if (order == 0) {
-        put_places(plan, &k, flat, pose);
-        return pose->margin < 0 ? LW_OPEN : LW_OK;
+        put_places(plan, &k, flat, posture);
+        return posture->margin < 0 ? LW_OPEN : LW_OK;
     }
     for (int r = 0; r < plan->n_reg; r++)
         reg[r] = constant2(flat[r].x, flat[r].y);
-    if (pose->margin > LW_MARGIN_FLAT)
-        jet_steps(plan, dim, mode, input, &group_pose, reg);
+    if (posture->margin > LW_MARGIN_FLAT)
+        jet_steps(plan, dim, mode, input, &group_posture, reg);
     /* by rounding a dyad may close in `registers` and not in Taylor arithmetic: no derivatives then */
     if (!all_finite(reg, plan->n_reg))
         for (int r = 0; r < plan->n_reg; r++)
             reg[r] = constant2(flat[r].x, flat[r].y);
-    put_all(plan, &k, reg, pose);
-    return pose->margin < 0 ? LW_OPEN : LW_OK;
+    put_all(plan, &k, reg, posture);
+    return posture->margin < 0 ? LW_OPEN : LW_OK;
 }

@@ -1,7 +1,7 @@
-/* One pose in full: bars keep their lengths, derivatives of each order against differences of the one below,
+/* One posture in full: bars keep their lengths, derivatives of each order against differences of the one below,
  * limits and dead points. */
 #include "mbs/batch/batch.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
@@ -26,7 +26,7 @@ static bool random_subject(lw_rng *r, int trial, subject *q)
 
 /* Distances between the pins and tracers of one link, and what slides: two sliding links keep their
  * angle and the distance of a pin of one from the slide line of the other. */
-static void check_rigid(const subject *q, const lw_pose *now, double tolerance)
+static void check_rigid(const subject *q, const lw_posture *now, double tolerance)
 {
     const lw_linkage *k = &q->k;
     for (int i = 0; i < k->n_joint; i++)
@@ -77,7 +77,7 @@ static void check_slides(const lw_linkage *old, const lw_linkage *now, double to
 static void bars_keep_their_lengths(void)
 {
     static subject q;
-    static lw_pose pose;
+    static lw_posture posture;
     lw_rng r;
     int n_checked = 0;
     lw_rng_seed(&r, check_seed(), 1);
@@ -87,11 +87,11 @@ static void bars_keep_their_lengths(void)
         for (int d = 0; d < q.p.n_dyad; d++)
             q.mode[d] = lw_rng_bits(&r) & 1 ? 1 : -1;                 /* both assemblies */
         double input = q.input + lw_rng_range(&r, -1, 1);
-        if (lw_pose_solve(&q.p, q.dim, q.mode, input, 0, &pose) != LW_OK || pose.margin < 1e-3)
+        if (lw_posture_solve(&q.p, q.dim, q.mode, input, 0, &posture) != LW_OK || posture.margin < 1e-3)
             continue;
         lw_linkage moved = q.k;
         CHECK_INT(lw_plan_write(&q.p, q.dim, q.mode, input, &moved), LW_OK);
-        check_rigid(&q, &pose, 1e-10);
+        check_rigid(&q, &posture, 1e-10);
         check_slides(&q.k, &moved, 1e-9);
         n_checked++;
     }
@@ -100,9 +100,9 @@ static void bars_keep_their_lengths(void)
 
 /* Each order is the derivative of the one before: fourth-order central differences with a step that
  * balances truncation and rounding at about 1e-12 of the scale h^-1 of the motion. */
-static void check_order(const lw_pose at[5], int order, double h, double tolerance, int n_tracer, int link)
+static void check_order(const lw_posture at[5], int order, double h, double tolerance, int n_tracer, int link)
 {
-    const lw_pose *p = &at[2];
+    const lw_posture *p = &at[2];
     for (int i = 0; i < n_tracer; i++) {
         double dx = (at[0].tracer[i][order - 1].x - at[4].tracer[i][order - 1].x) +
                     8*(at[3].tracer[i][order - 1].x - at[1].tracer[i][order - 1].x);
@@ -123,7 +123,7 @@ static void check_order(const lw_pose at[5], int order, double h, double toleran
 static void orders_follow_from_each_other(void)
 {
     static subject q;
-    static lw_pose at[5];
+    static lw_posture at[5];
     lw_rng r;
     const double h = 1e-4;
     int n_checked = 0;
@@ -133,7 +133,7 @@ static void orders_follow_from_each_other(void)
             continue;
         double least = 1, size = 1;
         for (int i = 0; i < 5; i++) {
-            lw_pose_solve(&q.p, q.dim, q.mode, q.input + (i - 2)*h, 3, &at[i]);
+            lw_posture_solve(&q.p, q.dim, q.mode, q.input + (i - 2)*h, 3, &at[i]);
             least = fmin(least, at[i].margin);
         }
         for (int o = 0; o <= 3; o++)
@@ -152,7 +152,7 @@ static void orders_follow_from_each_other(void)
 static void velocities_agree_with_the_batch(void)
 {
     static subject q;
-    static lw_pose pose;
+    static lw_posture posture;
     static double work[1 << 17];
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 3);
@@ -165,14 +165,14 @@ static void velocities_agree_with_the_batch(void)
             lw_jacobian out = { &x, &y, &u, &v, &m, jac, jac + LW_DIM_MAX, jac + 2*LW_DIM_MAX, t, t + 1, t + 2, 1,
                                 NULL, NULL };
             lw_batch_jacobian(&q.p, &in, which, work, &out);
-            lw_pose_solve(&q.p, q.dim, q.mode, q.input, 1, &pose);
-            if (pose.margin < 1e-4)
+            lw_posture_solve(&q.p, q.dim, q.mode, q.input, 1, &posture);
+            if (posture.margin < 1e-4)
                 continue;
-            double size = 1e-10*(1 + fabs(t[0]) + fabs(t[1]) + fabs(t[2]))/pose.margin;
-            CHECK_NEAR(pose.tracer[which][1].x, t[0], size, 0);
-            CHECK_NEAR(pose.tracer[which][1].y, t[1], size, 0);
-            CHECK_NEAR(pose.angle[q.p.output_link[which]][1], t[2], size, 0);
-            CHECK_NEAR(remainder(pose.angle[q.p.output_link[which]][0] - atan2(v, u), 2*LW_PI), 0, 1e-9, 0);
+            double size = 1e-10*(1 + fabs(t[0]) + fabs(t[1]) + fabs(t[2]))/posture.margin;
+            CHECK_NEAR(posture.tracer[which][1].x, t[0], size, 0);
+            CHECK_NEAR(posture.tracer[which][1].y, t[1], size, 0);
+            CHECK_NEAR(posture.angle[q.p.output_link[which]][1], t[2], size, 0);
+            CHECK_NEAR(remainder(posture.angle[q.p.output_link[which]][0] - atan2(v, u), 2*LW_PI), 0, 1e-9, 0);
         }
     }
 }
@@ -182,20 +182,20 @@ static void slider_crank_by_hand(void)
 {
     lw_linkage k;
     lw_plan p;
-    lw_pose pose;
+    lw_posture posture;
     lw_type_linkage(lw_type_find("slidercrank"), &k);
     CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, NULL), LW_OK);
     const double dim[8] = { 1, 3, 0, 3, 0, 0, 0, 0 }, mode[1] = { 1 };
     for (int i = 0; i < 36; i++) {
         double t = i*LW_PI/18, c = cos(t), s = sin(t), w = sqrt(9 - s*s), w1 = -s*c/w, w2 = -(c*c - s*s + w1*w1)/w;
         double w3 = (4*s*c - 3*w1*w2)/w;
-        CHECK_INT(lw_pose_solve(&p, dim, mode, t, 3, &pose), LW_OK);
-        CHECK_NEAR(pose.joint[2][0].x, c + w, 1e-15, 1e-15);
-        CHECK_NEAR(pose.joint[2][1].x, -s + w1, 1e-15, 1e-14);
-        CHECK_NEAR(pose.joint[2][2].x, -c + w2, 1e-15, 1e-14);
-        CHECK_NEAR(pose.joint[2][3].x, s + w3, 1e-15, 1e-14);
-        CHECK_NEAR(pose.angle[1][1], 1, 1e-15, 0);
-        CHECK_NEAR(pose.tracer[0][2].x, pose.joint[2][2].x, 1e-14, 0);
+        CHECK_INT(lw_posture_solve(&p, dim, mode, t, 3, &posture), LW_OK);
+        CHECK_NEAR(posture.joint[2][0].x, c + w, 1e-15, 1e-15);
+        CHECK_NEAR(posture.joint[2][1].x, -s + w1, 1e-15, 1e-14);
+        CHECK_NEAR(posture.joint[2][2].x, -c + w2, 1e-15, 1e-14);
+        CHECK_NEAR(posture.joint[2][3].x, s + w3, 1e-15, 1e-14);
+        CHECK_NEAR(posture.angle[1][1], 1, 1e-15, 0);
+        CHECK_NEAR(posture.tracer[0][2].x, posture.joint[2][2].x, 1e-14, 0);
     }
 }
 
@@ -203,24 +203,24 @@ static void limits_and_dead_points(void)
 {
     lw_linkage k;
     lw_plan p;
-    lw_pose pose;
+    lw_posture posture;
     const double dim[9] = { 4, 3, 2, 2.5, 1, 1, 0, 0, 0 }, mode[1] = { 1 };
     lw_type_linkage(lw_type_find("fourbar"), &k);
     CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, NULL), LW_OK);
-    CHECK_INT(lw_pose_solve(&p, dim, mode, 0, -1, &pose), LW_E_ARG);
-    CHECK_INT(lw_pose_solve(&p, dim, mode, 0, LW_ORDER_MAX + 1, &pose), LW_E_ARG);
+    CHECK_INT(lw_posture_solve(&p, dim, mode, 0, -1, &posture), LW_E_ARG);
+    CHECK_INT(lw_posture_solve(&p, dim, mode, 0, LW_ORDER_MAX + 1, &posture), LW_E_ARG);
     double limit = acos((16 + 9 - 4.5*4.5)/24);                    /* coupler and rocker in line: 2 + 2.5 */
-    CHECK_INT(lw_pose_solve(&p, dim, mode, limit + 1e-3, 3, &pose), LW_OPEN);
-    CHECK(pose.margin < 0);
+    CHECK_INT(lw_posture_solve(&p, dim, mode, limit + 1e-3, 3, &posture), LW_OPEN);
+    CHECK(posture.margin < 0);
     for (int o = 1; o <= 3; o++)
-        CHECK(pose.tracer[0][o].x == 0 && pose.tracer[0][o].y == 0 && pose.angle[2][o] == 0);
-    CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[0][0], pose.joint[1][0])), sqrt(2), 1e-14, 0);
-    CHECK_INT(lw_pose_solve(&p, dim, mode, limit - 1e-3, 3, &pose), LW_OK);
-    CHECK(pose.margin > 0 && isfinite(pose.tracer[0][3].x));
+        CHECK(posture.tracer[0][o].x == 0 && posture.tracer[0][o].y == 0 && posture.angle[2][o] == 0);
+    CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[0][0], posture.joint[1][0])), sqrt(2), 1e-14, 0);
+    CHECK_INT(lw_posture_solve(&p, dim, mode, limit - 1e-3, 3, &posture), LW_OK);
+    CHECK(posture.margin > 0 && isfinite(posture.tracer[0][3].x));
     const double stretched[9] = { 4, 1, 2, 1, 0, 0, 0, 0, 0 };     /* all in line at 0: the margin is exactly 0 */
-    CHECK_INT(lw_pose_solve(&p, stretched, mode, 0, 3, &pose), LW_OK);
-    CHECK(pose.margin == 0 && pose.tracer[0][1].x == 0);
-    CHECK_NEAR(pose.joint[2][0].x, 3, 1e-15, 0);
+    CHECK_INT(lw_posture_solve(&p, stretched, mode, 0, 3, &posture), LW_OK);
+    CHECK(posture.margin == 0 && posture.tracer[0][1].x == 0);
+    CHECK_NEAR(posture.joint[2][0].x, 3, 1e-15, 0);
 }
 
 int main(void)

@@ -1,9 +1,9 @@
-/* Poses within rounding of a limit of motion: finite, whatever the order asked for. */
+/* Postures within rounding of a limit of motion: finite, whatever the order asked for. */
 #include "base/file.h"
-#include "mbs/batch/pose.h"
+#include "mbs/batch/posture.h"
 #include "tests/check.h"
 
-static void check_finite(const lw_pose *p, const lw_plan *plan)
+static void check_finite(const lw_posture *p, const lw_plan *plan)
 {
     for (int i = 0; i <= LW_ORDER_MAX; i++) {
         CHECK(isfinite(p->tracer[0][i].x) && isfinite(p->tracer[0][i].y));
@@ -17,7 +17,7 @@ static void finite_around_every_limit(void)
 {
     static lw_linkage k;
     static lw_plan plan;
-    static lw_pose pose;
+    static lw_posture posture;
     double dim[LW_DIM_MAX], file_mode[LW_MODE_MAX], file_input;
     char *text;
     size_t size;
@@ -34,22 +34,22 @@ static void finite_around_every_limit(void)
             mode[d] = set >> d & 1 ? -1 : 1;
         for (int i = 0; i < 720; i++) {
             double in = i*LW_PI/360, out = (i + 1)*LW_PI/360;
-            bool left = lw_pose_solve(&plan, dim, mode, in, 0, &pose) == LW_OK;
-            if (left == (lw_pose_solve(&plan, dim, mode, out, 0, &pose) == LW_OK))
+            bool left = lw_posture_solve(&plan, dim, mode, in, 0, &posture) == LW_OK;
+            if (left == (lw_posture_solve(&plan, dim, mode, out, 0, &posture) == LW_OK))
                 continue;
             n_limit++;
             for (int step = 0; step < 60; step++) {
                 double middle = 0.5*(in + out);
-                bool closes = lw_pose_solve(&plan, dim, mode, middle, LW_ORDER_MAX, &pose) == LW_OK;
-                check_finite(&pose, &plan);
+                bool closes = lw_posture_solve(&plan, dim, mode, middle, LW_ORDER_MAX, &posture) == LW_OK;
+                check_finite(&posture, &plan);
                 if (closes == left)
                     in = middle;
                 else
                     out = middle;
             }
             for (double q = in - 1e-14; q < in + 1e-14; q = nextafter(q, 10)) {
-                lw_pose_solve(&plan, dim, mode, q, LW_ORDER_MAX, &pose);
-                check_finite(&pose, &plan);
+                lw_posture_solve(&plan, dim, mode, q, LW_ORDER_MAX, &posture);
+                check_finite(&posture, &plan);
             }
         }
     }
