@@ -1,4 +1,6 @@
 // Questions to the server.  The page's own address ends with the token, so relative addresses carry it.
+import { app } from "./state.js";
+
 let down = false;
 const listeners = new Set();
 
@@ -39,8 +41,13 @@ async function send(name, body) {
   throw Object.assign(new Refused(said.error), said);
 }
 
-export async function ask(name, body) { return (await send(name, body)).json(); }
-export async function bytes(name, body) { return (await send(name, body)).blob(); }
+async function answer(name, body, read) {
+  const counted = name !== "news" && !down;                 // those two may wait for long
+  if (counted) app.work++;
+  try { return await read(await send(name, body)); } finally { if (counted) app.work--; }
+}
+export const ask = (name, body) => answer(name, body, (reply) => reply.json());
+export const bytes = (name, body) => answer(name, body, (reply) => reply.blob());
 
 // A question that is asked again and again while something is dragged: one at a time is on its way, and of those that
 // wait only the newest is asked.

@@ -1,5 +1,5 @@
 // The page: the drawing, the pointer, the keyboard, the motion; panels.js has what stands beside it.
-import { app, accept, blank, change, changed, emit, on, recall, redo, undo } from "./state.js";
+import { app, accept, blank, change, changed, emit, later, on, recall, redo, undo } from "./state.js";
 import { ask, latest, onConnection, Refused } from "./api.js";
 import { Layer, View, drawMechanism } from "./view.js";
 import { clone, complete, distance, inputOf, placed, turned } from "./mechanism.js";
@@ -35,7 +35,8 @@ let due = false;
 app.redraw = () => {
   if (due) return;
   due = true;
-  requestAnimationFrame(() => { due = false; draw(); });
+  app.work++;
+  requestAnimationFrame(() => { due = false; app.work--; draw(); });
 };
 
 function drawGrid() {
@@ -382,10 +383,19 @@ canvas.addEventListener("pointerdown", (e) => {
   e.preventDefault();
   (e.target.closest(".handle") || canvas).focus({ preventScroll: true });
 });
-canvas.addEventListener("pointermove", (e) => {
-  const p = where(e), at = app.view.at(...p);
+// Strokes are followed in the whole window and end when the button is up: a browser may take the capture of a pointer
+// away while the page around the drawing changes, and then only says so with a move that goes nowhere.
+addEventListener("pointermove", (e) => {
+  const p = where(e), at = app.view.at(...p), last = pointers.get(e.pointerId);
+  if (!last) {
+    if (canvas.contains(e.target)) $("place").textContent = places(at);
+    return;
+  }
+  if (e.pointerType !== "touch" && e.buttons === 0) {
+    if (p[0] !== last[0] || p[1] !== last[1]) lift(e, last);     // released outside of the window
+    return;
+  }
   $("place").textContent = places(at);
-  if (!pointers.has(e.pointerId)) return;
   pointers.set(e.pointerId, p);
   if (pinch && pointers.size === 2) {
     const [a, b] = [...pointers.values()], middle = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], d = distance(a, b);
@@ -396,14 +406,14 @@ canvas.addEventListener("pointermove", (e) => {
     app.redraw();
   } else if (active) active.move(at, e);
 });
-for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) canvas.addEventListener(end, (e) => {
-  const mine = pointers.delete(e.pointerId);
-  if (!mine) return;
+function lift(e, p) {
+  if (!pointers.delete(e.pointerId)) return;
   if (!pointers.size) pinch = null;
-  if (active && end !== "pointercancel") active.up(app.view.at(...where(e)), e);
+  if (active && e.type !== "pointercancel") active.up(app.view.at(...p), e);
   else if (active) active.cancel?.();
   active = null;
-});
+}
+for (const end of ["pointerup", "pointercancel"]) addEventListener(end, (e) => lift(e, where(e)));
 canvas.addEventListener("contextmenu", (e) => e.preventDefault());
 canvas.addEventListener("wheel", (e) => {
   e.preventDefault();
@@ -549,7 +559,7 @@ app.adopt = (linkage, keepView) => {
     d.locked = [];
   });
   app.frame = 0;
-  if (!keepView) setTimeout(app.fit, 60);
+  if (!keepView) later(app.fit, 60);
 };
 
 app.usePath = (t, unit) => {
@@ -557,7 +567,7 @@ app.usePath = (t, unit) => {
   let a = t.x.map((x, i) => [x * f, t.y[i] * f, ...(t.theta ? [t.theta[i] * 180 / Math.PI] : t.angle ? [null] : []),
     ...(t.angle ? [t.angle[i] * 180 / Math.PI] : [])]);
   change("path", (d) => { d.path = { ...d.path, mode: "points", closed: t.closed, anchors: a }; });
-  setTimeout(app.fit, 60);
+  later(app.fit, 60);
 };
 
 async function openText(text, name) {
@@ -580,7 +590,7 @@ async function openText(text, name) {
         app.show("mechanism");
       }
     }
-    setTimeout(app.fit, 80);
+    later(app.fit, 80);
   } catch (error) {
     app.say(`${name}: ${error.message}${error.line ? ` (line ${error.line}, column ${error.column})` : ""}`, true);
   }
@@ -689,7 +699,7 @@ try {
     await openText(start.text, start.file);
   } else if (!had && !app.doc.path.anchors.length) choose(tools[1]);
 } catch (error) { /* the banner says so */ }
-setTimeout(() => { if (pointers.size === 0 && !app.touched) app.fit(); }, 120);
+later(() => { if (pointers.size === 0 && !app.touched) app.fit(); }, 120);
 app.ready = true;
 document.documentElement.dataset.ready = "yes";
 window.studio = app;

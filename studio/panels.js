@@ -1,5 +1,5 @@
 // What stands beside the drawing: the path, conditions and search, the mechanism, what to look at, what to take away.
-import { app, address, change, changed, emit, on } from "./state.js";
+import { app, address, change, changed, emit, later, on } from "./state.js";
 import { ask, bytes, latest, Refused } from "./api.js";
 import { Little, plot } from "./view.js";
 import { clone, complete, distance, drag, groundOf, inputOf, lengths, linkNames, onLink, placed, rebase, remove, turned } from "./mechanism.js";
@@ -64,11 +64,11 @@ for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => { 
 function soon(f) {
   let due = false;
   const go = () => {
-    if (held) { setTimeout(go, 30); return; }
+    if (held) { later(go, 30); return; }
     due = false;
     f();
   };
-  return () => { if (!due) { due = true; setTimeout(go, 0); } };
+  return () => { if (!due) { due = true; later(go, 0); } };
 }
 
 const round = (v, n = 3) => (v === null || v === undefined || !Number.isFinite(v) ? "–" : String(+v.toPrecision(n)));
@@ -338,7 +338,7 @@ function searchPanel(panel) {
     s.used = i;
     app.adopt(complete(s.results[i].linkage, ""), true);
     app.frame = 0;
-    setTimeout(app.fit, 80);
+    later(app.fit, 80);
     renderCards();
   }
 

@@ -9,9 +9,12 @@ export const blank = () => ({
   linkage: null, locked: [], photo: null,
 });
 
-export const app = { doc: blank(), past: [], future: [], listeners: {} };
+export const app = { doc: blank(), past: [], future: [], listeners: {}, work: 0 };
 export const on = (event, f) => { (app.listeners[event] ||= []).push(f); };
 export const emit = (event, ...a) => { for (const f of app.listeners[event] || []) f(...a); };
+
+// app.work counts what is on its way: answers, panels and the drawing to be shown again, the document to be kept.
+export const later = (f, ms) => { app.work++; setTimeout(() => { app.work--; f(); }, ms); };
 
 // A photo is large and never edited: snapshots share it.
 const snapshot = (doc) => { const { photo, ...rest } = doc; return { ...clone(rest), photo }; };
@@ -63,8 +66,11 @@ async function unpack(text) {
 
 let timer = 0;
 function keep() {
-  clearTimeout(timer);
-  timer = setTimeout(save, 150);
+  if (timer) clearTimeout(timer); else app.work++;
+  const mine = timer = setTimeout(async () => {
+    await save();
+    if (timer === mine) { timer = 0; app.work--; }
+  }, 150);
 }
 
 async function save() {

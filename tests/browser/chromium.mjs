@@ -97,8 +97,13 @@ class Page {
     }
     throw new Error(`waited in vain: ${what}`);
   }
+  // Until nothing is on its way: no answer, no panel or drawing to be shown again.
+  async quiet() {
+    await this.until("!window.studio || (studio.work === 0 && !studio.touching)", "the page is at rest");
+  }
   // Place of an element's middle on the screen.
   async where(selector) {
+    await this.quiet();
     const p = await this.run(`(() => { const e = document.querySelector(${JSON.stringify(selector)}); if (!e) return null;
       e.scrollIntoView({ block: "nearest", inline: "nearest" }); const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; })()`);
     if (!p) throw new Error(`there is no ${selector}`);
@@ -114,18 +119,24 @@ class Page {
     const p = typeof selector === "string" ? await this.where(selector) : selector;
     await this.press(p);
     await this.release(p);
+    await this.quiet();
   }
   async stroke(points) {
+    await this.quiet();
     await this.press(points[0]);
     for (const p of points.slice(1)) await this.move(p);
     await this.release(points[points.length - 1]);
+    await this.quiet();
   }
+  async fingers(yes) { await this.send("Emulation.setTouchEmulationEnabled", { enabled: yes, ...(yes ? { maxTouchPoints: 2 } : {}) }); }
+  async reload() { await this.send("Page.reload"); }
   async touch(type, points) { await this.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) }); }
   async key(key, modifiers = 0) {
     const named = KEYS[key], text = key === "Space" ? " " : key, code = named || key.toUpperCase().charCodeAt(0);
     const event = { key: text, windowsVirtualKeyCode: code, modifiers, ...(named && key !== "Enter" && key !== "Space" ? {} : { text: key === "Enter" ? "\r" : text }) };
     await this.send("Input.dispatchKeyEvent", { type: modifiers & 2 ? "rawKeyDown" : "keyDown", ...event, ...(modifiers & 2 ? { text: undefined } : {}) });
     await this.send("Input.dispatchKeyEvent", { type: "keyUp", key: text, windowsVirtualKeyCode: code, modifiers });
+    await this.quiet();
   }
   // Type into a field as a person does, and leave it.
   async fill(selector, text) {
@@ -133,11 +144,17 @@ class Page {
     await this.run(`document.querySelector(${JSON.stringify(selector)}).select?.()`);
     await this.send("Input.insertText", { text: String(text) });
     await this.run("document.activeElement.blur()");
+    await this.quiet();
   }
   async choose(selector, value) {
     await this.run(`(() => { const s = document.querySelector(${JSON.stringify(selector)}); s.value = ${JSON.stringify(value)};
       s.dispatchEvent(new Event("change", { bubbles: true })); })()`);
+    await this.quiet();
   }
   async media(features) { await this.send("Emulation.setEmulatedMedia", { features: Object.entries(features).map(([name, value]) => ({ name, value })) }); }
+  async heap() {
+    await this.send("HeapProfiler.collectGarbage");
+    return (await this.send("Runtime.getHeapUsage")).usedSize;
+  }
   async picture() { return Buffer.from((await this.send("Page.captureScreenshot")).data, "base64"); }
 }

@@ -6,6 +6,4 @@ chromium=$(command -v chromium || command -v chromium-browser || command -v goog
 for need in "${chromium:-chromium}" node; do
     command -v "$need" > /dev/null || { echo "skipped, there is no $need (Debian: chromium, nodejs)"; echo "test_studio_page: 0 passed, 0 failed"; exit 0; }
 done
-# beside other tests, as in make test, only those that no lost pointer event disturbs; all of them in make browser-test
-[ "${2:-short}" = long ] || [ -n "${LW_ONLY:-}" ] || export LW_ONLY="file opens, its|every button|drop CSV|phone|dark|list of keys"
 exec node "$(dirname "$0")/studio.mjs" "$1" "$chromium" "${2:-short}" ${3:+"$3"}

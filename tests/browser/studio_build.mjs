@@ -135,7 +135,6 @@ await test("masses give the torque of the drive and the forces in the joints", a
   const p = page();
   check("told what is missing", (await p.run("document.getElementById('panel-look').textContent")).includes("masses"));
   await p.click("#tab-mechanism");
-  await sleep(200);
   const link = await p.run("studio.doc.linkage.links[2].name");
   await p.fill(`[aria-label='Mass of ${link}']`, "0.4");
   await p.until("studio.doc.linkage.links[2].mass === 0.4 && studio.doc.linkage.links[2].inertia > 0");
@@ -149,7 +148,6 @@ await test("masses give the torque of the drive and the forces in the joints", a
 await test("a length is typed, a kind is changed, Delete takes a point away", async () => {
   const p = page();
   await p.click("#tab-mechanism");
-  await sleep(200);
   const label = await p.run("document.querySelector('.links input[aria-label^=Distance]').getAttribute('aria-label')");
   await p.fill(`[aria-label="${label}"]`, "33");
   await p.until(`Math.abs(Number(document.querySelector('[aria-label="${label}"]').value) - 33) < 1e-5`, "33 mm");

@@ -38,7 +38,7 @@ await test("the nearest mechanisms appear while one draws, and move", async () =
   await p.until("document.querySelectorAll('#nearest .little svg .link').length > 6", "five of them move");
   const at = "document.querySelector('#nearest .little .link').getAttribute('d')", first = await p.run(at);
   await p.until(`${at} !== ${JSON.stringify(first)}`, "they move");
-  check(`the atlas took ${await p.run("studio.nearestMs")} ms`, (await p.run("studio.nearestMs")) < 100);
+  if (long) check(`the atlas took ${await p.run("studio.nearestMs")} ms`, (await p.run("studio.nearestMs")) < 100);
   if (pictures) writeFileSync(join(pictures, "draw.png"), await p.picture());
   await p.click("#nearest .little");
   await settled();
@@ -83,7 +83,7 @@ await test("pen and finger draw; two fingers zoom", async () => {
   p.pen = false;
   check("pen", (await anchors()).length > 4);
   await p.key("z", 2);
-  await p.send("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 2 });
+  await p.fingers(true);
   const o = (await oval()).slice(0, 22);
   await p.touch("touchStart", [o[0]]);
   for (const q of o) await p.touch("touchMove", [q]);
@@ -93,7 +93,7 @@ await test("pen and finger draw; two fingers zoom", async () => {
   await p.touch("touchStart", [[x + 300, y + 300], [x + 340, y + 300]]);
   for (let i = 1; i < 8; i++) await p.touch("touchMove", [[x + 300 - 10 * i, y + 300], [x + 340 + 10 * i, y + 300]]);
   await p.touch("touchEnd", []);
-  await p.send("Emulation.setTouchEmulationEnabled", { enabled: false });
+  await p.fingers(false);
   check("zoomed", (await p.run("studio.view.scale")) > 2 * scale);
   check("nothing drawn by it", (await anchors()).length === n);
 });
@@ -138,10 +138,9 @@ await fresh("examples/walking-foot.csv");
 await test("conditions: boxes by hand, numbers, what the server is asked", async () => {
   const p = page();
   await p.until("studio.stations.length === 24");
-  await sleep(300);
   const at = async (q) => screen(q), box = async (tool, a, b) => { await p.click(`[data-tool=${tool}]`); await p.stroke([await at(a), await at([(a[0] + b[0]) / 2, b[1]]), await at(b)]); };
   await p.click("#tab-search");
-  await p.run("(() => { studio.doc.task.rounds = 3; studio.view.show([[-150, -100], [250, 200]]); studio.redraw(); })()");
+  await p.run("(() => { studio.doc.task.rounds = 1; studio.view.show([[-150, -100], [250, 200]]); studio.redraw(); })()");
   await box("Pivots", [-100, -90], [170, 140]);
   await box("Forbid", [180, 100], [220, 150]);
   const t = (await doc()).task;
@@ -187,7 +186,6 @@ await test("results: use one, compare two side by side and overlaid", async () =
   await settled();
   await p.until("document.querySelector('[data-result=\"1\"]').classList.contains('used')");
   await p.click("[data-result='0'] input");
-  await sleep(80);
   await p.click("[data-result='1'] input");
   await p.until("document.querySelectorAll('#compare tr').length > 5", "a table");
   await p.until("document.querySelectorAll('.curves-layer .curve.b').length > 0", "two curves over each other");
@@ -208,7 +206,6 @@ await test("stop keeps the best; improve goes on from the drawing", async () => 
   await p.run("delete studio.doc.task.rounds");
   await p.choose("#panel-search select", "6");
   await p.until("studio.doc.task.links === 6");
-  await sleep(100);
   await p.click("#improve");
   await p.until("studio.search.news && studio.search.news.best", "a best", 120);
   const n = p.asked("search").length;
@@ -242,7 +239,7 @@ await test("take away: every format, the path, the task; a saved file opens agai
   await p.until("studio.doc.linkage !== null");
   check("the file opens again", JSON.stringify(await doc()) === kept);
   await p.until("location.hash.length > 100");
-  await sleep(400);
+  await p.quiet();
   const there = await p.run("location.href");
   const other = await globalThis.T.browser.page();
   await other.go(there);
