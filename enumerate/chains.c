@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "enumerate/chains_internal.h"
+#include "enumerate/distinct.h"
 
 lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e)
 {
@@ -151,14 +152,15 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
 {
     const lw_filter *f = how->filter;
     *tally = (lw_tally){ 0, 0 };
-    if (!chains->structures || (f && !f->structure))
+    bool distinct = chains->structures && f && strcmp(f->name, "distinct") == 0;
+    if (!chains->structures || (f && !f->structure && !distinct))
         return lw_walk_structure(chains, how, k, w, tally_item, tally);
     lw_structure s;
     lw_structures_get(chains->structures, chains->numbers.n_loop, lw_walk_index(how, k), &s);
-    if (f && !f->structure(&s))
+    if (f && !distinct && !f->structure(&s))
         return LW_OK;
     lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
-    return status == LW_OK ? lw_weighting_count(w, tally) : status;
+    return status != LW_OK ? status : distinct ? lw_distinct_count(w, tally) : lw_weighting_count(w, tally);
 }
 
 lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start)

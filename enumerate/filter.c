@@ -62,6 +62,8 @@ const lw_filter lw_filters[] = {
                                                                 chain_no_dyad,    NULL                 },
     { "every",      "all chains; counted one by one, without Burnside's lemma",
                                                                 chain_every,      NULL                 },
+    { "distinct",   "all chains; counted one by one, each compared with all others of its structure",
+                                                                chain_every,      NULL                 },
     { NULL, NULL, NULL, NULL }
 };
 
