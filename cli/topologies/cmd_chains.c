@@ -40,8 +40,8 @@ static const cli_option options[] = {
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
       "only chains with a non-planar graph", 0, 0, NULL, "filter" },
     { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
-      "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row); every, distinct: "
-      "all, but --count lists them one by one (distinct: and compares them with each other), as a second count",
+      "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row); every, "
+      "distinct: all, but --count lists them one by one (distinct: and compares them), as a second count",
       0, 0, NULL, "planar" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
       "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete",
