@@ -136,6 +136,40 @@ static void draw_link(sketch *k, int link)
     }
 }
 
+/* Where links cross, the one drawn later passes above: a gap in the paper's colour interrupts the other one. */
+static void draw_bridges(sketch *k, int above, int below)
+{
+    lw_vec2 p[LW_LINK_MAX + 1], q[LW_LINK_MAX + 1];
+    int n = outline(k, above, p), m = outline(k, below, q);
+    for (int i = 0; i < (n > 2 ? n : n - 1); i++)
+        for (int j = 0; j < (m > 2 ? m : m - 1); j++) {
+            lw_vec2 a = p[i], u = lw_v2_sub(p[(i + 1) % n], a), b = q[j], v = lw_v2_sub(q[(j + 1) % m], b);
+            lw_vec2 d = lw_v2_sub(b, a);
+            double turn = lw_v2_cross(u, v), s = lw_v2_cross(d, v)/turn, t = lw_v2_cross(d, u)/turn;
+            if (!(s > 1e-6 && s < 1 - 1e-6 && t > 1e-6 && t < 1 - 1e-6))
+                continue;
+            lw_vec2 at = lw_v2_add(a, lw_v2_scale(u, s)), reach = lw_v2_scale(u, 7*k->u/lw_v2_norm(u));
+            lw_shape *gap = lw_drawing_line(k->d, LW_ROLE_GUIDE, lw_v2_sub(at, reach), lw_v2_add(at, reach));
+            gap->stroke = LW_INK_PAPER;
+            gap->width = 12*k->u;
+        }
+}
+
+/* Draw polygons first and bars above them. */
+static void draw_links(sketch *k)
+{
+    int order[LW_LINK_MAX], n = 0;
+    for (int bars = 0; bars < 2; bars++)
+        for (int i = 0; i < k->m->n_link; i++)
+            if ((k->l->first[i + 1] - k->l->first[i] < 3) == bars && i != k->m->ground)
+                order[n++] = i;
+    for (int i = 0; i < n; i++) {
+        for (int below = 0; k->l->n_cross > 0 && below < i; below++)
+            draw_bridges(k, order[i], order[below]);
+        draw_link(k, order[i]);
+    }
+}
+
 /* Direction in which a link leaves a joint: along a bar, else along the outline. */
 static lw_vec2 direction_of(const sketch *k, int link, int joint)
 {
@@ -334,8 +368,7 @@ void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box 
     for (int j = 0; j < m->n_joint; j++)
         if (lw_joint_turns(m->kind[j]) && on_ground(m, j))
             lw_symbol_pivot(d, (lw_bearer){ j, -1, -1 }, pixel(&k, l->at[j]), k.u);
-    for (int i = 0; i < m->n_link; i++)
-        draw_link(&k, i);
+    draw_links(&k);
     for (int pins = 0; pins < 2; pins++)                     /* draw pins above the blocks they stand on */
         for (int j = 0; j < m->n_joint; j++)
             if (lw_joint_turns(m->kind[j]) == pins)

@@ -123,6 +123,8 @@ static void characterise(const lw_mechanism *m, lw_embedding *w)
         w->hash = (w->hash ^ least[i])*0x100000001b3u;
 }
 
+#define SYMMETRIC 1000.0     /* symmetric pictures come before all others */
+
 /* Prefer symmetry, then a long outer loop and inner loops of similar length. */
 static double promise_of(const lw_embedding *w, const int *length)
 {
@@ -130,7 +132,7 @@ static double promise_of(const lw_embedding *w, const int *length)
     for (int i = 0; i < w->n_loop; i++)
         sum += (length[i] - mean)*(length[i] - mean);
     sum -= (w->n_outer - mean)*(w->n_outer - mean);
-    return sqrt(sum) - w->n_outer - 1.5*log2(w->symmetry);
+    return sqrt(sum) - w->n_outer - 1.5*log2(w->symmetry) - (w->symmetry > 1 ? SYMMETRIC : 0);
 }
 
 typedef struct finder {

@@ -199,10 +199,10 @@ static lw_status begin_draft(const lw_mechanism *m, const lw_embedding *embeddin
     return LW_OK;
 }
 
-/* Smaller is better: the energy, reduced a little for symmetry. */
+/* Smaller is better: any symmetry comes before none, then the energy counts, reduced a little for more symmetry. */
 static double score(const draft *t)
 {
-    return t->energy*(1 - 0.1*fmin(2, log2(t->web.n_group)));
+    return t->energy*(1 - 0.1*fmin(2, log2(t->web.n_group))) + (t->web.n_group > 1 ? 0 : 1e6);
 }
 
 /* ---- how it stands on the page ------------------------------------------------------------------ */
@@ -264,8 +264,9 @@ static void stand_up(draft *t)
 
 /* ==== chains whose graph is not planar ======================================================================== */
 
-#define SETS_MAX  6         /* sets of bars that are tried                      */
-#define CUT_EMBEDDINGS 6    /* embeddings for each set                          */
+#define SETS_MAX  24        /* sets of bars that are tried, and embeddings for each: few at first, then many */
+#define CUT_EMBEDDINGS 40
+#define FEW       6
 #define GHOST     14        /* steps in which the cut bars repel nothing */
 #define CUT_RUN  250
 #define MORE      8       /* further trials for an even picture once one crossing is reached and fewer are impossible */
@@ -335,16 +336,16 @@ static uint32_t cut_greedily(const lw_mechanism *m, uint32_t bars, int first)
 }
 
 /* Find sets of bars to cut: single bars if one is enough, else pairs, else what cut_greedily finds. */
-static int sets_of(const lw_mechanism *m, uint32_t *set)
+static int sets_of(const lw_mechanism *m, int most, uint32_t *set)
 {
     uint32_t bars = bars_of(m);
     int n = 0;
-    for (uint32_t a = bars; a && n < SETS_MAX; a &= a - 1)
+    for (uint32_t a = bars; a && n < most; a &= a - 1)
         if (helps(m, a & -a))
             set[n++] = a & -a;
     bool single = n > 0;
     for (uint32_t a = bars; a && !single; a &= a - 1)
-        for (uint32_t b = a & (a - 1); b && n < SETS_MAX; b &= b - 1)
+        for (uint32_t b = a & (a - 1); b && n < most; b &= b - 1)
             if (helps(m, (a & -a) | (b & -b)))
                 set[n++] = (a & -a) | (b & -b);
     for (int i = 0; n == 0 && i < m->n_link; i++) {
@@ -434,19 +435,19 @@ static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_embed
     return LW_OK;
 }
 
-static lw_status try_cuts(contest *c)
+static lw_status try_cuts(contest *c, int n_set, int n_try)
 {
     uint32_t set[SETS_MAX];
-    int n = sets_of(c->m, set);
+    int n = sets_of(c->m, n_set, set);
     int left = MORE;
-    lw_embedding *embedding = malloc(CUT_EMBEDDINGS*sizeof *embedding);
+    lw_embedding *embedding = malloc((size_t)n_try*sizeof *embedding);
     lw_status s = embedding ? LW_OK : LW_E_MEMORY;
     for (int i = 0; s == LW_OK && i < n && left > 0; i++) {
         lw_mechanism parts;
         int n_embedding;
         if (!cut_links(c->m, set[i], &parts))
             continue;
-        s = lw_embeddings_find(&parts, CUT_EMBEDDINGS, embedding, &n_embedding);
+        s = lw_embeddings_find(&parts, n_try, embedding, &n_embedding);
         if (s == LW_NOTHING)                             /* the cut chain falls apart: no embedding */
             s = LW_OK;
         for (int k = 0; s == LW_OK && k < n_embedding && left > 0; k++) {
@@ -534,7 +535,9 @@ static lw_status lay_out_nonplanar(const lw_mechanism *m, lw_chain_layout *l)
     contest c = { .m = &pins, .n_cross = -1, .trial = t, .now = t, .best = t + 1 };
     memset(pins.kind, 'r', sizeof pins.kind);
     lw_rng_seed(&rng, 1, 0);
-    lw_status s = t ? try_cuts(&c) : LW_E_MEMORY;
+    lw_status s = t ? try_cuts(&c, FEW, FEW) : LW_E_MEMORY;
+    if (s == LW_OK && c.n_cross > 1)
+        s = try_cuts(&c, SETS_MAX, CUT_EMBEDDINGS);
     for (int i = 0; s == LW_OK && c.n_cross < 0 && i < STARTS; i++)
         s = enter_chance(&c, &rng);
     if (s == LW_OK) {

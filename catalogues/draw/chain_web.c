@@ -327,6 +327,8 @@ lw_status lw_web_start(const lw_web *w, lw_vec2 *p)
 #define PUSH      0.7      /* weight of that repulsion                                            */
 #define SHARP     0.72     /* cosine of the angle (44 degrees) below which a corner is opened     */
 #define OPEN      30.0     /* weight of that                                                      */
+#define STRAIGHT  0.96     /* cosine of the angle (16 degrees) from straight below which two sides at a joint are */
+#define BEND      600.0    /* bent: links in a row would look like one bar; weight of that           */
 #define FAR       0.06     /* weight of springs between joints that share no link                 */
 #define SPAN      0.95     /* length of those springs / shortest path along links                */
 #define ABOVE     0.55     /* distance wanted above the line of the ground                        */
@@ -517,12 +519,14 @@ static double corners(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
         const uint8_t *v = r->corner[i];
         lw_vec2 a = lw_v2_sub(p[v[1]], p[v[0]]), b = lw_v2_sub(p[v[2]], p[v[0]]);
         double ab = lw_v2_dot(a, b), a2 = lw_v2_dot(a, a) + 1e-18, b2 = lw_v2_dot(b, b) + 1e-18;
-        if (ab <= 0 || ab*ab <= SHARP*SHARP*a2*b2)
+        double limit = ab > 0 ? SHARP : STRAIGHT, weight = ab > 0 ? OPEN : BEND;
+        if (ab*ab <= limit*limit*a2*b2)
             continue;
-        double length = 1/sqrt(a2*b2), cosine = ab*length, over = cosine - SHARP, slope = 2*OPEN*over;
+        double length = 1/sqrt(a2*b2), cosine = ab*length, over = cosine - (ab > 0 ? limit : -limit);
+        double slope = 2*weight*over;
         lw_vec2 ga = lw_v2_scale(lw_v2_sub(lw_v2_scale(b, length), lw_v2_scale(a, cosine/a2)), slope);
         lw_vec2 gb = lw_v2_scale(lw_v2_sub(lw_v2_scale(a, length), lw_v2_scale(b, cosine/b2)), slope);
-        f += OPEN*over*over;
+        f += weight*over*over;
         g[v[1]] = lw_v2_add(g[v[1]], ga);
         g[v[2]] = lw_v2_add(g[v[2]], gb);
         g[v[0]] = lw_v2_sub(g[v[0]], lw_v2_add(ga, gb));
