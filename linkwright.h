@@ -112,7 +112,7 @@ typedef struct lw_profile {
     int           n;
     double        duration;                              /* [s]                                             */
     double        t[LW_PROFILE_PHASES_MAX + 1];          /* start of each phase; t[n] is the end            */
-    lw_axis_state at[LW_PROFILE_PHASES_MAX];             /* there                                           */
+    lw_axis_state at[LW_PROFILE_PHASES_MAX + 1];         /* there                                           */
     double        jerk[LW_PROFILE_PHASES_MAX];
 } lw_profile;
 
@@ -139,6 +139,43 @@ LW_API lw_axis_state lw_profile_at(const lw_profile *profile, double t, double *
 
 /* Least and greatest speed, acceleration and jerk over the whole motion, exact. */
 LW_API lw_axis_limits lw_profile_extremes(const lw_profile *profile);
+
+/* Limits for a motion from rest to rest over a way.  Power: the thirds of the time that move a mass quickest with so much
+ * power (Makkonen 1999).  Frequency: ramps of the acceleration over whole periods of an oscillation [Hz], which is at rest
+ * afterwards; acceleration must be limited. */
+LW_API void lw_profile_limit_power(double way, double power, double mass, lw_axis_limits *limits);
+LW_API void lw_profile_limit_frequency(double way, double frequency, lw_axis_limits *limits);
+
+/* Laws of motion from rest to rest over a unit of way in a unit of time (docs/profile.md, "Laws"). */
+typedef struct lw_motion_law {
+    const char *name, *words;                            /* "cycloid"; one line                             */
+    const char *also;                                    /* a second name; NULL: none                       */
+    double      speed_peak, acceleration_peak, jerk_peak;  /* over way/T^k; infinite: a step                */
+    double      copper_loss;                             /* integral of the squared acceleration: heat of a motor */
+} lw_motion_law;
+
+/* The laws by number; NULL past the last one.  Number by name, -1: there is none.  Way, speed, acceleration and jerk at u;
+ * 0 and 1 outside [0, 1], at a step those after it. */
+LW_API const lw_motion_law *lw_motion_law_get(int law);
+LW_API int  lw_motion_law_find(const char *name);
+LW_API void lw_motion_law_at(int law, double u, double out[4]);
+
+typedef struct lw_work_cycle lw_work_cycle;    /* moves of several axes with payloads and rests (docs/profile.md)  */
+
+/* From JSON text or file; the moves are planned.  LW_E_NOTATION also for moves that the limits do not allow. */
+LW_API lw_status lw_work_cycle_parse(const char *text, size_t size, const char *file, lw_work_cycle **out, lw_error *error);
+LW_API lw_status lw_work_cycle_load(const char *path, lw_work_cycle **out, lw_error *error);
+LW_API void      lw_work_cycle_destroy(lw_work_cycle *cycle);
+
+/* Number and names of axes ('a') and moves ('m'); NULL past the last one. */
+LW_API int         lw_work_cycle_count(const lw_work_cycle *cycle, char what);
+LW_API const char *lw_work_cycle_name(const lw_work_cycle *cycle, char what, int i);
+/* Start, duration and the rest after a move [s]; end of all. */
+LW_API lw_status lw_work_cycle_times(const lw_work_cycle *cycle, int move, double *start, double *duration, double *dwell);
+LW_API double    lw_work_cycle_end(const lw_work_cycle *cycle);
+/* State of an axis and the payload at t; *jerk may be NULL. */
+LW_API lw_axis_state lw_work_cycle_at(const lw_work_cycle *cycle, int axis, double t, double *jerk);
+LW_API double        lw_work_cycle_payload(const lw_work_cycle *cycle, double t);
 
 /* ---- servo axes ------------------------------------------------------------------------------------------------- */
 
@@ -918,6 +955,88 @@ typedef lw_status lw_counterweight_callback(void *context, const lw_counterweigh
  * turns about a ground pin; LW_E_ARG: too few samples. */
 LW_API lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context,
                                        double *before, double *after, lw_error *error);
+
+/* ---- drives: what a cycle asks of them, and which can do it (docs/drive.md) ------------------------------------- */
+
+/* Evenly spaced samples of a cycle of one drive.  Torque and speed of the same sign drive the load.  Of a drive that slides
+ * they are a force [N] and [m/s], and a transmission then has radians of the motor per metre. */
+typedef struct lw_load {
+    char          name[64];
+    bool          slides;
+    size_t        n;
+    double        step;                      /* [s]                                                                  */
+    const double *speed, *torque, *acceleration;         /* (n)                                                      */
+    double        inertia[2];                /* least and greatest reflected inertia [kg m^2] or [kg]; NaN: not known */
+} lw_load;
+
+typedef struct lw_loads { int n; lw_load *load; void *memory; } lw_loads;
+
+/* The loads of all drives of a model that moves as its inputs prescribe, by inverse dynamics.  Every freedom must be driven.
+ * *out is freed with lw_loads_free, also after a failure. */
+LW_API lw_status lw_model_loads(const lw_model *model, double from, double to, int intervals, lw_loads *out, lw_error *error);
+LW_API lw_status lw_spatial_loads(const lw_spatial *model, double from, double to, int intervals, lw_loads *out,
+                                  lw_error *error);
+LW_API void      lw_loads_free(lw_loads *loads);
+
+typedef struct lw_load_figures {
+    double torque_peak, torque_rms, speed_peak, power_peak, power_mean, power_least;
+    double energy_out, energy_back;          /* of the drive into the load; from the load into the drive [J]         */
+} lw_load_figures;
+
+/* Integrals by the trapezoidal rule; the power is taken as straight between two samples. */
+LW_API lw_load_figures lw_load_figures_of(const lw_load *load);
+
+typedef struct lw_drive_parts lw_drive_parts;            /* motors, gears and amplifiers                              */
+
+/* Add the parts of a table (CSV) or a catalogue (SQLite) to *parts; NULL there makes a new list. */
+LW_API lw_status   lw_drive_parts_load(const char *path, lw_drive_parts **parts, lw_error *error);
+LW_API void        lw_drive_parts_destroy(lw_drive_parts *parts);
+/* Number and names of motors ('m'), gears ('g'), amplifiers ('a'). */
+LW_API int         lw_drive_parts_count(const lw_drive_parts *parts, char kind);
+LW_API const char *lw_drive_parts_name(const lw_drive_parts *parts, char kind, int i);
+
+/* What keeps a choice from the work: bits of lw_drive_choice.fails. */
+#define LW_DRIVE_LIMIT_LIST(X) \
+    X(SPEED,          "speed of the motor") \
+    X(PEAK,           "peak torque of the motor") \
+    X(RMS,            "continuous torque of the motor") \
+    X(GEAR_SPEED,     "speed of the gear") \
+    X(GEAR_PEAK,      "peak torque of the gear") \
+    X(GEAR_RMS,       "continuous torque of the gear") \
+    X(VOLTAGE,        "voltage of the amplifier") \
+    X(CURRENT,        "peak current of the amplifier") \
+    X(CURRENT_RMS,    "continuous current of the amplifier") \
+    X(HEAT,           "i^2 t of the amplifier") \
+    X(INERTIA,        "inertia ratio")
+enum {
+#define X(name, text) LW_DRIVE_##name,
+    LW_DRIVE_LIMIT_LIST(X)
+#undef X
+    LW_DRIVE_N_LIMIT
+};
+LW_API const char *lw_drive_limit_text(int limit);
+
+typedef struct lw_drive_choice {
+    int      motor, gear, amplifier;         /* of the lists; -1: no gear, or no amplifier, is in the lists          */
+    double   ratio;                          /* motor angle over load angle, or [rad/m]                              */
+    double   speed, torque_peak, torque_rms; /* of the motor [rad/s] [N m]                                           */
+    double   current_peak, current_rms;      /* [A]                                                                  */
+    double   voltage;                        /* greatest R I + Kt w + L dI/dt [V]                                    */
+    int      torque_steps;                   /* places where the torque steps, and L dI/dt is left out               */
+    double   heat;                           /* of the winding, mean [W]                                             */
+    double   i2t;                            /* greatest charge of the amplifier, over what it allows                */
+    double   inertia_ratio;                  /* load, greatest, over motor and gear; NaN                             */
+    double   use[LW_DRIVE_N_LIMIT];          /* what is used of each limit; NaN: no such limit                       */
+    double   worst;                          /* greatest of use: <= 1 can do it                                      */
+    unsigned fails;
+    double   cost;                           /* price of all, or mass [kg] if no price is given, or rated power [W]  */
+} lw_drive_choice;
+
+/* All choices, the best first: those that can do it by cost and then by `worst`; then the others by `worst`.  *out and *front
+ * are freed with lw_free.  front[i]: no other choice that can do it is both cheaper and less used.  greatest_inertia: limit of
+ * the inertia ratio; infinite: none. */
+LW_API lw_status lw_drive_choose(const lw_load *load, const lw_drive_parts *parts, double greatest_inertia, size_t *n,
+                                 lw_drive_choice **out, bool **front, lw_error *error);
 
 /* ---- product families ------------------------------------------------------------------------------------------- */
 

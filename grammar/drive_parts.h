@@ -30,12 +30,12 @@ typedef struct lw_gear_part { char name[LW_PART_NAME]; LW_GEAR_COLUMN_LIST(MEMBE
 typedef struct lw_amplifier_part { char name[LW_PART_NAME]; LW_AMPLIFIER_COLUMN_LIST(MEMBER) } lw_amplifier_part;
 #undef MEMBER
 
-typedef struct lw_drive_parts {
+struct lw_drive_parts {
     int n_motor, n_gear, n_amplifier;
     lw_motor_part     *motor;
     lw_gear_part      *gear;
     lw_amplifier_part *amplifier;
-} lw_drive_parts;               /* { 0 } is empty */
+};                              /* { 0 } is empty */
 
 /* Does the text begin with the header of such a table? */
 bool      lw_drive_parts_is(const char *text, size_t size);

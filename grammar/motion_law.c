@@ -21,29 +21,29 @@ typedef struct row {
 #define MODIFIED_SINE      (4*PI*PI/(PI + 4))
 
 static const row laws[] = {
-    { { "345", "polynomial of degree 5: acceleration without steps", 1.875, 5.7735026918962573, 60, 120/7.0 },
+    { { "345", "polynomial of degree 5: acceleration without steps", NULL, 1.875, 5.7735026918962573, 60, 120/7.0 },
       { 0, 0, 0, 10, -15, 6 }, { { 0, 0, 0, 0 } } },
-    { { "4567", "polynomial of degree 7: jerk without steps", 2.1875, 7.5131884043994884, 52.5, 280/11.0 },
+    { { "4567", "polynomial of degree 7: jerk without steps", NULL, 2.1875, 7.5131884043994884, 52.5, 280/11.0 },
       { 0, 0, 0, 0, 35, -84, 70, -20 }, { { 0, 0, 0, 0 } } },
-    { { "cycloid", "acceleration is a sine wave", 2, 2*PI, 4*PI*PI, 2*PI*PI },
+    { { "cycloid", "acceleration is a sine wave", NULL, 2, 2*PI, 4*PI*PI, 2*PI*PI },
       { 0 }, { { 1, 2*PI, 2*PI, 0 } } },
-    { { "modified-sine", "quick and slow sine waves joined: low peak torque of a cam shaft", MODIFIED_SINE/PI,
+    { { "modified-sine", "quick and slow sine waves joined: low peak torque of a cam shaft", NULL, MODIFIED_SINE/PI,
         MODIFIED_SINE, 4*PI*MODIFIED_SINE, MODIFIED_SINE*MODIFIED_SINE/2 },
       { 0 }, { { 0.125, MODIFIED_SINE, 4*PI, 0 }, { 0.875, MODIFIED_SINE, 4*PI/3, PI/2 },
                { 1, MODIFIED_SINE, 4*PI, -PI/2 } } },
-    { { "modified-trapezoid", "trapezoid of acceleration with rounded flanks: least peak acceleration without steps", 2,
+    { { "modified-trapezoid", "trapezoid of acceleration with rounded flanks: least peak acceleration without steps", NULL, 2,
         MODIFIED_TRAPEZOID, 4*PI*MODIFIED_TRAPEZOID, 0.75*MODIFIED_TRAPEZOID*MODIFIED_TRAPEZOID },
       { 0 }, { { 0.125, MODIFIED_TRAPEZOID, 4*PI, 0 }, CONSTANT(0.375, MODIFIED_TRAPEZOID),
                { 0.625, MODIFIED_TRAPEZOID, 4*PI, PI/2 }, CONSTANT(0.875, -MODIFIED_TRAPEZOID),
                { 1, MODIFIED_TRAPEZOID, 4*PI, -PI/2 } } },
-    { { "havsin", "half a wave of a cosine; acceleration steps at both ends", PI/2, PI*PI/2, INFINITY, PI*PI*PI*PI/8 },
+    { { "havsin", "half a wave of a cosine; acceleration steps at both ends", NULL, PI/2, PI*PI/2, INFINITY, PI*PI*PI*PI/8 },
       { 0 }, { { 1, PI*PI/2, PI, PI/2 } } },
-    { { "step", "cubic, speed is a parabola: least copper loss; acceleration steps at both ends", 1.5, 6, INFINITY,
+    { { "step", "cubic, speed is a parabola: least copper loss; acceleration steps at both ends", "copper-loss", 1.5, 6, INFINITY,
         12 },
       { 0, 0, 3, -2 }, { { 0, 0, 0, 0 } } },
-    { { "trapezoid", "speed rises, stays and falls, a third of the time each", 1.5, 4.5, INFINITY, 13.5 },
+    { { "trapezoid", "speed rises, stays and falls, a third of the time each", NULL, 1.5, 4.5, INFINITY, 13.5 },
       { 0 }, { CONSTANT(1/3.0, 4.5), CONSTANT(2/3.0, 0), CONSTANT(1, -4.5) } },
-    { { "triangle", "speed rises and falls: least time at a given acceleration", 2, 4, INFINITY, 16 },
+    { { "triangle", "speed rises and falls: least time at a given acceleration", "bang-bang", 2, 4, INFINITY, 16 },
       { 0 }, { CONSTANT(0.5, 4), CONSTANT(1, -4) } }
 };
 
@@ -54,7 +54,7 @@ const lw_motion_law *lw_motion_law_get(int law) { return law >= 0 && law < N_LAW
 int lw_motion_law_find(const char *name)
 {
     for (int i = 0; i < N_LAW; i++)
-        if (!strcmp(name, laws[i].about.name))
+        if (!strcmp(name, laws[i].about.name) || (laws[i].about.also && !strcmp(name, laws[i].about.also)))
             return i;
     return -1;
 }

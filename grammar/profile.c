@@ -149,19 +149,30 @@ static phases phases_of(const transfer *m, const extreme *x)
     return p;
 }
 
+/* Way of a ramp of the acceleration from a to b that takes t; a pause has a = b. */
+static double ramp(double t, double a, double b, double *v)
+{
+    double way = t*(*v + t*(2*a + b)/6);
+    *v += t*(a + b)/2;
+    return way;
+}
+
 /* Way and slope of phases that are known.  The slope is the Hamiltonian v + p a of the problem, taken where the fall
  * from peak to valley begins; the costate p of the speed is nought in the middle of that fall and has slope -1. */
 static void measure(const transfer *m, extreme *x)
 {
-    phases p = phases_of(m, x);
-    double v = m->v0;
-    x->way = 0;
-    for (int i = 0; i < p.n; i++) {
-        double a = p.a[i];
-        x->way += advance(p.t[i], p.jerk[i], &v, &a);
+    double v = m->v0, peak = x->peak, valley = x->valley, middle = x->cruises ? 0 : valley;
+    double way = ramp(fmax(peak - m->a0, 0)*m->up, m->a0, peak, &v);
+    way += ramp(x->hold_peak, peak, peak, &v);
+    double at_fall = v;
+    way += ramp(fmax(peak - middle, 0)*m->down, peak, middle, &v);
+    if (x->cruises) {
+        way += x->cruise*v;
+        way += ramp(-valley*m->down, 0, valley, &v);
     }
-    double at_fall = m->v0 + (square(x->peak) - square(m->a0))/2*m->up + x->peak*x->hold_peak;
-    x->slope = x->cruises ? m->v_most : at_fall + (x->peak - x->valley)*m->down/2*x->peak;
+    way += ramp(x->hold_valley, valley, valley, &v);
+    x->way = way + ramp(fmax(m->a1 - valley, 0)*m->up, valley, m->a1, &v);
+    x->slope = x->cruises ? m->v_most : at_fall + (peak - valley)*m->down/2*peak;
 }
 
 static bool evaluate(const transfer *m, double T, extreme *x)
@@ -382,31 +393,35 @@ static void build(const transfer *most, const transfer *least, lw_axis_state fro
         p.n = 0;
     if (share == 1)
         q.n = 0;
-    double t = 0, start_p = 0, start_q = 0, v = from.v, position = from.x;
-    for (int i = 0, k = 0; t < T && out->n < LW_PROFILE_PHASES_MAX; ) {
-        double end_p = i + 1 < p.n ? start_p + p.t[i] : T, end_q = k + 1 < q.n ? start_q + q.t[k] : T;
-        double end = fmin(end_p, end_q), a = 0, jerk = 0;
-        if (p.n) {
-            a += share*(p.a[i] + (t - start_p)*p.jerk[i]);
-            jerk += share*p.jerk[i];
-        }
-        if (q.n) {
-            a -= (1 - share)*(q.a[k] + (t - start_q)*q.jerk[k]);
-            jerk -= (1 - share)*q.jerk[k];
-        }
-        if (end > t) {
+    /* Durations are taken from what is left of each phase, so that short phases stay exact after long ones. */
+    double t = 0, v = from.v, position = from.x, left_p = 0, left_q = 0, a = 0;
+    int i = -1, k = -1;
+    for (;;) {
+        while (left_p <= 0 && ++i < p.n)
+            left_p = p.t[i];
+        while (left_q <= 0 && ++k < q.n)
+            left_q = q.t[k];
+        bool has_p = i < p.n, has_q = k < q.n;
+        if ((!has_p && p.n) || (!has_q && q.n) || !(p.n + q.n) || out->n == LW_PROFILE_PHASES_MAX)
+            break;                                         /* both end together, to rounding */
+        double step = !has_q ? left_p : !has_p ? left_q : fmin(left_p, left_q), jerk = 0;
+        a = 0;
+        if (has_p)
+            a += share*(p.a[i] + (p.t[i] - left_p)*p.jerk[i]), jerk += share*p.jerk[i];
+        if (has_q)
+            a -= (1 - share)*(q.a[k] + (q.t[k] - left_q)*q.jerk[k]), jerk -= (1 - share)*q.jerk[k];
+        if (step > 1e-16*T) {                              /* the sums of both differ by rounding */
             out->t[out->n] = t;
             out->at[out->n] = (lw_axis_state){ position, v, a };
             out->jerk[out->n++] = jerk;
-            position += advance(end - t, jerk, &v, &a);
-            t = end;
+            position += advance(step, jerk, &v, &a);
+            t += step;
         }
-        if (end_p <= end && i + 1 < p.n)
-            i++, start_p = end_p;
-        if (end_q <= end && k + 1 < q.n)
-            k++, start_q = end_q;
+        left_p = has_p ? left_p - step : 0;
+        left_q = has_q ? left_q - step : 0;
     }
-    out->t[out->n] = out->duration = t;
+    out->t[out->n] = out->duration = out->n ? fmax(out->t[out->n - 1], T) : 0;
+    out->at[out->n] = (lw_axis_state){ position, v, a };
 }
 
 static lw_status check_limits(const lw_axis_limits *l, lw_error *error)
@@ -522,10 +537,11 @@ static lw_status make_in_phase(int n, const lw_axis_state *from, const lw_axis_s
     for (int i = 0; i < n && s == LW_OK; i++) {
         double r = way != 0 ? (to[i].x - from[i].x)/way : i == lead;
         out[i] = one;
-        for (int k = 0; k < one.n && i != lead; k++) {
+        for (int k = 0; k <= one.n && i != lead; k++) {
             const lw_axis_state *a = &one.at[k];
             out[i].at[k] = (lw_axis_state){ from[i].x + r*(a->x - from[lead].x), r*a->v, r*a->a };
-            out[i].jerk[k] = r*one.jerk[k];
+            if (k < one.n)
+                out[i].jerk[k] = r*one.jerk[k];
         }
     }
     return s;
@@ -549,38 +565,63 @@ lw_status lw_profile_make_axes(int n, const lw_axis_state *from, const lw_axis_s
 
 lw_axis_state lw_profile_at(const lw_profile *profile, double t, double *jerk)
 {
-    int i = profile->n - 1;
+    int n = profile->n, i = n - 1;
+    const lw_axis_state *at = profile->at;
     if (jerk)
         *jerk = 0;
-    if (i < 0)
-        return (lw_axis_state){ 0 };
     if (t < 0)
-        return (lw_axis_state){ profile->at[0].x + t*profile->at[0].v, profile->at[0].v, 0 };
+        return (lw_axis_state){ at[0].x + t*at[0].v, at[0].v, 0 };
+    if (t > profile->duration || n == 0)
+        return (lw_axis_state){ at[n].x + (t - profile->duration)*at[n].v, at[n].v, 0 };
     while (i > 0 && t < profile->t[i])
         i--;
-    bool behind = t > profile->duration;
-    double d = (behind ? profile->duration : t) - profile->t[i], v = profile->at[i].v, a = profile->at[i].a;
-    double x = profile->at[i].x + advance(d, profile->jerk[i], &v, &a);
-    if (behind)
-        return (lw_axis_state){ x + (t - profile->duration)*v, v, 0 };
+    double v = at[i].v, a = at[i].a;
+    double x = at[i].x + advance(t - profile->t[i], profile->jerk[i], &v, &a);
     if (jerk)
         *jerk = profile->jerk[i];
-    return (lw_axis_state){ x, v, a };
+    /* rounding of long times leaves no acceleration beyond the ends of the phase */
+    return (lw_axis_state){ x, v, fmin(fmax(a, fmin(at[i].a, at[i + 1].a)), fmax(at[i].a, at[i + 1].a)) };
 }
 
 lw_axis_limits lw_profile_extremes(const lw_profile *profile)
 {
-    lw_axis_limits e = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
+    const lw_axis_state *at = profile->at;
+    lw_axis_limits e = { { at[0].v, at[0].v }, { at[0].a, at[0].a }, { 0, 0 } };
     for (int i = 0; i < profile->n; i++) {
-        double d = profile->t[i + 1] - profile->t[i], jerk = profile->jerk[i];
-        for (int k = 0; k < 3; k++) {                      /* start, end, and where the acceleration is nought */
-            double at = k == 0 ? 0 : k == 1 ? d : jerk != 0 ? -profile->at[i].a/jerk : 0;
-            double v = profile->at[i].v, a = profile->at[i].a;
-            advance(fmin(fmax(at, 0), d), jerk, &v, &a);
-            e.v[0] = fmin(e.v[0], v), e.v[1] = fmax(e.v[1], v);
-            e.a[0] = fmin(e.a[0], a), e.a[1] = fmax(e.a[1], a);
-        }
-        e.j[0] = fmin(e.j[0], jerk), e.j[1] = fmax(e.j[1], jerk);
+        double jerk = profile->jerk[i], v = at[i].v, a = at[i].a;
+        if (jerk != 0 && a*at[i + 1].a < 0)                          /* the speed turns where the acceleration is nought */
+            advance(-a/jerk, jerk, &v, &a);
+        e.v[0] = fmin(e.v[0], fmin(v, at[i + 1].v)), e.v[1] = fmax(e.v[1], fmax(v, at[i + 1].v));
+        /* without a limit of jerk the acceleration steps from phase to phase */
+        double end = jerk != 0 ? at[i + 1].a : at[i].a;
+        e.a[0] = fmin(e.a[0], fmin(at[i].a, end)), e.a[1] = fmax(e.a[1], fmax(at[i].a, end));
+        e.j[0] = i ? fmin(e.j[0], jerk) : jerk, e.j[1] = i ? fmax(e.j[1], jerk) : jerk;
     }
     return e;
+}
+
+void lw_profile_limit_power(double way, double power, double mass, lw_axis_limits *limits)
+{
+    if (way == 0)
+        return;
+    double a = pow(2*power*power/(mass*mass*fabs(way)), 1/3.0), v = power/(mass*a);
+    limits->a[0] = fmax(limits->a[0], -a), limits->a[1] = fmin(limits->a[1], a);
+    limits->v[0] = fmax(limits->v[0], -v), limits->v[1] = fmin(limits->v[1], v);
+}
+
+/* The ramps have one length only if the acceleration reaches its limit, which the way and the speed may not allow. */
+void lw_profile_limit_frequency(double way, double frequency, lw_axis_limits *limits)
+{
+    if (way == 0)
+        return;
+    double a = fmin(limits->a[1], -limits->a[0]), j = fmin(limits->j[1], -limits->j[0]);
+    double v = fmin(limits->v[1], -limits->v[0]);
+    /* reached = min(a, v/ramp, way/(2 ramp^2)), reached/ramp <= j */
+    double needed = isinf(j) ? 0 : fmin(fmin(a/j, sqrt(v/j)), pow(fabs(way)/(2*j), 1/3.0));
+    double periods = fmax(1, ceil(needed*frequency*(1 - 1e-12)));
+    double ramp = periods/frequency, reached = fmin(a, fmin(v/ramp, fabs(way)/(2*ramp*ramp)));
+    for (int side = 0; side < 2; side++) {
+        limits->a[side] = side ? reached : -reached;
+        limits->j[side] = limits->a[side]/ramp;
+    }
 }

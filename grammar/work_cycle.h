@@ -19,23 +19,20 @@ typedef struct lw_cycle_move {
     lw_profile *profile;                 /* (n_axis) its time begins at 0 */
 } lw_cycle_move;
 
-typedef struct lw_work_cycle {
+struct lw_work_cycle {
     char           name[256];
     int            n_axis, n_move;
     lw_cycle_axis *axis;
     lw_cycle_move *move;
     double         end;                  /* of all moves and rests [s] */
     double         wanted;               /* greatest time of the cycle [s]; 0: not given */
-} lw_work_cycle;
+};
 
 /* Read and plan.  LW_E_NOTATION with line and column, also for moves that the limits do not allow.  c needs
  * lw_work_cycle_free also after a failure. */
 lw_status lw_work_cycle_read(const char *text, size_t size, const char *file, lw_work_cycle *c, lw_error *e);
 void      lw_work_cycle_free(lw_work_cycle *c);
 
-/* State of an axis at time t, 0 .. end; *jerk may be NULL. */
-lw_axis_state lw_work_cycle_at(const lw_work_cycle *c, int axis, double t, double *jerk);
-/* Payload at time t. */
-double lw_work_cycle_payload(const lw_work_cycle *c, double t);
+/* What it is at a time: linkwright.h. */
 
 #endif

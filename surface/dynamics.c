@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
-#include "grammar/servo.h"
 #include "mbs/dynamics/clearance_sweep.h"
 #include "mbs/dynamics/contact.h"
 #include "mbs/dynamics/counterweights.h"
@@ -582,36 +581,4 @@ lw_status lw_sweep_clearance(const lw_model *model, const lw_clearance_settings 
         s = hand_sweep(&w, visit, see_limits, context);
     lw_sweep_free(&w);
     return s;
-}
-
-/* ---- servo axes ------------------------------------------------------------------------------------------------- */
-
-lw_status lw_servo_parse(const char *text, size_t size, const char *file, lw_servo **out, lw_error *error)
-{
-    lw_servo *p = calloc(1, sizeof *p);
-    *out = NULL;
-    lw_status s = p ? lw_servo_read(text, size, file, p, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        *out = p;
-    else
-        free(p);
-    return s;
-}
-
-static lw_status parse_servo(const char *text, size_t size, const char *file, void *out, lw_error *e)
-{
-    return lw_servo_parse(text, size, file, out, e);
-}
-
-lw_status lw_servo_load(const char *path, lw_servo **out, lw_error *error)
-{
-    *out = NULL;
-    return lw_surface_load(path, parse_servo, out, error);
-}
-
-void lw_servo_destroy(lw_servo *servo)
-{
-    if (servo)
-        lw_servo_free(servo);
-    free(servo);
 }

@@ -28,7 +28,7 @@ mbs/ode base
 mbs/space base grammar mbs/ode
 mbs/elastic base grammar
 mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic
-mbs/drives base grammar mbs/ode mbs/dynamics
+mbs/drives base grammar mbs/constraints mbs/elastic mbs/ode mbs/dynamics mbs/space
 optimise/task base grammar mbs
 optimise/problem base grammar mbs optimise/task
 optimise/solvers base grammar mbs optimise/task optimise/problem

@@ -48,6 +48,33 @@ static void tables_and_pictures(void)
     ran_free(&r);
 }
 
+static void several_axes(void)
+{
+    CHECK_NEAR(number("$P profile 1,0.2,0.8" LIMITS "--speed-limit 3", "whole cycle"), 0.533333333333, 1e-10, 0);
+    CHECK_NEAR(number("$P profile 1,0.2,0.8" LIMITS "--speed-limit 3 --straight", "whole cycle"), 0.533333333333, 1e-10, 0);
+    expect("$P profile 1,0.5" LIMITS "--straight -n 2", 0, "\n0.25,0.5,4,", NULL);
+    expect("$P profile 1,0.5" LIMITS "--duration 2 --json", 0, "\"cycle_time\": 2,", NULL);
+    expect("$P profile 1,0.5,2" LIMITS "--speed-limit 3,1", 2, NULL, "one for all, or one each");
+    expect("$P profile 1,x" LIMITS, 2, NULL, "a way each");
+    expect("$P profile 1,2 --speed-limit 3", 3, NULL, "needs a limit");
+    expect("$P profile 1,2" LIMITS "--law 345", 2, NULL, "--law is for the motion of a single axis");
+}
+
+/* No way, ways and times beyond what anyone builds: still within the limits, and finite. */
+static void hard_cases(void)
+{
+    expect("$P profile 0" LIMITS, 0, "duration      0 s\nspeed         0 to 0\n", NULL);
+    expect("$P profile 0 --law 345 --duration 1", 0, "speed         0 to 0\n", NULL);
+    expect("$P profile 0 --power 10 --mass 1" LIMITS, 0, "duration      0 s", NULL);
+    expect("$P profile 0 --frequency 10" LIMITS, 0, "duration      0 s", NULL);
+    expect("$P profile 1e9 --speed-limit 3" LIMITS, 0, "speed         0 to 3   (limits -3 to 3)\nacceleration  -20 to 20 ", NULL);
+    expect("$P profile 1e-12 --speed-limit 3" LIMITS, 0, "jerk          -400 to 400 ", NULL);
+    expect("$P profile 1 --duration 1e9 --speed-limit 3" LIMITS, 0, "duration      1000000000 s\nspeed         0 to 1", NULL);
+    expect("$P profile 1 --frequency 1e8" LIMITS, 0, "acceleration", NULL);
+    expect("$P profile 1 --law copper-loss --duration 1 --json", 0, "\"law\": \"step\"", NULL);
+    expect("$P profile 1 --law bang-bang --acceleration-limit 4", 0, "duration      1 s", NULL);
+}
+
 static void cycles(void)
 {
     expect("$P profile examples/cycles/gantry.json", 0, " 2.418536337\nwanted", NULL);
@@ -81,6 +108,8 @@ int main(void)
 {
     RUN(known_motions);
     RUN(tables_and_pictures);
+    RUN(several_axes);
+    RUN(hard_cases);
     RUN(cycles);
     RUN(wrong_use);
     return check_end();

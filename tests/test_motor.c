@@ -1,6 +1,7 @@
 /* test_motor.c - tables of parts; the choice of motors against a slow second opinion and known answers; table 4 of
  * the source. */
 #include "base/vec2.h"
+#include "grammar/spatial.h"
 #include "mbs/drives/motor.h"
 #include "tests/check.h"
 
@@ -84,6 +85,7 @@ static void tables(void)
 }
 
 enum { N = 1001 };
+static double work[2*N];
 
 /* A mass that is moved to and fro: torque J a; the figures of motor torque follow by hand. */
 static void known_choice(void)
@@ -106,7 +108,7 @@ static void known_choice(void)
     lw_gear_part gear = { "G", .ratio = 1, .radius = 0.02 };
     lw_amplifier_part amplifier = { "A", .voltage = 300, .current = 12, .current_peak = 40, .peak_time = 1 };
     lw_drive_parts p = { 1, 1, 1, &motor, &gear, &amplifier };
-    lw_drive_choice c = lw_drive_try(&l, &p, 0, 0, 0, INFINITY);
+    lw_drive_choice c = lw_drive_try(&l, &p, 0, 0, 0, INFINITY, work);
     double torque = (mass*0.02 + 1e-3/0.02)*top*w, current = torque/0.5;
     CHECK_NEAR(c.ratio, 50, 1e-12, 0);
     CHECK_NEAR(c.torque_peak, torque, 1e-12, 1e-12);
@@ -115,6 +117,17 @@ static void known_choice(void)
     CHECK_NEAR(c.inertia_ratio, mass*0.02*0.02/1e-3, 1e-12, 0);
     CHECK_NEAR(c.voltage, hypot(2*current, 0.5*250), 0, 1e-4);       /* cos and sin */
     CHECK_NEAR(c.heat, 2*current*current/2, 0, 1e-4);
+    motor.inductance = 0.05;                                          /* L dI/dt is against the back EMF here */
+    c = lw_drive_try(&l, &p, 0, 0, 0, INFINITY, work);
+    CHECK_NEAR(c.voltage, hypot(2*current, 0.5*250 - 0.05*current*w), 0, 1e-4);
+    CHECK_INT(c.torque_steps, 0);
+    for (int k = 500; k < N; k++)                                     /* a step of torque: no infinite voltage */
+        f[k] += 100;
+    lw_drive_choice step = lw_drive_try(&l, &p, 0, 0, 0, INFINITY, work);
+    CHECK_INT(step.torque_steps, 1);
+    CHECK(step.voltage < c.voltage + 2*100*0.02/0.5 + 1);
+    for (int k = 500; k < N; k++)
+        f[k] = mass*a[k];
     /* i^2 t on a fine grid, from the middle of a cycle */
     double charge = 0, most = 0;
     for (int k = 0; k < 400000; k++) {
@@ -124,11 +137,11 @@ static void known_choice(void)
     }
     CHECK(c.fails & 1u << LW_DRIVE_CURRENT_RMS);
     gear.efficiency = 0.8;                                            /* the losses help to brake */
-    c = lw_drive_try(&l, &p, 0, 0, 0, 5);
+    c = lw_drive_try(&l, &p, 0, 0, 0, 5, work);
     CHECK(c.fails & 1u << LW_DRIVE_INERTIA);
     CHECK_NEAR(c.torque_peak, (mass*0.02/0.8 + 1e-3/0.02)*top*w, 0, 1e-9);
     amplifier.current = 21.9;
-    c = lw_drive_try(&l, &p, 0, 0, 0, INFINITY);
+    c = lw_drive_try(&l, &p, 0, 0, 0, INFINITY, work);
     CHECK(!(c.fails & 1u << LW_DRIVE_CURRENT_RMS) && c.i2t > 0);
     CHECK(most > 0);
 }
@@ -157,7 +170,7 @@ static void ranking(void)
     CHECK_INT(lw_drive_choose(&l, &p, 10, &n, &c, &front, &error), LW_OK);
     CHECK_INT((int)n, 36);                                            /* the wheel does not turn a joint */
     for (size_t i = 0; i < n; i++) {
-        lw_drive_choice again = lw_drive_try(&l, &p, c[i].motor, c[i].gear, -1, 10);
+        lw_drive_choice again = lw_drive_try(&l, &p, c[i].motor, c[i].gear, -1, 10, work);
         CHECK(again.fails == c[i].fails && again.cost == c[i].cost);
         good += !c[i].fails;
         if (i > 0)
@@ -173,8 +186,53 @@ static void ranking(void)
     free(front);
 }
 
+/* Reflected inertia of the motors of a DELTA robot, whose tool is driven: the same as the matrix M of dT = M d(q''), from runs
+ * in which the tool gets a sudden acceleration along each axis. */
+static void inertia_of_drives(void)
+{
+    enum { D = 3 };
+    const double end = 0.03, extra = 1000;
+    double torque[D][D], rate[D][D];
+    lw_spatial *m;
+    lw_loads base, more;
+    CHECK_INT(lw_spatial_load("examples/space/delta.json", &m, &error), LW_OK);
+    CHECK_INT(lw_spatial_loads(m, end - 1e-7, end, 1, &base, &error), LW_OK);
+    CHECK_INT(base.n, D);
+    for (int c = 0; c < D; c++) {
+        char was[400], text[500];
+        snprintf(was, sizeof was, "%s", lw_expression_text(m->input[c].motion));
+        snprintf(text, sizeof text, "%s + %g*max(t - %.17g, 0)^2", was, extra/2, end);
+        CHECK_INT(lw_spatial_set_motion(m, c, text, &error), LW_OK);
+        CHECK_INT(lw_spatial_loads(m, end - 1e-7, end, 1, &more, &error), LW_OK);
+        for (int i = 0; i < D && more.n == D; i++) {
+            torque[i][c] = more.load[i].torque[1] - base.load[i].torque[1];
+            rate[i][c] = more.load[i].acceleration[1] - base.load[i].acceleration[1];
+        }
+        lw_loads_free(&more);
+        CHECK_INT(lw_spatial_set_motion(m, c, was, &error), LW_OK);
+    }
+    for (int i = 0; i < D; i++) {                         /* row i of M: M rate = torque, by Cramer's rule on rate^T */
+        double a[D][D + 1];
+        for (int r = 0; r < D; r++) {
+            for (int c = 0; c < D; c++)
+                a[r][c] = rate[c][r];
+            a[r][D] = torque[i][r];
+        }
+        for (int k = 0; k < D; k++)
+            for (int r = 0; r < D; r++)
+                for (int c = D; r != k && c >= k; c--)
+                    a[r][c] -= a[r][k]/a[k][k]*a[k][c];
+        double inertia = a[i][D]/a[i][i];
+        CHECK_NEAR(base.load[i].inertia[1], inertia, 0, 1e-5);
+        CHECK(base.load[i].inertia[0] <= base.load[i].inertia[1] && inertia > 0.05);
+    }
+    lw_loads_free(&base);
+    lw_spatial_destroy(m);
+}
+
 int main(void)
 {
+    RUN(inertia_of_drives);
     RUN(table_4);
     RUN(best_radius);
     RUN(tables);

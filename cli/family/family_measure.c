@@ -74,9 +74,15 @@ static lw_status run_model(const cli_call *call, lw_model *m, lw_spatial *spatia
     return cli_table_run(call, m, spatial, &run, t, e);
 }
 
+static bool ends_with(const char *text, const char *end)
+{
+    size_t n = strlen(text), k = strlen(end);
+    return n > k && strcmp(text + n - k, end) == 0;
+}
+
 lw_status cli_measures_default(const cli_call *call, lw_variant *v, int *n, cli_measure *m, lw_error *e)
 {
-    static const char *const forms[] = { "peak(%s.drive)", "rms(%s.drive)", "peak(%s.rate)" };
+    static const char *const forms[] = { "peak(%.*s.drive)", "rms(%.*s.drive)", "peak(%.*s.rate)" };
     lw_model *model;
     lw_spatial *spatial;
     lw_expansion x = { 0 };
@@ -85,11 +91,11 @@ lw_status cli_measures_default(const cli_call *call, lw_variant *v, int *n, cli_
     *n = 0;
     if (s == LW_OK)
         s = run_model(call, model, spatial, &t, e);
-    for (int i = 0; s == LW_OK && i < t.n_drive && *n + 3 <= CLI_MEASURE_MAX; i++)
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; s == LW_OK && i < t.n_column && *n + 3 <= CLI_MEASURE_MAX; i++)
+        for (int k = 0; k < 3 && ends_with(t.column[i].name, ".drive"); k++) {
             cli_measure *one = &m[(*n)++];
             *one = (cli_measure){ .figure = -1 };
-            snprintf(one->text, sizeof one->text, forms[k], t.drive[i].name);
+            snprintf(one->text, sizeof one->text, forms[k], (int)strlen(t.column[i].name) - 6, t.column[i].name);
             read_one(one);
         }
     if (s == LW_OK && *n == 0)
@@ -109,16 +115,63 @@ static double sample(const cli_table *c, int column, int rate, size_t r)
     return cli_table_at(c, r, column)*(rate < 0 ? 1 : cli_table_at(c, r, rate));
 }
 
+/* Column and, of NAME.power, that of the speed; column -1: there is none. */
+static int find_column(const cli_table *c, const char *name, int *rate)
+{
+    char of[128];
+    int column = cli_table_find(c, name);
+    *rate = -1;
+    if (column < 0 && ends_with(name, ".power")) {
+        int n = (int)strlen(name) - 6;
+        snprintf(of, sizeof of, "%.*s.rate", n, name);
+        *rate = cli_table_find(c, of);
+        snprintf(of, sizeof of, "%.*s.drive", n, name);
+        column = *rate >= 0 ? cli_table_find(c, of) : -1;
+    }
+    return column;
+}
+
+static double figure_in(const cli_table *c, int figure, int column, int rate)
+{
+    double most = -INFINITY, least = INFINITY, sum = 0, square = 0, before = 0, step = 0;
+    for (size_t r = 0; r < c->n_row; r++) {
+        double x = sample(c, column, rate, r);
+        most = fmax(most, x);
+        least = fmin(least, x);
+        if (r > 0) {
+            step = cli_table_at(c, r, 0) - cli_table_at(c, r - 1, 0);
+            sum += (x + before)/2*step;
+            square += (x*x + x*before + before*before)/3*step;
+        }
+        before = x;
+    }
+    double time = cli_table_at(c, c->n_row - 1, 0) - cli_table_at(c, 0, 0);
+    const double values[] = { fmax(most, -least), most, least, sum/time, sqrt(square/time), most - least,
+                              sample(c, column, rate, 0), before, sum };
+    return values[figure];
+}
+
+/* "*.drive" stands for the column of every drive: the greatest of their figures, of min the least. */
 static lw_status figure_of(const cli_table *c, cli_measure *m, double *out, lw_error *e)
 {
-    char name[128];
-    int column = cli_table_find(c, m->column), rate = -1;
-    size_t n = strlen(m->column);
-    if (column < 0 && n > 6 && strcmp(m->column + n - 6, ".power") == 0) {
-        snprintf(name, sizeof name, "%.*s.rate", (int)(n - 6), m->column);
-        rate = cli_table_find(c, name);
-        snprintf(name, sizeof name, "%.*s.drive", (int)(n - 6), m->column);
-        column = rate >= 0 ? cli_table_find(c, name) : -1;
+    int column = -1, rate = -1, each = strncmp(m->column, "*.", 2) == 0;
+    for (int i = 0; each && i < c->n_column; i++) {
+        char name[2*LW_NAME_SIZE + 64];
+        if (!ends_with(c->column[i].name, ".drive"))
+            continue;
+        snprintf(name, sizeof name, "%.*s%s", (int)strlen(c->column[i].name) - 6, c->column[i].name, m->column + 1);
+        int of_rate, at = find_column(c, name, &of_rate);
+        if (at < 0)
+            continue;
+        double x = figure_in(c, m->figure, at, of_rate);
+        *out = column < 0 ? x : m->figure == MIN ? fmin(*out, x) : fmax(*out, x);
+        column = at;
+        rate = of_rate;
+    }
+    if (!each) {
+        column = find_column(c, m->column, &rate);
+        if (column >= 0)
+            *out = figure_in(c, m->figure, column, rate);
     }
     if (column < 0) {
         const char **names = calloc((size_t)c->n_column + 1, sizeof *names);
@@ -131,23 +184,6 @@ static lw_status figure_of(const cli_table *c, cli_measure *m, double *out, lw_e
         free(names);
         return LW_E_ARG;
     }
-    double most = -INFINITY, least = INFINITY, sum = 0, square = 0, before = 0, step = 0;
-    for (size_t r = 0; r < c->n_row; r++) {
-        double x = sample(c, column, rate, r);
-        most = fmax(most, x);
-        least = fmin(least, x);
-        if (r > 0) {
-            step = c->row[r*(size_t)c->n_column] - c->row[(r - 1)*(size_t)c->n_column];
-            sum += (x + before)/2*step;
-            square += (x*x + x*before + before*before)/3*step;
-        }
-        before = x;
-    }
-    double time = c->row[(c->n_row - 1)*(size_t)c->n_column] - c->row[0];
-    const double values[] = { fmax(most, -least), most, least, sum/time, sqrt(square/time), most - least, sample(c,
-        column, rate, 0),
-                              before, sum };
-    *out = values[m->figure];
     snprintf(m->unit, sizeof m->unit, "%s%s", rate >= 0 ? "W" : c->column[column].unit, m->figure != INTEGRAL ? ""
              : rate >= 0 || strcmp(c->column[column].unit, "1") != 0 ? " s" : "");
     if (m->figure == INTEGRAL && rate >= 0)

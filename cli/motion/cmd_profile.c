@@ -15,6 +15,7 @@ typedef struct settings {
     const char *from, *to, *speed, *acceleration, *jerk, *law, *plot;
     double      duration, frequency, swing, power, mass;
     int         rows;
+    bool        straight;
 } settings;
 
 static const cli_option options[] = {
@@ -31,7 +32,7 @@ static const cli_option options[] = {
     { "jerk-limit", 0, CLI_TEXT, offsetof(settings, jerk), "J|MIN:MAX", NULL, "limit of the jerk", 0, 0, NULL, NULL },
     { "law", 0, CLI_TEXT, offsetof(settings, law), "NAME", NULL,
       "a law of motion instead of the quickest motion: 345, 4567, cycloid, modified-sine, modified-trapezoid, havsin, "
-      "step, trapezoid, triangle; from rest to rest", 0, 0, NULL, "from-state" },
+      "step (or copper-loss), trapezoid, triangle (or bang-bang); from rest to rest", 0, 0, NULL, "from-state" },
     { "duration", 0, CLI_REAL, offsetof(settings, duration), "T", NULL,
       "take just T seconds; without it, the least time within the limits", 1e-12, 1e12, NULL, NULL },
     { "frequency", 0, CLI_REAL, offsetof(settings, frequency), "F", NULL,
@@ -43,6 +44,8 @@ static const cli_option options[] = {
       "limit of the power that moves the mass: sets the acceleration for the least time from rest to rest", 1e-12, 1e15,
       "mass", "law" },
     { "mass", 0, CLI_REAL, offsetof(settings, mass), "M", NULL, "the mass that is moved", 1e-15, 1e15, "power", NULL },
+    { "straight", 0, CLI_FLAG, offsetof(settings, straight), NULL, NULL,
+      "several axes move along a straight line, in phase; without it they begin and end together", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, rows), "N", "0",
       "print N + 1 rows of a table (CSV: t,x,v,a,j) instead of the summary", 0, 100000000, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
@@ -107,32 +110,6 @@ static lw_status read_limit(const char *name, const char *text, double limit[2],
     return lw_error_set(e, LW_E_ARG, "--%s is \"%.80s\"; expected a positive number, or MIN:MAX like -2:3", name, text);
 }
 
-/* Acceleration and speed of the least time from rest to rest at a limit of power: thirds of the time (Makkonen 1999) */
-static void limit_power(const settings *o, motion *m)
-{
-    double a = pow(2*o->power*o->power/(o->mass*o->mass*fabs(m->way)), 1/3.0), v = o->power/(o->mass*a);
-    m->limits.a[0] = fmax(m->limits.a[0], -a), m->limits.a[1] = fmin(m->limits.a[1], a);
-    m->limits.v[0] = fmax(m->limits.v[0], -v), m->limits.v[1] = fmin(m->limits.v[1], v);
-}
-
-/* Limits under which the acceleration rises over whole periods of an oscillation, so that each of its four ramps leaves
- * the oscillation at rest: the ramps have one length only if the acceleration reaches its limit, which the way and
- * the speed may not allow. */
-static void shape(double frequency, motion *m)
-{
-    double a = fmin(m->limits.a[1], -m->limits.a[0]), j = fmin(m->limits.j[1], -m->limits.j[0]);
-    double v = fmin(m->limits.v[1], -m->limits.v[0]), ramp, reached;
-    int periods = 0;
-    do {
-        ramp = ++periods/frequency;
-        reached = fmin(a, fmin(v/ramp, fabs(m->way)/(2*ramp*ramp)));
-    } while (reached/ramp > j*(1 + 1e-12));
-    for (int side = 0; side < 2; side++) {
-        m->limits.a[side] = side ? reached : -reached;
-        m->limits.j[side] = m->limits.a[side]/ramp;
-    }
-}
-
 static lw_status make_law(const settings *o, motion *m, lw_error *e)
 {
     const lw_motion_law *law;
@@ -180,7 +157,7 @@ static double rms_of(const lw_profile *p)
 {
     double sum = 0;
     for (int i = 0; i < p->n; i++) {
-        double d = p->t[i + 1] - p->t[i], a = p->at[i].a, b = a + d*p->jerk[i];
+        double d = p->t[i + 1] - p->t[i], a = p->at[i].a, b = p->jerk[i] != 0 ? p->at[i + 1].a : a;
         sum += d*(a*a + a*b + b*b)/3;
     }
     return p->duration > 0 ? sqrt(sum/p->duration) : 0;
@@ -207,9 +184,9 @@ static lw_status make_motion(const settings *o, motion *m, lw_error *e)
     if (o->law)
         return make_law(o, m, e);
     if (o->power > 0 && m->way != 0)
-        limit_power(o, m);
+        lw_profile_limit_power(m->way, o->power, o->mass, &m->limits);
     if (o->frequency > 0)
-        shape(o->frequency, m);
+        lw_profile_limit_frequency(m->way, o->frequency, &m->limits);
     m->law = -1;
     s = o->duration > 0 ? lw_profile_make_timed(from, to, &m->limits, o->duration, &m->profile, NULL, e)
                         : lw_profile_make(from, to, &m->limits, 0, &m->profile, e);
@@ -226,7 +203,7 @@ static double swing(const motion *m, double f)
     double w = 2*LW_PI*f, re = 0, im = 0;
     const lw_profile *p = &m->profile;
     for (int i = 0; i < p->n; i++) {
-        double a = p->at[i].a, j = p->jerk[i], d = p->t[i + 1] - p->t[i], b = a + d*j;
+        double a = p->at[i].a, j = p->jerk[i], b = j != 0 ? p->at[i + 1].a : a;
         double c0 = cos(w*p->t[i]), s0 = sin(w*p->t[i]), c1 = cos(w*p->t[i + 1]), s1 = sin(w*p->t[i + 1]);
         re += (b*s1 - a*s0)/w + j*(c1 - c0)/(w*w);
         im += (a*c0 - b*c1)/w + j*(s1 - s0)/(w*w);
@@ -338,12 +315,74 @@ static lw_status draw(const motion *m, const char *path, lw_error *e)
     return s;
 }
 
+/* The i-th of a list "3,2,1", or the one that counts for all. */
+static const char *item_of(const char *list, int i, int *length)
+{
+    const char *at = list;
+    for (; i > 0 && strchr(list, ','); i--) {
+        at = strchr(at, ',');
+        if (!at++)
+            return NULL;
+    }
+    *length = (int)strcspn(at, ",");
+    return at;
+}
+
+/* Several axes that begin and end together are a work cycle of one move. */
+static int run_axes(const cli_call *call)
+{
+    const settings *o = call->settings;
+    static const char *const others[] = { "from-state", "to-state", "law", "frequency", "swing", "power", "mass" };
+    const char *keys[] = { "speed", "acceleration", "jerk" }, *limits[] = { o->speed, o->acceleration, o->jerk };
+    const char *ways = call->parsed.word[0], *at;
+    char *text = NULL, *end;
+    size_t size = 0;
+    int n = 1, length = 0;
+    for (size_t i = 0; i < sizeof others/sizeof *others; i++)
+        if (cli_given(&call->parsed, others[i]))
+            return cli_usage(call, "--%s is for the motion of a single axis", others[i]);
+    for (const char *c = ways; *c; c++)
+        n += *c == ',';
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return cli_usage(call, "out of memory");
+    fputs("{\"linkwright-cycle\": 1, \"axes\": [", f);
+    bool fine = true;
+    for (int i = 0; i < n && fine; i++) {
+        fprintf(f, "%s{\"name\": \"%d\"", i ? ", " : "", i + 1);
+        for (int k = 0; k < 3 && fine; k++)
+            if (limits[k]) {
+                at = item_of(limits[k], i, &length);
+                double x = at ? strtod(at, &end) : 0;
+                fine = at && end == at + length && x > 0 && isfinite(x);
+                fprintf(f, ", \"%s\": %.17g", keys[k], x);
+            }
+        fputc('}', f);
+    }
+    fputs("], \"moves\": [{\"to\": {", f);
+    for (int i = 0; i < n && fine; i++) {
+        at = item_of(ways, i, &length);
+        double x = strtod(at, &end);
+        fine = end == at + length && length > 0 && isfinite(x);
+        fprintf(f, "%s\"%d\": %.17g", i ? ", " : "", i + 1, x);
+    }
+    fputc('}', f);
+    if (o->duration > 0)
+        fprintf(f, ", \"duration\": %.17g", o->duration);
+    fprintf(f, "%s}]}", o->straight ? ", \"straight\": true" : "");
+    fclose(f);
+    int code = fine ? cli_profile_cycle(call, text, size, o->rows, o->plot)
+             : cli_usage(call, "several axes need a way each, \"1,0.2,0.8\", and limits above 0: one for all, or one each");
+    free(text);
+    return code;
+}
+
 static int run(const cli_call *call)
 {
     const settings *o = call->settings;
     static const cli_option row = { .kind = CLI_REAL };
     static const char *const others[] = { "from-state", "to-state", "speed-limit", "acceleration-limit", "jerk-limit", "law",
-                                          "duration", "frequency", "swing", "power", "mass" };
+                                          "duration", "frequency", "swing", "power", "mass", "straight" };
     motion m = { 0 };
     lw_output out;
     lw_error e = { 0 };
@@ -352,8 +391,10 @@ static int run(const cli_call *call)
         for (size_t i = 0; i < sizeof others/sizeof *others; i++)
             if (cli_given(&call->parsed, others[i]))
                 return cli_usage(call, "--%s is for a single motion; the file of a cycle has its own limits", others[i]);
-        return cli_profile_cycle(call, o->rows, o->plot);
+        return cli_profile_cycle(call, NULL, 0, o->rows, o->plot);
     }
+    if (strchr(call->parsed.word[0], ','))
+        return run_axes(call);
     lw_status s = cli_value(&row, "WAY", call->parsed.word[0], &m.way, &e);
     if (s != LW_OK)
         return cli_usage(call, "%s", e.text);
@@ -380,7 +421,7 @@ static int run(const cli_call *call)
 
 const cli_command cli_profile_command = {
     .name = "profile",
-    .words = "WAY or CYCLE.json",
+    .words = "WAY[,WAY,...] or CYCLE.json",
     .title = "motion of an axis: least time under limits of speed, acceleration and jerk, or a law",
     .examples =
         "  linkwright profile 0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400          # metres, or any "
@@ -391,6 +432,8 @@ const cli_command cli_profile_command = {
         "  linkwright profile 1 --acceleration-limit 20 --jerk-limit 400 --frequency 20 -p move.svg # no swing of 20 "
             "Hz "
             "afterwards\n"
+        "  linkwright profile 1,0.2,0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400 --straight   # three axes, in "
+            "phase\n"
         "  linkwright profile examples/cycles/gantry.json                        # a work cycle: phase times of its moves\n",
     .about =
         "Prints the duration, the extremes of speed, acceleration and jerk, and the phases of constant jerk of a "
@@ -403,6 +446,8 @@ const cli_command cli_profile_command = {
         "motions does. With -n it prints a table, with --plot it draws the motion, with --json it prints everything.\n"
         "Exit code 1: no motion within the limits takes the duration; the message names the next one that is "
             "possible.\n"
+        "\n"
+        "Several ways with commas are axes that begin and end together. A limit counts for all, or is a list too.\n"
         "\n"
         "A file with a work cycle (docs/profile.md, \"Work cycles\") is a list of moves of several axes with payloads, rests,\n"
         "overlaps and passing speeds. It prints when each move begins and how long it takes; exit code 1: the cycle takes\n"

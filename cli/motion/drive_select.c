@@ -35,13 +35,6 @@ static lw_status read_all_parts(const cli_drive_settings *o, lw_drive_parts *p, 
             s = read_parts(paths[i], p, e);
     if (s == LW_OK && p->n_motor == 0)
         s = lw_error_at(e, LW_E_NOTATION, o->motors, 0, 0, "this file holds no motor");
-    if (s == LW_OK && !o->gears && p->n_gear == 0) {
-        char *direct = lw_part_add(p, 1);
-        if (!direct)
-            return lw_error_set(e, LW_E_MEMORY, "out of memory");
-        strcpy(direct, "(none)");
-        p->gear[0].ratio = 1;
-    }
     return s;
 }
 
@@ -91,7 +84,7 @@ static void print_choices(FILE *f, const lw_load *l, const lw_drive_parts *p, si
                 cost_name(p, c));
     for (size_t i = 0; i < n && i < most && (good == 0 ? i < 3 : i < good); i++) {
         const lw_drive_choice *k = &c[i];
-        fprintf(f, "%c %-18s %-14s %-12s %10.6g ", front[i] ? '*' : ' ', p->motor[k->motor].name, p->gear[k->gear].name,
+        fprintf(f, "%c %-18s %-14s %-12s %10.6g ", front[i] ? '*' : ' ', p->motor[k->motor].name, lw_drive_gear(p, k->gear)->name,
                 amplifier_name(p, k), k->ratio);
         static const int shown[] = { LW_DRIVE_SPEED, LW_DRIVE_PEAK, LW_DRIVE_RMS, LW_DRIVE_VOLTAGE, LW_DRIVE_CURRENT,
                                      LW_DRIVE_CURRENT_RMS, LW_DRIVE_HEAT };
@@ -125,7 +118,7 @@ static void json_choices(cli_json *j, const lw_load *l, const lw_drive_parts *p,
         const lw_drive_choice *k = &c[i];
         cli_json_object(j, NULL);
         cli_json_text(j, "motor", p->motor[k->motor].name);
-        cli_json_text(j, "gear", p->gear[k->gear].name);
+        cli_json_text(j, "gear", lw_drive_gear(p, k->gear)->name);
         cli_json_text(j, "amplifier", k->amplifier < 0 ? NULL : p->amplifier[k->amplifier].name);
         cli_json_real(j, "ratio", k->ratio);
         cli_json_real(j, "speed", k->speed);
@@ -172,7 +165,7 @@ static double limit_at(const lw_drive_parts *p, const lw_drive_choice *c, bool p
 }
 
 /* The load as the motor sees it, and the limits; |speed|, torque positive when it drives. */
-static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_drive_parts *p,
+static lw_status draw_choices(int n, const lw_load *l, const lw_drive_parts *p,
                               const lw_drive_choice *const *best,
                               const char *only, const char *path, lw_error *e)
 {
@@ -180,24 +173,23 @@ static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_dri
     lw_series series[LW_PANEL_MAX][3];
     char label[LW_PANEL_MAX][200];
     int panels = 0;
-    size_t size = 2*t->n_row + 8*CORNERS;
-    double *xy = malloc((size_t)t->n_drive*size*sizeof *xy);
+    size_t rows = l[0].n, size = 2*rows + 8*CORNERS;
+    double *xy = malloc((size_t)n*size*sizeof *xy);
     if (!xy)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; i < t->n_drive && panels < LW_PANEL_MAX; i++) {
+    for (int i = 0; i < n && panels < LW_PANEL_MAX; i++) {
         const lw_drive_choice *c = best[i];
         if (!c || (only && strcmp(only, l[i].name) != 0))
             continue;
-        const lw_gear_part *g = &p->gear[c->gear];
-        double *x = xy + (size_t)i*size, *y = x + t->n_row, *more = y + t->n_row;
+        const lw_gear_part *g = lw_drive_gear(p, c->gear);
+        double *x = xy + (size_t)i*size, *y = x + rows, *more = y + rows;
         double efficiency = g->efficiency > 0 ? g->efficiency : 1, inertia = p->motor[c->motor].inertia + g->inertia;
-        for (size_t k = 0; k < t->n_row; k++) {
-            double load = l[i].torque[k], through = load*l[i].speed[k] >= 0 ? load/efficiency : load*efficiency;
-            double torque = through/c->ratio + inertia*c->ratio*l[i].acceleration[k];
+        for (size_t k = 0; k < rows; k++) {
+            double torque = lw_drive_torque(&l[i], k, c->ratio, efficiency, inertia);
             x[k] = fabs(c->ratio*l[i].speed[k])*30/LW_PI;
             y[k] = l[i].speed[k] < 0 ? -torque : torque;
         }
-        series[panels][0] = (lw_series){ .name = "load", .n = t->n_row, .x = x, .y = y };
+        series[panels][0] = (lw_series){ .name = "load", .n = rows, .x = x, .y = y };
         double top = p->motor[c->motor].speed;
         if (c->amplifier >= 0)
             top = fmin(top, p->amplifier[c->amplifier].voltage/p->motor[c->motor].torque_constant);
@@ -231,15 +223,15 @@ static lw_status draw_choices(const cli_table *t, const lw_load *l, const lw_dri
 
 /* ---- select -------------------------------------------------------------------------------------------- */
 
-static lw_status find_drive(const cli_table *t, const char *name, lw_error *e)
+static lw_status find_drive(const lw_loads *l, const char *name, lw_error *e)
 {
     const char *names[64];
     int n = 0;
-    for (int i = 0; i < t->n_drive; i++) {
-        if (strcmp(t->drive[i].name, name) == 0)
+    for (int i = 0; i < l->n; i++) {
+        if (strcmp(l->load[i].name, name) == 0)
             return LW_OK;
         if (n < 64)
-            names[n++] = t->drive[i].name;
+            names[n++] = l->load[i].name;
     }
     const char *near = lw_suggest(name, names, n);
     return lw_error_set(e, LW_E_ARG, "--drive: the model has no drive \"%.60s\"%s%s%s", name, near ?
@@ -249,14 +241,13 @@ static lw_status find_drive(const cli_table *t, const char *name, lw_error *e)
 
 typedef struct selection { size_t n; lw_drive_choice *choice; bool *front; } selection;
 
-static lw_status select_all(const cli_call *call, const cli_table *t, const lw_load *l, const lw_drive_parts *p,
-                            selection *s,
-                            lw_error *e)
+static lw_status select_all(const cli_call *call, const lw_loads *all, const lw_drive_parts *p, selection *s, lw_error *e)
 {
     const cli_drive_settings *o = call->settings;
     double most = o->inertia_ratio > 0 ? o->inertia_ratio : INFINITY;
-    lw_status st = o->drive ? find_drive(t, o->drive, e) : LW_OK;
-    for (int i = 0; st == LW_OK && i < t->n_drive; i++)
+    const lw_load *l = all->load;
+    lw_status st = o->drive ? find_drive(all, o->drive, e) : LW_OK;
+    for (int i = 0; st == LW_OK && i < all->n; i++)
         if (!o->drive || strcmp(o->drive, l[i].name) == 0) {
             st = lw_drive_choose(&l[i], p, most, &s[i].n, &s[i].choice, &s[i].front, e);
             if (st == LW_OK && s[i].n == 0)
@@ -267,10 +258,9 @@ static lw_status select_all(const cli_call *call, const cli_table *t, const lw_l
     return st;
 }
 
-static int print_selection(const cli_call *call, const cli_table *t, const lw_load *l, const lw_drive_parts *p,
-                           const selection *s,
-                           FILE *f)
+static int print_selection(const cli_call *call, const lw_loads *all, const lw_drive_parts *p, const selection *s, FILE *f)
 {
+    const lw_load *l = all->load;
     const cli_drive_settings *o = call->settings;
     int code = CLI_DONE;
     cli_json j = cli_json_begin(f, 2);
@@ -280,7 +270,7 @@ static int print_selection(const cli_call *call, const cli_table *t, const lw_lo
         cli_json_text(&j, "command", call->line);
         cli_json_array(&j, "drives");
     }
-    for (int i = 0; i < t->n_drive; i++) {
+    for (int i = 0; i < all->n; i++) {
         if (!s[i].choice)
             continue;
         if (call->common.json)
@@ -291,9 +281,13 @@ static int print_selection(const cli_call *call, const cli_table *t, const lw_lo
             char text[400];
             name_fails(&s[i].choice[0], text, sizeof text);
             cli_note(call, "drive %s: no choice can do the cycle; the nearest is %s with %s, which needs %s", l[i].name,
-                     p->motor[s[i].choice[0].motor].name, p->gear[s[i].choice[0].gear].name, text);
+                     p->motor[s[i].choice[0].motor].name, lw_drive_gear(p, s[i].choice[0].gear)->name, text);
             code = CLI_NOTHING;
         }
+        if (s[i].choice[0].torque_steps)
+            cli_note(call, "drive %s: its torque steps at %d place%s of the cycle; L dI/dt is left out of the voltage there. A "
+                     "motion without steps of acceleration has none", l[i].name, s[i].choice[0].torque_steps,
+                     s[i].choice[0].torque_steps == 1 ? "" : "s");
     }
     if (call->common.json) {
         cli_json_end(&j);
@@ -305,10 +299,8 @@ static int print_selection(const cli_call *call, const cli_table *t, const lw_lo
 int cli_drive_select(const cli_call *call)
 {
     const cli_drive_settings *o = call->settings;
-    cli_table t = { 0 };
+    lw_loads l = { 0 };
     lw_drive_parts p = { 0 };
-    lw_load *l = NULL;
-    double *value = NULL;
     selection *s = NULL;
     const lw_drive_choice **best = NULL;
     lw_error e = { 0 };
@@ -321,34 +313,29 @@ int cli_drive_select(const cli_call *call)
         return cli_usage(call, "--from must be less than --to");
     lw_status st = read_all_parts(o, &p, &e);
     if (st == LW_OK)
-        st = cli_drive_run(call, &t, &e);
-    if (st == LW_OK)
-        st = cli_drive_loads(&t, (o->to - o->from)/o->steps, &value, &l, &e);
-    if (st == LW_OK && (!(s = calloc((size_t)t.n_drive, sizeof *s)) || !(best = calloc((size_t)t.n_drive,
-        sizeof *best))))
+        st = cli_drive_run(call, &l, &e);
+    if (st == LW_OK && (!(s = calloc((size_t)l.n, sizeof *s)) || !(best = calloc((size_t)l.n, sizeof *best))))
         st = lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK)
-        st = select_all(call, &t, l, &p, s, &e);
+        st = select_all(call, &l, &p, s, &e);
     if (st == LW_OK && (st = cli_open(call, &out, &e)) == LW_OK) {
-        code = print_selection(call, &t, l, &p, s, out.f);
+        code = print_selection(call, &l, &p, s, out.f);
         code = cli_close(call, &out, code);
-        for (int i = 0; i < t.n_drive; i++)
+        for (int i = 0; i < l.n; i++)
             best[i] = s[i].choice;
         if ((code == CLI_DONE || code == CLI_NOTHING) && o->plot)
-            st = draw_choices(&t, l, &p, best, o->drive, o->plot, &e);
+            st = draw_choices(l.n, l.load, &p, best, o->drive, o->plot, &e);
     }
     if (st != LW_OK)
         code = st == LW_E_ARG && !e.file[0] ? cli_usage(call, "%s", e.text) : cli_fail(call, &e);
-    for (int i = 0; s && i < t.n_drive; i++) {
+    for (int i = 0; s && i < l.n; i++) {
         free(s[i].choice);
         free(s[i].front);
     }
     free(s);
     free(best);
-    free(l);
-    free(value);
+    lw_loads_free(&l);
     lw_drive_parts_free(&p);
-    cli_table_free(&t);
     return code;
 }
 

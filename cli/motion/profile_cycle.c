@@ -138,7 +138,7 @@ static lw_status draw(const lw_work_cycle *c, const char *path, lw_error *e)
     return s;
 }
 
-int cli_profile_cycle(const cli_call *call, int rows, const char *plot)
+int cli_profile_cycle(const cli_call *call, const char *given, size_t given_size, int rows, const char *plot)
 {
     const char *file = call->parsed.word[0];
     lw_work_cycle c = { 0 };
@@ -149,9 +149,11 @@ int cli_profile_cycle(const cli_call *call, int rows, const char *plot)
     size_t size = 0;
     if (plot && lw_draw_kind_of(plot, &kind, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    lw_status s = cli_read_file(file, "a work cycle (JSON)", &text, &size, &e);
+    lw_status s = given ? LW_OK : cli_read_file(file, "a work cycle (JSON)", &text, &size, &e);
     if (s == LW_OK)
-        s = lw_work_cycle_read(text, size, file, &c, &e);
+        s = lw_work_cycle_read(given ? given : text, given ? given_size : size, given ? "" : file, &c, &e);
+    if (given)
+        e.line = e.column = 0;                             /* of a text that nobody sees */
     free(text);
     if (s == LW_OK)
         s = cli_open(call, &out, &e);

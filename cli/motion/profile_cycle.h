@@ -4,7 +4,8 @@
 
 #include "cli/program/command.h"
 
-/* rows: intervals of the table; 0: the summary.  plot: NULL or a picture to draw. */
-int cli_profile_cycle(const cli_call *call, int rows, const char *plot);
+/* The cycle of the text `given`, or if NULL of the file of the command.  rows: intervals of the table; 0: the summary.
+ * plot: NULL or a picture to draw. */
+int cli_profile_cycle(const cli_call *call, const char *given, size_t given_size, int rows, const char *plot);
 
 #endif

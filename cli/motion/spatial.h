@@ -23,6 +23,9 @@ int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double toler
 int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_options *o, const char *speed,
                          bool explain);
 
+/* Inputs without a motion move at constant speed from their values in the file; speed NULL: they do not. */
+lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e);
+
 /* Keep the rows of a run (cli/motion/table.h). */
 struct cli_table;
 lw_status cli_spatial_table(lw_spatial *m, const lw_space_options *o, const char *speed, struct cli_table *t, lw_error *e);

@@ -255,10 +255,11 @@ static void report(const cli_call *call, const lw_space_run *run_, const lw_spac
              q->worst_off_rate, q->steps, q->refused, q->rates);
 }
 
-/* Inputs without a motion move at constant speed from their values in the file. */
-static lw_status drive(lw_spatial *m, const char *speed, lw_error *e)
+lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
 {
     char text[96];
+    if (!speed)
+        return LW_OK;
     if (m->n_input == 0)
         return lw_error_set(e, LW_E_ARG, "--speed is for inputs, and the model has none");
     for (int i = 0; i < m->n_input; i++) {
@@ -279,7 +280,7 @@ lw_status cli_spatial_table(lw_spatial *m, const lw_space_options *o, const char
 {
     run r = { .m = m, .table = t };
     lw_space_run *made = NULL;
-    lw_status st = speed ? drive(m, speed, e) : LW_OK;
+    lw_status st = cli_spatial_speed(m, speed, e);
     if (st == LW_OK)
         st = lw_space_run_make(m, o, &made, e);
     if (st == LW_OK) {
@@ -310,7 +311,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_opt
     lw_space_run *made = NULL;
     lw_error e = { 0 };
     lw_output out;
-    lw_status st = speed ? drive(m, speed, &e) : LW_OK;
+    lw_status st = cli_spatial_speed(m, speed, &e);
     if (st == LW_OK)
         st = lw_space_run_make(m, o, &made, &e);
     if (st == LW_OK) {

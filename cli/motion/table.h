@@ -8,28 +8,17 @@
 
 typedef struct cli_table_column { char name[2*LW_NAME_SIZE + 24]; const char *unit; } cli_table_column;
 
-/* A driven coordinate: its columns of speed and of torque or force, and its acceleration in every row. */
-typedef struct cli_table_drive {
-    char    name[LW_NAME_SIZE + 16];
-    bool    slides;
-    int     rate, drive;
-    double *acceleration;
-    double  inertia[2];                  /* least and greatest reflected inertia, for who works it out */
-} cli_table_drive;
-
 typedef struct cli_table cli_table;
 struct cli_table {
-    int               n_column, n_drive;
+    int               n_column;
     cli_table_column *column;            /* the first is t [s] */
     size_t            n_row;
     double           *row;               /* (n_row * n_column) */
-    cli_table_drive  *drive;
 };
 
 typedef struct cli_table_options {
     double      from, to;
     int         steps;
-    bool        driven;                  /* refuse models with free degrees of freedom */
     const char *speed;                   /* of inputs without a motion; NULL: they run freely */
 } cli_table_options;
 

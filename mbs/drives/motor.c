@@ -52,33 +52,66 @@ static void limit(lw_drive_choice *c, int which, double value, double most)
         c->fails |= 1u << which;
 }
 
-/* Torque of the motor: the load through the gear, whose losses the driving side pays, and the inertia of motor and
- * gear. */
-static double motor_torque(const lw_load *l, size_t k, double ratio, double efficiency, double inertia)
+const lw_gear_part *lw_drive_gear(const lw_drive_parts *p, int gear)
+{
+    static const lw_gear_part none = { .name = "(none)", .ratio = 1 };
+    return gear >= 0 ? &p->gear[gear] : &none;
+}
+
+double lw_drive_torque(const lw_load *l, size_t k, double ratio, double efficiency, double inertia)
 {
     double through = l->torque[k]*l->speed[k] >= 0 ? l->torque[k]/efficiency : l->torque[k]*efficiency;
     return through/ratio + inertia*ratio*l->acceleration[k];
 }
 
+/* Greatest voltage R I + Kt w + L dI/dt, in the middle of each interval.  Where the torque steps (it changes over one interval
+ * by more than 8 times as much as over those beside it) the current cannot follow: L dI/dt is left out there, as it is
+ * everywhere if the inductance is not known. */
+static double voltage_of(const lw_motor_part *m, size_t n, double step, const double *torque, const double *speed, int *steps)
+{
+    double most = 0, peak = 0, r = m->resistance/m->torque_constant, l = m->inductance/m->torque_constant/step;
+    *steps = 0;
+    for (size_t k = 0; k < n; k++) {
+        if (l == 0)
+            most = fmax(most, fabs(r*torque[k] + m->torque_constant*speed[k]));
+        peak = fmax(peak, fabs(torque[k]));
+    }
+    for (size_t k = 0; l > 0 && k + 1 < n; k++) {
+        double change = torque[k + 1] - torque[k], before = k > 0 ? fabs(torque[k] - torque[k - 1]) : INFINITY;
+        double after = k + 2 < n ? fabs(torque[k + 2] - torque[k + 1]) : INFINITY;
+        if (k == 0 || k + 2 == n)                          /* an end has one neighbour */
+            before = after = fmin(before, after);
+        bool jumps = n > 8 && fabs(change) > 8*fmax(before, after) && fabs(change) > 0.01*peak;
+        *steps += jumps;
+        for (int i = 0; i < 2 && jumps; i++)
+            most = fmax(most, fabs(r*torque[k + i] + m->torque_constant*speed[k + i]));
+        if (!jumps)
+            most = fmax(most, fabs(r*(torque[k] + torque[k + 1])/2 + m->torque_constant*(speed[k] + speed[k + 1])/2
+                                   + l*change));
+    }
+    return most;
+}
+
 lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int motor, int gear, int amplifier,
-                             double greatest_inertia)
+                             double greatest_inertia, double *work)
 {
     const lw_motor_part *m = &p->motor[motor];
-    const lw_gear_part *g = &p->gear[gear];
+    const lw_gear_part *g = lw_drive_gear(p, gear);
     const lw_amplifier_part *a = amplifier >= 0 ? &p->amplifier[amplifier] : NULL;
     lw_drive_choice c = { .motor = motor, .gear = gear, .amplifier = amplifier };
     double efficiency = g->efficiency > 0 ? g->efficiency : 1, inertia = m->inertia + g->inertia;
-    double square = 0, out_square = 0, out_peak = 0, voltage = 0, before = 0, out_before = 0;
+    double square = 0, out_square = 0, out_peak = 0, before = 0, out_before = 0;
     for (int i = 0; i < LW_DRIVE_N_LIMIT; i++)
         c.use[i] = NAN;
     c.ratio = l->slides ? g->ratio/g->radius : g->ratio;
     for (size_t k = 0; k < l->n; k++) {
-        double torque = motor_torque(l, k, c.ratio, efficiency, inertia), speed = c.ratio*l->speed[k];
+        double torque = lw_drive_torque(l, k, c.ratio, efficiency, inertia), speed = c.ratio*l->speed[k];
+        work[k] = torque;
+        work[l->n + k] = speed;
         double out = l->torque[k]*(l->slides ? g->radius : 1);
         c.torque_peak = fmax(c.torque_peak, fabs(torque));
         c.speed = fmax(c.speed, fabs(speed));
         out_peak = fmax(out_peak, fabs(out));
-        voltage = fmax(voltage, fabs(m->resistance*torque/m->torque_constant + m->torque_constant*speed));
         if (k > 0) {
             square += (torque*torque + torque*before + before*before)/3;
             out_square += (out*out + out*out_before + out_before*out_before)/3;
@@ -89,7 +122,7 @@ lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int moto
     c.torque_rms = sqrt(square/(double)(l->n - 1));
     c.current_peak = c.torque_peak/m->torque_constant;
     c.current_rms = c.torque_rms/m->torque_constant;
-    c.voltage = voltage;
+    c.voltage = voltage_of(m, l->n, l->step, work, work + l->n, &c.torque_steps);
     c.heat = m->resistance*c.current_rms*c.current_rms;
     c.inertia_ratio = l->inertia[1]/(c.ratio*c.ratio*inertia);
     limit(&c, LW_DRIVE_SPEED, c.speed, m->speed);
@@ -106,12 +139,12 @@ lw_drive_choice lw_drive_try(const lw_load *l, const lw_drive_parts *p, int moto
         double charge = 0, most = 0;
         for (int cycle = 0; cycle < 2 && room > 0; cycle++)         /* the second cycle begins charged */
             for (size_t k = 0; k + 1 < l->n; k++) {
-                double i = motor_torque(l, k, c.ratio, efficiency, inertia)/m->torque_constant;
+                double i = work[k]/m->torque_constant;
                 charge = fmax(0, charge + (i*i - a->current*a->current)*l->step);
                 most = fmax(most, charge);
             }
         c.i2t = room > 0 ? most/room : 0;
-        limit(&c, LW_DRIVE_VOLTAGE, voltage, a->voltage);
+        limit(&c, LW_DRIVE_VOLTAGE, c.voltage, a->voltage);
         limit(&c, LW_DRIVE_CURRENT, c.current_peak, peak);
         limit(&c, LW_DRIVE_CURRENT_RMS, c.current_rms, a->current);
         limit(&c, LW_DRIVE_HEAT, most, room);
@@ -139,17 +172,20 @@ lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double grea
                           lw_drive_choice **out, bool **front, lw_error *e)
 {
     size_t amplifiers = p->n_amplifier > 0 ? (size_t)p->n_amplifier : 1, room
-        = (size_t)p->n_motor*(size_t)p->n_gear*amplifiers;
+        = (size_t)p->n_motor*(size_t)(p->n_gear ? p->n_gear : 1)*amplifiers;
     *n = 0;
     *out = malloc((room + 1)*sizeof **out);
     *front = calloc(room + 1, sizeof **front);
-    if (!*out || !*front)
+    double *work = malloc(2*(l->n + 1)*sizeof *work);
+    if (!*out || !*front || !work) {
+        free(work);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
     for (int m = 0; m < p->n_motor; m++)
-        for (int g = 0; g < p->n_gear; g++)
+        for (int g = p->n_gear ? 0 : -1; g < p->n_gear; g++)
             for (int a = p->n_amplifier ? 0 : -1; a < p->n_amplifier; a++)
-                if (!l->slides == !(p->gear[g].radius > 0))          /* a wheel for a slider, none for a turn */
-                    (*out)[(*n)++] = lw_drive_try(l, p, m, g, a, greatest_inertia);
+                if (!l->slides == !(lw_drive_gear(p, g)->radius > 0))          /* a wheel for a slider, none for a turn */
+                    (*out)[(*n)++] = lw_drive_try(l, p, m, g, a, greatest_inertia, work);
     qsort(*out, *n, sizeof **out, by_rank);
     double least = INFINITY;
     for (size_t i = 0; i < *n && !(*out)[i].fails; i++)

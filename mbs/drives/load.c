@@ -1,0 +1,246 @@
+#include "mbs/drives/load.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/real.h"
+#include "mbs/dynamics/reactions.h"
+#include "mbs/space/space_run.h"
+
+static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_error *e)
+{
+    size_t rows = (size_t)o->intervals + 1;
+    if (n == 0)
+        return lw_error_set(e, LW_E_ARG, "the model has no drive; name its \"input\"");
+    if (o->intervals < 1 || !(o->from < o->to))
+        return lw_error_set(e, LW_E_ARG, "a cycle needs a begin before its end, and an interval or more");
+    out->load = calloc((size_t)n, sizeof *out->load);
+    out->memory = calloc(3*(size_t)n*rows, sizeof(double));
+    if (!out->load || !out->memory)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    out->n = n;
+    for (int i = 0; i < n; i++) {
+        double *at = (double *)out->memory + 3*(size_t)i*rows;
+        out->load[i] = (lw_load){ .step = (o->to - o->from)/o->intervals, .speed = at, .torque = at + rows,
+                                  .acceleration = at + 2*rows, .inertia = { NAN, NAN } };
+    }
+    return LW_OK;
+}
+
+/* Arrays of load i, to be filled. */
+static double *speed_of(const lw_loads *l, int i) { return (double *)l->memory + (l->load[i].speed - (double *)l->memory); }
+static double *torque_of(const lw_loads *l, int i) { return speed_of(l, i) + (l->load[i].torque - l->load[i].speed); }
+static double *acceleration_of(const lw_loads *l, int i)
+{
+    return speed_of(l, i) + (l->load[i].acceleration - l->load[i].speed);
+}
+
+void lw_loads_free(lw_loads *l)
+{
+    free(l->load);
+    free(l->memory);
+    *l = (lw_loads){ 0 };
+}
+
+/* Least and greatest; the first number replaces NaN. */
+static void widen(double range[2], double x)
+{
+    range[0] = fmin(range[0], x);
+    range[1] = fmax(range[1], x);
+}
+
+/* ---- planar ------------------------------------------------------------------------------------------------------ */
+
+typedef struct planar_run { lw_dynamics *d; lw_loads *out; double *drive, last; } planar_run;
+
+static lw_status take_planar(void *context, const lw_moment *m)
+{
+    planar_run *r = context;
+    const lw_system *sys = lw_dynamics_system(r->d);
+    const lw_assembly *k = &lw_dynamics_model(r->d)->linkage;
+    lw_reactions_driving(r->d, m, r->drive);
+    for (int i = 0; r->out && i < k->n_input; i++) {
+        lw_measure count;
+        lw_load *l = &r->out->load[i];
+        lw_measure_joint(sys, k->input[i].joint, m->q, m->v, false, &count);
+        speed_of(r->out, i)[l->n] = count.rate;
+        torque_of(r->out, i)[l->n++] = r->drive[i];
+    }
+    return LW_OK;
+}
+
+/* drive (n_input): of the last sample. */
+static lw_status run_planar(const lw_model *m, const lw_load_options *o, lw_loads *out, double *drive, lw_error *e)
+{
+    lw_dynamics_options d = lw_dynamics_options_default();
+    lw_dynamics_report report;
+    planar_run r = { .out = out, .drive = drive };
+    d.analysis = LW_ANALYSIS_KINEMATIC;
+    d.from = o->from;
+    d.to = o->to;
+    d.intervals = o->intervals;
+    d.stop = o->stop;
+    lw_status s = lw_dynamics_make(m, &d, &r.d, e);
+    if (s == LW_OK) {
+        s = lw_dynamics_run(r.d, take_planar, &r, &report, e);
+        lw_dynamics_free(r.d);
+    }
+    return s;
+}
+
+/* Second derivative of a motion at each sample; behind a kink, as the forces are. */
+static void accelerate(const lw_expression *motion, double factor, double from, lw_load *l, double *out)
+{
+    for (size_t r = 0; r < l->n; r++) {
+        double series[3] = { 0 }, v[3*LW_EXPRESSION_VARIABLE_MAX] = { from + (double)r*l->step, 1, 0 };
+        lw_expression_series(motion, 2, v, series);
+        out[r] = 2*factor*series[2];
+    }
+}
+
+/* Reflected inertia of input i: what its torque rises by when only its acceleration rises.  An acceleration that begins
+ * at a sample changes neither the posture nor the speeds there. */
+static lw_status find_inertia(const lw_model *m, int i, const lw_load_options *o, lw_loads *out, double *drive, lw_error *e)
+{
+    enum { PLACES = 9 };
+    const double extra = 1000;
+    int n = m->linkage.n_input;
+    const char *motion = lw_expression_text(m->motion[i]);
+    size_t size = strlen(motion) + 128;
+    lw_model copy = *m;
+    char *text = malloc(size);
+    copy.motion = malloc((size_t)n*sizeof *copy.motion);
+    lw_status s = text && copy.motion ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int k = 1; s == LW_OK && k <= PLACES; k++) {
+        int row = (int)((long long)o->intervals*k/PLACES);
+        lw_load_options part = *o;
+        if (row == 0)
+            continue;
+        part.to = o->from + row*out->load[i].step;
+        part.intervals = row;
+        snprintf(text, size, "%s + %.17g*max(t - %.17g, 0)^2", motion, extra/2, part.to);
+        memcpy(copy.motion, m->motion, (size_t)n*sizeof *copy.motion);
+        copy.motion[i] = NULL;
+        s = lw_model_drive(&copy, i, text, e);
+        if (s == LW_OK)
+            s = run_planar(&copy, &part, NULL, drive, e);
+        if (s == LW_OK)
+            widen(out->load[i].inertia, (drive[i] - out->load[i].torque[row])/extra);
+        lw_expression_free(copy.motion[i]);
+    }
+    free(copy.motion);
+    free(text);
+    return s;
+}
+
+lw_status lw_loads_planar(const lw_model *m, const lw_load_options *o, lw_loads *out, lw_error *e)
+{
+    *out = (lw_loads){ 0 };
+    int n = m->linkage.n_input, n_free = lw_assembly_free_inputs(&m->linkage);
+    lw_status s = make_room(n, o, out, e);
+    double *drive = s == LW_OK ? malloc((size_t)n*sizeof *drive) : NULL;
+    if (s == LW_OK && !drive)
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        const lw_joint *j = &m->linkage.joint[m->linkage.input[i].joint];
+        snprintf(out->load[i].name, sizeof out->load[i].name, "%s", j->name);
+        out->load[i].slides = lw_joint_slides(j->kind);
+    }
+    if (s == LW_OK)
+        s = run_planar(m, o, out, drive, e);
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        if (m->motion[i])
+            accelerate(m->motion[i], 1, o->from, &out->load[i], acceleration_of(out, i));
+        else if (m->motion[0])                                         /* tied to the first */
+            accelerate(m->motion[0], m->linkage.input[i].ratio, o->from, &out->load[i], acceleration_of(out, i));
+        if (i < n_free && m->motion[i])
+            s = find_inertia(m, i, o, out, drive, e);
+    }
+    free(drive);
+    return s;
+}
+
+/* ---- spatial ----------------------------------------------------------------------------------------------------- */
+
+typedef struct spatial_run {
+    const lw_spatial *m;
+    const lw_space   *s;
+    lw_loads         *out;
+    lw_space_follow   follow;            /* the drives as inputs; memory NULL: they do not take every freedom */
+} spatial_run;
+
+static lw_spatial_measure drive_of(const lw_spatial *m, int i) { return m->n_drive ? m->drive[i] : m->input[i].measure; }
+
+/* Twice the kinetic energy at unit rate of one drive, the others at rest. */
+static void reflect(spatial_run *r, const lw_space_moment *o)
+{
+    lw_space_follow *f = &r->follow;
+    const lw_space *s = r->s;
+    memcpy(f->q, o->q, (size_t)s->n_q*sizeof *f->q);
+    lw_space_rows_fill(&f->z, f->q, f->z.near);
+    if (!lw_space_rows_factor(&f->z))
+        return;                                                        /* singular for its drives: without limit */
+    for (int i = 0; i < r->out->n; i++) {
+        memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
+        f->rhs[s->n_row + f->n_idle + i] = 1/lw_space_scale(s, drive_of(r->m, i));
+        lw_space_rows_solve(&f->z, NULL, f->rhs, true, f->v_try, f->l);
+        widen(r->out->load[i].inertia, 2*lw_space_kinetic(s, f->v_try));
+    }
+}
+
+static lw_status take_spatial(void *context, const lw_space_moment *o)
+{
+    spatial_run *r = context;
+    for (int i = 0; i < r->out->n; i++) {
+        lw_spatial_measure of = drive_of(r->m, i);
+        lw_load *l = &r->out->load[i];
+        double value, rate, second;
+        lw_space_measured(r->s, o->frame, of, 0, o->v, &value, &rate);
+        lw_space_measured(r->s, o->frame, of, 0, o->a, &value, &second);
+        speed_of(r->out, i)[l->n] = rate;
+        acceleration_of(r->out, i)[l->n] = second - lw_space_measure_bias(r->s, o->frame, of, o->v)*lw_space_scale(r->s, of);
+        torque_of(r->out, i)[l->n++] = o->drive[i];
+    }
+    if (r->follow.memory)
+        reflect(r, o);
+    return LW_OK;
+}
+
+lw_status lw_loads_spatial(const lw_spatial *m, const lw_load_options *o, lw_loads *out, lw_error *e)
+{
+    lw_space_options d = lw_space_options_default();
+    lw_space_run *run = NULL;
+    spatial_run r = { .m = m, .out = out };
+    lw_error none;
+    *out = (lw_loads){ 0 };
+    int n = m->n_drive ? m->n_drive : m->n_input;
+    lw_status s = make_room(n, o, out, e);
+    lw_spatial_measure *drive = s == LW_OK ? malloc((size_t)n*sizeof *drive) : NULL;
+    d.analysis = LW_SPACE_KINEMATIC;
+    d.from = o->from;
+    d.to = o->to;
+    d.intervals = o->intervals;
+    d.stop = o->stop;
+    if (s == LW_OK)
+        s = drive ? lw_space_run_make(m, &d, &run, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        drive[i] = drive_of(m, i);
+        out->load[i].slides = drive[i].of != LW_OF_TURN;
+        lw_spatial_measure_name(m, drive[i], out->load[i].name, sizeof out->load[i].name);
+    }
+    if (s == LW_OK) {
+        r.s = lw_space_run_space(run);
+        lw_status fits = lw_space_follow_make(r.s, drive, n, false, &r.follow, &none);
+        if (fits == LW_E_MEMORY)
+            s = lw_error_set(e, fits, "out of memory");
+        else if (fits != LW_OK)
+            r.follow.memory = NULL;
+    }
+    if (s == LW_OK)
+        s = lw_space_run_go(run, take_spatial, &r, e);
+    if (r.follow.memory)
+        lw_space_follow_free(&r.follow);
+    lw_space_run_free(run);
+    free(drive);
+    return s;
+}
