@@ -206,7 +206,7 @@ const askMotion = latest("motion", got, failed);
 app.touch = () => {
   app.touching = true;
   app.redraw();
-  askMotion({ linkage: app.doc.linkage, points: 1000, frames: 90 });
+  askMotion({ linkage: app.doc.linkage, points: 1000, frames: 90, draft: true });
 };
 
 function freedom(m) {

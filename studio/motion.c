@@ -117,7 +117,7 @@ static void put_motion(lw_bytes *b, const lw_scene *s)
     studio_put_real(b, "mobility", lw_linkage_mobility(k));
 }
 
-/* { linkage, points, frames, others }: everything to show of its motion. */
+/* { linkage, points, frames, others, draft }: everything to show of its motion; draft: quickly, while it is dragged. */
 lw_status studio_motion(studio *st, const json_t *ask, studio_reply *r, lw_error *e)
 {
     double start = lw_clock_wall();
@@ -129,6 +129,7 @@ lw_status studio_motion(studio *st, const json_t *ask, studio_reply *r, lw_error
     o.n_curve_point = (size_t)fmin(fmax(studio_real(ask, "points", 1000), 16), 20000);
     o.n_frame = (size_t)fmin(fmax(studio_real(ask, "frames", 180), 2), 2000);
     o.other_branches = studio_bool(ask, "others");
+    o.draft = studio_bool(ask, "draft");
     if (s == LW_OK)
         s = lw_scene_make(k, NULL, &o, scene, e);
     if (s == LW_OK) {

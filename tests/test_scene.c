@@ -103,6 +103,42 @@ static void what_is_not_made_of_dyads_moves(void)
     }
 }
 
+/* Quick motions: joined as well, from the same posture, on the curves of the motion that is followed with proof. */
+static void drafts_lie_on_the_whole_curves(void)
+{
+    static const struct { const char *name; double size; } known[] = {
+        { "geared-five-bar", 0.1 }, { "loader", 3 }, { "mobility/roller", 3 }, { "gallery/peaucellier", 0.3 },
+        { "gallery/scott-russell", 0.3 }, { "gallery/excavator", 3 }, { "gallery/scissor-lift", 0.8 },
+        { "gallery/evans", 0.3 }, { "gallery/strandbeest", 0.3 }, { "tied-five-bar", 0.2 }, { "hoeken", 0.1 },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_linkage k;
+        lw_scene whole, s;
+        lw_error e;
+        lw_scene_options o = { .n_frame = 60, .n_curve_point = 600 };
+        CHECK_INT(model_read(known[i].name, &k), LW_OK);
+        CHECK_INT(lw_scene_make(&k, NULL, &o, &whole, &e), LW_OK);
+        o.draft = true;
+        CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+        CHECK(s.note[0] == 0 && s.n_frame >= 59 && s.n_frame <= 61 && s.n_curve >= k.n_tracer);
+        check_joined(&s, known[i].size);
+        check_on_curve(&s, known[i].size);
+        check_first_frame(&s, known[i].size);
+        double far = 0;
+        for (int c = 0; c < s.n_curve; c++)
+            for (size_t p = 0; p < s.curve[c].n && s.curve[c].shown_branch; p++) {
+                double best = INFINITY;
+                for (int d = 0; d < whole.n_curve; d++)
+                    if (whole.curve[d].tracer == s.curve[c].tracer)
+                        best = fmin(best, from_curve(&whole.curve[d], s.curve[c].p[p]));
+                far = fmax(far, best);
+            }
+        CHECK_NEAR(far, 0, 2e-3*known[i].size, 0);
+        lw_scene_free(&whole);
+        lw_scene_free(&s);
+    }
+}
+
 /* Wheel and pinion of the geared five-bar turn against each other as the teeth tell. */
 static void gears_turn_against_each_other(void)
 {
@@ -453,6 +489,7 @@ int main(void)
 {
     RUN(examples_move_as_one);
     RUN(what_is_not_made_of_dyads_moves);
+    RUN(drafts_lie_on_the_whole_curves);
     RUN(gears_turn_against_each_other);
     RUN(wanted_range_of_a_curve);
     RUN(several_inputs_move_together);

@@ -7,12 +7,14 @@
 
 #include "base/bytes.h"
 #include "base/real.h"
+#include "catalogues/draw/draft.h"
 #include "catalogues/draw/motion_path.h"
 #include "catalogues/draw/walk.h"
 #include "grammar/model.h"
 #include "mbs/constraints/mobility.h"
 
 /* What the steps of lw_scene_make share. */
+#define DRAFT_DYADS 3           /* of more the assembly modes take longer to find than a draft */
 #define POINTS_MAX 50000        /* of a curve: beyond, its steps are no longer halved */
 
 typedef struct lw_work {
@@ -468,25 +470,41 @@ static bool fasten_idle_links(lw_work *w)
     return any;
 }
 
+/* Do several inputs move at once, by motions in time or through ranges? */
+static bool move_together(const lw_linkage *k, const lw_scene_options *o, bool *motions)
+{
+    bool ranges = false;
+    *motions = false;
+    for (int i = 0; i < k->n_input && lw_linkage_free_inputs(k) > 1; i++) {
+        *motions = *motions || (o->model && o->model->motion[i]);
+        ranges = ranges || k->input[i].first != k->input[i].last;
+    }
+    return *motions || ranges;
+}
+
 /* Start a motion path: all inputs move at once if the linkage says how each of them moves, else the first one alone. */
 static lw_status start_path(lw_work *w, const lw_scene_options *o, lw_error *why)
 {
     const lw_linkage *k = &w->linkage;
-    bool motions = false, ranges = false;
-    for (int i = 0; i < k->n_input && lw_linkage_free_inputs(k) > 1; i++) {
-        motions = motions || (o->model && o->model->motion[i]);
-        ranges = ranges || k->input[i].first != k->input[i].last;
-    }
+    bool motions, together = move_together(k, o, &motions);
     if (motions)
         return lw_motion_path_in_time(k, lw_prescribed_motion_of_model, (void *)o->model, 0,
                                  o->until > 0 ? o->until : duration(o->model), &w->path, why);
-    if (ranges)
+    if (together)
         return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->path, why);
     lw_status st = lw_motion_path_along(k, o->other_branches, &w->path, why);
     if (st != LW_E_ARG || k->n_input == 0 || !fasten_idle_links(w))
         return st;
     lw_motion_path_free(&w->path);
     return lw_motion_path_along(k, o->other_branches, &w->path, why);
+}
+
+static bool finish_draft(lw_scene *s, size_t n)
+{
+    if (lw_draft_curves(s, n) != LW_OK)
+        return false;
+    lw_draft_thin(s);
+    return true;
 }
 
 static bool show_course(lw_work *w, const lw_scene_options *o)
@@ -497,6 +515,12 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
     const lw_input *in = &w->linkage.input[0];
     w->linkage = s->linkage;                                      /* without added tracers */
     w->by_path = true;
+    bool motions;
+    if (o->draft && w->linkage.n_input > 0 && !move_together(&w->linkage, o, &motions)) {
+        double range[2] = { fmin(in->first, in->last), fmax(in->first, in->last) };
+        if (lw_draft_frames(s, is_restricted(w) ? range : NULL, 2*o->n_frame) == LW_OK)
+            return finish_draft(s, n);
+    }
     lw_status st = start_path(w, o, &why);
     if (st == LW_E_MEMORY || w->no_memory)
         return false;
@@ -507,6 +531,8 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
                  why.text[0] ? why.text : lw_status_text(st));
         return make_frames(s, 1);
     }
+    if (o->draft && w->path.drive)
+        return take_frames(w, 2*o->n_frame) && finish_draft(s, n);
     for (int i = 1; i < w->path.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
         lw_motion_path_choose(&w->path, i);
         if (!take_curves(w, false, n))
@@ -527,7 +553,7 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
 
 static bool show_motion(lw_work *w, const lw_scene_options *o)
 {
-    bool walks = prepare(w) && find_walk(w);
+    bool walks = prepare(w) && !(o->draft && w->plan.n_dyad > DRAFT_DYADS) && find_walk(w);
     for (int i = 0; i < w->s->linkage.n_link && walks; i++)
         if (i != w->s->linkage.ground)
             w->s->origin[i] = reference(w, &w->start, i);

@@ -552,6 +552,12 @@ lw_vec2 lw_newton_joint(const lw_newton *s, int joint)
     return lw_system_point(&s->system, lw_joint_has_ratio(q->kind) ? q->carrier : q->body[0], q->arm[0], s->here.z);
 }
 
+lw_vec2 lw_newton_point(const lw_newton *s, int link, lw_vec2 at)
+{
+    int b = s->system.body[link];
+    return lw_system_point(&s->system, b, lw_system_arm(&s->system, b, at), s->here.z);
+}
+
 double lw_newton_angle(const lw_newton *s, int link)
 {
     int b = s->system.body[link];

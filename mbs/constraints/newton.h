@@ -38,6 +38,7 @@ void      lw_newton_reset(lw_newton *s);
 
 lw_vec2   lw_newton_tracer(const lw_newton *s, int which);
 lw_vec2   lw_newton_joint(const lw_newton *s, int joint);  /* its point on link[0]                    */
+lw_vec2   lw_newton_point(const lw_newton *s, int link, lw_vec2 at);  /* of the link, at `at` [m] in the posture */
 double    lw_newton_angle(const lw_newton *s, int link);   /* rotation of the link since the posture [rad] */
 double    lw_newton_input(const lw_newton *s);             /* present input [rad] or [m]             */
 double    lw_newton_residual(const lw_newton *s);          /* largest residual of a loop equation [m]  */

@@ -6,4 +6,5 @@ chromium=$(command -v chromium || command -v chromium-browser || command -v goog
 for need in "${chromium:-chromium}" node; do
     command -v "$need" > /dev/null || { echo "skipped, there is no $need (Debian: chromium, nodejs)"; echo "test_studio_page: 0 passed, 0 failed"; exit 0; }
 done
+[ "${2:-short}" != long ] || node "$(dirname "$0")/wire.mjs" "$1"
 exec node "$(dirname "$0")/studio.mjs" "$1" "$chromium" "${2:-short}" ${3:+"$3"}
