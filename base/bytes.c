@@ -52,9 +52,10 @@ void lw_bytes_text(lw_bytes *b, const char *text)
     lw_bytes_add(b, text, strlen(text));
 }
 
-/* Length of the XML character that begins s (UTF-8, Unicode 15 table 3-7; XML 1.0, "Char"), 0 if none. */
-static int xml_character(const unsigned char *s)
+/* UTF-8 by Unicode 15, table 3-7; XML 1.0, "Char". */
+int lw_text_character(const char *text)
 {
+    const unsigned char *s = (const unsigned char *)text;
     if (s[0] < 0x80)
         return s[0] >= 0x20 ? s[0] != 0x7f : s[0] == '\t' || s[0] == '\n';
     int n = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3
@@ -77,7 +78,7 @@ void lw_bytes_xml(lw_bytes *b, const char *text)
 {
     const unsigned char *s = (const unsigned char *)text;
     while (*s) {
-        int n = xml_character(s);
+        int n = lw_text_character((const char *)s);
         switch (n ? *s : 0) {
         case 0:    lw_bytes_text(b, "\xef\xbf\xbd"); n = 1; break;
         case '&':  lw_bytes_text(b, "&amp;");  break;
@@ -96,7 +97,7 @@ void lw_text_clean(char *out, size_t size, const char *text)
     const unsigned char *s = (const unsigned char *)text;
     size_t used = 0;
     while (*s) {
-        int n = xml_character(s);
+        int n = lw_text_character((const char *)s);
         size_t m = n ? (size_t)n : 3;
         if (used + m + 1 > size)
             break;

@@ -32,6 +32,9 @@ void lw_bytes_number(lw_bytes *b, double v, int digits);            /* as lw_num
 /* v with so many significant digits (1 .. 17), trailing zeros cut: "0.0125", "1.25e-9", "nan". */
 void lw_number_text(char text[32], double v, int digits);
 
+/* Number of bytes of the character that begins text; 0 if it is no UTF-8 or no character that a document may hold. */
+int lw_text_character(const char *text);
+
 /* Copy text into out[size] in whole characters, as far as they fit; what is no UTF-8 or no character
  * a document may hold becomes U+FFFD. */
 void lw_text_clean(char *out, size_t size, const char *text);

@@ -173,8 +173,14 @@ static void remove_left_over(int folder, const char *name)
     int end = 0, fd = -1;
     if (sscanf(name, ".lw-%*d-%*d.tmp%n", &end) == 0 && end > 0 && !name[end])
         fd = openat(folder, name, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
-        unlinkat(folder, name, 0);
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
+        static const char *const ends[] = { "", "-journal", "-wal", "-shm" };       /* of a database */
+        for (int i = 0; i < 4; i++) {
+            char path[NAME_MAX + 16];
+            snprintf(path, sizeof path, "%s%s", name, ends[i]);
+            unlinkat(folder, path, 0);
+        }
+    }
     if (fd >= 0)
         close(fd);
 }
@@ -230,7 +236,9 @@ static lw_status open_output(lw_output *o, const char *path, bool partial, lw_er
     *o = (lw_output){ .f = NULL, .partial = partial };
     if (stream >= 0) {
         fflush(stream == STDERR_FILENO ? stderr : stdout);
-        fd = dup(stream);
+        int mode = fcntl(stream, F_GETFL);
+        errno = EBADF;
+        fd = mode >= 0 && (mode & O_ACCMODE) != O_RDONLY ? dup(stream) : -1;
     } else if (stat(path, &st) != 0) {
         if (n > 0 && path[n-1] == '/')
             return failed(e, "written", path, EISDIR);

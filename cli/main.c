@@ -1,8 +1,10 @@
 /* linkwright - planar mechanism synthesis.  main.c: finds the command, reads its options, runs it. */
+#include <fcntl.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/bytes.h"
 #include "base/suggest.h"
 #include "cli/program/data.h"
 #include "cli/program/output.h"
@@ -194,6 +196,29 @@ static bool is_plain(const char *word)
                                  "-_./:=,+@%") == strlen(word);
 }
 
+/* A word in quotes: in $'...' if it holds a byte that does not fit into a line of text. */
+static void put_quoted(const char *word, FILE *f)
+{
+    bool plain = true;
+    int n;
+    for (const char *c = word; *c && plain; c += n)
+        plain = (n = lw_text_character(c)) > 0 && *c != '\n';
+    fputs(plain ? " '" : " $'", f);
+    for (const char *c = word; *c; c += n) {
+        n = lw_text_character(c);
+        if (plain && *c == '\'')
+            fputs("'\\''", f);
+        else if (!plain && (*c == '\'' || *c == '\\'))
+            fprintf(f, "\\%c", *c);
+        else if (n == 0 || *c == '\n')
+            fprintf(f, "\\%03o", (unsigned char)*c);
+        else
+            fwrite(c, 1, (size_t)n, f);
+        n += n == 0;
+    }
+    fputc('\'', f);
+}
+
 /* The command as typed in a shell. NULL: out of memory. */
 static char *shell_line(int argc, char **argv)
 {
@@ -208,10 +233,7 @@ static char *shell_line(int argc, char **argv)
             fprintf(f, " %s", argv[i]);
             continue;
         }
-        fputs(" '", f);
-        for (const char *c = argv[i]; *c; c++)
-            fputs(*c == '\'' ? "'\\''" : (char[]){ *c, 0 }, f);
-        fputc('\'', f);
+        put_quoted(argv[i], f);
     }
     if (fclose(f) == 0)
         return line;
@@ -271,8 +293,18 @@ static int run(const cli_command *c, int argc, char **argv)
     return code;
 }
 
+/* A standard stream that is closed would be the number of the next file that is opened. In its place stands one that
+ * cannot be read, or written, so that its use fails. */
+static void hold_streams(void)
+{
+    for (int fd = 0; fd < 3; fd++)
+        if (fcntl(fd, F_GETFD) < 0)
+            (void)!open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
+}
+
 int main(int argc, char **argv)
 {
+    hold_streams();
     setlocale(LC_ALL, "C");
     cli_watch_signals();
     if (argc < 2) {

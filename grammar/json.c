@@ -37,27 +37,42 @@ static size_t fault_offset(const char *text, size_t size, const json_error_t *er
     return last;
 }
 
+/* jansson reports most failures to allocate as errors of the text, and loses a byte of a long string or number without
+ * any error. Two readings of one text then differ. */
+lw_status lw_json_load(const char *text, size_t size, size_t flags, json_t **root, json_error_t *fault)
+{
+    json_error_t again;
+    lw_c_locale old = lw_c_locale_enter();          /* jansson reads numbers by strtod */
+    *fault = again = (json_error_t){ .line = 0 };
+    *root = json_loadb(text, size, flags, fault);
+    json_t *second = json_loadb(text, size, flags, &again);
+    lw_c_locale_leave(old);
+    bool same = *root ? json_equal(*root, second) : !second && fault->text[0] && strcmp(fault->text, again.text) == 0 &&
+                json_error_code(fault) != json_error_out_of_memory;
+    lw_status s = !same ? LW_E_MEMORY : *root ? LW_OK : LW_E_NOTATION;
+    json_decref(second);
+    if (s != LW_OK) {
+        json_decref(*root);
+        *root = NULL;
+    }
+    return s;
+}
+
 lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e)
 {
     size_t skip = size >= 3 && memcmp(text, byte_order_mark, 3) == 0 ? 3 : 0;
     json_error_t error;
+    json_t *root;
     *json = (lw_json){ text, size, file, NULL };
     if (is_blank(text + skip, size - skip))
         return lw_error_at(e, LW_E_NOTATION, file, 1, 1, "nothing is in this file; a JSON object { ... } "
                            "is expected");
-    lw_c_locale old = lw_c_locale_enter();          /* jansson reads numbers by strtod */
-    json->root = json_loadb(text + skip, size - skip, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
-    /* jansson reports most failures to allocate as errors of the text: of a true one it says the same twice */
-    json_error_t again = error;
-    json_t *second = json->root ? NULL : json_loadb(text + skip, size - skip, JSON_REJECT_DUPLICATES
-                                                    | JSON_DECODE_INT_AS_REAL, &again);
-    lw_c_locale_leave(old);
-    if (json->root)
-        return LW_OK;
-    json_decref(second);
-    if (second || !error.text[0] || strcmp(error.text, again.text) != 0
-        || json_error_code(&error) == json_error_out_of_memory)
-        return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
+    lw_status s = lw_json_load(text + skip, size - skip, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &root, &error);
+    json->root = root;
+    if (s == LW_E_MEMORY)
+        return lw_error_at(e, s, file, 0, 0, "out of memory");
+    if (s == LW_OK)
+        return s;
     long line, column;
     lw_text_place(text, size, skip + fault_offset(text + skip, size - skip, &error), &line, &column);
     return lw_error_at(e, LW_E_NOTATION, file, line, column, "this is not JSON: %s", error.text);

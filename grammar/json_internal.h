@@ -32,6 +32,12 @@ typedef enum lw_json_kind { LW_JSON_OBJECT, LW_JSON_ARRAY, LW_JSON_TEXT, LW_JSON
 lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e);
 void      lw_json_close(lw_json *json);
 
+/* json_loadb with these flags of jansson, which knows when memory runs out.  LW_E_NOTATION: *fault says why, *root is
+ * NULL. */
+struct json_t;
+struct json_error_t;
+lw_status lw_json_load(const char *text, size_t size, size_t flags, struct json_t **root, struct json_error_t *fault);
+
 lw_json_node lw_json_root(const lw_json *json);
 lw_json_kind lw_json_kind_of(const lw_json_node *n);
 

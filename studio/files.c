@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/file.h"
 #include "base/real.h"
+#include "grammar/json_internal.h"
 #include "linkwright.h"
 #include "optimise/task/target.h"
 
@@ -156,7 +157,9 @@ lw_status studio_gallery(studio *s, const json_t *ask, studio_reply *r, lw_error
         return lw_error_set(e, LW_E_IO, "the gallery is not installed");
     snprintf(path, sizeof path, "%s/index.json", s->gallery);
     lw_status st = lw_file_read(path, &text, &size, e);
-    json_t *list = st == LW_OK ? json_loadb(text, size, 0, &fault) : NULL;
+    json_t *list = NULL;
+    if (st == LW_OK)
+        st = lw_json_load(text, size, 0, &list, &fault);
     json_array_foreach(list, i, row)
         known = known || (name && strcmp(name, studio_text(row, "name", "")) == 0);
     json_decref(list);

@@ -8,6 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/real.h"
 #include "linkwright.h"
 #include "optimise/task/task_file.h"
@@ -371,17 +372,20 @@ static bool atlas_progress(void *context, double done, double seconds, double be
 static void *make_atlas(void *context)
 {
     studio *s = context;
-    char path[4200];
+    lw_output o;
     lw_catalogue *c = NULL;
     lw_catalogue_work work = { .jobs = 1, .seed = 1, .progress = atlas_progress, .context = s };
-    snprintf(path, sizeof path, "%s.%ld", s->atlas, (long)getpid());
-    lw_status st = lw_catalogue_open(path, true, 0, &c, NULL);
+    lw_output_clean(s->atlas);
+    lw_status st = lw_output_open(&o, s->atlas, NULL);
+    bool opened = st == LW_OK;
+    if (st == LW_OK)
+        st = lw_catalogue_open(o.temp, true, 0, &c, NULL);
     if (st == LW_OK)
         st = lw_catalogue_add_curves(c, "fourbar,slidercrank", 4, ATLAS_CURVES, &work, NULL);
     lw_catalogue_close(c);
-    bool ready = st == LW_OK && rename(path, s->atlas) == 0;
-    if (!ready)
-        unlink(path);
+    bool ready = st == LW_OK && lw_output_commit(&o, NULL) == LW_OK;
+    if (opened && st != LW_OK)
+        lw_output_abandon(&o);
     pthread_mutex_lock(&s->lock);
     s->atlas_state = ready ? 2 : 0;
     pthread_mutex_unlock(&s->lock);

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/random.h>
 #include "base/number.h"
+#include "grammar/json_internal.h"
 #include "studio_files.h"          /* studio_files: the page's files as texts, made by the Makefile */
 
 #define MOST_BYTES (8u << 20)      /* of a request */
@@ -56,13 +57,18 @@ static void answer(studio *s, const char *name, const lw_bytes *body, studio_rep
         refuse(r, MHD_HTTP_NOT_FOUND, "the studio has no such answer");
         return;
     }
-    json_t *ask = json_loadb(body->data ? body->data : "", body->size, JSON_REJECT_DUPLICATES, &fault);
+    json_t *ask;
+    lw_status st = lw_json_load(body->data ? body->data : "", body->size, JSON_REJECT_DUPLICATES, &ask, &fault);
+    if (st == LW_E_MEMORY) {
+        refuse(r, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory");
+        return;
+    }
     if (!json_is_object(ask)) {
         refuse(r, MHD_HTTP_BAD_REQUEST, "the body of the request is not a JSON object");
         json_decref(ask);
         return;
     }
-    lw_status st = answers[i].answer(s, ask, r, &e);
+    st = answers[i].answer(s, ask, r, &e);
     json_decref(ask);
     if (st < 0 && !e.text[0])
         snprintf(e.text, sizeof e.text, "%s", lw_status_text(st));

@@ -61,6 +61,31 @@ static const char *const rows[] = {
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --links 6 --topology watt1 --budget 1000 --starts 1 --rounds 1 --results 1 -j 2 -q",
     "rm -rf $D/release; $C catalogue release -o $D/release --links 7 -q && cat $(find $D/release -type f | sort)",
     "$C drive load examples/drives/lifting-arm.json --to 0.1",
+    "$C drive load examples/drives/lifting-arm.json --to 0.1 --plot $D/o.svg --force",
+    "$C drive simulate examples/drives/servo-axis.json -n 8",
+    "$C drive select examples/drives/lifting-arm.json --to 2.5 -n 20 --motors examples/drives/motors.csv --gears examples/drives/gears.csv",
+    "$C drive radius examples/drives/motors.csv --mass 20 --way 1 --json",
+    "$C profile examples/cycles/gantry.json",
+    "$C family expand examples/families/loader.json -o $D/o",
+    "$C family table examples/families/loader.json",
+    "$C family check examples/families/loader.json",
+    "$C family sweep examples/families/loader.json --vary reach=2:3:3 -n 10 -j 2",
+    "$C family optimise examples/families/loader.json --vary reach=2:3 --minimise boom_mass --max-evaluations 20",
+    "$C robot jacobian examples/space/stewart.json",
+    "$C robot workspace examples/space/delta.json --rays 3 -o $D/o",
+    "$C robot map examples/space/delta.json --places 3",
+    "$C trace examples/space/bricard.json -n 4",
+    "$C mobility examples/space/sarrus.json",
+    "$C simulate examples/space/governor.json --to 0.01 -n 2",
+    "$C draw examples/space/delta.json -f svg -o $D/o",
+    "$C draw examples/space/bricard.json -f html -n 4 -o $D/o",
+    "$C draw examples/hoeken.json examples/chebyshev.json -f svg -o $D/o",
+    "$C draw examples/hoeken.json -f gif -n 4 -o $D/o",
+    "$C simulate examples/elastic-cantilever.json --to 0.001 -n 2",
+    "$C simulate examples/elastic-frame.json --analysis static",
+    "$C simulate examples/dynamics/boxes.json --to 0.01 -n 2",
+    "$C simulate examples/dynamics/boom-cylinder.json --to 0.01 -n 2",
+    "$D/bin/linkwright gallery klann",
 };
 
 static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
@@ -132,6 +157,7 @@ static void faults(void)
     const char *only = getenv("LW_FAULTS_ROW");
     expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
            "$P chains --links 4 -f lam -o $D/four.lam && $P catalogue build $D/six.db --links 6 -q && "
+           "mkdir $D/bin && cp $C $D/bin/linkwright && mkdir $D/examples && cp -r examples/gallery $D/examples/ && "
            "mkdir $D/problems && cp examples/ellipse.csv $D/problems && "
            "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && "
            "$P catalogue curves $D/curves.db --links 4 --samples 200 -q && "

@@ -11,6 +11,7 @@
 #include "catalogues/store/sha256.h"
 #include "enumerate/canon.h"
 #include "grammar/graph6.h"
+#include "grammar/json_internal.h"
 #include "grammar/mechanism.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
@@ -333,13 +334,16 @@ static lw_status add_text(job *j, const char *text, size_t size)
     lw_status s = LW_OK;
     j->line = 1;
     while (s == LW_OK) {
-        for (; at < size && strchr(" \t\r\n", text[at]); at++)
+        for (; at < size && text[at] && strchr(" \t\r\n", text[at]); at++)
             j->line += text[at] == '\n';
         if (at == size)
             break;
         json_error_t fault;
-        json_t *v = json_loadb(text + at, size - at, JSON_DISABLE_EOF_CHECK | JSON_REJECT_DUPLICATES, &fault);
-        if (!v)
+        json_t *v;
+        s = lw_json_load(text + at, size - at, JSON_DISABLE_EOF_CHECK | JSON_REJECT_DUPLICATES, &v, &fault);
+        if (s == LW_E_MEMORY)
+            return lw_error_set(&j->e, s, "out of memory");
+        if (s != LW_OK)
             return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line + fault.line - 1, fault.column, "%s", fault.text);
         s = add_value(j, v);
         json_decref(v);

@@ -112,8 +112,10 @@ int cli_catalogue_add(const cli_call *call)
         status = cli_catalogue_open(call, true, &store, &e);
     if (status == LW_OK)
         status = lw_build_linkages(store, file, text, size, &control, &n, &e);
-    int code = cli_catalogue_watch_end(&w, status < 0 ? cli_fail(call, &e) : CLI_DONE);
-    if (status >= 0)
+    if (status == LW_OK && n.done == 0)
+        status = lw_error_at(&e, LW_NOTHING, file, 0, 0, "it holds no linkage");
+    int code = cli_catalogue_watch_end(&w, status < 0 || status == LW_NOTHING ? cli_fail(call, &e) : CLI_DONE);
+    if (status >= 0 && status != LW_NOTHING)
         cli_note(call, "%llu linkages read, %llu added%s", (unsigned long long)n.done, (unsigned long long)n.added,
                  status == LW_OK ? "" : CONTINUE);
     lw_store_close(store);

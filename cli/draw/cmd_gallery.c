@@ -6,6 +6,7 @@
 #include "base/suggest.h"
 #include "cli/program/data.h"
 #include "cli/program/output.h"
+#include "grammar/json_internal.h"
 
 static void gallery_path(const char *name, char *path, size_t size)
 {
@@ -72,9 +73,13 @@ static int run(const cli_call *call)
     json_error_t fault;
     gallery_path("index.json", path, sizeof path);
     lw_status s = lw_file_read(path, &text, &size, &e);
-    json_t *list = s == LW_OK ? json_loadb(text, size, 0, &fault) : NULL;
+    json_t *list = NULL;
+    if (s == LW_OK)
+        s = lw_json_load(text, size, 0, &list, &fault);
     free(text);
-    if (s == LW_OK && !list)
+    if (s == LW_E_MEMORY)
+        s = lw_error_set(&e, s, "out of memory");
+    else if (s == LW_E_NOTATION)
         s = lw_error_at(&e, LW_E_NOTATION, path, fault.line, fault.column, "%s", fault.text);
     if (s == LW_OK)
         s = cli_open(call, &out, &e);

@@ -1,4 +1,5 @@
 /* linkwright family sweep, optimise - figures over parameters: grids, even designs, sensitivities, the best variant. */
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +33,7 @@ typedef struct sweep {
     bool       *done;
     lw_variant **worker;                 /* one for each thread */
     int         n_worker;
+    atomic_bool  no_memory;            /* a variant failed for lack of memory */
 } sweep;
 
 /* ---- what is varied ---------------------------------------------------------------------------------- */
@@ -143,6 +145,8 @@ static void work(void *context, size_t job, int thread)
     if (st != LW_OK)
         snprintf(s->why[job], sizeof s->why[job], "%.159s", e.text);
     s->done[job] = st != LW_STOPPED || !cli_interrupted();
+    if (st == LW_E_MEMORY)                      /* not the fault of this variant */
+        s->no_memory = true;
 }
 
 /* Whole numbers stay whole. */
@@ -194,7 +198,9 @@ static lw_status make_samples(sweep *s, int n, lw_error *e)
 static lw_status compute(sweep *s, lw_error *e)
 {
     lw_status st = make_workers(s, e);
-    return st == LW_OK ? lw_parallel(s->n_worker, s->n, work, s) : st;
+    if (st == LW_OK)
+        st = lw_parallel(s->n_worker, s->n, work, s);
+    return s->no_memory ? lw_error_set(e, LW_E_MEMORY, "out of memory") : st;
 }
 
 /* The first sample that fails says whether all do; a wrong figure is an error of the command. */
@@ -493,9 +499,10 @@ int cli_family_sweep(const cli_call *call)
     if (st == LW_OK)
         st = o->sensitivity ? make_differences(s, base_point, &e) : o->samples > 0 ? make_samples(s, o->samples, &e)
             : make_grid(s, &e);
-    if (st == LW_OK)
-        st = compute(s, &e);
-    if (st == LW_OK && (st = cli_open(call, &out, &e)) == LW_OK) {
+    bool opened = st == LW_OK && (st = cli_open(call, &out, &e)) == LW_OK;        /* before the long work */
+    if (opened && (st = compute(s, &e)) != LW_OK)
+        lw_output_abandon(&out);
+    else if (opened) {
         if (o->sensitivity)
             write_sensitivities(s, out.f, base_point, base);
         else
@@ -522,9 +529,30 @@ typedef struct optimum {
     limit  limit[CLI_MEASURE_MAX];
     double at[VARY_MAX], value[CLI_MEASURE_MAX];
     bool   fresh, good;
+    double best_at[VARY_MAX], best[CLI_MEASURE_MAX], best_breach;     /* the best so far; breach of the conditions, 0: none */
+    bool   any;
     long   runs, failed;
     char   why[200];
 } optimum;
+
+/* By how much the condition is kept, over its bound. */
+static double margin(const limit *k, const double *value)
+{
+    return k->sign*(k->bound - value[k->measure])/fmax(fabs(k->bound), 1e-30);
+}
+
+static void keep_best(optimum *p)
+{
+    double breach = 0;
+    for (int i = 0; i < p->n_limit; i++)
+        breach = fmax(breach, -margin(&p->limit[i], p->value));
+    if (p->any && (breach > p->best_breach || (breach == p->best_breach && p->sign*p->value[0] >= p->sign*p->best[0])))
+        return;
+    p->any = true;
+    p->best_breach = breach;
+    memcpy(p->best_at, p->at, sizeof p->at);
+    memcpy(p->best, p->value, sizeof p->value);
+}
 
 /* Figures at x, shares of the ranges. */
 static bool figures_at(optimum *p, const double *x)
@@ -538,10 +566,14 @@ static bool figures_at(optimum *p, const double *x)
     for (int i = 0; i < s->n_vary; i++)
         lw_variant_set_number(s->v, s->vary[i].parameter, place_of(s, i, x[i]));
     p->fresh = true;
-    p->good = cli_measures_run(s->call, s->v, s->n_measure, s->measure, p->value, &e) == LW_OK;
+    lw_status st = cli_measures_run(s->call, s->v, s->n_measure, s->measure, p->value, &e);
+    p->good = st == LW_OK;
+    s->no_memory = s->no_memory || st == LW_E_MEMORY;
     p->runs++;
     p->failed += !p->good;
-    if (!p->good)
+    if (p->good)
+        keep_best(p);
+    else
         snprintf(p->why, sizeof p->why, "%.199s", e.text);
     return p->good;
 }
@@ -564,7 +596,7 @@ static void conditions(void *context, const double *x, double *g, double *j)
     bool good = figures_at(p, x);
     for (int i = 0; i < p->n_limit; i++) {
         const limit *k = &p->limit[i];
-        g[i] = good ? k->sign*(k->bound - p->value[k->measure])/fmax(fabs(k->bound), 1e-30) : -1;
+        g[i] = good ? margin(k, p->value) : -1;
     }
 }
 
@@ -677,21 +709,28 @@ static lw_status optimise(optimum *p, const cli_family_settings *o, lw_error *e,
     p->first = first[0];
     p->scale = fabs(first[0]) > 0 ? fabs(first[0]) : 1;
     st = lw_method_run(method, &fn, &so, x, &r);
-    if (st == LW_NOTHING)
+    if (s->no_memory)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (cli_interrupted() && p->any && p->best_breach == 0) {          /* no run can be made any more */
+        memcpy(x, p->best_at, sizeof x);
+        memcpy(p->value, p->best, sizeof p->value);
+        memcpy(p->at, x, sizeof x);
+        p->fresh = p->good = true;
+    } else if (cli_interrupted())
+        return lw_error_set(e, LW_STOPPED, "stopped before a variant was found that keeps all conditions");
+    else if (st == LW_NOTHING)
         return lw_error_set(e, LW_NOTHING, "no variant that was tried keeps all conditions%s%s", p->why[0] ?
                             "; the last failure: " : "",
                             p->why);
-    if (st != LW_OK && st != LW_STOPPED)
+    else if (st != LW_OK && st != LW_STOPPED)
         return lw_error_set(e, st, "the method failed: %s", lw_stop_text(r.stop));
-    p->fresh = false;
+    else
+        p->fresh = false;
     if (!figures_at(p, x))
         return lw_error_set(e, LW_E_NUMERIC, "%s", p->why);
-    st = cli_open(s->call, out, e);
-    if (st == LW_OK) {
-        write_optimum(p, out->f, x, &r, first);
-        *code = cli_close(s->call, out, CLI_DONE);
-    }
-    return st;
+    write_optimum(p, out->f, x, &r, first);
+    *code = cli_close(s->call, out, CLI_DONE);
+    return LW_OK;
 }
 
 int cli_family_optimise(const cli_call *call)
@@ -714,8 +753,8 @@ int cli_family_optimise(const cli_call *call)
         p->sign = o->minimise ? 1 : -1;
         st = read_limits(p, o->require, &e);
     }
-    if (st == LW_OK)
-        st = optimise(p, o, &e, &out, &code);
+    if (st == LW_OK && (st = cli_open(call, &out, &e)) == LW_OK && (st = optimise(p, o, &e, &out, &code)) != LW_OK)
+        lw_output_abandon(&out);
     if (st != LW_OK)
         code = st == LW_E_ARG ? cli_usage(call, "%s", e.text) : cli_fail(call, &e);
     free(p);

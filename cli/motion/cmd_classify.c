@@ -163,7 +163,7 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
 {
     const settings *s = call->settings;
     unit u = angle_unit(s->unit);
-    bool first = true, headed = call->common.json;
+    bool first = true, headed = call->common.json, any = false;
     if (strlen(text) < size)
         return lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is no text; a table has lines of four lengths, as 4,2,5,3");
     for (int line = 1; *text; line++) {
@@ -183,7 +183,7 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
         if (!headed)
             fprintf(f, "l1,l2,l3,l4,class,symbol,name,grashof,input_turns,output_turns,circuits,change_point_margin,"
                     "transmission_min_%s,transmission_max_%s\n", u.name, u.name);
-        headed = true;
+        headed = any = true;
         bool closes = lw_fourbar_classify(r, s->tolerance, &c, NULL) == LW_OK;
         if (!call->common.json)
             write_row(f, r, closes ? &c : NULL, u);
@@ -192,6 +192,8 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
         else
             write_open(f, r);
     }
+    if (!any)
+        return lw_error_at(e, LW_NOTHING, file, 0, 0, "the table has no line of four lengths, as 4,2,5,3");
     return LW_OK;
 }
 

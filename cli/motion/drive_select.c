@@ -435,7 +435,7 @@ int cli_drive_radius(const cli_call *call)
         cli_json j = cli_json_begin(out.f, 2);
         if (call->common.json)
             cli_json_array(&j, NULL);
-        for (int i = 0; i < p.n_motor; i++) {
+        for (int i = 0; i < p.n_motor && !cli_interrupted(); i++) {
             if (call->common.json)
                 json_motor(&j, &p.motor[i], o);
             else

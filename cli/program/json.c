@@ -1,5 +1,6 @@
 #include "cli/program/json.h"
 
+#include "base/bytes.h"
 #include "base/number.h"
 #include "base/real.h"
 #include "cli/program/output.h"
@@ -23,8 +24,11 @@ static void string(FILE *f, const char *text)
             fprintf(f, "\\%c", *c);
         else if (*c < 0x20)
             fprintf(f, "\\u%04x", *c);
+        else if (*c > 0x7f && lw_text_character((const char *)c) == 0)
+            fputs("\\ufffd", f);                   /* a file's name may be any bytes */
         else
-            fputc(*c, f);
+            for (int n = *c > 0x7f ? lw_text_character((const char *)c) : 1; n > 0; n--)
+                fputc(n > 1 ? *c++ : *c, f);
     }
     fputc('"', f);
 }

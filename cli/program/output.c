@@ -327,12 +327,12 @@ int cli_make_folder(const cli_call *call, const char *folder)
 
 /* ---- the end: Ctrl-C, signals and --time ---------------------------------------------------------- */
 
-#define GRACE 0.8             /* [s] how long a command may take to stop in order                    */
+#define GRACE 0.7             /* [s] how long a command may take to stop in order                    */
 
 /* The only state that a signal handler changes. */
 static volatile sig_atomic_t interrupted;
 
-static volatile sig_atomic_t finishing;          /* results are written: the program is not ended by force */
+static volatile sig_atomic_t finishing;          /* a file is committed: the program is not ended by force */
 static timer_t               timer;
 static bool                  timed;              /* the timer was made                               */
 
@@ -395,6 +395,8 @@ void cli_limit_time(double seconds)
 
 void cli_finish(void)
 {
+    if (!temporary[0])                           /* a pipe that nobody reads may hold the program up */
+        return;
     finishing = 1;
     set_timer(0);
 }

@@ -73,7 +73,7 @@ const volatile sig_atomic_t *cli_stop_flag(void);
 double cli_memory(const cli_call *call);
 void   cli_limit_memory(const cli_call *call);
 
-/* The work is over and results are written: --time no longer stops the command, and nothing ends it by force. */
+/* The work is over and its file is committed: --time no longer stops the command, and nothing ends it by force. */
 void cli_finish(void);
 
 /* The exit code of a command that ended with `code`: 5 after --time, 128 + the signal's number after a signal. */

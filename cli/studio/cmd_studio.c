@@ -141,7 +141,6 @@ static int serve(const cli_call *call, const settings *s, studio_options *o)
         open_browser(address);
     while (!cli_interrupted())
         pause();
-    cli_finish();
     studio_stop(server);
     return CLI_DONE;
 }

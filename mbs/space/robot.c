@@ -60,9 +60,13 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
         return s;
     }
     const lw_spatial_measure place[] = { { LW_OF_X, r->tool }, { LW_OF_Y, r->tool }, { LW_OF_Z, r->tool } };
-    lw_error none;
-    if (r->n_drive == 3 && lw_space_follow_make(&r->space, place, 3, false, &r->by_tool, &none) != LW_OK)
-        r->by_tool.memory = NULL;                /* the tool moves in a plane, or only turns */
+    s = r->n_drive == 3 ? lw_space_follow_make(&r->space, place, 3, false, &r->by_tool, e) : LW_OK;
+    if (s != LW_OK)
+        r->by_tool.memory = NULL;
+    if (s == LW_E_MEMORY) {                      /* other failures: the tool moves in a plane, or only turns */
+        lw_robot_free(r);
+        return s;
+    }
     r->start = r->column + (size_t)r->n_drive*n_v;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
     lw_space_follow_values(&r->follow, r->drive);

@@ -379,13 +379,14 @@ static lw_status own_value(void *context, double u, double (*out)[3])
     return LW_OK;
 }
 
-bool lw_space_reach(lw_space_follow *f, double to, double *reached, lw_error *e)
+lw_status lw_space_reach(lw_space_follow *f, double to, double *reached, bool *limit, lw_error *e)
 {
     lw_space_follow_values(f, reached);
     f->u = *reached;
-    bool limit = lw_space_follow_to(f, own_value, NULL, to, e) != LW_OK;
+    lw_status s = lw_space_follow_to(f, own_value, NULL, to, e);
+    *limit = s == LW_OPEN;
     *reached = f->u;
-    return limit;
+    return *limit ? LW_OK : s;
 }
 
 /* ---- gaps ------------------------------------------------------------------------------------------------- */

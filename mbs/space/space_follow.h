@@ -43,8 +43,8 @@ void lw_space_follow_values(const lw_space_follow *f, double *value);
 lw_space_path lw_space_motions;
 
 /* A limit of the input, or where the model is singular, in direction `to` from the posture of f (one input): the last
- * value reached and true; or `to` and false. */
-bool lw_space_reach(lw_space_follow *f, double to, double *reached, lw_error *e);
+ * value reached and *limit; or `to` and no limit.  LW_E_MEMORY. */
+lw_status lw_space_reach(lw_space_follow *f, double to, double *reached, bool *limit, lw_error *e);
 
 /* How far the joints stay apart at best with these inputs (SI), found from f->q: the greatest gap [m] or angle [rad],
  * and its joint. */

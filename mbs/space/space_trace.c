@@ -64,14 +64,13 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
         return st;
     lw_space_follow_values(&f, &start);
     if (n == 1) {
-        lw_error none;
-        o->limit[1] = lw_space_reach(&f, start + 2*LW_PI, &o->to, &none);
+        st = lw_space_reach(&f, start + 2*LW_PI, &o->to, &o->limit[1], e);
         o->from = start;
-        if (o->limit[1]) {
+        if (st == LW_OK && o->limit[1]) {
             lw_space_follow_free(&f);
             if ((st = lw_space_follow_make(s, input, n, false, &f, e)) != LW_OK)
                 return st;
-            o->limit[0] = lw_space_reach(&f, start - 2*LW_PI, &o->from, &none);
+            st = lw_space_reach(&f, start - 2*LW_PI, &o->from, &o->limit[0], e);
         }
     } else
         o->from = start, o->to = start + 2*LW_PI;
@@ -79,7 +78,7 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
     o->from += offset + (o->limit[0] ? inside : 0);
     o->to += offset - (o->limit[1] ? inside : 0);
     lw_space_follow_free(&f);
-    return LW_OK;
+    return st;
 }
 
 /* The rows between the ends, in the order of the input; those before the posture of the file are found on the way back
