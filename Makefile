@@ -127,6 +127,7 @@ $B/tests/test_studio: LIBS += $(SERVER)
 $B/tests/test_studio_page: tests/browser/studio.sh
 	@mkdir -p $(@D)
 	@printf '#!/bin/sh\nexec tests/browser/studio.sh "%s"\n' '$B/linkwright' > $@; chmod +x $@
+$(patsubst %.c,$B/%,$(wildcard tests/test_*.c)): $B/tests/check_main.o
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so

@@ -1,6 +1,12 @@
 /* tests/check.h - checks that print the values of a failure, count it, and go on.
  *
- *     int main(void) { RUN(closes_everywhere); RUN(reads_back); return check_end(); }
+ *     TEST(closes_everywhere)
+ *     {
+ *         CHECK_NEAR(gap(), 0, 1e-12, 0);
+ *     }
+ *
+ * A program runs its tests in the order in which they stand in the file; tests/check_main.c holds main().  A program that
+ * has something to prepare writes its own main(), which calls check_run() and ends with check_end().
  *
  * LW_SEED=... repeats a run with random numbers; check_seed() returns it, and a check that fails prints it. */
 #ifndef LW_TESTS_CHECK_H
@@ -61,6 +67,23 @@ static inline int check_fail(const char *file, int line)
          else { check_n_passed++; } \
          fflush(stdout); } while (0)
 
+/* A test of this program, in the list of those that check_run() runs. */
+typedef struct check_test { void (*run)(void); struct check_test *next; } check_test;
+static check_test *check_tests, **check_last __attribute__((unused)) = &check_tests;
+
+#define TEST(name) \
+    static void name(void); \
+    static void name##_runs(void) { RUN(name); } \
+    __attribute__((constructor)) static void name##_is_listed(void) \
+    { static check_test test = { name##_runs, NULL }; *check_last = &test; check_last = &test.next; } \
+    static void name(void)
+
+static inline void check_run(void)
+{
+    for (; check_tests; check_tests = check_tests->next)
+        check_tests->run();
+}
+
 static inline const char *check_program(void)
 {
     extern char *program_invocation_short_name;
@@ -69,7 +92,12 @@ static inline const char *check_program(void)
 
 static inline int check_end(void)
 {
+    check_n_failed += check_tests != NULL;           /* some test was not run */
     printf("%s: %d passed, %d failed\n", check_program(), check_n_passed, check_n_failed);
     return check_n_failed ? 1 : 0;
 }
+
+int check_main(void);
+__attribute__((weak)) int check_main(void) { check_run(); return check_end(); }
+
 #endif

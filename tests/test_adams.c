@@ -161,7 +161,7 @@ static void there_and_back(const lw_linkage *k)
     lw_bytes_free(&b);
 }
 
-static void examples_there_and_back(void)
+TEST(examples_there_and_back)
 {
     for (int i = 0; i < N_EXAMPLE; i++) {
         lw_linkage k = example(example_names[i]);
@@ -175,7 +175,7 @@ static void examples_there_and_back(void)
 
 /* ---- text -------------------------------------------------------------------------------------------------- */
 
-static void as_plasma_writes(void)
+TEST(as_plasma_writes)
 {
     lw_linkage k = example("hoeken");
     lw_bytes b = dataset(&k);
@@ -196,7 +196,7 @@ static void as_plasma_writes(void)
 }
 
 /* As other programs write: continued lines, part frames, degrees, millimetres, floating words. */
-static void written_by_others(void)
+TEST(written_by_others)
 {
     static const char text[] =
         "some model\r\n!\nUNITS/\n, FORCE = NEWTON\n! between\n, LENGTH = MILLIMETER\nMATERIAL/1, NAME = steel, "
@@ -222,7 +222,7 @@ static void written_by_others(void)
     CHECK_INT(k.n_input, 1);
 }
 
-static void faults(void)
+TEST(faults)
 {
     static const struct { const char *text; int line, column; const char *why; } rows[] = {
         { "", 1, 1, "no PART" },
@@ -253,7 +253,7 @@ static void faults(void)
 }
 
 /* Masses and loads are there with their numbers, and the linkage reads back as without them. */
-static void loads_are_written(void)
+TEST(loads_are_written)
 {
     static const char *const has[][12] = {
         { "PART/02, MASS = 2, CM = 0201, IP = 0.02, 0.02, 0.02\n", "MARKER/0201, PART = 02, QP = 0.1, 0, 0\n",
@@ -288,14 +288,4 @@ static void loads_are_written(void)
         lw_bytes_free(&b);
         lw_model_free(&d.model);
     }
-}
-
-int main(void)
-{
-    RUN(examples_there_and_back);
-    RUN(as_plasma_writes);
-    RUN(written_by_others);
-    RUN(faults);
-    RUN(loads_are_written);
-    return check_end();
 }

@@ -18,7 +18,7 @@ static void read_rounded(const char *file, double by, lw_rng *rng)
 }
 
 /* Misfits from 1e-9 to 5e-4 of the size; the joints stay within a small multiple of the rounding. */
-static void rounded_drawings_move(void)
+TEST(rounded_drawings_move)
 {
     static const char *const files[] = { "examples/mobility/parallelogram.json", "examples/mobility/focal.json" };
     lw_rng rng;
@@ -36,7 +36,7 @@ static void rounded_drawings_move(void)
 }
 
 /* Exact drawings are not touched. */
-static void exact_drawings_stay(void)
+TEST(exact_drawings_stay)
 {
     lw_rng rng;
     lw_rng_seed(&rng, 1, 1);
@@ -47,7 +47,7 @@ static void exact_drawings_stay(void)
 }
 
 /* A four-bar that is almost a parallelogram, almost flat: its rows nearly depend on each other there, but nowhere else. */
-static void singular_postures_stay(void)
+TEST(singular_postures_stay)
 {
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0], 'inertia': 0.1},"
                      "{'name': 'b', 'mass': 1, 'centre': [3, 0], 'inertia': 0.1}, {'name': 'c', 'mass': 1, 'centre': [4.5, 0], 'inertia': 0.1}],"
@@ -60,7 +60,7 @@ static void singular_postures_stay(void)
 }
 
 /* A rigid linkage that no small change makes move stays rigid. */
-static void rigid_stays_rigid(void)
+TEST(rigid_stays_rigid)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -74,10 +74,7 @@ static void rigid_stays_rigid(void)
 
 int main(void)
 {
-    RUN(rounded_drawings_move);
-    RUN(exact_drawings_stay);
-    RUN(singular_postures_stay);
-    RUN(rigid_stays_rigid);
+    check_run();
     lw_system_free(&d.system);
     return check_end();
 }

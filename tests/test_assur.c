@@ -14,7 +14,7 @@ static lw_assur decompose(const lw_mechanism *m)
     return a;
 }
 
-static void four_bar(void)
+TEST(four_bar)
 {
     static const char text[] = "1-2! 2-3 3-4 1-4 @1";
     lw_mechanism m;
@@ -33,7 +33,7 @@ static void four_bar(void)
 }
 
 /* Texts with groups that every book on the subject shows. */
-static void known_mechanisms(void)
+TEST(known_mechanisms)
 {
     static const struct { const char *text; int n_group, n_class, order, n_mode; } known[] = {
         { "1-2! 2-3 3-4 1-4 3-5 5-6 1-6 @1", 3, 2, 2, 2 },            /* Stephenson III: two dyads     */
@@ -131,7 +131,7 @@ static lw_status at_ground(void *context, const lw_mechanism *m)
     return lw_inputs_each(m, ((tour *)context)->dof, false, at_input, context);
 }
 
-static void every_small_mechanism(void)
+TEST(every_small_mechanism)
 {
     static const struct { int n_link, dof; } known[] = { { 4, 1 }, { 6, 1 }, { 8, 1 }, { 5, 2 }, { 7, 2 } };
     tour t = { 0 };
@@ -166,7 +166,7 @@ static lw_status count_group(void *context, const lw_chain *truss, int lost, con
 }
 
 /* Numbers: catalogues/data/published-counts.csv. */
-static void all_groups(void)
+TEST(all_groups)
 {
     static const struct { int n_link, n; } known[] = { { 2, 1 }, { 4, 2 }, { 6, 10 }, { 8, 173 } };   /* the last is ours */
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
@@ -186,7 +186,7 @@ static void all_groups(void)
     CHECK_HAS(e.text, "even");
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_chain c = ring_of(5);
     lw_mechanism m;
@@ -199,14 +199,4 @@ static void refusals(void)
     m.n_input = 1;
     CHECK_INT(lw_assur_decompose(&m, &a, &e), LW_E_ARG);
     CHECK_HAS(e.text, "F = 2 wants as many inputs, not 1");
-}
-
-int main(void)
-{
-    RUN(four_bar);
-    RUN(known_mechanisms);
-    RUN(every_small_mechanism);
-    RUN(all_groups);
-    RUN(refusals);
-    return check_end();
 }

@@ -23,7 +23,7 @@ static lw_store *open_store(bool write)
     return s;
 }
 
-static void draws_the_same_for_any_threads(void)
+TEST(draws_the_same_for_any_threads)
 {
     lw_atlas_tree again[2];
     CHECK_INT(lw_atlas_segment(maker, 7, 3, SAMPLES, LW_ATLAS_BOTH, 1, tree), LW_OK);
@@ -44,7 +44,7 @@ static void draws_the_same_for_any_threads(void)
 }
 
 /* A good share of the linkages has an input that turns and a transmission angle of 30 degrees; others are there too. */
-static void linkages_for_designers(void)
+TEST(linkages_for_designers)
 {
     for (int i = 0; i < 2; i++) {
         size_t good = 0;
@@ -55,7 +55,7 @@ static void linkages_for_designers(void)
 }
 
 /* Blocks hold all curves, within their boxes. */
-static void blocks(void)
+TEST(blocks)
 {
     for (int i = 0; i < 2; i++) {
         size_t at = 0;
@@ -72,7 +72,7 @@ static void blocks(void)
     }
 }
 
-static void into_the_store(void)
+TEST(into_the_store)
 {
     lw_error e = { 0 };
     lw_store *s = open_store(true);
@@ -138,7 +138,7 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     lw_scene_free(&scene);
 }
 
-static void curves_find_themselves(void)
+TEST(curves_find_themselves)
 {
     lw_store *s = open_store(false);
     for (size_t i = 11; i < 2600; i += 500)
@@ -195,7 +195,7 @@ static double *all_distances(const lw_atlas_tree *t, const lw_vec2 *target)
 }
 
 /* The least distances and the answer are the same, for any number of answers and for the target in disguise. */
-static void as_by_force(void)
+TEST(as_by_force)
 {
     lw_store *s = open_store(false);
     lw_atlas_hit *hit = malloc(500*sizeof *hit);
@@ -254,7 +254,7 @@ static bool lengths_within(const lw_linkage *k, double min, double max)
 }
 
 /* A search with conditions gives the curves that meet them of a search without. */
-static void conditions_inside_the_search(void)
+TEST(conditions_inside_the_search)
 {
     enum { MANY = 1500 };
     lw_store *s = open_store(false);
@@ -302,7 +302,7 @@ static void conditions_inside_the_search(void)
 }
 
 /* Few points: the smooth curve through them does not depend on the first one. */
-static void few_points_from_any_start(void)
+TEST(few_points_from_any_start)
 {
     lw_store *s = open_store(false);
     lw_vec2 p[7], q[7];
@@ -322,7 +322,7 @@ static void few_points_from_any_start(void)
     lw_store_close(s);
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_store *s = open_store(false);
     lw_vec2 p[3] = { { 1, 1 }, { 1, 1 }, { 1, 1 } };
@@ -343,15 +343,7 @@ int main(void)
     snprintf(path, sizeof path, "%s/atlas.db", temporary_folder());
     if (lw_curve_maker_create("all", &maker, &e) != LW_OK)
         return 1;
-    RUN(draws_the_same_for_any_threads);
-    RUN(linkages_for_designers);
-    RUN(blocks);
-    RUN(into_the_store);
-    RUN(curves_find_themselves);
-    RUN(as_by_force);
-    RUN(conditions_inside_the_search);
-    RUN(few_points_from_any_start);
-    RUN(refusals);
+    check_run();
     lw_atlas_tree_free(&tree[0]);
     lw_atlas_tree_free(&tree[1]);
     lw_curve_maker_free(maker);

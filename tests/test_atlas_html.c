@@ -181,7 +181,7 @@ static lw_status write_atlas(const char *dir, const lw_atlas_html_options *o, si
     return st;
 }
 
-static void pages(void)
+TEST(pages)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte, size = 0;
@@ -209,7 +209,7 @@ static void pages(void)
     CHECK(n_byte/n_page < 70000);                /* 230 chains of ten links and these: under 20 MB */
 }
 
-static void what_a_page_holds(void)
+TEST(what_a_page_holds)
 {
     char *page = read_page("chain-8-1-5.html");
     CHECK_HAS(page, "<h1>Chain 5 of 16: 8 links, F = 1</h1>");
@@ -239,7 +239,7 @@ static void what_a_page_holds(void)
 }
 
 /* The first chains alone; what is expected before is what is written, but for the overview and linkages. */
-static void first_chains(void)
+TEST(first_chains)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte, n_chain = 0;
@@ -265,7 +265,7 @@ static bool after_three(void *context, double done, double total)
     return done < 3;
 }
 
-static void limits_and_faults(void)
+TEST(limits_and_faults)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
     size_t n_page, n_byte;
@@ -297,10 +297,7 @@ int main(void)
     char line[500];
     make_store();
     put_linkages();
-    RUN(pages);
-    RUN(first_chains);
-    RUN(what_a_page_holds);
-    RUN(limits_and_faults);
+    check_run();
     const char *keep = getenv("LW_ATLAS_FOLDER");
     snprintf(line, sizeof line, "cp -r %s/atlas '%.200s'", temporary_folder(), keep ? keep : "");
     if (keep && system(line) != 0)

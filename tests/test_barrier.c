@@ -6,7 +6,7 @@
 
 static const double low[3] = { -4.5, -4.5, -5 }, high[3] = { 4.5, 4.5, 5 };
 
-static void gradient_is_the_slope(void)
+TEST(gradient_is_the_slope)
 {
     lw_function fn = hs65();
     lw_solver_options o = lw_solver_options_default();
@@ -65,7 +65,7 @@ static lw_function hill_function(void)
                           .conditions = one_minus_x };
 }
 
-static void path_ends_at_the_constrained_optimum(void)
+TEST(path_ends_at_the_constrained_optimum)
 {
     lw_function fn = hill_function();
     lw_solver_options o = lw_solver_options_default();
@@ -91,7 +91,7 @@ static void path_ends_at_the_constrained_optimum(void)
     }
 }
 
-static void starts_from_outside(void)
+TEST(starts_from_outside)
 {
     lw_function fn = hs65();
     lw_solver_options o = lw_solver_options_default();
@@ -112,7 +112,7 @@ static void contradiction(void *context, const double *x, double *g, double *j)
         j[0] = -1, j[1] = 1;
 }
 
-static void says_that_nothing_is_feasible(void)
+TEST(says_that_nothing_is_feasible)
 {
     lw_function fn = hill_function();
     lw_solver_options o = lw_solver_options_default();
@@ -123,13 +123,4 @@ static void says_that_nothing_is_feasible(void)
     CHECK_INT(lw_method_run(lw_solver_find("lbfgs"), &fn, &o, &x, &r), LW_NOTHING);
     CHECK_INT(r.stop, LW_STOP_FAILED);
     CHECK(isinf(r.f) && x == 0.25);
-}
-
-int main(void)
-{
-    RUN(gradient_is_the_slope);
-    RUN(path_ends_at_the_constrained_optimum);
-    RUN(starts_from_outside);
-    RUN(says_that_nothing_is_feasible);
-    return check_end();
 }

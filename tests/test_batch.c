@@ -88,7 +88,7 @@ static void run_lanes(const subject *q, const lanes *l, size_t n, int per_lane, 
     out->f = lw_batch_sum(&q->p, &in, 0, work, tx, ty, w, out->grad, &out->least);
 }
 
-static void same_bits_on_every_instruction_set(void)
+TEST(same_bits_on_every_instruction_set)
 {
     static subject q;
     static lanes l;
@@ -158,7 +158,7 @@ static int check_pins(const subject *q, double input)
     return n;
 }
 
-static void pins_and_margins_have_derivatives(void)
+TEST(pins_and_margins_have_derivatives)
 {
     static subject q;
     lw_rng r;
@@ -179,7 +179,7 @@ static void pins_and_margins_have_derivatives(void)
 }
 
 /* One lane alone, or with a few, gives what it gives among many; dimensions shared or a set a lane. */
-static void same_bits_in_every_company(void)
+TEST(same_bits_in_every_company)
 {
     static subject q;
     static lanes l;
@@ -218,7 +218,7 @@ static void same_bits_in_every_company(void)
     }
 }
 
-static void no_lanes_no_work(void)
+TEST(no_lanes_no_work)
 {
     static subject q;
     static lanes l;
@@ -334,7 +334,7 @@ static void check_derivatives(const subject *q, double input)
     }
 }
 
-static void jacobian_agrees_with_complex_steps(void)
+TEST(jacobian_agrees_with_complex_steps)
 {
     static subject q;
     lw_rng r;
@@ -353,7 +353,7 @@ static void jacobian_agrees_with_complex_steps(void)
 }
 
 /* The tracer on the rocker, the crank, the ground: other parts of the plan. */
-static void jacobian_of_every_link(void)
+TEST(jacobian_of_every_link)
 {
     static subject q;
     lw_rng r;
@@ -371,7 +371,7 @@ static void jacobian_of_every_link(void)
 }
 
 /* The fused sum against the points and the Jacobian. */
-static void sum_agrees_with_its_parts(void)
+TEST(sum_agrees_with_its_parts)
 {
     static subject q;
     static lanes l;
@@ -412,7 +412,7 @@ static void sum_agrees_with_its_parts(void)
 /* ---- symmetry ------------------------------------------------------------------------------------------------ */
 
 /* Size s, turn a, shift, and mirror image of the whole: lengths, coordinates and angles by their kind. */
-static void whole_can_be_moved(void)
+TEST(whole_can_be_moved)
 {
     static subject q, m;
     lw_rng r;
@@ -445,7 +445,7 @@ static void whole_can_be_moved(void)
     }
 }
 
-static void batch_agrees_with_posture(void)
+TEST(batch_agrees_with_posture)
 {
     static subject q;
     lw_rng r;
@@ -498,7 +498,7 @@ static void check_everywhere_finite(const subject *q)
 
 /* Ground, crank, coupler, rocker; also as an inverted slider-crank without offset and a slider-crank whose
  * crank and coupler are equal, where all positions meet. */
-static void change_points_give_numbers(void)
+TEST(change_points_give_numbers)
 {
     static const double lengths[][4] = { { 4, 1, 4, 1 }, { 1, 4, 1, 4 }, { 3, 1, 1, 3 }, { 1, 1, 3, 3 }, { 1, 1, 1, 1 },
                                          { 4, 1, 3, 2 }, { 2, 1, 3, 4 }, { 5, 1, 2, 2 }, { 1, 1, 1e-6, 1 } };
@@ -525,7 +525,7 @@ static void change_points_give_numbers(void)
 }
 
 /* Centres that coincide leave the dyad free to turn: margin at most 0. */
-static void coinciding_centres_are_reported(void)
+TEST(coinciding_centres_are_reported)
 {
     static subject q;
     lw_vec2 p;
@@ -542,7 +542,7 @@ static void coinciding_centres_are_reported(void)
 
 /* Near the change point 4 1 4(1+eps) 1 the margin is that of the exact formula: at the crank angle 0,
  * sin^2 = h/(2 r3 r4)^2 with h from the lengths. */
-static void margins_near_change_points_are_right(void)
+TEST(margins_near_change_points_are_right)
 {
     static subject q;
     lw_vec2 p;
@@ -557,7 +557,7 @@ static void margins_near_change_points_are_right(void)
 }
 
 /* A coupler of no length points anywhere: numbers all the same. */
-static void lengths_of_zero(void)
+TEST(lengths_of_zero)
 {
     static subject q;
     for (int i = 0; i < 16; i++) {
@@ -575,7 +575,7 @@ static void lengths_of_zero(void)
     }
 }
 
-static void lengths_a_million_apart(void)
+TEST(lengths_a_million_apart)
 {
     static subject q;
     static const double lengths[][4] = { { 1e6, 1, 1e6, 1 }, { 1e6, 1, 1e6, 2 }, { 1, 1e6, 1e6, 1.5 },
@@ -598,7 +598,7 @@ static void lengths_a_million_apart(void)
 }
 
 /* A tracer on a joint moves as the joint does; one at a fixed pivot stays. */
-static void tracer_on_a_pivot(void)
+TEST(tracer_on_a_pivot)
 {
     static subject q;
     lw_vec2 p;
@@ -615,7 +615,7 @@ static void tracer_on_a_pivot(void)
     }
 }
 
-static void coordinates_of_every_size(void)
+TEST(coordinates_of_every_size)
 {
     static subject q;
     lw_vec2 unit, p;
@@ -632,7 +632,7 @@ static void coordinates_of_every_size(void)
 }
 
 /* Angles of many turns. */
-static void far_angles(void)
+TEST(far_angles)
 {
     static subject q;
     lw_vec2 near, far;
@@ -658,7 +658,7 @@ static void far_angles(void)
 
 /* ---- linkages with known curves ---------------------------------------------------------------------------------- */
 
-static void jansen_foot(void)
+TEST(jansen_foot)
 {
     static subject q;
     jansen_linkage(&q.k);
@@ -696,7 +696,7 @@ static double deviation(const subject *q, double from, double to, double line, b
 
 /* Scott Russell: coupler twice the crank with the crank pin in its middle; its end moves on x = 0.  The
  * sliding block passes its dead point at 90 degrees, where half the digits go. */
-static void exact_straight_line(void)
+TEST(exact_straight_line)
 {
     static subject q;
     named(&q, "slidercrank", (double[8]){ 1, 1, 0, -1, 0, 0, 0, 0 }, 1);
@@ -711,7 +711,7 @@ static void exact_straight_line(void)
 /* Deviations worked out with 40 digits from the loop equations. Hoeken and Chebyshev in the proportions of Artobolevsky
  * 1975; Watt with rockers 2, coupler 1; Roberts with ground 2, coupler 1, legs 1.2; Evans (grasshopper) with a
  * rocker of 5 for the slide of Scott Russell. */
-static void nearly_straight_lines(void)
+TEST(nearly_straight_lines)
 {
     static subject q;
     lw_vec2 p;
@@ -730,29 +730,4 @@ static void nearly_straight_lines(void)
     CHECK_NEAR(p.y, 0, 1e-15, 0);
     named(&q, "fourbar", (double[9]){ hypot(1.5, 5), 1, 1, 5, -1, 0, 0, 0, atan2(-5, 1.5) }, 1);  /* Evans */
     CHECK_NEAR(deviation(&q, 0.3 - atan2(-5, 1.5), 0.9 - atan2(-5, 1.5), 0, true), 0.00901446986345329143, 1e-14, 0);
-}
-
-int main(void)
-{
-    RUN(same_bits_on_every_instruction_set);
-    RUN(pins_and_margins_have_derivatives);
-    RUN(same_bits_in_every_company);
-    RUN(no_lanes_no_work);
-    RUN(jacobian_agrees_with_complex_steps);
-    RUN(jacobian_of_every_link);
-    RUN(sum_agrees_with_its_parts);
-    RUN(whole_can_be_moved);
-    RUN(batch_agrees_with_posture);
-    RUN(change_points_give_numbers);
-    RUN(coinciding_centres_are_reported);
-    RUN(margins_near_change_points_are_right);
-    RUN(lengths_of_zero);
-    RUN(lengths_a_million_apart);
-    RUN(tracer_on_a_pivot);
-    RUN(coordinates_of_every_size);
-    RUN(far_angles);
-    RUN(jansen_foot);
-    RUN(exact_straight_line);
-    RUN(nearly_straight_lines);
-    return check_end();
 }

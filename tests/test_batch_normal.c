@@ -43,7 +43,7 @@ static void check_one(lw_plan *plan, const lw_normal *q)
     }
 }
 
-static void products_are_the_sums_written_out(void)
+TEST(products_are_the_sums_written_out)
 {
     lw_linkage k;
     lw_plan plan;
@@ -63,10 +63,4 @@ static void products_are_the_sums_written_out(void)
             res[i] = lw_rng_normal(&r);
         check_one(&plan, &q);
     }
-}
-
-int main(void)
-{
-    RUN(products_are_the_sums_written_out);
-    return check_end();
 }

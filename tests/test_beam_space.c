@@ -50,7 +50,7 @@ static void disturb(lw_beam_node node[2], int column, double by)
         n->turn = turn_by(a, &n->turn);
 }
 
-static void element(void)
+TEST(element)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -91,7 +91,7 @@ static void element(void)
 }
 
 /* Damping: derivatives by velocities, power, and no force on a rigid motion. */
-static void damping(void)
+TEST(damping)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -133,7 +133,7 @@ static void damping(void)
 
 /* Six motions of the undeformed element cost nothing; the flexibility at a tip is that of the textbook; in a plane the element is
  * the planar one. */
-static void stiffness(void)
+TEST(stiffness)
 {
     lw_section s = { .area = 0.01, .iy = 1e-4/12, .iz = 1e-4/12, .it = 1.406e-5, .zeta_y = 1.2, .zeta_z = 1.2 };
     lw_material m = { 210e9, 210e9/2.6, 7850 };
@@ -272,7 +272,7 @@ static lw_vec3 bend(int n, double p, double load_steps)
 /* Published ends of eight elements of other kinds: Bathe & Bolourchi 1979 (15.9, 47.2,
  * 53.4), Simo & Vu-Quoc 1986 (15.79, 47.23, 53.37), Crisfield 1990 (15.76, 47.25, 53.37).  These elements
  * tend to 15.56, 46.89, 53.61, with eight of them to within 0.065. */
-static void bathe(void)
+TEST(bathe)
 {
     lw_vec3 eight = bend(8, 600, 40), sixteen = bend(16, 600, 40), thirty = bend(32, 600, 40);
     CHECK_NEAR(eight.y, 15.8, 0.3, 0);
@@ -285,13 +285,4 @@ static void bathe(void)
     }
     lw_vec3 once = bend(8, 600, 60);             /* the end does not depend on the way there */
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(once, eight)), 0, 1e-8, 0);
-}
-
-int main(void)
-{
-    RUN(element);
-    RUN(damping);
-    RUN(stiffness);
-    RUN(bathe);
-    return check_end();
 }

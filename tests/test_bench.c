@@ -40,7 +40,7 @@ static void write_problem(void)
     expect("mkdir -p $D/own && printf 'x,y\\n0,0\\n1,0.5\\n2,0.4\\n1.5,-0.2\\n' > $D/own/four.csv", 0, NULL, NULL);
 }
 
-static void curves_fall(void)
+TEST(curves_fall)
 {
     static row r[ROWS];
     expect("LW_CLOCK_STEP=0.01 $C bench fit --seeds 0 --time 10 --solvers lm,slsqp,crs --seed 3 -o $D/out", 0,
@@ -56,7 +56,7 @@ static void curves_fall(void)
     }
 }
 
-static void files_say_where_they_come_from(void)
+TEST(files_say_where_they_come_from)
 {
     static const char *const names[] = { "curves.csv", "reach.csv" };
     for (int i = 0; i < 2; i++) {
@@ -77,7 +77,7 @@ static void files_say_where_they_come_from(void)
 
 /* A run that stops later repeats the improvements of a shorter one with the same seed. The fit that the time limit
  * cuts off may differ. */
-static void same_seed_same_way(void)
+TEST(same_seed_same_way)
 {
     static row a[ROWS], b[ROWS];
     write_problem();
@@ -91,7 +91,7 @@ static void same_seed_same_way(void)
     }
 }
 
-static void default_strategy_reaches(void)
+TEST(default_strategy_reaches)
 {
     expect("mkdir -p $D/one && cp catalogues/data/paths/arc5.csv $D/one", 0, NULL, NULL);
     expect("$P bench fit --problems $D/one --solvers none --seeds 2 --reach-time 1e4 -j 2 -o $D/reach", 0, "| 2 of 2 |", "");
@@ -101,7 +101,7 @@ static void default_strategy_reaches(void)
     free(text);
 }
 
-static void bad_calls(void)
+TEST(bad_calls)
 {
     expect("$P bench", 2, "", "a word is missing");
     expect("$P bench fits", 2, "", "there is no action 'fits'");
@@ -115,14 +115,4 @@ static void bad_calls(void)
            "", "odd/f.csv: a path is wanted");
     expect("printf 'x,y\\n0,zero\\n' > $D/odd/f.csv && $P bench fit --problems $D/odd", 3, "", "f.csv:2:3:");
     expect("$P bench fit --problems $D/one --solvers none --seeds 0 -o /dev/null/x", 3, "", "the folder cannot be made");
-}
-
-int main(void)
-{
-    RUN(curves_fall);
-    RUN(files_say_where_they_come_from);
-    RUN(same_seed_same_way);
-    RUN(default_strategy_reaches);
-    RUN(bad_calls);
-    return check_end();
 }

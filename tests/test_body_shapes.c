@@ -62,7 +62,7 @@ static void check_mesh(const lw_scene *s, int joint)
                1e-9*w[0].pitch, 1e-9);
 }
 
-static void teeth_mesh(void)
+TEST(teeth_mesh)
 {
     lw_scene s;
     lw_linkage k;
@@ -88,7 +88,7 @@ static void teeth_mesh(void)
 }
 
 /* The rack reaches as far as the pinion rolls: 0.8 a radian of it, over 1.25 radians each way. */
-static void racks_are_long_enough(void)
+TEST(racks_are_long_enough)
 {
     lw_scene s;
     lw_wheel w[2];
@@ -112,7 +112,7 @@ static bool has_node(const lw_scene *s, int link, lw_vec2 at)
     return false;
 }
 
-static void welds_join_their_links(void)
+TEST(welds_join_their_links)
 {
     lw_scene s;
     planet_scene(&s);
@@ -124,7 +124,7 @@ static void welds_join_their_links(void)
 }
 
 /* Of both cylinders of the loader, in every frame: the rod's pin stands outside of the tube, the piston inside. */
-static void pistons_stay_in_their_tubes(void)
+TEST(pistons_stay_in_their_tubes)
 {
     char *text = NULL;
     size_t size;
@@ -151,13 +151,4 @@ static void pistons_stay_in_their_tubes(void)
     lw_scene_free(&s);
     lw_model_free(&m);
     free(text);
-}
-
-int main(void)
-{
-    RUN(teeth_mesh);
-    RUN(racks_are_long_enough);
-    RUN(welds_join_their_links);
-    RUN(pistons_stay_in_their_tubes);
-    return check_end();
 }

@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "tests/check.h"
 
-static void numbers_as_people_write_them(void)
+TEST(numbers_as_people_write_them)
 {
     static const struct { double v; int digits; const char *text; } known[] = {
         { 0, 4, "0" }, { -0.0, 4, "0" }, { 1, 4, "1" }, { 0.5, 4, "0.5" }, { -12.5, 4, "-12.5" },
@@ -20,7 +20,7 @@ static void numbers_as_people_write_them(void)
 }
 
 /* A second opinion: the C library, asked for the same digits, reads as the same number. */
-static void numbers_agree_with_the_library(void)
+TEST(numbers_agree_with_the_library)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -39,7 +39,7 @@ static void numbers_agree_with_the_library(void)
     }
 }
 
-static void fixed_decimals(void)
+TEST(fixed_decimals)
 {
     static const struct { double v; int decimals; const char *text; } known[] = {
         { 1.5, 2, "1.5" }, { -0.001, 2, "0" }, { 100, 2, "100" }, { -1.05, 1, "-1.1" }, { 2.004, 2, "2" },
@@ -54,7 +54,7 @@ static void fixed_decimals(void)
     }
 }
 
-static void xml_holds_no_mark_up(void)
+TEST(xml_holds_no_mark_up)
 {
     lw_bytes b = { 0 };
     lw_bytes_xml(&b, "a<b>&\"'\t\x01\x7f\xc3\xa9\xff\xe2\x82\xed\xa0\x80\xc0\xaf\xef\xbf\xbe");
@@ -64,7 +64,7 @@ static void xml_holds_no_mark_up(void)
     lw_bytes_free(&b);
 }
 
-static void clean_text_is_cut_between_letters(void)
+TEST(clean_text_is_cut_between_letters)
 {
     char t[8];
     lw_text_clean(t, sizeof t, "abc\xc3\xa9\xc3\xa9\xc3\xa9");
@@ -86,7 +86,7 @@ static void clean_text_is_cut_between_letters(void)
     }
 }
 
-static void failure_is_kept_to_the_end(void)
+TEST(failure_is_kept_to_the_end)
 {
     lw_bytes b = { 0 };
     lw_bytes_text(&b, "abc");
@@ -99,7 +99,7 @@ static void failure_is_kept_to_the_end(void)
 }
 
 /* FIPS 180-4 examples and lengths around the block, by another implementation (OpenSSL). */
-static void hash_of_known_texts(void)
+TEST(hash_of_known_texts)
 {
     static const struct { int n; const char *hash; } a[] = {
         { 0, "47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=" },
@@ -123,16 +123,4 @@ static void hash_of_known_texts(void)
     }
     lw_sha256_base64("abc", 3, hash);
     CHECK_TEXT(hash, "ungWv48Bz+pBQUDeXa4iI7ADYaOWF3qctBD/YfIAFa0=");
-}
-
-int main(void)
-{
-    RUN(numbers_as_people_write_them);
-    RUN(numbers_agree_with_the_library);
-    RUN(fixed_decimals);
-    RUN(xml_holds_no_mark_up);
-    RUN(clean_text_is_cut_between_letters);
-    RUN(failure_is_kept_to_the_end);
-    RUN(hash_of_known_texts);
-    return check_end();
 }

@@ -125,7 +125,7 @@ static size_t order_of(const lw_graph *g)
     return n;
 }
 
-static void known_groups(void)
+TEST(known_groups)
 {
     lw_graph g = { .n = 1 };
     CHECK_INT(order_of(&g), 1);
@@ -162,7 +162,7 @@ static lw_graph random_graph(lw_rng *r)
     return g;
 }
 
-static void renaming_keeps_the_form(void)
+TEST(renaming_keeps_the_form)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -208,7 +208,7 @@ static size_t count_classes(int n, int most)
 }
 
 /* Graphs: OEIS A000088.  Graphs with two kinds of edges ("signed graphs"): OEIS A004102. */
-static void different_graphs_stay_different(void)
+TEST(different_graphs_stay_different)
 {
     static const size_t graphs[] = { 1, 1, 2, 4, 11, 34, 156 }, signed_graphs[] = { 1, 1, 3, 10, 66 };
     for (int n = 1; n <= 6; n++)
@@ -218,7 +218,7 @@ static void different_graphs_stay_different(void)
 }
 
 /* The order of the group is the number of renamings that change nothing. */
-static void groups_agree_with_all_permutations(void)
+TEST(groups_agree_with_all_permutations)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 2);
@@ -241,7 +241,7 @@ static void groups_agree_with_all_permutations(void)
     }
 }
 
-static void chains_and_structures_have_forms(void)
+TEST(chains_and_structures_have_forms)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 3);
@@ -265,14 +265,4 @@ static void chains_and_structures_have_forms(void)
         CHECK_INT(lw_chain_canonical(&d, &form_d), LW_OK);
         CHECK(lw_chain_same(&form_c, &form_d));
     }
-}
-
-int main(void)
-{
-    RUN(known_groups);
-    RUN(renaming_keeps_the_form);
-    RUN(different_graphs_stay_different);
-    RUN(groups_agree_with_all_permutations);
-    RUN(chains_and_structures_have_forms);
-    return check_end();
 }

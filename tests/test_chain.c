@@ -27,7 +27,7 @@ static lw_chain two_four_bars(int joined)
     return joined ? chain_of(8, bridge, 9) : chain_of(7, shared, 8);
 }
 
-static void joins_and_parts(void)
+TEST(joins_and_parts)
 {
     lw_chain c;
     CHECK_INT(lw_chain_clear(&c, 0), LW_E_ARG);
@@ -51,7 +51,7 @@ static void joins_and_parts(void)
     CHECK_INT(lw_chain_degree(&c, 3), 0);
 }
 
-static void counts_watt(void)
+TEST(counts_watt)
 {
     lw_chain c = watt();
     int n_with[LW_LINK_MAX];
@@ -75,7 +75,7 @@ static void counts_watt(void)
     CHECK_INT(lw_chain_check(&crank, NULL), LW_OK);
 }
 
-static void finds_cut_links(void)
+TEST(finds_cut_links)
 {
     lw_chain c = two_four_bars(0), d = two_four_bars(1);
     CHECK_INT(lw_chain_cut_links(&c), 1);
@@ -87,7 +87,7 @@ static void finds_cut_links(void)
     CHECK(!lw_chain_is_connected(&d));
 }
 
-static void names_what_is_wrong(void)
+TEST(names_what_is_wrong)
 {
     lw_error e = { 0 };
     lw_chain c = watt();
@@ -125,7 +125,7 @@ static bool rigid_by_subchains(const lw_chain *c, bool proper)
     return false;
 }
 
-static void pebbles_agree_with_all_subchains(void)
+TEST(pebbles_agree_with_all_subchains)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -145,7 +145,7 @@ static void pebbles_agree_with_all_subchains(void)
     CHECK(n_rigid > n_trial/10 && n_rigid < n_trial*9/10);
 }
 
-static void renaming_keeps_what_counts(void)
+TEST(renaming_keeps_what_counts)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 2);
@@ -172,15 +172,4 @@ static void renaming_keeps_what_counts(void)
         lw_chain_relabel(&d, inverse, &back);
         CHECK(lw_chain_same(&back, &c));
     }
-}
-
-int main(void)
-{
-    RUN(joins_and_parts);
-    RUN(counts_watt);
-    RUN(finds_cut_links);
-    RUN(names_what_is_wrong);
-    RUN(pebbles_agree_with_all_subchains);
-    RUN(renaming_keeps_what_counts);
-    return check_end();
 }

@@ -165,7 +165,7 @@ static const struct { int n_link, dof, n_chain, n_planar, n_cross; double angle,
     {  9, 2,  35,  35,  0, 35, 0.37 }, {  8, 3,  5,  5,  0,  45, 0.55 },
 };
 
-static void all_chains_up_to_ten_links(void)
+TEST(all_chains_up_to_ten_links)
 {
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         worst w = look_at_all(known[i].n_link, known[i].dof, 1, false);
@@ -204,7 +204,7 @@ static int straight_rows(const lw_mechanism *m, const lw_chain_layout *l)
 }
 
 /* A chain of which some map has a symmetry that keeps the outer loop is drawn with symmetry. */
-static void symmetric_where_possible(void)
+TEST(symmetric_where_possible)
 {
     enum { CAPACITY = 4000 };
     lw_embedding *map = malloc(CAPACITY*sizeof *map);
@@ -231,7 +231,7 @@ static void symmetric_where_possible(void)
     free(map);
 }
 
-static void frames_on_a_line(void)
+TEST(frames_on_a_line)
 {
     worst w = look_at_all(8, 1, 1, true);
     CHECK_INT(w.n, 16*8);
@@ -246,7 +246,7 @@ static void frames_on_a_line(void)
     CHECK(w.angle*180/LW_PI > 13 && w.gap > 0.27);
 }
 
-static void some_of_twelve_links(void)
+TEST(some_of_twelve_links)
 {
     worst w = look_at_all(12, 1, 17, false);
     CHECK_INT(w.n, 6856/17 + 1);
@@ -255,7 +255,7 @@ static void some_of_twelve_links(void)
 }
 
 /* The image of the picture under its mirror line is the picture. */
-static void symmetry_is_exact(void)
+TEST(symmetry_is_exact)
 {
     lw_mechanism m;
     lw_chain_layout l;
@@ -279,7 +279,7 @@ static void symmetry_is_exact(void)
     CHECK_NEAR(l.least_angle, 3*LW_PI/5, 1e-6, 0);
 }
 
-static void same_chain_same_picture(void)
+TEST(same_chain_same_picture)
 {
     lw_mechanism m;
     lw_chain_layout a, b;
@@ -293,7 +293,7 @@ static void same_chain_same_picture(void)
 }
 
 /* Open chains, fractionated ones, trees, crowds: any connected graph has a picture. */
-static void anything_connected(void)
+TEST(anything_connected)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -311,7 +311,7 @@ static void anything_connected(void)
 }
 
 /* A crank, a rod and a block on the frame: the block's two joints are one point on the line. */
-static void blocks(void)
+TEST(blocks)
 {
     lw_mechanism m;
     lw_chain_layout l;
@@ -327,7 +327,7 @@ static void blocks(void)
     check_ground(&m, &l);
 }
 
-static void faults(void)
+TEST(faults)
 {
     lw_mechanism m;
     lw_chain_layout l;
@@ -340,18 +340,4 @@ static void faults(void)
     lw_mechanism_join(&m, 2, 3, 'r');
     CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_E_ARG);
     CHECK_HAS(e.text, "hang together");
-}
-
-int main(void)
-{
-    RUN(all_chains_up_to_ten_links);
-    RUN(symmetric_where_possible);
-    RUN(frames_on_a_line);
-    RUN(some_of_twelve_links);
-    RUN(symmetry_is_exact);
-    RUN(same_chain_same_picture);
-    RUN(anything_connected);
-    RUN(blocks);
-    RUN(faults);
-    return check_end();
 }

@@ -35,7 +35,7 @@ static lw_status count_fractionated(void *context, const lw_chain *c, int n_brid
 }
 
 /* docs/theory.md, "Numbers"; 14 links: OEIS A233288; the others recounted with geng and subset tests. */
-static void larger_counts(void)
+TEST(larger_counts)
 {
     static const struct { int n_link, dof; uint64_t n_chain, n_fractionated; } known[] = {
         { 11, 2, 753, 86 }, { 13, 2, 27496, 2189 }, { 12, 3, 1962, 460 }, { 14, 1, 318162, 0 } };
@@ -146,7 +146,7 @@ static void same_pools(const pool *a, const pool *b)
         CHECK(pool_has(b, &a->form[k]));
 }
 
-static void agrees_with_all_graphs(void)
+TEST(agrees_with_all_graphs)
 {
     static const int small[][2] = { {3,0}, {4,1}, {5,2}, {6,3}, {7,4}, {5,0}, {6,1}, {7,2}, {8,3}, {7,0}, {8,1} };
     for (size_t k = 0; k < sizeof small/sizeof *small; k++) {
@@ -162,7 +162,7 @@ static void agrees_with_all_graphs(void)
 }
 
 /* nauty's geng makes every connected graph once; what moves of them must be what is listed. */
-static void agrees_with_geng(void)
+TEST(agrees_with_geng)
 {
     static const int sizes[][2] = { {9,0}, {9,2}, {10,1}, {10,3}, {10,5} };
     const char *geng = system("command -v nauty-geng >/dev/null 2>&1") == 0 ? "nauty-geng"
@@ -225,7 +225,7 @@ static text printed(const lw_chains *chains, lw_chain_walk how)
     return t;
 }
 
-static void threads_and_visits_give_the_same_text(void)
+TEST(threads_and_visits_give_the_same_text)
 {
     lw_chains *chains = chains_of(12, 1);
     text by_visit = { 0 };
@@ -243,7 +243,7 @@ static void threads_and_visits_give_the_same_text(void)
 }
 
 /* A chain that may take nearly a megabyte: every job waits for its turn and passes its text on at once. */
-static void large_texts_keep_their_order(void)
+TEST(large_texts_keep_their_order)
 {
     lw_chains *chains = chains_of(12, 1);
     lw_chain_walk how = one_thread();
@@ -257,7 +257,7 @@ static void large_texts_keep_their_order(void)
 }
 
 /* Merge parts structure by structure: the whole again. */
-static void parts_make_the_whole(void)
+TEST(parts_make_the_whole)
 {
     lw_chains *chains = chains_of(10, 1);
     text whole = printed(chains, one_thread());
@@ -290,7 +290,7 @@ static void parts_make_the_whole(void)
     lw_chains_free(chains);
 }
 
-static void skipping_leaves_the_rest(void)
+TEST(skipping_leaves_the_rest)
 {
     lw_chains *chains = chains_of(10, 1);
     text whole = printed(chains, one_thread());
@@ -322,7 +322,7 @@ static lw_status ask_both(void *context, const lw_chain_item *item)
     return LW_OK;
 }
 
-static void filters_agree_with_themselves(void)
+TEST(filters_agree_with_themselves)
 {
     static const int sizes[][2] = { {4,1}, {10,1}, {9,0}, {9,2} };
     CHECK(lw_filter_find("no such filter") == NULL);
@@ -366,7 +366,7 @@ static lw_status stop_at_tenth(void *context, const lw_chain_item *item)
     return ++*(int *)context == 10 ? LW_NOTHING : LW_OK;
 }
 
-static void stops_when_asked(void)
+TEST(stops_when_asked)
 {
     lw_chains *chains = chains_of(12, 1);
     for (int n_thread = 1; n_thread <= 3; n_thread++) {
@@ -392,7 +392,7 @@ static void stops_when_asked(void)
     lw_chains_free(chains);
 }
 
-static void explains_impossible_sizes(void)
+TEST(explains_impossible_sizes)
 {
     lw_chains *chains = NULL;
     lw_error e = { 0 };
@@ -403,19 +403,4 @@ static void explains_impossible_sizes(void)
     CHECK_INT(lw_fractionated_each(7, 1, pool_fractionated, NULL, &e), LW_E_ARG);
     CHECK(chains == NULL);
     lw_chains_free(NULL);
-}
-
-int main(void)
-{
-    RUN(larger_counts);
-    RUN(agrees_with_all_graphs);
-    RUN(agrees_with_geng);
-    RUN(threads_and_visits_give_the_same_text);
-    RUN(large_texts_keep_their_order);
-    RUN(parts_make_the_whole);
-    RUN(skipping_leaves_the_rest);
-    RUN(filters_agree_with_themselves);
-    RUN(stops_when_asked);
-    RUN(explains_impossible_sizes);
-    return check_end();
 }

@@ -49,7 +49,7 @@ static int least_total(search *s)
     return total;
 }
 
-static void no_shorter_basis(void)
+TEST(no_shorter_basis)
 {
     static search s;
     lw_rng rng;
@@ -70,7 +70,7 @@ static void no_shorter_basis(void)
     }
 }
 
-static void known_lengths(void)
+TEST(known_lengths)
 {
     lw_chain watt = watt_chain(), stephenson = stephenson_chain();
     lw_chain_circuits c;
@@ -84,11 +84,4 @@ static void known_lengths(void)
         row[i] = lw_chain_neighbours(&stephenson, i);
     lw_circuit_basis(6, row, &c);
     CHECK_INT(c.first[2], 9);                                /* a four-bar and a five-bar */
-}
-
-int main(void)
-{
-    RUN(no_shorter_basis);
-    RUN(known_lengths);
-    return check_end();
 }

@@ -23,7 +23,7 @@ static int circuits(const lw_linkage *k, uint64_t seed)
 }
 
 /* One circuit or two (Barker): two for Grashof's four-bars. */
-static void four_bars(void)
+TEST(four_bars)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -41,7 +41,7 @@ static void four_bars(void)
 }
 
 /* Linkages of two dyads: as many circuits as the plan finds in all its modes. */
-static void six_links_as_the_plan_says(void)
+TEST(six_links_as_the_plan_says)
 {
     lw_rng r;
     int most = 0;
@@ -68,7 +68,7 @@ static void six_links_as_the_plan_says(void)
 }
 
 /* From the parallelogram the antiparallelogram is found at their crossings, and told apart from it. */
-static void both_branches_at_a_change_point(void)
+TEST(both_branches_at_a_change_point)
 {
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[LW_SYSTEM_Q_MAX];
     lw_linkage l;
@@ -102,12 +102,4 @@ static void both_branches_at_a_change_point(void)
         }
     }
     lw_circuits_free(&c);
-}
-
-int main(void)
-{
-    RUN(four_bars);
-    RUN(six_links_as_the_plan_says);
-    RUN(both_branches_at_a_change_point);
-    return check_end();
 }

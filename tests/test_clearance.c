@@ -26,7 +26,7 @@ static lw_clearance_result run(const lw_model *m, const lw_clearance_options *o,
 
 /* Makkonen 1999, paper C, section 4: contact is kept at 92 r/min and lost at 94 r/min; whatever the tolerance, the
  * frame and the units. */
-static void threshold_of_paper_c(void)
+TEST(threshold_of_paper_c)
 {
     static const struct { const char *unit; double metre, turn; bool mirrored; double tolerance; } row[] = {
         { "m", 1, 0, false, 1e-8 }, { "m", 1, 0, false, 1e-9 }, { "m", 1, 0, false, 1e-10 }, { "m", 1, 0, false,
@@ -53,7 +53,7 @@ static void threshold_of_paper_c(void)
 }
 
 /* Further limits that the models have here (docs/clearance.md): kept below, lost above */
-static void limits_of_the_models(void)
+TEST(limits_of_the_models)
 {
     static const struct { lw_clearance_model model; double stiffness, below, above; } row[] = {
         { LW_CLEARANCE_IMPACT, 1e7, 94, 97 }, { LW_CLEARANCE_IMPACT, 1e6, 99, 102 }, { LW_CLEARANCE_MLSD, 1e8, 93, 97 },
@@ -87,7 +87,7 @@ static void bounces(lw_model *m, double stiffness)
     m->clearance[0].stiffness = stiffness;
 }
 
-static void exact_bounces(void)
+TEST(exact_bounces)
 {
     for (double k = 1e4; k < 1e9; k *= 10.0) {
         lw_model m;
@@ -111,7 +111,7 @@ static void exact_bounces(void)
 /* ---- energy and formulations --------------------------------------------------------------------- */
 
 /* Linkages with loops of every dyad, one pin opened: energy is kept without damping */
-static void energy_is_kept(void)
+TEST(energy_is_kept)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 11);
@@ -153,7 +153,7 @@ static void energy_is_kept(void)
 }
 
 /* Damping takes energy, whatever the start; also at speeds where the pin grazes its bush */
-static void damping_takes_energy(void)
+TEST(damping_takes_energy)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -174,7 +174,7 @@ static void damping_takes_energy(void)
 
 /* Whatever the tolerance, a run ends and the pin stays near its bush: errors greater than the gap would throw it
  * out, and grazing leaves contact unnoticed for some steps. */
-static void every_tolerance(void)
+TEST(every_tolerance)
 {
     static const double speed[] = { 94, 250, -333 };
     lw_model m;
@@ -210,7 +210,7 @@ static void record(const lw_model *m, lw_clearance_options o, track *t)
 }
 
 /* The massless link is the limit of the spring-damper link for rising stiffness */
-static void link_is_a_stiff_spring(void)
+TEST(link_is_a_stiff_spring)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -244,7 +244,7 @@ static void link_is_a_stiff_spring(void)
 }
 
 /* The pin that is pressed against its bush all the time has the reaction of the joint without clearance */
-static void reaction_without_clearance(void)
+TEST(reaction_without_clearance)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -268,7 +268,7 @@ static void reaction_without_clearance(void)
 }
 
 /* The input of a driven crank follows its motion, the other links as before */
-static void driven_crank(void)
+TEST(driven_crank)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -302,7 +302,7 @@ static void driven_crank(void)
 
 /* Restitution: a disc dropped on its bush returns with about s v (the laws aim at it; that of Lankarani & Nikravesh
  * only for s near 1) */
-static void restitution(void)
+TEST(restitution)
 {
     for (int law = 0; law < 2; law++) {
         lw_model m;
@@ -332,7 +332,7 @@ static void refused(lw_model *m, lw_status want, const char *text)
     CHECK_HAS(e.text, text);
 }
 
-static void bad_input(void)
+TEST(bad_input)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -378,20 +378,4 @@ static void bad_input(void)
     CHECK_HAS(e.text, "\"rocker\"");
     lw_clearance_free(scene);
     lw_model_free(&m);
-}
-
-int main(void)
-{
-    RUN(threshold_of_paper_c);
-    RUN(limits_of_the_models);
-    RUN(exact_bounces);
-    RUN(energy_is_kept);
-    RUN(damping_takes_energy);
-    RUN(every_tolerance);
-    RUN(link_is_a_stiff_spring);
-    RUN(reaction_without_clearance);
-    RUN(driven_crank);
-    RUN(restitution);
-    RUN(bad_input);
-    return check_end();
 }

@@ -88,7 +88,7 @@ static void give_friction(lw_model *m, double mu, double radius, double speed)
 }
 
 /* Friction in every pin, the held journal among them */
-static void friction_without_gap(void)
+TEST(friction_without_gap)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -120,7 +120,7 @@ static void read_text(const char *text, lw_model *m)
     CHECK_INT(s, LW_OK);
 }
 
-static void friction_of_a_slider(void)
+TEST(friction_of_a_slider)
 {
     lw_model m;
     read_text(slider_crank, &m);
@@ -133,7 +133,7 @@ static void friction_of_a_slider(void)
 }
 
 /* Stops that it bounces on, and one on which it comes to rest and which it leaves again */
-static void stops_without_gap(void)
+TEST(stops_without_gap)
 {
     lw_model m;
     read_text(slider_crank, &m);
@@ -188,7 +188,7 @@ static void set_law(lw_model *m, lw_clearance_model law, double gap, double stif
 
 /* Two loops, two journals: a run of every law ends; with small gaps and stiff contacts the crank moves as without
  * gaps */
-static void laws_agree(void)
+TEST(laws_agree)
 {
     lw_model m;
     track zero, law;
@@ -213,7 +213,7 @@ static void laws_agree(void)
 }
 
 /* Energy: kept by springs and links, never gained by damped contacts, friction and stops */
-static void energy_of_loops(void)
+TEST(energy_of_loops)
 {
     lw_model m;
     track k;
@@ -242,7 +242,7 @@ static void energy_of_loops(void)
 
 /* A disc falls in its bush while it turns: Coulomb's impulse.  It strikes head on, so that what its
  * spin loses is radius times friction times the normal impulse. */
-static void impulse_with_friction(void)
+TEST(impulse_with_friction)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, "
         "\"centre\": [0, 0], \"inertia\": 0.02}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], "
@@ -264,7 +264,7 @@ static void impulse_with_friction(void)
 }
 
 /* A driven crank passes its start at known times. */
-static void passes(void)
+TEST(passes)
 {
     lw_model m;
     track k = { 0 };
@@ -286,7 +286,7 @@ static void passes(void)
 }
 
 /* Random linkages with journals, friction and stops, whatever closes their loops: energy does not grow */
-static void random_scenes(void)
+TEST(random_scenes)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 29);
@@ -329,17 +329,4 @@ static void random_scenes(void)
     }
     CHECK(n_run >= 36);
     CHECK(n_strike >= 20);
-}
-
-int main(void)
-{
-    RUN(friction_without_gap);
-    RUN(friction_of_a_slider);
-    RUN(stops_without_gap);
-    RUN(passes);
-    RUN(laws_agree);
-    RUN(energy_of_loops);
-    RUN(random_scenes);
-    RUN(impulse_with_friction);
-    return check_end();
 }

@@ -65,7 +65,7 @@ static void bodies(scene *s, const double *u, const double *du, double *q, doubl
 }
 
 /* v and bias are the first and second differences of q along u + du h; reading gives back the values written */
-static void rates_by_differences(void)
+TEST(rates_by_differences)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -100,7 +100,7 @@ static void rates_by_differences(void)
 }
 
 /* The tree's joints hold in every state, the others after projection; rates too */
-static void joints_hold(void)
+TEST(joints_hold)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
@@ -189,7 +189,7 @@ static void accelerate_bodies(scene *s, const double *q, const double *v, double
     free(jac), free(phi), free(series), free(b), free(x), free(memory), free(ints);
 }
 
-static void accelerations_of_all_bodies(void)
+TEST(accelerations_of_all_bodies)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -214,7 +214,7 @@ static void accelerations_of_all_bodies(void)
 }
 
 /* The rate of a reaction along the motion is its difference in time */
-static void rate_of_reaction(void)
+TEST(rate_of_reaction)
 {
     lw_model m;
     lw_error e = { 0 };
@@ -256,13 +256,4 @@ static void rate_of_reaction(void)
     lw_clearance_work_free(&w);
     lw_clearance_free(c);
     lw_model_free(&m);
-}
-
-int main(void)
-{
-    RUN(rates_by_differences);
-    RUN(joints_hold);
-    RUN(accelerations_of_all_bodies);
-    RUN(rate_of_reaction);
-    return check_end();
 }

@@ -12,7 +12,7 @@ static int list_commands(char name[32][32])
     return n;
 }
 
-static void help_of_every_command(void)
+TEST(help_of_every_command)
 {
     static const char *const common[] = { "--seed", "--jobs", "--time", "--json", "--output", "--quiet", "--help" };
     char name[32][32], line[1200];
@@ -39,7 +39,7 @@ static void help_of_every_command(void)
     expect("$P", 2, NULL, "Usage:");
 }
 
-static void misspelt_words(void)
+TEST(misspelt_words)
 {
     expect("$P clasify 4 2 5 3", 2, NULL, "did you mean 'classify'?");
     expect("$P help clasify", 2, NULL, "did you mean 'classify'?");
@@ -48,7 +48,7 @@ static void misspelt_words(void)
     expect("$P classify 4 2 5 3 --angle-unit=grad", 2, NULL, "deg|rad|turn");
 }
 
-static void options_are_strict(void)
+TEST(options_are_strict)
 {
     expect("$P classify 5 2 4 4 --tolerance", 2, NULL, "needs a value");
     expect("$P classify 5 2 4 4 --tolerance --json", 2, NULL, "needs a value");
@@ -70,7 +70,7 @@ static void options_are_strict(void)
 }
 
 /* One row of each kind of docs/theory.md, "Four-bars": (frame, input, coupler, output). */
-static void classify_table(void)
+TEST(classify_table)
 {
     static const struct { const char *lengths; int number; const char *symbol; } row[] = {
         { "1 4 5 4", 1, "GCCC" },  { "5 2 4 4", 2, "GCRR" },  { "4 4 1 5", 3, "GRCR" },
@@ -90,7 +90,7 @@ static void classify_table(void)
 }
 
 /* Dead points of a crank-rocker, crank and coupler in line, by the cosine rule. */
-static void classify_numbers(void)
+TEST(classify_numbers)
 {
     json_t *j = json_of("$P classify 5 2 4 4 --json --angle-unit rad"), *d = json_object_get(j, "dead_points");
     double out = acos((25.0 + 36 - 16)/(2*5*6)), in = acos((25.0 + 4 - 16)/(2*5*2));
@@ -104,7 +104,7 @@ static void classify_numbers(void)
     expect("$P classify 5 2 4 nan", 3, NULL, "no number");
 }
 
-static void output_is_whole_or_absent(void)
+TEST(output_is_whole_or_absent)
 {
     expect("$P classify 5 2 4 4 > /dev/full", 3, NULL, "no space left");
     expect("$P help > /dev/full", 3, NULL, "cannot write");
@@ -118,7 +118,7 @@ static void output_is_whole_or_absent(void)
 }
 
 /* Every command that README.md shows after a $ runs. */
-static void readme_runs(void)
+TEST(readme_runs)
 {
     ran r = run("grep '^    \\$ linkwright' README.md | sed 's/^    . //; s/linkwright/$P/g' > $D/readme; "
                 "wc -l < $D/readme >&2; while read -r c; do eval \"$c\" > $D/said && test -s $D/said || echo \"$c\"; "
@@ -126,16 +126,4 @@ static void readme_runs(void)
     CHECK_TEXT(r.out, "");
     CHECK(atoi(r.err) >= 4);
     ran_free(&r);
-}
-
-int main(void)
-{
-    RUN(help_of_every_command);
-    RUN(misspelt_words);
-    RUN(options_are_strict);
-    RUN(classify_table);
-    RUN(classify_numbers);
-    RUN(output_is_whole_or_absent);
-    RUN(readme_runs);
-    return check_end();
 }

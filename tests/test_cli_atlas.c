@@ -3,7 +3,7 @@
 #include "tests/catalogue_file.h"
 #include "tests/cli_run.h"
 
-static void curves(void)
+TEST(curves)
 {
     expect("$P catalogue curves $D/c.db", 2, NULL, "--samples N");
     expect("$P catalogue curves $D/c.db --samples 10 --type fourbra", 3, NULL, "no type 'fourbra'");
@@ -13,7 +13,7 @@ static void curves(void)
     expect("$P catalogue check $D/c.db", 0, NULL, "whole");
 }
 
-static void nearest(void)
+TEST(nearest)
 {
     expect("$P catalogue nearest $D/c.db examples/ellipse.csv --results 3", 0, "  3 ", "blocks read");
     expect("$P catalogue nearest $D/c.db examples/ellipse.csv --results 5 --json -o $D/near.json; $P draw $D/near.json "
@@ -31,7 +31,7 @@ static void nearest(void)
 
 /* Curves of six links are drawn and found, do not depend on the number of threads, and start a fit of at most six
  * links. */
-static void six_links(void)
+TEST(six_links)
 {
     expect("$P catalogue curves $D/s.db --links 6 --samples 4000 && $P catalogue curves $D/s2.db --links 6 --samples 4000 -j 1 -q && "
            "$P catalogue nearest $D/s.db examples/walking-foot.csv --results 9 > $D/1 && $P catalogue nearest $D/s2.db "
@@ -47,7 +47,7 @@ static void six_links(void)
     expect("$P catalogue curves $D/s.db --links 6 --type all --samples 10", 2, NULL, "--type is for four links");
 }
 
-static void add(void)
+TEST(add)
 {
     expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0,
            "", "1 added");
@@ -67,7 +67,7 @@ static void add(void)
                "8|1|rrrrrrrrrr|1");
 }
 
-static void query(void)
+TEST(query)
 {
     expect("$P catalogue build $D/q.db --links 8 && $P catalogue query $D/q.db 'symmetry=12'", 0, "Gr`KAC", NULL);
     expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n",
@@ -95,7 +95,7 @@ static void query(void)
 }
 
 /* The class of a mechanism of more than four links is that of its driven four-bar. */
-static void a_class_of_six_links(void)
+TEST(a_class_of_six_links)
 {
     expect("$P catalogue add $D/six.db tests/data/linkages/six-link-results.json && "
            "$P catalogue add $D/six.db examples/hoeken.json; "
@@ -108,7 +108,7 @@ static void a_class_of_six_links(void)
     expect("$P catalogue query $D/six.db 'error<1e400'", 3, NULL, "query:1:7: '1e400' is too large a number");
 }
 
-static void export(void)
+TEST(export)
 {
     expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0,
            "same\n", NULL);
@@ -120,20 +120,20 @@ static void export(void)
     expect("$P catalogue export $D/q.db 'loops=3' --list structures", 3, NULL, "listed by query");
 }
 
-static void killed_adds(void)
+TEST(killed_adds)
 {
     expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv --results 150 --json -o $D/killed/many.json",
            0, NULL, NULL);
     kill_at_random("x.db", "catalogue add x.db many.json --commit 0.005", 25, "linkage|");
 }
 
-static void killed_curves(void)
+TEST(killed_curves)
 {
     kill_at_random("y.db", "catalogue curves y.db --links 4 --samples 20000", 10, "sweep|");
 }
 
 /* A full disk, and a damaged file. */
-static void damaged_atlases(void)
+TEST(damaged_atlases)
 {
     expect("trap '' XFSZ; ulimit -f 300; $P catalogue curves $D/full.db --samples 20000", 3, NULL, "full.db: ");
     expect("$P catalogue curves $D/full.db --samples 20000 && $P catalogue check $D/full.db", 0, NULL, "whole");
@@ -157,7 +157,7 @@ static void execute(const char *file, const char *sql)
 }
 
 /* Nobody gets hundreds of megabytes of pages by mistake. */
-static void too_many_pages(void)
+TEST(too_many_pages)
 {
     expect("cp $D/q.db $D/big.db", 0, NULL, NULL);
     execute("big.db", "UPDATE chain SET grounds = 2000");
@@ -168,7 +168,7 @@ static void too_many_pages(void)
 
 /* `catalogue check` finds content that is wrong although the SQLite file is whole, and other commands that meet it
  * report it. */
-static void lies(void)
+TEST(lies)
 {
     static const struct { const char *sql, *says; } lie[] = {
         { "UPDATE chain SET graph6 = 'G]`H?c' WHERE id = 3", "1 of 16 chains are not what their label says" },
@@ -209,17 +209,6 @@ static void lies(void)
 int main(void)
 {
     run_prepare();
-    RUN(curves);
-    RUN(nearest);
-    RUN(six_links);
-    RUN(add);
-    RUN(query);
-    RUN(a_class_of_six_links);
-    RUN(export);
-    RUN(killed_adds);
-    RUN(killed_curves);
-    RUN(damaged_atlases);
-    RUN(too_many_pages);
-    RUN(lies);
+    check_run();
     return check_end();
 }

@@ -27,7 +27,7 @@ static double error_of(const row *r, int n, const char *problem, const char *sol
     return NAN;
 }
 
-static void rows(void)
+TEST(rows)
 {
     static row r[200];
     expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases pendulum --time 0.001 -o $D/out", 0,
@@ -47,7 +47,7 @@ static void rows(void)
     expect("cat $D/out/mbs-pendulum.svg", 0, "index1", NULL);
 }
 
-static void squeezer(void)
+TEST(squeezer)
 {
     static row r[200];
     expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
@@ -64,7 +64,7 @@ static void squeezer(void)
 }
 
 /* The error counts the assembly mode too; the motion passes singular postures. */
-static void branch(void)
+TEST(branch)
 {
     static row r[200];
     expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
@@ -76,7 +76,7 @@ static void branch(void)
     CHECK(error_of(r, n, "two-four-bars", "index1", 1e-8) < 1e-3);
 }
 
-static void clearance(void)
+TEST(clearance)
 {
     expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none "
            "--cases clearance-250 --tolerance-range 1e-9:1e-9 --time 0.001 -q", 0,
@@ -92,7 +92,7 @@ static void clearance(void)
                            "-o $D/out --peers $D/" name
 
 /* The model given to the other program, and the row made of its answer, here the exact positions. */
-static void told_and_measured(void)
+TEST(told_and_measured)
 {
     static row r[200];
     static const char *const said[] = { "gravity 0 -9.8", "body 1 0 -1 0 0 bob\n", "pin 0 1 0 0\n", "run 10 101 ",
@@ -116,7 +116,7 @@ static void told_and_measured(void)
 }
 
 /* A program that fails has a row with the reason, and the rows of the others are not affected. */
-static void bad_peers(void)
+TEST(bad_peers)
 {
     static const char nonsense[] = "| pendulum | p | - | - | - | - | - | - | 0 | 0 | what it says is no row of "
                                    "numbers |";
@@ -132,21 +132,9 @@ static void bad_peers(void)
            "no program in this folder");
 }
 
-static void wrong_use(void)
+TEST(wrong_use)
 {
     expect("$P bench mbs --cases andrew", 2, NULL, "did you mean 'andrews'");
     expect("$P bench mbs --json", 2, NULL, "--json has no meaning here");
     expect("$P bench mbz", 2, NULL, "did you mean 'mbs'?");
-}
-
-int main(void)
-{
-    RUN(rows);
-    RUN(squeezer);
-    RUN(branch);
-    RUN(clearance);
-    RUN(told_and_measured);
-    RUN(bad_peers);
-    RUN(wrong_use);
-    return check_end();
 }

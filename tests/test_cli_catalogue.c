@@ -3,7 +3,7 @@
 #include "tests/catalogue_file.h"
 #include "tests/cli_run.h"
 
-static void help(void)
+TEST(help)
 {
     expect("$P help catalogue", 0, "Examples:", NULL);
     expect("$P catalogue biuld x.db", 2, NULL, "did you mean 'build'?");
@@ -15,7 +15,7 @@ static void help(void)
 }
 
 /* 16 chains and 71 ground links with eight links: OEIS A233288 and the table of published counts. */
-static void build(void)
+TEST(build)
 {
     expect("$P catalogue build $D/a.db --links 8", 0, "", "16 of 16 chains");
     expect("$P catalogue build $D/a.db --links 8", 0, "", "complete already: 16 chains");
@@ -32,7 +32,7 @@ static void build(void)
 
 /* 153 mechanisms of eight links with an input at the ground, 513 of six links with sliders: `mechanisms --count`
  * counts them without a catalogue. */
-static void mechanisms_as_counted(void)
+TEST(mechanisms_as_counted)
 {
     static const struct { const char *file; int n; } row[] = { { "a.db", 153 + 1 + 1 }, { "sliders.db", 513 } };
     expect("$P mechanisms --links 8 --input ground --count", 0, "153\n", NULL);
@@ -50,7 +50,7 @@ static void mechanisms_as_counted(void)
 }
 
 /* The content does not depend on the number of threads. */
-static void threads(void)
+TEST(threads)
 {
     char path[200];
     expect("mkdir $D/one $D/three; cd $D/one; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build x.db --links 10 "
@@ -69,14 +69,14 @@ static void threads(void)
     free(three);
 }
 
-static void killed_builds(void)
+TEST(killed_builds)
 {
     expect("mkdir $D/killed", 0, NULL, NULL);
     kill_at_random("x.db", "catalogue build x.db --links 10 --commit 0 --no-pictures", 25, "build|1|10|1|r|230|1");
 }
 
 /* --time ends a build in good order, and the next one goes on. */
-static void stopped_builds(void)
+TEST(stopped_builds)
 {
     const char *build = "LW_CLOCK_STEP=0.01 $C catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0";
     expect(build, 5, NULL, "the same command goes on");
@@ -84,7 +84,7 @@ static void stopped_builds(void)
     expect(build, 5, NULL, "continued after");
 }
 
-static void full_disk(void)
+TEST(full_disk)
 {
     expect("trap '' XFSZ; ulimit -f 400; $P catalogue build $D/full.db --links 10 --commit 0", 3, NULL, "full.db: ");
     expect("$P catalogue check $D/full.db", 0, NULL, "1 build is not finished");
@@ -94,7 +94,7 @@ static void full_disk(void)
     expect("$P catalogue build /dev/full --links 6", 3, NULL, "no plain file");
 }
 
-static void files_that_are_none(void)
+TEST(files_that_are_none)
 {
     expect("chmod 444 $D/a.db; $P catalogue build $D/a.db --links 6; c=$?; chmod 644 $D/a.db; exit $c", 3, NULL,
            "read-only");
@@ -111,7 +111,7 @@ static void files_that_are_none(void)
            "ls ':memory:' 'file:x?mode=ro' '; DROP TABLE chain --'", 0, "file:x?mode=ro", NULL);
 }
 
-static void damaged_files(void)
+TEST(damaged_files)
 {
     static const char *const cut[] = { "0", "99", "100", "4095", "4096", "20000", "60000" };
     for (size_t i = 0; i < sizeof cut/sizeof *cut; i++) {
@@ -132,7 +132,7 @@ static void damaged_files(void)
 }
 
 /* A second program reports the one that writes, or waits for it. */
-static void two_at_once(void)
+TEST(two_at_once)
 {
     /* the first, which would take minutes, is halted once it holds the file */
     expect("$P catalogue build $D/two.db --links 14 --no-pictures --quiet & "
@@ -146,15 +146,6 @@ static void two_at_once(void)
 int main(void)
 {
     run_prepare();
-    RUN(help);
-    RUN(build);
-    RUN(mechanisms_as_counted);
-    RUN(threads);
-    RUN(killed_builds);
-    RUN(stopped_builds);
-    RUN(full_disk);
-    RUN(files_that_are_none);
-    RUN(damaged_files);
-    RUN(two_at_once);
+    check_run();
     return check_end();
 }

@@ -11,7 +11,7 @@ static int lines_with(const char *text, const char *part)
     return n;
 }
 
-static void table(void)
+TEST(table)
 {
     ran r = run("$P clearance " MODEL " --speeds 92,94 --model impact,mlsd");
     CHECK_INT(r.code, 0);
@@ -26,7 +26,7 @@ static void table(void)
 }
 
 /* The output does not depend on the number of threads, apart from the command line in it. */
-static void threads(void)
+TEST(threads)
 {
     ran a = run("$P clearance " MODEL " --speeds 90:110:5 --stiffness 1e6,1e7 -j 1 | grep -v '^#'");
     ran b = run("$P clearance " MODEL " --speeds 90:110:5 --stiffness 1e6,1e7 -j 3 | grep -v '^#'");
@@ -35,7 +35,7 @@ static void threads(void)
     ran_free(&a), ran_free(&b);
 }
 
-static void limits(void)
+TEST(limits)
 {
     ran r = run("$P clearance " MODEL " --speeds 90:98:4 --limits --refine 1");
     CHECK_INT(r.code, 0);
@@ -53,7 +53,7 @@ static void limits(void)
     ran_free(&r);
 }
 
-static void pictures(void)
+TEST(pictures)
 {
     ran r = run("$P clearance " MODEL " --speeds 94 --to 0.2 --settle 0.1 --every 0.001 --path $D/path.svg "
                 "--force-plot $D/f.pdf "
@@ -75,7 +75,7 @@ static void pictures(void)
     expect("sed -n 3p $D/h.csv", 0, "t,input,input_rate,energy,x(B),y(B),force(B),touching(B)", NULL);
 }
 
-static void wrong_use(void)
+TEST(wrong_use)
 {
     expect("$P clearance " MODEL " --to 1e5 --time 1e-9 --speeds 92,94", 5, "joint,model", "2 of 2 runs were not made");
     expect("$P clearance", 2, NULL, "MODEL.json");
@@ -95,14 +95,4 @@ static void wrong_use(void)
     expect("sed 's/\"speed\": 9.6[0-9]*/\"motion\": \"3*t\"/' " MODEL " > $D/driven.json; "
            "$P clearance $D/driven.json --speeds 90", 3, NULL, "motion");
     expect("sed 's/\"mass\": 2.41, //' " MODEL " > $D/light.json; $P clearance $D/light.json", 3, NULL, "coupler");
-}
-
-int main(void)
-{
-    RUN(table);
-    RUN(threads);
-    RUN(limits);
-    RUN(pictures);
-    RUN(wrong_use);
-    return check_end();
 }

@@ -1,7 +1,7 @@
 /* test_cli_convert.c - `linkwright convert`: examples there and back, formats told by content, units, refusals. */
 #include "tests/cli_run.h"
 
-static void examples_there_and_back(void)
+TEST(examples_there_and_back)
 {
     expect("for e in chebyshev inverted-slider-crank jansen scott-russell trammel; do for t in pyslvs pmks; do"
            " f=examples/$e.json; $P convert $f --format $t > $D/a || exit 1;"
@@ -11,7 +11,7 @@ static void examples_there_and_back(void)
            " $P trace $D/b.json -m file -n 7 > $D/2 || exit 1; done; done", 0, NULL, NULL);
 }
 
-static void the_text_tells_its_format(void)
+TEST(the_text_tells_its_format)
 {
     expect("$P convert examples/jansen.json --format pyslvs > $D/j.pyslvs", 0, NULL, NULL);
     expect("$P convert - < $D/j.pyslvs", 0, "\"name\": \"P3_1\"", NULL);
@@ -21,7 +21,7 @@ static void the_text_tells_its_format(void)
     expect("$P convert $D/j.txt --from-format pyslvs", 3, NULL, ":1:1: 'M[' is expected");
 }
 
-static void units(void)
+TEST(units)
 {
     expect("echo 'ground,a,R,10,0,ffft|a,b,R,20,0|b,ground,R,20,10' > $D/u.txt", 0, NULL, NULL);
     expect("$P convert $D/u.txt --length-unit mm", 0, "\"length\": \"mm\"", NULL);
@@ -29,7 +29,7 @@ static void units(void)
     expect("$P convert $D/u.json --length-unit cm --format pmks", 0, "a,b,R,2,0,ffff", NULL);
 }
 
-static void an_input_is_chosen(void)
+TEST(an_input_is_chosen)
 {
     expect("echo 'M[J[R, P[0, 0], L[ground, a]], J[R, P[0, 1], L[a, b]], J[P, A[0], P[1, 0], L[ground, b]]]' > $D/i",
            0, NULL, NULL);
@@ -39,7 +39,7 @@ static void an_input_is_chosen(void)
     expect("$P convert $D/i --input-joint P7", 3, NULL, "there is no joint 'P7'");
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     expect("for x in xml urdf sdf adm; do $P convert examples/dynamics/newtons-cradle.json -o $D/x.$x 2> $D/why && exit 1; "
            "grep -q contacts $D/why || exit 1; test ! -e $D/x.$x || exit 1; done", 0, NULL, NULL);
@@ -56,7 +56,7 @@ static void refusals(void)
     expect("$P help convert", 0, "the joint table of PMKS", NULL);
 }
 
-static void files_for_other_programs(void)
+TEST(files_for_other_programs)
 {
     expect("$P convert examples/hoeken.json -o $D/h.xml && cat $D/h.xml", 0, "<mujoco model=", NULL);
     expect("$P convert examples/slider-crank.json -o $D/s.adm && $P convert $D/s.adm --format adams | diff - $D/s.adm", 0,
@@ -77,7 +77,7 @@ static void files_for_other_programs(void)
 }
 
 /* Every kind of linkage is written in every format, or refused with the joint that the format cannot hold. */
-static void every_kind_in_every_format(void)
+TEST(every_kind_in_every_format)
 {
     static const char *const cannot[][2] = {
         { "geared-five-bar", "pyslvs pmks dxf scad slvs" }, { "loader", "dxf scad" },      /* no order of layers without collision */
@@ -103,16 +103,4 @@ static void every_kind_in_every_format(void)
     expect("for t in pyslvs pmks adams; do u=mm; test $t != adams || u=m; f=tests/data/linkages/triad-eight-bar.json; "
            "$P convert $f --format svg | grep -o ' d=.*' > $D/1; $P convert $f --format $t > $D/2; "
            "$P convert $D/2 --from-format $t --length-unit $u --format svg | grep -o ' d=.*' | cmp - $D/1 || exit 1; done", 0, NULL, NULL);
-}
-
-int main(void)
-{
-    RUN(every_kind_in_every_format);
-    RUN(examples_there_and_back);
-    RUN(the_text_tells_its_format);
-    RUN(units);
-    RUN(an_input_is_chosen);
-    RUN(refusals);
-    RUN(files_for_other_programs);
-    return check_end();
 }

@@ -75,27 +75,19 @@ static int run_page(const char *page, bool whole)
     return n;
 }
 
-static void prepare(void)
+TEST(prepare)
 {
     ran r = run("mkdir $D/w $D/bin && cp -r examples $D/w && ln -s $(realpath $P) $D/bin/linkwright");
     CHECK_INT(r.code, 0);
     ran_free(&r);
 }
 
-static void commands_of_readme(void)
+TEST(commands_of_readme)
 {
     CHECK(run_page("README.md", false) > 25);
 }
 
-static void commands_of_tutorial(void)
+TEST(commands_of_tutorial)
 {
     CHECK(run_page("docs/tutorial.md", true) > 10);
-}
-
-int main(void)
-{
-    RUN(prepare);
-    RUN(commands_of_readme);
-    RUN(commands_of_tutorial);
-    return check_end();
 }

@@ -1,7 +1,7 @@
 /* test_cli_draw.c - `linkwright draw` on the models of examples/. */
 #include "tests/cli_run.h"
 
-static void pictures(void)
+TEST(pictures)
 {
     static const struct { const char *name, *head; } kind[] = {
         { "svg", "<?xml" }, { "png", "PNG" }, { "pdf", "%PDF" }, { "gif", "GIF89a" }, { "html", "<!" } };
@@ -24,7 +24,7 @@ static void pictures(void)
     expect("$P draw examples/hoeken.json -o /dev/full -f svg", 3, NULL, "no space left");
 }
 
-static void results_of_a_fit(void)
+TEST(results_of_a_fit)
 {
     expect("{ echo '{\"results\": [{\"linkage\":'; cat examples/hoeken.json; echo '}, {\"linkage\":'; "
            "cat examples/jansen.json; echo '}, {\"type\": 1}]}'; } > $D/r.json", 0, NULL, NULL);
@@ -36,7 +36,7 @@ static void results_of_a_fit(void)
 }
 
 /* Gears, inputs between moving links, several inputs, and more bars than needed: all can be drawn in motion. */
-static void any_linkage(void)
+TEST(any_linkage)
 {
     expect("for f in geared-five-bar five-bar loader mobility/focal mobility/parallelogram; do "
            "$P draw examples/$f.json -n 6 -o $D/x.html || exit 1; grep -q '\"links\":\\[' $D/x.html || exit 1; "
@@ -48,7 +48,7 @@ static void any_linkage(void)
 }
 
 /* Two linkages in one picture, and what cannot be compared. */
-static void compared(void)
+TEST(compared)
 {
     expect("$P draw examples/hoeken.json examples/chebyshev.json", 0, "second linkage", NULL);
     expect("test $($P draw examples/hoeken.json examples/chebyshev.json | grep -c other-curve) = 4", 0, NULL, NULL);
@@ -56,13 +56,4 @@ static void compared(void)
     expect("$P chains --links 6 -o $D/six.g6; $P draw $D/six.g6 examples/hoeken.json", 2, "", "compared");
     expect("$P draw examples/space/bennett.json examples/hoeken.json", 3, "", "planar");
     expect("$P draw examples/hoeken.json --azimuth 3", 3, "", "spatial");
-}
-
-int main(void)
-{
-    RUN(pictures);
-    RUN(results_of_a_fit);
-    RUN(any_linkage);
-    RUN(compared);
-    return check_end();
 }

@@ -1,7 +1,7 @@
 /* test_cli_draw_chains.c - `linkwright draw` on chains and mechanisms. */
 #include "tests/cli_run.h"
 
-static void pages(void)
+TEST(pages)
 {
     expect("$P chains --links 8 | $P draw --format g6 | grep -c 'class=\"joint\"'", 0, "160", NULL);
     expect("$P chains --links 8 > $D/c.g6 && $P draw $D/c.g6 > $D/a.svg && $P draw < $D/c.g6 | cmp - $D/a.svg", 0,
@@ -19,7 +19,7 @@ static void pages(void)
     expect("$P draw $D/c.g6 --caption assortment | grep -c '>4, 4<'", 0, "9", NULL);
 }
 
-static void faults(void)
+TEST(faults)
 {
     expect("printf '1-2 2-3 3-4 4-1\\n1-2 3-4\\n' | $P draw", 3, NULL, "2:1: the links do not hang together");
     expect("printf '1-2 2-3 3-4 4-1\\n1-2 3-4\\n' | $P draw -k", 3, "</svg>", "hang together");
@@ -31,11 +31,4 @@ static void faults(void)
     expect("$P draw $D/none.g6", 3, NULL, "none.g6");
     expect("$P chains --links 6 | $P draw --grid 64x64", 3, NULL, "too small");
     expect("$P chains --links 6 | $P draw -o /dev/full -f svg", 3, NULL, "no space left");
-}
-
-int main(void)
-{
-    RUN(pages);
-    RUN(faults);
-    return check_end();
 }

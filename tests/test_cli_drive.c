@@ -10,7 +10,7 @@ static double figure(const char *out, const char *key)
 }
 
 /* examples/drives/lifting-arm.json: J a + g (8*0.3 + 5*0.6) cos(angle), J = 0.24 + 8*0.09 + 0.02 + 5*0.36. */
-static void arm(void)
+TEST(arm)
 {
     enum { N = 2000000 };
     const double j = 0.24 + 0.72 + 0.02 + 1.8, weight = 9.81*5.4;
@@ -38,7 +38,7 @@ static void arm(void)
 }
 
 /* A rigid axis behind a ramp lags by v/gain; its matrices have the poles that are printed. */
-static void loop(void)
+TEST(loop)
 {
     static const char axis[] =
         "'{\"linkwright\": 1, \"servo\": {\"motor\": {\"torque_constant\": 1, \"inertia\": 0.001, \"resistance\": 1}, "
@@ -72,7 +72,7 @@ static void loop(void)
 #define ARM "examples/drives/lifting-arm.json --to 2.5"
 
 /* The DELTA robot of docs: known torques; its tool is driven, its motors carry the load. */
-static void delta(void)
+TEST(delta)
 {
     ran r = run("$P drive load examples/space/delta.json --to 0.1 -n 200 --json");
     CHECK_INT(r.code, 0);
@@ -83,7 +83,7 @@ static void delta(void)
            "M2               20.0403", NULL);
 }
 
-static void selections(void)
+TEST(selections)
 {
     expect("$P drive select " ARM PARTS, 0, "* S80-5.0            P80-40", NULL);
     expect("$P drive select " ARM PARTS " --json", 0, "\"pareto\": true", NULL);
@@ -101,7 +101,7 @@ static void selections(void)
     expect("$P drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 2 --json", 0, "\"possible\": true", NULL);
 }
 
-static void wrong_use(void)
+TEST(wrong_use)
 {
     expect("$P drive select " ARM, 2, NULL, "--motors is missing");
     expect("$P drive select " ARM PARTS " --drive sholder", 2, NULL, "did you mean \"shoulder\"");
@@ -115,14 +115,4 @@ static void wrong_use(void)
     expect("$P drive load examples/chebyshev.json", 3, NULL, "motion");
     expect("$P drive load examples/ellipse.csv", 3, NULL, "target");
     expect("$P drive load examples/drives/lifting-arm.json -p $D/x.txt", 2, NULL, "svg");
-}
-
-int main(void)
-{
-    RUN(arm);
-    RUN(loop);
-    RUN(delta);
-    RUN(selections);
-    RUN(wrong_use);
-    return check_end();
 }

@@ -1,7 +1,7 @@
 /* test_cli_enumerate.c - the commands numbers, structures and chains: output, refusals, resumed listings. */
 #include "tests/cli_run.h"
 
-static void help_shows_examples_first(void)
+TEST(help_shows_examples_first)
 {
     expect("$P help numbers", 0, "Examples:", NULL);
     expect("$P structures --help", 0, "linkwright structures --loops 3", NULL);
@@ -9,7 +9,7 @@ static void help_shows_examples_first(void)
     expect("$P chain --links 8", 2, NULL, "did you mean 'chains'?");
 }
 
-static void numbers(void)
+TEST(numbers)
 {
     expect_row("$P numbers --dof 1 --loops 4", "L|n1|n2|P|P2|P3|P4|P5", "4|13|0|10|6|3|0|1");
     expect("$P numbers --dof 1 --loops 4 | grep -vc '^#'", 0, "7\n", NULL);
@@ -20,7 +20,7 @@ static void numbers(void)
     expect("$P numbers --dof 3 --loops 15", 3, NULL, "more than 32");
 }
 
-static void structures(void)
+TEST(structures)
 {
     expect("$P structures --loops 2", 0, "(3 3) 1-2 1-2 1-2\n", NULL);
     expect("$P structures --loops 3 --derive", 0, "(3 3 3 3) 1-2 1-3 1-4 2-3 2-4 3-4 | theta 3(1,2)\n", NULL);
@@ -37,7 +37,7 @@ static void structures(void)
            "$P structures --replay \"${d# }\" | tail -1; done < $D/d | cmp - $D/d && echo same", 0, "same\n", NULL);
 }
 
-static void chain_counts(void)
+TEST(chain_counts)
 {
     expect("$P chains --links 10 --count", 0, "230\n", NULL);
     expect("$P chains --links 9 --dof 2 --count --fractionated", 0,
@@ -56,7 +56,7 @@ static void chain_counts(void)
            "| awk '{n += $1} END {print n}'", 0, "839\n", NULL);
 }
 
-static void chain_lists(void)
+TEST(chain_lists)
 {
     expect("$P chains --links 4", 0, "Cl\n", NULL);
     expect("$P chains --links 6 --format franke", 0, "(3 3) 1-2:0 1-2:2 1-2:2\n", NULL);
@@ -74,7 +74,7 @@ static void chain_lists(void)
 }
 
 /* A listing cut anywhere, even inside a line, is completed as if it had not been cut. */
-static void resume(void)
+TEST(resume)
 {
     expect("$P chains --links 9 --dof 2 --fractionated -o $D/whole && for n in 0 1 12 13 200 399 400 401 500 520; do "
            "head -c $n $D/whole > $D/cut; $P chains --links 9 --dof 2 --fractionated -o $D/cut --resume; "
@@ -88,7 +88,7 @@ static void resume(void)
 }
 
 /* The lines that a killed program had written are kept; a listing of something else is not changed. */
-static void resume_after_a_kill(void)
+TEST(resume_after_a_kill)
 {
     expect("$P chains --links 14 -o $D/all && { $P chains --links 14 -o $D/killed & "
            "until [ -s $D/killed.partial ] || ! kill -0 $!; do sleep 0.01; done; kill -KILL $!; wait; "
@@ -105,7 +105,7 @@ static void resume_after_a_kill(void)
 
 /* A kept count goes on where it ended, leaves complete parts alone, and sums files that are joined; the table is that of
  * the count in one go. */
-static void kept_counts(void)
+TEST(kept_counts)
 {
     expect("$P chains --links 16 --count --by assortment > $D/once; "
            "$P chains --links 16 --count --by assortment --keep $D/k --structures $D/7.bin | cmp - $D/once && echo same",
@@ -132,7 +132,7 @@ static void kept_counts(void)
 }
 
 /* Needs a program built with `make MPI=1`. */
-static void processes(void)
+TEST(processes)
 {
     ran r = run("$P chains --links 4 --mpi && command -v mpirun");
     if (r.code != 0) {
@@ -156,7 +156,7 @@ static void processes(void)
     expect("$RUN $P chains --links 19 --dof 6 --mpi --time 1e-9 > $D/cut", 5, NULL, NULL);
 }
 
-static void limits_and_faults(void)
+TEST(limits_and_faults)
 {
     expect("$P chains --links 7", 3, NULL, "P = F + 2 L + 1 - n2");
     expect("$P chains --dof 1", 2, NULL, "--links");
@@ -175,19 +175,4 @@ static void limits_and_faults(void)
     expect("$P chains --links 32 --count", 4, NULL, "--memory");
     expect("$P chains --links 8 -o /no/such/folder/x", 3, NULL, "/no/such/folder");
     expect("$P chains --links 12 > /dev/full", 3, NULL, NULL);
-}
-
-int main(void)
-{
-    RUN(help_shows_examples_first);
-    RUN(numbers);
-    RUN(structures);
-    RUN(chain_counts);
-    RUN(chain_lists);
-    RUN(resume);
-    RUN(kept_counts);
-    RUN(resume_after_a_kill);
-    RUN(processes);
-    RUN(limits_and_faults);
-    return check_end();
 }

@@ -39,7 +39,7 @@ static double dimension(const json_t *result, const char *name)
     return json_number_value(json_object_get(json_object_get(result, "dimensions"), name));
 }
 
-static void five_poses(void)
+TEST(five_poses)
 {
     write_target("five.csv", "x,y,theta", 5);
     json_t *all = fit("five.csv --exact"), *exact = json_object_get(all, "exact"), *r;
@@ -57,7 +57,7 @@ static void five_poses(void)
     json_decref(all);
 }
 
-static void four_pairs(void)
+TEST(four_pairs)
 {
     write_target("pairs.csv", "angle,theta", 4);
     json_t *all = fit("pairs.csv --exact"), *r;
@@ -69,7 +69,7 @@ static void four_pairs(void)
     json_decref(all);
 }
 
-static void points(void)
+TEST(points)
 {
     write_target("seven.csv", "x,y", 7);
     json_t *all = fit("seven.csv --exact --rounds 1"), *first;
@@ -82,14 +82,14 @@ static void points(void)
     expect("$P fit $D/nine.csv --exact --rounds 12", 0, "of 1442 are known", NULL);
 }
 
-static void saves_and_traces(void)
+TEST(saves_and_traces)
 {
     expect("$P fit $D/five.csv --exact --save $D/out -o $D/found.json && test -s $D/out/five-1.json "
            "&& test -s $D/out/five.svg && $P trace $D/out/five-1.json", 0, "guide 1", NULL);
     expect("$P draw $D/found.json --result 2 -o $D/second.svg && test -s $D/second.svg", 0, NULL, NULL);
 }
 
-static void says_what_is_wrong(void)
+TEST(says_what_is_wrong)
 {
     write_target("six.csv", "x,y,theta", 6);
     write_target("ten.csv", "x,y", 10);
@@ -105,10 +105,6 @@ static void says_what_is_wrong(void)
 int main(void)
 {
     run_prepare();
-    RUN(five_poses);
-    RUN(four_pairs);
-    RUN(points);
-    RUN(saves_and_traces);
-    RUN(says_what_is_wrong);
+    check_run();
     return check_end();
 }

@@ -4,7 +4,7 @@
 
 #define LOADER "examples/families/loader.json"
 
-static void expansions(void)
+TEST(expansions)
 {
     expect("$P family expand " LOADER " | cmp - tests/data/family/loader.json", 0, "", NULL);
     expect("$P family expand " LOADER " --view kinematic | grep -c mass", 1, "0", NULL);
@@ -14,7 +14,7 @@ static void expansions(void)
 }
 
 /* The kinematic view moves like a linkage that was written by hand, in every bit. */
-static void hand_written(void)
+TEST(hand_written)
 {
     expect("$P family expand tests/data/family/two-cylinders.json --view kinematic -o $D/made.json", 0, NULL, NULL);
     expect("for f in $D/made.json tests/data/family/hand.json; do $P trace $f --time-range 0:1:0.01 -q | grep -v '^#' "
@@ -29,7 +29,7 @@ static void hand_written(void)
            "$D/boom-rigid.json.csv", 0, "52", NULL);
 }
 
-static void tables_and_checks(void)
+TEST(tables_and_checks)
 {
     ran r = run("$P family table " LOADER);
     CHECK_INT(r.code, 0);
@@ -62,7 +62,7 @@ static double second(const char *out, const char *start, int column)
 
 /* Figures of a sweep are those of `simulate`; the boom weighs rho 2 t h l with h = l/10: exponents of the
  * sensitivity are known. */
-static void sweeps(void)
+TEST(sweeps)
 {
     double peak = 0;
     expect("$P family expand " LOADER " --set reach=3 -o $D/three.json", 0, NULL, NULL);
@@ -95,7 +95,7 @@ static void sweeps(void)
 }
 
 /* A minimum that is known: the lever arm of a cylinder with this check at its limit; an inner one of a formula. */
-static void optima(void)
+TEST(optima)
 {
     ran r = run("$P family optimise " LOADER " --vary reach=1.2:4,drop=0.5:1.4 --minimise '(reach/(1 m) - 2.5)^2 + "
                                              "(drop/(1 m) - 0.9)^2 + 1'");
@@ -114,7 +114,7 @@ static void optima(void)
            "no variant");
 }
 
-static void wrong_use(void)
+TEST(wrong_use)
 {
     expect("$P family sweep " LOADER, 2, NULL, "--vary is missing");
     expect("$P family sweep " LOADER " --vary reech", 2, NULL, "did you mean \"reach\"");
@@ -133,15 +133,4 @@ static void wrong_use(void)
            ":86:17: checks[0].require: this check does not hold");
     expect("$P family expand examples/loader.json", 3, NULL, "not a master file");
     expect("$P family expend " LOADER, 2, NULL, "did you mean 'expand'");
-}
-
-int main(void)
-{
-    RUN(expansions);
-    RUN(hand_written);
-    RUN(tables_and_checks);
-    RUN(sweeps);
-    RUN(optima);
-    RUN(wrong_use);
-    return check_end();
 }

@@ -152,7 +152,7 @@ static void fail_each(const char *command)
     free(file);
 }
 
-static void faults(void)
+TEST(faults)
 {
     const char *only = getenv("LW_FAULTS_ROW");
     expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
@@ -166,10 +166,4 @@ static void faults(void)
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
         if (!only || strstr(rows[i], only))
             fail_each(rows[i]);
-}
-
-int main(void)
-{
-    RUN(faults);
-    return check_end();
 }

@@ -5,7 +5,7 @@
 static double member(const json_t *o, const char *key) { return json_number_value(json_object_get(o, key)); }
 
 /* The input of a slider is a length: in millimetres where the target is. */
-static void inputs_of_sliders_have_the_unit_of_the_target(void)
+TEST(inputs_of_sliders_have_the_unit_of_the_target)
 {
     json_t *root = json_of("$P fit examples/figure-eight.csv --type sliderdriven --rounds 1 --json -q");
     json_t *best = json_array_get(json_object_get(root, "results"), 0), *linkage = json_object_get(best, "linkage");
@@ -24,7 +24,7 @@ static void inputs_of_sliders_have_the_unit_of_the_target(void)
     json_decref(root);
 }
 
-static void four_bars_near_a_change_point_are_marked(void)
+TEST(four_bars_near_a_change_point_are_marked)
 {
     json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 -o $D/marked.json > $D/table; "
                            "cat $D/marked.json"), *r;
@@ -42,7 +42,7 @@ static void four_bars_near_a_change_point_are_marked(void)
 }
 
 /* The motion of an open target over a limit says so, as that of a closed one does. */
-static void open_targets_over_limits_have_legs_and_modes(void)
+TEST(open_targets_over_limits_have_legs_and_modes)
 {
     json_t *root = json_of("$P fit examples/pick-and-place.csv --unlimited --rounds 1 --json -q"), *r;
     size_t i, points = (size_t)member(json_object_get(root, "target"), "points");
@@ -60,7 +60,7 @@ static void open_targets_over_limits_have_legs_and_modes(void)
 
 /* By default the first answer for a closed path is a linkage that can be built: each limit is measured here again from
  * the numbers of the result; and an option replaces its own limit only. */
-static void first_answers_keep_the_default_limits(void)
+TEST(first_answers_keep_the_default_limits)
 {
     static const char *const target[] = { "walking-foot", "film-advance", "ellipse" };
     char line[200];
@@ -102,7 +102,7 @@ static void first_answers_keep_the_default_limits(void)
 }
 
 /* Within a tolerance the simplest linkage comes first, then the smallest; where nothing is within, this is told. */
-static void tolerances_choose_the_smallest(void)
+TEST(tolerances_choose_the_smallest)
 {
     json_t *best = json_of("$P fit examples/walking-foot.csv --rounds 2 --json -q");
     json_t *root = json_of("$P fit examples/walking-foot.csv --rounds 2 --tolerance 2mm --json -q"), *r;
@@ -122,7 +122,7 @@ static void tolerances_choose_the_smallest(void)
 }
 
 /* Types whose input cannot turn answer a closed target all the same, and the answer says what it does. */
-static void limits_that_nothing_keeps_give_way(void)
+TEST(limits_that_nothing_keeps_give_way)
 {
     expect("$P fit examples/ellipse.csv --type trammel --rounds 1", 0, "beyond the limits: the input passes a limit",
            NULL);
@@ -130,7 +130,7 @@ static void limits_that_nothing_keeps_give_way(void)
 
 /* Without timing half of the objective is the distance of the curve from the target: the second simulation computes
  * both halves, and comes to the same. */
-static void both_simulations_come_to_one_objective(void)
+TEST(both_simulations_come_to_one_objective)
 {
     static const char *const run[] = {
         "$P fit examples/letters/S.csv --timing none --rounds 1 --json -q",
@@ -148,7 +148,7 @@ static void both_simulations_come_to_one_objective(void)
     }
 }
 
-static void files_of_another_kind_are_named(void)
+TEST(files_of_another_kind_are_named)
 {
     expect("$P trace examples/ellipse.csv", 3, "", "this is a target, not a linkage: did you mean 'linkwright fit");
     expect("$P simulate examples/ellipse.csv", 3, "", "this is a target, not a linkage");
@@ -159,13 +159,13 @@ static void files_of_another_kind_are_named(void)
     expect("$P fit $D/marked.json", 3, "", "this is a list of results, not a target");
 }
 
-static void an_odd_number_of_links_with_pins_is_told(void)
+TEST(an_odd_number_of_links_with_pins_is_told)
 {
     expect("$P fit examples/ellipse.csv --links 5 --rounds 1 --budget 1000", 0, "four-bar", "up to 4 are searched, not 5");
     expect("$P fit examples/ellipse.csv --links 4 --rounds 1 2>&1 > $D/o | grep -c searched", 1, "0", NULL);
 }
 
-static void pins_are_traced_without_tracers(void)
+TEST(pins_are_traced_without_tracers)
 {
     expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/pins.json; "
            "$P trace $D/pins.json -n 3", 0, ",0,B,30,",
@@ -174,7 +174,7 @@ static void pins_are_traced_without_tracers(void)
     expect("$P trace examples/hoeken.json -n 3 2>&1 | grep pins", 1, "", NULL);
 }
 
-static void lines_of_lengths_are_classified(void)
+TEST(lines_of_lengths_are_classified)
 {
     expect("printf 'a,b,c,d\\n4,2,4,3\\n# x\\n\\n4;2;4;2\\n1 9 1 1' > $D/lengths.csv; $P classify $D/lengths.csv", 0,
            "4,2,4,3,2,GCRR,\"crank-rocker\",yes,yes,no,2,", NULL);
@@ -185,7 +185,7 @@ static void lines_of_lengths_are_classified(void)
 }
 
 /* The speed of a slider is in the length unit of the file: at 1 mm/s the rates by time are those by the input. */
-static void speeds_of_sliders_have_the_unit_of_the_file(void)
+TEST(speeds_of_sliders_have_the_unit_of_the_file)
 {
     expect("$P fit examples/figure-eight.csv --type sliderdriven --rounds 1 -q -o $D/slider.json > $D/table; "
            "$P trace $D/slider.json -n 4 --mode file | grep -v '^#' > $D/by-input; "
@@ -193,7 +193,7 @@ static void speeds_of_sliders_have_the_unit_of_the_file(void)
 }
 
 /* The saved page has every result, its least transmission angle and its file. */
-static void the_page_has_every_result_and_its_file(void)
+TEST(the_page_has_every_result_and_its_file)
 {
     json_t *root = json_of("$P fit examples/film-advance.csv --unlimited --rounds 1 --save $D/saved -o $D/saved.json -q; "
                            "cat $D/saved.json"), *r;
@@ -214,22 +214,4 @@ static void the_page_has_every_result_and_its_file(void)
     expect("grep -o 'data:application/json;charset=utf-8,[^\"]*' $D/saved/index.html | head -n 1 | cut -d, -f2 | "
            "sed 's/%/\\\\x/g' | xargs -0 printf '%b' | diff -B - $D/saved/film-advance-1.json", 0, "", "");
     json_decref(root);
-}
-
-int main(void)
-{
-    RUN(inputs_of_sliders_have_the_unit_of_the_target);
-    RUN(four_bars_near_a_change_point_are_marked);
-    RUN(first_answers_keep_the_default_limits);
-    RUN(tolerances_choose_the_smallest);
-    RUN(limits_that_nothing_keeps_give_way);
-    RUN(open_targets_over_limits_have_legs_and_modes);
-    RUN(both_simulations_come_to_one_objective);
-    RUN(files_of_another_kind_are_named);
-    RUN(an_odd_number_of_links_with_pins_is_told);
-    RUN(pins_are_traced_without_tracers);
-    RUN(lines_of_lengths_are_classified);
-    RUN(speeds_of_sliders_have_the_unit_of_the_file);
-    RUN(the_page_has_every_result_and_its_file);
-    return check_end();
 }

@@ -146,7 +146,7 @@ static int plain_count(int links, const double *ratio, int n_ratio)
     return n;
 }
 
-static void every_choice_is_accounted_for(void)
+TEST(every_choice_is_accounted_for)
 {
     static const long known[2][3] = { { 5, 1, 1 }, { 7, 3, 11 } };         /* links, chains, ground choices   */
     static const double all[] = { 1, -1, 2, -2, 3, -3 }, some[] = { 2, 0.5, -1.5 };
@@ -174,7 +174,7 @@ static void every_choice_is_accounted_for(void)
 }
 
 /* With timing it matters which of the two inputs has the angles of the target. */
-static void a_timing_tells_the_inputs_apart(void)
+TEST(a_timing_tells_the_inputs_apart)
 {
     write_target("timed.csv", 2, true);
     json_t *root = json_of("$P fit $D/timed.csv --closed --dof 2 --budget 15000 --json -q");
@@ -186,7 +186,7 @@ static void a_timing_tells_the_inputs_apart(void)
 /* With ratios -1 and 2 three inputs have 12 different rates up to a common factor. Exchanging two inputs keeps 2 of
  * them, a cyclic exchange of all three keeps none. Four sets of inputs are left: two without symmetry, one with
  * that of two inputs, one with that of all three (Burnside: (12 + 3 2 + 2 0)/6). */
-static void three_freedoms_too(void)
+TEST(three_freedoms_too)
 {
     json_t *root = json_of("$P fit $D/m1.csv --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
                            "-q");
@@ -227,7 +227,7 @@ static const json_t *most_exact(const json_t *root)
 
 /* The fit finds the five-bar that drew the curve again, up to rounding, with its ratio and phase; traced from its
  * file by the loop equations it draws the same curve. */
-static void found_again(void)
+TEST(found_again)
 {
     static const double ratio[] = { -1, 2 };
     for (int i = 0; i < 2; i++) {
@@ -256,7 +256,7 @@ static void found_again(void)
     }
 }
 
-static void threads_change_nothing(void)
+TEST(threads_change_nothing)
 {
     expect("$P fit $D/m1.csv --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 1 | "
            "grep -v 'command\\|seconds' > $D/one; "
@@ -264,7 +264,7 @@ static void threads_change_nothing(void)
            "grep -v 'command\\|seconds' | diff - $D/one", 0, "", "");
 }
 
-static void a_resumed_fit_is_not_worse(void)
+TEST(a_resumed_fit_is_not_worse)
 {
     json_t *first = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 -o $D/r.json -q; cat $D/r.json");
     json_t *then = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 --seed 9 --start-from $D/r.json --json -q");
@@ -274,7 +274,7 @@ static void a_resumed_fit_is_not_worse(void)
 }
 
 /* Freedoms and links given in a task file, ratios on the command line; the command line has precedence. */
-static void given_in_a_task_file(void)
+TEST(given_in_a_task_file)
 {
     expect("printf '{\"linkwright-task\":1,\"target\":\"m1.csv\",\"dof\":2,\"links\":5}' > $D/task.json; "
            "$P fit $D/task.json --input-ratios -1,2 --budget 1000 -q", 0, "; 3 searched", NULL);
@@ -284,7 +284,7 @@ static void given_in_a_task_file(void)
            "$P fit $D/task.json", 3, "", "two freedoms and pins have 5, 7 or 9 links");
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     expect("$P fit $D/m1.csv --dof 0", 2, "", "a linkage without freedom is a truss");
     expect("$P fit $D/m1.csv --dof 4", 2, "", "a mechanism has 11 links or more");
@@ -295,17 +295,4 @@ static void refusals(void)
     expect("$P fit $D/m1.csv --input-ratios 2", 3, "", "give --dof 2");
     expect("$P fit $D/m1.csv --dof 2 --input-ratios 2,0.5", 2, "", "--input-ratios takes whole numbers");
     expect("$P fit $D/m1.csv --dof 2 --input-ratios ''", 2, "", "--input-ratios is empty");
-}
-
-int main(void)
-{
-    RUN(every_choice_is_accounted_for);
-    RUN(a_timing_tells_the_inputs_apart);
-    RUN(three_freedoms_too);
-    RUN(found_again);
-    RUN(threads_change_nothing);
-    RUN(a_resumed_fit_is_not_worse);
-    RUN(given_in_a_task_file);
-    RUN(refusals);
-    return check_end();
 }

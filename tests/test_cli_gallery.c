@@ -10,7 +10,7 @@ static json_t *list(void)
     return all;
 }
 
-static void every_mechanism_runs(void)
+TEST(every_mechanism_runs)
 {
     json_t *all = list(), *row;
     size_t i;
@@ -39,7 +39,7 @@ static void every_mechanism_runs(void)
 }
 
 /* Both draw a line x = constant on their first arc: columns arc,mode,input,x of the table. */
-static void exact_lines_are_exact(void)
+TEST(exact_lines_are_exact)
 {
     static const char *const exact[] = { "peaucellier", "scott-russell" };
     for (int i = 0; i < 2; i++) {
@@ -56,17 +56,9 @@ static void exact_lines_are_exact(void)
     }
 }
 
-static void wrong_names(void)
+TEST(wrong_names)
 {
     expect("$P gallery klan", 2, NULL, "did you mean klann");
     expect("$P gallery", 0, "Windscreen", NULL);
     expect("$P gallery --json | head -n 1", 0, "\"source\":", NULL);
-}
-
-int main(void)
-{
-    RUN(every_mechanism_runs);
-    RUN(exact_lines_are_exact);
-    RUN(wrong_names);
-    return check_end();
 }

@@ -1,7 +1,7 @@
 /* Every command that is given a file of another kind says what it is, and which command reads it. */
 #include "tests/cli_run.h"
 
-static void wrong_kinds(void)
+TEST(wrong_kinds)
 {
     static const struct { const char *kind, *file, *is, *advice; } files[] = {
         { "linkage", "examples/hoeken.json", "this is a linkage, not a", "linkwright trace" },
@@ -48,7 +48,7 @@ static void wrong_kinds(void)
 }
 
 /* Files that are handed in as targets by mistake, by how they begin. */
-static void foreign_targets(void)
+TEST(foreign_targets)
 {
     static const struct { const char *begin, *says; } rows[] = {
         { "PK\\003\\004\\000", "workbook" }, { "\\320\\317\\021\\340", "workbook of Excel" }, { "AC1027", "DWG" },
@@ -61,11 +61,4 @@ static void foreign_targets(void)
         expect(line, 3, "", rows[i].says);
     }
     expect("$P classify $D/c.db", 3, "", "this is a catalogue");
-}
-
-int main(void)
-{
-    RUN(wrong_kinds);
-    RUN(foreign_targets);
-    return check_end();
 }

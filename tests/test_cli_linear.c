@@ -22,7 +22,7 @@ static double field(const char *row, int n)
     return row ? strtod(row, NULL) : NAN;
 }
 
-static void table(void)
+TEST(table)
 {
     expect(models, 0, NULL, NULL);
     ran r = run("$P simulate $D/hang.json --analysis linear --fft");
@@ -45,7 +45,7 @@ static void table(void)
     ran_free(&r);
 }
 
-static void rest_and_motion(void)
+TEST(rest_and_motion)
 {
     expect("$P simulate $D/side.json --analysis linear", 0, NULL, "no equilibrium");
     ran r = run("$P simulate $D/side.json --analysis linear --rest --json");
@@ -64,17 +64,9 @@ static void rest_and_motion(void)
     ran_free(&r);
 }
 
-static void wrong_use(void)
+TEST(wrong_use)
 {
     expect("$P simulate $D/free.json --analysis linear --along 4", 3, NULL, "has none");
     expect("$P simulate $D/light.json --analysis linear", 3, NULL, "no mass");
     expect("$P simulate $D/hang.json --along 4", 2, NULL, "--along");
-}
-
-int main(void)
-{
-    RUN(table);
-    RUN(rest_and_motion);
-    RUN(wrong_use);
-    return check_end();
 }

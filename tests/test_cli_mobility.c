@@ -1,7 +1,7 @@
 /* test_cli_mobility.c - `linkwright mobility`: its verdicts on the examples, and its refusals. */
 #include "tests/cli_run.h"
 
-static void verdicts_on_the_examples(void)
+TEST(verdicts_on_the_examples)
 {
     expect("$P mobility examples/mobility/focal.json", 0, "moves because its dimensions are special", NULL);
     expect("$P mobility examples/mobility/focal.json", 0, "-1 = 3*7 - 22", NULL);
@@ -12,7 +12,7 @@ static void verdicts_on_the_examples(void)
     expect("$P mobility examples/jansen.json", 0, "20 of 20 rows", NULL);
 }
 
-static void json_has_the_same(void)
+TEST(json_has_the_same)
 {
     expect("$P mobility examples/mobility/roller.json --json", 0, "\"idle_links\": [\n    \"roller\"\n  ]", NULL);
     expect("$P mobility examples/mobility/parallelogram.json --json", 0, "\"verdict\": \"moves\"", NULL);
@@ -23,7 +23,7 @@ static void json_has_the_same(void)
 }
 
 /* Rounded to four digits the focal linkage is rigid, unless its joints may have play of that size. */
-static void rounded_files(void)
+TEST(rounded_files)
 {
     expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/mobility/focal.json > $D/r.json", 0, NULL,
            NULL);
@@ -32,20 +32,11 @@ static void rounded_files(void)
     expect_words("$P mobility $D/r.json --tolerance 1e-4", "\nfreedom 1");
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     expect("$P mobility", 2, NULL, "MODEL.json");
     expect("$P mobility nowhere.json", 3, NULL, "nowhere.json");
     expect("$P mobility examples/jansen.json --tolerance 1", 2, NULL, "out of range");
     expect("$P mobilty examples/jansen.json", 2, NULL, "did you mean 'mobility'");
     expect("$P help mobility", 0, "Gruebler", NULL);
-}
-
-int main(void)
-{
-    RUN(verdicts_on_the_examples);
-    RUN(json_has_the_same);
-    RUN(rounded_files);
-    RUN(refusals);
-    return check_end();
 }

@@ -36,7 +36,7 @@ static void read_help(const char *command)
     ran_free(&r);
 }
 
-static void read_all(void)
+TEST(read_all)
 {
     ran r = run("$P help");
     char name[32];
@@ -63,7 +63,7 @@ static void told(const option *a, const option *b, const char *why)
            b->name, b->value, why);
 }
 
-static void names_and_letters(void)
+TEST(names_and_letters)
 {
     int n_bad = 0;
     for (int i = 0; i < n_all; i++)
@@ -83,7 +83,7 @@ static void names_and_letters(void)
 }
 
 /* help COMMAND ACTION shows only what concerns the action. */
-static void actions(void)
+TEST(actions)
 {
     ran r = run("$P help catalogue build");
     CHECK_INT(r.code, 0);
@@ -99,12 +99,4 @@ static void actions(void)
     expect("$P grammar", 2, "", "a word is missing");
     expect("$P catalogue query", 2, "", "more words are missing");
     expect("$P bench fits", 2, "", "did you mean 'fit'?");
-}
-
-int main(void)
-{
-    RUN(read_all);
-    RUN(names_and_letters);
-    RUN(actions);
-    return check_end();
 }

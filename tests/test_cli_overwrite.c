@@ -3,7 +3,7 @@
 
 #define PREPARE "cd $D; P=$(realpath $OLDPWD/$P); "
 
-static void prepare(void)
+TEST(prepare)
 {
     expect("cp examples/hoeken.json $D/model.json; cp examples/ellipse.csv $D/target.csv; "
            "ln -s model.json $D/link.json; ln $D/model.json $D/hard.json; mkdir $D/sub; "
@@ -11,7 +11,7 @@ static void prepare(void)
 }
 
 /* An input is never overwritten, however its path is written, not even with --force. */
-static void inputs(void)
+TEST(inputs)
 {
     static const char *const outputs[] = { "$D/model.json", "$D/link.json", "$D/hard.json", "$D/sub/../model.json" };
     char line[512];
@@ -33,7 +33,7 @@ static void inputs(void)
 }
 
 /* Files that linkwright did not write, or that were changed since, are replaced with --force only. */
-static void others(void)
+TEST(others)
 {
     expect("$P chains --links 6 -o $D/mine.txt", 2, "", "--force");
     expect("cat $D/mine.txt", 0, "mine\n", NULL);
@@ -46,7 +46,7 @@ static void others(void)
 }
 
 /* A change by hand is noticed on file systems that keep attributes; there pictures need no --force either. */
-static void changed(void)
+TEST(changed)
 {
     ran r = run("$P draw $D/model.json -o $D/p.png && $P draw $D/model.json -o $D/p.png");
     bool keeps = r.code == 0;
@@ -56,7 +56,7 @@ static void changed(void)
         expect("echo note >> $D/p.png; $P draw $D/model.json -o $D/p.png", 2, "", "changed since");
 }
 
-static void two_outputs(void)
+TEST(two_outputs)
 {
     expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/sub/../a.csv", 2, "", "one file");
     expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/none/a.svg", 3, "",
@@ -65,7 +65,7 @@ static void two_outputs(void)
 }
 
 /* The outputs are checked before the search, which would not end in hours. */
-static void folders(void)
+TEST(folders)
 {
     expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save .", 2, "", "./target.svg exists");
     expect(PREPARE "mkdir other; cp target.csv other; $P fit target.csv other/target.csv --budget 1e12 --links 8 "
@@ -81,15 +81,4 @@ static void folders(void)
            "index.html exists");
     expect("$P chains --links 6 | $P draw --each -o $D/sheet.svg; echo mine > $D/sheet-001.svg; "
            "$P chains --links 6 | $P draw --each -o $D/sheet.svg", 2, "", "sheet-001.svg");
-}
-
-int main(void)
-{
-    RUN(prepare);
-    RUN(inputs);
-    RUN(others);
-    RUN(changed);
-    RUN(two_outputs);
-    RUN(folders);
-    return check_end();
 }

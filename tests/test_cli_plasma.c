@@ -9,7 +9,7 @@
 static const char whole[] =
     "$P plasma $D/lam.txt --target examples/ellipse.csv --points 401 --budget 2e4 --first 40 --save $D/out";
 
-static void every_step_of_a_four_bar(void)
+TEST(every_step_of_a_four_bar)
 {
     expect("printf '0 1 0 2\\n0 0 3 0\\n0 0 0 4\\n0 0 0 0\\n' > $D/lam.txt", 0, NULL, NULL);
     ran r = run(whole);
@@ -83,7 +83,7 @@ static void check_motion(const char *text, const char *model)
     ran_free(&r);
 }
 
-static void motions_agree(void)
+TEST(motions_agree)
 {
     ran r = run(whole);
     check_motion(r.out, "out/first.adm");
@@ -95,7 +95,7 @@ static void motions_agree(void)
 }
 
 /* A six-bar with any numbering of its joints, a slider, another ground link. */
-static void other_mechanisms(void)
+TEST(other_mechanisms)
 {
     expect("printf '0 7 0 2 0 3\\n0 0 1 0 0 0\\n0 0 0 4 5 0\\n0 0 0 0 0 0\\n0 0 0 0 0 6\\n0 0 0 0 0 0\\n' > $D/six.txt;"
            "$P plasma $D/six.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30", 0,
@@ -111,7 +111,7 @@ static void other_mechanisms(void)
            " --jobs $j > $D/j$j; done; cmp $D/j1 $D/j2", 0, NULL, NULL);
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     expect("$P plasma $D/lam.txt", 2, NULL, "--target is missing");
     expect("$P plasma $D/lam.txt --target nowhere.csv", 3, NULL, "nowhere.csv");
@@ -122,13 +122,4 @@ static void refusals(void)
     expect("echo '0 1 3;0 0 2;0 0 0' | $P plasma --target examples/ellipse.csv", 3, NULL, "has 0 degrees of freedom");
     expect("echo '0 1 x' | $P plasma --target examples/ellipse.csv", 3, NULL, ":1:5:");
     expect("echo '0 1 x' | $P plasma --target examples/ellipse.csv -o $D/never; test ! -e $D/never", 0, NULL, NULL);
-}
-
-int main(void)
-{
-    RUN(every_step_of_a_four_bar);
-    RUN(motions_agree);
-    RUN(other_mechanisms);
-    RUN(refusals);
-    return check_end();
 }

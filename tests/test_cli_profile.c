@@ -13,7 +13,7 @@ static double number(const char *command, const char *key)
 
 #define LIMITS " --acceleration-limit 20 --jerk-limit 400 "
 
-static void known_motions(void)
+TEST(known_motions)
 {
     CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3", "duration"), 0.533333333333, 1e-12, 0);
     CHECK_NEAR(number("$P profile 1" LIMITS "--speed-limit 3 --from-state 1,0 --to-state 0.5,0", "duration"), 0.45625,
@@ -31,7 +31,7 @@ static void known_motions(void)
     CHECK_NEAR(number("$P profile 1" LIMITS "--duration 2", "duration"), 2, 1e-11, 0);
 }
 
-static void tables_and_pictures(void)
+TEST(tables_and_pictures)
 {
     ran r = run("$P profile 90 --law modified-sine --duration 0.5 -n 4 -p $D/m.svg");
     CHECK_INT(r.code, 0);
@@ -48,7 +48,7 @@ static void tables_and_pictures(void)
     ran_free(&r);
 }
 
-static void several_axes(void)
+TEST(several_axes)
 {
     CHECK_NEAR(number("$P profile 1,0.2,0.8" LIMITS "--speed-limit 3", "whole cycle"), 0.533333333333, 1e-10, 0);
     CHECK_NEAR(number("$P profile 1,0.2,0.8" LIMITS "--speed-limit 3 --straight", "whole cycle"), 0.533333333333, 1e-10, 0);
@@ -61,7 +61,7 @@ static void several_axes(void)
 }
 
 /* No way, ways and times beyond what anyone builds: still within the limits, and finite. */
-static void hard_cases(void)
+TEST(hard_cases)
 {
     expect("$P profile 0" LIMITS, 0, "duration      0 s\nspeed         0 to 0\n", NULL);
     expect("$P profile 0 --law 345 --duration 1", 0, "speed         0 to 0\n", NULL);
@@ -75,7 +75,7 @@ static void hard_cases(void)
     expect("$P profile 1 --law bang-bang --acceleration-limit 4", 0, "duration      1 s", NULL);
 }
 
-static void cycles(void)
+TEST(cycles)
 {
     expect("$P profile examples/cycles/gantry.json", 0, " 2.418536337\nwanted", NULL);
     expect("$P profile examples/cycles/gantry.json --json", 0, "\"kept\": true", NULL);
@@ -85,7 +85,7 @@ static void cycles(void)
     expect("$P profile examples/loader.json", 3, NULL, "examples/loader.json:2:3: linkwright: this key is not known");
 }
 
-static void wrong_use(void)
+TEST(wrong_use)
 {
     expect("$P profile 1" LIMITS "--speed-limit 3 --duration 0.3", 1, NULL,
            "next duration that is possible is 0.533333333 s");
@@ -102,15 +102,4 @@ static void wrong_use(void)
     expect("$P profile 1 --from-state 1,0 --frequency 5" LIMITS, 2, NULL, "from rest to rest");
     expect("$P profile x" LIMITS, 2, NULL, "WAY");
     expect("$P profile 1" LIMITS "-p $D/a.txt", 2, NULL, ".svg");
-}
-
-int main(void)
-{
-    RUN(known_motions);
-    RUN(tables_and_pictures);
-    RUN(several_axes);
-    RUN(hard_cases);
-    RUN(cycles);
-    RUN(wrong_use);
-    return check_end();
 }

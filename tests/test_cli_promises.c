@@ -143,7 +143,7 @@ static const struct { int number; const char *how; } ends[] = {
     { SIGHUP, "until_busy HUP " }, { SIGINT, "until_busy INT " }, { SIGTERM, "until_busy TERM " },
 };
 
-static void stopped_in_order(void)
+TEST(stopped_in_order)
 {
     for (int i = 0, n = 0; i < N_ROW; i++) {
         char line[800], small[600];
@@ -180,7 +180,7 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "bench mbs --cases row-of-400 --peers none -o $D/x", NULL },
 };
 
-static void long_runs_stop(void)
+TEST(long_runs_stop)
 {
     for (size_t i = 0; i < sizeof long_runs/sizeof *long_runs; i++) {
         char line[1200];
@@ -198,7 +198,7 @@ static void long_runs_stop(void)
 }
 
 /* Several targets share --time: each of them is searched. */
-static void targets_share_time(void)
+TEST(targets_share_time)
 {
     demand("$P fit examples/walking-foot.csv examples/ellipse.csv examples/walking-foot.csv --time 3 --json -q "
            "> $D/three; test $? = 5 && test $(grep -c '\"results\": *\\[' $D/three) = 3 && "
@@ -208,7 +208,7 @@ static void targets_share_time(void)
 }
 
 /* A killed run leaves FILE as it was; the next run removes its temporary file. */
-static void killed(void)
+TEST(killed)
 {
     for (int i = 0; i < N_ROW; i += 3) {
         char line[800], small[600];
@@ -223,7 +223,7 @@ static void killed(void)
 }
 
 /* A stack of 256 KB is enough: threads have as much as the first one. */
-static void little_stack(void)
+TEST(little_stack)
 {
     static const char *const more[] = {
         "fit examples/function-log.csv --links 6 --budget 1000 --starts 5 --rounds 1 --results 2",
@@ -246,7 +246,7 @@ static void little_stack(void)
     }
 }
 
-static void inputs_and_long_names(void)
+TEST(inputs_and_long_names)
 {
     char line[1600], small[600], name[300];
     memset(name, 'n', 250);
@@ -268,7 +268,7 @@ static void inputs_and_long_names(void)
 }
 
 /* Too little memory is an error with a message, or does not matter. */
-static void bounded_memory(void)
+TEST(bounded_memory)
 {
     for (int i = 0; i < N_ROW; i++) {
         char line[800], small[600];
@@ -285,7 +285,7 @@ static void bounded_memory(void)
 }
 
 /* Streams that are closed, or that nobody reads, and names that are no plain text. */
-static void odd_streams_and_names(void)
+TEST(odd_streams_and_names)
 {
     static const char *const commands[] = { "fit examples/ellipse.csv --starts 5 --rounds 1", "trace examples/jansen.json -n 4",
         "family table examples/families/loader.json", "drive load examples/drives/lifting-arm.json -n 4" };
@@ -314,7 +314,7 @@ static void odd_streams_and_names(void)
 }
 
 /* A database that is cut short while it is read. */
-static void catalogues(void)
+TEST(catalogues)
 {
     expect("$P catalogue check $D/six.db", 0, NULL, NULL);
     expect("size=$(stat -c %s $D/six.db); cp $D/six.db $D/cut.db; truncate -s $((size/2)) $D/cut.db; "
@@ -325,7 +325,7 @@ static void catalogues(void)
 }
 
 /* Outputs that cannot be written: a full disk, a limit of file sizes, a folder, a closed stream, another name of an input. */
-static void bad_outputs(void)
+TEST(bad_outputs)
 {
     char line[2000], small[600];
     for (int i = 0; i < N_ROW; i++) {
@@ -345,7 +345,7 @@ static void bad_outputs(void)
     expect("$P chains --links 10 | head -n 1 > $D/rows; test -s $D/rows", 0, "", NULL);
 }
 
-static void prepare(void)
+TEST(prepare)
 {
     demand("$P chains --links 6 -o $D/six.g6 && $P catalogue build $D/six.db --links 6 -q && "
            "cp $D/six.db $D/endless.db && cp $D/six.db $D/builds.db", "");
@@ -398,20 +398,4 @@ static void prepare(void)
            "           'SELECT build_rows.* FROM x, build_rows')\n"
            "db.commit()\n"
            "END", "");
-}
-
-int main(void)
-{
-    RUN(prepare);
-    RUN(stopped_in_order);
-    RUN(long_runs_stop);
-    RUN(targets_share_time);
-    RUN(killed);
-    RUN(little_stack);
-    RUN(inputs_and_long_names);
-    RUN(bad_outputs);
-    RUN(odd_streams_and_names);
-    RUN(bounded_memory);
-    RUN(catalogues);
-    return check_end();
 }

@@ -28,14 +28,14 @@ static const char *const machines[] = {
     "LW_LESSER=2 GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX LOCPATH=$D/locale LC_ALL=tr_TR.UTF-8",
 };
 
-static void prepare(void)
+TEST(prepare)
 {
     expect("mkdir $D/locale; for l in de_DE tr_TR; do localedef -i $l -f UTF-8 $D/locale/$l.UTF-8 || exit 1; done; "
            "LOCPATH=$D/locale LC_ALL=de_DE.UTF-8 bash -c 'printf \"%.1f\\n\" 1,5'", 0, "1,5", NULL);
     expect("printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);
 }
 
-static void same_everywhere(void)
+TEST(same_everywhere)
 {
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         ran usual = run(rows[i]);
@@ -55,11 +55,4 @@ static void same_everywhere(void)
         }
         ran_free(&usual);
     }
-}
-
-int main(void)
-{
-    RUN(prepare);
-    RUN(same_everywhere);
-    return check_end();
 }

@@ -4,7 +4,7 @@
 #include "enumerate/mechanisms.h"
 #include "tests/cli_json.h"
 
-static void every_topology_is_accounted_for(void)
+TEST(every_topology_is_accounted_for)
 {
     static const long known[2][3] = { { 6, 2, 5 }, { 8, 16, 71 } };        /* links, chains, ground choices   */
     json_t *root = json_ending("LW_CLOCK_STEP=0.001 $C fit $D/t.csv --links 8 --time 1 --json", 5);
@@ -21,7 +21,7 @@ static void every_topology_is_accounted_for(void)
 }
 
 /* Six links with sliders too: the report says how many families the budget did not reach. */
-static void a_small_budget_is_accounted_for(void)
+TEST(a_small_budget_is_accounted_for)
 {
     const char *fit = "$P fit $D/t.csv --links 6 --joints r,t --budget 1000 --rounds 1 --json -q";
     json_t *root = json_of(fit), *t = json_array_get(json_object_get(root, "topologies"), 0);
@@ -32,7 +32,7 @@ static void a_small_budget_is_accounted_for(void)
     json_decref(root);
 }
 
-static void more_links_are_never_worse(void)
+TEST(more_links_are_never_worse)
 {
     json_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --budget 5000 --rounds 1 --json --seed 3");
     const json_t *stages = json_object_get(root, "by_links");
@@ -45,7 +45,7 @@ static void more_links_are_never_worse(void)
 
 /* A linkage with a higher Assur group gives the same sum of squares again only up to rounding; its refinement must
  * end nevertheless, and not depend on the number of threads. */
-static void higher_groups_end_for_any_threads(void)
+TEST(higher_groups_end_for_any_threads)
 {
     json_t *root = json_of("fit='fit examples/letters/S.csv --links 6 --timing none --budget 20000 --rounds 1 "
                            "--unlimited --seed 4 --json -q'; $P $fit -j 1 | grep objective > $D/one; $P $fit -j 2 | tee $D/two");
@@ -56,7 +56,7 @@ static void higher_groups_end_for_any_threads(void)
     expect("test -s $D/one && grep objective $D/two | diff - $D/one", 0, "", "");
 }
 
-static void only_the_topologies_asked_for(void)
+TEST(only_the_topologies_asked_for)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 6 --topology watt1 --budget 5000 --json");
     json_t *results = json_object_get(root, "results");
@@ -82,7 +82,7 @@ static void only_the_topologies_asked_for(void)
     expect("$P fit $D/t.csv --bounds r1=5:5,r2=5:5,r3=5:5,r4=1e-3:1e-3 --crank-only --rounds 1 -j 1", 1, NULL, NULL);
 }
 
-static void a_resumed_fit_is_not_worse(void)
+TEST(a_resumed_fit_is_not_worse)
 {
     json_t *first = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt --crank-only --budget 2000 --rounds 1 -o "
                             "$D/r.json -q; "
@@ -100,7 +100,7 @@ static void a_resumed_fit_is_not_worse(void)
            "one input and a tracer");
 }
 
-static void error_against_links(void)
+TEST(error_against_links)
 {
     expect("mkdir -p $D/p; cp $D/t.csv $D/p/; $P bench fit --links 6 --budget 3000 --problems $D/p -o $D/b", 0,
            "|  6 |", NULL);
@@ -209,7 +209,7 @@ static long count_by_blocks(int links, int n2)
 
 /* Three links, counted by hand: a ring of pin, pin, pin in slot. There are six choices of ground and tracer link,
  * since the slot tells the links apart; in four of them ground and tracer link share a pin. */
-static void slots_are_counted_as_blocks(void)
+TEST(slots_are_counted_as_blocks)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,p --rounds 1 --starts 32 --budget 1000 --json");
     json_t *list = json_object_get(root, "topologies");
@@ -269,7 +269,7 @@ static int trace_results(const json_t *root, char kind)
     return found;
 }
 
-static void slots_are_fitted_and_traced(void)
+TEST(slots_are_fitted_and_traced)
 {
     json_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,p --crank-only --starts 32 "
                            "--rounds 1 --budget 1000 --json");
@@ -288,7 +288,7 @@ static void slots_are_fitted_and_traced(void)
  * known first, and x i and x c need a group. (b) A four-bar c i x y with the wheel j on c: x j, y j, j x, j y; with
  * j on the coupler a group is needed where the ratio is no whole number. (c) Three gear pairs on a tree of four
  * pins: the path of five links from end to end, and three more, each with all 27 sets of ratios. */
-static void gear_pairs_are_counted(void)
+TEST(gear_pairs_are_counted)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
                            "--budget 1000 --unlimited --json");
@@ -319,7 +319,7 @@ static void gear_pairs_are_counted(void)
 
 /* Three links with a slider: the trochoids with every ratio. A wheel that rolls on the ground and, inverted, a rack
  * whose point is traced count once each: their pitch is a design variable. */
-static void racks_are_counted(void)
+TEST(racks_are_counted)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
                            "--budget 1000 --unlimited --json");
@@ -332,14 +332,14 @@ static void racks_are_counted(void)
 }
 
 /* Counting takes long with every kind of joint.  The signal is sent when the program has read and closed its target. */
-static void counting_stops_when_asked(void)
+TEST(counting_stops_when_asked)
 {
     expect("mkfifo $D/fifo; $P fit $D/fifo --links 8 --joints r,t,p,g & cat $D/t.csv > $D/fifo; "
            "while ls -l /proc/$!/fd | grep -q $D/fifo; do sleep 0.01; done; "
            "kill -TERM $!; wait $!", 143, NULL, "stopped while mechanisms were still counted: none was searched");
 }
 
-static void gears_are_fitted_and_traced(void)
+TEST(gears_are_fitted_and_traced)
 {
     json_t *root = json_of("$P fit $D/t.csv --unlimited --links 5 --joints r,g --crank-only --starts 32 "
                            "--rounds 1 --budget 1000 --json");
@@ -355,18 +355,6 @@ static void gears_are_fitted_and_traced(void)
 int main(void)
 {
     expect("printf 'x,y\\n0,0\\n1,0.2\\n2,0\\n3,0.3\\n3,1.2\\n2.6,2\\n1.5,1.7\\n0.4,1.4\\n' > $D/t.csv", 0, NULL, NULL);
-    RUN(every_topology_is_accounted_for);
-    RUN(a_small_budget_is_accounted_for);
-    RUN(more_links_are_never_worse);
-    RUN(higher_groups_end_for_any_threads);
-    RUN(only_the_topologies_asked_for);
-    RUN(a_resumed_fit_is_not_worse);
-    RUN(error_against_links);
-    RUN(slots_are_counted_as_blocks);
-    RUN(slots_are_fitted_and_traced);
-    RUN(gear_pairs_are_counted);
-    RUN(racks_are_counted);
-    RUN(gears_are_fitted_and_traced);
-    RUN(counting_stops_when_asked);
+    check_run();
     return check_end();
 }

@@ -1,7 +1,7 @@
 /* The program and spatial models: what it prints, and what it refuses with a status that is not 0. */
 #include "tests/cli_run.h"
 
-static void traces(void)
+TEST(traces)
 {
     expect("$P trace examples/space/slider-crank.json -n 4 --tracer P", 0, "\n0,0.1999", NULL);
     expect("$P trace examples/space/bricard.json -n 4", 0, "units: input rad; x y z m", "both ends are limits of the motion");
@@ -13,7 +13,7 @@ static void traces(void)
     expect("$P trace $D/deep.json --time-range 0:1:0.1", 4, NULL, "open");
 }
 
-static void runs(void)
+TEST(runs)
 {
     expect("$P simulate examples/space/delta.json --to 0.1 -n 10 --explain", 0, "M1.drive", "every freedom is driven");
     expect("$P simulate examples/space/bricard.json -n 2", 0, "kinetic,potential,work", "at P");
@@ -25,7 +25,7 @@ static void runs(void)
 }
 
 /* What is not there for spatial models is refused, never ignored. */
-static void refusals(void)
+TEST(refusals)
 {
     expect("$P simulate examples/space/top.json -a linear", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json --formulation reduced", 2, NULL, "auto, driven, index1 and cvode");
@@ -39,7 +39,7 @@ static void refusals(void)
     expect("$P convert examples/space/top.json -o $D/a.adm", 3, NULL, "");
 }
 
-static void freedoms(void)
+TEST(freedoms)
 {
     expect_words("$P mobility examples/space/bennett.json", "\nfreedom 1");
     expect("$P mobility examples/space/bennett.json", 0, "tilt 2 of D", NULL);
@@ -48,13 +48,4 @@ static void freedoms(void)
     expect("sed 's/\\(\\.[0-9]\\{5\\}\\)[0-9]*/\\1/g' examples/space/bennett.json > $D/r.json", 0, NULL, NULL);
     expect_words("$P mobility $D/r.json", "\nfreedom 0");
     expect_words("$P mobility $D/r.json --tolerance 1e-4", "\nfreedom 1");
-}
-
-int main(void)
-{
-    RUN(traces);
-    RUN(runs);
-    RUN(refusals);
-    RUN(freedoms);
-    return check_end();
 }

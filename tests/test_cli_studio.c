@@ -4,7 +4,7 @@
 #define ENV "XDG_STATE_HOME=$D/state XDG_CACHE_HOME=$D/cache "
 #define SHORT ENV "$P studio --no-browser --time 0.3 "
 
-static void it_prints_its_address_and_ends(void)
+TEST(it_prints_its_address_and_ends)
 {
     expect(SHORT, 5, "http://127.0.0.1:", "Ctrl-C ends it");
     expect(SHORT "--json --quiet", 5, "{\"address\": \"http://127.0.0.1:", NULL);
@@ -12,7 +12,7 @@ static void it_prints_its_address_and_ends(void)
     expect(ENV "sh -c '$P studio --no-browser > $D/address & sleep 0.5; kill -INT $!; wait $!'", 130, NULL, NULL);
 }
 
-static void the_next_run_has_the_same_address(void)
+TEST(the_next_run_has_the_same_address)
 {
     expect(SHORT "> $D/one; " SHORT "> $D/two; cmp $D/one $D/two && stat -c %a $D/state/linkwright/studio", 0, "600", NULL);
     /* a file that others can read, or one with nonsense, is not believed */
@@ -20,7 +20,7 @@ static void the_next_run_has_the_same_address(void)
     expect("echo 80 0000 > $D/state/linkwright/studio; " SHORT, 5, "http://127.0.0.1:", NULL);
 }
 
-static void wrong_words(void)
+TEST(wrong_words)
 {
     expect("$P studio $D/nothing.json --no-browser", 3, NULL, "nothing.json");
     expect("$P studio --no-browser --atlas $D/nothing.db", 3, NULL, "nothing.db");
@@ -29,12 +29,4 @@ static void wrong_words(void)
     expect("$P studio a b", 2, NULL, "one word too many");
     expect(ENV "sh -c '$P studio --no-browser --time 2 > $D/a & sleep 0.7; port=$(sed s/.*:// $D/a | cut -d/ -f1); "
            "$P studio --no-browser --port $port; code=$?; kill $!; wait; exit $code'", 3, NULL, "cannot listen on port");
-}
-
-int main(void)
-{
-    RUN(it_prints_its_address_and_ends);
-    RUN(the_next_run_has_the_same_address);
-    RUN(wrong_words);
-    return check_end();
 }

@@ -4,7 +4,7 @@
 #define FOUR "((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))"
 #define WATT "((1 r 2 r 3 r 4 r 5 r 6 r) (1 r 2 r 3 r 4 r) (1 r 4 r 5 r 6 r))"
 
-static void notations(void)
+TEST(notations)
 {
     expect("echo '" WATT "' | $P grammar parse", 0, "1-2 1-4 1-6 2-3 3-4 4-5 5-6\n", NULL);
     expect("echo '" WATT "' | $P grammar parse --format lam", 0, "0 1 0 2 0 3\n0 0 4 0 0 0\n0 0 0 5 0 0\n", NULL);
@@ -17,7 +17,7 @@ static void notations(void)
     expect("$P grammar parse", 1, NULL, NULL);
 }
 
-static void faults_of_input(void)
+TEST(faults_of_input)
 {
     expect("printf 'Cl\\n((1 r 2 r)\\n (1 r 2 r' | $P grammar parse", 3, "1-2 1-4 2-3 3-4",
            "standard input:3:2: this word is not closed");
@@ -34,7 +34,7 @@ static void faults_of_input(void)
     expect("$P mechanisms --links 7", 3, NULL, "P = F + 2 L + 1 - n2");
 }
 
-static void derive(void)
+TEST(derive)
 {
     /* paper F, eq. 25 */
     expect("$P grammar derive --sentence '" FOUR "' --rule 3 --at 3,4", 0,
@@ -59,7 +59,7 @@ static void derive(void)
     expect("$P grammar diagram", 2, NULL, "there is no action 'diagram'");
 }
 
-static void explain_and_coverage(void)
+TEST(explain_and_coverage)
 {
     expect("echo '" WATT "' | $P grammar explain", 0, "  rules 1 to 4 reach it\n  rule 2, k = r r r r\n      " FOUR,
            NULL);
@@ -74,7 +74,7 @@ static void explain_and_coverage(void)
     expect("$P grammar coverage", 2, NULL, "--links N");
 }
 
-static void steps(void)
+TEST(steps)
 {
     expect_words("$P mechanisms --links 10 --count", "with ground link 1834\n");
     expect_words("$P mechanisms --links 6 --joints r,t --count", "with joint kinds 234\n");
@@ -105,7 +105,7 @@ static void steps(void)
     expect("$P mechanisms --links 4 --no-ground --input ground", 3, NULL, "want a ground link");
 }
 
-static void catalogue_check(void)
+TEST(catalogue_check)
 {
     expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
            "simple-joint,1,8,3,nonfractionated chains,16,here,\\n"
@@ -123,15 +123,4 @@ static void catalogue_check(void)
     expect("$P catalogue check --time 1e-9 --disagreeing", 0, NULL, " 0 disagree, ");
     expect("echo a,b > $D/t.csv; $P catalogue check $D/t.csv", 3, NULL, "t.csv:1:1: the header must be");
     expect("$P catalogue count", 2, NULL, "there are build");
-}
-
-int main(void)
-{
-    RUN(notations);
-    RUN(faults_of_input);
-    RUN(derive);
-    RUN(explain_and_coverage);
-    RUN(steps);
-    RUN(catalogue_check);
-    return check_end();
 }

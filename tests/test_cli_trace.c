@@ -73,7 +73,7 @@ static void piston(double q, double d[4])
     d[3] = r*sin(q) + w3;
 }
 
-static void slider_crank_is_exact(void)
+TEST(slider_crank_is_exact)
 {
     table *t = trace("examples/slider-crank.json --tracer piston --mode file --steps 72");
     CHECK_INT(t->n, 73);
@@ -89,7 +89,7 @@ static void slider_crank_is_exact(void)
     free(t);
 }
 
-static void speed_scales_by_powers(void)
+TEST(speed_scales_by_powers)
 {
     table *t = trace("examples/slider-crank.json --tracer piston -m file -n 12 --speed -3");
     for (int i = 0; i < t->n; i++) {
@@ -102,7 +102,7 @@ static void speed_scales_by_powers(void)
     free(t);
 }
 
-static void both_modes(void)
+TEST(both_modes)
 {
     table *t = trace("examples/slider-crank.json --tracer piston --steps 10");
     CHECK_INT(t->n, 22);
@@ -115,7 +115,7 @@ static void both_modes(void)
 
 /* Chebyshev: 40, 50, 20, 50 mm. The input ends where coupler and output are in line, so that its end is
  * 70 or 30 mm from the other pivot: cos q = (50^2 + 40^2 - s^2)/(2 50 40). */
-static void limits_are_found(void)
+TEST(limits_are_found)
 {
     table *t = trace("examples/chebyshev.json --mode file --steps 4");
     double a = acos((4100 - 900)/4000.0)*180/M_PI, b = acos((4100 - 4900)/4000.0)*180/M_PI;
@@ -141,7 +141,7 @@ static void limits_are_found(void)
 
 /* Hoeken, crank 20, frame 40, coupler and rocker 50: rocker turns back where crank and coupler are in
  * line, 70 and 30 mm from its pivot on a triangle with 40 and 50. */
-static void dead_points_are_reported(void)
+TEST(dead_points_are_reported)
 {
     json_t *j = json_of("$P trace examples/hoeken.json -m file -n 4 --json");
     json_t *d = json_object_get(json_array_get(json_object_get(j, "arcs"), 0), "dead_points");
@@ -157,7 +157,7 @@ static void dead_points_are_reported(void)
     json_decref(j);
 }
 
-static void windows_are_cut(void)
+TEST(windows_are_cut)
 {
     table *t = trace("examples/slider-crank.json --tracer piston -m file --input-range -30:400 -n 43");
     CHECK_INT(t->n, 44);
@@ -180,7 +180,7 @@ static void windows_are_cut(void)
 }
 
 /* x^2/a^2 + y^2/b^2 = 1 for a point of the bar of an elliptic trammel; rates by the slider. */
-static void trammel_draws_an_ellipse(void)
+TEST(trammel_draws_an_ellipse)
 {
     table *t = trace("examples/trammel.json -m file -n 20");
     for (int i = 0; i < t->n; i++)
@@ -189,7 +189,7 @@ static void trammel_draws_an_ellipse(void)
     free(t);
 }
 
-static void several_tracers_and_all_examples(void)
+TEST(several_tracers_and_all_examples)
 {
     expect("$P trace examples/slider-crank.json -n 2", 0, "arc,mode,input,tracer,x,y", NULL);
     expect("$P trace examples/slider-crank.json -n 2", 0, ",middle,", NULL);
@@ -201,7 +201,7 @@ static void several_tracers_and_all_examples(void)
     expect("$P trace - < examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
 }
 
-static void json_has_the_same(void)
+TEST(json_has_the_same)
 {
     table *t = trace("examples/hoeken.json -n 7");
     json_t *j = json_of("$P trace examples/hoeken.json -n 7 --json");
@@ -223,7 +223,7 @@ static void json_has_the_same(void)
     free(t);
 }
 
-static void bad_models(void)
+TEST(bad_models)
 {
     expect("$P trace none.json", 3, NULL, "no such file");
     expect("$P trace examples", 3, NULL, "folder");
@@ -240,7 +240,7 @@ static void bad_models(void)
     expect("$P trace examples/hoeken.json > /dev/full", 3, NULL, "no space left");
 }
 
-static void time_is_a_limit(void)
+TEST(time_is_a_limit)
 {
     expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 5 -o $D/cut.csv", 5, "", NULL);
     expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
@@ -249,7 +249,7 @@ static void time_is_a_limit(void)
            "tail -n 1 $D/cut.json.partial; exit $c", 5, "}", NULL);
 }
 
-static void ctrl_c_keeps_what_is_there(void)
+TEST(ctrl_c_keeps_what_is_there)
 {
     expect("LW_SIGNAL=2 LW_SIGNAL_AT=500 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "",
            NULL);
@@ -258,7 +258,7 @@ static void ctrl_c_keeps_what_is_there(void)
 }
 
 /* Speeds have units; a plot has a panel for each unit and nothing of it on standard output. */
-static void speeds_and_plots(void)
+TEST(speeds_and_plots)
 {
     const char *const same[] = { "6.283185307179586", "60rpm", "'60 rpm'", "1Hz", "'360 deg/s'", "1turn/s" };
     ran first = { 0 };
@@ -293,22 +293,4 @@ static void speeds_and_plots(void)
     expect("$P trace examples/jansen.json --plot $D/t.txt", 2, NULL, "kind of picture");
     expect("$P simulate examples/pendulum.json --to 1 --plot $D/s.svg --columns kinetic,A,P -o $D/s.csv && "
            "grep -c '>.rad/s.<' $D/s.svg", 0, "1", NULL);
-}
-
-int main(void)
-{
-    RUN(slider_crank_is_exact);
-    RUN(speed_scales_by_powers);
-    RUN(both_modes);
-    RUN(limits_are_found);
-    RUN(dead_points_are_reported);
-    RUN(windows_are_cut);
-    RUN(trammel_draws_an_ellipse);
-    RUN(several_tracers_and_all_examples);
-    RUN(json_has_the_same);
-    RUN(bad_models);
-    RUN(time_is_a_limit);
-    RUN(ctrl_c_keeps_what_is_there);
-    RUN(speeds_and_plots);
-    return check_end();
 }

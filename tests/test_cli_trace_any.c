@@ -37,7 +37,7 @@ static int trace(const char *arguments, double v[20])
 }
 
 /* The double rocker of Chebyshev as one closed curve: the end is the beginning, and the coupler has made one turn. */
-static void a_cycle_over_both_limits(void)
+TEST(a_cycle_over_both_limits)
 {
     double v[20];
     CHECK_INT(trace("examples/chebyshev.json --cycle --steps 40", v), 41);
@@ -53,7 +53,7 @@ static void a_cycle_over_both_limits(void)
 
 /* The closed form and the continuation give the same curve: every posture of the plan lies on the closed curve,
  * found by its input. */
-static void two_ways_agree(void)
+TEST(two_ways_agree)
 {
     ran r = run("$P trace examples/slider-crank.json --tracer piston --mode file --input-range 37:37.5 -n 1");
     double plan[20], curve[20];
@@ -71,7 +71,7 @@ static void two_ways_agree(void)
     ran_free(&r);
 }
 
-static void a_geared_five_bar_closes_after_two_turns(void)
+TEST(a_geared_five_bar_closes_after_two_turns)
 {
     double v[20];
     CHECK_INT(trace("examples/geared-five-bar.json -n 8", v), 9);
@@ -87,7 +87,7 @@ static void a_geared_five_bar_closes_after_two_turns(void)
 }
 
 /* The loader's cylinders stop after 2 s, so it stands still. */
-static void inputs_move_in_time(void)
+TEST(inputs_move_in_time)
 {
     double v[20], w[20];
     CHECK_INT(trace("examples/loader.json --time-range 0:2.5:0.05", v), 51);
@@ -107,7 +107,7 @@ static void inputs_move_in_time(void)
            "$P trace - --time-range 0:2:0.5", 0, "# branch points passed straight on: 2, the last at time 1.5", NULL);
 }
 
-static void json_can_be_read(void)
+TEST(json_can_be_read)
 {
     static const char *const argument[] = { "examples/geared-five-bar.json -n 3", "examples/klann.json --cycle -n 3",
                                             "examples/five-bar.json --time-range 0:1:0.5",
@@ -137,7 +137,7 @@ static void json_can_be_read(void)
 #define THREE(more) "\"inputs\":[{\"joint\":\"A\"},{\"joint\":\"E\"},{\"joint\":\"C\"" more "}]"
 #define MOTION(text) "\"input\":{\"joint\":\"A\",\"value\":1.5707963267948966,\"motion\":\"" text "\"}"
 
-static void faults_are_reported(void)
+TEST(faults_are_reported)
 {
     expect(MODEL(FIVE_BAR, "\"input\":{\"joint\":\"A\"}"), 3, NULL, "2 freedoms but 1 input; drive 1 more joint");
     expect(MODEL(FIVE_BAR, THREE("")), 3, NULL, "2 freedoms but 3 inputs; leave out 1");
@@ -201,7 +201,7 @@ static int rows_of(const char *line, double (*v)[13], int room)
 /* Between the postures of the curve the rows are solved by Assur groups. Every 16th row of a fine table is on the
  * curve, and with 16 times fewer rows all are: both are compared, and the rates with differences of neighbouring
  * rows. */
-static void groups_and_curve_agree(void)
+TEST(groups_and_curve_agree)
 {
     enum { FINE = 1008, COARSE = 63, ROOM = 4*(FINE + 1) };
     static const char *const model[] = { TRIAD, BOOM };
@@ -232,7 +232,7 @@ static void groups_and_curve_agree(void)
     }
 }
 
-static void the_way_is_told(void)
+TEST(the_way_is_told)
 {
     expect("echo " TRIAD " | $P trace - --explain", 0, "by these groups", NULL);
     expect("echo " TRIAD " | $P trace - --explain", 0, "class III", NULL);
@@ -244,7 +244,7 @@ static void the_way_is_told(void)
 
 /* Two parallelograms are dyads, but an assembly mode of a dyad changes direction at a change point; the circuit of
  * the file goes straight on, with every crank turning like the first. */
-static void change_points_are_passed_straight_on(void)
+TEST(change_points_are_passed_straight_on)
 {
     static double v[2*61][13];
     const char *named = "# circuit 1: branch point, passed straight on; circuit 2 crosses, at input 3.14159265358";
@@ -266,7 +266,7 @@ static void change_points_are_passed_straight_on(void)
     "{\"name\":\"D\",\"links\":[\"c\",\"g\"],\"at\":[2,1]}"
 
 /* The roller of a Scotch yoke can spin without effect on the tracer. */
-static void idle_freedoms_are_held(void)
+TEST(idle_freedoms_are_held)
 {
     expect("$P trace examples/mobility/roller.json -n 2", 0, "closes after 1 turn", "R is held still");
     expect("$P trace examples/mobility/roller.json --explain", 0, "links at once", "R is held still");
@@ -274,7 +274,7 @@ static void idle_freedoms_are_held(void)
 
 /* A bar of length zero spins while all other links stand still. A window may hold many turns, but not any number of
  * swings. */
-static void odd_ranges_of_the_input(void)
+TEST(odd_ranges_of_the_input)
 {
     static double v[4][13];
     expect(MODEL(NO_BAR, "\"input\":{\"joint\":\"A\"}"), 1, "closes, the input stands still", "--cycle shows how");
@@ -284,20 +284,4 @@ static void odd_ranges_of_the_input(void)
             CHECK_NEAR(v[0][c], v[3][c], 1e-8, 1e-9);           /* 3 times 2 turns later */
     expect("echo " TRIAD " | $P trace - -n 1 --input-range -1e12:1e12 -o /dev/null", 5, NULL, "more arcs than the 1024");
     expect("$P trace examples/chebyshev.json -n 1 --input-range -1e12:1e12 -o /dev/null", 5, NULL, "more arcs than");
-}
-
-int main(void)
-{
-    RUN(change_points_are_passed_straight_on);
-    RUN(idle_freedoms_are_held);
-    RUN(odd_ranges_of_the_input);
-    RUN(a_cycle_over_both_limits);
-    RUN(two_ways_agree);
-    RUN(a_geared_five_bar_closes_after_two_turns);
-    RUN(inputs_move_in_time);
-    RUN(json_can_be_read);
-    RUN(faults_are_reported);
-    RUN(groups_and_curve_agree);
-    RUN(the_way_is_told);
-    return check_end();
 }

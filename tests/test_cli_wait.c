@@ -8,7 +8,7 @@
     "while kill -" signal " $p; do sleep 0.05; done; wait $p; c=$?; " \
     "kill $s && echo still held; rm $D/pipe; exit $c"
 
-static void signals(void)
+TEST(signals)
 {
     expect(WAITING("$P trace -", "TERM"), 143, "still held\n", NULL);
     expect(WAITING("$P mechanisms", "TERM"), 143, "still held\n", NULL);
@@ -17,7 +17,7 @@ static void signals(void)
     expect("ls -A $D | grep -c tmp", 1, "0", NULL);
 }
 
-static void terminals(void)
+TEST(terminals)
 {
     ran r = run("command -v script");
     if (r.code == 0) {
@@ -29,11 +29,4 @@ static void terminals(void)
     r = run("$P trace - ");
     CHECK(!strstr(r.err, "waiting"));
     ran_free(&r);
-}
-
-int main(void)
-{
-    RUN(signals);
-    RUN(terminals);
-    return check_end();
 }

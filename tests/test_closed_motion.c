@@ -63,7 +63,7 @@ static int arc_of_leg(const subject *s, const lw_motion *m, int j, double tolera
     return -1;
 }
 
-static void legs_are_the_arcs_of_a_circuit(void)
+TEST(legs_are_the_arcs_of_a_circuit)
 {
     lw_rng rng;
     int cycles = 0, turning = 0, stopped = 0, most = 0, other = 0;
@@ -103,7 +103,7 @@ static void legs_are_the_arcs_of_a_circuit(void)
 
 /* ---- against the curve followed by arc length -------------------------------------------------------- */
 
-static void limits_are_those_of_the_branch(void)
+TEST(limits_are_those_of_the_branch)
 {
     lw_rng rng;
     int compared = 0, other = 0;
@@ -153,7 +153,7 @@ static double differenced(subject *s, int j, int d, double h)
     return (end[1] - end[0])/(2*h);
 }
 
-static void ends_have_the_derivatives_they_claim(void)
+TEST(ends_have_the_derivatives_they_claim)
 {
     lw_rng rng;
     int checked = 0, rough = 0, close = 0;
@@ -180,12 +180,4 @@ static void ends_have_the_derivatives_they_claim(void)
     }
     free(by);
     CHECK(checked > 1000 && rough < checked/20 && close > checked - checked/25);
-}
-
-int main(void)
-{
-    RUN(legs_are_the_arcs_of_a_circuit);
-    RUN(limits_are_those_of_the_branch);
-    RUN(ends_have_the_derivatives_they_claim);
-    return check_end();
 }

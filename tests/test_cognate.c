@@ -54,7 +54,7 @@ static void draw_fourbar(lw_rng *rng, double k[9])
 }
 
 /* Posture by posture, in both modes. */
-static void cognates_meet_in_every_posture(void)
+TEST(cognates_meet_in_every_posture)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -93,7 +93,7 @@ static void cognates_meet_in_every_posture(void)
 }
 
 /* The whole of each cognate's curve, both modes, lies on the curve of the given linkage. */
-static void curves_are_one(void)
+TEST(curves_are_one)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -113,7 +113,7 @@ static void curves_are_one(void)
 }
 
 /* The cognates of a cognate are the given linkage and the other cognate. */
-static void cognates_of_cognates(void)
+TEST(cognates_of_cognates)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -133,7 +133,7 @@ static void cognates_of_cognates(void)
 }
 
 /* Coupler point in the line of the coupler, half way: the cognates have half the size. */
-static void half_way_on_the_coupler(void)
+TEST(half_way_on_the_coupler)
 {
     double k[9] = { 4, 2, 3, 3.5, 1.5, 0, 1, 2, 0.3 }, out[2][9], m[2];
     CHECK_INT(lw_fourbar_cognates(k, 1.0, out, m), LW_OK);
@@ -146,7 +146,7 @@ static void half_way_on_the_coupler(void)
     CHECK_NEAR(out[0][7], 2.0 + 2.0*sin(0.3), 1e-15, 0);
 }
 
-static void coupler_point_on_a_pivot(void)
+TEST(coupler_point_on_a_pivot)
 {
     double at_a[9] = { 4, 2, 3, 3.5, 0, 0, 0, 0, 0 }, at_b[9] = { 4, 2, 3, 3.5, 3, 0, 0, 0, 0 };
     double out[2][9], m[2];
@@ -159,14 +159,4 @@ static void coupler_point_on_a_pivot(void)
     CHECK_NEAR(out[1][1], 3.0, 1e-15, 0);
     double open[9] = { 10, 1, 1, 1, 0.5, 0.5, 0, 0, 0 };
     CHECK_INT(lw_fourbar_cognates(open, 1.0, out, m), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(cognates_meet_in_every_posture);
-    RUN(curves_are_one);
-    RUN(cognates_of_cognates);
-    RUN(half_way_on_the_coupler);
-    RUN(coupler_point_on_a_pivot);
-    return check_end();
 }

@@ -39,7 +39,7 @@ static double *conditions(const lw_problem *p, const double *x, double *j)
 }
 
 /* In the order of the header: linear, closure, transmission, acceleration. */
-static void counts_are_those_asked_for(void)
+TEST(counts_are_those_asked_for)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -60,7 +60,7 @@ static void counts_are_those_asked_for(void)
 }
 
 /* Linear conditions of a crank-rocker by their meaning. */
-static void linear_ones_are_grashofs(void)
+TEST(linear_ones_are_grashofs)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -81,7 +81,7 @@ static void linear_ones_are_grashofs(void)
 
 /* Angle between coupler and rocker by the law of cosines, in every posture of the turn; the postures hold its
  * extremes, which are where crank and frame are in line. */
-static void transmission_is_that_of_the_triangle(void)
+TEST(transmission_is_that_of_the_triangle)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -138,7 +138,7 @@ static double apart(const lw_problem *p, double a, double b)
 
 /* Postures in which conditions are looked at, from scratch: of the turn, or of the way between the stations, which
  * here are the member's own. */
-static void conditions_are_those_of_single_postures(void)
+TEST(conditions_are_those_of_single_postures)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
@@ -196,7 +196,7 @@ static void conditions_are_those_of_single_postures(void)
 }
 
 /* The least over the whole turn of a linkage whose extremes are at no sample, by 5000 postures. */
-static void extremes_between_samples_are_found(void)
+TEST(extremes_between_samples_are_found)
 {
     lw_rng rng;
     double off = 0, gap = 0;
@@ -296,7 +296,7 @@ static void compare_derivatives(const lw_problem *p, const double *x, long *smoo
 }
 
 /* Stations are off the linkage's curve, so that the best inputs of free stations move with the variables. */
-static void derivatives_are_those_of_differences(void)
+TEST(derivatives_are_those_of_differences)
 {
     lw_rng rng;
     long smooth = 0, all = 0;
@@ -328,7 +328,7 @@ static void derivatives_are_those_of_differences(void)
     CHECK(smooth > 0.6*(double)all);
 }
 
-static void derivatives_of_a_six_bar(void)
+TEST(derivatives_of_a_six_bar)
 {
     lw_rng rng;
     long smooth = 0, all = 0;
@@ -361,7 +361,7 @@ static void derivatives_of_a_six_bar(void)
 }
 
 /* What was asked before leaves no trace. */
-static void answers_do_not_depend_on_the_past(void)
+TEST(answers_do_not_depend_on_the_past)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
@@ -383,17 +383,4 @@ static void answers_do_not_depend_on_the_past(void)
         free(work);
         lw_problem_free(&p);
     }
-}
-
-int main(void)
-{
-    RUN(counts_are_those_asked_for);
-    RUN(linear_ones_are_grashofs);
-    RUN(transmission_is_that_of_the_triangle);
-    RUN(conditions_are_those_of_single_postures);
-    RUN(extremes_between_samples_are_found);
-    RUN(derivatives_are_those_of_differences);
-    RUN(derivatives_of_a_six_bar);
-    RUN(answers_do_not_depend_on_the_past);
-    return check_end();
 }

@@ -9,7 +9,7 @@ static lw_clearance law(lw_clearance_model m)
 }
 
 /* Makkonen 1999, paper C, eqs. 2-3 at depth d/2 and beyond d, and the laws of restitution, by hand */
-static void values(void)
+TEST(values)
 {
     lw_clearance c = law(LW_CLEARANCE_IMPACT);
     c.exponent = 1.0;
@@ -31,7 +31,7 @@ static void values(void)
 }
 
 /* The phases meet: force at their borders, and the phase that holds on each side */
-static void pieces_meet(void)
+TEST(pieces_meet)
 {
     for (lw_clearance_model m = LW_CLEARANCE_MLSD; m <= LW_CLEARANCE_LANKARANI; m++) {
         lw_clearance c = law(m);
@@ -55,7 +55,7 @@ static void pieces_meet(void)
 }
 
 /* dE/ddepth is the force without damping; the depth of a force gives it back */
-static void energy_and_depth(void)
+TEST(energy_and_depth)
 {
     for (lw_clearance_model m = LW_CLEARANCE_MLSD; m <= LW_CLEARANCE_LANKARANI; m++)
         for (double depth = 1e-7; depth < 1e-4; depth *= 3.0) {
@@ -71,7 +71,7 @@ static void energy_and_depth(void)
     CHECK_NEAR(lw_contact_depth(&c, 0.0), 0.0, 0, 0);
 }
 
-static void names(void)
+TEST(names)
 {
     for (lw_clearance_model m = LW_CLEARANCE_ZERO; m <= LW_CLEARANCE_LANKARANI; m++)
         CHECK_INT(lw_clearance_named(lw_clearance_name(m)), m);
@@ -79,13 +79,4 @@ static void names(void)
     CHECK_INT(lw_clearance_named(""), LW_CLEARANCE_NONE);
     CHECK_TEXT(lw_clearance_name(LW_CLEARANCE_NONE), "");
     CHECK_TEXT(lw_clearance_name((lw_clearance_model)99), "");
-}
-
-int main(void)
-{
-    RUN(values);
-    RUN(pieces_meet);
-    RUN(energy_and_depth);
-    RUN(names);
-    return check_end();
 }

@@ -61,7 +61,7 @@ static double worst_ratio(lw_rng *r, lw_continuation *f, const double *q, double
 }
 
 /* Inequality (1) of mbs/constraints/continuation_internal.h for random linkages, postures and pairs, on curves and driven. */
-static void the_bound_holds(void)
+TEST(the_bound_holds)
 {
     lw_rng r;
     double worst = 0;
@@ -97,7 +97,7 @@ static void the_bound_holds(void)
 }
 
 /* For two links on pins it is sharp: |A^+ arms| is reached. */
-static void the_bound_is_sharp_for_pins(void)
+TEST(the_bound_is_sharp_for_pins)
 {
     lw_rng r;
     double most = 0;
@@ -126,7 +126,7 @@ static void the_bound_is_sharp_for_pins(void)
 }
 
 /* The series of a curve leaves the rows at order 9. */
-static void series_follow_the_curve(void)
+TEST(series_follow_the_curve)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 3);
@@ -158,7 +158,7 @@ static void series_follow_the_curve(void)
     }
 }
 
-static void freedoms_by_rank(void)
+TEST(freedoms_by_rank)
 {
     lw_linkage k;
     KEPT_SYSTEM s = { 0 };
@@ -178,13 +178,4 @@ static void freedoms_by_rank(void)
         lw_continuation_free(&f);
         lw_system_free(&s);
     }
-}
-
-int main(void)
-{
-    RUN(the_bound_holds);
-    RUN(the_bound_is_sharp_for_pins);
-    RUN(series_follow_the_curve);
-    RUN(freedoms_by_rank);
-    return check_end();
 }

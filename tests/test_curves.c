@@ -65,18 +65,18 @@ static void draws(const char *types, const char *families, size_t n)
     lw_curve_maker_free(m);
 }
 
-static void curves_are_those_of_their_linkages(void) { draws("fourbar", NULL, 400); }
-static void all_types(void)                          { draws("all", NULL, 400); }
+TEST(curves_are_those_of_their_linkages) { draws("fourbar", NULL, 400); }
+TEST(all_types) { draws("all", NULL, 400); }
 
 /* Watt I, Stephenson III, and an eight-link chain with a slider, as text. */
 #define WATT       "Watt I; point on link 5=1-2r.3-1r.1-5r.2-4r.2-6r.3-4r.5-6r=g3i2t5"
 #define STEPHENSON "Stephenson III=1-3r.1-5r.1-6r.2-4r.2-5r.2-6r.3-4r=g1i2t4"
 #define SLIDER     "a rocker's slider=1-2r.2-3r.3-4r.4-1r.3-5r.5-6r.6-1t=g1i1t5"
 
-static void more_links(void) { draws(NULL, WATT "," STEPHENSON "," SLIDER, 300); }
+TEST(more_links) { draws(NULL, WATT "," STEPHENSON "," SLIDER, 300); }
 
 /* The text says all: another maker, made of a linkage, draws the same members; texts that say nothing are refused. */
-static void topologies_as_text(void)
+TEST(topologies_as_text)
 {
     static const char *const bad[] = {
         "x=1-2r.2-3r=g1i1t5", "x=1-2r.2-3r.3-4r.4-1r=g5i1t3", "x=1-2r.2-3r.3-4r.4-1r=g1i9t3", "x=1-2r.1-2r=g1i1t2",
@@ -110,7 +110,7 @@ static void topologies_as_text(void)
 
 
 /* A linkage that is mirrored, turned, stretched and moved traces the curve that is. */
-static void laid_elsewhere(void)
+TEST(laid_elsewhere)
 {
     static const char *const types[] = { "fourbar", "slidercrank", "inverted", "trammel", "sliderdriven", "oldham" };
     lw_rng rng;
@@ -142,7 +142,7 @@ static void laid_elsewhere(void)
     }
 }
 
-static void names_and_families(void)
+TEST(names_and_families)
 {
     lw_curve_maker *m, *again;
     lw_error e;
@@ -162,15 +162,4 @@ static void names_and_families(void)
     lw_linkage k;
     CHECK_INT(lw_curve_linkage(m, &row, true, &k), LW_OPEN);
     lw_curve_maker_free(m);
-}
-
-int main(void)
-{
-    RUN(names_and_families);
-    RUN(curves_are_those_of_their_linkages);
-    RUN(all_types);
-    RUN(more_links);
-    RUN(topologies_as_text);
-    RUN(laid_elsewhere);
-    return check_end();
 }

@@ -30,7 +30,7 @@ static lw_status van_der_pol_slope(void *context, double t, const double *y, con
     return LW_OK;
 }
 
-static void stiff_published(void)
+TEST(stiff_published)
 {
     for (int with = 0; with < 2; with++)
         for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= 0.01) {
@@ -71,7 +71,7 @@ static void note(void *context, int event, double t, const double *y)
         l->t[l->n++] = t;
 }
 
-static void events_in_order(void)
+TEST(events_in_order)
 {
     const double pi = 3.14159265358979323846;
     seen_list l = { 0 };
@@ -126,7 +126,7 @@ static lw_status onto_circle(void *context, double t, double *y)
     return LW_OK;
 }
 
-static void projection(void)
+TEST(projection)
 {
     double drift[2];
     for (int with = 0; with < 2; with++) {
@@ -158,7 +158,7 @@ static lw_status breaks(void *context, double t, const double *y, double *dy)
     return t > 0.5 ? LW_E_KIND : LW_OK;
 }
 
-static void failures_are_told(void)
+TEST(failures_are_told)
 {
     lw_ode_options o = lw_ode_options_default();
     lw_error e;
@@ -186,13 +186,4 @@ static void failures_are_told(void)
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
     o = (lw_ode_options){ .relative = 1e-6, .absolute = 1e-6, .fixed = 0.1 };
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(stiff_published);
-    RUN(events_in_order);
-    RUN(projection);
-    RUN(failures_are_told);
-    return check_end();
 }

@@ -4,7 +4,7 @@
 #include "grammar/derivation.h"
 #include "tests/check.h"
 
-static void all_read_back(void)
+TEST(all_read_back)
 {
     lw_structures *set = NULL;
     CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
@@ -25,7 +25,7 @@ static void all_read_back(void)
     lw_structures_free(set);
 }
 
-static void known_texts(void)
+TEST(known_texts)
 {
     lw_derivation d;
     lw_structure s;
@@ -39,7 +39,7 @@ static void known_texts(void)
     CHECK_TEXT(text, "(3 ");
 }
 
-static void faults_have_a_column(void)
+TEST(faults_have_a_column)
 {
     static const struct { const char *text; long column; const char *says; } bad[] = {
         { "", 1, "seed" }, { "beta 1(1,2)", 1, "seed" }, { "theta  1(1,2)", 7, "rule, 1 to 4" },
@@ -60,12 +60,4 @@ static void faults_have_a_column(void)
     lw_error e = { 0 };
     CHECK_INT(lw_derivation_read(line, strlen(line), "f", &d, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "too many");
-}
-
-int main(void)
-{
-    RUN(all_read_back);
-    RUN(known_texts);
-    RUN(faults_have_a_column);
-    return check_end();
 }

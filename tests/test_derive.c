@@ -30,7 +30,7 @@ static const struct { int n_link, n_chain, n_planar, n_reached, by_regions; } kn
     { 12, 6856, 5918, 3110, 2781 },
 };
 
-static void coverage_backwards(void)
+TEST(coverage_backwards)
 {
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_coverage c;
@@ -46,7 +46,7 @@ static void coverage_backwards(void)
     CHECK(e.text[0] != '\0');
 }
 
-static void coverage_forwards(void)
+TEST(coverage_forwards)
 {
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         CHECK_INT(reached(known[i].n_link, "24", "r", false), known[i].n_reached);
@@ -67,7 +67,7 @@ static lw_status check_reached(void *context, const lw_mechanism *m)
     return LW_OK;
 }
 
-static void all_rules(void)
+TEST(all_rules)
 {
     for (int n = 3; n <= 6; n++) {
         lw_derive how = lw_derive_default(n);
@@ -100,7 +100,7 @@ static lw_status label_void(void *context, const lw_mechanism *m, lw_void reason
     return label_reached(context, m);
 }
 
-static void every_labelling_backwards(void)
+TEST(every_labelling_backwards)
 {
     for (int n_link = 4; n_link <= 8; n_link += 2) {
         chain_list all = all_chains(n_link, 1);
@@ -115,7 +115,7 @@ static void every_labelling_backwards(void)
     }
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_derive how = lw_derive_default(0);
     CHECK_INT(lw_derive_each(&how, count_one, NULL), LW_E_ARG);
@@ -124,14 +124,4 @@ static void refusals(void)
     CHECK_INT(lw_derive_each(&how, count_one, NULL), LW_E_ARG);
     how.kinds = "rr";
     CHECK_INT(lw_derive_each(&how, count_one, NULL), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(coverage_backwards);
-    RUN(coverage_forwards);
-    RUN(all_rules);
-    RUN(every_labelling_backwards);
-    RUN(refusals);
-    return check_end();
 }

@@ -45,7 +45,7 @@ static void make(const lw_vec2 *p, size_t n, bool closed, lw_descriptor *d)
     CHECK_INT(lw_descriptor_make(p, n, closed, d), LW_OK);
 }
 
-static void sees_through_disguises(void)
+TEST(sees_through_disguises)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -114,7 +114,7 @@ static void normalise(const lw_vec2 *p, const lw_descriptor *d, bool closed, lw_
     }
 }
 
-static void distance_as_by_force(void)
+TEST(distance_as_by_force)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -136,7 +136,7 @@ static void distance_as_by_force(void)
 }
 
 /* The quick distance and the bound, against the exact one. */
-static void quick_ones_bound_it(void)
+TEST(quick_ones_bound_it)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -174,7 +174,7 @@ static void quick_ones_bound_it(void)
 
 /* The best of all starts against 5000 starts in each sense, by the terms alone.  Between two starts |F| changes by less
  * than the second-order remainder; near circles and curves with several equally good starts are among them. */
-static void best_start_as_by_force(void)
+TEST(best_start_as_by_force)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -212,7 +212,7 @@ static void best_start_as_by_force(void)
     }
 }
 
-static void known_shapes(void)
+TEST(known_shapes)
 {
     lw_vec2 p[N], two[2] = { { 0, 0 }, { 2, 0 } };
     lw_descriptor d;
@@ -237,7 +237,7 @@ static void known_shapes(void)
 }
 
 /* Ten points on an ellipse make a curve within 1 % of it; the points are on it, also when some repeat. */
-static void smooth_curves(void)
+TEST(smooth_curves)
 {
     lw_vec2 p[11], out[1001];
     for (int i = 0; i < 10; i++)
@@ -255,15 +255,4 @@ static void smooth_curves(void)
         CHECK_NEAR(lw_v2_norm(lw_v2_sub(out[100*i], p[i])), 0, 1e-12, 0);
     lw_curve_smooth(p, 2, false, out, 3);
     CHECK_NEAR(lw_v2_norm(lw_v2_sub(out[1], lw_v2_scale(lw_v2_add(p[0], p[1]), 0.5))), 0, 1e-12, 0);
-}
-
-int main(void)
-{
-    RUN(known_shapes);
-    RUN(sees_through_disguises);
-    RUN(distance_as_by_force);
-    RUN(best_start_as_by_force);
-    RUN(quick_ones_bound_it);
-    RUN(smooth_curves);
-    return check_end();
 }

@@ -8,7 +8,7 @@ static const lw_formulation every[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_I
                                         LW_FORMULATION_GGL };
 
 /* Exact: sin(phi/2) = k sn(...), 30 digits by elliptic functions; IFToMM benchmark A01 at 10 s. */
-static void simple_pendulum(void)
+TEST(simple_pendulum)
 {
     static const double allowed[] = { 2e-12, 2e-12, 3e-6, 3e-6 };
     drun_read(&d, "examples/pendulum.json");
@@ -23,7 +23,7 @@ static void simple_pendulum(void)
 
 /* Andrews' squeezer at 0.03 s, in quad precision: angles of the crank, of link K3 (gamma), K5 (delta), K7 (epsilon),
  * with rates. */
-static void andrews(void)
+TEST(andrews)
 {
     static const double allowed[] = { 1e-10, 1e-10, 2e-5, 2e-4 };
     static const struct { int body; double angle0, angle, rate; } want[] = {
@@ -53,7 +53,7 @@ static void andrews(void)
 }
 
 /* N-four-bar, N = 2 (A02): through five singular postures, by place and motion curve, for every tolerance. */
-static void two_four_bars(void)
+TEST(two_four_bars)
 {
     drun_read(&d, "examples/two-four-bars.json");
     for (int f = 0; f < 2; f++)
@@ -102,7 +102,7 @@ static lw_status look_at_balance(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static void forces_balance(void)
+TEST(forces_balance)
 {
     static const char *const models[] = { "examples/andrews.json", "examples/pendulum.json",
                                           "examples/two-four-bars.json" };
@@ -137,7 +137,7 @@ static void weight_and_damper(void *context, double t, const lw_link_motion *lin
 
 /* A force of the caller acts like the same force in the model, in every formulation that takes it, and in
  * equilibrium. */
-static void callers_force(void)
+TEST(callers_force)
 {
     static drun same;
     double q[LW_SYSTEM_Q_MAX];
@@ -167,14 +167,4 @@ static void callers_force(void)
     lw_dynamics_free(made);
     lw_model_free(&same.model);
     lw_model_free(&d.model);
-}
-
-int main(void)
-{
-    RUN(callers_force);
-    RUN(forces_balance);
-    RUN(simple_pendulum);
-    RUN(andrews);
-    RUN(two_four_bars);
-    return check_end();
 }

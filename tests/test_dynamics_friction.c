@@ -41,7 +41,7 @@ static void read_block(double slope, double mu, double speed, const char *force)
 }
 
 /* A block rests for ever on a slope that is not too steep; with speed it slides up, stops, and rests or comes back. */
-static void block_on_a_slope(void)
+TEST(block_on_a_slope)
 {
     read_block(0.4, 0.43, 0, NULL);                         /* tan 0.4 = 0.4228 */
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1e6, 10), LW_OK);
@@ -64,7 +64,7 @@ static void block_on_a_slope(void)
 }
 
 /* A force that grows moves it when it exceeds the friction; one that swings moves it a little at a time. */
-static void block_under_changing_force(void)
+TEST(block_under_changing_force)
 {
     double hold = 0.5*mass*g, start = hold/6;
     read_block(0, 0.5, 0, "6*t");
@@ -121,7 +121,7 @@ static lw_status swing_rests(void *context, double t, const double *y, double *o
 }
 
 /* Swings get smaller until it sticks, not in the middle. */
-static void pendulum(void)
+TEST(pendulum)
 {
     double sense = -1, y[2] = { 2, 0 }, work[64];
     lw_ode ode = { .n = 2, .context = &sense, .rate = swing_rate, .n_event = 1, .event = swing_rests,
@@ -239,7 +239,7 @@ static void put_loads(bool state)
 static const int runs = 24;
 
 /* Loads without friction: the same motion as in the bodies' coordinates. */
-static void loads_of_every_kind(void)
+TEST(loads_of_every_kind)
 {
     friction = 0;
     int done = 0;
@@ -268,7 +268,7 @@ static void loads_of_every_kind(void)
 }
 
 /* Ideal friction is the limit of the regularised one. */
-static void ideal_against_regularised(void)
+TEST(ideal_against_regularised)
 {
     for (int k = 0; k < 8; k++) {
         lw_rng_seed(&rng, check_seed(), 100 + (uint64_t)k);
@@ -303,7 +303,7 @@ static void ideal_against_regularised(void)
 }
 
 /* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
-static void linkage_rests(void)
+TEST(linkage_rests)
 {
     int rests = 0;
     for (int k = 0; k < 8; k++) {
@@ -326,15 +326,4 @@ static void linkage_rests(void)
         lw_model_free(&d.model);
     }
     CHECK(rests > 4);
-}
-
-int main(void)
-{
-    RUN(block_on_a_slope);
-    RUN(block_under_changing_force);
-    RUN(pendulum);
-    RUN(loads_of_every_kind);
-    RUN(ideal_against_regularised);
-    RUN(linkage_rests);
-    return check_end();
 }

@@ -60,7 +60,7 @@ static void compare_derivatives(drun *d)
     lw_dynamics_free(made);
 }
 
-static void pins(void)
+TEST(pins)
 {
     static drun d;
     drun_read(&d, "examples/andrews.json");
@@ -68,7 +68,7 @@ static void pins(void)
     lw_model_free(&d.model);
 }
 
-static void sliders(void)
+TEST(sliders)
 {
     static drun d;
     char text[2048];
@@ -78,7 +78,7 @@ static void sliders(void)
     lw_model_free(&d.model);
 }
 
-static void slots(void)
+TEST(slots)
 {
     static drun d;
     char text[2048];
@@ -96,12 +96,4 @@ static void slots(void)
         CHECK_NEAR(v[i], d.v[i], 1e-4, 0);
     }
     lw_model_free(&d.model);
-}
-
-int main(void)
-{
-    RUN(pins);
-    RUN(sliders);
-    RUN(slots);
-    return check_end();
 }

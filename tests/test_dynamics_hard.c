@@ -33,7 +33,7 @@ static double bounced(double e, double g, double t)
 
 /* Dropped from 1: it falls for sqrt(2/g); each flight is e times as long as the one before; all end after (1 + e)/(1
  * - e) falls. */
-static void bouncing(void)
+TEST(bouncing)
 {
     static const double restitution[] = { 0, 0.3, 0.5, 0.9, 1 };
     const double g = 9.81, fall = sqrt(2/g);
@@ -66,7 +66,7 @@ static void bouncing(void)
 }
 
 /* A mass of 1 resting on its stop is lifted by 5 t: it leaves when that is its weight, then rises by 5 s^3/6. */
-static void leaves_a_stop(void)
+TEST(leaves_a_stop)
 {
     const double g = 9.81, off = g/5;
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 1, 'centre': [0, 1]}],"
@@ -87,7 +87,7 @@ static void leaves_a_stop(void)
 
 /* A pendulum released level strikes a stop straight below: its speed is sqrt(2 g r), its next height e^2 of the
  * first; a compliant stop of high stiffness gives the energy back. */
-static void pendulum_and_stop(void)
+TEST(pendulum_and_stop)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1, 'centre': [-1, 0]}],"
         "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0], 'stop': {'greatest': 1.5707963267948966,"
@@ -124,7 +124,7 @@ static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'b
 
 /* Down a slope: 5 - 0.25*8 = 3.  On the level it stops after (v^2/2 + pi^2 s^2/12)/(mu g), with s the speed of
  * regularisation.  On a slope too flat to slide it creeps at s artanh(load/friction). */
-static void sliding(void)
+TEST(sliding)
 {
     static const double slack[] = { 0, 1e-9, 1e-6, 1e-5 };
     for (int f = 1; f < 4; f++) {
@@ -148,7 +148,7 @@ static void sliding(void)
 }
 
 /* A wheel on a pin of radius 0.02: torque mu r m g slows it evenly. */
-static void wheel_on_pin(void)
+TEST(wheel_on_pin)
 {
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 4, 'centre': [0, 0],"
         "'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0],"
@@ -162,7 +162,7 @@ static void wheel_on_pin(void)
 
 /* A block pushed by a rod at 45 degrees presses as much as it is pushed.  With a coefficient above 1 the rod cannot
  * overcome the friction it causes: refused with the name of the joint; below 1 it runs. */
-static void painleve(void)
+TEST(painleve)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1,"
     "'centre': [0, 0.5],"
@@ -221,7 +221,7 @@ static void names_of_redundant(drun *r, char *text, size_t size)
 
 /* A third crank makes one row redundant.  A massless one changes nothing; with mass, the equation of the angle is
  * (3/4 + 2) phi'' = -(3/2 + 2) g cos phi, that of a pendulum of length 5.5/7. */
-static void parallelogram(void)
+TEST(parallelogram)
 {
     char names[200];
     drun_read_format(&other, parallel_two, 0, 0);
@@ -267,16 +267,4 @@ static void parallelogram(void)
     CHECK_NEAR(stress, 0, 1e-10*size, 0);
     lw_model_free(&d.model);
     lw_model_free(&other.model);
-}
-
-int main(void)
-{
-    RUN(bouncing);
-    RUN(leaves_a_stop);
-    RUN(pendulum_and_stop);
-    RUN(sliding);
-    RUN(wheel_on_pin);
-    RUN(painleve);
-    RUN(parallelogram);
-    return check_end();
 }

@@ -85,7 +85,7 @@ static void agree(lw_model *m, double to, double tight)
 
 /* ---- tests ---------------------------------------------------------------------------------------------- */
 
-static void chains_and_rows_agree(void)
+TEST(chains_and_rows_agree)
 {
     lw_model m;
     read_chain(8, 0, &m);
@@ -94,7 +94,7 @@ static void chains_and_rows_agree(void)
     agree(&m, 1, 1e-8);
 }
 
-static void examples_agree(void)
+TEST(examples_agree)
 {
     static const char *const name[] = { "andrews", "pendulum", "two-four-bars", "loader" };
     for (size_t i = 0; i < sizeof name/sizeof *name; i++) {
@@ -122,7 +122,7 @@ static void examples_agree(void)
 }
 
 /* Pins, a gear, a slider and an input with a motion; the second rod of a parallelogram is redundant. */
-static void mixed_agree(void)
+TEST(mixed_agree)
 {
     static const char *const format[] = {
         "{'linkwright': 1, 'gravity': [1, -9.81], 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0.5, 0.1], "
@@ -172,7 +172,7 @@ static void mixed_agree(void)
 
 /* A rope with dampers in all pins, which make it stiff: the implicit method is chosen, and it agrees with the explicit
  * one. */
-static void damped_ropes(void)
+TEST(damped_ropes)
 {
     lw_model m;
     kept k[2];
@@ -196,7 +196,7 @@ static void damped_ropes(void)
 }
 
 /* A rope that is let go: far from its pin it falls freely. */
-static void thousand_links(void)
+TEST(thousand_links)
 {
     lw_model m;
     kept k;
@@ -225,7 +225,7 @@ static lw_status row_rate(void *context, double t, const double *y, double *dy)
 }
 
 /* They pass the flat posture, in which every loop is singular, at 1.24 s. */
-static void rows_of_loops(void)
+TEST(rows_of_loops)
 {
     for (double n = 40; n <= 400; n *= 10) {
         lw_model m;
@@ -250,7 +250,7 @@ static void rows_of_loops(void)
 
 /* A rope drawn horizontally comes to rest hanging down.  Its first frequencies there are those of a hanging chain,
  * j/2 sqrt(g/L) with the zeros j of J_0, and the links in line with the vertical. */
-static void rope_at_rest(void)
+TEST(rope_at_rest)
 {
     lw_model m;
     lw_dynamics *d;
@@ -279,7 +279,7 @@ static void rope_at_rest(void)
     free(q);
 }
 
-static void refusals_say_why(void)
+TEST(refusals_say_why)
 {
     lw_model m;
     lw_dynamics *d;
@@ -302,14 +302,7 @@ static void refusals_say_why(void)
 
 int main(void)
 {
-    RUN(chains_and_rows_agree);
-    RUN(examples_agree);
-    RUN(mixed_agree);
-    RUN(damped_ropes);
-    RUN(thousand_links);
-    RUN(rows_of_loops);
-    RUN(rope_at_rest);
-    RUN(refusals_say_why);
+    check_run();
     CHECK(by_derivatives >= 4);
     return check_end();
 }

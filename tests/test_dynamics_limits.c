@@ -27,7 +27,7 @@ static double pendulum_angle(double pace, double angle, double rate, double to)
 
 /* 1 kg half way to 1e8 kg: the string is taut, the light mass hardly vibrates (at 7e4 rad/s), and the heavy one is a
  * pendulum of 2 m to within 1e-8. */
-static void heavy_last(void)
+TEST(heavy_last)
 {
     double angle = pendulum_angle(9.81/2, 0, 0, 0.5);
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': 1, 'centre': [1, 0]},"
@@ -42,7 +42,7 @@ static void heavy_last(void)
 }
 
 /* The mass of a planet on a rod of a thousand miles: only the units are unusual. */
-static void large_units(void)
+TEST(large_units)
 {
     double angle = pendulum_angle(9.81/1.6e6, 0, 0, 2000);
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1e24, 'centre': [1.6e6, 0]}],"
@@ -66,7 +66,7 @@ static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'm
 
 /* The place of a massless link that hangs between springs is undetermined: refused by name.  With a milligram, which
  * would vibrate at 3e4 rad/s, the springs are in series, 200 N/m: 1.7 + 0.3 cos 10 t. */
-static void massless_between_springs(void)
+TEST(massless_between_springs)
 {
     drun_read_format(&d, between, 0, 0);
     for (int f = 0; f < 4; f++) {
@@ -83,7 +83,7 @@ static void massless_between_springs(void)
 
 /* A four-bar without any mass: refused.  With a wheel welded to its crank it moves as that pendulum: g/length is m g
  * s/(I + m s^2). */
-static void massless_loop(void)
+TEST(massless_loop)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': %g, 'centre': [-1, 0],"
         "'inertia': %g}, 'crank', 'coupler', 'rocker'], 'joints': [{'name': 'W', 'kind': 'f',"
@@ -110,7 +110,7 @@ static void massless_loop(void)
 
 /* A slider on a spring, 1 Hz, and a pendulum released level, period 4 K(1/sqrt 2) sqrt(l/g): a million periods and a
  * quarter later they pass the middle, but for the error of the phase. */
-static void a_million_periods(void)
+TEST(a_million_periods)
 {
     const double quarter = 1.8540746773013719184*sqrt(1/9.81);            /* K(1/sqrt 2)                   */
     drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [0, 0]}],"
@@ -134,7 +134,7 @@ static void a_million_periods(void)
 
 /* A four-bar that rocks under its weight, also between samples: the same as in the coordinates of all bodies, which
  * use no period. */
-static void periods_of_a_four_bar(void)
+TEST(periods_of_a_four_bar)
 {
     static lw_vec2 want[1100];
     double turn[3];
@@ -167,7 +167,7 @@ static void periods_of_a_four_bar(void)
 
 /* A free ladder between floor and wall: its middle moves on a circle, g/length = 3 g/(2 L).  The coordinate, that of
  * its foot, turns back when the ladder lies level, and the error falls with the tolerance all the same. */
-static void dead_point(void)
+TEST(dead_point)
 {
     double before = 1, angle = pendulum_angle(3*9.81/4, 1.2, 0, 3);
     drun_read(&d, "examples/dynamics/falling-ladder.json");
@@ -195,7 +195,7 @@ static lw_status share_rate(void *context, double t, const double *y, double *dy
     return LW_OK;
 }
 
-static void equal_crank_and_rod(void)
+TEST(equal_crank_and_rod)
 {
     const double r = 0.3, inertia = 0.0075, m = 1, slide = 0.5;
     share s = { .a = 2*inertia + 0.5*m*r*r, .b = m*r*r*2 + slide*4*r*r };
@@ -226,7 +226,7 @@ static void equal_crank_and_rod(void)
 
 /* Peaucellier's inversor comes with speed to where its arms lie on its rhombus and cannot go on: all formulations
  * say so, after no more than some thousand steps. */
-static void end_of_the_way(void)
+TEST(end_of_the_way)
 {
     drun_read(&d, "examples/dynamics/inversor.json");
     for (int f = 0; f < 4; f++) {
@@ -240,7 +240,7 @@ static void end_of_the_way(void)
 }
 
 /* Conservative examples for 20 s; for 1000 s: tests/bench/bench_energy.c. */
-static void energy_of_examples(void)
+TEST(energy_of_examples)
 {
     static const char *const files[] = { "examples/pendulum.json", "examples/two-four-bars.json", "examples/dynamics/trebuchet.json",
                                          "examples/dynamics/rolling-wheel.json", "examples/dynamics/governor.json",
@@ -253,19 +253,4 @@ static void energy_of_examples(void)
             CHECK(d.report.energy_held < 1e-7*d.report.energy_scale);
             lw_model_free(&d.model);
         }
-}
-
-int main(void)
-{
-    RUN(heavy_last);
-    RUN(large_units);
-    RUN(massless_between_springs);
-    RUN(massless_loop);
-    RUN(a_million_periods);
-    RUN(energy_of_examples);
-    RUN(periods_of_a_four_bar);
-    RUN(dead_point);
-    RUN(equal_crank_and_rod);
-    RUN(end_of_the_way);
-    return check_end();
 }

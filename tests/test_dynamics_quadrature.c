@@ -36,7 +36,7 @@ static double period(double angle) { return 4/sqrt(9.81)*elliptic(cos(angle/2));
 
 /* After whole periods of the elliptic integral a pendulum is where it was released; after half a period, on the
  * other side. */
-static void swings(void)
+TEST(swings)
 {
     static const double angle[] = { 1e-3, 0.3, 1.5, 3, 3.14 };
     for (size_t i = 0; i < sizeof angle/sizeof *angle; i++)
@@ -52,7 +52,7 @@ static void swings(void)
 }
 
 /* Over the top: int dphi/speed is an elliptic integral too. */
-static void turns_over(void)
+TEST(turns_over)
 {
     static const double speed[] = { 6.3, 7, 20, -6.3 };      /* it just stands on top with 2 sqrt(9.81) = 6.264 */
     for (size_t i = 0; i < sizeof speed/sizeof *speed; i++) {
@@ -69,7 +69,7 @@ static void turns_over(void)
 }
 
 /* Many periods: only rounding changes the phase. */
-static void ten_thousand_periods(void)
+TEST(ten_thousand_periods)
 {
     hang(2, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-14, 10000.25*period(2), 1), LW_OK);
@@ -79,7 +79,7 @@ static void ten_thousand_periods(void)
 }
 
 /* On top without speed it stands; nearly on top it falls as the differential equations say. */
-static void at_the_top(void)
+TEST(at_the_top)
 {
     hang(LW_PI, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 5), LW_OK);
@@ -121,14 +121,14 @@ static void against_the_equation(const char *file, double to, double allowed)
     lw_model_free(&twin.model);
 }
 
-static void linkages(void)
+TEST(linkages)
 {
     against_the_equation("examples/two-four-bars.json", 10, 1e-9);
     against_the_equation("examples/andrews.json", 0.03, 1e-9);          /* its torque is constant               */
 }
 
 /* Loads that depend on time or speed are refused, and the formulation is not chosen. */
-static void refusals(void)
+TEST(refusals)
 {
     static const char *const more[] = { "'springs': [{'joint': 'A', 'stiffness': 1, 'damping': 1}]",
         "'forces': [{'link': 'bob', 'at': [0, 0], 'torque': 'sin(t)'}]",
@@ -148,7 +148,7 @@ static void refusals(void)
 }
 
 /* From rest with a constant torque, whose work has no potential: phi = T t^2/(2 J). */
-static void out_of_rest(void)
+TEST(out_of_rest)
 {
     for (int way = -1; way <= 1; way += 2) {
         drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 1, 'centre': [0, 0],"
@@ -165,16 +165,4 @@ static void out_of_rest(void)
         }
         lw_model_free(&d.model);
     }
-}
-
-int main(void)
-{
-    RUN(swings);
-    RUN(turns_over);
-    RUN(ten_thousand_periods);
-    RUN(at_the_top);
-    RUN(linkages);
-    RUN(refusals);
-    RUN(out_of_rest);
-    return check_end();
 }

@@ -119,7 +119,7 @@ static lw_status compare(void *context, const lw_moment *m)
 
 /* Parallelograms of two and three cranks and slider-cranks with equal crank and rod, driven over singular postures at
  * constant and at varying speed: all samples of every grid are on the exact motion, and the drive gives the power. */
-static void driven(void)
+TEST(driven)
 {
     static const int grid[] = { 7, 36, 97, 100, 360 };
     int without = 0;
@@ -163,7 +163,7 @@ static void driven(void)
 /* ---- forward ----------------------------------------------------------------------------------------- */
 
 /* A run with friction in all pins, which may jam in a flat posture, gives all samples or a status. */
-static void all_samples_or_a_status(void)
+TEST(all_samples_or_a_status)
 {
     static const lw_formulation with[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
                                            LW_FORMULATION_GGL };
@@ -228,7 +228,7 @@ static lw_status run_forward(forward *z, lw_formulation f, double tolerance, int
 
 /* Free runs of one freedom over singular postures, with gravity, a damper, friction or a stop that is struck: either on
  * the exact curve in all samples, or a status.  Without friction and stops all formulations agree in time. */
-static void one_freedom(void)
+TEST(one_freedom)
 {
     int failed = 0, runs = 0;
     for (int k = 0; k < models(12); k++) {
@@ -318,7 +318,7 @@ static void write_carried(int k, carried *z, double y[4])
 }
 
 /* The error falls with the tolerance, over and over singular postures. */
-static void two_freedoms(void)
+TEST(two_freedoms)
 {
     static const struct { lw_formulation f; double tolerance, off; } run[] = {
         { LW_FORMULATION_AUTO, 1e-6, 1e-4 }, { LW_FORMULATION_AUTO, 1e-8, 1e-6 }, { LW_FORMULATION_AUTO, 1e-10, 1e-8 },
@@ -346,13 +346,4 @@ static void two_freedoms(void)
         lw_model_free(&d.model);
     }
     CHECK(100*failed <= 6*n);
-}
-
-int main(void)
-{
-    RUN(one_freedom);
-    RUN(two_freedoms);
-    RUN(all_samples_or_a_status);
-    RUN(driven);
-    return check_end();
 }

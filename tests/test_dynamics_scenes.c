@@ -39,7 +39,7 @@ static lw_vec2 double_place(double *mass, double to)
 }
 
 /* With the heavy mass last, the light one is a bead on a taut string: slow, but the same. */
-static void masses_far_apart(void)
+TEST(masses_far_apart)
 {
     static const double mass[][2] = { { 1, 1 }, { 1e8, 1 }, { 1, 1e4 } }, slack[] = { 0, 1e-8, 1e-4, 1e-4 };
     for (int k = 0; k < 3; k++) {
@@ -58,7 +58,7 @@ static void masses_far_apart(void)
 }
 
 /* A four-bar whose coupler has no mass moves as with nearly none; a pendulum without mass is refused by name. */
-static void without_mass(void)
+TEST(without_mass)
 {
     static const char text[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1},"
@@ -89,7 +89,7 @@ static void without_mass(void)
 }
 
 /* A slider on a spring of 1e10 N/m: cos(1e5 t); with a critical damper the soft one beside it sets the time. */
-static void stiff_springs(void)
+TEST(stiff_springs)
 {
     static const char text[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'near', 'mass': 1, 'centre': [0, 0]},"
@@ -118,7 +118,7 @@ static void stiff_springs(void)
 /* ---- loads ------------------------------------------------------------------------------------- */
 
 /* I w' = 2 (1 - w/10) - 0.1 w; a slider pushed by sin 3t and pulled back by 4 x: (sin 3t - 1.5 sin 2t)/-5. */
-static void motor_and_law(void)
+TEST(motor_and_law)
 {
     static const char motor[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}],"
@@ -153,7 +153,7 @@ static void motor_and_law(void)
 
 /* Upright a pendulum stays; 1e-6 beside, it leaves as cosh.  Speeds that exclude each other are put on the
  * constraints, and the report says so. */
-static void starts(void)
+TEST(starts)
 {
     static const char up[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1, 'centre': [%.17g, 1]}],"
@@ -251,7 +251,7 @@ static void agree(const char *text, double a, double b)
 
 /* A rack and the arm it slides on, each welded of two halves, move as those in one piece: the row of the gear has
  * four bodies and the pinion. */
-static void welded_rack(void)
+TEST(welded_rack)
 {
     static const char halves[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 1, 'centre': [0.5, 0]},"
@@ -286,7 +286,7 @@ static void welded_rack(void)
     }
 }
 
-static void kinds_of_joints(void)
+TEST(kinds_of_joints)
 {
     agree(geared, -0.5, 1);
     agree(geared, 2, -3);
@@ -299,7 +299,7 @@ static void kinds_of_joints(void)
 /* A body tied to the ground by two massless sliders and a pin flies freely: its centre on a parabola, its turn at a
  * constant rate.  A link welded of two halves swings as the link in one piece.  A frame that cannot move carries its
  * weight. */
-static void free_and_fixed(void)
+TEST(free_and_fixed)
 {
     static const char flies[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'x', 'mass': 0, 'centre': [0, 0]},"
@@ -390,7 +390,7 @@ static const char on_springs[] =
     "{'links': ['ground', 'bob'], 'at': [[2, -1], [0.3, -1.2]], 'stiffness': 15, 'free': 1}],"
     "'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.3, -1]}]}";
 
-static void long_runs(void)
+TEST(long_runs)
 {
     drun_read(&d, "examples/pendulum.json");
     drift(LW_FORMULATION_REDUCED);
@@ -418,7 +418,7 @@ static void long_runs(void)
 }
 
 /* Keeping the energy does not hide errors: those of place are a small multiple of the tolerance.  A01 at 10 s. */
-static void kept_energy_is_no_mask(void)
+TEST(kept_energy_is_no_mask)
 {
     drun_read(&d, "examples/pendulum.json");
     for (int f = 0; f < 2; f++)
@@ -449,7 +449,7 @@ static double slope(int n, const double *x, const double *y)
  * errors with the tolerance and with the 8th power of the steps.
  * Implicit: the error of a step, h^6 at order 5, is held there; their sum, h^5, falls with the 5/6 power of the
  * tolerance. */
-static void order(void)
+TEST(order)
 {
     enum { MOMENTS = 30, RUNS = 17 };
     double mass[2] = { 1, 1 }, y[4] = { 0 }, tolerance[RUNS], error[RUNS], steps[RUNS];
@@ -481,20 +481,4 @@ static void order(void)
         }
     }
     lw_model_free(&d.model);
-}
-
-int main(void)
-{
-    RUN(masses_far_apart);
-    RUN(without_mass);
-    RUN(stiff_springs);
-    RUN(motor_and_law);
-    RUN(starts);
-    RUN(kinds_of_joints);
-    RUN(welded_rack);
-    RUN(free_and_fixed);
-    RUN(long_runs);
-    RUN(kept_energy_is_no_mask);
-    RUN(order);
-    return check_end();
 }

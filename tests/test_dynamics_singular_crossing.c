@@ -42,7 +42,7 @@ static lw_vec2 crank_end(lw_formulation f, double tolerance, double to, watch *w
 
 /* N-four-bar, N = 2 (A02), through ten singular postures: 20 digits by elliptic functions.  For all formulations the
  * error is a multiple of the tolerance. */
-static void two_four_bars(void)
+TEST(two_four_bars)
 {
     static const struct { int least, most; double times; } with[] = { { 6, 13, 3000 }, { 6, 13, 3000 }, { 7, 11, 3e4 },
                                                                       { 8, 11, 5e4 } };
@@ -70,7 +70,7 @@ static const char three_cranks[] = "{'linkwright': 1, 'links': ['ground',"
     "'input': {'joint': 'A0', 'speed': 0.3}, 'gravity': [0, -9.81],"
     "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
 
-static void redundant_rows(void)
+TEST(redundant_rows)
 {
     static const double tolerance[] = { 0, 1e-12, 1e-10, 1e-10 }, slack[] = { 0, 1e-8, 3e-6, 3e-6 };
     drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,"
@@ -92,7 +92,7 @@ static void redundant_rows(void)
 
 /* A parallelogram that swings near its singular posture on a spring, from rest at 0.2 rad: 0.2 cos(w t), w^2 = k/(2
  * I + m) with the mass of the coupler at the radius 1. */
-static void swings_about_it(void)
+TEST(swings_about_it)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0],"
         "'inertia': 0.5}, {'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
@@ -120,7 +120,7 @@ static void swings_about_it(void)
 
 /* A pendulum on the bar of a parallelogram, which passes singular postures at any place of the pendulum: there is no
  * curve, so every method goes over by one step.  The tracer is the bob. */
-static void two_freedoms(void)
+TEST(two_freedoms)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5],"
         "'inertia': 0.083}, {'name': 'b', 'mass': 1, 'centre': [0.5, 1], 'inertia': 0.083},"
@@ -175,7 +175,7 @@ static void read_change_point(int k)
     drun_read_format(&d, text, 0, 0);
 }
 
-static void change_points(void)
+TEST(change_points)
 {
     for (size_t k = 0; k < sizeof change_point/sizeof *change_point; k++) {
         read_change_point((int)k);
@@ -206,7 +206,7 @@ static lw_status rate_of_ten(void *context, double t, const double *y, double *d
     return LW_OK;
 }
 
-static void ten_in_a_row(void)
+TEST(ten_in_a_row)
 {
     static char text[12000];
     int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
@@ -270,7 +270,7 @@ static void read_rhombus(double eps)
 
 /* Where motion curves come near each other but do not meet, no formulation goes straight on: the input turns back
  * before its dead point, and all agree.  Curves nearer than the tolerance meet. */
-static void near_misses(void)
+TEST(near_misses)
 {
     static const double eps[] = { 1e-2, -1e-2, 1e-3, 1e-4, -1e-4 };
     for (int k = 0; k < 5; k++) {
@@ -320,7 +320,7 @@ static void count(void *context, double t, const lw_link_motion *link, lw_link_l
 }
 
 /* Ctrl-C in the middle of a step ends the run at the next evaluation, however long the step would be repeated. */
-static void stopped_within_a_step(void)
+TEST(stopped_within_a_step)
 {
     drun_read(&d, "examples/two-four-bars.json");
     for (int f = 1; f < 4; f++)
@@ -338,7 +338,7 @@ static void stopped_within_a_step(void)
 }
 
 /* A run makes as many steps as were allowed and no more, over all restarts behind singular postures. */
-static void steps_allowed(void)
+TEST(steps_allowed)
 {
     drun_read(&d, "examples/two-four-bars.json");
     for (int f = 0; f < 4; f++)
@@ -349,18 +349,4 @@ static void steps_allowed(void)
             CHECK(d.report.t > 0 && d.report.t < 1000);
         }
     lw_model_free(&d.model);
-}
-
-int main(void)
-{
-    RUN(two_four_bars);
-    RUN(redundant_rows);
-    RUN(swings_about_it);
-    RUN(two_freedoms);
-    RUN(change_points);
-    RUN(ten_in_a_row);
-    RUN(near_misses);
-    RUN(stopped_within_a_step);
-    RUN(steps_allowed);
-    return check_end();
 }

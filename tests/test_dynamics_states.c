@@ -84,7 +84,7 @@ static const lw_formulation formulation[] = { LW_FORMULATION_AUTO, LW_FORMULATIO
                                               LW_FORMULATION_GGL };
 
 /* z' = 1 - z/T, z' = cos(w t), a lag and an integral in a force. */
-static void answers_in_closed_form(void)
+TEST(answers_in_closed_form)
 {
     for (int k = 0; k < 4; k++) {
         read_wheel(wheel, 0.5, "'input': {'joint': 'A', 'speed': 1}, 'states': [{'name': 'e', 'rate': '1 - state(e)/0.25'}, "
@@ -112,7 +112,7 @@ static const char step_of_voltage[] =
     "'input': {'joint': 'A', %s}, 'motors': [{'name': 'M', 'joint': 'A', 'voltage': 100, 'resistance': 30, "
     "'inductance': 0.0703, 'torque_constant': 1.6, 'inertia': 0.0011}]";
 
-static void a_motor_starts(void)
+TEST(a_motor_starts)
 {
     const double p = -101.91534671, s = -324.8271853, t = 0.02, w = 100/1.6;
     char text[400];
@@ -137,7 +137,7 @@ static void a_motor_starts(void)
 }
 
 /* A drive whose demand is above its curve ends at the speed without load, or holds with the torque of stall. */
-static void a_drive_keeps_to_its_curve(void)
+TEST(a_drive_keeps_to_its_curve)
 {
     static const char format[] = "'input': {'joint': 'A', %s}, 'motors': [{'joint': 'A', 'torque': '%s', 'stall': 6, "
                                  "'free_speed': 40}]";
@@ -160,7 +160,7 @@ static void a_drive_keeps_to_its_curve(void)
 }
 
 /* A mass on the oil of a closed cylinder swings at f = sqrt(K (A1^2/V1 + A2^2/V2)/m)/2 pi, in small motions. */
-static void a_mass_on_oil(void)
+TEST(a_mass_on_oil)
 {
     static const char format[] =
         "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 1000, 'centre': [0.8, 0], "
@@ -180,7 +180,7 @@ static void a_mass_on_oil(void)
 }
 
 /* Pistons driven by a valve: steady speed Q/A against no load, and the stop at the end of the stroke. */
-static void a_valve_moves_a_piston(void)
+TEST(a_valve_moves_a_piston)
 {
     static const char format[] =
         "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'm', 'mass': 5, 'centre': [0.8, 0], "
@@ -210,7 +210,7 @@ static void a_valve_moves_a_piston(void)
 }
 
 /* With all parts at once every formulation gives the same, the work agrees with the energies. */
-static void formulations_agree(void)
+TEST(formulations_agree)
 {
     double z[32], q = 0, v = 0;
     for (int k = 1; k < 4; k++) {
@@ -230,7 +230,7 @@ static void formulations_agree(void)
 }
 
 /* The Jacobian of the differential-algebraic equations, states included, against central differences. */
-static void derivatives_are_exact(void)
+TEST(derivatives_are_exact)
 {
     static double jac[MOST*MOST], value[MOST*MOST];
     lw_dynamics *made = NULL;
@@ -275,7 +275,7 @@ static void derivatives_are_exact(void)
 }
 
 /* A controller at its limit: its integral stays near what the output needs, and there is little overshoot. */
-static void a_limited_controller_does_not_wind_up(void)
+TEST(a_limited_controller_does_not_wind_up)
 {
     static const char format[] =
         "'input': {'joint': 'A', 'speed': 0}, 'controllers': [{'name': 'c', 'wanted': 10, 'measured': 'v(A)', "
@@ -308,7 +308,7 @@ static void refused(const char *rest, const char *part)
     CHECK(e.line > 0 && e.column > 0);
 }
 
-static void bad_parts_are_named(void)
+TEST(bad_parts_are_named)
 {
     refused("'states': [{'name': 'a', 'rate': 'state(b)'}]", "there is no state \"b\"");
     refused("'states': [{'name': 'a', 'rate': '1'}, {'name': 'a', 'rate': '1'}]", "two states");
@@ -334,7 +334,7 @@ static void bad_parts_are_named(void)
 }
 
 /* What cannot integrate states says so. */
-static void others_refuse(void)
+TEST(others_refuse)
 {
     static const lw_formulation cannot[] = { LW_FORMULATION_DRIVEN, LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED };
     lw_dynamics *made = NULL;
@@ -351,19 +351,4 @@ static void others_refuse(void)
         CHECK_HAS(d.e.text, "\"a\"");
     }
     lw_model_free(&d.model);
-}
-
-int main(void)
-{
-    RUN(answers_in_closed_form);
-    RUN(a_motor_starts);
-    RUN(a_drive_keeps_to_its_curve);
-    RUN(a_mass_on_oil);
-    RUN(a_valve_moves_a_piston);
-    RUN(formulations_agree);
-    RUN(derivatives_are_exact);
-    RUN(a_limited_controller_does_not_wind_up);
-    RUN(bad_parts_are_named);
-    RUN(others_refuse);
-    return check_end();
 }

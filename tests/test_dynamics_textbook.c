@@ -80,7 +80,7 @@ static lw_vec2 stone(const double *y, double t)
     return lw_v2_add(lw_v2_polar(2, y[0]), lw_v2_polar(1.5, y[2]));
 }
 
-static void trebuchet(void)
+TEST(trebuchet)
 {
     compare(&(book){ "examples/dynamics/trebuchet.json", 1.5, { .n = 6, .rate = trebuchet_rate },
                      { -LW_PI/4 - 0.2, -LW_PI/2, 0 }, stone });
@@ -151,7 +151,7 @@ static lw_vec2 on_the_line(const double *y, double t)
     return lw_v2(16./3, 16./3*tan(0.5*y[0]));
 }
 
-static void one_freedom(void)
+TEST(one_freedom)
 {
     compare(&(book){ "examples/dynamics/inversor.json", 0.8, { .n = 2, .rate = inversor_rate }, { 0.6, -3 },
                      on_the_line });
@@ -181,7 +181,7 @@ static lw_vec2 slid(const double *y, double t)
     return lw_v2_polar(y[1], y[0]);
 }
 
-static void governor(void)
+TEST(governor)
 {
     compare(&(book){ "examples/dynamics/governor.json", 2, { .n = 4, .rate = governor_rate },
                      { 0, 0.2, 15, 0 }, slid });
@@ -228,7 +228,7 @@ static double lowest(int n, int mode)
 }
 
 /* (b L)^2 sqrt(E I/m), cos b cosh b = -1; lower by a part that falls with the square of the length of a link. */
-static void cantilever(void)
+TEST(cantilever)
 {
     static const double b[] = { 1.8751040687119611, 4.6940911329741746, 7.8547574382376126 };
     for (int mode = 0; mode < 3; mode++) {
@@ -239,13 +239,4 @@ static void cantilever(void)
         CHECK_NEAR(off[0]/off[1], 4, 0, 0.12);
         CHECK_NEAR(off[1]/off[2], 4, 0, 0.04);
     }
-}
-
-int main(void)
-{
-    RUN(trebuchet);
-    RUN(one_freedom);
-    RUN(governor);
-    RUN(cantilever);
-    return check_end();
 }

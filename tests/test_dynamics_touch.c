@@ -25,7 +25,7 @@ static double state(const double *q, int i) { return q[i]*(i%3 < 2 ? d.system.un
 
 /* ---- the laws, at random ------------------------------------------------------------------------------- */
 
-static void complementarity(void)
+TEST(complementarity)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -72,7 +72,7 @@ static void complementarity(void)
 
 /* ---- one body ------------------------------------------------------------------------------------------- */
 
-static void bouncing_ball(void)
+TEST(bouncing_ball)
 {
     double e = 0.6, h = 1, t = sqrt(2*h/g), v = e*g*t;
     free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 1.1], 'inertia': 0.01", "{'circle': [0, 1.1], 'radius': 0.1}",
@@ -90,7 +90,7 @@ static void bouncing_ball(void)
     lw_model_free(&d.model);
 }
 
-static void block_on_incline(void)
+TEST(block_on_incline)
 {
     const char *incline = FREE("{'line': [[0, 0], [2, 1]]}", "'mass': 2, 'centre': [0.95, 0.6], 'inertia': 0.02",
                                "{'polygon': [[0.8, 0.4], [1.2, 0.6], [1.1, 0.8], [0.7, 0.6]]}", "'friction': %.17g");
@@ -110,7 +110,7 @@ static void block_on_incline(void)
 }
 
 /* A ball rolls with 5/7 of the acceleration of a frictionless block, a disc with 2/3; with too little friction both slip. */
-static void rolling_wheel(void)
+TEST(rolling_wheel)
 {
     double slope = 0.3, r = 0.2, t = 1.5;
     char line[1500];
@@ -134,7 +134,7 @@ static void rolling_wheel(void)
 }
 
 /* A bowling ball slips until t = 2 v/(7 mu g), then rolls at 5/7 v. */
-static void bowling_ball(void)
+TEST(bowling_ball)
 {
     double v = 7, mu = 0.2, until = 2*v/(7*mu*g), t = 2;
     free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 0.2], 'inertia': 0.032, 'velocity': [7, 0]",
@@ -176,7 +176,7 @@ static lw_status rod_rate(void *context, double t, const double *y, double *dy)
     return LW_OK;
 }
 
-static void falling_rod(void)
+TEST(falling_rod)
 {
     double mu = 0.2, a0 = 80*LW_PI/180, y[4] = { a0, 0, 0, 0 }, normal, across, lo = 0.1, hi = 0.5, end = 0.55;
     foot f = { mu, 0 };
@@ -203,7 +203,7 @@ static void falling_rod(void)
 
 /* Painleve's rod: its foot slides ahead of it with mu = 2, where no force goes on with the motion.  An impulse at the
  * foot ends the slip: the angular momentum about the foot stays. */
-static void painleve(void)
+TEST(painleve)
 {
     double a = LW_PI/3, v = 5, inertia = 1/12.0 + 0.25;
     free_model(FREE(FLOOR, "'mass': 1, 'centre': [-0.25, 0.4330127018922193], 'inertia': 0.08333333333333333, 'velocity': [%.17g, 0]",
@@ -225,7 +225,7 @@ static lw_status pendulum_rate(void *context, double t, const double *y, double 
     return LW_OK;
 }
 
-static void slack_rope(void)
+TEST(slack_rope)
 {
     double v = 5.86, up = (v*v - 2*g)/(3*g), slack = acos(-up), lo = 0.2, hi = 0.6;
     lw_ode ode = { .n = 2, .rate = pendulum_rate };
@@ -249,7 +249,7 @@ static void slack_rope(void)
 }
 
 /* Compliant, without damping: the ball comes back to where it fell from; contact lasts  2 (pi - atan(v w/g))/w. */
-static void compliant_ball(void)
+TEST(compliant_ball)
 {
     double stiffness = 1e4, mass = 2, h = 1, w = sqrt(stiffness/mass), fall = sqrt(2*h/g), v = g*fall;
     double lasts = 2*(LW_PI - atan(v*w/g))/w;
@@ -268,7 +268,7 @@ static void compliant_ball(void)
     "{'circle': [" x ", 0], 'radius': 0.1}]}"
 #define TIE(name) "{'name': '" name "', 'kind': 'n', 'links': ['ground', '" name "']}"
 
-static void cradle(void)
+TEST(cradle)
 {
     static const double want[2][3] = { { 0, 0, 1 }, { 1/3.0, 1/3.0, 1/3.0 } };
     for (int k = 0; k < 2; k++) {
@@ -285,7 +285,7 @@ static void cradle(void)
 
 /* The cradle of the examples for two impacts: all of the swing goes through the middle ball, whatever rows are asked for,
  * and none of it is lost to the rounding of an impact. */
-static void hanging_cradle(void)
+TEST(hanging_cradle)
 {
     static const int rows[] = { 5, 10, 20, 40, 77 };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
@@ -300,7 +300,7 @@ static void hanging_cradle(void)
 }
 
 /* Boxes fall on each other, bounce, rock and stay. */
-static void boxes(void)
+TEST(boxes)
 {
     drun_read(&d, "examples/dynamics/boxes.json");
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 4, 4), LW_OK);
@@ -327,7 +327,7 @@ static lw_status keep_loads(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static void groove(void)
+TEST(groove)
 {
     lw_dynamics *m;
     loads l = { 0 };
@@ -343,7 +343,7 @@ static void groove(void)
     lw_model_free(&d.model);
 }
 
-static void hook_holds(void)
+TEST(hook_holds)
 {
     drun_read(&d, "examples/dynamics/hook.json");
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 3, 300), LW_OK);
@@ -354,7 +354,7 @@ static void hook_holds(void)
 }
 
 /* Four legs stand, then walk: forward, upright, without falling. */
-static void walking_machine(void)
+TEST(walking_machine)
 {
     drun_read(&d, "examples/dynamics/walking-machine.json");
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-7, 3, 60), LW_OK);
@@ -438,7 +438,7 @@ static int put_shape(char *to, size_t size, double x, double y)
 
 /* Bodies thrown into a box, with any friction and restitution: energy is accounted for, none comes from contact, and
  * nothing leaves the box.  One scene in fifty ends with a reason. */
-static void random_scenes(void)
+TEST(random_scenes)
 {
     static char text[8000];
     int complete = 0;
@@ -487,7 +487,7 @@ static void random_scenes(void)
 
 /* ---- refused ---------------------------------------------------------------------------------------------- */
 
-static void refused(void)
+TEST(refused)
 {
     lw_dynamics *m;
     free_model(FREE(FLOOR, "'mass': 2, 'centre': [0, 0.05], 'inertia': 0.01", "{'circle': [0, 0.05], 'radius': 0.1}",
@@ -505,7 +505,7 @@ static void refused(void)
     lw_model_free(&d.model);
 }
 
-static void falling_chains(void)
+TEST(falling_chains)
 {
     falling_chain(8, "\"friction\": 0.5", 0.5);
     falling_chain(60, "\"friction\": 0.5, \"friction_speed\": 0.02, \"stiffness\": 3000, \"damping\": 1", 0.25);
@@ -513,24 +513,7 @@ static void falling_chains(void)
 
 int main(void)
 {
-    RUN(complementarity);
-    RUN(bouncing_ball);
-    RUN(block_on_incline);
-    RUN(rolling_wheel);
-    RUN(bowling_ball);
-    RUN(falling_rod);
-    RUN(painleve);
-    RUN(slack_rope);
-    RUN(compliant_ball);
-    RUN(cradle);
-    RUN(hanging_cradle);
-    RUN(boxes);
-    RUN(groove);
-    RUN(hook_holds);
-    RUN(walking_machine);
-    RUN(falling_chains);
-    RUN(random_scenes);
-    RUN(refused);
+    check_run();
     lw_system_free(&d.system);
     return check_end();
 }

@@ -2,7 +2,7 @@
 #include "topology.h"
 #include "grammar/edges.h"
 
-static void reads_back(void)
+TEST(reads_back)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -22,7 +22,7 @@ static void reads_back(void)
 }
 
 /* DOT and GraphML written here are read back; documents of other programs give the same chain. */
-static void documents(void)
+TEST(documents)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -83,7 +83,7 @@ static void documents(void)
     CHECK_HAS(e.text, "no direction");
 }
 
-static void as_documented(void)
+TEST(as_documented)
 {
     static const char text[] = "1-2! 1-4 2-3 3-4:p @1 >3";
     lw_mechanism m;
@@ -99,7 +99,7 @@ static void as_documented(void)
 }
 
 /* The largest topology fits the documented sizes. */
-static void sizes(void)
+TEST(sizes)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -117,7 +117,7 @@ static void sizes(void)
     CHECK_INT(strlen(out), 9);
 }
 
-static void faults_have_a_column(void)
+TEST(faults_have_a_column)
 {
     static const struct { const char *text; long column; const char *part; } known[] = {
         { "", 1, "no joint" },
@@ -141,14 +141,4 @@ static void faults_have_a_column(void)
         CHECK_INT(e.column, known[i].column);
         CHECK_HAS(e.text, known[i].part);
     }
-}
-
-int main(void)
-{
-    RUN(reads_back);
-    RUN(documents);
-    RUN(as_documented);
-    RUN(sizes);
-    RUN(faults_have_a_column);
-    return check_end();
 }

@@ -91,7 +91,7 @@ static lw_section section_of(const char *shape)
     return out;
 }
 
-static void sections(void)
+TEST(sections)
 {
     lw_section s = section_of("{'shape': 'box', 'width': 200, 'height': 200, 'wall': 8}");
     CHECK_NEAR(s.area, 6144e-6, 0, 1e-12);
@@ -134,7 +134,7 @@ static lw_beam random_beam(lw_rng *rng, double x[6], double v[6])
 
 /* Forces are the gradient of the energy; derivatives by differences; forces and moments balance (so momentum is kept); exchanging
  * the ends changes nothing; rigid motions cause no force. */
-static void element(void)
+TEST(element)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -178,7 +178,7 @@ static void element(void)
 }
 
 /* Flexibility of a cantilever of one element: L^3/3EI + zeta L/GA, and L/EA, L/EI. */
-static void flexibility(void)
+TEST(flexibility)
 {
     lw_section s = { .area = 0.01, .iz = 1e-4/12, .zeta_y = 1.2 };
     lw_material m = { 210e9, 210e9/2.6, 7850 };
@@ -211,7 +211,7 @@ static void cantilever_chain(int n, const char *mass, double length, int wanted,
     close_scene(&s);
 }
 
-static void cantilevers(void)
+TEST(cantilevers)
 {
     static const struct { int n; double off[2], within[2]; } lumped[] = {        /* errors of an independent program */
         { 8, { -0.0071, -0.024 }, { 1e-4, 5e-4 } }, { 16, { -0.0018, -0.0061 }, { 5e-5, 5e-5 } },
@@ -233,7 +233,7 @@ static void cantilevers(void)
     CHECK_NEAR(f[0][1], cantilever_half[1], 0, 2.2e-3);
 }
 
-static void hinged(void)
+TEST(hinged)
 {
     double f[2][3];
     scene s;
@@ -249,7 +249,7 @@ static void hinged(void)
 }
 
 /* Two equal cantilevers have each frequency twice; a bar that floats on a pin has a free motion. */
-static void multiple(void)
+TEST(multiple)
 {
     double f[4];
     scene s;
@@ -274,7 +274,7 @@ static void multiple(void)
 }
 
 /* Damping of a ratio at a frequency grows with the frequency. */
-static void damping(void)
+TEST(damping)
 {
     scene s;
     lw_modes modes;
@@ -290,7 +290,7 @@ static void damping(void)
 }
 
 /* Elements chosen by themselves: 1 % at the frequency asked for. */
-static void chosen_elements(void)
+TEST(chosen_elements)
 {
     for (int k = 0; k < 6; k++) {
         char more[80];
@@ -324,7 +324,7 @@ static lw_status bend(scene *s, int n, double fx, double fy, double moment, lw_r
     return lw_statics_rest(s->d, 0, s->q, r, &s->e);
 }
 
-static void circle(void)
+TEST(circle)
 {
     for (int n = 8; n <= 40; n += 16) {
         scene s;
@@ -339,7 +339,7 @@ static void circle(void)
     }
 }
 
-static void elastica(void)
+TEST(elastica)
 {
     static const struct { double p, w, u, within; } known[] = {
         { 1, 0.301720774, 0.056433236, 1.4e-4 }, { 2, 0.493457480, 0.160641721, 6e-4 }, { 5, 0.713791524, 0.387628361, 1.4e-3 },
@@ -361,7 +361,7 @@ static void elastica(void)
 }
 
 /* A column beyond its buckling load pi^2/4: P/P_cr = (2 K(k)/pi)^2, tip at 2 k/sqrt(P), k = sin(half the angle at the tip). */
-static void buckling(void)
+TEST(buckling)
 {
     scene s;
     lw_rest r;
@@ -383,7 +383,7 @@ static void buckling(void)
 }
 
 /* Inner forces of a bar under its weight and a load, and its stress; the frame with a corner. */
-static void inner_forces_and_frame(void)
+TEST(inner_forces_and_frame)
 {
     scene s;
     lw_rest r;
@@ -426,7 +426,7 @@ static void inner_forces_and_frame(void)
 
 /* Across its plane of rotation a cantilever feels the centrifugal force m W^2 x along itself alone.  Rates over
  * sqrt(EI/rho A L^4), hub radius 0. */
-static void turning(void)
+TEST(turning)
 {
     static const struct { double speed, rate[2]; } known[] = { { 3, { 4.797278, 23.320264 } }, { 6, { 7.360373, 26.809082 } } };
     for (int k = 0; k < 2; k++)
@@ -480,7 +480,7 @@ static lw_status run(scene *s, double tolerance, double to, int intervals, recor
 
 static record spun[2];
 
-static void spin_up(void)
+TEST(spin_up)
 {
     static const struct { int sample; double tip; } known[] = { { 14, -0.571 }, { 15, -0.559 }, { 20, -0.3625 }, { 25, -0.1128 } };
     for (int k = 0; k < 2; k++) {
@@ -508,7 +508,7 @@ static void spin_up(void)
 }
 
 /* A bar that spins about a pin in its middle keeps momentum and energy over 100 turns: implicit and explicit method. */
-static void spinning(void)
+TEST(spinning)
 {
     for (int k = 0; k < 2; k++) {
         static record r;
@@ -528,7 +528,7 @@ static void spinning(void)
 }
 
 /* Both methods give the same motion, and the error falls with the tolerance. */
-static void tolerances(void)
+TEST(tolerances)
 {
     static record exact, r;
     lw_dynamics_report report;
@@ -557,7 +557,7 @@ static void tolerances(void)
 
 /* First-order states beside elastic links: an integral and a lag that drive the arm.  IDA takes them by itself; the explicit method gives the
  * same motion. */
-static void states(void)
+TEST(states)
 {
     static record by[2];
     for (int k = 0; k < 2; k++) {
@@ -685,7 +685,7 @@ static void slider_crank_at(double speed, int n, double within)
 
 /* The modes of the reference have the stiffness of the rod without load; the elements know that an axial force changes it,
  * an effect of the square of the speed: at 150 rad/s the deflections differ by 8 %. */
-static void slider_crank(void)
+TEST(slider_crank)
 {
     slider_crank_at(30, 8, 0.02);
     slider_crank_at(30, 24, 0.01);
@@ -694,7 +694,7 @@ static void slider_crank(void)
 
 /* Quasi-static runs: a load that grows to P L^2/EI = 5 bends the beam as the elastica; and a slider-crank that turns slowly moves as in
  * time, where its rod bends under its weight. */
-static void quasi_static(void)
+TEST(quasi_static)
 {
     static record r, slow;
     lw_dynamics_report report;
@@ -739,7 +739,7 @@ static void quasi_static(void)
 
 /* ---- what is refused; rigid ------------------------------------------------------------------------------------------------ */
 
-static void refused(void)
+TEST(refused)
 {
     static const struct { const char *elastic, *why; } bad[] = {
         { "{'section': {'shape': 'boxx', 'width': 1, 'height': 1, 'wall': 0.1}, 'material': 'steel'}", "box" },
@@ -790,7 +790,7 @@ static void refused(void)
 }
 
 /* An elastic link taken as rigid is the bar of its section. */
-static void rigid(void)
+TEST(rigid)
 {
     double period[2];
     for (int k = 0; k < 2; k++) {
@@ -831,7 +831,7 @@ static lw_status look(void *context, const lw_simulation_sample *s)
 }
 
 /* Samples of the library name the nodes of elastic links; a stepper holds a load on one, which swings about where it would rest. */
-static void library(void)
+TEST(library)
 {
     lw_simulation_options o = lw_simulation_options_default();
     lw_simulation *run;
@@ -868,31 +868,4 @@ static void library(void)
     CHECK(least < 1.7*rest && least > 2.1*rest);             /* a load put on at once swings twice as far */
     lw_stepper_destroy(steps);
     close_scene(&s);
-}
-
-int main(void)
-{
-    RUN(sections);
-    RUN(element);
-    RUN(flexibility);
-    RUN(cantilevers);
-    RUN(hinged);
-    RUN(multiple);
-    RUN(damping);
-    RUN(chosen_elements);
-    RUN(circle);
-    RUN(elastica);
-    RUN(buckling);
-    RUN(inner_forces_and_frame);
-    RUN(turning);
-    RUN(spin_up);
-    RUN(spinning);
-    RUN(tolerances);
-    RUN(states);
-    RUN(slider_crank);
-    RUN(quasi_static);
-    RUN(refused);
-    RUN(rigid);
-    RUN(library);
-    return check_end();
 }

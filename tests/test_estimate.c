@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include "tests/check.h"
 
-static void close_to_the_count(void)
+TEST(close_to_the_count)
 {
     /* counts: OEIS A233288; docs/theory.md, "Numbers"; (17, 2) recounted by listing */
     static const struct { int n_link, dof; double structures, chains, factor; } known[] = {
@@ -21,7 +21,7 @@ static void close_to_the_count(void)
     }
 }
 
-static void every_size_gets_an_answer(void)
+TEST(every_size_gets_an_answer)
 {
     for (int n_link = 4; n_link <= 32; n_link++)
         for (int dof = 0; dof <= 2; dof++) {
@@ -33,11 +33,4 @@ static void every_size_gets_an_answer(void)
             if (!fits)
                 CHECK_HAS(text.text, "P");
         }
-}
-
-int main(void)
-{
-    RUN(close_to_the_count);
-    RUN(every_size_gets_an_answer);
-    return check_end();
 }

@@ -68,7 +68,7 @@ static double nearest(const lw_guide *g, int n, lw_vec2 centre, lw_vec2 point)
 
 /* Both guides of the linkage the poses come from are found, every guide found suits the poses, and they
  * are an even number (with multiplicity), two at least. */
-static void guides_of_random_linkages(void)
+TEST(guides_of_random_linkages)
 {
     int four = 0;
     for (int trial = 0; trial < 500; trial++) {
@@ -90,7 +90,7 @@ static void guides_of_random_linkages(void)
 
 /* A four-bar of lengths 3.2, 1.1, 2.9, 2.4 with tracer (1.6, 1.1); its other two guides by 20000 starts of Newton's
  * method, ten digits of them. */
-static void four_guides_known(void)
+TEST(four_guides_known)
 {
     static const double known[4][4] = {
         { 0.5, -0.2, -1.902057767, -0.3900977457 }, { 5.50001923, 6.519679597, 5.506215315, -4.018218573 },
@@ -115,7 +115,7 @@ static void four_guides_known(void)
 }
 
 /* Poses of a slider-crank and of an inverted one: the slide is recognised and its line is right. */
-static void slides_are_recognised(void)
+TEST(slides_are_recognised)
 {
     for (int trial = 0; trial < 200; trial++) {
         bool inverted = trial % 2;
@@ -153,7 +153,7 @@ static void slides_are_recognised(void)
     }
 }
 
-static void dependent_poses_are_refused(void)
+TEST(dependent_poses_are_refused)
 {
     lw_vec2 p[5] = { { 0, 0 }, { 1, 0 }, { 2, 1 }, { 0, 3 }, { 1, 0 } };
     double same[5] = { 0, 0, 0, 0, 0 }, turn[5] = { 0, 0.3, 0.7, 1, 0.3 };
@@ -178,7 +178,7 @@ static void check_bar(const lw_function_bar *b, size_t n, const double *angle, c
     }
 }
 
-static void functions_of_random_linkages(void)
+TEST(functions_of_random_linkages)
 {
     for (int trial = 0; trial < 600; trial++) {
         size_t n = 3 + (size_t)trial%3;
@@ -266,7 +266,7 @@ static void check_results(const lw_target *t, lw_task task, const lw_exact *x)
     CHECK_INT(x->n_clean + x->n_order + x->n_branch + x->n_circuit, x->n_real);
 }
 
-static void linkages_move_through_all_stations(void)
+TEST(linkages_move_through_all_stations)
 {
     for (int trial = 0; trial < 21; trial++) {
         lw_task task = (lw_task)(trial % 3);
@@ -307,7 +307,7 @@ static lw_exact solve_with(const lw_target *t, const lw_fit_spec *s)
 }
 
 /* Linkages under a condition are those without it that meet it. */
-static void conditions_leave_linkages_out(void)
+TEST(conditions_leave_linkages_out)
 {
     int left_out = 0, stayed = 0;
     for (int trial = 0; trial < 40; trial++) {
@@ -354,7 +354,7 @@ static void conditions_leave_linkages_out(void)
     CHECK(left_out > 10 && stayed > 10);
 }
 
-static void threads_do_not_matter(void)
+TEST(threads_do_not_matter)
 {
     sample s = draw_good(4);
     lw_target t;
@@ -369,7 +369,7 @@ static void threads_do_not_matter(void)
     lw_target_free(&t);
 }
 
-static void wrong_numbers_of_stations(void)
+TEST(wrong_numbers_of_stations)
 {
     static const double x[10] = { 0, .1, .2, .3, .4, .5, .6, .7, .8, .9 }, y[10] = { 0, 1, 0, 2, 0, 3, 0, 1, 2, 5 };
     static const struct { size_t n; lw_task task; } wrong[] = {
@@ -393,14 +393,6 @@ static void wrong_numbers_of_stations(void)
 int main(void)
 {
     lw_rng_seed(&rng, check_seed(), 0);
-    RUN(guides_of_random_linkages);
-    RUN(four_guides_known);
-    RUN(slides_are_recognised);
-    RUN(dependent_poses_are_refused);
-    RUN(functions_of_random_linkages);
-    RUN(linkages_move_through_all_stations);
-    RUN(conditions_leave_linkages_out);
-    RUN(threads_do_not_matter);
-    RUN(wrong_numbers_of_stations);
+    check_run();
     return check_end();
 }

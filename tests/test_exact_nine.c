@@ -39,7 +39,7 @@ static void check_cx(lw_cx got, lw_cx want, double size)
     CHECK_NEAR(cx_norm1(cx_sub(got, want)), 0, 1e-7*(size + cx_norm1(want)), 0);
 }
 
-static void derivatives_are_right(void)
+TEST(derivatives_are_right)
 {
     for (int trial = 0; trial < 200; trial++) {
         lw_cx v[8], d = any(), dh = any(), f, by[8], by_d, by_dh;
@@ -69,7 +69,7 @@ static void points_of(double *x, double *y)
 }
 
 /* A real linkage meets the equations with hats as conjugates. */
-static void linkage_meets_equations(void)
+TEST(linkage_meets_equations)
 {
     double x[9], y[9];
     points_of(x, y);
@@ -116,7 +116,7 @@ static bool traces_the_curve(const lw_candidate *c)
 
 /* Five points with both fixed pins given: 36 solutions over the complex numbers, each real one moves through the points
  * in a single posture of its own, and the four-bar that drew the points is among them. */
-static void all_with_given_pins_are_found(void)
+TEST(all_with_given_pins_are_found)
 {
     for (int trial = 0; trial < 4; trial++) {
         double dim[9], x[5], y[5], first = lw_rng_range(&rng, 0, 6);
@@ -165,7 +165,7 @@ static void all_with_given_pins_are_found(void)
     }
 }
 
-static void all_triples_are_found(void)
+TEST(all_triples_are_found)
 {
     double x[9], y[9];
     lw_target t;
@@ -196,7 +196,7 @@ static void all_triples_are_found(void)
     lw_target_free(&t);
 }
 
-static void threads_do_not_matter(void)
+TEST(threads_do_not_matter)
 {
     double x[9], y[9];
     lw_target t;
@@ -220,7 +220,7 @@ static void threads_do_not_matter(void)
 }
 
 /* Stopped before it began: nothing is found, and that is said. */
-static void stops_when_asked(void)
+TEST(stops_when_asked)
 {
     double x[9], y[9];
     lw_target t;
@@ -243,11 +243,6 @@ static void stops_when_asked(void)
 int main(void)
 {
     lw_rng_seed(&rng, check_seed(), 0);
-    RUN(derivatives_are_right);
-    RUN(linkage_meets_equations);
-    RUN(all_with_given_pins_are_found);
-    RUN(all_triples_are_found);
-    RUN(threads_do_not_matter);
-    RUN(stops_when_asked);
+    check_run();
     return check_end();
 }

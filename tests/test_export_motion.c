@@ -7,7 +7,7 @@
 
 static const char *const names[] = { "hoeken", "klann", "slider-crank", "chebyshev" };
 
-static void a_curve_comes_back_as_target(void)
+TEST(a_curve_comes_back_as_target)
 {
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = example(names[i]);
@@ -33,7 +33,7 @@ static void a_curve_comes_back_as_target(void)
 }
 
 /* Every row of the table puts the link's pins where the rows of its neighbours put them. */
-static void poses_keep_pins_together(void)
+TEST(poses_keep_pins_together)
 {
     static double x[LW_EXPORT_FRAMES][8], y[LW_EXPORT_FRAMES][8], turn[LW_EXPORT_FRAMES][8];
     lw_linkage k = example("klann");
@@ -71,7 +71,7 @@ static void poses_keep_pins_together(void)
     lw_bytes_free(&b);
 }
 
-static void joints_as_json(void)
+TEST(joints_as_json)
 {
     lw_linkage k = example("slider-crank");
     lw_bytes b = { 0 };
@@ -90,12 +90,4 @@ static void joints_as_json(void)
     k = example("slider-crank");
     k.n_tracer = 0;
     CHECK_INT(lw_export_svg(&k, NULL, &b, &e), LW_E_KIND);
-}
-
-int main(void)
-{
-    RUN(a_curve_comes_back_as_target);
-    RUN(poses_keep_pins_together);
-    RUN(joints_as_json);
-    return check_end();
 }

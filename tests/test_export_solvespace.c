@@ -81,7 +81,7 @@ static void constraints_hold(const lw_linkage *k)
     lw_bytes_free(&b);
 }
 
-static void examples_hold(void)
+TEST(examples_hold)
 {
     for (int i = 0; i < N_EXAMPLE; i++) {
         lw_linkage k = example(example_names[i]);
@@ -94,7 +94,7 @@ static void examples_hold(void)
     }
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_linkage k = example("geared-five-bar");
     lw_bytes b = { 0 };
@@ -102,11 +102,4 @@ static void refusals(void)
     CHECK_INT(lw_export_solvespace(&k, NULL, &b, &e), LW_E_KIND);
     CHECK_HAS(e.text, "gears and welds");
     CHECK(b.data == NULL);
-}
-
-int main(void)
-{
-    RUN(examples_hold);
-    RUN(refusals);
-    return check_end();
 }

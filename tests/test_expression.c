@@ -57,7 +57,7 @@ static double at(const char *text, double t, double u)
     return value;
 }
 
-static void values(void)
+TEST(values)
 {
     static const struct { const char *text; double want; } known[] = {
         { "1", 1 }, { " 1.5e-3 ", 0.0015 }, { ".5", 0.5 }, { "3.", 3 }, { "1e+2", 100 }, { "1E2", 100 },
@@ -84,7 +84,7 @@ static void values(void)
     }
 }
 
-static void with_variables(void)
+TEST(with_variables)
 {
     CHECK_NEAR(at("2*t", 3, 0), 6, 0, 0);
     CHECK_NEAR(at("u - t", 3, 10), 7, 0, 0);
@@ -97,7 +97,7 @@ static void with_variables(void)
     CHECK(isnan(at("abs(asin(t))", 2, 0)));
 }
 
-static void variables_in_order_of_appearance(void)
+TEST(variables_in_order_of_appearance)
 {
     lw_expression *x = parse("u + x(P)*t + x( Q )*u + x('R ()')");
     const int *which;
@@ -118,7 +118,7 @@ static void variables_in_order_of_appearance(void)
 }
 
 /* Makkonen 1999, paper A: by their formulas, here written out once more. */
-static void motion_generators(void)
+TEST(motion_generators)
 {
     for (double t = 0; t <= 4; t += 0.0625) {
         double u = (t - 1)/(3 - 1), inside = t > 1 && t < 3;
@@ -135,7 +135,7 @@ static void motion_generators(void)
 }
 
 /* Through the points, two derivatives continuous, no bend at the ends, straight outside. */
-static void natural_spline(void)
+TEST(natural_spline)
 {
     static const char text[] = "table(t, 0, 1, 1, 3, 1.5, -1, 4, 0.5, 5, 2)";
     static const double x[] = { 0, 1, 1.5, 4, 5 }, y[] = { 1, 3, -1, 0.5, 2 };
@@ -171,7 +171,7 @@ static void natural_spline(void)
     lw_expression_free(three);
 }
 
-static void faults(void)
+TEST(faults)
 {
     static const struct { const char *text; int column; const char *part; } known[] = {
         { "", 1, "expected, not the end" },
@@ -258,7 +258,7 @@ static lw_status long_text(const char *head, const char *piece, int n, const cha
     return s;
 }
 
-static void limits(void)
+TEST(limits)
 {
     lw_error e;
     CHECK_INT(long_text("", "(", 99, "t", &e), LW_E_NOTATION);
@@ -303,7 +303,7 @@ static const char *const smooth[] = {
 };
 enum { N_SMOOTH = sizeof smooth/sizeof *smooth };
 
-static void gradients_against_differences(void)
+TEST(gradients_against_differences)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
@@ -330,7 +330,7 @@ static void gradients_against_differences(void)
 }
 
 /* The series summed at a small s must be the value of the expression where the curve then is. */
-static void series_against_values(void)
+TEST(series_against_values)
 {
     enum { N = LW_SERIES_ORDER_MAX + 1 };
     lw_rng r;
@@ -371,7 +371,7 @@ static void series_against_values(void)
     }
 }
 
-static void known_series(void)
+TEST(known_series)
 {
     static const struct { const char *text; double t0, want[6]; } known[] = {
         { "exp(t)", 0, { 1, 1, 1/2., 1/6., 1/24., 1/120. } },
@@ -431,7 +431,7 @@ static void known_series(void)
     lw_expression_free(seven);
 }
 
-static void gradients_at_kinks(void)
+TEST(gradients_at_kinks)
 {
     static const struct { const char *text; double at, want; } known[] = {
         { "abs(t)", 0, 1 }, { "step(t, 0, 0, 1, 1)", 0, 0 }, { "step(t, 0, 0, 1, 1)", 1, 0 },
@@ -450,7 +450,7 @@ static void gradients_at_kinks(void)
     }
 }
 
-static void locale_does_not_matter(void)
+TEST(locale_does_not_matter)
 {
     static const char *const names[] = { "de_DE.UTF-8", "fi_FI.UTF-8", "fr_FR.UTF-8", "tr_TR.UTF-8" };
     double want = at("1.5*t + 0.25", 2, 0);
@@ -461,7 +461,7 @@ static void locale_does_not_matter(void)
     CHECK_NEAR(want, 3.25, 0, 0);
 }
 
-static void the_caller_is_asked_for_names(void)
+TEST(the_caller_is_asked_for_names)
 {
     int n = 0;
     lw_expression *x;
@@ -470,22 +470,4 @@ static void the_caller_is_asked_for_names(void)
     CHECK_INT(lw_expression_variables(x, NULL), 2);
     lw_expression_free(x);
     lw_expression_free(NULL);
-}
-
-int main(void)
-{
-    RUN(values);
-    RUN(with_variables);
-    RUN(variables_in_order_of_appearance);
-    RUN(motion_generators);
-    RUN(natural_spline);
-    RUN(faults);
-    RUN(limits);
-    RUN(gradients_against_differences);
-    RUN(series_against_values);
-    RUN(known_series);
-    RUN(gradients_at_kinks);
-    RUN(locale_does_not_matter);
-    RUN(the_caller_is_asked_for_names);
-    return check_end();
 }

@@ -56,7 +56,7 @@ static void put_shape(const lw_family *f, const lw_plan *plan, lw_rng *rng, doub
     }
 }
 
-static void rows_fit_their_types(void)
+TEST(rows_fit_their_types)
 {
     for (const lw_family *f = lw_family_table; f->name; f++) {
         lw_plan plan;
@@ -73,7 +73,7 @@ static void rows_fit_their_types(void)
     }
 }
 
-static void draws_meet_their_conditions_and_turn(void)
+TEST(draws_meet_their_conditions_and_turn)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -95,7 +95,7 @@ static void draws_meet_their_conditions_and_turn(void)
 /* A condition may be met by another link being the shortest: then the input still turns in none of the
  * families, except that s + l = p + q has two sides.  So each condition is violated on its own, a
  * little, from a draw that meets the others with ease. */
-static void a_violated_condition_stops_the_turn(void)
+TEST(a_violated_condition_stops_the_turn)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -130,7 +130,7 @@ static void a_violated_condition_stops_the_turn(void)
 
 /* The families of four-bars cover what they say: every set of lengths whose input turns fully is a
  * crank-rocker (input shortest) or a drag link (frame shortest). */
-static void four_bars_that_turn_are_in_a_family(void)
+TEST(four_bars_that_turn_are_in_a_family)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -153,13 +153,4 @@ static void four_bars_that_turn_are_in_a_family(void)
         CHECK_INT(turns, least[0] > 0 || least[1] > 0);
     }
     CHECK(turning > 500);
-}
-
-int main(void)
-{
-    RUN(rows_fit_their_types);
-    RUN(draws_meet_their_conditions_and_turn);
-    RUN(a_violated_condition_stops_the_turn);
-    RUN(four_bars_that_turn_are_in_a_family);
-    return check_end();
 }

@@ -52,7 +52,7 @@ static lw_function body_function(body *b)
                           .conditions = body_conditions };
 }
 
-static void finds_the_inside(void)
+TEST(finds_the_inside)
 {
     lw_rng rng;
     lw_solver_options o = lw_solver_options_default();
@@ -78,7 +78,7 @@ static void finds_the_inside(void)
     }
 }
 
-static void says_when_there_is_none(void)
+TEST(says_when_there_is_none)
 {
     lw_rng rng;
     lw_solver_options o = lw_solver_options_default();
@@ -99,7 +99,7 @@ static void says_when_there_is_none(void)
 }
 
 /* A user who asks to stop does not wait for all the random points. */
-static void stops_when_asked(void)
+TEST(stops_when_asked)
 {
     static const volatile int stop = 1;
     lw_rng rng;
@@ -122,7 +122,7 @@ static void stops_when_asked(void)
 }
 
 /* From d outside the ball of HS65 the way back is d, to first order. */
-static void repairs_by_the_shortest_way(void)
+TEST(repairs_by_the_shortest_way)
 {
     lw_function fn = hs65();
     lw_solver_options o = lw_solver_options_default();
@@ -138,13 +138,4 @@ static void repairs_by_the_shortest_way(void)
         CHECK_NEAR(sqrt(way), d, 2e-12, d);           /* curvature: relative error d / radius, below d */
     }
     lw_record_close(&r);
-}
-
-int main(void)
-{
-    RUN(finds_the_inside);
-    RUN(says_when_there_is_none);
-    RUN(stops_when_asked);
-    RUN(repairs_by_the_shortest_way);
-    return check_end();
 }

@@ -49,7 +49,7 @@ static void check_refused(const char *path, const char *part)
     CHECK_HAS(e.text, "cannot be written");
 }
 
-static void write_then_read(void)
+TEST(write_then_read)
 {
     const char *path = in_folder("a.txt");
     CHECK_INT(lw_file_write(path, "hello\n", 6, NULL), LW_OK);
@@ -60,7 +60,7 @@ static void write_then_read(void)
     unlink(path);
 }
 
-static void large_file_with_zero_bytes(void)
+TEST(large_file_with_zero_bytes)
 {
     size_t n = 3000001, size = 0;
     char *bytes = malloc(n), *text = NULL;
@@ -75,7 +75,7 @@ static void large_file_with_zero_bytes(void)
     unlink(in_folder("big"));
 }
 
-static void unfinished_output_leaves_the_old_file(void)
+TEST(unfinished_output_leaves_the_old_file)
 {
     const char *path = in_folder("keep");
     lw_output o;
@@ -92,7 +92,7 @@ static void unfinished_output_leaves_the_old_file(void)
     unlink(path);
 }
 
-static void rights_and_links_survive(void)
+TEST(rights_and_links_survive)
 {
     struct stat st;
     const char *path = in_folder("script"), *link = in_folder("link");
@@ -109,7 +109,7 @@ static void rights_and_links_survive(void)
     unlink(path);
 }
 
-static void longest_name_the_system_allows(void)
+TEST(longest_name_the_system_allows)
 {
     char name[257];
     memset(name, 'n', 255);
@@ -122,7 +122,7 @@ static void longest_name_the_system_allows(void)
     check_refused(in_folder(name), "too long");
 }
 
-static void what_cannot_be_written(void)
+TEST(what_cannot_be_written)
 {
     char longest[1400];
     memset(longest, 'd', sizeof longest - 1);
@@ -141,7 +141,7 @@ static void what_cannot_be_written(void)
 }
 
 /* A disk that fills up in the middle, played by a limit on the size of files. */
-static void a_failed_write_leaves_the_old_file(void)
+TEST(a_failed_write_leaves_the_old_file)
 {
     const char *path = in_folder("full");
     CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
@@ -163,7 +163,7 @@ static void a_failed_write_leaves_the_old_file(void)
     unlink(path);
 }
 
-static void devices_are_written_in_place(void)
+TEST(devices_are_written_in_place)
 {
     struct stat st;
     CHECK_INT(lw_file_write("/dev/null", "x", 1, NULL), LW_OK);
@@ -182,7 +182,7 @@ static void check_unreadable(const char *path, const char *part)
     CHECK(text == NULL);
 }
 
-static void what_cannot_be_read(void)
+TEST(what_cannot_be_read)
 {
     check_unreadable(in_folder("missing"), "no such file");
     check_unreadable(temporary_folder(), "folder, not a file");
@@ -191,7 +191,7 @@ static void what_cannot_be_read(void)
 }
 
 /* A child whose standard output is a file already begun: "-" and "/dev/stdout" go on from there. */
-static void standard_output_is_continued(void)
+TEST(standard_output_is_continued)
 {
     static const char *const names[] = { "-", "/dev/stdout", "/dev/fd/1" };
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
@@ -213,7 +213,7 @@ static void standard_output_is_continued(void)
     }
 }
 
-static void standard_input_is_read(void)
+TEST(standard_input_is_read)
 {
     const char *path = in_folder("in");
     CHECK_INT(lw_file_write(path, "given", 5, NULL), LW_OK);
@@ -233,7 +233,7 @@ static void standard_input_is_read(void)
 }
 
 /* What a killed program leaves: found again, for one program at a time, and whole only after a commit. */
-static void partial_output_is_gone_on_with(void)
+TEST(partial_output_is_gone_on_with)
 {
     const char *path = in_folder("long.txt"), *partial = in_folder("long.txt.partial");
     char text[8] = "";
@@ -259,7 +259,7 @@ static void partial_output_is_gone_on_with(void)
 }
 
 /* A link that somebody put beside the output must not lead the writing to another file. */
-static void partial_output_follows_no_link(void)
+TEST(partial_output_follows_no_link)
 {
     const char *path = in_folder("linked.txt"), *partial = in_folder("linked.txt.partial");
     const char *other = in_folder("other.txt");
@@ -268,22 +268,4 @@ static void partial_output_follows_no_link(void)
     CHECK_INT(symlink(other, partial), 0);
     CHECK_INT(lw_output_open_partial(&o, path, NULL), LW_E_IO);
     check_content(other, "kept\n");
-}
-
-int main(void)
-{
-    RUN(write_then_read);
-    RUN(large_file_with_zero_bytes);
-    RUN(unfinished_output_leaves_the_old_file);
-    RUN(rights_and_links_survive);
-    RUN(longest_name_the_system_allows);
-    RUN(what_cannot_be_written);
-    RUN(a_failed_write_leaves_the_old_file);
-    RUN(partial_output_is_gone_on_with);
-    RUN(partial_output_follows_no_link);
-    RUN(devices_are_written_in_place);
-    RUN(what_cannot_be_read);
-    RUN(standard_output_is_continued);
-    RUN(standard_input_is_read);
-    return check_end();
 }

@@ -142,7 +142,7 @@ static void check_bounds(const published *p, const lw_candidate *c)
     CHECK(2*(r[1] + longest) <= r[0] + r[1] + r[2] + r[3]);
 }
 
-static void reach_the_published_figures(void)
+TEST(reach_the_published_figures)
 {
     for (int i = 0; i < N_PROBLEM; i++) {
         const published *p = &problems[i];
@@ -185,7 +185,7 @@ static void same_fit(const lw_fit *a, const lw_fit *b, size_t n)
     }
 }
 
-static void repeat_on_any_number_of_threads(void)
+TEST(repeat_on_any_number_of_threads)
 {
     static const char *const names[] = { "closed18", "line6", "closed18free" };
     for (int i = 0; i < 3; i++) {
@@ -259,7 +259,7 @@ static void eight(double u, double *x, double *y) { *x = 2*sin(u); *y = sin(2*u)
 static void cusp(double u, double *x, double *y) { *x = 2*cos(u) + cos(2*u); *y = 2*sin(u) + sin(2*u); }
 static void egg(double u, double *x, double *y) { *x = 3*cos(u); *y = (1 + 0.3*cos(u))*sin(u); }
 
-static void few_points_are_met_exactly(void)
+TEST(few_points_are_met_exactly)
 {
     points two = { 2, { 0, 3 }, { 1, -1 }, false }, three = { 3, { 0, 1, 3 }, { 0, 2, 1 }, false };
     points twice = { 6, { 0, 0, 1, 1, 3, 3 }, { 0, 0, 2, 2, 1, 1 }, false };
@@ -270,7 +270,7 @@ static void few_points_are_met_exactly(void)
     CHECK(best_of(&line, 1) < 1e-11);                    /* not to rounding: the valley is flat     */
 }
 
-static void one_place_is_refused(void)
+TEST(one_place_is_refused)
 {
     points p = { 1, { 4 }, { 2 }, false }, again = { 3, { 4, 4, 4 }, { 2, 2, 2 }, false };
     const points *each[] = { &p, &again };
@@ -287,7 +287,7 @@ static void one_place_is_refused(void)
     }
 }
 
-static void crossings_and_cusps_are_followed(void)
+TEST(crossings_and_cusps_are_followed)
 {
     points p = curve(24, eight);
     CHECK(best_of(&p, 2) < 2e-3);                        /* rms of a hundredth of the size           */
@@ -296,7 +296,7 @@ static void crossings_and_cusps_are_followed(void)
 }
 
 /* Order, size and place are not what a path is. */
-static void the_same_path_gives_the_same_figure(void)
+TEST(the_same_path_gives_the_same_figure)
 {
     static const struct { double size, x, y; bool backwards; } as[] = {
         { 1, 0, 0, true }, { 1e9, 0, 0, false }, { 1e-9, 0, 0, false }, { 1, 1e6, -1e6, false },
@@ -317,7 +317,7 @@ static void the_same_path_gives_the_same_figure(void)
 }
 
 /* Thirty points without a pattern: nothing comes near, and the figures say so. */
-static void what_cannot_be_met_is_reported_as_it_is(void)
+TEST(what_cannot_be_met_is_reported_as_it_is)
 {
     points p = { .n = 30, .closed = false };
     uint64_t z = 12345;
@@ -331,7 +331,7 @@ static void what_cannot_be_met_is_reported_as_it_is(void)
 
 /* ---- types, limits, faults ------------------------------------------------------------------------------ */
 
-static void every_type_of_linkage_is_searched(void)
+TEST(every_type_of_linkage_is_searched)
 {
     points p = curve(10, egg);
     lw_target t;
@@ -361,7 +361,7 @@ static void every_type_of_linkage_is_searched(void)
 }
 
 /* A function: the search reaches what was known (tests/data/tasks), and lists no proportions twice. */
-static void functions_are_generated(void)
+TEST(functions_are_generated)
 {
     enum { N = 21 };
     double in[N], out[N];
@@ -391,7 +391,7 @@ static void functions_are_generated(void)
 }
 
 /* A function whose output falls as the input rises is the same work for a linkage whose input turns the other way. */
-static void a_function_may_turn_either_way(void)
+TEST(a_function_may_turn_either_way)
 {
     enum { N = 15 };
     double in[N], out[N], best[2];
@@ -418,7 +418,7 @@ static void a_function_may_turn_either_way(void)
 }
 
 /* The same motion in another unit of length is the same work. */
-static void the_unit_of_a_motion_does_not_matter(void)
+TEST(the_unit_of_a_motion_does_not_matter)
 {
     enum { N = 6 };
     static const double theta[N] = { 0, 0.2, 0.5, 0.7, 0.8, 1.1 };
@@ -458,7 +458,7 @@ static void stop_after_a_round(void *context, double done, double seconds, doubl
     interrupt = 1;
 }
 
-static void stops_when_told_and_keeps_what_it_has(void)
+TEST(stops_when_told_and_keeps_what_it_has)
 {
     points p = curve(20, eight);
     int rounds = 0;
@@ -490,7 +490,7 @@ static void stops_when_told_and_keeps_what_it_has(void)
     lw_target_free(&t);
 }
 
-static void says_why_nothing_can_be_done(void)
+TEST(says_why_nothing_can_be_done)
 {
     points p = curve(8, egg);
     lw_target t;
@@ -514,7 +514,7 @@ static void says_why_nothing_can_be_done(void)
 }
 
 /* A crank-rocker with an input longer than every other link: bounds that Grashof's condition contradicts. */
-static void contradictory_bounds_give_nothing(void)
+TEST(contradictory_bounds_give_nothing)
 {
     points p = curve(8, egg);
     lw_target t;
@@ -531,23 +531,4 @@ static void contradictory_bounds_give_nothing(void)
     CHECK_INT(fit.n, 0);
     lw_fit_free(&fit);
     lw_target_free(&t);
-}
-
-int main(void)
-{
-    RUN(reach_the_published_figures);
-    RUN(repeat_on_any_number_of_threads);
-    RUN(few_points_are_met_exactly);
-    RUN(one_place_is_refused);
-    RUN(crossings_and_cusps_are_followed);
-    RUN(the_same_path_gives_the_same_figure);
-    RUN(what_cannot_be_met_is_reported_as_it_is);
-    RUN(every_type_of_linkage_is_searched);
-    RUN(functions_are_generated);
-    RUN(a_function_may_turn_either_way);
-    RUN(the_unit_of_a_motion_does_not_matter);
-    RUN(stops_when_told_and_keeps_what_it_has);
-    RUN(says_why_nothing_can_be_done);
-    RUN(contradictory_bounds_give_nothing);
-    return check_end();
 }

@@ -155,11 +155,11 @@ static void found_again(lw_linkage k, int input_turns_per_period, long budget)
     lw_target_free(&t);
 }
 
-static void over_two_turns(void) { found_again(geared_five_bar(), 2, 1000000); }
-static void a_rack_turns_its_pinion(void) { found_again(rolling_carriage(), 1, 1000000); }
-static void a_pinion_moves_its_rack(void) { found_again(rocker_moves_rack(), 1, 1000000); }
-static void two_gear_pairs(void) { found_again(wheel_train(), 1, 1000000); }
-static void a_gear_in_a_group(void) { found_again(half_on_coupler(), 2, 1000000); }
+TEST(over_two_turns) { found_again(geared_five_bar(), 2, 1000000); }
+TEST(a_rack_turns_its_pinion) { found_again(rolling_carriage(), 1, 1000000); }
+TEST(a_pinion_moves_its_rack) { found_again(rocker_moves_rack(), 1, 1000000); }
+TEST(two_gear_pairs) { found_again(wheel_train(), 1, 1000000); }
+TEST(a_gear_in_a_group) { found_again(half_on_coupler(), 2, 1000000); }
 
 /* Five bars whose crank is geared to the last bar, on the bar that carries both. */
 static lw_linkage floating(void)
@@ -195,7 +195,7 @@ static bool comes_back(const lw_problem *p, const lw_linkage *topology, const do
 }
 
 /* Members that are drawn to turn fully are at the same place afterwards. */
-static void members_come_back(void)
+TEST(members_come_back)
 {
     const lw_linkage of[2] = { half_on_coupler(), floating() };
     for (int i = 0; i < 2; i++) {
@@ -227,15 +227,4 @@ static void members_come_back(void)
         lw_problem_free(&p);
         lw_target_free(&t);
     }
-}
-
-int main(void)
-{
-    RUN(over_two_turns);
-    RUN(a_rack_turns_its_pinion);
-    RUN(a_pinion_moves_its_rack);
-    RUN(two_gear_pairs);
-    RUN(a_gear_in_a_group);
-    RUN(members_come_back);
-    return check_end();
 }

@@ -19,7 +19,7 @@ static double kinetic2(const double *p, const double *v)
 }
 
 /* f = 1/2 d(v^T M v)/dp - dM/dt v - K q, with central differences of M. */
-static void lagrange(void)
+TEST(lagrange)
 {
     lw_rng rng;
     lw_rng_seed(&rng, 1, 0);
@@ -50,7 +50,7 @@ static void lagrange(void)
     }
 }
 
-static void rows(void)
+TEST(rows)
 {
     double p[N] = { 0.3, -0.2, 0.4, 0.01, 0.02, -0.03, 0.04 }, phi[3], g[3*N], ahead[3], back[3], h = 1e-6;
     lw_flexible_crank_rows(&c, 0.1, p, phi, g);
@@ -66,7 +66,7 @@ static void rows(void)
 
 /* Mazzia & Magherini 2008, problem "slider crank", t = 0.1: good to 3e-8 of each elastic coordinate, as the start is printed with
  * nine digits only. */
-static void published(void)
+TEST(published)
 {
     static const double want[N] = { 15.00000000000104, -0.3311734988256260, 0.1697373328427860, 0.1893192899613509e-3,
                                     0.2375751249879174e-4, -0.5323896770569702e-5, -0.8363313279112129e-5 };
@@ -89,8 +89,6 @@ static void published(void)
 int main(void)
 {
     lw_flexible_crank_published(&c);
-    RUN(lagrange);
-    RUN(rows);
-    RUN(published);
+    check_run();
     return check_end();
 }

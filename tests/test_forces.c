@@ -89,7 +89,7 @@ static bool difference(int i, bool of_q, double *q, double *v, double t, double 
     return worst < 1e-5*size;
 }
 
-static void derivatives(void)
+TEST(derivatives)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
@@ -120,7 +120,7 @@ static void derivatives(void)
 }
 
 /* Forces with a potential are its slope; the others do work at the power reported. */
-static void potential_and_power(void)
+TEST(potential_and_power)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -155,11 +155,4 @@ static void potential_and_power(void)
         lw_model_free(&model);
     }
     CHECK(n_seen > 150);
-}
-
-int main(void)
-{
-    RUN(derivatives);
-    RUN(potential_and_power);
-    return check_end();
 }

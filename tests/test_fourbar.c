@@ -57,7 +57,7 @@ static void permute(const double base[4], int number, double r[4])
 }
 
 /* Every class by every permutation of lengths that belong to it; letters say what turns. */
-static void classes_of_all_permutations(void)
+TEST(classes_of_all_permutations)
 {
     static const double base[4][4] = { { 2, 5, 6, 7 }, { 3, 4, 5, 7 }, { 1, 2, 3, 4.5 }, { 4, 5, 6, 10 } };
     int seen[15] = { 0 };
@@ -81,7 +81,7 @@ static void classes_of_all_permutations(void)
 }
 
 /* docs/theory.md, four-bar classes 9 to 14; equality is exact here, all lengths being integers. */
-static void classes_of_change_points(void)
+TEST(classes_of_change_points)
 {
     static const struct { double r[4]; int number; const char *symbol; bool crank, rocker; } known[] = {
         { { 2, 4, 5, 3 }, 9,  "CPCCC", true,  true  }, { { 2, 3, 4, 5 }, 9, "CPCCC", true, true },
@@ -196,7 +196,7 @@ static void check_sweep(const double r[4], const lw_fourbar_class *c)
     }
 }
 
-static void random_lengths_agree_with_the_sweep(void)
+TEST(random_lengths_agree_with_the_sweep)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -229,7 +229,7 @@ static void same_class(const lw_fourbar_class *p, const lw_fourbar_class *q, dou
         CHECK_NEAR(p->dead[i], q->dead[i], 100.0*tolerance, 0);
 }
 
-static void unit_does_not_matter(void)
+TEST(unit_does_not_matter)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -257,7 +257,7 @@ static void unit_does_not_matter(void)
 /* g + a - b - h = q exactly: the outer limit stands at pi - e with
  * 4 g a sin^2(e/2) = (g + a)^2 - (b + h)^2 = q (g + a + b + h).  For q < 0 the crank turns, and the
  * transmission angle comes as near to pi as  4 b h sin^2(m/2) = -q (g + a + b + h). */
-static void accurate_near_the_outer_change_point(void)
+TEST(accurate_near_the_outer_change_point)
 {
     for (int k = 8; k <= 50; k++) {
         double q = ldexp(1.0, -k), g = 4.0, a = 2.0, b = 3.0;
@@ -290,7 +290,7 @@ static void accurate_near_the_outer_change_point(void)
 
 /* |g - a| against |b - h|: the inner limit stands at e with
  * 4 g a sin^2(e/2) = (b - h)^2 - (g - a)^2. */
-static void accurate_near_the_inner_change_point(void)
+TEST(accurate_near_the_inner_change_point)
 {
     for (int k = 8; k <= 50; k++) {
         double q = ldexp(1.0, -k);
@@ -309,7 +309,7 @@ static void accurate_near_the_inner_change_point(void)
 
 /* Computed with 22 digits from the two triangles: the rocker's angles at the dead centres of 4 1 3.5 3,
  * measured at its pivot from the frame, and the end of the swing of 4 3 2 2.5. */
-static void dead_centres_and_limits_as_known(void)
+TEST(dead_centres_and_limits_as_known)
 {
     double r[4] = { 4, 1, 3.5, 3 }, rocking[4] = { 4, 3, 2, 2.5 };
     const double folded = 0.6741305066673151775421, extended = 1.371564239549725741635;
@@ -327,7 +327,7 @@ static void dead_centres_and_limits_as_known(void)
     CHECK_NEAR(c.limit[1]*180.0/LW_PI, 78.5848422572695088631, 0, 4e-16);
 }
 
-static void length_ratio_of_a_million(void)
+TEST(length_ratio_of_a_million)
 {
     double r[4] = { 1.0, 1e-6, 1.0, 1.0 };
     lw_fourbar_class c;
@@ -338,7 +338,7 @@ static void length_ratio_of_a_million(void)
     CHECK_NEAR(c.transmission[1], 2.0*asin((1.0 + 1e-6)/2.0), 0, 1e-15);
 }
 
-static void says_why_it_cannot_be(void)
+TEST(says_why_it_cannot_be)
 {
     static const struct { double r[4], tolerance; const char *part[3]; } bad[] = {
         { { 1, 1, 10, 2 },   1e-12, { "coupler (10)", "sum of the other three (4)", "exceeds it by 6" } },
@@ -359,18 +359,4 @@ static void says_why_it_cannot_be(void)
             CHECK_HAS(e.text, bad[i].part[k]);
         CHECK_INT(lw_fourbar_classify(bad[i].r, bad[i].tolerance, &c, NULL), LW_E_ARG);
     }
-}
-
-int main(void)
-{
-    RUN(classes_of_all_permutations);
-    RUN(classes_of_change_points);
-    RUN(random_lengths_agree_with_the_sweep);
-    RUN(unit_does_not_matter);
-    RUN(accurate_near_the_outer_change_point);
-    RUN(accurate_near_the_inner_change_point);
-    RUN(dead_centres_and_limits_as_known);
-    RUN(length_ratio_of_a_million);
-    RUN(says_why_it_cannot_be);
-    return check_end();
 }

@@ -36,7 +36,7 @@ static lw_status check_chain(void *context, const lw_chain *c, int n_bridge)
     return LW_OK;
 }
 
-static void each_once_and_sound(void)
+TEST(each_once_and_sound)
 {
     /* (9, 4) and beyond: recounted here with geng and shortg */
     static const struct { int n_link, dof; size_t n, n_bridged; } known[] = {
@@ -73,7 +73,7 @@ static lw_status count(void *context, const lw_chain *c, int n_bridge)
 }
 
 /* F = 2: two chains with F = 1 share a link, so P = P' + P'' - 1 and one counts unordered pairs of inversions. */
-static void two_freedoms_are_pairs_of_inversions(void)
+TEST(two_freedoms_are_pairs_of_inversions)
 {
     for (int n_link = 7; n_link <= 15; n_link += 2) {
         uint64_t want = 0, got = 0;
@@ -93,7 +93,7 @@ static lw_status stop(void *context, const lw_chain *c, int n_bridge)
     return ++*(int *)context == 3 ? LW_STOPPED : LW_OK;
 }
 
-static void stops_and_refuses(void)
+TEST(stops_and_refuses)
 {
     int n = 0;
     lw_error e = { 0 };
@@ -101,12 +101,4 @@ static void stops_and_refuses(void)
     CHECK_INT(n, 3);
     CHECK_INT(lw_fractionated_each(8, 2, stop, &n, &e), LW_E_ARG);
     CHECK_HAS(e.text, "P = 8");
-}
-
-int main(void)
-{
-    RUN(each_once_and_sound);
-    RUN(two_freedoms_are_pairs_of_inversions);
-    RUN(stops_and_refuses);
-    return check_end();
 }

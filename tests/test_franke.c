@@ -13,7 +13,7 @@ static void check_text(const lw_chain *c, const char *want)
 
 /* The variants {2,2,0} and {2,1,1} of thesis line 425; of the four printed there only these have the
  * sum 4 that six links need. */
-static void six_links(void)
+TEST(six_links)
 {
     lw_chain watt = watt_chain(), stephenson = stephenson_chain(), four = ring_of(4);
     check_text(&watt, "(3 3) 1-2:0 1-2:2 1-2:2");
@@ -23,7 +23,7 @@ static void six_links(void)
 
 /* Chain -> Franke -> text -> Franke -> chain -> Franke ends where it began, and links and joints are as
  * many as before. */
-static void reads_back(void)
+TEST(reads_back)
 {
     lw_rng rng;
     int n_seen = 0;
@@ -50,7 +50,7 @@ static void reads_back(void)
 }
 
 /* A cut link carries lines that come back to it. */
-static void fractionated_at_a_link(void)
+TEST(fractionated_at_a_link)
 {
     lw_chain c;
     lw_franke f;
@@ -63,7 +63,7 @@ static void fractionated_at_a_link(void)
     check_text(&c, text);
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_franke f;
     lw_chain c = ring_of(4);
@@ -79,7 +79,7 @@ static void refusals(void)
     CHECK_INT(lw_franke_chain(&f, &c), LW_E_ARG);            /* circles on two lines */
 }
 
-static void faults_have_a_column(void)
+TEST(faults_have_a_column)
 {
     static const struct { const char *text; long column; const char *part; } known[] = {
         { "", 1, "'(' before the circles" },
@@ -109,14 +109,4 @@ static void faults_have_a_column(void)
         CHECK_INT(e.column, known[i].column);
         CHECK_HAS(e.text, known[i].part);
     }
-}
-
-int main(void)
-{
-    RUN(six_links);
-    RUN(reads_back);
-    RUN(fractionated_at_a_link);
-    RUN(refusals);
-    RUN(faults_have_a_column);
-    return check_end();
 }

@@ -131,7 +131,7 @@ static void every_labelling(const lw_chain *c, lw_rng *rng, int *seen)
     }
 }
 
-static void rings_and_six_links(void)
+TEST(rings_and_six_links)
 {
     lw_rng rng;
     int seen[5] = { 0 };
@@ -156,7 +156,7 @@ static void rings_and_six_links(void)
         CHECK(seen[k] > 20);
 }
 
-static void eight_links(void)
+TEST(eight_links)
 {
     lw_rng rng;
     int seen[5] = { 0 };
@@ -170,7 +170,7 @@ static void eight_links(void)
 }
 
 /* Any connected graph, rigid parts and all: independence must agree everywhere. */
-static void random_graphs(void)
+TEST(random_graphs)
 {
     lw_rng rng;
     int seen[5] = { 0 };
@@ -186,7 +186,7 @@ static void random_graphs(void)
 
 /* Four-bars by hand: RRRR, RRRT, RRTT, RTRT move as F = 1 says; three sliders lock the pin, four move
  * with two freedoms. */
-static void four_bars(void)
+TEST(four_bars)
 {
     static const struct { const char *kinds; lw_void reason; uint64_t joints; } known[] = {
         { "rrrr", LW_VOID_NOT, 0 }, { "rrrt", LW_VOID_NOT, 0 }, { "rrtt", LW_VOID_NOT, 0 },
@@ -208,7 +208,7 @@ static void four_bars(void)
 }
 
 /* Driving: F inputs, none of them within a part that another drives.  Held freedoms against the rank. */
-static void driving(void)
+TEST(driving)
 {
     static matrix a;
     lw_rng rng;
@@ -237,14 +237,4 @@ static void driving(void)
         (*(right ? &n_yes : &n_no))++;
     }
     CHECK(n_yes > 200 && n_no > 200);
-}
-
-int main(void)
-{
-    RUN(four_bars);
-    RUN(rings_and_six_links);
-    RUN(eight_links);
-    RUN(random_graphs);
-    RUN(driving);
-    return check_end();
 }

@@ -5,7 +5,7 @@
 #include "tests/check.h"
 
 /* Random weak couplings: the result satisfies |R_j| = N_j */
-static void fixed_points(void)
+TEST(fixed_points)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -29,7 +29,7 @@ static void fixed_points(void)
 }
 
 /* N = |1 + 2 N| has no solution; N = |1 + N/2| has 2 */
-static void painleve(void)
+TEST(painleve)
 {
     lw_vec2 rest = { 1, 0 }, response = { 2, 0 };
     double press;
@@ -38,11 +38,4 @@ static void painleve(void)
     CHECK_INT(lw_friction_sizes(1, 0, &rest, &response, &press, NULL), LW_OK);
     CHECK_NEAR(press, 2, 1e-13, 0);
     CHECK_NEAR(lw_friction_push(&(lw_friction_joint){ .coefficient = 0.3, .speed = 1e-3, .lever_arm = 0.02 }, 5), -0.006, 1e-15, 0);
-}
-
-int main(void)
-{
-    RUN(fixed_points);
-    RUN(painleve);
-    return check_end();
 }

@@ -37,7 +37,7 @@ static int delay_of(GifFileType *gif, int i)
     return g.DelayTime;
 }
 
-static void frames_loop_and_size(void)
+TEST(frames_loop_and_size)
 {
     lw_scene s;
     lw_bytes b;
@@ -101,7 +101,7 @@ static int channel_distance(uint32_t a, uint32_t b)
 
 /* What a viewer shows in each frame is what cairo drew, but for the rounding of colours: all but a few
  * pixels within 40 of 255, in the mean within 1. */
-static void viewer_sees_what_was_drawn(void)
+TEST(viewer_sees_what_was_drawn)
 {
     lw_scene s;
     lw_bytes b;
@@ -138,7 +138,7 @@ static void viewer_sees_what_was_drawn(void)
     lw_scene_free(&s);
 }
 
-static void there_and_back_when_it_cannot_go_round(void)
+TEST(there_and_back_when_it_cannot_go_round)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.input[0].first = k.input[0].value;
@@ -168,7 +168,7 @@ static void there_and_back_when_it_cannot_go_round(void)
     lw_scene_free(&s);
 }
 
-static void a_still_scene_is_one_frame(void)
+TEST(a_still_scene_is_one_frame)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.n_input = 0;
@@ -184,7 +184,7 @@ static void a_still_scene_is_one_frame(void)
     lw_scene_free(&s);
 }
 
-static void same_input_same_bytes(void)
+TEST(same_input_same_bytes)
 {
     lw_scene s;
     lw_bytes a, b;
@@ -200,14 +200,4 @@ static void same_input_same_bytes(void)
     CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_E_ARG);
     CHECK(b.data == NULL);
     lw_scene_free(&s);
-}
-
-int main(void)
-{
-    RUN(frames_loop_and_size);
-    RUN(viewer_sees_what_was_drawn);
-    RUN(there_and_back_when_it_cannot_go_round);
-    RUN(a_still_scene_is_one_frame);
-    RUN(same_input_same_bytes);
-    return check_end();
 }

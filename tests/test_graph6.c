@@ -3,7 +3,7 @@
 #include "topology.h"
 #include "grammar/graph6.h"
 
-static void known_words(void)
+TEST(known_words)
 {
     /* geng 2.8.6 and its formats.txt: "DQc" is the graph with edges 0-2, 0-4, 1-3, 3-4 */
     static const struct { const char *word; int n; uint8_t pair[9][2]; int n_joint; } known[] = {
@@ -26,7 +26,7 @@ static void known_words(void)
     }
 }
 
-static void reads_back(void)
+TEST(reads_back)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -44,7 +44,7 @@ static void reads_back(void)
     }
 }
 
-static void faults_have_a_column(void)
+TEST(faults_have_a_column)
 {
     static const struct { const char *text; long column; const char *part; } known[] = {
         { "", 1, "a graph6 word was expected" },
@@ -79,12 +79,4 @@ static void faults_have_a_column(void)
         CHECK_INT(e.column, known[i].column);
         CHECK_HAS(e.text, known[i].part);
     }
-}
-
-int main(void)
-{
-    RUN(known_words);
-    RUN(reads_back);
-    RUN(faults_have_a_column);
-    return check_end();
 }

@@ -17,7 +17,7 @@ static bool closes(const lw_linkage *k, int n)
     return true;
 }
 
-static void children_trace_the_parents_curve(void)
+TEST(children_trace_the_parents_curve)
 {
     enum { N = 90 };
     lw_linkage k = six_bar();
@@ -44,7 +44,7 @@ static void children_trace_the_parents_curve(void)
 }
 
 /* Of two points one goes on to the new link, each of them sometimes; both run as before. */
-static void every_point_runs_as_before(void)
+TEST(every_point_runs_as_before)
 {
     enum { N = 40 };
     lw_linkage k = six_bar();
@@ -77,7 +77,7 @@ static void every_point_runs_as_before(void)
     CHECK(moved[0] > 5 && moved[1] > 5 && moved[0] + moved[1] <= 40);
 }
 
-static void what_does_not_fit_is_refused(void)
+TEST(what_does_not_fit_is_refused)
 {
     lw_linkage k = six_bar(), child;
     lw_rng rng;
@@ -85,12 +85,4 @@ static void what_does_not_fit_is_refused(void)
     CHECK_INT(lw_linkage_grow(&k, false, 0, 40, &rng, &child), LW_OK);      /* the crank turns: any range */
     k.n_link = LW_LINK_MAX - 1;
     CHECK_INT(lw_linkage_grow(&k, true, 0, 0, &rng, &child), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(children_trace_the_parents_curve);
-    RUN(every_point_runs_as_before);
-    RUN(what_does_not_fit_is_refused);
-    return check_end();
 }

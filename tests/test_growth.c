@@ -26,7 +26,7 @@ static void check_replay(const lw_mechanism *m, const lw_growth *g, lw_reach rea
     CHECK(lw_mechanism_same(m, &renamed));
 }
 
-static void found_again(void)
+TEST(found_again)
 {
     lw_rng rng;
     int n_planar = 0, n_other = 0;
@@ -87,7 +87,7 @@ static lw_chain k4_chain(void)
     return c;
 }
 
-static void reasons(void)
+TEST(reasons)
 {
     lw_chain four = ring_of(4), five = ring_of(5), watt = watt_chain(), other = stephenson_chain();
     lw_chain cube = k4_chain(), twisted = nonplanar_chain();
@@ -117,7 +117,7 @@ static void reasons(void)
 }
 
 /* Rules 1 and 3 with their pin in slot; a slider beside the p is no rule 3. */
-static void kinds_matter(void)
+TEST(kinds_matter)
 {
     lw_mechanism m;
     lw_growth g;
@@ -141,12 +141,4 @@ static void kinds_matter(void)
     lw_mechanism_join(&m, 0, 1, 'r');
     lw_mechanism_join(&m, 1, 2, 'r');
     CHECK_INT(lw_growth_find(&m, &g, &reach, NULL, &e), LW_E_ARG);   /* open ends */
-}
-
-int main(void)
-{
-    RUN(found_again);
-    RUN(reasons);
-    RUN(kinds_matter);
-    return check_end();
 }

@@ -64,7 +64,7 @@ static const struct {
 
 /* Straight on through every change point: two turns against the closed form with the mode changed by
  * hand, the stations being off the change points themselves. */
-static void change_points_are_passed_straight(void)
+TEST(change_points_are_passed_straight)
 {
     for (size_t c = 0; c < sizeof change_point/sizeof *change_point; c++) {
         double k[9] = { 0, 0, 0, 0, 1.5, 2.5, 0.3, -0.4, 0.2 }, start = 0.6;
@@ -87,7 +87,7 @@ static void change_points_are_passed_straight(void)
 
 /* The same for lengths drawn at random, multiples of 2^-20 so that the sums are exact: frame and crank
  * in line with the others drawn out (g + a = b + h) or folded (g - a = b - h). */
-static void random_change_points_are_passed_straight(void)
+TEST(random_change_points_are_passed_straight)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -123,7 +123,7 @@ static void random_change_points_are_passed_straight(void)
 
 /* In each mode of its own the plan goes round a change point without a jump or a NaN; the margin is
  * 0 there and positive elsewhere. */
-static void change_points_through_the_plan(void)
+TEST(change_points_through_the_plan)
 {
     lw_linkage l;
     lw_plan plan = plan_of_type("fourbar", &l);
@@ -147,7 +147,7 @@ static void change_points_through_the_plan(void)
         }
 }
 
-static void change_points_are_told(void)
+TEST(change_points_are_told)
 {
     lw_linkage l;
     lw_plan plan = plan_of_type("fourbar", &l);
@@ -176,7 +176,7 @@ static double near_change_point(int digits, double sign, double k[9], double *li
     return fabs(q)/(12.0 - q);
 }
 
-static void near_the_change_point_by_class_and_motion(void)
+TEST(near_the_change_point_by_class_and_motion)
 {
     lw_linkage l;
     lw_plan plan = plan_of_type("fourbar", &l);
@@ -205,7 +205,7 @@ static void near_the_change_point_by_class_and_motion(void)
 }
 
 /* The plan closes where the closed form says, and never gives a NaN. */
-static void near_the_change_point_by_posture(void)
+TEST(near_the_change_point_by_posture)
 {
     lw_linkage l;
     lw_plan plan = plan_of_type("fourbar", &l);
@@ -229,7 +229,7 @@ static void near_the_change_point_by_posture(void)
 
 /* The verifier finds the limits, or follows the sharp bend past the neighbouring branch; nearer than
  * 1e-12 it may take it for a crossing, and says so. */
-static void near_the_change_point_by_newton(void)
+TEST(near_the_change_point_by_newton)
 {
     for (int digits = 3; digits <= 15; digits++)
         for (double sign = -1.0; sign <= 1.0; sign += 2.0) {
@@ -277,7 +277,7 @@ static void compare_over_a_turn(const double k[9], double mode, double start, do
     lw_newton_free(s);
 }
 
-static void length_ratio_of_a_million(void)
+TEST(length_ratio_of_a_million)
 {
     double tiny_crank[9] = { 1, 1e-6, 1, 1, 0.4, 0.7, 0, 0, 0 };
     double tiny_frame[9] = { 1e-6, 1, 1, 1, 0.4, 0.7, 0, 0, 0 };
@@ -290,7 +290,7 @@ static void length_ratio_of_a_million(void)
     CHECK_TEXT(c.symbol, "GCCC");
 }
 
-static void far_from_the_origin_and_small(void)
+TEST(far_from_the_origin_and_small)
 {
     double k[9] = { 4, 1, 3.5, 2.5, 1, 2, 0, 0, 0.3 };
     for (int i = 0; i < 6; i++) {
@@ -309,7 +309,7 @@ static void far_from_the_origin_and_small(void)
     }
 }
 
-static void coupler_point_on_a_pivot(void)
+TEST(coupler_point_on_a_pivot)
 {
     for (int at_b = 0; at_b < 2; at_b++) {
         double k[9] = { 4, 1, 3.5, 2.5, at_b ? 3.5 : 0.0, 0, 0.2, 0.1, 0.3 };
@@ -366,7 +366,7 @@ static double deviation(size_t i, lw_vec2 p)
     return p.x*cos(line[i].normal) + p.y*sin(line[i].normal) - line[i].offset;
 }
 
-static void straight_lines_by_plan_and_newton(void)
+TEST(straight_lines_by_plan_and_newton)
 {
     lw_linkage type, l;
     lw_plan plan = plan_of_type("fourbar", &type);
@@ -409,7 +409,7 @@ static void scott_russell(lw_linkage *l, double t)
 
 /* The slider passes the crank's pivot, where the other branch (slider at rest on the pivot, rod
  * turning with the crank) crosses; the tracer stays on the y axis exactly. */
-static void equal_crank_and_rod(void)
+TEST(equal_crank_and_rod)
 {
     lw_linkage l;
     lw_plan plan;
@@ -441,7 +441,7 @@ static void equal_crank_and_rod(void)
 }
 
 /* Crank longer than the rod: it rocks to asin(l/r), 41.81 deg for 1.5 and 1. */
-static void rocking_slider_crank(void)
+TEST(rocking_slider_crank)
 {
     lw_linkage l;
     double t = 0.3, x = 1.5*cos(t) + sqrt(1.0 - pow(1.5*sin(t), 2.0)), reached;
@@ -489,7 +489,7 @@ static void peaucellier(lw_linkage *l, double c, double t)
     add_tracer(l, 6, q);
 }
 
-static void peaucellier_is_straight(void)
+TEST(peaucellier_is_straight)
 {
     const double limit = 96.37937020844280386828*LW_PI/180.0;       /* cos(t/2) = 2/3 */
     lw_linkage l;
@@ -527,7 +527,7 @@ static void peaucellier_is_straight(void)
 
 /* With c = 2 the points P and Q meet at t = 0, where the rhombus is flat: half the digits there (the
  * root of what rounding leaves of lengths of 5), all of them again beyond. */
-static void peaucellier_through_its_flat_rhombus(void)
+TEST(peaucellier_through_its_flat_rhombus)
 {
     lw_linkage l;
     peaucellier(&l, 2.0, 0.5);
@@ -537,24 +537,4 @@ static void peaucellier_through_its_flat_rhombus(void)
         CHECK_NEAR(lw_newton_tracer(s, 0).x, 4.0, i == 0 ? 1e-7 : 8e-13, 0);
     }
     lw_newton_free(s);
-}
-
-int main(void)
-{
-    RUN(change_points_are_passed_straight);
-    RUN(random_change_points_are_passed_straight);
-    RUN(change_points_through_the_plan);
-    RUN(change_points_are_told);
-    RUN(near_the_change_point_by_class_and_motion);
-    RUN(near_the_change_point_by_posture);
-    RUN(near_the_change_point_by_newton);
-    RUN(length_ratio_of_a_million);
-    RUN(far_from_the_origin_and_small);
-    RUN(coupler_point_on_a_pivot);
-    RUN(straight_lines_by_plan_and_newton);
-    RUN(equal_crank_and_rod);
-    RUN(rocking_slider_crank);
-    RUN(peaucellier_is_straight);
-    RUN(peaucellier_through_its_flat_rhombus);
-    return check_end();
 }

@@ -42,7 +42,7 @@ static void peaucellier_by_plan(const lw_linkage *l, double t)
 
 /* Arms 5, rhombus 3, crank and its frame 1.5: Q on x = 16/3, input limits where the rhombus is flat and its halves may
  * part: a limit and a branch point in one. */
-static void peaucellier_all_around(void)
+TEST(peaucellier_all_around)
 {
     const double limit = 96.37937020844280386828*LW_PI/180, c = 1.5, t = 0.3;
     static const int joint[10][2] = { { 0, 1 }, { 1, 4 }, { 4, 5 }, { 0, 2 }, { 0, 3 }, { 2, 4 }, { 2, 6 }, { 3, 5 },
@@ -76,7 +76,7 @@ static void peaucellier_all_around(void)
 }
 
 /* Coupler twice the crank, pinned in its middle: its end on x = 0, also where the slider passes the crank's pin. */
-static void scott_russell_all_around(void)
+TEST(scott_russell_all_around)
 {
     lw_linkage l;
     lw_vec2 a = lw_v2_polar(1, 0.7), b = lw_v2(2*cos(0.7), 0);
@@ -107,7 +107,7 @@ static void scott_russell_all_around(void)
 /* --- chains of parallelograms --- */
 
 /* N parallelograms in a row lose N ranks at once twice a turn; the curve goes straight on, the couplers never turn. */
-static void parallelograms_in_a_row(void)
+TEST(parallelograms_in_a_row)
 {
     for (int n = 2; n <= 4; n++) {
         lw_linkage l;
@@ -141,7 +141,7 @@ static void parallelograms_in_a_row(void)
 /* --- walkers --- */
 
 /* Theo Jansen's lengths; foot to 1e-13 of the leg. */
-static void jansen_by_reference(void)
+TEST(jansen_by_reference)
 {
     lw_linkage l;
     char *text = NULL;
@@ -194,7 +194,7 @@ static void by_plan_and_curve(const char *file)
 }
 
 /* Klann: US patent 6260862; Chebyshev's walker: his lambda linkage, 1, 2, 2.5, 2.5, tracer 5. */
-static void walkers_by_plan_and_curve(void)
+TEST(walkers_by_plan_and_curve)
 {
     by_plan_and_curve("examples/klann.json");
     by_plan_and_curve("examples/hoeken.json");
@@ -273,7 +273,7 @@ static lw_status follow_chain(void *context, const lw_chain_item *item)
 }
 
 /* Sixteen chains, each link as ground, each joint as input, at random dimensions. */
-static void every_eight_link_chain(void)
+TEST(every_eight_link_chain)
 {
     lw_chains *chains;
     lw_rng_seed(&all.rng, check_seed(), 3);
@@ -322,7 +322,7 @@ static lw_status relabel_chain(void *context, const lw_chain_item *item)
     return LW_OK;
 }
 
-static void relabelling_changes_nothing(void)
+TEST(relabelling_changes_nothing)
 {
     for (int n_link = 6; n_link <= 8; n_link += 2) {
         lw_chains *chains;
@@ -337,7 +337,7 @@ static void relabelling_changes_nothing(void)
 /* --- Stephenson chains driven at a link that floats --- */
 
 /* Two ternary links joined by three pairs of bars' ends; the input between two moving links, none at the ground. */
-static void stephenson_driven_at_the_floating_link(void)
+TEST(stephenson_driven_at_the_floating_link)
 {
     static const int pair[7][2] = { { 0, 2 }, { 2, 1 }, { 0, 3 }, { 3, 4 }, { 4, 1 }, { 0, 5 }, { 5, 1 } };
     static const int input[] = { 1, 3, 4, 6 };
@@ -379,7 +379,7 @@ static void stephenson_driven_at_the_floating_link(void)
 /* --- 1e-9 from a singularity --- */
 
 /* Watt's chain on a four-bar 1e-9 from the parallelogram: its limits are those of the four-bar or of the other loop. */
-static void six_links_next_to_a_change_point(void)
+TEST(six_links_next_to_a_change_point)
 {
     double k[9] = { 4, 1, 4*(1 + 1e-9), 1, 1, 2, 0, 0, 0 };
     lw_fourbar_class c;
@@ -405,18 +405,4 @@ static void six_links_next_to_a_change_point(void)
     CHECK(of_first >= 2);
     CHECK(lw_motion_curve_worst(v->b) <= 1e-12);
     curve_free(v);
-}
-
-int main(void)
-{
-    RUN(peaucellier_all_around);
-    RUN(scott_russell_all_around);
-    RUN(parallelograms_in_a_row);
-    RUN(jansen_by_reference);
-    RUN(walkers_by_plan_and_curve);
-    RUN(every_eight_link_chain);
-    RUN(relabelling_changes_nothing);
-    RUN(stephenson_driven_at_the_floating_link);
-    RUN(six_links_next_to_a_change_point);
-    return check_end();
 }

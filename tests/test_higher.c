@@ -30,7 +30,7 @@ static int count(int n_link, int dof, int n2)
     return f.n;
 }
 
-static void published(void)
+TEST(published)
 {
     static const struct { int n_link, n2, n; } known[] = {
         { 3, 1, 1 }, { 4, 0, 1 }, { 4, 2, 3 }, { 4, 4, 2 }, { 5, 1, 3 }, { 5, 3, 24 }, { 5, 5, 20 }, { 5, 7, 6 },
@@ -69,7 +69,7 @@ static int by_brute_force(int n_link, int dof, int n2)
     return list.n;
 }
 
-static void brute_force(void)
+TEST(brute_force)
 {
     for (int n_link = 3; n_link <= 5; n_link++)
         for (int dof = 1; dof <= 3; dof++)
@@ -80,17 +80,9 @@ static void brute_force(void)
             }
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_error e = { 0 };
     CHECK_INT(lw_higher_each(4, 1, 1, 1, note, NULL, &e), LW_E_ARG);
     CHECK(e.text[0] != '\0');
-}
-
-int main(void)
-{
-    RUN(published);
-    RUN(brute_force);
-    RUN(refusals);
-    return check_end();
 }

@@ -35,7 +35,7 @@ static lw_status robertson_slope(void *context, double t, double c, const double
     return LW_OK;
 }
 
-static void robertson_published(void)
+TEST(robertson_published)
 {
     for (int with = 0; with < 2; with++) {
         const unsigned char algebraic[3] = { 0, 0, 1 };
@@ -114,7 +114,7 @@ static void ggl_start(double *y, double *dy)
     memcpy(dy, dy0, sizeof dy0);
 }
 
-static void pendulum_of_index_two(void)
+TEST(pendulum_of_index_two)
 {
     double angle, speed;
     exact_pendulum(5.0, &angle, &speed);
@@ -143,7 +143,7 @@ static lw_status lowest(void *context, double t, const double *y, double *g)
 }
 
 /* passing the lowest point; the period of a pendulum let go at 1 rad is 4 K(sin 1/2)/sqrt g */
-static void events_of_the_pendulum(void)
+TEST(events_of_the_pendulum)
 {
     double a = 1.0, b = cos(0.5);
     for (int i = 0; i < 8; i++) {
@@ -186,7 +186,7 @@ static lw_status breaks(void *context, double t, const double *y, const double *
     return t > 0.5 ? LW_E_KIND : LW_OK;
 }
 
-static void failures_are_told(void)
+TEST(failures_are_told)
 {
     lw_ode_options o = lw_ode_options_default();
     lw_error e;
@@ -211,13 +211,4 @@ static void failures_are_told(void)
     lw_ida_free(&w);
     o.fixed = 0.1;
     CHECK_INT(lw_ida_make(&w, &pendulum, &o, 0.0, y, dy, &e), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(robertson_published);
-    RUN(pendulum_of_index_two);
-    RUN(events_of_the_pendulum);
-    RUN(failures_are_told);
-    return check_end();
 }

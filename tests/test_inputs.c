@@ -89,7 +89,7 @@ static int at_once(const lw_chain *c, int n_input, bool only_ground)
     return n_different;
 }
 
-static void steps_against_all_at_once(void)
+TEST(steps_against_all_at_once)
 {
     static const struct { int n_link, dof; } known[] = { { 4, 1 }, { 6, 1 }, { 5, 2 }, { 7, 2 }, { 6, 3 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++)
@@ -103,7 +103,7 @@ static void steps_against_all_at_once(void)
 }
 
 /* Four-bar: one ground, one crank, coupler or follower; or the crank anywhere. */
-static void four_bar(void)
+TEST(four_bar)
 {
     lw_chain c = ring_of(4);
     steps s = by_steps(&c, 1, true);
@@ -116,7 +116,7 @@ static void four_bar(void)
 }
 
 /* Ground links up to symmetry: catalogues/data/published-counts.csv. */
-static void grounds_of_all_chains(void)
+TEST(grounds_of_all_chains)
 {
     static const struct { int n_link, dof, n_ground; } known[] = {
         { 4, 1, 1 }, { 6, 1, 5 }, { 8, 1, 71 }, { 10, 1, 1834 }, { 5, 2, 1 }, { 7, 2, 11 }, { 9, 2, 220 },
@@ -145,7 +145,7 @@ static void grounds_of_all_chains(void)
     }
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_chain c = ring_of(4);
     lw_mechanism m;
@@ -158,13 +158,4 @@ static void refusals(void)
     steps none = { 0 };
     CHECK_INT(lw_inputs_each(&m, 2, false, at_input, &none), LW_OK);        /* F = 1 takes no two */
     CHECK_INT(none.n_driven, 0);
-}
-
-int main(void)
-{
-    RUN(four_bar);
-    RUN(steps_against_all_at_once);
-    RUN(grounds_of_all_chains);
-    RUN(refusals);
-    return check_end();
 }

@@ -42,7 +42,7 @@ static void near(lw_vec2 got, lw_vec2 want)
     CHECK_NEAR(got.y, want.y, 1e-9*far*far, 0);
 }
 
-static void centres_of_fourbars(void)
+TEST(centres_of_fourbars)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -62,7 +62,7 @@ static void centres_of_fourbars(void)
     }
 }
 
-static void centres_of_slider_cranks(void)
+TEST(centres_of_slider_cranks)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -79,7 +79,7 @@ static void centres_of_slider_cranks(void)
 }
 
 /* A point of the coupler on the circle is traced: velocity and acceleration are parallel there, and nowhere else. */
-static void points_of_the_inflection_circle(void)
+TEST(points_of_the_inflection_circle)
 {
     for (int trial = 0; trial < 200; trial++) {
         lw_rng rng;
@@ -102,12 +102,4 @@ static void points_of_the_inflection_circle(void)
             lw_kinematics_destroy(m);
         }
     }
-}
-
-int main(void)
-{
-    RUN(centres_of_fourbars);
-    RUN(centres_of_slider_cranks);
-    RUN(points_of_the_inflection_circle);
-    return check_end();
 }

@@ -59,7 +59,7 @@ static void dense_weights(double x, double *w)
     }
 }
 
-static void order_conditions(void)
+TEST(order_conditions)
 {
     int n_tree = 0;
     for (int order = 1; order <= 8; order++) {
@@ -158,7 +158,7 @@ static double kepler_error(double step, double *dense_error)
     return hypot(w.y[0] - p.x, w.y[1] - p.y);
 }
 
-static void converges_with_order_8(void)
+TEST(converges_with_order_8)
 {
     double d1, d2, e1 = kepler_error(0.1, &d1), e2 = kepler_error(0.05, &d2);
     double order = log2(e1/e2), dense = log2(d1/d2);
@@ -167,7 +167,7 @@ static void converges_with_order_8(void)
     CHECK(dense > 6.7 && dense < 9.5);
 }
 
-static void error_follows_tolerance(void)
+TEST(error_follows_tolerance)
 {
     double before = 1.0;
     for (double tolerance = 1e-5; tolerance > 1e-13; tolerance *= 0.1) {
@@ -192,7 +192,7 @@ static void error_follows_tolerance(void)
 }
 
 /* Where f is known to all digits the control told so refuses fewer steps, and errors stay as small. */
-static void smooth_control(void)
+TEST(smooth_control)
 {
     long refused[2] = { 0 };
     for (int smooth = 0; smooth < 2; smooth++)
@@ -222,7 +222,7 @@ static lw_status oscillator(void *context, double t, const double *y, double *dy
 
 /* 1e4 periods with steps far below the truncation error: only rounding is left.  Without the compensated sum
  * the error is some 1e-13 larger by an order; with it, it stays near that of the place of 2 pi n in t. */
-static void rounding_does_not_grow(void)
+TEST(rounding_does_not_grow)
 {
     lw_ode ode = { .n = 2, .rate = oscillator };
     lw_ode_options o = { .fixed = LW_PI/100.0 };
@@ -252,7 +252,7 @@ static void note(void *context, int event, double t, const double *y)
         l->event[l->n] = event, l->t[l->n++] = t;
 }
 
-static void zeros_of_the_cosine(void)
+TEST(zeros_of_the_cosine)
 {
     for (double tolerance = 1e-6; tolerance > 1e-13; tolerance *= 0.01) {
         lw_ode ode = { .n = 2, .rate = oscillator, .n_event = 2, .event = two_levels, .direction = { 0, -1 } };
@@ -275,7 +275,7 @@ static void zeros_of_the_cosine(void)
 }
 
 /* passing events are told in the order of time and do not disturb the run */
-static void passing_events(void)
+TEST(passing_events)
 {
     seen_list l = { 0 };
     lw_ode ode = { .n = 2, .context = &l, .rate = oscillator, .n_event = 2, .event = two_levels,
@@ -314,7 +314,7 @@ static lw_status ground(void *context, double t, const double *y, double *g)
 }
 
 /* A ball dropped from 1 m, restitution r: bounce k is at t0 (1 + 2 (r + ... + r^k)), t0 = sqrt(2/g). */
-static void bouncing_ball(void)
+TEST(bouncing_ball)
 {
     lw_ode ode = { .n = 2, .rate = falling, .n_event = 1, .event = ground, .direction = { -1 } };
     lw_ode_options o = lw_ode_options_default();
@@ -343,7 +343,7 @@ static lw_status peak(void *context, double t, const double *y, double *g)
     return LW_OK;
 }
 
-static void crossings_within_a_step_and_at_once(void)
+TEST(crossings_within_a_step_and_at_once)
 {
     lw_ode ode = { .n = 2, .rate = oscillator, .n_event = 3, .event = peak };
     lw_ode_options o = { .fixed = 1.8 };
@@ -380,7 +380,7 @@ static lw_status onto_circle(void *context, double t, double *y)
     return LW_OK;
 }
 
-static void projection_keeps_constraints(void)
+TEST(projection_keeps_constraints)
 {
     lw_ode ode = { .n = 4, .rate = pendulum, .project = onto_circle };
     lw_ode_options o = lw_ode_options_default();
@@ -415,7 +415,7 @@ static lw_status breaks(void *context, double t, const double *y, double *dy)
     return t > 0.5 ? LW_E_KIND : LW_OK;
 }
 
-static void limits_are_said(void)
+TEST(limits_are_said)
 {
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
@@ -445,20 +445,4 @@ static void limits_are_said(void)
     o = lw_ode_options_default();
     ode.n_event = LW_EVENT_MAX + 1;
     CHECK_INT(lw_integrate_start(&w, &ode, &o, work2, 0.0, y2, &e), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(order_conditions);
-    RUN(converges_with_order_8);
-    RUN(error_follows_tolerance);
-    RUN(smooth_control);
-    RUN(rounding_does_not_grow);
-    RUN(zeros_of_the_cosine);
-    RUN(passing_events);
-    RUN(bouncing_ball);
-    RUN(crossings_within_a_step_and_at_once);
-    RUN(projection_keeps_constraints);
-    RUN(limits_are_said);
-    return check_end();
 }

@@ -21,7 +21,7 @@ static int classes(const lw_chain *c, uint8_t *lowest)
 }
 
 /* Watt: two inversions, Stephenson: three (Tsai 2001, chapter 5). */
-static void six_links(void)
+TEST(six_links)
 {
     uint8_t lowest[LW_LINK_MAX], ground[LW_LINK_MAX];
     lw_chain watt = ring(6), five = ring(5), stephenson = { .n_link = 6 }, slot = ring(4);
@@ -76,7 +76,7 @@ static lw_status check_item(void *context, const lw_chain_item *item)
     return LW_OK;
 }
 
-static void agrees_with_all_renamings(void)
+TEST(agrees_with_all_renamings)
 {
     static const int known[][3] = { {4,1,1}, {6,1,5}, {8,1,71}, {5,2,1}, {7,2,11}, {6,3,1}, {8,3,18}, {5,0,2}, {7,0,10} };
     for (size_t k = 0; k < sizeof known/sizeof *known; k++) {
@@ -88,11 +88,4 @@ static void agrees_with_all_renamings(void)
         CHECK_INT(n, known[k][2]);
         lw_chains_free(chains);
     }
-}
-
-int main(void)
-{
-    RUN(six_links);
-    RUN(agrees_with_all_renamings);
-    return check_end();
 }

@@ -19,7 +19,7 @@ static void check_way(int n, const size_t *index, bool key, const char *want)
 
 #define WAY(...) (int)(sizeof (size_t[]){ __VA_ARGS__ }/sizeof(size_t)), (size_t[]){ __VA_ARGS__ }
 
-static void values_and_keys(void)
+TEST(values_and_keys)
 {
     check_way(0, NULL, false, "{\n");
     check_way(WAY(0), false, "[ 1");
@@ -39,7 +39,7 @@ static void values_and_keys(void)
     check_way(WAY(2, 1), false, "\"last\"");
 }
 
-static void ways_that_lead_nowhere(void)
+TEST(ways_that_lead_nowhere)
 {
     static const size_t wrong[][2] = { { 0, 7 }, { 3, 0 }, { 1, 0 }, { 2, 2 } };
     for (size_t i = 0; i < sizeof wrong/sizeof *wrong; i++) {
@@ -49,7 +49,7 @@ static void ways_that_lead_nowhere(void)
 }
 
 /* Texts cut anywhere: any answer within the text, no step beyond it. */
-static void cut_texts_are_harmless(void)
+TEST(cut_texts_are_harmless)
 {
     for (size_t size = 0; size < sizeof text; size++) {
         char *copy = malloc(size + 1);
@@ -63,7 +63,7 @@ static void cut_texts_are_harmless(void)
     }
 }
 
-static void lines_and_columns(void)
+TEST(lines_and_columns)
 {
     static const struct { size_t offset; long line, column; } known[] = {
         { 0, 1, 1 }, { 1, 1, 2 }, { 2, 1, 3 }, { 3, 2, 1 }, { 4, 3, 1 }, { 6, 3, 3 }, { 99, 3, 3 } };
@@ -73,13 +73,4 @@ static void lines_and_columns(void)
         CHECK_INT(line, known[i].line);
         CHECK_INT(column, known[i].column);
     }
-}
-
-int main(void)
-{
-    RUN(values_and_keys);
-    RUN(ways_that_lead_nowhere);
-    RUN(cut_texts_are_harmless);
-    RUN(lines_and_columns);
-    return check_end();
 }

@@ -48,7 +48,7 @@ static count count_all(int n_link, int dof)
 }
 
 /* Four and six links: the data.  Eight: ours; test_freedom.c compares all of them with the rank. */
-static void sliders_in_small_chains(void)
+TEST(sliders_in_small_chains)
 {
     static const struct { int n_link, n_valid, n_raw, n_ground, with_t[6]; } known[] = {
         { 4, 4, 6, 7, { 1, 1, 2 } },
@@ -68,7 +68,7 @@ static void sliders_in_small_chains(void)
 }
 
 /* All labellings, void or not, by Burnside's lemma: 2^cycles averaged over the group. */
-static void raw_number_by_burnside(void)
+TEST(raw_number_by_burnside)
 {
     for (int n_link = 4; n_link <= 8; n_link += 2) {
         chain_list all = all_chains(n_link, 1);
@@ -99,7 +99,7 @@ static void raw_number_by_burnside(void)
 }
 
 /* Isomorphic mechanisms, and no others, have the same form: shuffled copies do. */
-static void forms(void)
+TEST(forms)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -128,7 +128,7 @@ static lw_status stop_at_once(void *context, const lw_mechanism *m)
     return LW_STOPPED;
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_chain c = ring_of(4);
     lw_mechanism m;
@@ -137,13 +137,4 @@ static void refusals(void)
     CHECK_INT(lw_kinds_each(&m, "rr", count_valid, NULL, NULL), LW_E_ARG);
     CHECK_INT(lw_kinds_each(&m, "pg", count_valid, NULL, NULL), LW_E_ARG);
     CHECK_INT(lw_kinds_each(&m, "rt", stop_at_once, NULL, NULL), LW_STOPPED);
-}
-
-int main(void)
-{
-    RUN(sliders_in_small_chains);
-    RUN(raw_number_by_burnside);
-    RUN(forms);
-    RUN(refusals);
-    return check_end();
 }

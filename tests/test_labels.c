@@ -14,7 +14,7 @@ static int overlap(lw_box a, lw_box b)
     return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
 
-static void crowds_do_not_overlap(void)
+TEST(crowds_do_not_overlap)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 4);
@@ -45,7 +45,7 @@ static void crowds_do_not_overlap(void)
 }
 
 /* A wall on three sides: the label goes to the free one. */
-static void the_free_side_is_taken(void)
+TEST(the_free_side_is_taken)
 {
     for (int side = 0; side < 4; side++) {
         lw_label_map m;
@@ -66,7 +66,7 @@ static void the_free_side_is_taken(void)
     }
 }
 
-static void no_room_is_said(void)
+TEST(no_room_is_said)
 {
     lw_label_map m;
     lw_error e;
@@ -77,12 +77,4 @@ static void no_room_is_said(void)
     CHECK(!lw_label_map_place(&m, "a text wider than the page", 12, c, c, 8, (lw_box){ 0, 0, 100, 100 }, &at));
     lw_label_map_line(&m, lw_v2(NAN, 0), lw_v2(1e300, 5), 1);                /* nothing to draw there */
     lw_label_map_free(&m);
-}
-
-int main(void)
-{
-    RUN(crowds_do_not_overlap);
-    RUN(the_free_side_is_taken);
-    RUN(no_room_is_said);
-    return check_end();
 }

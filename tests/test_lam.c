@@ -4,7 +4,7 @@
 
 /* The matrix printed at the end of paper F (Makkonen 1999, line 3396), six parts and seven joints; its
  * last rows, cut off there, can only hold joint 7 of the last two parts. */
-static void matrix_of_the_source(void)
+TEST(matrix_of_the_source)
 {
     static const char text[] = "0 1 0 2 0 3\n0 0 4 0 0 0\n0 0 0 5 6 0\n0 0 0 0 0 0\n0 0 0 0 0 7\n0 0 0 0 0 0\n";
     lw_lam a, b;
@@ -23,7 +23,7 @@ static void matrix_of_the_source(void)
     CHECK_TEXT(out, text);
 }
 
-static void reads_back(void)
+TEST(reads_back)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -52,7 +52,7 @@ static void reads_back(void)
 }
 
 /* The adjacency matrix of any chain, symmetric or its upper triangle, gives the chain. */
-static void plain_matrices(void)
+TEST(plain_matrices)
 {
     static const char *const cut[] = { " ", ",", " , " };
     lw_rng rng;
@@ -82,7 +82,7 @@ static void plain_matrices(void)
     CHECK_HAS(e.text, "mirror");
 }
 
-static void other_ways_to_write_it(void)
+TEST(other_ways_to_write_it)
 {
     static const char *const same[] = {
         "0 1 0 2;0 0 3 0;0 0 0 4p;0 0 0 0", "# a four-bar\n0 1 0 2\r\n\n1 0 3 0\n0 3 0 4p # p\n2 0 4p 0\n",
@@ -97,7 +97,7 @@ static void other_ways_to_write_it(void)
     }
 }
 
-static void faults_have_a_place(void)
+TEST(faults_have_a_place)
 {
     static const struct { const char *text; long line, column; const char *part; } known[] = {
         { "", 1, 1, "no matrix" },
@@ -125,7 +125,7 @@ static void faults_have_a_place(void)
     }
 }
 
-static void too_large(void)
+TEST(too_large)
 {
     char text[4096] = "";
     lw_lam a;
@@ -138,15 +138,4 @@ static void too_large(void)
     for (int i = 0; i < 33; i++)
         strcat(text, "0\n");
     CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, &e), LW_E_NOTATION);
-}
-
-int main(void)
-{
-    RUN(matrix_of_the_source);
-    RUN(reads_back);
-    RUN(plain_matrices);
-    RUN(other_ways_to_write_it);
-    RUN(faults_have_a_place);
-    RUN(too_large);
-    return check_end();
 }

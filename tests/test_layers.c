@@ -33,7 +33,7 @@ static double sown_distance(const lw_vec2 *a, int n, const lw_vec2 *b, int m)
     return least;
 }
 
-static void distances(void)
+TEST(distances)
 {
     const lw_vec2 square[] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } }, far[] = { { 3, 0.5 } };
     const lw_vec2 bar[] = { { -1, 0.5 }, { 2, 0.5 } }, over[] = { { 0, 2 }, { 1, 3 } };
@@ -138,7 +138,7 @@ static void check_layers(const lw_linkage *k, int most)
     lw_scene_free(&fine);
 }
 
-static void examples_pass_themselves(void)
+TEST(examples_pass_themselves)
 {
     static const struct { const char *name; int most; } rows[] = {
         { "hoeken", 4 }, { "chebyshev", 4 }, { "klann", 6 }, { "jansen", 8 }, { "slider-crank", 4 },
@@ -151,7 +151,7 @@ static void examples_pass_themselves(void)
 }
 
 /* What is said to be free is free in twenty times as many postures, also where motions turn back. */
-static void room_of_random_linkages(void)
+TEST(room_of_random_linkages)
 {
     static const char *const name[] = { "hoeken", "klann", "jansen", "slider-crank", "inverted-slider-crank" };
     static lw_layers l;
@@ -178,7 +178,7 @@ static void room_of_random_linkages(void)
     CHECK(n_found > 20);
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     static lw_layers l;
     lw_error e = { 0 };
@@ -236,7 +236,7 @@ static ends read_ends(const char *text)
 }
 
 /* Every end of a line meets exactly one of an arc: the outlines are closed. */
-static void outlines_are_closed(void)
+TEST(outlines_are_closed)
 {
     static const char *const names[] = { "hoeken", "klann", "slider-crank", "trammel" };
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
@@ -256,7 +256,7 @@ static void outlines_are_closed(void)
     }
 }
 
-static void openscad_is_balanced(void)
+TEST(openscad_is_balanced)
 {
     lw_linkage k = example("klann");
     lw_bytes b = { 0 };
@@ -276,15 +276,4 @@ static void openscad_is_balanced(void)
     CHECK_HAS(b.data, "// x cube(9);");
     CHECK_HAS(b.data, "cylinder(r = pin, h = ");
     lw_bytes_free(&b);
-}
-
-int main(void)
-{
-    RUN(distances);
-    RUN(examples_pass_themselves);
-    RUN(room_of_random_linkages);
-    RUN(refusals);
-    RUN(outlines_are_closed);
-    RUN(openscad_is_balanced);
-    return check_end();
 }

@@ -4,7 +4,7 @@
 
 typedef double of_number(double);
 
-static void calls_what_it_loaded(void)
+TEST(calls_what_it_loaded)
 {
     of_number *sine = NULL, *root = NULL;
     lw_error e = { 0 };
@@ -18,7 +18,7 @@ static void calls_what_it_loaded(void)
     CHECK_NEAR(root(-27), -3, 1e-15, 0);
 }
 
-static void says_what_is_missing(void)
+TEST(says_what_is_missing)
 {
     of_number *sine = NULL, *none = NULL;
     lw_error e = { 0 };
@@ -29,11 +29,4 @@ static void says_what_is_missing(void)
     CHECK_INT(lw_library_load("lib-that-is-not-there.so.9", call, 1, &e), LW_E_IO);
     CHECK_HAS(e.text, "lib-that-is-not-there.so.9");
     CHECK_INT(lw_library_load("lib-that-is-not-there.so.9", call, 1, NULL), LW_E_IO);
-}
-
-int main(void)
-{
-    RUN(calls_what_it_loaded);
-    RUN(says_what_is_missing);
-    return check_end();
 }

@@ -213,7 +213,7 @@ static int run_child(int i, long n, outcome *out)
     return state;
 }
 
-static void each_allocation_fails(void)
+TEST(each_allocation_fails)
 {
     outcome *out = mmap(NULL, 2*sizeof *out, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     for (size_t i = 0; i < sizeof calls/sizeof *calls; i++) {
@@ -243,7 +243,7 @@ static void *run_call(void *at)
 }
 
 /* A thread with 256 KB of stack is enough for every call. */
-static void little_stack_is_enough(void)
+TEST(little_stack_is_enough)
 {
     for (size_t i = 0; i < sizeof calls/sizeof *calls && OWN_MALLOC; i++) {
         outcome usual = { .n_call = (long)i }, little = usual;
@@ -259,11 +259,4 @@ static void little_stack_is_enough(void)
         CHECK_INT(little.status, LW_OK);
         CHECK(little.s.hash == usual.s.hash);
     }
-}
-
-int main(void)
-{
-    RUN(little_stack_is_enough);
-    RUN(each_allocation_fails);
-    return check_end();
 }

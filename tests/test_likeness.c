@@ -21,7 +21,7 @@ static void make(const lw_vec2 p[N], int closed, lw_target *t)
     CHECK_INT(lw_target_make(N, x, y, NULL, NULL, NULL, closed, t, NULL), LW_OK);
 }
 
-static void concentric_circles(void)
+TEST(concentric_circles)
 {
     lw_vec2 a[N], b[N];
     lw_target t;
@@ -52,7 +52,7 @@ static void make_of(const lw_vec2 *p, size_t n, int closed, lw_target *t)
 }
 
 /* The curve that few stations were taken from is like them, open or closed; by chords it would be 1e-3 and more away. */
-static void few_stations_of_a_smooth_curve(void)
+TEST(few_stations_of_a_smooth_curve)
 {
     for (int closed = 0; closed < 2; closed++) {
         enum { FEW = 40 };
@@ -77,7 +77,7 @@ static void few_stations_of_a_smooth_curve(void)
 }
 
 /* A square of four stations, and one of many, stay squares. */
-static void corners_stay_corners(void)
+TEST(corners_stay_corners)
 {
     static const lw_vec2 corner[4] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
     for (int many = 1; many <= 15; many += 7) {
@@ -96,7 +96,7 @@ static void corners_stay_corners(void)
     }
 }
 
-static void an_open_line_and_its_double(void)
+TEST(an_open_line_and_its_double)
 {
     lw_vec2 a[N], b[2] = { { 2, 0 }, { 0, 0 } };
     lw_target t;
@@ -112,7 +112,7 @@ static void an_open_line_and_its_double(void)
     lw_target_free(&t);
 }
 
-static void scale_and_place_do_not_matter(void)
+TEST(scale_and_place_do_not_matter)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -139,14 +139,4 @@ static void scale_and_place_do_not_matter(void)
         CHECK(l.ordered >= l.to_curve - 1e-12);
         lw_target_free(&t);
     }
-}
-
-int main(void)
-{
-    RUN(concentric_circles);
-    RUN(few_stations_of_a_smooth_curve);
-    RUN(corners_stay_corners);
-    RUN(an_open_line_and_its_double);
-    RUN(scale_and_place_do_not_matter);
-    return check_end();
 }

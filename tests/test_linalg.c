@@ -24,7 +24,7 @@ static double determinant(int n, const double *a, int row, unsigned used)
     return sum;
 }
 
-static void solves_square_systems(void)
+TEST(solves_square_systems)
 {
     uint64_t seed = check_seed();
     for (int trial = 0; trial < 2000; trial++) {
@@ -45,7 +45,7 @@ static void solves_square_systems(void)
     }
 }
 
-static void determinant_by_expansion(void)
+TEST(determinant_by_expansion)
 {
     uint64_t seed = check_seed() + 1;
     for (int trial = 0; trial < 600; trial++) {
@@ -60,7 +60,7 @@ static void determinant_by_expansion(void)
 }
 
 /* least squares: the residual is perpendicular to every column */
-static void fits_more_equations_than_unknowns(void)
+TEST(fits_more_equations_than_unknowns)
 {
     uint64_t seed = check_seed() + 2;
     for (int trial = 0; trial < 300; trial++) {
@@ -92,20 +92,11 @@ static void fits_more_equations_than_unknowns(void)
     }
 }
 
-static void tells_a_singular_matrix(void)
+TEST(tells_a_singular_matrix)
 {
     double zero[4] = { 0, 0, 0, 0 }, column[4] = { 0, 0, 1, 2 }, nan[4] = { 1, NAN, 0, 1 }, d[2];
     CHECK_NEAR(lw_qr_factor(2, 2, zero, d), 0.0, 0, 0);
     CHECK_NEAR(lw_qr_determinant(2, d), 0.0, 0, 0);
     CHECK_NEAR(lw_qr_factor(2, 2, column, d), 0.0, 0, 0);
     CHECK(isnan(lw_qr_factor(2, 2, nan, d)));
-}
-
-int main(void)
-{
-    RUN(solves_square_systems);
-    RUN(determinant_by_expansion);
-    RUN(fits_more_equations_than_unknowns);
-    RUN(tells_a_singular_matrix);
-    return check_end();
 }

@@ -33,7 +33,7 @@ static lw_linkage four_bar(void)
 }
 
 /* F = 3 (P - 1) - 2 n1 - n2.  Chains and their freedoms: Makkonen 1999, section 3.2. */
-static void mobility_of_known_chains(void)
+TEST(mobility_of_known_chains)
 {
     static const struct { int n_link, n_pin, n_slider, n_slot, n_gear, freedom; } known[] = {
         { 4, 4, 0, 0, 0, 1 }, { 4, 3, 1, 0, 0, 1 }, { 3, 2, 0, 1, 0, 1 }, { 6, 7, 0, 0, 0, 1 },
@@ -54,7 +54,7 @@ static void mobility_of_known_chains(void)
     }
 }
 
-static void good_linkages_pass(void)
+TEST(good_linkages_pass)
 {
     lw_linkage k = four_bar();
     lw_error e = { 0 };
@@ -112,7 +112,7 @@ static void tracer_nan(lw_linkage *k)           { k->tracer[0].angle = INFINITY;
 static void unit_zero(lw_linkage *k)            { k->units.metre = 0; }
 static void title_without_end(lw_linkage *k)    { memset(k->name, 'x', sizeof k->name); }
 
-static void every_fault_is_named(void)
+TEST(every_fault_is_named)
 {
     static const struct { void (*spoil)(lw_linkage *); const char *part; } faults[] = {
         { two_links_one_name, "links 2 and 3 are both called \"crank\"" },
@@ -144,7 +144,7 @@ static void every_fault_is_named(void)
     }
 }
 
-static void pin_input_is_the_direction_of_its_link(void)
+TEST(pin_input_is_the_direction_of_its_link)
 {
     lw_linkage k = four_bar();
     CHECK_NEAR(lw_linkage_posture_input(&k, 0), LW_PI/2, 0, 1e-15);             /* crank up            */
@@ -158,7 +158,7 @@ static void pin_input_is_the_direction_of_its_link(void)
     CHECK_NEAR(lw_linkage_posture_input(&k, 0), LW_PI, 0, 0);
 }
 
-static void slide_lines_give_the_direction_too(void)
+TEST(slide_lines_give_the_direction_too)
 {
     lw_linkage k = four_bar();
     k.joint[1].kind = LW_JOINT_SLIDER;
@@ -172,7 +172,7 @@ static void slide_lines_give_the_direction_too(void)
     CHECK_NEAR(lw_linkage_posture_input(&k, 0), LW_PI/2, 0, 1e-15);
 }
 
-static void a_link_with_one_joint_points_to_its_tracer(void)
+TEST(a_link_with_one_joint_points_to_its_tracer)
 {
     lw_linkage k = { .units = lw_units_si() };
     add_link(&k, "ground");
@@ -183,15 +183,4 @@ static void a_link_with_one_joint_points_to_its_tracer(void)
     k.tracer[0].link = 1;
     k.tracer[0].at = lw_v2(1, 0);
     CHECK_NEAR(lw_linkage_posture_input(&k, 0), -LW_PI/2, 0, 1e-15);
-}
-
-int main(void)
-{
-    RUN(mobility_of_known_chains);
-    RUN(good_linkages_pass);
-    RUN(every_fault_is_named);
-    RUN(pin_input_is_the_direction_of_its_link);
-    RUN(slide_lines_give_the_direction_too);
-    RUN(a_link_with_one_joint_points_to_its_tracer);
-    return check_end();
 }

@@ -35,7 +35,7 @@ static lw_status read(const char *text, lw_linkage *k, lw_error *e)
     return s;
 }
 
-static void the_example(void)
+TEST(the_example)
 {
     lw_linkage k;
     lw_error e;
@@ -57,7 +57,7 @@ static void the_example(void)
     CHECK_INT(lw_linkage_mobility(&k), 1);
 }
 
-static void the_example_is_written_as_it_was(void)
+TEST(the_example_is_written_as_it_was)
 {
     lw_linkage k;
     lw_error e;
@@ -67,7 +67,7 @@ static void the_example_is_written_as_it_was(void)
     free(text);
 }
 
-static void the_manual_shows_it(void)
+TEST(the_manual_shows_it)
 {
     char *manual = NULL;
     size_t size;
@@ -76,7 +76,7 @@ static void the_manual_shows_it(void)
     free(manual);
 }
 
-static void what_may_be_left_out(void)
+TEST(what_may_be_left_out)
 {
     lw_linkage k;
     lw_error e;
@@ -94,7 +94,7 @@ static void what_may_be_left_out(void)
     CHECK_NEAR(k.joint[0].at.y, 2, 0, 0);
 }
 
-static void links_without_a_list_follow_the_joints(void)
+TEST(links_without_a_list_follow_the_joints)
 {
     lw_linkage k;
     lw_error e;
@@ -107,7 +107,7 @@ static void links_without_a_list_follow_the_joints(void)
     CHECK_INT(k.ground, 0);
 }
 
-static void links_may_be_objects(void)
+TEST(links_may_be_objects)
 {
     lw_linkage k;
     lw_error e;
@@ -117,7 +117,7 @@ static void links_may_be_objects(void)
     CHECK_INT(k.ground, 1);
 }
 
-static void other_kinds_and_several_inputs(void)
+TEST(other_kinds_and_several_inputs)
 {
     lw_linkage k;
     lw_error e;
@@ -140,7 +140,7 @@ static void other_kinds_and_several_inputs(void)
 }
 
 /* The contact of gears and the place of a weld may be left out. */
-static void gears_and_welds_find_their_place(void)
+TEST(gears_and_welds_find_their_place)
 {
     lw_linkage k;
     lw_error e = { 0 };
@@ -250,7 +250,7 @@ static void round_trip(const lw_linkage *k, double allowed)
     }
 }
 
-static void in_si_the_bits_come_back(void)
+TEST(in_si_the_bits_come_back)
 {
     lw_rng r;
     lw_linkage k;
@@ -264,7 +264,7 @@ static void in_si_the_bits_come_back(void)
 }
 
 /* In other units one rounding by the division and one by the product: 2 units in the last place. */
-static void in_other_units_to_rounding(void)
+TEST(in_other_units_to_rounding)
 {
     static const char *const lengths[] = { "mm", "um", "in", "ft", "km" }, *const angles[] = { "deg", "turn" };
     lw_rng r;
@@ -301,7 +301,7 @@ static const char *changed(const char *from, const char *to, long *line, long *c
     return text;
 }
 
-static void every_fault_has_its_place(void)
+TEST(every_fault_has_its_place)
 {
     static const struct { const char *from, *to, *part; } faults[] = {
         { "{\n  \"linkwright\": 1,\n", "^{\n", "\"linkwright\": 1 is missing" },
@@ -367,7 +367,7 @@ static void every_fault_has_its_place(void)
     }
 }
 
-static void what_is_no_json(void)
+TEST(what_is_no_json)
 {
     static const struct { const char *text; long line; const char *part; } cases[] = {
         { "", 1, "nothing is in this file" }, { " \n\t", 1, "nothing is in this file" },
@@ -392,7 +392,7 @@ static void what_is_no_json(void)
 }
 
 /* The place is the first byte of what cannot stand there. */
-static void faults_of_syntax_have_their_place(void)
+TEST(faults_of_syntax_have_their_place)
 {
     static const struct { const char *text; long line, column; } cases[] = {
         { "{\"a\": NaN}", 1, 7 }, { "{\n  \"a\" 1}", 2, 7 }, { "{\n\"a\": [1,\n ]}", 3, 2 },
@@ -408,7 +408,7 @@ static void faults_of_syntax_have_their_place(void)
     }
 }
 
-static void too_many_of_everything(void)
+TEST(too_many_of_everything)
 {
     char *text = malloc(100000);
     lw_linkage k;
@@ -432,7 +432,7 @@ static void too_many_of_everything(void)
     free(text);
 }
 
-static void a_byte_order_mark_is_skipped(void)
+TEST(a_byte_order_mark_is_skipped)
 {
     static char text[sizeof example + 8];
     lw_linkage k;
@@ -445,7 +445,7 @@ static void a_byte_order_mark_is_skipped(void)
 }
 
 /* No cut and no changed byte may do more harm than an error; what is read passes the check. */
-static void any_bytes_are_survived(void)
+TEST(any_bytes_are_survived)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 2);
@@ -462,25 +462,4 @@ static void any_bytes_are_survived(void)
         CHECK(s == LW_OK || s == LW_E_NOTATION);
         CHECK(s == LW_OK ? lw_linkage_check(&k, NULL) == LW_OK : e.text[0] && e.line > 0 && e.column > 0);
     }
-}
-
-int main(void)
-{
-    RUN(the_example);
-    RUN(the_example_is_written_as_it_was);
-    RUN(the_manual_shows_it);
-    RUN(what_may_be_left_out);
-    RUN(links_without_a_list_follow_the_joints);
-    RUN(links_may_be_objects);
-    RUN(other_kinds_and_several_inputs);
-    RUN(gears_and_welds_find_their_place);
-    RUN(in_si_the_bits_come_back);
-    RUN(in_other_units_to_rounding);
-    RUN(every_fault_has_its_place);
-    RUN(what_is_no_json);
-    RUN(faults_of_syntax_have_their_place);
-    RUN(too_many_of_everything);
-    RUN(a_byte_order_mark_is_skipped);
-    RUN(any_bytes_are_survived);
-    return check_end();
 }

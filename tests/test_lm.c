@@ -78,7 +78,7 @@ static void check_inside(const lw_problem *p, const double *x)
 }
 
 /* From two percent beside; a few starts lie in another valley. */
-static void finds_the_way_back(void)
+TEST(finds_the_way_back)
 {
     static const struct { lw_task task; lw_timing timing; int least; } kind[] = {
         { LW_TASK_PATH, LW_TIMING_PRESCRIBED, 8 }, { LW_TASK_MOTION, LW_TIMING_PRESCRIBED, 8 },
@@ -114,7 +114,7 @@ static void finds_the_way_back(void)
         }
 }
 
-static void never_ends_above_its_start(void)
+TEST(never_ends_above_its_start)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -191,7 +191,7 @@ static int check_optimum(const lw_problem *p, const double *x, double f)
     return most > 1e-2*sqrt(f);
 }
 
-static void rests_on_a_bound_as_it_should(void)
+TEST(rests_on_a_bound_as_it_should)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -219,7 +219,7 @@ static void rests_on_a_bound_as_it_should(void)
 }
 
 /* A target from just behind the limit of turning: two lengths sum up to what the others allow. */
-static void rests_on_the_limit_of_turning(void)
+TEST(rests_on_the_limit_of_turning)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
@@ -250,7 +250,7 @@ static void rests_on_the_limit_of_turning(void)
 
 /* ---- the nearest feasible point ----------------------------------------------------------------------- */
 
-static void feasible_points_stay_and_others_move_little(void)
+TEST(feasible_points_stay_and_others_move_little)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -275,7 +275,7 @@ static void feasible_points_stay_and_others_move_little(void)
     }
 }
 
-static void contradictions_are_found_out(void)
+TEST(contradictions_are_found_out)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
@@ -288,15 +288,4 @@ static void contradictions_are_found_out(void)
     }
     CHECK(!feasible(&p, x));
     lw_problem_free(&p);
-}
-
-int main(void)
-{
-    RUN(finds_the_way_back);
-    RUN(never_ends_above_its_start);
-    RUN(rests_on_a_bound_as_it_should);
-    RUN(rests_on_the_limit_of_turning);
-    RUN(feasible_points_stay_and_others_move_little);
-    RUN(contradictions_are_found_out);
-    return check_end();
 }

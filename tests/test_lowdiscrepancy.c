@@ -2,7 +2,7 @@
 #include "optimise/solvers/lowdiscrepancy.h"
 #include "tests/check.h"
 
-static void fill_every_direction_evenly(void)
+TEST(fill_every_direction_evenly)
 {
     enum { N = 512, D = 8 };
     static double u[N*D];
@@ -22,7 +22,7 @@ static void fill_every_direction_evenly(void)
     }
 }
 
-static void repeat_by_seed_only(void)
+TEST(repeat_by_seed_only)
 {
     double a[30], b[30], c[30];
     lw_rng one, same, other;
@@ -35,7 +35,7 @@ static void repeat_by_seed_only(void)
     CHECK(memcmp(a, c, sizeof a) != 0);
 }
 
-static void refuse_dimensions_without_points(void)
+TEST(refuse_dimensions_without_points)
 {
     double u[41];
     lw_rng rng;
@@ -43,12 +43,4 @@ static void refuse_dimensions_without_points(void)
     CHECK(lw_low_discrepancy(&rng, 1, 40, u));
     CHECK(!lw_low_discrepancy(&rng, 1, 41, u));
     CHECK(!lw_low_discrepancy(&rng, 1, 0, u));
-}
-
-int main(void)
-{
-    RUN(fill_every_direction_evenly);
-    RUN(repeat_by_seed_only);
-    RUN(refuse_dimensions_without_points);
-    return check_end();
 }

@@ -36,7 +36,7 @@ static const char plain_master[] =
     "\"deg\"},\n \"name\": \"long\", \"load\": true, \"m\": {\"value\": 2, \"unit\": \"kg\"}}, \"model\": {}}";
 
 /* Values worked out by hand; exact, because factors of units are kept as whole numbers. */
-static void values(void)
+TEST(values)
 {
     static const struct { const char *formula; double value; const char *unit; } rows[] = {
         { "l", 0.35, "m" }, { "l as mm", 350, "mm" }, { "2*l + 50 mm as mm", 750, "mm" }, { "l/2 as cm", 17.5, "cm" },
@@ -66,7 +66,7 @@ static void values(void)
     done(v, m);
 }
 
-static void wrong_formulas(void)
+TEST(wrong_formulas)
 {
     static const struct { const char *formula, *says; long column; } rows[] = {
         { "l + m", "[m] and [kg] cannot be added", 3 }, { "l + 5", "[m] and [plain number] cannot be added", 3 },
@@ -98,7 +98,7 @@ static void wrong_formulas(void)
 /* ---- models ------------------------------------------------------------------------------------------ */
 
 /* A chain of three bars, each laid on the hand of the one before, with a turn; a hand-written model beside. */
-static void parts(void)
+TEST(parts)
 {
     static const char text[] =
         "{\"linkwright\": 1, \"family\": \"chains\",\n"
@@ -141,7 +141,7 @@ static void parts(void)
 }
 
 /* Random frames in frames: the place of a point and the direction of a slider against complex numbers. */
-static void turned_parts(void)
+TEST(turned_parts)
 {
     static const char form[] =
         "{\"linkwright\": 1, \"parts\": {\n"
@@ -191,7 +191,7 @@ static void turned_parts(void)
 }
 
 /* Spatial parts: only the numbers are looked at.  A turn by 120 degrees about (1, 1, 1) maps x to y, y to z, z to x. */
-static void spatial_parts(void)
+TEST(spatial_parts)
 {
     static const char text[] =
         "{\"linkwright\": 1, \"parts\": {\"p\": {\"links\": [{\"name\": \"a\", \"mass\": 1, \"centre\": [1, 2, 3], "
@@ -213,7 +213,7 @@ static void spatial_parts(void)
 }
 
 /* The tree is read, the default is the stored model, byte for byte; a place of the model leads back. */
-static void loaders(void)
+TEST(loaders)
 {
     char *text = NULL, *want = NULL;
     size_t size, n;
@@ -264,7 +264,7 @@ static void loaders(void)
 #define HEAD "{\"linkwright\": 1,\n"
 #define BODY "\"model\": {\"links\": [\"ground\"]"
 
-static void refused(void)
+TEST(refused)
 {
     /* @ marks the place, and is not part of the text */
     static const struct { const char *text, *says; } rows[] = {
@@ -356,7 +356,7 @@ static void refused(void)
     }
 }
 
-static void wrong_choices(void)
+TEST(wrong_choices)
 {
     lw_master *m;
     lw_variant *v = variant_of(plain_master, &m);
@@ -376,17 +376,4 @@ static void wrong_choices(void)
     CHECK_HAS(error.text, "did you mean \"dynamic\"");
     CHECK_INT(lw_variant_configure(v, "big", &error), LW_E_ARG);
     done(v, m);
-}
-
-int main(void)
-{
-    RUN(values);
-    RUN(wrong_formulas);
-    RUN(parts);
-    RUN(turned_parts);
-    RUN(spatial_parts);
-    RUN(loaders);
-    RUN(refused);
-    RUN(wrong_choices);
-    return check_end();
 }

@@ -1,7 +1,7 @@
 #include "check.h"
 #include "topology.h"
 
-static void joints_stay_in_the_order_of_the_matrix(void)
+TEST(joints_stay_in_the_order_of_the_matrix)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -23,7 +23,7 @@ static void joints_stay_in_the_order_of_the_matrix(void)
     }
 }
 
-static void renaming_twice_goes_back(void)
+TEST(renaming_twice_goes_back)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -45,7 +45,7 @@ static void renaming_twice_goes_back(void)
     }
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_mechanism m, before;
     CHECK_INT(lw_mechanism_clear(&m, 0), LW_E_ARG);
@@ -69,12 +69,4 @@ static void refusals(void)
         for (int k = 0; k < i; k++)
             lw_chain_join(&dense, i, k, 1);
     CHECK_INT(lw_mechanism_from_chain(&dense, &m), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(joints_stay_in_the_order_of_the_matrix);
-    RUN(renaming_twice_goes_back);
-    RUN(refusals);
-    return check_end();
 }

@@ -2,7 +2,7 @@
 #include "topology.h"
 #include "grammar/mechanism_json.h"
 
-static void reads_back(void)
+TEST(reads_back)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -21,7 +21,7 @@ static void reads_back(void)
     }
 }
 
-static void as_documented(void)
+TEST(as_documented)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": 4, \"joints\": [[1, 2, \"r\"], [1, 4, \"r\"], "
         "[2, 3, \"r\"], [3, 4, \"t\"]], \"ground\": 1, \"inputs\": [[1, 2]], \"output\": 3}";
@@ -36,7 +36,7 @@ static void as_documented(void)
     CHECK_TEXT(out, text);
 }
 
-static void faults_have_a_place(void)
+TEST(faults_have_a_place)
 {
     static const struct { const char *text; long line, column; const char *part; } known[] = {
         { "", 1, 1, "" },
@@ -70,12 +70,4 @@ static void faults_have_a_place(void)
         CHECK_INT(e.column, known[i].column);
         CHECK_HAS(e.text, known[i].part);
     }
-}
-
-int main(void)
-{
-    RUN(reads_back);
-    RUN(as_documented);
-    RUN(faults_have_a_place);
-    return check_end();
 }

@@ -33,7 +33,7 @@ static lw_mechanism_counts run(int n_link, int dof, const lw_mechanism_steps *st
     return counts;
 }
 
-static void published_numbers(void)
+TEST(published_numbers)
 {
     lw_mechanism_steps steps = lw_mechanism_steps_default();
     seen s = { 0 };
@@ -59,7 +59,7 @@ static lw_status then_ground(void *context, const lw_mechanism *m)
     return lw_mechanisms_each(m, &steps, &counts, note, NULL, context);
 }
 
-static void order_of_steps_does_not_matter(void)
+TEST(order_of_steps_does_not_matter)
 {
     static const struct { int n_link, dof; } known[] = { { 4, 1 }, { 6, 1 }, { 5, 2 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
@@ -79,7 +79,7 @@ static void order_of_steps_does_not_matter(void)
     }
 }
 
-static void steps_left_out(void)
+TEST(steps_left_out)
 {
     lw_mechanism_steps none = { 0 }, bad = { .output = true };
     seen s = { 0 };
@@ -92,12 +92,4 @@ static void steps_left_out(void)
     CHECK_INT(lw_mechanisms_each(&m, &bad, &c, NULL, NULL, NULL), LW_E_ARG);
     bad = (lw_mechanism_steps){ .input = LW_INPUT_GROUND };
     CHECK_INT(lw_mechanisms_each(&m, &bad, &c, NULL, NULL, NULL), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(published_numbers);
-    RUN(order_of_steps_does_not_matter);
-    RUN(steps_left_out);
-    return check_end();
 }

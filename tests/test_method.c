@@ -17,7 +17,7 @@ static const struct { const char *name; double hs65, valley; } level[] = {
 };
 #define N_LEVEL (sizeof level/sizeof *level)
 
-static void table_is_whole(void)
+TEST(table_is_whole)
 {
     size_t n = 0;
     for (size_t i = 0; i < N_LEVEL; i++) {
@@ -32,7 +32,7 @@ static void table_is_whole(void)
             CHECK(strcmp(lw_stop_text((lw_stop)s), lw_stop_text((lw_stop)t)) != 0);
 }
 
-static void reaches_its_level_under_a_condition(void)
+TEST(reaches_its_level_under_a_condition)
 {
     static const double start[3][3] = { { -4.5, 4.5, 0 }, { 4.5, 4.5, -5 }, { 2, 3, 1 } };
     lw_function fn = hs65();
@@ -57,7 +57,7 @@ static void reaches_its_level_under_a_condition(void)
         }
 }
 
-static void reaches_its_level_without(void)
+TEST(reaches_its_level_without)
 {
     const double lo[2] = { -2, -2 }, hi[2] = { 2, 2 };
     lw_function fn = valley(lo, hi);
@@ -74,7 +74,7 @@ static void reaches_its_level_without(void)
 }
 
 /* x2 <= 0.25 cuts the valley: the optimum is on the bound, where 2 x1 = 1 + O(0.005). */
-static void reaches_an_optimum_on_a_bound(void)
+TEST(reaches_an_optimum_on_a_bound)
 {
     const double lo[2] = { -2, -2 }, hi[2] = { 2, 0.25 };
     lw_function fn = valley(lo, hi);
@@ -95,7 +95,7 @@ static void reaches_an_optimum_on_a_bound(void)
     }
 }
 
-static void keeps_what_is_fixed(void)
+TEST(keeps_what_is_fixed)
 {
     const double lo[2] = { -2, 0.25 }, hi[2] = { 2, 0.25 };
     lw_function fn = valley(lo, hi), stuck = valley(lo, lo);
@@ -128,7 +128,7 @@ static bool broken_residuals(void *context, const double *x, double *r, double *
     return isfinite(broken_value(context, x, NULL)) && valley_residuals(context, x, r, j);
 }
 
-static void survives_undefined_values(void)
+TEST(survives_undefined_values)
 {
     const double lo[2] = { -2, -2 }, hi[2] = { 2, 2 };
     lw_function fn = valley(lo, hi);
@@ -160,7 +160,7 @@ static void *solve(void *data)
     return NULL;
 }
 
-static void repeats_for_a_seed_on_any_thread(void)
+TEST(repeats_for_a_seed_on_any_thread)
 {
     run alone[N_LEVEL], beside[N_LEVEL], other = { .name = "esch", .seed = 8 };
     pthread_t thread[N_LEVEL];
@@ -178,16 +178,4 @@ static void repeats_for_a_seed_on_any_thread(void)
     }
     solve(&other);
     CHECK(other.x[0] != alone[14].x[0]);              /* another seed, another way */
-}
-
-int main(void)
-{
-    RUN(table_is_whole);
-    RUN(reaches_its_level_under_a_condition);
-    RUN(reaches_its_level_without);
-    RUN(reaches_an_optimum_on_a_bound);
-    RUN(keeps_what_is_fixed);
-    RUN(survives_undefined_values);
-    RUN(repeats_for_a_seed_on_any_thread);
-    return check_end();
 }

@@ -84,7 +84,7 @@ static void parallelogram(lw_linkage *k, double third, double angle)
     add_tracer(k, 4, lw_v2(1, 5));
 }
 
-static void parallelogram_with_a_third_bar(void)
+TEST(parallelogram_with_a_third_bar)
 {
     lw_linkage k;
     parallelogram(&k, 1, 1.1);
@@ -102,7 +102,7 @@ static void parallelogram_with_a_third_bar(void)
 }
 
 /* Tables on n legs, stacked: every storey moves although all its legs but two are redundant, each in its own way */
-static void stacked_tables(void)
+TEST(stacked_tables)
 {
     for (int n = 2; n <= 6; n++)
         for (int storeys = 1; storeys <= (n < 4 ? 5 : 2); storeys++) {
@@ -128,7 +128,7 @@ static void stacked_tables(void)
 
 /* Two triangles joined by three bars (Desargues): rigid; shaky when the bars meet in a point, or are parallel and not
  * of one length; movable when they are equal and parallel */
-static void triangles_and_three_bars(void)
+TEST(triangles_and_three_bars)
 {
     static const lw_vec2 t[3] = { { 0, 0 }, { 2, 0 }, { 0.7, 1.6 } };
     static const double share[3] = { 0.5, 0.3, 0.62 }, length[3] = { 1, 1.4, 0.7 };
@@ -161,7 +161,7 @@ static void fold(lw_linkage *k, double stretch)
 }
 
 /* Parallelogram and antiparallelogram meet where it is folded: a singular posture, no special geometry. */
-static void folded_four_bar(void)
+TEST(folded_four_bar)
 {
     lw_linkage k;
     fold(&k, 0);
@@ -180,7 +180,7 @@ static void folded_four_bar(void)
 }
 
 /* Dixon 1899, first kind: K(m, n) with one class on each of two lines at a right angle. */
-static void dixon_first(void)
+TEST(dixon_first)
 {
     frame f = { .n_point = 6, .at = { { 1, 0 }, { -1.7, 0 }, { 2.9, 0 }, { 0, 0.8 }, { 0, -2.1 }, { 0, 1.6 } } };
     lw_linkage k;
@@ -195,7 +195,7 @@ static void dixon_first(void)
 }
 
 /* Dixon's second kind: K(4, 4), two rectangles with one centre and parallel sides. */
-static void dixon_second(void)
+TEST(dixon_second)
 {
     frame f = { .n_point = 8 };
     lw_linkage k;
@@ -215,7 +215,7 @@ static void dixon_second(void)
 }
 
 /* Bolker & Roth 1980: K(3, 3) is shaky when its six points lie on a conic, here a circle. */
-static void six_points_on_a_conic(void)
+TEST(six_points_on_a_conic)
 {
     frame f = { .n_point = 6 };
     static const double angle[] = { 0.1, 1.0, 2.3, 3.1, 4.4, 5.5 };
@@ -236,7 +236,7 @@ static void six_points_on_a_conic(void)
 
 /* The three four-bars of one coupler curve, on one ground, their coupler points pinned together
  * (Roberts 1875): ten links, count -1. */
-static void roberts_and_cayley(void)
+TEST(roberts_and_cayley)
 {
     lw_vec2 a0 = { 0, 0 }, b0 = { 4, 0 }, a = lw_v2_polar(1.5, 1.2), b = meet(a, 3.1, b0, 2.4, 1), c = { 0.6, 0.5 };
     lw_vec2 p = lw_v2_add(a, lw_v2_turn(lw_v2_sub(b, a), c)), c0 = lw_v2_turn(b0, c);
@@ -258,7 +258,7 @@ static void roberts_and_cayley(void)
 }
 
 /* Three sliders in a ring: no link can turn, and that is said once too often. */
-static void wedges(void)
+TEST(wedges)
 {
     lw_linkage k;
     blank_linkage(&k, 3);
@@ -277,7 +277,7 @@ static void wedges(void)
  * point F by bars to P, Q, R, S.  The quadrilaterals at A and C are similar, and those at B and D:
  *     AP/FR = PF/RC = FS/CQ = SA/QF = k1,    BQ/FS = QF/SD = FP/DR = PB/RF = k2,
  * and the cosines at P and S are tied by one equation from A and one from B, made the same by k2. */
-static void focal_linkage(void)
+TEST(focal_linkage)
 {
     double p = 1, q = 1.3, r = 1.2, s = 0.9, x = 1.2, c = (r*r - q*q) + p*p - s*s;
     double k2 = (-c + sqrt(c*c - 4*(r*r - s*s)*(p*p - q*q)))/(2*(r*r - s*s));      /* k1 = 1 */
@@ -311,7 +311,7 @@ static void focal_linkage(void)
 
 /* Connelly & Servatius 1994: two mirrored Watt linkages whose tracers are joined by a bar meet in a cusp.
  * It is rigid by every test of higher order there, and yet it moves. */
-static void cusp(void)
+TEST(cusp)
 {
     lw_linkage k;
     blank_linkage(&k, 8);
@@ -344,7 +344,7 @@ static void two_bars_in_line(lw_linkage *k, double height)
     add_pin(k, 2, 0, lw_v2(2.5, 0));
 }
 
-static void bars_in_line(void)
+TEST(bars_in_line)
 {
     lw_linkage k;
     two_bars_in_line(&k, 0);
@@ -362,7 +362,7 @@ static void bars_in_line(void)
 
 /* A bar from the coupler point to the centre of curvature of its path follows to second order; the
  * centre by Euler and Savary, from differences of the path. */
-static void bar_to_the_centre_of_curvature(void)
+TEST(bar_to_the_centre_of_curvature)
 {
     const double dim[9] = { 4, 1.5, 3.1, 2.4, 1.2, 0.9, 0, 0, 0 };
     double h = 1e-3;
@@ -387,7 +387,7 @@ static void bar_to_the_centre_of_curvature(void)
 }
 
 /* A four-bar that carries two bars in line: it moves, and shakes everywhere on its way. */
-static void shaky_everywhere(void)
+TEST(shaky_everywhere)
 {
     const double dim[9] = { 4, 1.5, 3.1, 2.4, 1.2, 0.9, 0, 0, 0 };
     lw_linkage k;
@@ -410,7 +410,7 @@ static void shaky_everywhere(void)
 
 /* ---- freedoms and what they reach -------------------------------------------------------------------- */
 
-static void rollers_spin(void)
+TEST(rollers_spin)
 {
     lw_linkage k;
     blank_linkage(&k, 5);
@@ -441,7 +441,7 @@ static void rollers_spin(void)
     CHECK_INT(m.idle, 2);
 }
 
-static void arm_without_inputs(void)
+TEST(arm_without_inputs)
 {
     lw_linkage k;
     blank_linkage(&k, 4);
@@ -459,7 +459,7 @@ static void arm_without_inputs(void)
 }
 
 /* A rigid triangle hangs on a four-bar: its inner joints stand still, its links do not. */
-static void what_stands_still(void)
+TEST(what_stands_still)
 {
     const double dim[9] = { 4, 1.5, 3.1, 2.4, 1.2, 0.9, 0, 0, 0 };
     lw_linkage k;
@@ -481,7 +481,7 @@ static void what_stands_still(void)
     CHECK_INT(m.generic, 1);
 }
 
-static void gears_and_welds(void)
+TEST(gears_and_welds)
 {
     lw_linkage k;
     blank_linkage(&k, 4);
@@ -497,7 +497,7 @@ static void gears_and_welds(void)
     expect(&k, LW_MOBILITY_RIGID, 0, 0, 0, 0);
 }
 
-static void dyads_on_dyads(void)
+TEST(dyads_on_dyads)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
@@ -538,7 +538,7 @@ static int generic_freedom(const lw_linkage *k)
     return 3*(n - 1) - sum;
 }
 
-static void random_chains(void)
+TEST(random_chains)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -565,7 +565,7 @@ static void random_chains(void)
 }
 
 /* Coordinates of six digits: closed to 1e-5 Dixon's linkage moves, closed to 1e-12 it does not. */
-static void rounded_coordinates(void)
+TEST(rounded_coordinates)
 {
     frame f = { .n_point = 6, .at = { { 1, 0 }, { -1.7, 0 }, { 2.9, 0 }, { 0, 0.8 }, { 0, -2.1 }, { 0, 1.6 } } };
     lw_linkage k;
@@ -588,7 +588,7 @@ static void rounded_coordinates(void)
     CHECK(m.residual < 1e-5*m.unit && m.residual > 1e-12);
 }
 
-static void refused(void)
+TEST(refused)
 {
     lw_linkage k;
     lw_mobility m;
@@ -600,31 +600,4 @@ static void refused(void)
     o.tolerance = 1e-3;
     CHECK_INT(lw_mobility_find(&k, &o, &m, &e), LW_E_ARG);
     CHECK_HAS(e.text, "tolerance");
-}
-
-int main(void)
-{
-    RUN(parallelogram_with_a_third_bar);
-    RUN(stacked_tables);
-    RUN(triangles_and_three_bars);
-    RUN(folded_four_bar);
-    RUN(dixon_first);
-    RUN(dixon_second);
-    RUN(six_points_on_a_conic);
-    RUN(roberts_and_cayley);
-    RUN(focal_linkage);
-    RUN(cusp);
-    RUN(wedges);
-    RUN(bars_in_line);
-    RUN(bar_to_the_centre_of_curvature);
-    RUN(shaky_everywhere);
-    RUN(rollers_spin);
-    RUN(arm_without_inputs);
-    RUN(what_stands_still);
-    RUN(gears_and_welds);
-    RUN(dyads_on_dyads);
-    RUN(random_chains);
-    RUN(rounded_coordinates);
-    RUN(refused);
-    return check_end();
 }

@@ -14,7 +14,7 @@ static lw_mobility find(const lw_linkage *k)
 }
 
 /* A Scotch yoke whose pin is a roller: x of the yoke is that of the pin. */
-static void a_roller_is_held(void)
+TEST(a_roller_is_held)
 {
     lw_linkage k;
     uint64_t held;
@@ -43,7 +43,7 @@ static void a_roller_is_held(void)
 }
 
 /* Two bars hang on a crank-rocker, a block slides on its coupler: three joints, not the four-bar's. */
-static void all_that_hangs_on_it(void)
+TEST(all_that_hangs_on_it)
 {
     lw_linkage k;
     uint64_t held;
@@ -64,7 +64,7 @@ static void all_that_hangs_on_it(void)
 }
 
 /* A freedom that a tracer notices is not idle, and with a tracer on the last bar nothing is. */
-static void what_is_noticed_is_left(void)
+TEST(what_is_noticed_is_left)
 {
     lw_linkage k;
     uint64_t held;
@@ -78,12 +78,4 @@ static void what_is_noticed_is_left(void)
     CHECK_INT(find(&k).freedom, 2);
     k.joint[1].link[0] = 9;
     CHECK_INT(lw_mobility_hold_idle(&k, &held, NULL), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(a_roller_is_held);
-    RUN(all_that_hangs_on_it);
-    RUN(what_is_noticed_is_left);
-    return check_end();
 }

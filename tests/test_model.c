@@ -27,7 +27,7 @@ static double value(const lw_expression *x, double a, double b)
     return lw_expression_value(x, v);
 }
 
-static void a_linkage_is_a_model(void)
+TEST(a_linkage_is_a_model)
 {
     CHECK_INT(read_with("", "", "", ""), LW_OK);
     CHECK_INT(m.linkage.n_joint, 2);
@@ -35,7 +35,7 @@ static void a_linkage_is_a_model(void)
     lw_model_free(&m);
 }
 
-static void bodies_in_their_units(void)
+TEST(bodies_in_their_units)
 {
     CHECK_INT(read_with("", "", ", \"mass\": 2, \"centre\": [500, 100], \"inertia\": 0.5",
                         ", \"gravity\": [0, -9.81], \"input\": {\"joint\": \"D\", \"speed\": 3}"), LW_OK);
@@ -50,7 +50,7 @@ static void bodies_in_their_units(void)
     lw_model_free(&m);
 }
 
-static void joints_and_loads(void)
+TEST(joints_and_loads)
 {
     CHECK_INT(read_with(", \"friction\": {\"coefficient\": 0.2, \"radius\": 5}, \"stop\": {\"least\": -90, "
         "\"restitution\": 0.5}, \"clearance\": {\"model\": \"impact\", \"gap\": 0.1, \"stiffness\": 1e8}",
@@ -88,7 +88,7 @@ static void joints_and_loads(void)
 }
 
 /* Each with a part of the text that tells it. */
-static void faults(void)
+TEST(faults)
 {
     static const struct { const char *pin, *slider, *crank, *more, *text; } bad[] = {
         { "", "", ", \"mass\": -1, \"centre\": [0, 0]", "", "links[1].mass: this must not be negative" },
@@ -128,20 +128,10 @@ static void faults(void)
 }
 
 /* The column counts in the file, past escapes. */
-static void column_inside_an_expression(void)
+TEST(column_inside_an_expression)
 {
     CHECK_INT(read_with("", "", "", ",\n\"input\": {\"joint\": \"A\", \"motion\": \"t + foo\"}"), LW_E_NOTATION);
     CHECK_INT(e.column, 40);
     CHECK_INT(read_with("", "", "", ",\n\"input\": {\"joint\": \"A\", \"motion\": \"\\u0074 + foo\"}"), LW_E_NOTATION);
     CHECK_INT(e.column, 45);
-}
-
-int main(void)
-{
-    RUN(a_linkage_is_a_model);
-    RUN(bodies_in_their_units);
-    RUN(joints_and_loads);
-    RUN(faults);
-    RUN(column_inside_an_expression);
-    return check_end();
 }

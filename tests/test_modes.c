@@ -56,7 +56,7 @@ static void drop(scene *s)
 /* ---- pendula ------------------------------------------------------------------------------------- */
 
 /* w^2 = m g s/(I + m s^2); upside down it falls with that rate */
-static void pendulum(void)
+TEST(pendulum)
 {
     for (int up = 0; up < 2; up++) {
         scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2.5, \"centre\": [%g, %g], \"inertia\": 0.3}], "
@@ -80,7 +80,7 @@ static void pendulum(void)
 }
 
 /* Two equal rods of length l, mass m at their ends: w^2 = (2 -+ sqrt 2) g/l; the second link turns +-sqrt 2 as far */
-static void double_pendulum(void)
+TEST(double_pendulum)
 {
     scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, "
                     "\"centre\": "
@@ -112,7 +112,7 @@ static double laguerre(int n, double x, double *slope)
 }
 
 /* n masses on a massless string of rods of length l: w^2 = (g/l) x with L_n(x) = 0 (Bernoulli) */
-static void hanging_chains(void)
+TEST(hanging_chains)
 {
     for (int n = 2; n <= 20; n += 3) {
         char links[4096] = "", joints[4096] = "";
@@ -163,7 +163,7 @@ static double half_wave(int n, bool free, int k)
     return free ? k*LW_PI/(2*n) : (k + 1)*LW_PI/(2*(n + 1));
 }
 
-static void chains_of_springs(void)
+TEST(chains_of_springs)
 {
     for (int n = 2; n <= 30; n += n < 6 ? 1 : 8)
         for (int free = 0; free < 2; free++) {
@@ -187,7 +187,7 @@ static int by_size_of(const void *a, const void *b)
 
 /* Dampers in proportion to the springs: s^2 + (c/m) l s + (K/m) l = 0, l = 4 sin^2.  c makes one mode critical: its
  * root is double, to all digits, as is the 0 of a free row. */
-static void damped_chains(void)
+TEST(damped_chains)
 {
     for (int n = 2; n <= 30; n += n < 6 ? 1 : 8)
         for (int free = 0; free < 2; free++) {
@@ -216,7 +216,7 @@ static void damped_chains(void)
 }
 
 /* n equal pendula side by side: one eigenvalue n times, with n shapes that differ; upside down it is real */
-static void repeated(void)
+TEST(repeated)
 {
     for (int up = 0; up < 2; up++)
         for (int n = 2; n <= 12; n += 5) {
@@ -248,7 +248,7 @@ static void repeated(void)
 }
 
 /* m x'' + c x' + k x = 0 below, at and above critical damping */
-static void damping(void)
+TEST(damping)
 {
     const double m = 2, k = 800, w = 20;
     for (int i = 0; i < 5; i++) {
@@ -280,7 +280,7 @@ static void damping(void)
 }
 
 /* A damped double oscillator: shapes have phases; eigenvalues satisfy det(M s^2 + C s + K) = 0 */
-static void phases(void)
+TEST(phases)
 {
     scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 3, "
                     "\"centre\": [1, 0]}], "
@@ -311,7 +311,7 @@ static void phases(void)
 /* ---- closed loops -------------------------------------------------------------------------------- */
 
 /* A platform on three parallel massless rods of length l, one of them redundant: w^2 = g/l */
-static void redundant_swing(void)
+TEST(redundant_swing)
 {
     scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 0, "
                     "\"centre\": [0, 0]}, "
@@ -333,7 +333,7 @@ static void redundant_swing(void)
 
 /* Slider-crank with a spring at its slide, relaxed in the drawn posture: w^2 = K x'^2/I, I the masses reduced to
  * the crank */
-static void slider_crank(void)
+TEST(slider_crank)
 {
     const double r = 0.3, l = 0.8, k = 500;
     for (double t = 0.2; t < 3; t += 0.35) {
@@ -361,7 +361,7 @@ static void slider_crank(void)
 }
 
 /* A pair of wheels, the second turning z times as fast, a torsion spring at the first: w^2 = K/(I1 + z^2 I2) */
-static void geared_wheels(void)
+TEST(geared_wheels)
 {
     scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0], "
     "\"inertia\": 0.4}, "
@@ -379,7 +379,7 @@ static void geared_wheels(void)
 
 /* A four-bar with a spring at its input goes to rest; its frequency there is that of V''/M along the input, by
  * differences of the potential and of the places */
-static void four_bar_at_rest(void)
+TEST(four_bar_at_rest)
 {
     scene *s = make(HEAD "{\"name\": \"crank\", \"mass\": 1, \"centre\": [0, 0.5], \"inertia\": 0.1}, {\"name\": "
                     "\"coupler\", \"mass\": 2, "
@@ -424,7 +424,7 @@ static void four_bar_at_rest(void)
 }
 
 /* From the side, and from just beside the upper rest point, a pendulum goes down; springs hold it elsewhere */
-static void finds_rest(void)
+TEST(finds_rest)
 {
     for (int i = 0; i < 4; i++) {
         double angle = (double[]){ 1.2, 3.0, -2.0, LW_PI - 1e-6 }[i];
@@ -451,7 +451,7 @@ static void finds_rest(void)
 /* ---- by ear -------------------------------------------------------------------------------------- */
 
 /* Peaks of a free vibration of the full equations agree with the eigenfrequencies to 0.5 % (and much better) */
-static void frequencies_from_spectra(void)
+TEST(frequencies_from_spectra)
 {
     static const char *const model[] = {
         HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, \"centre\": "
@@ -505,7 +505,7 @@ static void frequencies_from_spectra(void)
     drop(s);
 }
 
-static void refused(void)
+TEST(refused)
 {
     scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, -1]}, {\"name\": \"feather\", \"mass\": "
                     "0, \"centre\": [0, 0]}], "
@@ -521,24 +521,4 @@ static void refused(void)
     lw_modes_free(&s->modes);
     CHECK(lw_modes_find(&s->f, &o, 0, s->q, &s->modes, &e) != LW_OK);
     drop(s);
-}
-
-int main(void)
-{
-    RUN(pendulum);
-    RUN(double_pendulum);
-    RUN(hanging_chains);
-    RUN(chains_of_springs);
-    RUN(damped_chains);
-    RUN(repeated);
-    RUN(damping);
-    RUN(phases);
-    RUN(redundant_swing);
-    RUN(slider_crank);
-    RUN(geared_wheels);
-    RUN(four_bar_at_rest);
-    RUN(finds_rest);
-    RUN(frequencies_from_spectra);
-    RUN(refused);
-    return check_end();
 }

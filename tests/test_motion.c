@@ -74,7 +74,7 @@ static void check_fourbar(const lw_plan *plan, const double *dim, const lw_fourb
     CHECK_NEAR(cos(most), cos(c->transmission[1]), 1e-14, 0);
 }
 
-static void fourbars_as_classified(void)
+TEST(fourbars_as_classified)
 {
     lw_rng rng;
     lw_linkage k;
@@ -89,7 +89,7 @@ static void fourbars_as_classified(void)
     }
 }
 
-static void change_points_join_circuits(void)
+TEST(change_points_join_circuits)
 {
     static const double r[][4] = {
         { 2, 4, 5, 3 }, { 4, 2, 5, 3 }, { 5, 4, 2, 3 }, { 5, 3, 4, 2 },          /* classes 9 to 12 */
@@ -106,7 +106,7 @@ static void change_points_join_circuits(void)
     }
 }
 
-static void circuits_of_a_double_rocker(void)
+TEST(circuits_of_a_double_rocker)
 {
     lw_linkage k;
     lw_plan plan = plan_of_type("fourbar", &k);
@@ -221,7 +221,7 @@ static void check_samples(const lw_plan *plan, const double *dim, const lw_motio
     }
 }
 
-static void every_type_by_samples_and_newton(void)
+TEST(every_type_by_samples_and_newton)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -250,7 +250,7 @@ static void every_type_by_samples_and_newton(void)
 
 /* Slider-crank with offset e: the crank turns when rod >= r + |e|; its limits otherwise are where
  * r sin t + e = +-rod, by the textbook. */
-static void slider_crank_by_textbook(void)
+TEST(slider_crank_by_textbook)
 {
     lw_linkage k;
     lw_plan plan = plan_of_type("slidercrank", &k);
@@ -283,7 +283,7 @@ static const int watt_two[7][2] = { {0,1},{1,2},{2,3},{3,0},{3,4},{4,5},{5,0} };
 static const int stephenson[7][2] = { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,0} };
 
 /* Postures drawn at random; all arcs of all modes are run into by the verifier. */
-static void six_bars_by_newton(void)
+TEST(six_bars_by_newton)
 {
     const int (*kind[3])[2] = { watt, watt_two, stephenson };
     lw_rng rng;
@@ -335,7 +335,7 @@ static void jansen(lw_linkage *k, double t)
 }
 
 /* Foot at every 60 degrees of the crank, computed with 22 digits. */
-static void jansens_leg(void)
+TEST(jansens_leg)
 {
     static const double foot[6][2] = {
         { -43.16011052410472333668, -91.75693292612322376457 }, { -18.15029468117372965496, -91.57132466831302641137 },
@@ -368,16 +368,4 @@ static void jansens_leg(void)
     check_joints_of_arcs(&plan, dim, &m);
     for (int i = 0; i < m.n_arc; i++)
         run_into_ends(&plan, dim, &m.arc[i], 1.0, &k);
-}
-
-int main(void)
-{
-    RUN(fourbars_as_classified);
-    RUN(change_points_join_circuits);
-    RUN(circuits_of_a_double_rocker);
-    RUN(every_type_by_samples_and_newton);
-    RUN(slider_crank_by_textbook);
-    RUN(six_bars_by_newton);
-    RUN(jansens_leg);
-    return check_end();
 }

@@ -21,7 +21,7 @@ static lw_fourbar_class draw_fourbar(lw_rng *r, double k[9])
 
 /* Every four-bar's curve closes.  With a crank: one turn in one mode.  Without: over both modes between its limits,
  * which are those of the class to 1e-10. */
-static void four_bars_of_all_classes(void)
+TEST(four_bars_of_all_classes)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -65,7 +65,7 @@ static void four_bars_of_all_classes(void)
 }
 
 /* Arc to station and back; even arcs; the same posture at both ends. */
-static void arcs_and_stations_agree(void)
+TEST(arcs_and_stations_agree)
 {
     double k[9] = { 4, 3, 2, 2.5, 1, 2, 0, 0, 0 }, q[9], p[9];
     lw_linkage l;
@@ -95,7 +95,7 @@ static void arcs_and_stations_agree(void)
 }
 
 /* 1e-3 .. 1e-10 from the parallelogram's change points, where branches pass 1e-5 apart: never the wrong one. */
-static void near_change_points(void)
+TEST(near_change_points)
 {
     for (double eps = 1e-3; eps > 5e-11; eps *= 0.1) {
         double k[9] = { 4, 1, 4*(1 + eps), 1, 1, 2, 0, 0, 0 };
@@ -121,7 +121,7 @@ static void near_change_points(void)
 }
 
 /* The parallelogram goes straight on through both change points: its coupler never turns. */
-static void straight_on_through_change_points(void)
+TEST(straight_on_through_change_points)
 {
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9];
     lw_linkage l;
@@ -150,7 +150,7 @@ static void straight_on_through_change_points(void)
 }
 
 /* Derivatives do not mind the change point: the parallelogram's rocker turns as its crank. */
-static void rates_through_change_points(void)
+TEST(rates_through_change_points)
 {
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[4*9];
     const double motion[4] = { 0, 1, 0, 0 };
@@ -175,7 +175,7 @@ static void rates_through_change_points(void)
 }
 
 /* Drawn at a change point, one branch is followed, and through the point again. */
-static void drawn_at_change_points(void)
+TEST(drawn_at_change_points)
 {
     for (int i = 0; i < 4; i++) {
         double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9], turn = i/2*LW_PI;
@@ -205,7 +205,7 @@ static void drawn_at_change_points(void)
 }
 
 /* A bar of no length spins, and the crank it hangs on stands still. */
-static void the_input_stands_still(void)
+TEST(the_input_stands_still)
 {
     lw_linkage l;
     double q[2*9];
@@ -224,7 +224,7 @@ static void the_input_stands_still(void)
 }
 
 /* Drawn next to a change point, before or behind it: the last leap ends where the curve began. */
-static void starts_next_to_change_points(void)
+TEST(starts_next_to_change_points)
 {
     for (int i = 0; i < 40; i++) {
         double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9];
@@ -244,7 +244,7 @@ static void starts_next_to_change_points(void)
 }
 
 /* Equal crank and rod: the slider goes straight on through the bifurcation, x = 2 cos. */
-static void equal_slider_crank(void)
+TEST(equal_slider_crank)
 {
     lw_linkage l;
     double q[9];
@@ -270,7 +270,7 @@ static void equal_slider_crank(void)
 }
 
 /* Geared five-bars close when both cranks have turned whole turns: -p/q after q turns of the input. */
-static void gears_close_after_several_turns(void)
+TEST(gears_close_after_several_turns)
 {
     static const int ratio[][2] = { { 1, 2 }, { 2, 3 }, { 1, 1 }, { 3, 1 }, { 5, 4 } };
     for (int i = 0; i < 5; i++) {
@@ -299,7 +299,7 @@ static void gears_close_after_several_turns(void)
 
 /* Random six-bars, one of which has no dyads: where the second opinion can go the curve goes, at the same input
  * in the same posture; it ends its pieces at the same limits. */
-static void six_bars_agree_with_newton(void)
+TEST(six_bars_agree_with_newton)
 {
     static const int pair[4][7][2] = {
         { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} }, { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,0} },
@@ -346,7 +346,7 @@ static void six_bars_agree_with_newton(void)
 }
 
 /* A crank that turns one way has one side; a rocker changes sides at each limit. */
-static void sides_change_at_limits(void)
+TEST(sides_change_at_limits)
 {
     double k[9] = { 4, 3, 2, 2.5, 1, 2, 0, 0, 0 };
     lw_linkage l;
@@ -364,7 +364,7 @@ static void sides_change_at_limits(void)
 }
 
 /* Offset slider-crank in closed form, by the crank; and in time. */
-static void rates_by_the_input(void)
+TEST(rates_by_the_input)
 {
     const double rr = 30, ll = 80, ee = 10;
     lw_linkage l;
@@ -396,7 +396,7 @@ static void rates_by_the_input(void)
 }
 
 /* Postures of the same curve are on it, those of the other circuit are not. */
-static void knows_its_postures(void)
+TEST(knows_its_postures)
 {
     double k[9] = { 4, 1, 3.5, 2.5, 1, 2, 0, 0, 0 }, q[9];
     lw_linkage l, other;
@@ -415,7 +415,7 @@ static void knows_its_postures(void)
 }
 
 /* A rod in two guides: the curve leaves both ways and is kept as an open one. */
-static void curves_without_end(void)
+TEST(curves_without_end)
 {
     lw_linkage l;
     double q[3];
@@ -440,7 +440,7 @@ static void curves_without_end(void)
     curve_free(v);
 }
 
-static void refuses_with_reasons(void)
+TEST(refuses_with_reasons)
 {
     lw_linkage l;
     KEPT_SYSTEM s = { 0 };
@@ -479,25 +479,4 @@ static void refuses_with_reasons(void)
     CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "it is a branch point");
     lw_motion_curve_free(NULL);
-}
-
-int main(void)
-{
-    RUN(four_bars_of_all_classes);
-    RUN(arcs_and_stations_agree);
-    RUN(near_change_points);
-    RUN(straight_on_through_change_points);
-    RUN(rates_through_change_points);
-    RUN(drawn_at_change_points);
-    RUN(the_input_stands_still);
-    RUN(starts_next_to_change_points);
-    RUN(equal_slider_crank);
-    RUN(gears_close_after_several_turns);
-    RUN(six_bars_agree_with_newton);
-    RUN(sides_change_at_limits);
-    RUN(rates_by_the_input);
-    RUN(knows_its_postures);
-    RUN(curves_without_end);
-    RUN(refuses_with_reasons);
-    return check_end();
 }

@@ -13,7 +13,7 @@ static double pin_depth(const lw_zone *z, const lw_posture *posture, const lw_pl
     return fmax(most, z->reach - lw_v2_norm(lw_v2_sub(posture->tracer[0][0], z->at)));
 }
 
-static void a_turn_is_that_of_its_postures(void)
+TEST(a_turn_is_that_of_its_postures)
 {
     for (int trial = 0; trial < 30; trial++) {
         enum { LOOKS = 360 };
@@ -49,7 +49,7 @@ static void a_turn_is_that_of_its_postures(void)
 }
 
 /* Of a function the acceleration is the output angle's, and its condition in a fit is of the same. */
-static void a_function_is_judged_by_its_output(void)
+TEST(a_function_is_judged_by_its_output)
 {
     for (int trial = 0; trial < 30; trial++) {
         enum { LOOKS = 64 };
@@ -92,7 +92,7 @@ static void a_function_is_judged_by_its_output(void)
     }
 }
 
-static void every_condition_is_asked(void)
+TEST(every_condition_is_asked)
 {
     static const lw_motion_limits good = { .margin_least = 0.5, .margin_most = 0.9, .acceleration = 2 };
     char why[160] = "";
@@ -129,8 +129,6 @@ static void every_condition_is_asked(void)
 int main(void)
 {
     lw_rng_seed(&rng, check_seed(), 1);
-    RUN(a_turn_is_that_of_its_postures);
-    RUN(a_function_is_judged_by_its_output);
-    RUN(every_condition_is_asked);
+    check_run();
     return check_end();
 }

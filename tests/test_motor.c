@@ -8,7 +8,7 @@
 static lw_error error;
 
 /* Makkonen 1999, table 4, to the printed digits; the stroke of its second branch is not printed: it is 4 m. */
-static void table_4(void)
+TEST(table_4)
 {
     const lw_motor_part m = { .torque_constant = 1.6, .resistance = 30, .inductance = 0.0703, .inertia = 0.0011,
                               .torque = 2.1,
@@ -33,7 +33,7 @@ static void table_4(void)
 }
 
 /* No radius of a fine grid is better than the best one; the formula holds where the speed is reached. */
-static void best_radius(void)
+TEST(best_radius)
 {
     for (int trial = 0; trial < 50; trial++) {
         lw_motor_part m = { .inertia = 1e-4*exp(0.1*trial), .torque = 1 + trial%7, .speed = 100 + 20*(trial%11) };
@@ -47,7 +47,7 @@ static void best_radius(void)
     }
 }
 
-static void tables(void)
+TEST(tables)
 {
     static const char text[] = "# motors\r\n name , torque_constant [N m/A], resistance [ohm],inertia [kg m^2],torque "
                                "[N m],speed [rpm],x-shop\r\n"
@@ -88,7 +88,7 @@ enum { N = 1001 };
 static double work[2*N];
 
 /* A mass that is moved to and fro: torque J a; the figures of motor torque follow by hand. */
-static void known_choice(void)
+TEST(known_choice)
 {
     static double v[N], f[N], a[N];
     const double mass = 20, top = 5, w = 2*LW_PI;
@@ -147,7 +147,7 @@ static void known_choice(void)
 }
 
 /* The ranking: possible ones first and by cost, the front has no better pair; all choices are there. */
-static void ranking(void)
+TEST(ranking)
 {
     static double v[N], f[N], a[N];
     lw_motor_part motor[6];
@@ -188,7 +188,7 @@ static void ranking(void)
 
 /* Reflected inertia of the motors of a DELTA robot, whose tool is driven: the same as the matrix M of dT = M d(q''), from runs
  * in which the tool gets a sudden acceleration along each axis. */
-static void inertia_of_drives(void)
+TEST(inertia_of_drives)
 {
     enum { D = 3 };
     const double end = 0.03, extra = 1000;
@@ -228,15 +228,4 @@ static void inertia_of_drives(void)
     }
     lw_loads_free(&base);
     lw_spatial_destroy(m);
-}
-
-int main(void)
-{
-    RUN(inertia_of_drives);
-    RUN(table_4);
-    RUN(best_radius);
-    RUN(tables);
-    RUN(known_choice);
-    RUN(ranking);
-    return check_end();
 }

@@ -19,7 +19,7 @@ static void read_model(const char *profiles, const char *rest)
            "'moves': [{'to': 1, 'dwell': 0.2}, {'to': 0, 'law': '%s', 'duration': 0.5}, {'to': 0.3, 'duration': 0.6}]}"
 
 /* The Taylor polynomial of order 8 gives what stands nearby on its side; its first terms are those of profile and law. */
-static void series_are_exact(void)
+TEST(series_are_exact)
 {
     for (int law = 0; lw_motion_law_get(law); law++) {
         char profiles[600];
@@ -80,7 +80,7 @@ static void exact_motion(double end, double *x, double *v)
     }
 }
 
-static void runs_stop_at_kinks(void)
+TEST(runs_stop_at_kinks)
 {
     static const lw_formulation formulation[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
                                                   LW_FORMULATION_GGL };
@@ -119,7 +119,7 @@ static void refused(const char *profiles, const char *rest, const char *why)
     CHECK(e.line > 0 && e.column > 0);
 }
 
-static void bad_moves_are_refused(void)
+TEST(bad_moves_are_refused)
 {
     static const char good[] = "{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': [{'to': 1}]}";
     char two[300];
@@ -133,12 +133,4 @@ static void bad_moves_are_refused(void)
     refused("{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': [{'to': 1, 'duration': 0.5}]}", "0", "duration");
     refused("{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': []}", "0", "moves");
     refused("{'name': 'go', 'moves': [{'to': 1, 'law': 'cycloid'}]}", "0", "\"duration\"");
-}
-
-int main(void)
-{
-    RUN(series_are_exact);
-    RUN(runs_stop_at_kinks);
-    RUN(bad_moves_are_refused);
-    return check_end();
 }

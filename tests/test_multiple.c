@@ -82,7 +82,7 @@ static found list(int n_link, int dof, lw_rng *rng)
     return f;
 }
 
-static void published(void)
+TEST(published)
 {
     static const struct { int n_link, dof; const char *kind; int n; } known[] = {
         { 6, 1, "2", 1 }, { 6, 1, "22", 1 }, { 8, 1, "2", 20 }, { 8, 1, "22", 16 }, { 8, 1, "222", 3 },
@@ -102,7 +102,7 @@ static void published(void)
         CHECK_INT(list(total[i].n_link, total[i].dof, &rng).n, total[i].n);
 }
 
-static void what_moves(void)
+TEST(what_moves)
 {
     /* Watt's chain with a multiple pin 1-2-5 moves; with two pins shared by links 1 and 2 it does not */
     lw_multiple watt = { 6, 6, { 19, 6, 12, 9, 48, 40 } }, twice = watt, loose = watt;
@@ -120,17 +120,9 @@ static void what_moves(void)
     CHECK(!lw_multiple_moves(&rings));                      /* falls apart at the pin */
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_error e = { 0 };
     CHECK_INT(lw_multiple_each(7, 1, 1, note, NULL, &e), LW_E_ARG);
     CHECK(e.text[0] != '\0');
-}
-
-int main(void)
-{
-    RUN(published);
-    RUN(what_moves);
-    RUN(refusals);
-    return check_end();
 }

@@ -33,7 +33,7 @@ static lw_newton *make(const lw_linkage *k)
     return s;
 }
 
-static void crank_turns_in_both_modes(void)
+TEST(crank_turns_in_both_modes)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -62,7 +62,7 @@ static void crank_turns_in_both_modes(void)
 
 /* Limits of the input as lw_fourbar_classify has them in closed form; and back again, over the dead
  * point's own branch. */
-static void rocker_stops_at_its_limits(void)
+TEST(rocker_stops_at_its_limits)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -94,7 +94,7 @@ static void rocker_stops_at_its_limits(void)
 }
 
 /* Many turns do not wear digits off. */
-static void a_hundred_turns(void)
+TEST(a_hundred_turns)
 {
     double k[9] = { 4, 1, 3.5, 2.5, 1, 2, 0, 0, 0 };
     lw_linkage l;
@@ -109,7 +109,7 @@ static void a_hundred_turns(void)
 }
 
 /* Slider-crank by its crank, and by its slider, whose way ends where crank and rod are in line. */
-static void slider_crank(void)
+TEST(slider_crank)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -155,7 +155,7 @@ static void slider_crank(void)
 
 /* Random postures of six-bars, also with inputs that no dyad follows from: links stay rigid, pins
  * stay together, the input is met, and the way back ends where it began. */
-static void six_bars_keep_their_links(void)
+TEST(six_bars_keep_their_links)
 {
     static const int pair[4][7][2] = {       /* input at the first joint */
         { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} },          /* Watt 2-like: ternaries 2, 3       */
@@ -201,7 +201,7 @@ static void six_bars_keep_their_links(void)
 
 /* A beam engine's parallelogram with a third, equal crank: one constraint too many, yet it turns;
  * and the third crank keeps it from folding at the change points. */
-static void overconstrained_parallelogram(void)
+TEST(overconstrained_parallelogram)
 {
     lw_linkage l;
     blank_linkage(&l, 5);
@@ -229,7 +229,7 @@ static void overconstrained_parallelogram(void)
 }
 
 /* Crank between two moving links: the input is their relative turn. */
-static void input_between_moving_links(void)
+TEST(input_between_moving_links)
 {
     double k[9] = { 4, 2, 3, 3.5, 1, 1, 0, 0, 0 };
     lw_linkage l;
@@ -243,7 +243,7 @@ static void input_between_moving_links(void)
 }
 
 /* A pin in a slot: Geneva-like crank, tan of the slot's turn = r sin t/(d + r cos t). */
-static void pin_in_slot(void)
+TEST(pin_in_slot)
 {
     lw_linkage l;
     blank_linkage(&l, 3);
@@ -264,7 +264,7 @@ static void pin_in_slot(void)
 }
 
 /* Cardan's gears: a point of the rim of the planet in a ring twice its size keeps to a line, for fifty turns. */
-static void cardan_gears_draw_a_line(void)
+TEST(cardan_gears_draw_a_line)
 {
     lw_linkage l;
     blank_linkage(&l, 3);
@@ -286,7 +286,7 @@ static void cardan_gears_draw_a_line(void)
 }
 
 /* Three wheels on the ground and a rack on the last, with ratios that are no round numbers. */
-static void a_gear_train_turns_by_its_ratios(void)
+TEST(a_gear_train_turns_by_its_ratios)
 {
     const double r[3] = { -3.7, -0.31, 1.9 };
     lw_linkage l;
@@ -310,7 +310,7 @@ static void a_gear_train_turns_by_its_ratios(void)
     lw_newton_free(s);
 }
 
-static void refuses_with_reasons(void)
+TEST(refuses_with_reasons)
 {
     double k[9] = { 4, 2, 3, 3.5, 1, 1, 0, 0, 0 }, reached;
     lw_linkage l;
@@ -344,20 +344,4 @@ static void refuses_with_reasons(void)
     CHECK_INT(lw_newton_move(s, NAN, &reached), LW_E_ARG);
     lw_newton_free(s);
     lw_newton_free(NULL);
-}
-
-int main(void)
-{
-    RUN(crank_turns_in_both_modes);
-    RUN(rocker_stops_at_its_limits);
-    RUN(a_hundred_turns);
-    RUN(slider_crank);
-    RUN(six_bars_keep_their_links);
-    RUN(overconstrained_parallelogram);
-    RUN(input_between_moving_links);
-    RUN(pin_in_slot);
-    RUN(cardan_gears_draw_a_line);
-    RUN(a_gear_train_turns_by_its_ratios);
-    RUN(refuses_with_reasons);
-    return check_end();
 }

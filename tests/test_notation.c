@@ -4,7 +4,7 @@
 #include "grammar/graph6.h"
 #include "grammar/notation.h"
 
-static void every_row_reads_what_it_prints(void)
+TEST(every_row_reads_what_it_prints)
 {
     lw_rng rng;
     static char text[LW_NOTATION_SIZE];
@@ -35,7 +35,7 @@ static void every_row_reads_what_it_prints(void)
 }
 
 /* Thirty topologies in all notations, with empty lines and remarks between. */
-static void mixed_stream(void)
+TEST(mixed_stream)
 {
     lw_rng rng;
     static char text[1 << 16], piece[LW_NOTATION_SIZE];
@@ -60,7 +60,7 @@ static void mixed_stream(void)
 }
 
 /* A stream that comes in pieces of any size says the same as the whole. */
-static void in_portions(void)
+TEST(in_portions)
 {
     static const char text[] = "# first\n\nCl\n0 1 0 2\n0 0 3 0\n0 0 0 4\n0 0 0 0\n\n((1 r 2 r 3 r 4 r)\n (1 r 2 r 3 r 4 r))\n"
                                "1-2 2-3 # no\n{\"links\": 2, \"joints\":\n[[1, 2]]}\n# Cl\n(3 3) 1-2:0 1-2:2 1-2:2\nC!\nCl";
@@ -91,7 +91,7 @@ static void in_portions(void)
 }
 
 /* After a fault the stream goes on with the next piece; faults have their place in the whole text. */
-static void goes_on_after_a_fault(void)
+TEST(goes_on_after_a_fault)
 {
     static const char text[] = "Cl\nC!\n1-2 2-2\n((1 r 2 r 3 r\n 4 k) (1 r))\n0 1\n0 2\n\n{\"links\": 2,\n"
                                "\"joints\": [[1, 1]]}\nCl x\n(3 3) 1-2:0\n\n  \nCl";
@@ -110,7 +110,7 @@ static void goes_on_after_a_fault(void)
     }
 }
 
-static void too_many_joints(void)
+TEST(too_many_joints)
 {
     lw_chain c;
     lw_mechanism m;
@@ -124,14 +124,4 @@ static void too_many_joints(void)
     lw_topologies t = lw_topologies_open(text, n, NULL);
     CHECK_INT(lw_topologies_next(&t, &m, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "more than 64 joints");
-}
-
-int main(void)
-{
-    RUN(every_row_reads_what_it_prints);
-    RUN(mixed_stream);
-    RUN(goes_on_after_a_fault);
-    RUN(in_portions);
-    RUN(too_many_joints);
-    return check_end();
 }

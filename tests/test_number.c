@@ -7,7 +7,7 @@
 
 static lw_status parse(const char *s, double *v) { return lw_number_parse(s, strlen(s), v); }
 
-static void what_is_a_number(void)
+TEST(what_is_a_number)
 {
     static const struct { const char *text; double want; } good[] = {
         { "0", 0 }, { "-1", -1 }, { "+2", 2 }, { ".5", 0.5 }, { "3.", 3 }, { "1e3", 1000 },
@@ -22,7 +22,7 @@ static void what_is_a_number(void)
     }
 }
 
-static void what_is_none(void)
+TEST(what_is_none)
 {
     static const char *const bad[] = {
         "", " ", "1 ", " 1", "x", "1x", "1e", "1e+", "e5", ".", "-", "+", "--1", "+-1", "1,5", "1.2.3",
@@ -39,7 +39,7 @@ static void what_is_none(void)
     CHECK_NEAR(v, 99, 0, 0);
 }
 
-static void only_the_span_is_read(void)
+TEST(only_the_span_is_read)
 {
     double v;
     CHECK_INT(lw_number_parse("12345", 3, &v), LW_OK);
@@ -47,7 +47,7 @@ static void only_the_span_is_read(void)
 }
 
 /* 1 + 2^-53 lies half way between two doubles and goes to the even one; a digit far behind decides. */
-static void rounding_looks_at_every_digit(void)
+TEST(rounding_looks_at_every_digit)
 {
     char text[1200] = "1.00000000000000011102230246251565404236316680908203125";
     double v;
@@ -63,7 +63,7 @@ static void rounding_looks_at_every_digit(void)
     CHECK_INT(parse(text, &v), LW_E_NOTATION);
 }
 
-static void words_that_are_no_numbers(void)
+TEST(words_that_are_no_numbers)
 {
     static const char *const words[] = { "nan", "NaN", "-nan", "inf", "+Inf", "-INFINITY" };
     for (size_t i = 0; i < sizeof words/sizeof *words; i++)
@@ -73,7 +73,7 @@ static void words_that_are_no_numbers(void)
     CHECK(!lw_number_is_word("info", 4));
 }
 
-static void every_bit_pattern_comes_back(void)
+TEST(every_bit_pattern_comes_back)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
@@ -91,7 +91,7 @@ static void every_bit_pattern_comes_back(void)
     }
 }
 
-static void short_where_short_is_exact(void)
+TEST(short_where_short_is_exact)
 {
     char text[LW_NUMBER_SIZE];
     static const struct { double v; const char *want; } cases[] = {
@@ -108,7 +108,7 @@ static void short_where_short_is_exact(void)
 }
 
 /* Written in another unit and read back: the bits again or their neighbour. */
-static void units_cost_one_rounding_at_most(void)
+TEST(units_cost_one_rounding_at_most)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -121,7 +121,7 @@ static void units_cost_one_rounding_at_most(void)
     }
 }
 
-static void locale_does_not_matter(void)
+TEST(locale_does_not_matter)
 {
     static const char *const names[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "ps_AF.UTF-8" };
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
@@ -134,18 +134,4 @@ static void locale_does_not_matter(void)
         CHECK_TEXT(text, "2.25");
     }
     setlocale(LC_ALL, "C");
-}
-
-int main(void)
-{
-    RUN(what_is_a_number);
-    RUN(what_is_none);
-    RUN(only_the_span_is_read);
-    RUN(rounding_looks_at_every_digit);
-    RUN(words_that_are_no_numbers);
-    RUN(every_bit_pattern_comes_back);
-    RUN(short_where_short_is_exact);
-    RUN(units_cost_one_rounding_at_most);
-    RUN(locale_does_not_matter);
-    return check_end();
 }

@@ -61,7 +61,7 @@ static lw_status run_jobs(run *r, int n_thread)
 static size_t few(size_t job) { return job*7919 % 13; }
 static size_t one_in_a_while(size_t job) { return job % 50 == 49 ? 200000 : 1; }
 
-static void comes_in_order(void)
+TEST(comes_in_order)
 {
     for (int n_thread = 1; n_thread <= 8; n_thread *= 2) {
         run r = { .n_job = 500, .lines_of = few };
@@ -74,18 +74,11 @@ static void comes_in_order(void)
     }
 }
 
-static void a_failing_sink_stops_all(void)
+TEST(a_failing_sink_stops_all)
 {
     for (int n_thread = 1; n_thread <= 4; n_thread++) {
         run r = { .n_job = 300, .lines_of = one_in_a_while, .fail_at = 1000000 };
         CHECK_INT(run_jobs(&r, n_thread), LW_E_IO);
         CHECK(r.bytes < 4000000);
     }
-}
-
-int main(void)
-{
-    RUN(comes_in_order);
-    RUN(a_failing_sink_stops_all);
-    return check_end();
 }

@@ -25,7 +25,7 @@ static void set(const lw_plan *plan, double *dim, const char *name, double v)
 }
 
 /* Crank-rockers: the rocker stands still where crank and coupler are in line. */
-static void rocker_turns_back_at_dead_points(void)
+TEST(rocker_turns_back_at_dead_points)
 {
     lw_linkage k;
     lw_plan plan;
@@ -55,7 +55,7 @@ static void rocker_turns_back_at_dead_points(void)
 }
 
 /* Offset slider-crank: the stroke ends where crank and rod are in line, sin a = e/(l +- r). */
-static void slider_turns_at_stroke_ends(void)
+TEST(slider_turns_at_stroke_ends)
 {
     lw_linkage k;
     lw_plan plan;
@@ -74,7 +74,7 @@ static void slider_turns_at_stroke_ends(void)
 }
 
 /* A double crank has none, and the list is never overrun. */
-static void none_and_too_many(void)
+TEST(none_and_too_many)
 {
     lw_linkage k;
     lw_plan plan;
@@ -93,7 +93,7 @@ static void none_and_too_many(void)
 
 /* Scott Russell the other way round: crank and rod equally long, no offset, the slider sits on the pivot
  * of the crank and only rounding moves it. */
-static void standing_still_is_no_turning(void)
+TEST(standing_still_is_no_turning)
 {
     lw_linkage k;
     lw_plan plan;
@@ -109,13 +109,4 @@ static void standing_still_is_no_turning(void)
         n[i] = lw_output_limits_find(&plan, &k, dim, mode, -1.4, 1.4, t, 8);
     }
     CHECK_INT(n[0] + n[1], 1);
-}
-
-int main(void)
-{
-    RUN(rocker_turns_back_at_dead_points);
-    RUN(slider_turns_at_stroke_ends);
-    RUN(none_and_too_many);
-    RUN(standing_still_is_no_turning);
-    return check_end();
 }

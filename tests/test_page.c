@@ -39,7 +39,7 @@ static int occurrences(const char *text, const char *part)
     return n;
 }
 
-static void nothing_comes_from_outside(void)
+TEST(nothing_comes_from_outside)
 {
     lw_scene s;
     CHECK_INT(model_scene("Crank-rocker", 8, &s), LW_OK);
@@ -59,7 +59,7 @@ static void nothing_comes_from_outside(void)
 }
 
 /* The policy names the hash of what stands between the tags, to the byte. */
-static void policy_allows_just_this_script_and_style(void)
+TEST(policy_allows_just_this_script_and_style)
 {
     static const char *const tag[][3] = { { "<style>", "</style>", "style-src 'sha256-" },
                                           { "]</script>\n<script>", "</script>", "script-src 'sha256-" } };
@@ -79,7 +79,7 @@ static void policy_allows_just_this_script_and_style(void)
     lw_scene_free(&s);
 }
 
-static void hostile_texts_stay_texts(void)
+TEST(hostile_texts_stay_texts)
 {
     const char *hostile = "</script><script>alert(1)</script><img src=x onerror='a'>\"&\xff{{";
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
@@ -141,7 +141,7 @@ static lw_vec2 moved(const json_t *link, size_t frame, lw_vec2 q)
 
 /* B is carried by coupler and rocker: wherever the script moves the pin, both links must agree, and the
  * distances to A and B0 stay the lengths of the links. */
-static void postures_keep_the_links_together(void)
+TEST(postures_keep_the_links_together)
 {
     lw_scene s;
     CHECK_INT(model_scene("Crank-rocker", 8, &s), LW_OK);
@@ -182,7 +182,7 @@ static void look_for_id(const xml_element *e, void *context)
 }
 
 /* Every picture is well-formed by itself and all ids are different. */
-static void many_results_on_one_page(void)
+TEST(many_results_on_one_page)
 {
     lw_scene s[4];
     for (int i = 0; i < 4; i++)
@@ -214,7 +214,7 @@ static void many_results_on_one_page(void)
         lw_scene_free(&s[i]);
 }
 
-static void empty_columns_are_left_out(void)
+TEST(empty_columns_are_left_out)
 {
     lw_scene s;
     CHECK_INT(model_scene("Crank-rocker", 0, &s), LW_OK);
@@ -240,7 +240,7 @@ static void empty_columns_are_left_out(void)
     lw_scene_free(&s);
 }
 
-static void same_input_same_bytes(void)
+TEST(same_input_same_bytes)
 {
     lw_scene s;
     CHECK_INT(model_scene("Crank-rocker", 8, &s), LW_OK);
@@ -249,16 +249,4 @@ static void same_input_same_bytes(void)
     lw_bytes_free(&a);
     lw_bytes_free(&b);
     lw_scene_free(&s);
-}
-
-int main(void)
-{
-    RUN(nothing_comes_from_outside);
-    RUN(policy_allows_just_this_script_and_style);
-    RUN(hostile_texts_stay_texts);
-    RUN(postures_keep_the_links_together);
-    RUN(many_results_on_one_page);
-    RUN(empty_columns_are_left_out);
-    RUN(same_input_same_bytes);
-    return check_end();
 }

@@ -12,7 +12,7 @@ static void values(double rate, double *f)
         f[i] = exp(rate*r.at[i]);
 }
 
-static void means_of_an_exponential(void)
+TEST(means_of_an_exponential)
 {
     double f[LW_PANEL_NODES], m[LW_PANEL_NODES], c[LW_PANEL_NODES];
     for (double rate = -3; rate <= 3; rate += 1.5) {
@@ -29,7 +29,7 @@ static void means_of_an_exponential(void)
 }
 
 /* int_0^u exp(a u'^2) du' for a = -1: the error function. */
-static void roots_of_an_exponential(void)
+TEST(roots_of_an_exponential)
 {
     double f[LW_PANEL_NODES], h[LW_PANEL_NODES], c[LW_PANEL_NODES];
     values(-1, f);
@@ -39,7 +39,7 @@ static void roots_of_an_exponential(void)
         CHECK_NEAR(u*lw_panel_value(c, u*u), 0.5*sqrt(acos(-1.0))*erf(u), 1e-14, 0);
 }
 
-static void what_is_not_resolved_is_seen(void)
+TEST(what_is_not_resolved_is_seen)
 {
     double f[LW_PANEL_NODES];
     for (int i = 0; i < LW_PANEL_NODES; i++)
@@ -53,8 +53,6 @@ static void what_is_not_resolved_is_seen(void)
 int main(void)
 {
     CHECK_INT(lw_panel_rule_make(&r), LW_OK);
-    RUN(means_of_an_exponential);
-    RUN(roots_of_an_exponential);
-    RUN(what_is_not_resolved_is_seen);
+    check_run();
     return check_end();
 }

@@ -27,7 +27,7 @@ static void one(void *context, size_t job, int thread)
         atomic_store(&w->bad_thread, 1);
 }
 
-static void each_job_once_for_any_number_of_threads(void)
+TEST(each_job_once_for_any_number_of_threads)
 {
     static work w, first;
     static const int threads[] = { 1, 2, 3, 7, N_THREAD };
@@ -44,7 +44,7 @@ static void each_job_once_for_any_number_of_threads(void)
     }
 }
 
-static void fewer_jobs_than_threads_and_none(void)
+TEST(fewer_jobs_than_threads_and_none)
 {
     static work w;
     for (size_t n = 0; n < 4; n++) {
@@ -62,7 +62,7 @@ static void fewer_jobs_than_threads_and_none(void)
     CHECK_INT(lw_parallel(1 << 20, 10, one, &w), LW_OK);
 }
 
-static void cores_follow_the_affinity(void)
+TEST(cores_follow_the_affinity)
 {
     cpu_set_t old, one_core;
     CHECK(lw_core_count() >= 1);
@@ -79,7 +79,7 @@ static void cores_follow_the_affinity(void)
     CHECK_INT(sched_setaffinity(0, sizeof old, &old), 0);
 }
 
-static void clocks_never_go_back(void)
+TEST(clocks_never_go_back)
 {
     double wall = lw_clock_wall(), cpu = lw_clock_cpu();
     CHECK(wall > 0 && cpu > 0);
@@ -89,13 +89,4 @@ static void clocks_never_go_back(void)
         wall = w;
         cpu = c;
     }
-}
-
-int main(void)
-{
-    RUN(each_job_once_for_any_number_of_threads);
-    RUN(fewer_jobs_than_threads_and_none);
-    RUN(cores_follow_the_affinity);
-    RUN(clocks_never_go_back);
-    return check_end();
 }

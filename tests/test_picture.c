@@ -73,7 +73,7 @@ static lw_drawing draw(const lw_scene *s, double width, double height)
     return d;
 }
 
-static void every_part_is_there_and_in_its_place(void)
+TEST(every_part_is_there_and_in_its_place)
 {
     lw_scene s;
     CHECK_INT(model_scene("Crank-rocker", 12, &s), LW_OK);
@@ -101,7 +101,7 @@ static void every_part_is_there_and_in_its_place(void)
 }
 
 /* All lengths are to one scale, y up. */
-static void the_plane_is_not_distorted(void)
+TEST(the_plane_is_not_distorted)
 {
     lw_scene s;
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
@@ -171,7 +171,7 @@ static void check_texts(const lw_drawing *d, const char *name)
     }
 }
 
-static void labels_do_not_overlap(void)
+TEST(labels_do_not_overlap)
 {
     static const double size[][2] = { { 1000, 750 }, { 500, 700 }, { 2000, 600 } };
     for (size_t i = 0; i < MODEL_FILES; i++) {
@@ -198,7 +198,7 @@ static void labels_do_not_overlap(void)
 }
 
 /* All joints and lengths of the examples find a place. */
-static void nothing_goes_without_its_label(void)
+TEST(nothing_goes_without_its_label)
 {
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
@@ -242,7 +242,7 @@ static cairo_status_t take(void *closure, unsigned char *data, unsigned n)
     return CAIRO_STATUS_SUCCESS;
 }
 
-static void png_shows_it(void)
+TEST(png_shows_it)
 {
     lw_scene s;
     lw_bytes b;
@@ -270,7 +270,7 @@ static void png_shows_it(void)
 }
 
 /* Moved by the frames of the motion: each pin is where the scene says, in every frame. */
-static void frames_move_the_links(void)
+TEST(frames_move_the_links)
 {
     lw_scene s;
     lw_error e;
@@ -299,7 +299,7 @@ static void frames_move_the_links(void)
     lw_scene_free(&s);
 }
 
-static void same_input_same_bytes(void)
+TEST(same_input_same_bytes)
 {
     lw_scene s;
     lw_error e;
@@ -322,7 +322,7 @@ static void same_input_same_bytes(void)
 }
 
 /* A linkage of another size, in units of that size, is the same picture to the last byte. */
-static void size_does_not_matter(void)
+TEST(size_does_not_matter)
 {
     lw_bytes want = { 0 };
     lw_error e;
@@ -350,7 +350,7 @@ static void size_does_not_matter(void)
 }
 
 /* Path and linkage of very different size: a second panel, with every target point on it. */
-static void specks_get_their_own_panel(void)
+TEST(specks_get_their_own_panel)
 {
     for (double ratio = 2; ratio < 3e9; ratio *= 10) {
         const double r[9] = { ratio, 1, ratio + 0.3, 2.4, 1.5, 1.2, 0, 0, 0.2 };
@@ -381,7 +381,7 @@ static void specks_get_their_own_panel(void)
 }
 
 /* Far from the origin, on one point, with wild target points: still a picture. */
-static void strange_coordinates_are_drawn(void)
+TEST(strange_coordinates_are_drawn)
 {
     static const lw_vec2 wild[] = { { NAN, 0 }, { INFINITY, 1 }, { 1, -INFINITY } };
     lw_scene s;
@@ -409,7 +409,7 @@ static void strange_coordinates_are_drawn(void)
     lw_scene_free(&s);
 }
 
-static void hostile_names_stay_text(void)
+TEST(hostile_names_stay_text)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     strcpy(k.joint[0].name, "</text><script>");
@@ -435,7 +435,7 @@ static void hostile_names_stay_text(void)
 }
 
 /* Slots and gears, which have no plan yet, are drawn in the posture given. */
-static void every_kind_of_joint_is_drawn(void)
+TEST(every_kind_of_joint_is_drawn)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.joint[2].kind = LW_JOINT_SLOT;
@@ -456,7 +456,7 @@ static void every_kind_of_joint_is_drawn(void)
 }
 
 /* The trammel: two blocks on hatched guides of the ground that cover their travel. */
-static void guides_cover_the_travel(void)
+TEST(guides_cover_the_travel)
 {
     lw_linkage k;
     lw_scene s;
@@ -476,7 +476,7 @@ static void guides_cover_the_travel(void)
     lw_scene_free(&s);
 }
 
-static void unfit_sizes_are_refused(void)
+TEST(unfit_sizes_are_refused)
 {
     lw_scene s;
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
@@ -489,23 +489,4 @@ static void unfit_sizes_are_refused(void)
         CHECK(d.shape == NULL);
     }
     lw_scene_free(&s);
-}
-
-int main(void)
-{
-    RUN(every_part_is_there_and_in_its_place);
-    RUN(the_plane_is_not_distorted);
-    RUN(labels_do_not_overlap);
-    RUN(nothing_goes_without_its_label);
-    RUN(png_shows_it);
-    RUN(frames_move_the_links);
-    RUN(same_input_same_bytes);
-    RUN(size_does_not_matter);
-    RUN(specks_get_their_own_panel);
-    RUN(strange_coordinates_are_drawn);
-    RUN(hostile_names_stay_text);
-    RUN(every_kind_of_joint_is_drawn);
-    RUN(guides_cover_the_travel);
-    RUN(unfit_sizes_are_refused);
-    return check_end();
 }

@@ -47,7 +47,7 @@ static void check_round_trip(planned *q, double growth)
     CHECK_NEAR(back.input[0].value, q->k.input[0].value, growth*1e-15/posture.margin, 0);
 }
 
-static void types_read_and_write(void)
+TEST(types_read_and_write)
 {
     static planned q;
     lw_rng r;
@@ -64,7 +64,7 @@ static void types_read_and_write(void)
         }
 }
 
-static void grown_linkages_read_and_write(void)
+TEST(grown_linkages_read_and_write)
 {
     static planned q;
     lw_rng r;
@@ -80,7 +80,7 @@ static void grown_linkages_read_and_write(void)
 }
 
 /* The order of telling changes names at most: what is traced over a step of the input stays. */
-static void order_of_telling_does_not_matter(void)
+TEST(order_of_telling_does_not_matter)
 {
     static planned a, b;
     lw_rng r;
@@ -104,7 +104,7 @@ static void order_of_telling_does_not_matter(void)
 }
 
 /* Another posture of the same linkage has the same dimensions. */
-static void dimensions_do_not_move(void)
+TEST(dimensions_do_not_move)
 {
     static planned q;
     lw_rng r;
@@ -131,7 +131,7 @@ static void dimensions_do_not_move(void)
 }
 
 /* The displacement is that of link[1] against link[0] along `along`, whichever of them is the ground. */
-static void slider_inputs_count_as_the_file_says(void)
+TEST(slider_inputs_count_as_the_file_says)
 {
     static planned q;
     lw_rng r;
@@ -155,7 +155,7 @@ static void slider_inputs_count_as_the_file_says(void)
 }
 
 /* The second opinion: Newton's method on the loop equations, from the same file to the same input. */
-static void newton_arrives_at_the_same_place(void)
+TEST(newton_arrives_at_the_same_place)
 {
     static planned q;
     lw_rng r;
@@ -191,7 +191,7 @@ static void newton_arrives_at_the_same_place(void)
     CHECK(n_checked > 100);
 }
 
-static void jansen_is_five_dyads(void)
+TEST(jansen_is_five_dyads)
 {
     static planned q;
     jansen_linkage(&q.k);
@@ -204,7 +204,7 @@ static void jansen_is_five_dyads(void)
 }
 
 /* Only what the tracer hangs on: on the bar j one dyad, whatever else the leg has. */
-static void plans_hold_what_is_wanted(void)
+TEST(plans_hold_what_is_wanted)
 {
     static planned q;
     jansen_linkage(&q.k);
@@ -236,7 +236,7 @@ static void triad_linkage(lw_linkage *k)
     add_tracer(k, 5, lw_v2(3, 3));
 }
 
-static void says_what_cannot_be_planned(void)
+TEST(says_what_cannot_be_planned)
 {
     static planned q;
     lw_error e;
@@ -277,7 +277,7 @@ static void says_what_cannot_be_planned(void)
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
 }
 
-static void postures_that_contradict_themselves(void)
+TEST(postures_that_contradict_themselves)
 {
     static planned q;
     lw_error e;
@@ -303,7 +303,7 @@ static void postures_that_contradict_themselves(void)
 
 /* Ground slides only: parallel ones have no meeting point, so that the offset counts; a ground of one
  * pin and no slide at all is a crank. */
-static void grounds_of_every_kind(void)
+TEST(grounds_of_every_kind)
 {
     static planned q;
     lw_type_linkage(lw_type_find("trammel"), &q.k);
@@ -320,20 +320,4 @@ static void grounds_of_every_kind(void)
     CHECK_NEAR(q.dim[lw_plan_dim(&q.p, "cx")], sqrt(2), 1e-15, 0);
     CHECK_NEAR(q.input, LW_PI/4, 1e-15, 0);
     check_round_trip(&q, 10);
-}
-
-int main(void)
-{
-    RUN(types_read_and_write);
-    RUN(grown_linkages_read_and_write);
-    RUN(order_of_telling_does_not_matter);
-    RUN(dimensions_do_not_move);
-    RUN(slider_inputs_count_as_the_file_says);
-    RUN(newton_arrives_at_the_same_place);
-    RUN(jansen_is_five_dyads);
-    RUN(plans_hold_what_is_wanted);
-    RUN(says_what_cannot_be_planned);
-    RUN(postures_that_contradict_themselves);
-    RUN(grounds_of_every_kind);
-    return check_end();
 }

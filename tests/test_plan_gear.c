@@ -217,7 +217,7 @@ static bool plan_case(int i, planned *p)
     return good;
 }
 
-static void turns_as_the_loop_equations(void)
+TEST(turns_as_the_loop_equations)
 {
     for (int i = 0; i < CASES; i++) {
         planned p;
@@ -258,7 +258,7 @@ static void turns_as_the_loop_equations(void)
 
 /* The same mechanisms with their joints elsewhere, at random: a way of 1 rad in small steps, until a limit or where the
  * posture is near one. */
-static void random_ones_too(void)
+TEST(random_ones_too)
 {
     lw_rng r;
     int compared = 0;
@@ -295,7 +295,7 @@ static void random_ones_too(void)
 
 /* Written at another input, the linkage is the same one: read back it has the same dimensions, and its wheels touch at
  * the pitch point. */
-static void a_posture_elsewhere_is_the_same_linkage(void)
+TEST(a_posture_elsewhere_is_the_same_linkage)
 {
     int written = 0;
     for (int i = 0; i < CASES; i++) {
@@ -333,7 +333,7 @@ static void a_posture_elsewhere_is_the_same_linkage(void)
 }
 
 /* Turns of wheels against their carrier are in the ratio of the file. */
-static void wheels_turn_by_their_ratio(void)
+TEST(wheels_turn_by_their_ratio)
 {
     for (int i = 0; i < CASES; i++) {
         planned p;
@@ -355,7 +355,7 @@ static void wheels_turn_by_their_ratio(void)
 }
 
 /* Rates by the input, and Jacobians by all dimensions, phases among them, against central differences. */
-static void derivatives_are_differences(void)
+TEST(derivatives_are_differences)
 {
     enum { N = 9 };
     const double h = 1e-5;
@@ -411,7 +411,7 @@ static void derivatives_are_differences(void)
     CHECK(compared > 3*CASES*N/4);
 }
 
-static void each_lane_its_own_dimensions(void)
+TEST(each_lane_its_own_dimensions)
 {
     enum { N = 11 };
     for (int i = 0; i < CASES; i++) {
@@ -443,7 +443,7 @@ static void each_lane_its_own_dimensions(void)
     }
 }
 
-static void what_cannot_be_planned_says_why(void)
+TEST(what_cannot_be_planned_says_why)
 {
     lw_linkage k;
     lw_plan plan;
@@ -464,7 +464,7 @@ static void what_cannot_be_planned_says_why(void)
     CHECK(lw_plan_make(&k, all, &plan, &e) == LW_E_KIND);
 }
 
-static void explained(void)
+TEST(explained)
 {
     planned p;
     char text[2000];
@@ -474,17 +474,4 @@ static void explained(void)
     CHECK_HAS(text, "turned by gear \"J2\"");
     CHECK_HAS(text, "dyad RRR in closed form");
     CHECK_HAS(text, "nothing is left out");
-}
-
-int main(void)
-{
-    RUN(turns_as_the_loop_equations);
-    RUN(random_ones_too);
-    RUN(a_posture_elsewhere_is_the_same_linkage);
-    RUN(wheels_turn_by_their_ratio);
-    RUN(derivatives_are_differences);
-    RUN(each_lane_its_own_dimensions);
-    RUN(what_cannot_be_planned_says_why);
-    RUN(explained);
-    return check_end();
 }

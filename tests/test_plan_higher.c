@@ -140,7 +140,7 @@ static void eight_bars(void (*check)(subject *, lw_rng *), int sliders, double s
 
 static void moves(subject *q, lw_rng *r) { check_motion(q, lw_rng_range(r, -0.3, 0.3)); }
 
-static void every_eight_bar_moves(void)
+TEST(every_eight_bar_moves)
 {
     eight_bars(moves, 0, 1);
     CHECK(n_moved > 400);
@@ -243,7 +243,7 @@ static void gradients(subject *q, lw_rng *r)
     }
 }
 
-static void gradients_are_differences(void)
+TEST(gradients_are_differences)
 {
     eight_bars(gradients, 0, 0.15);
     eight_bars(gradients, 3, 0.15);
@@ -318,7 +318,7 @@ static void same_way_in_other_units(subject *q, lw_rng *r)
     same_way(q, r);
 }
 
-static void lanes_far_apart_keep_to_the_way(void)
+TEST(lanes_far_apart_keep_to_the_way)
 {
     eight_bars(same_way, 0, 0.5);
     eight_bars(same_way, 3, 0.5);
@@ -327,17 +327,8 @@ static void lanes_far_apart_keep_to_the_way(void)
 }
 
 /* Drawn so that dense lanes near a limit of a group lay astray between two right ones. */
-static void lanes_close_to_limits_keep_to_the_way(void)
+TEST(lanes_close_to_limits_keep_to_the_way)
 {
     eight_bars_from(19, same_way, 0, 0.5);
     eight_bars_from(80, same_way, 3, 0.5);
-}
-
-int main(void)
-{
-    RUN(every_eight_bar_moves);
-    RUN(gradients_are_differences);
-    RUN(lanes_far_apart_keep_to_the_way);
-    RUN(lanes_close_to_limits_keep_to_the_way);
-    return check_end();
 }

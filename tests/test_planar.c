@@ -69,7 +69,7 @@ static void check_witness(const graph *g)
     CHECK((with[3] == 6 && with[4] == 0) || (with[3] == 0 && with[4] == 5));
 }
 
-static void known_graphs(void)
+TEST(known_graphs)
 {
     static const struct { int a, b; bool planar; } known[] = {   /* b = 0: complete graph on a */
         { 1, 0, true }, { 2, 0, true }, { 4, 0, true }, { 5, 0, false }, { 6, 0, false },
@@ -89,7 +89,7 @@ static void known_graphs(void)
 
 /* A wheel-like triangulation of 32 vertices has 3n - 6 edges and 2n - 4 regions; one more edge is
  * too many (Euler). */
-static void largest_planar_graph(void)
+TEST(largest_planar_graph)
 {
     graph g = bipartite(2, 30);
     for (int i = 0; i < 30; i++)
@@ -101,7 +101,7 @@ static void largest_planar_graph(void)
 }
 
 /* Random connected graphs: a planar one has regions by Euler, another one has a witness. */
-static void random_graphs(void)
+TEST(random_graphs)
 {
     lw_rng rng;
     int n_planar = 0;
@@ -126,7 +126,7 @@ static void random_graphs(void)
     CHECK(n_planar > 500 && n_planar < 2900);
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     graph g = complete(4);
     lw_regions r;
@@ -145,13 +145,4 @@ static void refusals(void)
     CHECK_INT(lw_planar_regions(4, apart.adj, &r), LW_E_ARG);
     g = complete(5);
     CHECK_INT(lw_planar_regions(5, g.adj, &r), LW_NOTHING);
-}
-
-int main(void)
-{
-    RUN(known_graphs);
-    RUN(largest_planar_graph);
-    RUN(random_graphs);
-    RUN(refusals);
-    return check_end();
 }

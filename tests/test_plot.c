@@ -39,7 +39,7 @@ static lw_vec2 marker_at(const lw_drawing *d, int item)
 }
 
 /* Steps that are even in the logarithm are even on a logarithmic axis. */
-static void points_lie_where_their_numbers_say(void)
+TEST(points_lie_where_their_numbers_say)
 {
     for (int kind = 0; kind < 4; kind++) {
         lines l;
@@ -74,7 +74,7 @@ static bool has_text(const lw_drawing *d, lw_role role, const char *text)
     return false;
 }
 
-static void ticks_are_round_numbers(void)
+TEST(ticks_are_round_numbers)
 {
     lines l;
     lw_drawing d;
@@ -107,7 +107,7 @@ static void check_ticks_differ(const lw_drawing *d)
 }
 
 /* Any range, however narrow, wide or far out, gets between 2 and 20 ticks an axis and stays finite. */
-static void any_range_has_ticks(void)
+TEST(any_range_has_ticks)
 {
     for (double middle = 1e-12; middle < 1e13; middle *= 1e4)
         for (double wide = 1e-9; wide <= 1; wide *= 10) {
@@ -128,7 +128,7 @@ static void any_range_has_ticks(void)
         }
 }
 
-static void unfit_points_are_left_out(void)
+TEST(unfit_points_are_left_out)
 {
     double x[6] = { 1, 2, 0, -1, NAN, 5 }, y[6] = { 1, INFINITY, 3, 4, 5, 6 };
     lw_series s = { "s", 6, x, y, false };
@@ -150,7 +150,7 @@ static void unfit_points_are_left_out(void)
 }
 
 /* Thousands of points: lines in pieces that touch, no markers. */
-static void long_series_are_unbroken(void)
+TEST(long_series_are_unbroken)
 {
     enum { LONG = 5000 };
     static double x[LONG], y[LONG];
@@ -180,7 +180,7 @@ static void long_series_are_unbroken(void)
     }
 }
 
-static void files_by_their_kind(void)
+TEST(files_by_their_kind)
 {
     static const struct { const char *name; lw_draw_kind kind; } known[] = {
         { "x.svg", LW_DRAW_SVG }, { "a.b/x.PNG", LW_DRAW_PNG }, { "pdf", LW_DRAW_PDF },
@@ -212,7 +212,7 @@ static void files_by_their_kind(void)
 }
 
 /* A circle is as wide as high, whatever the page; points alone have no line */
-static void circles_stay_round(void)
+TEST(circles_stay_round)
 {
     for (int wide = 0; wide < 2; wide++) {
         double x[N], y[N];
@@ -233,16 +233,4 @@ static void circles_stay_round(void)
         CHECK_INT(n_of(&d, LW_ROLE_MARKER), N);
         lw_drawing_free(&d);
     }
-}
-
-int main(void)
-{
-    RUN(points_lie_where_their_numbers_say);
-    RUN(ticks_are_round_numbers);
-    RUN(any_range_has_ticks);
-    RUN(unfit_points_are_left_out);
-    RUN(long_series_are_unbroken);
-    RUN(files_by_their_kind);
-    RUN(circles_stay_round);
-    return check_end();
 }

@@ -16,7 +16,7 @@ static lw_linkage read_text(const char *text)
     return k;
 }
 
-static void lines_of_a_file(void)
+TEST(lines_of_a_file)
 {
     lw_linkage k = read_text("ground, input,R,0,0.00\r\n\r\ncoupler input,RP,2,0.00,30\ncoupler,ground,R,5,0.00\n"
                              "coupler\tr\t-4\t0.5\nd=0\ne=0.01\n");
@@ -31,7 +31,7 @@ static void lines_of_a_file(void)
     CHECK_INT(k.input[0].joint, 0);
 }
 
-static void a_web_address(void)
+TEST(a_web_address)
 {
     lw_linkage k = read_text("http://somewhere/pmks.html?set=s5&mech=ground%20crank%20R%201.5%200%200%20ffft|"
                              "crank rod R 0 3 0 ffff|rod gnd P 4 0 -90 tfff|");
@@ -45,7 +45,7 @@ static void a_web_address(void)
     CHECK_INT(k.joint[1].link[1], k.ground);
 }
 
-static void written_as_pmks_writes(void)
+TEST(written_as_pmks_writes)
 {
     char *text = fourbar_text(lw_pmks_write);
     CHECK_HAS(text, "ground,L2,R,0,0,ffft\nL2,L3,R,");
@@ -57,7 +57,7 @@ static void written_as_pmks_writes(void)
     free(text);
 }
 
-static void faults(void)
+TEST(faults)
 {
     static const fault_row rows[] = {
         { "", 1, 1, "no joint" },
@@ -81,20 +81,7 @@ static void faults(void)
     check_faults(lw_pmks_read, rows, sizeof rows/sizeof *rows);
 }
 
-static void round_trips(void) { random_round_trips(lw_pmks_write, lw_pmks_read); }
-static void several(void) { points_of_several_joints(lw_pmks_write, lw_pmks_read); }
-static void names(void) { names_are_made_fit(lw_pmks_write, lw_pmks_read); }
-static void not_written(void) { what_cannot_be_written(lw_pmks_write); }
-
-int main(void)
-{
-    RUN(lines_of_a_file);
-    RUN(a_web_address);
-    RUN(written_as_pmks_writes);
-    RUN(faults);
-    RUN(round_trips);
-    RUN(several);
-    RUN(names);
-    RUN(not_written);
-    return check_end();
-}
+TEST(round_trips) { random_round_trips(lw_pmks_write, lw_pmks_read); }
+TEST(several) { points_of_several_joints(lw_pmks_write, lw_pmks_read); }
+TEST(names) { names_are_made_fit(lw_pmks_write, lw_pmks_read); }
+TEST(not_written) { what_cannot_be_written(lw_pmks_write); }

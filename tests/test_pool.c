@@ -27,7 +27,7 @@ static void check_order(const lw_pool *pool)
         CHECK(pool->item[i].f <= pool->item[i + 1].f);
 }
 
-static void keeps_the_best_in_order(void)
+TEST(keeps_the_best_in_order)
 {
     static lw_pool pool;
     lw_problem p;
@@ -51,7 +51,7 @@ static void keeps_the_best_in_order(void)
     lw_problem_free(&p);
 }
 
-static void counts_what_comes_again(void)
+TEST(counts_what_comes_again)
 {
     static lw_pool pool;
     lw_problem p;
@@ -77,11 +77,4 @@ static void counts_what_comes_again(void)
     CHECK_INT(pool.n, 3);
     check_order(&pool);
     lw_problem_free(&p);
-}
-
-int main(void)
-{
-    RUN(keeps_the_best_in_order);
-    RUN(counts_what_comes_again);
-    return check_end();
 }

@@ -74,7 +74,7 @@ static void check_slides(const lw_linkage *old, const lw_linkage *now, double to
     }
 }
 
-static void bars_keep_their_lengths(void)
+TEST(bars_keep_their_lengths)
 {
     static subject q;
     static lw_posture posture;
@@ -120,7 +120,7 @@ static void check_order(const lw_posture at[5], int order, double h, double tole
     CHECK_NEAR(p->angle[link][order], (da[0] - da[3] + 8*(da[2] - da[1]))/(12*h), tolerance, tolerance);
 }
 
-static void orders_follow_from_each_other(void)
+TEST(orders_follow_from_each_other)
 {
     static subject q;
     static lw_posture at[5];
@@ -149,7 +149,7 @@ static void orders_follow_from_each_other(void)
 }
 
 /* The velocities against the adjoint sweep of the batch. */
-static void velocities_agree_with_the_batch(void)
+TEST(velocities_agree_with_the_batch)
 {
     static subject q;
     static lw_posture posture;
@@ -178,7 +178,7 @@ static void velocities_agree_with_the_batch(void)
 }
 
 /* A slider-crank by hand: x = r cos t + sqrt(l^2 - r^2 sin^2 t). */
-static void slider_crank_by_hand(void)
+TEST(slider_crank_by_hand)
 {
     lw_linkage k;
     lw_plan p;
@@ -199,7 +199,7 @@ static void slider_crank_by_hand(void)
     }
 }
 
-static void limits_and_dead_points(void)
+TEST(limits_and_dead_points)
 {
     lw_linkage k;
     lw_plan p;
@@ -221,14 +221,4 @@ static void limits_and_dead_points(void)
     CHECK_INT(lw_posture_solve(&p, stretched, mode, 0, 3, &posture), LW_OK);
     CHECK(posture.margin == 0 && posture.tracer[0][1].x == 0);
     CHECK_NEAR(posture.joint[2][0].x, 3, 1e-15, 0);
-}
-
-int main(void)
-{
-    RUN(bars_keep_their_lengths);
-    RUN(orders_follow_from_each_other);
-    RUN(velocities_agree_with_the_batch);
-    RUN(slider_crank_by_hand);
-    RUN(limits_and_dead_points);
-    return check_end();
 }

@@ -13,7 +13,7 @@ static void check_finite(const lw_posture *p, const lw_plan *plan)
 
 /* Jansen's leg in the mode +++, which closes on part of the turn only: walk onto each limit by
  * halving, then through the numbers next to it. */
-static void finite_around_every_limit(void)
+TEST(finite_around_every_limit)
 {
     static lw_linkage k;
     static lw_plan plan;
@@ -54,10 +54,4 @@ static void finite_around_every_limit(void)
         }
     }
     CHECK(n_limit >= 4);
-}
-
-int main(void)
-{
-    RUN(finite_around_every_limit);
-    return check_end();
 }

@@ -65,7 +65,7 @@ static lw_vec2 five_bar_tip(double t)
     return meet(lw_v2_polar(1, u[0]), 2.5, b, 2.5, 1);
 }
 
-static void two_inputs_of_a_five_bar(void)
+TEST(two_inputs_of_a_five_bar)
 {
     lw_linkage l;
     blank_linkage(&l, 5);
@@ -109,7 +109,7 @@ static void square(void *context, double t, int order, double *u)
 }
 
 /* A rocker is driven to its limit: the time is told to 1e-10. */
-static void the_time_of_a_limit(void)
+TEST(the_time_of_a_limit)
 {
     lw_rng g;
     lw_rng_seed(&g, check_seed(), 1);
@@ -144,7 +144,7 @@ static void steady(void *context, double t, int order, double *u)
 }
 
 /* N parallelograms in a row, through every change point straight on for two turns: the couplers never turn. */
-static void parallelograms_go_straight_on(void)
+TEST(parallelograms_go_straight_on)
 {
     for (int n = 1; n <= 5; n += 2) {
         lw_linkage l;
@@ -176,7 +176,7 @@ static void parallelograms_go_straight_on(void)
 }
 
 /* Asked for at the very times of its change points, and next to them, a parallelogram is there, as fast as ever. */
-static void stops_at_branch_points(void)
+TEST(stops_at_branch_points)
 {
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[4*9];
     static const double off[] = { -1e-3, -1e-8, 0, 1e-12, 1e-7, 1e-3, 0.01 };
@@ -216,7 +216,7 @@ static void stroke(void *context, double t, int order, double *u)
         u[order + 1 + k] = k == 0 ? 0.3 + 0.2*t : k == 1 ? 0.2 : 0;
 }
 
-static void a_cylinder_between_moving_links(void)
+TEST(a_cylinder_between_moving_links)
 {
     lw_linkage l;
     enum { GROUND, CRANK, BOOM, TUBE, ROD };
@@ -250,7 +250,7 @@ static void nowhere(void *context, double t, int order, double *u)
     u[0] = t < 1 ? 3.0 : t < 2 ? 0.5 : NAN;
 }
 
-static void says_what_is_wrong(void)
+TEST(says_what_is_wrong)
 {
     double k[9] = { 4, 3, 2, 2.5, 1, 2, 0, 0, 0 };
     lw_linkage l;
@@ -273,15 +273,4 @@ static void says_what_is_wrong(void)
     CHECK_INT(r->status, LW_E_ARG);
     CHECK_HAS(r->e.text, "1 freedoms but 0 inputs; drive 1 more joint");
     stop(r);
-}
-
-int main(void)
-{
-    RUN(two_inputs_of_a_five_bar);
-    RUN(the_time_of_a_limit);
-    RUN(parallelograms_go_straight_on);
-    RUN(stops_at_branch_points);
-    RUN(a_cylinder_between_moving_links);
-    RUN(says_what_is_wrong);
-    return check_end();
 }

@@ -90,7 +90,7 @@ static int check_derivative(const lw_problem *p, const double *x, const double *
     return 1;
 }
 
-static void gradient_is_that_of_differences(void)
+TEST(gradient_is_that_of_differences)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -118,7 +118,7 @@ static void gradient_is_that_of_differences(void)
     }
 }
 
-static void residuals_add_up(void)
+TEST(residuals_add_up)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -152,7 +152,7 @@ static void residuals_add_up(void)
 }
 
 /* Eq. 17 by hand at a member's own dimensions: a and b, weights, the short way round. */
-static void value_is_equation_17(void)
+TEST(value_is_equation_17)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -208,7 +208,7 @@ static double value_of(const stations *st, const member *m, lw_fit_spec spec, do
 
 /* The whole of target and linkage made larger, turned and moved far away: f stays, the user's objective
  * goes with the square of the size. */
-static void scale_turn_and_place_do_not_matter(void)
+TEST(scale_turn_and_place_do_not_matter)
 {
     static const double size[] = { 1, 1e9, 1e-9, 1234.5 };
     lw_rng rng;
@@ -239,7 +239,7 @@ static void scale_turn_and_place_do_not_matter(void)
     }
 }
 
-static void dimensions_go_there_and_back(void)
+TEST(dimensions_go_there_and_back)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -280,7 +280,7 @@ static lw_status make(const lw_target *t, const lw_fit_spec *s, const char *fami
     return st;
 }
 
-static void bounds_are_those_of_the_user(void)
+TEST(bounds_are_those_of_the_user)
 {
     lw_fit_spec s = lw_fit_spec_default();
     lw_target t = square(false, false);
@@ -308,7 +308,7 @@ static void bounds_are_those_of_the_user(void)
     lw_target_free(&t);
 }
 
-static void says_which_bounds_exclude_everything(void)
+TEST(says_which_bounds_exclude_everything)
 {
     lw_target t = square(false, false);
     lw_fit_spec s = lw_fit_spec_default();
@@ -333,7 +333,7 @@ static void says_which_bounds_exclude_everything(void)
     lw_target_free(&t);
 }
 
-static void says_what_a_target_lacks(void)
+TEST(says_what_a_target_lacks)
 {
     static const double angle[] = { 0, 1, 2 }, one[] = { 1, 1, 1 };
     lw_fit_spec s = lw_fit_spec_default();
@@ -369,7 +369,7 @@ static void says_what_a_target_lacks(void)
 }
 
 /* The ratios of a function's links may be bounded by lengths of any size. */
-static void lengths_of_a_function_keep_their_range(void)
+TEST(lengths_of_a_function_keep_their_range)
 {
     static const double angle[] = { 0, 1, 2 };
     lw_fit_spec s = lw_fit_spec_default();
@@ -384,18 +384,4 @@ static void lengths_of_a_function_keep_their_range(void)
     for (int i = 0; i < 4; i++)
         CHECK(p.lo[i] >= 5 && p.hi[i] <= 50 && p.lo[i] <= p.hi[i]);
     lw_target_free(&t);
-}
-
-int main(void)
-{
-    RUN(gradient_is_that_of_differences);
-    RUN(residuals_add_up);
-    RUN(value_is_equation_17);
-    RUN(scale_turn_and_place_do_not_matter);
-    RUN(dimensions_go_there_and_back);
-    RUN(bounds_are_those_of_the_user);
-    RUN(says_which_bounds_exclude_everything);
-    RUN(says_what_a_target_lacks);
-    RUN(lengths_of_a_function_keep_their_range);
-    return check_end();
 }

@@ -22,7 +22,7 @@ static double rest_to_rest(double way, double v)
 }
 
 /* Values computed independently by two programs, with a = 20, j = 400. */
-static void known_times(void)
+TEST(known_times)
 {
     CHECK_NEAR(rest_to_rest(0.05, INFINITY), 0.158740105, 1e-9, 0);
     CHECK_NEAR(rest_to_rest(0.2, INFINITY), 0.256155281, 1e-9, 0);
@@ -39,7 +39,7 @@ static void known_times(void)
 }
 
 /* The cycle up .2, over 1.0, down .8 m of a robot, and without a limit of jerk. */
-static void cycle_of_a_robot(void)
+TEST(cycle_of_a_robot)
 {
     double v = INFINITY;
     CHECK_NEAR(2*(rest_to_rest(0.2, v) + rest_to_rest(1, v) + rest_to_rest(0.8, v)), 2.418536337, 2e-9, 0);
@@ -112,7 +112,7 @@ static void check_motion(const lw_profile *p, lw_axis_state from, lw_axis_state 
     }
 }
 
-static void random_states_keep_their_limits(void)
+TEST(random_states_keep_their_limits)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
@@ -128,7 +128,7 @@ static void random_states_keep_their_limits(void)
 
 /* A random motion within the limits, phase by phase, shows that its own duration is possible for the state where it
  * ends: the least time is never longer, and a motion of just that duration is found. */
-static void nothing_random_is_quicker(void)
+TEST(nothing_random_is_quicker)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -176,7 +176,7 @@ static void nothing_random_is_quicker(void)
 
 /* The first possible time is first: durations below it, on a fine grid, are refused by the exact condition that the way
  * lies between the extremes, and those reported as next are possible. */
-static void times_between_are_refused(void)
+TEST(times_between_are_refused)
 {
     lw_axis_limits l = lw_axis_limits_even(3, 20, 400);
     lw_axis_state from = { 0, -2, 0 }, to = { -0.1, -2, 0 };       /* 0.05 s, or back and forth */
@@ -193,7 +193,7 @@ static void times_between_are_refused(void)
     CHECK_NEAR(p.duration, next + 0.5, 1e-12, 0);
 }
 
-static void axes_arrive_together(void)
+TEST(axes_arrive_together)
 {
     lw_axis_state from[3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } };
     lw_axis_state to[3] = { { .x = 1 }, { .x = 0.2 }, { .x = 0.8 } };
@@ -218,7 +218,7 @@ static void axes_arrive_together(void)
     CHECK(p[0].duration == p[1].duration || fabs(p[0].duration - p[1].duration) < 1e-11);
 }
 
-static void impossible_limits_are_named(void)
+TEST(impossible_limits_are_named)
 {
     struct { lw_axis_state from, to; lw_axis_limits l; const char *part; } bad[] = {
         { { 0, 0, 0 }, { .x = 1, .v = 4 }, lw_axis_limits_even(3, 20, 400), "last speed 4" },
@@ -236,7 +236,7 @@ static void impossible_limits_are_named(void)
     }
 }
 
-static void no_way_and_huge_and_tiny(void)
+TEST(no_way_and_huge_and_tiny)
 {
     CHECK_NEAR(rest_to_rest(0, 3), 0, 0, 0);
     double scale[] = { 1e-12, 1e-6, 1e6, 1e12 };
@@ -251,7 +251,7 @@ static void no_way_and_huge_and_tiny(void)
 
 /* Every law goes from rest to rest, its derivatives agree with differences, its peaks and its copper loss with what is
  * stated; the peaks of VDI 2143. */
-static void laws_of_motion(void)
+TEST(laws_of_motion)
 {
     static const struct { const char *name; double speed, acceleration, loss; } known[] = {
         { "havsin", 1.5708, 4.9348, 12.176 }, { "step", 1.5, 6, 12 }, { "cycloid", 2, 6.2832, 19.739 },
@@ -287,18 +287,4 @@ static void laws_of_motion(void)
         CHECK(known[i].loss == 0 || fabs(about->copper_loss - known[i].loss) < 5e-4);
     }
     CHECK(lw_motion_law_get(9) == NULL && lw_motion_law_find("cycloids") == -1);
-}
-
-int main(void)
-{
-    RUN(known_times);
-    RUN(cycle_of_a_robot);
-    RUN(random_states_keep_their_limits);
-    RUN(nothing_random_is_quicker);
-    RUN(times_between_are_refused);
-    RUN(axes_arrive_together);
-    RUN(impossible_limits_are_named);
-    RUN(no_way_and_huge_and_tiny);
-    RUN(laws_of_motion);
-    return check_end();
 }

@@ -18,7 +18,7 @@ static lw_published_table read_table(void)
     return t;
 }
 
-static void every_quick_row(void)
+TEST(every_quick_row)
 {
     lw_published_table t = read_table();
     lw_recount *r = lw_recount_create(1);
@@ -42,7 +42,7 @@ static void every_quick_row(void)
     lw_published_free(&t);
 }
 
-static void limits_and_faults(void)
+TEST(limits_and_faults)
 {
     static const char rows[] = HEADER
         "simple-joint,1,18,8,nonfractionated chains,1535380884,\"a \"\"source\"\", quoted\",x\r\n\n"
@@ -76,11 +76,4 @@ static void limits_and_faults(void)
         CHECK_INT(e.line, faults[i].line);
         CHECK_HAS(e.text, faults[i].part);
     }
-}
-
-int main(void)
-{
-    RUN(every_quick_row);
-    RUN(limits_and_faults);
-    return check_end();
 }

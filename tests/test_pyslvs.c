@@ -11,7 +11,7 @@ static const char slider[] =
     "  J[R, P[10, 20], L[rod,]],]\n"
     "# input 0 1\n";
 
-static void a_text_as_people_write_it(void)
+TEST(a_text_as_people_write_it)
 {
     lw_linkage k;
     lw_error e = { 0 };
@@ -41,7 +41,7 @@ static void a_text_as_people_write_it(void)
     CHECK_NEAR(k.joint[1].at.x, -0.03, 1e-17, 0);
 }
 
-static void several_links_on_the_ground_pin(void)
+TEST(several_links_on_the_ground_pin)
 {
     static const char text[] = "M[J[R, P[0, 0], L[a, ground, b]], J[R, P[1, 0], L[b, c]], J[R, P[0, 1], L[a]]]\n"
                                "# input 0 1";
@@ -55,7 +55,7 @@ static void several_links_on_the_ground_pin(void)
     CHECK_TEXT(k.link_name[k.joint[1].link[1]], "b");
 }
 
-static void written_as_pyslvs_writes(void)
+TEST(written_as_pyslvs_writes)
 {
     char *text = fourbar_text(lw_pyslvs_write);
     CHECK_HAS(text, "M[J[R, color[Green], P[0, 0], L[ground, L2]],\n");
@@ -66,7 +66,7 @@ static void written_as_pyslvs_writes(void)
     free(text);
 }
 
-static void faults(void)
+TEST(faults)
 {
     static const fault_row rows[] = {
         { "", 1, 1, "'M[' is expected" },
@@ -100,20 +100,7 @@ static void faults(void)
     check_faults(lw_pyslvs_read, rows, sizeof rows/sizeof *rows);
 }
 
-static void round_trips(void) { random_round_trips(lw_pyslvs_write, lw_pyslvs_read); }
-static void several(void) { points_of_several_joints(lw_pyslvs_write, lw_pyslvs_read); }
-static void names(void) { names_are_made_fit(lw_pyslvs_write, lw_pyslvs_read); }
-static void not_written(void) { what_cannot_be_written(lw_pyslvs_write); }
-
-int main(void)
-{
-    RUN(a_text_as_people_write_it);
-    RUN(several_links_on_the_ground_pin);
-    RUN(written_as_pyslvs_writes);
-    RUN(faults);
-    RUN(round_trips);
-    RUN(several);
-    RUN(names);
-    RUN(not_written);
-    return check_end();
-}
+TEST(round_trips) { random_round_trips(lw_pyslvs_write, lw_pyslvs_read); }
+TEST(several) { points_of_several_joints(lw_pyslvs_write, lw_pyslvs_read); }
+TEST(names) { names_are_made_fit(lw_pyslvs_write, lw_pyslvs_read); }
+TEST(not_written) { what_cannot_be_written(lw_pyslvs_write); }

@@ -142,7 +142,7 @@ static void draw_hessian(lw_rng *rng, program *q)
 
 static int whole(lw_rng *rng, int most) { return (int)lw_rng_range(rng, -most, most + 1); }
 
-static void agrees_with_enumeration(void)
+TEST(agrees_with_enumeration)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -165,7 +165,7 @@ static void agrees_with_enumeration(void)
 }
 
 /* Small whole numbers: rows that repeat, meet in one point, oppose each other exactly, or are zero. */
-static void agrees_where_rows_depend_on_each_other(void)
+TEST(agrees_where_rows_depend_on_each_other)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -190,7 +190,7 @@ static void agrees_where_rows_depend_on_each_other(void)
 }
 
 /* Bounds, as the fit uses them: the box clips a diagonal problem; equal bounds hold a variable. */
-static void clips_to_a_box(void)
+TEST(clips_to_a_box)
 {
     program q = { .n = 3, .m = 6, .h = { 1, 0, 0, 0, 2, 0, 0, 0, 4 }, .g = { -5, 1, 8 },
                   .a = { 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1 },
@@ -203,7 +203,7 @@ static void clips_to_a_box(void)
 }
 
 /* Variables measured in other units, by powers of two: the same answer in these units. */
-static void does_not_mind_units(void)
+TEST(does_not_mind_units)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -234,21 +234,11 @@ static void does_not_mind_units(void)
     }
 }
 
-static void refuses_what_is_not_positive_definite(void)
+TEST(refuses_what_is_not_positive_definite)
 {
     double flat[4] = { 1, 0, 1, 1 }, saddle[4] = { 1, 0, 2, 1 }, nan[1] = { NAN }, zero[1] = { 0 };
     CHECK(!lw_qp_cholesky(2, flat));
     CHECK(!lw_qp_cholesky(2, saddle));
     CHECK(!lw_qp_cholesky(1, nan));
     CHECK(!lw_qp_cholesky(1, zero));
-}
-
-int main(void)
-{
-    RUN(agrees_with_enumeration);
-    RUN(agrees_where_rows_depend_on_each_other);
-    RUN(clips_to_a_box);
-    RUN(does_not_mind_units);
-    RUN(refuses_what_is_not_positive_definite);
-    return check_end();
 }

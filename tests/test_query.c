@@ -40,7 +40,7 @@ static void refused(const char *text, long column, const char *why)
     lw_query_free(&q);
 }
 
-static void questions(void)
+TEST(questions)
 {
     becomes("links=6 and sliders>=1 and class=GCRR and error<0.01", LW_LIST_LINKAGES,
             "k.links = ?1 AND k.sliders >= ?2 AND k.class = ?3 AND k.error < ?4");
@@ -57,7 +57,7 @@ static void questions(void)
     becomes("sliders=0", LW_LIST_MECHANISMS, "m.sliders = ?1");
 }
 
-static void values(void)
+TEST(values)
 {
     lw_query q;
     lw_error e;
@@ -78,7 +78,7 @@ static void values(void)
     lw_query_free(&q);
 }
 
-static void lists_columns_order(void)
+TEST(lists_columns_order)
 {
     lw_query q;
     lw_error e;
@@ -103,7 +103,7 @@ static void lists_columns_order(void)
     lw_query_free(&q);
 }
 
-static void faults(void)
+TEST(faults)
 {
     char deep[200], many[2000] = "links in (1";
     refused("linx=6", 1, "did you mean 'links'?");
@@ -139,7 +139,7 @@ static void faults(void)
 }
 
 /* Whatever is typed, nothing that was not in the tables comes into the SQL. */
-static void wild_text(void)
+TEST(wild_text)
 {
     static const char *const word[] = {
         "links", "planar", "name", "and", "or", "not", "(", ")", "=", "..", "<", ">=", "~", "4", "4..8", "'x'", "in",
@@ -163,14 +163,4 @@ static void wild_text(void)
         lw_query_free(&q);
     }
     CHECK(n_good > 50);
-}
-
-int main(void)
-{
-    RUN(questions);
-    RUN(values);
-    RUN(lists_columns_order);
-    RUN(faults);
-    RUN(wild_text);
-    return check_end();
 }

@@ -38,7 +38,7 @@ static bool newton_goes(const lw_problem *p, const lw_linkage *topology, const d
     return ok;
 }
 
-static void members_close_where_they_say(void)
+TEST(members_close_where_they_say)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
@@ -65,7 +65,7 @@ static void members_close_where_they_say(void)
     lw_problem_free(&p);
 }
 
-static void the_crank_turns_when_it_must(void)
+TEST(the_crank_turns_when_it_must)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
@@ -83,7 +83,7 @@ static void the_crank_turns_when_it_must(void)
     lw_problem_free(&p);
 }
 
-static void the_posture_is_a_start(void)
+TEST(the_posture_is_a_start)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
@@ -99,7 +99,7 @@ static void the_posture_is_a_start(void)
     }
 }
 
-static void derivatives_are_those_of_f(void)
+TEST(derivatives_are_those_of_f)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .posture = true, .links = 6 };
@@ -125,13 +125,4 @@ static void derivatives_are_those_of_f(void)
         free(work);
         lw_problem_free(&p);
     }
-}
-
-int main(void)
-{
-    RUN(members_close_where_they_say);
-    RUN(the_crank_turns_when_it_must);
-    RUN(the_posture_is_a_start);
-    RUN(derivatives_are_those_of_f);
-    return check_end();
 }

@@ -55,7 +55,7 @@ static void check_solution(int m, int n, const double *a, int transposed, const 
         CHECK_NEAR(null[i], 0, 1e-10, 1e-10);
 }
 
-static void random_matrices(void)
+TEST(random_matrices)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -97,7 +97,7 @@ static void random_matrices(void)
 }
 
 /* A^T x = b has its least norm in the range of A: compare with A y for the y of A^T A y = b. */
-static void transposed_is_of_least_norm(void)
+TEST(transposed_is_of_least_norm)
 {
     double a[6] = { 1, 2, 3, 2, 4, 6 }, b[2] = { 14, 28 }, x[3];    /* two columns, (1 2 3) and twice it */
     lw_rank r;
@@ -110,7 +110,7 @@ static void transposed_is_of_least_norm(void)
         CHECK_NEAR(x[i], i + 1, 1e-14, 0);
 }
 
-static void zero_and_nan(void)
+TEST(zero_and_nan)
 {
     double x[2], b[2] = { 1, 2 };
     lw_rank r;
@@ -123,12 +123,4 @@ static void zero_and_nan(void)
     r.a[2] = NAN;
     lw_rank_factor(&r, 1e-12);
     CHECK_INT(r.rank, 0);
-}
-
-int main(void)
-{
-    RUN(random_matrices);
-    RUN(transposed_is_of_least_norm);
-    RUN(zero_and_nan);
-    return check_end();
 }

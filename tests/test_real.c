@@ -43,7 +43,7 @@ static double units(double got, long double want)
     return (double)(fabsl(got - want)/ldexpl(1, (e < -1021 ? -1021 : e) - 53));
 }
 
-static void errors_are_small(void)
+TEST(errors_are_small)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -61,7 +61,7 @@ static void errors_are_small(void)
 }
 
 /* Both coordinates over many sizes. */
-static void two_arguments(void)
+TEST(two_arguments)
 {
     lw_rng rng;
     double worst[4] = { 0 };
@@ -88,7 +88,7 @@ static int same(double a, double b) { return (isnan(a) && isnan(b)) || (a == b &
 static const double special[] = { 0.0, -0.0, 1, -1, 0.5, 2, -2, 3, -3, 1e-320, -1e-320, 1e-300, 1e308, -1e308, INFINITY,
                                  -INFINITY, NAN, 4503599627370497.5, 9007199254740993.0 };
 
-static void special_values(void)
+TEST(special_values)
 {
     enum { N = sizeof special/sizeof *special };
     static const struct { const char *name; function_2 *own, *library; } pairs[] = {
@@ -113,7 +113,7 @@ static void special_values(void)
             }
 }
 
-static void exact_cases(void)
+TEST(exact_cases)
 {
     double ten = 1;
     for (int n = 0; n <= 22; n++, ten *= 10) {
@@ -137,7 +137,7 @@ static void exact_cases(void)
 }
 
 /* The same bits on every machine: a hash of many results, once worked out on x86-64. */
-static void known_bits(void)
+TEST(known_bits)
 {
     uint64_t hash = 14695981039346656037u;
     lw_rng rng;
@@ -150,14 +150,4 @@ static void known_bits(void)
             hash = (hash ^ bits)*1099511628211u;
         }
     CHECK(hash == UINT64_C(0xa1766c9e23a0f648));
-}
-
-int main(void)
-{
-    RUN(errors_are_small);
-    RUN(two_arguments);
-    RUN(special_values);
-    RUN(exact_cases);
-    RUN(known_bits);
-    return check_end();
 }

@@ -5,7 +5,7 @@
 
 static lw_solver_options options(void) { return lw_solver_options_default(); }
 
-static void keeps_the_best_feasible_point(void)
+TEST(keeps_the_best_feasible_point)
 {
     lw_function fn = hs65();
     lw_solver_options o = options();
@@ -36,7 +36,7 @@ static lw_stop liar(lw_barrier_stage *s, const double *x)
     return LW_STOP_F_TOL;
 }
 
-static void trusts_no_method(void)
+TEST(trusts_no_method)
 {
     const lw_solver rows[2] = {
         { .name = "liar", .takes_constraints = true, .minimise = liar },
@@ -63,7 +63,7 @@ static lw_stop outsider(lw_barrier_stage *s, const double *x)
     return LW_STOP_X_TOL;
 }
 
-static void moves_the_nearly_feasible_inside(void)
+TEST(moves_the_nearly_feasible_inside)
 {
     const lw_solver row = { .name = "outsider", .takes_constraints = true, .minimise = outsider };
     lw_function fn = hs65();
@@ -95,7 +95,7 @@ static void watch_improvement(void *context, long evals, double seconds, double 
         *w->interrupt = 1;
 }
 
-static void tells_and_stops(void)
+TEST(tells_and_stops)
 {
     const double lo[2] = { -2, -2 }, hi[2] = { 2, 2 };
     lw_function fn = valley(lo, hi);
@@ -126,7 +126,7 @@ static void tells_and_stops(void)
     }
 }
 
-static void refuses_bad_options(void)
+TEST(refuses_bad_options)
 {
     const double lo[2] = { -2, -2 }, hi[2] = { 2, 2 };
     lw_function fn = valley(lo, hi);
@@ -142,14 +142,4 @@ static void refuses_bad_options(void)
     CHECK_INT((o = options(), o.step = 0, lw_method_run(m, &fn, &o, x, &r)), LW_E_ARG);
     CHECK_INT((o = options(), lw_method_run(m, &fn, &o, nan, &r)), LW_E_ARG);
     CHECK(x[0] == 0 && x[1] == 0 && isinf(r.f));
-}
-
-int main(void)
-{
-    RUN(keeps_the_best_feasible_point);
-    RUN(trusts_no_method);
-    RUN(moves_the_nearly_feasible_inside);
-    RUN(tells_and_stops);
-    RUN(refuses_bad_options);
-    return check_end();
 }

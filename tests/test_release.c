@@ -56,7 +56,7 @@ static bool stop_late(void *context, double done, double total)
 }
 
 /* One thread and a commit for each chain; two threads and one commit; and a call that is stopped several times. */
-static void same_bytes(void)
+TEST(same_bytes)
 {
     double most[] = { 3, 60, 250, 1e9 };
     CHECK_INT(write_to("one", &(lw_build_control){ .jobs = 1, .commit = 0, .command = "test" }), LW_OK);
@@ -73,7 +73,7 @@ static void same_bytes(void)
 }
 
 /* The sums of the lists are those kept in the tree, which were written once and must never change. */
-static void same_as_kept(void)
+TEST(same_as_kept)
 {
     size_t n, m;
     char *sums = read_whole("one", "SHA256SUMS", &n), *kept = NULL;
@@ -89,7 +89,7 @@ static void same_as_kept(void)
 
 /* Published: OEIS A233288 and the table of counts of this tree (catalogues/data); Assur groups 1, 2, 10, 173
  * (Peisakh 1985; Yan & Hwang).  Every chain has the freedoms of its file, and no two are isomorphic. */
-static void right_counts(void)
+TEST(right_counts)
 {
     static const struct { const char *file; int links, dof, n; } known[] = {
         { "chains/links-04-dof-1.g6", 4, 1, 1 },   { "chains/links-06-dof-1.g6", 6, 1, 2 },
@@ -126,20 +126,11 @@ static void right_counts(void)
     free(counts);
 }
 
-static void bad_sizes(void)
+TEST(bad_sizes)
 {
     static const lw_release_size bad[] = { { 2, 3, 2 }, { 6, 7, 4 }, { 6, 4, 0 }, { 6, 2, 4 }, { 99, 5, 4 } };
     lw_error e;
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++)
         CHECK_INT(lw_release_write(temporary_folder(), &bad[i], &(lw_build_control){ 0 }, &e), LW_E_ARG);
     CHECK_INT(lw_release_write("/nowhere/at/all", &small, &(lw_build_control){ 0 }, &e), LW_E_IO);
-}
-
-int main(void)
-{
-    RUN(same_bytes);
-    RUN(same_as_kept);
-    RUN(right_counts);
-    RUN(bad_sizes);
-    return check_end();
 }

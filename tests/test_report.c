@@ -70,7 +70,7 @@ static bool can_do(const char *family, lw_task task)
     return task != LW_TASK_FUNCTION || (type[3] != 'P' && type[0] != 'P');
 }
 
-static void every_honest_candidate_is_verified(void)
+TEST(every_honest_candidate_is_verified)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -93,7 +93,7 @@ static void every_honest_candidate_is_verified(void)
 }
 
 /* The dimensions of a candidate are those of its report, by name. */
-static void dimensions_of_fit_and_report_agree(void)
+TEST(dimensions_of_fit_and_report_agree)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 13);
@@ -116,7 +116,7 @@ static void dimensions_of_fit_and_report_agree(void)
         }
 }
 
-static void errors_are_those_by_hand(void)
+TEST(errors_are_those_by_hand)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -146,7 +146,7 @@ static void errors_are_those_by_hand(void)
     }
 }
 
-static void angles_are_those_by_hand(void)
+TEST(angles_are_those_by_hand)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -173,7 +173,7 @@ static void angles_are_those_by_hand(void)
     }
 }
 
-static void motion_is_that_of_brute_force(void)
+TEST(motion_is_that_of_brute_force)
 {
     enum { LOOKS = 3600 };
     lw_rng rng;
@@ -208,7 +208,7 @@ static void motion_is_that_of_brute_force(void)
     }
 }
 
-static void cognates_trace_the_curve(void)
+TEST(cognates_trace_the_curve)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -234,7 +234,7 @@ static void cognates_trace_the_curve(void)
 
 /* ---- the check can fail ----------------------------------------------------------------------------- */
 
-static void what_was_tampered_with_is_not_verified(void)
+TEST(what_was_tampered_with_is_not_verified)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
@@ -260,7 +260,7 @@ static void what_was_tampered_with_is_not_verified(void)
 }
 
 /* Positions that the independent simulation does not find. */
-static void positions_that_disagree_are_not_verified(void)
+TEST(positions_that_disagree_are_not_verified)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 7);
@@ -313,7 +313,7 @@ static bool make_swing(lw_rng *rng, double side, made *k)
     return true;
 }
 
-static void a_circuit_through_both_assemblies_is_verified(void)
+TEST(a_circuit_through_both_assemblies_is_verified)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 8);
@@ -333,7 +333,7 @@ static void a_circuit_through_both_assemblies_is_verified(void)
 }
 
 /* A crank-rocker has two circuits, one an assembly: nobody gets from one to the other. */
-static void stations_in_two_circuits_are_refused(void)
+TEST(stations_in_two_circuits_are_refused)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 9);
@@ -352,7 +352,7 @@ static void stations_in_two_circuits_are_refused(void)
 }
 
 /* A double rocker of Grashof's kind: in one assembly its input has two ranges with a gap between. */
-static void stations_beyond_a_gap_are_refused(void)
+TEST(stations_beyond_a_gap_are_refused)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 10);
@@ -378,7 +378,7 @@ static void stations_beyond_a_gap_are_refused(void)
     lw_target_free(&k.t);
 }
 
-static void what_does_not_close_says_so(void)
+TEST(what_does_not_close_says_so)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 11);
@@ -392,7 +392,7 @@ static void what_does_not_close_says_so(void)
 }
 
 /* Size and place of the whole do not matter to the check. */
-static void far_small_and_large_results_are_verified(void)
+TEST(far_small_and_large_results_are_verified)
 {
     static const double size[] = { 1e9, 1e-9, 1, 1e6 }, away[] = { 0, 3, 1e6, -2 };
     lw_rng rng;
@@ -425,7 +425,7 @@ static void far_small_and_large_results_are_verified(void)
 /* Sliding inputs go to and fro through both assemblies, and their guides have no place of their own: a
  * trammel that draws an ellipse exactly, and a yoke whose way is long beside its links, are simulated
  * again through their limits. */
-static void sliding_inputs_pass_their_limits(void)
+TEST(sliding_inputs_pass_their_limits)
 {
     static const char *const types[] = { "trammel", "wedge", "sliderdriven" };
     double x[20], y[20];
@@ -504,7 +504,7 @@ static int check_reversals(const lw_plan *plan, const lw_candidate *c, const dou
     return said;
 }
 
-static void limits_and_dead_points_are_where_samples_change_sign(void)
+TEST(limits_and_dead_points_are_where_samples_change_sign)
 {
     static const char *const family[] = { "crank-rocker", "drag-link", "any four-bar" };
     lw_rng rng;
@@ -544,7 +544,7 @@ static lw_linkage triad_linkage(double crank)
 }
 
 /* Turns and swings of triads: against postures followed densely and differences of them. */
-static void motion_of_higher_groups(void)
+TEST(motion_of_higher_groups)
 {
     enum { N = 2000, STATIONS = 12 };
     static const struct { double crank, way; bool turns; } known[] = { { 0.2, 2*LW_PI, true }, { 1.2, 0.4, false } };
@@ -597,25 +597,4 @@ static void motion_of_higher_groups(void)
         CHECK(r.verified);
         lw_target_free(&m.t);
     }
-}
-
-int main(void)
-{
-    RUN(every_honest_candidate_is_verified);
-    RUN(dimensions_of_fit_and_report_agree);
-    RUN(errors_are_those_by_hand);
-    RUN(angles_are_those_by_hand);
-    RUN(motion_is_that_of_brute_force);
-    RUN(cognates_trace_the_curve);
-    RUN(what_was_tampered_with_is_not_verified);
-    RUN(positions_that_disagree_are_not_verified);
-    RUN(a_circuit_through_both_assemblies_is_verified);
-    RUN(stations_in_two_circuits_are_refused);
-    RUN(stations_beyond_a_gap_are_refused);
-    RUN(what_does_not_close_says_so);
-    RUN(far_small_and_large_results_are_verified);
-    RUN(sliding_inputs_pass_their_limits);
-    RUN(limits_and_dead_points_are_where_samples_change_sign);
-    RUN(motion_of_higher_groups);
-    return check_end();
 }

@@ -3,7 +3,7 @@
 #include "tests/check.h"
 
 /* splitmix64 seeded with 1234567: the widely used check values of Vigna's splitmix64.c. */
-static void seeding_is_splitmix64(void)
+TEST(seeding_is_splitmix64)
 {
     static const uint64_t want[4] = { 6457827717110365317u, 3203168211198807973u,
                                       9817491932198370423u, 4593380528125082431u };
@@ -15,7 +15,7 @@ static void seeding_is_splitmix64(void)
 
 /* xoshiro256** from the state 1, 2, 3, 4: the check values used with Blackman & Vigna's
  * xoshiro256starstar.c. */
-static void bits_are_xoshiro256ss(void)
+TEST(bits_are_xoshiro256ss)
 {
     static const uint64_t want[] = {
         11520u, 0u, 1509978240u, 1215971899390074240u, 1216172134540287360u, 607988272756665600u,
@@ -25,7 +25,7 @@ static void bits_are_xoshiro256ss(void)
         CHECK(lw_rng_bits(&r) == want[i]);
 }
 
-static void same_seed_same_numbers_other_stream_others(void)
+TEST(same_seed_same_numbers_other_stream_others)
 {
     lw_rng a, b, c, d;
     lw_rng_seed(&a, 7, 3);
@@ -41,7 +41,7 @@ static void same_seed_same_numbers_other_stream_others(void)
 }
 
 /* n numbers: a mean of k-th powers is off by more than 5 deviations once in a million. */
-static void moments_of_uniform_and_normal(void)
+TEST(moments_of_uniform_and_normal)
 {
     enum { n = 200000 };
     double u1 = 0, u2 = 0, n1 = 0, n2 = 0, n4 = 0, uu = 0, last = 0.5;
@@ -66,7 +66,7 @@ static void moments_of_uniform_and_normal(void)
     CHECK_NEAR(n4, 3, 5*sqrt(96./n), 0);
 }
 
-static void range_stays_inside(void)
+TEST(range_stays_inside)
 {
     static const double ends[][2] = { { 0, 1 }, { -3, 5 }, { 1, 1 + 0x1p-52 }, { -1e308, 1e308 },
                                       { 1e9, 1e9 + 1 }, { -2, -1 }, { 5e-324, 1e-323 }, { 4, 4 } };
@@ -77,14 +77,4 @@ static void range_stays_inside(void)
             double lo = ends[k][0], hi = ends[k][1], v = lw_rng_range(&r, lo, hi);
             CHECK(v >= lo && (v < hi || lo == hi));
         }
-}
-
-int main(void)
-{
-    RUN(seeding_is_splitmix64);
-    RUN(bits_are_xoshiro256ss);
-    RUN(same_seed_same_numbers_other_stream_others);
-    RUN(moments_of_uniform_and_normal);
-    RUN(range_stays_inside);
-    return check_end();
 }

@@ -57,7 +57,7 @@ static lw_vec3 random_place(lw_rng *rng)
 /* The model counts from the posture of its file, the tool at (0, 0, -0.65). */
 static const lw_vec3 home = { 0, 0, -0.65 };
 
-static void delta_poses(void)
+TEST(delta_poses)
 {
     lw_spatial m;
     lw_robot r;
@@ -106,7 +106,7 @@ static void delta_poses(void)
 }
 
 /* Singular values of J and condition numbers, worked out independently from the closed form. */
-static void delta_jacobian(void)
+TEST(delta_jacobian)
 {
     lw_spatial m;
     lw_robot r;
@@ -140,7 +140,7 @@ static void delta_jacobian(void)
 }
 
 /* The lowest place of the tool, and the area that it reaches at z = -0.65 where only the links limit it. */
-static void delta_workspace(void)
+TEST(delta_workspace)
 {
     lw_spatial m;
     lw_robot r;
@@ -212,8 +212,8 @@ static void unit_forces(const char *file)
     lw_spatial_free(&m);
 }
 
-static void forces_of_delta(void)   { unit_forces("examples/space/delta.json"); }
-static void forces_of_stewart(void) { unit_forces("examples/space/stewart.json"); }
+TEST(forces_of_delta) { unit_forces("examples/space/delta.json"); }
+TEST(forces_of_stewart) { unit_forces("examples/space/stewart.json"); }
 
 /* J of any robot against differences of its forward kinematics; its inverse kinematics come back. */
 static void against_differences(const char *file, double stroke)
@@ -261,10 +261,10 @@ static void against_differences(const char *file, double stroke)
     lw_spatial_free(&m);
 }
 
-static void stewart(void) { against_differences("examples/space/stewart.json", 0.03); }
-static void delta(void)   { against_differences("examples/space/delta.json", 0.2); }
+TEST(stewart) { against_differences("examples/space/stewart.json", 0.03); }
+TEST(delta) { against_differences("examples/space/delta.json", 0.2); }
 
-static void bad_robots(void)
+TEST(bad_robots)
 {
     lw_spatial m;
     lw_robot r;
@@ -278,17 +278,4 @@ static void bad_robots(void)
         return;
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_E_ARG);
     lw_spatial_free(&m);
-}
-
-int main(void)
-{
-    RUN(delta_poses);
-    RUN(delta_jacobian);
-    RUN(delta_workspace);
-    RUN(forces_of_delta);
-    RUN(forces_of_stewart);
-    RUN(delta);
-    RUN(stewart);
-    RUN(bad_robots);
-    return check_end();
 }

@@ -20,7 +20,7 @@ static void make_bar(lw_linkage *k, double *input)
 }
 
 /* theta0 varies by the tolerance over the mean length, all others by a third of the tolerance. */
-static void linear_figure_is_that_of_differences(void)
+TEST(linear_figure_is_that_of_differences)
 {
     lw_linkage k;
     lw_robustness r;
@@ -57,7 +57,7 @@ static void linear_figure_is_that_of_differences(void)
 }
 
 /* A clearance of radius c adds c^2/4 to the variance of r1 .. r4 and nothing to that of the tracer. */
-static void clearance_moves_pins_only(void)
+TEST(clearance_moves_pins_only)
 {
     lw_linkage k;
     lw_robustness both, length;
@@ -73,7 +73,7 @@ static void clearance_moves_pins_only(void)
 }
 
 /* A linkage near a change point opens now and then; one that does not close is refused. */
-static void open_linkages_are_counted(void)
+TEST(open_linkages_are_counted)
 {
     static const double tight[9] = { 3, 1, 2.5, 1.52, 0.5, 0.5, 0, 0, 0 };
     lw_linkage k;
@@ -91,12 +91,4 @@ static void open_linkages_are_counted(void)
     CHECK(r.open > 0 && r.open < 500);
     of.length = -1;
     CHECK_INT(lw_robustness_make(&k, input, POSTURES, &of, &r, NULL), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(linear_figure_is_that_of_differences);
-    RUN(clearance_moves_pins_only);
-    RUN(open_linkages_are_counted);
-    return check_end();
 }

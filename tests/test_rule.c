@@ -19,7 +19,7 @@ static lw_sentence planted(int rule, const char *kinds)
     return s;
 }
 
-static void seeds(void)
+TEST(seeds)
 {
     lw_sentence crank = planted(1, "rt"), four = planted(2, "rtrr");
     check_says(&crank, "((1 r 2 t 3 p) (1 r 2 t 3 p))");                          /* eq. 21 */
@@ -27,7 +27,7 @@ static void seeds(void)
 }
 
 /* Makkonen 1999, paper F, eq. 25: a piston-crank between parts 3 and 4 of a four-bar. */
-static void example_of_the_source(void)
+TEST(example_of_the_source)
 {
     lw_sentence s = planted(2, "rrrr");
     lw_production p = lw_production_of(3);
@@ -44,7 +44,7 @@ static void example_of_the_source(void)
 }
 
 /* Rule 4 between 1 and 4 of the outer word gives Watt's chain, eq. 19, but for the order of words. */
-static void watt_by_rule_4(void)
+TEST(watt_by_rule_4)
 {
     lw_sentence s = planted(2, "rrrr"), from_chain;
     lw_production p = lw_production_of(4);
@@ -76,7 +76,7 @@ static lw_production random_step(lw_rng *rng, const lw_sentence *s)
 
 /* Any rule anywhere: the words stay the regions of a drawing, F stays 1, nothing gets rigid, and the
  * sentence says the same as the step done on links and joints. */
-static void every_step_keeps_its_promises(void)
+TEST(every_step_keeps_its_promises)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -101,7 +101,7 @@ static void every_step_keeps_its_promises(void)
     }
 }
 
-static void refusals(void)
+TEST(refusals)
 {
     lw_sentence s = planted(2, "rrrr"), before = s;
     lw_production p = lw_production_of(4);
@@ -136,14 +136,4 @@ static void refusals(void)
         continue;
     CHECK_HAS(e.text, "more than 32 links");
     CHECK_INT(lw_sentence_mechanism(&s, &(lw_mechanism){ 0 }, NULL), LW_OK);
-}
-
-int main(void)
-{
-    RUN(seeds);
-    RUN(example_of_the_source);
-    RUN(watt_by_rule_4);
-    RUN(every_step_keeps_its_promises);
-    RUN(refusals);
-    return check_end();
 }

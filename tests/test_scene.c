@@ -58,7 +58,7 @@ static void check_first_frame(const lw_scene *s, double size)
     }
 }
 
-static void examples_move_as_one(void)
+TEST(examples_move_as_one)
 {
     for (size_t i = 0; i < MODEL_FILES; i++) {
         lw_linkage k;
@@ -76,7 +76,7 @@ static void examples_move_as_one(void)
 }
 
 /* Gears, inputs between moving links, more bars than needed: along their curves of postures. */
-static void what_is_not_made_of_dyads_moves(void)
+TEST(what_is_not_made_of_dyads_moves)
 {
     static const struct { const char *name; bool loops; double size; int turns; } known[] = {
         { "geared-five-bar", true, 0.1, 2 }, { "five-bar", true, 0.2, 1 }, { "loader", true, 3, 0 },
@@ -104,7 +104,7 @@ static void what_is_not_made_of_dyads_moves(void)
 }
 
 /* Quick motions: joined as well, from the same posture, on the curves of the motion that is followed with proof. */
-static void drafts_lie_on_the_whole_curves(void)
+TEST(drafts_lie_on_the_whole_curves)
 {
     static const struct { const char *name; double size; } known[] = {
         { "geared-five-bar", 0.1 }, { "loader", 3 }, { "mobility/roller", 3 }, { "gallery/peaucellier", 0.3 },
@@ -140,7 +140,7 @@ static void drafts_lie_on_the_whole_curves(void)
 }
 
 /* Wheel and pinion of the geared five-bar turn against each other as the teeth tell. */
-static void gears_turn_against_each_other(void)
+TEST(gears_turn_against_each_other)
 {
     lw_linkage k;
     lw_scene s;
@@ -162,7 +162,7 @@ static void gears_turn_against_each_other(void)
 }
 
 /* Part of the input's range, on a curve that turns and on one that swings: there and back. */
-static void wanted_range_of_a_curve(void)
+TEST(wanted_range_of_a_curve)
 {
     static const struct { const char *name; double first, last; } known[] = {
         { "geared-five-bar", -0.5, 4.5 }, { "loader", -0.1, 0.5 }, { "mobility/parallelogram", -1, 0.5 } };
@@ -210,7 +210,7 @@ static lw_status timed_scene(const char *path, double until, lw_model *m, lw_sce
 }
 
 /* Both cylinders of the loader run out together and rest after 2 s; both motors of the five-bar begin again after 1 s. */
-static void several_inputs_move_together(void)
+TEST(several_inputs_move_together)
 {
     lw_model m;
     lw_scene s;
@@ -238,7 +238,7 @@ static void several_inputs_move_together(void)
 }
 
 /* Ranges of two inputs: both go from end to end at once; beyond reach the motion ends before, and says so. */
-static void ranges_of_several_inputs(void)
+TEST(ranges_of_several_inputs)
 {
     lw_linkage k;
     lw_scene s;
@@ -263,7 +263,7 @@ static void ranges_of_several_inputs(void)
     lw_scene_free(&s);
 }
 
-static void crank_turns_once(void)
+TEST(crank_turns_once)
 {
     lw_scene s;
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
@@ -281,7 +281,7 @@ static void crank_turns_once(void)
 
 /* Random four-bars: the walk's limits are those of the closed form, and its circuit is one of Barker's:
  * through the limits where the input has them, back where it began. */
-static void walks_end_at_the_limits_of_the_four_bar(void)
+TEST(walks_end_at_the_limits_of_the_four_bar)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 3);
@@ -321,7 +321,7 @@ static void walks_end_at_the_limits_of_the_four_bar(void)
 }
 
 /* Without jumps: neighbouring frames of a motion through limits are near each other. */
-static void motion_through_limits_is_smooth(void)
+TEST(motion_through_limits_is_smooth)
 {
     const double d[9] = { 3, 2.5, 1.2, 2, 0.6, 0.5, 0, 0, 0 }; /* the crank cannot turn fully */
     lw_linkage k = model_four_bar(d, 0.9, 1);
@@ -341,7 +341,7 @@ static void motion_through_limits_is_smooth(void)
     lw_scene_free(&s);
 }
 
-static void wanted_range_only(void)
+TEST(wanted_range_only)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.input[0].first = k.input[0].value - 0.25;
@@ -360,7 +360,7 @@ static void wanted_range_only(void)
 }
 
 /* Scaling by a power of two scales every number exactly. */
-static void size_does_not_matter(void)
+TEST(size_does_not_matter)
 {
     for (int power = -30; power <= 30; power += 60) {
         double by = ldexp(1, power), d[9];
@@ -381,7 +381,7 @@ static void size_does_not_matter(void)
     }
 }
 
-static void target_points_are_kept(void)
+TEST(target_points_are_kept)
 {
     const double x[] = { 1, 2, 3 }, y[] = { 4, 5, 7 }, angle[] = { 0, 1, 2 };
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
@@ -403,7 +403,7 @@ static void target_points_are_kept(void)
 }
 
 /* What no plan can solve is shown as it stands, and says why. */
-static void unsolvable_linkages_stand_still(void)
+TEST(unsolvable_linkages_stand_still)
 {
     lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
     k.n_input = 0;
@@ -422,7 +422,7 @@ static void unsolvable_linkages_stand_still(void)
 
 /* A crank-rocker has two circuits, a four-bar in which nothing turns fully one; the two are mirrored
  * assemblies: same lengths, so the tracer is as far from A on both. */
-static void other_circuits_are_found(void)
+TEST(other_circuits_are_found)
 {
     static const struct { double r[9]; int n_curve; } known[] = {
         { { 2, 1, 2.5, 2.4, 1.5, 1.2, 0.3, -0.2, 0.2 }, 2 },
@@ -453,7 +453,7 @@ static void other_circuits_are_found(void)
 
 /* The tangent mechanism runs off to infinity and comes back from the other side: no line of its curve
  * crosses the picture on the way. */
-static void asymptotes_leave_no_line(void)
+TEST(asymptotes_leave_no_line)
 {
     lw_linkage k;
     lw_scene_options o = lw_scene_options_default();
@@ -473,7 +473,7 @@ static void asymptotes_leave_no_line(void)
     lw_scene_free(&s);
 }
 
-static void rounding_noise_reads_as_nothing(void)
+TEST(rounding_noise_reads_as_nothing)
 {
     lw_scene s;
     CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
@@ -483,26 +483,4 @@ static void rounding_noise_reads_as_nothing(void)
     CHECK_NEAR(lw_scene_dimension(&s, 0), 2000, 1e-9, 0);
     CHECK_NEAR(lw_scene_dimension(&s, 8), 0.2*180/LW_PI, 1e-12, 0);
     lw_scene_free(&s);
-}
-
-int main(void)
-{
-    RUN(examples_move_as_one);
-    RUN(what_is_not_made_of_dyads_moves);
-    RUN(drafts_lie_on_the_whole_curves);
-    RUN(gears_turn_against_each_other);
-    RUN(wanted_range_of_a_curve);
-    RUN(several_inputs_move_together);
-    RUN(ranges_of_several_inputs);
-    RUN(crank_turns_once);
-    RUN(walks_end_at_the_limits_of_the_four_bar);
-    RUN(motion_through_limits_is_smooth);
-    RUN(wanted_range_only);
-    RUN(size_does_not_matter);
-    RUN(target_points_are_kept);
-    RUN(unsolvable_linkages_stand_still);
-    RUN(other_circuits_are_found);
-    RUN(asymptotes_leave_no_line);
-    RUN(rounding_noise_reads_as_nothing);
-    return check_end();
 }

@@ -13,7 +13,7 @@ static lw_status read_text(const char *text, lw_sentence *s, lw_error *e)
 }
 
 /* Makkonen 1999, paper F, eq. 18, 19. */
-static void watt_as_printed(void)
+TEST(watt_as_printed)
 {
     lw_chain c = watt_chain(), back;
     lw_mechanism m, from_text;
@@ -31,7 +31,7 @@ static void watt_as_printed(void)
     CHECK(lw_chain_same(&c, &back));
 }
 
-static void random_chains_read_back(void)
+TEST(random_chains_read_back)
 {
     lw_rng rng;
     static lw_sentence s, again;
@@ -55,7 +55,7 @@ static void random_chains_read_back(void)
 }
 
 /* Words may begin anywhere and turn either way. */
-static void words_may_turn(void)
+TEST(words_may_turn)
 {
     lw_sentence s;
     lw_mechanism m, want;
@@ -66,7 +66,7 @@ static void words_may_turn(void)
     CHECK(lw_mechanism_same(&m, &want));
 }
 
-static void not_planar(void)
+TEST(not_planar)
 {
     lw_chain c = nonplanar_chain();
     lw_mechanism m;
@@ -87,7 +87,7 @@ static void not_planar(void)
 }
 
 /* A chain in pieces at link 1, and a bridge joint 4-5: the outer word passes them twice. */
-static void fractionated(void)
+TEST(fractionated)
 {
     static const char *const text[] = {
         "((1 r 2 r 3 r 4 r 1 r 5 r 6 r 7 r) (1 r 2 r 3 r 4 r) (1 r 5 r 6 r 7 r))",
@@ -107,7 +107,7 @@ static void fractionated(void)
     }
 }
 
-static void faults_have_a_place(void)
+TEST(faults_have_a_place)
 {
     static const struct { const char *text; long line, column; const char *part; } known[] = {
         { "", 1, 1, "begins with '('" },
@@ -146,15 +146,4 @@ static void faults_have_a_place(void)
         CHECK_INT(e.column, known[i].column);
         CHECK_HAS(e.text, known[i].part);
     }
-}
-
-int main(void)
-{
-    RUN(watt_as_printed);
-    RUN(random_chains_read_back);
-    RUN(words_may_turn);
-    RUN(not_planar);
-    RUN(fractionated);
-    RUN(faults_have_a_place);
-    return check_end();
 }

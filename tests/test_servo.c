@@ -40,7 +40,7 @@ static lw_servo_report run(double to, double tolerance)
 #define STILL "'motion': {'expression': '0'}"
 
 /* Poles of speed over voltage of the motor of Makkonen 1999, table 4, alone and with 200 kg at its best radius. */
-static void poles_of_a_motor(void)
+TEST(poles_of_a_motor)
 {
     static const struct { const char *load; double pole[2]; } known[] = {
         { "'control': {'position': {'gain': 1}, 'speed': {'proportional': 1}, 'current': {'bandwidth': 1}}",
@@ -74,7 +74,7 @@ static void poles_of_a_motor(void)
 
 /* Rigid axis, double S of 1 m, gain 20 1/s, speed controller 200 1/s and 1e4 1/s^2, ideal current; the figures are those
  * of the classical method of order 4 with steps of 0.1 ms. */
-static void a_rigid_axis_follows(void)
+TEST(a_rigid_axis_follows)
 {
     static const struct { double share, peak, settled; } known[] = { { 0, 0.14798496250, 0.71275080 },
                                                                          { 1, 0.00110453914, 0.41112516 } };
@@ -93,7 +93,7 @@ static void a_rigid_axis_follows(void)
 }
 
 /* Behind a ramp the position lags by v/gain. */
-static void a_ramp_lags(void)
+TEST(a_ramp_lags)
 {
     read_servo(RIGID "'control': {'position': {'gain': 20}, 'speed': {'proportional': 200, 'integral': 1e4}}, "
                "'motion': {'expression': '0.3*t'}");
@@ -119,7 +119,7 @@ static void a_ramp_lags(void)
             "{'to': 0, 'law': '345', 'duration': 0.4}]}"
 
 /* Everything at once keeps its energy, whatever the tolerance. */
-static void everything_keeps_its_energy(void)
+TEST(everything_keeps_its_energy)
 {
     char text[3000];
     double peak[2];
@@ -140,7 +140,7 @@ static void everything_keeps_its_energy(void)
 }
 
 /* Speed of a rigid axis: P + I over s^2, a known margin; a delay T costs w T of phase. */
-static void margins_in_closed_form(void)
+TEST(margins_in_closed_form)
 {
     read_servo(RIGID "'control': {'position': {'gain': 20}, 'speed': {'proportional': 200}}, " STILL);
     lw_servo_margin m = lw_servo_margin_of(&servo, LW_SERVO_SPEED);      /* 200/s */
@@ -173,7 +173,7 @@ static double greatest_pole(double *im)
 }
 
 /* Poles of the whole: of an ideal axis those of a polynomial; sampled, those of the map from sample to sample. */
-static void poles_of_the_whole(void)
+TEST(poles_of_the_whole)
 {
     double im;
     read_servo(RIGID "'control': {'position': {'gain': 20}, 'speed': {'proportional': 200}}, " STILL);
@@ -203,7 +203,7 @@ static void poles_of_the_whole(void)
 }
 
 /* The matrices of the whole give the run: a step of the wanted position, by summing sampled equations. */
-static void matrices_give_the_run(void)
+TEST(matrices_give_the_run)
 {
     read_servo(MOTOR ", 'transmission': {'ratio': 5, 'stiffness': 3e3, 'damping': 1}, 'load': {'inertia': 0.02}, "
                "'encoder': {'steps': 1e9}, 'control': {'position': {'gain': 10, 'sample': 1e-3}, 'speed': {'proportional': 60, "
@@ -236,7 +236,7 @@ static void matrices_give_the_run(void)
 }
 
 /* The same through the library's own functions. */
-static void the_library_runs_files(void)
+TEST(the_library_runs_files)
 {
     lw_servo *p = NULL;
     lw_servo_options o = lw_servo_options_default();
@@ -267,7 +267,7 @@ static void refused(const char *parts, const char *why)
 
 #define LOOPS "'control': {'position': {'gain': 20}, 'speed': {'proportional': 200}}, "
 
-static void bad_files_are_refused(void)
+TEST(bad_files_are_refused)
 {
     refused(LOOPS STILL, "\"motor\"");
     refused(MOTOR ", " LOOPS "'motion': {'moves': []}", "motion.moves");
@@ -283,18 +283,4 @@ static void bad_files_are_refused(void)
             "delay");
     refused("'motor': {'torque_constant': 1, 'inertia': 1, 'resistance': 1}, 'control': {'position': {'gain': 1}, "
             "'speed': {'proportional': 1}, 'current': {'bandwidth': 1}}, " STILL, "\"inductance\"");
-}
-
-int main(void)
-{
-    RUN(poles_of_a_motor);
-    RUN(a_rigid_axis_follows);
-    RUN(a_ramp_lags);
-    RUN(everything_keeps_its_energy);
-    RUN(margins_in_closed_form);
-    RUN(poles_of_the_whole);
-    RUN(matrices_give_the_run);
-    RUN(the_library_runs_files);
-    RUN(bad_files_are_refused);
-    return check_end();
 }

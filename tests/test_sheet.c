@@ -44,7 +44,7 @@ static lw_box extent_of(const lw_drawing *d)
     return b;
 }
 
-static void inside_its_page(void)
+TEST(inside_its_page)
 {
     static const char *const topology[] = {
         "1-2 2-3 3-4 4-1", "1-2! 1-4:t 2-3 3-4 @1 >3", "1-2! 1-4 2-3:p 3-4 @1", "1-2! 1-3 2-3:g @1", "1-2 2-3",
@@ -69,7 +69,7 @@ static void inside_its_page(void)
 }
 
 /* What the frame's hatching covers is below every link. */
-static void frame_below_links(void)
+TEST(frame_below_links)
 {
     chain_list list = all_chains(6, 1);
     for (int i = 0; i < list.n; i++)
@@ -110,7 +110,7 @@ static lw_status chain_svg(const lw_mechanism *m, const lw_chain_style *s, lw_by
     return st;
 }
 
-static void svg_is_well_formed(void)
+TEST(svg_is_well_formed)
 {
     lw_mechanism m = read_edges("1-2! 1-4:t 2-3 3-4 @1");
     lw_chain_style s = { .width = 320, .height = 240 };
@@ -127,7 +127,7 @@ static void svg_is_well_formed(void)
     CHECK_INT(chain_svg(&m, &s, &a), LW_E_ARG);
 }
 
-static void sheets(void)
+TEST(sheets)
 {
     chain_list list = all_chains(8, 1);
     lw_mechanism m[16];
@@ -162,13 +162,4 @@ static void sheets(void)
     s.columns = 0;
     CHECK_INT(lw_sheet_draw(item, 16, &s, 0, &d, &e), LW_E_ARG);
     free(list.chain);
-}
-
-int main(void)
-{
-    RUN(inside_its_page);
-    RUN(frame_below_links);
-    RUN(svg_is_well_formed);
-    RUN(sheets);
-    return check_end();
 }

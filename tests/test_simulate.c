@@ -3,7 +3,7 @@
 
 #define PENDULUM "examples/pendulum.json"
 
-static void rows_and_report(void)
+TEST(rows_and_report)
 {
     expect("$P simulate " PENDULUM " --to 10 -n 2 --tolerance 1e-13 --explain", 0, "t,A.input,A.rate,A.drive,P.x,P.y,P.vx",
            "quadrature: one freedom");
@@ -14,7 +14,7 @@ static void rows_and_report(void)
 }
 
 /* A mass of 2 kg hangs on a pin: it rests below, and the pin carries its weight. */
-static void rest(void)
+TEST(rest)
 {
     expect("sed 's/\"mass\": 1/\"mass\": 2/' " PENDULUM " > $D/m.json; $P simulate $D/m.json -a static --json | python3 -c '"
            "import json,sys; d = json.load(sys.stdin); r = dict(zip(d[\"columns\"], d[\"rows\"][0])); "
@@ -23,7 +23,7 @@ static void rest(void)
 }
 
 /* A crank driven at constant speed with its mass off the pin: torque m g r cos, reaction m (r w^2 + g). */
-static void driven(void)
+TEST(driven)
 {
     expect("$P simulate " PENDULUM " --speed 2 --to 1 -n 4 --json | python3 -c 'import json,sys,math; d = json.load(sys.stdin)\n"
            "ok = True\n"
@@ -36,7 +36,7 @@ static void driven(void)
 }
 
 /* A parallelogram driven for a turn: two rows on the flat posture, where the joints' forces have no limit. */
-static void through_flat_postures(void)
+TEST(through_flat_postures)
 {
     expect("cat > $D/flat.json <<'EOF'\n"
            "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0.5]},\n"
@@ -59,7 +59,7 @@ static void through_flat_postures(void)
 }
 
 /* Times whose digits or whose phase are used up are refused; what is assumed is printed; 10 km are travelled at 100 m/s. */
-static void far_away(void)
+TEST(far_away)
 {
     expect("$P simulate " PENDULUM " --to 1e100 -n 4", 3, "# incomplete", "less than one digit");
     expect("$P simulate " PENDULUM " --to 1e16 -n 4", 3, "# incomplete", "too few digits");
@@ -76,7 +76,7 @@ static void far_away(void)
 
 /* Counterweights by --balance, put on the links: no shaking force is left.  Six-bars with two and three links at the ground
  * and Jansen's leg, half as many weights as links, also on links that float. */
-static void balanced(void)
+TEST(balanced)
 {
     expect("cat > $D/b.py <<'EOF'\n"
            "import json, math, subprocess, sys\n"
@@ -112,7 +112,7 @@ static void balanced(void)
            "EOF\npython3 $D/b.py $P $D examples/jansen.json", 0, "3 True True True\n3 True True True\n4 True True True\n", NULL);
 }
 
-static void wrong(void)
+TEST(wrong)
 {
     expect("$P simulate " PENDULUM " --from 2 --to 1", 2, NULL, "less than");
     expect("$P simulate " PENDULUM " -a kinematic", 3, NULL, "1 more freedom would have to be driven");
@@ -124,7 +124,7 @@ static void wrong(void)
 }
 
 /* Two cranks of a square that are to turn with 1 and 2 rad/s both turn with 1.5, and that is told. */
-static void starts_that_do_not_fit(void)
+TEST(starts_that_do_not_fit)
 {
     expect("cat > $D/s.json << 'END'\n{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
            "\"centre\": [0, 0.5]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [0.5, 1]}, {\"name\": \"c\", "
@@ -139,22 +139,8 @@ static void starts_that_do_not_fit(void)
            "| grep -c projected", 1, "0", NULL);
 }
 
-static void pictures(void)
+TEST(pictures)
 {
     expect("$P simulate " PENDULUM " --plot $D/x.svg --gif $D/x.gif -n 10 -o $D/x.csv && head -c 6 $D/x.gif && grep -c svg $D/x.svg",
            0, "GIF89a", NULL);
-}
-
-int main(void)
-{
-    RUN(rows_and_report);
-    RUN(rest);
-    RUN(driven);
-    RUN(through_flat_postures);
-    RUN(far_away);
-    RUN(balanced);
-    RUN(wrong);
-    RUN(starts_that_do_not_fit);
-    RUN(pictures);
-    return check_end();
 }

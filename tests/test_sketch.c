@@ -35,7 +35,7 @@ static lw_status each_chain(void *context, const lw_chain_item *item)
     return lw_mechanisms_each(&m, &steps, &counts, sketch, NULL, context);
 }
 
-static void six_link_mechanisms(void)
+TEST(six_link_mechanisms)
 {
     lw_chains *all;
     lw_chain_walk how = lw_chain_walk_default();
@@ -46,7 +46,7 @@ static void six_link_mechanisms(void)
     lw_chains_free(all);
 }
 
-static void a_ground_and_an_output_are_needed(void)
+TEST(a_ground_and_an_output_are_needed)
 {
     lw_mechanism m;
     lw_linkage k;
@@ -57,11 +57,4 @@ static void a_ground_and_an_output_are_needed(void)
     CHECK_INT(lw_linkage_sketch(&m, &rng, &k), LW_E_ARG);
     m.output = 1;
     CHECK_INT(lw_linkage_sketch(&m, &rng, &k), LW_OK);
-}
-
-int main(void)
-{
-    RUN(six_link_mechanisms);
-    RUN(a_ground_and_an_output_are_needed);
-    return check_end();
 }

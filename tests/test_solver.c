@@ -98,7 +98,7 @@ static const struct { const char *name; double turn, no_turn; } level[] = {
 };
 #define N_LEVEL (sizeof level/sizeof *level)
 
-static void every_row_is_in_the_table(void)
+TEST(every_row_is_in_the_table)
 {
     size_t n = 0;
     for (const lw_solver *s = lw_solver_table; s->name; s++, n++)
@@ -108,7 +108,7 @@ static void every_row_is_in_the_table(void)
     CHECK(lw_solver_find("simplex") == NULL);
 }
 
-static void traces_what_a_four_bar_traced(void)
+TEST(traces_what_a_four_bar_traced)
 {
     for (int how = 0; how < 2; how++)
         for (size_t i = 0; i < N_LEVEL; i++) {
@@ -162,7 +162,7 @@ static double run_exact(size_t i, const lw_problem *p, double by, const double *
     return r.f;
 }
 
-static void agree_on_an_optimum_on_a_bound(void)
+TEST(agree_on_an_optimum_on_a_bound)
 {
     lw_problem p;
     double x0[LW_VAR_MAX] = { 0 }, x[LW_VAR_MAX], first = 0;
@@ -179,7 +179,7 @@ static void agree_on_an_optimum_on_a_bound(void)
 
 /* Those that take conditions get there to their digits, L-BFGS in the barrier to three or more.  The truncated
  * Newton method stops early in the bent valley between the conditions in one run of five. */
-static void agree_on_an_optimum_on_a_condition(void)
+TEST(agree_on_an_optimum_on_a_condition)
 {
     static const double within[N_EXACT] = { 0, 1e-8, 1e-8, 1e-3, 5 };
     lw_problem p;
@@ -211,7 +211,7 @@ static void run_job(void *context, size_t job, int thread)
     b->f[job] = r.f;
 }
 
-static void repeat_on_any_number_of_threads(void)
+TEST(repeat_on_any_number_of_threads)
 {
     enum { N_JOB = 2*N_LEVEL };
     static double one[N_JOB][LW_VAR_MAX], three[N_JOB][LW_VAR_MAX];
@@ -227,7 +227,7 @@ static void repeat_on_any_number_of_threads(void)
     lw_problem_free(&p);
 }
 
-static void obey_their_limits(void)
+TEST(obey_their_limits)
 {
     static const long limit[] = { 1, 2, 3, 17, 200 };
     lw_problem p;
@@ -252,15 +252,4 @@ static void obey_their_limits(void)
                 check_result(&p, s, x, &r, o.max_evals);
         }
     lw_problem_free(&p);
-}
-
-int main(void)
-{
-    RUN(every_row_is_in_the_table);
-    RUN(traces_what_a_four_bar_traced);
-    RUN(agree_on_an_optimum_on_a_bound);
-    RUN(agree_on_an_optimum_on_a_condition);
-    RUN(repeat_on_any_number_of_threads);
-    RUN(obey_their_limits);
-    return check_end();
 }

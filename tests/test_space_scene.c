@@ -53,7 +53,7 @@ static double gap(const lw_space_scene *s, const lw_spatial_joint *j, size_t fra
     }
 }
 
-static void joints_stay_together(void)
+TEST(joints_stay_together)
 {
     for (int i = 0; i < N_EXAMPLE; i++) {
         lw_spatial m;
@@ -77,7 +77,7 @@ static void joints_stay_together(void)
     }
 }
 
-static void closed_motion(void)
+TEST(closed_motion)
 {
     lw_spatial m;
     if (!read_model("examples/space/bennett.json", &m))
@@ -90,7 +90,7 @@ static void closed_motion(void)
 }
 
 /* Axes are a right-handed set of unit vectors, and every shape is on the page. */
-static void projection(void)
+TEST(projection)
 {
     lw_spatial m;
     if (!read_model("examples/space/stewart.json", &m))
@@ -120,7 +120,7 @@ static void projection(void)
     lw_spatial_free(&m);
 }
 
-static void files(void)
+TEST(files)
 {
     lw_spatial m;
     if (!read_model("examples/space/slider-crank.json", &m))
@@ -148,13 +148,4 @@ static void files(void)
     }
     lw_space_scene_free(&s);
     lw_spatial_free(&m);
-}
-
-int main(void)
-{
-    RUN(joints_stay_together);
-    RUN(closed_motion);
-    RUN(projection);
-    RUN(files);
-    return check_end();
 }

@@ -26,7 +26,7 @@ static void random_matrix(lw_rng *rng, int n, int filled)
         a[(int)(lw_rng_uniform(rng)*n*n)] = lw_rng_uniform(rng) - 0.5;
 }
 
-static void products(void)
+TEST(products)
 {
     lw_rng rng;
     lw_sparse f;
@@ -57,7 +57,7 @@ static void products(void)
         }
 }
 
-static void singular(void)
+TEST(singular)
 {
     lw_sparse f;
     static const double twice[] = { 1, 2, 2, 4 };
@@ -67,7 +67,7 @@ static void singular(void)
 }
 
 /* A star with its middle first would fill whole; a path and a tree need not fill at all. */
-static void no_fill(void)
+TEST(no_fill)
 {
     unsigned char near[MOST*MOST];
     int order[MOST];
@@ -88,12 +88,4 @@ static void no_fill(void)
             sum += order[i];
         CHECK_INT(sum, n*(n - 1)/2);
     }
-}
-
-int main(void)
-{
-    RUN(products);
-    RUN(singular);
-    RUN(no_fill);
-    return check_end();
 }

@@ -17,7 +17,7 @@ static lw_status read_pendulum(const char *link, const char *joint, const char *
     return lw_spatial_read(text, (size_t)n, "f", m, e);
 }
 
-static void refuses_what_no_model_has(void)
+TEST(refuses_what_no_model_has)
 {
     static const struct { const char *link, *joint, *more, *says; int line; } bad[] = {
         { "", ", \"axis\": [0, 0, 0]", "", "[0, 0, 0]", 3 },
@@ -54,7 +54,7 @@ static void refuses_what_no_model_has(void)
 }
 
 /* A tensor in a turned frame is R I R^T; the principal values come back, whatever the frame. */
-static void tensors_turn_with_their_frame(void)
+TEST(tensors_turn_with_their_frame)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -87,7 +87,7 @@ static void tensors_turn_with_their_frame(void)
 
 /* ---- mobility ---------------------------------------------------------------------------------------------------- */
 
-static void mobility_is_real(void)
+TEST(mobility_is_real)
 {
     /* Bennett, Bricard, Sarrus: mobility 1 against counts of -2, 0, 0 (Hunt 1978); the redundant rows are 6 bodies -
      * rank */
@@ -112,7 +112,7 @@ static void mobility_is_real(void)
 }
 
 /* Bennett's condition broken by a part in a thousand: nothing moves. */
-static void a_broken_bennett_is_rigid(void)
+TEST(a_broken_bennett_is_rigid)
 {
     lw_spatial m;
     lw_space_mobility got;
@@ -142,7 +142,7 @@ static double turn_of(const lw_space_follow *f, int joint)
 }
 
 /* Inverse kinematics of the DELTA (l_u .35, l_l .75, R - r .15; worked out from its closed form), and back. */
-static void delta_postures(void)
+TEST(delta_postures)
 {
     static const double degrees = 180/LW_PI, start = 13.60812855, other[] = { -6.282352804, 29.88751143, 29.88751143 };
     double ends[2][3] = { { 0, 0, -.65 }, { .2, 0, -.65 } }, motor[3];
@@ -190,7 +190,7 @@ static lw_status collect(void *context, double u, const double *input, const lw_
     return LW_OK;
 }
 
-static void rates_are_derivatives(void)
+TEST(rates_are_derivatives)
 {
     static const char *const files[] = { "slider-crank", "bricard", "bennett", "sarrus", "delta", "stewart", "arm" };
     for (size_t k = 0; k < sizeof files/sizeof *files; k++) {
@@ -215,7 +215,7 @@ static void rates_are_derivatives(void)
 }
 
 /* Bricard's linkage turns from -30 to 210 degrees of its first hinge, where it folds. */
-static void bricard_has_limits(void)
+TEST(bricard_has_limits)
 {
     lw_spatial m;
     lw_error e = { 0 };
@@ -227,16 +227,4 @@ static void bricard_has_limits(void)
     CHECK_NEAR(o.from, -LW_PI/6, 1e-6, 0);
     CHECK_NEAR(o.to, 7*LW_PI/6, 1e-6, 0);
     lw_spatial_free(&m);
-}
-
-int main(void)
-{
-    RUN(refuses_what_no_model_has);
-    RUN(tensors_turn_with_their_frame);
-    RUN(mobility_is_real);
-    RUN(a_broken_bennett_is_rigid);
-    RUN(delta_postures);
-    RUN(rates_are_derivatives);
-    RUN(bricard_has_limits);
-    return check_end();
 }

@@ -68,7 +68,7 @@ static lw_space_report run(const lw_spatial *m, lw_space_analysis a, double to, 
 /* ---- free bodies ------------------------------------------------------------------------------------------------ */
 
 /* Euler's equations, I = (1, 2, 3), w0 = (1, 0, 1): elliptic functions to 8 digits. */
-static void a_free_body_tumbles(void)
+TEST(a_free_body_tumbles)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, "
                                "\"centre\": [1, 2, 3], "
@@ -95,7 +95,7 @@ static void a_free_body_tumbles(void)
 }
 
 /* Spinning about its middle axis is unstable: it turns over again and again, and keeps energy and momentum. */
-static void a_body_turns_over(void)
+TEST(a_body_turns_over)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
                                "\"centre\": [0, 0, 0], "
@@ -116,7 +116,7 @@ static void a_body_turns_over(void)
 
 /* Steady precession of the symmetric heavy top, I1 .05, I3 .02, m g l 2, 30 degrees, spin 60: 1.78114338 rad/s, over
  * 100 turns. */
-static void the_top_precesses(void)
+TEST(the_top_precesses)
 {
     static const double precession = 1.78114338;
     lw_spatial m;
@@ -132,7 +132,7 @@ static void the_top_precesses(void)
 
 /* ---- published mechanisms ---- */
 
-static void slider_crank(void)
+TEST(slider_crank)
 {
     static const double want[3][3] = { { 2, 1.230926918, .2605459327 }, { 5, -1.033286465, .1887481033 },
                                        { 10, -2.082296776, .2337647503 } };
@@ -148,7 +148,7 @@ static void slider_crank(void)
     lw_spatial_free(&m);
 }
 
-static void bricard(void)
+TEST(bricard)
 {
     static const double want[3][4] = { { 20, .999223645, -1.038649891, .960603202 }, { 50, .968283679, -1.224625159,
                                                                                        .750146609 },
@@ -170,7 +170,7 @@ static void bricard(void)
 }
 
 /* Its stiff dampers ask for 4000 steps a second; 5 and 10 s agree too (slider .535563104, .619622917). */
-static void governor(void)
+TEST(governor)
 {
     lw_spatial m;
     load_spatial("governor", &m);
@@ -186,7 +186,7 @@ static void governor(void)
 
 /* 400 mm along x through the middle in 100 ms at 160 m/s^2, bars as slender rods: torques at the start, their peaks and
  * mean squares; and at rest in the middle. */
-static void delta_torques(void)
+TEST(delta_torques)
 {
     double sum[2] = { 0, 0 }, peak[2] = { 0, 0 }, power = 0;
     lw_spatial m;
@@ -227,7 +227,7 @@ static void delta_torques(void)
 }
 
 /* Virtual power: the power of the drives is the rate of the energy, along a smooth motion of the Stewart platform. */
-static void drives_do_the_work(void)
+TEST(drives_do_the_work)
 {
     lw_spatial m;
     load_spatial("stewart", &m);
@@ -261,7 +261,7 @@ static lw_status keep_planar(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static void a_planar_four_bar_in_space(void)
+TEST(a_planar_four_bar_in_space)
 {
     static const char plane[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
                                 "\"centre\": [0.1, 0.2], "
@@ -313,7 +313,7 @@ static void a_planar_four_bar_in_space(void)
 /* ---- accuracy, forces, hard cases ---- */
 
 /* The error falls with the tolerance, down to 1e-11. */
-static void errors_fall_with_the_tolerance(void)
+TEST(errors_fall_with_the_tolerance)
 {
     lw_spatial m;
     load_spatial("slider-crank", &m);
@@ -332,7 +332,7 @@ static void errors_fall_with_the_tolerance(void)
 
 /* Newton's law for each body: what its joints carry, and gravity, accelerate it; reactions at the two ends of a joint
  * are opposite.  In the slider-crank at t = 0.4, the ground carries the whole. */
-static void reactions_carry_the_masses(void)
+TEST(reactions_carry_the_masses)
 {
     lw_spatial m;
     load_spatial("slider-crank", &m);
@@ -361,7 +361,7 @@ static void reactions_carry_the_masses(void)
 
 /* A thin rod has no inertia about its axis: solved by rank.  A conical pendulum of a rod on a universal joint: steady
  * at 3 g/(2 L cos a) = w^2 for a thin rod. */
-static void a_thin_rod_swings(void)
+TEST(a_thin_rod_swings)
 {
     char text[1024];
     double a = 0.5, c = cos(a), s = sin(a), w = sqrt(3*9.81/(2*c));
@@ -388,7 +388,7 @@ static void a_thin_rod_swings(void)
 }
 
 /* A chain with every kind of joint keeps its energy: wrong rows, or wrong second rates, would change it. */
-static void every_joint_keeps_energy(void)
+TEST(every_joint_keeps_energy)
 {
     static const char text[] =
         "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1.2, \"centre\": [0.3, 0.1, "
@@ -426,7 +426,7 @@ static void every_joint_keeps_energy(void)
 }
 
 /* A bar between two balls that is not symmetric spins as it swings; a symmetric one does not, and its spin is held. */
-static void spins_of_bars(void)
+TEST(spins_of_bars)
 {
     for (int symmetric = 0; symmetric < 2; symmetric++) {
         char text[1024];
@@ -457,7 +457,7 @@ static void spins_of_bars(void)
 
 /* A chain of 80 bars, hinged in turn along y and z, falls from level: its end after 0.5 s as by MuJoCo 2.2.2 (RK4,
  * steps of 6e-5 and 1.2e-4 s, which agree to 4e-14 m). */
-static void a_long_chain_falls(void)
+TEST(a_long_chain_falls)
 {
     char *text = NULL;
     size_t size = 0;
@@ -489,7 +489,7 @@ static void a_long_chain_falls(void)
 }
 
 /* 100 turns against a torsion spring are counted: a flywheel winds it up and comes back after half a period. */
-static void turns_are_counted(void)
+TEST(turns_are_counted)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
                                "\"centre\": [0, 0, 0], "
@@ -506,7 +506,7 @@ static void turns_are_counted(void)
 }
 
 /* A weight hung on three springs: at rest where the potential is least. */
-static void a_weight_comes_to_rest(void)
+TEST(a_weight_comes_to_rest)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, "
                                "\"centre\": [0.1, 0, 0], "
@@ -549,7 +549,7 @@ static void a_weight_comes_to_rest(void)
 }
 
 /* More drives than freedoms: their torques are not unique, and none are given. */
-static void refuses_drives_that_share(void)
+TEST(refuses_drives_that_share)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
                                "\"centre\": [0, 0.5, 0]}, "
@@ -573,7 +573,7 @@ static void refuses_drives_that_share(void)
     lw_spatial_free(&m);
 }
 
-static void refuses_what_it_cannot(void)
+TEST(refuses_what_it_cannot)
 {
     static const struct { const char *link, *joint, *more, *says; } bad[] = {
         { "\"mass\": 1, \"centre\": [1, 0, 0], \"inertia\": [1, 1, 1], \"angular_velocity\": [0, 1, 1]", "", "",
@@ -602,28 +602,4 @@ static void refuses_what_it_cannot(void)
         CHECK_HAS(e.text, bad[i].says);
         lw_spatial_free(&m);
     }
-}
-
-int main(void)
-{
-    RUN(a_free_body_tumbles);
-    RUN(a_body_turns_over);
-    RUN(the_top_precesses);
-    RUN(slider_crank);
-    RUN(bricard);
-    RUN(governor);
-    RUN(delta_torques);
-    RUN(drives_do_the_work);
-    RUN(a_planar_four_bar_in_space);
-    RUN(errors_fall_with_the_tolerance);
-    RUN(reactions_carry_the_masses);
-    RUN(a_thin_rod_swings);
-    RUN(every_joint_keeps_energy);
-    RUN(spins_of_bars);
-    RUN(a_long_chain_falls);
-    RUN(turns_are_counted);
-    RUN(a_weight_comes_to_rest);
-    RUN(refuses_drives_that_share);
-    RUN(refuses_what_it_cannot);
-    return check_end();
 }

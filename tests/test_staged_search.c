@@ -24,7 +24,7 @@ static double best_of(const lw_staged_search *s, int links)
     return best;
 }
 
-static void the_true_topology_gives_the_curve_back(void)
+TEST(the_true_topology_gives_the_curve_back)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
@@ -47,7 +47,7 @@ static void the_true_topology_gives_the_curve_back(void)
     lw_target_free(&t);
 }
 
-static void more_links_are_never_worse(void)
+TEST(more_links_are_never_worse)
 {
     static const double px[] = { 0, 1, 2, 3, 3, 2.6, 1.5, 0.4 }, py[] = { 0, 0.2, 0, 0.3, 1.2, 2, 1.7, 1.4 };
     lw_linkage k = six_bar();
@@ -72,7 +72,7 @@ static void more_links_are_never_worse(void)
     lw_target_free(&t);
 }
 
-static void threads_do_not_change_the_answer(void)
+TEST(threads_do_not_change_the_answer)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
@@ -97,7 +97,7 @@ static void threads_do_not_change_the_answer(void)
 }
 
 /* More families than a sweep may look at: some have their turn in a later one, some none, by any number of threads. */
-static void families_beyond_a_sweep(void)
+TEST(families_beyond_a_sweep)
 {
     enum { N = 120 };
     static lw_family list[N];
@@ -135,13 +135,4 @@ static void families_beyond_a_sweep(void)
     lw_fit_free(&fit[0]);
     lw_fit_free(&fit[1]);
     lw_target_free(&t);
-}
-
-int main(void)
-{
-    RUN(the_true_topology_gives_the_curve_back);
-    RUN(more_links_are_never_worse);
-    RUN(threads_do_not_change_the_answer);
-    RUN(families_beyond_a_sweep);
-    return check_end();
 }

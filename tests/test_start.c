@@ -43,7 +43,7 @@ static void make_case(const char *family, lw_timing timing, lw_task task, lw_rng
     lw_target_free(&t);
 }
 
-static void the_right_shape_gives_the_right_linkage(void)
+TEST(the_right_shape_gives_the_right_linkage)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -64,7 +64,7 @@ static void the_right_shape_gives_the_right_linkage(void)
 
 /* What the linear fit leaves is the least over place, size and tracer: no near linkage of the same shape
  * and inputs does better. */
-static void no_other_place_size_or_tracer_is_better(void)
+TEST(no_other_place_size_or_tracer_is_better)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -93,7 +93,7 @@ static void no_other_place_size_or_tracer_is_better(void)
 }
 
 /* Any draw of any family: inside bounds and conditions, f as said, closing everywhere. */
-static void starts_are_what_they_say(void)
+TEST(starts_are_what_they_say)
 {
     static const lw_timing timing[] = { LW_TIMING_FREE, LW_TIMING_PRESCRIBED, LW_TIMING_NONE };
     lw_rng rng;
@@ -143,7 +143,7 @@ static void starts_are_what_they_say(void)
 
 /* With the bounds wide open a start with free timing is at most what a glance at it left: it goes on from
  * there. (Not always: an assignment in order may cost more than the guess.) */
-static void full_starts_mostly_improve_on_the_glance(void)
+TEST(full_starts_mostly_improve_on_the_glance)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
@@ -162,13 +162,4 @@ static void full_starts_mostly_improve_on_the_glance(void)
         lw_problem_free(&p);
     }
     CHECK(all > 200 && better > 0.8*all);
-}
-
-int main(void)
-{
-    RUN(the_right_shape_gives_the_right_linkage);
-    RUN(no_other_place_size_or_tracer_is_better);
-    RUN(starts_are_what_they_say);
-    RUN(full_starts_mostly_improve_on_the_glance);
-    return check_end();
 }

@@ -48,7 +48,7 @@ static const char pendulum[] = "{'linkwright': 1, 'links': ['ground', {'name': '
 
 /* From the upper rest, from just beside it and from the side the pendulum goes down.  With its centre in the pin it
  * rests anywhere. */
-static void saddles(void)
+TEST(saddles)
 {
     static const double start[][2] = { { 0, 1 }, { 1e-9, 1 }, { 1, 0 }, { -0.6, 0.8 } };
     bool unique;
@@ -73,7 +73,7 @@ static const char two_rests[] = "{'linkwright': 1, 'links': ['ground', {'name': 
     "'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}],"
     "'springs': [{'links': ['ground', 'rod'], 'at': [[0, 2], [%.17g, %.17g]], 'stiffness': 100, 'free': 2}]}";
 
-static void nearest_of_several(void)
+TEST(nearest_of_several)
 {
     bool unique;
     for (int i = 0; i < 16; i++) {
@@ -87,7 +87,7 @@ static void nearest_of_several(void)
 }
 
 /* Pushed along its slide for ever; against a rigid stop; held by a compliant one */
-static void no_rest(void)
+TEST(no_rest)
 {
     static const char pushed[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, "
     "0]}],"
@@ -122,7 +122,7 @@ static void no_rest(void)
 /* ---- trusses -------------------------------------------------------------------------------------- */
 
 /* Two bars from (-1, 0) and (1, 0) to an apex at (0, 1) that carries fx, fy: bar forces (fy +- fx)/sqrt(2) */
-static void truss(void)
+TEST(truss)
 {
     static const char two_bars[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b'], 'joints': ["
         "{'name': 'A', 'links': ['ground', 'a'], 'at': [-1, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [1, "
@@ -142,7 +142,7 @@ static void truss(void)
 
 /* A beam on three upright legs: reactions are not unique, and those of least norm are reported; by symmetry the
  * outer ones are equal, and all three add up to the load. */
-static void redundant_legs(void)
+TEST(redundant_legs)
 {
     static const char legs[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', {'name': 'beam', 'mass': %g, "
     "'centre': "
@@ -231,7 +231,7 @@ static const char watt[] = "{'linkwright': 1, 'links': ['ground', 'crank', 'coup
     "'at': [0.7, 0.8]}, {'name': 'G', 'links': ['rocker', 'stay'], 'at': [0.75, 0.45]}], 'input': {'joint': 'A'}}";
 
 /* A full turn of driven machines under weight in a slanting direction */
-static void machines(void)
+TEST(machines)
 {
     for (int i = 0; i < 3; i++) {
         power p = { 0 };
@@ -263,15 +263,4 @@ static void machines(void)
         CHECK(p.most_force > 0 && p.off < 1e-10*p.most_force);
         drop();
     }
-}
-
-int main(void)
-{
-    RUN(saddles);
-    RUN(nearest_of_several);
-    RUN(no_rest);
-    RUN(truss);
-    RUN(redundant_legs);
-    RUN(machines);
-    return check_end();
 }

@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "tests/check.h"
 
-static void every_status_has_a_text(void)
+TEST(every_status_has_a_text)
 {
     int n = 0;
 #define X(name, code, text) CHECK_INT(name, code); CHECK_TEXT(lw_status_text(name), text); \
@@ -12,7 +12,7 @@ static void every_status_has_a_text(void)
     CHECK(n >= 10);
 }
 
-static void numbers_that_are_no_status(void)
+TEST(numbers_that_are_no_status)
 {
     for (int i = -50; i < 50; i++) {
         CHECK(lw_status_text((lw_status)i) != NULL);
@@ -22,7 +22,7 @@ static void numbers_that_are_no_status(void)
     CHECK_TEXT(lw_status_text((lw_status)-77), "no such status");
 }
 
-static void sign_tells_outcome_from_failure(void)
+TEST(sign_tells_outcome_from_failure)
 {
     CHECK(LW_OK == 0 && LW_OPEN > 0 && LW_STOPPED > 0 && LW_NOTHING > 0);
     CHECK(LW_E_ARG < 0 && LW_E_MEMORY < 0 && LW_E_NOTATION < 0 && LW_E_IO < 0 && LW_E_KIND < 0);
@@ -35,7 +35,7 @@ static void printed(const lw_error *e, const char *want)
     CHECK_TEXT(buf, want);
 }
 
-static void places_are_printed_as_far_as_known(void)
+TEST(places_are_printed_as_far_as_known)
 {
     lw_error e;
     CHECK_INT(lw_error_at(&e, LW_E_NOTATION, "a.csv", 3, 7, "column %s", "x"), LW_E_NOTATION);
@@ -55,7 +55,7 @@ static void places_are_printed_as_far_as_known(void)
     CHECK_INT(lw_error_at(NULL, LW_E_IO, "f", 1, 1, "lost"), LW_E_IO);
 }
 
-static void long_and_hostile_text_stays_one_line(void)
+TEST(long_and_hostile_text_stays_one_line)
 {
     char longer[3000], buf[64];
     lw_error e;
@@ -73,14 +73,4 @@ static void long_and_hostile_text_stays_one_line(void)
     lw_error_at(&e, LW_E_IO, "a\033[2J", 1, 1, "a\nb\tc\x7f");
     CHECK_TEXT(e.text, "a?b?c?");
     CHECK_TEXT(e.file, "a?[2J");
-}
-
-int main(void)
-{
-    RUN(every_status_has_a_text);
-    RUN(numbers_that_are_no_status);
-    RUN(sign_tells_outcome_from_failure);
-    RUN(places_are_printed_as_far_as_known);
-    RUN(long_and_hostile_text_stays_one_line);
-    return check_end();
 }

@@ -98,7 +98,7 @@ static lw_model *motor_model(const char *stop)
     return parse(text);
 }
 
-static void pieces_make_the_whole(void)
+TEST(pieces_make_the_whole)
 {
     agree(load("examples/andrews.json"), 0.03, 30, 1e-7);
     agree(load("examples/pendulum.json"), 2, 50, 1e-8);
@@ -113,7 +113,7 @@ static void pieces_make_the_whole(void)
 }
 
 /* A block on an incline sticks by friction, piece after piece, and slides when it is pushed. */
-static void a_block_sticks(void)
+TEST(a_block_sticks)
 {
     static const char block[] =
         "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, 0],"
@@ -140,7 +140,7 @@ static void a_block_sticks(void)
 }
 
 /* Loads and states change at 0.2 and 0.4 s: against the same as expressions of time. */
-static void changes_act(void)
+TEST(changes_act)
 {
     static const char same[] =
         "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0], 'inertia': 0.02}],"
@@ -194,7 +194,7 @@ static void go(lw_stepper *s, int from, int to, last *l)
     keep(l, model, lw_stepper_sample(s));
 }
 
-static void restored_runs_have_the_same_bits(void)
+TEST(restored_runs_have_the_same_bits)
 {
     lw_simulation_options o = lw_simulation_options_default();
     lw_error e = { LW_OK, "", 0, 0, "" };
@@ -238,13 +238,4 @@ static void restored_runs_have_the_same_bits(void)
     CHECK_INT(lw_stepper_create(model, &o, &s, &e), LW_E_KIND);
     CHECK(s == NULL);
     lw_model_destroy(model);
-}
-
-int main(void)
-{
-    RUN(pieces_make_the_whole);
-    RUN(a_block_sticks);
-    RUN(changes_act);
-    RUN(restored_runs_have_the_same_bits);
-    return check_end();
 }

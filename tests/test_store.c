@@ -72,7 +72,7 @@ static void put_four_bar(lw_store *s)
     CHECK_INT(lw_store_run_end(s, &e), LW_OK);
 }
 
-static void keeps_what_was_committed(void)
+TEST(keeps_what_was_committed)
 {
     lw_error e;
     lw_store *s = open_store("a.db", true, LW_OK, &e);
@@ -97,7 +97,7 @@ static void keeps_what_was_committed(void)
     lw_store_close(NULL);
 }
 
-static void knows_whose_file_it_is(void)
+TEST(knows_whose_file_it_is)
 {
     lw_error e;
     execute("other.db", "CREATE TABLE chain(a); INSERT INTO chain VALUES(1)");
@@ -129,7 +129,7 @@ static void knows_whose_file_it_is(void)
 }
 
 /* A file of schema version 1 (four and six links) becomes one of today, read or written, and loses nothing. */
-static void older_files_are_brought_up_to_date(void)
+TEST(older_files_are_brought_up_to_date)
 {
     lw_error e;
     size_t size;
@@ -168,7 +168,7 @@ static void older_files_are_brought_up_to_date(void)
     execute("v1-only.db", "INSERT INTO is_version_1 SELECT user_version FROM pragma_user_version");
 }
 
-static void one_writes_at_a_time(void)
+TEST(one_writes_at_a_time)
 {
     lw_error e;
     struct stat st;
@@ -209,7 +209,7 @@ static lw_status check_names(void *context, int n_column, const char *const *nam
 }
 
 /* SQLite compiles a statement anew when a pattern is bound to GLOB: the names must be those of the new one. */
-static void names_of_columns(void)
+TEST(names_of_columns)
 {
     lw_error e;
     lw_value pattern = { .kind = LW_VALUE_TEXT, .text = "*", .size = 1 };
@@ -220,7 +220,7 @@ static void names_of_columns(void)
     lw_store_close(s);
 }
 
-static void a_persons_sql_only_reads(void)
+TEST(a_persons_sql_only_reads)
 {
     static const char *const bad[] = {
         "DELETE FROM chain", "UPDATE chain SET links = 5", "DROP TABLE chain", "ATTACH '/etc/passwd' AS x",
@@ -249,15 +249,4 @@ static void a_persons_sql_only_reads(void)
     q.goes_on = never;
     CHECK_INT(lw_store_ask(s, &q, &e), LW_STOPPED);
     lw_store_close(s);
-}
-
-int main(void)
-{
-    RUN(keeps_what_was_committed);
-    RUN(knows_whose_file_it_is);
-    RUN(older_files_are_brought_up_to_date);
-    RUN(one_writes_at_a_time);
-    RUN(names_of_columns);
-    RUN(a_persons_sql_only_reads);
-    return check_end();
 }

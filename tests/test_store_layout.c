@@ -14,7 +14,7 @@ static lw_vec2 place(const char *at)
     return lw_v2(f[0], f[1]);
 }
 
-static void there_and_back(void)
+TEST(there_and_back)
 {
     for (size_t i = 0; i < sizeof chains/sizeof *chains; i++) {
         lw_chain c;
@@ -37,10 +37,4 @@ static void there_and_back(void)
         CHECK_INT(bytes.size, at + 8*l.n_joint - b);         /* no link of a closed chain has a free end */
         lw_bytes_free(&bytes);
     }
-}
-
-int main(void)
-{
-    RUN(there_and_back);
-    return check_end();
 }

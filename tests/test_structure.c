@@ -13,7 +13,7 @@ static const size_t by_circles[][9] = { [2] = { 1 }, [3] = { 1, 1, 2 }, [4] = { 
                                         [5] = { 1, 3, 13, 24, 38, 23, 16 } };
 static const size_t total[] = { [2] = 1, 4, 17, 118, 1198, 17133 };
 
-static void counts_are_the_published_ones(void)
+TEST(counts_are_the_published_ones)
 {
     lw_structures *set = NULL;
     CHECK_INT(lw_structures_create(7, 1, &set), LW_OK);
@@ -36,7 +36,7 @@ static void counts_are_the_published_ones(void)
     lw_structures_free(NULL);
 }
 
-static void refuses_impossible_loops(void)
+TEST(refuses_impossible_loops)
 {
     lw_structures *set = NULL;
     CHECK_INT(lw_structures_create(1, 1, &set), LW_E_ARG);
@@ -50,7 +50,7 @@ static bool stop_at_thousand(void *context, int loops, size_t found)
     return loops < 7 || found < 1000;
 }
 
-static void stops_when_asked(void)
+TEST(stops_when_asked)
 {
     lw_structures *set = NULL;
     int n_call = 0;
@@ -59,7 +59,7 @@ static void stops_when_asked(void)
 }
 
 /* Every structure passes its check, has its derivation, and stands after those with fewer circles. */
-static void each_is_sound_and_replays(void)
+TEST(each_is_sound_and_replays)
 {
     lw_structures *set = NULL;
     CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
@@ -82,7 +82,7 @@ static void each_is_sound_and_replays(void)
     lw_structures_free(set);
 }
 
-static void order_does_not_depend_on_threads(void)
+TEST(order_does_not_depend_on_threads)
 {
     lw_structures *one = NULL, *three = NULL;
     CHECK_INT(lw_structures_create(6, 1, &one), LW_OK);
@@ -129,7 +129,7 @@ static void all_multigraphs(collection *c, lw_structure *s, int n_line, int a, i
         }
 }
 
-static void agrees_with_all_multigraphs(void)
+TEST(agrees_with_all_multigraphs)
 {
     lw_structures *set = NULL;
     CHECK_INT(lw_structures_create(5, 1, &set), LW_OK);
@@ -173,7 +173,7 @@ static int possible_ears(const lw_structure *s, lw_ear *ear)
 
 /* V circles and E lines allow V (V - 1)/2 + V E + E (E - 1)/2 + E ears; each gives a structure with one loop
  * more, from which the new line can be taken. */
-static void ears_keep_structures_sound(void)
+TEST(ears_keep_structures_sound)
 {
     static lw_ear ear[4096];
     lw_structures *set = NULL;
@@ -243,7 +243,7 @@ static bool removable_by_trial(const lw_structure *s, int line)
     return is_structure(&left);
 }
 
-static void removable_lines_are_those_that_leave_a_structure(void)
+TEST(removable_lines_are_those_that_leave_a_structure)
 {
     lw_structures *set = NULL;
     CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
@@ -361,7 +361,7 @@ static uint64_t one_by_symmetries(const lw_structure *s)
     return inverse(all);
 }
 
-static void none_is_missing(void)
+TEST(none_is_missing)
 {
     static series block[ORDER];
     lw_structures *set = NULL;
@@ -392,7 +392,7 @@ static void none_is_missing(void)
 }
 
 /* Written and read, a set is the same; any byte of the file that changes is noticed. */
-static void stored_sets_are_whole(void)
+TEST(stored_sets_are_whole)
 {
     lw_structures *set = NULL, *again = NULL;
     lw_error e = { 0 };
@@ -426,7 +426,7 @@ static void stored_sets_are_whole(void)
     lw_structures_free(set);
 }
 
-static void faults_are_named(void)
+TEST(faults_are_named)
 {
     lw_structure s = lw_structure_theta();
     CHECK(is_structure(&s));
@@ -447,7 +447,7 @@ static void faults_are_named(void)
 }
 
 /* Weights 2, 2, 0 and 2, 1, 1 on the theta structure: Watt and Stephenson (errata of the source, no. 2). */
-static void weights_make_chains(void)
+TEST(weights_make_chains)
 {
     lw_structure s = lw_structure_theta();
     lw_chain c;
@@ -461,21 +461,4 @@ static void weights_make_chains(void)
     CHECK_INT(lw_chain_freedom(&c, 0, 1), 0);
     CHECK_INT(lw_structure_chain(&s, (uint8_t[]){ 0, 4, 0 }, &c), LW_E_ARG);
     CHECK_INT(lw_structure_chain(&s, (uint8_t[]){ 30, 1, 0 }, &c), LW_E_ARG);
-}
-
-int main(void)
-{
-    RUN(counts_are_the_published_ones);
-    RUN(refuses_impossible_loops);
-    RUN(stops_when_asked);
-    RUN(each_is_sound_and_replays);
-    RUN(order_does_not_depend_on_threads);
-    RUN(agrees_with_all_multigraphs);
-    RUN(ears_keep_structures_sound);
-    RUN(removable_lines_are_those_that_leave_a_structure);
-    RUN(none_is_missing);
-    RUN(stored_sets_are_whole);
-    RUN(faults_are_named);
-    RUN(weights_make_chains);
-    return check_end();
 }

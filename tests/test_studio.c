@@ -60,7 +60,7 @@ static int question(const char *name, const char *body)
     return ask("POST", path, JSON, body);
 }
 
-static void one_server_a_port(void)
+TEST(one_server_a_port)
 {
     lw_error e = { 0 };
     studio *second;
@@ -73,7 +73,7 @@ static void one_server_a_port(void)
     studio_stop(second);
 }
 
-static void who_may_ask(void)
+TEST(who_may_ask)
 {
     char text[512];
     CHECK(ask("GET", "/T/", "", "") == 200 && strstr(reply, "linkwright studio"));
@@ -105,7 +105,7 @@ static void who_may_ask(void)
     CHECK(ask("PUT", "/T/main.js", JSON, "{}") == 405);
 }
 
-static void paths_and_sizes(void)
+TEST(paths_and_sizes)
 {
     static const char *const paths[] = { "/T/../../../../etc/passwd", "/T/..%2f..%2f..%2fetc/passwd", "/T/%2e%2e/etc/passwd",
                                          "/T//etc/passwd", "/T/studio/server.c", "/T/main.js/", "/T/MAIN.JS" };
@@ -148,7 +148,7 @@ static void paths_and_sizes(void)
     "{\"name\":\"C\",\"links\":[\"coupler\",\"rocker\"],\"at\":[60,40]},{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[50,0]}]," \
     "\"input\":{\"joint\":\"A\"},\"tracers\":[{\"name\":\"P\",\"link\":\"coupler\",\"at\":[30,60]}]}"
 
-static void answers(void)
+TEST(answers)
 {
     CHECK(question("motion", "{\"linkage\":" FOURBAR ",\"points\":1000}") == 200);
     CHECK(strstr(reply, "\"mobility\":1") && strstr(reply, "\"loops\":true") && strstr(reply, "\"unit\":\"mm\""));
@@ -170,7 +170,7 @@ static void answers(void)
 }
 
 /* A search tells what it finds, and ends when it is asked to. */
-static void search_ends(void)
+TEST(search_ends)
 {
     static const char task[] = "{\"task\":{\"linkwright-task\":1,\"units\":{\"length\":\"mm\"},\"closed\":true,\"links\":6,\"stations\":["
         "{\"x\":40,\"y\":0},{\"x\":25,\"y\":22},{\"x\":0,\"y\":25},{\"x\":-20,\"y\":20},{\"x\":-40,\"y\":0},{\"x\":0,\"y\":-5}]},"
@@ -203,11 +203,7 @@ int main(void)
         fprintf(stderr, "%s\n", e.text);
         return 1;
     }
-    RUN(one_server_a_port);
-    RUN(who_may_ask);
-    RUN(paths_and_sizes);
-    RUN(answers);
-    RUN(search_ends);
+    check_run();
     studio_stop(server);
     return check_end();
 }

@@ -66,7 +66,7 @@ static bool in_round(const lw_search *s, int candidate)
     return false;
 }
 
-static void few_families_are_all_looked_at(void)
+TEST(few_families_are_all_looked_at)
 {
     crowd c = { .n = 20 };
     lw_families f;
@@ -93,7 +93,7 @@ static void few_families_are_all_looked_at(void)
 }
 
 /* Of thousands each has its turn before any has two first looks; starts come first, groups last and by themselves. */
-static void many_families_have_their_turn(void)
+TEST(many_families_have_their_turn)
 {
     static const long sweep[] = { 0, 20000 };
     for (int trial = 0; trial < 2; trial++) {
@@ -126,7 +126,7 @@ static void many_families_have_their_turn(void)
 }
 
 /* Those that cannot do the task take no part; when none is left there is nothing to do. */
-static void the_unable_are_left_out(void)
+TEST(the_unable_are_left_out)
 {
     crowd c = { .n = 60, .dear = true };
     lw_families f;
@@ -151,12 +151,4 @@ static void the_unable_are_left_out(void)
     lw_search_halving(s);
     CHECK_INT(s->n_job, 0);
     end(s);
-}
-
-int main(void)
-{
-    RUN(few_families_are_all_looked_at);
-    RUN(many_families_have_their_turn);
-    RUN(the_unable_are_left_out);
-    return check_end();
 }

@@ -8,7 +8,7 @@ static const char *const columns[] = { "x", "y", "theta", "angle", "t", "weight"
 static const char *command(const char *word) { return lw_suggest(word, commands, 6); }
 static const char *column(const char *word) { return lw_suggest(word, columns, 6); }
 
-static void near_words(void)
+TEST(near_words)
 {
     CHECK_TEXT(command("fti"), "fit");               /* swapped neighbours count once */
     CHECK_TEXT(command("FIT"), "fit");
@@ -22,7 +22,7 @@ static void near_words(void)
     CHECK_TEXT(column("X"), "x");
 }
 
-static void far_words(void)
+TEST(far_words)
 {
     char longer[200];
     memset(longer, 'a', sizeof longer - 1);
@@ -34,16 +34,8 @@ static void far_words(void)
     CHECK(lw_suggest("fit", (const char *const[]){ longer }, 1) == NULL);
 }
 
-static void exact_beats_beginning(void)
+TEST(exact_beats_beginning)
 {
     static const char *const words[] = { "fitting", "fit" };
     CHECK_TEXT(lw_suggest("fit", words, 2), "fit");
-}
-
-int main(void)
-{
-    RUN(near_words);
-    RUN(far_words);
-    RUN(exact_beats_beginning);
-    return check_end();
 }

@@ -4,7 +4,7 @@
 #include "tests/check.h"
 
 /* Multiples of 2^-60 below 2^62 units: their sum is exact in 64-bit integers, rounded once at the end. */
-static void one_rounding_only(void)
+TEST(one_rounding_only)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -22,17 +22,10 @@ static void one_rounding_only(void)
     }
 }
 
-static void where_plain_addition_fails(void)
+TEST(where_plain_addition_fails)
 {
     CHECK_NEAR(lw_sum4(1.0, 1e-20, -1.0, 0.0), 1e-20, 0, 0);
     CHECK_NEAR(lw_sum4(1e16, 1.0, 1.0, -1e16), 2.0, 0, 0);
     CHECK_NEAR(lw_sum4(0.1, 0.2, -0.3, 0.0), 0x1.999999999999ap-4 + (0x1.999999999999ap-3 - 0x1.3333333333333p-2), 0, 0);
     CHECK(isnan(lw_sum4(NAN, 0.0, 0.0, 0.0)));
-}
-
-int main(void)
-{
-    RUN(one_rounding_only);
-    RUN(where_plain_addition_fails);
-    return check_end();
 }

@@ -42,7 +42,7 @@ static lw_status stop_at_three(void *n, const lw_chain *chain)
     return ++*(int *)n == 3 ? LW_STOPPED : LW_OK;
 }
 
-static void chains_are_made_asked_and_written(void)
+TEST(chains_are_made_asked_and_written)
 {
     lw_chain *c = NULL, *back = NULL;
     lw_error e;
@@ -77,7 +77,7 @@ static void chains_are_made_asked_and_written(void)
     lw_chain_destroy(c);
 }
 
-static void sentences_grow_by_rules(void)
+TEST(sentences_grow_by_rules)
 {
     char *four = NULL, *six = NULL;
     lw_chain *c = NULL;
@@ -95,7 +95,7 @@ static void sentences_grow_by_rules(void)
     lw_free(four);
 }
 
-static void enumerations_stop_when_asked(void)
+TEST(enumerations_stop_when_asked)
 {
     lw_enumeration what = lw_enumeration_default(8, 1);
     lw_error e;
@@ -125,7 +125,7 @@ static lw_status see_range(void *n, const lw_input_range *range)
     return LW_OK;
 }
 
-static void linkages_move_and_are_written(void)
+TEST(linkages_move_and_are_written)
 {
     lw_linkage *k = four_bar(), *back = NULL;
     lw_kinematics *moving = NULL;
@@ -209,7 +209,7 @@ static void linkages_move_and_are_written(void)
     lw_linkage_destroy(k);
 }
 
-static void faults_of_a_linkage_are_named(void)
+TEST(faults_of_a_linkage_are_named)
 {
     lw_joint_info joint = { .name = "A", .kind = 'r', .link = { 0, 7 }, .at = { 0, 0 } };
     lw_linkage *k = NULL;
@@ -234,7 +234,7 @@ static bool not_a_step_more(void *context, double done, double seconds, double b
     return false;
 }
 
-static void fits_find_stop_and_explain(void)
+TEST(fits_find_stop_and_explain)
 {
     static const double x[5] = { 0, 1, 2, 3, 4 }, y[5] = { 0, 0.1, 0.15, 0.1, 0 };
     lw_target *t = NULL;
@@ -310,7 +310,7 @@ static void *vibrate(void *unused)
     return NULL;
 }
 
-static void no_error_reaches_the_program(void)
+TEST(no_error_reaches_the_program)
 {
     pthread_t thread[4];
     for (int i = 0; i < 4; i++)
@@ -340,7 +340,7 @@ static lw_status last_sample(void *context, const lw_spatial_sample *s)
     return LW_OK;
 }
 
-static void spatial_models(void)
+TEST(spatial_models)
 {
     static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 2, "
                                "\"centre\": [0.5, 0, 0], "
@@ -382,13 +382,6 @@ int main(void)
 {
     gsl_set_error_handler(of_program);
     CHECK_TEXT(lw_version(), LW_VERSION_STRING);
-    RUN(chains_are_made_asked_and_written);
-    RUN(sentences_grow_by_rules);
-    RUN(enumerations_stop_when_asked);
-    RUN(linkages_move_and_are_written);
-    RUN(faults_of_a_linkage_are_named);
-    RUN(fits_find_stop_and_explain);
-    RUN(no_error_reaches_the_program);
-    RUN(spatial_models);
+    check_run();
     return check_end();
 }

@@ -93,7 +93,7 @@ static void place(const lw_problem *p, const journey *way, double first, lw_work
     }
 }
 
-static void the_true_dimensions_have_no_error(void)
+TEST(the_true_dimensions_have_no_error)
 {
     lw_rng rng;
     int seen[N_NET] = { 0 }, many = 0, other = 0, settled = 0;
@@ -137,7 +137,7 @@ static bool at_rest(const lw_problem *p, const double *x, double f, lw_work *w)
         && fabs(lw_problem_rows(p, x, w, false) - f) < 1e-10*f;
 }
 
-static void derivatives_hold_over_limits(void)
+TEST(derivatives_hold_over_limits)
 {
     lw_rng rng;
     int checked = 0, rough = 0, idle = 0;
@@ -185,7 +185,7 @@ static void derivatives_hold_over_limits(void)
 }
 
 /* A search that knows the topology and none of the dimensions. */
-static void a_search_finds_the_curve(void)
+TEST(a_search_finds_the_curve)
 {
     lw_rng rng;
     lw_fit_report *r = malloc(sizeof *r);
@@ -220,12 +220,4 @@ static void a_search_finds_the_curve(void)
         lw_target_free(&t);
     }
     free(r);
-}
-
-int main(void)
-{
-    RUN(the_true_dimensions_have_no_error);
-    RUN(derivatives_hold_over_limits);
-    RUN(a_search_finds_the_curve);
-    return check_end();
 }

@@ -5,7 +5,7 @@
 #include "tests/check.h"
 
 /* Makkonen 1999, table after eq. 12 (F = 1; binary and ternary links only): L, n1, n2, P, P2, P3 */
-static void agrees_with_the_printed_table(void)
+TEST(agrees_with_the_printed_table)
 {
     static const int row[][6] = { {1,4,0,4,4,0}, {1,2,1,3,3,0}, {2,7,0,6,4,2}, {2,5,1,5,3,2} };
     for (size_t k = 0; k < sizeof row/sizeof *row; k++) {
@@ -24,7 +24,7 @@ static void agrees_with_the_printed_table(void)
     }
 }
 
-static void solves_both_equations_and_misses_none(void)
+TEST(solves_both_equations_and_misses_none)
 {
     for (int dof = 0; dof <= LW_DOF_MAX; dof++)
         for (int links = 2; links <= LW_LINK_MAX; links++)
@@ -40,14 +40,14 @@ static void solves_both_equations_and_misses_none(void)
             }
 }
 
-static void two_links_and_two_contacts(void)
+TEST(two_links_and_two_contacts)
 {
     lw_numbers n;           /* solves the equations, though no simple chain: the printed table stops before it */
     CHECK_INT(lw_numbers_of(1, 1, 2, &n, NULL), LW_OK);
     CHECK(n.n_link == 2 && n.n1 == 0 && n.n2 == 2 && !n.simple);
 }
 
-static void explains_what_cannot_be(void)
+TEST(explains_what_cannot_be)
 {
     lw_numbers n;
     lw_error e = { 0 };
@@ -87,7 +87,7 @@ static int compare(const lw_assortment *a, const lw_assortment *b)
     return 0;
 }
 
-static void lists_every_assortment_once_in_order(void)
+TEST(lists_every_assortment_once_in_order)
 {
     for (int dof = 0; dof <= LW_DOF_MAX; dof++)
         for (int loops = 1; loops <= 9; loops++)
@@ -114,7 +114,7 @@ static void lists_every_assortment_once_in_order(void)
 }
 
 /* F = 1, L = 4: the seven assortments for which chains with ten links are published, and no other */
-static void ten_links(void)
+TEST(ten_links)
 {
     static const int want[][4] = { {8,0,0,2}, {7,1,1,1}, {6,3,0,1}, {7,0,3,0}, {6,2,2,0}, {5,4,1,0}, {4,6,0,0} };
     lw_numbers n;
@@ -126,15 +126,4 @@ static void ten_links(void)
         CHECK(memcmp(&a.n_with[2], want[k], sizeof want[k]) == 0);
     }
     CHECK(!more);
-}
-
-int main(void)
-{
-    RUN(agrees_with_the_printed_table);
-    RUN(solves_both_equations_and_misses_none);
-    RUN(two_links_and_two_contacts);
-    RUN(explains_what_cannot_be);
-    RUN(lists_every_assortment_once_in_order);
-    RUN(ten_links);
-    return check_end();
 }

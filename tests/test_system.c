@@ -54,7 +54,7 @@ static void draw_q(lw_rng *r, const lw_system *s, double *q)
         q[i] += lw_rng_range(r, -1, 1);
 }
 
-static void the_posture_satisfies_its_rows(void)
+TEST(the_posture_satisfies_its_rows)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 1);
@@ -77,7 +77,7 @@ static void the_posture_satisfies_its_rows(void)
 }
 
 /* Derivatives of rows and of what joints count against central differences away from the posture. */
-static void derivatives_agree_with_differences(void)
+TEST(derivatives_agree_with_differences)
 {
     lw_rng r;
     const double h = 1e-5;
@@ -124,7 +124,7 @@ static void derivatives_agree_with_differences(void)
 }
 
 /* Sum of coefficients at t against the rows there: the remainder is of order t^9. */
-static void series_sum_to_the_rows(void)
+TEST(series_sum_to_the_rows)
 {
     enum { K = LW_SYSTEM_ORDER_MAX };
     lw_rng r;
@@ -179,7 +179,7 @@ static void series_sum_to_the_rows(void)
 }
 
 /* Cardan's gears: in a ring twice its size a planet's rim runs on a diameter.  Planet: centre e^{i t}, turn -t. */
-static void cardan_gears_satisfy_the_rows(void)
+TEST(cardan_gears_satisfy_the_rows)
 {
     lw_linkage k;
     blank_linkage(&k, 3);
@@ -215,7 +215,7 @@ static void cardan_gears_satisfy_the_rows(void)
 }
 
 /* A pinion of radius 0.5 m on a rack that slides at 30 degrees: v = 0.5 w, either side the rack. */
-static void rack_and_pinion(void)
+TEST(rack_and_pinion)
 {
     for (int way = 0; way < 4; way++) {
         lw_linkage k;
@@ -254,7 +254,7 @@ static void rack_and_pinion(void)
 }
 
 /* Watt's sun and planet: the planet is fixed to the rod, the arm and the sun turn on one pin. */
-static void the_carrier_is_found(void)
+TEST(the_carrier_is_found)
 {
     lw_linkage k;
     lw_gear g;
@@ -296,7 +296,7 @@ static void the_carrier_is_found(void)
 }
 
 /* A moved linkage written down is a posture of a system again, whose input counts on. */
-static void a_written_posture_closes(void)
+TEST(a_written_posture_closes)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 4);
@@ -336,7 +336,7 @@ static void a_written_posture_closes(void)
     }
 }
 
-static void scale_and_references_may_be_given(void)
+TEST(scale_and_references_may_be_given)
 {
     lw_linkage k;
     lw_vec2 reference[2] = { { 0, 0 }, { 5, 6 } };
@@ -366,17 +366,4 @@ static void scale_and_references_may_be_given(void)
     lw_system_free(&s);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_E_KIND);
     CHECK_HAS(e.text, "no link carries both");
-}
-
-int main(void)
-{
-    RUN(the_posture_satisfies_its_rows);
-    RUN(derivatives_agree_with_differences);
-    RUN(series_sum_to_the_rows);
-    RUN(cardan_gears_satisfy_the_rows);
-    RUN(rack_and_pinion);
-    RUN(the_carrier_is_found);
-    RUN(a_written_posture_closes);
-    RUN(scale_and_references_may_be_given);
-    return check_end();
 }

@@ -45,7 +45,7 @@ static lw_target from_file(const char *path)
     return t;
 }
 
-static void published_files(void)
+TEST(published_files)
 {
     static const struct { const char *path; size_t n; bool x, theta, angle, closed; } files[] = {
         { "catalogues/data/paths/line6.csv", 6, 1, 0, 0, 0 },
@@ -70,7 +70,7 @@ static void published_files(void)
 }
 
 /* theta_in_rad is the input, angle the tool: the coupler's direction oscillates about theta0 = 0.35. */
-static void published_names_of_columns(void)
+TEST(published_names_of_columns)
 {
     lw_target t = from_file("tests/data/tasks/s03-slidercrank-path36.csv");
     CHECK_NEAR(t.angle[1], 10*LW_PI/180, 0, 1e-14);
@@ -83,7 +83,7 @@ static void published_names_of_columns(void)
     lw_target_free(&t);
 }
 
-static void further_points(void)
+TEST(further_points)
 {
     lw_target t;
     lw_error e;
@@ -111,7 +111,7 @@ static void further_points(void)
 }
 
 /* Parts with a path, a path and weights, an output angle. */
-static void parts_are_joined_row_by_row(void)
+TEST(parts_are_joined_row_by_row)
 {
     lw_target part[3], t;
     lw_error e = { .text = "" };
@@ -150,7 +150,7 @@ static void parts_are_joined_row_by_row(void)
         lw_target_free(&part[i]);
 }
 
-static void length_and_size(void)
+TEST(length_and_size)
 {
     lw_target t;
     lw_error e;
@@ -173,7 +173,7 @@ static void length_and_size(void)
 /* ---- forms ------------------------------------------------------------------------------------- */
 
 /* docs/notation.md, "Target"; there every line is set in by four blanks. */
-static void the_example_of_the_manual(void)
+TEST(the_example_of_the_manual)
 {
     static const char example[] = "    # units: mm deg\n    # closed: no\n    x,y,theta,angle,weight\n"
                                   "    20,10,0,30,1\n    17.66,15.142,5,60,1\n    11.736,17.878,12,90,0.5\n";
@@ -192,7 +192,7 @@ static void the_example_of_the_manual(void)
     lw_target_free(&t);
 }
 
-static void separators_and_line_ends(void)
+TEST(separators_and_line_ends)
 {
     check_reads("x,y\n1,2\n3,4\n", 2);
     check_reads("x,y\n1,2\n3,4", 2);
@@ -206,7 +206,7 @@ static void separators_and_line_ends(void)
     check_reads("\n\n# a comment\n  # another\nX,Y\n\n1,2 # and behind a line\n\n", 1);
 }
 
-static void units_by_comment_suffix_and_option(void)
+TEST(units_by_comment_suffix_and_option)
 {
     static const struct { const char *text; double x, angle; } cases[] = {
         { "# units: mm deg\nx,y,angle\n1,2,90\n", 1e-3, LW_PI/2 },
@@ -231,7 +231,7 @@ static void units_by_comment_suffix_and_option(void)
     }
 }
 
-static void options_overrule_comments(void)
+TEST(options_overrule_comments)
 {
     static const char text[] = "# units: mm deg\n# closed: yes\nx,y,angle\n1,2,3\n4,5,6\n";
     const lw_target_options o = { .closed = 0, .length_unit = "cm", .angle_unit = "rad" };
@@ -253,7 +253,7 @@ static void options_overrule_comments(void)
     CHECK_HAS(e.text, "\"grad\"");
 }
 
-static void columns_in_any_order(void)
+TEST(columns_in_any_order)
 {
     lw_target t;
     lw_error e;
@@ -267,7 +267,7 @@ static void columns_in_any_order(void)
     lw_target_free(&t);
 }
 
-static void few_stations_and_repeated_points(void)
+TEST(few_stations_and_repeated_points)
 {
     check_reads("x,y\n1,2\n", 1);
     check_reads("x,y\n1,2\n1,2\n", 2);
@@ -293,7 +293,7 @@ static void check_angles(const char *text, size_t n, const double *want)
     lw_target_free(&t);
 }
 
-static void cyclic_order_is_order(void)
+TEST(cyclic_order_is_order)
 {
     check_angles("x,y,angle_deg\n0,0,0\n1,0,10\n2,0,350\n", 3, (double[]){ 0, 10, 350 });
     check_angles("x,y,angle_deg\n0,0,30\n1,0,20\n2,0,-200\n", 3, (double[]){ 30, 20, -200 });
@@ -311,7 +311,7 @@ static void cyclic_order_is_order(void)
 static double whole_turns(double a) { return floor(a/360)*360; }
 
 /* Any sequence that a slow search finds to be cyclic within one turn, or to go on throughout, is read, and no other. */
-static void order_against_brute_force(void)
+TEST(order_against_brute_force)
 {
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 0);
@@ -357,7 +357,7 @@ static void order_against_brute_force(void)
 /* ---- tables as programs write them ----------------------------------------------------------------------------- */
 
 /* The same three stations each time: (12.5, -3) (7, 4.25) (0, 1) mm. */
-static void tables_of_programs(void)
+TEST(tables_of_programs)
 {
     static const struct { const char *text; size_t size; } rows[] = {
 #define ROW(text) { text, sizeof (text) - 1 }
@@ -395,7 +395,7 @@ static void tables_of_programs(void)
     }
 }
 
-static void angles_of_programs(void)
+TEST(angles_of_programs)
 {
     static const char *const rows[] = {
         "x [mm];y [mm];theta [deg];angle [deg]\n1;2;90;0\n3;4;180;36,5\n5;5;0;90\n",
@@ -415,7 +415,7 @@ static void angles_of_programs(void)
     }
 }
 
-static void stations_of_a_table(void)
+TEST(stations_of_a_table)
 {
     static const char text[] = "x_mm,y_mm\n0,0\n30,0\n30,10\n0,10\n";
     lw_target_options o = { .closed = 1, .stations = 40 };
@@ -442,7 +442,7 @@ static void stations_of_a_table(void)
 
 /* ---- faults ------------------------------------------------------------------------------------ */
 
-static void every_fault_has_its_place(void)
+TEST(every_fault_has_its_place)
 {
     static const struct { const char *text; long line, column; const char *part; } faults[] = {
         { "", 1, 1, "nothing is in this file" },
@@ -540,7 +540,7 @@ static void every_fault_has_its_place(void)
     }
 }
 
-static void as_many_rows_as_allowed(void)
+TEST(as_many_rows_as_allowed)
 {
     size_t size = 0, n = LW_STATION_MAX + 1;
     char *text = malloc(4 + 4*n + 1);
@@ -560,7 +560,7 @@ static void as_many_rows_as_allowed(void)
 
 /* ---- arrays ------------------------------------------------------------------------------------ */
 
-static void made_from_arrays(void)
+TEST(made_from_arrays)
 {
     const double x[] = { 0, 1, 1 }, y[] = { 0, 0, 1 }, a[] = { 0, 1, 2 }, w[] = { 0, 0, 0 }, bad[] = { 0, NAN, 1 };
     lw_target t;
@@ -584,7 +584,7 @@ static void made_from_arrays(void)
 }
 
 /* No cut and no changed byte may do more harm than an error. */
-static void any_bytes_are_survived(void)
+TEST(any_bytes_are_survived)
 {
     static const char good[] = "# units: mm deg\n# closed: yes\nx,y_mm,theta,theta_in_deg,weight\n1,2,3,4,1\n"
                                "2.5e1,-.5,6,7,0.25\r\n\n3,\"3\",3,9,1 # c\n";
@@ -604,29 +604,4 @@ static void any_bytes_are_survived(void)
         CHECK(s == LW_OK ? t.n > 0 : e.text[0] && e.line > 0 && e.column > 0);
         lw_target_free(&t);
     }
-}
-
-int main(void)
-{
-    RUN(published_files);
-    RUN(published_names_of_columns);
-    RUN(further_points);
-    RUN(parts_are_joined_row_by_row);
-    RUN(length_and_size);
-    RUN(the_example_of_the_manual);
-    RUN(separators_and_line_ends);
-    RUN(units_by_comment_suffix_and_option);
-    RUN(options_overrule_comments);
-    RUN(columns_in_any_order);
-    RUN(few_stations_and_repeated_points);
-    RUN(cyclic_order_is_order);
-    RUN(order_against_brute_force);
-    RUN(tables_of_programs);
-    RUN(angles_of_programs);
-    RUN(stations_of_a_table);
-    RUN(every_fault_has_its_place);
-    RUN(as_many_rows_as_allowed);
-    RUN(made_from_arrays);
-    RUN(any_bytes_are_survived);
-    return check_end();
 }

@@ -39,7 +39,7 @@ static void stations(const lw_target *t, int closed, const double (*want)[2], si
 
 /* ---- SVG ------------------------------------------------------------------------------------------------- */
 
-static void corners_are_stations(void)
+TEST(corners_are_stations)
 {
     static const double square[][2] = { { 0, 0 }, { 10, 0 }, { 10, -5 }, { 0, -5 } };
     static const char *const rows[] = {
@@ -64,7 +64,7 @@ static void corners_are_stations(void)
     }
 }
 
-static void units_of_drawings(void)
+TEST(units_of_drawings)
 {
     lw_target t = read_drawn(lw_target_read_svg,
                             "<svg width='12cm' viewBox='0 0 240 10'><path d='M0 0L2 0 2 4'/></svg>");
@@ -96,7 +96,7 @@ static void circle(lw_target *t, double x, double y, double r)
     lw_target_free(t);
 }
 
-static void arcs(void)
+TEST(arcs)
 {
     static const char *const rows[] = {
         "<svg><path d='M10 0A10 10 0 0 1-10 0A10 10 0 0 1 10 0Z'/></svg>",
@@ -125,7 +125,7 @@ static double off_cubic(const double p[8], double x, double y)
     return least;
 }
 
-static void bent_curves(void)
+TEST(bent_curves)
 {
     static const struct { const char *d; double p[8]; } rows[] = {
         { "M0 0C1 3 5-2 8 1", { 0, 0, 1, 3, 5, -2, 8, 1 } },
@@ -170,7 +170,7 @@ static void bent_curves(void)
 #define HEAD "0\nSECTION\n2\nENTITIES\n"
 #define TAIL "0\nENDSEC\n0\nEOF\n"
 
-static void polylines(void)
+TEST(polylines)
 {
     static const double want[][2] = { { 0, 0 }, { 4, 0 }, { 4, 3 } };
     static const char *const rows[] = {
@@ -198,7 +198,7 @@ static void polylines(void)
     lw_target_free(&t);
 }
 
-static void bulges_and_arcs(void)
+TEST(bulges_and_arcs)
 {
     static const char *const rows[] = {
         HEAD "0\nCIRCLE\n10\n3\n20\n-2\n40\n2.5\n" TAIL,
@@ -240,7 +240,7 @@ static void ellipse_map(double a, double b, double angle, double x, double y, do
     m[5] = -m[1]*x - m[3]*y;
 }
 
-static void round_shapes(void)
+TEST(round_shapes)
 {
     static const struct { const char *text; double a, b, degrees, x, y; } svg[] = {
         { "<svg><circle cx='7' cy='3' r='2'/></svg>", 2, 2, 0, 7, -3 },
@@ -319,7 +319,7 @@ static double basis(const double *knot, int i, int degree, double u)
          + (b > 0 ? (knot[i + degree + 1] - u)/b*basis(knot, i + 1, degree - 1, u) : 0);
 }
 
-static void splines(void)
+TEST(splines)
 {
     static const double knot[] = { 0, 0, 0, 0, 2, 5, 5, 5, 5 }, x[] = { 0, 3, 8, 9, 4 }, y[] = { 0, 6, 7, -2, -3 };
     char text[1024];
@@ -349,7 +349,7 @@ static void splines(void)
     lw_target_free(&t);
 }
 
-static void straight_shapes(void)
+TEST(straight_shapes)
 {
     static const double rect[][2] = { { 1, -2 }, { 11, -2 }, { 11, -7 }, { 1, -7 } }, line[][2] = { { 1, -2 }, { 4,
         -6 } };
@@ -370,7 +370,7 @@ static void straight_shapes(void)
 }
 
 /* What is not seen is no target. */
-static void hidden_shapes(void)
+TEST(hidden_shapes)
 {
     static const char *const svg[] = {
         "<svg><g style='display:none'><circle r='1'/></g><circle r='5'/></svg>",
@@ -408,7 +408,7 @@ static void hidden_shapes(void)
 static const char three[] = "<svg xmlns:inkscape='i'><g inkscape:label='Foot path'><path id='p1' inkscape:label='toe' "
     "d='M0 0L10 0L10 10L0 10z'/><circle id='heel' r='3' cx='20'/></g><path id='p3' d='M0 0L5 5'/></svg>";
 
-static void curves_by_name(void)
+TEST(curves_by_name)
 {
     static const struct { const char *name; size_t n_also; double size; } rows[] = {
         { "1", 0, 14.142 }, { "toe", 0, 14.142 }, { "P1", 0, 14.142 }, { "heel", 0, 8.485 }, { "3", 0, 7.0711 },
@@ -435,7 +435,7 @@ static void curves_by_name(void)
 }
 
 /* Pieces join where two ends meet, not where three do, and only within a layer. */
-static void pieces_join(void)
+TEST(pieces_join)
 {
     static const struct { const char *text; int curves; } rows[] = {
         { "0\nLINE\n11\n5\n0\nLINE\n10\n5\n11\n5\n21\n5\n", 1 },
@@ -458,7 +458,7 @@ static void pieces_join(void)
     }
 }
 
-static void points_are_stations(void)
+TEST(points_are_stations)
 {
     static const double want[][2] = { { 3, 4 }, { 0, 0 }, { 7, -1 } };
     lw_target t = read_text(lw_target_read_dxf, HEAD "0\nPOINT\n10\n3\n20\n4\n0\nPOINT\n10\n0\n20\n0\n0\nPOINT\n10\n"
@@ -472,7 +472,7 @@ static void points_are_stations(void)
 
 /* examples/drawings; the lengths of slot, step and ellipse are worked out by hand (Ramanujan's formula), those of the
  * curves from Bernstein polynomials and the uniform cubic B-spline. Chords between stations are shorter. */
-static void example_drawings(void)
+TEST(example_drawings)
 {
     double r = 40*sqrt(2) + 10, slot = 2*(60 + 10*LW_PI), step = 80 + 2*10*0.75*LW_PI + r*LW_PI/2;
     const struct { const char *path; int n_also; double length; } rows[] = {
@@ -508,7 +508,7 @@ static void example_drawings(void)
 
 /* ---- faults ------------------------------------------------------------------------------------------------ */
 
-static void faults(void)
+TEST(faults)
 {
     static const struct { reader *read; const char *text; int line, column; const char *why; } rows[] = {
         { lw_target_read_svg, "", 1, 1, "there is no visible path" },
@@ -541,24 +541,4 @@ static void faults(void)
         CHECK_INT(e.column, rows[i].column);
         CHECK(t.store == NULL);
     }
-}
-
-int main(void)
-{
-    RUN(corners_are_stations);
-    RUN(units_of_drawings);
-    RUN(arcs);
-    RUN(bent_curves);
-    RUN(polylines);
-    RUN(bulges_and_arcs);
-    RUN(round_shapes);
-    RUN(splines);
-    RUN(straight_shapes);
-    RUN(hidden_shapes);
-    RUN(curves_by_name);
-    RUN(pieces_join);
-    RUN(points_are_stations);
-    RUN(example_drawings);
-    RUN(faults);
-    return check_end();
 }

@@ -26,7 +26,7 @@ static double off_polygon(lw_vec2 q, const lw_vec2 *p, size_t n, bool closed)
     return least;
 }
 
-static void stations_lie_on_the_path(void)
+TEST(stations_lie_on_the_path)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 0);
@@ -54,7 +54,7 @@ static void stations_lie_on_the_path(void)
     }
 }
 
-static void corners_are_kept(void)
+TEST(corners_are_kept)
 {
     static const lw_vec2 square[] = { { 0, 0 }, { 3, 0 }, { 3, 1 }, { 0, 1 } };
     lw_error e;
@@ -81,7 +81,7 @@ static void noisy_circle(lw_rng *rng, size_t n, double noise, double *x, double 
     }
 }
 
-static void noise_goes(void)
+TEST(noise_goes)
 {
     double all_before = 0, all_after = 0;
     lw_rng rng;
@@ -109,7 +109,7 @@ static void noise_goes(void)
 }
 
 /* Neither the place of the first point of a closed curve, nor the direction, nor a turn of the plane matters. */
-static void smoothing_is_invariant(void)
+TEST(smoothing_is_invariant)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -168,7 +168,7 @@ static double energy(const double *h, const double *z, size_t n, bool closed)
 }
 
 /* At the least of |z - p|^2 + lambda energy(z), the gradient of the energy is proportional to what the points moved. */
-static void smoothing_is_least(void)
+TEST(smoothing_is_least)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -201,7 +201,7 @@ static void smoothing_is_least(void)
     }
 }
 
-static void smoothing_leaves_lines(void)
+TEST(smoothing_leaves_lines)
 {
     double x[50], y[50], rms, most;
     lw_error e;
@@ -213,15 +213,4 @@ static void smoothing_leaves_lines(void)
     CHECK_NEAR(most, 0, 1e-9, 0);
     CHECK_INT(lw_smooth(x, y, 4, true, 0.1, &rms, &most, &e), LW_OK);      /* too few to be smoothed */
     CHECK_NEAR(most, 0, 0, 0);
-}
-
-int main(void)
-{
-    RUN(stations_lie_on_the_path);
-    RUN(corners_are_kept);
-    RUN(noise_goes);
-    RUN(smoothing_is_invariant);
-    RUN(smoothing_is_least);
-    RUN(smoothing_leaves_lines);
-    return check_end();
 }

@@ -8,7 +8,7 @@ static lw_status read(const char *text, lw_task_file *b, lw_error *e)
     return lw_task_file_read(text, strlen(text), "t.json", b, e);
 }
 
-static void everything_is_read(void)
+TEST(everything_is_read)
 {
     static const char text[] =
         "{\"linkwright-task\":1,\"name\":\"n\",\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"target\":\"p.csv\","
@@ -50,7 +50,7 @@ static void everything_is_read(void)
     lw_task_file_free(&b);
 }
 
-static void faults_have_a_place(void)
+TEST(faults_have_a_place)
 {
     static const struct { const char *text; long line, column; const char *says; } bad[] = {
         { "{\"linkwright-task\":2,\"target\":\"a\"}", 1, 20, "version 2" },
@@ -99,7 +99,7 @@ static void faults_have_a_place(void)
 }
 
 /* What only seems to contradict is read: zones that leave a corner of the box, a line through one of the range. */
-static void what_can_be_done_is_no_contradiction(void)
+TEST(what_can_be_done_is_no_contradiction)
 {
     static const char *const good[] = {
         "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
@@ -117,7 +117,7 @@ static void what_can_be_done_is_no_contradiction(void)
     }
 }
 
-static void dwells_become_stations(void)
+TEST(dwells_become_stations)
 {
     static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"angle\":0,\"theta\":1},{\"angle\":3,\"theta\":2}],"
                                "\"dwell\":[{\"from\":1,\"to\":2,\"theta\":5,\"points\":3,\"weight\":4}]}";
@@ -140,7 +140,7 @@ static void dwells_become_stations(void)
     lw_task_file_free(&b);
 }
 
-static void tracers_have_targets_of_their_own(void)
+TEST(tracers_have_targets_of_their_own)
 {
     static const char text[] = "{\"linkwright-task\":1,\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"tracers\":["
                                "{\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}]},{\"target\":\"b.csv\",\"link\":\"output\"},"
@@ -178,7 +178,7 @@ static void tracers_have_targets_of_their_own(void)
     lw_task_file_free(&b);
 }
 
-static void a_station_in_a_forbidden_zone(void)
+TEST(a_station_in_a_forbidden_zone)
 {
     static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}],"
                                "\"forbidden\":[{\"circle\":[[3,1.5],1]}]}";
@@ -189,15 +189,4 @@ static void a_station_in_a_forbidden_zone(void)
     CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "station 2 lies inside a forbidden zone");
     lw_task_file_free(&b);
-}
-
-int main(void)
-{
-    RUN(everything_is_read);
-    RUN(faults_have_a_place);
-    RUN(what_can_be_done_is_no_contradiction);
-    RUN(dwells_become_stations);
-    RUN(tracers_have_targets_of_their_own);
-    RUN(a_station_in_a_forbidden_zone);
-    return check_end();
 }

@@ -62,7 +62,7 @@ static void crank_and_slide(lw_linkage *k)
 
 /* ---- text ------------------------------------------------------------------------------------------- */
 
-static void written_and_read_back(void)
+TEST(written_and_read_back)
 {
     static const char *const length[] = { "m", "mm" };
     for (int i = 0; i < 4; i++) {
@@ -83,7 +83,7 @@ static void written_and_read_back(void)
     }
 }
 
-static void bad_ties_are_refused(void)
+TEST(bad_ties_are_refused)
 {
     static const struct { const char *inputs, *why; } row[] = {
         { "{\"joint\": \"A\", \"ratio\": 2}, {\"joint\": \"B\"}", "the first input, at joint \"A\", has a ratio" },
@@ -109,7 +109,7 @@ static void bad_ties_are_refused(void)
 
 /* ---- loop equations --------------------------------------------------------------------------------- */
 
-static void rows_against_differences(void)
+TEST(rows_against_differences)
 {
     lw_rng r;
     lw_rng_seed(&r, 3, 0);
@@ -152,7 +152,7 @@ static void rows_against_differences(void)
 }
 
 /* The same motion as with a pair of wheels on the ground, over two turns. */
-static void moves_as_a_gear_pair(void)
+TEST(moves_as_a_gear_pair)
 {
     static const double ratio[] = { -1, 2, -0.5, 3 };
     for (size_t i = 0; i < sizeof ratio/sizeof *ratio; i++) {
@@ -176,7 +176,7 @@ static void moves_as_a_gear_pair(void)
 }
 
 /* In time the tied input goes with the motion of the first; written as a posture, it has its value. */
-static void goes_with_the_first_in_time(void)
+TEST(goes_with_the_first_in_time)
 {
     for (int slides = 0; slides < 2; slides++) {
         lw_model m;
@@ -207,7 +207,7 @@ static void goes_with_the_first_in_time(void)
     }
 }
 
-static void one_freedom_is_left(void)
+TEST(one_freedom_is_left)
 {
     lw_linkage k;
     const lw_mobility_options o = lw_mobility_options_default();
@@ -270,7 +270,7 @@ static void load(const lw_linkage *k, lw_model *m)
 }
 
 /* Torques of two motors that keep a ratio are those of two motions that do; a slide too. */
-static void motors_as_with_two_motions(void)
+TEST(motors_as_with_two_motions)
 {
     for (int slides = 0; slides < 2; slides++) {
         static sampled tied, two;
@@ -298,7 +298,7 @@ static void motors_as_with_two_motions(void)
 }
 
 /* Left to itself it falls as with a pair of wheels, and what the tie takes from one side it gives to the other. */
-static void falls_as_a_gear_pair(void)
+TEST(falls_as_a_gear_pair)
 {
     static const lw_formulation way[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_GGL, LW_FORMULATION_CVODE };
     for (int i = 0; i < 3; i++) {
@@ -324,7 +324,7 @@ static void falls_as_a_gear_pair(void)
     }
 }
 
-static void clearance_knows_no_ties(void)
+TEST(clearance_knows_no_ties)
 {
     static lw_model m;
     lw_linkage k;
@@ -340,7 +340,7 @@ static void clearance_knows_no_ties(void)
 
 /* ---- plans ------------------------------------------------------------------------------------------ */
 
-static void planned_as_a_gear_pair(void)
+TEST(planned_as_a_gear_pair)
 {
     static const double ratio[] = { -1, 2, -0.5, 2.0/3 };
     for (size_t i = 0; i < sizeof ratio/sizeof *ratio; i++) {
@@ -366,7 +366,7 @@ static void planned_as_a_gear_pair(void)
     }
 }
 
-static void what_has_no_plan_says_why(void)
+TEST(what_has_no_plan_says_why)
 {
     lw_linkage k;
     lw_plan plan;
@@ -391,7 +391,7 @@ static void what_has_no_plan_says_why(void)
     CHECK_INT(lw_plan_make(&k, all, &plan, &e), LW_E_KIND);
 }
 
-static void explained(void)
+TEST(explained)
 {
     lw_linkage k;
     lw_plan plan;
@@ -403,7 +403,7 @@ static void explained(void)
 }
 
 /* Both cranks turn in pictures; the tie stands in what other programs read. */
-static void shown_and_exported(void)
+TEST(shown_and_exported)
 {
     lw_linkage k;
     lw_scene s;
@@ -564,7 +564,7 @@ static lw_status check_chain(void *context, const lw_chain_item *item)
 }
 
 /* A mechanism drives by its pair of inputs or is not visited; each has a plan. */
-static void every_chain_with_five_and_seven_links(void)
+TEST(every_chain_with_five_and_seven_links)
 {
     lw_rng_seed(&sum.rng, 11, 0);
     for (int links = 5; links <= 7; links += 2) {
@@ -579,23 +579,4 @@ static void every_chain_with_five_and_seven_links(void)
     CHECK(sum.postures >= 4*sum.planned);
     CHECK(3*sum.derivatives >= sum.planned);
     printf("# %d mechanisms, %d with a higher group, %d postures\n", sum.mechanisms, sum.higher, sum.postures);
-}
-
-int main(void)
-{
-    RUN(written_and_read_back);
-    RUN(bad_ties_are_refused);
-    RUN(rows_against_differences);
-    RUN(moves_as_a_gear_pair);
-    RUN(goes_with_the_first_in_time);
-    RUN(one_freedom_is_left);
-    RUN(motors_as_with_two_motions);
-    RUN(falls_as_a_gear_pair);
-    RUN(clearance_knows_no_ties);
-    RUN(planned_as_a_gear_pair);
-    RUN(what_has_no_plan_says_why);
-    RUN(explained);
-    RUN(shown_and_exported);
-    RUN(every_chain_with_five_and_seven_links);
-    return check_end();
 }

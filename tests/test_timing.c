@@ -41,7 +41,7 @@ static double isotonic(size_t n, const double *v, const double *w, size_t i)
     return most;
 }
 
-static void order_is_isotonic_regression(void)
+TEST(order_is_isotonic_regression)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -64,7 +64,7 @@ static void order_is_isotonic_regression(void)
 
 /* With the last at most a turn after the first: no point near by that keeps the order is nearer, and none
  * of many further ones (the problem is convex). */
-static void order_goes_round_at_most_once(void)
+TEST(order_goes_round_at_most_once)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 8);
@@ -102,7 +102,7 @@ static void order_goes_round_at_most_once(void)
     CHECK(over > 50);
 }
 
-static void order_leaves_what_is_in_order(void)
+TEST(order_leaves_what_is_in_order)
 {
     double v[5] = { -3, -1, -1, 0.5, 3 }, w[5] = { 1, 2, 3, 4, 5 }, got[5], scratch[15];
     lw_problem p = { .n = 5, .intended.sense = 1 };
@@ -135,7 +135,7 @@ static void check_costs(const lw_problem *p, const lw_work *w)
         }
 }
 
-static void programme_finds_the_cheapest_sequence(void)
+TEST(programme_finds_the_cheapest_sequence)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -199,7 +199,7 @@ static void check_blocks(const lw_problem *p, const double *x, const lw_work *w)
     }
 }
 
-static void refined_stations_stand_at_their_feet(void)
+TEST(refined_stations_stand_at_their_feet)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -221,7 +221,7 @@ static void refined_stations_stand_at_their_feet(void)
 
 /* Where the order does not matter a station is as near as at any sample, and but for stations between two
  * far branches as near as anywhere. */
-static void nearest_points_are_the_nearest(void)
+TEST(nearest_points_are_the_nearest)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 4);
@@ -247,7 +247,7 @@ static void nearest_points_are_the_nearest(void)
 }
 
 /* Stations of the linkage itself go home, in either sense; those given twice share their input. */
-static void own_stations_go_home(void)
+TEST(own_stations_go_home)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 5);
@@ -286,7 +286,7 @@ static void own_stations_go_home(void)
 
 /* ---- curve to target ----------------------------------------------------------------------------------- */
 
-static void feet_on_the_polygon_are_the_nearest(void)
+TEST(feet_on_the_polygon_are_the_nearest)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 6);
@@ -314,7 +314,7 @@ static void feet_on_the_polygon_are_the_nearest(void)
 }
 
 /* An open target: samples between the first and the last station count, the others do not. */
-static void only_the_covered_piece_counts(void)
+TEST(only_the_covered_piece_counts)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 7);
@@ -350,18 +350,4 @@ static void only_the_covered_piece_counts(void)
         lw_problem_free(&p);
         lw_target_free(&t);
     }
-}
-
-int main(void)
-{
-    RUN(order_is_isotonic_regression);
-    RUN(order_goes_round_at_most_once);
-    RUN(order_leaves_what_is_in_order);
-    RUN(programme_finds_the_cheapest_sequence);
-    RUN(refined_stations_stand_at_their_feet);
-    RUN(nearest_points_are_the_nearest);
-    RUN(own_stations_go_home);
-    RUN(feet_on_the_polygon_are_the_nearest);
-    RUN(only_the_covered_piece_counts);
-    return check_end();
 }

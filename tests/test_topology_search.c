@@ -41,7 +41,7 @@ static bool drives(const lw_linkage *k)
 
 static double best_of(const lw_topology_search *s) { return s->found.fit.candidate[0].objective; }
 
-static void six_links_are_never_worse_than_four(void)
+TEST(six_links_are_never_worse_than_four)
 {
     lw_target t = target();
     lw_topology_search_options o = options(4, 2);
@@ -74,7 +74,7 @@ static void six_links_are_never_worse_than_four(void)
 
 /* With default limits, too: cranks, the others, both ways, variants for the front, reports by several threads.  The front
  * holds the least error, and more rounds are never worse. */
-static void default_limits_give_one_answer(void)
+TEST(default_limits_give_one_answer)
 {
     lw_target t = target();
     lw_topology_search found[3];
@@ -112,7 +112,7 @@ static void watch(void *context, double done, double seconds, double best)
     w->stop = 1;
 }
 
-static void progress_is_told_and_the_stop_flag_honoured(void)
+TEST(progress_is_told_and_the_stop_flag_honoured)
 {
     lw_target t = target();
     lw_topology_search_options o = options(6, 1);
@@ -127,12 +127,4 @@ static void progress_is_told_and_the_stop_flag_honoured(void)
     CHECK(s.found.fit.n > 0);                                      /* what the first round found is kept */
     lw_topology_search_free(&s);
     lw_target_free(&t);
-}
-
-int main(void)
-{
-    RUN(six_links_are_never_worse_than_four);
-    RUN(default_limits_give_one_answer);
-    RUN(progress_is_told_and_the_stop_flag_honoured);
-    return check_end();
 }

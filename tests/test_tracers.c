@@ -97,7 +97,7 @@ static void check_found(const machine *m, const lw_target *t, const lw_fit_optio
     free(r);
 }
 
-static void known_linkages_are_found_again(void)
+TEST(known_linkages_are_found_again)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
@@ -123,7 +123,7 @@ static void known_linkages_are_found_again(void)
 
 /* Place, size and all tracers follow from the shape by linear least squares: with the shape and first input of the
  * linkage that drew the target, the start is that linkage. */
-static void start_solves_for_every_tracer(void)
+TEST(start_solves_for_every_tracer)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
@@ -203,7 +203,7 @@ static number value_by_hand(const lw_problem *p, const number *x, double side)
     return f;
 }
 
-static void gradient_is_that_of_complex_steps(void)
+TEST(gradient_is_that_of_complex_steps)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
@@ -284,7 +284,7 @@ static void shaken_six_bar(lw_linkage *k, bool timed, lw_rng *rng, lw_target *t)
 }
 
 /* Inputs of free stations are eliminated from the derivatives of all points together. */
-static void gradient_of_a_six_bar_is_that_of_differences(void)
+TEST(gradient_of_a_six_bar_is_that_of_differences)
 {
     lw_rng rng;
     int smooth = 0, all = 0;
@@ -322,7 +322,7 @@ static void gradient_of_a_six_bar_is_that_of_differences(void)
 
 /* ---- links -------------------------------------------------------------------------------------------------- */
 
-static void links_are_those_asked_for(void)
+TEST(links_are_those_asked_for)
 {
     double one[2] = { 0, 1 };
     static const struct { const char *family; lw_task task; bool place; lw_carrier carrier; lw_status status; int link; }
@@ -350,7 +350,7 @@ static void links_are_those_asked_for(void)
 }
 
 /* A six-bar whose first point on the arm feels all links; on the coupler it would feel four. */
-static void choices_of_links_are_counted_by_hand(void)
+TEST(choices_of_links_are_counted_by_hand)
 {
     double one[2] = { 0, 1 };
     static const struct { bool place; lw_carrier carrier; int n, link[5][2]; } row[] = {
@@ -393,7 +393,7 @@ static void choices_of_links_are_counted_by_hand(void)
 }
 
 /* Two points on two links of a six-bar: found again by looking through the links that they may lie on. */
-static void points_on_two_links_are_found_again(void)
+TEST(points_on_two_links_are_found_again)
 {
     lw_linkage k = six_bar(), start;
     lw_plan plan;
@@ -447,7 +447,7 @@ static void points_on_two_links_are_found_again(void)
 
 /* ---- faults --------------------------------------------------------------------------------------------------- */
 
-static void contradictions_are_errors(void)
+TEST(contradictions_are_errors)
 {
     double x[4] = { 0, 1, 1, 0 }, y[4] = { 0, 0, 1, 1 }, a[4] = { 0, 1, 2, 3 }, none[4] = { 0 };
     const lw_also whole = { .x = x, .y = y }, half = { .x = x }, nothing = { .weight = a }, idle = { .theta = a, .weight = none };
@@ -478,17 +478,4 @@ static void contradictions_are_errors(void)
     CHECK_INT(lw_exact_run(&t, &o, &exact, &e), LW_E_ARG);
     CHECK_HAS(e.text, "precision points have one point");
     lw_target_free(&t);
-}
-
-int main(void)
-{
-    RUN(known_linkages_are_found_again);
-    RUN(start_solves_for_every_tracer);
-    RUN(gradient_is_that_of_complex_steps);
-    RUN(gradient_of_a_six_bar_is_that_of_differences);
-    RUN(links_are_those_asked_for);
-    RUN(choices_of_links_are_counted_by_hand);
-    RUN(points_on_two_links_are_found_again);
-    RUN(contradictions_are_errors);
-    return check_end();
 }

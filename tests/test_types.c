@@ -25,7 +25,7 @@ static void names_of(const lw_plan *p, char *text, size_t size)
         n += (size_t)snprintf(text + n, size - n, "%s%s", d ? " " : "", p->dim[d].name);
 }
 
-static void dimensions_have_their_names(void)
+TEST(dimensions_have_their_names)
 {
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
@@ -42,7 +42,7 @@ static void dimensions_have_their_names(void)
 
 /* Every word of four letters R and P with at most two P, up to reading the loop from the other end of
  * the coupler's side, has its row: the first letter is the input, so the words are all different. */
-static void no_type_is_forgotten(void)
+TEST(no_type_is_forgotten)
 {
     int n = 0;
     for (const lw_type *t = lw_type_table; t->letters; t++) {
@@ -56,7 +56,7 @@ static void no_type_is_forgotten(void)
     CHECK(lw_type_find("RPPP") == NULL && lw_type_find("") == NULL && lw_type_find(NULL) == NULL);
 }
 
-static void postures_are_sound(void)
+TEST(postures_are_sound)
 {
     for (const lw_type *t = lw_type_table; t->letters; t++) {
         lw_linkage k;
@@ -76,12 +76,4 @@ static void postures_are_sound(void)
         CHECK_NEAR(posture.tracer[0][0].x, k.tracer[0].at.x, 4e-15, 0);
         CHECK_NEAR(posture.tracer[0][0].y, k.tracer[0].at.y, 4e-15, 0);
     }
-}
-
-int main(void)
-{
-    RUN(dimensions_have_their_names);
-    RUN(no_type_is_forgotten);
-    RUN(postures_are_sound);
-    return check_end();
 }

@@ -9,7 +9,7 @@ static const struct { const char *name; double factor; } lengths[] = {
     { "in", 0.0254 }, { "ft", 0.3048 },
 }, angles[] = { { "rad", 1 }, { "deg", LW_PI/180 }, { "turn", 2*LW_PI } };
 
-static void known_names(void)
+TEST(known_names)
 {
     lw_units u = lw_units_si();
     for (size_t i = 0; i < sizeof lengths/sizeof *lengths; i++) {
@@ -25,7 +25,7 @@ static void known_names(void)
     CHECK_NEAR(12*0.0254, 0.3048, 0, 1e-15);
 }
 
-static void unknown_names_change_nothing(void)
+TEST(unknown_names_change_nothing)
 {
     static const char *const wrong[] = { "", "M", "mmm", "furlong", "degree", "rad ", " mm", NULL };
     lw_units u = lw_units_si();
@@ -41,18 +41,10 @@ static void unknown_names_change_nothing(void)
     CHECK_TEXT(u.angle, "deg");
 }
 
-static void si_is_factor_one(void)
+TEST(si_is_factor_one)
 {
     lw_units u = lw_units_si();
     CHECK_TEXT(u.length, "");
     CHECK_TEXT(u.angle, "rad");
     CHECK(u.metre == 1 && u.radian == 1);
-}
-
-int main(void)
-{
-    RUN(known_names);
-    RUN(unknown_names_change_nothing);
-    RUN(si_is_factor_one);
-    return check_end();
 }

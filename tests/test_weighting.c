@@ -75,7 +75,7 @@ static lw_status check_chain(void *context, const uint8_t *weight)
     return LW_OK;
 }
 
-static void agrees_with_all_distributions(void)
+TEST(agrees_with_all_distributions)
 {
     static const int most_dof[] = { [2] = LW_DOF_MAX, [3] = 7, [4] = 2 };
     static collection brute;
@@ -117,7 +117,7 @@ static lw_status add_chain(void *context, const uint8_t *weight)
     return LW_OK;
 }
 
-static void counting_agrees_with_listing(void)
+TEST(counting_agrees_with_listing)
 {
     lw_structures *set = structures(6);
     lw_weighting *w = lw_weighting_create();
@@ -150,7 +150,7 @@ static int lines_inside(const lw_structure *s, uint32_t circles, const uint8_t *
 }
 
 /* The sets kept decide as all sets of two or more circles do, whatever the copies. */
-static void critical_sets_decide_for_all_sets(void)
+TEST(critical_sets_decide_for_all_sets)
 {
     lw_structures *set = structures(5);
     lw_critical_list list = { 0 };
@@ -191,7 +191,7 @@ static lw_status stop_at_second(void *context, const uint8_t *weight)
     return ++*(int *)context == 2 ? LW_STOPPED : LW_OK;
 }
 
-static void limits(void)
+TEST(limits)
 {
     lw_weighting *w = lw_weighting_create();
     lw_structure s = lw_structure_theta();
@@ -203,13 +203,4 @@ static void limits(void)
     CHECK_INT(n, 2);
     lw_weighting_free(w);
     lw_weighting_free(NULL);
-}
-
-int main(void)
-{
-    RUN(critical_sets_decide_for_all_sets);
-    RUN(agrees_with_all_distributions);
-    RUN(counting_agrees_with_listing);
-    RUN(limits);
-    return check_end();
 }

@@ -19,7 +19,7 @@ static lw_work_cycle read_cycle(const char *text)
 }
 
 /* Makkonen 1999, paper D, table 3: up 0.2, over 1.0, down 0.8 m with 20 m/s^2 and 400 m/s^3: 1.209268169 s one way. */
-static void gantry(void)
+TEST(gantry)
 {
     lw_work_cycle c = read_cycle("{\"linkwright-cycle\": 1, \"cycle_time\": 2.5, \"axes\": [{\"name\": \"y\", "
                                  "\"acceleration\": 20, \"jerk\": 400}, "
@@ -39,7 +39,7 @@ static void gantry(void)
 
 /* Over a cycle with overlaps, a passing speed, rests, axes together: positions follow from speeds, these from
  * accelerations, and no limit is exceeded. */
-static void smooth(void)
+TEST(smooth)
 {
     enum { N = 200000 };
     lw_work_cycle c = read_cycle(CYCLE("{\"to\": {\"z\": 0.3}}, {\"to\": {\"y\": 1.2}, \"blend\": 0.1}, {\"to\": "
@@ -73,7 +73,7 @@ static void smooth(void)
     lw_work_cycle_free(&c);
 }
 
-static void refused(void)
+TEST(refused)
 {
     /* @ marks the place, and is not part of the text */
     static const struct { const char *text, *says; } rows[] = {
@@ -103,12 +103,4 @@ static void refused(void)
         CHECK_INT(error.line, line ? 2 : 1);
         CHECK_INT(error.column, mark - (line ? line + 1 : text) + 1);
     }
-}
-
-int main(void)
-{
-    RUN(gantry);
-    RUN(smooth);
-    RUN(refused);
-    return check_end();
 }

@@ -40,7 +40,7 @@ static bool is_fixed(const lw_linkage *k, int j)
     return k->joint[j].link[0] == k->ground || k->joint[j].link[1] == k->ground;
 }
 
-static void pivots_in_a_box_and_on_a_line(void)
+TEST(pivots_in_a_box_and_on_a_line)
 {
     lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
@@ -60,7 +60,7 @@ static void pivots_in_a_box_and_on_a_line(void)
     free(r);
 }
 
-static void nothing_enters_a_circle(void)
+TEST(nothing_enters_a_circle)
 {
     lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
@@ -81,7 +81,7 @@ static void nothing_enters_a_circle(void)
 }
 
 /* A zone much smaller than the way between two postures, in the middle of it: the conditions see it, and only then. */
-static void a_small_zone_is_not_stepped_over(void)
+TEST(a_small_zone_is_not_stepped_over)
 {
     member m;
     lw_rng rng;
@@ -123,7 +123,7 @@ static void a_small_zone_is_not_stepped_over(void)
 }
 
 /* Conditions that contradict each other have no linkage, and none that breaks one of them is handed out. */
-static void nothing_meets_a_contradiction(void)
+TEST(nothing_meets_a_contradiction)
 {
     lw_fit_options o = lw_fit_options_default();
     lw_target t;
@@ -143,7 +143,7 @@ static void nothing_meets_a_contradiction(void)
     lw_target_free(&t);
 }
 
-static void lengths_of_one_order(void)
+TEST(lengths_of_one_order)
 {
     lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
@@ -159,14 +159,4 @@ static void lengths_of_one_order(void)
         CHECK(most <= 2.5*least*(1 + 1e-5));
     }
     free(r);
-}
-
-int main(void)
-{
-    RUN(pivots_in_a_box_and_on_a_line);
-    RUN(nothing_enters_a_circle);
-    RUN(a_small_zone_is_not_stepped_over);
-    RUN(lengths_of_one_order);
-    RUN(nothing_meets_a_contradiction);
-    return check_end();
 }
