@@ -196,7 +196,7 @@ static void unit_forces(const char *file)
         const lw_space_frame *frame = &f->z.frame[body + 1];
         arm_now = lw_m3_apply(&frame->turn, r.space.tracer[r.tool].arm);
         lw_vec3 moment = lw_m3_unapply(&frame->turn, lw_v3_cross(arm_now, unit));
-        double of[] = { unit.x, unit.y, unit.z, moment.x, moment.y, moment.z };
+        double size = r.space.unit, of[] = { size*unit.x, size*unit.y, size*unit.z, moment.x, moment.y, moment.z };
         memset(force, 0, (size_t)n_v*sizeof *force);
         memcpy(force + 6*body, of, sizeof of);
         lw_space_rows_carry(&f->z, force, l);

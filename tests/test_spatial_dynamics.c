@@ -337,6 +337,7 @@ TEST(reactions_carry_the_masses)
     lw_spatial m;
     load_spatial("slider-crank", &m);
     run(&m, LW_SPACE_TRANSIENT, .4, 400, 1e-12);
+    double size = lw_spatial_size(&m);
     /* linear momentum rate by differences = weight + reactions of A and D on the moving links (link 1 is the moving
      * one) */
     const sample *s = &k.at[100];
@@ -353,7 +354,7 @@ TEST(reactions_carry_the_masses)
     lw_vec3 moment = lw_v3_add(s->joint[0].moment, lw_v3_cross(m.joint[0].at, s->joint[0].force));
     moment = lw_v3_add(moment, lw_v3_add(s->joint[3].moment, lw_v3_cross(s->tracer, s->joint[3].force)));
     for (int b = 0; b < 3; b++)
-        moment = lw_v3_add(moment, lw_v3_cross(lw_v3(s->q[7*b], s->q[7*b + 1], s->q[7*b + 2]),
+        moment = lw_v3_add(moment, lw_v3_cross(lw_v3_scale(lw_v3(s->q[7*b], s->q[7*b + 1], s->q[7*b + 2]), size),
                                                lw_v3(0, 0, -9.81*m.body[b + 1].mass)));
     CHECK_NEAR(lw_v3_norm(lw_v3_sub(moment, spin)), 0, 1e-6*lw_v3_norm(moment), 0);
     lw_spatial_free(&m);
@@ -539,7 +540,7 @@ TEST(a_weight_comes_to_rest)
         lw_space_move(&s, q, by);
         lw_space_place(&s, q, frame);
         lw_vec3 pin = lw_space_point_at(frame, (lw_space_point){ 0, s.joint[0].arm[1] });
-        q[0] -= pin.x, q[1] -= pin.y, q[2] -= pin.z;
+        q[0] -= pin.x/s.unit, q[1] -= pin.y/s.unit, q[2] -= pin.z/s.unit;
         lw_space_place(&s, q, frame);
         CHECK(lw_space_potential(&f, frame) > least);
     }

@@ -44,14 +44,14 @@ static void make_body(lw_space *s, int link)
             at = m->joint[j].at;
             break;
         }
-    mass[0] = mass[1] = mass[2] = p->mass;
+    mass[0] = mass[1] = mass[2] = p->mass*s->unit*s->unit;
     lw_m3_principal(p->inertia, mass + 3, &axes);
     double top = fmax(mass[3], fmax(mass[4], mass[5]));
     for (int i = 3; i < 6; i++)
         if (mass[i] < 1e-15*top)
             mass[i] = 0;
     lw_quaternion t = s->axes[b] = lw_quaternion_of_matrix(&axes);
-    q[0] = at.x, q[1] = at.y, q[2] = at.z, q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
+    q[0] = at.x/s->unit, q[1] = at.y/s->unit, q[2] = at.z/s->unit, q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
 }
 
 static lw_vec3 in_body(const lw_space *s, int body, lw_vec3 direction)
@@ -66,7 +66,7 @@ lw_space_point lw_space_point_of(const lw_space *s, int link, lw_vec3 at)
 {
     int b = s->body_of[link];
     const double *q = s->start + 7*b;
-    return (lw_space_point){ b, b < 0 ? at : in_body(s, b, lw_v3_sub(at, lw_v3(q[0], q[1], q[2]))) };
+    return (lw_space_point){ b, b < 0 ? at : in_body(s, b, lw_v3_sub(at, lw_v3_scale(lw_v3(q[0], q[1], q[2]), s->unit))) };
 }
 
 static void make_joint(lw_space *s, int i)
@@ -117,7 +117,7 @@ void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame)
 {
     frame[0] = (lw_space_frame){ { 0, 0, 0 }, { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } } };
     for (int b = 0; b < s->n_body; b++, q += 7) {
-        frame[b + 1].at = lw_v3(q[0], q[1], q[2]);
+        frame[b + 1].at = lw_v3_scale(lw_v3(q[0], q[1], q[2]), s->unit);
         frame[b + 1].turn = lw_quaternion_matrix((lw_quaternion){ q[3], q[4], q[5], q[6] });
     }
 }
@@ -134,13 +134,13 @@ lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v)
                                                                                 v[6*body + 5]));
 }
 
-lw_vec3 lw_space_point_velocity(const lw_space_frame *frame, lw_space_point p, const double *v)
+lw_vec3 lw_space_point_velocity(const lw_space *s, const lw_space_frame *frame, lw_space_point p, const double *v)
 {
     if (p.body < 0)
         return lw_v3(0, 0, 0);
     const double *at = v + 6*p.body;
     lw_vec3 turn = lw_m3_apply(&frame[p.body + 1].turn, lw_v3_cross(lw_v3(at[3], at[4], at[5]), p.arm));
-    return lw_v3_add(lw_v3(at[0], at[1], at[2]), turn);
+    return lw_v3_add(lw_v3_scale(lw_v3(at[0], at[1], at[2]), s->unit), turn);
 }
 
 void lw_space_move(const lw_space *s, double *q, const double *by)

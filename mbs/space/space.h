@@ -1,9 +1,10 @@
 /* mbs/space/space.h - the constraint rows of a spatial model, their derivatives, and what velocities add.
  *
- * A body has 7 coordinates, its centre of mass r [m] in ground axes and a quaternion w, x, y, z of any length that
- * turns its principal axes to ground axes; and 6 velocities, v [m/s] in ground axes and omega [rad/s] in principal
- * axes.  So the mass matrix is diagonal and constant:  m m m I1 I2 I3.  Rows that are lengths are divided by `unit`,
- * the size of the model.  A row touches two bodies at most; its derivatives by their velocities are 12 numbers. */
+ * Lengths are in multiples of `unit`, the size of the model, as in the plane (mbs/constraints/system.h).  A body has 7
+ * coordinates, its centre of mass in ground axes and a quaternion w, x, y, z of any length that turns its principal axes
+ * to ground axes; and 6 velocities, that of the centre in ground axes and omega [rad/s] in principal axes.  So the mass
+ * matrix is diagonal and constant, m m m I1 I2 I3 [kg m^2], and forces are energies [J].  A row touches two bodies at
+ * most; its derivatives by their velocities are 12 numbers.  Frames, points and values of measures are in SI units. */
 #ifndef LW_MBS_SPACE_SPACE_H
 #define LW_MBS_SPACE_SPACE_H
 
@@ -39,7 +40,7 @@ typedef struct lw_space {
     lw_space_joint *joint;       /* (n_joint)                                                         */
     lw_space_point *tracer;      /* (n_tracer)                                                        */
     lw_quaternion *axes;         /* (n_body) principal axes in the posture of the file                */
-    double  *mass;               /* (n_v) diagonal of the mass matrix                                 */
+    double  *mass;               /* (n_v) diagonal of the mass matrix [kg m^2]                        */
     double  *start;              /* (n_q) posture of the file                                         */
     void    *memory;
 } lw_space;
@@ -48,13 +49,13 @@ typedef struct lw_space {
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e);
 void      lw_space_free(lw_space *s);
 
-/* frames (n_body + 1) at q. */
+/* frames (n_body + 1) at q [m]. */
 void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame);
 
 /* The point of a link that is at `at` in the posture of the file. */
 lw_space_point lw_space_point_of(const lw_space *s, int link, lw_vec3 at);
 lw_vec3 lw_space_point_at(const lw_space_frame *frame, lw_space_point p);
-lw_vec3 lw_space_point_velocity(const lw_space_frame *frame, lw_space_point p, const double *v);
+lw_vec3 lw_space_point_velocity(const lw_space *s, const lw_space_frame *frame, lw_space_point p, const double *v);
 lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v);      /* in ground axes */
 
 /* Bodies of a row of joint `j` or of an extra: two, -1 where there is none. */

@@ -424,7 +424,7 @@ double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, b
             memcpy(b, z.phi, (size_t)z.n_row*sizeof *b);
             lw_rank_solve_transposed(&d.rank, b, by);
             for (int i = 0; i < s->n_v; i++)
-                by[i] *= -(i%6 < 3 ? s->unit : 1);
+                by[i] = -by[i];
             double length = lw_space_length(s, by);
             for (int i = 0; i < s->n_v && length > 0.2; i++)
                 by[i] *= 0.2/length;

@@ -48,13 +48,13 @@ void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame)
 
 /* ---- loads ------------------------------------------------------------------------------------------------ */
 
-static void push(const lw_space_frame *frame, lw_space_point p, lw_vec3 load, double *force)
+static void push(const lw_space *s, const lw_space_frame *frame, lw_space_point p, lw_vec3 load, double *force)
 {
     if (p.body < 0)
         return;
     double *to = force + 6*p.body;
     lw_vec3 moment = lw_v3_cross(p.arm, lw_m3_unapply(&frame[p.body + 1].turn, load));
-    to[0] += load.x, to[1] += load.y, to[2] += load.z, to[3] += moment.x, to[4] += moment.y, to[5] += moment.z;
+    to[0] += s->unit*load.x, to[1] += s->unit*load.y, to[2] += s->unit*load.z, to[3] += moment.x, to[4] += moment.y, to[5] += moment.z;
 }
 
 /* A force along a measure, in its SI unit. */
@@ -96,7 +96,7 @@ static double value_of(const lw_space_forces *f, const lw_expression *x, double 
         } else if (kind >= LW_VARIABLE_X && kind <= LW_VARIABLE_Z)
             p = lw_space_point_at(frame, f->s->tracer[index]);
         else if (kind >= LW_VARIABLE_VX && kind <= LW_VARIABLE_VZ)
-            p = lw_space_point_velocity(frame, f->s->tracer[index], v);
+            p = lw_space_point_velocity(f->s, frame, f->s->tracer[index], v);
         switch (kind) {
         case LW_VARIABLE_T: at[i] = t; break;
         case LW_VARIABLE_TURN: case LW_VARIABLE_SLIDE: at[i] = value; break;
@@ -120,8 +120,8 @@ static double spring_line(const lw_space_forces *f, int i, const lw_space_frame 
     double length = lw_v3_norm(d);
     *along = length > 0 ? lw_v3_scale(d, 1/length) : d;
     if (rate)
-        *rate = lw_v3_dot(*along, lw_v3_sub(lw_space_point_velocity(frame, end[1], v),
-                                            lw_space_point_velocity(frame, end[0], v)));
+        *rate = lw_v3_dot(*along, lw_v3_sub(lw_space_point_velocity(f->s, frame, end[1], v),
+                                            lw_space_point_velocity(f->s, frame, end[0], v)));
     return length;
 }
 
@@ -146,8 +146,8 @@ void lw_space_forces_unit(const lw_space_forces *f, const lw_space_frame *frame,
         return;
     }
     spring_line(f, spring, frame, NULL, &along, NULL);
-    push(frame, f->spring_end[spring][0], along, force);
-    push(frame, f->spring_end[spring][1], lw_v3_scale(along, -1), force);
+    push(f->s, frame, f->spring_end[spring][0], along, force);
+    push(f->s, frame, f->spring_end[spring][1], lw_v3_scale(along, -1), force);
 }
 
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
@@ -160,7 +160,7 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
     for (int b = 0; b < s->n_body; b++) {
         const double *mass = s->mass + 6*b, *w = v + 6*b + 3;
         double *to = force + 6*b;
-        to[0] = mass[0]*m->gravity.x, to[1] = mass[1]*m->gravity.y, to[2] = mass[2]*m->gravity.z;
+        to[0] = mass[0]*m->gravity.x/s->unit, to[1] = mass[1]*m->gravity.y/s->unit, to[2] = mass[2]*m->gravity.z/s->unit;
         to[3] = (mass[4] - mass[5])*w[1]*w[2];
         to[4] = (mass[5] - mass[3])*w[2]*w[0];
         to[5] = (mass[3] - mass[4])*w[0]*w[1];
@@ -171,8 +171,8 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
         double length = spring_line(f, i, frame, v, &along, &rate);
         double damp = p->law ? value_of(f, p->law, t, frame, v, length, rate) : p->damping*rate;
         double pull = p->law ? damp : p->stiffness*(length - p->free) + damp;
-        push(frame, f->spring_end[i][0], lw_v3_scale(along, pull), force);
-        push(frame, f->spring_end[i][1], lw_v3_scale(along, -pull), force);
+        push(s, frame, f->spring_end[i][0], lw_v3_scale(along, pull), force);
+        push(s, frame, f->spring_end[i][1], lw_v3_scale(along, -pull), force);
         work -= damp*rate;
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
@@ -218,11 +218,11 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
             pull = lw_m3_apply(turn, lw_m3_unapply(&axes, pull));
             twist = lw_m3_apply(turn, lw_m3_unapply(&axes, twist));
         }
-        push(frame, at, pull, force);
+        push(s, frame, at, pull, force);
         lw_vec3 own = lw_m3_unapply(turn, twist);
         double *to = force + 6*at.body + 3;
         to[0] += own.x, to[1] += own.y, to[2] += own.z;
-        work += lw_v3_dot(pull, lw_space_point_velocity(frame, at, v)) + lw_v3_dot(twist, lw_space_omega(frame,
+        work += lw_v3_dot(pull, lw_space_point_velocity(s, frame, at, v)) + lw_v3_dot(twist, lw_space_omega(frame,
                 at.body, v));
     }
     if (power)
@@ -238,7 +238,7 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
     double sum = 0, value;
     lw_vec3 along;
     for (int b = 0; b < s->n_body; b++)
-        sum -= s->mass[6*b]*lw_v3_dot(m->gravity, frame[b + 1].at);
+        sum -= s->mass[6*b]*lw_v3_dot(m->gravity, frame[b + 1].at)/(s->unit*s->unit);
     for (int i = 0; i < m->n_spring; i++) {
         double stretch = spring_line(f, i, frame, NULL, &along, NULL) - m->spring[i].free;
         sum += m->spring[i].law ? 0 : m->spring[i].stiffness*stretch*stretch/2;
@@ -274,7 +274,7 @@ void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const dou
     *linear = *angular = lw_v3(0, 0, 0);
     for (int b = 0; b < s->n_body; b++) {
         const double *m = s->mass + 6*b, *u = v + 6*b;
-        lw_vec3 p = lw_v3(m[0]*u[0], m[1]*u[1], m[2]*u[2]);
+        lw_vec3 p = lw_v3_scale(lw_v3(m[0]*u[0], m[1]*u[1], m[2]*u[2]), 1/s->unit);
         lw_vec3 spin = lw_m3_apply(&frame[b + 1].turn, lw_v3(m[3]*u[3], m[4]*u[4], m[5]*u[5]));
         *linear = lw_v3_add(*linear, p);
         *angular = lw_v3_add(*angular, lw_v3_add(spin, lw_v3_cross(frame[b + 1].at, p)));

@@ -19,7 +19,7 @@ void      lw_space_forces_free(lw_space_forces *f);
 /* Take the turns at a posture that is accepted. */
 void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame);
 
-/* Forces (n_v) with gravity and what spinning bodies add; power of those without potential, unless NULL. */
+/* Forces (n_v) [J] with gravity and what spinning bodies add; power of those without potential, unless NULL. */
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force,
                            double *power);

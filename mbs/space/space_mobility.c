@@ -56,7 +56,7 @@ static double close_rows(search *x, int most)
         memcpy(x->b, x->z.phi, (size_t)x->z.n_row*sizeof *x->b);
         lw_rank_solve_transposed(&x->d.rank, x->b, x->by);
         for (int i = 0; i < x->s->n_v; i++)
-            x->by[i] *= -(i%6 < 3 ? x->s->unit : 1);
+            x->by[i] = -x->by[i];
         double length = lw_space_length(x->s, x->by);
         if (!isfinite(length) || length > 1)
             return INFINITY;
@@ -76,7 +76,7 @@ static void draw_motion(search *x, lw_rng *rng)
         double c = 2*lw_rng_uniform(rng) - 1;
         lw_rank_left_null(&x->d.rank, k, x->by);
         for (int i = 0; i < s->n_v; i++)
-            x->v[i] += c*x->by[i]*(i%6 < 3 ? s->unit : 1);
+            x->v[i] += c*x->by[i];
     }
     double length = lw_space_length(s, x->v);
     for (int i = 0; i < s->n_v; i++)
@@ -92,7 +92,7 @@ static double distance(const search *x)
         lw_quaternion t = lw_quaternion_times(lw_quaternion_inverse((lw_quaternion){ o[3], o[4], o[5], o[6] }),
                                               (lw_quaternion){ p[3], p[4], p[5], p[6] });
         most = fmax(most, lw_v3_norm(lw_quaternion_vector(t)));
-        most = fmax(most, lw_v3_norm(lw_v3(p[0] - o[0], p[1] - o[1], p[2] - o[2]))/x->s->unit);
+        most = fmax(most, lw_v3_norm(lw_v3(p[0] - o[0], p[1] - o[1], p[2] - o[2])));
     }
     return most;
 }
@@ -151,7 +151,7 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
         memset(row, 0, (size_t)n*sizeof *row);
         for (int k = 0; k < 2; k++)
             for (int i = 0; x->z.body[r][k] >= 0 && i < 6; i++)
-                row[6*x->z.body[r][k] + i] = x->z.jac[r*LW_SPACE_ROW + 6*k + i]*(i < 3 ? s->unit : 1);
+                row[6*x->z.body[r][k] + i] = x->z.jac[r*LW_SPACE_ROW + 6*k + i];
         double before = 0, after = 0;
         for (int i = 0; i < n; i++)
             before += row[i]*row[i];

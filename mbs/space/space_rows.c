@@ -12,13 +12,14 @@
 #include <string.h>
 
 typedef struct ends {            /* of a joint at one posture */
+    double  unit;                /* of translations */
     lw_vec3 arm[2], d;           /* from the centres of mass to the points; between the points */
     const lw_mat3 *turn[2];
 } ends;
 
-static ends ends_of(const lw_space_joint *j, const lw_space_frame *frame)
+static ends ends_of(const lw_space *s, const lw_space_joint *j, const lw_space_frame *frame)
 {
-    ends n;
+    ends n = { .unit = s->unit };
     for (int i = 0; i < 2; i++) {
         n.turn[i] = &frame[j->body[i] + 1].turn;
         n.arm[i] = lw_m3_apply(n.turn[i], j->arm[i]);
@@ -27,34 +28,34 @@ static ends ends_of(const lw_space_joint *j, const lw_space_frame *frame)
     return n;
 }
 
-static void put(double *to, lw_vec3 force, const lw_mat3 *turn, lw_vec3 moment)
+static void put(double *to, const ends *n, int end, lw_vec3 force, lw_vec3 moment)
 {
-    lw_vec3 m = lw_m3_unapply(turn, moment);
-    to[0] = force.x, to[1] = force.y, to[2] = force.z, to[3] = m.x, to[4] = m.y, to[5] = m.z;
+    lw_vec3 m = lw_m3_unapply(n->turn[end], moment);
+    to[0] = n->unit*force.x, to[1] = n->unit*force.y, to[2] = n->unit*force.z, to[3] = m.x, to[4] = m.y, to[5] = m.z;
 }
 
 static void point_row(const ends *n, lw_vec3 e, double scale, double *phi, double *jac)
 {
     *phi = scale*lw_v3_dot(e, n->d);
     e = lw_v3_scale(e, scale);
-    put(jac, lw_v3_scale(e, -1), n->turn[0], lw_v3_cross(e, n->arm[0]));
-    put(jac + 6, e, n->turn[1], lw_v3_cross(n->arm[1], e));
+    put(jac, n, 0, lw_v3_scale(e, -1), lw_v3_cross(e, n->arm[0]));
+    put(jac + 6, n, 1, e, lw_v3_cross(n->arm[1], e));
 }
 
 static void line_row(const ends *n, lw_vec3 a, double scale, double *phi, double *jac)
 {
     *phi = scale*lw_v3_dot(a, n->d);
     a = lw_v3_scale(a, scale);
-    put(jac, lw_v3_scale(a, -1), n->turn[0], lw_v3_cross(a, lw_v3_add(n->d, n->arm[0])));
-    put(jac + 6, a, n->turn[1], lw_v3_cross(n->arm[1], a));
+    put(jac, n, 0, lw_v3_scale(a, -1), lw_v3_cross(a, lw_v3_add(n->d, n->arm[0])));
+    put(jac + 6, n, 1, a, lw_v3_cross(n->arm[1], a));
 }
 
 static void turn_row(const ends *n, lw_vec3 a, lw_vec3 b, double fixed, double *phi, double *jac)
 {
     lw_vec3 c = lw_v3_cross(a, b), none = lw_v3(0, 0, 0);
     *phi = lw_v3_dot(a, b) - fixed;
-    put(jac, none, n->turn[0], c);
-    put(jac + 6, none, n->turn[1], lw_v3_scale(c, -1));
+    put(jac, n, 0, none, c);
+    put(jac + 6, n, 1, none, lw_v3_scale(c, -1));
 }
 
 /* Angle from x[0] to x[1] about z[0], the one nearest to `near`, and its derivatives. */
@@ -64,8 +65,8 @@ static double angle_of(const lw_space_joint *j, const ends *n, double near, doub
     lw_vec3 x1 = lw_m3_apply(n->turn[1], j->x[1]), axis = lw_m3_apply(n->turn[0], j->z[0]), none = lw_v3(0, 0, 0);
     double angle = atan2(lw_v3_dot(y0, x1), lw_v3_dot(x0, x1));
     if (jac) {
-        put(jac, none, n->turn[0], lw_v3_scale(axis, -1));
-        put(jac + 6, none, n->turn[1], axis);
+        put(jac, n, 0, none, lw_v3_scale(axis, -1));
+        put(jac + 6, n, 1, none, axis);
     }
     return near + remainder(angle - near, 2*LW_PI);
 }
@@ -96,7 +97,7 @@ static int line_rows(const lw_space_joint *j, const ends *n, double scale, doubl
 static void joint_rows(const lw_space *s, const lw_space_joint *j, const lw_space_frame *frame, double *phi,
                        double *jac)
 {
-    ends n = ends_of(j, frame);
+    ends n = ends_of(s, j, frame);
     double scale = 1/s->unit;
     int r = 0;
 #define PHI phi + r, jac + r*LW_SPACE_ROW
@@ -161,7 +162,7 @@ static rates rates_of(const lw_space_joint *j, const ends *n, const lw_space_fra
         int b = j->body[i];
         z.omega[i] = lw_space_omega(frame, b, v);
         lw_vec3 turn = lw_v3_cross(z.omega[i], n->arm[i]);
-        dp[i] = b < 0 ? turn : lw_v3_add(turn, lw_v3(v[6*b], v[6*b + 1], v[6*b + 2]));
+        dp[i] = b < 0 ? turn : lw_v3_add(turn, lw_v3_scale(lw_v3(v[6*b], v[6*b + 1], v[6*b + 2]), n->unit));
         ddp[i] = lw_v3_cross(z.omega[i], turn);
     }
     z.dd = lw_v3_sub(dp[1], dp[0]);
@@ -194,7 +195,7 @@ void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double 
     for (int i = 0; i < s->n_joint; i++) {
         const lw_space_joint *j = &s->joint[i];
         double *to = out + j->row;
-        ends n = ends_of(j, frame);
+        ends n = ends_of(s, j, frame);
         rates z = rates_of(j, &n, frame, v);
         lw_vec3 x0 = lw_m3_apply(n.turn[0], j->x[0]), y0 = lw_m3_apply(n.turn[0], j->y[0]);
         lw_vec3 z0 = lw_m3_apply(n.turn[0], j->z[0]), z1 = lw_m3_apply(n.turn[1], j->z[1]);
@@ -251,13 +252,14 @@ double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spati
         const lw_space_frame *f = &frame[p.body + 1];
         lw_vec3 e = ground_axis(of.of), arm = lw_m3_apply(&f->turn, p.arm);
         if (jac) {
-            memset(jac, 0, LW_SPACE_ROW*sizeof *jac);
-            put(jac, lw_v3_scale(e, 1/s->unit), &f->turn, lw_v3_scale(lw_v3_cross(arm, e), 1/s->unit));
+            lw_vec3 m = lw_v3_scale(lw_m3_unapply(&f->turn, lw_v3_cross(arm, e)), 1/s->unit);
+            const double row[LW_SPACE_ROW] = { e.x, e.y, e.z, m.x, m.y, m.z };
+            memcpy(jac, row, sizeof row);
         }
         return lw_v3_dot(e, lw_v3_add(f->at, arm))/s->unit;
     }
     const lw_space_joint *j = &s->joint[of.index];
-    ends n = ends_of(j, frame);
+    ends n = ends_of(s, j, frame);
     if (of.of == LW_OF_TURN)
         return angle_of(j, &n, near, jac);
     line_row(&n, lw_m3_apply(n.turn[0], j->z[0]), 1/s->unit, &value, jac ? jac : none);
@@ -272,7 +274,7 @@ double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_
         return lw_v3_dot(ground_axis(of.of), lw_v3_cross(omega, lw_v3_cross(omega, arm)))/s->unit;
     }
     const lw_space_joint *j = &s->joint[of.index];
-    ends n = ends_of(j, frame);
+    ends n = ends_of(s, j, frame);
     rates z = rates_of(j, &n, frame, v);
     return of.of == LW_OF_TURN ? angle_bias(j, &z, &n) : line_bias(&z, &n, lw_m3_apply(n.turn[0], j->z[0]))/s->unit;
 }

@@ -107,7 +107,7 @@ static void weigh(lw_space_run *r, const lw_space_extra *idle, double *weight)
     for (int i = 0; i < s->n_v; i++)
         r->by_rank = r->by_rank || !(weight[i] > 0);
     for (int i = 0; i < s->n_v; i++)
-        weight[i] = r->by_rank ? i%6 < 3 ? s->unit*s->unit : 1 : 1/weight[i];
+        weight[i] = r->by_rank ? 1 : 1/weight[i];
 }
 
 static lw_status check_model(const lw_spatial *m, lw_error *e)
@@ -359,7 +359,7 @@ static void reactions(lw_space_run *r, const double *l)
             for (int end = 0; end < 2; end++) {
                 const double *jac = z->jac + (j->row + k)*LW_SPACE_ROW + 6*end;
                 double f = -l[j->row + k];
-                load[end] = lw_v3_add(load[end], lw_v3_scale(lw_v3(jac[0], jac[1], jac[2]), f));
+                load[end] = lw_v3_add(load[end], lw_v3_scale(lw_v3(jac[0], jac[1], jac[2]), f/s->unit));
                 twist[end] = lw_v3_add(twist[end], lw_v3_scale(lw_v3(jac[3], jac[4], jac[5]), f));
             }
         lw_vec3 p[2];
@@ -574,7 +574,7 @@ static lw_status watch(lw_space_run *r, double t, const double *y)
         memset(r->small, 0, (size_t)r->s.n_v*sizeof *r->small);
         lw_space_forces_apply(&r->f, t, r->z.frame, y + q, r->small, NULL);
         for (int i = 0; i < r->s.n_v; i++)
-            r->energy_least += fabs(r->small[i])*(i%6 < 3 ? r->s.unit : 1);
+            r->energy_least += fabs(r->small[i]);
     }
     if (fabs(off - before) <= (jump + jump_share*r->o.relative)*fmax(r->r.energy_scale, r->energy_least))
         return LW_OK;
@@ -620,7 +620,7 @@ static lw_status run_in_time(lw_space_run *r)
     lw_status st = each && work ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory");
     bool begun = false;
     for (int i = 0; each && i < n; i++)
-        each[i] = r->o.relative*(i < q ? i%7 < 3 ? r->s.unit : 0.5 : i < q + v ? (i - q)%6 < 3 ? r->s.unit : 1 : 1);
+        each[i] = r->o.relative*(i < q ? i%7 < 3 ? 1 : 0.5 : 1);
     memcpy(y, r->q, (size_t)q*sizeof *y);
     memcpy(y + q, r->v, (size_t)v*sizeof *y);
     if (has_work(r)) {
@@ -707,12 +707,12 @@ static lw_status start_velocity(lw_space_run *r, lw_error *e)
     for (int b = 0; b < s->n_body; b++) {
         const lw_spatial_body *p = &m->body[s->link_of[b]];
         lw_vec3 w = lw_m3_unapply(&r->z.frame[b + 1].turn, p->omega);
-        double *v = r->v + 6*b, given[6] = { p->velocity.x, p->velocity.y, p->velocity.z, w.x, w.y, w.z };
+        double *v = r->v + 6*b, given[6] = { p->velocity.x/s->unit, p->velocity.y/s->unit, p->velocity.z/s->unit, w.x, w.y, w.z };
         for (int i = 0; i < 6; i++) {
             bool has = i < 3 ? p->has_velocity : p->has_omega;
             v[i] = has ? given[i] : 0;
             weight[6*b + i] = has ? 0 : weight[6*b + i];
-            top = fmax(top, fabs(v[i])/(i < 3 ? s->unit : 1));
+            top = fmax(top, fabs(v[i]));
         }
     }
     lw_status st = lw_space_rows_make(s, x, n, weight, r->q, &z, e);
@@ -1063,10 +1063,10 @@ void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion
         out[i] = (lw_frame_motion){ .turn = { 1, 0, 0, 0 } };
         if (b < 0)
             continue;
-        const double *q = m->q + 7*b, *v = m->v + 6*b, *a = m->a + 6*b;
+        const double *q = m->q + 7*b, *v = m->v + 6*b, *a = m->a + 6*b, u = s->unit;
         lw_quaternion turn = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
                                                  lw_quaternion_inverse(s->axes[b]));
-        out[i] = (lw_frame_motion){ { q[0], q[1], q[2] }, { v[0], v[1], v[2] }, { a[0], a[1], a[2] },
+        out[i] = (lw_frame_motion){ { u*q[0], u*q[1], u*q[2] }, { u*v[0], u*v[1], u*v[2] }, { u*a[0], u*a[1], u*a[2] },
                                     lw_quaternion_unit(turn),
                                     lw_space_omega(m->frame, b, m->v), lw_space_omega(m->frame, b, m->a) };
     }

@@ -10,14 +10,14 @@ double lw_space_length(const lw_space *s, const double *by)
 {
     double most = 0;
     for (int i = 0; i < s->n_v; i++)
-        most = fmax(most, fabs(by[i])/(i%6 < 3 ? s->unit : 1));
+        most = fmax(most, fabs(by[i]));
     return most;
 }
 
 void lw_space_metric(const lw_space *s, double *weight)
 {
     for (int i = 0; i < s->n_v; i++)
-        weight[i] = i%6 < 3 ? s->unit*s->unit : 1;
+        weight[i] = 1;
 }
 
 /* ---- memory ---------------------------------------------------------------------------------------------- */

@@ -23,8 +23,8 @@ void lw_space_tracers(const lw_space *s, const lw_space_frame *frame, const doub
                                        lw_quaternion_inverse(s->axes[p.body]));
         }
         t->place = lw_space_point_at(frame, p);
-        t->velocity = lw_space_point_velocity(frame, p, v);
-        t->acceleration = lw_v3_add(lw_space_point_velocity(frame, p, a), lw_v3_cross(w, lw_v3_cross(w, arm)));
+        t->velocity = lw_space_point_velocity(s, frame, p, v);
+        t->acceleration = lw_v3_add(lw_space_point_velocity(s, frame, p, a), lw_v3_cross(w, lw_v3_cross(w, arm)));
         t->turn = lw_quaternion_unit(lw_quaternion_times(turn, m->tracer[i].frame));
         t->omega = w;
         t->alpha = alpha;
