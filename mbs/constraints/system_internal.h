@@ -14,9 +14,9 @@ void lw_system_place(const lw_system *s, const double *q, lw_body_frame *f);
 void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, long row_step,
                     long column_step);
 
-/* The same in blocks: the derivatives of row r by the three coordinates of body[r][k] at jac[r*LW_ROW_SIZE + 3*k];
+/* The same in blocks: the derivatives of row r by the three coordinates of body[r][k] at jac[r*LW_SYSTEM_ROW_SIZE + 3*k];
  * body (n_row) is that of lw_system_row_bodies. */
-#define LW_ROW_SIZE (3*LW_SYSTEM_ROW_BODIES)
+#define LW_SYSTEM_ROW_SIZE (3*LW_SYSTEM_ROW_BODIES)
 typedef int lw_row_bodies[LW_SYSTEM_ROW_BODIES];
 void lw_system_fill_blocks(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, lw_row_bodies *body);
 

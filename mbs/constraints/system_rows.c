@@ -193,7 +193,7 @@ void lw_system_fill(const lw_system *s, const lw_body_frame *f, double *phi, dou
 
 void lw_system_fill_blocks(const lw_system *s, const lw_body_frame *f, double *phi, double *jac, lw_row_bodies *body)
 {
-    fill(s, f, phi, jac, LW_ROW_SIZE, 1, body);
+    fill(s, f, phi, jac, LW_SYSTEM_ROW_SIZE, 1, body);
 }
 
 void lw_system_rows(const lw_system *s, const double *q, double *phi, double *jac)

@@ -24,11 +24,11 @@ static lw_status project_and_hold_energy(void *context, double t, double *y)
     if (s != LW_OK || run->has_work)
         return s;
     double kinetic = d->eq.kinetic(d->eq.context, v), off = kinetic + d->eq.potential(d->eq.context, y) - run->energy0;
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(v[i]));
     if (!(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))
         return LW_OK;
-    for (int i = 0; kinetic > 0 && i < d->n_q; i++)
+    for (int i = 0; kinetic > 0 && i < d->n_v; i++)
         v[i] -= v[i]*(off/(2*kinetic));
     run->r->energy_held += fabs(off);
     return LW_OK;
@@ -205,7 +205,7 @@ static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
     const lw_dynamics *d = run->d;
     lw_integrator *e = &w->explicit_one;
     double near = 2*LW_SINGULAR_STEP_HALF, after = lw_run_energy(run, e->y), length = e->t - e->t_old;
-    double scale = fmax(run->r->energy_scale, lw_forces_kinetic(&d->f, e->y + d->n_q));
+    double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, e->y + d->n_q));
     double allowed = most_energy*(d->o.relative + d->o.absolute)*scale + 1e-13*fabs(after);
     if (d->weak > near*near || fabs(after - lw_run_energy(run, e->y_old)) <= allowed || *taken == most_taken) {
         *taken = 0;
@@ -347,13 +347,13 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     char why[200];
     if (d->touch)
-        return lw_formulation_say(r, LW_OK, 2*d->n_q, "bodies' coordinates; contacts and ropes by complementarity");
+        return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "bodies' coordinates; contacts and ropes by complementarity");
     if (asked)
-        return lw_formulation_say(r, LW_OK, 2*d->n_q, "asked for");
+        return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
     if (d->n_friction || lw_mbs_is_stiff(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
-    return lw_formulation_say(r, LW_OK, 2*d->n_q, why);
+    return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, why);
 }
 
 static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
@@ -364,7 +364,7 @@ static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "ggl solves stiff dampers in fewer steps");
     if (d->large)
         return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");
-    return lw_formulation_say(r, LW_OK, 2*d->n_q, asked ? "asked for" : d->n_friction
+    return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, asked ? "asked for" : d->n_friction
                               ? "friction makes the equations stiff: an implicit method"
                               : "dampers make the equations stiff: an implicit method");
 }

@@ -18,28 +18,26 @@ static const double least_share = 1e-10;    /* relative pivot below which a row 
 
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 {
-    out[0] = out[1] = out[2] = 0;            /* an input that only holds its speed while velocities are found */
-    return d->model->motion[d->driven[i]] ? lw_input_motion(d->model, &d->s, d->driven[i], t, out) : LW_OK;
+    return d->eq.motion(d->eq.context, d->driven[i], t, out);
 }
 
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 {
-    const lw_system *s = &d->s;
-    int row = s->n_row;
+    int row = d->n_row;
     d->eq.place(d->eq.context, q);
     memset(d->jac, 0, (size_t)d->n_c*LW_ROW_SIZE*sizeof *d->jac);
-    d->eq.rows(d->eq.context, d->phi, d->jac, d->row_body);
+    d->eq.rows(d->eq.context, d->phi, d->jac, d->row_block);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return lw_error_set(d->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
-                                d->model->linkage.joint[s->input_joint[d->driven[i]]].name, t);
-        d->phi[row] = d->eq.measure(d->eq.context, s->input_joint[d->driven[i]], d->jac + row*LW_ROW_SIZE, d->row_body[row])
+                                d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
+        d->phi[row] = d->eq.measure(d->eq.context, d->driven_measure[i], d->jac + row*LW_ROW_SIZE, d->row_block[row])
                     - motion[0];
     }
     for (int i = 0; i < d->n_resting; i++, row++) {
         const lw_rigid_stop *stop = &d->stop[d->resting[i]];
-        d->phi[row] = d->eq.measure(d->eq.context, stop->joint, d->jac + row*LW_ROW_SIZE, d->row_body[row])
+        d->phi[row] = d->eq.measure(d->eq.context, stop->measure, d->jac + row*LW_ROW_SIZE, d->row_block[row])
                     - stop->limit;
     }
     if (d->touch)
@@ -49,9 +47,9 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 
 void lw_mbs_row(const lw_dynamics *d, int r, double *out)
 {
-    memset(out, 0, (size_t)d->n_q*sizeof *out);
-    for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++)
-        memcpy(out + 3*d->row_body[r][k], d->jac + r*LW_ROW_SIZE + 3*k, 3*sizeof *out);
+    memset(out, 0, (size_t)d->n_v*sizeof *out);
+    for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[r][k] >= 0; k++)
+        memcpy(out + LW_BLOCK*d->row_block[r][k], d->jac + r*LW_ROW_SIZE + LW_BLOCK*k, LW_BLOCK*sizeof *out);
 }
 
 lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
@@ -75,10 +73,10 @@ static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
         double motion[3];
         if (lw_mbs_motion(d, i, t, motion) != LW_OK)
             return LW_E_NUMERIC;
-        d->rhs[row] = motion[2] - d->eq.measure_bias(d->eq.context, d->s.input_joint[d->driven[i]], v);
+        d->rhs[row] = motion[2] - d->eq.measure_bias(d->eq.context, d->driven_measure[i], v);
     }
     for (int i = 0; i < d->n_resting; i++, row++)
-        d->rhs[row] = -d->eq.measure_bias(d->eq.context, d->stop[d->resting[i]].joint, v);
+        d->rhs[row] = -d->eq.measure_bias(d->eq.context, d->stop[d->resting[i]].measure, v);
     if (d->touch)
         lw_mbs_touch_bias(d, row, v);
     return LW_OK;
@@ -93,8 +91,8 @@ static void form_schur(lw_dynamics *d)
     memset(value, 0, (size_t)(d->schur.n_entry + d->n_kept)*sizeof *value);
     for (int p = 0; p < d->n_pair; p++) {
         const lw_row_pair *pair = &d->pair[p];
-        const double *a = d->jac + pair->row, *b = d->jac + pair->other, *m = d->by_mass + pair->body;
-        value[pair->to] += (a[0]*b[0] + a[1]*b[1])*m[0] + a[2]*b[2]*m[2];
+        const double *a = d->jac + pair->row, *b = d->jac + pair->other, *m = d->by_mass + pair->block;
+        value[pair->to] += a[0]*b[0]*m[0] + a[1]*b[1]*m[1] + a[2]*b[2]*m[2];
     }
 }
 
@@ -102,8 +100,8 @@ static double row_dot(const lw_dynamics *d, int row, const double *x)
 {
     const double *jac = d->jac + row*LW_ROW_SIZE;
     double sum = 0;
-    for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[row][k] >= 0; k++, jac += 3) {
-        const double *at = x + 3*d->row_body[row][k];
+    for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++, jac += 3) {
+        const double *at = x + LW_BLOCK*d->row_block[row][k];
         sum += jac[0]*at[0] + jac[1]*at[1] + jac[2]*at[2];
     }
     return sum;
@@ -114,8 +112,8 @@ static void add_rows(const lw_dynamics *d, double sign, const double *l, double 
 {
     for (int r = 0; r < d->n_c; r++) {
         const double *jac = d->jac + r*LW_ROW_SIZE;
-        for (int k = 0; l[r] != 0 && k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++, jac += 3) {
-            double *at = x + 3*d->row_body[r][k];
+        for (int k = 0; l[r] != 0 && k < LW_ROW_BLOCKS && d->row_block[r][k] >= 0; k++, jac += 3) {
+            double *at = x + LW_BLOCK*d->row_block[r][k];
             for (int i = 0; i < 3; i++)
                 at[i] += sign*l[r]*jac[i];
         }
@@ -126,7 +124,7 @@ static void add_rows(const lw_dynamics *d, double sign, const double *l, double 
 static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
     double *b = d->small;
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         x[i] = force ? force[i]*d->by_mass[i] : 0;
     for (int i = 0; i < d->n_kept; i++)
         b[i] = row_dot(d, d->kept[i], x) - rhs[d->kept[i]];
@@ -135,9 +133,9 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
     for (int i = 0; i < d->n_kept; i++)
         l[d->kept[i]] = b[i];
     double *push = d->bias;
-    memset(push, 0, (size_t)d->n_q*sizeof *push);
+    memset(push, 0, (size_t)d->n_v*sizeof *push);
     add_rows(d, -1, l, push);
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         x[i] += push[i]*d->by_mass[i];
 }
 
@@ -146,17 +144,17 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
 /* Factor N^T M N by Cholesky's method.  LW_E_ARG names the link whose motion has no mass. */
 static lw_status factor_null(lw_dynamics *d)
 {
-    int n = d->freedom, q = d->n_q;
+    int n = d->freedom, q = d->n_v;
     double *m = d->mass_null, top = 0;
     for (int i = 0; i < n; i++)
         lw_rank_left_null(&d->rank_of, i, d->null + i*q);
     for (int i = 0; i < q; i++)
-        top = fmax(top, d->f.mass[i]);
+        top = fmax(top, d->eq.mass[i]);
     for (int i = 0; i < n; i++) {
         for (int j = 0; j <= i; j++) {
             double sum = 0;
             for (int k = 0; k < q; k++)
-                sum += d->null[i*q + k]*d->f.mass[k]*d->null[j*q + k];
+                sum += d->null[i*q + k]*d->eq.mass[k]*d->null[j*q + k];
             for (int k = 0; k < j; k++)
                 sum -= m[i*n + k]*m[j*n + k];
             if (j < i) {
@@ -169,7 +167,7 @@ static lw_status factor_null(lw_dynamics *d)
                     worst = fabs(d->null[i*q + k]) > fabs(d->null[i*q + worst]) ? k : worst;
                 return lw_error_set(d->e, LW_E_ARG, "link \"%s\" can move without moving any mass: give it a \"mass\" "
                                     "and an \"inertia\", or hold it",
-                                    d->model->linkage.link_name[d->s.link[worst/3]]);
+                                    d->eq.name(d->eq.context, LW_NAMED_BLOCK, worst/LW_BLOCK));
             }
             m[i*n + i] = sqrt(sum);
         }
@@ -196,7 +194,7 @@ static void null_solve(const lw_dynamics *d, double *b)
 /* x += N (N^T M N)^-1 N^T (force - M x) */
 static lw_status add_free(lw_dynamics *d, const double *force, double *x)
 {
-    int n = d->freedom, q = d->n_q;
+    int n = d->freedom, q = d->n_v;
     double *b = d->along_null;
     lw_status s = d->null_ready ? LW_OK : factor_null(d);
     if (s != LW_OK)
@@ -205,7 +203,7 @@ static lw_status add_free(lw_dynamics *d, const double *force, double *x)
     for (int i = 0; i < n; i++) {
         b[i] = 0;
         for (int k = 0; k < q; k++)
-            b[i] += d->null[i*q + k]*((force ? force[k] : 0) - d->f.mass[k]*x[k]);
+            b[i] += d->null[i*q + k]*((force ? force[k] : 0) - d->eq.mass[k]*x[k]);
     }
     null_solve(d, b);
     for (int i = 0; i < n; i++)
@@ -218,8 +216,8 @@ static lw_status solve_by_rank(lw_dynamics *d, const double *force, const double
 {
     lw_rank_solve_transposed(&d->rank_of, rhs, x);
     lw_status s = add_free(d, force, x);
-    for (int i = 0; i < d->n_q; i++)
-        d->bias[i] = (force ? force[i] : 0) - d->f.mass[i]*x[i];
+    for (int i = 0; i < d->n_v; i++)
+        d->bias[i] = (force ? force[i] : 0) - d->eq.mass[i]*x[i];
     lw_rank_solve(&d->rank_of, d->bias, l);
     return s;
 }
@@ -227,7 +225,7 @@ static lw_status solve_by_rank(lw_dynamics *d, const double *force, const double
 static void factor_rank(lw_dynamics *d)
 {
     for (int r = 0; r < d->n_c; r++)
-        lw_mbs_row(d, r, d->rank_of.a + r*d->n_q);
+        lw_mbs_row(d, r, d->rank_of.a + r*d->n_v);
     d->rank_of.most = d->rank;               /* off the constraints, redundant rows look independent */
     lw_rank_factor(&d->rank_of, LW_RANK_TOLERANCE);
     d->null_ready = false;
@@ -267,7 +265,7 @@ lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, 
 static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                               double *power)
 {
-    int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_q + d->n_c;
+    int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
     double *response = d->touch ? d->touch->response : d->response;
     double size[LW_JOINT_MAX], unit_power[LW_JOINT_MAX];
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
@@ -276,10 +274,10 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
         double *to = response + j*stride;
         unit_power[j] = j < joints ? lw_friction_force(&d->s, &d->friction[j], q, v, d->force)
                                    : lw_mbs_touch_slip(d, j - joints, v, d->force);
-        s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_q);
+        s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)
-        s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, response, t, d->n_q, a, d->n_c, l,
+        s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, response, t, d->n_v, a, d->n_c, l,
                             size, d->touch ? &d->touch->determinant : NULL, d->e);
     for (int j = 0; s == LW_OK && power && j < n; j++)
         *power += size[j]*unit_power[j];
@@ -294,12 +292,12 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     d->eq.forces(d->eq.context, t, q, v, d->force, power);
     if (d->touch)
         lw_mbs_touch_forces(d, v, d->force, power);
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         if (!isfinite(d->force[i]) && d->touch)          /* a trial step far into a stiff contact */
             return LW_OPEN;
         else if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
-                                d->model->linkage.link_name[d->s.link[i/3]], t);
+                                d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t);
     if (acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
     lw_status s = lw_mbs_linear(d, d->force, d->rhs, a, l);
@@ -313,7 +311,7 @@ lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const do
     for (int i = 0; i < d->eq.n_z; i++)
         if (!isfinite(rate[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "the rate of state \"%s\" is not a number at t = %.9g s",
-                                d->model->state[i].name, t);
+                                d->eq.name(d->eq.context, LW_NAMED_STATE, i), t);
     return LW_OK;
 }
 
@@ -328,7 +326,7 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
         return s == LW_OK ? lw_mbs_solve(d, t, q, v, a, l, power) : s;
     /* Near a singular posture residuals of the constraints are magnified: project first. */
     memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
-    memcpy(d->v_try, v, (size_t)d->n_q*sizeof *v);
+    memcpy(d->v_try, v, (size_t)d->n_v*sizeof *v);
     s = lw_mbs_settle(d, t, d->q_try, d->v_try);
     return s == LW_OK ? lw_mbs_solve(d, t, d->q_try, d->v_try, a, l, power) : s;
 }
@@ -337,14 +335,14 @@ double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change)
 {
     double whole = 0;
     if (d->by_rank) {
-        memset(change, 0, (size_t)d->n_q*sizeof *change);
+        memset(change, 0, (size_t)d->n_v*sizeof *change);
         if (add_free(d, g, change) != LW_OK)
             return 0;
     } else {
         memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
         fast_solve(d, g, d->rhs, change, d->l_each);
     }
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         whole += g[i]*change[i];
     return whole;
 }
@@ -391,7 +389,7 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
         for (int r = 0; r < d->n_c; r++)
             d->rhs[r] = -d->phi[r];
         least_change(d, d->rhs, step);
-        if (!(greatest(step, d->n_q) <= longest))
+        if (!(greatest(step, d->n_v) <= longest))
             return LW_OPEN;
         d->eq.move(d->eq.context, q, step);
     }
@@ -405,7 +403,7 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v)
     for (int pass = 0; pass < 8; pass++) {
         if (lw_mbs_rate_wanted(d, t) != LW_OK)
             return LW_E_NUMERIC;
-        double off = 0, size = greatest(v, d->n_q);
+        double off = 0, size = greatest(v, d->n_v);
         for (int r = 0; r < d->n_c; r++) {
             missing[r] = d->rhs[r] - row_dot(d, r, v);
             off = fmax(off, fabs(missing[r]));
@@ -413,7 +411,7 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v)
         if (off <= 4*DBL_EPSILON*size)
             return LW_OK;
         least_change(d, missing, step);
-        for (int i = 0; i < d->n_q; i++)
+        for (int i = 0; i < d->n_v; i++)
             v[i] += step[i];
     }
     return LW_OK;
@@ -425,44 +423,44 @@ lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v)
     return s == LW_OK ? lw_mbs_project_v(d, t, v) : s;
 }
 
-/* ---- rows and who shares bodies ------------------------------------------------------------------ */
+/* ---- rows and who shares blocks ------------------------------------------------------------------ */
 
-static void find_row_bodies(lw_dynamics *d)
+static void find_row_blocks(lw_dynamics *d)
 {
     int row = d->n_row;
     for (int r = 0; r < d->n_row; r++)
-        d->eq.row_bodies(d->eq.context, r, d->row_body[r]);
+        d->eq.row_blocks(d->eq.context, r, d->row_block[r]);
     for (int i = 0; i < d->n_driven; i++)
-        d->eq.measure_bodies(d->eq.context, d->s.input_joint[d->driven[i]], d->row_body[row++]);
+        d->eq.measure_blocks(d->eq.context, d->driven_measure[i], d->row_block[row++]);
     for (int i = 0; i < d->n_resting; i++)
-        d->eq.measure_bodies(d->eq.context, d->stop[d->resting[i]].joint, d->row_body[row++]);
+        d->eq.measure_blocks(d->eq.context, d->stop[d->resting[i]].measure, d->row_block[row++]);
     if (d->touch)
         lw_mbs_touch_bodies(d, row);
 }
 
-/* The kept rows of each body: those of body b at list[at[b]] .. list[at[b + 1] - 1], with their place in row_body. */
-typedef struct body_rows { int *at; struct body_row { int kept, slot; } *list; } body_rows;
+/* The kept rows of each block: those of block b at list[at[b]] .. list[at[b + 1] - 1], with their place in row_block. */
+typedef struct block_rows { int *at; struct block_row { int kept, slot; } *list; } block_rows;
 
-static bool list_body_rows(const lw_dynamics *d, body_rows *r)
+static bool list_block_rows(const lw_dynamics *d, block_rows *r)
 {
-    int n = d->s.n_body;
+    int n = d->eq.n_block;
     r->at = calloc((size_t)n + 2, sizeof *r->at);
-    r->list = malloc(((size_t)d->n_kept*LW_SYSTEM_ROW_BODIES + 1)*sizeof *r->list);
+    r->list = malloc(((size_t)d->n_kept*LW_ROW_BLOCKS + 1)*sizeof *r->list);
     if (!r->at || !r->list)
         return false;
     for (int i = 0; i < d->n_kept; i++)
-        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[i]][k] >= 0; k++)
-            r->at[d->row_body[d->kept[i]][k] + 2]++;
+        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
+            r->at[d->row_block[d->kept[i]][k] + 2]++;
     for (int b = 0; b < n; b++)
         r->at[b + 2] += r->at[b + 1];
     for (int i = 0; i < d->n_kept; i++)
-        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[i]][k] >= 0; k++)
-            r->list[r->at[d->row_body[d->kept[i]][k] + 1]++] = (struct body_row){ i, k };
+        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
+            r->list[r->at[d->row_block[d->kept[i]][k] + 1]++] = (struct block_row){ i, k };
     return true;
 }
 
-/* Analyse the pattern of J M^-1 J^T, which has an entry where two kept rows share a body. */
-static bool analyse(lw_dynamics *d, const body_rows *r)
+/* Analyse the pattern of J M^-1 J^T, which has an entry where two kept rows share a block. */
+static bool analyse(lw_dynamics *d, const block_rows *r)
 {
     int n = d->n_kept;
     int *at = calloc((size_t)n + 2, sizeof *at), *mark = malloc(((size_t)n + 1)*sizeof *mark), *near = NULL;
@@ -472,8 +470,8 @@ static bool analyse(lw_dynamics *d, const body_rows *r)
             mark[i] = -1;
         for (int i = 0, used = 0; i < n; i++) {
             mark[i] = i;
-            for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[i]][k] >= 0; k++)
-                for (int b = d->row_body[d->kept[i]][k], p = r->at[b]; p < r->at[b + 1]; p++) {
+            for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
+                for (int b = d->row_block[d->kept[i]][k], p = r->at[b]; p < r->at[b + 1]; p++) {
                     int j = r->list[p].kept;
                     if (mark[j] == i)
                         continue;
@@ -495,8 +493,8 @@ static bool analyse(lw_dynamics *d, const body_rows *r)
     return ok;
 }
 
-/* Put the kept rows in the order of elimination, and list the pairs that share a body. */
-static bool order_rows(lw_dynamics *d, const body_rows *r)
+/* Put the kept rows in the order of elimination, and list the pairs that share a block. */
+static bool order_rows(lw_dynamics *d, const block_rows *r)
 {
     int n = d->n_kept, count = 0, *old = malloc(2*((size_t)n + 1)*sizeof *old), *place = old ? old + n : NULL;
     if (!old)
@@ -507,20 +505,20 @@ static bool order_rows(lw_dynamics *d, const body_rows *r)
         d->kept[i] = old[d->schur.order[i]];
         d->place[d->kept[i]] = i;
     }
-    for (int b = 0; b < d->s.n_body; b++) {
+    for (int b = 0; b < d->eq.n_block; b++) {
         int m = r->at[b + 1] - r->at[b];
         count += m*(m + 1)/2;
     }
     free(d->pair);
     d->pair = malloc(((size_t)count + 1)*sizeof *d->pair);
     d->n_pair = 0;
-    for (int b = 0; d->pair && b < d->s.n_body; b++)
+    for (int b = 0; d->pair && b < d->eq.n_block; b++)
         for (int p = r->at[b]; p < r->at[b + 1]; p++)
             for (int q = r->at[b]; q <= p; q++) {
-                const struct body_row *x = &r->list[p], *y = &r->list[q];
+                const struct block_row *x = &r->list[p], *y = &r->list[q];
                 int i = place[x->kept], j = place[y->kept], low = i < j ? i : j, high = i < j ? j : i;
-                d->pair[d->n_pair++] = (lw_row_pair){ old[x->kept]*LW_ROW_SIZE + 3*x->slot,
-                                                      old[y->kept]*LW_ROW_SIZE + 3*y->slot, 3*b,
+                d->pair[d->n_pair++] = (lw_row_pair){ old[x->kept]*LW_ROW_SIZE + LW_BLOCK*x->slot,
+                                                      old[y->kept]*LW_ROW_SIZE + LW_BLOCK*y->slot, LW_BLOCK*b,
                                                       lw_cholesky_entry(&d->schur, low, high) };
             }
     free(old);
@@ -530,10 +528,10 @@ static bool order_rows(lw_dynamics *d, const body_rows *r)
 /* Prepare the fast way for the rows in kept. */
 static lw_status prepare_kept(lw_dynamics *d)
 {
-    body_rows r = { 0 };
+    block_rows r = { 0 };
     for (int i = 0; i < d->n_c; i++)
         d->place[i] = -1;
-    bool ok = list_body_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
+    bool ok = list_block_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
     free(r.at);
     free(r.list);
     return ok ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
@@ -580,15 +578,15 @@ static lw_status keep_independent(lw_dynamics *d)
 static void set_rank(lw_dynamics *d, int rank)
 {
     d->rank = rank;
-    d->freedom = d->n_q - rank;
+    d->freedom = d->n_v - rank;
 }
 
 lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 {
     d->n_c = d->n_row + d->n_driven + d->n_resting + (d->touch ? d->touch->n_row : 0);
-    find_row_bodies(d);
+    find_row_blocks(d);
     if (!d->large)
-        lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);
+        lw_rank_place(&d->rank_of, d->n_v, d->n_c, d->rank_work, d->rank_ints);
     lw_status s = lw_mbs_rows(d, t, q);
     if (s != LW_OK)
         return s;
@@ -608,7 +606,7 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
 {
     lw_status s = lw_mbs_rows(d, t, q);
-    *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .z = d->f.z, .work = work };
+    *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .z = d->eq.z, .work = work };
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, t);
     for (int r = 0; s == LW_OK && r < d->n_c; r++) {
@@ -634,21 +632,10 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
 static const double stiff = 1e4;
-enum { most_looked = 200 };              /* springs and dampers of each kind that are looked at, evenly spread */
-
-/* Speed along a measure for an impulse of 1 [1/kg] or [1/(kg m^2)]. */
-static double mobility(lw_dynamics *d, const lw_measure *m)
-{
-    double *g = d->q_try, *change = d->v_try;
-    memset(g, 0, (size_t)d->n_q*sizeof *g);
-    for (int i = 0; i < 6; i++)
-        if (m->body[i/3] >= 0)
-            g[3*m->body[i/3] + i%3] += m->g[i];
-    return lw_mbs_impulse(d, g, change);
-}
+enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
-typedef struct own_decay { int n_q; double most; } own_decay;
+typedef struct own_decay { int n_v; double most; } own_decay;
 
 static void no_force(void *context, int row, int column, double by_q, double by_v)
 {
@@ -659,33 +646,22 @@ static void see_state(void *context, int row, int column, double by_q, double by
 {
     own_decay *o = context;
     (void)by_v;
-    if (row == column && row >= o->n_q)
+    if (row == column && row >= o->n_v)
         o->most = fmax(o->most, -by_q);
 }
 
 /* The fastest decay that dampers and states cause at the start [1/s]. */
 static double fastest_decay(lw_dynamics *d)
 {
-    const lw_model *model = d->model;
-    double most = 0;
-    lw_measure m;
+    double most = 0, *g = d->small_v, *change = d->v_try;
     if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return 0;
-    int stride[2] = { 1 + model->n_spring/most_looked, 1 + model->n_joint_spring/most_looked };
-    for (int i = 0; i < model->n_spring; i += stride[0]) {
-        int body[2] = { d->s.body[model->spring[i].link[0]], d->s.body[model->spring[i].link[1]] };
-        lw_measure_length(&d->s, body, d->f.spring_arm[i], d->start_q, d->start_v, false, &m);
-        most = fmax(most, model->spring[i].damping*mobility(d, &m));
+    for (int k = 0; k < d->eq.n_damper; k += 1 + d->eq.n_damper/most_looked) {
+        memset(g, 0, (size_t)d->n_v*sizeof *g);
+        double c = d->eq.damper(d->eq.context, k, d->start_q, d->start_v, g);
+        most = fmax(most, c > 0 ? c*lw_mbs_impulse(d, g, change) : 0);
     }
-    for (int i = 0; i < model->n_joint_spring; i += stride[1]) {
-        lw_measure_joint(&d->s, model->joint_spring[i].joint, d->start_q, d->start_v, false, &m);
-        most = fmax(most, model->joint_spring[i].damping*mobility(d, &m));
-    }
-    for (int i = 0; i < model->n_motor; i++) {
-        lw_measure_joint(&d->s, model->motor[i].joint, d->start_q, d->start_v, false, &m);
-        most = fmax(most, model->motor[i].stall/model->motor[i].free_speed*mobility(d, &m));
-    }
-    own_decay own = { d->n_q, most };
+    own_decay own = { d->n_v, most };
     if (d->eq.n_z)
         d->eq.derivatives(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, &(lw_force_sink){ &own, no_force, see_state });
     return own.most;

@@ -13,7 +13,7 @@
 #include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/system_internal.h"
 #include "mbs/dynamics/dynamics.h"
-#include "mbs/dynamics/equations.h"
+#include "mbs/dynamics/equations_planar.h"
 #include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/rigid_stops_internal.h"
 
@@ -23,9 +23,9 @@
 /* Diagonals of a rank-revealing factorisation below this, relative to the first, count as 0. */
 #define LW_RANK_TOLERANCE 1e-9
 
-/* Two kept rows that share a body: their derivatives by it in jac, the body's first coordinate, and the entry of
- * schur that they add to. */
-typedef struct lw_row_pair { int row, other, body, to; } lw_row_pair;
+/* Two kept rows that share a block: their derivatives by it in jac, its first velocity, and the entry of schur that they
+ * add to. */
+typedef struct lw_row_pair { int row, other, block, to; } lw_row_pair;
 
 struct lw_dynamics {
     const lw_model      *model;               /* that of the caller, or `expansion.model` or `rigid` */
@@ -35,12 +35,14 @@ struct lw_dynamics {
     lw_dynamics_options  o;
     lw_system            s;
     lw_forces            f;
-    lw_planar            planar;              /* of the two, */
-    lw_equations         eq;                  /* and what the solvers use of them */
-    int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first */
+    lw_planar            planar;
+    struct lw_spatial_scene *space;           /* a spatial scene; NULL: a planar one, for which the above holds */
+    lw_equations         eq;                  /* what the solvers use of either */
+    int     n_q, n_v, n_row, n_c;             /* n_c: rows in force; the n_row of the scene come first */
     bool    large;                            /* more parts than a linkage holds, or elastic links: no way by rank */
     int     n_velocity;                       /* links whose velocity at the start is given */
-    int     n_driven, *driven;                /* inputs with a motion */
+    int     n_input;
+    int     n_driven, *driven, *driven_measure;      /* inputs with a motion, and what they move */
     int     n_stop;                           /* rigid stops */
     lw_rigid_stop *stop;
     int     n_resting, resting[LW_STOP_ROW_MAX];     /* stops in the order of their rows */
@@ -49,27 +51,27 @@ struct lw_dynamics {
     int    *friction_row;
     bool    ideal_friction;                   /* in some joint */
     struct lw_touching *touch;                /* places where parts touch; NULL: none are named */
-    int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank */
+    int     rank, freedom;                    /* of J in a posture that is not singular; n_v - rank */
     bool    has_zero_mass;
     /* rows of the fast way */
     int     n_kept, *kept, *place;            /* rows in the order of elimination; place among them, -1: left out */
     int     n_pair;
     lw_row_pair *pair;
     lw_cholesky schur;                        /* J M^-1 J^T over the kept rows */
-    lw_row_bodies *row_body;                  /* (n_c) */
+    lw_row_blocks *row_block;                  /* (n_c) */
     /* at the posture last factored */
     lw_body_frame *frames;                    /* (n_body + 1) */
-    double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_body; (n_c) */
-    double *by_mass;                          /* (n_q) 1/mass */
+    double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_block; (n_c) */
+    double *by_mass;                          /* (n_v) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
     double  weak;                             /* least pivot of the fast way over its diagonal: how singular */
     lw_rank rank_of;                          /* of J^T */
     double *rank_work, *null, *mass_null, *small, *along_null;
     int    *rank_ints;
-    double *force, *bias, *q_try, *v_try, *a, *l, *l_each, *hold;
-    double *response;                         /* n_friction x (n_q + n_c + 2*n_friction): a and l for friction of 1 N */
+    double *force, *bias, *q_try, *v_try, *small_v, *stop_v, *a, *l, *l_each, *hold;
+    double *response;                         /* n_friction x (n_v + n_c + 2*n_friction): a and l for friction of 1 N */
     double *start_q, *start_v, *start_z;
-    double *speed_rows;                       /* (n_c + inputs) x n_q: rows that decide the velocities of the start */
+    double *speed_rows;                       /* (n_c + inputs) x n_v: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */
     double  moved, moved_rate;                /* change of the start by putting it on the constraints */
     double  adjusted;                         /* greatest change of a dimension (mbs/constraints/adjust.h) */
@@ -88,6 +90,13 @@ struct lw_dynamics {
 /* Make d, whose model and options are set, ready: system, forces, memory, a start on the constraints. */
 lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e);
 
+/* Parts of that: take the equations; memory for the numbers of d; is the start singular?  rank_nearby compares its rank with
+ * that of a posture near by, large models look whether rows left out as dependent stay satisfied. */
+void      lw_mbs_take_equations(lw_dynamics *d, lw_equations eq);
+lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e);
+lw_status lw_mbs_rank_nearby(lw_dynamics *d, double t, const double *q, const double *v);
+lw_status lw_mbs_rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v);
+
 /* Value, rate and second rate at t that the motion of driven input i prescribes for its row, scaled. */
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);
 
@@ -97,7 +106,7 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q);
 /* The rows of the system alone at q, into d->phi, d->jac, d->frames: for reports, once the sample is solved. */
 void lw_mbs_system_rows(const lw_dynamics *d, const double *q);
 
-/* Row r of the rows in force with its zeros, into out (n_q). */
+/* Row r of the rows in force with its zeros, into out (n_v). */
 void lw_mbs_row(const lw_dynamics *d, int r, double *out);
 
 /* Factor the rows of lw_mbs_rows.  LW_OPEN: a singular posture. */
@@ -129,7 +138,7 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v);
 /* Both, after a step or for a stage. */
 lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v);
 
-/* Change of v by the impulse g (n_q) that satisfies the constraints, W g; returns g W g.  Factored. */
+/* Change of v by the impulse g (n_v) that satisfies the constraints, W g; returns g W g.  Factored. */
 double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change);
 
 /* Find rows in force, basis, pattern and rank anew, after the rows have changed or those kept became dependent. */

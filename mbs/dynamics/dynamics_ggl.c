@@ -33,16 +33,16 @@ typedef struct ggl {
     long   since;                            /* number of steps at the last start */
 } ggl;
 
-static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
+static double mass_of(const ggl *g, int i) { return fmax(g->run->d->eq.mass[i], g->least_mass); }
 
 /* J^T l of the kept rows. */
 static void push(const lw_dynamics *d, const double *l, double *out)
 {
     memset(out, 0, (size_t)d->n_q*sizeof *out);
     for (int k = 0; k < d->n_kept; k++)
-        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[k]][b] >= 0; b++)
+        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[d->kept[k]][b] >= 0; b++)
             for (int i = 0; i < 3; i++)
-                out[3*d->row_body[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + 3*b + i];
+                out[LW_BLOCK*d->row_block[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + LW_BLOCK*b + i];
 }
 
 /* Friction for the multipliers l of the kept rows counts among the forces. */
@@ -84,13 +84,13 @@ static lw_status residual(void *context, double t, const double *y, const double
         r[i] = dy[i] - v[i] + d->bias[i]/mass_of(g, i);
     push(d, l, d->bias);
     for (int i = 0; i < n; i++)
-        r[n + i] = d->f.mass[i]*dy[n + i] - d->force[i] + d->bias[i];
+        r[n + i] = d->eq.mass[i]*dy[n + i] - d->force[i] + d->bias[i];
     for (int k = 0; k < c; k++) {
         int row = d->kept[k];
         double rate = -d->rhs[row];
-        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
+        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
             for (int i = 0; i < 3; i++)
-                rate += d->jac[row*LW_ROW_SIZE + 3*b + i]*v[3*d->row_body[row][b] + i];
+                rate += d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + i]*v[LW_BLOCK*d->row_block[row][b] + i];
         r[2*n + k] = d->phi[row];
         r[2*n + c + k] = rate;
         if (row >= d->n_row)
@@ -156,22 +156,21 @@ static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
     const double *v = y + n;
     double l = y[2*n + k], m = y[2*n + c + k];
     lw_bend each[LW_BEND_MAX];
-    for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
+    for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
         for (int k0 = 0; k0 < 3; k0++) {
-            int i = 3*d->row_body[row][b] + k0;
-            double x = d->jac[row*LW_ROW_SIZE + 3*b + k0];
+            int i = LW_BLOCK*d->row_block[row][b] + k0;
+            double x = d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + k0];
             put(g, jac, i, 2*n + c + k, x/mass_of(g, i));
             put(g, jac, n + i, 2*n + k, x);
             put(g, jac, 2*n + k, i, x);
             put(g, jac, 2*n + c + k, n + i, x);
         }
-    for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, each) : 0) - 1; e >= 0; e--)    /* driven pins have none */
-        for (int way = 0; way < (each[e].a == each[e].b ? 1 : 2); way++) {
-            int a = way ? each[e].b : each[e].a, b = way ? each[e].a : each[e].b;
-            put(g, jac, a, b, m*each[e].h/mass_of(g, a));
-            put(g, jac, n + a, b, l*each[e].h);
-            put(g, jac, 2*n + c + k, b, each[e].h*v[a]);
-        }
+    for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, each) : 0) - 1; e >= 0; e--) {   /* driven pins have none */
+        int a = each[e].a, b = each[e].b;
+        put(g, jac, a, b, m*each[e].h/mass_of(g, a));
+        put(g, jac, n + a, b, l*each[e].h);
+        put(g, jac, 2*n + c + k, b, each[e].h*v[a]);
+    }
 }
 
 /* The row of the work is left out: nothing depends on it, so Newton's method finds the work one pass later. */
@@ -190,7 +189,7 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
     for (int i = 0; i < n; i++) {
         put(g, jac, i, i, c);
         put(g, jac, i, n + i, -1);
-        put(g, jac, n + i, n + i, c*d->f.mass[i]);
+        put(g, jac, n + i, n + i, c*d->eq.mass[i]);
     }
     for (int k = 0; k < g->c; k++)
         add_row_derivatives(g, k, y, jac);
@@ -212,10 +211,10 @@ static lw_status find_pattern(ggl *g)
         put(g, NULL, n + i, n + i, 1);
     }
     for (int k = 0; k < g->c; k++) {
-        const int *body = d->row_body[d->kept[k]];
+        const int *block = d->row_block[d->kept[k]];
         int l = 2*n + k, m = l + g->c, coordinate[LW_ROW_SIZE], count = 0;
-        for (int b = 0; b < LW_ROW_SIZE && body[b/3] >= 0; b++)
-            coordinate[count++] = 3*body[b/3] + b%3;
+        for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
+            coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
         for (int b = 0; b < count; b++) {
             int i = coordinate[b];
             put(g, NULL, i, m, 1);
@@ -437,7 +436,7 @@ static lw_status run_ggl(lw_run *run)
     ggl g = { .run = run, .q = d->n_q, .c = d->n_kept };
     lw_ida w = { 0 };
     for (int i = 0; i < d->n_q; i++)
-        g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
+        g.least_mass = fmax(g.least_mass, 1e-3*d->eq.mass[i]);
     size_t n = 2*(size_t)(g.q + g.c) + 1 + (size_t)d->eq.n_z;
     double *y = calloc(3*n + 2*(size_t)run->n, sizeof *y);
     g.algebraic = calloc(n, 1);

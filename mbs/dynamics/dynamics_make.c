@@ -20,9 +20,17 @@ bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i) { return d->at_rest
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)
 {
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
-    memcpy(v, d->start_v, (size_t)d->n_q*sizeof *v);
+    memcpy(v, d->start_v, (size_t)d->n_v*sizeof *v);
 }
 const double *lw_dynamics_start_states(const lw_dynamics *d) { return d->start_z; }
+
+void lw_mbs_take_equations(lw_dynamics *d, lw_equations eq)
+{
+    d->eq = eq;
+    d->n_q = eq.n_q;
+    d->n_v = eq.n_v;
+    d->n_row = eq.n_row;
+}
 
 /* ---- memory ------------------------------------------------------------------------------------ */
 
@@ -37,37 +45,37 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
     size_t slips = d->model->n_contact ? LW_JOINT_MAX : 0;
     d->friction = calloc(joints + slips, sizeof *d->friction);
     d->friction_row = calloc(joints + slips, sizeof *d->friction_row);
-    d->driven = calloc(inputs, sizeof *d->driven);
+    d->driven = calloc(2*inputs, sizeof *d->driven);
+    d->driven_measure = d->driven + inputs;
     d->at_rest = calloc(inputs, sizeof *d->at_rest);
     return d->stop && d->friction && d->friction_row && d->driven && d->at_rest
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 /* dense: 0 for large models, which know no way by rank. */
-static lw_status reserve(lw_dynamics *d, lw_error *e)
+lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
 {
-    size_t inputs = (size_t)d->s.n_input, dense = d->large ? 0 : 1;
-    size_t q = (size_t)d->n_q, c = (size_t)d->n_row + inputs + (d->n_stop ? LW_STOP_ROW_MAX : 0)
+    size_t inputs = (size_t)d->n_input, dense = d->large ? 0 : 1, q = (size_t)d->n_q, v = (size_t)d->n_v, c = (size_t)d->n_row + inputs + (d->n_stop ? LW_STOP_ROW_MAX : 0)
              + (d->touch ? (size_t)d->touch->row_max : 0);
-    size_t all = 0, n_int = 0, speeds = c + inputs + 3*(size_t)d->n_velocity;
+    size_t all = 0, n_int = 0, speeds = c + inputs + LW_BLOCK*(size_t)d->n_velocity;
     const piece pieces[] = {
-        { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, q },
-        { &d->rank_work, dense*lw_rank_doubles((int)q, (int)speeds) }, { &d->null, dense*q*q }, { &d->mass_null, dense*q*q },
-        { &d->small, c + q }, { &d->force, q }, { &d->bias, q }, { &d->q_try, q }, { &d->v_try, q }, { &d->a, q },
-        { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q }, { &d->start_z, (size_t)d->model->n_state }, { &d->along_null, q },
-        { &d->speed_rows, dense*speeds*q }, { &d->response, (size_t)d->n_friction*(q + c + 2*(size_t)d->n_friction) },
+        { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, v },
+        { &d->rank_work, dense*lw_rank_doubles((int)v, (int)speeds) }, { &d->null, dense*v*v }, { &d->mass_null, dense*v*v },
+        { &d->small, c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
+        { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q },
+        { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
+        { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 2*(size_t)d->n_friction) },
     };
     const int_piece ints[] = { { &d->kept, c }, { &d->place, c },
-                               { &d->rank_ints, dense*lw_rank_ints((int)q, (int)speeds) } };
+                               { &d->rank_ints, dense*lw_rank_ints((int)v, (int)speeds) } };
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++)
         all += pieces[i].n;
     for (size_t i = 0; i < sizeof ints/sizeof *ints; i++)
         n_int += ints[i].n;
     d->work = calloc(all, sizeof *d->work);
     d->ints = calloc(n_int, sizeof *d->ints);
-    d->row_body = calloc(c, sizeof *d->row_body);
-    d->frames = calloc((size_t)d->s.n_body + 1, sizeof *d->frames);
-    if (!d->frames || !d->work || !d->ints || !d->row_body)
+    d->row_block = calloc(c, sizeof *d->row_block);
+    if (!d->work || !d->ints || !d->row_block)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     all = n_int = 0;
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++) {
@@ -78,9 +86,7 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
         *ints[i].to = d->ints + n_int;
         n_int += ints[i].n;
     }
-    d->planar = (lw_planar){ &d->s, &d->f, d->frames };
-    d->eq = lw_planar_equations(&d->planar);
-    for (size_t i = 0; i < q; i++)
+    for (size_t i = 0; i < v; i++)
         d->by_mass[i] = 1/d->eq.mass[i];
     return LW_OK;
 }
@@ -89,7 +95,7 @@ void lw_dynamics_free(lw_dynamics *d)
 {
     if (!d)
         return;
-    void *const array[] = { d->work, d->ints, d->pair, d->row_body, d->frames, d->stop, d->friction, d->friction_row,
+    void *const array[] = { d->work, d->ints, d->pair, d->row_block, d->frames, d->stop, d->friction, d->friction_row,
                             d->driven, d->at_rest, d->reduced, d->rule };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
@@ -106,30 +112,32 @@ void lw_dynamics_free(lw_dynamics *d)
 
 /* Is the start singular?  Compare its rank with that of a posture near by: along the velocities or, at rest, along
  * some motion. */
-static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const double *v)
+lw_status lw_mbs_rank_nearby(lw_dynamics *d, double t, const double *q, const double *v)
 {
     double *dir = d->a, size = 0;
     if (lw_mbs_rows(d, t, q) != LW_OK)
         return LW_E_NUMERIC;
     int freedom = d->freedom, rank = d->rank;
     lw_status s = lw_mbs_factor(d, true);
-    memcpy(dir, v, (size_t)d->n_q*sizeof *dir);
-    for (int i = 0; i < d->n_q; i++)
+    memcpy(dir, v, (size_t)d->n_v*sizeof *dir);
+    for (int i = 0; i < d->n_v; i++)
         size = fmax(size, fabs(dir[i]));
     if (!(size > 0))
         for (int k = 0; k < freedom; k++) {
             lw_rank_left_null(&d->rank_of, k, d->bias);
-            for (int i = 0; i < d->n_q; i++)
+            for (int i = 0; i < d->n_v; i++)
                 dir[i] += d->bias[i]*(1 + 0.3*k);
         }
     size = 0;
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         size = fmax(size, fabs(dir[i]));
     if (!(size > 0))
         return s;
-    for (int i = 0; i < d->n_q; i++)
-        d->q_try[i] = q[i] + nudge*dir[i]/size;
-    d->rank = 0, d->freedom = d->n_q;
+    for (int i = 0; i < d->n_v; i++)
+        dir[i] *= nudge/size;
+    memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
+    d->eq.move(d->eq.context, d->q_try, dir);
+    d->rank = 0, d->freedom = d->n_v;
     if (lw_mbs_project_q(d, t, d->q_try, 1) == LW_OK && lw_mbs_rows(d, t, d->q_try) == LW_OK) {
         lw_mbs_factor(d, true);
         if (d->rank_of.rank > rank)
@@ -142,15 +150,17 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
 
 /* The same for a large model: are the rows that were left out as dependent satisfied in a posture near by, to which the
  * others lead? */
-static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v)
+lw_status lw_mbs_rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v)
 {
     double size = 0;
     if (d->n_kept == d->n_c)
         return LW_OK;
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         size = fmax(size, fabs(v[i]));
-    for (int i = 0; i < d->n_q; i++)                     /* at rest: any motion; its projection leads along the freedoms */
-        d->q_try[i] = q[i] + nudge*(size > 0 ? v[i]/size : i%3 == 2 ? sin(1 + i) : 0);
+    for (int i = 0; i < d->n_v; i++)                     /* at rest: any motion; its projection leads along the freedoms */
+        d->hold[i] = nudge*(size > 0 ? v[i]/size : i%3 == 2 ? sin(1 + i) : 0);
+    memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
+    d->eq.move(d->eq.context, d->q_try, d->hold);
     double off = INFINITY;
     for (int pass = 0; pass < 20 && off > 1e-12; pass++) {
         if (lw_mbs_rows(d, t, d->q_try) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
@@ -161,8 +171,7 @@ static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, co
             off = d->place[r] >= 0 ? fmax(off, fabs(d->phi[r])) : off;
         }
         lw_mbs_linear(d, NULL, d->rhs, d->hold, d->l_each);
-        for (int i = 0; i < d->n_q; i++)
-            d->q_try[i] += d->hold[i];
+        d->eq.move(d->eq.context, d->q_try, d->hold);
     }
     if (!(off <= 1e-12))
         return lw_error_set(d->e, LW_E_NUMERIC, "%d constraints depend on others in the posture at the start, and it could "
@@ -336,6 +345,7 @@ static void add_velocities(lw_dynamics *d, int *n)
 static lw_status hold_speed(lw_dynamics *d, int i)
 {
     int n = d->n_driven, rank = d->rank;
+    d->driven_measure[d->n_driven] = d->s.input_joint[i];
     d->driven[d->n_driven++] = i;
     lw_status s = lw_mbs_arrange(d, d->o.from, d->start_q);
     if (s != LW_OK || d->rank > rank)
@@ -437,8 +447,10 @@ static void find_special_joints(lw_dynamics *d)
             d->friction[d->n_friction++] = lw_friction_joint_of(m, j);
         }
     for (int i = 0; i < d->s.n_input; i++)
-        if (m->motion[i] || d->o.hold_inputs)
+        if (m->motion[i] || d->o.hold_inputs) {
+            d->driven_measure[d->n_driven] = d->s.input_joint[i];
             d->driven[d->n_driven++] = i;
+        }
     for (int b = 0; b < d->s.n_body; b++)
         d->n_velocity += m->body[d->s.link[b]].has_velocity;
     for (int i = 0; i < d->n_q; i++)
@@ -503,7 +515,7 @@ static lw_status start_as_rigid(lw_dynamics *d, const lw_model *given)
     if (s == LW_OK)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
     if (s == LW_OK && d->n_kept != d->n_c)
-        s = rank_nearby_large(d, d->o.from, d->start_q, d->start_v);
+        s = lw_mbs_rank_nearby_large(d, d->o.from, d->start_q, d->start_v);
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : s == LW_OPEN ? LW_NOTHING : s;
 }
 
@@ -535,8 +547,12 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         s = reserve_lists(d, e);
     if (s != LW_OK)
         return s;
-    d->n_q = d->s.n_q;
-    d->n_row = d->s.n_row;
+    d->frames = calloc((size_t)d->s.n_body + 1, sizeof *d->frames);
+    if (!d->frames)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    d->planar = (lw_planar){ &d->s, &d->f, d->frames, d->o.hold_inputs };
+    lw_mbs_take_equations(d, lw_planar_equations(&d->planar));
+    d->n_input = d->s.n_input;
     find_special_joints(d);
     if ((s = lw_mbs_touch_make(d, e)) != LW_OK)
         return s;
@@ -544,7 +560,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         return s;
     if (d->n_stop > LW_EVENT_MAX/2)
         return lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
-    if ((s = reserve(d, e)) != LW_OK)
+    if ((s = lw_mbs_reserve(d, e)) != LW_OK)
         return s;
     d->e = e;
     if (d->elastic && (s = start_as_rigid(d, given)) != LW_NOTHING)
@@ -552,8 +568,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     if ((s = find_posture(d, e)) == LW_OK)
         s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
     if (s == LW_OK)
-        s = d->large ? rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
-                     : rank_nearby(d, d->o.from, d->start_q, d->start_v);
+        s = d->large ? lw_mbs_rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
+                     : lw_mbs_rank_nearby(d, d->o.from, d->start_q, d->start_v);
     if (s == LW_OK)
         d->eq.state_start(d->eq.context, d->o.from, d->start_q, d->start_v, d->start_z);
     for (int i = 0; s == LW_OK && i < d->eq.n_z; i++)
@@ -569,7 +585,7 @@ void lw_mbs_system_rows(const lw_dynamics *c, const double *q)
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
     d->eq.place(d->eq.context, q);
     memset(d->jac, 0, (size_t)d->n_row*LW_ROW_SIZE*sizeof *d->jac);
-    d->eq.rows(d->eq.context, d->phi, d->jac, d->row_body);
+    d->eq.rows(d->eq.context, d->phi, d->jac, d->row_block);
 }
 
 void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac)
@@ -578,37 +594,41 @@ void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, do
     lw_mbs_system_rows(d, q);
     for (int r = 0; r < n; r++) {
         phi[r] = d->phi[first + r];
-        lw_mbs_row(d, first + r, jac + r*d->n_q);
+        lw_mbs_row(d, first + r, jac + r*d->n_v);
     }
+}
+
+/* Add the joint of a row to a list of names, once. */
+static void add_name(const lw_dynamics *d, int row, const char **last, char *text, size_t size)
+{
+    const char *name = d->eq.name(d->eq.context, LW_NAMED_ROW, row);
+    size_t used = strlen(text);
+    if (!*last || strcmp(name, *last) != 0)
+        snprintf(text + used, size - used, " %s", name);
+    *last = name;
 }
 
 /* The reactions of a joint are unique where the null space of J^T has no part in its rows. */
 void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
 {
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
-    size_t used = 0;
+    const char *last = NULL;
     double *x = d->l_each;
     *text = '\0';
-    if (d->large) {                          /* the joints whose rows were left out */
-        for (int r = 0; r < d->n_row && used < size; r++)
-            if (d->place[r] < 0)
-                used += (size_t)snprintf(text + used, size - used, " %s",
-                                         d->model->linkage.joint[d->s.row[r].joint].name);
-        return;
-    }
-    bool seen[LW_JOINT_MAX] = { false };
-    if (d->rank == d->n_c || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, true) != LW_OK)
-        return;
-    for (int r = 0; r < d->n_row; r++) {
+    bool none = !d->large && (d->rank == d->n_c || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK
+                              || lw_mbs_factor(d, true) != LW_OK);
+    for (int r = 0; r < d->n_row && !none; r++) {
         double left = 0;
-        memset(x, 0, (size_t)d->n_c*sizeof *x);
-        x[r] = 1;
-        lw_rank_null_part(&d->rank_of, x);
-        for (int i = 0; i < d->n_c; i++)
-            left = fmax(left, fabs(x[i]));
-        int j = d->s.row[r].joint;
-        if (left > LW_RANK_TOLERANCE && !seen[j] && used < size)
-            used += (size_t)snprintf(text + used, size - used, " %s", d->model->linkage.joint[j].name);
-        seen[j] = seen[j] || left > LW_RANK_TOLERANCE;
+        if (d->large)                        /* the joints whose rows were left out */
+            left = d->place[r] < 0;
+        else {
+            memset(x, 0, (size_t)d->n_c*sizeof *x);
+            x[r] = 1;
+            lw_rank_null_part(&d->rank_of, x);
+            for (int i = 0; i < d->n_c; i++)
+                left = fmax(left, fabs(x[i]));
+        }
+        if (left > LW_RANK_TOLERANCE)
+            add_name(d, r, &last, text, size);
     }
 }

@@ -95,7 +95,7 @@ static lw_status residuals(stages *g)
             return s;
         d->eq.forces(d->eq.context, t, g->qi, g->vi + k*n, d->force, &g->power[k]);
         for (int i = 0; i < n; i++)
-            r[i] = d->f.mass[i]*g->ai[k*n + i] - d->force[i];
+            r[i] = d->eq.mass[i]*g->ai[k*n + i] - d->force[i];
         lw_tangent_push(d, g->zl + k*g->c, r);
         for (int i = 0; i < g->c; i++)
             r[n + i] = d->phi[d->kept[i]];
@@ -223,7 +223,7 @@ static double error_of(stages *g)
             ev += g->error[k]*(g->vi[k*n + i] - g->v[i]);
         }
         g->e[i] = eq;
-        g->b[i] = d->f.mass[i]*(w*w*eq + w*ev);
+        g->b[i] = d->eq.mass[i]*(w*w*eq + w*ev);
     }
     memset(g->b + n, 0, (size_t)g->c*sizeof *g->b);
     lw_tangent_solve(&g->real, g->b);

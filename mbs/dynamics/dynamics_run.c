@@ -16,74 +16,18 @@ double lw_run_time(const lw_dynamics *d, int k)
     return k == n ? d->o.to : d->o.from + (d->o.to - d->o.from)*k/(n > 0 ? n : 1);
 }
 
-/* Angular momentum about the only pin to ground, or linear momentum along the only slider there [SI]. */
-static double momentum(const lw_dynamics *d, const double *y)
-{
-    const double *q = y, *v = y + d->n_q;
-    for (int j = 0; j < d->s.n_joint; j++) {
-        const lw_system_joint *p = &d->s.joint[j];
-        int ground = p->body[0] < 0 ? 0 : 1;
-        if (p->body[ground] >= 0)
-            continue;
-        double sum = 0;
-        for (int b = 0; b < d->s.n_body; b++) {
-            lw_vec2 at = lw_v2_sub(lw_v2(q[3*b], q[3*b + 1]), p->arm[ground]), rate = lw_v2(v[3*b], v[3*b + 1]);
-            sum += lw_joint_turns(p->kind)
-                 ? d->f.mass[3*b]*lw_v2_cross(at, rate) + d->f.mass[3*b + 2]*v[3*b + 2]
-                 : d->f.mass[3*b]*lw_v2_dot(p->along, rate)/d->s.unit;
-        }
-        return sum;
-    }
-    return 0;
-}
-
-static double momentum_scale(const lw_dynamics *d, const double *y)
-{
-    const double *v = y + d->n_q;
-    double sum = 0;
-    for (int i = 0; i < d->n_q; i++)
-        sum += d->f.mass[i]*fabs(v[i]);
-    return sum;
-}
-
-/* Is one free joint all that ties the linkage to the ground? */
-static bool keeps_momentum(const lw_dynamics *d)
-{
-    const lw_model *m = d->model;
-    int tied = -1;
-    for (int j = 0; j < d->s.n_joint; j++)
-        if (d->s.joint[j].body[0] < 0 || d->s.joint[j].body[1] < 0) {
-            if (tied >= 0)
-                return false;
-            tied = j;
-        }
-    if (tied < 0 || !lw_joint_can_drive(d->s.joint[tied].kind))
-        return false;
-    const lw_joint_stop *p = &m->stop[tied];
-    bool loaded = m->gravity.x != 0 || m->gravity.y != 0 || m->n_force || d->f.caller.apply ||
-                  m->friction[tied].coefficient > 0 || p->has_least || p->has_greatest;
-    for (int i = 0; i < m->n_spring; i++)
-        loaded = loaded || m->spring[i].link[0] == m->linkage.ground || m->spring[i].link[1] == m->linkage.ground;
-    for (int i = 0; i < m->n_joint_spring; i++)
-        loaded = loaded || m->joint_spring[i].joint == tied;
-    for (int i = 0; i < m->n_motor; i++)
-        loaded = loaded || m->motor[i].joint == tied;
-    for (int i = 0; i < d->n_driven; i++)
-        loaded = loaded || d->s.input_joint[d->driven[i]] == tied;
-    return !loaded;
-}
-
 void lw_run_watch(lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
     double kinetic = d->eq.kinetic(d->eq.context, y + d->n_q), potential = d->eq.potential(d->eq.context, y);
-    double work = run->has_work ? y[2*d->n_q] : 0;
+    double work = run->has_work ? y[d->n_q + d->n_v] : 0;
     r->energy_error = fmax(r->energy_error, fabs(kinetic + potential - run->energy0 - work));
     r->energy_scale = fmax(r->energy_scale, fmax(kinetic, fabs(potential - run->potential0)));
     if (r->momentum_scale > 0) {
-        r->momentum_error = fmax(r->momentum_error, fabs(momentum(d, y) - run->momentum0));
-        r->momentum_scale = fmax(r->momentum_scale, momentum_scale(d, y));
+        double size, now = d->eq.momentum(d->eq.context, y, y + d->n_q, &size);
+        r->momentum_error = fmax(r->momentum_error, fabs(now - run->momentum0));
+        r->momentum_scale = fmax(r->momentum_scale, size);
     }
 }
 
@@ -97,7 +41,7 @@ static lw_status check_phase(lw_run *run, const lw_moment *m)
     const lw_dynamics *d = run->d;
     lw_dynamics_report *r = run->r;
     double fastest = 0, periods = r->period > 0 ? (m->t - d->o.from)/r->period : 0;
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(m->v[i]));
     double off = DBL_EPSILON*fabs(m->t)*fastest;
     if (!(off < least_known))
@@ -134,9 +78,9 @@ lw_status lw_run_show(lw_run *run, double t, const double *y)
     lw_dynamics *d = run->d;
     lw_moment m;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
-    lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[2*d->n_q] : 0, &m);
+    lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
     if (s == LW_OPEN) {
-        for (int i = 0; i < d->n_q; i++)
+        for (int i = 0; i < d->n_v; i++)
             d->a[i] = NAN;
         for (int i = 0; i < d->n_c; i++)
             d->l[i] = NAN;
@@ -149,7 +93,7 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
     lw_dynamics *d = run->d;
     lw_moment m;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
-    lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[2*d->n_q] : 0, &m);
+    lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
     return s == LW_OK ? hand_out(run, &m) : s;
 }
 
@@ -174,16 +118,16 @@ static double beside_kink(double kink) { return 8*DBL_EPSILON*fmax(fabs(kink), 1
 double lw_run_end(lw_run *run, double t)
 {
     const lw_dynamics *d = run->d;
-    if (!d->model->n_profile)
+    if (!d->eq.next_kink)
         return d->o.to;
     while (run->kink - beside_kink(run->kink) <= t)
-        run->kink = lw_model_next_kink(d->model, fmax(t, run->kink) + 2*beside_kink(fmax(fabs(t), fabs(run->kink))));
+        run->kink = d->eq.next_kink(d->eq.context, fmax(t, run->kink) + 2*beside_kink(fmax(fabs(t), fabs(run->kink))));
     return fmin(d->o.to, run->kink - beside_kink(run->kink));
 }
 
 bool lw_run_at_kink(const lw_run *run, double t)
 {
-    return run->d->model->n_profile && t >= run->kink - beside_kink(run->kink) && t < run->d->o.to;
+    return run->d->eq.next_kink && t >= run->kink - beside_kink(run->kink) && t < run->d->o.to;
 }
 
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context)
@@ -198,9 +142,10 @@ lw_status lw_run_begin(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
     run->potential0 = d->eq.potential(d->eq.context, y);
-    run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q) - (run->has_work ? y[2*d->n_q] : 0);
-    run->momentum0 = momentum(d, y);
-    run->r->momentum_scale = keeps_momentum(d) ? fmax(momentum_scale(d, y), 1e-300) : 0;
+    run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q) - (run->has_work ? y[d->n_q + d->n_v] : 0);
+    double size = 0;
+    run->momentum0 = d->eq.momentum ? d->eq.momentum(d->eq.context, y, y + d->n_q, &size) : 0;
+    run->r->momentum_scale = d->eq.momentum ? fmax(size, 1e-300) : 0;
     lw_run_watch(run, y);
     run->next = 1;
     run->kink = d->o.from;
@@ -263,14 +208,16 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
         power -= d->l[d->n_row + i]*motion[1];
     }
     if (run->has_work)
-        dy[2*n] = power;
+        dy[n + d->n_v] = power;
     return d->eq.n_z ? lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run)) : LW_OK;
 }
 
 lw_status lw_run_project(void *context, double t, double *y)
 {
-    lw_run *run = context;
-    return lw_mbs_settle(run->d, t, y, y + run->d->n_q);
+    lw_dynamics *d = ((lw_run *)context)->d;
+    if (d->eq.accept)
+        d->eq.accept(d->eq.context, y);
+    return lw_mbs_settle(d, t, y, y + d->n_q);
 }
 
 lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why)

@@ -4,7 +4,7 @@
 
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
-/* The state y of a run: q (n_q), v (n_q), where some is done the work of what the potential does not hold, and the
+/* The state y of a run: q (n_q), v (n_v), where some is done the work of what the potential does not hold, and the
  * first-order states z (n_z). */
 typedef struct lw_run {
     lw_dynamics    *d;
@@ -65,7 +65,7 @@ lw_status lw_run_limits(lw_run *run, double t, long steps);
 lw_status lw_run_busy(lw_run *run, double t);
 
 /* First-order states in y; absolute tolerances of y (n), NULL where all are one (or out of memory, *s), to be freed. */
-static inline int lw_run_states(const lw_run *run) { return 2*run->d->n_q + run->has_work; }
+static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
 double *lw_run_tolerances(const lw_run *run, lw_status *s);
 
 /* Steps left of those allowed; 0: no limit. */

@@ -4,7 +4,7 @@
  * from the rows are off by rounding over theta^2 and theta^3.  A method with error control takes that for roughness:
  * the tighter its tolerance, the sooner its steps become very short.
  *
- * With one freedom: the motion curve that the linkage is on is a smooth curve q(s).  It is interpolated from places on
+ * With one freedom, in the plane: the motion curve that the linkage is on is a smooth curve q(s).  It is interpolated from places on
  * both sides, far enough away to be known to the last digits, and between them the motion is that of one coordinate:
  *
  *     s' = p/sqrt(M),   p' = q'.Q/sqrt(M),   M = q'.M q'
@@ -59,7 +59,7 @@ static lw_status integrate_to(lw_run *run, double t, double end, double *y, bool
 double lw_run_energy(const lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
-    return lw_forces_kinetic(&d->f, y + d->n_q) + lw_forces_potential(&d->f, y) - (run->has_work ? y[2*d->n_q] : 0);
+    return d->eq.kinetic(d->eq.context, y + d->n_q) + d->eq.potential(d->eq.context, y) - (run->has_work ? y[d->n_q + d->n_v] : 0);
 }
 
 /* The motion over the gap as a polynomial: the equations hold at twelve nodes, none of which is near the middle.  It is
@@ -152,7 +152,7 @@ static bool centre_gap(gap *z)
 static lw_status solve_gap(gap *z, double *y, double *tail)
 {
     lw_run *run = z->run;
-    int n = run->n, n_q = run->d->n_q;
+    int n = run->n, both = run->d->n_q + run->d->n_v;
     double before = INFINITY, change = INFINITY, weight[N_NODE][N_NODE], whole[N_NODE];
     for (int k = 0; k < N_NODE; k++)
         weights(z, 0, N_NODE - 1, z->at[k], weight[k]);
@@ -169,7 +169,7 @@ static lw_status solve_gap(gap *z, double *y, double *tail)
         change = 0;
         for (int k = 0; k < N_NODE; k++) {
             state_in_gap(z, weight[k], y);
-            for (int i = 0; i < 2*n_q; i++)
+            for (int i = 0; i < both; i++)
                 change = fmax(change, fabs(y[i] - z->state[k*n + i])/(1 + fabs(y[i])));
             memcpy(z->state + k*n, y, (size_t)n*sizeof *y);
         }
@@ -181,7 +181,7 @@ static lw_status solve_gap(gap *z, double *y, double *tail)
     state_in_gap(z, whole, run->state);
     weights(z, 0, N_NODE - 1, 1, whole);
     state_in_gap(z, whole, y);
-    for (int i = 0; i < 2*n_q; i++)
+    for (int i = 0; i < both; i++)
         *tail = fmax(*tail, fabs(y[i] - run->state[i])/(1 + fabs(y[i])));
     return change < unsettled ? LW_OK : LW_OPEN;
 }
@@ -484,12 +484,12 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
         return s;
     value(&z->path, y[0], z->q, z->v);
     for (int i = 0; i < d->n_q; i++)
-        mass += d->f.mass[i]*z->v[i]*z->v[i];
+        mass += d->eq.mass[i]*z->v[i]*z->v[i];
     double root = sqrt(mass), speed = y[1]*z->root/root;
     memcpy(z->guess, z->v, (size_t)d->n_q*sizeof *z->guess);
     for (int i = 0; i < d->n_q; i++)
         z->v[i] *= speed;
-    lw_forces_apply(&d->f, t, z->q, z->v, d->force, NULL, NULL, z->run->has_work ? &power : NULL);
+    d->eq.forces(d->eq.context, t, z->q, z->v, d->force, z->run->has_work ? &power : NULL);
     for (int i = 0; i < d->n_q; i++)
         push += z->guess[i]*d->force[i];
     dy[0] = speed;
@@ -506,7 +506,7 @@ static void bodies_state(const crossing *z, const double *s, double *y)
     double mass = 0, *v = y + d->n_q;
     value(&z->path, s[0], y, v);
     for (int i = 0; i < d->n_q; i++)
-        mass += d->f.mass[i]*v[i]*v[i];
+        mass += d->eq.mass[i]*v[i]*v[i];
     for (int i = 0; i < d->n_q; i++)
         v[i] *= s[1]*z->root/sqrt(mass);
     if (z->run->has_work)
@@ -539,11 +539,11 @@ static lw_status move(crossing *z, double *t, double *y)
     z->root = 1;
     rate(z, *t, (double[]){ 0, 1, 0 }, (double[3]){ 0 });
     for (int i = 0; i < d->n_q; i++)
-        mass += d->f.mass[i]*z->guess[i]*z->guess[i];
+        mass += d->eq.mass[i]*z->guess[i]*z->guess[i];
     z->root = sqrt(mass);
     /* rate of s, in the metric of the masses */
     for (int i = 0; i < d->n_q; i++)
-        s[1] += d->f.mass[i]*z->guess[i]*y[d->n_q + i]/mass;
+        s[1] += d->eq.mass[i]*z->guess[i]*y[d->n_q + i]/mass;
     o.relative = finer*d->o.relative;
     o.absolute = finer*d->o.absolute;
     o.max_step = lw_run_steps_left(run);
@@ -633,7 +633,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
 {
     const lw_dynamics *d = run->d;
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0, place = *t;
-    bool one = d->freedom == 1 && !d->n_driven && !d->n_friction && !d->eq.n_z;
+    bool one = d->freedom == 1 && !d->space && !d->n_driven && !d->n_friction && !d->eq.n_z;
     double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
     run->pivot = w;
     run->pivot_t = *t;
@@ -642,7 +642,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     run->apart = w > beside ? 0 : run->apart;
     if (d->n_stop || w > from || w < too_near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));
     if (fastest*since*w/fall > reach)
         return LW_NOTHING;

@@ -3,6 +3,22 @@
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <assert.h>
+#include <string.h>
+
+/* Gap of stop i at the posture placed last; its gradient in g (n_v) unless NULL. */
+static double gap_of(const lw_dynamics *d, int i, double *g)
+{
+    const lw_rigid_stop *p = &d->stop[i];
+    lw_row_blocks block;
+    double row[LW_ROW_SIZE] = { 0 };
+    d->eq.measure_blocks(d->eq.context, p->measure, block);
+    double value = d->eq.measure(d->eq.context, p->measure, row, block);
+    if (g)
+        memset(g, 0, (size_t)d->n_v*sizeof *g);
+    for (int k = 0; g && k < LW_ROW_SIZE && block[k/LW_BLOCK] >= 0; k++)
+        g[LW_BLOCK*block[k/LW_BLOCK] + k%LW_BLOCK] = p->sign*row[k];
+    return p->sign*(value - p->limit);
+}
 
 /* Place of stop i among those that rest. */
 static int place_of(const lw_dynamics *d, int i)
@@ -23,9 +39,10 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
 {
     lw_run *run = context;
     lw_dynamics *d = run->d;
+    d->eq.place(d->eq.context, y);
     for (int i = 0; i < d->n_stop; i++)
         if (!d->stop[i].resting)
-            g[i] = lw_rigid_stop_gap(&d->s, &d->stop[i], y, NULL);
+            g[i] = gap_of(d, i, NULL);
     if (d->n_resting == 0)
         return LW_OK;
     lw_status s = lw_mbs_accelerate(d, t, y, y + d->n_q, d->a, d->l, NULL);
@@ -37,14 +54,21 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
 static double gap(void *context, int i, const double *y)
 {
     const lw_dynamics *d = ((lw_run *)context)->d;
-    return lw_rigid_stop_gap(&d->s, &d->stop[i], y, NULL);
+    d->eq.place(d->eq.context, y);
+    return gap_of(d, i, NULL);
 }
 
 static lw_status motion(void *context, int i, double t, const double *y, double *g, lw_gap *out)
 {
     lw_dynamics *d = ((lw_run *)context)->d;
     lw_status s = lw_mbs_accelerate(d, t, y, y + d->n_q, d->a, d->l, NULL);
-    *out = lw_rigid_stop_motion(&d->s, &d->stop[i], y, y + d->n_q, d->a, g);
+    d->eq.place(d->eq.context, y);
+    *out = (lw_gap){ .value = gap_of(d, i, g) };
+    out->acceleration = d->stop[i].sign*d->eq.measure_bias(d->eq.context, d->stop[i].measure, y + d->n_q);
+    for (int k = 0; k < d->n_v; k++) {
+        out->rate += g[k]*y[d->n_q + k];
+        out->acceleration += g[k]*d->a[k];
+    }
     return s;
 }
 
@@ -92,23 +116,30 @@ static void note(void *context, int i, double t, bool impact, double rate)
     lw_run *run = context;
     lw_dynamics_report *r = run->r;
     const lw_rigid_stop *p = &run->d->stop[i];
-    double unit = lw_system_joint_unit(&run->d->s, p->joint);
+    double unit = run->d->eq.measure_unit(run->d->eq.context, p->measure);
     if (r->n_event < LW_REPORT_EVENT_MAX)
         r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit, NULL };
     r->n_event_seen++;
+}
+
+static const char *name(void *context, int i)
+{
+    const lw_dynamics *d = ((lw_run *)context)->d;
+    return d->eq.name(d->eq.context, LW_NAMED_MEASURE, d->stop[i].measure);
 }
 
 lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed)
 {
     lw_dynamics *d = run->d;
     bool implicit = run->r->formulation == LW_FORMULATION_CVODE;      /* its error hides low bounces */
-    lw_stops stops = { .context = run, .n_stop = d->n_stop, .n = d->n_q, .stop = d->stop, .model = d->model,
+    lw_stops stops = { .context = run, .n_stop = d->n_stop, .n = d->n_v, .v = d->n_q, .stop = d->stop, .name = name,
+                       .change = d->stop_v, .gradient = d->small_v,
                        .least_bounce = implicit ? fmax(LW_STOP_LEAST_BOUNCE, d->o.absolute) : LW_STOP_LEAST_BOUNCE,
                        .gap = gap, .motion = motion, .impulse = impulse, .pressure = pressure, .arrange = arrange,
                        .note = note };
-    double before = lw_forces_kinetic(&d->f, y + d->n_q);
+    double before = d->eq.kinetic(d->eq.context, y + d->n_q);
     lw_status s = lw_stops_strike(&stops, t, y, changed, &run->flight, run->e);
     if (run->has_work && *changed)
-        y[2*d->n_q] += lw_forces_kinetic(&d->f, y + d->n_q) - before;
+        y[d->n_q + d->n_v] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
     return s;
 }

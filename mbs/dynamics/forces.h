@@ -13,6 +13,7 @@
 
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"
+#include "mbs/dynamics/equations.h"
 #include "mbs/elastic/beam.h"
 
 typedef struct lw_forces {
@@ -48,15 +49,6 @@ void      lw_forces_free(lw_forces *f);
  * [W]; may be NULL. */
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power);
-
-/* Takes derivatives of the force by one coordinate and its rate; they are sums, so an entry may come several times. */
-typedef struct lw_force_sink {
-    void *context;
-    void (*add)(void *context, int row, int column, double by_q, double by_v);
-    /* The same for states: row n_q + i is the rate of state i, with by_q and by_v for a column below n_q; column n_q + k
-     * is state k, with the derivative in by_q.  NULL: they are not wanted. */
-    void (*add_state)(void *context, int row, int column, double by_q, double by_v);
-} lw_force_sink;
 
 /* The same for large models; without the derivatives of the caller's forces. */
 void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force,

@@ -52,17 +52,16 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     r->redundant = d->n_c - d->rank;
     r->moved = d->moved;
     r->moved_rate = d->moved_rate;
-    r->adjusted = d->adjusted*d->s.unit;
+    r->adjusted = d->adjusted*d->eq.unit;
     r->t = d->o.from;
     if (d->elastic && a == LW_ANALYSIS_KINEMATIC)
         return lw_error_set(e, LW_E_KIND, "the motion of elastic links does not follow from the inputs alone: run the model in time "
                             "(dynamic) or --rigid, or see its equilibrium (static, quasistatic)");
-    for (int i = 0; i < d->model->n_beam; i++)
-        if (d->model->beam[i].consistent && a != LW_ANALYSIS_STATIC)
-            return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
+    if (d->eq.more_mass && a != LW_ANALYSIS_STATIC)
+        return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
     if (d->large && !d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
         return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
-                            "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->model->linkage.n_link);
+                            "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->s.n_body + 1);
     if (d->touch && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0))
         return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in dynamic runs with a freedom only");
     for (int i = 0; i < d->n_friction; i++)
@@ -70,7 +69,7 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), whose values this analysis does not know; "
-                            "run it in time (dynamic)", d->model->state[0].name);
+                            "run it in time (dynamic)", d->eq.name(d->eq.context, LW_NAMED_STATE, 0));
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
     if (d->elastic && a == LW_ANALYSIS_QUASISTATIC) {
@@ -140,12 +139,11 @@ lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const doub
                               lw_error *e)
 {
     lw_error own = { 0 };
-    size_t n = (size_t)d->n_q*sizeof *q;
     d->e = e ? e : &own;
     d->o.from = from;
     d->o.to = to;
-    memcpy(d->start_q, q, n);
-    memcpy(d->start_v, v, n);
+    memcpy(d->start_q, q, (size_t)d->n_q*sizeof *q);
+    memcpy(d->start_v, v, (size_t)d->n_v*sizeof *v);
     memcpy(d->start_z, z, (size_t)d->eq.n_z*sizeof *z);
     d->eq.place_states(d->eq.context, z);
     free(d->reduced);
@@ -164,8 +162,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (r->formulation == LW_FORMULATION_AUTO)
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
     d->e = run.e;
-    run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
-    run.n = 2*d->n_q + run.has_work + d->eq.n_z;
+    run.has_work = !d->eq.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
+    run.n = d->n_q + d->n_v + run.has_work + d->eq.n_z;
     run.pivot_tried = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
                          r->formulation != LW_FORMULATION_REDUCED;

@@ -79,7 +79,7 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
     for (int i = 0; i < n; i++)
         z->heavy[i] = lw_rng_uniform(rng) - 0.5;
     for (int i = 0; i < n; i++)
-        z->heavy[i] *= z->d->f.mass[i];
+        z->heavy[i] *= z->d->eq.mass[i];
     apply(z, z->heavy, z->basis);
     double size = orthogonal(z, z->basis, z->heavy, 0), least = 0;
     apply(z, z->heavy, z->basis);            /* twice: into the motions that the rows allow */
@@ -170,13 +170,9 @@ static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, doubl
         d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
         for (int r = 0; r < z->tangent.c; r++) {
             lw_bend bend[LW_BEND_MAX];
-            int row = d->kept[r], count = row < d->n_row && !lw_joint_has_ratio(d->s.joint[d->s.row[row].joint].kind)
-                && !(d->s.n_tie && row >= d->s.tie_row) ? d->eq.bends(d->eq.context, row, bend) : 0;
-            for (int b = 0; b < count; b++) {
+            int row = d->kept[r], count = row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0;
+            for (int b = 0; b < count; b++)
                 k[bend[b].a] += l[r]*bend[b].h*x[bend[b].b];
-                if (bend[b].a != bend[b].b)
-                    k[bend[b].b] += l[r]*bend[b].h*x[bend[b].a];
-            }
         }
         for (int i = 0; i < m; i++) {
             const double *y = z->found + (size_t)i*(size_t)n;
@@ -199,7 +195,7 @@ static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, doubl
 lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
                               lw_error *e)
 {
-    size_t n = (size_t)d->n_q, c = (size_t)d->n_kept;
+    size_t n = (size_t)d->n_v, c = (size_t)d->n_kept;
     lw_rest rest = { 0 };
     memset(modes, 0, sizeof *modes);
     if (o->rest) {
@@ -207,15 +203,15 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         if (s != LW_OK)
             return s == LW_NOTHING ? LW_E_NUMERIC : s;
     }
-    modes->freedom = d->n_q - d->n_kept;
+    modes->freedom = d->n_v - d->n_kept;
     modes->redundant = d->n_c - d->n_kept;
     if (modes->freedom <= 0)
         return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
-    int aim = d->f.conservative ? wanted : 2*wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
+    int aim = d->eq.conservative ? wanted : 2*wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
     int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom;
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
-    lanczos z = { .d = d, .n = d->n_q, .most = most, .q = q };
+    lanczos z = { .d = d, .n = d->n_v, .most = most, .q = q };
     lw_status s = memory && lw_tangent_make(d, false, true, &z.tangent) == LW_OK ? LW_OK
                 : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
@@ -223,12 +219,12 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         z.found = p, p += ((size_t)room + 1)*n, z.found_heavy = p, p += ((size_t)room + 1)*n, z.value = p, p += room;
         double *still = p, *k = p + n, *damp = p + 2*n, *l = p + 3*n;
         z.b = l + c;
-        lw_vibration v = { .f = &d->f, .n_q = d->n_q, .null = z.found };
+        lw_vibration v = { .f = &d->f, .n_q = d->n_v, .null = z.found };
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
         s = lw_tangent_at_rest(d, t, q, still, d->a, l);
         double left = 0, force = 0, ratio = 0, scale = 0;
         for (size_t i = 0; s == LW_OK && i < n; i++) {
-            left = fmax(left, fabs(d->f.mass[i]*d->a[i]));
+            left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
             force = fmax(force, fabs(d->force[i]));
         }
         modes->unbalanced = force > 0 ? left/force : 0;
@@ -237,7 +233,7 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
             s = lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 }) == LW_E_MEMORY ? LW_E_MEMORY
               : LW_OK;
         for (int i = 0; i < z.n; i++)
-            ratio = fmax(ratio, fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)])/d->f.mass[i]);
+            ratio = fmax(ratio, fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)])/d->eq.mass[i]);
         scale = ratio > 0 ? ratio : 1;
         z.shift = 1e-9*scale;
         if (s == LW_OK && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)

@@ -11,7 +11,7 @@ static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int
     lw_reaction r = { { 0, 0 }, 0 };
     for (int k = first; k < first + n; k++) {
         int slot = 0;
-        while (d->row_body[k][slot] != body)
+        while (d->row_block[k][slot] != body)
             slot++;
         const double *row = d->jac + k*LW_ROW_SIZE + 3*slot;
         r.force.x -= l[k]*row[0]/s->unit;

@@ -15,9 +15,9 @@ int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *st
         if (p->stiffness > 0)
             continue;
         if (p->has_least)
-            stop[n++] = (lw_rigid_stop){ j, 1, p->least*scale, p->restitution, false };
+            stop[n++] = (lw_rigid_stop){ j, j, 1, p->least*scale, p->restitution, false };
         if (p->has_greatest)
-            stop[n++] = (lw_rigid_stop){ j, -1, p->greatest*scale, p->restitution, false };
+            stop[n++] = (lw_rigid_stop){ j, j, -1, p->greatest*scale, p->restitution, false };
     }
     return n;
 }
@@ -50,12 +50,12 @@ lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const
 /* Stop i is hit. */
 static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g, double rate, lw_error *e)
 {
-    double change[LW_SYSTEM_Q_MAX], mobility, *v = y + s->n, restitution = s->stop[i].restitution;
+    double *change = s->change, mobility, *v = y + s->v, restitution = s->stop[i].restitution;
     lw_gap gap;
     lw_status st = s->impulse(s->context, t, y, g, change, &mobility);
     if (st == LW_NOTHING)
         return lw_error_set(e, LW_E_NUMERIC, "the stop of joint \"%s\" is hit at t = %.9g s, but motions and joints "
-                            "leave it no way to give", s->model->linkage.joint[s->stop[i].joint].name, t);
+                            "leave it no way to give", s->name(s->context, i), t);
     if (st != LW_OK)
         return st;
     for (int k = 0; k < s->n; k++)
@@ -77,13 +77,13 @@ static bool closes(const lw_stops *s, const double *y, const lw_gap *gap)
 {
     double fastest = 0;
     for (int k = 0; k < s->n; k++)
-        fastest = fmax(fastest, fabs(y[s->n + k]));
+        fastest = fmax(fastest, fabs(y[s->v + k]));
     return gap->rate <= 0 && !(gap->rate >= -still*fastest && gap->acceleration >= 0);
 }
 
 static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, lw_error *e)
 {
-    double g[LW_SYSTEM_Q_MAX];
+    double *g = s->gradient;
     for (int i = 0; i < s->n_stop; i++) {
         lw_gap gap;
         if (s->stop[i].resting || s->gap(s->context, i, y) > LW_STOP_CLOSED)
@@ -92,7 +92,7 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
         if (st == LW_OK && fabs(gap.value) > passed) {
             if (s->passed_is_error)
                 return lw_error_set(e, LW_E_ARG, "the stop of joint \"%s\" is passed at t = %.9g s",
-                                    s->model->linkage.joint[s->stop[i].joint].name, t);
+                                    s->name(s->context, i), t);
             continue;
         }
         if (st == LW_OK && !closes(s, y, &gap))
@@ -131,7 +131,7 @@ static lw_status leave_one(const lw_stops *s, double t, double *y, bool *any)
 
 static lw_status find_flight(const lw_stops *s, double t, const double *y, double *flight)
 {
-    double g[LW_SYSTEM_Q_MAX];
+    double *g = s->gradient;
     *flight = 0;
     for (int i = 0; i < s->n_stop; i++) {
         lw_gap gap;

@@ -15,9 +15,10 @@
 #define LW_STOP_CLOSED 1e-9              /* a gap below this is closed, scaled */
 #define LW_STOP_LEAST_BOUNCE 1e-13       /* a bounce below this height counts as rest, scaled */
 
-/* gap = sign (measure - limit), scaled; sign is -1 for a greatest value.  resting: a row of the constraints. */
+/* gap = sign (measure - limit), scaled; sign is -1 for a greatest value.  resting: a row of the constraints.  measure: as
+ * the equations number it, of the joint. */
 typedef struct lw_rigid_stop {
-    int    joint;
+    int    joint, measure;
     double sign, limit, restitution;
     bool   resting;
 } lw_rigid_stop;
@@ -34,16 +35,17 @@ double lw_rigid_stop_gap(const lw_system *s, const lw_rigid_stop *stop, const do
 lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const double *q, const double *v,
                             const double *a, double *row);
 
-/* The equations that stops act in.  State y: n coordinates, then n velocities. */
+/* The equations that stops act in.  State y: coordinates, then n velocities. */
 typedef struct lw_stops {
     void   *context;
-    int     n_stop, n;
+    int     n_stop, n, v;                /* stops; velocities, and where they begin in y */
+    double *change, *gradient;           /* (n) scratch */
     lw_rigid_stop  *stop;
-    const lw_model *model;
+    const char *(*name)(void *context, int i);       /* of the joint of stop i */
     double  least_bounce;                /* a bounce below this height counts as rest, scaled */
     bool    passed_is_error;             /* a stop that is passed already: an error, else it is ignored */
     double    (*gap)(void *context, int i, const double *y);
-    /* Gap i with its rate and acceleration; its gradient by the coordinates in g (n). */
+    /* Gap i with its rate and acceleration; its gradient by the velocities in g (n). */
     lw_status (*motion)(void *context, int i, double t, const double *y, double *g, lw_gap *gap);
     /* Change (n) of the velocities by the impulse g; *mobility = g.change.  LW_NOTHING: nothing gives way. */
     lw_status (*impulse)(void *context, double t, const double *y, const double *g, double *change, double *mobility);

@@ -13,7 +13,7 @@
 typedef struct search {
     lw_dynamics *d;
     lw_tangent   tangent;
-    int     n, c;
+    int     n_q, n, c;                       /* coordinates, velocities, kept rows */
     double  t;
     double *q, *l, *load, *residual, *step, *still, *old_q, *old_l, *aside;
 } search;
@@ -63,8 +63,7 @@ static double newton_step(search *s, double mass)
 
 static void move(search *s)
 {
-    for (int i = 0; i < s->n; i++)
-        s->q[i] += s->step[i];
+    s->d->eq.move(s->d->eq.context, s->q, s->step);
     for (int k = 0; k < s->c; k++)
         s->l[k] += s->step[s->n + k];
 }
@@ -77,7 +76,7 @@ static lw_status balance(search *s, loads w, int *iterations)
         lw_status st = find_residual(s, w);
         if (st != LW_OK)
             return LW_OPEN;
-        double size = newton_step(s, 0), all = fmax(1, greatest(s->q, s->n));
+        double size = newton_step(s, 0), all = fmax(1, greatest(s->q, s->n_q));
         ++*iterations;
         if (!(size < longest) || (pass > 3 && size > 2*before))
             return LW_OPEN;
@@ -91,13 +90,13 @@ static lw_status balance(search *s, loads w, int *iterations)
 
 static void keep(search *s)
 {
-    memcpy(s->old_q, s->q, (size_t)s->n*sizeof *s->q);
+    memcpy(s->old_q, s->q, (size_t)s->n_q*sizeof *s->q);
     memcpy(s->old_l, s->l, (size_t)s->c*sizeof *s->l);
 }
 
 static void put_back(search *s)
 {
-    memcpy(s->q, s->old_q, (size_t)s->n*sizeof *s->q);
+    memcpy(s->q, s->old_q, (size_t)s->n_q*sizeof *s->q);
     memcpy(s->l, s->old_l, (size_t)s->c*sizeof *s->l);
 }
 
@@ -123,7 +122,7 @@ static lw_status load_steps(search *s, loads from, loads to, lw_rest *r)
     return part < 1 ? LW_OPEN : LW_OK;
 }
 
-/* Work of the forces on the step from old_q to q, by their values at both ends; 0 where it is rounding. */
+/* Work of the forces on the step just taken from old_q to q, by their values at both ends; 0 where it is rounding. */
 static double work_of_step(search *s, double size)
 {
     lw_dynamics *d = s->d;
@@ -131,8 +130,8 @@ static double work_of_step(search *s, double size)
     for (int end = 0; end < 2; end++) {
         d->eq.forces(d->eq.context, s->t, end ? s->q : s->old_q, s->still, d->force, NULL);
         for (int i = 0; i < s->n; i++) {
-            work += 0.5*d->force[i]*(s->q[i] - s->old_q[i]);
-            all += fabs(d->force[i]*(s->q[i] - s->old_q[i]));
+            work += 0.5*d->force[i]*s->step[i];
+            all += fabs(d->force[i]*s->step[i]);
         }
     }
     return size < 1e-9 || fabs(work) < 1e-12*all ? 0 : work;
@@ -145,7 +144,7 @@ static lw_status downhill(search *s, lw_rest *r)
     double mass = 0, unit = 0;
     int good = 0;
     for (int i = 0; i < s->n; i++)
-        unit = fmax(unit, d->f.mass[i] > 0 ? fabs(d->f.weight[i])/d->f.mass[i] : 0);
+        unit = fmax(unit, d->eq.mass[i] > 0 ? fabs(d->eq.weight[i])/d->eq.mass[i] : 0);
     unit = unit > 0 ? unit : 1;
     mass = 100*unit;
     for (int k = 0; k < most_downhill; k++) {
@@ -176,18 +175,18 @@ static lw_status downhill(search *s, lw_rest *r)
 
 static lw_status prepare(search *s, lw_dynamics *d, double t, double *q)
 {
-    size_t n = (size_t)d->n_q, c = (size_t)d->n_kept;
-    double *p = calloc(5*n + 4*(n + c), sizeof *p);
-    *s = (search){ .d = d, .n = d->n_q, .c = d->n_kept, .t = t, .q = q, .load = p };
+    size_t n = (size_t)d->n_v, c = (size_t)d->n_kept, n_q = (size_t)d->n_q;
+    double *p = calloc(4*n + n_q + 4*(n + c), sizeof *p);
+    *s = (search){ .d = d, .n_q = d->n_q, .n = d->n_v, .c = d->n_kept, .t = t, .q = q, .load = p };
     if (!p || lw_tangent_make(d, false, false, &s->tangent) != LW_OK)
         return LW_E_MEMORY;
     p += n;
     s->aside = p, p += n;
-    s->still = p, p += n, s->old_q = p, p += n, s->l = p, p += n + c;
+    s->still = p, p += n, s->old_q = p, p += n_q, s->l = p, p += n + c;
     s->old_l = p, p += n + c, s->residual = p, p += n + c, s->step = p;
     lw_status st = lw_tangent_at_rest(d, t, q, s->still, d->a, s->l);
     for (size_t i = 0; i < n; i++)
-        s->load[i] = d->f.mass[i]*d->a[i];
+        s->load[i] = d->eq.mass[i]*d->a[i];
     return st;
 }
 
@@ -196,14 +195,14 @@ static lw_status prepare(search *s, lw_dynamics *d, double t, double *q)
 static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
 {
     lw_dynamics *d = s->d;
-    double most = 0, *saddle = calloc(2*(size_t)s->n + 1, sizeof *saddle), *away = saddle + s->n;
+    double most = 0, *saddle = calloc((size_t)s->n_q + (size_t)s->n + 1, sizeof *saddle), *away = saddle + s->n_q;
     lw_status st = saddle ? LW_OPEN : LW_E_MEMORY;
     if (st == LW_E_MEMORY)
         return st;
-    memcpy(saddle, s->q, (size_t)s->n*sizeof *saddle);
+    memcpy(saddle, s->q, (size_t)s->n_q*sizeof *saddle);
     for (int i = 0; i < s->n; i++) {
         away[i] = mode->shape[i]*cos(mode->phase[i]);
-        s->aside[i] = d->f.mass[i]*away[i];
+        s->aside[i] = d->eq.mass[i]*away[i];
         most = fmax(most, fabs(s->aside[i]));
     }
     for (double share = 0.1; st == LW_OPEN && share > 1e-4; share *= 0.3) {
@@ -211,20 +210,23 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
         for (int i = 0; i < s->n; i++)
             s->aside[i] *= scale;
         most *= scale;
-        memcpy(s->q, d->start_q, (size_t)s->n*sizeof *s->q);
+        memcpy(s->q, d->start_q, (size_t)s->n_q*sizeof *s->q);
         if (!(scale > 0) || lw_tangent_at_rest(d, s->t, s->q, s->still, d->a, s->l) != LW_OK)
             break;
         st = load_steps(s, (loads){ 1, 0 }, (loads){ 0, 1 }, r);
         if (st == LW_OK)
             st = load_steps(s, (loads){ 0, 1 }, (loads){ 0, 0 }, r);
-        for (int i = 0; st == LW_OK && i < s->n; i++)
+        for (int i = 0; st == LW_OK && i < s->n_q; i++)
             moved = fmax(moved, fabs(s->q[i] - saddle[i]));
         st = st == LW_OK && moved < 1e-6 ? LW_OPEN : st;
     }
-    for (int i = 0; st == LW_OPEN && i < s->n; i++)
-        s->q[i] = saddle[i] + 0.01*away[i];
-    if (st == LW_OPEN)
+    if (st == LW_OPEN) {
+        memcpy(s->q, saddle, (size_t)s->n_q*sizeof *saddle);
+        for (int i = 0; i < s->n; i++)
+            away[i] *= 0.01;
+        d->eq.move(d->eq.context, s->q, away);
         st = lw_mbs_project_q(d, s->t, s->q, 1) == LW_OK ? downhill(s, r) : LW_OPEN;
+    }
     free(saddle);
     return st;
 }
@@ -278,7 +280,7 @@ static lw_status follow(search *s, double t, lw_rest *r)
     if (lw_tangent_at_rest(d, t, s->q, s->still, d->a, s->l) != LW_OK)
         return LW_OPEN;
     for (int i = 0; i < s->n; i++)
-        s->load[i] = d->f.mass[i]*d->a[i];
+        s->load[i] = d->eq.mass[i]*d->a[i];
     return load_steps(s, (loads){ 1, 0 }, (loads){ 0, 0 }, r);
 }
 
@@ -331,7 +333,7 @@ lw_status lw_statics_run_large(lw_run *run)
             st = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the equilibrium is neutral: its stiffness is singular", now);
         if (st != LW_OK)
             break;
-        memset(d->a, 0, (size_t)d->n_q*sizeof *d->a);
+        memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);
         memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
         for (int c = 0; c < s.c; c++)
             d->l[d->kept[c]] = s.l[c];

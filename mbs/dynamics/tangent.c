@@ -37,15 +37,15 @@ static void list_force(void *context, int row, int column, double by_q, double b
 
 lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t)
 {
-    *t = (lw_tangent){ .d = d, .is_complex = is_complex, .consistent = consistent, .n = d->n_q, .c = d->n_kept, .scale = 1 };
+    *t = (lw_tangent){ .d = d, .is_complex = is_complex, .consistent = consistent, .n = d->n_v, .c = d->n_kept, .scale = 1 };
     d->eq.pattern(d->eq.context, &(lw_force_sink){ .context = t, .add = list_force });
     for (int i = 0; i < t->n + t->c; i++)
         list_each(t, i, i);
     for (int k = 0; k < t->c; k++) {
-        const int *body = d->row_body[d->kept[k]];
+        const int *block = d->row_block[d->kept[k]];
         int coordinate[LW_ROW_SIZE], count = 0;
-        for (int b = 0; b < LW_ROW_SIZE && body[b/3] >= 0; b++)
-            coordinate[count++] = 3*body[b/3] + b%3;
+        for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
+            coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
         for (int b = 0; b < count; b++) {
             list_each(t, coordinate[b], t->n + k);
             list_each(t, t->n + k, coordinate[b]);
@@ -92,40 +92,30 @@ static void put_force(void *context, int row, int column, double by_q, double by
     put(t, row, column, -by_q - t->weight_re*by_v, -t->weight_im*by_v);
 }
 
-/* What the consistent mass of an element has besides its lumps; calls add for each entry. */
-static void mass_besides_lumps(const lw_tangent *t, const double *q, int beam, int at[6], double out[6][6])
+/* Entries of the mass matrix besides its diagonal, weighed. */
+static void put_mass(void *context, int row, int column, double by_q, double by_v)
 {
-    const lw_dynamics *d = t->d;
-    const lw_beam *b = &d->model->beam[beam];
-    double h = b->length, k = 12*b->stiffness[2]/(h*h*b->stiffness[1]) - 1, turn = 0;
-    for (int end = 0; end < 2; end++) {
-        int body = d->s.body[b->link[end]];
-        turn += 0.5*q[3*body + 2];
-        for (int i = 0; i < 3; i++)
-            at[3*end + i] = 3*body + i;
-    }
-    lw_beam_mass(b->mass, h, k, b->gyration, b->direction + turn, out);
-    for (int i = 0; i < 6; i++) {
-        out[i][i] -= 0.5*b->mass*(i%3 == 2 ? b->gyration : 1);
-        for (int j = 0; j < 6; j++)
-            out[i][j] *= (i%3 == 2 ? 1 : d->s.unit)*(j%3 == 2 ? 1 : d->s.unit);
-    }
+    lw_tangent *t = context;
+    (void)by_v;
+    put(t, row, column, t->mass_re*by_q, t->mass_im*by_q);
+}
+
+typedef struct product { const double *x; double *out; } product;
+
+static void multiply(void *context, int row, int column, double by_q, double by_v)
+{
+    const product *p = context;
+    (void)by_v;
+    p->out[row] += by_q*p->x[column];
 }
 
 void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, double *out)
 {
-    int at[6];
-    double m[6][6];
+    const lw_equations *eq = &t->d->eq;
     for (int i = 0; i < t->n; i++)
-        out[i] = t->d->f.mass[i]*x[i];
-    for (int b = 0; t->consistent && b < t->d->model->n_beam; b++) {
-        if (!t->d->model->beam[b].consistent)
-            continue;
-        mass_besides_lumps(t, q, b, at, m);
-        for (int i = 0; i < 6; i++)
-            for (int j = 0; j < 6; j++)
-                out[at[i]] += m[i][j]*x[at[j]];
-    }
+        out[i] = eq->mass[i]*x[i];
+    if (t->consistent && eq->more_mass)
+        eq->more_mass(eq->context, q, &(lw_force_sink){ .context = &(product){ x, out }, .add = multiply });
 }
 
 static void put_rows(lw_tangent *t, const double *l)
@@ -134,19 +124,14 @@ static void put_rows(lw_tangent *t, const double *l)
     for (int k = 0; k < t->c; k++) {
         int row = d->kept[k];
         lw_bend bend[LW_BEND_MAX];
-        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
+        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
             for (int i = 0; i < 3; i++) {
-                double x = t->scale*d->jac[row*LW_ROW_SIZE + 3*b + i];
-                put(t, 3*d->row_body[row][b] + i, t->n + k, x, 0);
-                put(t, t->n + k, 3*d->row_body[row][b] + i, x, 0);
+                double x = t->scale*d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + i];
+                put(t, LW_BLOCK*d->row_block[row][b] + i, t->n + k, x, 0);
+                put(t, t->n + k, LW_BLOCK*d->row_block[row][b] + i, x, 0);
             }
-        bool plain = row < d->n_row && !lw_joint_has_ratio(d->s.joint[d->s.row[row].joint].kind)
-                     && !(d->s.n_tie && row >= d->s.tie_row);
-        for (int e = (plain ? d->eq.bends(d->eq.context, row, bend) : 0) - 1; e >= 0; e--) {
+        for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0) - 1; e >= 0; e--)
             put(t, bend[e].a, bend[e].b, l[k]*bend[e].h, 0);
-            if (bend[e].a != bend[e].b)
-                put(t, bend[e].b, bend[e].a, l[k]*bend[e].h, 0);
-        }
     }
 }
 
@@ -159,16 +144,11 @@ lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const d
     t->weight_im = c[1];
     d->eq.derivatives(d->eq.context, time, q, v, d->force, &(lw_force_sink){ .context = t, .add = put_force });
     for (int i = 0; i < t->n; i++)
-        put(t, i, i, m[0]*d->f.mass[i], m[1]*d->f.mass[i]);
-    for (int b = 0; t->consistent && b < d->model->n_beam; b++) {
-        int at[6];
-        double more[6][6];
-        if (!d->model->beam[b].consistent)
-            continue;
-        mass_besides_lumps(t, q, b, at, more);
-        for (int i = 0; i < 36; i++)
-            put(t, at[i/6], at[i%6], m[0]*more[i/6][i%6], m[1]*more[i/6][i%6]);
-    }
+        put(t, i, i, m[0]*d->eq.mass[i], m[1]*d->eq.mass[i]);
+    t->mass_re = m[0];
+    t->mass_im = m[1];
+    if (t->consistent && d->eq.more_mass)
+        d->eq.more_mass(d->eq.context, q, &(lw_force_sink){ .context = t, .add = put_mass });
     double most = 0;                             /* of the diagonal */
     for (int i = 0, width = t->is_complex ? 2 : 1; i < t->n; i++)
         most = fmax(most, fabs(t->value[lw_columns_find(&t->columns, width*i, width*i)]));
@@ -190,9 +170,9 @@ void lw_tangent_solve(lw_tangent *t, double *b)
 void lw_tangent_push(const lw_dynamics *d, const double *l, double *out)
 {
     for (int k = 0; k < d->n_kept; k++)
-        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[k]][b] >= 0; b++)
+        for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[d->kept[k]][b] >= 0; b++)
             for (int i = 0; i < 3; i++)
-                out[3*d->row_body[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + 3*b + i];
+                out[LW_BLOCK*d->row_block[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + LW_BLOCK*b + i];
 }
 
 lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const double *still, double *a, double *l)
@@ -203,7 +183,7 @@ lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const do
     if (s != LW_OK)
         return s;
     d->eq.forces(d->eq.context, t, q, still, d->force, NULL);
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         if (!isfinite(d->force[i]))
             return LW_E_NUMERIC;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);

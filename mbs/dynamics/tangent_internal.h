@@ -22,7 +22,8 @@ typedef struct lw_tangent {
     int    *pair;                        /* while the pattern is listed */
     long    n_pair, most_pair;
     bool    failed;
-    double  weight_re, weight_im;        /* of C, while it is filled */
+    double  weight_re, weight_im;        /* of C, while it is filled; */
+    double  mass_re, mass_im;            /* of M */
 } lw_tangent;
 
 /* LW_E_MEMORY.  t needs lw_tangent_free, after a failure too. */

@@ -403,12 +403,12 @@ void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame 
                  lw_touch_motion *out)
 {
     if (p->kind == LW_TOUCH_STOP) {
-        int body[LW_SYSTEM_ROW_BODIES];
+        int body[LW_ROW_BLOCKS];
         double row[LW_ROW_SIZE] = { 0 };
-        eq->measure_bodies(eq->context, p->owner, body);
+        eq->measure_blocks(eq->context, p->owner, body);
         memset(out, 0, sizeof *out);
         out->gap = p->sign*(eq->measure(eq->context, p->owner, row, body) - p->limit);
-        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && body[k] >= 0; k++)
+        for (int k = 0; k < LW_ROW_BLOCKS && body[k] >= 0; k++)
             for (int i = 0; i < 3; i++)
                 out->n[3*(body[k] != p->body[0]) + i] += p->sign*row[3*k + i];
         out->rate = row_rate(p, out->n, v);

@@ -10,7 +10,7 @@
 #define LW_MBS_DYNAMICS_TOUCH_H
 
 #include "grammar/model.h"
-#include "mbs/dynamics/equations.h"
+#include "mbs/dynamics/equations_planar.h"
 
 typedef enum lw_touch_kind { LW_TOUCH_FACE, LW_TOUCH_DISCS, LW_TOUCH_ROPE, LW_TOUCH_STOP } lw_touch_kind;
 

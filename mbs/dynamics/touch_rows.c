@@ -49,9 +49,9 @@ void lw_mbs_touch_bodies(lw_dynamics *d, int row)
         int n = 0;
         for (int end = 0; end < 2; end++)
             if (p->body[end] >= 0)
-                d->row_body[row][n++] = p->body[end];
-        for (; n < LW_SYSTEM_ROW_BODIES; n++)
-            d->row_body[row][n] = -1;
+                d->row_block[row][n++] = p->body[end];
+        for (; n < LW_ROW_BLOCKS; n++)
+            d->row_block[row][n] = -1;
     }
 }
 
