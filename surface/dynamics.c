@@ -116,37 +116,48 @@ lw_simulation_options lw_simulation_options_default(void)
                                     .tolerance = 1e-10 };
 }
 
+lw_status lw_surface_options(const lw_simulation_options *options, lw_dynamics_options *out, lw_error *error)
+{
+    static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic", NULL };
+    const lw_simulation_options all = options ? *options : lw_simulation_options_default();
+    const char *formulations[LW_FORMULATION_GGL + 2] = { NULL };
+    for (int i = 0; i <= LW_FORMULATION_GGL; i++)
+        formulations[i] = lw_formulation_name((lw_formulation)i);
+    int analysis = lw_surface_word("analysis", all.analysis, analyses, error);
+    int formulation = analysis < 0 ? -1 : lw_surface_word("formulation", all.formulation, formulations, error);
+    if (formulation < 0)
+        return LW_E_ARG;
+    if (all.intervals < 1 || !(all.from < all.to) || !(all.tolerance > 0))
+        return lw_error_set(error, LW_E_ARG, "a simulation needs from < to, an interval and a positive tolerance");
+    *out = lw_dynamics_options_default();
+    out->analysis = (lw_analysis)analysis;
+    out->formulation = (lw_formulation)formulation;
+    out->from = all.from;
+    out->to = all.to;
+    out->intervals = all.intervals;
+    out->relative = out->absolute = all.tolerance;
+    out->max_step = all.max_steps;
+    out->until = all.max_seconds > 0 ? lw_clock_wall() + all.max_seconds : 0;
+    out->stop = all.stop;
+    out->force = all.force;
+    out->rigid = all.rigid;
+    return LW_OK;
+}
+
 /* Memory for samples and the options as the library has them. */
 static lw_status make_simulation(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
                                  lw_error *error)
 {
-    static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic", NULL };
-    const char *formulations[LW_FORMULATION_GGL + 2] = { NULL };
+    lw_dynamics_options o;
     *out = NULL;
-    for (int i = 0; i <= LW_FORMULATION_GGL; i++)
-        formulations[i] = lw_formulation_name((lw_formulation)i);
-    int analysis = lw_surface_word("analysis", options->analysis, analyses, error);
-    int formulation = analysis < 0 ? -1 : lw_surface_word("formulation", options->formulation, formulations, error);
-    if (formulation < 0)
-        return LW_E_ARG;
-    if (options->intervals < 1 || !(options->from < options->to) || !(options->tolerance > 0))
-        return lw_error_set(error, LW_E_ARG, "a simulation needs from < to, an interval and a positive tolerance");
+    lw_status status = lw_surface_options(options, &o, error);
+    if (status != LW_OK)
+        return status;
     lw_simulation *s = calloc(1, sizeof *s);
     if (!s)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     s->model = model;
-    s->o = lw_dynamics_options_default();
-    s->o.analysis = (lw_analysis)analysis;
-    s->o.formulation = (lw_formulation)formulation;
-    s->o.from = options->from;
-    s->o.to = options->to;
-    s->o.intervals = options->intervals;
-    s->o.relative = s->o.absolute = options->tolerance;
-    s->o.max_step = options->max_steps;
-    s->o.until = options->max_seconds > 0 ? lw_clock_wall() + options->max_seconds : 0;
-    s->o.stop = options->stop;
-    s->o.force = options->force;
-    s->o.rigid = options->rigid;
+    s->o = o;
     *out = s;
     return reserve_sample(s) == LW_OK ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
 }
@@ -241,7 +252,7 @@ static lw_status hand_over(void *context, const lw_moment *m)
     return s->visit ? s->visit(s->context, &sample) : LW_OK;
 }
 
-static void put_report(const lw_dynamics_report *r, lw_simulation_report *out)
+void lw_surface_report(const lw_dynamics_report *r, lw_simulation_report *out)
 {
     *out = (lw_simulation_report){ .formulation = lw_formulation_name(r->formulation), .freedom = r->freedom,
                                    .unknowns = r->unknowns, .redundant = r->redundant, .steps = r->steps,
@@ -253,25 +264,13 @@ static void put_report(const lw_dynamics_report *r, lw_simulation_report *out)
 lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,
                             lw_simulation_report *report, lw_error *error)
 {
-    double *q = calloc((size_t)lw_dynamics_system(simulation->d)->n_q + 1, sizeof *q);
     lw_dynamics_report r = *lw_dynamics_choice(simulation->d);
     lw_rest rest;
-    lw_status s;
     simulation->visit = visit;
     simulation->context = context;
-    if (!q)
-        return lw_error_set(error, LW_E_MEMORY, "out of memory");
-    if (simulation->o.analysis == LW_ANALYSIS_STATIC) {
-        s = lw_statics_rest(simulation->d, simulation->o.from, q, &rest, error);
-        if (s == LW_OK)
-            s = lw_statics_moment(simulation->d, simulation->o.from, q, hand_over, simulation, error);
-        r.t = simulation->o.from;
-    } else {
-        s = lw_dynamics_run(simulation->d, hand_over, simulation, &r, error);
-    }
+    lw_status s = lw_dynamics_analyse(simulation->d, hand_over, simulation, &r, &rest, error);
     if (report)
-        put_report(&r, report);
-    free(q);
+        lw_surface_report(&r, report);
     return s;
 }
 

@@ -6,8 +6,9 @@
 #include <string.h>
 #include "base/clock.h"
 #include "grammar/spatial.h"
+#include "mbs/dynamics/dynamics_space.h"
+#include "mbs/dynamics/statics.h"
 #include "mbs/space/space_mobility.h"
-#include "mbs/space/space_run.h"
 
 lw_status lw_spatial_parse(const char *text, size_t size, const char *file, lw_spatial **out, lw_error *error)
 {
@@ -91,15 +92,23 @@ lw_status lw_spatial_trace(const lw_spatial *model, bool in_time, double from, d
 /* ---- simulation --------------------------------------------------------------------------------------------- */
 
 typedef struct visitor {
+    lw_dynamics         *d;
     const lw_space      *s;
+    lw_error            *e;
     lw_spatial_callback *visit;
     void                *context;
     lw_frame_motion     *link, *tracer;
 } visitor;
 
-static lw_status hand_on(void *context, const lw_space_moment *m)
+static lw_status ignore(void *context, const lw_moment *m) { (void)context, (void)m; return LW_OK; }
+
+static lw_status hand_on(void *context, const lw_moment *moment)
 {
     visitor *v = context;
+    lw_space_moment all, *m = &all;
+    lw_status st = lw_dynamics_space_moment(v->d, moment, m, v->e);
+    if (st != LW_OK)
+        return st;
     lw_space_links(v->s, m, v->link);
     lw_space_tracers(v->s, m->frame, m->q, m->v, m->a, v->tracer);
     lw_spatial_sample sample = { m->t, v->link, v->tracer, m->joint, m->input, m->input_rate, m->drive, m->kinetic,
@@ -108,52 +117,31 @@ static lw_status hand_on(void *context, const lw_space_moment *m)
     return v->visit(v->context, &sample);
 }
 
-static int find(const char *name, const char *const *names, int n, int otherwise)
-{
-    for (int i = 0; i < n; i++)
-        if (name && strcmp(name, names[i]) == 0)
-            return i;
-    return name ? -1 : otherwise;
-}
-
 lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_options *options, lw_spatial_callback *visit,
                               void *context, lw_simulation_report *report, lw_error *error)
 {
-    static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic" };
-    static const char *const formulations[] = { "auto", "driven", "index1", "cvode" };
-    lw_simulation_options all = options ? *options : lw_simulation_options_default();
-    int analysis = find(all.analysis, analyses, 5, 0), formulation = find(all.formulation, formulations, 4, 0);
-    lw_space_options o = { .analysis = (lw_space_analysis)analysis, .formulation = (lw_space_formulation)formulation,
-                           .from = all.from, .to = all.to, .intervals = all.intervals, .relative = all.tolerance,
-                           .max_step = all.max_steps, .stop = all.stop,
-                           .until = all.max_seconds > 0 ? lw_clock_wall() + all.max_seconds : 0 };
-    lw_space_run *run;
+    lw_dynamics_options o;
+    lw_dynamics_report q = { 0 };
+    lw_rest rest;
+    lw_error own = { 0 };
+    visitor v = { .visit = visit, .context = context, .e = error ? error : &own };
     if (report)
         *report = (lw_simulation_report){ .formulation = "" };
-    if (analysis < 0 || formulation < 0)
-        return lw_error_set(error, LW_E_ARG, "spatial models know the analyses transient, static, quasistatic, "
-                                             "kinematic, dynamic "
-                            "and the formulations auto, driven, index1, cvode");
-    if (all.force.apply)
-        return lw_error_set(error, LW_E_KIND, "spatial models take no forces of the caller's own");
-    if (!(all.from < all.to) || all.intervals < 1 || !(all.tolerance > 0))
-        return lw_error_set(error, LW_E_ARG, "a run needs from < to, an interval or more, and a tolerance above 0");
-    lw_status s = lw_space_run_make(model, &o, &run, error);
+    lw_status s = lw_surface_options(options, &o, error);
+    if (s == LW_OK && o.force.apply)
+        s = lw_error_set(error, LW_E_KIND, "spatial models take no forces of the caller's own");
+    if (s == LW_OK)
+        s = lw_dynamics_make_spatial(model, &o, &v.d, error);
     if (s != LW_OK)
         return s;
-    visitor v = { lw_space_run_space(run), visit, context, malloc((size_t)model->n_link*sizeof *v.link),
-                  malloc(((size_t)model->n_tracer + 1)*sizeof *v.tracer) };
-    s = v.link && v.tracer ? lw_space_run_go(run, visit ? hand_on : NULL, &v, error)
+    v.s = lw_dynamics_space(v.d);
+    v.link = malloc((size_t)model->n_link*sizeof *v.link);
+    v.tracer = malloc(((size_t)model->n_tracer + 1)*sizeof *v.tracer);
+    s = v.link && v.tracer ? lw_dynamics_analyse(v.d, visit ? hand_on : ignore, &v, &q, &rest, error)
                            : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    const lw_space_report *q = lw_space_run_report(run);
-    if (report) {
-        report->formulation = lw_space_formulation_name(q->formulation);
-        snprintf(report->why, sizeof report->why, "%s", q->why);
-        report->freedom = q->freedom, report->unknowns = q->unknowns, report->redundant = q->redundant;
-        report->steps = q->steps, report->refused = q->refused, report->evaluations = q->rates;
-        report->t = q->t, report->energy_error = q->energy_error, report->residual = q->worst_off;
-    }
+    if (report)
+        lw_surface_report(&q, report);
     free(v.link), free(v.tracer);
-    lw_space_run_free(run);
+    lw_dynamics_free(v.d);
     return s;
 }

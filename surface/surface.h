@@ -20,4 +20,10 @@ int lw_surface_word(const char *what, const char *word, const char *const *list,
 typedef lw_status lw_surface_reader(const char *text, size_t size, const char *file, void *context, lw_error *e);
 lw_status lw_surface_load(const char *path, lw_surface_reader *read, void *context, lw_error *e);
 
+/* Options of a simulation as the library has them (NULL: the defaults), and its report. */
+struct lw_dynamics_options;
+struct lw_dynamics_report;
+lw_status lw_surface_options(const lw_simulation_options *options, struct lw_dynamics_options *out, lw_error *error);
+void      lw_surface_report(const struct lw_dynamics_report *r, lw_simulation_report *out);
+
 #endif

@@ -7,7 +7,7 @@
 #include "base/real.h"
 #include "cli/bench/bench_mbs.h"
 #include "cli/program/data.h"
-#include "mbs/space/space_run.h"
+#include "mbs/dynamics/dynamics_space.h"
 
 enum { REPEAT_MAX = 50, MOMENTS = 20 };
 
@@ -52,50 +52,54 @@ static lw_status read_model(const char *name, lw_spatial *m, lw_error *e)
     return st;
 }
 
-typedef struct places { const lw_space *s; int n; lw_vec3 at[MOMENTS + 1]; } places;
+typedef struct places { lw_dynamics *d; int n; lw_vec3 at[MOMENTS + 1]; } places;
 
-static lw_status keep(void *context, const lw_space_moment *m)
+static lw_status keep(void *context, const lw_moment *m)
 {
     places *p = context;
-    if (p->s)
-        p->at[p->n++] = lw_space_point_at(m->frame, p->s->tracer[0]);
-    return LW_OK;
-}
-
-static lw_status run_once(const lw_spatial *m, const lw_space_options *o, places *p, cli_mbs_row *row, lw_error *e)
-{
-    lw_space_run *r;
-    double start = lw_clock_cpu();
-    lw_status st = lw_space_run_make(m, o, &r, e);
-    double made = lw_clock_cpu();
-    if (st != LW_OK)
-        return st;
-    p->s = row ? NULL : lw_space_run_space(r);
-    p->n = 0;
-    st = lw_space_run_go(r, keep, p, e);
-    if (row) {
-        const lw_space_report *q = lw_space_run_report(r);
-        row->make = fmin(row->make, made - start);
-        row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
-        row->energy = q->energy_error/q->energy_scale;
-        row->steps = q->steps;
-        row->rates = q->rates;
-    }
-    lw_space_run_free(r);
+    lw_space_moment all;
+    lw_error e;
+    if (!p->d)
+        return LW_OK;
+    lw_status st = lw_dynamics_space_moment(p->d, m, &all, &e);
+    p->at[p->n++] = lw_space_point_at(all.frame, lw_dynamics_space(p->d)->tracer[0]);
     return st;
 }
 
-static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, lw_space_formulation f,
+static lw_status run_once(const lw_spatial *m, const lw_dynamics_options *o, places *p, cli_mbs_row *row, lw_error *e)
+{
+    lw_dynamics *d;
+    lw_dynamics_report q;
+    double start = lw_clock_cpu();
+    lw_status st = lw_dynamics_make_spatial(m, o, &d, e);
+    double made = lw_clock_cpu();
+    if (st != LW_OK)
+        return st;
+    p->d = row ? NULL : d;
+    p->n = 0;
+    st = lw_dynamics_run(d, keep, p, &q, e);
+    if (row) {
+        row->make = fmin(row->make, made - start);
+        row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
+        row->energy = q.energy_error/q.energy_scale;
+        row->steps = q.steps;
+        row->rates = q.rates;
+    }
+    lw_dynamics_free(d);
+    return st;
+}
+
+static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, lw_formulation f,
                          double tolerance,
                          const places *exact, bool *slow)
 {
-    cli_mbs_row *row = cli_mbs_add(b, p->name, lw_space_formulation_name(f), tolerance);
+    cli_mbs_row *row = cli_mbs_add(b, p->name, lw_formulation_name(f), tolerance);
     lw_error e = { 0 };
     places got;
     if (!row)
         return LW_E_MEMORY;
-    lw_space_options o = { .formulation = f, .to = p->to, .intervals = MOMENTS, .relative = tolerance, .stop =
-                           cli_stop_flag(),
+    lw_dynamics_options o = { .formulation = f, .to = p->to, .intervals = MOMENTS, .relative = tolerance, .absolute = tolerance,
+                              .stop = cli_stop_flag(),
                            .until = lw_clock_wall() + give_up };
     lw_status st = run_once(m, &o, &got, NULL, &e);
     if (st == LW_OK) {
@@ -118,15 +122,14 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial 
 
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
-    static const lw_space_formulation every[] = { LW_SPACE_INDEX1, LW_SPACE_CVODE };
+    static const lw_formulation every[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE };
     lw_spatial m;
     places exact;
     lw_status st = p->n_loop > 0 ? make_chain(p->n_loop, &m, e) : read_model(p->name, &m, e);
     if (st != LW_OK)
         return st;
-    lw_space_options o = { .formulation = LW_SPACE_INDEX1, .to = p->to, .intervals = MOMENTS, .relative = p->n_loop ?
-                           1e-13 : 1e-14,
-                           .stop = cli_stop_flag() };
+    lw_dynamics_options o = { .formulation = LW_FORMULATION_INDEX1, .to = p->to, .intervals = MOMENTS, .stop = cli_stop_flag() };
+    o.relative = o.absolute = p->n_loop ? 1e-13 : 1e-14;
     st = run_once(&m, &o, &exact, NULL, e);
     for (int f = 0; f < 2 && st == LW_OK; f++) {
         bool slow = false;

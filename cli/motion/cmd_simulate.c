@@ -7,6 +7,7 @@
 #include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
+#include "cli/motion/dynamics_report.h"
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/simulate_linear.h"
@@ -97,13 +98,6 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     return cli_simulate_make(c, &o, call->parsed.word[0], e);
 }
 
-static void explain(const cli_call *call, const lw_dynamics_report *r)
-{
-    cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
-             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant,
-             r->redundant == 1 ? "" : "s");
-}
-
 /* Print one row: the rest position. */
 static lw_status rest(cli_simulate *c, double t, lw_error *e)
 {
@@ -147,22 +141,16 @@ static int linear(const cli_call *call, lw_model *m)
 static int run_spatial(const cli_call *call, lw_spatial *m)
 {
     static const char *const planar[] = { "balance", "plot", "columns", "gif", "rest", "hold", "along", "fft", NULL };
-    static const char *const known[] = { "auto", "driven", "index1", "cvode" };
     const settings *s = call->settings;
-    lw_space_options o = { .analysis = (lw_space_analysis)s->analysis, .from = s->from, .to = s->to, .intervals = s->steps,
-                           .relative = s->tolerance, .max_step = s->max_steps, .stop = cli_stop_flag(),
-                           .until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0 };
-    const char *name = lw_formulation_name((lw_formulation)s->formulation);
-    int code = cli_spatial_refuse(call, planar), f = 0;
+    lw_dynamics_options o = { .analysis = (lw_analysis)s->analysis, .formulation = (lw_formulation)s->formulation, .from = s->from,
+                              .to = s->to, .intervals = s->steps, .relative = s->tolerance, .absolute = s->tolerance,
+                              .max_step = s->max_steps, .stop = cli_stop_flag(),
+                              .until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0 };
+    int code = cli_spatial_refuse(call, planar);
     if (code != CLI_DONE)
         return code;
     if (s->analysis == ANALYSIS_LINEAR)
         return cli_usage(call, "--analysis linear is for planar models; this model is spatial");
-    while (f < 4 && strcmp(name, known[f]) != 0)
-        f++;
-    if (f == 4)
-        return cli_usage(call, "--formulation %s is for planar models; spatial ones know auto, driven, index1 and cvode", name);
-    o.formulation = (lw_space_formulation)f;
     return cli_spatial_simulate(call, m, &o, s->speed, s->explain);
 }
 
@@ -208,12 +196,12 @@ static int run(const cli_call *call)
     c->f = s->balance ? NULL : o.f;
     c->report = *lw_dynamics_choice(c->d);
     if (s->explain && s->analysis != LW_ANALYSIS_STATIC)
-        explain(call, &c->report);
+        cli_dynamics_explain(call, &c->report);
     if (s->explain)
         cli_simulate_explain_elastic(c, s->from, s->to);
     lw_status st = run_it(call, c, &e);
     if (s->analysis != LW_ANALYSIS_STATIC)
-        cli_simulate_report(c);
+        cli_dynamics_notes(call, c->d, &c->report);
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)
         cli_note(call, "%s; the rows so far are kept", e.text);
@@ -250,7 +238,7 @@ const cli_command cli_simulate_command = {
         "is from equilibrium.\n"
         "\n"
         "Spatial models (places with three numbers, docs/notation.md, \"Spatial model\") know the analyses transient,\n"
-        "static, quasistatic, kinematic and dynamic, and the formulations auto, driven, index1 and cvode.\n"
+        "static, quasistatic, kinematic and dynamic. --explain says which formulations suit them.\n"
         "\n"
         "Formulations; auto takes the first that suits the model, see --explain:\n"
         LW_FORMULATION_LIST(HELP),

@@ -1,3 +1,4 @@
+#include "cli/motion/dynamics_report.h"
 #include "cli/motion/simulate.h"
 
 #include <stdarg.h>
@@ -360,108 +361,10 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
 {
     if (!s->f)
         return;
-    if (!s->json) {
-        if (s->report.without_forces)
-            fprintf(s->f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are "
-                    "left empty\n", s->report.without_forces, s->report.without_forces == 1 ? "" : "s",
-                    s->report.without_forces_t);
-        if (s->report.adjusted > 0)
-            fprintf(s->f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m so that it moves\n",
-                    s->report.adjusted);
-        if (s->report.smooth_friction)
-            fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", s->f);
-        if (status != LW_OK)
-            fprintf(s->f, "# incomplete: ended at t = %.12g s: %s\n", s->report.t, e->text);
-        return;
-    }
-    const lw_dynamics_report *r = &s->report;
-    cli_json_end(&s->j);
-    cli_json_text(&s->j, "formulation", lw_formulation_name(r->formulation));
-    cli_json_bool(&s->j, "complete", status == LW_OK);
-    if (status != LW_OK)
-        cli_json_text(&s->j, "ended", e->text);
-    cli_json_real(&s->j, "t", r->t);
-    cli_json_array(&s->j, "assumed_at_rest");
-    for (int i = 0; i < lw_dynamics_system(s->d)->n_input; i++)
-        if (lw_dynamics_starts_at_rest(s->d, i))
-            cli_json_text(&s->j, NULL, s->model->linkage.joint[s->model->linkage.input[i].joint].name);
-    cli_json_end(&s->j);
-    cli_json_int(&s->j, "rows_without_forces", r->without_forces);
-    cli_json_bool(&s->j, "friction_creeps", r->smooth_friction);
-    cli_json_int(&s->j, "steps", r->steps);
-    cli_json_int(&s->j, "evaluations", r->rates);
-    cli_json_int(&s->j, "redundant", r->redundant);
-    cli_json_real(&s->j, "adjusted", r->adjusted);
-    cli_json_real(&s->j, "residual", r->worst_off);
-    cli_json_real(&s->j, "residual_rate", r->worst_off_rate);
-    cli_json_real(&s->j, "energy_error", r->energy_error);
-    cli_json_real(&s->j, "energy_held", r->energy_held);
-    if (r->period > 0) {
-        cli_json_real(&s->j, "period", r->period);
-        cli_json_real(&s->j, "period_off", r->period_off);
-    }
-    cli_json_real(&s->j, "energy_scale", r->energy_scale);
-    cli_json_array(&s->j, "events");
-    for (int i = 0; i < r->n_event; i++) {
-        const lw_run_event *h = &r->event[i];
-        cli_json_object(&s->j, NULL);
-        cli_json_real(&s->j, "t", h->t);
-        if (h->touch)
-            cli_json_text(&s->j, "touch", h->touch);
-        else {
-            cli_json_text(&s->j, "joint", s->model->linkage.joint[h->joint].name);
-            cli_json_text(&s->j, "stop", h->greatest ? "greatest" : "least");
-        }
-        cli_json_text(&s->j, "what", h->impact ? "impact" : "leaves");
-        cli_json_real(&s->j, "speed", h->speed);
-        cli_json_end(&s->j);
-    }
-    cli_json_end(&s->j);
-    cli_json_end(&s->j);
-}
-
-void cli_simulate_report(const cli_simulate *s)
-{
-    const lw_dynamics_report *r = &s->report;
-    const cli_call *c = s->call;
-    char text[1024];
-    if (r->period > 0)
-        cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them, its phase good "
-                 "to %.1e periods at the end", r->period, r->period_off);
-    if (r->without_forces)
-        cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
-                 "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
-    if (r->smooth_friction)
-        cli_note(c, "friction without a \"speed\" sticks only in linkages of one freedom that are solved in closed form; here "
-                 "it is regularised by 0.001 m/s, and a joint at rest under load creeps");
-    if (r->adjusted > 0)
-        cli_note(c, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m so that "
-                 "they do, by least squares", r->adjusted);
-    if (r->moved > 1e-9)
-        cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
-    if (r->moved_rate > 1e-9)
-        cli_note(c, "the speeds given violate the constraints by %.3g and were projected", r->moved_rate);
-    lw_dynamics_redundant(s->d, text, sizeof text);
-    if (r->redundant)
-        cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
-                 r->redundant, r->redundant == 1 ? " is" : "s are", text);
-    for (int i = 0; i < r->n_event && i < 10; i++) {
-        const lw_run_event *h = &r->event[i];
-        if (h->touch)
-            cli_note(c, "t = %.15g s: %s %s", h->t, h->touch, h->impact ? "strikes" : "leaves");
-        else
-            cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, s->model->linkage.joint[h->joint].name,
-                     h->impact ? "strikes" : "leaves", h->greatest ? "greatest" : "least");
-    }
-    if (r->n_event_seen > 10)
-        cli_note(c, "%d events in all", r->n_event_seen);
-    if (r->energy_scale > 0)
-        cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
-                 : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
-    if (r->momentum_scale > 1e-290)          /* something moved                                         */
-        cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
-    cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", r->worst_off,
-             r->worst_off_rate, r->steps, r->refused, r->rates);
+    if (s->json)
+        cli_dynamics_tail(&s->j, s->d, &s->report, status, e);
+    else
+        cli_dynamics_remarks(s->f, &s->report, status, e);
 }
 
 void cli_simulate_free(cli_simulate *s)

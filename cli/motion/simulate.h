@@ -38,9 +38,6 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e);
 /* Take one row: the sink of lw_dynamics_run; context: the cli_simulate. */
 lw_status cli_simulate_row(void *context, const lw_moment *m);
 
-/* Print the measured errors on standard error. */
-void cli_simulate_report(const cli_simulate *s);
-
 /* Plot the columns whose names begin with one of a list (NULL: drives if an input has a motion, else energies). */
 lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e);
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e);

@@ -3,7 +3,7 @@
 #define CLI_MOTION_SPATIAL_H
 
 #include "cli/program/command.h"
-#include "mbs/space/space_run.h"
+#include "mbs/dynamics/dynamics_space.h"
 
 /* Options of trace that spatial models know. */
 typedef struct cli_spatial_trace {
@@ -20,7 +20,7 @@ int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_s
 int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double tolerance);
 
 /* speed: of the inputs without a motion; NULL: they run freely. */
-int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_options *o, const char *speed,
+int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_options *o, const char *speed,
                          bool explain);
 
 /* Inputs without a motion move at constant speed from their values in the file; speed NULL: they do not. */
@@ -28,6 +28,6 @@ lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e);
 
 /* Keep the rows of a run (cli/motion/table.h). */
 struct cli_table;
-lw_status cli_spatial_table(lw_spatial *m, const lw_space_options *o, const char *speed, struct cli_table *t, lw_error *e);
+lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const char *speed, struct cli_table *t, lw_error *e);
 
 #endif

@@ -5,18 +5,23 @@
 
 #include "base/number.h"
 #include "base/real.h"
+#include "cli/motion/dynamics_report.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/table.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
-#include "mbs/space/space_run.h"
+#include "mbs/dynamics/statics.h"
 
 typedef struct column { char name[LW_NAME_SIZE + 24]; const char *unit; double scale; } column;
 
 typedef struct run {
     const lw_spatial *m;
     const lw_space   *s;
+    lw_dynamics      *d;
+    lw_dynamics_report report;
+    lw_rest           rest;
+    lw_error         *e;
     lw_frame_motion  *tracer, *link;
     column           *column;
     int               n_column, capacity;
@@ -144,10 +149,14 @@ static double acceleration(const run *r, const lw_space_moment *o, lw_spatial_me
     return out - lw_space_measure_bias(r->s, o->frame, of, o->v)*lw_space_scale(r->s, of);
 }
 
-static lw_status put_row(void *context, const lw_space_moment *o)
+static lw_status put_row(void *context, const lw_moment *moment)
 {
     run *r = context;
     const lw_spatial *m = r->m;
+    lw_space_moment all, *o = &all;
+    lw_status st = lw_dynamics_space_moment(r->d, moment, o, r->e);
+    if (st != LW_OK)
+        return st;
     const lw_space *s = r->s;
     double *to = r->row;
     lw_vec3 linear, angular;
@@ -216,45 +225,6 @@ static void head(run *r, const cli_call *call)
     cli_json_array(&r->json, "rows");
 }
 
-static void tail(run *r, const lw_space_report *q, lw_status st, const lw_error *e)
-{
-    if (!r->as_json)
-        return;
-    cli_json_end(&r->json);
-    cli_json_text(&r->json, "formulation", lw_space_formulation_name(q->formulation));
-    cli_json_bool(&r->json, "complete", st == LW_OK);
-    if (st != LW_OK)
-        cli_json_text(&r->json, "ended", e->text);
-    cli_json_real(&r->json, "t", q->t);
-    cli_json_int(&r->json, "steps", q->steps);
-    cli_json_int(&r->json, "evaluations", q->rates);
-    cli_json_int(&r->json, "redundant", q->redundant);
-    cli_json_int(&r->json, "idle", q->idle);
-    cli_json_real(&r->json, "residual", q->worst_off);
-    cli_json_real(&r->json, "residual_rate", q->worst_off_rate);
-    cli_json_real(&r->json, "energy_error", q->energy_error);
-    cli_json_end(&r->json);
-}
-
-static void report(const cli_call *call, const lw_space_run *run_, const lw_space_report *q)
-{
-    char text[512];
-    lw_space_run_redundant(run_, text, sizeof text);
-    if (q->redundant)
-        cli_note(call, "%d constraint%s redundant, at%s: reactions are not unique, those of least norm are given",
-                 q->redundant,
-                 q->redundant == 1 ? " is" : "s are", text);
-    if (q->idle)
-        cli_note(call, "%d spin%s of links between ball joints %s held", q->idle, q->idle == 1 ? "" : "s", q->idle == 1
-                 ? "is" : "are");
-    if (q->formulation == LW_SPACE_EQUILIBRIUM && q->samples > 0)
-        cli_note(call, "at rest after %ld iterations, %s", q->steps, q->stable ? "stable" : "not stable");
-    if (q->energy_scale > 0)
-        cli_note(call, "energy error %.3g J of %.3g J", q->energy_error, q->energy_scale);
-    cli_note(call, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", q->worst_off,
-             q->worst_off_rate, q->steps, q->refused, q->rates);
-}
-
 lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
 {
     char text[96];
@@ -276,15 +246,14 @@ lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
     return LW_OK;
 }
 
-lw_status cli_spatial_table(lw_spatial *m, const lw_space_options *o, const char *speed, cli_table *t, lw_error *e)
+lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const char *speed, cli_table *t, lw_error *e)
 {
-    run r = { .m = m, .table = t };
-    lw_space_run *made = NULL;
+    run r = { .m = m, .table = t, .e = e };
     lw_status st = cli_spatial_speed(m, speed, e);
     if (st == LW_OK)
-        st = lw_space_run_make(m, o, &made, e);
+        st = lw_dynamics_make_spatial(m, o, &r.d, e);
     if (st == LW_OK) {
-        r.s = lw_space_run_space(made);
+        r.s = lw_dynamics_space(r.d);
         make_columns(&r);
         r.row = malloc((size_t)r.n_column*sizeof *r.row);
         r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
@@ -298,30 +267,27 @@ lw_status cli_spatial_table(lw_spatial *m, const lw_space_options *o, const char
         t->column[i].unit = r.column[i].unit;
     }
     if (st == LW_OK)
-        st = lw_space_run_go(made, put_row, &r, e);
+        st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, e);
     free(r.row), free(r.tracer), free(r.link), free(r.column);
-    lw_space_run_free(made);
+    lw_dynamics_free(r.d);
     return st;
 }
 
-int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_options *o, const char *speed,
+int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_options *o, const char *speed,
                          bool explain)
 {
-    run r = { .m = m, .as_json = call->common.json };
-    lw_space_run *made = NULL;
     lw_error e = { 0 };
+    run r = { .m = m, .as_json = call->common.json, .e = &e };
     lw_output out;
     lw_status st = cli_spatial_speed(m, speed, &e);
     if (st == LW_OK)
-        st = lw_space_run_make(m, o, &made, &e);
+        st = lw_dynamics_make_spatial(m, o, &r.d, &e);
     if (st == LW_OK) {
-        const lw_space_report *q = lw_space_run_report(made);
+        const lw_dynamics_report *q = lw_dynamics_choice(r.d);
+        r.report = *q;
         if (explain)
-            cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s",
-                     lw_space_formulation_name(q->formulation), q->why,
-                     q->unknowns, q->unknowns == 1 ? "" : "s", q->freedom, q->freedom == 1 ? "" : "s", q->redundant,
-                     q->redundant == 1 ? "" : "s");
-        r.s = lw_space_run_space(made);
+            cli_dynamics_explain(call, q);
+        r.s = lw_dynamics_space(r.d);
         make_columns(&r);
         r.row = malloc((size_t)r.n_column*sizeof *r.row);
         r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
@@ -334,10 +300,15 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_opt
     if (st == LW_OK) {
         r.f = out.f;
         head(&r, call);
-        st = lw_space_run_go(made, put_row, &r, &e);
-        tail(&r, lw_space_run_report(made), st, &e);
-        report(call, made, lw_space_run_report(made));
-        bool limit = st == LW_STOPPED && lw_space_run_report(made)->samples > 0;
+        st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, &e);
+        if (r.as_json)
+            cli_dynamics_tail(&r.json, r.d, &r.report, st, &e);
+        else
+            cli_dynamics_remarks(r.f, &r.report, st, &e);
+        cli_dynamics_notes(call, r.d, &r.report);
+        if (r.report.formulation == LW_FORMULATION_AUTO && r.report.samples > 0)
+            cli_note(call, "at rest after %d iterations, %s", r.rest.iterations, r.rest.stable ? "stable" : "not stable");
+        bool limit = st == LW_STOPPED && r.report.samples > 0;
         if (limit)
             cli_note(call, "%s; the rows so far are kept", e.text);
         if (!e.file[0])
@@ -349,6 +320,6 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_space_opt
         code = cli_fail(call, &e);
     }
     free(r.row), free(r.tracer), free(r.link), free(r.column);
-    lw_space_run_free(made);
+    lw_dynamics_free(r.d);
     return code;
 }

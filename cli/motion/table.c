@@ -60,7 +60,7 @@ static lw_status planar_table(const cli_call *call, lw_model *m, const cli_table
 
 static lw_status spatial_table(lw_spatial *m, const cli_table_options *o, cli_table *t, lw_error *e)
 {
-    lw_space_options d = lw_space_options_default();
+    lw_dynamics_options d = lw_dynamics_options_default();
     d.from = o->from;
     d.to = o->to;
     d.intervals = o->steps;

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/reactions.h"
-#include "mbs/space/space_run.h"
 
 static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_error *e)
 {
@@ -164,8 +164,10 @@ lw_status lw_loads_planar(const lw_model *m, const lw_load_options *o, lw_loads 
 
 typedef struct spatial_run {
     const lw_spatial *m;
+    lw_dynamics      *d;
     const lw_space   *s;
     lw_loads         *out;
+    lw_error         *e;
     lw_space_follow   follow;            /* the drives as inputs; memory NULL: they do not take every freedom */
 } spatial_run;
 
@@ -188,9 +190,13 @@ static void reflect(spatial_run *r, const lw_space_moment *o)
     }
 }
 
-static lw_status take_spatial(void *context, const lw_space_moment *o)
+static lw_status take_spatial(void *context, const lw_moment *m)
 {
     spatial_run *r = context;
+    lw_space_moment all, *o = &all;
+    lw_status s = lw_dynamics_space_moment(r->d, m, o, r->e);
+    if (s != LW_OK)
+        return s;
     for (int i = 0; i < r->out->n; i++) {
         lw_spatial_measure of = drive_of(r->m, i);
         lw_load *l = &r->out->load[i];
@@ -208,28 +214,28 @@ static lw_status take_spatial(void *context, const lw_space_moment *o)
 
 lw_status lw_loads_spatial(const lw_spatial *m, const lw_load_options *o, lw_loads *out, lw_error *e)
 {
-    lw_space_options d = lw_space_options_default();
-    lw_space_run *run = NULL;
-    spatial_run r = { .m = m, .out = out };
-    lw_error none;
+    lw_dynamics_options d = lw_dynamics_options_default();
+    lw_dynamics_report report;
+    lw_error none, own = { 0 };
+    spatial_run r = { .m = m, .out = out, .e = e ? e : &own };
     *out = (lw_loads){ 0 };
     int n = m->n_drive ? m->n_drive : m->n_input;
     lw_status s = make_room(n, o, out, e);
     lw_spatial_measure *drive = s == LW_OK ? malloc((size_t)n*sizeof *drive) : NULL;
-    d.analysis = LW_SPACE_KINEMATIC;
+    d.analysis = LW_ANALYSIS_KINEMATIC;
     d.from = o->from;
     d.to = o->to;
     d.intervals = o->intervals;
     d.stop = o->stop;
     if (s == LW_OK)
-        s = drive ? lw_space_run_make(m, &d, &run, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        s = drive ? lw_dynamics_make_spatial(m, &d, &r.d, r.e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < n; i++) {
         drive[i] = drive_of(m, i);
         out->load[i].slides = drive[i].of != LW_OF_TURN;
         lw_spatial_measure_name(m, drive[i], out->load[i].name, sizeof out->load[i].name);
     }
     if (s == LW_OK) {
-        r.s = lw_space_run_space(run);
+        r.s = lw_dynamics_space(r.d);
         lw_status fits = lw_space_follow_make(r.s, drive, n, false, &r.follow, &none);
         if (fits == LW_E_MEMORY)
             s = lw_error_set(e, fits, "out of memory");
@@ -237,10 +243,10 @@ lw_status lw_loads_spatial(const lw_spatial *m, const lw_load_options *o, lw_loa
             r.follow.memory = NULL;
     }
     if (s == LW_OK)
-        s = lw_space_run_go(run, take_spatial, &r, e);
+        s = lw_dynamics_run(r.d, take_spatial, &r, &report, r.e);
     if (r.follow.memory)
         lw_space_follow_free(&r.follow);
-    lw_space_run_free(run);
+    lw_dynamics_free(r.d);
     free(drive);
     return s;
 }

@@ -14,7 +14,7 @@ typedef struct lw_load_options {
 
 /* Move the model as its inputs prescribe.  The drives are the inputs with a motion (tied ones too), or the "drives" of a
  * spatial model.  *out needs lw_loads_free also after a failure.  LW_E_ARG: no drives, from >= to, or inputs without a
- * motion; else as lw_dynamics_make and lw_space_run_make. */
+ * motion; else as lw_dynamics_make. */
 lw_status lw_loads_planar(const lw_model *m, const lw_load_options *o, lw_loads *out, lw_error *e);
 lw_status lw_loads_spatial(const lw_spatial *m, const lw_load_options *o, lw_loads *out, lw_error *e);
 

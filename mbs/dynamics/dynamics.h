@@ -85,9 +85,9 @@ typedef lw_status lw_moment_sink(void *context, const lw_moment *m);
 
 #define LW_REPORT_EVENT_MAX 64
 
-/* A rigid stop struck (impact) or left: joint, which end, rate of the gap [rad/s] or [m/s].  touch: the name of the
- * contact or rope instead, which the model owns; NULL: a stop. */
-typedef struct lw_run_event { double t; int joint; bool greatest, impact; double speed; const char *touch; } lw_run_event;
+/* A rigid stop struck (impact) or left: joint, which end, rate of the gap [rad/s] or [m/s].  name: of the joint, or
+ * where touch is set of a contact or rope; the model owns it. */
+typedef struct lw_run_event { double t; int joint; bool greatest, impact; double speed; const char *name; bool touch; } lw_run_event;
 
 typedef struct lw_dynamics_report {
     lw_formulation formulation;
@@ -149,6 +149,14 @@ void lw_dynamics_start(const lw_dynamics *d, double *q, double *v);
 
 /* Values of the first-order states at the start (n_state of the model). */
 const double *lw_dynamics_start_states(const lw_dynamics *d);
+
+/* Inputs of the model, and their names. */
+int         lw_dynamics_inputs(const lw_dynamics *d);
+const char *lw_dynamics_input_name(const lw_dynamics *d, int i);
+
+/* Spins of links between ball joints that are held; do drives share a force, so that those of least norm are given? */
+int  lw_dynamics_idle(const lw_dynamics *d);
+bool lw_dynamics_many_drives(const lw_dynamics *d);
 
 /* Does input i start at rest because neither its speed nor its motion is given? */
 bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i);

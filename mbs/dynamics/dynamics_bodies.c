@@ -53,6 +53,7 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     each.relative = o->relative;
     each.absolute = o->absolute;
     each.max_step = lw_run_steps_left(run);
+    each.smooth = run->d->eq.smooth;
     lw_status s = LW_OK;
     w->each = w->each ? w->each : lw_run_tolerances(run, &s);
     each.absolute_each = w->each;
@@ -352,7 +353,11 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
     if (d->n_friction || lw_mbs_is_stiff(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
-    snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
+    if (d->space)
+        snprintf(why, sizeof why, "places and quaternions of all bodies, explicit method of order 8%s%s",
+                 d->has_zero_mass ? "; massless parts are solved by rank" : "", lw_mbs_is_planar(d));
+    else
+        snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
     return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, why);
 }
 

@@ -317,6 +317,8 @@ static lw_status run_all(driven *z, double *y)
 
 static lw_status run_driven(lw_run *run)
 {
+    if (run->d->space)
+        return lw_run_driven_spatial(run);
     lw_dynamics *d = run->d;
     size_t n = (size_t)d->n_q, width = 3*n + (size_t)d->n_c;
     driven *z = calloc(1, sizeof *z);
@@ -349,7 +351,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (d->eq.n_z)
         return lw_formulation_say(r, LW_E_KIND, 0, "first-order states need the motion in time");
     if (d->freedom == 0)
-        return lw_formulation_say(r, LW_OK, d->n_q, "every freedom is driven: kinematics, then forces");
+        return snprintf(why, sizeof why, "every freedom is driven: kinematics, then forces%s", d->space ? lw_mbs_is_planar(d) : ""),
+               lw_formulation_say(r, LW_OK, d->n_v, why);
     snprintf(why, sizeof why, "%d more freedom%s would have to be driven for this analysis: give every input a "
              "\"motion\", or ask for dynamic", d->freedom, d->freedom == 1 ? "" : "s");
     return lw_formulation_say(r, asked ? LW_E_ARG : LW_E_KIND, 0, why);

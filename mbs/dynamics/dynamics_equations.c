@@ -107,6 +107,12 @@ static double row_dot(const lw_dynamics *d, int row, const double *x)
     return sum;
 }
 
+void lw_mbs_times(const lw_dynamics *d, const double *x, double *out)
+{
+    for (int r = 0; r < d->n_c; r++)
+        out[r] = row_dot(d, r, x);
+}
+
 /* x += sign J^T l, the rows of l */
 static void add_rows(const lw_dynamics *d, double sign, const double *l, double *x)
 {
@@ -238,7 +244,7 @@ lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
     d->by_rank = !d->large && (by_rank || d->has_zero_mass);
     if (!d->by_rank) {
         form_schur(d);
-        d->weak = lw_cholesky_factor(&d->schur, 0, NULL);
+        d->weak = lw_cholesky_factor(&d->schur, 0, NULL)/(d->weak_scale > 0 ? d->weak_scale : 1);
         if (d->large)
             return d->weak > least_pivot_large ? LW_OK : LW_OPEN;
         d->by_rank = !(d->weak > least_pivot);
@@ -598,7 +604,13 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
     set_rank(d, 0);
     lw_mbs_factor(d, true);
     set_rank(d, d->rank_of.rank);
-    return keep_basis(d);
+    d->weak_scale = 0;
+    s = keep_basis(d);
+    if (s == LW_OK && d->space && !d->has_zero_mass) {   /* pivots of spatial rows are small in any posture */
+        form_schur(d);
+        d->weak_scale = fmin(1, lw_cholesky_factor(&d->schur, 0, NULL));
+    }
+    return s;
 }
 
 /* ---- moments ----------------------------------------------------------------------------------- */
@@ -631,7 +643,7 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
-static const double stiff = 1e4;
+static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
@@ -672,5 +684,5 @@ bool lw_mbs_is_stiff(lw_dynamics *d)
     if (!d->decay_known)
         d->decay = fastest_decay(d);
     d->decay_known = true;
-    return d->decay*(d->o.to - d->o.from) > stiff;
+    return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
 }

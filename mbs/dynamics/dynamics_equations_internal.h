@@ -14,6 +14,7 @@
 #include "mbs/constraints/system_internal.h"
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/equations_planar.h"
+#include "mbs/dynamics/equations_space.h"
 #include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/rigid_stops_internal.h"
 
@@ -36,7 +37,7 @@ struct lw_dynamics {
     lw_system            s;
     lw_forces            f;
     lw_planar            planar;
-    struct lw_spatial_scene *space;           /* a spatial scene; NULL: a planar one, for which the above holds */
+    lw_spatial_scene    *space;           /* a spatial scene; NULL: a planar one, for which the above holds */
     lw_equations         eq;                  /* what the solvers use of either */
     int     n_q, n_v, n_row, n_c;             /* n_c: rows in force; the n_row of the scene come first */
     bool    large;                            /* more parts than a linkage holds, or elastic links: no way by rank */
@@ -64,7 +65,8 @@ struct lw_dynamics {
     double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_block; (n_c) */
     double *by_mass;                          /* (n_v) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
-    double  weak;                             /* least pivot of the fast way over its diagonal: how singular */
+    double  weak;                             /* least pivot of the fast way over its diagonal: how singular; in space over */
+    double  weak_scale;                       /* that of the posture in which the rows were chosen; 0: not known */
     lw_rank rank_of;                          /* of J^T */
     double *rank_work, *null, *mass_null, *small, *along_null;
     int    *rank_ints;
@@ -87,8 +89,12 @@ struct lw_dynamics {
     lw_error *e;                              /* of the run under way */
 };
 
+/* Velocities beyond which a model knows no way by rank. */
+#define LW_MBS_DENSE 240
+
 /* Make d, whose model and options are set, ready: system, forces, memory, a start on the constraints. */
 lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e);
+lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e);
 
 /* Parts of that: take the equations; memory for the numbers of d; is the start singular?  rank_nearby compares its rank with
  * that of a posture near by, large models look whether rows left out as dependent stay satisfied. */
@@ -111,6 +117,9 @@ void lw_mbs_row(const lw_dynamics *d, int r, double *out);
 
 /* Factor the rows of lw_mbs_rows.  LW_OPEN: a singular posture. */
 lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank);
+
+/* out (n_c) = J x. */
+void lw_mbs_times(const lw_dynamics *d, const double *x, double *out);
 
 /* d->rhs: the value that J v must have. */
 lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t);

@@ -239,12 +239,10 @@ static lw_status find_pattern(ggl *g)
 /* Are the derivatives above complete? */
 static bool has_derivatives(const lw_dynamics *d)
 {
-    bool gear = d->s.n_tie > 0, slide = false;
-    for (int j = 0; j < d->s.n_joint; j++)
-        gear = gear || lw_joint_has_ratio(d->s.joint[j].kind);
+    bool slide = false;
     for (int i = 0; i < d->n_driven; i++)
-        slide = slide || !lw_joint_turns(d->s.joint[d->s.input_joint[d->driven[i]]].kind);
-    return !gear && !d->n_friction && !d->f.caller.apply && (d->large ? !slide : d->n_c == d->n_row);
+        slide = slide || !lw_joint_turns(d->s.joint[d->driven_measure[i]].kind);
+    return d->eq.exact && !d->n_friction && (d->large ? !slide : d->n_c == d->n_row);
 }
 
 /* The state as other formulations have it: q, v, work, z. */
@@ -462,11 +460,13 @@ static lw_status run_ggl(lw_run *run)
 
 bool lw_ggl_suits(lw_dynamics *d)
 {
-    return !d->large && d->n_stop == 0 && !d->touch && has_derivatives(d) && lw_mbs_is_stiff(d);
+    return !d->space && !d->large && d->n_stop == 0 && !d->touch && has_derivatives(d) && lw_mbs_is_stiff(d);
 }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (d->space)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no turns in space");
     if (d->large && !has_derivatives(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "a model of this size with gears, friction, tied inputs, driven sliders or "
                                   "forces of the caller's has no sparse derivatives");

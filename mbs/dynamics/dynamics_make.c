@@ -16,6 +16,8 @@ const lw_model *lw_dynamics_model(const lw_dynamics *d) { return d->model; }
 const lw_elastic_expansion *lw_dynamics_elastic(const lw_dynamics *d) { return d->elastic ? &d->expansion : NULL; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d) { return &d->f; }
+int lw_dynamics_inputs(const lw_dynamics *d) { return d->n_input; }
+const char *lw_dynamics_input_name(const lw_dynamics *d, int i) { return d->eq.name(d->eq.context, LW_NAMED_INPUT, i); }
 bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i) { return d->at_rest[i]; }
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)
 {
@@ -105,6 +107,9 @@ void lw_dynamics_free(lw_dynamics *d)
     lw_system_free(&d->s);
     lw_elastic_expansion_free(&d->expansion);
     lw_elastic_rigid_free(&d->rigid);
+    if (d->space)
+        lw_spatial_scene_free(d->space);
+    free(d->space);
     free(d);
 }
 

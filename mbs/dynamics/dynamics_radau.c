@@ -365,6 +365,8 @@ static lw_status run_radau(lw_run *run)
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
+    if (d->space)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no turns in space");
     if (d->eq.n_z > 0)
         return lw_formulation_say(r, LW_E_KIND, 0, "it integrates no first-order states");
     if (d->touch)

@@ -121,6 +121,14 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
 /* Go on from (run->r->t, y) in the bodies' coordinates. */
 lw_status lw_run_go_on(lw_run *run, const double *y);
 
+/* ---- dynamics_space.c -------------------------------------------------------------------------------- */
+
+/* A run of a spatial model whose inputs leave no freedom. */
+lw_status lw_run_driven_spatial(lw_run *run);
+
+/* "", or a note that a spatial model could be written as a planar one. */
+const char *lw_mbs_is_planar(const lw_dynamics *d);
+
 /* ---- dynamics_ggl.c ---------------------------------------------------------------------------------- */
 
 /* Is ggl faster than cvode: are dampers stiff, and are all derivatives known? */

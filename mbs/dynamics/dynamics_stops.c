@@ -111,6 +111,12 @@ static lw_status arrange(void *context, int i, double t, double *y)
     return s == LW_OK ? lw_run_project(run, t, y) : s;
 }
 
+static const char *name(void *context, int i)
+{
+    const lw_dynamics *d = ((lw_run *)context)->d;
+    return d->eq.name(d->eq.context, LW_NAMED_MEASURE, d->stop[i].measure);
+}
+
 static void note(void *context, int i, double t, bool impact, double rate)
 {
     lw_run *run = context;
@@ -118,14 +124,9 @@ static void note(void *context, int i, double t, bool impact, double rate)
     const lw_rigid_stop *p = &run->d->stop[i];
     double unit = run->d->eq.measure_unit(run->d->eq.context, p->measure);
     if (r->n_event < LW_REPORT_EVENT_MAX)
-        r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit, NULL };
+        r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit,
+                                                 name(run, i), false };
     r->n_event_seen++;
-}
-
-static const char *name(void *context, int i)
-{
-    const lw_dynamics *d = ((lw_run *)context)->d;
-    return d->eq.name(d->eq.context, LW_NAMED_MEASURE, d->stop[i].measure);
 }
 
 lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed)

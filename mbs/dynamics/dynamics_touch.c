@@ -316,7 +316,8 @@ static void note(lw_run *run, int place, double t, bool impact, double rate)
     double unit = stop ? lw_system_joint_unit(&run->d->s, p->owner) : run->d->s.unit;
     if (r->n_event < LW_REPORT_EVENT_MAX)
         r->event[r->n_event++] = (lw_run_event){ t, stop ? p->owner : -1, p->sign < 0, impact, rate*unit,
-                                                 stop ? NULL : lw_touch_name(run->d->model, p) };
+                                                 stop ? run->d->model->linkage.joint[p->owner].name
+                                                      : lw_touch_name(run->d->model, p), !stop };
     r->n_event_seen++;
 }
 

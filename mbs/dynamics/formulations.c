@@ -1,9 +1,9 @@
 /* mbs/dynamics/formulations.c - the table of formulations: which one a model takes, and its run. */
 #include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics_internal.h"
 
 #include <stdlib.h>
-#include <string.h>
 #include <string.h>
 
 static const lw_formulation_row *const table[] = {
@@ -115,24 +115,45 @@ lw_dynamics_options lw_dynamics_options_default(void)
     return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10 };
 }
 
-lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **out, lw_error *e)
+/* The choice for d, which is made ready with status s; frees d when it fails. */
+static lw_status finish(lw_dynamics *d, lw_status s, lw_dynamics **out, lw_error *e)
 {
-    lw_dynamics *d = calloc(1, sizeof *d);
-    lw_error own = { 0 };
-    *out = NULL;
-    if (!d)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    d->model = m;
-    d->o = *o;
-    lw_status s = lw_dynamics_prepare(d, e ? e : &own);
     if (s == LW_OK)
-        s = choose(d, &d->choice, e ? e : &own);
+        s = choose(d, &d->choice, e);
     if (s != LW_OK) {
         lw_dynamics_free(d);
         return s;
     }
     *out = d;
     return LW_OK;
+}
+
+static lw_dynamics *begin(const lw_dynamics_options *o, lw_dynamics **out, lw_error *e)
+{
+    lw_dynamics *d = calloc(1, sizeof *d);
+    *out = NULL;
+    if (d)
+        d->o = *o;
+    else
+        lw_error_set(e, LW_E_MEMORY, "out of memory");
+    return d;
+}
+
+lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **out, lw_error *e)
+{
+    lw_error own = { 0 };
+    lw_dynamics *d = begin(o, out, e);
+    if (!d)
+        return LW_E_MEMORY;
+    d->model = m;
+    return finish(d, lw_dynamics_prepare(d, e ? e : &own), out, e ? e : &own);
+}
+
+lw_status lw_dynamics_make_spatial(const lw_spatial *m, const lw_dynamics_options *o, lw_dynamics **out, lw_error *e)
+{
+    lw_error own = { 0 };
+    lw_dynamics *d = begin(o, out, e);
+    return d ? finish(d, lw_dynamics_prepare_spatial(d, m, e ? e : &own), out, e ? e : &own) : LW_E_MEMORY;
 }
 
 lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const double *q, const double *v, const double *z,

@@ -386,6 +386,8 @@ lw_status lw_reduced_able(lw_dynamics *d)
 {
     if (d->reduced)
         return d->reduced_status;
+    if (d->space)
+        return no(d->not_reduced, "its links move in space");
     if (d->f.coupled)
         return no(d->not_reduced, "a first-order state, or a law of other quantities than its own");
     size_t n = (size_t)d->n_q;

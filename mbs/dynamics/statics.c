@@ -5,6 +5,7 @@
  * leads downhill and away from saddles. */
 #include "mbs/dynamics/statics.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
@@ -189,16 +190,32 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
     if (s != LW_OK)
         return lw_error_set(e, LW_E_NUMERIC, "the posture of rest is singular: its reactions do not exist");
     double *rest = d->v_try;                     /* the start of a static analysis is not needed any more */
-    memset(rest, 0, (size_t)d->n_q*sizeof *rest);
-    lw_moment m = { .t = t, .q = q, .v = rest, .a = rest, .l = d->l, .potential = lw_forces_potential(&d->f, q),
+    memset(rest, 0, (size_t)d->n_v*sizeof *rest);
+    lw_moment m = { .t = t, .q = q, .v = rest, .a = rest, .l = d->l, .potential = d->eq.potential(d->eq.context, q),
                     .unique = d->rank == d->n_c };
     for (int r = 0; r < d->n_c; r++)
         m.off = fmax(m.off, fabs(d->phi[r]));
-    lw_forces_apply(&d->f, t, q, rest, d->force, NULL, NULL, NULL);
+    d->eq.forces(d->eq.context, t, q, rest, d->force, NULL);
     if (d->large) {
         memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
         lw_mbs_linear(d, d->force, d->rhs, d->a, d->l);
     } else
         lw_rank_solve(&d->rank_of, d->force, d->l);
     return sink(context, &m);
+}
+
+lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
+                              lw_error *e)
+{
+    if (d->o.analysis != LW_ANALYSIS_STATIC)
+        return lw_dynamics_run(d, sink, context, r, e);
+    *r = d->choice;
+    double *q = calloc((size_t)d->n_q + 1, sizeof *q);
+    lw_status s = q ? lw_statics_rest(d, d->o.from, q, rest, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    r->steps = rest->iterations;
+    if (s == LW_OK)
+        s = lw_statics_moment(d, d->o.from, q, sink, context, e);
+    r->samples = s == LW_OK;
+    free(q);
+    return s;
 }

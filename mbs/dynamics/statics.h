@@ -19,4 +19,8 @@ lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_er
 lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment_sink *sink, void *context,
                             lw_error *e);
 
+/* The analysis of d, whichever it is: a run, or for a static one the moment of rest at its beginning, with *rest. */
+lw_status lw_dynamics_analyse(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_rest *rest,
+                              lw_error *e);
+
 #endif

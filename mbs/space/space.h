@@ -73,6 +73,17 @@ double lw_space_measure(const lw_space *s, const lw_space_frame *frame, lw_spati
 double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, const double *v);
 double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
 
+/* Its second derivatives over the unit, by the 12 coordinates of its bodies along their motions: derivative by b of entry a
+ * of the first derivatives.  And those of row k of a joint, of which there are at most LW_SPACE_BENDS, by velocity
+ * coordinates of the model; returns how many. */
+typedef struct lw_space_bend { int a, b; double h; } lw_space_bend;
+#define LW_SPACE_BENDS 72
+void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12]);
+int  lw_space_row_bends(const lw_space *s, const lw_space_frame *frame, int joint, int k, lw_space_bend *out);
+
+/* What a stop or a motor acts on: the turn of a joint, or its slide if it does not turn. */
+lw_spatial_measure lw_space_stop_measure(const lw_space *s, int joint);
+
 /* Its value and rate in SI units. */
 void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double near,
                        const double *v,
@@ -83,6 +94,9 @@ void lw_space_move(const lw_space *s, double *q, const double *by);
 void lw_space_rates(const lw_space *s, const double *q, const double *v, double *dq);
 /* Quaternions of length 1. */
 void lw_space_normalise(const lw_space *s, double *q);
+
+/* Does row k of a joint depend on the turns of its bodies alone? */
+bool lw_space_row_turns(const lw_space *s, int joint, int k);
 
 /* Name of a row: "x" "y" "z" of a point, "turn 1", "across 1", ... */
 const char *lw_space_row_name(const lw_space *s, int row, int *joint);

@@ -10,14 +10,15 @@ static bool elastic_stop(const lw_joint_stop *p) { return (p->has_least || p->ha
 lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *e)
 {
     const lw_spatial *m = s->model;
-    size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint;
+    size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint, v = (size_t)s->n_v;
     *f = (lw_space_forces){ .s = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
-    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + joints*sizeof *f->turn + 1;
+    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v)*sizeof *f->turn + 1;
     char *at = f->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     f->spring_end = (lw_space_point (*)[2])(void *)at, at += springs*sizeof *f->spring_end;
     f->force_at = (lw_space_point *)(void *)at, at += forces*sizeof *f->force_at;
+    f->weight = (double *)(void *)at, at += v*sizeof *f->weight;
     f->turn = (double *)(void *)at;
     for (int i = 0; i < m->n_spring; i++) {
         for (int k = 0; k < 2; k++)
@@ -30,6 +31,9 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
         f->conservative = f->conservative && !(elastic_stop(&m->joint[i].stop) && m->joint[i].stop.damping > 0);
     for (int i = 0; i < m->n_force; i++)
         f->force_at[i] = lw_space_point_of(s, m->force[i].link, m->force[i].at);
+    const double g[] = { m->gravity.x, m->gravity.y, m->gravity.z };
+    for (int i = 0; i < s->n_v; i++)
+        f->weight[i] = i%6 < 3 ? s->mass[i]*g[i%6]/s->unit : 0;
     return LW_OK;
 }
 
@@ -46,83 +50,212 @@ void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame)
             f->turn[j] = lw_space_measure(f->s, frame, (lw_spatial_measure){ LW_OF_TURN, j }, f->turn[j], NULL);
 }
 
-/* ---- loads ------------------------------------------------------------------------------------------------ */
+/* ---- measures --------------------------------------------------------------------------------------------- */
 
-static void push(const lw_space *s, const lw_space_frame *frame, lw_space_point p, lw_vec3 load, double *force)
+/* In SI units, at one moment.  along (12), filled with h: sum of v_a H_ab. */
+typedef struct measure { double value, rate; int body[2]; double g[12], h[12][12], along[12]; } measure;
+
+/* Rate, and with derivatives what velocities add to it. */
+static void find_rate(measure *m, const double *v, bool derivatives)
 {
-    if (p.body < 0)
-        return;
-    double *to = force + 6*p.body;
-    lw_vec3 moment = lw_v3_cross(p.arm, lw_m3_unapply(&frame[p.body + 1].turn, load));
-    to[0] += s->unit*load.x, to[1] += s->unit*load.y, to[2] += s->unit*load.z, to[3] += moment.x, to[4] += moment.y, to[5] += moment.z;
+    m->rate = 0;
+    for (int a = 0; a < 12; a++)
+        if (m->body[a/6] >= 0)
+            m->rate += m->g[a]*v[6*m->body[a/6] + a%6];
+    for (int b = 0; derivatives && b < 12; b++) {
+        m->along[b] = 0;
+        for (int a = 0; a < 12; a++)
+            if (m->body[a/6] >= 0)
+                m->along[b] += v[6*m->body[a/6] + a%6]*m->h[a][b];
+    }
 }
 
-/* A force along a measure, in its SI unit. */
-static void push_measure(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, double load,
-                         double *force)
+static void measure_of(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, const double *v,
+                       bool derivatives, measure *m)
 {
-    double jac[LW_SPACE_ROW], scale = lw_space_scale(f->s, of);
-    int body[2];
-    lw_space_measure(f->s, frame, of, 0, jac);
-    lw_space_bodies(f->s, &(lw_space_extra){ .measure = of }, body);
-    for (int k = 0; k < 2; k++)
-        for (int i = 0; body[k] >= 0 && i < 6; i++)
-            force[6*body[k] + i] += scale*load*jac[6*k + i];
+    double scale = lw_space_scale(f->s, of), near = of.of == LW_OF_TURN ? f->turn[of.index] : 0;
+    lw_space_bodies(f->s, &(lw_space_extra){ .measure = of }, m->body);
+    m->value = scale*lw_space_measure(f->s, frame, of, near, m->g);
+    if (derivatives)
+        lw_space_measure_bends(f->s, frame, of, m->h);
+    for (int a = 0; a < 12; a++) {
+        m->g[a] *= scale;
+        for (int b = 0; derivatives && b < 12; b++)
+            m->h[a][b] *= scale;
+    }
+    if (v)
+        find_rate(m, v, derivatives);
 }
 
-static void measured(const lw_space_forces *f, const lw_space_frame *frame, lw_spatial_measure of, const double *v,
-                     double *value,
-                     double *rate)
+/* The displacement of a point by coordinate c of its body. */
+static lw_vec3 displacement(const lw_space *s, const lw_space_frame *frame, lw_space_point p, int c)
 {
-    lw_space_measured(f->s, frame, of, of.of == LW_OF_TURN ? f->turn[of.index] : 0, v, value, rate);
+    lw_vec3 e = lw_v3(c%3 == 0, c%3 == 1, c%3 == 2);
+    return p.body < 0 ? lw_v3(0, 0, 0) : c < 3 ? lw_v3_scale(e, s->unit)
+                      : lw_m3_apply(&frame[p.body + 1].turn, lw_v3_cross(e, p.arm));
 }
 
-/* Value of an expression; length and rate are those of a law. */
-static double value_of(const lw_space_forces *f, const lw_expression *x, double t, const lw_space_frame *frame,
-                       const double *v,
-                       double length, double rate)
+/* Generalised force of a load at a point: B^T load. */
+static void point_gradient(const lw_space *s, const lw_space_frame *frame, lw_space_point p, lw_vec3 load, double *g)
 {
-    const int *which;
-    double at[LW_EXPRESSION_VARIABLE_MAX];
-    int n = lw_expression_variables(x, &which);
-    for (int i = 0; i < n; i++) {
-        lw_spatial_variable kind = LW_VARIABLE_OF(which[i]);
-        int index = LW_VARIABLE_INDEX(which[i]);
-        double value = 0, speed = 0;
-        lw_vec3 p = { 0, 0, 0 };
-        if (kind >= LW_VARIABLE_TURN && kind <= LW_VARIABLE_SLIDE_RATE) {
-            bool turn = kind == LW_VARIABLE_TURN || kind == LW_VARIABLE_TURN_RATE;
-            measured(f, frame, (lw_spatial_measure){ turn ? LW_OF_TURN : LW_OF_SLIDE, index }, v, &value, &speed);
-        } else if (kind >= LW_VARIABLE_X && kind <= LW_VARIABLE_Z)
-            p = lw_space_point_at(frame, f->s->tracer[index]);
-        else if (kind >= LW_VARIABLE_VX && kind <= LW_VARIABLE_VZ)
-            p = lw_space_point_velocity(f->s, frame, f->s->tracer[index], v);
-        switch (kind) {
-        case LW_VARIABLE_T: at[i] = t; break;
-        case LW_VARIABLE_TURN: case LW_VARIABLE_SLIDE: at[i] = value; break;
-        case LW_VARIABLE_TURN_RATE: case LW_VARIABLE_SLIDE_RATE: at[i] = speed; break;
-        case LW_VARIABLE_X: case LW_VARIABLE_VX: at[i] = p.x; break;
-        case LW_VARIABLE_Y: case LW_VARIABLE_VY: at[i] = p.y; break;
-        case LW_VARIABLE_Z: case LW_VARIABLE_VZ: at[i] = p.z; break;
-        case LW_VARIABLE_LENGTH: at[i] = length; break;
-        case LW_VARIABLE_RATE: at[i] = rate; break;
+    lw_vec3 m = lw_v3_cross(p.arm, lw_m3_unapply(&frame[p.body + 1].turn, load));
+    g[0] = s->unit*load.x, g[1] = s->unit*load.y, g[2] = s->unit*load.z, g[3] = m.x, g[4] = m.y, g[5] = m.z;
+}
+
+/* The length between two points. */
+static void length_of(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_point end[2], const double *v,
+                      bool derivatives, measure *m)
+{
+    const lw_space *s = f->s;
+    lw_vec3 d = lw_v3_sub(lw_space_point_at(frame, end[1]), lw_space_point_at(frame, end[0]));
+    m->value = lw_v3_norm(d);
+    lw_vec3 along = m->value > 0 ? lw_v3_scale(d, 1/m->value) : d;
+    for (int i = 0; i < 2; i++) {
+        m->body[i] = end[i].body;
+        point_gradient(s, frame, end[i], lw_v3_scale(along, i ? 1 : -1), m->g + 6*i);
+    }
+    for (int b = 0; derivatives && b < 12; b++) {
+        lw_vec3 dd = lw_v3_scale(displacement(s, frame, end[b/6], b%6), b < 6 ? -1 : 1), turn = lw_v3(b%6 == 3, b%6 == 4, b%6 == 5);
+        lw_vec3 du = m->value > 0 ? lw_v3_scale(lw_v3_sub(dd, lw_v3_scale(along, lw_v3_dot(along, dd))), 1/m->value)
+                                  : lw_v3(0, 0, 0);
+        for (int i = 0; i < 2; i++) {
+            double column[6], sign = i ? 1 : -1;
+            point_gradient(s, frame, end[i], lw_v3_scale(du, sign), column);
+            if (b/6 == i && b%6 >= 3) {                  /* the body's axes turn */
+                lw_vec3 own = lw_m3_unapply(&frame[end[i].body + 1].turn, along);
+                lw_vec3 c = lw_v3_scale(lw_v3_cross(end[i].arm, lw_v3_cross(own, turn)), sign);
+                column[3] += c.x, column[4] += c.y, column[5] += c.z;
+            }
+            for (int a = 0; a < 6; a++)
+                m->h[6*i + a][b] = column[a];
         }
     }
-    return lw_expression_value(x, at);
+    if (v)
+        find_rate(m, v, derivatives);
 }
 
-/* Length of a spring, the unit vector along it and the rate. */
-static double spring_line(const lw_space_forces *f, int i, const lw_space_frame *frame, const double *v,
-                          lw_vec3 *along, double *rate)
+/* ---- expressions ------------------------------------------------------------------------------------------- */
+
+/* The measure that a variable of an expression is, or is the rate of.  false: it is none. */
+static bool variable_measure(int number, lw_spatial_measure *of, bool *is_rate)
 {
-    const lw_space_point *end = f->spring_end[i];
-    lw_vec3 d = lw_v3_sub(lw_space_point_at(frame, end[1]), lw_space_point_at(frame, end[0]));
-    double length = lw_v3_norm(d);
-    *along = length > 0 ? lw_v3_scale(d, 1/length) : d;
-    if (rate)
-        *rate = lw_v3_dot(*along, lw_v3_sub(lw_space_point_velocity(f->s, frame, end[1], v),
-                                            lw_space_point_velocity(f->s, frame, end[0], v)));
-    return length;
+    lw_spatial_variable kind = LW_VARIABLE_OF(number);
+    int index = LW_VARIABLE_INDEX(number);
+    *is_rate = kind == LW_VARIABLE_TURN_RATE || kind == LW_VARIABLE_SLIDE_RATE || (kind >= LW_VARIABLE_VX && kind <= LW_VARIABLE_VZ);
+    switch (kind) {
+    case LW_VARIABLE_TURN:  case LW_VARIABLE_TURN_RATE:  *of = (lw_spatial_measure){ LW_OF_TURN, index }; return true;
+    case LW_VARIABLE_SLIDE: case LW_VARIABLE_SLIDE_RATE: *of = (lw_spatial_measure){ LW_OF_SLIDE, index }; return true;
+    case LW_VARIABLE_X:     case LW_VARIABLE_VX:         *of = (lw_spatial_measure){ LW_OF_X, index }; return true;
+    case LW_VARIABLE_Y:     case LW_VARIABLE_VY:         *of = (lw_spatial_measure){ LW_OF_Y, index }; return true;
+    case LW_VARIABLE_Z:     case LW_VARIABLE_VZ:         *of = (lw_spatial_measure){ LW_OF_Z, index }; return true;
+    default:                                             return false;
+    }
+}
+
+/* What a law says: its value, derivatives by its own length and rate, and by every other measure. */
+typedef struct law {
+    const lw_expression *x;
+    double value, by_length, by_rate;
+    int    n;                                    /* other variables */
+    double by[LW_EXPRESSION_VARIABLE_MAX];
+    bool   is_rate[LW_EXPRESSION_VARIABLE_MAX];
+    measure *m;                                  /* (n) */
+} law;
+
+/* m (LW_EXPRESSION_VARIABLE_MAX): where derivatives are wanted, else NULL. */
+static law evaluate(const lw_space_forces *f, const lw_expression *x, double t, const lw_space_frame *frame, const double *v,
+                    double length, double rate, measure *m)
+{
+    const int *which;
+    double at[LW_EXPRESSION_VARIABLE_MAX], dv[LW_EXPRESSION_VARIABLE_MAX];
+    int n = lw_expression_variables(x, &which);
+    law out = { .x = x, .m = m };
+    measure one;
+    for (int i = 0; i < n; i++) {
+        lw_spatial_variable kind = LW_VARIABLE_OF(which[i]);
+        lw_spatial_measure of;
+        at[i] = kind == LW_VARIABLE_T ? t : kind == LW_VARIABLE_LENGTH ? length : rate;
+        measure *to = m ? &m[out.n] : &one;
+        if (!variable_measure(which[i], &of, &out.is_rate[out.n]))
+            continue;
+        measure_of(f, frame, of, v, m != NULL, to);
+        at[i] = out.is_rate[out.n] ? to->rate : to->value;
+        out.n++;
+    }
+    if (!m) {
+        out.value = lw_expression_value(x, at);
+        return out;
+    }
+    out.value = lw_expression_gradient(x, at, dv);
+    out.n = 0;
+    for (int i = 0; i < n; i++) {
+        lw_spatial_variable kind = LW_VARIABLE_OF(which[i]);
+        if (kind == LW_VARIABLE_LENGTH)
+            out.by_length = dv[i];
+        else if (kind == LW_VARIABLE_RATE)
+            out.by_rate = dv[i];
+        else if (kind != LW_VARIABLE_T)
+            out.by[out.n++] = dv[i];
+    }
+    return out;
+}
+
+/* ---- loads ------------------------------------------------------------------------------------------------ */
+
+typedef struct sum {
+    const lw_space_forces *f;
+    const lw_space_frame  *frame;
+    const double *v;
+    double  t, power, *force;
+    const lw_space_sink *sink;
+    measure variable[LW_EXPRESSION_VARIABLE_MAX];        /* scratch */
+} sum;
+
+/* Derivatives of a law by measures other than its own, for the generalised force value*g on two bodies. */
+static void add_law(sum *s, const law *l, const int body[2], const double *g)
+{
+    for (int i = 0; i < l->n; i++)
+        for (int a = 0; a < 12; a++)
+            for (int b = 0; b < 12 && body[a/6] >= 0; b++) {
+                const measure *m = &l->m[i];
+                double by = l->by[i]*g[a];
+                if (m->body[b/6] >= 0)
+                    s->sink->add(s->sink->context, 6*body[a/6] + a%6, 6*m->body[b/6] + b%6,
+                                 by*(l->is_rate[i] ? m->along[b] : m->g[b]), l->is_rate[i] ? by*m->g[b] : 0);
+            }
+}
+
+/* A force along a measure, with its derivatives by the measure's value and rate. */
+static void push(sum *s, const measure *m, double load, double by_value, double by_rate)
+{
+    for (int a = 0; a < 12; a++) {
+        if (m->body[a/6] < 0)
+            continue;
+        int row = 6*m->body[a/6] + a%6;
+        s->force[row] += load*m->g[a];
+        for (int b = 0; s->sink && b < 12; b++)
+            if (m->body[b/6] >= 0)
+                s->sink->add(s->sink->context, row, 6*m->body[b/6] + b%6,
+                             m->g[a]*(by_value*m->g[b] + by_rate*m->along[b]) + load*m->h[a][b], by_rate*m->g[a]*m->g[b]);
+    }
+}
+
+/* A spring and damper along a measure, or its law. */
+static void push_spring(sum *s, const measure *m, double stiffness, double damping, double free, const lw_expression *x)
+{
+    if (!x) {
+        push(s, m, -stiffness*(m->value - free) - damping*m->rate, -stiffness, -damping);
+        s->power -= damping*m->rate*m->rate;
+        return;
+    }
+    law l = evaluate(s->f, x, s->t, s->frame, s->v, m->value, m->rate, s->sink ? s->variable : NULL);
+    push(s, m, -l.value, -l.by_length, -l.by_rate);
+    s->power -= l.value*m->rate;
+    double g[12];
+    for (int a = 0; a < 12; a++)
+        g[a] = -m->g[a];
+    if (s->sink)
+        add_law(s, &l, m->body, g);
 }
 
 /* How far a measure lies beyond its stop. */
@@ -132,101 +265,225 @@ static double beyond(const lw_joint_stop *p, double value)
         value - p->greatest : 0;
 }
 
-static lw_spatial_measure stop_measure(const lw_space *s, int joint)
+lw_spatial_measure lw_space_stop_measure(const lw_space *s, int joint)
 {
     return (lw_spatial_measure){ lw_spatial_kind_of(s->joint[joint].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
 }
 
-void lw_space_forces_unit(const lw_space_forces *f, const lw_space_frame *frame, int spring, double *force)
+/* One component of an applied force or torque, along a unit vector `e`. */
+static void push_component(sum *s, int i, int k, bool torque, lw_vec3 e)
 {
-    const lw_spatial *m = f->s->model;
-    lw_vec3 along;
-    if (spring >= m->n_spring) {
-        push_measure(f, frame, m->joint_spring[spring - m->n_spring].measure, 1, force);
+    const lw_spatial_force *p = &s->f->s->model->force[i];
+    const lw_expression *x = torque ? p->torque[k] : p->force[k];
+    const lw_space *space = s->f->s;
+    lw_space_point at = s->f->force_at[i];
+    if (!x || at.body < 0)
         return;
+    law l = evaluate(s->f, x, s->t, s->frame, s->v, 0, 0, s->sink ? s->variable : NULL);
+    const lw_mat3 *turn = &s->frame[at.body + 1].turn;
+    lw_vec3 world = e, own;
+    if (p->follows) {                        /* axes of the link: those of the ground in the posture of the file */
+        lw_mat3 axes = lw_quaternion_matrix(space->axes[at.body]);
+        world = lw_m3_apply(turn, lw_m3_unapply(&axes, e));
     }
-    spring_line(f, spring, frame, NULL, &along, NULL);
-    push(f->s, frame, f->spring_end[spring][0], along, force);
-    push(f->s, frame, f->spring_end[spring][1], lw_v3_scale(along, -1), force);
+    own = lw_m3_unapply(turn, world);
+    double g[12] = { 0 };
+    if (torque)
+        g[3] = own.x, g[4] = own.y, g[5] = own.z;
+    else
+        point_gradient(space, s->frame, at, world, g);
+    for (int a = 0; a < 6; a++) {
+        s->force[6*at.body + a] += l.value*g[a];
+        s->power += l.value*g[a]*s->v[6*at.body + a];
+    }
+    if (!s->sink)
+        return;
+    add_law(s, &l, (const int[2]){ at.body, -1 }, g);
+    for (int c = 0; c < 3; c++) {            /* the body turns: its own axes, or the directions, move */
+        lw_vec3 by = lw_v3(c == 0, c == 1, c == 2), d;
+        double column[6] = { 0 };
+        if (p->follows && !torque) {
+            d = lw_v3_scale(lw_m3_apply(turn, lw_v3_cross(by, own)), space->unit);
+            column[0] = d.x, column[1] = d.y, column[2] = d.z;
+        } else if (!p->follows) {
+            d = lw_v3_cross(own, by);
+            d = torque ? d : lw_v3_cross(at.arm, d);
+            column[3] = d.x, column[4] = d.y, column[5] = d.z;
+        }
+        for (int a = 0; a < 6; a++)
+            s->sink->add(s->sink->context, 6*at.body + a, 6*at.body + 3 + c, l.value*column[a], 0);
+    }
+}
+
+/* Gravity, and what spinning bodies add. */
+static void push_bodies(sum *s)
+{
+    const lw_space *space = s->f->s;
+    memcpy(s->force, s->f->weight, (size_t)space->n_v*sizeof *s->force);
+    for (int b = 0; b < space->n_body; b++) {
+        const double *mass = space->mass + 6*b, *w = s->v + 6*b + 3;
+        for (int i = 0; i < 3; i++) {
+            int j = (i + 1)%3, k = (i + 2)%3, row = 6*b + 3 + i;
+            double by = mass[3 + j] - mass[3 + k];
+            s->force[row] += by*w[j]*w[k];
+            if (s->sink) {
+                s->sink->add(s->sink->context, row, 6*b + 3 + j, 0, by*w[k]);
+                s->sink->add(s->sink->context, row, 6*b + 3 + k, 0, by*w[j]);
+            }
+        }
+    }
 }
 
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
-                           double *force,
-                           double *power)
+                           double *force, double *power, const lw_space_sink *sink)
 {
-    const lw_space *s = f->s;
-    const lw_spatial *m = s->model;
-    double work = 0, value, rate;
-    for (int b = 0; b < s->n_body; b++) {
-        const double *mass = s->mass + 6*b, *w = v + 6*b + 3;
-        double *to = force + 6*b;
-        to[0] = mass[0]*m->gravity.x/s->unit, to[1] = mass[1]*m->gravity.y/s->unit, to[2] = mass[2]*m->gravity.z/s->unit;
-        to[3] = (mass[4] - mass[5])*w[1]*w[2];
-        to[4] = (mass[5] - mass[3])*w[2]*w[0];
-        to[5] = (mass[3] - mass[4])*w[0]*w[1];
-    }
+    const lw_space *space = f->s;
+    const lw_spatial *m = space->model;
+    sum s;
+    measure at;
+    s.f = f, s.frame = frame, s.v = v, s.t = t, s.power = 0, s.force = force, s.sink = sink;
+    push_bodies(&s);
     for (int i = 0; i < m->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
-        lw_vec3 along;
-        double length = spring_line(f, i, frame, v, &along, &rate);
-        double damp = p->law ? value_of(f, p->law, t, frame, v, length, rate) : p->damping*rate;
-        double pull = p->law ? damp : p->stiffness*(length - p->free) + damp;
-        push(s, frame, f->spring_end[i][0], lw_v3_scale(along, pull), force);
-        push(s, frame, f->spring_end[i][1], lw_v3_scale(along, -pull), force);
-        work -= damp*rate;
+        length_of(f, frame, f->spring_end[i], v, sink, &at);
+        push_spring(&s, &at, p->stiffness, p->damping, p->free, p->law);
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_spatial_joint_spring *p = &m->joint_spring[i];
-        measured(f, frame, p->measure, v, &value, &rate);
-        double damp = p->law ? value_of(f, p->law, t, frame, v, value, rate) : p->damping*rate;
-        push_measure(f, frame, p->measure, -(p->law ? damp : p->stiffness*(value - p->free) + damp), force);
-        work -= damp*rate;
+        measure_of(f, frame, p->measure, v, sink, &at);
+        push_spring(&s, &at, p->stiffness, p->damping, p->free, p->law);
     }
     for (int i = 0; i < m->n_motor; i++) {
         const lw_spatial_motor *p = &m->motor[i];
-        lw_spatial_measure of = stop_measure(s, p->joint);
-        measured(f, frame, of, v, &value, &rate);
-        double load = p->stall*(1 - rate/p->free_speed);
-        push_measure(f, frame, of, load, force);
-        work += load*rate;
+        measure_of(f, frame, lw_space_stop_measure(space, p->joint), v, sink, &at);
+        double load = p->stall*(1 - at.rate/p->free_speed);
+        push(&s, &at, load, 0, -p->stall/p->free_speed);
+        s.power += load*at.rate;
     }
     for (int i = 0; i < m->n_joint; i++) {
         const lw_joint_stop *p = &m->joint[i].stop;
         if (!elastic_stop(p))
             continue;
-        measured(f, frame, stop_measure(s, i), v, &value, &rate);
-        double depth = beyond(p, value);
+        measure_of(f, frame, lw_space_stop_measure(space, i), v, sink, &at);
+        double depth = beyond(p, at.value);
         if (depth == 0)
             continue;
-        push_measure(f, frame, stop_measure(s, i), -(p->stiffness*depth + p->damping*rate), force);
-        work -= p->damping*rate*rate;
+        push(&s, &at, -(p->stiffness*depth + p->damping*at.rate), -p->stiffness, -p->damping);
+        s.power -= p->damping*at.rate*at.rate;
     }
-    for (int i = 0; i < m->n_force; i++) {
-        const lw_spatial_force *p = &m->force[i];
-        lw_space_point at = f->force_at[i];
-        double load[6] = { 0 };
-        for (int k = 0; k < 3; k++) {
-            load[k] = p->force[k] ? value_of(f, p->force[k], t, frame, v, 0, 0) : 0;
-            load[3 + k] = p->torque[k] ? value_of(f, p->torque[k], t, frame, v, 0, 0) : 0;
-        }
-        if (at.body < 0)
-            continue;
-        lw_vec3 pull = lw_v3(load[0], load[1], load[2]), twist = lw_v3(load[3], load[4], load[5]);
-        const lw_mat3 *turn = &frame[at.body + 1].turn;
-        if (p->follows) {                    /* axes of the link: those of the ground in the posture of the file */
-            lw_mat3 axes = lw_quaternion_matrix(s->axes[at.body]);
-            pull = lw_m3_apply(turn, lw_m3_unapply(&axes, pull));
-            twist = lw_m3_apply(turn, lw_m3_unapply(&axes, twist));
-        }
-        push(s, frame, at, pull, force);
-        lw_vec3 own = lw_m3_unapply(turn, twist);
-        double *to = force + 6*at.body + 3;
-        to[0] += own.x, to[1] += own.y, to[2] += own.z;
-        work += lw_v3_dot(pull, lw_space_point_velocity(s, frame, at, v)) + lw_v3_dot(twist, lw_space_omega(frame,
-                at.body, v));
-    }
+    for (int i = 0; i < m->n_force; i++)
+        for (int k = 0; k < 6; k++)
+            push_component(&s, i, k%3, k >= 3, lw_v3(k%3 == 0, k%3 == 1, k%3 == 2));
     if (power)
-        *power = work;
+        *power = s.power;
+}
+
+void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n, const int *body, const double *load,
+                          const double *by_x, const double *by_v, double *force, const lw_space_sink *sink)
+{
+    for (int i = 0; i < n; i++) {
+        if (body[i] < 0)
+            continue;
+        const double *l = load + 6*i;
+        const lw_mat3 *turn = &frame[body[i] + 1].turn;
+        lw_vec3 own = lw_m3_unapply(turn, lw_v3(l[3], l[4], l[5]));
+        double *to = force + 6*body[i];
+        to[0] += s->unit*l[0], to[1] += s->unit*l[1], to[2] += s->unit*l[2];
+        to[3] += own.x, to[4] += own.y, to[5] += own.z;
+        for (int j = 0; sink && j < n; j++)
+            for (int c = 0; c < 6 && body[j] >= 0; c++) {
+                /* a coordinate of body j is a displacement by `unit`, or a turn about one of its own axes */
+                lw_vec3 axis = c < 3 ? lw_v3_scale(lw_v3(c == 0, c == 1, c == 2), s->unit) : lw_m3_column(&frame[body[j] + 1].turn, c - 3);
+                const double along[3] = { axis.x, axis.y, axis.z };
+                double column[2][6];
+                for (int way = 0; way < 2; way++) {
+                    const double *from = way ? by_v : by_x;
+                    double d[6] = { 0 };
+                    for (int a = 0; a < 6; a++)
+                        for (int k = 0; k < 3; k++)
+                            d[a] += from[(6*i + a)*6*n + 6*j + (c < 3 ? k : 3 + k)]*along[k];
+                    lw_vec3 m = lw_m3_unapply(turn, lw_v3(d[3], d[4], d[5]));
+                    if (way == 0 && i == j && c >= 3)
+                        m = lw_v3_add(m, lw_v3_cross(own, lw_v3(c == 3, c == 4, c == 5)));
+                    const double out[6] = { s->unit*d[0], s->unit*d[1], s->unit*d[2], m.x, m.y, m.z };
+                    memcpy(column[way], out, sizeof out);
+                }
+                for (int a = 0; a < 6; a++)
+                    sink->add(sink->context, 6*body[i] + a, 6*body[j] + c, column[0][a], column[1][a]);
+            }
+    }
+}
+
+/* ---- pattern and dampers ------------------------------------------------------------------------------------- */
+
+static void list(const lw_space_sink *sink, const int body[2], const int other[2])
+{
+    for (int a = 0; a < 12; a++)
+        for (int b = 0; b < 12 && body[a/6] >= 0; b++)
+            if (other[b/6] >= 0)
+                sink->add(sink->context, 6*body[a/6] + a%6, 6*other[b/6] + b%6, 1, 1);
+}
+
+static void list_law(const lw_space_forces *f, const lw_space_sink *sink, const int body[2], const lw_expression *x)
+{
+    const int *which;
+    int n = x ? lw_expression_variables(x, &which) : 0, other[2];
+    for (int i = 0; i < n; i++) {
+        lw_spatial_measure of;
+        bool is_rate;
+        if (!variable_measure(which[i], &of, &is_rate))
+            continue;
+        lw_space_bodies(f->s, &(lw_space_extra){ .measure = of }, other);
+        list(sink, body, other);
+    }
+}
+
+void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink)
+{
+    const lw_space *s = f->s;
+    const lw_spatial *m = s->model;
+    int body[2];
+    for (int b = 0; b < s->n_body; b++)
+        list(sink, (const int[2]){ b, -1 }, (const int[2]){ b, -1 });
+    for (int i = 0; i < m->n_spring; i++) {
+        body[0] = f->spring_end[i][0].body, body[1] = f->spring_end[i][1].body;
+        list(sink, body, body);
+        list_law(f, sink, body, m->spring[i].law);
+    }
+    for (int i = 0; i < m->n_joint_spring; i++) {
+        lw_space_bodies(s, &(lw_space_extra){ .measure = m->joint_spring[i].measure }, body);
+        list(sink, body, body);
+        list_law(f, sink, body, m->joint_spring[i].law);
+    }
+    for (int i = 0; i < m->n_motor; i++)
+        list(sink, s->joint[m->motor[i].joint].body, s->joint[m->motor[i].joint].body);
+    for (int i = 0; i < m->n_joint; i++)
+        if (elastic_stop(&m->joint[i].stop))
+            list(sink, s->joint[i].body, s->joint[i].body);
+    for (int i = 0; i < m->n_force; i++)
+        for (int k = 0; k < 3; k++) {
+            list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, m->force[i].force[k]);
+            list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, m->force[i].torque[k]);
+        }
+}
+
+int lw_space_dampers(const lw_space *s) { return s->model->n_spring + s->model->n_joint_spring + s->model->n_motor; }
+
+double lw_space_damper(const lw_space_forces *f, int k, const lw_space_frame *frame, double *g)
+{
+    const lw_spatial *m = f->s->model;
+    int joint = k - m->n_spring, motor = joint - m->n_joint_spring;
+    measure at;
+    if (joint < 0)
+        length_of(f, frame, f->spring_end[k], NULL, false, &at);
+    else
+        measure_of(f, frame, motor < 0 ? m->joint_spring[joint].measure : lw_space_stop_measure(f->s, m->motor[motor].joint),
+                   NULL, false, &at);
+    for (int a = 0; a < 12; a++)
+        if (at.body[a/6] >= 0)
+            g[6*at.body[a/6] + a%6] += at.g[a];
+    return joint < 0 ? m->spring[k].damping : motor < 0 ? m->joint_spring[joint].damping
+                     : m->motor[motor].stall/m->motor[motor].free_speed;
 }
 
 /* ---- energies ------------------------------------------------------------------------------------------------ */
@@ -235,37 +492,35 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
 {
     const lw_space *s = f->s;
     const lw_spatial *m = s->model;
-    double sum = 0, value;
-    lw_vec3 along;
+    double all = 0, x;
+    measure at;
     for (int b = 0; b < s->n_body; b++)
-        sum -= s->mass[6*b]*lw_v3_dot(m->gravity, frame[b + 1].at)/(s->unit*s->unit);
+        all -= s->mass[6*b]*lw_v3_dot(m->gravity, frame[b + 1].at)/(s->unit*s->unit);
     for (int i = 0; i < m->n_spring; i++) {
-        double stretch = spring_line(f, i, frame, NULL, &along, NULL) - m->spring[i].free;
-        sum += m->spring[i].law ? 0 : m->spring[i].stiffness*stretch*stretch/2;
+        length_of(f, frame, f->spring_end[i], NULL, false, &at);
+        x = at.value - m->spring[i].free;
+        all += m->spring[i].law ? 0 : m->spring[i].stiffness*x*x/2;
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
-        const lw_spatial_joint_spring *p = &m->joint_spring[i];
-        value = lw_space_scale(s, p->measure)*lw_space_measure(s, frame, p->measure,
-                                                               p->measure.of == LW_OF_TURN ? f->turn[p->measure.index]
-                                                                   : 0, NULL);
-        sum += p->law ? 0 : p->stiffness*(value - p->free)*(value - p->free)/2;
+        measure_of(f, frame, m->joint_spring[i].measure, NULL, false, &at);
+        x = at.value - m->joint_spring[i].free;
+        all += m->joint_spring[i].law ? 0 : m->joint_spring[i].stiffness*x*x/2;
     }
     for (int i = 0; i < m->n_joint; i++)
         if (elastic_stop(&m->joint[i].stop)) {
-            lw_spatial_measure of = stop_measure(s, i);
-            value = lw_space_scale(s, of)*lw_space_measure(s, frame, of, f->turn[i], NULL);
-            double depth = beyond(&m->joint[i].stop, value);
-            sum += m->joint[i].stop.stiffness*depth*depth/2;
+            measure_of(f, frame, lw_space_stop_measure(s, i), NULL, false, &at);
+            x = beyond(&m->joint[i].stop, at.value);
+            all += m->joint[i].stop.stiffness*x*x/2;
         }
-    return sum;
+    return all;
 }
 
 double lw_space_kinetic(const lw_space *s, const double *v)
 {
-    double sum = 0;
+    double all = 0;
     for (int i = 0; i < s->n_v; i++)
-        sum += s->mass[i]*v[i]*v[i];
-    return sum/2;
+        all += s->mass[i]*v[i]*v[i];
+    return all/2;
 }
 
 void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear,

@@ -1,4 +1,9 @@
-/* mbs/space/space_forces.h - masses and loads of a spatial model as generalised forces. */
+/* mbs/space/space_forces.h - masses and loads of a spatial model as generalised forces, with derivatives.
+ *
+ * Springs, dampers, motors and stops act along a measure l(q), a length between two points or the turn or slide of a joint,
+ * as in the plane (mbs/dynamics/forces.h).  It has a gradient g and second derivatives H by the at most twelve velocity
+ * coordinates of its two bodies, derivatives along motions of the bodies (lw_space_move), so H is not symmetric:
+ *     force f along l:   Q = f g,   dQ_a/dq_b = g_a df/dq_b + f H_ab,   d(dl/dt)/dq_b = sum of v_a H_ab,   d(dl/dt)/dv = g. */
 #ifndef LW_MBS_SPACE_SPACE_FORCES_H
 #define LW_MBS_SPACE_SPACE_FORCES_H
 
@@ -9,9 +14,14 @@ typedef struct lw_space_forces {
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
     double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
+    double          *weight;             /* (n_v) generalised force of gravity [J] */
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;
+
+/* Takes derivatives of force `row` by coordinate `column` of a displacement and of the velocities; they are sums. */
+typedef struct lw_space_sink { void *context; void (*add)(void *context, int row, int column, double by_q, double by_v); }
+    lw_space_sink;
 
 lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *e);
 void      lw_space_forces_free(lw_space_forces *f);
@@ -19,12 +29,24 @@ void      lw_space_forces_free(lw_space_forces *f);
 /* Take the turns at a posture that is accepted. */
 void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame);
 
-/* Forces (n_v) [J] with gravity and what spinning bodies add; power of those without potential, unless NULL. */
+/* Forces (n_v) [J] with gravity and what spinning bodies add; power of those without potential, unless NULL.  Derivatives go
+ * to the sink, unless NULL. */
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
-                           double *force,
-                           double *power);
-/* Unit force of spring number `spring` (those between points, then those at joints), added to force (n_v). */
-void lw_space_forces_unit(const lw_space_forces *f, const lw_space_frame *frame, int spring, double *force);
+                           double *force, double *power, const lw_space_sink *sink);
+
+/* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
+void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink);
+
+/* Damper k of n: coefficient [SI] and the gradient (n_v, zeroed) of its measure. */
+int    lw_space_dampers(const lw_space *s);
+double lw_space_damper(const lw_space_forces *f, int k, const lw_space_frame *frame, double *g);
+
+/* A load on nodes that are bodies (a beam, a superelement): force and moment about its centre on each of n bodies, in ground
+ * axes [N] [N m], into force (n_v); with a sink, its derivatives by small displacements [m] and turns [rad] of the bodies in
+ * ground axes, by_x (6n x 6n), and by their velocities, by_v.  The sink's derivatives contain the turns of the axes in which
+ * moments are given.  Moving the nodes' velocities with the turns is the caller's part of by_x. */
+void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n, const int *body, const double *load,
+                          const double *by_x, const double *by_v, double *force, const lw_space_sink *sink);
 
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
 double lw_space_kinetic(const lw_space *s, const double *v);

@@ -293,27 +293,162 @@ void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatia
             *rate += scale*jac[6*k + i]*v[6*body[k] + i];
 }
 
+/* ---- second derivatives ------------------------------------------------------------------------------------- */
+
+/* A displacement of the two bodies of a joint: of their centres [m], turns about their own axes. */
+typedef struct small { lw_vec3 move[2], turn[2]; } small;
+
+static small unit_displacement(const lw_space *s, int c)
+{
+    small d = { { { 0, 0, 0 } }, { { 0, 0, 0 } } };
+    lw_vec3 e = lw_v3(c%3 == 0, c%3 == 1, c%3 == 2);
+    if (c%6 < 3)
+        d.move[c/6] = lw_v3_scale(e, s->unit);
+    else
+        d.turn[c/6] = e;
+    return d;
+}
+
+static void put_change(const ends *n, lw_vec3 pull, lw_vec3 moment0, lw_vec3 moment1, double *out)
+{
+    const double all[12] = { -n->unit*pull.x, -n->unit*pull.y, -n->unit*pull.z, moment0.x, moment0.y, moment0.z,
+                             n->unit*pull.x, n->unit*pull.y, n->unit*pull.z, moment1.x, moment1.y, moment1.z };
+    memcpy(out, all, sizeof all);
+}
+
+/* Changes of the derivatives of point_row, line_row, turn_row and angle_of; a, b in the axes of the bodies that carry them. */
+static void point_change(const lw_space_joint *j, const ends *n, lw_vec3 e, const small *d, double *out)
+{
+    lw_vec3 e0 = lw_m3_unapply(n->turn[0], e), e1 = lw_m3_unapply(n->turn[1], e);
+    put_change(n, lw_v3(0, 0, 0), lw_v3_cross(lw_v3_cross(e0, d->turn[0]), j->arm[0]),
+               lw_v3_cross(j->arm[1], lw_v3_cross(e1, d->turn[1])), out);
+}
+
+static void line_change(const lw_space_joint *j, const ends *n, lw_vec3 a, const small *d, double *out)
+{
+    lw_vec3 da = lw_m3_apply(n->turn[0], lw_v3_cross(d->turn[0], a)), own = lw_m3_unapply(n->turn[1], lw_m3_apply(n->turn[0], a));
+    lw_vec3 y = lw_m3_unapply(n->turn[0], lw_v3_add(n->d, n->arm[0]));
+    lw_vec3 moved = lw_v3_sub(lw_v3_add(d->move[1], lw_m3_apply(n->turn[1], lw_v3_cross(d->turn[1], j->arm[1]))), d->move[0]);
+    lw_vec3 dy = lw_v3_add(lw_m3_unapply(n->turn[0], moved), lw_v3_cross(y, d->turn[0]));
+    lw_vec3 down = lw_v3_add(lw_m3_unapply(n->turn[1], da), lw_v3_cross(own, d->turn[1]));
+    put_change(n, da, lw_v3_cross(a, dy), lw_v3_cross(j->arm[1], down), out);
+}
+
+static void turn_change(const ends *n, lw_vec3 a, lw_vec3 b, const small *d, double *out)
+{
+    lw_vec3 b0 = lw_m3_unapply(n->turn[0], lw_m3_apply(n->turn[1], b)), a1 = lw_m3_unapply(n->turn[1], lw_m3_apply(n->turn[0], a));
+    lw_vec3 db = lw_m3_unapply(n->turn[0], lw_m3_apply(n->turn[1], lw_v3_cross(d->turn[1], b)));
+    lw_vec3 da = lw_m3_unapply(n->turn[1], lw_m3_apply(n->turn[0], lw_v3_cross(d->turn[0], a)));
+    db = lw_v3_add(db, lw_v3_cross(b0, d->turn[0]));
+    da = lw_v3_add(da, lw_v3_cross(a1, d->turn[1]));
+    put_change(n, lw_v3(0, 0, 0), lw_v3_cross(a, db), lw_v3_cross(b, da), out);
+}
+
+static void angle_change(const lw_space_joint *j, const ends *n, const small *d, double *out)
+{
+    lw_vec3 z1 = lw_m3_unapply(n->turn[1], lw_m3_apply(n->turn[0], j->z[0]));
+    lw_vec3 dz = lw_m3_unapply(n->turn[1], lw_m3_apply(n->turn[0], lw_v3_cross(d->turn[0], j->z[0])));
+    put_change(n, lw_v3(0, 0, 0), lw_v3(0, 0, 0), lw_v3_add(dz, lw_v3_cross(z1, d->turn[1])), out);
+}
+
+/* Of row k of a joint. */
+static void row_change(const lw_space *s, const lw_space_joint *j, const ends *n, int k, const small *d, double *out)
+{
+    double scale = 1/s->unit;
+    bool holds_point = j->kind == LW_SPATIAL_SPHERICAL || j->kind == LW_SPATIAL_REVOLUTE || j->kind == LW_SPATIAL_UNIVERSAL ||
+                       j->kind == LW_SPATIAL_FIXED;
+    int line = holds_point ? 3 : j->kind == LW_SPATIAL_PLANAR ? 1 : 2;
+    if (k < line && holds_point)
+        point_change(j, n, lw_v3(scale*(k == 0), scale*(k == 1), scale*(k == 2)), d, out);
+    else if (k < line)
+        line_change(j, n, lw_v3_scale(line == 1 ? j->z[0] : k == 0 ? j->x[0] : j->y[0], scale), d, out);
+    else if (j->kind == LW_SPATIAL_UNIVERSAL)
+        turn_change(n, j->x[0], j->x[1], d, out);
+    else if (k < line + 2)
+        turn_change(n, k == line ? j->x[0] : j->y[0], j->z[1], d, out);
+    else if (j->kind == LW_SPATIAL_SCREW) {
+        double turn[12];
+        line_change(j, n, lw_v3_scale(j->z[0], scale), d, out);
+        angle_change(j, n, d, turn);
+        for (int i = 0; i < 12; i++)
+            out[i] -= scale*j->pitch*turn[i];
+    } else
+        turn_change(n, j->y[0], j->x[1], d, out);
+}
+
+int lw_space_row_bends(const lw_space *s, const lw_space_frame *frame, int joint, int k, lw_space_bend *out)
+{
+    int count = 0;
+    const lw_space_joint *j = &s->joint[joint];
+    ends n = ends_of(s, j, frame);
+    for (int b = 0; b < 12; b++) {
+        double change[12];
+        small d = unit_displacement(s, b);
+        if (j->body[b/6] < 0)
+            continue;
+        row_change(s, j, &n, k, &d, change);
+        for (int a = 0; a < 12; a++)
+            if (change[a] != 0 && j->body[a/6] >= 0)
+                out[count++] = (lw_space_bend){ 6*j->body[a/6] + a%6, 6*j->body[b/6] + b%6, change[a] };
+    }
+    return count;
+}
+
+void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12])
+{
+    const lw_space_joint *j = of.of >= LW_OF_X ? NULL : &s->joint[of.index];
+    ends n = { 0 };
+    if (j)
+        n = ends_of(s, j, frame);
+    for (int b = 0; b < 12; b++) {
+        double change[12] = { 0 };
+        small d = unit_displacement(s, b);
+        if (of.of == LW_OF_TURN)
+            angle_change(j, &n, &d, change);
+        else if (of.of == LW_OF_SLIDE)
+            line_change(j, &n, lw_v3_scale(j->z[0], 1/s->unit), &d, change);
+        else {
+            lw_space_point p = s->tracer[of.index];
+            lw_vec3 own = lw_m3_unapply(&frame[p.body + 1].turn, ground_axis(of.of));
+            lw_vec3 m = lw_v3_scale(lw_v3_cross(p.arm, lw_v3_cross(own, d.turn[0])), 1/s->unit);
+            change[3] = m.x, change[4] = m.y, change[5] = m.z;
+        }
+        for (int a = 0; a < 12; a++)
+            h[a][b] = change[a];
+    }
+}
+
 /* ---- names --------------------------------------------------------------------------------------------------- */
 
-const char *lw_space_row_name(const lw_space *s, int row, int *joint)
+/* Of row k of a joint. */
+static const char *name_of_row(const lw_space_joint *j, int k)
 {
     static const char *const point[] = { "x", "y", "z", "tilt 1", "tilt 2", "turn" };
     static const char *const line[] = { "across 1", "across 2", "tilt 1", "tilt 2", "turn" };
     static const char *const plane[] = { "off the plane", "tilt 1", "tilt 2" };
+    switch (j->kind) {
+    case LW_SPATIAL_PLANAR: return plane[k];
+    case LW_SPATIAL_SCREW: return k == 4 ? "lead" : line[k];
+    case LW_SPATIAL_PRISMATIC: case LW_SPATIAL_CYLINDRICAL: return line[k];
+    case LW_SPATIAL_UNIVERSAL: return k == 3 ? "turn" : point[k];
+    default: return point[k];
+    }
+}
+
+const char *lw_space_row_name(const lw_space *s, int row, int *joint)
+{
     for (int i = 0; i < s->n_joint; i++) {
-        const lw_space_joint *j = &s->joint[i];
-        int k = row - j->row;
-        if (k < 0 || k >= lw_spatial_kind_of(j->kind)->rows)
+        int k = row - s->joint[i].row;
+        if (k < 0 || k >= lw_spatial_kind_of(s->joint[i].kind)->rows)
             continue;
         *joint = i;
-        switch (j->kind) {
-        case LW_SPATIAL_PLANAR: return plane[k];
-        case LW_SPATIAL_SCREW: return k == 4 ? "lead" : line[k];
-        case LW_SPATIAL_PRISMATIC: case LW_SPATIAL_CYLINDRICAL: return line[k];
-        case LW_SPATIAL_UNIVERSAL: return k == 3 ? "turn" : point[k];
-        default: return point[k];
-        }
+        return name_of_row(&s->joint[i], k);
     }
     *joint = -1;
     return "";
+}
+
+bool lw_space_row_turns(const lw_space *s, int joint, int k)
+{
+    return name_of_row(&s->joint[joint], k)[0] == 't';       /* tilt, turn */
 }

@@ -1,0 +1,123 @@
+#include "cli/motion/dynamics_report.h"
+
+#include "cli/program/output.h"
+
+void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r)
+{
+    cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
+             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant,
+             r->redundant == 1 ? "" : "s");
+}
+
+void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status, const lw_error *e)
+{
+    if (r->without_forces)
+        fprintf(f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are left empty\n",
+                r->without_forces, r->without_forces == 1 ? "" : "s", r->without_forces_t);
+    if (r->adjusted > 0)
+        fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m so that it moves\n", r->adjusted);
+    if (r->smooth_friction)
+        fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);
+    if (status != LW_OK)
+        fprintf(f, "# incomplete: ended at t = %.12g s: %s\n", r->t, e->text);
+}
+
+static void put_event(cli_json *j, const lw_run_event *h)
+{
+    cli_json_object(j, NULL);
+    cli_json_real(j, "t", h->t);
+    cli_json_text(j, h->touch ? "touch" : "joint", h->name);
+    if (!h->touch)
+        cli_json_text(j, "stop", h->greatest ? "greatest" : "least");
+    cli_json_text(j, "what", h->impact ? "impact" : "leaves");
+    cli_json_real(j, "speed", h->speed);
+    cli_json_end(j);
+}
+
+void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, lw_status status, const lw_error *e)
+{
+    cli_json_end(j);
+    cli_json_text(j, "formulation", r->formulation == LW_FORMULATION_AUTO ? "equilibrium" : lw_formulation_name(r->formulation));
+    cli_json_bool(j, "complete", status == LW_OK);
+    if (status != LW_OK)
+        cli_json_text(j, "ended", e->text);
+    cli_json_real(j, "t", r->t);
+    cli_json_array(j, "assumed_at_rest");
+    for (int i = 0; i < lw_dynamics_inputs(d); i++)
+        if (lw_dynamics_starts_at_rest(d, i))
+            cli_json_text(j, NULL, lw_dynamics_input_name(d, i));
+    cli_json_end(j);
+    cli_json_int(j, "rows_without_forces", r->without_forces);
+    cli_json_bool(j, "friction_creeps", r->smooth_friction);
+    cli_json_int(j, "steps", r->steps);
+    cli_json_int(j, "evaluations", r->rates);
+    cli_json_int(j, "redundant", r->redundant);
+    cli_json_int(j, "idle", lw_dynamics_idle(d));
+    cli_json_real(j, "adjusted", r->adjusted);
+    cli_json_real(j, "residual", r->worst_off);
+    cli_json_real(j, "residual_rate", r->worst_off_rate);
+    cli_json_real(j, "energy_error", r->energy_error);
+    cli_json_real(j, "energy_held", r->energy_held);
+    if (r->period > 0) {
+        cli_json_real(j, "period", r->period);
+        cli_json_real(j, "period_off", r->period_off);
+    }
+    cli_json_real(j, "energy_scale", r->energy_scale);
+    cli_json_array(j, "events");
+    for (int i = 0; i < r->n_event; i++)
+        put_event(j, &r->event[i]);
+    cli_json_end(j);
+    cli_json_end(j);
+}
+
+static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
+{
+    char text[1024];
+    int idle = lw_dynamics_idle(d);
+    if (r->adjusted > 0)
+        cli_note(c, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m so that "
+                 "they do, by least squares", r->adjusted);
+    if (r->moved > 1e-9)
+        cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
+    if (r->moved_rate > 1e-9)
+        cli_note(c, "the speeds given violate the constraints by %.3g and were projected", r->moved_rate);
+    lw_dynamics_redundant(d, text, sizeof text);
+    if (r->redundant)
+        cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
+                 r->redundant, r->redundant == 1 ? " is" : "s are", text);
+    if (idle)
+        cli_note(c, "%d spin%s of links between ball joints %s held", idle, idle == 1 ? "" : "s", idle == 1 ? "is" : "are");
+    if (lw_dynamics_many_drives(d))
+        cli_note(c, "there are more drives than freedoms: their forces are not unique, those of least norm are given");
+}
+
+void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
+{
+    if (r->period > 0)
+        cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them, its phase good "
+                 "to %.1e periods at the end", r->period, r->period_off);
+    if (r->without_forces)
+        cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
+                 "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
+    if (r->smooth_friction)
+        cli_note(c, "friction without a \"speed\" sticks only in linkages of one freedom that are solved in closed form; here "
+                 "it is regularised by 0.001 m/s, and a joint at rest under load creeps");
+    note_start(c, d, r);
+    for (int i = 0; i < r->n_event && i < 10; i++) {
+        const lw_run_event *h = &r->event[i];
+        if (h->touch)
+            cli_note(c, "t = %.15g s: %s %s", h->t, h->name, h->impact ? "strikes" : "leaves");
+        else
+            cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, h->name, h->impact ? "strikes" : "leaves",
+                     h->greatest ? "greatest" : "least");
+    }
+    if (r->n_event_seen > 10)
+        cli_note(c, "%d events in all", r->n_event_seen);
+    if (r->energy_scale > 0)
+        cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
+                 : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
+    if (r->momentum_scale > 1e-290)          /* something moved                                         */
+        cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
+    cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", r->worst_off,
+             r->worst_off_rate, r->steps, r->refused, r->rates);
+}

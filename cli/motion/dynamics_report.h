@@ -1,0 +1,20 @@
+/* cli/motion/dynamics_report.h - what simulate says about a run, planar or spatial. */
+#ifndef CLI_MOTION_DYNAMICS_REPORT_H
+#define CLI_MOTION_DYNAMICS_REPORT_H
+
+#include <stdio.h>
+#include "cli/program/command.h"
+#include "cli/program/json.h"
+#include "mbs/dynamics/dynamics.h"
+
+/* The formulation chosen, and why. */
+void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r);
+
+/* Notes to standard error after a run. */
+void cli_dynamics_notes(const cli_call *call, const lw_dynamics *d, const lw_dynamics_report *r);
+
+/* Comment lines at the end of CSV rows; the end of the rows of a JSON object, and the object's end. */
+void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status, const lw_error *e);
+void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_report *r, lw_status status, const lw_error *e);
+
+#endif

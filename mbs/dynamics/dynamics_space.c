@@ -1,0 +1,445 @@
+/* mbs/dynamics/dynamics_space.c - a spatial model made ready: start, drives; its driven runs; what its joints carry. */
+#include "mbs/dynamics/dynamics_space.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/limits_internal.h"
+#include "mbs/ode/integrate.h"
+
+const lw_space *lw_dynamics_space(const lw_dynamics *d) { return &d->space->s; }
+int  lw_dynamics_idle(const lw_dynamics *d) { return d->space ? d->space->n_idle : 0; }
+bool lw_dynamics_many_drives(const lw_dynamics *d) { return d->space && d->space->many_drives; }
+
+const char *lw_mbs_is_planar(const lw_dynamics *d)
+{
+    lw_vec3 normal;
+    return lw_spatial_is_planar(d->space->model, &normal)
+         ? "; all axes are parallel: written with two numbers a place, the model is planar and runs faster" : "";
+}
+
+/* ---- what is special ------------------------------------------------------------------------------------------ */
+
+static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
+{
+    const lw_spatial *m = d->space->model;
+    size_t inputs = (size_t)m->n_input + 1;
+    d->stop = calloc(2*(size_t)m->n_joint + 1, sizeof *d->stop);
+    d->friction = calloc(1, sizeof *d->friction);
+    d->friction_row = calloc(1, sizeof *d->friction_row);
+    d->driven = calloc(2*inputs, sizeof *d->driven);
+    d->driven_measure = d->driven + inputs;
+    d->at_rest = calloc(inputs, sizeof *d->at_rest);
+    return d->stop && d->friction && d->friction_row && d->driven && d->at_rest
+         ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+static void drive_input(lw_dynamics *d, int i)
+{
+    d->driven_measure[d->n_driven] = lw_spatial_number(d->space, d->space->model->input[i].measure);
+    d->driven[d->n_driven++] = i;
+}
+
+static void find_special_joints(lw_dynamics *d)
+{
+    const lw_spatial_scene *c = d->space;
+    const lw_spatial *m = c->model;
+    for (int j = 0; j < m->n_joint; j++) {
+        const lw_joint_stop *p = &m->joint[j].stop;
+        lw_spatial_measure of = lw_space_stop_measure(&c->s, j);
+        int number = lw_spatial_number(c, of);
+        double unit = lw_space_scale(&c->s, of);
+        if (p->stiffness > 0)
+            continue;
+        if (p->has_least)
+            d->stop[d->n_stop++] = (lw_rigid_stop){ j, number, 1, p->least/unit, p->restitution, false };
+        if (p->has_greatest)
+            d->stop[d->n_stop++] = (lw_rigid_stop){ j, number, -1, p->greatest/unit, p->restitution, false };
+    }
+    for (int i = 0; i < m->n_input; i++)
+        if (m->input[i].motion || d->o.hold_inputs)
+            drive_input(d, i);
+    for (int i = 0; i < d->n_v; i++)
+        d->has_zero_mass = d->has_zero_mass || !(d->eq.mass[i] > 0);
+}
+
+/* ---- start ---------------------------------------------------------------------------------------------------- */
+
+/* The inputs with a motion, in the order of d->driven. */
+static lw_status motions(void *context, double t, double (*out)[3])
+{
+    lw_dynamics *d = context;
+    for (int i = 0; i < d->n_driven; i++) {
+        double unit = d->eq.measure_unit(d->eq.context, d->driven_measure[i]);
+        if (lw_mbs_motion(d, i, t, out[i]) != LW_OK)
+            return LW_E_NUMERIC;
+        for (int k = 0; k < 3; k++)
+            out[i][k] *= unit;
+    }
+    return LW_OK;
+}
+
+static lw_status say_not_a_number(const lw_dynamics *d, double t, lw_error *e)
+{
+    double motion[3];
+    int i = 0;
+    while (i + 1 < d->n_driven && lw_mbs_motion(d, i, t, motion) == LW_OK)
+        i++;
+    return lw_error_set(e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
+                        d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
+}
+
+/* From the posture of the file to where the motions begin, as straight as the joints allow. */
+static lw_status find_posture(lw_dynamics *d, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    double motion[3];
+    lw_spatial_measure *input = calloc((size_t)d->n_driven + 1, sizeof *input);
+    if (!input)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < d->n_driven; i++)
+        input[i] = lw_spatial_numbered(c, d->driven_measure[i]);
+    lw_status st = lw_space_follow_make(&c->s, input, d->n_driven, true, &c->follow, e);
+    free(input);
+    c->follow.u = d->o.from;
+    for (int i = 0; st == LW_OK && i < d->n_driven; i++)
+        if (lw_mbs_motion(d, i, d->o.from, motion) != LW_OK)
+            return say_not_a_number(d, d->o.from, e);
+    if (st == LW_OK)
+        st = lw_space_follow_to(&c->follow, motions, d, d->o.from, e);
+    if (st != LW_OK)
+        return st;
+    c->redundant = c->follow.redundant;
+    memcpy(d->start_q, c->follow.q, (size_t)d->n_q*sizeof *d->start_q);
+    d->eq.accept(d->eq.context, d->start_q);
+    return lw_mbs_arrange(d, d->o.from, d->start_q);
+}
+
+/* Velocities that links are given, and 1 where they are (0 in by_mass: they are kept). */
+static double given_velocities(lw_dynamics *d)
+{
+    const lw_spatial_scene *c = d->space;
+    double top = 0;
+    lw_space_place(&c->s, d->start_q, c->frame);
+    for (int b = 0; b < c->s.n_body; b++) {
+        const lw_spatial_body *p = &c->model->body[c->s.link_of[b]];
+        lw_vec3 w = lw_m3_unapply(&c->frame[b + 1].turn, p->omega), u = lw_v3_scale(p->velocity, 1/c->s.unit);
+        const double given[6] = { u.x, u.y, u.z, w.x, w.y, w.z };
+        for (int i = 0; i < 6; i++) {
+            bool has = i < 3 ? p->has_velocity : p->has_omega;
+            d->start_v[6*b + i] = has ? given[i] : 0;
+            d->by_mass[6*b + i] = has ? 0 : d->by_mass[6*b + i];
+            top = fmax(top, fabs(d->start_v[6*b + i]));
+        }
+    }
+    return top;
+}
+
+/* Put start_v on the rows with these rates (n_c), the change least in the metric of the masses. */
+static lw_status correct(lw_dynamics *d, const double *wanted)
+{
+    lw_status st = lw_mbs_rows(d, d->o.from, d->start_q);
+    if (st == LW_OK)
+        lw_mbs_factor(d, false);
+    for (int pass = 0; st == LW_OK && pass < 2; pass++) {
+        lw_mbs_times(d, d->start_v, d->rhs);
+        for (int r = 0; r < d->n_c; r++)
+            d->rhs[r] = wanted[r] - d->rhs[r];
+        lw_mbs_linear(d, NULL, d->rhs, d->hold, d->l);
+        for (int i = 0; i < d->n_v; i++)
+            d->start_v[i] += d->hold[i];
+    }
+    return st;
+}
+
+/* The velocities that satisfy the joints, the motions and the speeds, and keep those that links are given. */
+static lw_status find_velocities(lw_dynamics *d, lw_error *e)
+{
+    const lw_spatial *m = d->space->model;
+    int driven = d->n_driven;
+    bool large = d->large;
+    double off = 0, *wanted = d->l_each;
+    int worst = 0;
+    for (int i = 0; i < d->n_v; i++)
+        d->by_mass[i] = d->eq.mass[i] > 0 && !d->has_zero_mass ? 1/d->eq.mass[i] : 1;
+    double top = given_velocities(d);
+    d->large = true;                         /* the fast way alone: rows that only given velocities touch depend on none */
+    for (int i = 0; i < m->n_input; i++)
+        if (m->input[i].has_speed && !m->input[i].motion)
+            drive_input(d, i);
+    lw_status st = lw_mbs_arrange(d, d->o.from, d->start_q);
+    int held = d->n_driven;
+    d->n_driven = driven;
+    if (st == LW_OK)
+        st = lw_mbs_rate_wanted(d, d->o.from);
+    d->n_driven = held;
+    for (int r = 0; st == LW_OK && r < d->n_c; r++)
+        wanted[r] = r < d->n_row + driven ? d->rhs[r] : m->input[d->driven[r - d->n_row]].speed/
+                    d->eq.measure_unit(d->eq.context, d->driven_measure[r - d->n_row]);
+    if (st == LW_OK)
+        st = correct(d, wanted);
+    if (st == LW_OK) {
+        lw_mbs_times(d, d->start_v, d->rhs);
+        for (int r = 0; r < d->n_c; r++) {
+            top = fmax(top, fabs(wanted[r]));
+            if (fabs(d->rhs[r] - wanted[r]) > off)
+                off = fabs(d->rhs[r] - wanted[r]), worst = r;
+        }
+        if (!(off <= 1e-9*top + 1e-12)) {
+            const char *joint = worst < d->n_row ? d->eq.name(d->eq.context, LW_NAMED_ROW, worst) : NULL;
+            st = lw_error_set(e, LW_E_ARG, "the speeds and velocities given contradict each other%s%s%s: they are off by %.3g "
+                              "(of %.3g), lengths over the size of the model", joint ? " at joint \"" : "", joint ? joint : "",
+                              joint ? "\"" : "", off, top);
+        }
+    }
+    d->n_driven = driven;
+    d->large = large;
+    for (int i = 0; i < d->n_v; i++)
+        d->by_mass[i] = 1/d->eq.mass[i];
+    return st == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : st;
+}
+
+/* ---- drives --------------------------------------------------------------------------------------------------- */
+
+/* Drives that carry the forces of inputs which leave no freedom. */
+static lw_status make_drives(lw_dynamics *d, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    const lw_spatial *m = c->model;
+    size_t extras = (size_t)c->n_idle + (size_t)m->n_drive + 1, rows = (size_t)c->s.n_row + extras;
+    c->drive_l = calloc(rows + (size_t)(m->n_drive > m->n_input ? m->n_drive : m->n_input) + 2*(size_t)m->n_input + 1, sizeof(double));
+    c->drive_f = calloc(2*(size_t)d->n_v + rows*(LW_SPACE_ROW + 1) + 1, sizeof(double));
+    c->joint = calloc((size_t)m->n_joint + 1, sizeof *c->joint);
+    if (!c->drive_l || !c->drive_f || !c->joint)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (m->n_drive == 0)
+        return LW_OK;
+    if (d->freedom > 0 && d->n_driven > 0)
+        return lw_error_set(e, LW_E_KIND, "\"drives\" carry the forces of a model whose inputs leave no freedom; here %d freedoms "
+                            "are left", d->freedom);
+    lw_space_extra *x = calloc(extras, sizeof *x);
+    double *metric = malloc(((size_t)d->n_v + 1)*sizeof *metric);
+    lw_status st = x && metric ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK) {
+        lw_space_metric(&c->s, metric);
+        memcpy(x, c->idle, (size_t)c->n_idle*sizeof *x);
+        for (int i = 0; i < m->n_drive; i++)
+            x[c->n_idle + i] = (lw_space_extra){ .measure = m->drive[i] };
+        st = lw_space_rows_make(&c->s, x, c->n_idle + m->n_drive, metric, d->start_q, &c->drives, e);
+    }
+    if (st == LW_OK) {
+        int joints = d->rank - d->n_driven;          /* rows of joints and spins that are independent */
+        c->has_drives = d->freedom == 0;
+        c->many_drives = c->has_drives && c->drives.n_kept < joints + m->n_drive;
+        if (c->has_drives && c->drives.n_kept < d->n_v)
+            st = lw_error_set(e, LW_E_ARG, "%d drives move only %d of %d freedoms in the posture of the file: the posture is "
+                              "singular for them, or more drives are needed", m->n_drive, c->drives.n_kept - joints, d->n_v - joints);
+        if (st == LW_OK && c->many_drives)
+            st = lw_space_dense_make(&c->drives, &c->drives_least, e);
+    }
+    free(x), free(metric);
+    return st;
+}
+
+/* Reactions of joints count this much less than forces of drives where the least norm of both is sought. */
+static const double cheap = 1e4;
+
+/* The drives of a driven run: l with J^T l = f; where drives share a force, of least norm. */
+static lw_status load_drives(lw_dynamics *d, double t, const double *q, double *drive, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    lw_space_rows_set *z = &c->drives;
+    double most = 0, left = 0, *f = c->drive_f, *rest = f + d->n_v;
+    lw_space_rows_fill(z, q, NULL);
+    if (!lw_space_rows_factor(z))
+        return lw_error_set(e, LW_OPEN, "at t = %.9g s the drives cannot hold the posture: it is singular for them", t);
+    if (c->many_drives) {
+        int joints = c->s.n_row + c->n_idle;
+        for (int i = 0; i < joints*LW_SPACE_ROW; i++)
+            z->jac[i] *= cheap;
+        memcpy(rest, f, (size_t)d->n_v*sizeof *f);
+        c->drives_least.rank.most = z->n_kept;
+        lw_space_dense_factor(z, &c->drives_least, 1e-10);
+        lw_rank_solve(&c->drives_least.rank, rest, c->drive_l);
+        for (int i = 0; i < joints*LW_SPACE_ROW; i++)
+            z->jac[i] /= cheap;
+        for (int i = 0; i < joints; i++)
+            c->drive_l[i] *= cheap;
+    } else
+        lw_space_rows_carry(z, f, c->drive_l);
+    for (int i = 0; i < d->n_v; i++) {
+        most = fmax(most, fabs(f[i]));
+        rest[i] = -f[i];
+    }
+    lw_space_rows_add(z, 1, c->drive_l, rest);
+    for (int i = 0; i < d->n_v; i++)
+        left = fmax(left, fabs(rest[i]));
+    if (left > 1e-7*most + 1e-12)
+        return lw_error_set(e, LW_E_ARG, "at t = %.9g s the drives cannot move the model: %.3g of %.3g N m (forces times the size) "
+                            "are left; are there as many drives as inputs?", t, left, most);
+    for (int i = 0; i < c->model->n_drive; i++)
+        drive[i] = -c->drive_l[c->s.n_row + c->n_idle + i]/lw_space_scale(&c->s, c->model->drive[i]);
+    return LW_OK;
+}
+
+/* ---- moments -------------------------------------------------------------------------------------------------- */
+
+/* Forces of the joints on their second links for multipliers l. */
+static void find_reactions(lw_spatial_scene *c, const double *l, double *phi, double *all)
+{
+    const lw_space *s = &c->s;
+    lw_space_rows(s, c->frame, phi, all);
+    for (int i = 0; i < s->n_joint; i++) {
+        const lw_space_joint *j = &s->joint[i];
+        int end = j->body[1] >= 0 ? 1 : 0;   /* from the side that is a body, about its centre, to the point on link[1] */
+        lw_vec3 load = { 0, 0, 0 }, twist = { 0, 0, 0 }, p[2];
+        for (int k = 0; k < lw_spatial_kind_of(j->kind)->rows; k++) {
+            const double *jac = all + (j->row + k)*LW_SPACE_ROW + 6*end;
+            double f = -l[j->row + k];
+            load = lw_v3_add(load, lw_v3_scale(lw_v3(jac[0], jac[1], jac[2]), f/s->unit));
+            twist = lw_v3_add(twist, lw_v3_scale(lw_v3(jac[3], jac[4], jac[5]), f));
+        }
+        for (int k = 0; k < 2; k++)
+            p[k] = lw_space_point_at(c->frame, (lw_space_point){ j->body[k], j->arm[k] });
+        lw_vec3 about = lw_m3_apply(&c->frame[j->body[end] + 1].turn, twist);
+        about = lw_v3_add(about, lw_v3_cross(lw_v3_sub(c->frame[j->body[end] + 1].at, p[1]), load));
+        c->joint[i].force = lw_v3_scale(load, end == 1 ? 1 : -1);
+        c->joint[i].moment = lw_v3_scale(about, end == 1 ? 1 : -1);
+    }
+}
+
+lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_moment *out, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    const lw_spatial *model = c->model;
+    int inputs = model->n_input;
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC || d->o.analysis == LW_ANALYSIS_STATIC;
+    double *input = c->drive_l + c->s.n_row + c->n_idle + model->n_drive + 1, *rate = input + inputs, *drive = rate + inputs;
+    double *f = c->drive_f, *none = f + d->n_v;
+    const double *l = m->l;
+    lw_status st = LW_OK;
+    *out = (lw_space_moment){ .t = m->t, .q = m->q, .v = m->v, .a = m->a, .frame = c->frame, .input = input, .input_rate = rate,
+                              .drive = drive, .joint = c->joint, .kinetic = m->kinetic, .potential = m->potential,
+                              .work = d->freedom == 0 || still ? NAN : m->work, .off = m->off, .off_rate = m->off_rate };
+    for (int i = 0; i < inputs || i < model->n_drive; i++)
+        drive[i] = 0;                        /* what runs freely */
+    lw_space_place(&c->s, m->q, c->frame);
+    if (c->has_drives) {
+        memset(none, 0, (size_t)d->n_v*sizeof *none);
+        lw_space_forces_apply(&c->f, m->t, c->frame, still ? none : m->v, f, NULL, NULL);
+        for (int i = 0; i < d->n_v && !still; i++)
+            f[i] -= c->s.mass[i]*m->a[i];
+        st = load_drives(d, m->t, m->q, drive, e);
+        l = c->drive_l;
+    }
+    for (int i = 0; i < d->n_driven && model->n_drive == 0; i++)
+        drive[d->driven[i]] = -m->l[d->n_row + i]/d->eq.measure_unit(d->eq.context, d->driven_measure[i]);
+    for (int i = 0; i < inputs; i++) {
+        lw_spatial_measure of = model->input[i].measure;
+        lw_space_measured(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, m->v, &input[i], &rate[i]);
+        input[i] += lw_spatial_offset(&model->input[i]);
+    }
+    find_reactions(c, l, none, none + c->s.n_row);
+    return st;
+}
+
+void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out)
+{
+    for (int i = 0; i < s->model->n_link; i++) {
+        int b = s->body_of[i];
+        out[i] = (lw_frame_motion){ .turn = { 1, 0, 0, 0 } };
+        if (b < 0)
+            continue;
+        const double *q = m->q + 7*b, *v = m->v + 6*b, *a = m->a + 6*b, u = s->unit;
+        lw_quaternion turn = lw_quaternion_times((lw_quaternion){ q[3], q[4], q[5], q[6] },
+                                                 lw_quaternion_inverse(s->axes[b]));
+        out[i] = (lw_frame_motion){ { u*q[0], u*q[1], u*q[2] }, { u*v[0], u*v[1], u*v[2] }, { u*a[0], u*a[1], u*a[2] },
+                                    lw_quaternion_unit(turn), lw_space_omega(m->frame, b, m->v), lw_space_omega(m->frame, b, m->a) };
+    }
+}
+
+/* ---- driven runs ------------------------------------------------------------------------------------------------ */
+
+/* Accelerations d->a and multipliers d->l at (t, q); v becomes the velocities there. */
+static lw_status forces_at(lw_dynamics *d, double t, const double *q, double *v)
+{
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    memset(v, 0, (size_t)d->n_v*sizeof *v);
+    lw_status st = lw_mbs_rows(d, t, q);
+    if (st == LW_OK)
+        st = lw_mbs_factor(d, d->rank < d->n_c || d->has_zero_mass || still);
+    if (st == LW_OK)
+        st = lw_mbs_project_v(d, t, v);
+    if (st == LW_OK)
+        st = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
+    if (st != LW_OK || !still)
+        return st;
+    memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
+    memset(d->a, 0, (size_t)d->n_v*sizeof *d->a);
+    d->eq.forces(d->eq.context, t, q, d->v_try, d->force, NULL);
+    lw_rank_solve(&d->rank_of, d->force, d->l);
+    return st;
+}
+
+lw_status lw_run_driven_spatial(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    lw_space_follow *f = &d->space->follow;
+    double *y = calloc((size_t)run->n, sizeof *y);
+    lw_status st = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    for (int k = 0; st == LW_OK && k <= d->o.intervals; k++) {
+        double t = lw_run_time(d, k);
+        if ((st = lw_limits_check(d->o.stop, d->o.until, true, t, run->e)) != LW_OK ||
+            (st = lw_space_follow_to(f, motions, d, t, run->e)) != LW_OK)
+            break;
+        run->r->t = t;
+        memcpy(y, f->q, (size_t)d->n_q*sizeof *y);
+        d->eq.accept(d->eq.context, y);
+        st = forces_at(d, t, y, y + d->n_q);
+        if (st == LW_OPEN)
+            st = lw_error_set(run->e, LW_OPEN, "at t = %.9g s the model stands in a singular posture", t);
+        if (st == LW_OK)
+            st = lw_run_show_solved(run, t, y);
+        run->next++;
+        run->r->steps++;
+    }
+    free(y);
+    return st;
+}
+
+/* ---- making ----------------------------------------------------------------------------------------------------- */
+
+lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e)
+{
+    d->e = e;
+    d->space = calloc(1, sizeof *d->space);
+    if (!d->space)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status st = lw_spatial_scene_make(m, d->space, e);
+    if (st == LW_OK) {
+        lw_mbs_take_equations(d, lw_spatial_equations(d->space));
+        d->n_input = m->n_input;
+        st = reserve_lists(d, e);
+    }
+    if (st != LW_OK)
+        return st;
+    find_special_joints(d);
+    bool rest = d->o.analysis == LW_ANALYSIS_STATIC;
+    d->large = d->n_v > LW_MBS_DENSE || rest;
+    if (rest || d->n_v > LW_MBS_DENSE)
+        st = lw_spatial_weigh_massless(d->space, rest, e);
+    if (st == LW_OK && d->large)
+        d->has_zero_mass = false;
+    if (st == LW_OK && d->n_stop > LW_EVENT_MAX/2)
+        st = lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
+    if (st == LW_OK)
+        st = lw_mbs_reserve(d, e);
+    if (st == LW_OK)
+        st = find_posture(d, e);
+    if (st == LW_OK && d->freedom > 0 && !rest)
+        st = find_velocities(d, e);
+    if (st == LW_OK)
+        st = make_drives(d, e);
+    return st;
+}

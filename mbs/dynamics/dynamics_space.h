@@ -1,0 +1,34 @@
+/* mbs/dynamics/dynamics_space.h - runs of spatial models (mbs/dynamics/dynamics.h), and what their moments mean: places of
+ * bodies, reactions, drives. */
+#ifndef LW_MBS_DYNAMICS_DYNAMICS_SPACE_H
+#define LW_MBS_DYNAMICS_DYNAMICS_SPACE_H
+
+#include "mbs/dynamics/dynamics.h"
+#include "mbs/space/space_forces.h"
+#include "mbs/space/space_trace.h"
+
+/* As lw_dynamics_make, of a spatial model. */
+lw_status lw_dynamics_make_spatial(const lw_spatial *m, const lw_dynamics_options *o, lw_dynamics **d, lw_error *e);
+
+const lw_space *lw_dynamics_space(const lw_dynamics *d);
+
+/* A moment; arrays are the solver's and hold until the next one. */
+typedef struct lw_space_moment {
+    double t;
+    const double *q, *v, *a;             /* scaled (mbs/space/space.h) */
+    const lw_space_frame *frame;
+    const double *input, *input_rate;    /* (n_input) as people count them */
+    const double *drive;                 /* force [N] or torque [N m] of each drive (or input, if the model has no drives);
+                                            0 for inputs that run freely */
+    const lw_spatial_reaction *joint;    /* on link[1], about the joint's point there, ground axes */
+    double kinetic, potential, work;     /* [J] */
+    double off, off_rate;                /* greatest residual of the rows, and of their rates */
+} lw_space_moment;
+
+/* LW_OPEN: the posture is singular for the drives; LW_E_ARG: the drives cannot carry the forces. */
+lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_moment *out, lw_error *e);
+
+/* Motion of all links (n_link) at a moment. */
+void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out);
+
+#endif
