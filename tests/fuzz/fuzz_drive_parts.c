@@ -1,7 +1,31 @@
 /* Any bytes are a table of parts with sane numbers, or have an error with a place, and nothing is kept of them. */
 #include <math.h>
 #include "grammar/drive_parts.h"
+#include "linkwright.h"
 #include "tests/fuzz/fuzz.h"
+
+/* Every choice has limits that are numbers or unknown, and those of the front can do the work. */
+static void choose(const lw_drive_parts *p)
+{
+    static const double speed[] = { 0, 1, 0, -1, 0 }, torque[] = { 2, 2, 0, -1, 1 }, acceleration[] = { 5, 0, -5, 0, 5 };
+    lw_load load = { .name = "drive", .n = 5, .step = 0.1, .speed = speed, .torque = torque, .acceleration = acceleration,
+                     .inertia = { 0.1, 0.2 } };
+    lw_error e;
+    if (p->n_motor == 0 || p->n_gear == 0 || (double)p->n_motor*p->n_gear*(p->n_amplifier + 1) > 1e4)
+        return;
+    for (int slides = 0; slides < 2; slides++) {
+        lw_drive_choice *c = NULL;
+        bool *front = NULL;
+        size_t n = 0;
+        load.slides = slides;
+        lw_status s = lw_drive_choose(&load, p, 10, &n, &c, &front, &e);
+        for (size_t i = 0; s == LW_OK && i < n; i++)
+            if (isnan(c[i].torque_rms) || isnan(c[i].worst) || (front[i] && c[i].fails) || c[i].ratio < 0)
+                abort();
+        free(c);
+        free(front);
+    }
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -20,6 +44,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                     abort();
         }
     lw_drive_parts_is((const char *)data, size);
+    choose(&p);
     lw_drive_parts_free(&p);
     return 0;
 }
