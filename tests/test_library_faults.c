@@ -69,20 +69,124 @@ static lw_status add_sample(void *context, const lw_simulation_sample *p)
     return LW_OK;
 }
 
-static lw_status simulation(sum *s)
+static lw_status simulate(sum *s, const char *path, double to)
 {
     lw_model *m = NULL;
     lw_simulation *run = NULL;
     lw_simulation_options o = lw_simulation_options_default();
     lw_error e;
-    o.to = 0.05;
+    o.to = to;
     o.intervals = 5;
-    lw_status st = lw_model_load("examples/dynamics/governor.json", &m, &e);
+    lw_status st = lw_model_load(path, &m, &e);
     if (st == LW_OK)
         st = lw_simulation_create(m, &o, &run, &e);
     if (st == LW_OK)
         st = lw_simulation_run(run, add_sample, s, NULL, &e);
     lw_simulation_destroy(run);
+    lw_model_destroy(m);
+    return st;
+}
+
+static lw_status simulation(sum *s) { return simulate(s, "examples/dynamics/governor.json", 0.05); }
+static lw_status contact(sum *s)    { return simulate(s, "examples/dynamics/boxes.json", 0.1); }
+static lw_status elastic(sum *s)    { return simulate(s, "examples/elastic-cantilever.json", 1e-3); }
+static lw_status states(sum *s)     { return simulate(s, "examples/dynamics/boom-cylinder.json", 0.01); }
+
+static lw_status add_in_space(void *context, const lw_spatial_sample *p)
+{
+    add(context, &p->kinetic, sizeof p->kinetic);
+    return LW_OK;
+}
+
+static lw_status add_trace(void *context, double at, const double *input, const lw_frame_motion *tracer)
+{
+    (void)input;
+    add(context, &at, sizeof at);
+    add(context, &tracer[0].place, sizeof tracer[0].place);
+    return LW_OK;
+}
+
+/* Mobility, path and motion of models in space. */
+static lw_status space(sum *s)
+{
+    lw_spatial *m = NULL, *top = NULL;
+    lw_mobility_info info = { 0 };
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_error e;
+    o.to = 0.01;
+    o.intervals = 2;
+    lw_status st = lw_spatial_load("examples/space/bricard.json", &m, &e);
+    if (st == LW_OK)
+        st = lw_spatial_analyse_mobility(m, 1e-12, 1, &info, &e);
+    if (st == LW_OK)
+        st = lw_spatial_trace(m, false, 0, 0, 3, add_trace, s, &e);
+    if (st == LW_OK)
+        st = lw_spatial_load("examples/space/governor.json", &top, &e);
+    if (st == LW_OK)
+        st = lw_spatial_simulate(top, &o, add_in_space, s, NULL, &e);
+    add(s, &info.freedom, sizeof info.freedom);
+    lw_spatial_destroy(m);
+    lw_spatial_destroy(top);
+    return st;
+}
+
+static lw_status family(sum *s)
+{
+    lw_master *m = NULL;
+    lw_variant *v = NULL;
+    char *text = NULL;
+    size_t size = 0;
+    lw_error e;
+    lw_status st = lw_master_load("examples/families/loader.json", &m, &e);
+    if (st == LW_OK)
+        st = lw_variant_create(m, &v);
+    if (st == LW_OK)
+        st = lw_variant_set(v, "reach", "2.5", &e);
+    if (st == LW_OK)
+        st = lw_variant_hold_checks(v, &e);
+    if (st == LW_OK)
+        st = lw_variant_text(v, &text, &size, &e);
+    add(s, text, text ? size : 0);
+    lw_free(text);
+    lw_variant_destroy(v);
+    lw_master_destroy(m);
+    return st;
+}
+
+/* The load of a drive, and the motors that can carry it; a servo loop. */
+static lw_status drives(sum *s)
+{
+    lw_model *m = NULL;
+    lw_loads loads = { 0 };
+    lw_drive_parts *parts = NULL;
+    lw_drive_choice *choice = NULL;
+    bool *front = NULL;
+    size_t n = 0;
+    lw_servo *servo = NULL;
+    lw_servo_options o = lw_servo_options_default();
+    lw_servo_report report = { 0 };
+    lw_error e;
+    o.to = 0.01;
+    o.intervals = 4;
+    lw_status st = lw_model_load("examples/drives/lifting-arm.json", &m, &e);
+    if (st == LW_OK)
+        st = lw_model_loads(m, 0, 2.5, 20, &loads, &e);
+    if (st == LW_OK)
+        st = lw_drive_parts_load("examples/drives/motors.csv", &parts, &e);
+    if (st == LW_OK)
+        st = lw_drive_choose(&loads.load[0], parts, 10, &n, &choice, &front, &e);
+    for (size_t i = 0; st == LW_OK && i < n; i++)
+        add(s, &choice[i].worst, sizeof choice[i].worst);
+    if (st == LW_OK)
+        st = lw_servo_load("examples/drives/servo-axis.json", &servo, &e);
+    if (st == LW_OK)
+        st = lw_servo_run(servo, &o, NULL, NULL, &report, &e);
+    add(s, &report.heat, sizeof report.heat);
+    lw_servo_destroy(servo);
+    lw_free(choice);
+    lw_free(front);
+    lw_drive_parts_destroy(parts);
+    lw_loads_free(&loads);
     lw_model_destroy(m);
     return st;
 }
@@ -189,6 +293,8 @@ static lw_status chain(sum *s)
 static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
     { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
     { "chain", 40, 4, chain }, { "postures of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
+    { "space", 12, 2, space }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
+    { "elastic", 12, 1, elastic }, { "states", 12, 1, states },
     { "fit by slsqp", 3, 1, fit_slsqp }, { "fit by lbfgs", 3, 1, fit_lbfgs }, { "fit with six links", 3, 1, fit_six },
 };
 
