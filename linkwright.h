@@ -569,6 +569,13 @@ typedef struct lw_instant_motion {
 LW_API lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, int link, int base,
                                        lw_instant_motion *out);
 
+/* A place that a path passes twice; first, second: when, in steps from its first point. */
+typedef struct lw_double_point { lw_vec2 at; double first, second; } lw_double_point;
+
+/* Double points of the path through n points at even steps, x and y (n), in the order of their first passage; at most `most`.
+ * Returns their number, or -1: out of memory.  Between points the path is a cubic: take steps of a degree or two. */
+LW_API int lw_path_double_points(size_t n, const double *x, const double *y, lw_double_point *out, int most);
+
 /* Points of one tracer at n inputs.  x, y (n) [m]; angle (n) of its link, margin (n): may be NULL.  No memory is
  * allocated.  Inputs where it cannot close have a negative margin. */
 LW_API lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,

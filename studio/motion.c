@@ -259,6 +259,29 @@ static void put_centres(lw_bytes *b, const lw_kinematics *kin, const lw_scene *s
     lw_bytes_text(b, "]");
 }
 
+/* Places that the paths of the tracers pass twice. */
+static void put_doubles(lw_bytes *b, const lw_scene *s)
+{
+    double u = s->linkage.units.metre;
+    studio_put_key(b, "doubles");
+    lw_bytes_text(b, "[");
+    for (int i = 0; i < s->n_curve; i++) {
+        const lw_curve *c = &s->curve[i];
+        size_t n = c->n + c->closed;
+        lw_double_point found[16];
+        double *xy = c->shown_branch ? malloc(2*n*sizeof *xy) : NULL;
+        for (size_t k = 0; xy && k < n; k++) {
+            xy[k] = c->p[k % c->n].x;
+            xy[n + k] = c->p[k % c->n].y;
+        }
+        int all = xy ? lw_path_double_points(n, xy, xy + n, found, 16) : 0;
+        for (int d = 0; d < all; d++)
+            studio_put_reals(b, NULL, &found[d].at.x, 2, 1, u);
+        free(xy);
+    }
+    lw_bytes_text(b, "]");
+}
+
 static lw_status put_range(void *context, const lw_input_range *a)
 {
     lw_bytes *b = context;
@@ -375,6 +398,7 @@ static void put_analysis(lw_bytes *b, const lw_linkage *k, const lw_scene *s, lw
     lw_kinematics_ranges(kin, put_range, b);
     lw_bytes_text(b, "]");
     put_dead_points(b, k, s);
+    put_doubles(b, s);
     put_cognates(b, k);
     put_class(b, s);
 }
@@ -390,11 +414,11 @@ lw_status studio_analyse(studio *st, const json_t *ask, studio_reply *r, lw_erro
     (void)st;
     lw_status s = k && scene ? studio_linkage(ask, "linkage", k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     o.n_frame = (size_t)fmin(fmax(studio_real(ask, "frames", 180), 2), 2000);
-    o.n_curve_point = 16;
-    if (s == LW_OK)
-        s = lw_scene_make(k, NULL, &o, scene, e);
+    o.n_curve_point = 720;
     if (s == LW_OK)
         s = lw_kinematics_create(k, &kin, e);
+    if (s == LW_OK)
+        s = lw_scene_make(k, NULL, &o, scene, e);
     if (s == LW_OK && !(m = calloc(scene->n_frame, sizeof *m)))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {

@@ -14,6 +14,7 @@ const LIST = [
   ["inflection", "inflection circle of a link", "--force"],
   ["cognates", "Roberts' cognates: the same curve", "--other"],
   ["dead", "dead points: where a link at the ground stands still", "--bad"],
+  ["doubles", "double points of the curve", "--curve"],
   ["circuits", "other circuits and assembly modes, dotted", "--curve"],
 ];
 
@@ -216,6 +217,7 @@ export function makeOverlays(panel) {
       }
     }
     if (w.has("cognates")) (app.cognates || []).forEach((c, n) => drawCognate(above, c, n, f));
+    if (w.has("doubles")) (a.doubles || []).forEach((q, n) => above.put(`double.${n}`, "path", { class: "double", d: `M${v.X(q)} ${v.Y(q) - 7}l7 7l-7 7l-7 -7z` }));
     if (w.has("dead")) for (const [n, d] of (a.dead || []).entries()) {
       let best = 0;
       const turn = (x) => Math.abs(((x % (2 * Math.PI)) + 3 * Math.PI) % (2 * Math.PI) - Math.PI), slide = m.joints[m.input].kind === "t";

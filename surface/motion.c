@@ -7,6 +7,7 @@
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/circuits.h"
 #include "mbs/kinematics/instant.h"
+#include "mbs/kinematics/point_path.h"
 #include "mbs/kinematics/motion.h"
 #include "mbs/batch/posture.h"
 
@@ -101,6 +102,11 @@ lw_status lw_kinematics_instant(const lw_kinematics *kinematics, double input, i
     *out = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
     lw_status s = lw_posture_solve(&kinematics->plan, kinematics->dim, kinematics->mode, input, 2, &posture);
     return s == LW_OK ? lw_instant_motion_of(&kinematics->linkage, &posture, link, base, out) : s;
+}
+
+int lw_path_double_points(size_t n, const double *x, const double *y, lw_double_point *out, int most)
+{
+    return lw_point_path_doubles(n, x, y, out, most);
 }
 
 lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,

@@ -294,3 +294,18 @@ TEST(speeds_and_plots)
     expect("$P simulate examples/pendulum.json --to 1 --plot $D/s.svg --columns kinetic,A,P -o $D/s.csv && "
            "grep -c '>.rad/s.<' $D/s.svg", 0, "1", NULL);
 }
+
+TEST(geometry_of_the_path)
+{
+    expect("$P trace examples/gallery/watt.json --geometry --cycle --quiet | grep -c 'double point of arc 1: P at 60, '", 0, "1", NULL);
+    expect("$P trace examples/gallery/watt.json --geometry --cycle --quiet --json | grep -A 2 double_points", 0, "\"tracer\"", NULL);
+    expect("$P trace examples/slider-crank.json --tracer piston --geometry -n 4 --mode file --quiet | tail -n 1 | grep -c ',,,,,,$'", 0,
+           "1", NULL);                                                        /* it only shifts: no instant centre */
+    expect("$P trace examples/hoeken.json --geometry --mode file --plot $D/g.svg --quiet && grep -c '>curvature .1/mm.<' $D/g.svg", 0,
+           "1", NULL);
+    expect("$P trace examples/space/bricard.json --geometry", 2, NULL, "planar models");
+    /* the coupler's centre lies on the line of the crank through O (0, 0), and turns with the angular velocity it tells */
+    expect("$P trace examples/hoeken.json --geometry --mode file --quiet | grep '^1,+' | awk -F, '$17 != \"\" { u = $3*3.14159265358979/180; "
+           "d = $18*cos(u) - $17*sin(u); if (d*d > 1e-16*($17*$17 + $18*$18)) bad++; v = $6 + $13*($5 - $18); "
+           "if (v*v > 1e-16*($6*$6 + $18*$18)) bad++ } END { print bad + 0 }'", 0, "0", NULL);
+}

@@ -103,3 +103,45 @@ TEST(points_of_the_inflection_circle)
         }
     }
 }
+
+/* The limacon r = 1 + 2 cos t passes the origin at t = 120 and 240 degrees; a figure of eight its middle; a circle nothing. */
+TEST(double_points_of_known_curves)
+{
+    enum { N = 361 };
+    static const double pi = 3.14159265358979323846;
+    double x[N], y[N];
+    lw_double_point d[8];
+    for (int i = 0; i < N; i++) {
+        double t = (i + 17)*2*pi/360, r = 1 + 2*cos(t);
+        x[i] = r*cos(t) + 5;
+        y[i] = r*sin(t) - 3;
+    }
+    CHECK_INT(lw_path_double_points(N, x, y, d, 8), 1);
+    CHECK_NEAR(d[0].at.x, 5, 1e-7, 0);
+    CHECK_NEAR(d[0].at.y, -3, 1e-7, 0);
+    CHECK_NEAR(d[0].first, 103, 1e-5, 0);
+    CHECK_NEAR(d[0].second, 223, 1e-5, 0);
+    for (int i = 0; i < N; i++) {
+        x[i] = sin((i + 0.3)*2*pi/360);
+        y[i] = sin((i + 0.3)*4*pi/360);
+    }
+    CHECK_INT(lw_path_double_points(N, x, y, d, 8), 1);
+    CHECK_NEAR(hypot(d[0].at.x, d[0].at.y), 0, 1e-7, 0);
+    CHECK_NEAR(d[0].second - d[0].first, 180, 1e-5, 0);
+    x[90] = NAN;                                                /* a gap elsewhere changes nothing */
+    CHECK_INT(lw_path_double_points(N, x, y, d, 8), 1);
+    for (int i = 0; i < N; i++) {
+        x[i] = cos(i*2*pi/360);
+        y[i] = sin(i*2*pi/360);
+    }
+    CHECK_INT(lw_path_double_points(N, x, y, d, 8), 0);
+    for (int i = 0; i < N; i++) {                               /* a flower with three petals through one place */
+        double t = (i + 0.4)*2*pi/360, r = 1 + 3*cos(3*t);
+        x[i] = r*cos(t);
+        y[i] = r*sin(t);
+    }
+    CHECK(lw_path_double_points(N, x, y, d, 8) >= 3);
+    CHECK_INT(lw_path_double_points(N, x, y, d, 1), 1);
+    CHECK_INT(lw_path_double_points(1, x, y, d, 8), 0);
+    CHECK_INT(lw_path_double_points(0, x, y, d, 8), 0);
+}

@@ -18,7 +18,7 @@ typedef struct settings {
     const char *tracer, *range;
     double      input_range[2];
     const char *speed, *plot;
-    bool        cycle, all, explain;
+    bool        cycle, all, explain, geometry;
 } settings;
 
 enum { MODE_BOTH, MODE_FILE };
@@ -54,6 +54,10 @@ static const cli_option options[] = {
       "draw place, velocity and acceleration of the tracers over the input or the time (.svg, .pdf, .png); of the arc "
       "that contains the posture of the file, unless --mode both is given; rows are then printed only with -o or "
       "--json", 0, 0, NULL, NULL },
+    { "geometry", 0, CLI_FLAG, offsetof(settings, geometry), NULL, NULL,
+      "more columns: curvature of the path; instant centre of the tracer's link at the ground (pole_x, pole_y: fixed "
+      "centrode), the same on the link (pole_u, pole_v from the tracer along the tool: moving centrode); far end of the "
+      "inflection circle's diameter; and the double points of the path; with --plot panels of them", 0, 0, NULL, NULL },
     { "cycle", 0, CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
       "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
       "distances", 0, 0, NULL, "input-range" },
@@ -144,7 +148,7 @@ static void set_tools(cli_trace *t)
 static cli_rows make_rows(const job *j, const lw_linkage *linkage)
 {
     return (cli_rows){ .k = linkage, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until,
-                       .kept = j->kept };
+                       .kept = j->kept, .geometry = j->s->geometry };
 }
 
 /* Needs t->k and t->plan. */
@@ -506,7 +510,8 @@ static lw_status hold_idle(const cli_call *call, lw_linkage *linkage, lw_error *
 
 static int run_spatial(const cli_call *call, const lw_spatial *m)
 {
-    static const char *const planar[] = { "result", "mode", "plot", "cycle", "all-assemblies", "explain", NULL };
+    static const char *const planar[] = { "result", "mode", "plot", "cycle", "geometry", "all-assemblies", "explain",
+                                          NULL };
     const settings *s = call->settings;
     double range[3];
     lw_error e = { 0 };

@@ -133,6 +133,8 @@ static void put_rows(cli_trace *t, const cli_piece *p, const char *mode)
     double angle[LW_TRACER_MAX];
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++)
         put_row(t, p, mode, i, angle);
+    if (!t->rows.json)
+        cli_rows_arc_end(&t->rows, p->arc + 1);
 }
 
 static const char *mode_text(const cli_trace *t, const lw_arc *a, char *text)
@@ -219,6 +221,7 @@ static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
     cli_json_array(j, "rows");
     put_rows(t, p, mode);
     cli_json_end(j);
+    cli_rows_arc_end(&t->rows, p->arc + 1);
     cli_json_end(j);
 }
 

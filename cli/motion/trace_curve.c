@@ -375,6 +375,7 @@ static void json_stretch(cli_curve_trace *t, int index)
     cli_json_array(j, "rows");
     stretch_rows(t, index);
     cli_json_end(j);
+    cli_rows_arc_end(&t->rows, index + 1);
     cli_json_end(j);
 }
 
@@ -391,11 +392,13 @@ static void print_csv(cli_curve_trace *t, bool cycle)
     for (int i = 0; i < t->n_stretch && !cycle; i++)
         csv_stretch(t, i);
     cli_rows_head(&t->rows, cycle ? "along,input" : "input");
-    for (int i = 0; i < (cycle ? t->curves.n : t->n_stretch) && !t->rows.cut_short; i++)
+    for (int i = 0; i < (cycle ? t->curves.n : t->n_stretch) && !t->rows.cut_short; i++) {
         if (cycle)
             cycle_rows(t, i);
         else
             stretch_rows(t, i);
+        cli_rows_arc_end(&t->rows, i + 1);
+    }
 }
 
 static void print_json(cli_curve_trace *t, bool cycle)
@@ -415,6 +418,7 @@ static void print_json(cli_curve_trace *t, bool cycle)
             cli_json_array(j, "rows");
             cycle_rows(t, i);
             cli_json_end(j);
+            cli_rows_arc_end(&t->rows, i + 1);
             cli_json_end(j);
         } else
             json_stretch(t, i);
@@ -505,8 +509,11 @@ lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
     int crossings = lw_prescribed_motion_crossings(d, &last);
     if (crossings > 0 && !t->rows.json)
         fprintf(t->rows.f, "# branch points passed straight on: %d, the last at time %.12g\n", crossings, last);
+    if (!t->rows.json)
+        cli_rows_arc_end(&t->rows, 1);
     if (t->rows.json) {
         cli_json_end(t->rows.json);
+        cli_rows_arc_end(&t->rows, 1);
         cli_json_int(t->rows.json, "branch_points", crossings);
         cli_json_end(t->rows.json);
         cli_json_end(t->rows.json);

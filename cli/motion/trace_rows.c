@@ -7,8 +7,12 @@
 #include "base/number.h"
 #include "base/real.h"
 #include "catalogues/pages/draw.h"
+#include "cli/program/output.h"
+#include "mbs/kinematics/instant.h"
+#include "mbs/kinematics/point_path.h"
 
 #define COLUMNS "x,y,vx,vy,ax,ay,jx,jy,angle,angle_v,angle_a,angle_j"
+#define GEOMETRY ",curvature,pole_x,pole_y,pole_u,pole_v,inflection_x,inflection_y"
 
 void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double angle, double *value)
 {
@@ -18,7 +22,21 @@ void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double
         value[2*order + 1] = p[order].y/length;
         value[8 + order]   = order ? a[order] : angle/r->k->units.radian;
     }
+    double *g = value + CLI_ROW_VALUES, speed = lw_v2_norm(p[1]);
+    lw_instant_motion m = lw_instant_motion_at(p, a);
+    lw_vec2 own = lw_v2_turn(lw_v2_sub(m.centre, p[0]), lw_v2_polar(1, -angle));
+    g[0] = speed > 0 ? lw_v2_cross(p[1], p[2])/(speed*speed*speed)*length : NAN;
+    g[1] = m.centre.x/length;
+    g[2] = m.centre.y/length;
+    g[3] = own.x/length;
+    g[4] = own.y/length;
+    g[5] = m.inflection.x/length;
+    g[6] = m.inflection.y/length;
 }
+
+static const char *columns(const cli_rows *r) { return r->geometry ? COLUMNS GEOMETRY : COLUMNS; }
+
+static int n_value(const cli_rows *r) { return r->geometry ? CLI_ROW_MOST : CLI_ROW_VALUES; }
 
 static bool is_rate(int value) { return value >= 2 && value != 8; }
 
@@ -40,8 +58,10 @@ void cli_rows_units(const cli_rows *r, const char *lead, const char *by)
         snprintf(r->kept->by, sizeof r->kept->by, "%s", by);
     }
     fprintf(r->f, "# units: %s; x y %s; v a j %s/%s %s/%s^2 %s/%s^3; angle %s; angle_v _a _j "
-            "rad/%s rad/%s^2 rad/%s^3\n", lead, length, length, by, length, by, length, by, r->k->units.angle, by, by,
-            by);
+            "rad/%s rad/%s^2 rad/%s^3", lead, length, length, by, length, by, length, by, r->k->units.angle, by, by, by);
+    if (r->geometry)
+        fprintf(r->f, "; curvature 1/%s; pole inflection %s", length, length);
+    fputc('\n', r->f);
 }
 
 static void json_head(const cli_rows *r, const char *lead)
@@ -53,7 +73,7 @@ static void json_head(const cli_rows *r, const char *lead)
         cli_json_text(r->json, NULL, name);
     }
     for (int k = 0; k < r->k->n_tracer; k++)
-        for (const char *c = COLUMNS; *c && wanted(r, k); c += strcspn(c, ","), c += *c == ',') {
+        for (const char *c = columns(r); *c && wanted(r, k); c += strcspn(c, ","), c += *c == ',') {
             snprintf(name, sizeof name, "%s.%.*s", r->k->tracer[k].name, (int)strcspn(c, ","), c);
             cli_json_text(r->json, NULL, name);
         }
@@ -71,17 +91,17 @@ void cli_rows_head(const cli_rows *r, const char *lead)
     if (r->json)
         json_head(r, lead);
     else
-        fprintf(r->f, "arc,mode,%s,%s" COLUMNS "\n", lead, several(r) ? "tracer," : "");
+        fprintf(r->f, "arc,mode,%s,%s%s\n", lead, several(r) ? "tracer," : "", columns(r));
 }
 
 static void put_json(cli_rows *r, const cli_row *row)
 {
-    double flat[CLI_ROW_LEAD + LW_TRACER_MAX*CLI_ROW_VALUES];
+    double flat[CLI_ROW_LEAD + LW_TRACER_MAX*CLI_ROW_MOST];
     size_t n = 0;
     for (int i = 0; i < row->n_lead; i++)
         flat[n++] = row->lead[i] + 0.0;
     for (int k = 0; k < r->k->n_tracer; k++)
-        for (int v = 0; v < CLI_ROW_VALUES && wanted(r, k); v++)
+        for (int v = 0; v < n_value(r) && wanted(r, k); v++)
             flat[n++] = row->rates || !is_rate(v) ? row->value[k][v] + 0.0 : NAN;
     cli_json_reals(r->json, NULL, flat, n);
 }
@@ -98,9 +118,9 @@ static void put_csv(cli_rows *r, const cli_row *row)
         }
         if (several(r))
             fprintf(r->f, ",%s", r->k->tracer[k].name);
-        for (int v = 0; v < CLI_ROW_VALUES; v++) {
+        for (int v = 0; v < n_value(r); v++) {
             fputc(',', r->f);
-            if (row->rates || !is_rate(v))
+            if ((row->rates || !is_rate(v)) && isfinite(row->value[k][v]))
                 cli_row_number(r->f, row->value[k][v]);
         }
         fputc('\n', r->f);
@@ -126,7 +146,7 @@ static void keep(cli_rows *r, const cli_row *row)
     cli_kept *kept = r->kept;
     if (kept->only && kept->only != row->arc)
         return;
-    kept->width = 1 + CLI_ROW_VALUES*__builtin_popcount(r->tracers);
+    kept->width = 1 + n_value(r)*__builtin_popcount(r->tracers);
     for (int gap = kept->arc != row->arc && kept->n; gap >= 0; gap--) {
         double *to = new_row(kept);
         if (!to)
@@ -134,7 +154,7 @@ static void keep(cli_rows *r, const cli_row *row)
         int n = 0;
         to[n++] = gap ? NAN : row->lead[0];
         for (int k = 0; k < r->k->n_tracer; k++)
-            for (int v = 0; v < CLI_ROW_VALUES && wanted(r, k); v++)
+            for (int v = 0; v < n_value(r) && wanted(r, k); v++)
                 to[n++] = gap || (is_rate(v) && !row->rates) ? NAN : row->value[k][v];
     }
     kept->arc = row->arc;
@@ -142,8 +162,11 @@ static void keep(cli_rows *r, const cli_row *row)
 
 lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
 {
-    enum { LINES = 8, PANELS = 3 };
-    static const char *const part[PANELS][2] = { { "x", "y" }, { "vx", "vy" }, { "ax", "ay" } };
+    enum { LINES = 8, PANELS = 5 };
+    static const char *const part[PANELS][2] = { { "x", "y" }, { "vx", "vy" }, { "ax", "ay" }, { "curvature", NULL },
+                                                 { "pole_x", "pole_y" } };
+    static const int first[PANELS] = { 0, 2, 4, CLI_ROW_VALUES, CLI_ROW_VALUES + 1 };
+    int panels = r->geometry ? PANELS : 3;
     const cli_kept *kept = r->kept;
     const char *length = r->k->units.length[0] ? r->k->units.length : "length";
     int tracers = __builtin_popcount(r->tracers), n_line = 2*tracers;
@@ -152,40 +175,134 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
     if (n_line > LINES)
         return lw_error_set(e, LW_E_ARG, "%d tracers are too many lines for one plot; --tracer NAME draws one",
                             tracers);
-    double *y = malloc((size_t)(1 + PANELS*n_line)*(kept->n + 1)*sizeof *y);
+    double *y = malloc((size_t)(1 + (PANELS + 1)*n_line)*(kept->n + 1)*sizeof *y);
     char name[PANELS][LINES][LW_NAME_SIZE + 8], label[PANELS][64];
     lw_series series[PANELS][LINES];
     lw_plot plot[PANELS];
     if (!y)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double middle[2], reach = 0;
     for (size_t i = 0; i < kept->n; i++)
         y[i] = kept->row[i*(size_t)kept->width];
+    for (int c = 0; c < 2; c++) {
+        double least = INFINITY, most = -INFINITY;
+        for (size_t i = 0; i < kept->n; i++) {
+            least = fmin(least, kept->row[i*(size_t)kept->width + (size_t)(1 + c)]);
+            most = fmax(most, kept->row[i*(size_t)kept->width + (size_t)(1 + c)]);
+        }
+        middle[c] = 0.5*(least + most);
+        reach = fmax(reach, most - least);
+    }
     for (int k = 0, t = 0; k < r->k->n_tracer; k++) {
-        for (int panel = 0; panel < PANELS && wanted(r, k); panel++)
-            for (int c = 0; c < 2; c++) {
+        for (int panel = 0; panel < panels && wanted(r, k); panel++)
+            for (int c = 0; c < 2 && part[panel][c]; c++) {
                 int line = 2*t + c;
-                double *to = y + (size_t)(1 + panel*n_line + line)*kept->n;
+                double *to = y + (size_t)(1 + panel*n_line + line)*kept->n, *x = y;
                 for (size_t i = 0; i < kept->n; i++)
-                    to[i] = kept->row[i*(size_t)kept->width + (size_t)(1 + t*CLI_ROW_VALUES + 2*panel + c)];
+                    to[i] = kept->row[i*(size_t)kept->width + (size_t)(1 + t*n_value(r) + first[panel] + c)];
+                if (first[panel] > CLI_ROW_VALUES) {            /* it runs off to infinity: gaps in its line */
+                    x = y + (size_t)(1 + PANELS*n_line + line)*kept->n;
+                    for (size_t i = 0; i < kept->n; i++)
+                        x[i] = fabs(to[i] - middle[c]) < 3*reach ? y[i] : NAN;
+                }
                 snprintf(name[panel][line], sizeof name[panel][line], "%s.%s", r->k->tracer[k].name, part[panel][c]);
-                series[panel][line] = (lw_series){ .name = name[panel][line], .n = kept->n, .x = y, .y = to };
+                series[panel][part[panel][1] ? line : t] = (lw_series){ .name = name[panel][line], .n = kept->n, .x = x, .y = to };
             }
         t += wanted(r, k);
     }
     snprintf(label[0], sizeof label[0], "place [%s]", length);
     snprintf(label[1], sizeof label[1], "velocity [%s/%s]", length, kept->by);
     snprintf(label[2], sizeof label[2], "acceleration [%s/%s^2]", length, kept->by);
-    for (int panel = 0; panel < PANELS; panel++)
-        plot[panel] = (lw_plot){ .title = panel ? NULL : r->k->name, .y_label = label[panel], .n_series = n_line,
-                                 .series = series[panel], .x_label = panel == PANELS - 1 ? kept->lead : NULL,
-                                 .height = 780 };
-    lw_status s = lw_draw_plots(PANELS, plot, path, e);
+    snprintf(label[3], sizeof label[3], "curvature [1/%s]", length);
+    snprintf(label[4], sizeof label[4], "instant centre [%s]", length);
+    for (int panel = 0; panel < panels; panel++)
+        plot[panel] = (lw_plot){ .title = panel ? NULL : r->k->name, .y_label = label[panel],
+                                 .n_series = part[panel][1] ? n_line : tracers,
+                                 .series = series[panel], .x_label = panel == panels - 1 ? kept->lead : NULL,
+                                 .height = 260*panels };
+    lw_status s = lw_draw_plots(panels, plot, path, e);
     free(y);
     return s;
 }
 
+/* Rows of this arc for its double points: input, then x and y of each printed tracer. */
+static void keep_path(cli_rows *r, const cli_row *row)
+{
+    size_t width = 1 + 2*(size_t)__builtin_popcount(r->tracers), n = 0;
+    if (r->n_path == r->room) {
+        size_t room = 2*r->room + 512;
+        double *grown = realloc(r->path, room*width*sizeof *grown);
+        if (!grown) {
+            cli_lost();
+            return;
+        }
+        r->path = grown;
+        r->room = room;
+    }
+    double *to = r->path + r->n_path++*width;
+    to[n++] = row->lead[0];
+    for (int k = 0; k < r->k->n_tracer; k++)
+        for (int v = 0; v < 2 && wanted(r, k); v++)
+            to[n++] = row->value[k][v];
+}
+
+static double input_at(const double *input, size_t n, double step)
+{
+    size_t i = (size_t)fmin(fmax(floor(step), 0), (double)n - 2);
+    return input[i] + (step - (double)i)*(input[i + 1] - input[i]);
+}
+
+static void put_double(cli_rows *r, int arc, const char *name, const lw_double_point *d, const double *input, size_t n)
+{
+    const double v[4] = { d->at.x, d->at.y, input_at(input, n, d->first), input_at(input, n, d->second) };
+    if (r->json) {
+        cli_json_object(r->json, NULL);
+        cli_json_text(r->json, "tracer", name);
+        cli_json_reals(r->json, "at", v, 2);
+        cli_json_reals(r->json, "inputs", v + 2, 2);
+        cli_json_end(r->json);
+    } else
+        fprintf(r->f, "# double point of arc %d: %s at %.10g, %.10g, inputs %.10g and %.10g\n", arc, name, v[0], v[1], v[2],
+                v[3]);
+}
+
+void cli_rows_arc_end(cli_rows *r, int arc)
+{
+    enum { MOST = 64 };
+    lw_double_point found[MOST];
+    size_t n = r->n_path, width = 1 + 2*(size_t)__builtin_popcount(r->tracers), column = 1;
+    if (!r->geometry)
+        return;
+    double *line = malloc(3*(n + 1)*sizeof *line);             /* input, x, y */
+    if (!line)
+        cli_lost();
+    if (r->json)
+        cli_json_array(r->json, "double_points");
+    for (int k = 0; k < r->k->n_tracer && line && n > 1; k++) {
+        if (!wanted(r, k))
+            continue;
+        for (size_t i = 0; i < n; i++) {
+            line[i] = r->path[i*width];
+            line[n + i] = r->path[i*width + column];
+            line[2*n + i] = r->path[i*width + column + 1];
+        }
+        int all = lw_point_path_doubles(n, line + n, line + 2*n, found, MOST);
+        for (int d = 0; d < all; d++)
+            put_double(r, arc, r->k->tracer[k].name, &found[d], line, n);
+        column += 2;
+    }
+    if (r->json)
+        cli_json_end(r->json);
+    free(line);
+    free(r->path);
+    r->path = NULL;
+    r->n_path = r->room = 0;
+}
+
 void cli_rows_put(cli_rows *r, const cli_row *row)
 {
+    if (r->geometry)
+        keep_path(r, row);
     if (r->kept)
         keep(r, row);
     if (r->json)

@@ -10,13 +10,14 @@
 
 #define CLI_ROW_ORDER 3
 #define CLI_ROW_VALUES 12         /* x y vx vy ax ay jx jy angle angle_v angle_a angle_j           */
+#define CLI_ROW_MOST   19         /* with --geometry: curvature pole_x pole_y pole_u pole_v inflection_x inflection_y */
 #define CLI_ROW_LEAD (2 + LW_INPUT_MAX)
 
 /* Rows that are kept for a plot. */
 typedef struct cli_kept {
     size_t  n, capacity;
     double *row;                  /* (n * width): leading column,
-        then CLI_ROW_VALUES of each printed tracer; NaN between arcs */
+        then the values of each printed tracer; NaN between arcs */
     int     width, arc, only;     /* only: the arc to keep; 0: all                                 */
     char    lead[96], by[8];      /* "input [deg]"; what derivatives are taken by                  */
     bool    failed;               /* out of memory                                                 */
@@ -27,6 +28,9 @@ typedef struct cli_rows {
     cli_json         *json;       /* NULL: CSV                                                     */
     const lw_linkage *k;
     unsigned          tracers;    /* bit i: tracer i is printed                                    */
+    bool              geometry;   /* with curvature, instant centre, inflection circle, double points */
+    double           *path;       /* input, x, y of the printed tracers in the rows of this arc     */
+    size_t            n_path, room;
     const volatile sig_atomic_t *stop;
     double            until;      /* clock [s] at which to stop; 0: never                          */
     bool              cut_short;  /* stopped early, after `done` rows                              */
@@ -41,7 +45,7 @@ typedef struct cli_row {
     int         n_lead;
     double      lead[CLI_ROW_LEAD];                           /* input, or other leading columns    */
     bool        rates;                                        /* derivatives exist                  */
-    double      value[LW_TRACER_MAX][CLI_ROW_VALUES];
+    double      value[LW_TRACER_MAX][CLI_ROW_MOST];
 } cli_row;
 
 /* Values of a tracer in the units of the file.  p, a: place [m] and direction of its link [rad] with derivatives;
@@ -55,6 +59,9 @@ void cli_rows_units(const cli_rows *r, const char *lead, const char *by);
 void cli_rows_head(const cli_rows *r, const char *lead);
 
 void cli_rows_put(cli_rows *r, const cli_row *row);
+
+/* Called behind the rows of an arc: with --geometry the double points of the paths, as comments or as "double_points". */
+void cli_rows_arc_end(cli_rows *r, int arc);
 
 /* Called before each row: show the progress; true if printing must end here. */
 bool cli_rows_stopped(cli_rows *r);

@@ -42,8 +42,25 @@ static lw_vec2 acceleration(const state *s, lw_vec2 p)
 /* The centre C has the same velocity on both links: v(p) + w i (C - p) = 0 for the relative motion, so C = p + i
  * v(p)/w. There the relative acceleration a needs no Coriolis term.  A point at r from C has the relative velocity w i
  * r and acceleration a + e i r - w^2 r; they are parallel where r a = w^2 r r, on the circle with the diameter a/w^2. */
-lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base,
-                               lw_instant_motion *out)
+static lw_instant_motion relative(const state *of, const state *from)
+{
+    lw_instant_motion out = { .centre = { NAN, NAN }, .inflection = { NAN, NAN }, .turn = of->w - from->w };
+    if (!(fabs(out.turn) > STILL))
+        return out;
+    lw_vec2 v = lw_v2_sub(of->v, velocity(from, of->p));
+    out.centre = lw_v2_add(of->p, lw_v2_scale(lw_v2_perp(v), 1/out.turn));
+    lw_vec2 a = lw_v2_sub(acceleration(of, out.centre), acceleration(from, out.centre));
+    out.inflection = lw_v2_add(out.centre, lw_v2_scale(a, 1/(out.turn*out.turn)));
+    return out;
+}
+
+lw_instant_motion lw_instant_motion_at(const lw_vec2 p[3], const double angle[3])
+{
+    const state of = { p[0], p[1], p[2], angle[1], angle[2] }, ground = { .w = 0 };
+    return relative(&of, &ground);
+}
+
+lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base, lw_instant_motion *out)
 {
     state of, from;
     *out = (lw_instant_motion){ .centre = { NAN, NAN }, .inflection = { NAN, NAN } };
@@ -51,12 +68,6 @@ lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, i
         return LW_E_ARG;
     if (!state_of(k, posture, link, &of) || !state_of(k, posture, base, &from))
         return LW_E_KIND;
-    out->turn = of.w - from.w;
-    if (!(fabs(out->turn) > STILL))
-        return LW_OK;
-    lw_vec2 v = lw_v2_sub(of.v, velocity(&from, of.p));
-    out->centre = lw_v2_add(of.p, lw_v2_scale(lw_v2_perp(v), 1/out->turn));
-    lw_vec2 a = lw_v2_sub(acceleration(&of, out->centre), acceleration(&from, out->centre));
-    out->inflection = lw_v2_add(out->centre, lw_v2_scale(a, 1/(out->turn*out->turn)));
+    *out = relative(&of, &from);
     return LW_OK;
 }

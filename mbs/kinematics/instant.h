@@ -11,4 +11,8 @@
 lw_status lw_instant_motion_of(const lw_linkage *k, const lw_posture *posture, int link, int base,
                                lw_instant_motion *out);
 
+/* The motion against the ground of a link with the point p[0], velocity p[1] and acceleration p[2], turned by angle[0 .. 2]
+ * (derivatives by any parameter). */
+lw_instant_motion lw_instant_motion_at(const lw_vec2 p[3], const double angle[3]);
+
 #endif

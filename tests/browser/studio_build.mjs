@@ -131,6 +131,20 @@ await test("overlays: arrows, centres, centrodes, inflection circle, cognates, d
   check("no more", (await count(".pole")) === 0);
 });
 
+await test("double points of a figure of eight", async () => {
+  const p = page();
+  await p.choose("#gallery", "watt");
+  await p.until("studio.doc.linkage && /Watt/i.test(studio.doc.linkage.name)");
+  await settled();
+  await p.click("[data-overlay=doubles]");
+  await p.until("document.querySelectorAll('.double').length === 1", "the double point");
+  const at = await p.run("studio.analysis.doubles[0]"), tracer = await p.run("studio.doc.linkage.tracers[0].at");
+  check(`double point ${at}`, Math.hypot(at[0] - tracer[0], at[1] - tracer[1]) < 0.05);
+  await p.click("[data-overlay=doubles]");
+  await p.key("z", 2);
+  await settled();
+});
+
 await test("masses give the torque of the drive and the forces in the joints", async () => {
   const p = page();
   check("told what is missing", (await p.run("document.getElementById('panel-look').textContent")).includes("masses"));
