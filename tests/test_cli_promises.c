@@ -345,7 +345,7 @@ TEST(bad_outputs)
     expect("$P chains --links 10 | head -n 1 > $D/rows; test -s $D/rows", 0, "", NULL);
 }
 
-TEST(prepare)
+static void prepare(void)
 {
     demand("$P chains --links 6 -o $D/six.g6 && $P catalogue build $D/six.db --links 6 -q && "
            "cp $D/six.db $D/endless.db && cp $D/six.db $D/builds.db", "");
@@ -398,4 +398,11 @@ TEST(prepare)
            "           'SELECT build_rows.* FROM x, build_rows')\n"
            "db.commit()\n"
            "END", "");
+}
+
+int main(void)
+{
+    RUN(prepare);
+    check_run();
+    return check_end();
 }
