@@ -123,7 +123,7 @@ TEST(driven)
 {
     static const int grid[] = { 7, 36, 97, 100, 360 };
     int without = 0;
-    for (int k = 0; k < models(24); k++) {
+    for (int k = 0; k < models(9); k++) {
         lw_rng_seed(&rng, 11, (uint64_t)k);
         bool slider = k%3 == 2;
         exact z = { .slider = slider, .n_crank = 2 + k%3 };
@@ -162,35 +162,9 @@ TEST(driven)
 
 /* ---- forward ----------------------------------------------------------------------------------------- */
 
-/* A run with friction in all pins, which may jam in a flat posture, gives all samples or a status. */
-TEST(all_samples_or_a_status)
-{
-    static const lw_formulation with[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
-                                           LW_FORMULATION_GGL };
-    for (int k = 0; k < 8; k++) {
-        lw_rng_seed(&rng, 12, (uint64_t)k);
-        write_linkage(k%2, 2, between(0.3, 1.2));
-        put(", 'gravity': [0, -9.81], 'input': {'joint': 'A0', 'speed': -1}}");
-        drun_read_text(&d, text);
-        for (int j = 0; j < 4 && k%4 < 2; j++) {
-            if (d.model.linkage.joint[j].kind != LW_JOINT_REVOLUTE)
-                continue;
-            d.model.friction[j].coefficient = 0.1;
-            d.model.friction[j].radius = 0.05;
-            d.model.friction[j].speed = 0.01;
-        }
-        for (int f = 0; f < 4; f++) {
-            d.o.max_step = 3000;
-            lw_status s = drun_to(&d, with[f], 1e-7, 2, k%3 ? 40 : 97);
-            CHECK(s != LW_OK || d.n_moment == (k%3 ? 41 : 98));
-            CHECK(s == LW_OK || d.e.text[0]);
-        }
-        lw_model_free(&d.model);
-    }
-}
-
-static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
-                                       LW_FORMULATION_GGL };
+static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED,
+                                       LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL };
+enum { N_EACH = sizeof each/sizeof *each };
 static const double tolerances[] = { 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
 static const int grids[] = { 7, 36, 97, 100, 360 };
 
@@ -231,7 +205,7 @@ static lw_status run_forward(forward *z, lw_formulation f, double tolerance, int
 TEST(one_freedom)
 {
     int failed = 0, runs = 0;
-    for (int k = 0; k < models(12); k++) {
+    for (int k = 0; k < models(6); k++) {
         lw_rng_seed(&rng, 13, (uint64_t)k);
         forward z = { .slider = k%3 == 2, .n_crank = 2 + k%3 };
         int extra = k/3%4;                       /* none, damper, friction, stop */
@@ -248,7 +222,7 @@ TEST(one_freedom)
             d.model.stop[0] = (lw_joint_stop){ .has_least = true, .least = -5, .has_greatest = true, .greatest = 5,
                                                .restitution = 0.6 };
         double tolerance = tolerances[k%5], last = NAN;
-        for (int f = 0; f < 4; f++) {
+        for (int f = 0; f < N_EACH; f++) {
             lw_status s = run_forward(&z, each[f], tolerance, grids[(k + f)%5]);
             if (s == LW_E_KIND)
                 continue;
@@ -265,6 +239,93 @@ TEST(one_freedom)
         lw_model_free(&d.model);
     }
     CHECK(10*failed <= runs);
+}
+
+/* Friction in all pins of a parallelogram, which may jam in a flat posture: on the exact curve in all samples, or a status
+ * with a reason. */
+TEST(friction_in_all_pins)
+{
+    int failed = 0, runs = 0;
+    for (int k = 0; k < models(4); k++) {
+        lw_rng_seed(&rng, 12, (uint64_t)k);
+        forward z = { .slider = k%2, .n_crank = 2 };
+        write_linkage(z.slider, 2, between(0.3, 1.2));
+        put(", 'gravity': [0, -9.81], 'input': {'joint': 'A0', 'speed': -1}}");
+        drun_read_text(&d, text);
+        for (int j = 0; j < 4; j++)
+            if (d.model.linkage.joint[j].kind == LW_JOINT_REVOLUTE)
+                d.model.friction[j] = (lw_friction){ k%4 < 2 ? 0.1 : 0, 0.05, k%3 ? 0.01 : 0 };
+        d.o.to = 2;
+        d.o.max_step = 30000;
+        for (int f = 0; f < N_EACH; f++) {
+            lw_status s = run_forward(&z, each[f], tolerances[k%5], grids[(k + f)%5]);
+            if (s == LW_E_KIND)
+                continue;
+            runs++;
+            failed += s != LW_OK;
+            CHECK(s == LW_OK || d.e.text[0]);
+            CHECK(s != LW_OK || z.n == grids[(k + f)%5] + 1);
+            CHECK(z.off < 1e3*tolerances[k%5] + 1e-9);
+            if (getenv("LW_SCAN") && s != LW_OK)         /* for who looks into them */
+                printf("%d %s %g: %s\n", k, lw_formulation_name(each[f]), tolerances[k%5], d.e.text);
+        }
+        lw_model_free(&d.model);
+    }
+    CHECK(2*failed <= runs);
+}
+
+/* ---- forces in singular postures ----------------------------------------------------------------------- */
+
+typedef struct carried_by { const lw_dynamics *d; lw_reaction pin[4]; double turn; } carried_by;
+
+static lw_status keep_pins(void *context, const lw_moment *m)
+{
+    carried_by *z = context;
+    lw_reactions_joints(z->d, m, z->pin);
+    z->turn = m->q[2];
+    return LW_OK;
+}
+
+/* A balanced parallelogram turns freely at constant speed, and its cranks carry the coupler by forces along themselves:
+ * in the flat posture, and near it, by formulas.  With the centre of the coupler off the line of its pins, these forces
+ * have a pole there, and are left out. */
+TEST(forces_in_flat_postures)
+{
+    static const double away[] = { 0, 1e-6, 1e-4, -1e-3, 1e-2, 0.03 };
+    for (int k = 0; k < 2*N_EACH*6; k++) {
+        lw_rng_seed(&rng, 15, (uint64_t)k/N_EACH);
+        double length = between(2, 4), start = between(0.5, 1.2), x = between(0.5, 1.5), w = between(1, 3), mass = between(1, 3);
+        double h = k/N_EACH%2 ? 0.2 : 0, off = away[k/N_EACH/2];
+        used = 0;
+        put("{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}, {'name': 'c',"
+            " 'mass': 2, 'centre': [%.17g, 0], 'inertia': 0.2}, {'name': 'b', 'mass': %.17g, 'centre': [%.17g, %.17g],"
+            " 'inertia': 0.3}], 'joints': [", length, mass, cos(start) + x, sin(start) + h);
+        put_pin("A", "ground", "a", 0, 0);
+        put_pin("B", "a", "b", cos(start), sin(start));
+        put_pin("C", "c", "b", length + cos(start), sin(start));
+        put_pin("D", "c", "ground", length, 0);
+        put("], 'input': {'joint': 'A', 'speed': %.17g}}", -w);
+        drun_read_text(&d, text);
+        carried_by z = { 0 };
+        lw_dynamics *made = NULL;
+        d.o.formulation = each[k%N_EACH];
+        d.o.intervals = 1;
+        d.o.to = (start - off)/w;
+        d.e.text[0] = 0;
+        CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
+        z.d = made;
+        CHECK_INT(lw_dynamics_run(made, keep_pins, &z, &d.report, &d.e), LW_OK);
+        lw_dynamics_free(made);
+        double angle = start + z.turn, s = sin(angle), c = cos(angle), along = mass*w*w*((length - x)*s + h*c)/(length*s);
+        CHECK_NEAR(angle, off, 1e-7, 0);
+        if (h > 0 && off == 0)                           /* the time of the pole is known to the tolerance */
+            CHECK(isnan(z.pin[1].force.x) || fabs(z.pin[1].force.x) > 1e4);
+        else {
+            CHECK_NEAR(z.pin[1].force.x, -along*c, 0, 1e-6 + (h > 0 ? 1e-6/fabs(off) : 0));
+            CHECK_NEAR(z.pin[1].force.y, -along*s, 1e-6, 1e-6);
+        }
+        lw_model_free(&d.model);
+    }
 }
 
 /* ---- two freedoms ------------------------------------------------------------------------------------- */
@@ -323,7 +384,7 @@ TEST(two_freedoms)
     static const struct { lw_formulation f; double tolerance, off; } run[] = {
         { LW_FORMULATION_AUTO, 1e-6, 1e-4 }, { LW_FORMULATION_AUTO, 1e-8, 1e-6 }, { LW_FORMULATION_AUTO, 1e-10, 1e-8 },
         { LW_FORMULATION_AUTO, 1e-12, 1e-9 }, { LW_FORMULATION_CVODE, 1e-8, 1e-4 }, { LW_FORMULATION_GGL, 1e-8, 1e-4 } };
-    int failed = 0, n = models(12);
+    int failed = 0, n = models(5);
     for (int k = 0; k < n; k++) {
         carried z;
         double y[4], start;
@@ -345,5 +406,5 @@ TEST(two_freedoms)
         }
         lw_model_free(&d.model);
     }
-    CHECK(100*failed <= 6*n);
+    CHECK_INT(failed, 0);
 }

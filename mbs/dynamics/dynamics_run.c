@@ -79,7 +79,11 @@ lw_status lw_run_show(lw_run *run, double t, const double *y)
     lw_moment m;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
-    if (s == LW_OPEN) {
+    bool touches = d->touch || d->n_resting;             /* what holds now may not hold around it */
+    double apart = s == LW_OPEN ? 0 : d->by_rank ? d->rank_of.weakest : sqrt(d->weak);
+    if ((s == LW_OK || s == LW_OPEN) && apart < LW_SINGULAR_NEAR && !touches && !d->large)
+        s = lw_run_singular_forces(run, t, y);
+    else if (s == LW_OPEN) {
         for (int i = 0; i < d->n_v; i++)
             d->a[i] = NAN;
         for (int i = 0; i < d->n_c; i++)

@@ -21,6 +21,7 @@ typedef struct lw_run {
     double  energy0, potential0, momentum0;
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
     double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere */
+    double  ahead;                   /* time to the singular posture foretold [s]; 0: none */
     double  apart;                   /* residual of the rows on a curve tried there; 0: none tried */
     double  chosen;                  /* greatest of the least pivots since the kept rows were chosen */
     double *y, *state;               /* (n) scratch; state: ggl only */
@@ -115,6 +116,11 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
  * radians).  y and *t are behind it; samples on the way are handed out.  LW_OPEN: the energy has changed. */
 #define LW_SINGULAR_STEP_HALF 0.1
 lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y);
+
+/* Accelerations d->a and multipliers d->l at (t, y) near a singular posture, where the rows have lost their digits, from
+ * the motion through it; rows and factors are those at y.  NaN where they have no limit or cannot be found. */
+#define LW_SINGULAR_NEAR 0.02            /* distance from a singular posture below which to ask, about radians */
+lw_status lw_run_singular_forces(lw_run *run, double t, const double *y);
 
 /* ---- dynamics_bodies.c ------------------------------------------------------------------------------- */
 

@@ -24,6 +24,8 @@
 /* Places on either side, as fractions of half the length. */
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
 static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
+static const double on_rows = 1e-12;         /* residual of the rows allowed on the curve: this, */
+static const double rounded = 1e-8;          /* or to the tolerance, up to that */
 
 /* ---- over it by one step --------------------------------------------------------------------------------- */
 
@@ -68,7 +70,8 @@ double lw_run_energy(const lw_run *run, const double *y)
 typedef struct gap {
     lw_run *run;
     const lw_panel_rule *rule;
-    double  start, length, *begun;           /* begun (n): state at the start */
+    double  start, length, *begun;           /* begun (n): state at `anchor`, a fraction of the length */
+    double  anchor;
     double  at[N_NODE];                      /* nodes as fractions of the length */
     double *rate, *state;                    /* (N_NODE x n) at the nodes */
 } gap;
@@ -76,18 +79,20 @@ typedef struct gap {
 static const double settled = 1e-14;         /* change of the states in a pass, scaled, that ends the iteration */
 static const double unsettled = 1e-9;        /* the same where rounding lets it fall no further */
 static const double unresolved = 1e-8;       /* difference of orders 12 and 10 that is still allowed, scaled */
+static const double resolved = 1e-13;        /* such a difference that a shorter gap need not improve */
+static const double shortest_half = 0.01;    /* half the length of a gap, scaled: rounding grows in shorter ones */
 static const double half_explicit = 0.03;    /* half the length of an explicit step, where there is no polynomial */
 
-/* Weights of the integral from 0 to x of the polynomial through values at nodes `first` to `last`; 0 for the others.
- * The panel's points integrate it exactly. */
+/* Weights of the integral from the anchor to x of the polynomial through values at nodes `first` to `last`; 0 for the
+ * others.  The panel's points integrate it exactly. */
 static void weights(const gap *z, int first, int last, double x, double weight[N_NODE])
 {
     memset(weight, 0, N_NODE*sizeof *weight);
     for (int k = first; k <= last; k++)
         for (int p = 0; p < LW_PANEL_NODES; p++) {
-            double product = x*z->rule->whole[p];
+            double product = (x - z->anchor)*z->rule->whole[p], at = z->anchor + (x - z->anchor)*z->rule->at[p];
             for (int j = first; j <= last; j++)
-                product *= j == k ? 1 : (x*z->rule->at[p] - z->at[j])/(z->at[k] - z->at[j]);
+                product *= j == k ? 1 : (at - z->at[j])/(z->at[k] - z->at[j]);
             weight[k] += product;
         }
 }
@@ -220,6 +225,12 @@ static lw_status begin_gap(gap *z, double half, double good, double angle, doubl
     return s;
 }
 
+static void place_nodes(gap *z)
+{
+    for (int i = 0; i < N_NODE; i++)
+        z->at[i] = 0.5 + 0.5*(i < N_SIDE ? -node[N_SIDE - 1 - i] : node[i - N_SIDE]);
+}
+
 static lw_status panel_rule(lw_dynamics *d)
 {
     if (d->rule)
@@ -234,8 +245,7 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     double before = lw_run_energy(run, y), angle = sqrt(weak), tail = 0, *old = run->state;
     double *first = malloc(n*(4 + 2*N_NODE)*sizeof *first);
     gap z = { .run = run, .start = good, .rule = NULL };
-    for (int i = 0; i < N_NODE; i++)
-        z.at[i] = 0.5 + 0.5*(i < N_SIDE ? -node[N_SIDE - 1 - i] : node[i - N_SIDE]);
+    place_nodes(&z);
     lw_status s = first ? panel_rule(run->d) : LW_E_MEMORY;
     if (s != LW_OK) {
         free(first);
@@ -249,14 +259,19 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     memcpy(first, y, n*sizeof *first);
     run->e->text[0] = '\0';
     lw_status solved = LW_OPEN;
-    double end = good, half = LW_SINGULAR_STEP_HALF;
-    for (; s == LW_OK && solved != LW_OK && half > half_explicit; half *= 0.5) {
+    double end = good, best = INFINITY, best_half = 0, wanted = fmax(resolved, 0.01*run->d->o.relative);
+    for (double half = LW_SINGULAR_STEP_HALF; s == LW_OK && solved != LW_OK && half > shortest_half; half *= 0.5) {
         s = begin_gap(&z, half, good, angle, place, first);
         solved = s == LW_OK ? solve_gap(&z, y, &tail) : s;
-        if (solved == LW_OK && !(tail < fmax(unresolved, 10*run->d->o.relative)))
-            solved = LW_OPEN;
-        end = z.start + z.length;
+        if (solved == LW_OK && tail < best)
+            best = tail, best_half = half;
+        solved = solved == LW_OK && tail > wanted ? LW_OPEN : solved;
     }
+    if (s == LW_OK && solved != LW_OK && best < fmax(unresolved, 10*run->d->o.relative)) {
+        s = begin_gap(&z, best_half, good, angle, place, first);
+        solved = s == LW_OK ? solve_gap(&z, y, &tail) : s;
+    }
+    end = z.start + z.length;
     if (s == LW_OK && solved != LW_OK) {     /* no polynomial */
         z.rule = NULL;
         z.start = angle > half_explicit ? place - (place - good)*half_explicit/angle : good;
@@ -276,11 +291,180 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
         s = lw_run_samples(run, nextafter(end, good), state_on_the_way, &(on_the_way){ run, good, first, &z });
     free(first);
     run->state = old;
+    if (s == LW_OK)
+        run->e->text[0] = '\0';             /* of shorter and longer gaps */
     *t = end;
     s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
     return s == LW_OK || s == LW_STOPPED ? s
          : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
+}
+
+/* ---- forces in it ------------------------------------------------------------------------------------------- */
+
+/* Accelerations and multipliers lose all digits in a singular posture.  The motion through it is found as over the gap,
+ * from the state there; the accelerations are the rates of that polynomial.  Multipliers have at most a simple pole, so
+ * the product of multiplier and time from the pole is a polynomial too (mbs/dynamics/dynamics_driven.c). */
+static const double longest_window = 0.3, shortest_window = 0.03;    /* half of it, scaled: about radians */
+static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 12 and 10: good, and too far apart, relative */
+static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
+static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
+static const double least_apart = 1e-3;      /* nearer to a singular posture multipliers are rounding */
+
+/* Value at x of the polynomial through rows (N_NODE x width) at nodes `skip` .. N_NODE - 1 - skip, each multiplied by its
+ * distance from `pole` unless that is 0. */
+static void between_nodes(const gap *z, const double *row, int width, int skip, double pole, double x, double *out)
+{
+    memset(out, 0, (size_t)width*sizeof *out);
+    for (int k = skip; k < N_NODE - skip; k++) {
+        double product = pole != 0 ? z->at[k] - pole : 1;
+        for (int j = skip; j < N_NODE - skip; j++)
+            product *= j == k ? 1 : (x - z->at[j])/(z->at[k] - z->at[j]);
+        for (int c = 0; c < width; c++)
+            out[c] += product*row[k*width + c];
+    }
+}
+
+static double greatest(const double *x, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* Where the pole of the multipliers l (N_NODE x n) is, as a fraction of the length: there the product with the distance has
+ * no highest power.  The middle, if they have none. */
+static double find_pole(const gap *z, const double *l, int n)
+{
+    double over = 0, under = 0, unit = 0, most = greatest(l, N_NODE*n);
+    for (int c = -1; c < n; c++) {
+        double a = 0, b = 0;
+        for (int k = 0; k < N_NODE; k++) {
+            double by = 1;
+            for (int j = 0; j < N_NODE; j++)
+                by /= j == k ? 1 : z->at[k] - z->at[j];
+            a += by*(c < 0 ? 1/(z->at[k] - 0.5) : l[k*n + c]);
+            b += c < 0 ? 0 : by*(z->at[k] - 0.5)*l[k*n + c];
+        }
+        unit = c < 0 ? a : unit;
+        over += c < 0 ? 0 : a*b;
+        under += c < 0 ? 0 : a*a;
+    }
+    return sqrt(under) > 1e-6*most*fabs(unit) ? 0.5 + over/under : 0.5;
+}
+
+/* d->a and d->l at the anchor from the states at the nodes.  l (N_NODE + 4 rows of n_c) is scratch.  Returns how far two
+ * orders are apart, relative; infinite where they cannot be found. */
+static double forces_at_anchor(const gap *z, double *l)
+{
+    lw_run *run = z->run;
+    lw_dynamics *d = run->d;
+    int n = d->n_c, n_v = d->n_v;
+    double off = 0;
+    for (int k = 0; k < N_NODE; k++) {
+        const double *y = z->state + k*run->n;
+        lw_moment m;
+        if (lw_mbs_moment(d, z->start + z->length*z->at[k], y, y + d->n_q, 0, &m) != LW_OK)
+            return INFINITY;
+        memcpy(l + k*n, d->l, (size_t)n*sizeof *l);
+        memcpy(z->rate + k*run->n, d->a, (size_t)n_v*sizeof *d->a);
+    }
+    double pole = find_pole(z, l, n), x = z->anchor - pole, most = greatest(l, N_NODE*n);
+    double *strength = l + N_NODE*n, *plain = strength + n, *product = plain + n, *had = product + n;
+    for (int skip = 1; skip >= 0; skip--) {
+        memcpy(had, d->l, (size_t)n*sizeof *had);
+        memcpy(z->begun, d->a, (size_t)n_v*sizeof *d->a);
+        between_nodes(z, l, n, skip, 0, z->anchor, plain);
+        between_nodes(z, l, n, skip, pole, pole, strength);
+        between_nodes(z, l, n, skip, pole, z->anchor, product);
+        for (int c = 0; c < n; c++)
+            d->l[c] = fabs(strength[c]) < no_pole*most ? plain[c] : fabs(x) < at_pole ? NAN : product[c]/x;
+        between_nodes(z, z->rate, run->n, skip, 0, z->anchor, run->state);
+        memcpy(d->a, run->state, (size_t)n_v*sizeof *d->a);
+    }
+    for (int c = 0; c < n; c++)
+        off = isnan(d->l[c]) ? off : fmax(off, fabs(d->l[c] - had[c])/fmax(most, fabs(d->l[c])));
+    for (int i = 0; i < n_v; i++)
+        off = fmax(off, fabs(d->a[i] - z->begun[i])/fmax(greatest(d->a, n_v), 1e-300));
+    return off;
+}
+
+/* Do the states on the way satisfy the rows?  Else motion curves come near each other and do not meet. */
+static bool meets(const gap *z)
+{
+    lw_dynamics *d = z->run->d;
+    double off = 0, weight[N_NODE];
+    for (int k = -2; k <= 2; k++) {
+        double x = 0.5 + 0.05*k;
+        weights(z, 0, N_NODE - 1, x, weight);
+        state_in_gap(z, weight, z->run->state);
+        if (lw_mbs_rows(d, z->start + z->length*x, z->run->state) != LW_OK)
+            return false;
+        off = fmax(off, greatest(d->phi, d->n_c));
+    }
+    return off <= fmin(fmax(on_rows, 10*d->o.absolute), rounded);
+}
+
+lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
+{
+    lw_dynamics *d = run->d;
+    size_t n = (size_t)run->n, n_c = (size_t)d->n_c, n_q = (size_t)d->n_q, n_v = (size_t)d->n_v;
+    double apart = d->by_rank ? d->rank_of.weakest : sqrt(fmax(d->weak, 0)), speed = greatest(y + n_q, d->n_v);
+    double tail, best = INFINITY, *old = run->state;
+    double *memory = malloc((n*(3 + 2*N_NODE) + 2*(n_v + n_c) + (N_NODE + 4)*n_c + n_v)*sizeof *memory);
+    lw_status s = memory ? panel_rule(d) : LW_E_MEMORY;
+    gap z = { .run = run, .rule = d->rule, .begun = memory };
+    lw_error was = *run->e;
+    if (s == LW_OK) {
+        z.rate = memory + n;
+        z.state = z.rate + N_NODE*n;
+        run->state = z.state + N_NODE*n;
+        double *end = run->state + n, *kept = end + n, *l = kept + 2*(n_v + n_c), *way = l + (N_NODE + 4)*n_c;
+        place_nodes(&z);
+        memcpy(kept + n_v + n_c, d->a, n_v*sizeof *kept);
+        memcpy(kept + 2*n_v + n_c, d->l, n_c*sizeof *kept);
+        bool crosses = false;
+        for (double half = longest_window; speed > 0 && best > agreed && half >= shortest_window; half *= 0.5) {
+            z.start = t - half/speed;
+            z.length = 2*half/speed;
+            bool centred = false, solved = true;
+            for (int pass = 0; solved && pass < 2; pass++) {
+                z.anchor = (t - z.start)/z.length;
+                for (int k = 0; k < N_NODE && solved; k++) {
+                    double *to = memcpy(z.state + (size_t)k*n, y, n*sizeof *y);
+                    for (size_t i = 0; i < n_v; i++)
+                        way[i] = z.length*(z.at[k] - z.anchor)*y[n_q + i];
+                    d->eq.move(d->eq.context, to, way);
+                    solved = lw_run_project(run, z.start + z.length*z.at[k], to) == LW_OK;
+                }
+                memcpy(z.begun, y, n*sizeof *y);
+                solved = solved && (pass == 0 || solve_gap(&z, end, &tail) == LW_OK);
+                if (pass == 0)
+                    solved = solved && (centred = centre_gap(&z));
+            }
+            crosses = crosses || centred;
+            double off = solved && meets(&z) ? forces_at_anchor(&z, l) : INFINITY;
+            if (!(off < best))
+                continue;
+            best = off;
+            memcpy(kept, d->a, n_v*sizeof *kept);
+            memcpy(kept + n_v, d->l, n_c*sizeof *kept);
+        }
+        bool known = best < disagreed;
+        if (!known && apart > (crosses ? 10 : 1)*least_apart)    /* as they were */
+            known = (kept += n_v + n_c, true);
+        for (size_t i = 0; i < n_v; i++)
+            d->a[i] = known ? kept[i] : NAN;
+        for (size_t i = 0; i < n_c; i++)
+            d->l[i] = known ? kept[n_v + i] : NAN;
+        run->state = old;
+        *run->e = was;
+        s = lw_mbs_rows(d, t, y);            /* the run goes on from there */
+        lw_mbs_factor(d, d->rank < d->n_c);
+    }
+    free(memory);
+    return s;
 }
 
 /* ---- through it on a curve ---------------------------------------------------------------------------------- */
@@ -292,8 +476,6 @@ static const double longest_half = 0.3;           /* half of the longest curve, 
 static const double beside = 0.45;           /* root of the least pivot at which to look ahead */
 static const double too_near = 1e-3;         /* root of the least pivot too small to begin at */
 static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little */
-static const double on_rows = 1e-12;         /* residual of the rows allowed on the curve: this, */
-static const double rounded = 1e-8;          /* or to the tolerance, up to that */
 
 /* A polynomial in Newton's form: columns of divided differences. */
 typedef struct curve { int n, n_q; double x[N_KNOWN], *c; } curve;
@@ -637,10 +819,12 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
     run->pivot = w;
     run->pivot_t = *t;
-    if (d->n_stop || w > from || w < too_near)
+    run->ahead = fall > 0 && w < 1 ? since*w/fall : 0;
+    bool near = w < too_near && (one || !before);
+    if (d->n_stop || w > from || near)
         run->pivot_tried = 1;
     run->apart = w > beside ? 0 : run->apart;
-    if (d->n_stop || w > from || w < too_near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
+    if (d->n_stop || w > from || near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));

@@ -195,6 +195,9 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
                          "linkage, and it is undecided which of them goes on%s", r->t, run.apart, run.apart > 1e-8
                          ? "" : ": if they should meet, write the posture with more digits or give a greater "
                          "tolerance");
+    if (s == LW_E_NUMERIC && d->n_friction && d->weak < LW_SINGULAR_NEAR)
+        s = lw_error_set(run.e, s, "at t = %.9g s friction jams the linkage near a singular posture, where reactions grow without "
+                         "limit, or no step is short enough to go on", r->t);
     if (s == LW_OPEN)
         s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
                          "which it can go on in several ways", r->t);
