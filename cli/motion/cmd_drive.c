@@ -20,6 +20,12 @@ static const cli_option options[] = {
       "simulate: the axis has settled where its error stays below X [m] or [rad]", 1e-15, 1e9, NULL, NULL },
     { "matrices", 0, CLI_OUTPUT, PLACE(matrices), "FILE", NULL,
       "simulate: write the state matrices A, B, C, D of the axis and of the closed loop as JSON", 0, 0, NULL, NULL },
+    { "matrices-folder", 0, CLI_TEXT, PLACE(folder), "FOLDER", NULL,
+      "simulate: write the matrices as CSV files plant-A.csv ... whole-D.csv, with names and units of states, inputs and outputs",
+      0, 0, NULL, NULL },
+    { "bode", 0, CLI_OUTPUT, PLACE(bode), "FILE", NULL,
+      "simulate: draw gain and phase of each open loop over frequency with its margins, and the poles of the whole (.svg, .pdf, "
+      ".png)", 0, 0, NULL, NULL },
     { "motors", 0, CLI_INPUT, PLACE(motors), "FILE", NULL,
       "select: table of motors (CSV), or a catalogue that holds motors, gears and amplifiers", 0, 0, NULL, NULL },
     { "gears", 0, CLI_INPUT, PLACE(gears), "FILE", NULL,
@@ -73,7 +79,8 @@ const cli_command cli_drive_command = {
         "  linkwright drive select examples/drives/lifting-arm.json --to 2.5 --motors examples/drives/motors.csv "
         "--gears examples/drives/gears.csv --amplifiers examples/drives/amplifiers.csv\n"
         "  linkwright drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 20\n"
-        "  linkwright drive simulate examples/drives/servo-axis.json --plot loop.svg  # error, current, margins, poles\n",
+        "  linkwright drive simulate examples/drives/servo-axis.json --plot loop.svg  # error, current, margins, poles\n"
+        "  linkwright drive simulate examples/drives/servo-axis.json --bode bode.svg --matrices-folder axis   # for control tools\n",
     .about = "The cycle of a load is the time from --from to --to; it is taken to repeat.\n",
     .options = options,
     .settings_size = sizeof(cli_drive_settings),

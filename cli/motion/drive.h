@@ -6,10 +6,9 @@
 #include "mbs/drives/motor.h"
 
 typedef struct cli_drive_settings {
-    const char *speed, *plot, *matrices, *motors, *gears, *amplifiers, *drive;
+    const char *speed, *plot, *matrices, *folder, *bode, *motors, *gears, *amplifiers, *drive;
     double      from, to, band, inertia_ratio, mass, way, acceleration;
     int         steps, results;
-    const char *bode;
 } cli_drive_settings;
 
 int cli_drive_load(const cli_call *call);

@@ -201,8 +201,11 @@ static void put_matrices(cli_json *j, const char *key, const lw_state_matrices *
     cli_json_object(j, key);
     cli_json_real(j, "sample", m->sample);
     put_names(j, "states", m->state, m->n_state);
+    put_names(j, "state_units", m->state_unit, m->n_state);
     put_names(j, "inputs", m->input, m->n_input);
+    put_names(j, "input_units", m->input_unit, m->n_input);
     put_names(j, "outputs", m->output, m->n_output);
+    put_names(j, "output_units", m->output_unit, m->n_output);
     put_matrix(j, "A", m->a, m->n_state, m->n_state);
     put_matrix(j, "B", m->b, m->n_state, m->n_input);
     put_matrix(j, "C", m->c, m->n_output, m->n_state);
@@ -228,6 +231,162 @@ static lw_status write_matrices(const job *b, const char *path, lw_error *e)
     cli_json_end(&j);
     lw_status s = fclose(f) == 0 ? lw_file_write(path, text, size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     free(text);
+    return s;
+}
+
+/* One matrix: a line of units, then names of the columns and rows, as pandas, Octave or a table read them. */
+static lw_status write_table(const char *folder, const char *system, char which, double sample, int rows, int n,
+                             const double *x, const char *const *row, const char *const *row_unit,
+                             const char *const *column, const char *const *column_unit, lw_error *e)
+{
+    char path[CLI_PATH_SIZE], number[LW_NUMBER_SIZE];
+    lw_output o;
+    snprintf(path, sizeof path, "%s/%s-%c.csv", folder, system, which);
+    lw_status s = lw_output_open(&o, path, e);
+    if (s != LW_OK)
+        return s;
+    fprintf(o.f, "# %c of the %s, ", which, strcmp(system, "plant") == 0 ? "axis without controllers" : "closed loop");
+    fprintf(o.f, sample > 0 ? "discrete, sample %.17g s\n" : "continuous\n", sample);
+    fputs("name", o.f);
+    for (int k = 0; k < n; k++)
+        fprintf(o.f, ",%s [%s]", column[k], column_unit[k]);
+    fputc('\n', o.f);
+    for (int i = 0; i < rows; i++) {
+        fprintf(o.f, "%s [%s]", row[i], row_unit[i]);
+        for (int k = 0; k < n; k++) {
+            lw_number_print(x[i*n + k] + 0.0, number);
+            fprintf(o.f, ",%s", number);
+        }
+        fputc('\n', o.f);
+    }
+    return lw_output_commit(&o, e);
+}
+
+static lw_status write_tables(const char *folder, const char *system, const lw_state_matrices *m, lw_error *e)
+{
+    lw_status s = write_table(folder, system, 'A', m->sample, m->n_state, m->n_state, m->a, m->state, m->state_unit, m->state,
+                              m->state_unit, e);
+    if (s == LW_OK)
+        s = write_table(folder, system, 'B', m->sample, m->n_state, m->n_input, m->b, m->state, m->state_unit, m->input,
+                        m->input_unit, e);
+    if (s == LW_OK)
+        s = write_table(folder, system, 'C', m->sample, m->n_output, m->n_state, m->c, m->output, m->output_unit, m->state,
+                        m->state_unit, e);
+    if (s == LW_OK)
+        s = write_table(folder, system, 'D', m->sample, m->n_output, m->n_input, m->d, m->output, m->output_unit, m->input,
+                        m->input_unit, e);
+    return s;
+}
+
+static lw_status write_folder(const job *b, const char *folder, lw_error *e)
+{
+    lw_state_matrices m;
+    lw_error none = { 0 };
+    lw_servo_plant(&b->servo, &m);
+    lw_status s = write_tables(folder, "plant", &m, e);
+    if (s == LW_OK && lw_servo_closed(&b->servo, &m, &none) == LW_OK)
+        s = write_tables(folder, "whole", &m, e);
+    return s;
+}
+
+static int check_folder(const cli_call *call, const char *folder)
+{
+    int code = cli_make_folder(call, folder);
+    for (int i = 0; i < 8 && code == CLI_DONE; i++)
+        code = cli_may_write_in(call, folder, "%s-%c.csv", i < 4 ? "plant" : "whole", 'A' + i%4);
+    return code;
+}
+
+/* ---- Bode plot ------------------------------------------------------------------------------------------------- */
+
+enum { BODE = 1500 };
+
+/* Frequencies worth a look: around the crossovers and where the phase is -180 degrees [rad/s]. */
+static void bode_range(const job *b, double *low, double *high)
+{
+    *low = INFINITY, *high = 0;
+    for (int k = 0; k < n_loop(b); k++) {
+        const double at[] = { b->margin[k].crossover, b->margin[k].reversal };
+        for (int i = 0; i < 2; i++)
+            if (!isnan(at[i]))
+                *low = fmin(*low, at[i]), *high = fmax(*high, at[i]);
+    }
+    if (!(*high > 0))
+        *low = 1, *high = 1000;
+    *low /= 30, *high *= 5;
+}
+
+/* f, gain [dB] and phase [deg] of a loop; NaN beyond half its sampling frequency. */
+static void bode_loop(const job *b, int k, double low, double high, double *f, double *gain, double *phase)
+{
+    const lw_servo_loop *loops[] = { &b->servo.position, &b->servo.speed, &b->servo.circuit };
+    double last = -LW_PI/2, most = loops[k]->sample > 0 ? LW_PI/loops[k]->sample : INFINITY;
+    for (int i = 0; i < BODE; i++) {
+        double w = low*pow(high/low, i/(BODE - 1.0)), g, p;
+        f[i] = w <= most ? w/(2*LW_PI) : NAN;
+        lw_servo_response(&b->servo, k, w, &g, &p);
+        p += 2*LW_PI*rint((last - p)/(2*LW_PI));
+        last = p;
+        gain[i] = 20*log10(g);
+        phase[i] = p*180/LW_PI;
+    }
+}
+
+static lw_status draw_bode(const job *b, const char *path, lw_error *e)
+{
+    lw_series gains[6], phases[6], poles[POLES];
+    lw_level zero = { "gain 1", 0 }, half = { "-180 degrees", -180 };
+    char text[6][120], pole_text[POLES][80];
+    double mark[3][6], low, high;
+    int n = n_loop(b), n_gain = 0, n_phase = 0, n_pole = 0;
+    double *x = malloc(3*3*BODE*sizeof *x);
+    if (!x)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    bode_range(b, &low, &high);
+    for (int k = 0; k < n; k++) {
+        double *f = x + 3*k*BODE, *gain = f + BODE, *phase = gain + BODE;
+        bode_loop(b, k, low, high, f, gain, phase);
+        gains[n_gain++] = (lw_series){ .name = loop_name[k], .n = BODE, .x = f, .y = gain };
+        phases[n_phase++] = (lw_series){ .name = loop_name[k], .n = BODE, .x = f, .y = phase };
+    }
+    for (int k = 0; k < n; k++) {
+        const lw_servo_margin *m = &b->margin[k];
+        const double *f = x + 3*k*BODE, *phase = f + 2*BODE;
+        if (!isnan(m->reversal)) {
+            mark[k][0] = m->reversal/(2*LW_PI), mark[k][1] = -20*log10(m->gain);
+            snprintf(text[k], sizeof text[k], "%s margin %.3g dB at %.4g Hz", loop_name[k], 20*log10(m->gain), mark[k][0]);
+            gains[n_gain++] = (lw_series){ .name = text[k], .n = 1, .x = &mark[k][0], .y = &mark[k][1], .style
+                                           = LW_SERIES_POINTS };
+        }
+        if (!isnan(m->crossover)) {                        /* on the turn of the curve */
+            double at = m->phase*180/LW_PI - 180, near = at;
+            mark[k][2] = m->crossover/(2*LW_PI);
+            for (int i = 0; i < BODE && f[i] <= mark[k][2]; i++)
+                near = phase[i];
+            mark[k][3] = at + 360*rint((near - at)/360);
+            snprintf(text[3 + k], sizeof text[3], "%s margin %.3g deg at %.4g Hz", loop_name[k], m->phase*180/LW_PI, mark[k][2]);
+            phases[n_phase++] = (lw_series){ .name = text[3 + k], .n = 1, .x = &mark[k][2], .y = &mark[k][3],
+                                             .style = LW_SERIES_POINTS };
+        }
+    }
+    for (int k = 0; k < b->n_pole; k++) {
+        if (b->im[k] < 0)
+            continue;
+        bool twin = b->im[k] > 0;
+        snprintf(pole_text[n_pole], sizeof pole_text[0], twin ? "%.5g +- %.5g i" : "%.5g", b->re[k], b->im[k]);
+        int at = twin && k + 1 < b->n_pole && b->re[k + 1] == b->re[k] ? k : twin && k > 0 && b->re[k - 1] == b->re[k] ? k - 1 : k;
+        poles[n_pole] = (lw_series){ .name = pole_text[n_pole], .n = twin ? 2 : 1, .x = &b->re[at], .y = &b->im[at], .style
+                                     = LW_SERIES_POINTS };
+        n_pole++;
+    }
+    lw_plot plot[3] = {
+        { .title = b->servo.name[0] ? b->servo.name : "open loops", .y_label = "gain [dB]", .log_x = true, .n_series = n_gain,
+          .series = gains, .n_level = 1, .level = &zero, .height = 960 },
+        { .x_label = "frequency [Hz]", .y_label = "phase [deg]", .log_x = true, .n_series = n_phase, .series = phases,
+          .n_level = 1, .level = &half },
+        { .x_label = "poles of the whole: real part [1/s]", .y_label = "imaginary [1/s]", .n_series = n_pole, .series = poles } };
+    lw_status s = lw_draw_plots(n_pole > 0 ? 3 : 2, plot, path, e);
+    free(x);
     return s;
 }
 
@@ -325,8 +484,11 @@ int cli_drive_simulate(const cli_call *call)
         return cli_usage(call, "--speed and --from are options of 'drive load'");
     if (cli_given(&call->parsed, "to") && !(s->to > 0))
         return cli_usage(call, "--to must be greater than 0");
-    if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
+    if ((s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK) || (s->bode && lw_draw_kind_of(s->bode, &kind, &e) != LW_OK))
         return cli_usage(call, "%s", e.text);
+    int folder = s->folder ? check_folder(call, s->folder) : CLI_DONE;
+    if (folder != CLI_DONE)
+        return folder;
     job *b = calloc(1, sizeof *b);
     if (b)
         b->call = call;
@@ -346,6 +508,8 @@ int cli_drive_simulate(const cli_call *call)
             print_text(b, o.f);
         code = cli_close(call, &o, code);
         if (code == CLI_DONE && ((s->matrices && write_matrices(b, s->matrices, &e) != LW_OK) ||
+                                 (s->folder && write_folder(b, s->folder, &e) != LW_OK) ||
+                                 (s->bode && draw_bode(b, s->bode, &e) != LW_OK) ||
                                  (s->plot && draw(b, s->plot, &e) != LW_OK)))
             code = cli_fail(call, &e);
     }

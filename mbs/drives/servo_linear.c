@@ -13,6 +13,33 @@ static const char *const physical[LW_SERVO_PHYSICAL] = { "motor position", "moto
 static const char *const held[LW_HELD_N] = { "wanted speed held", "wanted current held", "voltage held",
                                              "speed sum", "current sum", "position held" };
 
+/* Unit of a state, input or output by its name, which ends alike for all of one unit. */
+static const char *unit_of(const char *name, bool slides)
+{
+    static const struct { const char *end, *slide, *shaft; } units[] = {
+        { "current integral", "V", "V" }, { "current sum", "V", "V" }, { "speed integral", "m/s^2", "rad/s^2" },
+        { "speed sum", "m/s^2", "rad/s^2" }, { "acceleration", "m/s^2", "rad/s^2" }, { "position", "m", "rad" },
+        { "position held", "m", "rad" }, { "speed", "m/s", "rad/s" }, { "speed held", "m/s", "rad/s" },
+        { "current", "A", "A" }, { "current held", "A", "A" }, { "voltage", "V", "V" }, { "voltage held", "V", "V" },
+        { "force", "N", "N" }, { "torque", "N m", "N m" } };
+    for (size_t i = 0; i < sizeof units/sizeof *units; i++) {
+        size_t n = strlen(name), k = strlen(units[i].end);
+        if (n >= k && strcmp(name + n - k, units[i].end) == 0)
+            return slides ? units[i].slide : units[i].shaft;
+    }
+    return "1";
+}
+
+static void add_units(lw_state_matrices *m, bool slides)
+{
+    for (int i = 0; i < m->n_state; i++)
+        m->state_unit[i] = unit_of(m->state[i], slides);
+    for (int i = 0; i < m->n_input; i++)
+        m->input_unit[i] = unit_of(m->input[i], slides);
+    for (int i = 0; i < m->n_output; i++)
+        m->output_unit[i] = unit_of(m->output[i], slides);
+}
+
 /* States of the plant alone. */
 static int plant_states(const lw_servo *s, int *which)
 {
@@ -75,6 +102,7 @@ void lw_servo_plant(const lw_servo *s, lw_state_matrices *m)
     }
     for (int i = 0; i < n; i++)
         m->state[i] = physical[which[i]];
+    add_units(m, s->slides);
 }
 
 /* The time after which all controllers sample together; 0: none samples; < 0: there is none. */
@@ -142,6 +170,7 @@ lw_status lw_servo_closed(const lw_servo *s, lw_state_matrices *m, lw_error *e)
     m->input[2] = "wanted acceleration";
     m->input[3] = s->slides ? "force" : "torque";
     name_outputs(m, 6);
+    add_units(m, s->slides);
     for (int k = 0; k < n + 4; k++) {
         lw_servo_axis a = lw_servo_axis_of(s, true);
         double y[LW_SERVO_N] = { 0 }, after[LW_SERVO_N];

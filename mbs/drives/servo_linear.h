@@ -13,6 +13,7 @@
 typedef struct lw_state_matrices {
     int    n_state, n_input, n_output;
     const char *state[LW_MATRIX_STATE_MAX], *input[LW_MATRIX_INPUT_MAX], *output[LW_MATRIX_OUTPUT_MAX];
+    const char *state_unit[LW_MATRIX_STATE_MAX], *input_unit[LW_MATRIX_INPUT_MAX], *output_unit[LW_MATRIX_OUTPUT_MAX];
     double a[LW_MATRIX_STATE_MAX*LW_MATRIX_STATE_MAX], b[LW_MATRIX_STATE_MAX*LW_MATRIX_INPUT_MAX],
            c[LW_MATRIX_OUTPUT_MAX*LW_MATRIX_STATE_MAX], d[LW_MATRIX_OUTPUT_MAX*LW_MATRIX_INPUT_MAX];
     double sample;
