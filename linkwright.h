@@ -1075,10 +1075,11 @@ LW_API lw_status lw_variant_set(lw_variant *variant, const char *parameter, cons
 LW_API lw_status lw_variant_number(lw_variant *variant, const char *formula, double *out, lw_error *error);
 /* LW_E_NOTATION with the place and both sides of the first check of the master that does not hold. */
 LW_API lw_status lw_variant_hold_checks(lw_variant *variant, lw_error *error);
-/* The model file, to be freed with lw_free; the model itself, if it is planar (a spatial one is read from the text).
- * Errors name places of the master. */
+/* The model file, to be freed with lw_free; the model itself, planar or spatial (LW_E_KIND: it is of the other sort, see
+ * lw_spatial_text).  Errors name places of the master. */
 LW_API lw_status lw_variant_text(lw_variant *variant, char **out, size_t *size, lw_error *error);
 LW_API lw_status lw_variant_model(lw_variant *variant, lw_model **out, lw_error *error);
+LW_API lw_status lw_variant_spatial(lw_variant *variant, lw_spatial **out, lw_error *error);
 
 /* ---- targets ---------------------------------------------------------------------------------------------------- */
 

@@ -277,7 +277,7 @@ static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_e
 
 static lw_status read_profiles(const lw_json_node *root, lw_model *m, lw_error *e)
 {
-    static const char *const known[] = { "name", "speed", "acceleration", "jerk", "from", "start", "moves" };
+    static const char *const known[] = { "name", "speed", "acceleration", "jerk", "from", "start", "mass", "moves" };
     lw_json_node all, n;
     if (!lw_json_member(root, "profiles", &all))
         return LW_OK;

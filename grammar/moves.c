@@ -8,16 +8,18 @@
 #include "grammar/motion_law.h"
 #include "grammar/read_internal.h"
 
-static lw_status read_move(const lw_json_node *object, const lw_axis_limits *limits, lw_moves *all, double *at,
+static lw_status read_move(const lw_json_node *object, const lw_axis_limits *limits, double mass, lw_moves *all, double *at,
                            double *time, lw_error *e)
 {
-    static const char *const known[] = { "to", "dwell", "law", "duration" };
+    static const char *const known[] = { "to", "dwell", "law", "duration", "frequency", "power" };
     lw_move *m = &all->move[all->n];
     lw_json_node n;
     lw_error inner = { 0 };
-    double to = 0, dwell = 0, duration = 0;
+    double to = 0, dwell = 0, duration = 0, frequency = 0, power = 0;
     const lw_number_key numbers[] = { { "to", 1, LW_ANY, &to, NULL }, { "dwell", 1, 0, INFINITY, &dwell, NULL },
-                                      { "duration", 1, LW_POSITIVE, &duration, NULL } };
+                                      { "duration", 1, LW_POSITIVE, &duration, NULL },
+                                      { "frequency", 1, LW_POSITIVE, &frequency, NULL },
+                                      { "power", 1, LW_POSITIVE, &power, NULL } };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(object, "to", &n, e)) == LW_OK)
@@ -31,12 +33,23 @@ static lw_status read_move(const lw_json_node *object, const lw_axis_limits *lim
         if (m->law < 0)
             return lw_json_fault(&n, e, "there is no such law of motion; `linkwright help profile` lists them");
         m->duration = duration;
+        if (frequency > 0 || power > 0)
+            return lw_json_fault(object, e, "a law has no \"frequency\" or \"power\"; leave out one of both");
         if (!(duration > 0))
             return lw_json_fault(object, e, "a move by a law needs its \"duration\" [s]");
     } else {
         lw_axis_state from = { *at, 0, 0 }, there = { to, 0, 0 };
-        s = duration > 0 ? lw_profile_make_timed(from, there, limits, duration, &m->profile, NULL, &inner)
-                         : lw_profile_make(from, there, limits, 0, &m->profile, &inner);
+        lw_axis_limits own = *limits;
+        if (power > 0 && !(mass > 0))
+            return lw_json_fault(object, e, "a limit of \"power\" needs the \"mass\" [kg] beside \"moves\"");
+        if (power > 0)
+            lw_profile_limit_power(m->way, power, mass, &own);
+        if (frequency > 0 && isinf(own.a[1]))
+            return lw_json_fault(object, e, "\"frequency\" needs a limit of \"acceleration\"");
+        if (frequency > 0)
+            lw_profile_limit_frequency(m->way, frequency, &own);
+        s = duration > 0 ? lw_profile_make_timed(from, there, &own, duration, &m->profile, NULL, &inner)
+                         : lw_profile_make(from, there, &own, 0, &m->profile, &inner);
         if (s != LW_OK)
             return lw_json_fault(object, e, "%s", inner.text);
         m->duration = m->profile.duration;
@@ -51,10 +64,10 @@ static lw_status read_move(const lw_json_node *object, const lw_axis_limits *lim
 lw_status lw_moves_read(const lw_json_node *object, lw_moves *m, lw_error *e)
 {
     lw_json_node moves;
-    double v = 0, a = 0, j = INFINITY, at = 0, time = 0;
+    double v = 0, a = 0, j = INFINITY, at = 0, time = 0, mass = 0;
     const lw_number_key numbers[] = { { "speed", 1, LW_POSITIVE, &v, NULL }, { "acceleration", 1, LW_POSITIVE, &a, NULL },
                                       { "jerk", 1, LW_POSITIVE, &j, NULL }, { "from", 1, LW_ANY, &at, NULL },
-                                      { "start", 1, LW_ANY, &time, NULL } };
+                                      { "start", 1, LW_ANY, &time, NULL }, { "mass", 1, LW_POSITIVE, &mass, NULL } };
     lw_status s = lw_read_need(object, "moves", &moves, e);
     if (s == LW_OK && (s = lw_read_list(&moves, 1, SIZE_MAX, e)) == LW_OK)
         s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
@@ -63,7 +76,7 @@ lw_status lw_moves_read(const lw_json_node *object, lw_moves *m, lw_error *e)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&moves); i++) {
         lw_json_node one = lw_json_element(&moves, i);
-        s = read_move(&one, &limits, m, &at, &time, e);
+        s = read_move(&one, &limits, mass, m, &at, &time, e);
     }
     return s;
 }

@@ -173,7 +173,7 @@ static lw_status read_encoder(const lw_json_node *root, lw_servo *p, lw_error *e
 
 static lw_status read_motion(const lw_json_node *root, lw_servo *p, lw_error *e)
 {
-    static const char *const known[] = { "expression", "speed", "acceleration", "jerk", "from", "start", "moves" };
+    static const char *const known[] = { "expression", "speed", "acceleration", "jerk", "from", "start", "mass", "moves" };
     lw_json_node n, moves;
     bool given;
     lw_status s = PART(root, "motion", known, true, &n, &given);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include "grammar/master.h"
 #include "grammar/model.h"
+#include "grammar/spatial.h"
 #include "surface/surface.h"
 
 static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)
@@ -60,16 +61,32 @@ lw_status lw_variant_text(lw_variant *variant, char **out, size_t *size, lw_erro
     return LW_OK;
 }
 
-lw_status lw_variant_model(lw_variant *variant, lw_model **out, lw_error *error)
+/* Expand and read as one of both; the other is NULL. */
+static lw_status make(lw_variant *variant, lw_model **planar, lw_spatial **spatial, lw_error *error)
 {
     lw_expansion x;
-    *out = NULL;
     lw_status s = lw_variant_expand(variant, &x, error);
     if (s != LW_OK)
         return s;
-    s = lw_model_parse(x.text, x.size, "", out, error);
-    if (s != LW_OK)
+    if (lw_spatial_text(x.text, x.size) != !planar)
+        s = lw_error_set(error, LW_E_KIND, planar ? "this model is spatial: lw_variant_spatial makes it" :
+                         "this model is planar: lw_variant_model makes it");
+    else if (s == LW_OK)
+        s = planar ? lw_model_parse(x.text, x.size, "", planar, error) : lw_spatial_parse(x.text, x.size, "", spatial, error);
+    if (s != LW_OK && s != LW_E_KIND)
         lw_expansion_fault(&x, error);
     lw_expansion_free(&x);
     return s;
+}
+
+lw_status lw_variant_model(lw_variant *variant, lw_model **out, lw_error *error)
+{
+    *out = NULL;
+    return make(variant, out, NULL, error);
+}
+
+lw_status lw_variant_spatial(lw_variant *variant, lw_spatial **out, lw_error *error)
+{
+    *out = NULL;
+    return make(variant, NULL, out, error);
 }

@@ -29,6 +29,85 @@ TEST(hand_written)
            "$D/boom-rigid.json.csv", 0, "52", NULL);
 }
 
+/* The second column of a row of CSV that begins with `start`. */
+static double second(const char *out, const char *start, int column)
+{
+    const char *at = strstr(out, start);
+    for (int i = 1; at && i < column; i++)
+        at = strchr(at + (i > 1 || *at != '\n'), ',') ? strchr(at + (i > 1 || *at != '\n'), ',') + 1 : NULL;
+    return at ? strtod(at, NULL) : NAN;
+}
+
+/* DELTA and gantry in space: the hand-written files give every column of simulate in the same bits. */
+TEST(hand_written_in_space)
+{
+    static const char *const families[][2] = { { "delta", "--configuration optimum" }, { "gantry", "" } };
+    for (int i = 0; i < 2; i++) {
+        char command[900];
+        const char *n = families[i][0];
+        snprintf(command, sizeof command, "$P family expand examples/families/%s.json %s -o $D/%s.json && for f in $D/%s.json "
+                 "tests/data/family/%s-hand.json; do $P simulate $f --to 0.1 -n 20 -q | grep -v '^#' > $D/$(basename $f).csv; "
+                 "done; wc -l < $D/%s.json.csv && cmp $D/%s.json.csv $D/%s-hand.json.csv", n, families[i][1], n, n, n, n, n, n);
+        expect(command, 0, "22", NULL);
+    }
+}
+
+/* The best ratio of a DELTA's links by the inertia of its motors: known from an independent model. */
+TEST(best_delta)
+{
+    static const double known[][2] = { { 0.10, 0.616 }, { 0.11, 0.636 }, { 0.12, 0.656 } };
+    for (int i = 0; i < 3; i++) {
+        char command[300];
+        snprintf(command, sizeof command, "$P family optimise examples/families/delta.json --vary p1 --minimise 'peak(*.drive)' "
+                 "--set motor_inertia=%g --to 0.1 -n 100", known[i][0]);
+        ran r = run(command);
+        CHECK_INT(r.code, 0);
+        CHECK_NEAR(strtod(r.out + 2, NULL), known[i][1], 1.2e-3, 0);
+        ran_free(&r);
+    }
+}
+
+/* Figures of all drives, of robots and of `trace` are those that the other commands give. */
+TEST(figures_of_other_commands)
+{
+    static const char four[] =
+        "{\"linkwright\": 1, \"family\": \"four-bars\", \"parameters\": {\"d\": {\"value\": 4, \"unit\": \"m\", \"range\": [2, 9]}}, "
+        "\"model\": {\"links\": [\"ground\", \"crank\", \"coupler\", \"rocker\"], \"joints\": ["
+        "{\"name\": \"A\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"crank\", \"coupler\"], "
+        "\"at\": [0, 1]}, {\"name\": \"C\", \"links\": [\"coupler\", \"rocker\"], \"at\": [3, 3]}, {\"name\": \"D\", \"links\": [\"rocker\", "
+        "\"ground\"], \"at\": [\"=d\", 0]}], \"input\": {\"joint\": \"A\"}}}";
+    char command[1600];
+    ran r = run("$P family sweep examples/families/delta.json --vary p1=0.4:0.5:2 --to 0.1 --measure "
+                "'peak(*.drive),peak(M1.drive),peak(M2.drive),min(*.rate),min(M1.rate),min(M2.rate),condition(tool)'");
+    CHECK_INT(r.code, 0);
+    CHECK(second(r.out, "\n0.5,", 2) == fmax(second(r.out, "\n0.5,", 3), second(r.out, "\n0.5,", 4)));
+    CHECK(second(r.out, "\n0.5,", 5) == fmin(second(r.out, "\n0.5,", 6), second(r.out, "\n0.5,", 7)));
+    double condition = second(r.out, "\n0.5,", 8);
+    ran_free(&r);
+    r = run("$P family expand examples/families/delta.json --set p1=0.5 -o $D/d.json && for x in -0.2 0 0.2; do $P robot jacobian "
+            "$D/d.json --tool-at=$x,0,-0.65 | grep -i 'condition'; done");
+    double most = 0;
+    for (const char *at = r.out; (at = strstr(at, "ondition")); at++) {
+        const char *digit = strpbrk(at, "0123456789");
+        most = digit ? fmax(most, strtod(digit, NULL)) : most;
+    }
+    CHECK_NEAR(condition, most, 0, 1e-4);
+    ran_free(&r);
+    snprintf(command, sizeof command, "echo '%s' > $D/four.json; $P family sweep $D/four.json --vary d=4:5:2 --measure "
+             "'arc(range),arc(transmission),arc(first)'; $P family expand $D/four.json -q | $P trace - -n 1 2>/dev/null", four);
+    r = run(command);
+    CHECK_INT(r.code, 0);
+    const char *arc = strstr(r.out, "transmission ");
+    arc = arc ? strstr(arc + 1, "transmission ") : NULL;
+    CHECK(arc != NULL);
+    if (arc)
+        CHECK_NEAR(second(r.out, "\n4,", 3), strtod(arc + 13, NULL), 1e-4, 0);
+    CHECK_NEAR(second(r.out, "\n4,", 2), 8*atan(1), 1e-9, 0);
+    ran_free(&r);
+    expect("$P family sweep $D/four.json --vary d=4:5:2 --measure 'arc(span)'", 2, NULL, "arc(first), arc(last)");
+    expect("$P family sweep " LOADER " --vary reach=2:3:2 --measure 'condition(edge)'", 3, NULL, "spatial models");
+}
+
 TEST(tables_and_checks)
 {
     ran r = run("$P family table " LOADER);
@@ -49,15 +128,6 @@ TEST(tables_and_checks)
     expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1,
            "the bucket stays above the ground (2.2 m against 2 m)", NULL);
     expect("$P family check " LOADER " --set 'drop=2.2,pin_height=2'", 1, "15 models, 3 failed", NULL);
-}
-
-/* The second column of a row of CSV that begins with `start`. */
-static double second(const char *out, const char *start, int column)
-{
-    const char *at = strstr(out, start);
-    for (int i = 1; at && i < column; i++)
-        at = strchr(at + (i > 1 || *at != '\n'), ',') ? strchr(at + (i > 1 || *at != '\n'), ',') + 1 : NULL;
-    return at ? strtod(at, NULL) : NAN;
 }
 
 /* Figures of a sweep are those of `simulate`; the boom weighs rho 2 t h l with h = l/10: exponents of the

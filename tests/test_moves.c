@@ -134,3 +134,21 @@ TEST(bad_moves_are_refused)
     refused("{'name': 'go', 'speed': 1, 'acceleration': 1, 'moves': []}", "0", "moves");
     refused("{'name': 'go', 'moves': [{'to': 1, 'law': 'cycloid'}]}", "0", "\"duration\"");
 }
+
+/* A move by power takes three equal thirds, one for an oscillation leaves it at rest. */
+TEST(power_and_frequency)
+{
+    read_model("{'name': 'go', 'speed': 9, 'acceleration': 20, 'jerk': 400, 'moves': [{'to': 1, 'frequency': 7}]}, "
+               "{'name': 'far', 'mass': 2, 'moves': [{'to': 1, 'power': 100}]}", "'input': {'joint': 'S', 'motion': 'profile(go)'}");
+    const lw_moves *m = &d.model.profile[0];
+    double re = 0, im = 0, w = 8*atan(1)*7;
+    enum { N = 200000 };
+    for (int i = 0; i < N; i++) {                            /* the acceleration has no part at 7 Hz */
+        double t = m->end*(i + 0.5)/N, a = lw_moves_at(m, t).a*m->end/N;
+        re += a*cos(w*t);
+        im += a*sin(w*t);
+    }
+    CHECK_NEAR(hypot(re, im), 0, 1e-6, 0);
+    CHECK_NEAR(d.model.profile[1].end, 3*pow(2, -2/3.0)*pow(0.02, 1/3.0), 1e-11, 0);
+    lw_model_free(&d.model);
+}

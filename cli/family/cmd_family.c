@@ -83,8 +83,9 @@ static const cli_action actions[] = {
       "model. A figure is\n"
       "FUNCTION(COLUMN) over a run as of 'linkwright simulate': peak (greatest magnitude), max, min, mean, rms, "
       "range, first,\n"
-      "last, integral of a column, such as rms(lift.drive), and NAME.power of a drive; frequency(K), the K-th natural "
-      "frequency; or\n"
+      "last, integral of a column, such as rms(lift.drive), and NAME.power of a drive; *.drive is all drives at once.\n"
+      "frequency(K) is the K-th natural frequency, condition(TOOL) the greatest condition number of a robot, arc(range) and\n"
+      "arc(transmission) what 'linkwright trace' says of a linkage with one input (docs/family.md). Any other figure is\n"
       "a formula over parameters and derived values. A variant that fails has empty figures and the reason.\n",
       1, 1, cli_family_sweep, CLI_MASTER },
     { "optimise", "MASTER.json --vary NAME,... --minimise FIGURE",

@@ -8,10 +8,12 @@
 #include "cli/motion/table.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
+#include "mbs/space/robot.h"
 
-enum { PEAK, MAX, MIN, MEAN, RMS, RANGE, FIRST, LAST, INTEGRAL, FREQUENCY };
+enum { PEAK, MAX, MIN, MEAN, RMS, RANGE, FIRST, LAST, INTEGRAL, OF_COLUMN = INTEGRAL, FREQUENCY, ARC,
+       CONDITION, FIGURES };
 static const char *const figures[] = { "peak", "max", "min", "mean", "rms", "range", "first", "last", "integral",
-                                       "frequency" };
+                                       "frequency", "arc", "condition" };
 
 static const char *trim(char *text)
 {
@@ -30,7 +32,7 @@ static void read_one(cli_measure *m)
     if (!open || m->text[n - 1] != ')')
         return;
     snprintf(inside, sizeof inside, "%.*s", (int)(n - 2 - word), open + 1);
-    for (int i = 0; i <= FREQUENCY && !strpbrk(inside, ",()+*/"); i++)
+    for (int i = 0; i < FIGURES && !strpbrk(inside + (inside[0] == '*'), ",()+*/"); i++)
         if (strlen(figures[i]) == word && strncmp(figures[i], m->text, word) == 0) {
             snprintf(m->column, sizeof m->column, "%s", trim(inside));
             m->figure = i;
@@ -219,12 +221,88 @@ static lw_status frequencies(const lw_model *model, int n, cli_measure *m, doubl
     return s;
 }
 
+/* What `trace` says of the arc that holds the posture of the file. */
+static lw_status take_arc(void *context, const lw_input_range *range)
+{
+    if (range->own)
+        *(lw_input_range *)context = *range;
+    return LW_OK;
+}
+
+static lw_status arcs(const lw_model *model, int n, cli_measure *m, double *value, lw_error *e)
+{
+    lw_kinematics *k = NULL;
+    lw_input_range own = { .first = NAN };
+    const lw_linkage *linkage = lw_model_linkage(model);
+    lw_status s = linkage ? lw_kinematics_create(linkage, &k, e) : lw_error_set(e, LW_E_KIND, "this model is too large for arcs");
+    if (s == LW_OK && (s = lw_kinematics_ranges(k, take_arc, &own)) != LW_OK)
+        lw_error_set(e, s, "the range of the input is not known: %s", lw_status_text(s));
+    else if (s == LW_OK && isnan(own.first))
+        s = lw_error_set(e, LW_OPEN, "no arc holds the posture of the file");
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        static const char *const parts[] = { "first", "last", "range", "transmission" };
+        const lw_input *in = &model->linkage.input[0];
+        bool slides = lw_joint_slides(model->linkage.joint[in->joint].kind);
+        double unit = slides ? model->linkage.units.metre : model->linkage.units.radian;
+        double offset = in->value - lw_kinematics_input(k);              /* as the file counts */
+        const double values[] = { (own.first + offset)/unit, (own.last + offset)/unit, (own.last - own.first)/unit,
+                                  own.transmission[0]*180/LW_PI };
+        int which = 0;
+        if (m[i].figure != ARC)
+            continue;
+        while (which < 4 && strcmp(m[i].column, parts[which]) != 0)
+            which++;
+        if (which == 4) {
+            s = lw_error_set(e, LW_E_ARG, "%s: expected arc(first), arc(last), arc(range) or arc(transmission)", m[i].text);
+            break;
+        }
+        value[i] = values[which];
+        const char *length = model->linkage.units.length;
+        snprintf(m[i].unit, sizeof m[i].unit, "%s", which == 3 ? "deg" : !slides ? model->linkage.units.angle : *length ? length
+                 : "m");
+    }
+    lw_kinematics_destroy(k);
+    return s;
+}
+
+/* Greatest condition number of a tool along its path in the run. */
+static lw_status condition(const lw_spatial *spatial, const cli_table *t, cli_measure *m, double *value, lw_error *e)
+{
+    enum { PLACES = 40 };
+    char name[3][160];
+    int column[3];
+    lw_robot r;
+    lw_robot_pose pose;
+    if (!spatial)
+        return lw_error_set(e, LW_E_KIND, "%s: condition numbers are known of spatial models with drives and a tool", m->text);
+    for (int k = 0; k < 3; k++) {
+        snprintf(name[k], sizeof name[k], "%s.%c", m->column, 'x' + k);
+        column[k] = cli_table_find(t, name[k]);
+    }
+    lw_status s = lw_robot_make(spatial, m->column, &r, e);
+    bool made = s == LW_OK;
+    *value = 0;
+    strcpy(m->unit, "1");
+    for (int i = 0; s == LW_OK && i <= PLACES; i++) {
+        size_t row = (t->n_row - 1)*(size_t)i/PLACES;
+        double f = spatial->units.metre;
+        lw_vec3 at = { f*cli_table_at(t, row, column[0]), f*cli_table_at(t, row, column[1]), f*cli_table_at(t, row, column[2]) };
+        s = lw_robot_move(&r, at, NULL, e);
+        if (s == LW_OK && (s = lw_robot_measure(&r, &pose, e)) == LW_OK)
+            *value = fmax(*value, pose.condition);
+    }
+    if (made)
+        lw_robot_free(&r);
+    return s;
+}
+
 lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measure *m, double *value, lw_error *e)
 {
-    bool run = false, vibrates = false;
+    bool run = false, vibrates = false, turns = false;
     for (int i = 0; i < n; i++) {
-        run = run || (m[i].figure >= 0 && m[i].figure != FREQUENCY);
+        run = run || (m[i].figure >= 0 && m[i].figure <= OF_COLUMN) || m[i].figure == CONDITION;
         vibrates = vibrates || m[i].figure == FREQUENCY;
+        turns = turns || m[i].figure == ARC;
     }
     lw_status s = lw_variant_hold_checks(v, e);
     for (int i = 0; s == LW_OK && i < n; i++)
@@ -233,7 +311,7 @@ lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measu
             snprintf(text, sizeof text, "%s: %.300s", m[i].text, e->text);
             s = lw_error_set(e, s == LW_E_NOTATION ? LW_E_ARG : s, "%s", text);
         }
-    if (s != LW_OK || (!run && !vibrates))
+    if (s != LW_OK || (!run && !vibrates && !turns))
         return s;
     lw_expansion x = { 0 };
     lw_model *model;
@@ -244,11 +322,15 @@ lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measu
         s = lw_error_set(e, LW_E_KIND, "natural frequencies are known of planar models only");
     if (s == LW_OK && vibrates)
         s = frequencies(model, n, m, value, e);
+    if (s == LW_OK && turns)
+        s = spatial ? lw_error_set(e, LW_E_KIND, "arcs are known of planar linkages only") : arcs(model, n, m, value, e);
     if (s == LW_OK && run)
         s = run_model(call, model, spatial, &t, e);
     for (int i = 0; s == LW_OK && i < n; i++)
-        if (m[i].figure >= 0 && m[i].figure != FREQUENCY)
+        if (m[i].figure >= 0 && m[i].figure <= OF_COLUMN)
             s = figure_of(&t, &m[i], &value[i], e);
+        else if (m[i].figure == CONDITION)
+            s = condition(spatial, &t, &m[i], &value[i], e);
     if (s != LW_OK && s != LW_E_ARG)
         lw_expansion_fault(&x, e);
     cli_table_free(&t);
