@@ -53,10 +53,7 @@ static int time_alone(void *context, const char *word, const char *name, char *w
 const struct lw_moves *lw_model_find_profile(void *context, const char *name)
 {
     const lw_model *m = context;
-    for (int i = 0; i < m->n_profile; i++)
-        if (strcmp(name, m->profile[i].name) == 0)
-            return &m->profile[i];
-    return NULL;
+    return lw_moves_find(m->n_profile, m->profile, name);
 }
 
 static double earlier(double than, const lw_expression *x, double t)

@@ -275,31 +275,6 @@ static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_e
     return s == LW_OK ? lw_model_read_expression(input, "motion", m, LW_OF_TIME, &m->motion[i], e) : s;
 }
 
-static lw_status read_profiles(const lw_json_node *root, lw_model *m, lw_error *e)
-{
-    static const char *const known[] = { "name", "speed", "acceleration", "jerk", "from", "start", "mass", "moves" };
-    lw_json_node all, n;
-    if (!lw_json_member(root, "profiles", &all))
-        return LW_OK;
-    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
-    if (s == LW_OK && !(m->profile = calloc(lw_json_count(&all) + 1, sizeof *m->profile)))
-        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
-        lw_json_node one = lw_json_element(&all, i);
-        lw_moves *p = &m->profile[m->n_profile];
-        s = lw_json_expect(&one, LW_JSON_OBJECT, e);
-        if (s == LW_OK && (s = lw_json_known_keys(&one, known, COUNT(known), e)) == LW_OK &&
-            (s = lw_read_need(&one, "name", &n, e)) == LW_OK)
-            s = lw_json_name(&n, p->name, sizeof p->name, e);
-        if (s == LW_OK && lw_model_find_profile(m, p->name))
-            s = lw_json_fault(&n, e, "there are two profiles with the name \"%s\"", p->name);
-        m->n_profile++;
-        if (s == LW_OK)
-            s = lw_moves_read(&one, p, e);
-    }
-    return s;
-}
-
 static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e)
 {
     lw_json_node one, many;
@@ -678,7 +653,7 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
     if (s == LW_OK)
         s = read_bodies(root, m, e);
     if (s == LW_OK)
-        s = read_profiles(root, m, e);
+        s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e);
     if (s == LW_OK)
         s = read_motions(root, m, e);
     if (s == LW_OK)

@@ -81,6 +81,39 @@ lw_status lw_moves_read(const lw_json_node *object, lw_moves *m, lw_error *e)
     return s;
 }
 
+const lw_moves *lw_moves_find(int n, const lw_moves *all, const char *name)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(name, all[i].name) == 0)
+            return &all[i];
+    return NULL;
+}
+
+lw_status lw_moves_read_profiles(const lw_json_node *root, int *count, lw_moves **out, lw_error *e)
+{
+    static const char *const known[] = { "name", "speed", "acceleration", "jerk", "from", "start", "mass", "moves" };
+    lw_json_node all, n;
+    if (!lw_json_member(root, "profiles", &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    if (s == LW_OK && !(*out = calloc(lw_json_count(&all) + 1, sizeof **out)))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        lw_moves *p = &(*out)[*count];
+        s = lw_json_expect(&one, LW_JSON_OBJECT, e);
+        if (s == LW_OK && (s = lw_json_known_keys(&one, known, COUNT(known), e)) == LW_OK &&
+            (s = lw_read_need(&one, "name", &n, e)) == LW_OK)
+            s = lw_json_name(&n, p->name, sizeof p->name, e);
+        if (s == LW_OK && lw_moves_find(*count, *out, p->name))
+            s = lw_json_fault(&n, e, "there are two profiles with the name \"%s\"", p->name);
+        ++*count;
+        if (s == LW_OK)
+            s = lw_moves_read(&one, p, e);
+    }
+    return s;
+}
+
 void lw_moves_free(lw_moves *m)
 {
     free(m->move);

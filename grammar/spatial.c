@@ -28,7 +28,9 @@ void lw_spatial_free(lw_spatial *m)
             lw_expression_free(m->force[i].force[k]);
             lw_expression_free(m->force[i].torque[k]);
         }
-    void *const array[] = { m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
+    for (int i = 0; m->profile && i < m->n_profile; i++)
+        lw_moves_free(&m->profile[i]);
+    void *const array[] = { m->profile, m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
                             m->force, m->motor };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
@@ -41,10 +43,17 @@ static int time_alone(void *context, const char *word, const char *name, char *w
     return strcmp(word, "t") == 0 && !name ? LW_VARIABLE_T : -1;
 }
 
+const struct lw_moves *lw_spatial_find_profile(void *context, const char *name)
+{
+    const lw_spatial *m = context;
+    return lw_moves_find(m->n_profile, m->profile, name);
+}
+
 lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_error *e)
 {
     lw_expression *x;
-    lw_status s = lw_expression_parse(motion, strlen(motion), time_alone, NULL, &x, e);
+    lw_expression_words words = { .context = m, .variable = time_alone, .moves = lw_spatial_find_profile };
+    lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
     if (s != LW_OK)
         return s;
     lw_expression_free(m->input[i].motion);

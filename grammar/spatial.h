@@ -123,6 +123,8 @@ typedef struct lw_spatial {
     lw_spatial_joint_spring *joint_spring;
     lw_spatial_force        *force;
     lw_spatial_motor        *motor;
+    int                      n_profile;
+    lw_moves                *profile;    /* of profile(name) in expressions                            */
     lw_vec3  gravity;                    /* [m/s^2]                                                    */
     lw_units units;
 } lw_spatial;
@@ -149,6 +151,9 @@ lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_err
 /* The greatest distance of a joint, tracer or centre of mass from the middle of them, at least 1e-9 m: the size that
  * tolerances refer to. */
 double lw_spatial_size(const lw_spatial *m);
+
+/* The profile of a name, for expressions; context: the model. */
+const struct lw_moves *lw_spatial_find_profile(void *context, const char *name);
 
 /* A name for messages: "A", or "x of P" of a tracer. */
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size);

@@ -192,6 +192,12 @@ static int look_up_variable(void *context, const char *word, const char *name, c
     return -1;
 }
 
+static const struct lw_moves *find_profile(void *context, const char *name)
+{
+    const lw_spatial *m = ((const look *)context)->m;
+    return lw_moves_find(m->n_profile, m->profile, name);
+}
+
 /* Numbers are expressions too. */
 static lw_status read_expression(const lw_json_node *object, const char *key, const lw_spatial *m, scope sc,
                                  lw_expression **out, lw_error *e)
@@ -212,7 +218,8 @@ static lw_status read_expression(const lw_json_node *object, const char *key, co
     }
     if (!text)
         return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
-    lw_status s = lw_expression_parse(text, strlen(text), look_up_variable, &l, out, &inner);
+    lw_expression_words words = { .context = &l, .variable = look_up_variable, .moves = find_profile };
+    lw_status s = lw_expression_parse_words(text, strlen(text), &words, out, &inner);
     if (s == LW_OK)
         return s;
     *out = NULL;
@@ -853,7 +860,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
                                          "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces",
-                                         "motors" };
+                                         "motors", "profiles" };
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK)
@@ -879,7 +886,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
     if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
         (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
         (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK &&
-        (s = read_inputs(root, m, e)) == LW_OK)
+        (s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e)) == LW_OK && (s = read_inputs(root, m, e)) == LW_OK)
         s = read_drives(root, m, e);
     if (s == LW_OK && lw_json_member(root, "gravity", &n))
         s = lw_read_triple(&n, 1, &m->gravity, e);

@@ -1,5 +1,6 @@
 /* Lists of moves: exact series, kinks, and models that follow them. */
 #include "grammar/motion_law.h"
+#include "grammar/spatial.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -151,4 +152,25 @@ TEST(power_and_frequency)
     CHECK_NEAR(hypot(re, im), 0, 1e-6, 0);
     CHECK_NEAR(d.model.profile[1].end, 3*pow(2, -2/3.0)*pow(0.02, 1/3.0), 1e-11, 0);
     lw_model_free(&d.model);
+}
+
+/* The same profile in a model in space. */
+TEST(profile_in_space)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"cart\", \"mass\": 2, \"centre\": [0, 0, 0], "
+        "\"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"cart\"], "
+        "\"at\": [0, 0, 0], \"axis\": [1, 0, 0]}], \"profiles\": [{\"name\": \"go\", \"acceleration\": 20, \"jerk\": 400, "
+        "\"moves\": [{\"to\": 1}]}], \"inputs\": [{\"joint\": \"S\", \"motion\": \"%s\"}]}";
+    char own[900];
+    lw_spatial m;
+    lw_error e = { 0 };
+    snprintf(own, sizeof own, text, "0.1 + 2*profile(go)");
+    CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_OK);
+    CHECK_NEAR(m.profile[0].end, 0.5, 1e-12, 0);
+    for (double t = -0.1; t < 0.7; t += 0.05)
+        CHECK_NEAR(lw_expression_value(m.input[0].motion, &t), 0.1 + 2*lw_moves_at(&m.profile[0], t).x, 1e-15, 0);
+    lw_spatial_free(&m);
+    snprintf(own, sizeof own, text, "profile(gone)");
+    CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "gone");
 }
