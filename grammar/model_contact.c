@@ -55,7 +55,7 @@ static lw_status read_shape(const lw_json_node *object, int link, lw_model *m, l
     }
     const lw_number_key thick = { "radius", metre, 0, INFINITY, &p->radius, &radius };
     if (s == LW_OK)
-        s = lw_model_read_numbers(object, &thick, 1, e);
+        s = lw_read_numbers(object, &thick, 1, e);
     if (s == LW_OK && circle && !(p->radius > 0))
         s = lw_json_fault(object, e, "a circle needs a \"radius\" greater than 0");
     if (s == LW_OK && radius && (polygon || p->kind == LW_CONTOUR_LINE))
@@ -103,7 +103,7 @@ static lw_status read_surface(const lw_json_node *object, bool rope, lw_surface 
         { "friction_speed", 1, LW_POSITIVE, &p->friction_speed, NULL },
     };
     *p = (lw_surface){ .exponent = 1 };
-    lw_status s = lw_model_read_numbers(object, numbers, rope ? 4 : COUNT(numbers), e);
+    lw_status s = lw_read_numbers(object, numbers, rope ? 4 : COUNT(numbers), e);
     if (s != LW_OK)
         return s;
     if (p->stiffness > 0 && lw_json_member(object, "restitution", &n))
@@ -137,7 +137,7 @@ lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_mod
     lw_contact *c = &m->contact[m->n_contact++];
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_model_read_name(object, "contact", index, c->name, e)) == LW_OK &&
+        (s = lw_read_own_name(object, "contact", index, c->name, e)) == LW_OK &&
         (s = read_pair_of_links(object, m, c->link, e)) == LW_OK)
         s = read_surface(object, false, &c->surface, e);
     for (int end = 0; s == LW_OK && end < 2; end++) {
@@ -158,7 +158,7 @@ lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model 
     lw_json_node at;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_model_read_name(object, "rope", index, r->name, e)) == LW_OK &&
+        (s = lw_read_own_name(object, "rope", index, r->name, e)) == LW_OK &&
         (s = read_pair_of_links(object, m, r->link, e)) == LW_OK && (s = lw_read_need(object, "at", &at, e)) == LW_OK)
         s = lw_read_list(&at, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
@@ -170,7 +170,7 @@ lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model 
     double apart = lw_v2_norm(lw_v2_sub(r->at[1], r->at[0]));
     const lw_number_key length = { "length", m->linkage.units.metre, LW_POSITIVE, &r->length, NULL };
     r->length = apart;
-    s = lw_model_read_numbers(object, &length, 1, e);
+    s = lw_read_numbers(object, &length, 1, e);
     if (s == LW_OK && !(r->length > 0))
         s = lw_json_fault(object, e, "the ends of the rope are at one point: give its \"length\"");
     if (s == LW_OK && apart > r->length*(1 + 1e-9))

@@ -21,7 +21,7 @@ static lw_status read_elastic_damping(const lw_json_node *n, lw_elastic *p, lw_e
     const lw_number_key numbers[] = { { "ratio", 1, 0, 1, &ratio, NULL }, { "at", 1, LW_POSITIVE, &at, NULL } };
     lw_status s = lw_json_known_keys(n, known, COUNT(known), e);
     if (s == LW_OK && (s = lw_read_need(n, "ratio", &need, e)) == LW_OK && (s = lw_read_need(n, "at", &need, e)) == LW_OK)
-        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(n, numbers, COUNT(numbers), e);
     p->damping = s == LW_OK ? ratio/(LW_PI*at) : 0;
     return s;
 }
@@ -81,7 +81,7 @@ lw_status lw_model_read_elastic(const lw_json_node *link, const lw_json_node *n,
     if (s == LW_OK && lw_json_member(n, "frequency", &at) && p->segments)
         s = lw_json_fault(&at, e, "\"frequency\" is for \"segments\": \"auto\"; keep one");
     if (s == LW_OK)
-        s = lw_model_read_numbers(n, &frequency, 1, e);
+        s = lw_read_numbers(n, &frequency, 1, e);
     if (s == LW_OK && lw_json_member(n, "damping", &at))
         s = read_elastic_damping(&at, p, e);
     if (s == LW_OK && lw_json_member(n, "mass", &at))

@@ -3,20 +3,12 @@
 #define LW_GRAMMAR_MODEL_INTERNAL_H
 
 #include "grammar/model.h"
-#include "grammar/json_internal.h"
+#include "grammar/read_internal.h"
 
 /* Zeroed arrays for the links, joints and inputs of m->linkage.  After LW_E_MEMORY too, m needs lw_model_free. */
 lw_status lw_model_reserve(lw_model *m);
 
 /* ---- shared by the files that read models --------------------------------------------------------------- */
-
-/* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
-typedef struct lw_number_key { const char *key; double unit, least, most, *out; bool *given; } lw_number_key;
-
-#define LW_POSITIVE 1e-300, INFINITY
-#define LW_ANY -INFINITY, INFINITY
-
-lw_status lw_model_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e);
 
 /* The variables that an expression may use: t; those of the whole model; of a spring's or a joint's law. */
 typedef enum { LW_OF_TIME, LW_OF_STATE, LW_OF_LENGTH, LW_OF_DISPLACEMENT } lw_expression_scope;
@@ -27,10 +19,6 @@ lw_status lw_model_read_expression(const lw_json_node *object, const char *key, 
 
 /* The profile of a name; context: the model.  NULL: none. */
 const struct lw_moves *lw_model_find_profile(void *context, const char *name);
-
-/* The name of a load, or "spring 2" when it has none. */
-lw_status lw_model_read_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE],
-                             lw_error *e);
 
 /* The joint of a load: a pin or a slider. */
 lw_status lw_model_read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint, lw_error *e);

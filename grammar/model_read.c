@@ -12,46 +12,11 @@
 #include "base/number.h"
 #include "grammar/read_internal.h"
 
-/* ---- numbers ----------------------------------------------------------------------------------- */
-
-static lw_status read_number(const lw_json_node *object, const lw_number_key *want, lw_error *e)
-{
-    bool given;
-    lw_json_node n;
-    lw_status s = lw_read_optional(object, want->key, want->unit, want->out, &given, e);
-    if (want->given)
-        *want->given = given;
-    if (s != LW_OK || !given || (*want->out >= want->least && *want->out <= want->most))
-        return s;
-    lw_json_member(object, want->key, &n);
-    if (want->least == 0 && want->most == INFINITY)
-        return lw_json_fault(&n, e, "this must not be negative");
-    if (want->most == INFINITY)
-        return lw_json_fault(&n, e, "this must be greater than 0");
-    return lw_json_fault(&n, e, "this must lie between %g and %g", want->least, want->most);
-}
-
-lw_status lw_model_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e)
-{
-    lw_status s = LW_OK;
-    for (int i = 0; s == LW_OK && i < n; i++)
-        s = read_number(object, &want[i], e);
-    return s;
-}
-
 /* ---- expressions ------------------------------------------------------------------------------- */
 
 typedef struct look { lw_model *m; lw_expression_scope scope; } look;
 
 #define WHY_SIZE 128      /* of grammar/expression.h */
-
-static int find_name(const char *name, const char *first, size_t stride, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (strcmp(name, first + (size_t)i*stride) == 0)
-            return i;
-    return -1;
-}
 
 /* A variable of the state of the linkage: word(name). */
 static int look_up_state(const lw_assembly *assembly, const char *word, const char *name, char *why)
@@ -70,11 +35,11 @@ static int look_up_state(const lw_assembly *assembly, const char *word, const ch
             snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
             return -1;
         }
-        int at = of == 'j'   ? find_name(name, (const char *)assembly->joint + offsetof(lw_joint, name),
+        int at = of == 'j'   ? lw_read_find(name, (const char *)assembly->joint + offsetof(lw_joint, name),
                                          sizeof *assembly->joint, assembly->n_joint)
-                 : of == 't' ? find_name(name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
+                 : of == 't' ? lw_read_find(name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
                                          sizeof *assembly->tracer, assembly->n_tracer)
-                             : find_name(name, (const char *)assembly->link_name, sizeof *assembly->link_name,
+                             : lw_read_find(name, (const char *)assembly->link_name, sizeof *assembly->link_name,
                                          assembly->n_link);
         if (at < 0)
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
@@ -100,9 +65,9 @@ static int look_up_named(const lw_model *m, const char *word, const char *name, 
     }
     int at = -1;
     if (state && m->n_state)
-        at = find_name(name, m->state->name, sizeof *m->state, m->n_state);
+        at = lw_read_find(name, m->state->name, sizeof *m->state, m->n_state);
     else if (!state && m->n_spring)
-        at = find_name(name, m->spring->name, sizeof *m->spring, m->n_spring);
+        at = lw_read_find(name, m->spring->name, sizeof *m->spring, m->n_spring);
     if (at < 0)
         snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"%s", state ? "state" : "spring or cylinder between two points",
                  name, state ? " (those of motors: NAME.current; of cylinders: NAME.p1)" : "");
@@ -228,7 +193,7 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
     bool centre = lw_json_member(link, "centre", &n);
     lw_status s = centre ? lw_read_pair(&n, m->linkage.units.metre, &b->centre, e) : LW_OK;
     if (s == LW_OK)
-        s = lw_model_read_numbers(link, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(link, numbers, COUNT(numbers), e);
     if (s == LW_OK && !b->given && (centre || lw_json_member(link, "inertia", &n)))
         s = lw_json_fault(link, e, "link \"%s\" has %s but no \"mass\"; write one [kg], 0 is allowed",
                           m->linkage.link_name[i], centre ? "a centre of mass" : "an inertia");
@@ -236,7 +201,7 @@ static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_erro
         s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts",
                           m->linkage.link_name[i]);
     if (s == LW_OK)
-        s = read_number(link, &omega, e);
+        s = lw_read_numbers(link, &omega, 1, e);
     if (s == LW_OK && lw_json_member(link, "velocity", &n)) {
         b->has_velocity = true;
         s = lw_read_pair(&n, 1, &b->velocity, e);
@@ -268,7 +233,7 @@ static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_e
 {
     const lw_number_key speed = { "speed", 1, LW_ANY, &m->speed[i], &m->has_speed[i] };
     lw_json_node n;
-    lw_status s = read_number(input, &speed, e);
+    lw_status s = lw_read_numbers(input, &speed, 1, e);
     if (s == LW_OK && m->has_speed[i] && lw_json_member(input, "motion", &n))
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it "
                              "starts before it runs freely; keep one");
@@ -324,7 +289,7 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e)) == LW_OK &&
         (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
-        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && lw_joint_turns(m->linkage.joint[joint].kind) && !radius)
         s = lw_json_fault(n, e, "friction of a pin needs its \"radius\"");
     if (s == LW_OK && !lw_joint_turns(m->linkage.joint[joint].kind) && radius)
@@ -334,27 +299,10 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
 
 static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
 {
-    static const char *const known[] = { "least", "greatest", "restitution", "stiffness", "damping" };
-    lw_joint_stop *p = &m->stop[joint];
-    double unit = joint_unit(m, joint);
-    const lw_number_key numbers[] = {
-        { "least", unit, LW_ANY, &p->least, &p->has_least },
-        { "greatest", unit, LW_ANY, &p->greatest, &p->has_greatest },
-        { "restitution", 1, 0, 1, &p->restitution, NULL },
-        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
-        { "damping", 1, 0, INFINITY, &p->damping, NULL },
-    };
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = need_kind(n, m, joint, lw_joint_can_drive, drives, "stops", e)) == LW_OK)
-        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
-    if (s == LW_OK && !p->has_least && !p->has_greatest)
-        s = lw_json_fault(n, e, "a stop needs \"least\", \"greatest\" or both");
-    if (s == LW_OK && p->has_least && p->has_greatest && !(p->least < p->greatest))
-        s = lw_json_fault(n, e, "\"least\" must be less than \"greatest\"");
-    if (s == LW_OK && ((p->has_least && p->least > 0) || (p->has_greatest && p->greatest < 0)))
-        s = lw_json_fault(n, e, "the posture of the file, displacement 0, lies outside its stop");
-    return s;
+    if (s == LW_OK)
+        s = need_kind(n, m, joint, lw_joint_can_drive, drives, "stops", e);
+    return s == LW_OK ? lw_read_stop(n, joint_unit(m, joint), &m->stop[joint], e) : s;
 }
 
 static lw_status read_clearance_model(const lw_json_node *n, lw_clearance *c, lw_error *e)
@@ -394,7 +342,7 @@ static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, l
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = need_kind(n, m, joint, lw_joint_turns, pins, "a clearance", e)) == LW_OK &&
         (s = read_clearance_model(n, c, e)) == LW_OK && (s = lw_read_need(n, "gap", &at, e)) == LW_OK)
-        s = lw_model_read_numbers(n, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && c->model >= LW_CLEARANCE_MLSD && !stiff)
         s = lw_read_need(n, "stiffness", &at, e);
     return s;
@@ -417,16 +365,6 @@ static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_err
 }
 
 /* ---- loads ------------------------------------------------------------------------------------- */
-
-lw_status lw_model_read_name(const lw_json_node *object, const char *what, size_t index,
-                                char name[LW_NAME_SIZE], lw_error *e)
-{
-    lw_json_node n;
-    if (lw_json_member(object, "name", &n))
-        return lw_json_name(&n, name, LW_NAME_SIZE, e);
-    snprintf(name, LW_NAME_SIZE, "%s %zu", what, index + 1);
-    return LW_OK;
-}
 
 lw_status lw_model_read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
                                  lw_error *e)
@@ -477,14 +415,14 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
         { "free", m->linkage.units.metre, 0, INFINITY, &p->free, NULL },
     };
-    lw_status s = lw_model_read_name(object, what, index, p->name, e);
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = lw_model_read_ends(object, m, p, e);
     if (s != LW_OK)
         return s;
     m->n_spring++;
     p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
-    s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK)
         s = lw_model_read_expression(object, "law", m, LW_OF_LENGTH, &p->law, e);
     return s == LW_OK && p->law ? law_alone(object, e) : s;
@@ -494,7 +432,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
                                    lw_error *e)
 {
     lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
-    lw_status s = lw_model_read_name(object, what, index, p->name, e);
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = lw_model_read_load_joint(object, what, m, &p->joint, e);
     if (s != LW_OK)
@@ -505,7 +443,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
         { "free", joint_unit(m, p->joint), LW_ANY, &p->free, NULL },
     };
-    s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK)
         s = lw_model_read_expression(object, "law", m, LW_OF_DISPLACEMENT, &p->law, e);
     return s == LW_OK && p->law ? law_alone(object, e) : s;
@@ -542,7 +480,7 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     int frame = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_model_read_name(object, "force", index, f->name, e)) == LW_OK &&
+        (s = lw_read_own_name(object, "force", index, f->name, e)) == LW_OK &&
         (s = lw_read_need(object, "link", &n, e)) == LW_OK)
         s = lw_read_link(&n, &m->linkage, &f->link, e);
     if (s == LW_OK && lw_json_member(object, "frame", &n))
@@ -572,11 +510,11 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *
     };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_model_read_name(object, "motor", index, p->name, e)) == LW_OK &&
+        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
         (s = lw_model_read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
         (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
         (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
-        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK && !(p->stall*p->free_speed > 0))
         s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its turn, "
                           "and are not 0");

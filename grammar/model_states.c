@@ -123,7 +123,7 @@ static lw_status name_list(const lw_json_node *root, const char *key, lw_model *
         lw_json_node object = lw_json_element(&all, i);
         s = lw_json_expect(&object, LW_JSON_OBJECT, e);
         if (s == LW_OK)
-            s = lw_model_read_name(&object, what, i, name, e);
+            s = lw_read_own_name(&object, what, i, name, e);
         if (s != LW_OK)
             return s;
         if (key[0] == 's')
@@ -157,8 +157,8 @@ static lw_status read_state(const lw_json_node *object, size_t index, lw_model *
     lw_expression *rate = NULL, *start = NULL;
     lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
     if (s == LW_OK && (s = lw_read_need(object, "rate", &n, e)) == LW_OK &&
-        (s = lw_model_read_name(object, "state", index, name, e)) == LW_OK &&
-        (s = lw_model_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK &&
+        (s = lw_read_own_name(object, "state", index, name, e)) == LW_OK &&
+        (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK &&
         (s = lw_model_read_expression(object, "rate", m, LW_OF_STATE, &rate, e)) == LW_OK)
         s = lw_model_read_expression(object, "start", m, LW_OF_STATE, &start, e);
     if (s != LW_OK) {
@@ -194,9 +194,9 @@ static lw_status read_controller(const lw_json_node *object, size_t index, lw_mo
     lw_json_node n;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_model_read_name(object, "controller", index, name, e)) == LW_OK &&
+        (s = lw_read_own_name(object, "controller", index, name, e)) == LW_OK &&
         (s = lw_read_need(object, "wanted", &n, e)) == LW_OK && (s = lw_read_need(object, "measured", &n, e)) == LW_OK)
-        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s != LW_OK)
         return s;
     for (int k = 0; k < m->n_signal; k++)
@@ -299,7 +299,7 @@ static lw_status read_circuit(const lw_json_node *object, const char *name, int 
     lw_status s = LW_OK;
     for (int i = 0; s == LW_OK && i < COUNT(needed); i++)
         s = lw_read_need(object, needed[i], &n, e);
-    if (s == LW_OK && (s = lw_model_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && !(inductance > 0))
+    if (s == LW_OK && (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && !(inductance > 0))
         s = lw_json_fault(&n, e, "a motor with a voltage needs an \"inductance\" above 0 [H]");
     if (s == LW_OK && ratio == 0)
         s = lw_json_fault(object, e, "\"ratio\" of a motor is its speed over that of the joint, and not 0");
@@ -340,7 +340,7 @@ static lw_status read_curve(const lw_json_node *object, const char *name, int jo
     char text[256];
     lw_status s = lw_read_need(object, "stall", &n, e);
     if (s == LW_OK && (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK &&
-        (s = lw_model_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK)
+        (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK)
         s = lw_model_read_expression(object, "torque", m, LW_OF_STATE, &torque, e);
     if (s != LW_OK)
         return s;
@@ -364,7 +364,7 @@ lw_status lw_model_read_driven_motor(const lw_json_node *object, size_t index, l
     int joint;
     bool electrical = is_electrical(object);
     lw_status s = lw_json_known_keys(object, electrical ? circuit : curve, electrical ? COUNT(circuit) : COUNT(curve), e);
-    if (s == LW_OK && (s = lw_model_read_name(object, "motor", index, name, e)) == LW_OK)
+    if (s == LW_OK && (s = lw_read_own_name(object, "motor", index, name, e)) == LW_OK)
         s = lw_model_read_load_joint(object, "motors", m, &joint, e);
     if (s != LW_OK)
         return s;
@@ -376,7 +376,7 @@ lw_status lw_model_read_driven_motor(const lw_json_node *object, size_t index, l
 static lw_status read_cylinder_ends(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
 {
     lw_spring *p = &m->spring[m->n_spring];
-    lw_status s = lw_model_read_name(object, "cylinder", index, p->name, e);
+    lw_status s = lw_read_own_name(object, "cylinder", index, p->name, e);
     if (s == LW_OK)
         s = lw_model_read_ends(object, m, p, e);
     m->n_spring += s == LW_OK;
@@ -415,8 +415,8 @@ static lw_status read_cylinder(const lw_json_node *object, size_t index, lw_mode
     lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
     for (int i = 0; s == LW_OK && i < COUNT(needed); i++)
         s = lw_read_need(object, needed[i], &n, e);
-    if (s == LW_OK && (s = lw_model_read_name(object, "cylinder", index, name, e)) == LW_OK)
-        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && (s = lw_read_own_name(object, "cylinder", index, name, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK && lw_json_member(object, "pressures", &n) && (s = lw_read_list(&n, 2, 2, e)) == LW_OK)
         for (size_t end = 0; s == LW_OK && end < 2; end++) {
             lw_json_node one = lw_json_element(&n, end);

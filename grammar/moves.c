@@ -23,7 +23,7 @@ static lw_status read_move(const lw_json_node *object, const lw_axis_limits *lim
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(object, "to", &n, e)) == LW_OK)
-        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s != LW_OK)
         return s;
     *m = (lw_move){ .start = *time, .from = *at, .way = to - *at, .law = -1 };
@@ -70,7 +70,7 @@ lw_status lw_moves_read(const lw_json_node *object, lw_moves *m, lw_error *e)
                                       { "start", 1, LW_ANY, &time, NULL }, { "mass", 1, LW_POSITIVE, &mass, NULL } };
     lw_status s = lw_read_need(object, "moves", &moves, e);
     if (s == LW_OK && (s = lw_read_list(&moves, 1, SIZE_MAX, e)) == LW_OK)
-        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     lw_axis_limits limits = lw_axis_limits_even(v > 0 ? v : INFINITY, a > 0 ? a : INFINITY, j);
     if (s == LW_OK && !(m->move = calloc(lw_json_count(&moves), sizeof *m->move)))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");

@@ -1,9 +1,10 @@
-/* grammar/read.c - pairs, lists, optional numbers, names of links and joints. */
+/* grammar/read.c - pairs, lists, numbers in a range, stops, names of links and joints. */
 #include "base/real.h"
 #include "grammar/read_internal.h"
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -129,4 +130,69 @@ lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int 
 {
     return lw_read_name_of(n, "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
                    assembly->n_joint, out, e);
+}
+
+static lw_status read_number(const lw_json_node *object, const lw_number_key *want, lw_error *e)
+{
+    bool given;
+    lw_json_node n;
+    lw_status s = lw_read_optional(object, want->key, want->unit, want->out, &given, e);
+    if (want->given)
+        *want->given = given;
+    if (s != LW_OK || !given || (*want->out >= want->least && *want->out <= want->most))
+        return s;
+    lw_json_member(object, want->key, &n);
+    if (want->least == 0 && want->most == INFINITY)
+        return lw_json_fault(&n, e, "this must not be negative");
+    if (want->most == INFINITY)
+        return lw_json_fault(&n, e, "this must be greater than 0");
+    return lw_json_fault(&n, e, "this must lie between %g and %g", want->least, want->most);
+}
+
+lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e)
+{
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < n; i++)
+        s = read_number(object, &want[i], e);
+    return s;
+}
+
+lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, lw_error *e)
+{
+    static const char *const known[] = { "least", "greatest", "restitution", "stiffness", "damping" };
+    const lw_number_key numbers[] = {
+        { "least", unit, LW_ANY, &p->least, &p->has_least },
+        { "greatest", unit, LW_ANY, &p->greatest, &p->has_greatest },
+        { "restitution", 1, 0, 1, &p->restitution, NULL },
+        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL },
+        { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
+    };
+    lw_status s = lw_json_known_keys(stop, known, COUNT(known), e);
+    if (s == LW_OK)
+        s = lw_read_numbers(stop, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !p->has_least && !p->has_greatest)
+        s = lw_json_fault(stop, e, "a stop needs \"least\", \"greatest\" or both");
+    if (s == LW_OK && p->has_least && p->has_greatest && !(p->least < p->greatest))
+        s = lw_json_fault(stop, e, "\"least\" must be less than \"greatest\"");
+    if (s == LW_OK && ((p->has_least && p->least > 0) || (p->has_greatest && p->greatest < 0)))
+        s = lw_json_fault(stop, e, "the posture of the file, displacement 0, lies outside its stop");
+    return s;
+}
+
+int lw_read_find(const char *name, const char *first, size_t stride, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(name, first + (size_t)i*stride) == 0)
+            return i;
+    return -1;
+}
+
+lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index,
+                                char name[LW_NAME_SIZE], lw_error *e)
+{
+    lw_json_node n;
+    if (lw_json_member(object, "name", &n))
+        return lw_json_name(&n, name, LW_NAME_SIZE, e);
+    snprintf(name, LW_NAME_SIZE, "%s %zu", what, index + 1);
+    return LW_OK;
 }

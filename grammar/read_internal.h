@@ -4,7 +4,7 @@
 #define LW_GRAMMAR_READ_INTERNAL_H
 
 #include "grammar/json_internal.h"
-#include "grammar/assembly.h"
+#include "grammar/model.h"
 
 #define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
 
@@ -23,6 +23,25 @@ lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_er
 /* An optional number, times unit. */
 lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
                            lw_error *e);
+
+/* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
+typedef struct lw_number_key { const char *key; double unit, least, most, *out; bool *given; } lw_number_key;
+
+#define LW_POSITIVE 1e-300, INFINITY
+#define LW_NOT_NEGATIVE 0, INFINITY
+#define LW_ANY -INFINITY, INFINITY
+
+lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e);
+
+/* Numbers of a stop, about the posture of the file at displacement 0: least, greatest [unit], restitution, stiffness,
+ * damping. */
+lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, lw_error *e);
+
+/* Place of a name among n names `stride` bytes apart; -1: it is not there. */
+int lw_read_find(const char *name, const char *first, size_t stride, int n);
+
+/* The name of an object, or "spring 2" when it has none; what: "spring", index: from 0. */
+lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE], lw_error *e);
 
 /* Index of the name that a node contains; an error with a suggestion when the name is unknown. */
 lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name,

@@ -20,7 +20,7 @@ static lw_status part(const lw_json_node *of, const char *key, const char *const
 }
 
 #define PART(of, key, known, need, out, given) part(of, key, known, COUNT(known), need, out, given, e)
-#define NUMBERS(object, ...) lw_model_read_numbers(object, (const lw_number_key[]){ __VA_ARGS__ }, \
+#define NUMBERS(object, ...) lw_read_numbers(object, (const lw_number_key[]){ __VA_ARGS__ }, \
     COUNT(((const lw_number_key[]){ __VA_ARGS__ })), e)
 #define AMOUNT(key, to) { key, 1, 0, INFINITY, to, NULL }
 #define MORE(key, to) { key, 1, LW_POSITIVE, to, NULL }

@@ -12,42 +12,9 @@
 #include "base/suggest.h"
 #include "grammar/read_internal.h"
 
-#define POSITIVE 1e-300, INFINITY
-#define NOT_NEGATIVE 0, INFINITY
-#define ANY -INFINITY, INFINITY
-
-/* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
-typedef struct number { const char *key; double unit, least, most, *out; bool *given; } number;
-
-static lw_status read_numbers(const lw_json_node *object, const number *want, int n, lw_error *e)
-{
-    lw_status s = LW_OK;
-    for (int i = 0; s == LW_OK && i < n; i++, want++) {
-        bool given;
-        lw_json_node at;
-        s = lw_read_optional(object, want->key, want->unit, want->out, &given, e);
-        if (want->given)
-            *want->given = given;
-        if (s != LW_OK || !given || (*want->out >= want->least && *want->out <= want->most))
-            continue;
-        lw_json_member(object, want->key, &at);
-        s = want->most < INFINITY ? lw_json_fault(&at, e, "this must lie between %g and %g", want->least, want->most)
-          : lw_json_fault(&at, e, want->least == 0 ? "this must not be negative" : "this must be greater than 0");
-    }
-    return s;
-}
-
 static lw_status has_memory(const void *p, lw_error *e)
 {
     return p ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-}
-
-static int find_name(const char *name, const char *first, size_t stride, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (strcmp(name, first + (size_t)i*stride) == 0)
-            return i;
-    return -1;
 }
 
 #define NAMES(list, n, type) (const char *)(list) + offsetof(type, name), sizeof(type), n
@@ -66,7 +33,7 @@ static lw_status read_new_name(const lw_json_node *object, const char *what, con
     lw_status s = lw_json_kind_of(object) == LW_JSON_OBJECT ? lw_read_need(object, "name", &node, e) : LW_OK;
     if (s == LW_OK)
         s = lw_json_name(&node, name, LW_NAME_SIZE, e);
-    if (s == LW_OK && find_name(name, first, stride, n) >= 0)
+    if (s == LW_OK && lw_read_find(name, first, stride, n) >= 0)
         s = lw_json_fault(&node, e, "two %ss are called \"%s\"", what, name);
     if (s == LW_OK)
         memcpy(out, name, sizeof name);
@@ -152,8 +119,8 @@ static int look_up_state(const lw_spatial *m, const char *word, const char *name
             snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, joint ? "joint" : "tracer", word);
             return -1;
         }
-        int at = joint ? find_name(name, NAMES(m->joint, m->n_joint, lw_spatial_joint))
-                       : find_name(name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer));
+        int at = joint ? lw_read_find(name, NAMES(m->joint, m->n_joint, lw_spatial_joint))
+                       : lw_read_find(name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer));
         if (at < 0) {
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", joint ? "joint" : "tracer", name);
             return -1;
@@ -278,7 +245,7 @@ static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
     lw_spatial_body *b = &m->body[m->n_link];
     lw_json_node n, centre;
     lw_mat3 frame;
-    const number mass = { "mass", 1, NOT_NEGATIVE, &b->mass, &b->given };
+    const lw_number_key mass = { "mass", 1, LW_NOT_NEGATIVE, &b->mass, &b->given };
     lw_status s = read_new_name(link, "link", NAMES(m->body, m->n_link, lw_spatial_body), b->name, e);
     if (s != LW_OK)
         return s;
@@ -290,7 +257,7 @@ static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
         s = lw_read_triple(&centre, m->units.metre, &b->centre, e);
     if (s == LW_OK && (s = read_frame(link, &frame, e)) == LW_OK &&
         (s = read_inertia(link, &frame, b->inertia, e)) == LW_OK)
-        s = read_numbers(link, &mass, 1, e);
+        s = lw_read_numbers(link, &mass, 1, e);
     if (s == LW_OK && (b->has_velocity = lw_json_member(link, "velocity", &n)))
         s = lw_read_triple(&n, 1, &b->velocity, e);
     if (s == LW_OK && (b->has_omega = lw_json_member(link, "angular_velocity", &n)))
@@ -321,7 +288,7 @@ static lw_status gather_links(const lw_json_node *root, const lw_json_node *grou
             lw_json_node link = lw_json_element(&links, end);
             char name[LW_NAME_SIZE];
             s = lw_json_name(&link, name, sizeof name, e);
-            if (s == LW_OK && find_name(name, NAMES(m->body, m->n_link, lw_spatial_body)) < 0)
+            if (s == LW_OK && lw_read_find(name, NAMES(m->body, m->n_link, lw_spatial_body)) < 0)
                 memcpy(m->body[m->n_link++].name, name, sizeof name);
         }
     }
@@ -345,7 +312,7 @@ static lw_status read_links(const lw_json_node *root, lw_spatial *m, lw_error *e
         return s;
     if (has_ground)
         return read_link_name(&ground, m, &m->ground, e);
-    m->ground = find_name("ground", NAMES(m->body, m->n_link, lw_spatial_body));
+    m->ground = lw_read_find("ground", NAMES(m->body, m->n_link, lw_spatial_body));
     return m->ground >= 0 ? LW_OK : lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link "
                                                   "\"ground\"");
 }
@@ -407,9 +374,9 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
     if (two && (s = read_direction(&second, &j->second, e)) == LW_OK &&
         lw_v3_norm(lw_v3_cross(j->axis, j->second)) < 1e-6)
         s = lw_json_fault(&second, e, "the axes of a universal joint must not be parallel");
-    const number lead = { "lead", m->units.metre, ANY, &j->lead, &given };
+    const lw_number_key lead = { "lead", m->units.metre, LW_ANY, &j->lead, &given };
     if (s == LW_OK)
-        s = read_numbers(joint, &lead, 1, e);
+        s = lw_read_numbers(joint, &lead, 1, e);
     if (s == LW_OK && given != screw)
         s = lw_json_fault(joint, e, screw ? "a screw joint needs its \"lead\", the slide per turn"
                           : "only screws have a \"lead\"");
@@ -420,30 +387,14 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
 
 static lw_status read_stop(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
 {
-    static const char *const known[] = { "least", "greatest", "restitution", "stiffness", "damping" };
-    lw_joint_stop *p = &j->stop;
     lw_json_node n;
     if (!lw_json_member(joint, "stop", &n))
         return LW_OK;
     const lw_spatial_kind_row *kind = lw_spatial_kind_of(j->kind);
-    double unit = kind->turns ? m->units.radian : m->units.metre;
-    const number numbers[] = {
-        { "least", unit, ANY, &p->least, &p->has_least }, { "greatest", unit, ANY, &p->greatest, &p->has_greatest },
-        { "restitution", 1, 0, 1, &p->restitution, NULL }, { "stiffness", 1, NOT_NEGATIVE, &p->stiffness, NULL },
-        { "damping", 1, NOT_NEGATIVE, &p->damping, NULL },
-    };
     if (!kind->turns && !kind->slides)
         return lw_json_fault(&n, e, "a %s joint has no coordinate that a stop could limit", kind->word);
     lw_status s = lw_json_expect(&n, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(&n, known, COUNT(known), e)) == LW_OK)
-        s = read_numbers(&n, numbers, COUNT(numbers), e);
-    if (s == LW_OK && !p->has_least && !p->has_greatest)
-        s = lw_json_fault(&n, e, "a stop needs \"least\", \"greatest\" or both");
-    if (s == LW_OK && p->has_least && p->has_greatest && !(p->least < p->greatest))
-        s = lw_json_fault(&n, e, "\"least\" must be less than \"greatest\"");
-    if (s == LW_OK && ((p->has_least && p->least > 0) || (p->has_greatest && p->greatest < 0)))
-        s = lw_json_fault(&n, e, "the posture of the file, displacement 0, lies outside its stop");
-    return s;
+    return s == LW_OK ? lw_read_stop(&n, kind->turns ? m->units.radian : m->units.metre, &j->stop, e) : s;
 }
 
 static lw_status read_cone(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
@@ -452,14 +403,14 @@ static lw_status read_cone(const lw_json_node *joint, const lw_spatial *m, lw_sp
     lw_json_node n, axis;
     if (!lw_json_member(joint, "cone", &n))
         return LW_OK;
-    const number angle = { "angle", m->units.radian, 1e-9, LW_PI, &j->cone, &j->has_cone };
+    const lw_number_key angle = { "angle", m->units.radian, 1e-9, LW_PI, &j->cone, &j->has_cone };
     if (j->kind != LW_SPATIAL_SPHERICAL && j->kind != LW_SPATIAL_UNIVERSAL)
         return lw_json_fault(&n, e, "only spherical and universal joints have a \"cone\"");
     lw_status s = lw_json_expect(&n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(&n, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(&n, "axis", &axis, e)) == LW_OK && (s = read_direction(&axis, &j->cone_axis, e)) == LW_OK &&
         (s = lw_read_need(&n, "angle", &axis, e)) == LW_OK)
-        s = read_numbers(&n, &angle, 1, e);
+        s = lw_read_numbers(&n, &angle, 1, e);
     return s;
 }
 
@@ -579,9 +530,9 @@ static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *
     if (s != LW_OK)
         return s;
     double unit = measure_unit(m, in->measure);
-    const number numbers[] = {
-        { "value", unit, ANY, &in->value, &has_value }, { "first", unit, ANY, &in->first, &has_first },
-        { "last", unit, ANY, &in->last, &has_last }, { "speed", 1, ANY, &in->speed, &in->has_speed },
+    const lw_number_key numbers[] = {
+        { "value", unit, LW_ANY, &in->value, &has_value }, { "first", unit, LW_ANY, &in->first, &has_first },
+        { "last", unit, LW_ANY, &in->last, &has_last }, { "speed", 1, LW_ANY, &in->speed, &in->has_speed },
     };
     if (in->measure.of >= LW_OF_X) {
         const lw_vec3 *at = &m->tracer[in->measure.index].at;
@@ -589,7 +540,7 @@ static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *
         if (lw_json_member(input, "value", &n))
             return lw_json_fault(&n, e, "the value of a tracer's coordinate in the posture is where the tracer is");
     }
-    s = read_numbers(input, numbers, COUNT(numbers), e);
+    s = lw_read_numbers(input, numbers, COUNT(numbers), e);
     if (s == LW_OK && has_first != has_last)
         s = lw_json_fault(input, e, "\"first\" and \"last\" bound the motion together; give both or none");
     in->has_range = has_first && in->first != in->last;
@@ -664,17 +615,6 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error
 
 /* ---- loads ------------------------------------------------------------------------------------- */
 
-/* The name of a load, or "spring 2" when it has none. */
-static lw_status read_load_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE],
-                                lw_error *e)
-{
-    lw_json_node n;
-    if (lw_json_member(object, "name", &n))
-        return lw_json_name(&n, name, LW_NAME_SIZE, e);
-    snprintf(name, LW_NAME_SIZE, "%s %zu", what, index + 1);
-    return LW_OK;
-}
-
 /* "law" stands alone. */
 static lw_status read_law(const lw_json_node *object, const lw_spatial *m, scope sc, lw_expression **law, lw_error *e)
 {
@@ -692,11 +632,11 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
 {
     lw_spatial_spring *p = &m->spring[m->n_spring++];
     lw_json_node links, at;
-    const number numbers[] = {
-        { "stiffness", 1, NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, NOT_NEGATIVE, &p->damping, NULL },
-        { "free", m->units.metre, NOT_NEGATIVE, &p->free, NULL },
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
+        { "free", m->units.metre, LW_NOT_NEGATIVE, &p->free, NULL },
     };
-    lw_status s = read_load_name(object, what, index, p->name, e);
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK && (s = lw_read_need(object, "links", &links, e)) == LW_OK && (s = lw_read_list(&links, 2, 2, e)) ==
         LW_OK &&
         (s = lw_read_need(object, "at", &at, e)) == LW_OK)
@@ -713,7 +653,7 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
     if (s != LW_OK)
         return s;
     p->free = lw_v3_norm(lw_v3_sub(p->at[1], p->at[0]));
-    s = read_numbers(object, numbers, COUNT(numbers), e);
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     return s == LW_OK ? read_law(object, m, OF_LENGTH, &p->law, e) : s;
 }
 
@@ -721,16 +661,16 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
                                    lw_error *e)
 {
     lw_spatial_joint_spring *p = &m->joint_spring[m->n_joint_spring++];
-    lw_status s = read_load_name(object, what, index, p->name, e);
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
         s = read_measure(object, m, false, what, &p->measure, e);
     if (s != LW_OK)
         return s;
-    const number numbers[] = {
-        { "stiffness", 1, NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, NOT_NEGATIVE, &p->damping, NULL },
-        { "free", measure_unit(m, p->measure), ANY, &p->free, NULL },
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
+        { "free", measure_unit(m, p->measure), LW_ANY, &p->free, NULL },
     };
-    s = read_numbers(object, numbers, COUNT(numbers), e);
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     return s == LW_OK ? read_law(object, m, OF_DISPLACEMENT, &p->law, e) : s;
 }
 
@@ -775,7 +715,7 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial
     int frame = 0, forces = 0, torques = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = read_load_name(object, "force", index, f->name, e)) == LW_OK && (s = lw_read_need(object, "link", &n,
+        (s = lw_read_own_name(object, "force", index, f->name, e)) == LW_OK && (s = lw_read_need(object, "link", &n,
                 e)) == LW_OK)
         s = read_link_name(&n, m, &f->link, e);
     if (s == LW_OK && lw_json_member(object, "frame", &n))
@@ -801,10 +741,10 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial
     static const char *const known[] = { "name", "joint", "stall", "free_speed" };
     lw_spatial_motor *p = &m->motor[m->n_motor++];
     lw_json_node n;
-    const number numbers[] = { { "stall", 1, ANY, &p->stall, NULL }, { "free_speed", 1, ANY, &p->free_speed, NULL } };
+    const lw_number_key numbers[] = { { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL } };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = read_load_name(object, "motor", index, p->name, e)) == LW_OK && (s = lw_read_need(object, "joint", &n,
+        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK && (s = lw_read_need(object, "joint", &n,
                 e)) == LW_OK &&
         (s = lw_read_name_of(&n, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), &p->joint, e)) == LW_OK) {
         lw_spatial_kind k = m->joint[p->joint].kind;
@@ -813,7 +753,7 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial
                                  m->joint[p->joint].name, lw_spatial_kind_of(k)->word);
         if ((s = lw_read_need(object, "stall", &n, e)) == LW_OK && (s = lw_read_need(object, "free_speed", &n, e)) ==
             LW_OK)
-            s = read_numbers(object, numbers, COUNT(numbers), e);
+            s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     }
     if (s == LW_OK && !(p->stall*p->free_speed > 0))
         s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its "

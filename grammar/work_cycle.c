@@ -24,7 +24,7 @@ static lw_status read_axis(const lw_json_node *object, lw_work_cycle *c, lw_erro
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK
         && (s = lw_read_need(object, "name", &n, e)) == LW_OK && (s = lw_json_name(&n, a->name, sizeof a->name,
             e)) == LW_OK)
-        s = lw_model_read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     for (int i = 0; s == LW_OK && i < c->n_axis; i++)
         if (strcmp(c->axis[i].name, a->name) == 0)
             s = lw_json_fault(&n, e, "the name \"%s\" is given twice", a->name);
@@ -139,7 +139,7 @@ static lw_status read_move(const lw_json_node *object, plan *p, double *goal, do
     memset(speed, 0, (size_t)c->n_axis*sizeof *speed);
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK
-        && (s = lw_model_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && lw_json_member(object, "name",
+        && (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && lw_json_member(object, "name",
             &n))
         s = lw_json_name(&n, m->name, sizeof m->name, e);
     if (s == LW_OK && (s = lw_read_need(object, "to", &n, e)) == LW_OK)
@@ -180,7 +180,7 @@ static lw_status read_all(const lw_json_node *root, lw_work_cycle *c, lw_error *
         s = lw_json_fault(&n, e, "version %g of the notation is unknown; this program reads version 1", version);
     if (s == LW_OK && lw_json_member(root, "name", &n))
         s = lw_json_name(&n, c->name, sizeof c->name, e);
-    if (s == LW_OK && (s = lw_model_read_numbers(root, numbers, 1, e)) == LW_OK && (s = lw_read_need(root, "axes",
+    if (s == LW_OK && (s = lw_read_numbers(root, numbers, 1, e)) == LW_OK && (s = lw_read_need(root, "axes",
         &axes, e)) == LW_OK
         && (s = lw_read_list(&axes, 1, 64, e)) == LW_OK && (s = lw_read_need(root, "moves", &moves, e)) == LW_OK)
         s = lw_read_list(&moves, 1, 100000, e);

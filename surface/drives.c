@@ -10,27 +10,19 @@
 #include "grammar/work_cycle.h"
 #include "mbs/drives/load.h"
 
-lw_status lw_servo_parse(const char *text, size_t size, const char *file, lw_servo **out, lw_error *error)
+static lw_status read_servo(const char *text, size_t size, const char *file, void *out, lw_error *e)
 {
-    lw_servo *p = calloc(1, sizeof *p);
-    *out = NULL;
-    lw_status s = p ? lw_servo_read(text, size, file, p, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        *out = p;
-    else
-        free(p);
-    return s;
+    return lw_servo_read(text, size, file, out, e);
 }
 
-static lw_status parse_servo(const char *text, size_t size, const char *file, void *out, lw_error *e)
+lw_status lw_servo_parse(const char *text, size_t size, const char *file, lw_servo **out, lw_error *error)
 {
-    return lw_servo_parse(text, size, file, out, e);
+    return lw_surface_parse_new(text, size, file, read_servo, sizeof **out, (void **)out, error);
 }
 
 lw_status lw_servo_load(const char *path, lw_servo **out, lw_error *error)
 {
-    *out = NULL;
-    return lw_surface_load(path, parse_servo, out, error);
+    return lw_surface_load_new(path, read_servo, sizeof **out, (void **)out, error);
 }
 
 void lw_servo_destroy(lw_servo *servo)

@@ -26,27 +26,19 @@ lw_status lw_model_create(const lw_linkage *linkage, lw_model **out)
     return s;
 }
 
-lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error)
+static lw_status read_model(const char *text, size_t size, const char *file, void *out, lw_error *e)
 {
-    lw_model *m = calloc(1, sizeof *m);
-    *out = NULL;
-    lw_status s = m ? lw_model_read(text, size, file, m, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        *out = m;
-    else
-        free(m);
-    return s;
+    return lw_model_read(text, size, file, out, e);
 }
 
-static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)
+lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error)
 {
-    return lw_model_parse(text, size, file, out, e);
+    return lw_surface_parse_new(text, size, file, read_model, sizeof **out, (void **)out, error);
 }
 
 lw_status lw_model_load(const char *path, lw_model **out, lw_error *error)
 {
-    *out = NULL;
-    return lw_surface_load(path, parse, out, error);
+    return lw_surface_load_new(path, read_model, sizeof **out, (void **)out, error);
 }
 
 void lw_model_destroy(lw_model *model)

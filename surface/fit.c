@@ -88,6 +88,23 @@ lw_fit_request lw_fit_request_default(void)
                              .seed = o.seed, .budget = 1e6, .results = o.n_result };
 }
 
+/* A task file and its target read into `task` and `t`: `s` is what reading them said. */
+static lw_status own_task(lw_task_file *task, lw_target *t, lw_status s, lw_task_file **out, lw_target **target)
+{
+    if (s != LW_OK) {
+        free(task);
+        return s;
+    }
+    s = LW_SURFACE_COPY(t, target);
+    if (s == LW_OK) {
+        *out = task;
+        return s;
+    }
+    lw_target_free(t);
+    lw_task_file_destroy(task);
+    return s;
+}
+
 lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **target, lw_error *error)
 {
     lw_task_file *task = calloc(1, sizeof *task);
@@ -96,19 +113,7 @@ lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **ta
     *target = NULL;
     if (!task)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
-    lw_status s = lw_task_file_read_file(path, NULL, task, &t, error);
-    if (s != LW_OK) {
-        free(task);
-        return s;
-    }
-    s = LW_SURFACE_COPY(&t, target);
-    if (s == LW_OK) {
-        *out = task;
-        return s;
-    }
-    lw_target_free(&t);
-    lw_task_file_destroy(task);
-    return s;
+    return own_task(task, &t, lw_task_file_read_file(path, NULL, task, &t, error), out, target);
 }
 
 lw_status lw_task_file_parse(const char *text, size_t size, const char *file, lw_task_file **out, lw_target **target,
@@ -121,18 +126,7 @@ lw_status lw_task_file_parse(const char *text, size_t size, const char *file, lw
     if (!task)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     lw_status s = lw_task_file_read_text(text, size, file ? file : "", task, &t, error);
-    if (s != LW_OK) {
-        free(task);
-        return s;
-    }
-    s = LW_SURFACE_COPY(&t, target);
-    if (s == LW_OK) {
-        *out = task;
-        return s;
-    }
-    lw_target_free(&t);
-    lw_task_file_destroy(task);
-    return s;
+    return own_task(task, &t, s, out, target);
 }
 
 void lw_task_file_destroy(lw_task_file *task)

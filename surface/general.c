@@ -54,3 +54,28 @@ lw_status lw_surface_load(const char *path, lw_surface_reader *read, void *conte
     free(text);
     return s;
 }
+
+lw_status lw_surface_parse_new(const char *text, size_t size, const char *file, lw_surface_reader *read, size_t room,
+                               void **out, lw_error *e)
+{
+    void *made = calloc(1, room);
+    lw_status s = made ? read(text, size, file, made, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    *out = s == LW_OK ? made : NULL;
+    if (s != LW_OK)
+        free(made);
+    return s;
+}
+
+typedef struct made { lw_surface_reader *read; size_t room; void **out; } made;
+
+static lw_status read_new(const char *text, size_t size, const char *file, void *context, lw_error *e)
+{
+    const made *m = context;
+    return lw_surface_parse_new(text, size, file, m->read, m->room, m->out, e);
+}
+
+lw_status lw_surface_load_new(const char *path, lw_surface_reader *read, size_t room, void **out, lw_error *e)
+{
+    *out = NULL;
+    return lw_surface_load(path, read_new, &(made){ read, room, out }, e);
+}

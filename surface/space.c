@@ -10,27 +10,19 @@
 #include "mbs/dynamics/statics.h"
 #include "mbs/space/space_mobility.h"
 
-lw_status lw_spatial_parse(const char *text, size_t size, const char *file, lw_spatial **out, lw_error *error)
+static lw_status read_spatial(const char *text, size_t size, const char *file, void *out, lw_error *e)
 {
-    lw_spatial *m = calloc(1, sizeof *m);
-    *out = NULL;
-    lw_status s = m ? lw_spatial_read(text, size, file, m, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        *out = m;
-    else
-        free(m);
-    return s;
+    return lw_spatial_read(text, size, file, out, e);
 }
 
-static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)
+lw_status lw_spatial_parse(const char *text, size_t size, const char *file, lw_spatial **out, lw_error *error)
 {
-    return lw_spatial_parse(text, size, file, out, e);
+    return lw_surface_parse_new(text, size, file, read_spatial, sizeof **out, (void **)out, error);
 }
 
 lw_status lw_spatial_load(const char *path, lw_spatial **out, lw_error *error)
 {
-    *out = NULL;
-    return lw_surface_load(path, parse, out, error);
+    return lw_surface_load_new(path, read_spatial, sizeof **out, (void **)out, error);
 }
 
 void lw_spatial_destroy(lw_spatial *model)

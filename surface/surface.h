@@ -26,4 +26,10 @@ struct lw_dynamics_report;
 lw_status lw_surface_options(const lw_simulation_options *options, struct lw_dynamics_options *out, lw_error *error);
 void      lw_surface_report(const struct lw_dynamics_report *r, lw_simulation_report *out);
 
+/* A new object of `room` bytes, all 0, filled by a reader from a text or a file: its context is the object.  *out NULL
+ * with every status but LW_OK. */
+lw_status lw_surface_parse_new(const char *text, size_t size, const char *file, lw_surface_reader *read, size_t room,
+                               void **out, lw_error *e);
+lw_status lw_surface_load_new(const char *path, lw_surface_reader *read, size_t room, void **out, lw_error *e);
+
 #endif

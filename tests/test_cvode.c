@@ -2,6 +2,7 @@
  * failures are told. */
 #include "mbs/ode/cvode.h"
 #include "tests/check.h"
+#include "tests/ode_problems.h"
 
 static lw_status run_to(lw_cvode *w, double t, lw_error *e)
 {
@@ -48,20 +49,6 @@ TEST(stiff_published)
         }
 }
 
-static lw_status oscillator(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)t;
-    dy[0] = y[1], dy[1] = -y[0];
-    return LW_OK;
-}
-
-static lw_status levels(void *context, double t, const double *y, double *g)
-{
-    (void)context, (void)t;
-    g[0] = y[0], g[1] = y[0] - 0.5;
-    return LW_OK;
-}
-
 typedef struct seen_list { int n; double t[16]; } seen_list;
 static void note(void *context, int event, double t, const double *y)
 {
@@ -75,7 +62,7 @@ TEST(events_in_order)
 {
     const double pi = 3.14159265358979323846;
     seen_list l = { 0 };
-    lw_ode ode = { .n = 2, .context = &l, .rate = oscillator, .n_event = 2, .event = levels, .direction = { 0, -1 },
+    lw_ode ode = { .n = 2, .context = &l, .rate = oscillator, .n_event = 2, .event = two_levels, .direction = { 0, -1 },
                    .passing = { false, true }, .seen = note };
     lw_ode_options o = lw_ode_options_default();
     o.relative = o.absolute = 1e-11;
@@ -109,23 +96,6 @@ TEST(events_in_order)
     lw_cvode_free(&w);
 }
 
-/* pendulum in Cartesian coordinates, pulled onto its circle */
-static lw_status pendulum(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)t;
-    double pull = y[2]*y[2] + y[3]*y[3] - 9.81*y[1];
-    dy[0] = y[2], dy[1] = y[3], dy[2] = -pull*y[0], dy[3] = -9.81 - pull*y[1];
-    return LW_OK;
-}
-
-static lw_status onto_circle(void *context, double t, double *y)
-{
-    (void)context, (void)t;
-    double r = hypot(y[0], y[1]), v = (y[0]*y[2] + y[1]*y[3])/(r*r);
-    y[2] -= v*y[0], y[3] -= v*y[1], y[0] /= r, y[1] /= r;
-    return LW_OK;
-}
-
 TEST(projection)
 {
     double drift[2];
@@ -142,20 +112,6 @@ TEST(projection)
     }
     CHECK(drift[0] > 1e-8);
     CHECK(drift[1] < 1e-9);
-}
-
-static lw_status explodes(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)t;
-    dy[0] = y[0]*y[0];
-    return LW_OK;
-}
-
-static lw_status breaks(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)y;
-    dy[0] = 1.0;
-    return t > 0.5 ? LW_E_KIND : LW_OK;
 }
 
 TEST(failures_are_told)

@@ -3,6 +3,7 @@
 #include "mbs/ode/integrate.h"
 #include "mbs/ode/integrate_table_internal.h"
 #include "tests/check.h"
+#include "tests/ode_problems.h"
 #include "base/vec2.h"
 
 /* ---- order conditions: sum b_i Phi_i(tree) = 1/gamma(tree) for every rooted tree (Butcher 1963) ------- */
@@ -213,13 +214,6 @@ TEST(smooth_control)
     CHECK(2*refused[1] < refused[0]);
 }
 
-static lw_status oscillator(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)t;
-    dy[0] = y[1], dy[1] = -y[0];
-    return LW_OK;
-}
-
 /* 1e4 periods with steps far below the truncation error: only rounding is left.  Without the compensated sum
  * the error is some 1e-13 larger by an order; with it, it stays near that of the place of 2 pi n in t. */
 TEST(rounding_does_not_grow)
@@ -235,13 +229,6 @@ TEST(rounding_does_not_grow)
 }
 
 /* ---- events -------------------------------------------------------------------------------------- */
-
-static lw_status two_levels(void *context, double t, const double *y, double *g)
-{
-    (void)context, (void)t;
-    g[0] = y[0], g[1] = y[0] - 0.5;
-    return LW_OK;
-}
 
 typedef struct seen_list { int n, event[64]; double t[64]; } seen_list;
 static void note(void *context, int event, double t, const double *y)
@@ -364,22 +351,6 @@ TEST(crossings_within_a_step_and_at_once)
 
 /* ---- projection, limits, bad input --------------------------------------------------------------- */
 
-static lw_status pendulum(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)t;                                  /* x, y, vx, vy on the unit circle */
-    double pull = y[2]*y[2] + y[3]*y[3] - 9.81*y[1];
-    dy[0] = y[2], dy[1] = y[3], dy[2] = -pull*y[0], dy[3] = -9.81 - pull*y[1];
-    return LW_OK;
-}
-
-static lw_status onto_circle(void *context, double t, double *y)
-{
-    (void)context, (void)t;
-    double r = hypot(y[0], y[1]), v = (y[0]*y[2] + y[1]*y[3])/(r*r);
-    y[2] -= v*y[0], y[3] -= v*y[1], y[0] /= r, y[1] /= r;
-    return LW_OK;
-}
-
 TEST(projection_keeps_constraints)
 {
     lw_ode ode = { .n = 4, .rate = pendulum, .project = onto_circle };
@@ -392,13 +363,6 @@ TEST(projection_keeps_constraints)
     CHECK_NEAR(0.5*(w.y[2]*w.y[2] + w.y[3]*w.y[3]) + 9.81*w.y[1], 0.0, 2e-6, 0);
 }
 
-static lw_status explodes(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)t;
-    dy[0] = y[0]*y[0];                                       /* 1/(1 - t) */
-    return LW_OK;
-}
-
 static lw_status walled(void *context, double t, const double *y, double *dy)
 {
     (void)context, (void)t;
@@ -406,13 +370,6 @@ static lw_status walled(void *context, double t, const double *y, double *dy)
         return LW_OPEN;
     dy[0] = -2.0*sqrt(y[0]);                                 /* (1 - t)^2, no meaning beyond 0 */
     return LW_OK;
-}
-
-static lw_status breaks(void *context, double t, const double *y, double *dy)
-{
-    (void)context, (void)y;
-    dy[0] = 1.0;
-    return t > 0.5 ? LW_E_KIND : LW_OK;
 }
 
 TEST(limits_are_said)

@@ -1,6 +1,7 @@
 /* catalogues/draw/chain_web.c - the map of joints of an embedding, its first places, and its relaxation. */
 #include <stdlib.h>
 #include <string.h>
+#include "base/vector.h"
 
 #include "base/linalg.h"
 #include "catalogues/draw/chain_layout_internal.h"
@@ -569,14 +570,6 @@ static double energy(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_ve
 
 /* ---- descent ------------------------------------------------------------------------------------ */
 
-static double dot(int n, const double *a, const double *b)
-{
-    double s = 0;
-    for (int i = 0; i < n; i++)
-        s += a[i]*b[i];
-    return s;
-}
-
 /* Rounding would slowly break the symmetry: replace each place by the mean over all its images. */
 static void keep_symmetry(const lw_web *w, lw_vec2 *p)
 {
@@ -613,19 +606,19 @@ static void direction(const memory *m, const double *g, double *dir)
         dir[i] = -g[i];
     for (int k = 1; k <= m->used; k++) {
         int at = (m->next - k + 2*MEMORY) % MEMORY;
-        alpha[at] = m->rho[at]*dot(m->n, m->s + at*m->n, dir);
+        alpha[at] = m->rho[at]*lw_dot(m->n, m->s + at*m->n, dir);
         for (int i = 0; i < m->n; i++)
             dir[i] -= alpha[at]*m->y[at*m->n + i];
     }
     if (m->used > 0) {
         int at = (m->next - 1 + MEMORY) % MEMORY;
-        double scale = 1/(m->rho[at]*dot(m->n, m->y + at*m->n, m->y + at*m->n));
+        double scale = 1/(m->rho[at]*lw_dot(m->n, m->y + at*m->n, m->y + at*m->n));
         for (int i = 0; i < m->n; i++)
             dir[i] *= scale;
     }
     for (int k = m->used; k >= 1; k--) {
         int at = (m->next - k + 2*MEMORY) % MEMORY;
-        double beta = m->rho[at]*dot(m->n, m->y + at*m->n, dir);
+        double beta = m->rho[at]*lw_dot(m->n, m->y + at*m->n, dir);
         for (int i = 0; i < m->n; i++)
             dir[i] += (alpha[at] - beta)*m->s[at*m->n + i];
     }
@@ -638,8 +631,8 @@ static void remember(memory *m, const double *x0, const double *x1, const double
         s[i] = x1[i] - x0[i];
         y[i] = g1[i] - g0[i];
     }
-    double sy = dot(m->n, s, y);
-    if (sy <= 1e-10*dot(m->n, y, y))
+    double sy = lw_dot(m->n, s, y);
+    if (sy <= 1e-10*lw_dot(m->n, y, y))
         return;
     m->rho[m->next] = 1/sy;
     m->next = (m->next + 1) % MEMORY;
@@ -667,11 +660,11 @@ double lw_relax_run(const lw_web *w, const lw_relax *r, int steps, lw_vec2 *p)
     double f = energy(w, r, p, (lw_vec2 *)g, clear2);
     for (int step = 0; step < steps; step++) {
         direction(&m, g, dir);
-        double slope = dot(n, g, dir), f1 = f, part;
+        double slope = lw_dot(n, g, dir), f1 = f, part;
         if (!(slope < 0)) {
             m.used = 0;
             direction(&m, g, dir);
-            slope = dot(n, g, dir);
+            slope = lw_dot(n, g, dir);
         }
         part = safe_part(w, (lw_vec2 *)dir, clear2);
         int tries = 0;

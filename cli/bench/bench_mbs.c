@@ -132,14 +132,20 @@ static lw_status read_line(char *line, cli_mbs_reference *r, int *capacity)
     return LW_OK;
 }
 
+lw_status cli_mbs_read(const char *name, const char *ending, char *path, char **text, size_t *size, lw_error *e)
+{
+    char file[128];
+    snprintf(file, sizeof file, "mbs/%s.%s", name, ending);
+    cli_data_path(file, path, CLI_PATH_SIZE);
+    return lw_file_read(path, text, size, e);
+}
+
 static lw_status read_reference(const char *name, cli_mbs_reference *r, lw_error *e)
 {
-    char file[128], path[CLI_PATH_SIZE], *text = NULL, *line;
+    char path[CLI_PATH_SIZE], *text = NULL, *line;
     size_t size;
     int capacity = 64, number = 0;
-    snprintf(file, sizeof file, "mbs/%s.csv", name);
-    cli_data_path(file, path, sizeof path);
-    lw_status st = lw_file_read(path, &text, &size, e);
+    lw_status st = cli_mbs_read(name, "csv", path, &text, &size, e);
     *r = (cli_mbs_reference){ .value = st == LW_OK ? malloc(sizeof(double)*(size_t)capacity) : NULL };
     if (st == LW_OK && !r->value)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -157,11 +163,9 @@ static lw_status read_reference(const char *name, cli_mbs_reference *r, lw_error
 
 static lw_status read_model(const char *name, lw_model *m, lw_error *e)
 {
-    char file[128], path[CLI_PATH_SIZE], *text = NULL;
+    char path[CLI_PATH_SIZE], *text = NULL;
     size_t size;
-    snprintf(file, sizeof file, "mbs/%s.json", name);
-    cli_data_path(file, path, sizeof path);
-    lw_status st = lw_file_read(path, &text, &size, e);
+    lw_status st = cli_mbs_read(name, "json", path, &text, &size, e);
     if (st == LW_OK)
         st = lw_model_read(text, size, path, m, e);
     free(text);

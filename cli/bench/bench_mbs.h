@@ -56,6 +56,9 @@ typedef struct cli_mbs {
 /* Add a row without results. NULL: out of memory. */
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
 
+/* The text of NAME.ENDING in catalogues/data/mbs, to be freed, and its path (CLI_PATH_SIZE). */
+lw_status cli_mbs_read(const char *name, const char *ending, char *path, char **text, size_t *size, lw_error *e);
+
 /* Find the other programs in a folder. folder "none": no programs; NULL: the folder "peers" beside linkwright, if it
  * exists. */
 lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);

@@ -6,7 +6,6 @@
 #include "base/clock.h"
 #include "base/real.h"
 #include "cli/bench/bench_mbs.h"
-#include "cli/program/data.h"
 #include "mbs/dynamics/dynamics_space.h"
 
 enum { REPEAT_MAX = 50, MOMENTS = 20 };
@@ -41,11 +40,9 @@ static lw_status make_chain(int n, lw_spatial *m, lw_error *e)
 
 static lw_status read_model(const char *name, lw_spatial *m, lw_error *e)
 {
-    char file[128], path[CLI_PATH_SIZE], *text = NULL;
+    char path[CLI_PATH_SIZE], *text = NULL;
     size_t size;
-    snprintf(file, sizeof file, "mbs/%s.json", name);
-    cli_data_path(file, path, sizeof path);
-    lw_status st = lw_file_read(path, &text, &size, e);
+    lw_status st = cli_mbs_read(name, "json", path, &text, &size, e);
     if (st == LW_OK)
         st = lw_spatial_read(text, size, path, m, e);
     free(text);

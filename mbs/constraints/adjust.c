@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/rank.h"
 #include "base/real.h"
+#include "base/vector.h"
 
 static const double loose = 5e-3;            /* a row this near to others, relatively, may depend on them if it were exact */
 static const double strict = 1e-9;
@@ -73,14 +74,6 @@ static void factor(adjuster *w, const double *q, int most, double least, lw_rank
     lw_rank_factor(r, least);
 }
 
-static double greatest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
-
 /* Postures along motion k of the linkage, as if rows that nearly depend on others did: from q in both senses, each closed
  * in the sense of least squares.  Returns the greatest residual; infinite where the rows do not depend on others any more:
  * the posture given is singular. */
@@ -114,11 +107,11 @@ static double walk(adjuster *w, int rank, int k)
                 lw_rank_solve_transposed(&r, w->phi, way);
                 for (int c = 0; c < w->n_q; c++)
                     to[c] -= way[c];
-                if (greatest(way, w->n_q) < 1e-14)
+                if (lw_greatest(w->n_q, way) < 1e-14)
                     break;
             }
             factor(w, to, 0, loose, &r);
-            worst = r.rank > rank ? INFINITY : fmax(worst, greatest(w->phi, w->n_row));
+            worst = r.rank > rank ? INFINITY : fmax(worst, lw_greatest(w->n_row, w->phi));
             from = to;
         }
     }
@@ -210,7 +203,7 @@ static bool close_all(adjuster *w, double *total)
         }
         for (int k = 0; k < w->n_posture*w->n_q; k++)
             w->q[k] += (k < w->n_q ? 1 : ease)*w->step[w->n_dim + k];
-        if (!(greatest(total, w->n_dim) <= LW_ADJUST_MOST))
+        if (!(lw_greatest(w->n_dim, total) <= LW_ADJUST_MOST))
             return false;
     }
     return false;
@@ -264,7 +257,7 @@ lw_status lw_system_adjust(lw_system *s, double *q, double *by, lw_error *e)
             worst = fmax(worst, walk(&w, rank, k));
         bool near = worst > exact && worst < LW_ADJUST_MOST && close_all(&w, total);
         if (near) {
-            *by = greatest(total, w.n_dim);
+            *by = lw_greatest(w.n_dim, total);
             memcpy(q, w.q, n*sizeof *q);
         } else {
             memcpy(s->joint, before, bytes);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/constraints/mobility_internal.h"
 
 #define WALKS     4           /* walks that start at the posture */
@@ -46,14 +47,6 @@ static lw_vec2 velocity(const lw_system *s, int body, lw_vec2 arm, const double 
     return lw_v2_scale(out[1], 1/s->unit);
 }
 
-static double largest(const double *v, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(v[i]));
-    return most;
-}
-
 /* Does joint j move?  Gears move if the joints of their wheels do. */
 static bool works(const lw_system *s, int j, const double *q, const double *dq)
 {
@@ -77,7 +70,7 @@ static void mark_moving(search *f, const lw_mobility_posture *t)
     for (int i = 0; i < t->freedom; i++) {
         const double *dq = t->motion + (size_t)i*(size_t)f->n_q;
         for (int b = 0; b < s->n_body; b++)
-            f->moved[s->link[b]] |= largest(dq + 3*b, 3) > STILL;
+            f->moved[s->link[b]] |= lw_greatest(3, dq + 3*b) > STILL;
         for (int j = 0; j < s->n_joint; j++)
             f->worked[j] = f->worked[j] || works(s, j, t->q, dq);
     }
@@ -275,7 +268,7 @@ static void find_order(search *f)
             double left = want[i];
             for (int c = 0; c < n; c++)
                 left -= jac[i*n + c]*series[k*n + c];
-            if (fabs(left) > LW_RANK_ZERO*(1 + largest(want, m)))
+            if (fabs(left) > LW_RANK_ZERO*(1 + lw_greatest(m, want)))
                 return;
         }
         f->m->order = k;

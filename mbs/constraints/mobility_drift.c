@@ -2,6 +2,7 @@
  * of least norm (Ben-Israel 1966) find a posture near a guess for any rank. */
 #include <stdlib.h>
 #include <string.h>
+#include "base/vector.h"
 #include "base/real.h"
 #include "mbs/constraints/mobility_internal.h"
 
@@ -50,14 +51,6 @@ int lw_drift_factor(lw_drift *d, int m, int n, const double *a, double zero)
     return d->rank.rank;
 }
 
-static double dot(const double *a, const double *b, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i]*b[i];
-    return sum;
-}
-
 static double distance(const double *a, const double *b, int n)
 {
     double sum = 0;
@@ -71,9 +64,9 @@ int lw_drift_independent(int n, int k, double *v, double zero)
     for (int i = 0; i < k; i++) {
         int best = i;
         for (int j = i + 1; j < k; j++)
-            if (dot(v + j*n, v + j*n, n) > dot(v + best*n, v + best*n, n))
+            if (lw_dot(n, v + j*n, v + j*n) > lw_dot(n, v + best*n, v + best*n))
                 best = j;
-        double length = sqrt(dot(v + best*n, v + best*n, n));
+        double length = sqrt(lw_dot(n, v + best*n, v + best*n));
         if (length < zero)
             return i;
         for (int l = 0; l < n; l++) {
@@ -82,7 +75,7 @@ int lw_drift_independent(int n, int k, double *v, double zero)
             v[i*n + l] = swap/length;
         }
         for (int j = i + 1; j < k; j++) {
-            double share = dot(v + i*n, v + j*n, n);
+            double share = lw_dot(n, v + i*n, v + j*n);
             for (int l = 0; l < n; l++)
                 v[j*n + l] -= share*v[i*n + l];
         }
@@ -136,11 +129,11 @@ double lw_drift_settle(lw_drift *d, const double *from, const double *along, dou
         }
         if (along) {
             memcpy(d->jac + (size_t)m*(size_t)n, along, (size_t)n*sizeof *along);
-            d->goal[m] = length - (dot(along, q, n) - dot(along, from, n));
+            d->goal[m] = length - (lw_dot(n, along, q) - lw_dot(n, along, from));
         }
         lw_drift_factor(d, m + (along != NULL), n, d->jac, solve_zero(d));
         lw_rank_solve(&d->rank, d->goal, d->step);
-        if (!(dot(d->step, d->step, n) < 1))
+        if (!(lw_dot(n, d->step, d->step) < 1))
             return INFINITY;
         for (int k = 0; k < n; k++)
             q[k] += d->step[k];
@@ -166,11 +159,11 @@ static bool choose_direction(lw_drift *d, lw_rng *r, const double *q, const doub
     memset(direction, 0, (size_t)n*sizeof *direction);
     for (int i = 0; i < loose; i++) {
         const double *v = d->null + (size_t)i*(size_t)n;
-        double share = (old ? dot(old, v, n) : 0) + (old ? 0.3 : 1)*lw_rng_normal(r);
+        double share = (old ? lw_dot(n, old, v) : 0) + (old ? 0.3 : 1)*lw_rng_normal(r);
         for (int k = 0; k < n; k++)
             direction[k] += share*v[k];
     }
-    double length = sqrt(dot(direction, direction, n));
+    double length = sqrt(lw_dot(n, direction, direction));
     for (int k = 0; k < n; k++)
         direction[k] /= length > 0 ? length : 1;
     return length > 0;
@@ -218,7 +211,7 @@ static void probe(lw_drift *d, lw_mobility_posture *t)
         } while (worst > d->tolerance && h > PROBE/20);
         memset(column, 0, (size_t)n*sizeof *column);
         for (int j = 0; j < k && worst <= d->tolerance; j++) {
-            double share = (dot(basis + j*n, q, n) - dot(basis + j*n, t->q, n))/h;
+            double share = (lw_dot(n, basis + j*n, q) - lw_dot(n, basis + j*n, t->q))/h;
             for (int l = 0; l < n; l++)
                 column[l] += share*basis[j*n + l];
         }

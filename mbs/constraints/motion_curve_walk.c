@@ -1,5 +1,6 @@
 /* mbs/constraints/motion_curve_walk.c - following the curve of postures. */
 #include "mbs/constraints/motion_curve_internal.h"
+#include "base/vector.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -31,14 +32,6 @@ static void drop_nodes(lw_motion_curve *b, int n)
 {
     while (b->n_node > n)
         free(b->node[--b->n_node].q);
-}
-
-static double dot(const lw_motion_curve *b, const double *x, const double *y)
-{
-    double sum = 0.0;
-    for (int i = 0; i < b->n; i++)
-        sum += x[i]*y[i];
-    return sum;
 }
 
 /* Compute tangent (on the side of f->row), reach and curvature of a node, so that f can step from it.  The stored
@@ -81,7 +74,7 @@ static lw_status begin(lw_motion_curve *b, lw_error *e)
         return lw_error_set(e, LW_E_NUMERIC, "the posture has %d freedoms where one is expected: it is a branch point, "
                             "or a part moves freely; draw the linkage in another posture", freedoms);
     lw_system_measure(b->s, b->s->input_joint[b->input], b->node[0].q, b->a);
-    double rate = dot(b, b->a, b->f.row);
+    double rate = lw_dot(b->n, b->a, b->f.row);
     for (int i = 0; i < b->n; i++)
         b->f.row[i] *= rate < 0.0 ? -1.0 : 1.0;
     if (!look_around(b, 0, 1))
@@ -95,8 +88,8 @@ static lw_status begin(lw_motion_curve *b, lw_error *e)
 static void measure_arc(lw_motion_curve *b, lw_motion_curve_segment *s)
 {
     const double *c = lw_node_bend(b, s->base);
-    double h = s->length, end = 1.0/fmax(0.1, dot(b, lw_node_tangent(b, s->base), lw_node_tangent(b, s->far)));
-    s->square = 2.0*dot(b, c, c);
+    double h = s->length, end = 1.0/fmax(0.1, lw_dot(b->n, lw_node_tangent(b, s->base), lw_node_tangent(b, s->far)));
+    s->square = 2.0*lw_dot(b->n, c, c);
     s->cube = (end - 1.0 - s->square*h*h)/(h*h*h);
     if (fabs(s->cube*h) > s->square + 1.0) {              /* caused by rounding in a short step */
         s->square = (end - 1.0)/(h*h);
@@ -148,14 +141,14 @@ static double from_start(const lw_motion_curve *b, const double *q, double *out)
         if (i % 3 == 2)
             out[i] -= 2.0*LW_PI*round(out[i]/(2.0*LW_PI));
     }
-    return dot(b, out, lw_node_tangent(b, 0));
+    return lw_dot(b->n, out, lw_node_tangent(b, 0));
 }
 
 /* Distance of the start ahead of node `base` along f->row, if it is within reach of a step across a branch point. */
 static double start_ahead(lw_motion_curve *b, int base, double distance)
 {
     from_start(b, b->node[base].q, b->a);
-    double h = -dot(b, b->f.row, b->a), size = sqrt(dot(b, b->a, b->a));
+    double h = -lw_dot(b->n, b->f.row, b->a), size = sqrt(lw_dot(b->n, b->a, b->a));
     return h > 1.000001*distance && h <= 4.0*distance && size < 2.0*h ? h : HUGE_VAL;
 }
 
@@ -189,7 +182,7 @@ static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, 
         if (!lw_continuation_correct(&b->f, q) || !(lw_continuation_factor(&b->f, q) > 1e-12) ||
             !lw_continuation_tangent(&b->f))
             continue;
-        double gap = lw_continuation_distance(&b->f, p, q), turn = dot(b, b->f.tangent, b->f.row);
+        double gap = lw_continuation_distance(&b->f, p, q), turn = lw_dot(b->n, b->f.tangent, b->f.row);
         if (!(gap*lw_continuation_bound(&b->f, q) < 0.01) || !(turn > 0.5))
             continue;
         double singular = lw_continuation_locate(&b->f, LW_MOTION_CURVE_ORDER, b->series, distance, set_distance, b);
@@ -210,11 +203,11 @@ static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, 
 static lw_status close_up(lw_motion_curve *b, double before, int far, bool *closed)
 {
     lw_motion_curve_segment *s = &b->segment[b->n_segment - 1];
-    double after = from_start(b, b->node[far].q, b->a), size = sqrt(dot(b, b->a, b->a));
+    double after = from_start(b, b->node[far].q, b->a), size = sqrt(lw_dot(b->n, b->a, b->a));
     *closed = false;
     bool there = size < closing;      /* also after a singular step that ended at the start */
     if (!(before < 0.0 && (after >= 0.0 || there)) || (s->singular >= 0.0 && !there) || size > 4.0*s->length
-        || dot(b, lw_node_tangent(b, far), lw_node_tangent(b, 0)) < 0.5)
+        || lw_dot(b->n, lw_node_tangent(b, far), lw_node_tangent(b, 0)) < 0.5)
         return LW_OK;
     memcpy(b->c, b->node[far].q, (size_t)b->n*sizeof *b->c);
     for (int i = 0; i < b->n; i++) {

@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
+#include "base/vector.h"
 #include "mbs/constraints/system_internal.h"
 
 static const double first_step   = 0.2;
@@ -53,14 +54,6 @@ struct lw_newton {
     double *matrix, *diag, *rest, *border;
     double *turned;                        /* contribution of the removed turns to each equation */
 };
-
-static double dot(const lw_newton *s, const double *a, const double *b)
-{
-    double sum = 0.0;
-    for (int i = 0; i < s->w; i++)
-        sum += a[i]*b[i];
-    return sum;
-}
 
 static void copy(const lw_newton *s, place *to, const place *from)
 {
@@ -133,7 +126,7 @@ static bool correct(lw_newton *s, double *z, const double *row, double h)
         if (!(lw_qr_factor(s->rows, s->w, s->matrix, s->diag) > 1e-14))
             return false;
         lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
-        double length = sqrt(dot(s, s->rest, s->rest));
+        double length = sqrt(lw_dot(s->w, s->rest, s->rest));
         bool at_rounding = left <= small && fabs(off) <= small;
         if (iteration > 0 && !(length < 0.5*last))
             return at_rounding;
@@ -157,7 +150,7 @@ static bool find_tangent(lw_newton *s, place *p, const double *row)
     memset(s->rest, 0, (size_t)s->rows*sizeof *s->rest);
     s->rest[s->m] = 1.0;
     lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
-    double length = sqrt(dot(s, s->rest, s->rest));
+    double length = sqrt(lw_dot(s->w, s->rest, s->rest));
     for (int i = 0; i < s->w; i++)
         p->t[i] = s->rest[i]/length;
     return isfinite(length);
@@ -168,7 +161,7 @@ static bool find_tangent(lw_newton *s, place *p, const double *row)
 /* Is s->next on the same smooth curve as s->here, judged from both ends of the step? */
 static bool smooth(const lw_newton *s)
 {
-    double length2 = 0.0, along = 0.0, mean2 = 0.0, cosine = dot(s, s->next.t, s->here.t);
+    double length2 = 0.0, along = 0.0, mean2 = 0.0, cosine = lw_dot(s->w, s->next.t, s->here.t);
     if (cosine < least_cosine)
         return false;
     for (int i = 0; i < s->w; i++) {
@@ -377,7 +370,7 @@ static outcome advance(lw_newton *s, double target)
     for (double h = s->step; h >= least_step; h *= 0.5) {
         if (!go(s, h) || !uncrossed(s))
             continue;
-        double cosine = dot(s, s->next.t, s->here.t);
+        double cosine = lw_dot(s->w, s->next.t, s->here.t);
         bool turned = s->next.t[n]*way <= 0.0;
         if (!turned && dips(s, h))
             continue;

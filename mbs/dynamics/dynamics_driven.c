@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/vector.h"
 #include "mbs/dynamics/limits_internal.h"
 
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
@@ -47,14 +48,6 @@ typedef struct driven {
     double      middle[2*LW_SYSTEM_Q_MAX + LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
     double      rough[3*LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
 } driven;
-
-static double greatest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
 
 /* ---- one moment ---------------------------------------------------------------------------------------- */
 
@@ -121,7 +114,7 @@ static double scale(const driven *z, const window *w, int k)
     int n = z->d->n_q;
     double most = 0;
     for (int i = 0; i < N_NODE; i++)
-        most = fmax(most, greatest(w->values + i*z->width + k*n, k < 3 ? n : z->d->n_c));
+        most = fmax(most, lw_greatest(k < 3 ? n : z->d->n_c, w->values + i*z->width + k*n));
     return most;
 }
 
@@ -153,7 +146,7 @@ static lw_status fill(driven *z, window *w)
         for (int c = 0; c < z->width; c++)
             z->rough[c] -= z->middle[c];
         for (int k = 0; k < 4; k++)
-            w->off = fmax(w->off, greatest(z->rough + k*n, k < 3 ? n : d->n_c)*(slope ? w->half : 1)
+            w->off = fmax(w->off, lw_greatest(k < 3 ? n : d->n_c, z->rough + k*n)*(slope ? w->half : 1)
                                   /fmax(scale(z, w, k), 1e-300));
     }
     return LW_OK;
@@ -264,8 +257,8 @@ static lw_status moment_at(driven *z, double t, double *y)
     memcpy(y, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *y);
     double series[2*LW_SYSTEM_Q_MAX], half, at;
     bool near = apart(d, t, y) < beside && !(t > z->clear_from && t < z->clear_to)
-             && lw_prescribed_motion_rates(z->motion, 1, series) && greatest(series + n, n) > 0;
-    if (near && look_around(z, t, half = longest_half/greatest(series + n, n), &at)) {
+             && lw_prescribed_motion_rates(z->motion, 1, series) && lw_greatest(n, series + n) > 0;
+    if (near && look_around(z, t, half = longest_half/lw_greatest(n, series + n), &at)) {
         if (!z->made || fabs(z->found.at - at) > 0.1*half)
             make_window(z, at, half);
         z->made = true;

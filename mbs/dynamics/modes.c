@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 
@@ -100,14 +101,6 @@ typedef struct basis {
     bool    alone[LW_SYSTEM_Q_MAX];
 } basis;
 
-static double greatest(const double *a, int n)
-{
-    double most = 0.0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(a[i]));
-    return most;
-}
-
 /* out = X A X^T, where the rows of X are the vectors; memory (n*n) */
 static void transform(const basis *b, const double *a, double *memory, double *out)
 {
@@ -133,8 +126,8 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *memory)
 {
     int n = b->n;
     size_t square = (size_t)(n*n);
-    double *sum = memory, *mass = sum + square, *w = mass + square, stiff = greatest(v->stiffness, n*n);
-    double most = greatest(v->damping, n*n), a = most > 0.0 ? DAMPING_WEIGHT*(stiff > 0.0 ? stiff : 1.0)/most : 0.0;
+    double *sum = memory, *mass = sum + square, *w = mass + square, stiff = lw_greatest(n*n, v->stiffness);
+    double most = lw_greatest(n*n, v->damping), a = most > 0.0 ? DAMPING_WEIGHT*(stiff > 0.0 ? stiff : 1.0)/most : 0.0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             sum[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]
@@ -153,8 +146,8 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *memory)
     }
     transform(b, v->stiffness, memory, b->k);
     transform(b, v->damping, memory, b->c);
-    b->k_most = greatest(b->k, n*n);
-    b->c_most = greatest(b->c, n*n);
+    b->k_most = lw_greatest(n*n, b->k);
+    b->c_most = lw_greatest(n*n, b->c);
     for (int i = 0; i < n; i++) {
         double k = 0.0, c = 0.0;
         for (int j = 0; j < n; j++)

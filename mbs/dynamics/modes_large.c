@@ -9,6 +9,7 @@
 #include <string.h>
 #include "base/real.h"
 #include "base/rng.h"
+#include "base/vector.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
@@ -25,32 +26,24 @@ typedef struct lanczos {
     double *b;                       /* (n + c) */
 } lanczos;
 
-static double dot(const double *a, const double *b, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i]*b[i];
-    return sum;
-}
-
 /* x loses its part along the modes found and along the first k vectors, twice; returns its length in the metric of the
  * masses, and M x in heavy. */
 static double orthogonal(lanczos *z, double *x, double *heavy, int k)
 {
     for (int twice = 0; twice < 2; twice++) {
         for (int j = 0; j < z->n_found; j++) {
-            double part = dot(x, z->found_heavy + (size_t)j*(size_t)z->n, z->n);
+            double part = lw_dot(z->n, x, z->found_heavy + (size_t)j*(size_t)z->n);
             for (int i = 0; i < z->n; i++)
                 x[i] -= part*z->found[(size_t)j*(size_t)z->n + (size_t)i];
         }
         for (int j = 0; j < k; j++) {
-            double part = dot(x, z->heavy + (size_t)j*(size_t)z->n, z->n);
+            double part = lw_dot(z->n, x, z->heavy + (size_t)j*(size_t)z->n);
             for (int i = 0; i < z->n; i++)
                 x[i] -= part*z->basis[(size_t)j*(size_t)z->n + (size_t)i];
         }
     }
     lw_tangent_mass(&z->tangent, z->q, x, heavy);
-    double size = sqrt(fmax(dot(x, heavy, z->n), 0));
+    double size = sqrt(fmax(lw_dot(z->n, x, heavy), 0));
     for (int i = 0; size > 0 && i < z->n; i++) {
         x[i] /= size;
         heavy[i] /= size;
@@ -87,7 +80,7 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
     for (k = 0; k < z->most && size > least; k++) {
         double *x = z->basis + (size_t)(k + 1)*(size_t)n, *heavy = z->heavy + (size_t)(k + 1)*(size_t)n;
         apply(z, z->heavy + (size_t)k*(size_t)n, x);
-        alpha[k] = dot(x, z->heavy + (size_t)k*(size_t)n, n);
+        alpha[k] = lw_dot(n, x, z->heavy + (size_t)k*(size_t)n);
         beta[k] = size = orthogonal(z, x, heavy, k + 1);
         least = 1e-13*fabs(alpha[0]);
     }
@@ -113,7 +106,7 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
                     to[i] += vectors[best*k + j]*z->basis[(size_t)j*(size_t)n + (size_t)i];
             double *heavy = z->found_heavy + (size_t)z->n_found*(size_t)n;
             lw_tangent_mass(&z->tangent, z->q, to, heavy);
-            double length = sqrt(dot(to, heavy, n));
+            double length = sqrt(lw_dot(n, to, heavy));
             for (int i = 0; i < n; i++) {
                 to[i] /= length;
                 heavy[i] /= length;
@@ -176,8 +169,8 @@ static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, doubl
         }
         for (int i = 0; i < m; i++) {
             const double *y = z->found + (size_t)i*(size_t)n;
-            v->stiffness[i*m + j] = dot(y, k, n);
-            v->damping[i*m + j] = dot(y, c, n);
+            v->stiffness[i*m + j] = lw_dot(n, y, k);
+            v->damping[i*m + j] = lw_dot(n, y, c);
             v->mass[i*m + j] = i == j;
         }
     }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 
@@ -116,14 +117,6 @@ static lw_status leave_saddle(lw_vibration *v, double t, double *q)
     return s == LW_OK ? lw_vibration_linearise(v, t, q) : s;
 }
 
-static double greatest(const double *x, int n)
-{
-    double most = 0.0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
-
 lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e)
 {
     double x[LW_SYSTEM_Q_MAX], last = INFINITY;
@@ -133,9 +126,9 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
         double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? length(x, v->n_free) : 0.0;
         if (shift < 0.0)
             break;
-        r->residual = greatest(v->load, v->n_free);
+        r->residual = lw_greatest(v->n_free, v->load);
         r->stable = shift == 0.0;
-        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q)
+        bool done = size < 1e-14 || r->residual <= 1e-15*lw_greatest(v->n_q, v->force)
                  || (last < CONVERGED && size < CONVERGED);
         if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
             return LW_OK;

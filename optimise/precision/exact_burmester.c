@@ -13,6 +13,7 @@
 
 #include <string.h>
 #include "base/linalg.h"
+#include "base/vector.h"
 
 #define INDEPENDENT 1e-11     /* a row that keeps less of its length says nothing new                 */
 #define AT_INFINITY 1e-9      /* w against z: pins farther than 1e9 sizes make a slide                */
@@ -21,29 +22,21 @@ enum { Z = LW_GUIDE_Z, W = 0, KX, KY, GX, GY, U, V };
 
 /* ---- rows ----------------------------------------------------------------------------------------- */
 
-static double dot(const double *a, const double *b)
-{
-    double s = 0;
-    for (int i = 0; i < Z; i++)
-        s += a[i]*b[i];
-    return s;
-}
-
 /* Subtract from v its components along n orthonormal vectors.  Returns the length that is left. */
 static double take_out(int n, const double (*by)[Z], double *v)
 {
     for (int pass = 0; pass < 2; pass++)
         for (int k = 0; k < n; k++) {
-            double c = dot(by[k], v);
+            double c = lw_dot(Z, by[k], v);
             for (int i = 0; i < Z; i++)
                 v[i] -= c*by[k][i];
         }
-    return sqrt(dot(v, v));
+    return sqrt(lw_dot(Z, v, v));
 }
 
 static bool append(int n, double (*to)[Z], const double *row, double least)
 {
-    double length = sqrt(dot(row, row));
+    double length = sqrt(lw_dot(Z, row, row));
     if (!(length > 0) || n >= Z)
         return false;
     for (int i = 0; i < Z; i++)
@@ -289,7 +282,7 @@ static lw_guide guide_of(const lw_guide_rows *r, double *z)
 {
     lw_vec2 k = lw_v2(z[KX], z[KY]), g = lw_v2(z[GX], z[GY]), m = lw_v2(z[U], z[V]);
     lw_guide out = { .kind = LW_GUIDE_RR };
-    if (fabs(z[W]) > AT_INFINITY*sqrt(dot(z, z))) {
+    if (fabs(z[W]) > AT_INFINITY*sqrt(lw_dot(Z, z, z))) {
         if (r->n == 4)
             polish_pins(r, z);
         k = lw_v2_scale(lw_v2(z[KX], z[KY]), 1/z[W]);

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 
 #define ROUNDING_ROW  1e-13      /* of a . p - b, relative to its terms                                            */
 #define ROUNDING_STEP 1e-14      /* of p, relative to its way, in the metric of H                                  */
@@ -45,14 +46,6 @@ static void backward(int n, const double *l, double *v)         /* v = L^-T v */
     }
 }
 
-static double dot(int n, const double *a, const double *b)
-{
-    double s = 0;
-    for (int i = 0; i < n; i++)
-        s += a[i]*b[i];
-    return s;
-}
-
 /* The active conditions: rows L^-1 a as columns of an orthonormal matrix q and a triangle r. Both are recomputed at
  * every change, which is cheap for so few unknowns. */
 typedef struct active {
@@ -71,11 +64,11 @@ static void remake(active *w, const double *l, const double *a)
         memcpy(v, a + w->row[k]*n, sizeof(double)*(size_t)n);
         forward(n, l, v);
         for (int i = 0; i < k; i++) {
-            w->r[i*n + k] = dot(n, w->q + i*n, v);
+            w->r[i*n + k] = lw_dot(n, w->q + i*n, v);
             for (int c = 0; c < n; c++)
                 v[c] -= w->r[i*n + k]*w->q[i*n + c];
         }
-        w->r[k*n + k] = sqrt(dot(n, v, v));
+        w->r[k*n + k] = sqrt(lw_dot(n, v, v));
         for (int c = 0; c < n; c++)
             v[c] /= w->r[k*n + k];
     }
@@ -87,7 +80,7 @@ static double split(const active *w, const double *y, double *z, double *d)
     int n = w->n;
     memcpy(z, y, sizeof(double)*(size_t)n);
     for (int k = 0; k < w->count; k++) {
-        d[k] = dot(n, w->q + k*n, y);
+        d[k] = lw_dot(n, w->q + k*n, y);
         for (int c = 0; c < n; c++)
             z[c] -= d[k]*w->q[k*n + c];
     }
@@ -96,7 +89,7 @@ static double split(const active *w, const double *y, double *z, double *d)
             d[k] -= w->r[k*n + i]*d[i];
         d[k] /= w->r[k*n + k];
     }
-    return dot(n, z, z);
+    return lw_dot(n, z, z);
 }
 
 static void drop(active *w, int k, const double *l, const double *a)
@@ -111,7 +104,7 @@ static void drop(active *w, int k, const double *l, const double *a)
 
 static double gap_of(int n, int j, const double *a, const double *b, const double *p)
 {
-    return dot(n, a + j*n, p) - b[j];
+    return lw_dot(n, a + j*n, p) - b[j];
 }
 
 /* Rounding error to expect in condition j: p is accurate to a few units in the last place only in the metric of H, in
@@ -125,7 +118,7 @@ static double rounding(const active *w, int j, const double *l, const double *a,
         scale += fabs(a[j*n + c]*p[c]);
     memcpy(y, a + j*n, sizeof(double)*(size_t)n);
     forward(n, l, y);
-    return ROUNDING_ROW*scale + ROUNDING_STEP*sqrt(dot(n, y, y))*w->size;
+    return ROUNDING_ROW*scale + ROUNDING_STEP*sqrt(lw_dot(n, y, y))*w->size;
 }
 
 static int most_violated(const active *w, int m, const double *l, const double *a, const double *b,
@@ -184,7 +177,7 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
     double y[LW_QP_MAX], z[LW_QP_MAX], d[LW_QP_MAX], u_new = 0;
     memcpy(y, a + j*n, sizeof(double)*(size_t)n);
     forward(n, l, y);
-    double y2 = dot(n, y, y);
+    double y2 = lw_dot(n, y, y);
     for (int guard = 0; guard < 4*LW_QP_MAX; guard++) {
         double z2 = split(w, y, z, d), t1 = INFINITY, t2 = INFINITY;
         int leave = -1;
@@ -232,7 +225,7 @@ bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a
     for (int i = 0; i < n; i++)
         p[i] = -g[i];
     forward(n, l, p);
-    w.size = sqrt(dot(n, p, p));
+    w.size = sqrt(lw_dot(n, p, p));
     backward(n, l, p);
     for (int round = 0; round < 20*LW_QP_MAX; round++) {
         double gap;

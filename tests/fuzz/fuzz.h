@@ -9,6 +9,12 @@
 /* Calls abort() on a fault of the library; returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+static inline void demand(int condition)
+{
+    if (!condition)
+        abort();
+}
+
 /* Text that can be read as `type` is printed in less than `most` bytes and reads back the same: `same` is a condition
  * on the two values a and b. */
 #define FUZZ_READS_BACK(type, read, print, most, same) \

@@ -3,12 +3,6 @@
 #include "grammar/linkage.h"
 #include "tests/fuzz/fuzz.h"
 
-static void demand(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void round_trip(const lw_linkage *k, int indent)
 {
     static lw_linkage back;

@@ -4,12 +4,6 @@
 #include "grammar/model.h"
 #include "tests/fuzz/fuzz.h"
 
-static void demand(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void demand_place(lw_status s, const lw_error *e)
 {
     demand(e->status == s && e->text[0] && memchr(e->text, '\0', sizeof e->text) != NULL);

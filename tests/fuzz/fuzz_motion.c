@@ -6,12 +6,6 @@
 
 enum { N = 32 };
 
-static void demand(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static lw_status count_range(void *context, const lw_input_range *range)
 {
     (void)range;

@@ -4,12 +4,6 @@
 #include "grammar/servo.h"
 #include "tests/fuzz/fuzz.h"
 
-static void demand(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static lw_servo s;

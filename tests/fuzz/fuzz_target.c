@@ -4,12 +4,6 @@
 #include "optimise/task/target.h"
 #include "tests/fuzz/fuzz.h"
 
-static void demand(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void check_stations(const lw_target *t, int spread)
 {
     demand(t->n >= 1 && t->n <= LW_STATION_MAX && !t->x == !t->y && t->weight && t->line);
