@@ -342,6 +342,34 @@ static lw_status open_to_read(lw_store *s, const lw_store_options *o, lw_error *
     return status;
 }
 
+static int run_steps(lw_store *s, int from)
+{
+    char sql[80];
+    int code = SQLITE_OK;
+    for (int i = from; i < lw_store_step_count && code == SQLITE_OK; i++)
+        code = sqlite3_exec(s->db, lw_store_steps[i], NULL, NULL, NULL);
+    if (code != SQLITE_OK)
+        return code;
+    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d", LW_STORE_APPLICATION,
+             lw_store_step_count);
+    return sqlite3_exec(s->db, sql, NULL, NULL, NULL);
+}
+
+/* Bring the file from version `from` to the newest, in one transaction. */
+static lw_status migrate(lw_store *s, int from, lw_error *e)
+{
+    lw_status status = lw_store_begin(s, e);
+    if (status != LW_OK)
+        return status;
+    int code = run_steps(s, from);
+    if (code != SQLITE_OK) {
+        status = lw_store_fail(s, code, from ? "an older file cannot be brought up to date" : "cannot be made", e);
+        lw_store_rollback(s);
+        return status;
+    }
+    return lw_store_commit(s, e);
+}
+
 static lw_status open_to_write(lw_store *s, const lw_store_options *o, lw_error *e)
 {
     lw_status status = take_lock(s, o, e);
@@ -349,7 +377,7 @@ static lw_status open_to_write(lw_store *s, const lw_store_options *o, lw_error 
     if (status == LW_OK)
         status = connect_to(s, SQLITE_OPEN_READWRITE | (o->create ? SQLITE_OPEN_CREATE : 0), e);
     if (status == LW_OK && s->found_version < lw_store_step_count)
-        status = lw_store_migrate(s, s->found_version, e);
+        status = migrate(s, s->found_version, e);
     return status;
 }
 

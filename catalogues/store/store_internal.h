@@ -24,9 +24,6 @@ struct lw_store {
 extern const char *const lw_store_steps[];
 extern const int         lw_store_step_count;
 
-/* Bring the file from version `from` to the newest, in one transaction. */
-lw_status lw_store_migrate(lw_store *s, int from, lw_error *e);
-
 /* What SQLite's last failure (or `code`) means, with the file's name; `doing` is "cannot be read" or the like. */
 lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e);
 

@@ -1,5 +1,4 @@
 /* catalogues/store/store_schema.c - the tables of a catalogue, version by version; docs/catalogue.md explains them. */
-#include <stdio.h>
 #include "catalogues/store/store_internal.h"
 
 /* A version that was released is never changed: add a new step instead. */
@@ -69,30 +68,3 @@ static const char version_3[] =
 
 const char *const lw_store_steps[] = { version_1, version_2, version_3 };
 const int lw_store_step_count = sizeof lw_store_steps/sizeof *lw_store_steps;
-
-static int run_steps(lw_store *s, int from)
-{
-    char sql[80];
-    int code = SQLITE_OK;
-    for (int i = from; i < lw_store_step_count && code == SQLITE_OK; i++)
-        code = sqlite3_exec(s->db, lw_store_steps[i], NULL, NULL, NULL);
-    if (code != SQLITE_OK)
-        return code;
-    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d", LW_STORE_APPLICATION,
-             lw_store_step_count);
-    return sqlite3_exec(s->db, sql, NULL, NULL, NULL);
-}
-
-lw_status lw_store_migrate(lw_store *s, int from, lw_error *e)
-{
-    lw_status status = lw_store_begin(s, e);
-    if (status != LW_OK)
-        return status;
-    int code = run_steps(s, from);
-    if (code != SQLITE_OK) {
-        status = lw_store_fail(s, code, from ? "an older file cannot be brought up to date" : "cannot be made", e);
-        lw_store_rollback(s);
-        return status;
-    }
-    return lw_store_commit(s, e);
-}

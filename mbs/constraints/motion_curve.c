@@ -1,88 +1,9 @@
-/* mbs/constraints/motion_curve.c - making a curve of postures and asking it. */
+/* mbs/constraints/motion_curve.c - asking a curve of postures. */
 #include "mbs/constraints/motion_curve_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
-
-/* ---- making ------------------------------------------------------------------------------------ */
-
-static lw_status check(const lw_system *s, const lw_motion_curve_options *o, lw_error *e)
-{
-    if (o->input < 0 || o->input >= s->n_input)
-        return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
-    int missing = s->n_q - s->n_row - s->n_input;
-    if (missing > 0)
-        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d input%s; drive %d more joint%s",
-                            s->n_q - s->n_row, s->n_input, s->n_input == 1 ? "" : "s", missing,
-                            missing == 1 ? "" : "s");
-    return LW_OK;
-}
-
-static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_motion_curve *b)
-{
-    int rest[LW_INPUT_MAX], all[LW_INPUT_MAX], n_rest = 0;
-    for (int i = 0; i < s->n_input; i++) {
-        all[i] = i;
-        if (i != o->input)
-            rest[n_rest++] = i;
-    }
-    b->s = s;
-    b->n = s->n_q;
-    b->input = o->input;
-    b->reach = o->reach > 0.0 ? o->reach : 30.0;
-    b->most = o->most_segments > 0 ? o->most_segments : 20000;
-    b->series = calloc((size_t)(LW_MOTION_CURVE_ORDER + 1 + 3)*(size_t)b->n, sizeof *b->series);
-    if (!b->series || !lw_continuation_create(s, rest, n_rest, true, &b->f)
-        || !lw_continuation_create(s, all, s->n_input, false, &b->driven))
-        return false;
-    b->a = b->series + (LW_MOTION_CURVE_ORDER + 1)*b->n;
-    b->b = b->a + b->n;
-    b->c = b->b + b->n;
-    return true;
-}
-
-/* The other inputs stay where they are in the posture. */
-static lw_status place_start(lw_motion_curve *b, const double *q)
-{
-    b->node = calloc(64, sizeof *b->node);
-    if (!b->node)
-        return LW_E_MEMORY;
-    b->node[0].q = calloc(3*(size_t)b->n, sizeof(double));
-    if (!b->node[0].q)
-        return LW_E_MEMORY;
-    b->n_node = 1;
-    if (q)
-        memcpy(b->node[0].q, q, (size_t)b->n*sizeof *q);
-    else
-        lw_system_posture(b->s, b->node[0].q);
-    for (int i = 0; i < b->f.n_held; i++)
-        b->f.value[i] = lw_system_measure(b->s, b->s->input_joint[b->f.held[i]], b->node[0].q, NULL);
-    return LW_OK;
-}
-
-lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o,
-                                 lw_motion_curve **out, lw_error *e)
-{
-    *out = NULL;
-    lw_status status = check(s, o, e);
-    if (status != LW_OK)
-        return status;
-    lw_motion_curve *b = calloc(1, sizeof *b);
-    if (!b || !allocate(s, o, b) || place_start(b, q) != LW_OK) {
-        lw_motion_curve_free(b);
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    }
-    status = lw_motion_curve_walk(b, e);
-    if (status == LW_OK && lw_motion_curve_find_events(b) != LW_OK)
-        status = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (status != LW_OK) {
-        lw_motion_curve_free(b);
-        return status;
-    }
-    *out = b;
-    return LW_OK;
-}
 
 void lw_motion_curve_free(lw_motion_curve *b)
 {
