@@ -27,7 +27,7 @@ TEST(runs)
 /* What is not there for spatial models is refused, never ignored. */
 TEST(refusals)
 {
-    expect("$P simulate examples/space/top.json -a linear", 2, NULL, "planar");
+    expect("$P simulate examples/space/top.json -a linear --along 3", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json --formulation reduced", 3, NULL, "its links move in space");
     expect("$P simulate examples/space/top.json --balance", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json --gif $D/a.gif", 2, NULL, "planar");

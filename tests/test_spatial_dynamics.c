@@ -3,6 +3,7 @@
  * space. */
 #include "base/rng.h"
 #include "mbs/dynamics/dynamics_space.h"
+#include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/spatial_models.h"
 
@@ -653,4 +654,137 @@ TEST(refuses_what_it_cannot)
         CHECK_HAS(e.text, bad[i].says);
         lw_spatial_free(&m);
     }
+}
+
+/* ---- derivatives ---------------------------------------------------------------------------------------------- */
+
+typedef struct matrix { int n; double *by_q, *by_v; } matrix;
+
+static void add_entry(void *context, int row, int column, double by_q, double by_v)
+{
+    matrix *m = context;
+    m->by_q[row*m->n + column] += by_q;
+    m->by_v[row*m->n + column] += by_v;
+}
+
+/* Forces of every kind, and rows of every joint, at a random posture: derivatives against central differences along the
+ * motions of the bodies. */
+TEST(derivatives_of_forces_and_rows)
+{
+    static const char text[] =
+        "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1.2, \"centre\": [0.3, 0.1, 0.2], \"inertia\": [0.02, "
+        "0.03, 0.04, 0.002, -0.003, 0.001]}, {\"name\": \"b\", \"mass\": 0.7, \"centre\": [0.6, 0.4, 0.1], \"inertia\": [0.01, 0.02, 0.02, "
+        "0.001, 0.002, -0.003]}, {\"name\": \"c\", \"mass\": 0.9, \"centre\": [0.9, 0.2, 0.5], \"inertia\": [0.03, 0.02, 0.025]}], "
+        "\"joints\": [{\"name\": \"C\", \"kind\": \"cylindrical\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [1, 2, -1], "
+        "\"stop\": {\"least\": -1e-9, \"greatest\": 1e-9, \"stiffness\": 7, \"damping\": 0.3}}, "
+        "{\"name\": \"H\", \"kind\": \"screw\", \"links\": [\"a\", \"b\"], \"at\": [0.4, 0.2, 0.1], \"axis\": [0.3, -1, 0.5], \"lead\": 0.4}, "
+        "{\"name\": \"U\", \"kind\": \"universal\", \"links\": [\"b\", \"c\"], \"at\": [0.7, 0.3, 0.3], \"axis\": [1, 0.2, 0.1], "
+        "\"second_axis\": [0.3, 1, 0.4]}, {\"name\": \"E\", \"kind\": \"planar\", \"links\": [\"a\", \"c\"], \"at\": [1, 0.4, 0.4], \"axis\": "
+        "[0.2, 0.3, 1]}, {\"name\": \"T\", \"kind\": \"prismatic\", \"links\": [\"a\", \"c\"], \"at\": [1.3, 0.3, 0.2], \"axis\": [1, -1, 0.3]}, "
+        "{\"name\": \"F\", \"kind\": \"fixed\", \"links\": [\"b\", \"c\"]}], "
+        "\"springs\": [{\"joint\": \"C\", \"coordinate\": \"slide\", \"stiffness\": 40, \"damping\": 2}, {\"joint\": \"H\", \"coordinate\": "
+        "\"turn\", \"stiffness\": 2, \"damping\": 0.5}, {\"links\": [\"c\", \"b\"], \"at\": [[0.9, 0.4, 0.5], [1.2, 0.5, 0.2]], "
+        "\"stiffness\": 50, \"damping\": 3}, {\"links\": [\"ground\", \"a\"], \"at\": [[1.5, 0.5, 1], [1.9, 0.2, 0.3]], \"law\": "
+        "\"3*length^2 + rate*length\"}], "
+        "\"forces\": [{\"link\": \"c\", \"at\": [1, 1, 0], \"fx\": \"x(P)*vy(P)\", \"fz\": 3, \"ty\": \"q(H)\"}, {\"link\": \"b\", \"at\": "
+        "[0, 1, 0.5], \"frame\": \"link\", \"fy\": \"4 + y(P)\", \"tx\": 2}], "
+        "\"gravity\": [0.5, -1, -9.81], \"tracers\": [{\"name\": \"P\", "
+        "\"link\": \"c\", \"at\": [2, 0.2, 0.1]}]}";
+    lw_spatial m;
+    lw_space s;
+    lw_space_forces f;
+    lw_error e = { 0 };
+    lw_rng rng;
+    enum { N = 18, ROWS = 40 };
+    double by_q[N*N] = { 0 }, by_v[N*N] = { 0 }, q[21], v[N], force[2][N], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
+    lw_space_frame frame[4];
+    lw_space_bend bend[LW_SPACE_BENDS];
+    read_spatial(text, strlen(text), "derivatives", &m);
+    lw_rng_seed(&rng, check_seed(), 0);
+    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
+    CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
+    CHECK(s.n_v == N && s.n_row <= ROWS);
+    double by[N];
+    lw_vec3 turn = lw_v3_scale(m.joint[0].axis, 0.5);
+    lw_space_place(&s, s.start, frame);
+    for (int i = 0; i < N; i++) {            /* all turn about C: angles have their derivatives where axes are parallel */
+        lw_vec3 own = lw_m3_unapply(&frame[i/6 + 1].turn, turn);
+        by[i] = i%6 < 3 ? 0.2*lw_rng_normal(&rng) : i%3 == 0 ? own.x : i%3 == 1 ? own.y : own.z;
+        v[i] = lw_rng_normal(&rng);
+    }
+    memcpy(q, s.start, sizeof q);
+    lw_space_move(&s, q, by);
+    lw_space_place(&s, q, frame);
+    lw_space_forces_apply(&f, 0.3, frame, v, force[0], NULL, &(lw_space_sink){ &(matrix){ N, by_q, by_v }, add_entry });
+    double most = 0, off_q = 0, off_v = 0, off_h = 0;
+    for (int i = 0; i < N; i++) {
+        double at[21], w[N];
+        for (int side = 0; side < 2; side++) {
+            memset(by, 0, sizeof by);
+            by[i] = side ? h : -h;
+            memcpy(at, q, sizeof at);
+            lw_space_move(&s, at, by);
+            lw_space_place(&s, at, frame);
+            lw_space_forces_apply(&f, 0.3, frame, v, force[side], NULL, NULL);
+            lw_space_rows(&s, frame, phi, jac[side]);
+        }
+        for (int a = 0; a < N; a++) {
+            most = fmax(most, fabs(by_q[a*N + i]));
+            off_q = fmax(off_q, fabs((force[1][a] - force[0][a])/(2*h) - by_q[a*N + i]));
+        }
+        lw_space_place(&s, q, frame);
+        for (int j = 0; j < s.n_joint; j++)
+            for (int r = 0; r < lw_spatial_kind_of(s.joint[j].kind)->rows; r++) {
+                double change[N] = { 0 };
+                int n = lw_space_row_bends(&s, frame, j, r, bend), row = s.joint[j].row + r;
+                for (int b = 0; b < n; b++)
+                    if (bend[b].b == i)
+                        change[bend[b].a] += bend[b].h;
+                for (int c = 0; c < LW_SPACE_ROW; c++) {
+                    int body = s.joint[j].body[c/6];
+                    double d = (jac[1][row*LW_SPACE_ROW + c] - jac[0][row*LW_SPACE_ROW + c])/(2*h);
+                    if (body >= 0)
+                        off_h = fmax(off_h, fabs(d - change[6*body + c%6]));
+                }
+            }
+        for (int side = 0; side < 2; side++) {
+            memcpy(w, v, sizeof w);
+            w[i] += side ? h : -h;
+            lw_space_forces_apply(&f, 0.3, frame, w, force[side], NULL, NULL);
+        }
+        for (int a = 0; a < N; a++)
+            off_v = fmax(off_v, fabs((force[1][a] - force[0][a])/(2*h) - by_v[a*N + i]));
+    }
+    CHECK(most > 1);
+    CHECK_NEAR(off_q, 0, 1e-7*most, 0);
+    CHECK_NEAR(off_v, 0, 1e-7*most, 0);
+    CHECK_NEAR(off_h, 0, 1e-7, 0);
+    lw_space_forces_free(&f);
+    lw_space_free(&s);
+    lw_spatial_free(&m);
+}
+
+/* A hanging body on a universal joint with a spring: two modes in closed form. */
+TEST(modes_of_a_hanging_body)
+{
+    static const char text[] = "{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, "
+        "\"centre\": [0, 0, -0.5], \"inertia\": [0.3, 0.2, 0.1]}], \"joints\": [{\"name\": \"U\", \"kind\": \"universal\", \"links\": "
+        "[\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0], \"second_axis\": [0, 1, 0]}], \"springs\": [{\"links\": "
+        "[\"ground\", \"a\"], \"at\": [[1, 0, -0.5], [0, 0, -0.5]], \"stiffness\": 30, \"free\": 1}]}";
+    lw_spatial m;
+    lw_dynamics *d;
+    lw_modes modes;
+    lw_error e = { 0 };
+    double q[7];
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    read_spatial(text, strlen(text), "hanging", &m);
+    CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+    CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ false, true }, 20, 0, q, &modes, &e), LW_OK);
+    CHECK_INT(modes.n_mode, 2);
+    CHECK_NEAR(2*LW_PI*modes.mode[0].frequency, sqrt(9.81/.8), 1e-10, 0);
+    CHECK_NEAR(2*LW_PI*modes.mode[1].frequency, sqrt((9.81 + 7.5)/.7), 1e-10, 0);
+    lw_modes_free(&modes);
+    lw_dynamics_free(d);
+    lw_spatial_free(&m);
 }

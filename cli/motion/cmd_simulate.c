@@ -133,14 +133,14 @@ static int linear(const cli_call *call, lw_model *m)
 {
     cli_linear o = ((const settings *)call->settings)->linear;
     o.t = ((const settings *)call->settings)->from;
-    int code = cli_simulate_linear(call, m, &o);
+    int code = cli_simulate_linear(call, m, NULL, &o);
     cli_free_model(m);
     return code;
 }
 
 static int run_spatial(const cli_call *call, lw_spatial *m)
 {
-    static const char *const planar[] = { "balance", "plot", "columns", "gif", "rest", "hold", "along", "fft", NULL };
+    static const char *const planar[] = { "balance", "plot", "columns", "gif", "along", "fft", NULL };
     const settings *s = call->settings;
     lw_dynamics_options o = { .analysis = (lw_analysis)s->analysis, .formulation = (lw_formulation)s->formulation, .from = s->from,
                               .to = s->to, .intervals = s->steps, .relative = s->tolerance, .absolute = s->tolerance,
@@ -149,8 +149,11 @@ static int run_spatial(const cli_call *call, lw_spatial *m)
     int code = cli_spatial_refuse(call, planar);
     if (code != CLI_DONE)
         return code;
-    if (s->analysis == ANALYSIS_LINEAR)
-        return cli_usage(call, "--analysis linear is for planar models; this model is spatial");
+    if (s->analysis == ANALYSIS_LINEAR) {
+        cli_linear o_linear = s->linear;
+        o_linear.t = s->from;
+        return cli_simulate_linear(call, NULL, m, &o_linear);
+    }
     return cli_spatial_simulate(call, m, &o, s->speed, s->explain);
 }
 
@@ -237,8 +240,8 @@ const cli_command cli_simulate_command = {
         "posture of the file at time --from, as if it were at rest there; 'unbalanced' tells how far this posture\n"
         "is from equilibrium.\n"
         "\n"
-        "Spatial models (places with three numbers, docs/notation.md, \"Spatial model\") know the analyses transient,\n"
-        "static, quasistatic, kinematic and dynamic. --explain says which formulations suit them.\n"
+        "Spatial models (places with three numbers, docs/notation.md, \"Spatial model\") know all analyses;\n"
+        "--explain says which formulation suits them. Their modes are those of an equilibrium.\n"
         "\n"
         "Formulations; auto takes the first that suits the model, see --explain:\n"
         LW_FORMULATION_LIST(HELP),

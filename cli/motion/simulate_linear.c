@@ -6,13 +6,14 @@
 #include "base/real.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
-#include "mbs/dynamics/dynamics.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/modes.h"
 
 typedef struct linear {
     const cli_call   *call;
     const lw_model   *m;                 /* whose links the modes are of: nodes of elastic ones too */
     lw_model         *given;
+    lw_spatial       *space;             /* a spatial model instead; NULL: a planar one */
     const cli_linear *o;
     lw_dynamics *d;                      /* large models and elastic links; NULL: others */
     lw_system own_s;
@@ -49,6 +50,26 @@ static void tail(linear *l)
     if (!l->call->common.json)
         return;
     cli_json_end(&l->j);
+    cli_json_end(&l->j);
+}
+
+/* The same of a spatial model: displacement of the centre in ground axes [m], turn about the principal axes [rad]. */
+static void write_space_shape(linear *l, const lw_mode *m)
+{
+    const lw_space *s = lw_dynamics_space(l->d);
+    cli_json_array(&l->j, "shape");
+    for (int b = 0; b < s->n_body; b++) {
+        double v[12];
+        for (int i = 0; i < 6; i++) {
+            v[i] = m->shape[6*b + i]*(i < 3 ? s->unit : 1.0);
+            v[6 + i] = m->phase[6*b + i];
+        }
+        cli_json_object(&l->j, NULL);
+        cli_json_text(&l->j, "link", s->model->body[s->link_of[b]].name);
+        cli_json_reals(&l->j, "x_y_z_turns", v, 6);
+        cli_json_reals(&l->j, "phase", v + 6, 6);
+        cli_json_end(&l->j);
+    }
     cli_json_end(&l->j);
 }
 
@@ -92,14 +113,33 @@ static void write_mode(linear *l, int k, double input)
     cli_json_reals(&l->j, "eigenvalue", (double[]){ m->re, m->im }, 2);
     if (l->o->fft)
         cli_json_real(&l->j, "heard", l->peak[k]);
-    write_shape(l, m);
+    if (l->space)
+        write_space_shape(l, m);
+    else
+        write_shape(l, m);
     cli_json_end(&l->j);
+}
+
+static double space_input(const linear *l)
+{
+    const lw_space *s = lw_dynamics_space(l->d);
+    const lw_spatial_input *in = &l->space->input[0];
+    lw_space_frame *frame = malloc(((size_t)s->n_body + 1)*sizeof *frame);
+    double value = NAN;
+    if (frame) {
+        lw_space_place(s, l->q, frame);
+        value = lw_space_scale(s, in->measure)*lw_space_measure(s, frame, in->measure, 0, NULL) + lw_spatial_offset(in);
+    }
+    free(frame);
+    return value;
 }
 
 static void write_posture(linear *l)
 {
     double input = NAN;
-    if (l->s->n_input > 0) {
+    if (l->space && l->space->n_input > 0)
+        input = space_input(l);
+    else if (!l->space && l->s->n_input > 0) {
         int j = l->s->input_joint[0];
         input = l->s->input_value[0] + lw_system_joint_unit(l->s, j)*lw_system_measure(l->s, j, l->q, NULL);
     }
@@ -150,6 +190,9 @@ static lw_status one(linear *l, bool rest, lw_error *e)
                 : lw_modes_find(l->f, &o, l->o->t, l->q, &l->modes, e);
     if (s != LW_OK)
         return s;
+    if (l->space && l->modes.unbalanced > 1e-6)
+        return lw_error_set(e, LW_E_ARG, "the posture is no equilibrium: %.3g of the greatest force is left over; modes in space are "
+                            "those of an equilibrium: --rest goes to one", l->modes.unbalanced);
     if (l->o->fft && (s = lw_modes_from_spectra(l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
         return s;
     if (l->o->fft)
@@ -167,13 +210,17 @@ static lw_status open_large(linear *l, lw_error *e)
     o.hold_inputs = l->o->hold;
     o.rigid = l->o->rigid;
     lw_dynamics_free(l->d);
-    lw_status s = lw_dynamics_make(l->given, &o, &l->d, e);
+    lw_status s = l->space ? lw_dynamics_make_spatial(l->space, &o, &l->d, e) : lw_dynamics_make(l->given, &o, &l->d, e);
     if (s != LW_OK)
         return s;
+    const char *massless = lw_dynamics_massless(l->d);
+    if (massless)
+        return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass or no inertia, so its motion has no frequency: give it a \"mass\" "
+                            "and an \"inertia\"", massless);
     l->s = lw_dynamics_system(l->d);
     l->f = lw_dynamics_forces(l->d);
     l->m = lw_dynamics_model(l->d);
-    size_t n = (size_t)l->s->n_q;
+    size_t n = (size_t)(l->space ? lw_dynamics_space(l->d)->n_q : l->s->n_q);
     free(l->q);
     l->q = calloc(2*n, sizeof *l->q);
     if (!l->q)
@@ -240,7 +287,7 @@ static void free_linear(linear *l)
     free(l);
 }
 
-int cli_simulate_linear(const cli_call *call, lw_model *m, const cli_linear *o)
+int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, const cli_linear *o)
 {
     lw_error e = { 0 };
     lw_output out;
@@ -249,9 +296,9 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, const cli_linear *o)
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
         return cli_fail(call, &e);
     }
-    l->call = call, l->m = l->given = m, l->o = o;
+    l->call = call, l->m = l->given = m, l->space = space, l->o = o;
     const lw_linkage *small;
-    bool large = m->n_elastic || lw_model_small(m, &small, NULL) != LW_OK;
+    bool large = space || m->n_elastic || lw_model_small(m, &small, NULL) != LW_OK;
     if (large && o->fft)
         lw_error_set(&e, LW_E_KIND, "--fft is for models of at most %d rigid links", LW_LINK_MAX);
     if (e.status != LW_OK || (large ? open_large(l, &e) : open_small(l, &e)) != LW_OK || cli_open(call, &out, &e) != LW_OK) {

@@ -5,6 +5,7 @@
 
 #include "cli/program/command.h"
 #include "grammar/model.h"
+#include "grammar/spatial.h"
 
 typedef struct cli_linear {
     bool   rest;                 /* at the static equilibrium                                        */
@@ -16,7 +17,7 @@ typedef struct cli_linear {
     double t;                    /* time at which loads and motions are taken [s]                    */
 } cli_linear;
 
-/* Run the analysis and print tables or --json to the file of -o. Returns an exit code. */
-int cli_simulate_linear(const cli_call *call, lw_model *m, const cli_linear *o);
+/* Run the analysis of a planar model or a spatial one (the other is NULL) and print tables or --json to the file of -o. Returns an exit code. */
+int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, const cli_linear *o);
 
 #endif

@@ -158,6 +158,9 @@ const char *lw_dynamics_input_name(const lw_dynamics *d, int i);
 int  lw_dynamics_idle(const lw_dynamics *d);
 bool lw_dynamics_many_drives(const lw_dynamics *d);
 
+/* A link that has no mass or no inertia, for which a static analysis made some up; NULL: all have. */
+const char *lw_dynamics_massless(const lw_dynamics *d);
+
 /* Does input i start at rest because neither its speed nor its motion is given? */
 bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i);
 

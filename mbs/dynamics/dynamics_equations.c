@@ -89,10 +89,19 @@ static void form_schur(lw_dynamics *d)
 {
     double *value = d->schur.value;
     memset(value, 0, (size_t)(d->schur.n_entry + d->n_kept)*sizeof *value);
+    for (int i = 0; i < d->n_kept; i++) {
+        int row = d->kept[i];
+        const double *jac = d->jac + row*LW_ROW_SIZE;
+        double *to = d->jac_by_mass + row*LW_ROW_SIZE;
+        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++, jac += LW_BLOCK, to += LW_BLOCK) {
+            const double *m = d->by_mass + LW_BLOCK*d->row_block[row][k];
+            to[0] = jac[0]*m[0], to[1] = jac[1]*m[1], to[2] = jac[2]*m[2];
+        }
+    }
     for (int p = 0; p < d->n_pair; p++) {
         const lw_row_pair *pair = &d->pair[p];
-        const double *a = d->jac + pair->row, *b = d->jac + pair->other, *m = d->by_mass + pair->block;
-        value[pair->to] += a[0]*b[0]*m[0] + a[1]*b[1]*m[1] + a[2]*b[2]*m[2];
+        const double *a = d->jac + pair->row, *b = d->jac_by_mass + pair->other;
+        value[pair->to] += a[0]*b[0] + a[1]*b[1] + a[2]*b[2];
     }
 }
 
@@ -524,7 +533,7 @@ static bool order_rows(lw_dynamics *d, const block_rows *r)
                 const struct block_row *x = &r->list[p], *y = &r->list[q];
                 int i = place[x->kept], j = place[y->kept], low = i < j ? i : j, high = i < j ? j : i;
                 d->pair[d->n_pair++] = (lw_row_pair){ old[x->kept]*LW_ROW_SIZE + LW_BLOCK*x->slot,
-                                                      old[y->kept]*LW_ROW_SIZE + LW_BLOCK*y->slot, LW_BLOCK*b,
+                                                      old[y->kept]*LW_ROW_SIZE + LW_BLOCK*y->slot,
                                                       lw_cholesky_entry(&d->schur, low, high) };
             }
     free(old);

@@ -24,9 +24,8 @@
 /* Diagonals of a rank-revealing factorisation below this, relative to the first, count as 0. */
 #define LW_RANK_TOLERANCE 1e-9
 
-/* Two kept rows that share a block: their derivatives by it in jac, its first velocity, and the entry of schur that they
- * add to. */
-typedef struct lw_row_pair { int row, other, block, to; } lw_row_pair;
+/* Two kept rows that share a block: their derivatives by it in jac, and the entry of schur that they add to. */
+typedef struct lw_row_pair { int row, other, to; } lw_row_pair;
 
 struct lw_dynamics {
     const lw_model      *model;               /* that of the caller, or `expansion.model` or `rigid` */
@@ -63,6 +62,7 @@ struct lw_dynamics {
     /* at the posture last factored */
     lw_body_frame *frames;                    /* (n_body + 1) */
     double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_block; (n_c) */
+    double *jac_by_mass;                      /* J M^-1, as jac */
     double *by_mass;                          /* (n_v) 1/mass */
     bool    by_rank, null_ready;              /* which way holds; mass_null is made */
     double  weak;                             /* least pivot of the fast way over its diagonal: how singular; in space over */

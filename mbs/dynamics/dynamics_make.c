@@ -61,7 +61,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
              + (d->touch ? (size_t)d->touch->row_max : 0);
     size_t all = 0, n_int = 0, speeds = c + inputs + LW_BLOCK*(size_t)d->n_velocity;
     const piece pieces[] = {
-        { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, v },
+        { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->jac_by_mass, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, v },
         { &d->rank_work, dense*lw_rank_doubles((int)v, (int)speeds) }, { &d->null, dense*v*v }, { &d->mass_null, dense*v*v },
         { &d->small, c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
         { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q },

@@ -19,6 +19,11 @@ const char *lw_mbs_is_planar(const lw_dynamics *d)
          ? "; all axes are parallel: written with two numbers a place, the model is planar and runs faster" : "";
 }
 
+const char *lw_dynamics_massless(const lw_dynamics *d)
+{
+    return d->space && d->space->massless >= 0 ? d->space->model->body[d->space->s.link_of[d->space->massless]].name : NULL;
+}
+
 /* ---- what is special ------------------------------------------------------------------------------------------ */
 
 static lw_status reserve_lists(lw_dynamics *d, lw_error *e)

@@ -55,7 +55,7 @@ lw_status lw_spatial_weigh_massless(lw_spatial_scene *c, bool at_rest, lw_error 
             return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model of this size every link has "
                                 "them", c->model->body[c->s.link_of[i/6]].name);
         else if (!(c->mass[i] > 0))
-            c->mass[i] = top > 0 ? 1e-3*top : 1;
+            c->mass[i] = top > 0 ? 1e-3*top : 1, c->massless = i/6;
     return LW_OK;
 }
 
@@ -72,7 +72,7 @@ static void set_slots(lw_space_slots *t, const int body[2], bool turns_only)
 
 lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_error *e)
 {
-    *c = (lw_spatial_scene){ .model = m };
+    *c = (lw_spatial_scene){ .model = m, .massless = -1 };
     lw_status st = lw_space_make(m, &c->s, e);
     if (st == LW_OK)
         st = lw_space_forces_make(&c->s, &c->f, e);

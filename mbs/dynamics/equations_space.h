@@ -19,6 +19,7 @@ typedef struct lw_spatial_scene {
     lw_space_slots *slots;                       /* (n_row) */
     double         *mass;                        /* (n_v) with an inertia for each spin that is held */
     lw_space_follow follow;                      /* postures along the inputs that have a motion; memory NULL: not made */
+    int             massless;                    /* a body whose mass or inertia was made up; -1: none */
     int             redundant;                   /* rows of joints that depend on others */
     bool            has_drives, many_drives;     /* drives carry the forces of the inputs; more of them than freedoms */
     lw_space_rows_set drives;                    /* joints, spins, drives */

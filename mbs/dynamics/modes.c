@@ -261,7 +261,8 @@ static const char *lightest(const lw_vibration *v)
         worst = v->mass[k*n + k] < v->mass[worst*n + worst] ? k : worst;
     for (int i = 1; i < v->n_q; i++)
         top = fabs(v->null[worst*v->n_q + i]) > fabs(v->null[worst*v->n_q + top]) ? i : top;
-    return v->f->model->linkage.link_name[v->f->system->link[top/3]];
+    return v->eq ? v->eq->name(v->eq->context, LW_NAMED_BLOCK, top/LW_BLOCK)
+                 : v->f->model->linkage.link_name[v->f->system->link[top/3]];
 }
 
 void lw_modes_free(lw_modes *modes)

@@ -182,7 +182,7 @@ static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, doubl
     }
     for (int i = 0; i < m*m; i++)
         v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
-    return skew <= 1e-7*stiff;
+    return d->eq.conservative || skew <= 1e-7*stiff;
 }
 
 lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
@@ -212,7 +212,7 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         z.found = p, p += ((size_t)room + 1)*n, z.found_heavy = p, p += ((size_t)room + 1)*n, z.value = p, p += room;
         double *still = p, *k = p + n, *damp = p + 2*n, *l = p + 3*n;
         z.b = l + c;
-        lw_vibration v = { .f = &d->f, .n_q = d->n_v, .null = z.found };
+        lw_vibration v = { .eq = &d->eq, .n_q = d->n_v, .null = z.found };
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
         s = lw_tangent_at_rest(d, t, q, still, d->a, l);
         double left = 0, force = 0, ratio = 0, scale = 0;

@@ -7,7 +7,8 @@
 
 /* Equations of one posture: rows (system, then held inputs), null space, reduced matrices. */
 typedef struct lw_vibration {
-    const lw_forces *f;
+    const lw_forces *f;                  /* NULL where eq is given, */
+    const lw_equations *eq;              /* for names of links only */
     int     n_q, n_row, n_free;          /* n_row includes held inputs */
     int     n_held, held[LW_INPUT_MAX];
     double  held_value[LW_INPUT_MAX];          /* values of held inputs */
