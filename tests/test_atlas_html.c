@@ -265,6 +265,30 @@ static bool after_three(void *context, double done, double total)
     return done < 3;
 }
 
+/* Families of more chains than single_pages: blocks that nothing hostile leaves, one page for all of them. */
+TEST(large_families)
+{
+    lw_atlas_html_options o = lw_atlas_html_options_default();
+    size_t n_page, n_byte, size;
+    lw_error e = { 0 };
+    char *text = NULL;
+    o.single_pages = 1;
+    CHECK_INT(write_atlas(path_of("blocks"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(n_page, 1 + 1 + 2 + 1 + 2);             /* overview, four-bar, linkages, chain.html, two blocks */
+    CHECK(access(path_of("blocks/chain-4-1-1.html"), F_OK) == 0);
+    CHECK(access(path_of("blocks/chain-6-1-1.html"), F_OK) != 0);
+    for (int i = 0; i < 4; i++) {
+        static const char *const file[] = { "blocks/index.html", "blocks/chain.html", "blocks/chain-4-1-1.html",
+                                            "blocks/chains-6-1-0.js" };
+        CHECK_INT(lw_file_read(path_of(file[i]), &text, &size, NULL), LW_OK);
+        if (i < 3)
+            CHECK((strstr(text, "' 'self'\">") != NULL) == (i < 2));
+        else
+            CHECK(strncmp(text, "\"use strict\";\natlasBlocks.take(\"6-1\",0,2,[\n", 43) == 0 && !strchr(text, '<'));
+        free(text);
+    }
+}
+
 TEST(limits_and_faults)
 {
     lw_atlas_html_options o = lw_atlas_html_options_default();
@@ -299,7 +323,8 @@ int main(void)
     put_linkages();
     check_run();
     const char *keep = getenv("LW_ATLAS_FOLDER");
-    snprintf(line, sizeof line, "cp -r %s/atlas '%.200s'", temporary_folder(), keep ? keep : "");
+    snprintf(line, sizeof line, "cp -r %s/atlas '%.200s'; cp -r %s/blocks '%.200s-blocks'", temporary_folder(),
+             keep ? keep : "", temporary_folder(), keep ? keep : "");
     if (keep && system(line) != 0)
         perror(keep);
     return check_end();

@@ -1,4 +1,5 @@
-/* catalogues/pages/atlas_html.c - the pages of an atlas: the overview, a page for each chain, pages of its linkages. */
+/* catalogues/pages/atlas_html.c - the pages of an atlas: the overview, a page for each chain, pages of its linkages; blocks
+ * of chains instead of pages for large families. */
 #include "catalogues/pages/atlas_html.h"
 
 #include <errno.h>
@@ -28,6 +29,7 @@ typedef enum leaf_text {
 typedef struct leaf {                       /* a chain of the atlas */
     long long       id, symmetry, n_linkage;
     int             links, dof, joints, loops, grounds, planar;
+    bool            in_block;                  /* its family is written in blocks                           */
     int             number, of;               /* number among the `of` chains with as many links and freedoms, from 1 */
     char           *text[LEAF_TEXTS];       /* "" if there is none                                       */
     lw_mechanism    chain;
@@ -43,7 +45,8 @@ typedef struct atlas {
     const char     *dir;
     size_t          n, capacity;
     leaf        *leaf;
-    lw_bytes        style, chain_script, index_script;
+    lw_bytes        style, chain_script, index_script, block_script;
+    bool            has_blocks;                /* some family is written in blocks                          */
     bool            has_linkages;              /* the catalogue has a table of linkages                     */
     long long       n_other;                   /* linkages of chains that are not in the atlas              */
     size_t          n_page, n_byte;
@@ -53,7 +56,8 @@ typedef struct atlas {
 
 static void page_file(const leaf *l, const char *kind, char file[LEAF_FILE])
 {
-    snprintf(file, LEAF_FILE, "%s-%d-%d-%d.html", kind, l->links, l->dof, l->number);
+    bool in_block = l->in_block && strcmp(kind, "chain") == 0;
+    snprintf(file, LEAF_FILE, in_block ? "%s.html#%d-%d-%d" : "%s-%d-%d-%d.html", kind, l->links, l->dof, l->number);
 }
 
 static void family_name(const leaf *l, char *out, size_t size)
@@ -216,12 +220,15 @@ static void plain_list(lw_bytes *b, const atlas *a)
     lw_bytes_text(b, "<noscript>\n<ul class=\"plain\">\n");
     for (size_t i = 0; i < a->n; i++) {
         const leaf *l = &a->leaf[i];
+        if (l->in_block)
+            continue;
         page_file(l, "chain", file);
         snprintf(name, sizeof name, "%d links, F = %d, chain %d", l->links, l->dof, l->number);
         lw_page_text(b, "<li><a href=\"", file, "\">");
         lw_page_text(b, "", name, "</a></li>\n");
     }
-    lw_bytes_text(b, "</ul>\n</noscript>\n");
+    lw_bytes_text(b, a->has_blocks ? "</ul>\n<p>Families of many chains need scripts.</p>\n</noscript>\n"
+                                   : "</ul>\n</noscript>\n");
 }
 
 /* ---- data --------------------------------------------------------------------------------------- */
@@ -248,12 +255,28 @@ static void json_number(lw_bytes *b, long n)
     lw_bytes_integer(b, n);
 }
 
-/* Write the data of a chain as atlas_html.js reads it: numbers, texts, places of joints in 1/100 of a bar (y down),
- * joints of each link in order. */
+/* Places of joints in 1/100 of a bar (y down), then the joints of each link in order, as atlas_block.js reads them. */
+static void json_layout(lw_bytes *b, const lw_chain_layout *layout, int n_link)
+{
+    for (int j = 0; j < layout->n_joint; j++) {
+        lw_bytes_text(b, j ? "," : "[");
+        lw_bytes_integer(b, lround(100*layout->at[j].x));
+        json_number(b, -lround(100*layout->at[j].y));
+    }
+    for (int i = 0; i < n_link; i++) {
+        lw_bytes_text(b, i ? "],[" : "],[[");
+        for (int k = layout->first[i]; k < layout->first[i + 1]; k++) {
+            lw_bytes_text(b, k > layout->first[i] ? "," : "");
+            lw_bytes_integer(b, layout->ring[k]);
+        }
+    }
+    lw_bytes_text(b, "]]");
+}
+
+/* Write the data of a chain as atlas_html.js reads it: numbers, texts, and the picture unless it stands in a block. */
 static void json_leaf(lw_bytes *b, const leaf *l)
 {
-    static const leaf_text texts[] = { LEAF_ASSORTMENT, LEAF_GRAPH6, LEAF_LABEL, LEAF_FRANKE,
-                                          LEAF_FORM };
+    static const leaf_text texts[] = { LEAF_ASSORTMENT, LEAF_GRAPH6, LEAF_FORM };
     lw_bytes_text(b, "[");
     lw_bytes_integer(b, l->links);
     json_number(b, l->dof);
@@ -266,25 +289,17 @@ static void json_leaf(lw_bytes *b, const leaf *l)
         lw_bytes_text(b, ",");
         json_text(b, l->text[texts[i]]);
     }
-    for (int j = 0; j < l->layout.n_joint; j++) {
-        lw_bytes_text(b, j ? "," : ",[");
-        lw_bytes_integer(b, lround(100*l->layout.at[j].x));
-        json_number(b, -lround(100*l->layout.at[j].y));
+    if (!l->in_block) {
+        lw_bytes_text(b, ",");
+        json_layout(b, &l->layout, l->links);
     }
-    for (int i = 0; i < l->links; i++) {
-        lw_bytes_text(b, i ? "],[" : "],[[");
-        for (int k = l->layout.first[i]; k < l->layout.first[i + 1]; k++) {
-            lw_bytes_text(b, k > l->layout.first[i] ? "," : "");
-            lw_bytes_integer(b, l->layout.ring[k]);
-        }
-    }
-    lw_bytes_text(b, "]]]");
+    lw_bytes_text(b, "]");
 }
 
 static void index_page(const atlas *a, lw_bytes *b)
 {
     char about[96];
-    lw_page_head(b, a->options->title, &a->style, &a->index_script);
+    lw_page_head(b, a->options->title, &a->style, &a->index_script, a->has_blocks);
     lw_page_text(b, "<header>\n<h1>", a->options->title, "</h1>\n");
     snprintf(about, sizeof about, a->n == 1 ? "%zu kinematic chain" : "%zu kinematic chains", a->n);
     lw_page_text(b, "<p class=\"about\">", about, "</p>\n</header>\n<main>\n");
@@ -342,7 +357,7 @@ static void head(lw_bytes *b, const atlas *a, size_t i)
     char title[160], name[48], link[160];
     family_name(l, name, sizeof name);
     snprintf(title, sizeof title, "Chain %d of %d: %s", l->number, l->of, name);
-    lw_page_head(b, title, &a->style, &a->chain_script);
+    lw_page_head(b, title, &a->style, &a->chain_script, false);
     lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul>\n<li><a rel=\"up\" href=\"index.html\">",
                  a->options->title, "</a></li>\n");
     snprintf(link, sizeof link, "<li><a href=\"index.html#links=%d&amp;dof=%d\">", l->links, l->dof);
@@ -354,64 +369,78 @@ static void head(lw_bytes *b, const atlas *a, size_t i)
     lw_page_text(b, "</ul></nav>\n<h1>", title, "</h1>\n</header>\n");
 }
 
-static void row_text(lw_bytes *b, const char *name, const char *text)
+/* Names and texts of a chain's page. */
+typedef struct pairs {
+    int  n;
+    char number[6][24], graph[64], edges[LW_EDGES_SIZE];
+    struct { const char *name, *text; } at[12];
+} pairs;
+
+static void pair_text(pairs *p, const char *name, const char *text)
 {
     if (!text[0])
         return;
-    lw_page_text(b, "<tr><th scope=\"row\">", name, "</th><td>");
-    lw_page_text(b, "", text, "</td></tr>\n");
+    p->at[p->n].name = name;
+    p->at[p->n++].text = text;
 }
 
-static void row_number(lw_bytes *b, const char *name, long long n)
+static void properties(const leaf *l, pairs *p)
 {
-    char text[32];
-    snprintf(text, sizeof text, "%lld", n);
-    row_text(b, name, text);
+    const struct { const char *name; long long n; } number[6] = {
+        { "Links", l->links }, { "Joints", l->joints }, { "Degree of freedom", l->dof },
+        { "Independent loops", l->loops }, { "Symmetries", l->symmetry }, { "Ground links", l->grounds } };
+    p->n = 0;
+    for (int i = 0; i < 6; i++) {
+        if (i == 4) {
+            pair_text(p, "Links of 2, 3, \xe2\x80\xa6 joints", l->text[LEAF_ASSORTMENT]);
+            pair_text(p, "Structure", l->text[LEAF_FORM]);
+            pair_text(p, "Derivation", l->text[LEAF_DERIVATION]);
+        }
+        snprintf(p->number[i], sizeof p->number[i], "%lld", number[i].n);
+        pair_text(p, number[i].name, p->number[i]);
+    }
+    snprintf(p->graph, sizeof p->graph, l->layout.n_cross == 1 ? "not planar: drawn with %d crossing"
+                                                               : "not planar: drawn with %d crossings",
+             l->layout.n_cross);
+    pair_text(p, "Graph", l->planar ? "planar" : p->graph);
 }
 
-static void properties(lw_bytes *b, const leaf *l)
+static void notations(const leaf *l, pairs *p)
 {
-    char text[96];
+    p->n = 0;
+    lw_edges_print(&l->chain, p->edges, sizeof p->edges);
+    pair_text(p, "graph6", l->text[LEAF_GRAPH6]);
+    pair_text(p, "canonical label", l->text[LEAF_LABEL]);
+    pair_text(p, "joints", p->edges);
+    pair_text(p, "Franke", l->text[LEAF_FRANKE]);
+    pair_text(p, "sentence", l->text[LEAF_SENTENCE]);
+    pair_text(p, "link adjacency matrix", l->text[LEAF_MATRIX]);
+}
+
+static void write_properties(lw_bytes *b, const leaf *l)
+{
+    pairs p;
+    properties(l, &p);
     lw_bytes_text(b, "<table class=\"facts\">\n");
-    row_number(b, "Links", l->links);
-    row_number(b, "Joints", l->joints);
-    row_number(b, "Degree of freedom", l->dof);
-    row_number(b, "Independent loops", l->loops);
-    row_text(b, "Links of 2, 3, \xe2\x80\xa6 joints", l->text[LEAF_ASSORTMENT]);
-    row_text(b, "Structure", l->text[LEAF_FORM]);
-    row_text(b, "Derivation", l->text[LEAF_DERIVATION]);
-    row_number(b, "Symmetries", l->symmetry);
-    row_number(b, "Ground links", l->grounds);
-    snprintf(text, sizeof text, l->layout.n_cross == 1 ? "not planar: drawn with %d crossing"
-                                                       : "not planar: drawn with %d crossings", l->layout.n_cross);
-    row_text(b, "Graph", l->planar ? "planar" : text);
+    for (int i = 0; i < p.n; i++) {
+        lw_page_text(b, "<tr><th scope=\"row\">", p.at[i].name, "</th><td>");
+        lw_page_text(b, "", p.at[i].text, "</td></tr>\n");
+    }
     lw_bytes_text(b, "</table>\n");
 }
 
-/* ---- notations ---------------------------------------------------------------------------------- */
-
-static void notation(lw_bytes *b, const char *name, const char *text)
+static void write_notations(lw_bytes *b, const leaf *l)
 {
-    if (!text[0])
-        return;
-    lw_page_text(b, "<div class=\"notation\"><h3>", name, "</h3><button type=\"button\" class=\"copy\" hidden>Copy"
-                 "<span class=\"unseen\"> ");
-    lw_page_text(b, "", name, "</span></button>\n<pre tabindex=\"0\"><code>");
-    lw_page_text(b, "", text, "</code></pre></div>\n");
-}
-
-static void notations(lw_bytes *b, const leaf *l)
-{
-    char edges[LW_EDGES_SIZE];
-    lw_edges_print(&l->chain, edges, sizeof edges);
+    pairs p;
+    notations(l, &p);
     lw_bytes_text(b, "<h2 id=\"notations\">Notations</h2>\n<p class=\"hint\" role=\"status\" id=\"said\"></p>\n"
                      "<div class=\"notations\">\n");
-    notation(b, "graph6", l->text[LEAF_GRAPH6]);
-    notation(b, "canonical label", l->text[LEAF_LABEL]);
-    notation(b, "joints", edges);
-    notation(b, "Franke", l->text[LEAF_FRANKE]);
-    notation(b, "sentence", l->text[LEAF_SENTENCE]);
-    notation(b, "link adjacency matrix", l->text[LEAF_MATRIX]);
+    for (int i = 0; i < p.n; i++) {
+        lw_page_text(b, "<div class=\"notation\"><h3>", p.at[i].name, "</h3><button type=\"button\" class=\"copy\" hidden>"
+                     "Copy<span class=\"unseen\"> ");
+        lw_page_text(b, "", p.at[i].name, "</span></button>\n<pre tabindex=\"0\"><code>");
+        lw_page_text(b, "", p.at[i].text, "</code></pre></div>\n");
+    }
     lw_bytes_text(b, "</div>\n");
 }
 
@@ -439,14 +468,22 @@ static lw_status write_mechanism(void *context, int n, const char *const *name, 
     return LW_OK;
 }
 
-static lw_status mechanisms(atlas *a, const leaf *l, int link, lw_bytes *b, lw_error *e)
+/* Ask for the mechanisms of a ground link. */
+static lw_status ask_mechanisms(atlas *a, const leaf *l, int link,
+                                lw_status (*row)(void *, int, const char *const *, const lw_value *), rows *r, lw_error *e)
 {
-    char sql[256], text[96];
-    rows r = { .out = b };
+    char sql[256];
     const lw_value chain = value_of_integer(l->id);
     snprintf(sql, sizeof sql, "SELECT kinds, inputs, assur, modes FROM mechanism WHERE chain = ?1 AND ground = %d "
              "ORDER BY sliders, kinds, id", link);
-    lw_status s = ask_one(a, sql, &chain, write_mechanism, &r, e);
+    return ask_one(a, sql, &chain, row, r, e);
+}
+
+static lw_status mechanisms(atlas *a, const leaf *l, int link, lw_bytes *b, lw_error *e)
+{
+    char text[96];
+    rows r = { .out = b };
+    lw_status s = ask_mechanisms(a, l, link, write_mechanism, &r, e);
     if (r.n > 0)
         lw_bytes_text(b, "</tbody></table></div>\n");
     if (r.n > ROWS_MAX) {
@@ -486,7 +523,7 @@ static lw_status chain_page(atlas *a, size_t i, lw_bytes *b, lw_error *e)
     if (s != LW_OK)
         return s;
     lw_bytes_text(b, "</figure>\n");
-    properties(b, l);
+    write_properties(b, l);
     lw_bytes_text(b, "</div>\n");
     if (l->n_linkage > 0) {
         page_file(l, "linkages", file);
@@ -494,12 +531,86 @@ static lw_status chain_page(atlas *a, size_t i, lw_bytes *b, lw_error *e)
         lw_page_text(b, "<p class=\"linkages\"><a href=\"", file, "\">");
         lw_page_text(b, "", text, "</a></p>\n");
     }
-    notations(b, l);
+    write_notations(b, l);
     s = inversions(a, l, b, e);
     lw_bytes_text(b, "</main>\n<script>");
     lw_bytes_text(b, a->chain_script.data);
     lw_bytes_text(b, "</script>\n</body>\n</html>\n");
     return s;
+}
+
+/* ---- blocks of chains ------------------------------------------------------------------------------ */
+
+static lw_status json_mechanism(void *context, int n, const char *const *name, const lw_value *v)
+{
+    (void)n, (void)name;
+    rows *r = context;
+    if (r->n++ >= ROWS_MAX)
+        return LW_OK;
+    lw_bytes_text(r->out, r->n > 1 ? ",[" : "[");
+    for (int i = 0; i < 3; i++) {
+        json_text(r->out, text_of_value(&v[i]));
+        lw_bytes_text(r->out, ",");
+    }
+    lw_bytes_integer(r->out, v[3].kind == LW_VALUE_INTEGER ? (long)v[3].integer : 0);
+    lw_bytes_text(r->out, "]");
+    return LW_OK;
+}
+
+static void json_pairs(lw_bytes *b, const pairs *p)
+{
+    for (int i = 0; i < p->n; i++) {
+        lw_bytes_text(b, i ? ",[" : ",[[");
+        json_text(b, p->at[i].name);
+        lw_bytes_text(b, ",");
+        json_text(b, p->at[i].text);
+        lw_bytes_text(b, "]");
+    }
+    lw_bytes_text(b, "]");
+}
+
+/* One chain of a block: [linkages, places, rings, properties, notations, ground links]; a ground link is [link, alike,
+ * places, rings, mechanisms listed, all mechanisms]. */
+static lw_status json_chain(atlas *a, const leaf *l, lw_bytes *b, lw_error *e)
+{
+    lw_status s = LW_OK;
+    pairs p;
+    lw_bytes_text(b, "[");
+    lw_bytes_integer(b, (long)l->n_linkage);
+    lw_bytes_text(b, ",");
+    json_layout(b, &l->layout, l->links);
+    properties(l, &p);
+    json_pairs(b, &p);
+    notations(l, &p);
+    json_pairs(b, &p);
+    lw_bytes_text(b, ",[");
+    for (int i = 0; s == LW_OK && i < l->n_ground; i++) {
+        rows r = { .out = b };
+        lw_bytes_text(b, i ? ",[" : "[");
+        lw_bytes_integer(b, l->ground[i]);
+        json_number(b, l->alike[i]);
+        lw_bytes_text(b, ",");
+        json_layout(b, &l->grounded[i], l->links);
+        lw_bytes_text(b, ",[");
+        s = ask_mechanisms(a, l, l->ground[i], json_mechanism, &r, e);
+        lw_bytes_text(b, "]");
+        json_number(b, r.n);
+        lw_bytes_text(b, "]");
+    }
+    lw_bytes_text(b, "]]");
+    return s;
+}
+
+/* The page that shows any chain of the blocks. */
+static void block_page(const atlas *a, lw_bytes *b)
+{
+    lw_page_head(b, a->options->title, &a->style, &a->block_script, true);
+    lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul id=\"steps\">\n<li><a rel=\"up\" href=\"index.html\">",
+                 a->options->title, "</a></li>\n</ul></nav>\n<h1>A chain</h1>\n</header>\n<main>\n");
+    lw_bytes_text(b, "<noscript><p>This page needs scripts.</p></noscript>\n<div id=\"chain\"></div>\n"
+                     "<p class=\"hint\" role=\"status\" id=\"said\"></p>\n</main>\n<script>");
+    lw_bytes_text(b, a->block_script.data);
+    lw_bytes_text(b, "</script>\n</body>\n</html>\n");
 }
 
 /* ---- linkages ----------------------------------------------------------------------------------- */
@@ -593,11 +704,14 @@ static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw
 
 #define PAGE_BYTES    8000.0   /* size of a chain's page ...                         */
 #define PICTURE_BYTES 6600.0   /* ... and of each picture of a ground link, measured */
-#define BLOCK 64               /* chains whose pictures are computed together, by all threads */
+#define BLOCK_BYTES    1500.0  /* the same in blocks; with a few inputs for each ground link */
+#define GROUND_BYTES   550.0
+#define BLOCK 32               /* chains of a block, whose pictures are computed together, by all threads; atlas_block.js
+                                  knows this number */
 
 lw_atlas_html_options lw_atlas_html_options_default(void)
 {
-    return (lw_atlas_html_options){ .title = "Atlas of mechanisms", .n_linkage = 12 };
+    return (lw_atlas_html_options){ .title = "Atlas of mechanisms", .n_linkage = 12, .single_pages = 1000 };
 }
 
 /* ---- reading ------------------------------------------------------------------------------------ */
@@ -608,8 +722,8 @@ static const char chain_sql[] =
     " FROM chain c LEFT JOIN structure s ON s.id = c.structure WHERE ?1 = 0 OR c.links = ?1"
     " ORDER BY c.dof, c.links, c.id LIMIT ?2";
 static const char size_sql[] =
-    "SELECT count(*), total(grounds) FROM (SELECT grounds FROM chain WHERE ?1 = 0 OR links = ?1"
-    " ORDER BY dof, links, id LIMIT ?2)";
+    "SELECT count(*), total(grounds) FROM (SELECT dof, links, grounds FROM chain WHERE ?1 = 0 OR links = ?1"
+    " ORDER BY dof, links, id LIMIT ?2) GROUP BY dof, links";
 
 /* Ask the store about the chains that are shown. */
 static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, const char *sql,
@@ -622,22 +736,26 @@ static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, con
     return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory for the pages of the atlas") : s;
 }
 
+struct expected { long long single_pages; size_t n_chain; double n_byte; };
+
 static lw_status take_size(void *context, int n, const char *const *name, const lw_value *v)
 {
-    double *size = context;
+    struct expected *x = context;
+    bool in_block = v[0].integer > x->single_pages;
     (void)n, (void)name;
-    size[0] = (double)v[0].integer;
-    size[1] = v[1].real;
+    x->n_chain += (size_t)v[0].integer;
+    x->n_byte += in_block ? BLOCK_BYTES*(double)v[0].integer + GROUND_BYTES*v[1].real
+                          : PAGE_BYTES*(double)v[0].integer + PICTURE_BYTES*v[1].real;
     return LW_OK;
 }
 
 lw_status lw_atlas_html_expect(lw_store *store, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
                                lw_error *e)
 {
-    double size[2] = { 0, 0 };
-    lw_status s = ask_chains(store, o, size_sql, take_size, size, e);
-    *n_chain = (size_t)size[0];
-    *n_byte = PAGE_BYTES*size[0] + PICTURE_BYTES*size[1];
+    struct expected x = { .single_pages = o->single_pages };
+    lw_status s = ask_chains(store, o, size_sql, take_size, &x, e);
+    *n_chain = x.n_chain;
+    *n_byte = x.n_byte;
     return s;
 }
 
@@ -684,6 +802,8 @@ static lw_status read_leaves(atlas *a, lw_error *e)
     for (size_t i = a->n; i-- > 0;) {
         bool last = i + 1 == a->n || a->leaf[i + 1].number == 1;
         a->leaf[i].of = last ? a->leaf[i].number : a->leaf[i + 1].of;
+        a->leaf[i].in_block = a->leaf[i].of > a->options->single_pages;
+        a->has_blocks = a->has_blocks || a->leaf[i].in_block;
     }
     for (size_t i = 0; s == LW_OK && i < a->n; i++) {
         const char *text = a->leaf[i].text[LEAF_GRAPH6];
@@ -751,6 +871,8 @@ static lw_status write_chain(atlas *a, size_t i, lw_error *e)
     if (l->status != LW_OK)
         return lw_error_set(e, l->status, "chain %s cannot be drawn", l->text[LEAF_GRAPH6]);
     lw_status s = write_linkages(a, l, e);
+    if (s == LW_OK && l->in_block)
+        return LW_OK;
     if (s == LW_OK)
         s = chain_page(a, i, &b, e);
     if (s != LW_OK) {
@@ -801,6 +923,28 @@ static lw_status prepare_block(atlas *a, size_t first, size_t n, lw_error *e)
     return s == LW_OK ? lw_parallel(a->options->jobs, n, place_joints, a->leaf + first) : s;
 }
 
+/* Chains first .. first + n - 1, which are all of one family, as a script that hands them to atlasBlocks. */
+static lw_status write_script(atlas *a, size_t first, size_t n, lw_error *e)
+{
+    char file[LEAF_FILE], text[96];
+    const leaf *l = &a->leaf[first];
+    lw_status s = LW_OK;
+    lw_bytes b = { 0 };
+    snprintf(file, sizeof file, "chains-%d-%d-%d.js", l->links, l->dof, (l->number - 1)/BLOCK);
+    snprintf(text, sizeof text, "\"use strict\";\natlasBlocks.take(\"%d-%d\",%d,%d,[\n", l->links, l->dof,
+             (l->number - 1)/BLOCK, l->of);
+    lw_bytes_text(&b, text);
+    for (size_t i = first; s == LW_OK && i < first + n; i++) {
+        lw_bytes_text(&b, i > first ? ",\n" : "");
+        s = json_chain(a, &a->leaf[i], &b, e);
+    }
+    lw_bytes_text(&b, "]);\n");
+    if (s == LW_OK)
+        return write_page(a, file, &b, e);
+    lw_bytes_free(&b);
+    return s;
+}
+
 static lw_status write_block(atlas *a, size_t first, size_t n, lw_error *e)
 {
     const lw_atlas_html_options *o = a->options;
@@ -810,6 +954,8 @@ static lw_status write_block(atlas *a, size_t first, size_t n, lw_error *e)
         if (s == LW_OK && o->goes_on && !o->goes_on(o->context, (double)(i + 1), (double)a->n))
             s = lw_error_set(e, LW_STOPPED, "stopped before the overview was written");
     }
+    if (s == LW_OK && a->leaf[first].in_block)
+        s = write_script(a, first, n, e);
     for (size_t i = first; i < first + n; i++) {
         free(a->leaf[i].grounded);
         a->leaf[i].grounded = NULL;
@@ -823,10 +969,17 @@ static lw_status write_all(atlas *a, lw_error *e)
     lw_bytes b = { 0 };
     if (mkdir(a->dir, 0777) != 0 && errno != EEXIST)
         return lw_error_at(e, LW_E_IO, a->dir, 0, 0, "the folder cannot be made: %s", strerror(errno));
-    for (size_t i = 0; s == LW_OK && i < a->n; i += BLOCK)
-        s = write_block(a, i, a->n - i < BLOCK ? a->n - i : BLOCK, e);
+    for (size_t i = 0, n; s == LW_OK && i < a->n; i += n) {
+        for (n = 1; n < BLOCK && i + n < a->n && a->leaf[i + n].number > 1; n++)
+            ;
+        s = write_block(a, i, n, e);
+    }
     if (s == LW_OK)
         s = write_linkages(a, NULL, e);
+    if (s == LW_OK && a->has_blocks) {
+        block_page(a, &b);
+        s = write_page(a, "chain.html", &b, e);
+    }
     if (s != LW_OK)
         return s;
     index_page(a, &b);
@@ -841,8 +994,12 @@ lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_h
     lw_page_script(&a.chain_script, lw_atlas_html_chain_js);
     lw_page_script(&a.index_script, lw_atlas_find_js);
     lw_page_script(&a.index_script, lw_atlas_sketch_js);
+    lw_page_script(&a.index_script, lw_atlas_block_js);
+    lw_page_script(&a.block_script, lw_atlas_block_js);
+    lw_page_script(&a.block_script, lw_atlas_block_page_js);
+    lw_page_script(&a.block_script, lw_atlas_html_chain_js);
     lw_page_script(&a.index_script, lw_atlas_html_js);
-    lw_status s = a.style.failed || a.chain_script.failed || a.index_script.failed
+    lw_status s = a.style.failed || a.chain_script.failed || a.index_script.failed || a.block_script.failed
                 ? lw_error_set(e, LW_E_MEMORY, "out of memory") : look_for_linkages(&a, e);
     if (s == LW_OK)
         s = read_leaves(&a, e);
@@ -854,6 +1011,7 @@ lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_h
     lw_bytes_free(&a.style);
     lw_bytes_free(&a.chain_script);
     lw_bytes_free(&a.index_script);
+    lw_bytes_free(&a.block_script);
     *n_page = a.n_page;
     *n_byte = a.n_byte;
     return s;

@@ -1,51 +1,37 @@
 "use strict";
 (function () {
-  // data: [links, dof, number, planar, symmetry, grounds, linkages, assortment, graph6, label, franke, form,
-  //        [x, y, ...] of joints in 1/100 of a bar, [[joint, ...] in order, ...] of links]
+  // data: [links, dof, number, planar, symmetry, grounds, linkages, assortment, graph6, form, places, rings]; without the
+  // last two (see atlas_block.js) the chain stands in a block, and so does its page
   const STEP = 60;
   const byId = (id) => document.getElementById(id);
   const chains = JSON.parse(byId("data").textContent).map((d) => ({
     links: d[0], dof: d[1], number: d[2], planar: d[3], symmetry: d[4], grounds: d[5], linkages: d[6],
-    assortment: d[7], graph6: d[8], form: d[11], places: d[12], rings: d[13], name: `${d[0]}-${d[1]}-${d[2]}`,
-    joints: d[12].length / 2, loops: d[12].length / 2 - d[0] + 1,
+    assortment: d[7], graph6: d[8], form: d[9], places: d[10], rings: d[11], name: `${d[0]}-${d[1]}-${d[2]}`,
+    joints: (3 * (d[0] - 1) - d[1]) / 2, loops: (3 * (d[0] - 1) - d[1]) / 2 - d[0] + 1,
   }));
   const said = byId("found");
   const fields = ["q", "links", "dof", "assortment", "planar", "order"].map(byId);
   const withLinkages = byId("linkages"), cards = byId("cards"), more = byId("more");
   let found = [], shown = 0;
 
-  function shape(svg, name, attributes) {
-    const e = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const key of Object.keys(attributes)) e.setAttribute(key, attributes[key]);
-    svg.appendChild(e);
-  }
-
-  function picture(c) {
-    const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-    const xs = c.places.filter((_, i) => i % 2 === 0), ys = c.places.filter((_, i) => i % 2 === 1);
-    const x = Math.min(...xs) - 16, y = Math.min(...ys) - 16;
-    const w = Math.max(...xs) + 16 - x, h = Math.max(...ys) + 16 - y;
-    svg.setAttribute("viewBox", `${x} ${y} ${w} ${h}`);
-    svg.setAttribute("aria-hidden", "true");
-    for (const ring of c.rings) {
-      const points = ring.map((j) => `${c.places[2 * j]},${c.places[2 * j + 1]}`).join(" ");
-      if (ring.length > 2) shape(svg, "polygon", { points, class: "f-link s-link" });
-      else shape(svg, "polyline", { points, class: "s-link" });
-    }
-    for (let j = 0; j < xs.length; j++) shape(svg, "circle", { cx: xs[j], cy: ys[j], r: 8, class: "f-paper s-ground" });
-    return svg;
-  }
-
   function card(c) {
     const item = document.createElement("li"), link = document.createElement("a");
     const name = document.createElement("span"), note = document.createElement("span");
-    link.href = `chain-${c.name}.html`;
+    link.href = c.places ? `chain-${c.name}.html` : `chain.html#${c.name}`;
     name.textContent = c.name;
     note.textContent = c.assortment + (c.linkages ? `, ${c.linkages} linkage${c.linkages > 1 ? "s" : ""}` : "");
     note.className = "hint";
     link.setAttribute("aria-label", `Chain ${c.number} with ${c.links} links, F = ${c.dof}, assortment ${c.assortment}`);
-    link.append(picture(c), name, note);
+    link.append(name, note);
     item.append(link);
+    const draw = (places, rings) => {
+      const svg = atlasBlocks.picture(places, rings, -1, false);
+      svg.setAttribute("aria-hidden", "true");
+      if (link.firstChild.tagName === "svg") link.firstChild.remove();
+      link.prepend(svg);
+    };
+    draw(c.places || [0, 0], c.rings || []);
+    if (!c.places) atlasBlocks.load(c.links, c.dof, c.number, (chain) => draw(chain[1], chain[2]), () => undefined);
     return item;
   }
 

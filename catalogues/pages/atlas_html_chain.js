@@ -25,10 +25,11 @@
     button.focus();
   }
 
-  for (const button of document.querySelectorAll(".copy")) {
-    button.hidden = false;
-    button.addEventListener("click", () => copy(button));
-  }
+  for (const button of document.querySelectorAll(".copy")) button.hidden = false;
+  document.addEventListener("click", (event) => {
+    const button = event.target.closest(".copy");
+    if (button) copy(button);
+  });
 
   const keys = { n: "next", p: "prev", u: "up" };
   document.addEventListener("keydown", (event) => {

@@ -260,7 +260,7 @@ static bool same(const char *a, const char *b)
 
 static void head(lw_bytes *b, const lw_page *p, const lw_bytes *style, const lw_bytes *script)
 {
-    lw_page_head(b, p->title, style, script);
+    lw_page_head(b, p->title, style, script, false);
     lw_page_text(b, "<header>\n<h1>", p->title, "</h1>\n");
     if (p->about)
         lw_page_text(b, "<p class=\"about\">", p->about, "</p>\n");

@@ -41,9 +41,9 @@ static void ink_styles(lw_bytes *b)
     }
 }
 
-/* Write the content security policy: nothing is loaded, and only this style sheet and this script, named by their
- * hashes, are used. */
-static void policy(lw_bytes *b, const lw_bytes *style, const lw_bytes *script)
+/* Write the content security policy: only this style sheet and this script, named by their hashes, are used, and nothing
+ * is loaded but, with `loads`, scripts of the page's own folder. */
+static void policy(lw_bytes *b, const lw_bytes *style, const lw_bytes *script, bool loads)
 {
     char hash[LW_SHA256_TEXT];
     lw_bytes_text(b, "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
@@ -53,7 +53,7 @@ static void policy(lw_bytes *b, const lw_bytes *style, const lw_bytes *script)
     lw_bytes_text(b, "'; script-src 'sha256-");
     lw_sha256_base64(script->data, script->size, hash);
     lw_bytes_text(b, hash);
-    lw_bytes_text(b, "'\">\n");
+    lw_bytes_text(b, loads ? "' 'self'\">\n" : "'\">\n");
 }
 
 void lw_page_style(lw_bytes *out, const char *const *first, const char *const *second)
@@ -71,10 +71,10 @@ void lw_page_script(lw_bytes *out, const char *const *text)
     lines(out, text);
 }
 
-void lw_page_head(lw_bytes *b, const char *title, const lw_bytes *style, const lw_bytes *script)
+void lw_page_head(lw_bytes *b, const char *title, const lw_bytes *style, const lw_bytes *script, bool loads)
 {
     lw_bytes_text(b, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
-    policy(b, style, script);
+    policy(b, style, script, loads);
     lw_bytes_text(b, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
     lw_page_text(b, "<title>", title, "</title>\n<style>");
     lw_bytes_text(b, style->data);

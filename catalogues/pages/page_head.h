@@ -2,6 +2,8 @@
 #ifndef LW_CATALOGUES_PAGES_PAGE_HEAD_H
 #define LW_CATALOGUES_PAGES_PAGE_HEAD_H
 
+#include <stdbool.h>
+
 #include "base/bytes.h"
 
 /* Write `text`, escaped, between two pieces of HTML; NULL is an empty text. */
@@ -12,7 +14,8 @@ void lw_page_style(lw_bytes *out, const char *const *first, const char *const *s
 void lw_page_script(lw_bytes *out, const char *const *text);
 
 /* From <!DOCTYPE> to <body>.  The policy lets the page load nothing; it allows one style sheet and one script, named by
- * their hashes.  The caller writes the script as "<script>" text "</script>" where it belongs. */
-void lw_page_head(lw_bytes *b, const char *title, const lw_bytes *style, const lw_bytes *script);
+ * their hashes.  The caller writes the script as "<script>" text "</script>" where it belongs.  `loads`: the page may also
+ * load scripts from its own folder. */
+void lw_page_head(lw_bytes *b, const char *title, const lw_bytes *style, const lw_bytes *script, bool loads);
 
 #endif

@@ -110,7 +110,7 @@ lw_status lw_space_page_write(const lw_space_scene *s, lw_space_view view, lw_by
         return status;
     lw_page_style(&style, lw_page_css, lw_space_page_css);
     lw_page_script(&script, lw_space_page_js);
-    lw_page_head(out, s->title, &style, &script);
+    lw_page_head(out, s->title, &style, &script, false);
     lw_page_text(out, "<header><h1>", s->title[0] ? s->title : "Mechanism in space", "</h1>\n");
     lw_page_text(out, "<p class=\"about\">", s->note, "</p></header>\n<main>\n");
     lw_bytes_text(out, "<figure><canvas id=\"view\" tabindex=\"0\" role=\"img\" hidden aria-label=\"The mechanism; arrow keys "

@@ -1,4 +1,4 @@
-// The atlas in headless Chromium, opened from the disk.   node atlas.mjs FOLDER CHROMIUM REAL
+// The atlas in headless Chromium, opened from the disk.   node atlas.mjs FOLDER CHROMIUM REAL SPATIAL [BLOCKS]
 // REAL: an atlas of all chains with 4, 6 and 8 links, whose notations are true; FOLDER may hold invented ones.
 // Every page is opened: no error, no blocked script, nothing loaded, every link leads somewhere, no script of a
 // hostile catalogue runs.  Then what a visitor does: search, filter, keys, copying, a phone, motion.
@@ -352,6 +352,38 @@ await test("a spatial model moves and is turned", async () => {
   check("home", (await shot()) !== keyed);
   check(`asks for ${requests.slice(1)}; ${faults.join("; ")}`, requests.length === 1 && faults.length === 0);
   check("not wider than the screen", !(await isWide(page)));
+  await context.close();
+});
+
+if (process.argv[6]) await test("large families are loaded in blocks", async () => {
+  const { context, page, faults, requests } = await open("index.html");
+  const blocksUrl = (file) => pathToFileURL(resolve(process.argv[6])).href + `/${file}`;
+  const loaded = () => requests.filter((r) => r.endsWith(".js")).map((r) => r.replace(/.*\//, "")).join();
+  requests.length = 0;
+  await page.goto(blocksUrl("chain-4-1-1.html"));
+  check(`a single page asks for ${loaded()}`, loaded() === "");
+  await page.goto(blocksUrl("index.html#links=8"));
+  await page.waitForFunction(() => Array.from(document.querySelectorAll("#cards svg")).every((s) => s.querySelectorAll("circle").length === 10));
+  check(`only the block that is shown is loaded, not ${loaded()}`, loaded() === "chains-8-1-0.js");
+  await page.locator("#cards a").nth(2).click();
+  await page.waitForFunction(() => document.title === "Chain 3 of 16: 8 links, F = 1");
+  check("picture", (await page.locator(".first svg circle").count()) === 10 && (await page.locator(".first svg text").count()) === 8);
+  check("ground links", (await page.locator("article svg").count()) === 8);
+  check("rows", (await page.locator("article tbody tr").count()) === 1);
+  check("notations", (await page.locator(".copy:visible").count()) >= 5);
+  await page.keyboard.press("n");
+  await page.waitForFunction(() => document.title.startsWith("Chain 4 of 16"));
+  check("one chain at a time", (await page.locator(".first").count()) === 1 && (await page.locator("#steps li").count()) === 4);
+  check("the picture is that of the single page", (await page.evaluate(() => document.querySelector(".first polygon").getAttribute("points"))).length > 5);
+  await page.goto(blocksUrl("chain.html#6-1-1"));
+  await page.waitForFunction(() => document.title.startsWith("Chain 1 of 2"));
+  check("hostile texts are texts", (await page.locator("#chain img, #chain script").count()) === 0 &&
+    (await page.locator("pre code").allInnerTexts()).some((t) => t.includes("<script>alert(1)")));
+  await page.goto(blocksUrl("chain.html#8-1-17"));
+  await page.waitForFunction(() => document.getElementById("chain").innerText.includes("no chain 8-1-17"));
+  check(faults.join("; "), faults.length === 0);
+  await page.goto(blocksUrl("chain.html#9-1-1"));
+  await page.waitForFunction(() => document.getElementById("chain").innerText.includes("no chain 9-1-1"));
   await context.close();
 });
 

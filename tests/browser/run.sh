@@ -15,7 +15,7 @@ cp "$here"/package.json "$here"/atlas.mjs "$build/browser"
     || { echo "browser: skipped, playwright-core cannot be installed from the npm registry"; exit 0; }
 folder=${2:-$build/browser/atlas}
 if [ $# -lt 2 ]; then
-    rm -rf "$folder"
+    rm -rf "$folder" "$folder-blocks"
     LW_ATLAS_FOLDER=$folder "$build/tests/test_atlas_html"
 fi
 real=$build/browser/real
@@ -23,4 +23,6 @@ rm -rf "$real" "$real.db"
 for links in 4 6 8; do "$build/linkwright" catalogue build "$real.db" --links $links --quiet; done
 "$build/linkwright" draw examples/space/bricard.json -o "$build/browser/bricard.html" --force --quiet
 "$build/linkwright" catalogue html "$real.db" -o "$real" --quiet
-node "$build/browser/atlas.mjs" "$folder" "$chromium" "$real" "$build/browser/bricard.html"
+blocks=$folder-blocks
+[ -d "$blocks" ] || blocks=
+node "$build/browser/atlas.mjs" "$folder" "$chromium" "$real" "$build/browser/bricard.html" "$blocks"
