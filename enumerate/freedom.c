@@ -103,11 +103,17 @@ static bool add_joint(splitting *s, const lw_mechanism *m, int j)
         && (lw_joint_freedoms(m->kind[j]) == 2 || add(s, a, b, false, true));
 }
 
+/* A cam and its follower may both only slide. */
+static bool may_not_turn(const lw_mechanism *m, int j)
+{
+    return m->translating_cams && m->kind[j] == LW_JOINT_GEAR;
+}
+
 /* True if every freedom of joint j is used: a condition that blocks it would be independent. */
 static bool is_used(splitting *s, const lw_mechanism *m, int j)
 {
     int a = m->link[j][0], b = m->link[j][1];
-    bool turns = !lw_joint_holds_rotation(m->kind[j]), slides = !lw_joint_holds_point(m->kind[j]);
+    bool turns = !lw_joint_holds_rotation(m->kind[j]) && !may_not_turn(m, j), slides = !lw_joint_holds_point(m->kind[j]);
     return (!turns || add(s, a, b, true, false)) && (!slides || add(s, a, b, false, false));
 }
 
@@ -156,7 +162,7 @@ static lw_void slider_loops(const lw_mechanism *m, uint64_t *joints)
             above[a] = (uint8_t)b;
     }
     for (int j = 0; j < m->n_joint; j++)
-        if (!lw_joint_holds_rotation(m->kind[j])
+        if (!lw_joint_holds_rotation(m->kind[j]) && !may_not_turn(m, j)
             && root_of(above, m->link[j][0]) == root_of(above, m->link[j][1])) {
             *joints = (uint64_t)1 << j | slider_path(m, m->link[j][0], m->link[j][1], m->n_joint);
             return LW_VOID_NO_TURN;

@@ -16,7 +16,8 @@ typedef lw_status lw_mechanism_visit(void *context, const lw_mechanism *m);
 typedef lw_status lw_void_visit(void *context, const lw_mechanism *m, lw_void reason, uint64_t joints);
 
 /* Visit every labelling of m once up to the symmetries of m, which keep freedoms, ground, inputs and output; the
- * present kinds of m do not matter.  kinds: the letters allowed, of "rtpg"; at least one for each number of freedoms
+ * present kinds of m do not matter.  If m is directed, each slider has its guide on one of its two links, chosen
+ * too; if m has translating cams, a contact g need not turn.  kinds: the letters allowed, of "rtpg"; at least one for each number of freedoms
  * that joints of m have.  Order: lexicographic in the kinds of joints 0, 1, 2, ..., by their
  * order in `kinds`.  left_out may be NULL.  LW_E_ARG, LW_E_MEMORY. */
 lw_status lw_kinds_each(const lw_mechanism *m, const char *kinds, lw_mechanism_visit *visit,

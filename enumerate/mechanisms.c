@@ -64,7 +64,12 @@ static lw_status is_void(void *context, const lw_mechanism *m, lw_void reason, u
 
 static lw_status to_kinds(walk *w, const lw_mechanism *m)
 {
-    return w->steps->kinds ? lw_kinds_each(m, w->steps->kinds, with_kinds, is_void, w) : to_input(w, m);
+    if (!w->steps->kinds)
+        return to_input(w, m);
+    lw_mechanism chosen = *m;
+    chosen.directed = w->steps->slider_direction;
+    chosen.translating_cams = w->steps->translating_cams;
+    return lw_kinds_each(&chosen, w->steps->kinds, with_kinds, is_void, w);
 }
 
 static lw_status with_ground(void *context, const lw_mechanism *m)

@@ -12,6 +12,7 @@ typedef struct lw_mechanism_steps {
     const char     *kinds;     /* letters for joints, of "rtpg"; NULL: joints stay as they are    */
     lw_input_choice input;     /* drive F joints: at the ground (needs one), or any; or no inputs */
     bool            output;    /* choose an output link (needs a ground)                          */
+    bool            slider_direction, translating_cams;    /* as in lw_mechanism; both with kinds */
 } lw_mechanism_steps;
 
 /* Numbers of mechanisms after each step; that of the last step taken is the number of visits. */

@@ -52,10 +52,19 @@ lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s)
         lw_symmetry_free(s);
         return LW_E_MEMORY;
     }
-    for (size_t k = 0; k < s->n; k++)
-        for (int j = 0; j < m->n_joint; j++)
-            s->joint[k][j] = (uint8_t)lw_mechanism_joint(m, s->link[k][m->link[j][0]],
-                                                         s->link[k][m->link[j][1]]);
+    size_t n = 0;
+    for (size_t k = 0; k < s->n; k++) {
+        bool keeps = true;
+        for (int j = 0; j < m->n_joint; j++) {
+            int image = lw_mechanism_joint(m, s->link[k][m->link[j][0]], s->link[k][m->link[j][1]]);
+            s->joint[n][j] = (uint8_t)image;
+            keeps = keeps && !(kinds && m->directed && m->kind[j] == LW_JOINT_SLIDER
+                               && s->link[k][lw_mechanism_printed(m, j, 0)] != lw_mechanism_printed(m, image, 0));
+        }
+        memmove(s->link[n], s->link[k], sizeof s->link[k]);
+        n += keeps;
+    }
+    s->n = n;
     return LW_OK;
 }
 
@@ -71,6 +80,18 @@ lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest)
     lw_graph g;
     lw_symmetry_group group;
     graph_of(m, true, &g);
+    if (m->directed) {
+        lw_symmetry s;
+        lw_status status = lw_symmetry_of(m, true, &s);
+        for (int i = 0; status == LW_OK && i < m->n_link; i++) {
+            lowest[i] = (uint8_t)i;
+            for (size_t k = 0; k < s.n; k++)
+                lowest[i] = s.link[k][i] < lowest[i] ? s.link[k][i] : lowest[i];
+        }
+        if (status == LW_OK)
+            lw_symmetry_free(&s);
+        return status;
+    }
     lw_status status = lw_graph_group(&g, &group);
     if (status != LW_OK)
         return status;

@@ -13,8 +13,8 @@ typedef struct lw_symmetry {
     uint8_t (*joint)[LW_JOINT_MAX];        /* (n) the same for joints; owned                       */
 } lw_symmetry;
 
-/* Symmetries that keep joints, ground, inputs and output; with `kinds` also the kinds of joints, else
- * only their freedoms.  LW_E_MEMORY, also for more than 2^24 symmetries. */
+/* Symmetries that keep joints, ground, inputs and output; with `kinds` also the kinds of joints
+ * and the directions of sliders, else only their freedoms.  LW_E_MEMORY, also for more than 2^24 symmetries. */
 lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s);
 void      lw_symmetry_free(lw_symmetry *s);
 
@@ -23,7 +23,7 @@ void      lw_symmetry_free(lw_symmetry *s);
 lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest);
 
 /* The mechanism in canonical form.  Two mechanisms are isomorphic, including ground, inputs and output, exactly when
- * their forms are equal.  LW_E_MEMORY. */
+ * their forms are equal; directions of sliders must not be chosen.  LW_E_MEMORY. */
 lw_status lw_mechanism_canonical(const lw_mechanism *m, lw_mechanism *form);
 
 #endif

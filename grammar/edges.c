@@ -12,7 +12,8 @@ size_t lw_edges_print(const lw_mechanism *m, char *buf, size_t size)
 {
     lw_text t = lw_text_start(buf, size);
     for (int j = 0; j < m->n_joint; j++) {
-        lw_text_add(&t, "%s%d-%d", j > 0 ? " " : "", m->link[j][0] + 1, m->link[j][1] + 1);
+        lw_text_add(&t, "%s%d-%d", j > 0 ? " " : "", lw_mechanism_printed(m, j, 0) + 1,
+                    lw_mechanism_printed(m, j, 1) + 1);
         if (m->kind[j] != LW_JOINT_REVOLUTE)
             lw_text_add(&t, ":%c", m->kind[j]);
         if (driven(m, j))

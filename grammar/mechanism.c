@@ -69,6 +69,12 @@ void lw_mechanism_relabel(const lw_mechanism *m, const uint8_t *to, lw_mechanism
     lw_mechanism_clear(out, m->n_link);
     for (int j = 0; j < m->n_joint; j++)
         lw_mechanism_join(out, to[m->link[j][0]], to[m->link[j][1]], m->kind[j]);
+    out->directed = m->directed;
+    out->translating_cams = m->translating_cams;
+    for (int j = 0; m->directed && j < m->n_joint; j++) {
+        int guide = to[lw_mechanism_printed(m, j, 0)], image = lw_mechanism_joint(out, guide, to[lw_mechanism_printed(m, j, 1)]);
+        out->guide |= (uint64_t)(m->kind[j] == LW_JOINT_SLIDER && out->link[image][1] == guide) << image;
+    }
     for (int n = 0; n < m->n_input; n++) {
         const uint8_t *l = m->link[m->input[n]];
         driven |= (uint64_t)1 << lw_mechanism_joint(out, to[l[0]], to[l[1]]);
@@ -82,7 +88,7 @@ void lw_mechanism_relabel(const lw_mechanism *m, const uint8_t *to, lw_mechanism
 bool lw_mechanism_same(const lw_mechanism *a, const lw_mechanism *b)
 {
     return a->n_link == b->n_link && a->n_joint == b->n_joint && a->n_input == b->n_input
-        && a->ground == b->ground && a->output == b->output
+        && a->ground == b->ground && a->output == b->output && a->directed == b->directed && a->guide == b->guide
         && !memcmp(a->link, b->link, (size_t)a->n_joint*sizeof *a->link)
         && !memcmp(a->kind, b->kind, (size_t)a->n_joint)
         && !memcmp(a->input, b->input, (size_t)a->n_input);

@@ -19,7 +19,16 @@ typedef struct lw_mechanism {
     uint8_t link[LW_JOINT_MAX][2];      /* links of a joint, the smaller first; rising order  */
     char    kind[LW_JOINT_MAX];         /* lw_joint_kind: 'r', 't', 'p', 'g'                  */
     uint8_t input[LW_INPUT_MAX];        /* driven joints of one freedom, in rising order      */
+    bool    directed;                   /* sliders have a direction: one link has the guide, the other the block */
+    bool    translating_cams;           /* links that never turn against each other may touch (g)               */
+    uint64_t guide;                     /* directed: bit j: the guide of slider j is on link[j][1], else link[j][0] */
 } lw_mechanism;
+
+/* The links of joint j as they are printed: of a directed slider the one with the guide first. */
+static inline int lw_mechanism_printed(const lw_mechanism *m, int j, int side)
+{
+    return m->link[j][side ^ (m->guide >> j & 1)];
+}
 
 /* n_link links, no joint, no ground, inputs or output.  LW_E_ARG when n_link is not 1 .. LW_LINK_MAX. */
 lw_status lw_mechanism_clear(lw_mechanism *m, int n_link);

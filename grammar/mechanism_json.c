@@ -10,8 +10,8 @@ size_t lw_mechanism_write(const lw_mechanism *m, char *buf, size_t size)
     lw_text t = lw_text_start(buf, size);
     lw_text_add(&t, "{\"linkwright\": 1, \"links\": %d, \"joints\": [", m->n_link);
     for (int j = 0; j < m->n_joint; j++)
-        lw_text_add(&t, "%s[%d, %d, \"%c\"]", j > 0 ? ", " : "", m->link[j][0] + 1, m->link[j][1] + 1,
-                    m->kind[j]);
+        lw_text_add(&t, "%s[%d, %d, \"%c\"]", j > 0 ? ", " : "", lw_mechanism_printed(m, j, 0) + 1,
+                    lw_mechanism_printed(m, j, 1) + 1, m->kind[j]);
     lw_text_byte(&t, ']');
     if (m->ground != LW_NONE)
         lw_text_add(&t, ", \"ground\": %d", m->ground + 1);

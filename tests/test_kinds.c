@@ -2,7 +2,7 @@
  * there) and Burnside's lemma; canonical forms of mechanisms. */
 #include "check.h"
 #include "all_chains.h"
-#include "enumerate/inputs.h"
+#include "enumerate/mechanisms.h"
 #include "enumerate/symmetry.h"
 
 typedef struct count { int n_valid, n_void, n_ground, with_t[LW_JOINT_MAX + 1]; int reason[5]; } count;
@@ -34,13 +34,14 @@ static lw_status count_void(void *context, const lw_mechanism *m, lw_void reason
     return LW_OK;
 }
 
-static count count_all(int n_link, int dof)
+static count count_all(int n_link, int dof, bool directed)
 {
     chain_list all = all_chains(n_link, dof);
     count c = { 0 };
     for (int i = 0; i < all.n; i++) {
         lw_mechanism m;
         lw_mechanism_from_chain(&all.chain[i], &m);
+        m.directed = directed;
         CHECK_INT(lw_kinds_each(&m, "rt", count_valid, count_void, &c), LW_OK);
     }
     free(all.chain);
@@ -56,7 +57,7 @@ TEST(sliders_in_small_chains)
         { 8, 3107, 7185, 0, { 0 } },
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        count c = count_all(known[i].n_link, 1);
+        count c = count_all(known[i].n_link, 1, false);
         CHECK_INT(c.n_valid, known[i].n_valid);
         CHECK_INT(c.n_valid + c.n_void, known[i].n_raw);
         if (known[i].n_ground == 0)
@@ -67,12 +68,51 @@ TEST(sliders_in_small_chains)
     }
 }
 
-/* All labellings, void or not, by Burnside's lemma: 2^cycles averaged over the group. */
+/* The slider-crank: textbooks count four inversions, because the guide may be on either link of the slider; without
+ * directions there are two. */
+static lw_status count_slider_crank(void *context, const lw_mechanism *m)
+{
+    int n = 0;
+    for (int j = 0; j < m->n_joint; j++)
+        n += m->kind[j] == 't';
+    *(int *)context += n == 1;
+    return LW_OK;
+}
+
+TEST(directions_and_cams)
+{
+    for (int directed = 0; directed < 2; directed++) {
+        lw_mechanism_steps steps = { .ground = true, .kinds = "rt", .slider_direction = directed };
+        lw_mechanism_counts c = { 0 };
+        lw_mechanism m;
+        lw_chain chain = ring_of(4);
+        int n = 0;
+        lw_mechanism_from_chain(&chain, &m);
+        CHECK_INT(lw_mechanisms_each(&m, &steps, &c, count_slider_crank, NULL, &n), LW_OK);
+        CHECK_INT(n, directed ? 4 : 2);
+    }
+    for (int cams = 0; cams < 2; cams++) {                  /* cam and follower at a frame: turning or sliding each */
+        lw_mechanism_steps steps = { .kinds = "rtg", .translating_cams = cams };
+        lw_mechanism_counts c = { 0 };
+        lw_mechanism m;
+        lw_mechanism_clear(&m, 3);
+        lw_mechanism_join(&m, 0, 1, 'r');
+        lw_mechanism_join(&m, 0, 2, 'r');
+        lw_mechanism_join(&m, 1, 2, 'g');
+        CHECK_INT(lw_mechanisms_each(&m, &steps, &c, NULL, NULL, NULL), LW_OK);
+        CHECK_INT(c.n_labelled, cams ? 3 : 2);
+    }
+}
+
+/* All labellings, void or not, by Burnside's lemma.  A cycle of joints under a symmetry has all the same kind: 2 ways.
+ * Sliders with directions have 2 more unless the symmetry reverses a slider when it has gone once around the cycle. */
 TEST(raw_number_by_burnside)
 {
-    for (int n_link = 4; n_link <= 8; n_link += 2) {
+    for (int n_case = 0; n_case < 5; n_case++) {
+        bool directed = n_case > 2;
+        int n_link = directed ? 2*n_case - 2 : 2*n_case + 4;
         chain_list all = all_chains(n_link, 1);
-        count c = count_all(n_link, 1);
+        count c = count_all(n_link, 1, directed);
         double want = 0;
         for (int i = 0; i < all.n; i++) {
             lw_mechanism m;
@@ -82,13 +122,16 @@ TEST(raw_number_by_burnside)
             lw_symmetry_of(&m, false, &s);
             for (size_t k = 0; k < s.n; k++) {
                 uint64_t seen = 0;
-                int cycles = 0;
+                double ways = 1;
                 for (int j = 0; j < m.n_joint; j++) {
-                    cycles += !(seen >> j & 1);
-                    for (int at = j; !(seen >> at & 1); at = s.joint[k][at])
+                    int from = m.link[j][0];
+                    if (seen >> j & 1)
+                        continue;
+                    for (int at = j; !(seen >> at & 1); at = s.joint[k][at], from = s.link[k][from])
                         seen |= (uint64_t)1 << at;
+                    ways *= !directed ? 2 : from == m.link[j][0] ? 3 : 1;
                 }
-                sum += ldexp(1, cycles);
+                sum += ways;
             }
             want += sum/(double)s.n;
             lw_symmetry_free(&s);
@@ -137,4 +180,14 @@ TEST(refusals)
     CHECK_INT(lw_kinds_each(&m, "rr", count_valid, NULL, NULL), LW_E_ARG);
     CHECK_INT(lw_kinds_each(&m, "pg", count_valid, NULL, NULL), LW_E_ARG);
     CHECK_INT(lw_kinds_each(&m, "rt", stop_at_once, NULL, NULL), LW_STOPPED);
+}
+
+int main(void)
+{
+    RUN(sliders_in_small_chains);
+    RUN(directions_and_cams);
+    RUN(raw_number_by_burnside);
+    RUN(forms);
+    RUN(refusals);
+    return check_end();
 }

@@ -63,7 +63,7 @@ TEST(order_of_steps_does_not_matter)
 {
     static const struct { int n_link, dof; } known[] = { { 4, 1 }, { 6, 1 }, { 5, 2 } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        lw_mechanism_steps steps = { true, "rt", LW_INPUT_ANY, true };
+        lw_mechanism_steps steps = { true, "rt", LW_INPUT_ANY, true, false, false };
         seen first = { 0 }, second = { 0 };
         lw_mechanism_counts c = run(known[i].n_link, known[i].dof, &steps, &first);
         chain_list all = all_chains(known[i].n_link, known[i].dof);

@@ -14,7 +14,7 @@
 typedef struct settings {
     int         format, links, dof, n2, input, assur_groups;
     const char *joints;
-    bool        no_ground, output, count, void_ones, assur, multiple, keep_going;
+    bool        no_ground, output, count, void_ones, assur, multiple, keep_going, slider_direction, translating_cams;
 } settings;
 
 enum { FORMAT_JSON = 5 };                                  /* rows of lw_notations */
@@ -32,6 +32,12 @@ static const cli_option options[] = {
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", NULL,
       "kinds of joints: r pin and t slider (one degree of freedom), p pin in a slot and g gear pair (two); all "
       "combinations that have F degrees of freedom", 0, 0, NULL, NULL },
+    { "slider-direction", 0, CLI_FLAG, offsetof(settings, slider_direction), NULL, NULL,
+      "tell apart which link of a slider has the guide and which the block: the slider-crank has 4 inversions then, "
+      "else 2; with --joints", 0, 0, "joints", NULL },
+    { "translating-cams", 0, CLI_FLAG, offsetof(settings, translating_cams), NULL, NULL,
+      "also combinations in which two links that touch (g) never turn against each other, such as a wedge; with "
+      "--joints", 0, 0, "joints", NULL },
     { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
       "choose F driven joints: from the joints at the ground, or from all", 0, 0, NULL, NULL },
     { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
@@ -344,7 +350,8 @@ static int run(const cli_call *call)
     if (s->joints && !read_kinds(s->joints, j.kinds))
         return cli_usage(call, "--joints takes letters of r, t, p, g, each once, not '%s'", s->joints);
     j.steps = (lw_mechanism_steps){ .ground = !s->no_ground, .kinds = s->joints ? j.kinds : NULL,
-                                    .input = (lw_input_choice)s->input, .output = s->output };
+                                    .input = (lw_input_choice)s->input, .output = s->output,
+                                    .slider_direction = s->slider_direction, .translating_cams = s->translating_cams };
     return run_job(&j);
 }
 
