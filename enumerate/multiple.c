@@ -1,4 +1,5 @@
 #include "enumerate/multiple.h"
+#include "enumerate/fractionated.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -171,6 +172,7 @@ static lw_status make_room(seen *s)
 
 typedef struct laying {
     seen               seen;
+    bool               fractionated;                   /* wanted: those that separate, else the others */
     lw_multiple_visit *visit;
     void              *context;
 } laying;
@@ -178,7 +180,7 @@ typedef struct laying {
 static lw_status offer(laying *l, const lw_multiple *m)
 {
     lw_multiple form;
-    if (on_pin(m, 0) == 2 || !is_whole(m))              /* nothing is rigid: checked while merging */
+    if (on_pin(m, 0) == 2 || !is_simple(m) || is_whole(m) == l->fractionated)   /* not rigid: checked while merging */
         return LW_OK;
     lw_status s = make_room(&l->seen);
     if (s == LW_OK)
@@ -237,28 +239,48 @@ static lw_status lay(laying *l, const stage *s, int at, uint32_t todo)
     return status;
 }
 
-static lw_status lay_chain(void *context, const lw_chain_item *item)
+static lw_status lay_chain(laying *l, const lw_chain *chain)
 {
-    stage s = { .pins = { .n_link = item->chain->n_link } };
-    if (lw_chain_count(item->chain, 1) > LW_JOINT_MAX)
+    stage s = { .pins = { .n_link = chain->n_link } };
+    if (lw_chain_count(chain, 1) > LW_JOINT_MAX)
         return LW_E_ARG;
-    for (int i = 0; i < item->chain->n_link; i++)
-        s.left[i] = lw_chain_neighbours(item->chain, i);
-    return lay(context, &s, 0, s.left[0]);
+    for (int i = 0; i < chain->n_link; i++)
+        s.left[i] = lw_chain_neighbours(chain, i);
+    return lay(l, &s, 0, s.left[0]);
 }
 
-lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
-                           lw_error *e)
+static lw_status lay_item(void *context, const lw_chain_item *item) { return lay_chain(context, item->chain); }
+
+static lw_status lay_fractionated(void *context, const lw_chain *chain, int n_bridge)
 {
-    laying l = { .visit = visit, .context = context };
+    (void)n_bridge;
+    return lay_chain(context, chain);
+}
+
+static lw_status each(int n_link, int dof, int n_thread, laying l, lw_error *e)
+{
     lw_chains *chains;
     lw_chain_walk how = lw_chain_walk_default();
     lw_status s = lw_chains_create(n_link, dof, n_thread, &chains, e);
     if (s != LW_OK)
         return s;
     how.n_thread = n_thread;
-    s = lw_chains_each(chains, &how, lay_chain, &l);
+    s = lw_chains_each(chains, &how, lay_item, &l);
     lw_chains_free(chains);
+    if (s == LW_OK && l.fractionated)
+        s = lw_fractionated_each(n_link, dof, lay_fractionated, &l, e);
     free(l.seen.form);
     return s;
+}
+
+lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
+                           lw_error *e)
+{
+    return each(n_link, dof, n_thread, (laying){ .visit = visit, .context = context }, e);
+}
+
+lw_status lw_multiple_fractionated_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
+                                        lw_error *e)
+{
+    return each(n_link, dof, n_thread, (laying){ .fractionated = true, .visit = visit, .context = context }, e);
 }

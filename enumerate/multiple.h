@@ -36,4 +36,8 @@ typedef lw_status lw_multiple_visit(void *context, const lw_multiple *m);
 lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
                            lw_error *e);
 
+/* The same for chains that separate at a link or a pin.  They arise from simple chains of both sorts. */
+lw_status lw_multiple_fractionated_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
+                                        lw_error *e);
+
 #endif

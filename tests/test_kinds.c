@@ -181,13 +181,3 @@ TEST(refusals)
     CHECK_INT(lw_kinds_each(&m, "pg", count_valid, NULL, NULL), LW_E_ARG);
     CHECK_INT(lw_kinds_each(&m, "rt", stop_at_once, NULL, NULL), LW_STOPPED);
 }
-
-int main(void)
-{
-    RUN(sliders_in_small_chains);
-    RUN(directions_and_cams);
-    RUN(raw_number_by_burnside);
-    RUN(forms);
-    RUN(refusals);
-    return check_end();
-}

@@ -102,6 +102,95 @@ TEST(published)
         CHECK_INT(list(total[i].n_link, total[i].dof, &rng).n, total[i].n);
 }
 
+/* Fractionated chains against all sets of pins: any two share at most one link, every link has two pins or more, all
+ * hangs together, no set of links is rigid, and some link or pin separates the rest. */
+typedef struct brute { int n_link, n_form; lw_multiple form[256]; lw_multiple m; uint32_t pin[256]; int n_pin; } brute;
+
+static bool joined(const lw_multiple *m, uint32_t without, int lost)
+{
+    uint32_t all = ((1u << m->n_link) - 1) & ~without, seen = all & -all, before;
+    do {
+        before = seen;
+        for (int k = 0; k < m->n_pin; k++)
+            seen |= k != lost && m->pin[k] & seen ? m->pin[k] & all : 0;
+    } while (seen != before);
+    return seen == all;
+}
+
+static void look_at(brute *b)
+{
+    lw_multiple form;
+    bool multiple = false, whole = true;
+    if (!joined(&b->m, 0, LW_NONE) || rigid_by_count(&b->m))
+        return;
+    for (int k = 0; k < b->m.n_pin; k++) {
+        multiple = multiple || __builtin_popcount(b->m.pin[k]) > 2;
+        whole = whole && joined(&b->m, 0, k);
+    }
+    for (int i = 0; i < b->n_link; i++)
+        whole = whole && joined(&b->m, 1u << i, LW_NONE);
+    if (!multiple || whole || lw_multiple_canonical(&b->m, &form) != LW_OK)
+        return;
+    for (int i = 0; i < b->n_form; i++)
+        if (!memcmp(&b->form[i], &form, sizeof form))
+            return;
+    CHECK(b->n_form < 256);
+    b->form[b->n_form++] = form;
+}
+
+static void choose_pins(brute *b, int from, int joints, const int *n_pin)
+{
+    if (joints == 0) {
+        for (int i = 0; i < b->n_link; i++)
+            if (n_pin[i] < 2)
+                return;
+        look_at(b);
+        return;
+    }
+    for (int k = from; k < b->n_pin; k++) {
+        int size = __builtin_popcount(b->pin[k]), count[LW_LINK_MAX];
+        bool fits = size - 1 <= joints;
+        if (b->m.n_pin == 0)                                /* the first pin is multiple, of the lowest links */
+            fits = fits && size > 2 && b->pin[k] == (1u << size) - 1;
+        for (int l = 0; fits && l < b->m.n_pin; l++)
+            fits = __builtin_popcount(b->m.pin[l] & b->pin[k]) < 2;
+        if (!fits)
+            continue;
+        for (int i = 0; i < b->n_link; i++)
+            count[i] = n_pin[i] + (b->pin[k] >> i & 1);
+        b->m.pin[b->m.n_pin++] = b->pin[k];
+        choose_pins(b, k + 1, joints - size + 1, count);
+        b->m.pin[--b->m.n_pin] = 0;
+    }
+}
+
+static lw_status count_one(void *context, const lw_multiple *m)
+{
+    CHECK(!lw_multiple_moves(m));                           /* it separates */
+    CHECK(!rigid_by_count(m));
+    ++*(int *)context;
+    return LW_OK;
+}
+
+TEST(fractionated)
+{
+    static const struct { int n_link, dof; } known[] = { { 7, 2 }, { 8, 1 }, { 8, 3 } };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        brute *b = calloc(1, sizeof *b);
+        int n = 0, none[LW_LINK_MAX] = { 0 };
+        b->n_link = b->m.n_link = known[i].n_link;
+        for (int size = b->n_link; size >= 2; size--)       /* large pins first, as in lw_multiple */
+            for (uint32_t p = 0; p < 1u << b->n_link; p++)
+                if (__builtin_popcount(p) == size)
+                    b->pin[b->n_pin++] = p;
+        choose_pins(b, 0, (3*(b->n_link - 1) - known[i].dof)/2, none);
+        CHECK_INT(lw_multiple_fractionated_each(known[i].n_link, known[i].dof, 1, count_one, &n, NULL), LW_OK);
+        CHECK_INT(n, b->n_form);
+        CHECK((n > 0) == (known[i].dof == 3));              /* two four-bars on one pin, for example */
+        free(b);
+    }
+}
+
 TEST(what_moves)
 {
     /* Watt's chain with a multiple pin 1-2-5 moves; with two pins shared by links 1 and 2 it does not */

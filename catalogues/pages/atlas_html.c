@@ -705,7 +705,7 @@ static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw
 #define PAGE_BYTES    8000.0   /* size of a chain's page ...                         */
 #define PICTURE_BYTES 6600.0   /* ... and of each picture of a ground link, measured */
 #define BLOCK_BYTES    1500.0  /* the same in blocks; with a few inputs for each ground link */
-#define GROUND_BYTES   550.0
+#define GROUND_BYTES   420.0
 #define BLOCK 32               /* chains of a block, whose pictures are computed together, by all threads; atlas_block.js
                                   knows this number */
 

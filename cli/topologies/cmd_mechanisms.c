@@ -14,7 +14,7 @@
 typedef struct settings {
     int         format, links, dof, n2, input, assur_groups;
     const char *joints;
-    bool        no_ground, output, count, void_ones, assur, multiple, keep_going, slider_direction, translating_cams;
+    bool        no_ground, output, count, void_ones, assur, multiple, fractionated, keep_going, slider_direction, translating_cams;
 } settings;
 
 enum { FORMAT_JSON = 5 };                                  /* rows of lw_notations */
@@ -52,6 +52,9 @@ static const cli_option options[] = {
       "list all Assur groups of N links instead", 2, LW_LINK_MAX-1, NULL, "links" },
     { "multiple-joints", 0, CLI_FLAG, offsetof(settings, multiple), NULL, NULL,
       "list the chains with multiple joints instead (several links on one pin)", 0, 0, "links", "joints" },
+    { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
+      "with --multiple-joints: also list chains that separate into two at a link or a pin, after the others", 0, 0,
+      "multiple-joints", NULL },
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
       "after an error in the input continue with the next chain", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -309,7 +312,11 @@ static lw_status run_lists(job *j)
     if (j->s->assur_groups > 0)
         return lw_assur_each(j->s->assur_groups, j->call->common.jobs, write_group, j, &j->e);
     if (j->s->multiple)
-        return lw_multiple_each(j->s->links, j->s->dof, j->call->common.jobs, write_multiple, j, &j->e);
+    {
+        lw_status s = lw_multiple_each(j->s->links, j->s->dof, j->call->common.jobs, write_multiple, j, &j->e);
+        return s != LW_OK || !j->s->fractionated ? s
+             : lw_multiple_fractionated_each(j->s->links, j->s->dof, j->call->common.jobs, write_multiple, j, &j->e);
+    }
     return generate(j);
 }
 
