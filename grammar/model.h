@@ -150,19 +150,6 @@ typedef struct lw_motor {                /* torque-speed line at a joint        
     double stall, free_speed;            /* torque at rest [N m], speed without load [rad/s]       */
 } lw_motor;
 
-/* A link that bends and stretches: a bar along its axis, or a frame of straight bars (mbs/elastic). */
-typedef struct lw_elastic {
-    bool   given;                        /* otherwise the link is rigid                            */
-    lw_section  section;
-    lw_material material;
-    int    segments;                     /* elements along the axis; 0: as many as `frequency` needs */
-    double frequency;                    /* [Hz]; 0: the first of the bar with hinged ends          */
-    double damping;                      /* time d: damping is d times the stiffness [s]           */
-    bool   consistent;                   /* mass of the shape functions instead of lumps           */
-    int    n_axis;                       /* points of the axis; 0: the line of the link's joints    */
-    lw_vec2 *axis;                       /* in the posture [m]                                     */
-} lw_elastic;
-
 /* An element between two nodes, which are links; elastic links become these (mbs/elastic/expand.h). */
 typedef struct lw_beam {
     int    link[2];

@@ -26,7 +26,7 @@ static lw_status read_elastic_damping(const lw_json_node *n, lw_elastic *p, lw_e
     return s;
 }
 
-static lw_status read_axis(const lw_json_node *n, const lw_model *m, lw_elastic *p, lw_error *e)
+static lw_status read_axis(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
     lw_status s = lw_read_list(n, 2, 1000, e);
     if (s != LW_OK)
@@ -35,11 +35,28 @@ static lw_status read_axis(const lw_json_node *n, const lw_model *m, lw_elastic 
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; s == LW_OK && i < lw_json_count(n); i++) {
         lw_json_node point = lw_json_element(n, i);
-        s = lw_read_pair(&point, m->linkage.units.metre, &p->axis[p->n_axis++], e);
-        if (s == LW_OK && i > 0 && lw_v2_norm(lw_v2_sub(p->axis[i], p->axis[i - 1])) <= 0)
+        lw_vec2 flat = { 0, 0 };
+        s = space ? lw_read_triple(&point, metre, &p->axis[i], e) : lw_read_pair(&point, metre, &flat, e);
+        if (!space)
+            p->axis[i] = lw_v3(flat.x, flat.y, 0);
+        p->n_axis++;
+        if (s == LW_OK && i > 0 && !(lw_v3_norm(lw_v3_sub(p->axis[i], p->axis[i - 1])) > 0))
             s = lw_json_fault(&point, e, "the axis has a part of length 0");
     }
     return s;
+}
+
+/* Where the section is not the same in all directions, its height has to have one. */
+static lw_status read_height(const lw_json_node *elastic, const lw_json_node *section, lw_elastic *p, lw_error *e)
+{
+    const lw_section *q = &p->section;
+    lw_json_node n;
+    if (lw_json_member(elastic, "height", &n))
+        return lw_read_direction(&n, &p->height, e);
+    if (fabs(q->iy - q->iz) <= 1e-9*q->iz && fabs(q->zeta_y - q->zeta_z) <= 1e-9*q->zeta_y)
+        return LW_OK;
+    return lw_json_fault(section, e, "this section is stiffer in one direction than in the other: add \"height\": [x, y, z], the "
+                         "direction in which its height lies");
 }
 
 static lw_status read_segments(const lw_json_node *n, lw_elastic *p, lw_error *e)
@@ -55,27 +72,21 @@ static lw_status read_segments(const lw_json_node *n, lw_elastic *p, lw_error *e
     return LW_OK;
 }
 
-lw_status lw_model_read_elastic(const lw_json_node *link, const lw_json_node *n, lw_model *m, int i, lw_error *e)
+lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
-    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis" };
+    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "height" };
     static const char *const masses[] = { "lumped", "consistent" };
-    lw_elastic *p = &m->elastic[i];
-    lw_json_node at;
+    lw_json_node section, at;
     int mass = 0;
     const lw_number_key frequency = { "frequency", 1, LW_POSITIVE, &p->frequency, NULL };
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
-    if (s == LW_OK && i == m->linkage.ground)
-        s = lw_json_fault(n, e, "the ground cannot be elastic; weld an elastic link to it");
-    if (s == LW_OK && lw_json_member(link, "mass", &at))
-        s = lw_json_fault(&at, e, "the mass of an elastic link is that of its section and material; leave \"mass\" out, and weld "
-                          "another link with the mass that it carries");
-    if (s == LW_OK && (lw_json_member(link, "velocity", &at) || lw_json_member(link, "omega", &at)))
-        s = lw_json_fault(&at, e, "an elastic link starts with the velocities of the rigid linkage; give the speed of an input");
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_need(n, "section", &at, e)) == LW_OK &&
-        (s = lw_section_read(&at, m->linkage.units.metre, &p->section, e)) == LW_OK &&
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - !space, e)) == LW_OK &&
+        (s = lw_read_need(n, "section", &section, e)) == LW_OK &&
+        (s = lw_section_read(&section, metre, &p->section, e)) == LW_OK &&
         (s = lw_read_need(n, "material", &at, e)) == LW_OK)
         s = lw_material_read(&at, &p->material, e);
+    if (s == LW_OK && space)
+        s = read_height(n, &section, p, e);
     if (s == LW_OK && lw_json_member(n, "segments", &at))
         s = read_segments(&at, p, e);
     if (s == LW_OK && lw_json_member(n, "frequency", &at) && p->segments)
@@ -88,10 +99,26 @@ lw_status lw_model_read_elastic(const lw_json_node *link, const lw_json_node *n,
         s = lw_read_look_up(&at, "mass", masses, COUNT(masses), &mass, e);
     p->consistent = mass == 1;
     if (s == LW_OK && lw_json_member(n, "axis", &at))
-        s = read_axis(&at, m, p, e);
+        s = read_axis(&at, metre, space, p, e);
     p->given = s == LW_OK;
-    m->n_elastic += p->given;
     return s;
+}
+
+lw_status lw_elastic_check_link(const lw_json_node *link, const lw_json_node *n, bool ground, lw_error *e)
+{
+    static const char *const start[] = { "velocity", "omega", "angular_velocity" }, *const mass[] = { "mass", "centre", "inertia" };
+    lw_json_node at;
+    if (ground)
+        return lw_json_fault(n, e, "the ground cannot be elastic; weld an elastic link to it");
+    for (int i = 0; i < COUNT(mass); i++)
+        if (lw_json_member(link, mass[i], &at))
+            return lw_json_fault(&at, e, "the mass of an elastic link is that of its section and material; leave \"%s\" out, and "
+                                 "weld another link with the mass that it carries", mass[i]);
+    for (int i = 0; i < COUNT(start); i++)
+        if (lw_json_member(link, start[i], &at))
+            return lw_json_fault(&at, e, "an elastic link starts with the velocities of the rigid linkage; give the speed of an "
+                                 "input");
+    return LW_OK;
 }
 
 lw_status lw_model_check_elastic(const lw_json_node *root, const lw_model *m, lw_error *e)

@@ -32,9 +32,6 @@ lw_status lw_model_generate(const char *text, const lw_generated *word, int n, l
 
 /* ---- model_elastic.c ------------------------------------------------------------------------------------- */
 
-/* "elastic" of link i, the object `link`: its mass is that of its bar. */
-lw_status lw_model_read_elastic(const lw_json_node *link, const lw_json_node *n, lw_model *m, int i, lw_error *e);
-
 /* Joints need a place on an elastic link; guides and gears need a rigid one. */
 lw_status lw_model_check_elastic(const lw_json_node *root, const lw_model *m, lw_error *e);
 

@@ -219,8 +219,11 @@ static lw_status read_bodies(const lw_json_node *root, lw_model *m, lw_error *e)
         for (int i = 0; s == LW_OK && i < m->linkage.n_link; i++) {
             lw_json_node link = lw_json_element(&links, (size_t)i);
             s = read_body(&link, m, i, e);
-            if (s == LW_OK && lw_json_kind_of(&link) == LW_JSON_OBJECT && lw_json_member(&link, "elastic", &elastic))
-                s = lw_model_read_elastic(&link, &elastic, m, i, e);
+            if (s != LW_OK || lw_json_kind_of(&link) != LW_JSON_OBJECT || !lw_json_member(&link, "elastic", &elastic))
+                continue;
+            if ((s = lw_elastic_check_link(&link, &elastic, i == m->linkage.ground, e)) == LW_OK)
+                s = lw_elastic_read(&elastic, m->linkage.units.metre, false, &m->elastic[i], e);
+            m->n_elastic++;
         }
     if (s == LW_OK)
         s = lw_model_check_elastic(root, m, e);

@@ -1,5 +1,6 @@
 /* grammar/read.c - pairs, lists, numbers in a range, stops, names of links and joints. */
 #include "base/real.h"
+#include "base/vec3.h"
 #include "grammar/read_internal.h"
 
 #include <stddef.h>
@@ -56,6 +57,17 @@ lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_er
     double v[3] = { 0, 0, 0 };
     lw_status s = read_vector(n, 3, unit, v, e);
     *out = (lw_vec3){ v[0], v[1], v[2] };
+    return s;
+}
+
+lw_status lw_read_direction(const lw_json_node *n, lw_vec3 *out, lw_error *e)
+{
+    lw_status s = lw_read_triple(n, 1, out, e);
+    double size = lw_v3_norm(*out);
+    if (s == LW_OK && !(size > 1e-200))
+        return lw_json_fault(n, e, "a direction must not be [0, 0, 0]");
+    *out = lw_v3_scale(*out, 1/size);
+    *out = lw_v3_scale(*out, 1/lw_v3_norm(*out));
     return s;
 }
 

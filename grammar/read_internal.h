@@ -20,6 +20,9 @@ lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_erro
 /* [x, y, z] times unit, within LW_COORDINATE_MAX. */
 lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_error *e);
 
+/* [x, y, z], as a unit vector. */
+lw_status lw_read_direction(const lw_json_node *n, lw_vec3 *out, lw_error *e);
+
 /* An optional number, times unit. */
 lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
                            lw_error *e);

@@ -6,7 +6,9 @@
 #ifndef LW_GRAMMAR_SECTION_H
 #define LW_GRAMMAR_SECTION_H
 
+#include <stdbool.h>
 #include "base/error.h"
+#include "base/vec3.h"
 
 typedef struct lw_section {
     double area;                     /* [m^2] */
@@ -18,11 +20,31 @@ typedef struct lw_section {
 
 typedef struct lw_material { double e, g, density; } lw_material;       /* [N/m^2] [N/m^2] [kg/m^3] */
 
+/* A link that bends and stretches: a bar along its axis, or a frame of straight bars (mbs/elastic). */
+typedef struct lw_elastic {
+    bool   given;                    /* otherwise the link is rigid */
+    lw_section  section;
+    lw_material material;
+    int    segments;                 /* elements along the axis; 0: as many as `frequency` needs */
+    double frequency;                /* [Hz]; 0: the first of the bar with hinged ends */
+    double damping;                  /* time d: damping is d times the stiffness [s] */
+    bool   consistent;               /* mass of the shape functions instead of lumps */
+    int    n_axis;                   /* points of the axis; 0: the line of the link's joints */
+    lw_vec3 *axis;                   /* in the posture [m]; in the plane z = 0 */
+    lw_vec3 height;                  /* in space: direction near which the y axis of the section lies; 0: the section is
+                                        the same in all directions */
+} lw_elastic;
+
 struct lw_json_node;
 
 /* Read a section {"shape": ..., ...} with lengths times `metre`, or a material: a name or {"E", "G" or "nu", "density"}.
  * LW_E_NOTATION with line and column. */
 lw_status lw_section_read(const struct lw_json_node *n, double metre, lw_section *s, lw_error *e);
 lw_status lw_material_read(const struct lw_json_node *n, lw_material *m, lw_error *e);
+
+/* Read the object "elastic" of a link, in the plane or in space.  p->axis is to be freed, after a failure too. */
+lw_status lw_elastic_read(const struct lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e);
+/* What the object `link` cannot say beside "elastic", its member n. */
+lw_status lw_elastic_check_link(const struct lw_json_node *link, const struct lw_json_node *n, bool ground, lw_error *e);
 
 #endif

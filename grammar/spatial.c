@@ -30,8 +30,10 @@ void lw_spatial_free(lw_spatial *m)
         }
     for (int i = 0; m->profile && i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
+    for (int i = 0; m->elastic && i < m->n_link; i++)
+        free(m->elastic[i].axis);
     void *const array[] = { m->profile, m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
-                            m->force, m->motor };
+                            m->force, m->motor, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
     memset(m, 0, sizeof *m);
@@ -103,6 +105,8 @@ bool lw_spatial_is_planar(const lw_spatial *m, lw_vec3 *normal)
 {
     static const double parallel = 1e-9;
     bool known = false;
+    if (m->n_elastic > 0)
+        return false;                        /* links bend out of the plane, too */
     for (int j = 0; j < m->n_joint; j++) {
         const lw_spatial_joint *p = &m->joint[j];
         if (p->kind == LW_SPATIAL_FIXED || p->kind == LW_SPATIAL_PRISMATIC)

@@ -110,6 +110,17 @@ typedef struct lw_spatial_motor {        /* torque-speed line at a joint, as lw_
     double  stall, free_speed;
 } lw_spatial_motor;
 
+/* An element between two nodes, which are links; elastic links become these (mbs/elastic/expand_space.h). */
+typedef struct lw_spatial_beam {
+    int     link[2];
+    double  length;                      /* in the posture [m]                                         */
+    double  stiffness[6];                /* stretch, shear along y and z [N/m]; torsion, bending about y and z [N m/rad] */
+    double  damping;                     /* [s]                                                        */
+    lw_mat3 axes;                        /* in the posture: x along the element, y and z of its section */
+    double  mass, gyration[2];           /* [kg]; Iy/A, Iz/A [m^2]                                     */
+    bool    consistent;                  /* modes use the mass of the shape functions                  */
+} lw_spatial_beam;
+
 typedef struct lw_spatial {
     char    name[64];
     int     n_link, n_joint, n_input, n_drive, n_tracer, n_spring, n_joint_spring, n_force, n_motor;
@@ -125,6 +136,10 @@ typedef struct lw_spatial {
     lw_spatial_motor        *motor;
     int                      n_profile;
     lw_moves                *profile;    /* of profile(name) in expressions                            */
+    lw_elastic              *elastic;    /* (n_link)                                                   */
+    int      n_elastic;                  /* links that are elastic                                     */
+    int      n_beam;                     /* a file has none                                            */
+    lw_spatial_beam         *beam;
     lw_vec3  gravity;                    /* [m/s^2]                                                    */
     lw_units units;
 } lw_spatial;

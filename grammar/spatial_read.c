@@ -42,17 +42,6 @@ static lw_status read_new_name(const lw_json_node *object, const char *what, con
 
 /* ---- directions and frames --------------------------------------------------------------------- */
 
-static lw_status read_direction(const lw_json_node *n, lw_vec3 *out, lw_error *e)
-{
-    lw_status s = lw_read_triple(n, 1, out, e);
-    double size = lw_v3_norm(*out);
-    if (s == LW_OK && !(size > 1e-200))
-        return lw_json_fault(n, e, "a direction must not be [0, 0, 0]");
-    *out = lw_v3_scale(*out, 1/size);
-    *out = lw_v3_scale(*out, 1/lw_v3_norm(*out));
-    return s;
-}
-
 /* "frame": {"x": [..], "y": [..]}, two or three axes of a right-handed frame; the identity if it is left out. */
 static lw_status read_frame(const lw_json_node *object, lw_mat3 *out, lw_error *e)
 {
@@ -72,7 +61,7 @@ static lw_status read_frame(const lw_json_node *object, lw_mat3 *out, lw_error *
         has[i] = lw_json_member(&frame, known[i], &n);
         count += has[i];
         if (has[i])
-            s = read_direction(&n, &axis[i], e);
+            s = lw_read_direction(&n, &axis[i], e);
     }
     if (s == LW_OK && count < 2)
         s = lw_json_fault(&frame, e, "a frame needs two of its axes \"x\", \"y\", \"z\"");
@@ -241,9 +230,10 @@ static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, do
 
 static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
 {
-    static const char *const known[] = { "name", "mass", "centre", "inertia", "frame", "velocity", "angular_velocity" };
+    static const char *const known[] = { "name", "mass", "centre", "inertia", "frame", "velocity", "angular_velocity",
+                                         "elastic" };
     lw_spatial_body *b = &m->body[m->n_link];
-    lw_json_node n, centre;
+    lw_json_node n, centre, elastic;
     lw_mat3 frame;
     const lw_number_key mass = { "mass", 1, LW_NOT_NEGATIVE, &b->mass, &b->given };
     lw_status s = read_new_name(link, "link", NAMES(m->body, m->n_link, lw_spatial_body), b->name, e);
@@ -258,6 +248,11 @@ static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
     if (s == LW_OK && (s = read_frame(link, &frame, e)) == LW_OK &&
         (s = read_inertia(link, &frame, b->inertia, e)) == LW_OK)
         s = lw_read_numbers(link, &mass, 1, e);
+    if (s == LW_OK && lw_json_member(link, "elastic", &elastic)) {
+        if ((s = lw_elastic_check_link(link, &elastic, false, e)) == LW_OK)
+            s = lw_elastic_read(&elastic, m->units.metre, true, &m->elastic[m->n_link - 1], e);
+        m->n_elastic++;
+    }
     if (s == LW_OK && (b->has_velocity = lw_json_member(link, "velocity", &n)))
         s = lw_read_triple(&n, 1, &b->velocity, e);
     if (s == LW_OK && (b->has_omega = lw_json_member(link, "angular_velocity", &n)))
@@ -270,13 +265,20 @@ static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
     return s;
 }
 
+static lw_status reserve_links(lw_spatial *m, size_t n, lw_error *e)
+{
+    m->body = calloc(n, sizeof *m->body);
+    m->elastic = calloc(n, sizeof *m->elastic);
+    return has_memory(m->body && m->elastic ? m->body : NULL, e);
+}
+
 /* Without "links" the links are the ground and all links that joints name, in that order. */
 static lw_status gather_links(const lw_json_node *root, const lw_json_node *ground, lw_spatial *m, lw_error *e)
 {
     lw_json_node joints, links;
     lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK && (s = lw_read_list(&joints, 1, SIZE_MAX, e)) == LW_OK)
-        s = has_memory(m->body = calloc(2*lw_json_count(&joints) + 2, sizeof *m->body), e);
+        s = reserve_links(m, 2*lw_json_count(&joints) + 2, e);
     if (s == LW_OK && ground)
         s = read_link(ground, m, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
@@ -297,13 +299,13 @@ static lw_status gather_links(const lw_json_node *root, const lw_json_node *grou
 
 static lw_status read_links(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
-    lw_json_node links, ground;
+    lw_json_node links = *root, ground;
     bool has_ground = lw_json_member(root, "ground", &ground);
     lw_status s = LW_OK;
     if (!lw_json_member(root, "links", &links))
         s = gather_links(root, has_ground ? &ground : NULL, m, e);
     else if ((s = lw_read_list(&links, 2, SIZE_MAX, e)) == LW_OK &&
-             (s = has_memory(m->body = calloc(lw_json_count(&links) + 1, sizeof *m->body), e)) == LW_OK)
+             (s = reserve_links(m, lw_json_count(&links) + 1, e)) == LW_OK)
         for (size_t i = 0; s == LW_OK && i < lw_json_count(&links); i++) {
             lw_json_node link = lw_json_element(&links, i);
             s = read_link(&link, m, e);
@@ -311,10 +313,13 @@ static lw_status read_links(const lw_json_node *root, lw_spatial *m, lw_error *e
     if (s != LW_OK)
         return s;
     if (has_ground)
-        return read_link_name(&ground, m, &m->ground, e);
-    m->ground = lw_read_find("ground", NAMES(m->body, m->n_link, lw_spatial_body));
-    return m->ground >= 0 ? LW_OK : lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link "
-                                                  "\"ground\"");
+        s = read_link_name(&ground, m, &m->ground, e);
+    else
+        m->ground = lw_read_find("ground", NAMES(m->body, m->n_link, lw_spatial_body));
+    if (s == LW_OK && m->ground < 0)
+        return lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link \"ground\"");
+    return s != LW_OK || !m->elastic[m->ground].given ? s
+         : lw_json_fault(&links, e, "the ground \"%s\" cannot be elastic; weld an elastic link to it", m->body[m->ground].name);
 }
 
 /* ---- joints ------------------------------------------------------------------------------------ */
@@ -363,7 +368,7 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
         return wants ? lw_json_fault(joint, e, "a %s joint needs its \"axis\": [x, y, z]", word)
                      : lw_json_fault(&n, e, "a %s joint has no axis", word);
     if (wants)
-        s = read_direction(&n, &j->axis, e);
+        s = lw_read_direction(&n, &j->axis, e);
     if (s != LW_OK)
         return s;
     if (lw_json_member(joint, "second_axis", &second) != two)
@@ -371,7 +376,7 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
                                              "\"axis\" is "
                                    "on the first")
                    : lw_json_fault(&second, e, "a %s joint has no second axis", word);
-    if (two && (s = read_direction(&second, &j->second, e)) == LW_OK &&
+    if (two && (s = lw_read_direction(&second, &j->second, e)) == LW_OK &&
         lw_v3_norm(lw_v3_cross(j->axis, j->second)) < 1e-6)
         s = lw_json_fault(&second, e, "the axes of a universal joint must not be parallel");
     const lw_number_key lead = { "lead", m->units.metre, LW_ANY, &j->lead, &given };
@@ -408,7 +413,7 @@ static lw_status read_cone(const lw_json_node *joint, const lw_spatial *m, lw_sp
         return lw_json_fault(&n, e, "only spherical and universal joints have a \"cone\"");
     lw_status s = lw_json_expect(&n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(&n, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_need(&n, "axis", &axis, e)) == LW_OK && (s = read_direction(&axis, &j->cone_axis, e)) == LW_OK &&
+        (s = lw_read_need(&n, "axis", &axis, e)) == LW_OK && (s = lw_read_direction(&axis, &j->cone_axis, e)) == LW_OK &&
         (s = lw_read_need(&n, "angle", &axis, e)) == LW_OK)
         s = lw_read_numbers(&n, &angle, 1, e);
     return s;

@@ -25,7 +25,7 @@ mbs/batch base grammar mbs/plan
 mbs/kinematics base grammar mbs/plan mbs/batch
 mbs/constraints base grammar
 mbs/ode base
-mbs/space base grammar
+mbs/space base grammar mbs/elastic
 mbs/elastic base grammar
 mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic mbs/space
 mbs/drives base grammar mbs/constraints mbs/elastic mbs/ode mbs/dynamics mbs/space

@@ -246,6 +246,13 @@ lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
     return LW_OK;
 }
 
+/* The model that is solved: its elastic links are nodes, everything else keeps its index. */
+static void take_scene(run *r)
+{
+    r->s = lw_dynamics_space(r->d);
+    r->m = r->s->model;
+}
+
 lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const char *speed, cli_table *t, lw_error *e)
 {
     run r = { .m = m, .table = t, .e = e };
@@ -253,11 +260,11 @@ lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const c
     if (st == LW_OK)
         st = lw_dynamics_make_spatial(m, o, &r.d, e);
     if (st == LW_OK) {
-        r.s = lw_dynamics_space(r.d);
+        take_scene(&r);
         make_columns(&r);
         r.row = malloc((size_t)r.n_column*sizeof *r.row);
         r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
-        r.link = malloc((size_t)m->n_link*sizeof *r.link);
+        r.link = malloc((size_t)r.m->n_link*sizeof *r.link);
         t->column = calloc((size_t)r.n_column + 1, sizeof *t->column);
         st = r.no_memory || !r.row || !r.tracer || !r.link || !t->column ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
     }
@@ -287,11 +294,11 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         r.report = *q;
         if (explain)
             cli_dynamics_explain(call, q);
-        r.s = lw_dynamics_space(r.d);
+        take_scene(&r);
         make_columns(&r);
         r.row = malloc((size_t)r.n_column*sizeof *r.row);
         r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
-        r.link = malloc((size_t)m->n_link*sizeof *r.link);
+        r.link = malloc((size_t)r.m->n_link*sizeof *r.link);
         st = r.no_memory || !r.row || !r.tracer || !r.link ? lw_error_set(&e, LW_E_MEMORY, "out of memory")
             : cli_open(call, &out,
                 &e);

@@ -17,6 +17,7 @@
 #include "mbs/dynamics/equations_space.h"
 #include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/rigid_stops_internal.h"
+#include "mbs/elastic/expand_space.h"
 
 #define LW_STOP_ROW_MAX 16               /* stops that can be rested on at one time */
 #define LW_MBS_ROW_MAX  (LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_STOP_ROW_MAX)
@@ -31,6 +32,8 @@ struct lw_dynamics {
     const lw_model      *model;               /* that of the caller, or `expansion.model` or `rigid` */
     lw_elastic_expansion         expansion;           /* elastic links as chains of elements */
     lw_model             rigid;               /* elastic links as rigid bars */
+    lw_spatial_expansion spatial_expansion;   /* the same in space */
+    lw_spatial           spatial_rigid;
     bool                 elastic;
     lw_dynamics_options  o;
     lw_system            s;

@@ -107,6 +107,8 @@ void lw_dynamics_free(lw_dynamics *d)
     lw_system_free(&d->s);
     lw_elastic_expansion_free(&d->expansion);
     lw_elastic_rigid_free(&d->rigid);
+    lw_spatial_expansion_free(&d->spatial_expansion);
+    lw_spatial_rigid_free(&d->spatial_rigid);
     if (d->space)
         lw_spatial_scene_free(d->space);
     free(d->space);

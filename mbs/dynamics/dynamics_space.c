@@ -415,13 +415,76 @@ lw_status lw_run_driven_spatial(lw_run *run)
 
 /* ---- making ----------------------------------------------------------------------------------------------------- */
 
+/* The model with its elastic links as chains of nodes, or as rigid bars. */
+static lw_status expand(lw_dynamics *d, const lw_spatial **m, lw_error *e)
+{
+    if (!(*m)->n_elastic)
+        return LW_OK;
+    d->elastic = !d->o.rigid;
+    lw_status st = d->elastic ? lw_spatial_expand(*m, &d->spatial_expansion, e) : lw_spatial_rigid(*m, &d->spatial_rigid, e);
+    *m = d->elastic ? &d->spatial_expansion.model : &d->spatial_rigid;
+    return st;
+}
+
+/* Where and how fast body b is, or the node that it is, on a link of the rigid model r. */
+static void place_on_rigid(lw_dynamics *d, const lw_dynamics *r, int b, int link)
+{
+    const lw_space *s = &d->space->s, *rigid = &r->space->s;
+    const lw_space_frame *frame = r->space->frame;
+    double *q = d->start_q + 7*b, *v = d->start_v + 6*b;
+    const double *file = s->start + 7*b;
+    lw_space_point p = lw_space_point_of(rigid, link, lw_v3_scale(lw_v3(file[0], file[1], file[2]), s->unit));
+    lw_vec3 at = lw_v3_scale(lw_space_point_at(frame, p), 1/s->unit);
+    lw_vec3 rate = lw_v3_scale(lw_space_point_velocity(rigid, frame, p, r->start_v), 1/s->unit);
+    lw_quaternion now = lw_quaternion_of_matrix(&frame[p.body + 1].turn);
+    lw_quaternion t = lw_quaternion_times(lw_quaternion_times(now, lw_quaternion_inverse(rigid->axes[p.body])), s->axes[b]);
+    lw_mat3 turn = lw_quaternion_matrix(lw_quaternion_unit(t));
+    lw_vec3 omega = lw_m3_unapply(&turn, lw_space_omega(frame, p.body, r->start_v));
+    q[0] = at.x, q[1] = at.y, q[2] = at.z, q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
+    v[0] = rate.x, v[1] = rate.y, v[2] = rate.z, v[3] = omega.x, v[4] = omega.y, v[5] = omega.z;
+}
+
+/* Start elastic links undeformed, with the posture and the velocities of the same model with rigid links. */
+static lw_status start_as_rigid(lw_dynamics *d, const lw_spatial *given, lw_error *e)
+{
+    const lw_spatial_expansion *x = &d->spatial_expansion;
+    const lw_space *s = &d->space->s;
+    lw_dynamics *r = calloc(1, sizeof *r);
+    if (!r)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    r->o = d->o;
+    r->o.rigid = true;
+    lw_status st = lw_dynamics_prepare_spatial(r, given, e);
+    if (st == LW_OK)
+        lw_space_place(&r->space->s, r->start_q, r->space->frame);
+    for (int b = 0; st == LW_OK && b < s->n_body; b++) {
+        int link = s->link_of[b];
+        for (int k = 0; k < x->n_chain; k++)
+            for (int i = 1; i < x->chain[k].n_node; i++)
+                link = x->chain[k].node[i] == s->link_of[b] ? x->chain[k].link : link;
+        place_on_rigid(d, r, b, link);
+    }
+    lw_dynamics_free(r);
+    if (st != LW_OK)
+        return st;
+    d->eq.accept(d->eq.context, d->start_q);
+    if ((st = lw_mbs_arrange(d, d->o.from, d->start_q)) == LW_OK &&
+        (st = lw_mbs_project_q(d, d->o.from, d->start_q, 0.01)) == LW_OK &&
+        (st = lw_mbs_project_v(d, d->o.from, d->start_v)) == LW_OK)
+        st = lw_mbs_arrange(d, d->o.from, d->start_q);
+    return st;
+}
+
 lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e)
 {
+    const lw_spatial *given = m;
     d->e = e;
     d->space = calloc(1, sizeof *d->space);
     if (!d->space)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = lw_spatial_scene_make(m, d->space, e);
+    lw_status st = expand(d, &m, e);
+    if (st == LW_OK)
+        st = lw_spatial_scene_make(m, d->space, e);
     if (st == LW_OK) {
         lw_mbs_take_equations(d, lw_spatial_equations(d->space));
         d->n_input = m->n_input;
@@ -431,8 +494,8 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         return st;
     find_special_joints(d);
     bool rest = d->o.analysis == LW_ANALYSIS_STATIC;
-    d->large = d->n_v > LW_MBS_DENSE || rest;
-    if (rest || d->n_v > LW_MBS_DENSE)
+    d->large = d->n_v > LW_MBS_DENSE || rest || d->elastic;
+    if (d->large)
         st = lw_spatial_weigh_massless(d->space, rest, e);
     if (st == LW_OK && d->large)
         d->has_zero_mass = false;
@@ -440,9 +503,9 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         st = lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if (st == LW_OK)
         st = lw_mbs_reserve(d, e);
-    if (st == LW_OK)
-        st = find_posture(d, e);
-    if (st == LW_OK && d->freedom > 0 && !rest)
+    if (st == LW_OK && d->elastic)
+        st = start_as_rigid(d, given, e);
+    else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && d->freedom > 0 && !rest)
         st = find_velocities(d, e);
     if (st == LW_OK)
         st = make_drives(d, e);

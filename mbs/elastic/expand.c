@@ -12,20 +12,20 @@ double lw_section_stress(const lw_section *s, double normal, double moment)
     return tension < 0 ? tension - bending : tension + bending;
 }
 
-/* ---- axis ------------------------------------------------------------------------------------------- */
+/* ---- model ---------------------------------------------------------------------------------------------- */
 
-static const double on_line = 1e-9;              /* distance from the axis, over its length, that counts as 0 */
-static const double same_place = 1e-6;           /* nodes nearer than this, over the length, are one */
+typedef struct work {
+    const lw_model *m;
+    lw_elastic_expansion *x;
+    lw_elastic_axis *axis;           /* per chain */
+} work;
 
-/* Places of the link at which something acts: joints, tracers, ends of springs, forces. */
-typedef struct places { int n, n_joint; lw_vec2 *at; } places;
+static void take(lw_elastic_places *p, lw_vec2 at) { p->at[p->n++] = lw_v3(at.x, at.y, 0); }
 
-static void take(places *p, lw_vec2 at) { p->at[p->n++] = at; }
-
-static lw_status find_places(const lw_model *m, int link, places *p, lw_error *e)
+static lw_status find_places(const lw_model *m, int link, lw_elastic_places *p, lw_error *e)
 {
     const lw_assembly *k = &m->linkage;
-    *p = (places){ .at = calloc(2*(size_t)(k->n_joint + k->n_tracer + 2*m->n_spring + m->n_force) + 2, sizeof *p->at) };
+    *p = (lw_elastic_places){ .at = calloc(2*(size_t)(k->n_joint + k->n_tracer + 2*m->n_spring + m->n_force) + 2, sizeof *p->at) };
     if (!p->at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int j = 0; j < k->n_joint; j++)
@@ -45,185 +45,27 @@ static lw_status find_places(const lw_model *m, int link, places *p, lw_error *e
     return LW_OK;
 }
 
-/* The two of n places that are farthest apart. */
-static double farthest(const lw_vec2 *at, int n, lw_vec2 end[2])
+lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e)
 {
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++) {
-            double d = lw_v2_norm(lw_v2_sub(at[i], at[j]));
-            if (d > most) {
-                most = d;
-                end[0] = at[j];
-                end[1] = at[i];
-            }
-        }
-    return most;
-}
-
-/* Without an axis in the file: the line through the joints, or from the only joint to the farthest place, as far as places
- * lie on it. */
-static lw_status default_axis(const lw_model *m, int link, const places *p, lw_vec2 end[2], lw_error *e)
-{
-    const char *name = m->linkage.link_name[link];
-    lw_vec2 line[2];
-    double size = farthest(p->at, p->n_joint, line);
-    if (!(size > 0))
-        size = farthest(p->at, p->n, line);
-    if (!(size > 0))
-        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has no length: all its joints and tracers are at one place; put "
-                            "a tracer at its other end, or give its \"axis\" as a list of points", name);
-    lw_vec2 u = lw_v2_scale(lw_v2_sub(line[1], line[0]), 1/size);
-    double least = 0, most = size;
-    for (int i = 0; i < p->n; i++) {
-        lw_vec2 d = lw_v2_sub(p->at[i], line[0]);
-        bool off = fabs(lw_v2_cross(u, d)) > on_line*size;
-        if (off && i < p->n_joint)
-            return lw_error_set(e, LW_E_ARG, "the joints of the elastic link \"%s\" do not lie on one line; give its \"axis\" as a "
-                                "list of points: bars between them carry joints beside them on rigid arms", name);
-        least = off ? least : fmin(least, lw_v2_dot(u, d));
-        most = off ? most : fmax(most, lw_v2_dot(u, d));
-    }
-    end[0] = lw_v2_add(line[0], lw_v2_scale(u, least));
-    end[1] = least == 0 && most == size ? line[1] : lw_v2_add(line[0], lw_v2_scale(u, most));
-    return LW_OK;
-}
-
-/* Distance along the axis of its point nearest to `at`. */
-static double along(const lw_vec2 *axis, int n, lw_vec2 at)
-{
-    double best = INFINITY, found = 0, before = 0;
-    for (int i = 0; i + 1 < n; i++) {
-        lw_vec2 d = lw_v2_sub(axis[i + 1], axis[i]);
-        double length = lw_v2_norm(d), s = fmin(fmax(lw_v2_dot(lw_v2_sub(at, axis[i]), d)/length, 0), length);
-        double off = lw_v2_segment_distance(at, axis[i], axis[i + 1]);
-        if (off < best) {
-            best = off;
-            found = before + s;
-        }
-        before += length;
-    }
-    return found;
-}
-
-static lw_vec2 point_at(const lw_vec2 *axis, int n, double s)
-{
-    for (int i = 0; i + 1 < n; i++) {
-        lw_vec2 d = lw_v2_sub(axis[i + 1], axis[i]);
-        double length = lw_v2_norm(d);
-        if (s <= length || i + 2 == n)
-            return s >= length ? axis[i + 1] : lw_v2_add(axis[i], lw_v2_scale(d, s/length));
-        s -= length;
-    }
-    return axis[0];
-}
-
-/* ---- number of elements -------------------------------------------------------------------------------- */
-
-/* Longest element times wave number for errors below 1 %: of a lumped chain in bending (a cantilever's first mode, whose
- * error 0.129 (wave number h)^2 is the greatest), of a consistent one, and of a lumped chain in tension. */
-static const double lumped_bend = 0.277, consistent_bend = 1.2, lumped_stretch = 0.48;
-
-/* Wave numbers [1/m] of bending (Timoshenko) and of stretch at the angular frequency w. */
-static double wave_number(const lw_elastic *p, double w, bool bend)
-{
-    double a = p->material.density/p->material.e, b = p->material.density*p->section.zeta_y/p->material.g;
-    if (!bend)
-        return w*sqrt(a);
-    double c = 4*p->material.density*p->section.area/(p->material.e*p->section.iz*w*w);
-    return w*sqrt(0.5*(a + b + sqrt((a - b)*(a - b) + c)));
-}
-
-static int elements_for(const lw_elastic *p, double length, double frequency)
-{
-    double w = 2*LW_PI*frequency, bend = wave_number(p, w, true)*length, stretch = wave_number(p, w, false)*length;
-    double n = p->consistent ? fmax(bend/consistent_bend, stretch/lumped_stretch)
-                             : fmax(bend/lumped_bend, stretch/lumped_stretch);
-    return (int)fmin(fmax(ceil(n), 2), 10000);
-}
-
-/* ---- nodes ---------------------------------------------------------------------------------------------- */
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-typedef struct cut { double *s; int n; } cut;     /* nodes by their distance along the axis */
-
-/* Nodes at the corners of the axis and at the places of joints and loads; between them elements of about equal length, n in
- * all unless places do not fit that. */
-static lw_status cut_axis(const lw_vec2 *axis, int n_axis, const places *p, double length, int n, cut *c, lw_error *e)
-{
-    size_t most = (size_t)(n_axis + p->n), all = 2*most + (size_t)n + 2;
-    double *hard = calloc(most + 1, sizeof *hard);
-    c->s = calloc(all, sizeof *c->s);
-    if (!hard || !c->s) {
-        free(hard);
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    }
-    int n_hard = 0;
-    double sum = 0;
-    for (int i = 0; i < n_axis; i++) {
-        sum += i ? lw_v2_norm(lw_v2_sub(axis[i], axis[i - 1])) : 0;
-        hard[n_hard++] = i + 1 == n_axis ? length : sum;
-    }
-    for (int i = 0; i < p->n; i++)
-        hard[n_hard++] = along(axis, n_axis, p->at[i]);
-    qsort(hard, (size_t)n_hard, sizeof *hard, by_value);
-    c->s[c->n++] = 0;
-    for (int i = 1; i < n_hard; i++) {
-        double from = c->s[c->n - 1], gap = hard[i] - from;
-        if (gap <= same_place*length)
-            continue;
-        int parts = (int)fmax(ceil(n*gap/length - 1e-6), 1);
-        for (int k = 1; k <= parts; k++)
-            c->s[c->n++] = k == parts ? hard[i] : from + gap*k/parts;
-    }
-    free(hard);
-    return LW_OK;
-}
-
-/* ---- model ---------------------------------------------------------------------------------------------- */
-
-typedef struct work {
-    const lw_model *m;
-    lw_elastic_expansion   *x;
-    cut            *cut;             /* per chain */
-    lw_vec2       (*axis)[2];        /* axes that the file does not give */
-} work;
-
-static const lw_vec2 *axis_of(const work *w, int chain, int *n)
-{
-    const lw_elastic *p = &w->m->elastic[w->x->chain[chain].link];
-    *n = p->n_axis ? p->n_axis : 2;
-    return p->n_axis ? p->axis : w->axis[chain];
+    c->length = a->length;
+    c->mass = c->elastic->material.density*c->elastic->section.area*a->length;
+    c->first = a->first;
+    c->frequency = a->frequency;
+    c->n_node = a->n_node;
+    c->node = calloc((size_t)a->n_node, sizeof *c->node);
+    return c->node ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 static lw_status plan_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
-    const lw_elastic *p = &w->m->elastic[c->link];
-    places at;
-    int n_axis;
+    lw_elastic_axis *a = &w->axis[chain];
+    lw_elastic_places at;
     lw_status s = find_places(w->m, c->link, &at, e);
-    if (s == LW_OK && !p->n_axis)
-        s = default_axis(w->m, c->link, &at, w->axis[chain], e);
-    const lw_vec2 *axis = axis_of(w, chain, &n_axis);
-    for (int i = 0; i + 1 < n_axis; i++)
-        c->length += lw_v2_norm(lw_v2_sub(axis[i + 1], axis[i]));
-    c->mass = p->material.density*p->section.area*c->length;
-    c->first = LW_PI/(2*c->length*c->length)*sqrt(p->material.e*p->section.iz/(p->material.density*p->section.area));
-    c->frequency = p->segments ? 0 : p->frequency > 0 ? p->frequency : c->first;
-    int n = p->segments ? p->segments : s == LW_OK ? elements_for(p, c->length, c->frequency) : 1;
     if (s == LW_OK)
-        s = cut_axis(axis, n_axis, &at, c->length, n, &w->cut[chain], e);
+        s = lw_elastic_axis_make(c->elastic, w->m->linkage.link_name[c->link], &at, a, e);
     free(at.at);
-    c->n_node = w->cut[chain].n;
-    if (s == LW_OK && !(c->node = calloc((size_t)c->n_node, sizeof *c->node)))
-        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    return s;
+    return s == LW_OK ? lw_elastic_chain_take(c, a, e) : s;
 }
 
 /* Arrays of the expanded model: links grow, joints, tracers and loads are copied. */
@@ -283,13 +125,12 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     const lw_elastic *p = &w->m->elastic[c->link];
     lw_model *to = &w->x->model;
     const char *name = w->m->linkage.link_name[c->link];
-    int n_axis;
-    const lw_vec2 *axis = axis_of(w, chain, &n_axis);
     c->first_beam = to->n_beam;
     for (int i = 0; i < c->n_node; i++) {
         int link = i ? to->linkage.n_link++ : c->link;
         c->node[i] = link;
-        to->body[link] = (lw_body){ .given = true, .centre = point_at(axis, n_axis, w->cut[chain].s[i]) };
+        lw_vec3 at = lw_elastic_axis_point(&w->axis[chain], w->axis[chain].node[i]);
+        to->body[link] = (lw_body){ .given = true, .centre = { at.x, at.y } };
         if (snprintf(to->linkage.link_name[link], LW_NAME_SIZE, "%s.%d", name, i) >= LW_NAME_SIZE)
             return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
                                 "\"NAME.1\", ...; at most %d bytes", name, LW_NAME_SIZE - 7);
@@ -310,17 +151,9 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
 /* The node of an elastic link nearest along the axis to `at`; other links stay. */
 static int node_for(const work *w, int link, lw_vec2 at)
 {
-    for (int k = 0; k < w->x->n_chain; k++) {
-        int n_axis, best = 0;
-        const lw_elastic_chain *c = &w->x->chain[k];
-        if (c->link != link)
-            continue;
-        const lw_vec2 *axis = axis_of(w, k, &n_axis);
-        double s = along(axis, n_axis, at);
-        for (int i = 1; i < c->n_node; i++)
-            best = fabs(w->cut[k].s[i] - s) < fabs(w->cut[k].s[best] - s) ? i : best;
-        return c->node[best];
-    }
+    for (int k = 0; k < w->x->n_chain; k++)
+        if (w->x->chain[k].link == link)
+            return w->x->chain[k].node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))];
     return link;
 }
 
@@ -346,9 +179,9 @@ lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_elastic_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.cut), calloc(n, sizeof *w.axis) };
+    work w = { m, x, calloc(n, sizeof *w.axis) };
     int links = m->linkage.n_link, beams = 0;
-    lw_status s = x->chain && w.cut && w.axis ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = x->chain && w.axis ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->linkage.n_link; l++) {
         if (!m->elastic[l].given)
             continue;
@@ -366,9 +199,8 @@ lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error
         s = fill_chain(&w, k, e);
     if (s == LW_OK)
         attach(&w);
-    for (int k = 0; w.cut && k < m->n_elastic; k++)
-        free(w.cut[k].s);
-    free(w.cut);
+    for (int k = 0; w.axis && k < m->n_elastic; k++)
+        free(w.axis[k].node);
     free(w.axis);
     return s;
 }

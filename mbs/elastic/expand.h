@@ -8,6 +8,7 @@
 #define LW_MBS_ELASTIC_EXPAND_H
 
 #include "grammar/model.h"
+#include "mbs/elastic/axis.h"
 
 typedef struct lw_elastic_chain {
     int    link;                     /* of the model */
@@ -33,6 +34,9 @@ void      lw_elastic_expansion_free(lw_elastic_expansion *x);
 /* The same model with its elastic links as rigid bars of the same mass; *rigid needs lw_elastic_rigid_free. */
 lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e);
 void      lw_elastic_rigid_free(lw_model *rigid);
+
+/* What a chain takes from its axis, and room for its nodes. */
+lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e);
 
 /* Greatest stress of a section under tension and bending moment, N/A + |M| y/I [N/m^2], of the greater absolute value. */
 double lw_section_stress(const lw_section *s, double normal, double moment);

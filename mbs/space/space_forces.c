@@ -7,17 +7,32 @@
 /* Is the stop an elastic one? */
 static bool elastic_stop(const lw_joint_stop *p) { return (p->has_least || p->has_greatest) && p->stiffness > 0; }
 
+/* The element with its axes in those of its nodes. */
+static void make_beam(const lw_space *s, const lw_spatial_beam *p, lw_beam_space *out)
+{
+    *out = (lw_beam_space){ .length = p->length, .damping = p->damping };
+    memcpy(out->stiffness, p->stiffness, sizeof out->stiffness);
+    for (int k = 0; k < 2; k++) {
+        lw_mat3 turn = lw_quaternion_matrix(s->axes[s->body_of[p->link[k]]]);
+        out->axes[k] = lw_m3_columns(lw_m3_unapply(&turn, lw_m3_column(&p->axes, 0)), lw_m3_unapply(&turn, lw_m3_column(&p->axes, 1)),
+                                     lw_m3_unapply(&turn, lw_m3_column(&p->axes, 2)));
+    }
+}
+
 lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *e)
 {
     const lw_spatial *m = s->model;
-    size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint, v = (size_t)s->n_v;
+    size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint, v = (size_t)s->n_v,
+           beams = (size_t)m->n_beam;
     *f = (lw_space_forces){ .s = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
-    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v)*sizeof *f->turn + 1;
+    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v)*sizeof *f->turn +
+                   beams*sizeof *f->beam + 1;
     char *at = f->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     f->spring_end = (lw_space_point (*)[2])(void *)at, at += springs*sizeof *f->spring_end;
     f->force_at = (lw_space_point *)(void *)at, at += forces*sizeof *f->force_at;
+    f->beam = (lw_beam_space *)(void *)at, at += beams*sizeof *f->beam;
     f->weight = (double *)(void *)at, at += v*sizeof *f->weight;
     f->turn = (double *)(void *)at;
     for (int i = 0; i < m->n_spring; i++) {
@@ -31,6 +46,10 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
         f->conservative = f->conservative && !(elastic_stop(&m->joint[i].stop) && m->joint[i].stop.damping > 0);
     for (int i = 0; i < m->n_force; i++)
         f->force_at[i] = lw_space_point_of(s, m->force[i].link, m->force[i].at);
+    for (int i = 0; i < m->n_beam; i++)
+        make_beam(s, &m->beam[i], &f->beam[i]);
+    for (int i = 0; i < m->n_beam; i++)
+        f->conservative = f->conservative && m->beam[i].damping == 0;
     const double g[] = { m->gravity.x, m->gravity.y, m->gravity.z };
     for (int i = 0; i < s->n_v; i++)
         f->weight[i] = i%6 < 3 ? s->mass[i]*g[i%6]/s->unit : 0;
@@ -334,6 +353,40 @@ static void push_bodies(sum *s)
     }
 }
 
+void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
+                   lw_beam_space_state *out)
+{
+    const lw_space *s = f->s;
+    lw_beam_node node[2];
+    for (int k = 0; k < 2; k++) {
+        int b = s->body_of[s->model->beam[i].link[k]];
+        lw_space_point centre = { b, { 0, 0, 0 } };
+        node[k] = (lw_beam_node){ frame[b + 1].at, frame[b + 1].turn, lw_space_point_velocity(s, frame, centre, v),
+                                  lw_space_omega(frame, b, v) };
+    }
+    lw_beam_space_at(&f->beam[i], node, derivatives, out);
+    /* Derivatives of forces hold where velocity coordinates stay, which turn with the node. */
+    for (int k = 0; k < 2 && derivatives && f->beam[i].damping > 0; k++)
+        for (int c = 0; c < 3; c++) {
+            lw_vec3 by = lw_v3_cross(lw_v3(c == 0, c == 1, c == 2), node[k].omega);
+            for (int a = 0; a < 12; a++) {
+                const double *w = &out->by_v[a][6*k + 3];
+                out->by_x[a][6*k + 3 + c] += w[0]*by.x + w[1]*by.y + w[2]*by.z;
+            }
+        }
+}
+
+static void push_beam(sum *s, int i)
+{
+    const lw_space *space = s->f->s;
+    const lw_spatial_beam *p = &space->model->beam[i];
+    lw_beam_space_state at;
+    lw_space_beam(s->f, s->frame, s->v, i, s->sink != NULL, &at);
+    lw_space_add_element(space, s->frame, 2, (const int[2]){ space->body_of[p->link[0]], space->body_of[p->link[1]] }, at.force,
+                         &at.by_x[0][0], &at.by_v[0][0], s->force, s->sink);
+    s->power += at.power;
+}
+
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force, double *power, const lw_space_sink *sink)
 {
@@ -371,6 +424,8 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
         push(&s, &at, -(p->stiffness*depth + p->damping*at.rate), -p->stiffness, -p->damping);
         s.power -= p->damping*at.rate*at.rate;
     }
+    for (int i = 0; i < m->n_beam; i++)
+        push_beam(&s, i);
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 6; k++)
             push_component(&s, i, k%3, k >= 3, lw_v3(k%3 == 0, k%3 == 1, k%3 == 2));
@@ -460,6 +515,10 @@ void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink
     for (int i = 0; i < m->n_joint; i++)
         if (elastic_stop(&m->joint[i].stop))
             list(sink, s->joint[i].body, s->joint[i].body);
+    for (int i = 0; i < m->n_beam; i++) {
+        body[0] = s->body_of[m->beam[i].link[0]], body[1] = s->body_of[m->beam[i].link[1]];
+        list(sink, body, body);
+    }
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 3; k++) {
             list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, m->force[i].force[k]);
@@ -512,6 +571,16 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
             x = beyond(&m->joint[i].stop, at.value);
             all += m->joint[i].stop.stiffness*x*x/2;
         }
+    for (int i = 0; i < m->n_beam; i++) {
+        lw_beam_node node[2];
+        for (int k = 0; k < 2; k++) {
+            const lw_space_frame *p = &frame[s->body_of[m->beam[i].link[k]] + 1];
+            node[k] = (lw_beam_node){ .at = p->at, .turn = p->turn };
+        }
+        lw_beam_space_state z;
+        lw_beam_space_at(&f->beam[i], node, false, &z);
+        all += z.energy;
+    }
     return all;
 }
 

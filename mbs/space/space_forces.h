@@ -7,12 +7,14 @@
 #ifndef LW_MBS_SPACE_SPACE_FORCES_H
 #define LW_MBS_SPACE_SPACE_FORCES_H
 
+#include "mbs/elastic/beam_space.h"
 #include "mbs/space/space.h"
 
 typedef struct lw_space_forces {
     const lw_space *s;
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
+    lw_beam_space   *beam;               /* (n_beam) */
     double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
     double          *weight;             /* (n_v) generalised force of gravity [J] */
     bool conservative;                   /* no dampers, motors, laws, forces */
@@ -47,6 +49,10 @@ double lw_space_damper(const lw_space_forces *f, int k, const lw_space_frame *fr
  * moments are given.  Moving the nodes' velocities with the turns is the caller's part of by_x. */
 void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n, const int *body, const double *load,
                           const double *by_x, const double *by_v, double *force, const lw_space_sink *sink);
+
+/* Beam element i at one moment. */
+void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
+                   lw_beam_space_state *out);
 
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
 double lw_space_kinetic(const lw_space *s, const double *v);

@@ -1,0 +1,175 @@
+/* mbs/elastic/axis.c - axes, numbers of elements, nodes. */
+#include "mbs/elastic/axis.h"
+
+#include <stdlib.h>
+#include "base/vec2.h"
+
+/* ---- axis ------------------------------------------------------------------------------------------- */
+
+static const double on_line = 1e-9;              /* distance from the axis, over its length, that counts as 0 */
+static const double same_place = 1e-6;           /* nodes nearer than this, over the length, are one */
+
+/* The two of n places that are farthest apart. */
+static double farthest(const lw_vec3 *at, int n, lw_vec3 end[2])
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            double d = lw_v3_norm(lw_v3_sub(at[i], at[j]));
+            if (d > most) {
+                most = d;
+                end[0] = at[j];
+                end[1] = at[i];
+            }
+        }
+    return most;
+}
+
+/* Without an axis in the file: the line through the joints, or from the only joint to the farthest place, as far as places
+ * lie on it. */
+static lw_status default_axis(const char *name, const lw_elastic_places *p, lw_vec3 end[2], lw_error *e)
+{
+    lw_vec3 line[2];
+    double size = farthest(p->at, p->n_joint, line);
+    if (!(size > 0))
+        size = farthest(p->at, p->n, line);
+    if (!(size > 0))
+        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has no length: all its joints and tracers are at one place; put "
+                            "a tracer at its other end, or give its \"axis\" as a list of points", name);
+    lw_vec3 u = lw_v3_scale(lw_v3_sub(line[1], line[0]), 1/size);
+    double least = 0, most = size;
+    for (int i = 0; i < p->n; i++) {
+        lw_vec3 d = lw_v3_sub(p->at[i], line[0]);
+        bool off = lw_v3_norm(lw_v3_cross(u, d)) > on_line*size;
+        if (off && i < p->n_joint)
+            return lw_error_set(e, LW_E_ARG, "the joints of the elastic link \"%s\" do not lie on one line; give its \"axis\" as a "
+                                "list of points: bars between them carry joints beside them on rigid arms", name);
+        least = off ? least : fmin(least, lw_v3_dot(u, d));
+        most = off ? most : fmax(most, lw_v3_dot(u, d));
+    }
+    end[0] = lw_v3_add(line[0], lw_v3_scale(u, least));
+    end[1] = least == 0 && most == size ? line[1] : lw_v3_add(line[0], lw_v3_scale(u, most));
+    return LW_OK;
+}
+
+/* Distance along the axis of its point nearest to `at`. */
+static double along(const lw_elastic_axis *a, lw_vec3 at)
+{
+    double best = INFINITY, found = 0, before = 0;
+    for (int i = 0; i + 1 < a->n_point; i++) {
+        lw_vec3 d = lw_v3_sub(a->point[i + 1], a->point[i]), to = lw_v3_sub(at, a->point[i]);
+        double length = lw_v3_norm(d), s = fmin(fmax(lw_v3_dot(to, d)/length, 0), length);
+        double off = lw_v3_norm(lw_v3_sub(to, lw_v3_scale(d, s/length)));
+        if (off < best) {
+            best = off;
+            found = before + s;
+        }
+        before += length;
+    }
+    return found;
+}
+
+lw_vec3 lw_elastic_axis_point(const lw_elastic_axis *a, double s)
+{
+    for (int i = 0; i + 1 < a->n_point; i++) {
+        lw_vec3 d = lw_v3_sub(a->point[i + 1], a->point[i]);
+        double length = lw_v3_norm(d);
+        if (s <= length || i + 2 == a->n_point)
+            return s >= length ? a->point[i + 1] : lw_v3_add(a->point[i], lw_v3_scale(d, s/length));
+        s -= length;
+    }
+    return a->point[0];
+}
+
+int lw_elastic_axis_node(const lw_elastic_axis *a, lw_vec3 at)
+{
+    double s = along(a, at);
+    int best = 0;
+    for (int i = 1; i < a->n_node; i++)
+        best = fabs(a->node[i] - s) < fabs(a->node[best] - s) ? i : best;
+    return best;
+}
+
+/* ---- number of elements -------------------------------------------------------------------------------- */
+
+/* Longest element times wave number for errors below 1 %: of a lumped chain in bending (a cantilever's first mode, whose
+ * error 0.129 (wave number h)^2 is the greatest), of a consistent one, and of a lumped chain in tension. */
+static const double lumped_bend = 0.277, consistent_bend = 1.2, lumped_stretch = 0.48;
+
+/* Bending that counts: in the plane; in space, where the height has a direction, the softer one. */
+static double second_moment(const lw_elastic *p)
+{
+    return lw_v3_norm(p->height) > 0 ? fmin(p->section.iy, p->section.iz) : p->section.iz;
+}
+
+/* Wave numbers [1/m] of bending (Timoshenko) and of stretch at the angular frequency w. */
+static double wave_number(const lw_elastic *p, double w, bool bend)
+{
+    double a = p->material.density/p->material.e, b = p->material.density*p->section.zeta_y/p->material.g;
+    if (!bend)
+        return w*sqrt(a);
+    double c = 4*p->material.density*p->section.area/(p->material.e*second_moment(p)*w*w);
+    return w*sqrt(0.5*(a + b + sqrt((a - b)*(a - b) + c)));
+}
+
+static int elements_for(const lw_elastic *p, double length, double frequency)
+{
+    double w = 2*LW_PI*frequency, bend = wave_number(p, w, true)*length, stretch = wave_number(p, w, false)*length;
+    double n = p->consistent ? fmax(bend/consistent_bend, stretch/lumped_stretch)
+                             : fmax(bend/lumped_bend, stretch/lumped_stretch);
+    return (int)fmin(fmax(ceil(n), 2), 10000);
+}
+
+/* ---- nodes ---------------------------------------------------------------------------------------------- */
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Nodes at the corners of the axis and at the places; between them elements of about equal length, n in all unless places do
+ * not fit that. */
+static lw_status cut(lw_elastic_axis *a, const lw_elastic_places *p, int n, lw_error *e)
+{
+    size_t most = (size_t)(a->n_point + p->n), all = 2*most + (size_t)n + 2;
+    double *hard = calloc(most + 1, sizeof *hard), sum = 0;
+    a->node = calloc(all, sizeof *a->node);
+    if (!hard || !a->node) {
+        free(hard);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    int n_hard = 0;
+    for (int i = 0; i < a->n_point; i++) {
+        sum += i ? lw_v3_norm(lw_v3_sub(a->point[i], a->point[i - 1])) : 0;
+        hard[n_hard++] = i + 1 == a->n_point ? a->length : sum;
+    }
+    for (int i = 0; i < p->n; i++)
+        hard[n_hard++] = along(a, p->at[i]);
+    qsort(hard, (size_t)n_hard, sizeof *hard, by_value);
+    a->node[a->n_node++] = 0;
+    for (int i = 1; i < n_hard; i++) {
+        double from = a->node[a->n_node - 1], gap = hard[i] - from;
+        if (gap <= same_place*a->length)
+            continue;
+        int parts = (int)fmax(ceil(n*gap/a->length - 1e-6), 1);
+        for (int k = 1; k <= parts; k++)
+            a->node[a->n_node++] = k == parts ? hard[i] : from + gap*k/parts;
+    }
+    free(hard);
+    return LW_OK;
+}
+
+lw_status lw_elastic_axis_make(const lw_elastic *p, const char *name, const lw_elastic_places *places, lw_elastic_axis *a,
+                               lw_error *e)
+{
+    *a = (lw_elastic_axis){ .point = p->n_axis ? p->axis : a->line, .n_point = p->n_axis ? p->n_axis : 2 };
+    lw_status s = p->n_axis ? LW_OK : default_axis(name, places, a->line, e);
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i + 1 < a->n_point; i++)
+        a->length += lw_v3_norm(lw_v3_sub(a->point[i + 1], a->point[i]));
+    a->first = LW_PI/(2*a->length*a->length)*sqrt(p->material.e*second_moment(p)/(p->material.density*p->section.area));
+    a->frequency = p->segments ? 0 : p->frequency > 0 ? p->frequency : a->first;
+    return cut(a, places, p->segments ? p->segments : elements_for(p, a->length, a->frequency), e);
+}
