@@ -1,10 +1,11 @@
 /* mbs/dynamics/dynamics_radau.c - Radau IIA of order 5 (Hairer & Wanner 1996, section IV.8) for stiff models of any size:
  * elastic links above all, whose fast vibrations an explicit method would have to follow and BDF methods damp or excite.
  *
- *     q' = v,   M v' + J^T l = Q(t, q, v),   Phi(t, q) = 0
+ *     q' = G v,   M v' + J^T l = Q(t, q, v),   Phi(t, q) = 0
  *
- * With Z the three stages of q less q at the start, W = A^-1 and h the step: v = W Z/h and v' = W (v - v0)/h in the stages, so
- * the unknowns are Z and l alone.  In the eigenvectors of W one real and one complex sparse system remain (tangent.c), whose
+ * With Z the displacements from q at the start to the three stages, W = A^-1 and h the step: v = T(Z) W Z/h and
+ * v' = W (v - v0)/h in the stages, so the unknowns are Z and l alone; T is the unit matrix but for turns in space, and
+ * Newton's method takes it for that.  In the eigenvectors of W one real and one complex sparse system remain (tangent.c), whose
  * entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is put on the constraints.  Steps end at the
  * samples, where positions, velocities, accelerations and multipliers are those of the third stage: accelerations found
  * afresh from a posture would show its error times the square of the highest frequency. */
@@ -33,11 +34,11 @@ static const double TI[3][3] = {
 typedef struct stages {
     lw_run *run;
     lw_tangent real, pair;                   /* matrices for the real and the complex eigenvalues */
-    int     n, c;
+    int     n, n_q, c;
     double  w[3][3], at[3], weight[3], error[3];   /* A^-1; places, weights; of the error estimate */
     double  t, h, h_old, work;
     double *q, *v, *a, *l;                   /* at t; l of the kept rows */
-    double *z, *zl;                          /* (3 n) stages of q less q, (3 c) of l */
+    double *z, *zl;                          /* (3 n) displacements of the stages, (3 c) l there */
     double *last, *last_l;                   /* those of the last step */
     double *vi, *ai, *r, *b, *pair_b, *qi, *e, *old;
     double  power[3];
@@ -66,12 +67,15 @@ static void set_method(stages *g)
 /* Velocities and accelerations of the stages from z. */
 static void differentiate(stages *g)
 {
+    const lw_equations *eq = &g->run->d->eq;
     for (int i = 0; i < g->n; i++)
         for (int k = 0; k < 3; k++) {
             g->vi[k*g->n + i] = 0;
             for (int j = 0; j < 3; j++)
                 g->vi[k*g->n + i] += g->w[k][j]*g->z[j*g->n + i]/g->h;
         }
+    for (int k = 0; k < 3 && eq->along; k++)
+        eq->along(eq->context, g->z + k*g->n, g->vi + k*g->n);
     for (int i = 0; i < g->n; i++)
         for (int k = 0; k < 3; k++) {
             g->ai[k*g->n + i] = 0;
@@ -88,8 +92,8 @@ static lw_status residuals(stages *g)
     differentiate(g);
     for (int k = 0; k < 3; k++) {
         double *r = g->r + k*all, t = g->t + g->at[k]*g->h;
-        for (int i = 0; i < n; i++)
-            g->qi[i] = g->q[i] + g->z[k*n + i];
+        memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
+        d->eq.move(d->eq.context, g->qi, g->z + k*n);
         lw_status s = lw_mbs_rows(d, t, g->qi);
         if (s != LW_OK)
             return s;
@@ -167,7 +171,7 @@ static const int most_newton = 10;
 static double tolerance(const stages *g)
 {
     double most = 1;
-    for (int i = 0; i < g->n; i++)
+    for (int i = 0; i < g->n_q; i++)
         most = fmax(most, fabs(g->q[i]));
     return g->run->d->o.absolute + g->run->d->o.relative*fmin(most, 1);
 }
@@ -237,8 +241,8 @@ static lw_status accept(stages *g, double t)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
+    d->eq.move(d->eq.context, g->q, g->z + 2*n);
     for (int i = 0; i < n; i++) {
-        g->q[i] += g->z[2*n + i];
         g->v[i] = g->vi[2*n + i];
         g->a[i] = g->ai[2*n + i];
     }
@@ -251,6 +255,8 @@ static lw_status accept(stages *g, double t)
     g->t = t;
     g->since++;
     lw_status s = lw_mbs_project_q(d, t, g->q, 0.1);
+    if (d->eq.accept)
+        d->eq.accept(d->eq.context, g->q);
     return s == LW_OK ? lw_mbs_project_v(d, t, g->v) : s;
 }
 
@@ -258,10 +264,10 @@ static lw_status accept(stages *g, double t)
 
 static double *state(stages *g, double *y)
 {
-    memcpy(y, g->q, (size_t)g->n*sizeof *y);
-    memcpy(y + g->n, g->v, (size_t)g->n*sizeof *y);
+    memcpy(y, g->q, (size_t)g->n_q*sizeof *y);
+    memcpy(y + g->n_q, g->v, (size_t)g->n*sizeof *y);
     if (g->run->has_work)
-        y[2*g->n] = g->work;
+        y[g->n_q + g->n] = g->work;
     return y;
 }
 
@@ -337,16 +343,16 @@ static lw_status run_steps(stages *g)
 static lw_status run_radau(lw_run *run)
 {
     lw_dynamics *d = run->d;
-    stages g = { .run = run, .n = d->n_q, .c = d->n_kept, .t = d->o.from };
-    size_t n = (size_t)g.n, c = (size_t)g.c;
-    double *memory = calloc(2*((size_t)run->n + n) + 22*n + 16*c + 8, sizeof *memory), *p = memory;
+    stages g = { .run = run, .n = d->n_v, .n_q = d->n_q, .c = d->n_kept, .t = d->o.from };
+    size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q;
+    double *memory = calloc(2*(size_t)run->n + 2*q + 22*n + 16*c + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += run->n;
-    g.q = p, p += n, g.v = p, p += n, g.a = p, p += n, g.l = p, p += c;
+    g.q = p, p += q, g.v = p, p += n, g.a = p, p += n, g.l = p, p += c;
     g.z = p, p += 3*n, g.zl = p, p += 3*c, g.last = p, p += 3*n, g.last_l = p, p += 3*c;
     g.vi = p, p += 3*n, g.ai = p, p += 3*n, g.r = p, p += 3*(n + c), g.b = p, p += n + c;
-    g.pair_b = p, p += 2*(n + c), g.qi = p, p += n, g.e = p;
+    g.pair_b = p, p += 2*(n + c), g.qi = p, p += q, g.e = p;
     set_method(&g);
     lw_dynamics_start(d, g.q, g.v);
     lw_status s = lw_run_begin(run, state(&g, run->y));
@@ -365,8 +371,6 @@ static lw_status run_radau(lw_run *run)
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
-    if (d->space)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no turns in space");
     if (d->eq.n_z > 0)
         return lw_formulation_say(r, LW_E_KIND, 0, "it integrates no first-order states");
     if (d->touch)
@@ -375,7 +379,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops or massless links");
     if (!asked && !d->elastic)
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
-    return lw_formulation_say(r, LW_OK, d->n_q + d->n_c, asked ? "asked for" : "elastic links vibrate fast: an implicit method "
+    return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "elastic links vibrate fast: an implicit method "
                               "that follows slow vibrations and damps those faster than its steps");
 }
 

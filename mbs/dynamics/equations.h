@@ -99,6 +99,9 @@ typedef struct lw_equations {
     double (*momentum)(void *context, const double *q, const double *v, double *size);
     /* Move q by a small displacement (n_v), on the manifold of coordinates; q' = G v. */
     void   (*move)(void *context, double *q, const double *by);
+    /* Velocities while q is moved by a displacement `by` that changes with the given rates, which they replace.  NULL: they are
+     * the rates. */
+    void   (*along)(void *context, const double *by, double *rate);
     void   (*rates)(void *context, const double *q, const double *v, double *dq);
     /* q is a state of the run: put it on its manifold (quaternions of length 1), count turns from it.  NULL: nothing to do. */
     void   (*accept)(void *context, double *q);

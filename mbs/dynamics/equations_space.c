@@ -310,6 +310,11 @@ static double potential(void *context, const double *q)
 
 static void move(void *context, double *q, const double *by) { lw_space_move(&((const lw_spatial_scene *)context)->s, q, by); }
 
+static void along(void *context, const double *by, double *rate)
+{
+    lw_space_along(&((const lw_spatial_scene *)context)->s, by, rate);
+}
+
 static void rates(void *context, const double *q, const double *v, double *dq)
 {
     lw_space_rates(&((const lw_spatial_scene *)context)->s, q, v, dq);
@@ -356,5 +361,5 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .damper = damper, .next_kink = has_expressions(c) ? next_kink : NULL, .place_states = no_states,
                            .state_rates = no_rates, .state_start = NULL, .state_scale = no_scale, .kinetic = kinetic,
-                           .potential = potential, .move = move, .rates = rates, .accept = accept };
+                           .potential = potential, .move = move, .along = along, .rates = rates, .accept = accept };
 }

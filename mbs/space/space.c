@@ -153,6 +153,19 @@ void lw_space_move(const lw_space *s, double *q, const double *by)
     }
 }
 
+/* Turned by exp(z), z' = w: omega = w - (1 - cos f)/f^2 z x w + (f - sin f)/f^3 z x (z x w) with f = |z|. */
+void lw_space_along(const lw_space *s, const double *by, double *rate)
+{
+    for (int b = 0; b < s->n_body; b++, by += 6, rate += 6) {
+        lw_vec3 z = lw_v3(by[3], by[4], by[5]), w = lw_v3(rate[3], rate[4], rate[5]), across = lw_v3_cross(z, w);
+        double f2 = lw_v3_dot(z, z), f = sqrt(f2);
+        double first = f2 < 1e-3 ? 0.5 - f2*(1./24 - f2*(1./720 - f2/40320)) : (1 - cos(f))/f2;
+        double second = f2 < 1e-3 ? 1./6 - f2*(1./120 - f2*(1./5040 - f2/362880)) : (f - sin(f))/(f*f2);
+        w = lw_v3_add(lw_v3_sub(w, lw_v3_scale(across, first)), lw_v3_scale(lw_v3_cross(z, across), second));
+        rate[3] = w.x, rate[4] = w.y, rate[5] = w.z;
+    }
+}
+
 void lw_space_rates(const lw_space *s, const double *q, const double *v, double *dq)
 {
     for (int b = 0; b < s->n_body; b++, q += 7, v += 6, dq += 7) {

@@ -89,8 +89,10 @@ void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatia
                        const double *v,
                        double *value, double *rate);
 
-/* Move q by a small displacement (n_v), on the manifold; q' = G v. */
+/* Move q by a displacement (n_v), on the manifold; velocities while the displacement changes with these rates, which they
+ * replace; q' = G v. */
 void lw_space_move(const lw_space *s, double *q, const double *by);
+void lw_space_along(const lw_space *s, const double *by, double *rate);
 void lw_space_rates(const lw_space *s, const double *q, const double *v, double *dq);
 /* Quaternions of length 1. */
 void lw_space_normalise(const lw_space *s, double *q);
