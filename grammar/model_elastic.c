@@ -51,6 +51,8 @@ static lw_status read_height(const lw_json_node *elastic, const lw_json_node *se
 {
     const lw_section *q = &p->section;
     lw_json_node n;
+    if (!q->whole)
+        return lw_json_fault(section, e, "in space a section needs \"Iy\" and \"It\", too");
     if (lw_json_member(elastic, "height", &n))
         return lw_read_direction(&n, &p->height, e);
     if (fabs(q->iy - q->iz) <= 1e-9*q->iz && fabs(q->zeta_y - q->zeta_z) <= 1e-9*q->zeta_y)

@@ -55,7 +55,7 @@ static void fill(int shape, const double *v, lw_section *s)
     double b = v[WIDTH], h = v[HEIGHT], t = v[WALL], r = v[DIAMETER]/2, web = v[WEB], flange = v[FLANGE];
     switch (shape) {
     case RECTANGLE:
-        *s = (lw_section){ b*h, h*b*b*b/12, b*h*h*h/12, rectangle_torsion(fmax(b, h), fmin(b, h)), 1.2, 1.2, h/2, b/2 };
+        *s = (lw_section){ b*h, h*b*b*b/12, b*h*h*h/12, rectangle_torsion(fmax(b, h), fmin(b, h)), 1.2, 1.2, h/2, b/2, false, false };
         return;
     case BOX:                                        /* torsion: Bredt's formula for a thin closed wall */
         hollow(s, b, h, b - 2*t, h - 2*t, 2*(h - 2*t)*t, 2*(b - 2*t)*t);
@@ -64,7 +64,7 @@ static void fill(int shape, const double *v, lw_section *s)
         return;
     case ROUND: case TUBE: {
         double in = shape == TUBE ? r - t : 0, i = LW_PI/4*(pow(r, 4) - pow(in, 4)), zeta = ring_shear(in/r);
-        *s = (lw_section){ LW_PI*(r*r - in*in), i, i, 2*i, zeta, zeta, r, r };
+        *s = (lw_section){ LW_PI*(r*r - in*in), i, i, 2*i, zeta, zeta, r, r, .round = true };
         return;
     }
     case I_PROFILE:                                  /* torsion: sum of thin strips */
@@ -73,7 +73,7 @@ static void fill(int shape, const double *v, lw_section *s)
         s->it = (2*b*flange*flange*flange + (h - 2*flange)*web*web*web)/3;
         return;
     default:
-        *s = (lw_section){ v[AREA], v[IY] > 0 ? v[IY] : v[IZ], v[IZ], v[IT] > 0 ? v[IT] : 2*v[IZ], v[ZETA], v[ZETA], h/2, b/2 };
+        *s = (lw_section){ v[AREA], v[IY] > 0 ? v[IY] : v[IZ], v[IZ], v[IT] > 0 ? v[IT] : 2*v[IZ], v[ZETA], v[ZETA], h/2, b/2, false, false };
     }
 }
 
@@ -125,6 +125,7 @@ lw_status lw_section_read(const lw_json_node *n, double metre, lw_section *s, lw
         return lw_json_fault(&at, e, "this \"%s\" is too thick: it leaves no hollow in the section", thick);
     }
     fill(shape, v, s);
+    s->whole = shape != GENERAL || (v[IY] > 0 && v[IT] > 0);
     return LW_OK;
 }
 

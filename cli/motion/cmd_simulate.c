@@ -149,10 +149,13 @@ static int run_spatial(const cli_call *call, lw_spatial *m)
     int code = cli_spatial_refuse(call, planar);
     if (code != CLI_DONE)
         return code;
+    o.rigid = s->linear.rigid;
+    if (m->n_elastic > 0 && !o.rigid && !cli_given(&call->parsed, "tolerance"))
+        o.relative = o.absolute = ELASTIC_TOLERANCE;
     if (s->analysis == ANALYSIS_LINEAR) {
-        cli_linear o_linear = s->linear;
-        o_linear.t = s->from;
-        return cli_simulate_linear(call, NULL, m, &o_linear);
+        cli_linear l = s->linear;
+        l.t = s->from;
+        return cli_simulate_linear(call, NULL, m, &l);
     }
     return cli_spatial_simulate(call, m, &o, s->speed, s->explain);
 }

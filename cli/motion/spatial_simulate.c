@@ -23,6 +23,7 @@ typedef struct run {
     lw_rest           rest;
     lw_error         *e;
     lw_frame_motion  *tracer, *link;
+    lw_space_inner   *inner;             /* of the nodes of one elastic link */
     column           *column;
     int               n_column, capacity;
     double           *row;
@@ -75,6 +76,25 @@ static void add_body(run *r, const char *name)
 
 static const char *force_unit(lw_spatial_measure of) { return of.of == LW_OF_TURN ? "N m" : "N"; }
 
+static const lw_elastic_chain *chain_of(const run *r, int k)
+{
+    const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(r->d);
+    return x && k < x->n_chain ? &x->chain[k] : NULL;
+}
+
+/* Inside elastic links at their nodes. */
+static void add_inner(run *r)
+{
+    static const char *const of[] = { "normal", "shear_y", "shear_z", "torque", "bending_y", "bending_z" };
+    const lw_elastic_chain *c;
+    for (int k = 0; (c = chain_of(r, k)); k++)
+        for (int i = 0; i < c->n_node; i++) {
+            for (int p = 0; p < 6; p++)
+                add(r, r->m->body[c->node[i]].name, of[p], p < 3 ? "N" : "N m", 1);
+            add(r, r->m->body[c->node[i]].name, "stress", "N/m^2", 1);
+        }
+}
+
 static void make_columns(run *r)
 {
     const lw_spatial *m = r->m;
@@ -109,6 +129,7 @@ static void make_columns(run *r)
         add_vector(r, m->joint[j].name, "f", "N", 1);
         add_vector(r, m->joint[j].name, "m", "N m", 1);
     }
+    add_inner(r);
     add_vector(r, "momentum", "p", "kg m/s", 1);
     add_vector(r, "momentum", "l", "kg m^2/s", 1);
     add(r, "kinetic", "", "J", 1);
@@ -116,6 +137,21 @@ static void make_columns(run *r)
     add(r, "work", "", "J", 1);
     add(r, "residual", "", "1", 1);
     add(r, "residual_rate", "", "1/s", 1);
+}
+
+static double *put_inner(const run *r, const lw_space_moment *o, double *to)
+{
+    const lw_elastic_chain *c;
+    for (int k = 0; (c = chain_of(r, k)); k++) {
+        lw_dynamics_space_inner(r->d, o, k, r->inner);
+        for (int i = 0; i < c->n_node; i++) {
+            const lw_space_inner *p = &r->inner[i];
+            const double all[] = { p->normal, p->shear[0], p->shear[1], p->torque, p->bending[0], p->bending[1], p->stress };
+            memcpy(to, all, sizeof all);
+            to += sizeof all/sizeof *all;
+        }
+    }
+    return to;
 }
 
 static double *put(double *to, lw_vec3 a)
@@ -182,6 +218,7 @@ static lw_status put_row(void *context, const lw_moment *moment)
         to = put_body(to, &r->link[s->link_of[b]]);
     for (int j = 0; j < m->n_joint; j++)
         to = put(put(to, o->joint[j].force), o->joint[j].moment);
+    to = put_inner(r, o, to);
     lw_space_momentum(s, o->frame, o->v, &linear, &angular);
     to = put(put(to, linear), angular);
     *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
@@ -249,8 +286,14 @@ lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e)
 /* The model that is solved: its elastic links are nodes, everything else keeps its index. */
 static void take_scene(run *r)
 {
+    const lw_elastic_chain *c;
+    size_t most = 1;
     r->s = lw_dynamics_space(r->d);
     r->m = r->s->model;
+    for (int k = 0; (c = chain_of(r, k)); k++)
+        most = (size_t)c->n_node > most ? (size_t)c->n_node : most;
+    r->inner = malloc(most*sizeof *r->inner);
+    r->no_memory = r->no_memory || !r->inner;
 }
 
 lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const char *speed, cli_table *t, lw_error *e)
@@ -275,7 +318,7 @@ lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const c
     }
     if (st == LW_OK)
         st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, e);
-    free(r.row), free(r.tracer), free(r.link), free(r.column);
+    free(r.row), free(r.tracer), free(r.link), free(r.inner), free(r.column);
     lw_dynamics_free(r.d);
     return st;
 }
@@ -326,7 +369,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
             snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
         code = cli_fail(call, &e);
     }
-    free(r.row), free(r.tracer), free(r.link), free(r.column);
+    free(r.row), free(r.tracer), free(r.link), free(r.inner), free(r.column);
     lw_dynamics_free(r.d);
     return code;
 }

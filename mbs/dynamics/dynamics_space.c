@@ -349,6 +349,33 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
     return st;
 }
 
+const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d)
+{
+    return d->elastic && d->space ? &d->spatial_expansion : NULL;
+}
+
+void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int chain, lw_space_inner *out)
+{
+    const lw_elastic_chain *c = &d->spatial_expansion.chain[chain];
+    memset(out, 0, (size_t)c->n_node*sizeof *out);
+    for (int i = 0; i + 1 < c->n_node; i++) {
+        lw_beam_space_state z;
+        lw_space_beam(&d->space->f, m->frame, m->v, c->first_beam + i, false, &z);
+        for (int end = 0; end < 2; end++) {
+            lw_space_inner *to = &out[i + end];
+            const double *about = z.force + 3 + 6*end, sign = end ? -1 : 1;
+            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5;
+            lw_vec3 moment = lw_v3_scale(lw_m3_unapply(&z.frame, lw_v3(about[0], about[1], about[2])), sign);
+            double stress = lw_section_stress_space(&c->elastic->section, z.inner[0], moment.y, moment.z);
+            to->normal += share*z.inner[0];
+            to->shear[0] += share*z.inner[1], to->shear[1] += share*z.inner[2];
+            to->torque += share*moment.x;
+            to->bending[0] += share*moment.y, to->bending[1] += share*moment.z;
+            to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+        }
+    }
+}
+
 void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out)
 {
     for (int i = 0; i < s->model->n_link; i++) {

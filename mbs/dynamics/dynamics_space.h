@@ -4,6 +4,7 @@
 #define LW_MBS_DYNAMICS_DYNAMICS_SPACE_H
 
 #include "mbs/dynamics/dynamics.h"
+#include "mbs/elastic/expand_space.h"
 #include "mbs/space/space_forces.h"
 #include "mbs/space/space_trace.h"
 
@@ -27,6 +28,16 @@ typedef struct lw_space_moment {
 
 /* LW_OPEN: the posture is singular for the drives; LW_E_ARG: the drives cannot carry the forces. */
 lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_moment *out, lw_error *e);
+
+/* The elastic links; NULL: there are none, or they are taken as rigid. */
+const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d);
+
+/* Inside an elastic link at a node, in the axes of its elements, of those on both sides the mean: tension and shear forces
+ * along y and z [N], torque and bending moments about y and z [N m]; the greatest stress, N/A + M/W [N/m^2]. */
+typedef struct lw_space_inner { double normal, shear[2], torque, bending[2], stress; } lw_space_inner;
+
+/* out (n_node of the chain). */
+void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int chain, lw_space_inner *out);
 
 /* Motion of all links (n_link) at a moment. */
 void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out);

@@ -261,6 +261,13 @@ static void derivatives(void *context, double t, const double *q, const double *
     lw_space_forces_apply(&c->f, t, c->frame, v, force, NULL, &(lw_space_sink){ sink->context, sink->add });
 }
 
+static void more_mass(void *context, const double *q, const lw_force_sink *sink)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_more_mass(&c->f, c->frame, &(lw_space_sink){ sink->context, sink->add });
+}
+
 static void pattern(void *context, const lw_force_sink *sink)
 {
     lw_space_forces_pattern(&((const lw_spatial_scene *)context)->f, &(lw_space_sink){ sink->context, sink->add });
@@ -359,7 +366,8 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
-                           .pattern = pattern, .damper = damper, .next_kink = has_expressions(c) ? next_kink : NULL, .place_states = no_states,
+                           .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
+                           .damper = damper, .next_kink = has_expressions(c) ? next_kink : NULL, .place_states = no_states,
                            .state_rates = no_rates, .state_start = NULL, .state_scale = no_scale, .kinetic = kinetic,
                            .potential = potential, .move = move, .along = along, .rates = rates, .accept = accept };
 }

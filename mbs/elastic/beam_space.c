@@ -12,6 +12,7 @@
 #include "mbs/elastic/beam_space.h"
 
 #include <string.h>
+#include "mbs/elastic/beam.h"
 
 void lw_beam_space_stiffness(const lw_section *s, const lw_material *m, double h, double out[6])
 {
@@ -148,4 +149,25 @@ void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool d
                 (damp ? out->by_v : out->by_x)[i][column] = col[i];
         }
     }
+}
+
+void lw_beam_space_mass(const lw_spatial_beam *p, double out[12][12])
+{
+    const double *k = p->stiffness, polar = p->mass*(p->gyration[0] + p->gyration[1]), h = p->length;
+    /* In either plane: along, across, turn of the first node, then of the second; a positive turn about y lowers z. */
+    static const int place[2][6] = { { 0, 1, 5, 6, 7, 11 }, { 0, 2, 4, 6, 8, 10 } };
+    memset(out, 0, 144*sizeof out[0][0]);
+    for (int plane = 0; plane < 2; plane++) {
+        double m[6][6], shear = 12*k[5 - plane]/(k[1 + plane]*h*h) - 1;
+        lw_beam_mass(p->mass, h, shear, p->gyration[1 - plane], 0, m);
+        for (int i = 0; i < 6; i++)
+            for (int j = 0; j < 6; j++)
+                out[place[plane][i]][place[plane][j]] = (plane && (i%3 == 2) != (j%3 == 2) ? -1 : 1)*m[i][j];
+    }
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++)
+            out[6*i + 3][6*j + 3] = polar/(i == j ? 3 : 6);
+    const double lump[6] = { p->mass, p->mass, p->mass, polar, p->mass*p->gyration[0], p->mass*p->gyration[1] };
+    for (int i = 0; i < 12; i++)
+        out[i][i] -= 0.5*lump[i%6];
 }

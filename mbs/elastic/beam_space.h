@@ -9,7 +9,7 @@
 #define LW_MBS_ELASTIC_BEAM_SPACE_H
 
 #include "base/vec3.h"
-#include "grammar/section.h"
+#include "grammar/spatial.h"
 
 typedef struct lw_beam_space {
     double  length;
@@ -35,5 +35,9 @@ typedef struct lw_beam_space_state {
 
 void lw_beam_space_stiffness(const lw_section *s, const lw_material *m, double h, double out[6]);
 void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, lw_beam_space_state *out);
+
+/* Consistent mass of an element less the lumps at its nodes, by displacements and turns of the nodes in its own axes: Timoshenko's
+ * shape functions in both planes (mbs/elastic/beam.h), linear ones for stretch and torsion. */
+void lw_beam_space_mass(const lw_spatial_beam *p, double out[12][12]);
 
 #endif

@@ -6,10 +6,17 @@
 #include "base/real.h"
 #include "mbs/elastic/beam.h"
 
+static double add_bending(double tension, double bending) { return tension < 0 ? tension - bending : tension + bending; }
+
 double lw_section_stress(const lw_section *s, double normal, double moment)
 {
-    double bending = fabs(moment)*s->y/s->iz, tension = normal/s->area;
-    return tension < 0 ? tension - bending : tension + bending;
+    return add_bending(normal/s->area, fabs(moment)*s->y/s->iz);
+}
+
+double lw_section_stress_space(const lw_section *s, double normal, double about_y, double about_z)
+{
+    double y = fabs(about_y)*s->z/s->iy, z = fabs(about_z)*s->y/s->iz;
+    return add_bending(normal/s->area, s->round ? hypot(y, z) : y + z);
 }
 
 /* ---- model ---------------------------------------------------------------------------------------------- */

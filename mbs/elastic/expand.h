@@ -41,4 +41,7 @@ lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, l
 /* Greatest stress of a section under tension and bending moment, N/A + |M| y/I [N/m^2], of the greater absolute value. */
 double lw_section_stress(const lw_section *s, double normal, double moment);
 
+/* The same with bending moments about y and z; shear and torsion are not in it. */
+double lw_section_stress_space(const lw_section *s, double normal, double about_y, double about_z);
+
 #endif

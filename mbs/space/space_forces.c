@@ -376,6 +376,42 @@ void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const 
         }
 }
 
+bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink)
+{
+    const lw_space *s = f->s;
+    bool any = false;
+    for (int i = 0; i < s->model->n_beam; i++) {
+        const lw_spatial_beam *p = &s->model->beam[i];
+        lw_beam_node node[2];
+        lw_beam_space_state z;
+        double m[12][12], to[4][3][3];          /* a coordinate's motion in the element's axes */
+        any = any || p->consistent;
+        if (!p->consistent || !sink)
+            continue;
+        for (int k = 0; k < 2; k++) {
+            const lw_space_frame *at = &frame[s->body_of[p->link[k]] + 1];
+            node[k] = (lw_beam_node){ .at = at->at, .turn = at->turn };
+        }
+        lw_beam_space_at(&f->beam[i], node, false, &z);
+        lw_beam_space_mass(p, m);
+        for (int b = 0; b < 4; b++)
+            for (int c = 0; c < 3; c++) {
+                lw_vec3 e = lw_v3(c == 0, c == 1, c == 2);
+                e = lw_m3_unapply(&z.frame, b%2 ? lw_m3_apply(&node[b/2].turn, e) : lw_v3_scale(e, s->unit));
+                to[b][0][c] = e.x, to[b][1][c] = e.y, to[b][2][c] = e.z;
+            }
+        for (int a = 0; a < 12; a++)
+            for (int b = 0; b < 12; b++) {
+                double all = 0;
+                for (int x = 0; x < 3; x++)
+                    for (int y = 0; y < 3; y++)
+                        all += to[a/3][x][a%3]*m[3*(a/3) + x][3*(b/3) + y]*to[b/3][y][b%3];
+                sink->add(sink->context, 6*s->body_of[p->link[a/6]] + a%6, 6*s->body_of[p->link[b/6]] + b%6, all, 0);
+            }
+    }
+    return any;
+}
+
 static void push_beam(sum *s, int i)
 {
     const lw_space *space = s->f->s;

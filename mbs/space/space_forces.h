@@ -54,6 +54,10 @@ void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n,
 void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
                    lw_beam_space_state *out);
 
+/* Entries of the mass matrix besides its diagonal, of beam elements with consistent mass; true: there are any.  sink NULL:
+ * only find out. */
+bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink);
+
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
 double lw_space_kinetic(const lw_space *s, const double *v);
 
