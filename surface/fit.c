@@ -83,7 +83,7 @@ static const char *const datums[] = { "first", "frame", "plane", NULL };
 lw_fit_request lw_fit_request_default(void)
 {
     lw_fit_options o = lw_fit_options_default();
-    return (lw_fit_request){ .types = "fourbar", .links = 4, .dof = 1, .joints = "r", .topology = "all", .task = "auto",
+    return (lw_fit_request){ .types = "fourbar", .dof = 1, .joints = "r", .topology = "all", .task = "auto",
                              .timing = "auto", .angle_from = "first", .weight_path = 1,
                              .seed = o.seed, .budget = 1e6, .results = o.n_result };
 }
@@ -318,6 +318,7 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
     }
     if (s == LW_OK) {
         o.links = request->links;
+        o.more = request->links == 0;
         o.freedoms = request->dof;
         o.joints = request->joints;
         o.topologies = request->topology;

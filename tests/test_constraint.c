@@ -51,7 +51,7 @@ TEST(counts_are_those_asked_for)
     CHECK(!lw_problem_is_nonlinear(&p));
     lw_problem_free(&p);
     CHECK(make_case("crank-rocker", LW_TIMING_PRESCRIBED, 0.5, 3, &rng, &m, &p, x));
-    CHECK_INT(lw_problem_constraint_count(&p), 3 + 2*LW_CURVE_SAMPLES);
+    CHECK_INT(lw_problem_constraint_count(&p), 3 + 4 + LW_CURVE_SAMPLES);
     lw_problem_free(&p);
     CHECK(make_case("any four-bar", LW_TIMING_PRESCRIBED, 0.5, 3, &rng, &m, &p, x));
     CHECK_INT(lw_problem_constraint_count(&p), 9 + 2*LW_CURVE_SAMPLES);
@@ -79,8 +79,8 @@ TEST(linear_ones_are_grashofs)
     }
 }
 
-/* Angle between coupler and rocker by the law of cosines, in every posture of the turn; the postures hold its
- * extremes, which are where crank and frame are in line. */
+/* Angle between coupler and rocker by the law of cosines, in every posture that is checked; the postures hold its extremes,
+ * which are where crank and frame are in line. */
 TEST(transmission_is_that_of_the_triangle)
 {
     lw_rng rng;
@@ -92,8 +92,8 @@ TEST(transmission_is_that_of_the_triangle)
         make_case("crank-rocker", trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE, limit, 0, &rng, &m, &p, x);
         double *g = conditions(&p, x, NULL);
         const double *r = m.dim;
-        for (int k = 0; k < LW_CURVE_SAMPLES; k++) {
-            double d2 = r[0]*r[0] + r[1]*r[1] - 2*r[0]*r[1]*cos(2*LW_PI*k/LW_CURVE_SAMPLES);
+        for (int k = 0; k < 4; k++) {
+            double d2 = r[0]*r[0] + r[1]*r[1] - 2*r[0]*r[1]*cos(0.5*LW_PI*k);
             double angle = acos((r[2]*r[2] + r[3]*r[3] - d2)/(2*r[2]*r[3]));
             CHECK_NEAR(g[3 + k], pow(sin(angle), 2) - pow(sin(limit), 2), 1e-12, 0);
             least = fmin(least, g[3 + k]);
@@ -184,10 +184,19 @@ TEST(conditions_are_those_of_single_postures)
             sine[k] = posture.margin - pow(sin(limit), 2);
             acceleration[k] = 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2);
         }
+        size_t postures = lw_problem_transmission_postures(&p);
+        double least = INFINITY, of_all = INFINITY;
+        CHECK_INT(postures, round ? 4 : N);
         for (size_t k = 0; k < N; k++) {
-            check_sample(at + closure, sine, k, round, 1e-7);
-            check_sample(at + closure + N, acceleration, k, round, 1e-5);      /* differenced twice */
+            of_all = fmin(of_all, sine[k]);
+            if (k < postures)
+                least = fmin(least, at[closure + k]);
+            if (!round)
+                check_sample(at + closure, sine, k, round, 1e-7);
+            check_sample(at + closure + postures, acceleration, k, round, 1e-5);      /* differenced twice */
         }
+        if (round)                                         /* the four postures are those of the extremes */
+            CHECK_NEAR(least, of_all, 1e-12, 1e-10);
         free(work);
         free(g);
         lw_problem_free(&p);
@@ -252,6 +261,8 @@ static void ask_for_everything(const stations *st, lw_fit_spec *s)
 static bool beside_dead_point(const lw_problem *p, const double *g, size_t i)
 {
     size_t first = lw_problem_constraint_count(p) - p->n_zone_condition - LW_CURVE_SAMPLES;
+    if (lw_problem_transmission_postures(p) < LW_CURVE_SAMPLES)           /* a crank has no dead points */
+        return false;
     if (i < first || i >= first + LW_CURVE_SAMPLES)
         return false;
     for (int by = -2; by <= 2; by++)

@@ -332,6 +332,38 @@ TEST(a_circuit_through_both_assemblies_is_verified)
     CHECK(seen >= 10);
 }
 
+/* Every station lies on the curve, but two of them are met in the wrong order. */
+TEST(stations_out_of_order_are_refused)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 18);
+    int seen = 0;
+    for (int trial = 0; trial < 20; trial++) {
+        made k;
+        if (make_swing(&rng, trial % 2 ? 1 : -1, &k)) {
+            double *of[] = { k.st.x, k.st.y, k.st.input, k.mode };
+            k.spec.timing = LW_TIMING_FREE;
+            CHECK(report_of(&k).verified);
+            for (int i = 0; i < 4; i++) {
+                double now = of[i][2];
+                of[i][2] = of[i][6];
+                of[i][6] = now;
+            }
+            lw_target_free(&k.t);
+            target_of(&k.st, &k.spec, &k.t);
+            claim(&k);
+            k.c.mode_of = k.mode;
+            k.c.objective = eq17(&k);
+            lw_fit_report r = report_of(&k);
+            CHECK(!r.verified);
+            CHECK_HAS(r.fault, "out of order");
+            seen++;
+        }
+        lw_target_free(&k.t);
+    }
+    CHECK(seen >= 5);
+}
+
 /* A crank-rocker has two circuits, one an assembly: nobody gets from one to the other. */
 TEST(stations_in_two_circuits_are_refused)
 {

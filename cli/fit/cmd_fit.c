@@ -27,9 +27,10 @@ static const cli_option options[] = {
     { "type", 0, CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
       "types of four-link mechanism to try: fourbar, slidercrank, inverted, ..., or the letters of their joints such "
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
-    { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
-      "with --dof 2, numbers from 5", 4, 10, NULL, NULL },
+      "with --dof 2, numbers from 5. Without it 4; and 6, with a third of the budget, if every four-bar leaves a path "
+      "by more than 2 % of its diagonal, or by more than --tolerance", 4, 10, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
       "of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
@@ -421,6 +422,7 @@ static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_
     const lw_task_file *b = &set->task_file;
     bool counted = b->links > 0 || cli_given(&call->parsed, "links");
     o->links = counted ? said(call, "links", s->links, b->links) : 0;
+    o->more = !counted && !cli_given(&call->parsed, "type");
     o->freedoms = said(call, "dof", s->dof, b->dof);
     o->joints = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints;
     o->topologies = b->topology[0] && !cli_given(&call->parsed, "topology") ? b->topology : s->topology;
@@ -500,6 +502,19 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                  set->spec.tolerance/set->target.units.metre,
                  set->target.units.length[0] ? set->target.units.length : "units",
                  least/set->target.units.metre);
+    if (found->n > 0 && set->spec.by_default && lw_task_has_place(set->spec.task) && found->n_within == 0
+        && lw_fit_report_misses(&set->target, r) > LW_NEAR*set->target.extent) {
+        int links = 4;
+        for (int i = 0; i < set->search.found.n_stage; i++)
+            links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
+        cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
+                 "diagonal; %s", set->path, lw_fit_report_misses(&set->target, r)/set->target.units.metre,
+                 set->target.units.length[0] ? set->target.units.length : "units",
+                 100*lw_fit_report_misses(&set->target, r)/set->target.extent,
+                 links < 6 ? "'--links 6' searches linkages with six links too"
+                 : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
+                 : "a larger --budget searches longer");
+    }
     if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)
         cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "

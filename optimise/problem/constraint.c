@@ -14,10 +14,8 @@
 #include "optimise/problem/timing.h"
 #include "optimise/problem/variable_projection.h"
 
-/* Conditions on the motion are checked in LW_CURVE_SAMPLES postures: over the turn if the input turns fully, else from
- * the first station to the last. The samples of a turn include every multiple of 90 degrees in the ground frame, where
- * transmission angles of four-link chains have their extremes. Other extremes are found between the samples by a
- * parabola. */
+/* Conditions on the motion are checked in LW_CURVE_SAMPLES postures: over the turn if the input turns fully, else from the
+ * first station to the last. Extremes between the samples are found by a parabola. */
 enum {
     POSTURES = LW_CURVE_SAMPLES,
     ZONE_POSTURES = LW_ZONE_SAMPLES + 1
@@ -224,12 +222,15 @@ static void sample_motion(const lw_problem *p, lw_work *w, const motion *m, size
     }
 }
 
-static void sample_turn(lw_work *w)
+/* The same for n postures of the turn, of which there are POSTURES. */
+static void sample_turn(lw_work *w, size_t n)
 {
-    for (size_t i = 0; i < POSTURES; i++)
-        w->check_at[i] = (lw_cycle_point){ .c = w->turn_c[i], .s = w->turn_s[i], .input = w->turn[i], .rate = 1 };
-    memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSTURES);
-    memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSTURES);
+    for (size_t i = 0; i < n; i++) {
+        size_t k = i*(POSTURES/n);
+        w->check_at[i] = (lw_cycle_point){ .c = w->turn_c[k], .s = w->turn_s[k], .input = w->turn[k], .rate = 1 };
+        w->check_c[i] = w->turn_c[k];
+        w->check_s[i] = w->turn_s[k];
+    }
 }
 
 /* lw_batch_jacobian of n postures of check_at at the inputs c, s, one run on the same stroke after the other. */
@@ -419,23 +420,27 @@ static void lower_changes(const lw_problem *p, const lw_work *w, double most, do
     }
 }
 
-/* The rows of the sampled postures, from the derivatives in `slope`. */
-static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, const double *slope, double *j)
+/* The rows of the n sampled postures, from the derivatives in `slope`. */
+static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *slope, double *j)
 {
-    for (size_t k = 0; k < POSTURES; k++)
-        put_row(p, w, m, (double)k/(POSTURES - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
+    for (size_t k = 0; k < n; k++)
+        put_row(p, w, m, (double)k/(double)(n - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
 }
 
+/* Needs the inputs of the sampled postures. */
 static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
 {
     double sine = sin(p->min_transmission);
-    margins_at(p, x, w, w->check_c, w->check_s, POSTURES, g, j ? w->slope[0] : NULL);
+    size_t n = lw_problem_transmission_postures(p);
+    margins_at(p, x, w, w->check_c, w->check_s, n, g, j ? w->slope[0] : NULL);
     if (j)
-        put_rows(p, w, m, w->slope[0], j);
-    lower_changes(p, w, 0, g, j);
-    for (size_t k = 0; k < POSTURES; k++)
+        put_rows(p, w, m, n, w->slope[0], j);
+    if (n == POSTURES)
+        lower_changes(p, w, 0, g, j);
+    for (size_t k = 0; k < n; k++)
         g[k] -= sine*sine;
-    look_between(p, p->intended.turns, g, j);
+    if (n == POSTURES)                                        /* else the postures are those of the extremes */
+        look_between(p, p->intended.turns, g, j);
 }
 
 static void closure(const lw_problem *p, const double *x, lw_work *w, double *g, double *j)
@@ -775,21 +780,22 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
         j += j ? p->n*nv : 0;
     }
     motion turn = { .moves = false }, *checked = p->intended.turns ? &turn : &between;
-    if (p->min_transmission > 0 || p->max_acceleration > 0) {
-        if (p->intended.turns)
-            sample_turn(w);
-        else
-            sample_motion(p, w, &between, POSTURES);
-    }
+    if (!p->intended.turns && (p->min_transmission > 0 || p->max_acceleration > 0))
+        sample_motion(p, w, &between, POSTURES);
     if (p->min_transmission > 0) {
+        size_t n = lw_problem_transmission_postures(p);
+        if (p->intended.turns)
+            sample_turn(w, n);
         transmissions(p, x, w, checked, g, j);
-        g += POSTURES;
-        j += j ? POSTURES*nv : 0;
+        g += n;
+        j += j ? n*nv : 0;
     }
     if (p->max_acceleration > 0) {
+        if (p->intended.turns)
+            sample_turn(w, POSTURES);
         accelerations(p, x, w, g, j != NULL);
         if (j)
-            put_rows(p, w, checked, w->slope[0], j);
+            put_rows(p, w, checked, POSTURES, w->slope[0], j);
         lower_changes(p, w, -1, g, j);                      /* at a dead point it is unbounded */
         look_between(p, p->intended.turns, g, j);
         g += POSTURES;
@@ -803,7 +809,7 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
 static void transmissions_alone(const lw_problem *p, const double *x, double *g, lw_work *w)
 {
     motion turn = { .moves = false };
-    sample_turn(w);
+    sample_turn(w, lw_problem_transmission_postures(p));
     transmissions(p, x, w, &turn, g, NULL);
 }
 
@@ -814,7 +820,7 @@ static void by_differences(const lw_problem *p, const double *x, double *j, lw_w
     size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var, first = (size_t)(p->n_linear + p->n_side);
     bool any = false, alone = p->intended.turns && p->min_transmission > 0 && !lw_problem_must_close(p);
     double at[LW_VAR_MAX];
-    size_t last = alone ? first + POSTURES : m;
+    size_t last = alone ? first + lw_problem_transmission_postures(p) : m;
     for (size_t i = first*nv; i < last*nv && !any; i++)
         any = isnan(j[i]);
     memcpy(at, x, sizeof at[0]*nv);

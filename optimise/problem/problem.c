@@ -98,10 +98,15 @@ bool lw_problem_is_nonlinear(const lw_problem *p)
         || p->n_side > 0;
 }
 
+size_t lw_problem_transmission_postures(const lw_problem *p)
+{
+    return p->intended.turns && !p->family->linkage ? 4 : LW_CURVE_SAMPLES;
+}
+
 size_t lw_problem_constraint_count(const lw_problem *p)
 {
     return (size_t)p->n_linear + (size_t)p->n_side + (lw_problem_must_close(p) ? p->n : 0)
-         + (p->min_transmission > 0 ? LW_CURVE_SAMPLES : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0)
+         + (p->min_transmission > 0 ? lw_problem_transmission_postures(p) : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0)
          + p->n_zone_condition;
 }
 

@@ -165,6 +165,10 @@ bool   lw_problem_residuals(const lw_problem *p, const double *x, double *r, dou
  * Derivatives are exact but for the input's part of accelerations (differences of fourth order) and for margins of
  * higher groups (central differences). */
 size_t lw_problem_constraint_count(const lw_problem *p);
+
+/* Postures whose transmission angles are conditions: of a four-link chain whose input turns the four at multiples of 90 degrees
+ * in the ground frame, where they have their extremes; else LW_CURVE_SAMPLES. */
+size_t lw_problem_transmission_postures(const lw_problem *p);
 void   lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work);
 
 #endif

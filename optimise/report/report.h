@@ -87,6 +87,10 @@ const char *lw_fit_report_input(const lw_fit_report *r);
 /* Greatest distance of curve and target, both ways [m]; NaN for functions. */
 double lw_fit_report_stray(const lw_fit_report *r);
 
+/* The same, but not less than the greatest error at a station, with its angle counted over half the diagonal of the
+ * target [m]. */
+double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
+
 /* The active limits with commas between. */
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size);
 

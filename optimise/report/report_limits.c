@@ -122,6 +122,12 @@ double lw_fit_report_stray(const lw_fit_report *r)
     return isnan(r->stray.to_target) ? NAN : fmax(r->stray.to_curve, r->stray.to_target);
 }
 
+double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r)
+{
+    double turned = isnan(r->angle_max) ? 0 : 0.5*t->extent*r->angle_max;
+    return fmax(r->error_max + turned, lw_fit_report_stray(r));
+}
+
 void lw_fit_report_active(const lw_fit_report *r, char *text, size_t size)
 {
     text[0] = 0;

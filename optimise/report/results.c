@@ -9,6 +9,14 @@
 #include "base/parallel.h"
 #include "base/real.h"
 
+static int bits(unsigned n)
+{
+    int count = 0;
+    for (; n; n &= n - 1)
+        count++;
+    return count;
+}
+
 static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int i)
 {
     for (int k = 0; k < r->n; k++)
@@ -41,25 +49,84 @@ static bool covers(const lw_candidate *ca, const lw_fit_report *a, const lw_cand
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
-static bool is_rough(const lw_target *t, const lw_candidate *first, const lw_fit_report *best, const lw_candidate *c,
+/* Is c, with report r, so much worse than the candidate with the least error and no more links that nobody wants it? */
+static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, int least, const lw_candidate *c,
                      const lw_fit_report *r)
 {
+    const lw_candidate *first = &fit->candidate[least];
+    const lw_fit_report *best = &all[least];
     return c->objective > WORSE*WORSE*first->objective && !(lw_fit_report_stray(r) < lw_fit_report_stray(best))
         && (r->error_max > ROUGH*t->size || r->angle_max > ROUGH_ANGLE);
 }
 
+/* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
+enum { MEASURES = 6 };
+
+static void measures(const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
+{
+    const double all[MEASURES] = { c->objective, lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max, r->size,
+                                   -fmin(r->transmission_min, ENOUGH) };
+    for (int i = 0; i < MEASURES; i++)
+        m[i] = isnan(all[i]) ? INFINITY : all[i];
+}
+
+/* The front of the candidates that can be results: of each the one with the least error among those with no more links,
+ * and the best in each measure of those that are not rough. */
+typedef struct front { int least[LW_LINK_MAX + 1], best[MEASURES]; } front;
+
+static bool is_best(const front *f, int i)
+{
+    bool best = false;
+    for (int k = 0; k < MEASURES; k++)
+        best |= f->best[k] == i;
+    return best;
+}
+
+static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, const bool *usable, unsigned broken,
+                       int most, front *f)
+{
+    double least[MEASURES], m[MEASURES];
+    for (int i = 0; i <= LW_LINK_MAX; i++)
+        f->least[i] = -1;
+    for (int k = 0; k < MEASURES; k++) {
+        f->best[k] = -1;
+        least[k] = INFINITY;
+    }
+    for (int i = 0; i < fit->n; i++) {
+        const lw_candidate *c = &fit->candidate[i];
+        if (!usable[i] || bits(all[i].broken) > bits(broken))
+            continue;
+        for (int n = lw_candidate_links(c); n <= LW_LINK_MAX; n++)
+            f->least[n] = f->least[n] < 0 || c->objective < fit->candidate[f->least[n]].objective ? i : f->least[n];
+    }
+    for (int i = 0; i < fit->n; i++) {
+        const lw_candidate *c = &fit->candidate[i];
+        if (!usable[i] || bits(all[i].broken) > bits(broken)
+            || is_rough(t, fit, all, f->least[lw_candidate_links(c)], c, &all[i]))
+            continue;
+        measures(c, &all[i], m);
+        for (int k = 0; k < MEASURES && k < most - 1; k++)
+            if (m[k] < least[k]) {
+                least[k] = m[k];
+                f->best[k] = i;
+            }
+    }
+}
+
 /* Should this report, whose error is not less than those before it, be a result too?  Without default limits the first
  * `most` are; with them there are as many as the front has. */
-static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most, const lw_fit_results *out,
-                      int i, const lw_fit_report *r)
+static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most, const lw_fit_report *all,
+                      const front *f, const lw_fit_results *out, int i)
 {
     const lw_candidate *c = &fit->candidate[i];
     if (first_with_its_links(out, fit, i))
         return true;
-    bool wanted = s->by_default || out->n < most;
-    for (int k = 0; k < out->n && wanted && s->by_default; k++)
-        wanted = !covers(&fit->candidate[out->candidate[k]], &out->report[k], c, r);
-    return wanted && !(s->by_default && is_rough(t, &fit->candidate[out->candidate[0]], &out->report[0], c, r));
+    if (!s->by_default)
+        return out->n < most;
+    bool wanted = !is_rough(t, fit, all, f->least[lw_candidate_links(c)], c, &all[i]);
+    for (int k = 0; k < out->n && wanted && !is_best(f, i); k++)
+        wanted = !covers(&fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
+    return wanted;
 }
 
 /* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
@@ -92,11 +159,11 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
-/* Sort the front by cost and keep `most` rows, among them the one with the least error, and the first of each number of
- * links. */
-static void order_front(const lw_target *t, const lw_fit *fit, int most, lw_fit_report *all, lw_fit_results *out)
+/* Sort the front by cost and keep `most` rows, among them the best in each measure, and the first of each number of links. */
+static void order_front(const lw_target *t, const lw_fit *fit, int most, const lw_fit_report *all, const front *f,
+                        lw_fit_results *out)
 {
-    int n = 0, exact = out->n > 0 && most > 1 ? out->candidate[0] : -1;       /* still to come */
+    int n = 0, to_come = 0;
     for (int i = 1; i < out->n; i++) {
         int now = out->candidate[i], at = i;
         double cost = cost_of(t, &fit->candidate[now], &all[now]);
@@ -104,14 +171,14 @@ static void order_front(const lw_target *t, const lw_fit *fit, int most, lw_fit_
             out->candidate[at] = out->candidate[at - 1];
         out->candidate[at] = now;
     }
-    for (int i = 0, front = out->n; i < front; i++) {
+    for (int i = 0; i < out->n; i++)
+        to_come += is_best(f, out->candidate[i]);
+    for (int i = 0, n_front = out->n; i < n_front; i++) {
         int now = out->candidate[i];
-        bool kept = n < most - 1 || now == exact || (n < most && exact < 0);
         out->n = n;
-        if (kept || first_with_its_links(out, fit, now)) {
-            exact = now == exact ? -1 : exact;
+        to_come -= is_best(f, now);
+        if (is_best(f, now) || n + to_come < most || first_with_its_links(out, fit, now))
             out->candidate[n++] = now;
-        }
     }
     out->n = n;
     for (int i = 0; i < n; i++)
@@ -123,14 +190,6 @@ static void leave_out(lw_fit_results *out, int candidate, const char *fault)
     lw_left_out *l = &out->left_out[out->n_left_out++];
     l->candidate = candidate;
     snprintf(l->fault, sizeof l->fault, "%s", fault);
-}
-
-static int bits(unsigned n)
-{
-    int count = 0;
-    for (; n; n &= n - 1)
-        count++;
-    return count;
 }
 
 /* Of candidates i and k within the tolerance, does i come first: simpler, then smaller? */
@@ -242,6 +301,9 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
         out->candidate[out->n++] = order[i];
     }
     free(order);
+    front f;
+    if (st == LW_OK)
+        find_front(t, fit, all, fit_for_use, out->broken, most, &f);
     for (int i = 0; i < fit->n && st == LW_OK && out->n_within == 0; i++) {
         const lw_fit_report *r = &all[i];
         if (!fit_for_use[i])
@@ -250,13 +312,13 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
             out->n_unfit++;
             for (int k = 0; k < LW_LIMITS; k++)
                 out->unfit_by[k] += r->broken >> k & 1;
-        } else if (is_wanted(t, s, fit, most, out, i, r)) {
+        } else if (is_wanted(t, s, fit, most, all, &f, out, i)) {
             out->report[out->n] = *r;
             out->candidate[out->n++] = i;
         }
     }
     if (st == LW_OK && s->by_default && out->n_within == 0)
-        order_front(t, fit, most, all, out);
+        order_front(t, fit, most, all, &f, out);
     free(all);
     free(fit_for_use);
     if (st != LW_OK)

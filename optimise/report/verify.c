@@ -22,6 +22,9 @@ typedef struct replay {
     lw_system           system;
     lw_motion_curve          *curve;      /* ... all of its motion, through limits             */
     double              q[LW_SYSTEM_Q_MAX];
+    double              place, before;     /* of this station and the one before on the curve [segments] */
+    double              gone[2];    /* how far the stations went along it, forwards and backwards; INFINITY: not that way */
+    int                 n_placed;
 } replay;
 
 /* Write the first posture as the text of a file and read it back. */
@@ -133,6 +136,29 @@ static void search_piece(replay *v, double first, double last, double input, con
     }
 }
 
+#define JITTER 0.01                /* segments; places of one posture are found to this, where the input hardly moves */
+
+/* Do stations that have an order come in it so far: one way along the curve, of a closed one once around at most? */
+static bool in_order(replay *v, size_t i)
+{
+    bool closed = lw_motion_curve_ended(v->curve) == LW_MOTION_CURVE_CLOSED;
+    double end = lw_motion_curve_segments(v->curve), step = v->place - v->before;
+    if (v->s->timing != LW_TIMING_FREE || i >= v->t->n)
+        return true;
+    for (int way = 0; way < 2 && v->n_placed > 0; way++, step = -step) {
+        double by = closed && step < -JITTER ? step + end : step;
+        by = closed && by > end - JITTER ? by - end : by;
+        v->gone[way] = by < -JITTER ? INFINITY : v->gone[way] + by;
+    }
+    v->n_placed++;
+    v->before = v->place;
+    if (fmin(v->gone[0], v->gone[1]) <= (closed ? end : INFINITY) + JITTER*(double)v->n_placed
+        && isfinite(fmin(v->gone[0], v->gone[1])))
+        return true;
+    snprintf(v->r->fault, sizeof v->r->fault, "the motion comes to station %zu out of order", i + 1);
+    return false;
+}
+
 static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
 {
     int n;
@@ -145,12 +171,14 @@ static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
         search_piece(v, from, to, input, at, i, &least, &best);
         from = to;
     }
-    if (least <= 1e-3*size_of(v))
-        distance_at(v, nearest_place(v, best, at, i), at, i);
-    else
-        snprintf(v->r->fault, sizeof v->r->fault,
-                 "station %zu lies on another branch than the one before: no limit of motion joins them", i + 1);
-    return v->r->fault[0] == 0;
+    if (least <= 1e-3*size_of(v)) {
+        v->place = nearest_place(v, best, at, i);
+        distance_at(v, v->place, at, i);
+        return in_order(v, i);
+    }
+    snprintf(v->r->fault, sizeof v->r->fault,
+             "station %zu lies on another branch than the one before: no limit of motion joins them", i + 1);
+    return false;
 }
 
 /* ---- errors ------------------------------------------------------------------------------------------ */

@@ -12,7 +12,7 @@ enum {
     PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
-    FRONT_OF_EACH = 24      /* where the results are a front                                        */
+    NEAREST = 12            /* candidates whose distance from the target is looked at               */
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
@@ -206,6 +206,21 @@ static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, 
     return stopped ? LW_STOPPED : LW_OK;
 }
 
+/* Is one of the linkages found near enough to the target to leave a stage out? */
+static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unless, const lw_fit *all, bool *enough)
+{
+    lw_fit_report *r = malloc(sizeof *r);
+    lw_status st = r ? LW_OK : LW_E_MEMORY;
+    *enough = false;
+    for (int i = 0; i < all->n && i < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
+        st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
+        *enough = st == LW_OK && r->verified && !r->broken && lw_fit_report_misses(t, r) <= unless;
+        st = st == LW_E_MEMORY ? st : LW_OK;
+    }
+    free(r);
+    return st;
+}
+
 static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int before,
                            double seconds, lw_staged_search *out, lw_error *e)
 {
@@ -223,6 +238,7 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     lw_families all = lw_families_join(&pair);
     double start = lw_clock_wall();
     mine.families = stage->families.make ? &all : NULL;
+    mine.budget = stage->budget > 0 ? stage->budget : o->budget;
     lw_status st = run_searches(t, &mine, stage->links, seconds, r, out, e);
     r->seconds = lw_clock_wall() - start;
     free(more);
@@ -259,9 +275,12 @@ static void shorten(lw_staged_search *s, int most, int each)
  * two.  A stage that ends earlier leaves its time to the others. */
 static double part_of_time(const lw_search_stage *stage, int i, int n)
 {
-    double mine = (stage[i].links - 2.0)*(stage[i].links - 2.0), all = 0;
-    for (int k = i; k < n; k++)
-        all += (stage[k].links - 2.0)*(stage[k].links - 2.0);
+    double mine = 1, all = 0;
+    for (int k = i; k < n; k++) {
+        double part = stage[k].unless > 0 ? 4 : (stage[k].links - 2.0)*(stage[k].links - 2.0);    /* as four links */
+        mine = k == i ? part : mine;
+        all += part;
+    }
     return all > 0 ? mine/all : 1;
 }
 
@@ -273,6 +292,13 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
     memset(out, 0, sizeof *out);
     for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
         double left = o->max_seconds - (lw_clock_wall() - start);
+        bool enough = false;
+        if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
+            lw_staged_search_free(out);
+            return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
+        }
+        if (enough)
+            break;
         lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
                                   o->max_seconds > 0 ? fmax(left*part_of_time(stage, i, n_stage), 1e-3) : 0, out, e);
         if (now < 0 && now != LW_E_KIND) {
@@ -283,7 +309,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
         if (now == LW_STOPPED && o->interrupt && *o->interrupt)
             break;
     }
-    shorten(out, 2*lw_fit_kept(o), o->spec.by_default ? FRONT_OF_EACH : OF_EACH);
+    shorten(out, 2*lw_fit_kept(o), o->spec.by_default ? 2*lw_fit_kept(o) : OF_EACH);
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 

@@ -164,12 +164,20 @@ static lw_status make_set(const lw_topology_search_options *o, int links, plan *
     return LW_OK;
 }
 
+/* Are six links searched if four do not stay near the target? */
+static bool may_go_on(const lw_topology_search_options *o)
+{
+    const lw_fit_spec *s = &o->fit.spec;
+    return o->more && o->links == 0 && o->freedoms == 1 && s->by_default && lw_task_has_place(s->task)
+        && strcmp(o->joints, "r") == 0 && strcmp(o->topologies, "all") == 0 && strcmp(o->fit.types, "fourbar") == 0;
+}
+
 static lw_status make_plan(const lw_target *t, const lw_topology_search_options *o, plan *p, lw_error *e)
 {
     if (o->freedoms < 1 || o->freedoms > LW_PACKED_INPUT_MAX)
         return lw_error_set(e, LW_E_ARG, "mechanisms have 1 to %d degrees of freedom, not %d", LW_PACKED_INPUT_MAX,
                             o->freedoms);
-    int least = lw_mechanism_least_links(o->freedoms), links = o->links > 0 ? o->links : least;
+    int least = lw_mechanism_least_links(o->freedoms), links = o->links > 0 ? o->links : may_go_on(o) ? 6 : least;
     if (links < least || links > LINKS_MAX)
         return lw_error_set(e, LW_E_ARG, "with %d degrees of freedom mechanisms have %d to %d links, not %d",
                             o->freedoms, least, LINKS_MAX, links);
@@ -179,6 +187,10 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     if (st != LW_OK)
         return st;
     make_stages(o, p);
+    for (int i = 1; i < p->n_stage && may_go_on(o); i++) {
+        p->stage[i].unless = o->fit.spec.tolerance > 0 ? o->fit.spec.tolerance : LW_NEAR*t->extent;
+        p->stage[i].budget = o->fit.budget > 0 ? o->fit.budget/3 : 0;
+    }
     return choose_point_links(t, &o->fit.spec, p, e);
 }
 
@@ -236,8 +248,8 @@ static void count_states(const plan *p, const lw_topology_search *out, int stage
 static void sum_mechanisms(const plan *p, lw_topology_search *out)
 {
     out->n_input_ratio = p->set.ratio.tie.n;
-    out->n_mechanisms = p->set.n;
-    for (int i = 0; i < p->set.n; i++) {
+    out->n_mechanisms = out->found.n_stage < p->n_stage && p->stage[out->found.n_stage].unless > 0 ? 0 : p->set.n;
+    for (int i = 0; i < out->n_mechanisms; i++) {
         const lw_mechanism_stage *from = &p->set.stage[i];
         lw_mechanism_summary *s = &out->mechanisms[i];
         *s = (lw_mechanism_summary){ .links = from->links, .two_freedoms = from->two_freedoms, .tally = from->tally };

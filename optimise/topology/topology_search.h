@@ -21,6 +21,7 @@
 #include "optimise/report/results.h"
 #include "optimise/topology/mechanism_set.h"
 
+#define LW_NEAR 0.02
 #define LW_DEFAULT_GEAR_RATIOS  "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3"
 #define LW_DEFAULT_INPUT_RATIOS "1,-1,2,-2,3,-3"
 
@@ -28,7 +29,11 @@ typedef struct lw_topology_search_options {
     lw_fit_options fit;          /* conditions, four-link types, solver, seed, threads, limits, number of results,
                                   * callbacks, stop flag.  `budget` and the progress count for each stage; `families` is
                                   * not used                                                        */
-    int         links;           /* most links of a mechanism, 10 at most; 0: the fewest with these freedoms */
+    int         links;           /* most links of a mechanism, 10 at most; 0: the fewest with these freedoms, and as
+                                  * `more` says                                                     */
+    bool        more;            /* links 0, four-bars on a path or motion with default limits: six links too, with a third of
+                                  * the budget, if no four-bar found stays within LW_NEAR diagonals of the target, or
+                                  * within spec.tolerance                                           */
     int         freedoms;        /* degree of freedom F, 1 .. LW_PACKED_INPUT_MAX (1).  F inputs are at the ground; all
                                   * but one are tied to that one, by a ratio of input_ratios        */
     const char *joints;          /* kinds of joints beyond the four-link types: letters of "rtpg", with or without
