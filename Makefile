@@ -118,11 +118,11 @@ WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsy
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) $(SERVER) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o
 STUDIO_OBJ := $(patsubst %.c,$B/%.o,$(wildcard studio/*.c))
-$B/tests/test_studio: $(STUDIO_OBJ)
-$B/tests/test_studio: LIBS += $(SERVER)
+$B/tests/test_studio $B/tests/fuzz/fuzz_studio: $(STUDIO_OBJ)
+$B/tests/test_studio $B/tests/fuzz/fuzz_studio: LIBS += $(SERVER)
 # the page in Chromium, where there is one
 $B/tests/test_studio_page: tests/browser/studio.sh
 	@mkdir -p $(@D)
@@ -219,9 +219,9 @@ browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the stu
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
-run-fuzz: $B/liblinkwright.a $(FUZZ:=.o)
+run-fuzz: $B/liblinkwright.a $(FUZZ:=.o) $(STUDIO_OBJ)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
-	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
+	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(STUDIO_OBJ) $B/liblinkwright.a $(LIBS) $(SERVER) -o $B/$$t && mkdir -p $B/found/$$t && \
 	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
 bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done

@@ -46,7 +46,7 @@ static void refuse(studio_reply *r, int status, const char *why)
     put_error(r, status, &e);
 }
 
-static void answer(studio *s, const char *name, const lw_bytes *body, studio_reply *r)
+void studio_ask(studio *s, const char *name, const lw_bytes *body, studio_reply *r)
 {
     lw_error e = { 0 };
     json_error_t fault;
@@ -210,7 +210,7 @@ static enum MHD_Result handle(void *context, struct MHD_Connection *c, const cha
     else if (!type || strncmp(type, "application/json", 16) != 0)
         refuse(&r, MHD_HTTP_UNSUPPORTED_MEDIA_TYPE, "a question has the content type application/json");
     else
-        answer(s, rest + 4, &q->body, &r);
+        studio_ask(s, rest + 4, &q->body, &r);
     return send_reply(c, &r);
 }
 

@@ -43,6 +43,9 @@ studio_answer studio_begin, studio_open, studio_motion, studio_analyse, studio_f
               studio_target, studio_search_start, studio_search_news, studio_search_stop, studio_nearest, studio_export,
               studio_chains, studio_chain_linkage, studio_gallery;
 
+/* Answer the question `name` with a body of JSON, or refuse it with a reason: fills *r. */
+void studio_ask(studio *s, const char *name, const lw_bytes *body, studio_reply *r);
+
 void studio_searches_end(studio *s);
 void studio_atlas_begin(studio *s, bool make);
 void studio_atlas_end(studio *s);

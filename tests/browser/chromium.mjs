@@ -44,7 +44,7 @@ export async function launch(program) {
 
 const KEYS = { Enter: 13, Escape: 27, Space: 32, ArrowLeft: 37, ArrowUp: 38, ArrowRight: 39, ArrowDown: 40, Delete: 46, Tab: 9 };
 
-class Page {
+export class Page {
   constructor(send, listeners, size) {
     Object.assign(this, { faults: [], requests: [], size: { width: 1280, height: 860, deviceScaleFactor: 1, mobile: false, ...size } });
     this.send = (method, params) => send(method, params, this.session);

@@ -1,10 +1,9 @@
-// The studio in headless Chromium: what a person does with pointer and keys, checked by what is on the page and by what
-// the server was asked.   node studio.mjs LINKWRIGHT CHROMIUM [long] [PICTURES]
+// The studio in a headless browser: what a person does with pointer and keys, checked by what is on the page and by what
+// the server was asked.   node studio.mjs LINKWRIGHT BROWSER [long] [PICTURES]
 import { spawn, execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { launch } from "./chromium.mjs";
 
 const [, , program, chromium, long, pictures] = process.argv;
 const folder = mkdtempSync(join(tmpdir(), "linkwright-studio-"));
@@ -31,6 +30,8 @@ async function serve(...words) {
   } };
 }
 
+const firefox = /firefox/.test(chromium);
+const { launch } = await import(firefox ? "./firefox.mjs" : "./chromium.mjs");
 const browser = await launch(chromium);
 let server, page;
 
@@ -254,6 +255,7 @@ await test(long === "long" ? "50 drags a second for a minute" : "300 drags in a 
     if (!before && i === 100) before = await held();
   }
   await page.until("studio.work === 0 && !studio.touching", "the last drag is answered");
+  await page.refresh?.();
   const after = await held();
   const asked = page.requests.slice(n).filter((r) => r.name === "motion"), newest = await page.run("JSON.stringify(studio.doc.linkage)");
   check("the newest is not the last one asked for", JSON.stringify(JSON.parse(asked[asked.length - 1].body).linkage) === newest);
@@ -270,7 +272,7 @@ await test(long === "long" ? "50 drags a second for a minute" : "300 drags in a 
     console.log(`  ${i} moves, ${asked.length} motions of 1000 points; over the wire ${wire[wire.length >> 1].toFixed(1)} ms median, ${wire[Math.floor(0.95 * wire.length)].toFixed(1)} ms 95 %; grown ${JSON.stringify(grown)}`);
 });
 
-globalThis.T = { test, check, sleep, fresh, doc, canvas, screen, curve, joint, settled, oval, page: () => page, server: () => server, folder, program, pictures, long: long === "long", browser, environment,
+globalThis.T = { firefox, test, check, sleep, fresh, doc, canvas, screen, curve, joint, settled, oval, page: () => page, server: () => server, folder, program, pictures, long: long === "long", browser, environment,
   readFileSync, writeFileSync, join, execFileSync };
 for (const more of ["./studio_draw.mjs", "./studio_build.mjs"]) {
   try { await import(more); } catch (error) {

@@ -7,4 +7,9 @@ for need in "${chromium:-chromium}" node; do
     command -v "$need" > /dev/null || { echo "skipped, there is no $need (Debian: chromium, nodejs)"; echo "test_studio_page: 0 passed, 0 failed"; exit 0; }
 done
 [ "${2:-short}" != long ] || node "$(dirname "$0")/wire.mjs" "$1"
+if [ "${2:-short}" = long ]; then                 # in Firefox too; with pen, two fingers and phone width in Chromium alone
+    firefox=$(command -v firefox-esr || command -v firefox || true)
+    if [ -n "$firefox" ]; then echo "in $firefox:"; node "$(dirname "$0")/studio.mjs" "$1" "$firefox" short; else
+        echo "skipped in Firefox: there is none (Debian: firefox-esr)"; fi
+fi
 exec node "$(dirname "$0")/studio.mjs" "$1" "$chromium" "${2:-short}" ${3:+"$3"}

@@ -1,5 +1,5 @@
 // The studio, second part: drawing, nearest mechanisms, conditions, search, results, taking away.
-const { test, check, sleep, fresh, doc, canvas, screen, settled, oval, server, folder, program, pictures, long, readFileSync, writeFileSync, join, execFileSync } = globalThis.T;
+const { firefox, test, check, sleep, fresh, doc, canvas, screen, settled, oval, server, folder, program, pictures, long, readFileSync, writeFileSync, join, execFileSync } = globalThis.T;
 const page = () => globalThis.T.page();
 
 // Drop files on the drawing, as a file manager does.
@@ -78,11 +78,13 @@ await test("pen and finger draw; two fingers zoom", async () => {
   const p = page();
   await undoAll();
   await p.click("[data-tool=Curve]");
-  p.pen = true;
-  await p.stroke((await oval()).slice(0, 20));
-  p.pen = false;
-  check("pen", (await anchors()).length > 4);
-  await p.key("z", 2);
+  if (!firefox) {                                  // its driver has no pen, and its own fingers zoom the page
+    p.pen = true;
+    await p.stroke((await oval()).slice(0, 20));
+    p.pen = false;
+    check("pen", (await anchors()).length > 4);
+    await p.key("z", 2);
+  }
   await p.fingers(true);
   const o = (await oval()).slice(0, 22);
   await p.touch("touchStart", [o[0]]);
@@ -94,7 +96,7 @@ await test("pen and finger draw; two fingers zoom", async () => {
   for (let i = 1; i < 8; i++) await p.touch("touchMove", [[x + 300 - 10 * i, y + 300], [x + 340 + 10 * i, y + 300]]);
   await p.touch("touchEnd", []);
   await p.fingers(false);
-  check("zoomed", (await p.run("studio.view.scale")) > 2 * scale);
+  if (!firefox) check("zoomed", (await p.run("studio.view.scale")) > 2 * scale);
   check("nothing drawn by it", (await anchors()).length === n);
 });
 
@@ -221,7 +223,7 @@ await test("take away: every format, the path, the task; a saved file opens agai
   await settled();
   await p.click("#tab-away");
   await p.run(`(() => { window.saved = {}; studio.download = (name, blob) => { blob.arrayBuffer().then((b) => { saved[name] = [...new Uint8Array(b)].slice(0, 400); saved[name].size = b.byteLength; saved[name + " size"] = b.byteLength; }); }; })()`);
-  const begins = { json: "{", svg: "<?xml", pdf: "%PDF", png: "\x89PNG", gif: "GIF8", html: "<!", dxf: "", scad: "", step: "ISO-10303-21", stl: "", mjcf: "<", postures: "", urdf: "<", adams: "", slvs: "", pmks: "" };
+  const begins = { json: "{", svg: "<?xml", pdf: "%PDF", png: "\x89PNG", gif: "GIF8", html: "<!", dxf: "", scad: "", step: "ISO-10303-21", stl: "", mjcf: "<", poses: "", urdf: "<", adams: "", slvs: "", pmks: "" };
   for (const format of Object.keys(begins)) {
     const k = await p.run("Object.keys(saved).length");
     await p.click(`[data-format=${format}]`);
