@@ -193,7 +193,7 @@ static void add(reader *r, const lw_affine *m, lw_vec2 p, long line)
 static void add_arc(reader *r, const lw_affine *m, lw_vec2 at, lw_vec2 a, lw_vec2 b, double from, double sweep,
                     lw_vec2 end, long line)
 {
-    int n = (int)ceil(fmin(fabs(sweep)/(2*LW_PI), 1)*LW_OUTLINE_ARCS) + 1;
+    int n = (int)ceil(fmin(fabs(sweep)/(2*LW_PI), 1)*4*LW_OUTLINE_ARCS) + 1;      /* a circle as long as 1e-5 of it */
     for (int i = 1; i < n; i++) {
         double t = from + sweep*i/n;
         add(r, m, lw_v2_add(at, lw_v2_add(lw_v2_scale(a, cos(t)), lw_v2_scale(b, sin(t)))), line);
