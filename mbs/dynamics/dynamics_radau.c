@@ -377,10 +377,12 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->n_friction || d->n_stop || d->has_zero_mass)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops or massless links");
-    if (!asked && !d->elastic)
+    if (!asked && !d->elastic && !(d->space && lw_mbs_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
-    return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "elastic links vibrate fast: an implicit method "
-                              "that follows slow vibrations and damps those faster than its steps");
+    return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
+                              ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "
+                                "than its steps"
+                              : "dampers make the equations stiff: an implicit method with exact derivatives");
 }
 
 const lw_formulation_row lw_formulation_radau = { able, run_radau };
