@@ -33,8 +33,11 @@ static void put_chain(lw_store *s, const lw_chain *c, int loops, const char *evi
     char graph6[LW_GRAPH6_SIZE];
     int n_with[LW_LINK_MAX];
     uint8_t ground[LW_LINK_MAX], alike[LW_LINK_MAX];
-    lw_store_mechanism m = { .kinds = "rrrr", .inputs = evil ? evil : "1-2", .groups = "I1:2 II2:3,4", .n_group = 2,
-                             .highest = 2, .modes = 2, .ground = 1 };
+    lw_store_mechanism m[2] = { { .kinds = "rrrr", .inputs = evil ? evil : "1-2", .groups = "I1:2 II2:3,4", .n_group = 2,
+                             .highest = 2, .modes = 2, .ground = 1 } };
+    m[1] = m[0];
+    m[1].kinds = "rrrt";
+    m[1].n_slider = 1;
     lw_error e;
     lw_graph6_print(c, graph6, sizeof graph6);
     lw_chain_assortment(c, n_with);
@@ -46,7 +49,7 @@ static void put_chain(lw_store *s, const lw_chain *c, int loops, const char *evi
         .label = graph6, .graph6 = graph6, .franke = evil ? evil : "franke", .sentence = evil ? evil : "sentence",
         .matrix = "0 1\n0 0", .links = c->n_link, .dof = lw_chain_mobility(c), .joints = lw_chain_count(c, 1),
         .loops = loops, .n_with = n_with + 2, .assortment = evil ? evil : "4 4", .symmetry = 2, .planar = true,
-        .n_ground = c->n_link, .ground = ground, .alike = alike, .n_mechanism = 1, .mechanism = &m,
+        .n_ground = c->n_link, .ground = ground, .alike = alike, .n_mechanism = c->n_link == 4 ? 2 : 1, .mechanism = m,
     };
     CHECK_INT(lw_store_put_chain(s, &row, &e), LW_OK);
 }
@@ -189,7 +192,7 @@ TEST(pages)
     int n = 0;
     o.title = hostile;
     CHECK_INT(write_atlas(path_of("atlas"), &o, &n_page, &n_byte, &e), LW_OK);
-    CHECK_INT(n_page, 1 + 1 + 2 + 16 + 2);
+    CHECK_INT(n_page, 1 + 1 + 2 + 16 + 2 + 1);         /* the last: the slider-crank */
     DIR *d = opendir(path_of("atlas"));
     for (struct dirent *f; d && (f = readdir(d)) != NULL;) {
         struct stat st;
@@ -274,7 +277,7 @@ TEST(large_families)
     char *text = NULL;
     o.single_pages = 1;
     CHECK_INT(write_atlas(path_of("blocks"), &o, &n_page, &n_byte, &e), LW_OK);
-    CHECK_INT(n_page, 1 + 1 + 2 + 1 + 2);             /* overview, four-bar, linkages, chain.html, two blocks */
+    CHECK_INT(n_page, 1 + 2 + 2 + 1 + 2);     /* overview, four-bar and its sliders, linkages, chain.html, two blocks */
     CHECK(access(path_of("blocks/chain-4-1-1.html"), F_OK) == 0);
     CHECK(access(path_of("blocks/chain-6-1-1.html"), F_OK) != 0);
     for (int i = 0; i < 4; i++) {
@@ -297,7 +300,7 @@ TEST(limits_and_faults)
     o.n_linkage = 1;
     o.links = 4;
     CHECK_INT(write_atlas(path_of("four"), &o, &n_page, &n_byte, &e), LW_OK);
-    CHECK_INT(n_page, 4);
+    CHECK_INT(n_page, 5);
     o.n_linkage = 0;
     o.links = 6;
     CHECK_INT(write_atlas(path_of("six"), &o, &n_page, &n_byte, &e), LW_OK);
@@ -308,7 +311,7 @@ TEST(limits_and_faults)
     o.links = 0;
     o.goes_on = after_three;
     CHECK_INT(write_atlas(path_of("three"), &o, &n_page, &n_byte, &e), LW_STOPPED);
-    CHECK_INT(n_page, 3);
+    CHECK_INT(n_page, 4);                               /* three chains, one with sliders */
     CHECK(access(path_of("three/index.html"), F_OK) != 0);
     o.goes_on = NULL;
     CHECK_INT(write_atlas(path_of("none/deep"), &o, &n_page, &n_byte, &e), LW_E_IO);

@@ -28,6 +28,7 @@ typedef enum leaf_text {
 
 typedef struct leaf {                       /* a chain of the atlas */
     long long       id, symmetry, n_linkage;
+    int             n_slider;                  /* mechanisms with sliders, known when its page is written   */
     int             links, dof, joints, loops, grounds, planar;
     bool            in_block;                  /* its family is written in blocks                           */
     int             number, of;               /* number among the `of` chains with as many links and freedoms, from 1 */
@@ -531,11 +532,94 @@ static lw_status chain_page(atlas *a, size_t i, lw_bytes *b, lw_error *e)
         lw_page_text(b, "<p class=\"linkages\"><a href=\"", file, "\">");
         lw_page_text(b, "", text, "</a></p>\n");
     }
+    if (l->n_slider > 0) {
+        page_file(l, "sliders", file);
+        snprintf(text, sizeof text, l->n_slider == 1 ? "%d mechanism with sliders" : "%d mechanisms with sliders", l->n_slider);
+        lw_page_text(b, "<p class=\"linkages\"><a href=\"", file, "\">");
+        lw_page_text(b, "", text, "</a></p>\n");
+    }
     write_notations(b, l);
     s = inversions(a, l, b, e);
     lw_bytes_text(b, "</main>\n<script>");
     lw_bytes_text(b, a->chain_script.data);
     lw_bytes_text(b, "</script>\n</body>\n</html>\n");
+    return s;
+}
+
+/* ---- mechanisms with sliders --------------------------------------------------------------------- */
+
+#define SLIDERS_MAX 120        /* pictures on a page */
+
+typedef struct slider_row { int ground; char kinds[LW_JOINT_MAX + 1]; } slider_row;
+typedef struct slider_rows { int n, n_joint; slider_row *row; } slider_rows;
+
+static lw_status add_slider_row(void *context, int n, const char *const *name, const lw_value *v)
+{
+    (void)n, (void)name;
+    slider_rows *r = context;
+    const char *kinds = text_of_value(&v[1]);
+    if (strlen(kinds) != (size_t)r->n_joint || strspn(kinds, "rt") != strlen(kinds) || v[0].integer < 1
+        || v[0].integer > LW_LINK_MAX)
+        return LW_OK;                             /* not of this program */
+    if (r->n++ < SLIDERS_MAX) {
+        r->row[r->n - 1].ground = (int)v[0].integer;
+        strcpy(r->row[r->n - 1].kinds, kinds);
+    }
+    return LW_OK;
+}
+
+/* One mechanism: its name, and its picture. */
+static lw_status slider_article(const leaf *l, const slider_row *r, lw_bytes *b, lw_error *e)
+{
+    lw_mechanism m = l->chain;
+    lw_chain_layout layout;
+    lw_drawing d;
+    char text[LW_JOINT_MAX + 64];
+    snprintf(text, sizeof text, "Ground link %d, joints %s", r->ground, r->kinds);
+    m.ground = r->ground - 1;
+    memcpy(m.kind, r->kinds, (size_t)m.n_joint);
+    lw_status s = lw_chain_layout_make(&m, &layout, e);
+    if (s == LW_OK)
+        s = lw_chain_draw(&m, &layout, &(lw_chain_style){ .width = 240, .height = 180, .numbers = true }, &d, e);
+    if (s != LW_OK)
+        return s;
+    lw_text_clean(d.title, sizeof d.title, text);
+    lw_page_text(b, "<article>\n<h3>", text, "</h3>\n<figure>");
+    lw_svg_inline(&d, "", b);
+    lw_bytes_text(b, "</figure>\n</article>\n");
+    lw_drawing_free(&d);
+    return LW_OK;
+}
+
+/* The page of the mechanisms of a chain that have sliders; empty if there are none.  *n: their number. */
+static lw_status slider_page(atlas *a, const leaf *l, lw_bytes *b, int *n, lw_error *e)
+{
+    slider_rows r = { .n_joint = l->chain.n_joint, .row = malloc(SLIDERS_MAX*sizeof *r.row) };
+    const lw_value chain = value_of_integer(l->id);
+    char text[160], name[48], file[LEAF_FILE];
+    lw_status s = r.row ? ask_one(a, "SELECT DISTINCT ground, kinds FROM mechanism WHERE chain = ?1 AND sliders > 0 "
+                                  "ORDER BY sliders, ground, kinds DESC", &chain, add_slider_row, &r, e)
+                        : lw_error_set(e, LW_E_MEMORY, "out of memory for pictures");
+    *n = r.n;
+    if (s == LW_OK && r.n > 0) {
+        family_name(l, name, sizeof name);
+        snprintf(text, sizeof text, "Chain %d of %d with sliders: %s", l->number, l->of, name);
+        page_file(l, "chain", file);
+        lw_page_head(b, text, &a->style, &a->chain_script, false);
+        lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul>\n<li><a rel=\"up\" href=\"", file, "\">The chain</a></li>\n");
+        lw_page_text(b, "</ul></nav>\n<h1>", text, "</h1>\n</header>\n<main>\n");
+        snprintf(text, sizeof text, "%d choices of ground link and sliders; %s.", r.n,
+                 r.n > SLIDERS_MAX ? "the first 120 are drawn, the catalogue has all" : "joints r turn, joints t slide");
+        lw_page_text(b, "<p class=\"hint\">", text, "</p>\n<div class=\"inversions\">\n");
+    }
+    for (int i = 0; s == LW_OK && i < r.n && i < SLIDERS_MAX; i++)
+        s = slider_article(l, &r.row[i], b, e);
+    if (s == LW_OK && r.n > 0) {
+        lw_bytes_text(b, "</div>\n<p class=\"hint\" role=\"status\" id=\"said\"></p>\n</main>\n<script>");
+        lw_bytes_text(b, a->chain_script.data);
+        lw_bytes_text(b, "</script>\n</body>\n</html>\n");
+    }
+    free(r.row);
     return s;
 }
 
@@ -873,6 +957,11 @@ static lw_status write_chain(atlas *a, size_t i, lw_error *e)
     lw_status s = write_linkages(a, l, e);
     if (s == LW_OK && l->in_block)
         return LW_OK;
+    if (s == LW_OK)
+        s = slider_page(a, l, &b, &l->n_slider, e);
+    page_file(l, "sliders", file);
+    if (s == LW_OK && l->n_slider > 0)
+        s = write_page(a, file, &b, e);
     if (s == LW_OK)
         s = chain_page(a, i, &b, e);
     if (s != LW_OK) {

@@ -2,6 +2,7 @@
  *
  *     index.html             overview by links and assortment; search and filter over all chains, with pictures
  *     chain-P-F-N.html       a chain: picture, properties, notations to copy, ground links with inputs and Assur groups
+ *     sliders-P-F-N.html     pictures of its mechanisms with sliders, if the catalogue has them
  *     linkages-P-F-N.html    linkages found for that chain, moving (page.h); linkages-other.html: all others
  *
  *     chain.html#P-F-N       the same for families (P, F) of many chains, whose contents stand in blocks of 32 chains,

@@ -86,8 +86,14 @@ static uint64_t walk(int n_link, lw_mechanism_steps steps, lw_chain_visit *visit
 
 static uint64_t grounds(void) { return walk(12, (lw_mechanism_steps){ .ground = true }, take_steps); }
 static uint64_t kinds(void) { return walk(8, (lw_mechanism_steps){ .kinds = "rt" }, take_steps); }
-static uint64_t inputs(void) { return walk(10, (lw_mechanism_steps){ true, NULL, LW_INPUT_ANY, true }, take_steps); }
-static uint64_t assur(void) { return walk(10, (lw_mechanism_steps){ true, NULL, LW_INPUT_GROUND, false }, solve_order); }
+static uint64_t inputs(void)
+{
+    return walk(10, (lw_mechanism_steps){ .ground = true, .input = LW_INPUT_ANY, .output = true }, take_steps);
+}
+static uint64_t assur(void)
+{
+    return walk(10, (lw_mechanism_steps){ .ground = true, .input = LW_INPUT_GROUND }, solve_order);
+}
 static uint64_t sentences(void) { return walk(12, (lw_mechanism_steps){ 0 }, say_again); }
 
 static uint64_t coverage(void)
