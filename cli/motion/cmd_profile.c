@@ -214,7 +214,7 @@ static double swing(const motion *m, double f)
 static void write_rows(FILE *f, const motion *m, int n)
 {
     fputs("t,x,v,a,j\n", f);
-    for (int i = 0; i <= n; i++) {
+    for (int i = 0; i <= n && !cli_interrupted(); i++) {
         double t = m->duration*i/n, x[4];
         at(m, i == n ? m->duration*(1 - 1e-15) : t, x);
         fprintf(f, "%.12g,%.12g,%.12g,%.12g,%.12g\n", t, i == n ? m->way : x[0], x[1], x[2], x[3]);
@@ -279,7 +279,7 @@ static void write_json(FILE *f, const motion *m, double frequency, int n)
     }
     if (n > 0) {
         cli_json_array(&j, "rows");
-        for (int i = 0; i <= n; i++) {
+        for (int i = 0; i <= n && !cli_interrupted(); i++) {
             double x[5] = { m->duration*i/n };
             at(m, i == n ? m->duration*(1 - 1e-15) : x[0], x + 1);
             cli_json_reals(&j, NULL, x, 5);

@@ -327,7 +327,7 @@ int cli_make_folder(const cli_call *call, const char *folder)
 
 /* ---- the end: Ctrl-C, signals and --time ---------------------------------------------------------- */
 
-#define GRACE 0.7             /* [s] how long a command may take to stop in order                    */
+#define GRACE 0.65            /* [s] how long a command may take to stop in order                    */
 
 /* The only state that a signal handler changes. */
 static volatile sig_atomic_t interrupted;
