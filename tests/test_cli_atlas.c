@@ -115,8 +115,8 @@ TEST(export)
     expect("$P catalogue export $D/q.db --list mechanisms | sort > $D/a; $P mechanisms --links 8 --input ground | sort "
            "| cmp - $D/a && echo same", 0, "same\n", NULL);
     expect("$P catalogue export $D/q.db --format lem", 2, NULL, "none of table|json|csv|graph6");
-    expect("$P catalogue export $D/l.db > $D/l.jsonl; $P catalogue add $D/l2.db $D/l.jsonl && $P catalogue export "
-           "$D/l2.db | cmp - $D/l.jsonl && echo same", 0, "same\n", "added");
+    expect("$P catalogue export $D/l.db --list linkages > $D/l.jsonl; $P catalogue add $D/l2.db $D/l.jsonl && "
+           "$P catalogue export $D/l2.db --list linkages | cmp - $D/l.jsonl && echo same", 0, "same\n", "added");
     expect("$P catalogue export $D/q.db 'loops=3' --list structures", 3, NULL, "listed by query");
 }
 
