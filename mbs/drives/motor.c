@@ -193,6 +193,7 @@ lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double grea
             (*front)[i] = true;
             least = (*out)[i].worst;
         }
+    free(work);
     return LW_OK;
 }
 
