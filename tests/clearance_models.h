@@ -4,6 +4,7 @@
 #define LW_TESTS_CLEARANCE_MODELS_H
 
 #include "grammar/model.h"
+#include "mbs/dynamics/clearance.h"
 #include "tests/mbs_random.h"
 
 /* Makkonen 1999, paper C, appendix 1, read with its errata; `unit` "m", "mm", "in" ..., metre its size; turned by
@@ -60,6 +61,17 @@ static inline int random_pin(lw_rng *r, const lw_linkage *k)
         if (k->joint[(start + i)%k->n_joint].kind == LW_JOINT_REVOLUTE)
             return (start + i)%k->n_joint;
     return -1;
+}
+
+/* The first 256 samples of a run; a visitor that keeps them. */
+typedef struct track { int n; lw_clearance_sample s[256]; } track;
+
+static inline lw_status keep(void *context, const lw_clearance_sample *s)
+{
+    track *t = context;
+    if (t->n < 256)
+        t->s[t->n++] = *s;
+    return LW_OK;
 }
 
 #endif

@@ -193,15 +193,6 @@ TEST(every_tolerance)
     lw_model_free(&m);
 }
 
-typedef struct track { int n; lw_clearance_sample s[64]; } track;
-static lw_status keep(void *context, const lw_clearance_sample *s)
-{
-    track *t = context;
-    if (t->n < 64)
-        t->s[t->n++] = *s;
-    return LW_OK;
-}
-
 static void record(const lw_model *m, lw_clearance_options o, track *t)
 {
     t->n = 0;

@@ -5,16 +5,6 @@
 #include "tests/clearance_models.h"
 #include "tests/dynamics_run.h"
 
-typedef struct track { int n; lw_clearance_sample s[256]; } track;
-
-static lw_status keep(void *context, const lw_clearance_sample *s)
-{
-    track *t = context;
-    if (t->n < 256)
-        t->s[t->n++] = *s;
-    return LW_OK;
-}
-
 static lw_clearance_result run(const lw_model *m, lw_clearance_options o, track *t)
 {
     lw_clearance_scene *scene = NULL;

@@ -1,27 +1,10 @@
 /* Losses of linkages of one freedom: Coulomb friction with rest, against equations written by hand and against the
  * regularised friction of the bodies' coordinates; springs, dampers, motors and forces at any joint of random
  * linkages. */
-#include <stdarg.h>
-#include "base/rng.h"
 #include "tests/dynamics_run.h"
+#include "tests/model_text.h"
 
 static drun d, other;
-static lw_rng rng;
-static char text[8000];
-static int  used;
-
-static double between(double a, double b) { return lw_rng_range(&rng, a, b); }
-
-static void put(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void put(const char *format, ...)
-{
-    va_list arg;
-    va_start(arg, format);
-    used += vsnprintf(text + used, sizeof text - (size_t)used, format, arg);
-    va_end(arg);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-}
 
 /* ---- a block -------------------------------------------------------------------------------------------- */
 
@@ -163,12 +146,6 @@ TEST(pendulum)
 
 /* ---- random linkages ------------------------------------------------------------------------------------------ */
 
-static void put_body(const char *name, double x, double y)
-{
-    put(", {'name': '%s', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}", name, between(0.5, 2),
-        x + between(-0.2, 0.2), y + between(-0.2, 0.2), between(0.05, 0.5));
-}
-
 static double friction;                          /* coefficient of the joints, 0: none */
 
 static void put_joint(const char *name, char kind, const char *links, double x, double y, double angle)
@@ -190,11 +167,11 @@ static void write_linkage(int form)
     double a = between(0, 6), cx = 0.3*cos(a), cy = 0.3*sin(a);
     used = 0;
     put("{'linkwright': 1, 'gravity': [0.5, -9.81], 'links': ['ground'");
-    put_body("crank", cx/2, cy/2);
-    put_body("two", 1, 0.5);
-    put_body("three", 1.5, 0.5);
-    put_body("four", 2, 1);
-    put_body("five", 2.5, 0.5);
+    put_link("crank", cx/2, cy/2);
+    put_link("two", 1, 0.5);
+    put_link("three", 1.5, 0.5);
+    put_link("four", 2, 1);
+    put_link("five", 2.5, 0.5);
     put("], 'joints': [");
     put_joint("A", 'r', "'ground', 'crank'", 0, 0, 0);
     put_joint("B", 'r', "'crank', 'two'", cx, cy, 0);

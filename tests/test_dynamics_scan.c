@@ -1,39 +1,16 @@
 /* Random models with singular postures, run on several grids: not one difference from the exact motion or between
  * formulations goes without a word.  A run gives all its samples, or a status.  LW_SCAN=N takes N models of each kind
  * instead of a few. */
-#include <stdarg.h>
-#include "base/rng.h"
 #include "mbs/dynamics/reactions.h"
 #include "tests/dynamics_run.h"
+#include "tests/model_text.h"
 
 static drun d;
-static lw_rng rng;
-static char text[8000];
-static int  used;
-
-static double between(double a, double b) { return lw_rng_range(&rng, a, b); }
 
 static int models(int few)
 {
     const char *all = getenv("LW_SCAN");
     return all ? atoi(all) : few;
-}
-
-static void put(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void put(const char *format, ...)
-{
-    va_list arg;
-    va_start(arg, format);
-    used += vsnprintf(text + used, sizeof text - (size_t)used, format, arg);
-    va_end(arg);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-}
-
-static void put_link(const char *name, double x, double y)
-{
-    put(", {'name': '%s', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}", name, between(0.5, 2),
-        x + between(-0.2, 0.2), y + between(-0.2, 0.2), between(0.05, 0.5));
 }
 
 static void put_pin(const char *name, const char *first, const char *second, double x, double y)

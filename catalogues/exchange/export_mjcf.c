@@ -64,14 +64,6 @@ static void put_link(writer *w, const char *attribute, int link, const char *mor
 
 /* ---- the tree ----------------------------------------------------------------------------------- */
 
-static bool is_input(const lw_linkage *linkage, int joint)
-{
-    for (int i = 0; i < linkage->n_input; i++)
-        if (linkage->input[i].joint == joint)
-            return true;
-    return false;
-}
-
 /* Does a motion drive the input? In a model with masses, an input without a motion runs freely. */
 static bool is_driven(const writer *w, int input)
 {
@@ -111,7 +103,7 @@ static void put_reference(writer *w, int joint)
 {
     const lw_linkage *k = w->k;
     double at = reference_of(k, joint), stiffness = 0, damping = 0, pull = 0;
-    if (is_input(k, joint))
+    if (lw_export_is_input(k, joint))
         put_attribute(w, "ref", at);
     for (int i = 0; w->m && i < w->m->n_joint_spring; i++) {
         const lw_joint_spring *p = &w->m->joint_spring[i];

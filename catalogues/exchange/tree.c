@@ -3,7 +3,7 @@
 #include <string.h>
 #include "catalogues/exchange/export.h"
 
-static bool is_input(const lw_linkage *linkage, int joint)
+bool lw_export_is_input(const lw_linkage *linkage, int joint)
 {
     for (int i = 0; i < linkage->n_input; i++)
         if (linkage->input[i].joint == joint)
@@ -28,7 +28,7 @@ static bool is_loaded(const lw_model *m, int joint)
 static int rank_of(const lw_linkage *linkage, const lw_model *m, int joint, const bool *at_gear)
 {
     lw_joint_kind kind = linkage->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : is_input(linkage, joint) || is_loaded(m, joint) ? 0 : at_gear[joint] ? 1
+    return lw_joint_has_ratio(kind) ? -1 : lw_export_is_input(linkage, joint) || is_loaded(m, joint) ? 0 : at_gear[joint] ? 1
          : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 

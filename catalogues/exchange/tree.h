@@ -19,6 +19,8 @@ lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export
 /* +1 if the turn or shift of `child` has the joint's sign, else -1. */
 double lw_export_count_sign(const lw_linkage *linkage, int joint, int child);
 
+bool lw_export_is_input(const lw_linkage *linkage, int joint);
+
 /* Has a link of the model a mass? m may be NULL. */
 bool lw_export_weighed(const lw_linkage *linkage, const lw_model *m);
 
