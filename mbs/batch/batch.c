@@ -33,10 +33,10 @@ size_t lw_group_posture_size(const lw_plan *p)
 /* Higher groups add their inverses, their postures in a chunk of lanes, and the scratch to follow and to solve them. */
 size_t lw_batch_work_size(const lw_plan *p)
 {
-    size_t size = sizeof(double)*(lw_lane_rows(p)*LW_BLOCK + group_rows(p)*LW_GROUP);
+    size_t size = sizeof(double)*(lw_lane_rows(p)*LW_BLOCK_LANES + group_rows(p)*LW_GROUP);
     if (!p->n_higher)
         return size;
-    size += sizeof(double)*(lw_inverse_rows(p)*LW_BLOCK + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP));
+    size += sizeof(double)*(lw_inverse_rows(p)*LW_BLOCK_LANES + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP));
     return size + lw_group_posture_size(p) + *lw_kernels_of(p)->group_size + LW_SCRATCH_ALIGNMENT;
 }
 

@@ -17,10 +17,10 @@ static size_t block_size(const lw_plan *plan, const lw_lanes *in, int which, con
 {
     const lw_fast_dyad *f = &plan->output_fast_dyad[which];
     if (!f->applies || (!out->margin && out->u && !frame))
-        return LW_BLOCK;
+        return LW_BLOCK_LANES;
     if (!in->dim_stride && !in->mode_stride)
         return (size_t)-1;
-    return frame && f->beta < 0 && in->dim_stride && in->mode_stride ? LW_ZEROS : LW_BLOCK;
+    return frame && f->beta < 0 && in->dim_stride && in->mode_stride ? LW_ZEROS : LW_BLOCK_LANES;
 }
 
 /* Copy one set of numbers to every lane. */
@@ -260,7 +260,7 @@ static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, do
 
 static void margin_component(run *k, int which, size_t n, const lw_jacobian *out, double *scrap)
 {
-    bool known[LW_BLOCK];
+    bool known[LW_BLOCK_LANES];
     double *input = out->tm ? out->tm : scrap;
     clear_adjoints(k, n, out->jm, out->ld, input);
     lw_seed_margin(k, which, n, known);
@@ -347,9 +347,9 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
     set_ground(&k, is_fast(plan, which, out));
     if (in->n > 0 && in->n < LW_GROUP)
         few_jacobian(&k, in, which, out);
-    for (size_t first = 0; first < full; first += LW_BLOCK) {
+    for (size_t first = 0; first < full; first += LW_BLOCK_LANES) {
         lw_jacobian to = shift_jacobian(out, first);
-        block_jacobian(&k, in, which, first, full - first < LW_BLOCK ? full - first : LW_BLOCK, &to);
+        block_jacobian(&k, in, which, first, full - first < LW_BLOCK_LANES ? full - first : LW_BLOCK_LANES, &to);
     }
     if (full && full < in->n) {
         lw_jacobian to = shift_jacobian(out, in->n - LW_GROUP);
@@ -523,8 +523,8 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
     set_turns(&k, plan->n_angle, 0, 1);
     if (plan->output_fast_dyad[which].applies)
         return fast_kernel_sum(&k, in, which, &t, grad, margin);
-    for (size_t first = 0; first < full; first += LW_BLOCK) {
-        size_t n = full - first < LW_BLOCK ? full - first : LW_BLOCK;
+    for (size_t first = 0; first < full; first += LW_BLOCK_LANES) {
+        size_t n = full - first < LW_BLOCK_LANES ? full - first : LW_BLOCK_LANES;
         target here = { tx + first, ty + first, w ? w + first : NULL };
         block_sum(&k, in, which, first, n, &here, acc);
         keep_least(smallest, k.margin, n);

@@ -113,7 +113,7 @@ static inline size_t round_up(size_t n) { return (n + LW_GROUP - 1)/LW_GROUP*LW_
 /* Divide the work memory into rows.  They are as short as n allows, to stay in cache. */
 static inline run start(const lw_plan *plan, size_t n, void *work)
 {
-    run k = { .plan = plan, .nb = n >= LW_BLOCK ? LW_BLOCK : round_up(n) };
+    run k = { .plan = plan, .nb = n >= LW_BLOCK_LANES ? LW_BLOCK_LANES : round_up(n) };
     double *w = work;
     size_t nb = k.nb;
     k.reg = w;         w += 2*(size_t)plan->n_reg*nb;

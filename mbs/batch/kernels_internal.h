@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include "mbs/batch/batch.h"
 
-#define LW_BLOCK 128          /* lanes per pass: the registers of a small plan stay in the first-level cache  */
+#define LW_BLOCK_LANES 128    /* lanes per pass: the registers of a small plan stay in the first-level cache  */
 #define LW_GROUP 8            /* lanes come in multiples of this; the last group is padded                    */
 
 #define LW_CHUNK 1024         /* lanes per pass of the continuation; the last pass has up to LW_GROUP - 1 more */
