@@ -453,6 +453,31 @@ static lw_status expand(lw_dynamics *d, const lw_spatial **m, lw_error *e)
     return st;
 }
 
+/* Elastic bars between ball joints spin about their line as rigid ones do: hold these spins at their first nodes. */
+static lw_status hold_spins(lw_dynamics *d, const lw_spatial *given, lw_error *e)
+{
+    const lw_spatial_expansion *x = &d->spatial_expansion;
+    lw_space rigid;
+    lw_status st = lw_space_make(given, &rigid, e);
+    lw_space_extra *idle = st == LW_OK ? calloc((size_t)rigid.n_body + 1, sizeof *idle) : NULL;
+    if (st == LW_OK && !idle)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    int n = st == LW_OK ? lw_space_idle(&rigid, idle) : 0;
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < x->n_chain; k++) {
+            const lw_elastic *p = x->chain[k].elastic;
+            bool alike = !(lw_v3_norm(p->height) > 0) && (p->n_axis == 0 || p->n_axis == 2);
+            if (x->chain[k].link != rigid.link_of[idle[i].body] || !alike)
+                continue;
+            int node = d->space->s.body_of[x->chain[k].node[0]];
+            lw_mat3 from = lw_quaternion_matrix(rigid.axes[idle[i].body]), to = lw_quaternion_matrix(d->space->s.axes[node]);
+            lw_spatial_scene_hold(d->space, node, lw_m3_unapply(&to, lw_m3_apply(&from, idle[i].axis)));
+        }
+    free(idle);
+    lw_space_free(&rigid);
+    return st;
+}
+
 /* Where and how fast body b is, or the node that it is, on a link of the rigid model r. */
 static void place_on_rigid(lw_dynamics *d, const lw_dynamics *r, int b, int link)
 {
@@ -512,6 +537,8 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
     lw_status st = expand(d, &m, e);
     if (st == LW_OK)
         st = lw_spatial_scene_make(m, d->space, e);
+    if (st == LW_OK && d->elastic)
+        st = hold_spins(d, given, e);
     if (st == LW_OK) {
         lw_mbs_take_equations(d, lw_spatial_equations(d->space));
         d->n_input = m->n_input;

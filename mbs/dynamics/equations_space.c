@@ -70,6 +70,11 @@ static void set_slots(lw_space_slots *t, const int body[2], bool turns_only)
     }
 }
 
+static void put_spin(lw_spatial_scene *c, int i)
+{
+    c->slots[c->s.n_row + i] = (lw_space_slots){ .joint = -1, .n = 1, .block = { 2*c->idle[i].body + 1 } };
+}
+
 lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_error *e)
 {
     *c = (lw_spatial_scene){ .model = m, .massless = -1 };
@@ -95,11 +100,15 @@ lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_err
             t->joint = j;
             set_slots(t, c->s.joint[j].body, lw_space_row_turns(&c->s, j, k));
         }
-    for (int i = 0; i < c->n_idle; i++) {
-        lw_space_slots *t = &c->slots[c->s.n_row + i];
-        *t = (lw_space_slots){ .joint = -1, .n = 1, .block = { 2*c->idle[i].body + 1 } };
-    }
+    for (int i = 0; i < c->n_idle; i++)
+        put_spin(c, i);
     return LW_OK;
+}
+
+void lw_spatial_scene_hold(lw_spatial_scene *c, int body, lw_vec3 axis)
+{
+    c->idle[c->n_idle] = (lw_space_extra){ .spin = true, .body = body, .axis = axis };
+    put_spin(c, c->n_idle++);
 }
 
 void lw_spatial_scene_free(lw_spatial_scene *c)

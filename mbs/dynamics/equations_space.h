@@ -32,6 +32,9 @@ typedef struct lw_spatial_scene {
 lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_error *e);
 void      lw_spatial_scene_free(lw_spatial_scene *c);
 
+/* Hold the spin of a body about an axis (in its own axes), which changes nothing else; before the equations are taken. */
+void lw_spatial_scene_hold(lw_spatial_scene *c, int body, lw_vec3 axis);
+
 lw_equations lw_spatial_equations(lw_spatial_scene *c);
 
 /* Give massless bodies masses and inertias: at rest they do not matter.  Otherwise LW_E_ARG names a link without mass. */

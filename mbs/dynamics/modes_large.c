@@ -215,18 +215,22 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         lw_vibration v = { .eq = &d->eq, .n_q = d->n_v, .null = z.found };
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
         s = lw_tangent_at_rest(d, t, q, still, d->a, l);
+        static const double small = 1e-8;        /* a force left over counts against that of a displacement this small, too */
         double left = 0, force = 0, ratio = 0, scale = 0;
         for (size_t i = 0; s == LW_OK && i < n; i++) {
             left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
             force = fmax(force, fabs(d->force[i]));
         }
-        modes->unbalanced = force > 0 ? left/force : 0;
         /* a shift far below the squares of most rates: found from the stiffness of the diagonal over the masses */
         if (s == LW_OK)
             s = lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 }) == LW_E_MEMORY ? LW_E_MEMORY
               : LW_OK;
-        for (int i = 0; i < z.n; i++)
-            ratio = fmax(ratio, fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)])/d->eq.mass[i]);
+        for (int i = 0; i < z.n; i++) {
+            double stiffness = fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)]);
+            ratio = fmax(ratio, stiffness/d->eq.mass[i]);
+            force = fmax(force, small*stiffness);
+        }
+        modes->unbalanced = force > 0 ? left/force : 0;
         scale = ratio > 0 ? ratio : 1;
         z.shift = 1e-9*scale;
         if (s == LW_OK && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
