@@ -42,6 +42,9 @@ lw_status cli_simulate_row(void *context, const lw_moment *m);
 lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e);
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e);
 
+/* Print what an elastic link consists of. */
+void cli_explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k);
+
 /* Print what elastic links consist of and what follows for the analysis; nothing without them. */
 void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to);
 

@@ -50,6 +50,16 @@ static double drive_speed(const cli_simulate *s, double from, double to)
     return most;
 }
 
+void cli_explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
+{
+    if (k->frequency > 0)
+        cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements, for errors below 1 %% of frequencies up to %.4g Hz; "
+                 "first bending frequency with hinged ends %.4g Hz", name, k->length, k->mass, k->n_node - 1, k->frequency, k->first);
+    else
+        cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements; first bending frequency with hinged ends %.4g Hz",
+                 name, k->length, k->mass, k->n_node - 1, k->first);
+}
+
 void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to)
 {
     enum { HIGHER = 4, SAMPLES = 10 };           /* N and S of eq. 21 */
@@ -59,18 +69,11 @@ void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to)
     for (int c = 0; x && c < x->n_chain; c++) {
         const lw_elastic_chain *k = &x->chain[c];
         const lw_material *m = &k->elastic->material;
-        const char *name = s->model->linkage.link_name[k->link];
         double h = INFINITY;
         for (int i = 0; i + 1 < k->n_node; i++)
             h = fmin(h, x->model.beam[k->first_beam + i].length);
         pass = fmin(pass, h/sqrt(m->e/m->density));
-        if (k->frequency > 0)
-            cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements, for errors below 1 %% of frequencies up to %.4g Hz; "
-                     "first bending frequency with hinged ends %.4g Hz", name, k->length, k->mass, k->n_node - 1, k->frequency,
-                     k->first);
-        else
-            cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements; first bending frequency with hinged ends %.4g Hz",
-                     name, k->length, k->mass, k->n_node - 1, k->first);
+        cli_explain_chain(call, s->model->linkage.link_name[k->link], k);
     }
     if (!x)
         return;

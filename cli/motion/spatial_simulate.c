@@ -6,6 +6,7 @@
 #include "base/number.h"
 #include "base/real.h"
 #include "cli/motion/dynamics_report.h"
+#include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
 #include "cli/motion/table.h"
 #include "cli/program/json.h"
@@ -338,6 +339,9 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         if (explain)
             cli_dynamics_explain(call, q);
         take_scene(&r);
+        const lw_elastic_chain *c;
+        for (int i = 0; explain && (c = chain_of(&r, i)); i++)
+            cli_explain_chain(call, m->body[c->link].name, c);
         make_columns(&r);
         r.row = malloc((size_t)r.n_column*sizeof *r.row);
         r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
