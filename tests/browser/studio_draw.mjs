@@ -91,12 +91,13 @@ await test("pen and finger draw; two fingers zoom", async () => {
   for (const q of o) await p.touch("touchMove", [q]);
   await p.touch("touchEnd", []);
   check(`finger: ${(await anchors()).length}`, (await anchors()).length > 4);
+  if (firefox) return;                             // its driver tells two fingers apart as one
   const scale = await p.run("studio.view.scale"), [x, y] = await canvas(), n = (await anchors()).length;
   await p.touch("touchStart", [[x + 300, y + 300], [x + 340, y + 300]]);
   for (let i = 1; i < 8; i++) await p.touch("touchMove", [[x + 300 - 10 * i, y + 300], [x + 340 + 10 * i, y + 300]]);
   await p.touch("touchEnd", []);
   await p.fingers(false);
-  if (!firefox) check("zoomed", (await p.run("studio.view.scale")) > 2 * scale);
+  check("zoomed", (await p.run("studio.view.scale")) > 2 * scale);
   check("nothing drawn by it", (await anchors()).length === n);
 });
 
