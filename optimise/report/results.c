@@ -61,6 +61,7 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
 
 /* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
 enum { MEASURES = 6 };
+#define NO_BETTER 1e-3             /* relative: the best in a measure is not replaced by one better by less, a twin    */
 
 static void measures(const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
 {
@@ -106,7 +107,7 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
             continue;
         measures(c, &all[i], m);
         for (int k = 0; k < MEASURES && k < most - 1; k++)
-            if (m[k] < least[k]) {
+            if (isfinite(m[k]) && (f->best[k] < 0 || m[k] < least[k] - NO_BETTER*fabs(least[k]))) {
                 least[k] = m[k];
                 f->best[k] = i;
             }
