@@ -1,6 +1,8 @@
 /* Lists of moves: exact series, kinks, and models that follow them. */
 #include "grammar/motion_law.h"
 #include "grammar/spatial.h"
+#include "mbs/dynamics/dynamics_space.h"
+#include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -173,4 +175,60 @@ TEST(profile_in_space)
     snprintf(own, sizeof own, text, "profile(gone)");
     CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_E_NOTATION);
     CHECK_HAS(e.text, "gone");
+}
+
+typedef struct end { lw_dynamics *d; double x, v; } end;
+
+static lw_status last_input(void *context, const lw_moment *moment)
+{
+    end *to = context;
+    lw_space_moment all;
+    lw_status s = lw_dynamics_space_moment(to->d, moment, &all, NULL);
+    to->x = all.input[0];
+    to->v = all.input_rate[0];
+    return s;
+}
+
+/* A cart in space under a force with steps of the jerk: the error follows the tolerance, so no step goes over a kink. */
+TEST(runs_in_space_stop_at_kinks)
+{
+    static const char *const load[] = { "\"forces\": [{\"link\": \"cart\", \"at\": [0, 0, 0], \"fx\": \"2*profile(go, mod(t, 0.75))\"}]",
+                                        "\"springs\": [{\"joint\": \"S\", \"law\": \"-2*profile(go, mod(t, 0.75))\"}]" };
+    static const char text[] = "{%s, \"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"cart\", \"mass\": 2, \"centre\": "
+        "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", "
+        "\"cart\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}], \"profiles\": [{\"name\": \"go\", \"speed\": 3, \"acceleration\": 20, "
+        "\"jerk\": 400, \"start\": 0.05, \"moves\": [{\"to\": 0.4, \"dwell\": 0.03}, {\"to\": 0}]}], "
+        "\"inputs\": [{\"joint\": \"S\", \"speed\": 0}]}";
+    static const lw_formulation formulation[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_RADAU };
+    char own[1500];
+    lw_spatial m;
+    lw_error e = { 0 };
+    double x, v;
+    read_model("{'name': 'go', 'speed': 3, 'acceleration': 20, 'jerk': 400, 'start': 0.05, 'moves': [{'to': 0.4, 'dwell': 0.03}, "
+               "{'to': 0}]}", "'input': {'joint': 'S', 'speed': 0}");
+    exact_motion(2, &x, &v);
+    lw_model_free(&d.model);
+    for (int k = 0; k < 6; k++) {
+        snprintf(own, sizeof own, text, load[k%2]);
+        CHECK_INT(lw_spatial_read(own, strlen(own), "f", &m, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 1e-3) {
+            lw_dynamics_options o = lw_dynamics_options_default();
+            lw_dynamics_report r = { 0 };
+            lw_rest rest;
+            end to = { 0 };
+            o.formulation = formulation[k/2];
+            o.relative = o.absolute = tolerance;
+            o.to = 2;
+            CHECK_INT(lw_dynamics_make_spatial(&m, &o, &to.d, &e), LW_OK);
+            CHECK_INT(lw_dynamics_analyse(to.d, last_input, &to, &r, &rest, &e), LW_OK);
+            CHECK_TEXT(e.text, "");
+            double off = k < 2 ? 1e-12 : 200*tolerance;      /* index1 follows a polynomial exactly */
+            CHECK_NEAR(to.x, x, off, 0);
+            CHECK_NEAR(to.v, v, off, 0);
+            CHECK(k > 1 || r.steps < 60);
+            lw_dynamics_free(to.d);
+        }
+        lw_spatial_free(&m);
+    }
 }

@@ -371,8 +371,22 @@ TEST(spatial_models)
     CHECK_NEAR(at.w, 2, 1e-13, 0);
     CHECK_NEAR(at.fz, 20, 1e-12, 0);
     CHECK_INT(lw_spatial_set_motion(m, 0, "t +", &e), LW_E_NOTATION);
-    o.formulation = "reduced";
+    o.formulation = "reduced";                                    /* a driven motion needs none */
+    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, &report, &e), LW_OK);
+    CHECK_TEXT(report.formulation, "driven");
+    o.formulation = "smaller";
     CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &e), LW_E_ARG);
+    lw_spatial_destroy(m);
+    char *free_text = strdup(text), *motion = strstr(free_text, ", \"motion\": \"t^2\"");
+    memset(motion, ' ', strlen(", \"motion\": \"t^2\""));
+    CHECK_INT(lw_spatial_parse(free_text, strlen(free_text), "arm", &m, &e), LW_OK);
+    o.formulation = "reduced";                                    /* planar dyads only */
+    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, NULL, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "the reduced formulation cannot do this model");
+    o.formulation = "index1";
+    CHECK_INT(lw_spatial_simulate(m, &o, NULL, NULL, &report, &e), LW_OK);
+    CHECK_TEXT(report.formulation, "index1");
+    free(free_text);
     lw_spatial_destroy(m);
     CHECK_INT(lw_spatial_load("no/such/file", &m, &e), LW_E_IO);
     CHECK(m == NULL);

@@ -290,19 +290,24 @@ static double damper(void *context, int k, const double *q, const double *v, dou
     return lw_space_damper(&c->f, k, c->frame, g);
 }
 
+static double earlier(double than, const lw_expression *x, double t)
+{
+    return x ? fmin(than, lw_expression_next_kink(x, LW_VARIABLE_T, t)) : than;
+}
+
 static double next_kink(void *context, double t)
 {
-    const lw_spatial_scene *c = context;
+    const lw_spatial *m = ((const lw_spatial_scene *)context)->model;
     double next = INFINITY;
-    for (int i = 0; i < c->model->n_input; i++)
-        if (c->model->input[i].motion)
-            next = fmin(next, lw_expression_next_kink(c->model->input[i].motion, LW_VARIABLE_T, t));
-    for (int i = 0; i < c->model->n_force; i++)
-        for (int k = 0; k < 3; k++) {
-            const lw_expression *x[2] = { c->model->force[i].force[k], c->model->force[i].torque[k] };
-            for (int which = 0; which < 2; which++)
-                next = x[which] ? fmin(next, lw_expression_next_kink(x[which], LW_VARIABLE_T, t)) : next;
-        }
+    for (int i = 0; i < m->n_input; i++)
+        next = earlier(next, m->input[i].motion, t);
+    for (int i = 0; i < m->n_spring; i++)
+        next = earlier(next, m->spring[i].law, t);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        next = earlier(next, m->joint_spring[i].law, t);
+    for (int i = 0; i < m->n_force; i++)
+        for (int k = 0; k < 3; k++)
+            next = earlier(earlier(next, m->force[i].force[k], t), m->force[i].torque[k], t);
     return next;
 }
 
@@ -361,7 +366,7 @@ static const char *name(void *context, lw_named what, int i)
 
 static bool has_expressions(const lw_spatial_scene *c)
 {
-    bool any = c->model->n_force > 0;
+    bool any = c->model->n_force + c->model->n_spring + c->model->n_joint_spring > 0;
     for (int i = 0; i < c->model->n_input; i++)
         any = any || c->model->input[i].motion;
     return any;
