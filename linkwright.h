@@ -869,6 +869,11 @@ LW_API lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulatio
                                      lw_spatial_callback *visit, void *context, lw_simulation_report *report,
                                      lw_error *error);
 
+/* The slowest vibrations about an equilibrium, as lw_model_vibrations.  LW_E_ARG: the drawn posture is none (see `rest`), or
+ * a link has no mass. */
+LW_API lw_status lw_spatial_vibrations(const lw_spatial *model, bool rest, bool hold, lw_vibration_callback *visit,
+                                       void *context, lw_error *error);
+
 /* Pins with clearance, as the model file gives them ("clearance" of a joint). */
 typedef struct lw_clearance_settings {
     double time, settle;               /* run from 0 to time; contact counts after settle [s]       (1.25, 0.4)   */

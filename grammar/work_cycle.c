@@ -11,26 +11,40 @@
 /* Where each axis is, and since when it rests. */
 typedef struct plan { lw_work_cycle *c; lw_axis_state *at; double *free_at; double time; } plan;
 
+/* 3 or, by direction, [-1, 3]; infinite when left out. */
+static lw_status read_limit(const lw_json_node *object, const char *key, double limit[2], lw_error *e)
+{
+    lw_json_node n;
+    lw_vec2 pair = { -INFINITY, INFINITY };
+    bool given = lw_json_member(object, key, &n), both = given && lw_json_kind_of(&n) == LW_JSON_ARRAY;
+    lw_status s = both ? lw_read_pair(&n, 1, &pair, e) : given ? lw_json_number(&n, &pair.y, e) : LW_OK;
+    limit[0] = both ? pair.x : -pair.y;
+    limit[1] = pair.y;
+    if (s == LW_OK && !(limit[0] < 0 && limit[1] > 0))
+        s = lw_json_fault(&n, e, "a limit is a number above 0, or one for each direction, like [-1, 3]");
+    return s;
+}
+
 static lw_status read_axis(const lw_json_node *object, lw_work_cycle *c, lw_error *e)
 {
     static const char *const known[] = { "name", "speed", "acceleration", "jerk", "at" };
     lw_cycle_axis *a = &c->axis[c->n_axis];
-    double v = INFINITY, acceleration = INFINITY, j = INFINITY;
-    const lw_number_key numbers[] = { { "speed", 1, LW_POSITIVE, &v, NULL }, { "acceleration", 1, LW_POSITIVE,
-                                                                               &acceleration, NULL },
-                                      { "jerk", 1, LW_POSITIVE, &j, NULL }, { "at", 1, LW_ANY, &a->start, NULL } };
+    lw_axis_limits *limits = &a->limits;
+    const lw_number_key at = { "at", 1, LW_ANY, &a->start, NULL };
     lw_json_node n;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK
         && (s = lw_read_need(object, "name", &n, e)) == LW_OK && (s = lw_json_name(&n, a->name, sizeof a->name,
             e)) == LW_OK)
-        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+        s = lw_read_numbers(object, &at, 1, e);
     for (int i = 0; s == LW_OK && i < c->n_axis; i++)
         if (strcmp(c->axis[i].name, a->name) == 0)
             s = lw_json_fault(&n, e, "the name \"%s\" is given twice", a->name);
-    if (s == LW_OK && isinf(acceleration) && isinf(j))
+    if (s == LW_OK && (s = read_limit(object, "speed", limits->v, e)) == LW_OK
+        && (s = read_limit(object, "acceleration", limits->a, e)) == LW_OK)
+        s = read_limit(object, "jerk", limits->j, e);
+    if (s == LW_OK && isinf(limits->a[1]) && isinf(limits->j[1]))
         s = lw_json_fault(object, e, "axis \"%s\" needs a limit of \"acceleration\" or \"jerk\"", a->name);
-    a->limits = lw_axis_limits_even(v, acceleration, j);
     c->n_axis++;
     return s;
 }
@@ -54,9 +68,9 @@ static lw_status read_places(const lw_json_node *object, const lw_work_cycle *c,
         s = lw_json_number(&n, &value[i], e);
         if (moves)
             moves[i] = true;
-        else if (s == LW_OK && value[i] != 0 && fabs(value[i]) > c->axis[i].limits.v[1])
-            s = lw_json_fault(&n, e, "this speed is above the limit %g of axis \"%s\"", c->axis[i].limits.v[1],
-                              names[i]);
+        else if (s == LW_OK && !(value[i] >= c->axis[i].limits.v[0] && value[i] <= c->axis[i].limits.v[1]))
+            s = lw_json_fault(&n, e, "this speed is above the limit %g of axis \"%s\"",
+                              c->axis[i].limits.v[value[i] > 0], names[i]);
     }
     free(names);
     return s;

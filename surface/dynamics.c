@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/clearance_sweep.h"
 #include "mbs/dynamics/contact.h"
 #include "mbs/dynamics/counterweights.h"
@@ -407,22 +408,28 @@ lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_call
 
 typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; lw_dynamics *d; } vibrations;
 
-/* Of large models and elastic links: the slowest. */
-static lw_status find_slowest(vibrations *w, const lw_model *model, const lw_modes_options *o, lw_error *e)
+/* Of large models, elastic links and models in space: the slowest.  One of both is NULL. */
+static lw_status find_slowest(vibrations *w, const lw_model *model, const lw_spatial *space, const lw_modes_options *o, lw_error *e)
 {
     lw_dynamics_options options = lw_dynamics_options_default();
     options.analysis = LW_ANALYSIS_STATIC;
     options.hold_inputs = o->hold_inputs;
-    lw_status s = lw_dynamics_make(model, &options, &w->d, e);
+    lw_status s = space ? lw_dynamics_make_spatial(space, &options, &w->d, e) : lw_dynamics_make(model, &options, &w->d, e);
     if (s != LW_OK)
         return s;
-    size_t n = (size_t)lw_dynamics_system(w->d)->n_q;
+    if (lw_dynamics_massless(w->d))
+        return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass or no inertia, so its motion has no frequency: give it a \"mass\" "
+                            "and an \"inertia\"", lw_dynamics_massless(w->d));
+    size_t n = (size_t)(space ? lw_dynamics_space(w->d)->n_q : lw_dynamics_system(w->d)->n_q);
     double *q = calloc(2*n, sizeof *q);
     if (!q)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_dynamics_start(w->d, q, q + n);
     s = lw_modes_find_large(w->d, o, LW_MODES_DEFAULT, 0, q, &w->modes, e);
     free(q);
+    if (s == LW_OK && space && w->modes.unbalanced > 1e-6)
+        s = lw_error_set(e, LW_E_ARG, "the posture is no equilibrium: %.3g of the greatest force is left over; modes in space are "
+                         "those of an equilibrium", w->modes.unbalanced);
     return s;
 }
 
@@ -431,7 +438,7 @@ static lw_status find_modes(vibrations *w, const lw_model *model, const lw_modes
     double q[LW_SYSTEM_Q_MAX];
     const lw_linkage *small;
     if (model->n_elastic || lw_model_small(model, &small, NULL) != LW_OK)
-        return find_slowest(w, model, o, e);
+        return find_slowest(w, model, NULL, o, e);
     lw_status s = lw_forces_system(model, false, &w->s, e);
     if (s == LW_OK)
         s = lw_forces_make(model, &w->s, NULL, &w->f, e);
@@ -441,12 +448,12 @@ static lw_status find_modes(vibrations *w, const lw_model *model, const lw_modes
     return lw_modes_find(&w->f, o, 0, q, &w->modes, e);
 }
 
-lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
-                              lw_error *error)
+static lw_status vibrate(const lw_model *model, const lw_spatial *space, lw_modes_options o, lw_vibration_callback *visit,
+                         void *context, lw_error *error)
 {
-    lw_modes_options o = { .hold_inputs = hold, .rest = rest };
     vibrations *w = calloc(1, sizeof *w);
-    lw_status s = w ? find_modes(w, model, &o, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    lw_status s = !w ? lw_error_set(error, LW_E_MEMORY, "out of memory") : space ? find_slowest(w, NULL, space, &o, error)
+                : find_modes(w, model, &o, error);
     for (int i = 0; s == LW_OK && i < w->modes.n_mode; i++) {
         const lw_mode *m = &w->modes.mode[i];
         lw_vibration_info info = { m->re, m->im, m->frequency, m->natural, m->damping };
@@ -460,6 +467,18 @@ lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vi
     }
     free(w);
     return s;
+}
+
+lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
+                              lw_error *error)
+{
+    return vibrate(model, NULL, (lw_modes_options){ .hold_inputs = hold, .rest = rest }, visit, context, error);
+}
+
+lw_status lw_spatial_vibrations(const lw_spatial *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
+                                lw_error *error)
+{
+    return vibrate(NULL, model, (lw_modes_options){ .hold_inputs = hold, .rest = rest }, visit, context, error);
 }
 
 /* ---- clearance -------------------------------------------------------------------------------------------------- */

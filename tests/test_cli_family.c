@@ -108,6 +108,28 @@ TEST(figures_of_other_commands)
     expect("$P family sweep " LOADER " --vary reach=2:3:2 --measure 'condition(edge)'", 3, NULL, "spatial models");
 }
 
+/* A pendulum of 2 kg on an arm of length l in space: sqrt(m g l/(m l^2 + I))/(2 pi), from the posture at rest and from beside it. */
+TEST(frequencies_in_space)
+{
+    static const char pendulum[] =
+        "{\"linkwright\": 1, \"family\": \"pendulums\", \"parameters\": {\"l\": {\"value\": 1, \"unit\": \"m\", \"range\": [0.5, 2]}, "
+        "\"x\": {\"value\": 0, \"unit\": \"m\"}}, \"model\": {\"links\": [\"ground\", {\"name\": \"arm\", \"mass\": 2, \"centre\": "
+        "[\"=x\", 0, \"=-sqrt(l^2 - x^2)\"], \"inertia\": [0.01, 0.01, 0.01]}], \"joints\": [{\"name\": \"A\", \"kind\": \"revolute\", "
+        "\"links\": [\"ground\", \"arm\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}], \"gravity\": [0, 0, -9.81]}}";
+    char command[1200];
+    snprintf(command, sizeof command, "echo '%s' > $D/pendulum.json; $P family sweep $D/pendulum.json --vary l=0.5:2:2 --measure "
+             "'frequency(1)'", pendulum);
+    for (int i = 0; i < 2; i++) {
+        ran r = run(command);
+        CHECK_INT(r.code, 0);
+        CHECK_NEAR(second(r.out, "\n0.5,", 2), sqrt(9.81/(2*0.25 + 0.01))/(8*atan(1)), 1e-8, 0);
+        CHECK_NEAR(second(r.out, "\n2,", 2), sqrt(4*9.81/8.01)/(8*atan(1)), 1e-8, 0);
+        ran_free(&r);
+        strcat(command, " --set x=0.1");
+    }
+    expect("$P family sweep $D/pendulum.json --vary l=0.5:2:2 --measure 'frequency(2)'", 2, NULL, "has 1 natural frequenc");
+}
+
 TEST(tables_and_checks)
 {
     ran r = run("$P family table " LOADER);

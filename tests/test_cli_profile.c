@@ -57,7 +57,29 @@ TEST(several_axes)
     expect("$P profile 1,0.5,2" LIMITS "--speed-limit 3,1", 2, NULL, "one for all, or one each");
     expect("$P profile 1,x" LIMITS, 2, NULL, "a way each");
     expect("$P profile 1,2 --speed-limit 3", 3, NULL, "needs a limit");
-    expect("$P profile 1,2" LIMITS "--law 345", 2, NULL, "--law is for the motion of a single axis");
+    expect("$P profile 1,2" LIMITS "--law 345", 2, NULL, "--law is for a single move of a single axis");
+}
+
+TEST(several_moves)
+{
+    /* 0.8 m take 0.453112887 s, there and back, with a rest after each */
+    CHECK_NEAR(number("$P profile 0.8 -0.8" LIMITS "--dwell 0.2", "whole cycle"), 2*(0.453112887412 + 0.2), 1e-9, 0);
+    CHECK_NEAR(number("$P profile 0.8 --dwell 0.2" LIMITS, "whole cycle"), 0.653112887412, 1e-9, 0);
+    CHECK_NEAR(number("$P profile 0.8,0 0,1 -0.8,-1" LIMITS, "whole cycle"), 0.453112887412 + 2*0.5, 1e-9, 0);
+    CHECK_NEAR(number("$P profile 1 -0.4" LIMITS, "whole cycle"), 0.5 + number("$P profile 0.4" LIMITS, "duration"), 1e-9, 0);
+    expect("$P profile 1 -0.4" LIMITS "-n 1 | tail -1 | cut -d, -f2", 0, "0.6\n", NULL);
+    expect("$P profile 1 2,3" LIMITS, 2, NULL, "in each move");
+    expect("$P profile 1 2" LIMITS "--power 3 --mass 2", 2, NULL, "--power is for a single move");
+    expect("$P profile examples/cycles/gantry.json 2", 2, NULL, "a cycle is a single file");
+    /* a speed limit for each direction counts: back at 0.5 m/s over 1 m takes longer than the way there at 3 m/s */
+    double there = number("$P profile 1 --speed-limit 3" LIMITS, "duration"), back = number("$P profile 1 --speed-limit 0.5" LIMITS, "duration");
+    CHECK_NEAR(number("$P profile 1 -1 --speed-limit -0.5:3" LIMITS, "whole cycle"), there + back, 1e-9, 0);
+    expect("echo '{\"linkwright-cycle\": 1, \"axes\": [{\"name\": \"x\", \"speed\": [-0.5, 3], \"acceleration\": 20, \"jerk\": 400}], "
+           "\"moves\": [{\"to\": {\"x\": 1}}, {\"to\": {\"x\": 0}}]}' > $D/sides.json; $P profile $D/sides.json -q > $D/a; "
+           "$P profile 1 -1 --speed-limit -0.5:3" LIMITS "-q > $D/b; grep whole $D/a $D/b | cut -d: -f2 | uniq | wc -l", 0, "1\n", NULL);
+    expect("sed 's/-0.5, 3/0.5, 3/' $D/sides.json > $D/s.json; $P profile $D/s.json", 3, NULL, "s.json:1:57: axes[0].speed: a limit is");
+    expect("sed 's/{.to.: {.x.: 1}}/{\"to\": {\"x\": 1}, \"speed\": {\"x\": -0.6}}/' $D/sides.json > $D/s.json; $P profile $D/s.json", 3,
+           NULL, "above the limit -0.5");
 }
 
 /* No way, ways and times beyond what anyone builds: still within the limits, and finite. */

@@ -204,17 +204,18 @@ static lw_status take_mode(void *context, const lw_vibration_info *mode)
 }
 
 /* frequency(3): the third natural frequency about the posture of the file. */
-static lw_status frequencies(const lw_model *model, int n, cli_measure *m, double *value, lw_error *e)
+static lw_status frequencies(const lw_model *model, const lw_spatial *spatial, int n, cli_measure *m, double *value, lw_error *e)
 {
     modes k = { 0 };
-    lw_status s = lw_model_vibrations(model, false, false, take_mode, &k, e);
+    lw_status s = spatial ? lw_spatial_vibrations(spatial, true, false, take_mode, &k, e)
+                : lw_model_vibrations(model, false, false, take_mode, &k, e);
     for (int i = 0; s == LW_OK && i < n; i++) {
         char *end;
         long number = m[i].figure == FREQUENCY ? strtol(m[i].column, &end, 10) : 0;
         if (m[i].figure != FREQUENCY)
             continue;
         if (*end || number < 1 || number > k.n)
-            return lw_error_set(e, LW_E_ARG, "%s: the model has %d natural frequencies", m[i].text, k.n);
+            return lw_error_set(e, LW_E_ARG, "%s: the model has %d natural frequenc%s", m[i].text, k.n, k.n == 1 ? "y" : "ies");
         value[i] = k.natural[number - 1];
         strcpy(m[i].unit, "Hz");
     }
@@ -318,10 +319,8 @@ lw_status cli_measures_run(const cli_call *call, lw_variant *v, int n, cli_measu
     lw_spatial *spatial;
     cli_table t = { 0 };
     s = make_model(v, &model, &spatial, &x, e);
-    if (s == LW_OK && vibrates && spatial)
-        s = lw_error_set(e, LW_E_KIND, "natural frequencies are known of planar models only");
     if (s == LW_OK && vibrates)
-        s = frequencies(model, n, m, value, e);
+        s = frequencies(model, spatial, n, m, value, e);
     if (s == LW_OK && turns)
         s = spatial ? lw_error_set(e, LW_E_KIND, "arcs are known of planar linkages only") : arcs(model, n, m, value, e);
     if (s == LW_OK && run)

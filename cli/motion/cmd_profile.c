@@ -13,7 +13,7 @@
 
 typedef struct settings {
     const char *from, *to, *speed, *acceleration, *jerk, *law, *plot;
-    double      duration, frequency, swing, power, mass;
+    double      duration, frequency, swing, power, mass, dwell;
     int         rows;
     bool        straight;
 } settings;
@@ -44,6 +44,8 @@ static const cli_option options[] = {
       "limit of the power that moves the mass: sets the acceleration for the least time from rest to rest", 1e-12, 1e15,
       "mass", "law" },
     { "mass", 0, CLI_REAL, offsetof(settings, mass), "M", NULL, "the mass that is moved", 1e-15, 1e15, "power", NULL },
+    { "dwell", 0, CLI_REAL, offsetof(settings, dwell), "T", "0", "rest of T seconds after each of several moves", 0, 1e12, NULL,
+      "law" },
     { "straight", 0, CLI_FLAG, offsetof(settings, straight), NULL, NULL,
       "several axes move along a straight line, in phase; without it they begin and end together", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, rows), "N", "0",
@@ -328,51 +330,67 @@ static const char *item_of(const char *list, int i, int *length)
     return at;
 }
 
-/* Several axes that begin and end together are a work cycle of one move. */
-static int run_axes(const cli_call *call)
+/* Several moves, each of one axis or of several that begin and end together, are a work cycle. */
+static int run_moves(const cli_call *call)
 {
     const settings *o = call->settings;
     static const char *const others[] = { "from-state", "to-state", "law", "frequency", "swing", "power", "mass" };
-    const char *keys[] = { "speed", "acceleration", "jerk" }, *limits[] = { o->speed, o->acceleration, o->jerk };
-    const char *ways = call->parsed.word[0], *at;
+    const char *keys[] = { "speed", "acceleration", "jerk" }, *limits[] = { o->speed, o->acceleration, o->jerk }, *at;
     char *text = NULL, *end;
     size_t size = 0;
     int n = 1, length = 0;
     for (size_t i = 0; i < sizeof others/sizeof *others; i++)
         if (cli_given(&call->parsed, others[i]))
-            return cli_usage(call, "--%s is for the motion of a single axis", others[i]);
-    for (const char *c = ways; *c; c++)
+            return cli_usage(call, "--%s is for a single move of a single axis", others[i]);
+    for (const char *c = call->parsed.word[0]; *c; c++)
         n += *c == ',';
-    FILE *f = open_memstream(&text, &size);
-    if (!f)
+    double *place = calloc((size_t)n, sizeof *place);
+    FILE *f = place ? open_memstream(&text, &size) : NULL;
+    if (!f) {
+        free(place);
         return cli_usage(call, "out of memory");
+    }
     fputs("{\"linkwright-cycle\": 1, \"axes\": [", f);
     bool fine = true;
     for (int i = 0; i < n && fine; i++) {
         fprintf(f, "%s{\"name\": \"%d\"", i ? ", " : "", i + 1);
         for (int k = 0; k < 3 && fine; k++)
             if (limits[k]) {
+                char one[64];
+                double limit[2];
                 at = item_of(limits[k], i, &length);
-                double x = at ? strtod(at, &end) : 0;
-                fine = at && end == at + length && x > 0 && isfinite(x);
-                fprintf(f, ", \"%s\": %.17g", keys[k], x);
+                snprintf(one, sizeof one, "%.*s", at ? length : 0, at ? at : "");
+                fine = read_limit(keys[k], one, limit, NULL) == LW_OK && limit[0] < 0 && limit[1] > 0;
+                fprintf(f, ", \"%s\": [%.17g, %.17g]", keys[k], limit[0], limit[1]);
             }
         fputc('}', f);
     }
-    fputs("], \"moves\": [{\"to\": {", f);
-    for (int i = 0; i < n && fine; i++) {
-        at = item_of(ways, i, &length);
-        double x = strtod(at, &end);
-        fine = end == at + length && length > 0 && isfinite(x);
-        fprintf(f, "%s\"%d\": %.17g", i ? ", " : "", i + 1, x);
+    fputs("], \"moves\": [", f);
+    for (int w = 0; w < call->parsed.n_word && fine; w++) {
+        const char *ways = call->parsed.word[w];
+        fprintf(f, "%s{\"to\": {", w ? ", " : "");
+        int given = 1;
+        for (const char *c = ways; *c; c++)
+            given += *c == ',';
+        fine = given == n;
+        for (int i = 0; i < n && fine; i++) {
+            at = item_of(ways, i, &length);
+            double x = strtod(at, &end);
+            place[i] += x;
+            fine = end == at + length && length > 0 && isfinite(place[i]);
+            fprintf(f, "%s\"%d\": %.17g", i ? ", " : "", i + 1, place[i]);
+        }
+        fprintf(f, "}, \"dwell\": %.17g", o->dwell);
+        if (o->duration > 0)
+            fprintf(f, ", \"duration\": %.17g", o->duration);
+        fprintf(f, "%s}", o->straight ? ", \"straight\": true" : "");
     }
-    fputc('}', f);
-    if (o->duration > 0)
-        fprintf(f, ", \"duration\": %.17g", o->duration);
-    fprintf(f, "%s}]}", o->straight ? ", \"straight\": true" : "");
+    fputs("]}", f);
     fclose(f);
+    free(place);
     int code = fine ? cli_profile_cycle(call, text, size, o->rows, o->plot)
-             : cli_usage(call, "several axes need a way each, \"1,0.2,0.8\", and limits above 0: one for all, or one each");
+             : cli_usage(call, "several axes need a way each, \"1,0.2,0.8\", in each move, and limits like 3 or -1:3: one for all, "
+                               "or one each");
     free(text);
     return code;
 }
@@ -382,19 +400,21 @@ static int run(const cli_call *call)
     const settings *o = call->settings;
     static const cli_option row = { .kind = CLI_REAL };
     static const char *const others[] = { "from-state", "to-state", "speed-limit", "acceleration-limit", "jerk-limit", "law",
-                                          "duration", "frequency", "swing", "power", "mass", "straight" };
+                                          "duration", "frequency", "swing", "power", "mass", "dwell", "straight" };
     motion m = { 0 };
     lw_output out;
     lw_error e = { 0 };
     size_t length = strlen(call->parsed.word[0]);
     if (length > 5 && strcmp(call->parsed.word[0] + length - 5, ".json") == 0) {
+        if (call->parsed.n_word > 1)
+            return cli_usage(call, "a cycle is a single file");
         for (size_t i = 0; i < sizeof others/sizeof *others; i++)
             if (cli_given(&call->parsed, others[i]))
                 return cli_usage(call, "--%s is for a single motion; the file of a cycle has its own limits", others[i]);
         return cli_profile_cycle(call, NULL, 0, o->rows, o->plot);
     }
-    if (strchr(call->parsed.word[0], ','))
-        return run_axes(call);
+    if (call->parsed.n_word > 1 || strchr(call->parsed.word[0], ',') || o->dwell > 0)
+        return run_moves(call);
     lw_status s = cli_value(&row, "WAY", call->parsed.word[0], &m.way, &e);
     if (s != LW_OK)
         return cli_usage(call, "%s", e.text);
@@ -421,7 +441,7 @@ static int run(const cli_call *call)
 
 const cli_command cli_profile_command = {
     .name = "profile",
-    .words = "WAY[,WAY,...] or CYCLE.json",
+    .words = "WAY[,WAY,...] ... or CYCLE.json",
     .title = "motion of an axis: least time under limits of speed, acceleration and jerk, or a law",
     .examples =
         "  linkwright profile 0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400          # metres, or any "
@@ -434,6 +454,7 @@ const cli_command cli_profile_command = {
             "afterwards\n"
         "  linkwright profile 1,0.2,0.8 --speed-limit 3 --acceleration-limit 20 --jerk-limit 400 --straight   # three axes, in "
             "phase\n"
+        "  linkwright profile 0.5 0.3 -0.8 --acceleration-limit 20 --dwell 0.2   # three moves, each followed by a rest\n"
         "  linkwright profile examples/cycles/gantry.json                        # a work cycle: phase times of its moves\n",
     .about =
         "Prints the duration, the extremes of speed, acceleration and jerk, and the phases of constant jerk of a "
@@ -447,7 +468,8 @@ const cli_command cli_profile_command = {
         "Exit code 1: no motion within the limits takes the duration; the message names the next one that is "
             "possible.\n"
         "\n"
-        "Several ways with commas are axes that begin and end together. A limit counts for all, or is a list too.\n"
+        "Several ways with commas are axes that begin and end together. A limit counts for all, or is a list too. Ways in\n"
+        "separate words are moves one after the other, with --dwell between them.\n"
         "\n"
         "A file with a work cycle (docs/profile.md, \"Work cycles\") is a list of moves of several axes with payloads, rests,\n"
         "overlaps and passing speeds. It prints when each move begins and how long it takes; exit code 1: the cycle takes\n"
@@ -455,6 +477,6 @@ const cli_command cli_profile_command = {
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,
-    .most_words = 1,
+    .most_words = 1000,
     .run = run
 };
