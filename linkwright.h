@@ -702,7 +702,7 @@ typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /*
 
 typedef struct lw_simulation_options {
     const char    *analysis;           /* transient static quasistatic kinematic dynamic            ("transient") */
-    const char    *formulation;        /* auto driven quadrature reduced index1 cvode ggl radau     ("auto")      */
+    const char    *formulation;        /* auto driven quadrature reduced capture index1 cvode ggl radau ("auto") */
     double         from, to;           /* time [s]                                                  (0, 1)        */
     int            intervals;          /* samples less one, evenly spaced                           (100)         */
     double         tolerance;          /* of a step, lengths over the size of the linkage           (1e-10)       */

@@ -28,6 +28,7 @@ typedef enum lw_analysis {
  *     reduced     M(s) s'' + M'(s)/2 s'^2 = Q in the input s of the plan, explicit method of order 8; friction is
  *                 set-valued
  *     radau       the same equations by Radau IIA of order 5 with sparse derivatives
+ *     capture     impacts and contact forces together in steps of time (Moreau, Jean)
  *     index1      M a + J^T l = Q with J a = c solved in every evaluation, explicit method of order 8, the state put
  *                 back on the constraints after every step
  *     cvode       the same equations by an implicit method
@@ -37,6 +38,7 @@ typedef enum lw_analysis {
     X(QUADRATURE, quadrature, "one freedom, forces by the posture alone: time is an integral") \
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
     X(RADAU, radau, "implicit Runge-Kutta method of order 5, for elastic links") \
+    X(CAPTURE, capture, "many rigid contacts: captured in steps, first order; impacts are not located") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
     X(CVODE, cvode, "the same by an implicit method, for smooth friction") \
     X(GGL, ggl, "differential-algebraic equations of index 2, for stiff dampers; no rigid stops")
@@ -107,6 +109,7 @@ typedef struct lw_dynamics_report {
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
     int    n_event, n_event_seen;            /* events kept, and all */
     lw_run_event event[LW_REPORT_EVENT_MAX];
+    double captured_step, overlap;           /* of the capture formulation: longest step [s], greatest overlap [m] */
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
     double t;                    /* time reached */
     long   samples;              /* handed out; intervals + 1 where the run succeeds */

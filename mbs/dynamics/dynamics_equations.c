@@ -590,6 +590,35 @@ static lw_status keep_independent(lw_dynamics *d)
     return s;
 }
 
+lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n)
+{
+    int first = d->n_row + d->n_driven + d->n_resting;
+    d->n_c = first + d->touch->n_row;
+    find_row_blocks(d);
+    memcpy(d->kept, kept, (size_t)n*sizeof *kept);
+    for (int r = first; r < d->n_c; r++)
+        d->kept[n++] = r;
+    d->n_kept = n;
+    return prepare_kept(d);
+}
+
+/* Rows of contacts give way by this share, so that those which depend on others share the load. */
+static const double give = 1e-9;
+
+lw_status lw_mbs_factor_touch(lw_dynamics *d)
+{
+    int first = d->n_row + d->n_driven + d->n_resting;
+    double *diagonal = d->schur.value + d->schur.n_entry;
+    d->by_rank = false;
+    form_schur(d);
+    for (int i = 0; i < d->n_kept; i++)
+        diagonal[i] = !(diagonal[i] > 0) ? 1 : d->kept[i] >= first ? diagonal[i]*(1 + give) : diagonal[i];
+    d->weak = lw_cholesky_factor(&d->schur, 0, NULL);
+    return d->weak > 0 ? LW_OK : LW_OPEN;
+}
+
+double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x) { return row_dot(d, r, x); }
+
 static void set_rank(lw_dynamics *d, int rank)
 {
     d->rank = rank;
@@ -630,7 +659,8 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
     *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .z = d->eq.z, .work = work };
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, t);
-    for (int r = 0; s == LW_OK && r < d->n_c; r++) {
+    int held = d->n_c - (d->touch && d->touch->captured ? d->touch->n_row : 0);
+    for (int r = 0; s == LW_OK && r < held; r++) {
         double rate = row_dot(d, r, v) - d->rhs[r];
         m->off = fmax(m->off, fabs(d->phi[r]));
         m->off_rate = fmax(m->off_rate, fabs(rate));

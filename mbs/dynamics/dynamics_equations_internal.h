@@ -165,6 +165,14 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* x and l of M x + J^T l = force, J x = rhs; factored.  force NULL: 0. */
 lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l);
 
+/* Rows of contacts beside the independent rows of the joints, kept (n): for dynamics_capture.c.  All stay in the pattern;
+ * those set to 0 in d->jac take no part.  lw_mbs_linear solves.  LW_OPEN: dependent rows of joints. */
+lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n);
+lw_status lw_mbs_factor_touch(lw_dynamics *d);
+
+/* Row r times x (n_v). */
+double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x);
+
 /* Do dampers make the equations stiff over the length of the run? */
 bool lw_mbs_is_stiff(lw_dynamics *d);
 

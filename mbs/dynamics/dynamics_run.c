@@ -142,7 +142,7 @@ lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, vo
     return s;
 }
 
-lw_status lw_run_begin(lw_run *run, const double *y)
+static void note_start(lw_run *run, const double *y)
 {
     lw_dynamics *d = run->d;
     run->potential0 = d->eq.potential(d->eq.context, y);
@@ -153,7 +153,18 @@ lw_status lw_run_begin(lw_run *run, const double *y)
     lw_run_watch(run, y);
     run->next = 1;
     run->kink = d->o.from;
-    return lw_run_show(run, d->o.from, y);
+}
+
+lw_status lw_run_begin(lw_run *run, const double *y)
+{
+    note_start(run, y);
+    return lw_run_show(run, run->d->o.from, y);
+}
+
+lw_status lw_run_begin_solved(lw_run *run, const double *y)
+{
+    note_start(run, y);
+    return lw_run_show_solved(run, run->d->o.from, y);
 }
 
 lw_status lw_run_limits(lw_run *run, double t, long steps)

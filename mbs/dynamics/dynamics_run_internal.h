@@ -32,8 +32,9 @@ typedef struct lw_run {
 /* Time of sample k. */
 double lw_run_time(const lw_dynamics *d, int k);
 
-/* Numbers of the start, and the first sample. */
+/* Numbers of the start, and the first sample; with the accelerations and multipliers of the caller. */
 lw_status lw_run_begin(lw_run *run, const double *y);
+lw_status lw_run_begin_solved(lw_run *run, const double *y);
 
 /* Hand the moment at (t, y) to the sink and keep the greatest residuals.  In a singular posture accelerations and
  * multipliers are NaN. */
@@ -95,6 +96,9 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
 
 /* Impacts at (t, y), then the states of all places.  events: bits of the event functions that crossed 0. */
 lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events);
+
+/* LW_E_ARG: shapes overlap at t.  The coordinates are those placed last. */
+lw_status lw_run_touch_check(lw_run *run, double t);
 
 /* After a step to (t, y); LW_E_NUMERIC: a closure was missed.  And the longest step from there that misses none. */
 lw_status lw_run_touch_accept(lw_run *run, double t, const double *y);

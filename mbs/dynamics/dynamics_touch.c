@@ -211,6 +211,20 @@ static lw_status look_at(lw_run *run, double t, lw_touch *p, const lw_touch_moti
     return LW_OK;
 }
 
+lw_status lw_run_touch_check(lw_run *run, double t)
+{
+    lw_dynamics *d = run->d;
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < d->touch->list.n; i++) {
+        lw_touch_motion m;
+        bool is;
+        lw_touch_at(&d->touch->list.touch[i], &d->eq, d->frames, NULL, &m);
+        s = look_at(run, t, &d->touch->list.touch[i], &m, &is);
+        d->touch->list.touch[i].state = LW_TOUCH_APART;
+    }
+    return s;
+}
+
 static double row_dot(const lw_touch *p, const double *row, const double *x)
 {
     double sum = 0;

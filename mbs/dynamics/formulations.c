@@ -85,7 +85,7 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
         return take(d, d->o.formulation, r, e);
     for (int f = 1; f < (int)(sizeof table/sizeof *table); f++) {
         r->formulation = (lw_formulation)f;
-        if (d->o.pieces && (f == LW_FORMULATION_DRIVEN || f == LW_FORMULATION_QUADRATURE))
+        if (d->o.pieces && (f == LW_FORMULATION_DRIVEN || f == LW_FORMULATION_QUADRATURE || f == LW_FORMULATION_CAPTURE))
             continue;
         s = table[f]->able(d, false, r);
         if (s == LW_OK || s == LW_E_MEMORY)

@@ -18,6 +18,7 @@ struct lw_touching {
     int     n_slip;                      /* rigid places that slip; they follow the joints in d->friction */
     double *response;                    /* (n_friction + n_slip)*(n_q + n_c)                          */
     double  determinant;                 /* of the friction equations; 1 without friction              */
+    bool    captured;                    /* rows are all near places, closed or not (dynamics_capture.c) */
     bool    events;                      /* where compliant contacts begin and end                     */
     double  least_force;                 /* a force below this is rounding                             */
     long    stalled;                     /* events in a row without progress in time, */

@@ -23,7 +23,7 @@ lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e)
         rigid += !(p->stiffness > 0) || (p->friction > 0 && !(p->friction_speed > 0));
     }
     d->n_stop = 0;                           /* they are places too */
-    w->row_max = 2*rigid < d->n_q ? 2*rigid : d->n_q;
+    w->row_max = 2*rigid;
     w->row = calloc((size_t)w->row_max + 1, sizeof *w->row);
     w->determinant = 1;
     w->events = compliant <= EVENTS_MOST;

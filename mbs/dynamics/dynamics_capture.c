@@ -1,0 +1,565 @@
+/* mbs/dynamics/dynamics_capture.c - many rigid contacts at once: impacts, rest, stick and slip are captured in steps,
+ * not located (Moreau 1988, Jean 1999).  A chain of a thousand links that falls on the ground has more impacts than can be
+ * located one by one.
+ *
+ * A step of length h goes half of it with the old velocities v, then finds the new ones v' and goes the other half:
+ *
+ *     M (v' - v) = h Q - J^T l + N^T p + T^T f,   J v' = rates of the inputs,
+ *     p >= 0,  N v' + restitution N v >= 0,  one of them 0;   |f| <= mu p, and f = -mu p against the slip T v'
+ *
+ * over the places that are closed in the middle of the step.  Which of them press, and which stick, is found by Newton's
+ * method for complementarity: solve for a guess, change what contradicts it (Hintermueller, Ito & Kunisch 2002).  At
+ * places that slip friction is in proportion to the normal force, so that the system is not symmetric.  All rows stay in
+ * its pattern; those out of force become 0, so that a pass is one sparse factorisation.  Rows of contacts have a
+ * compliance of rounding, which shares loads that are undetermined.
+ *
+ * Between contacts the error is of second order in h; times of impacts and overlaps are of first order.  The report says
+ * both. */
+#include "base/real.h"
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/sparse_lu.h"
+#include "mbs/dynamics/touch_internal.h"
+
+static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
+static const double closed = 1e-3;           /* a gap below this part of that way is closed */
+static const double ahead = 20;              /* places this many steps away are in the pattern */
+/* Rates below this times the speed count as 0: at first, and where the passes do not end with that. */
+static const double exact = 1e-8, allowed = 1e-5;
+static const double give = 1e-9;             /* share by which rows of contacts give way */
+static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
+enum { PASSES = 120, HARD = 40, TOGETHER = 12, LEAST_CONTACTS = 24, HALVINGS = 8 };
+
+/* A place in the pattern: index, first of its rows (gap, then slip where it has friction), what holds there. */
+typedef struct place {
+    int    touch, row;
+    bool   rubs, shut, presses;              /* shut: closed in the middle of the step */
+    int    slips;                            /* 0: sticks */
+    double mu, target, normal, across;      /* impulses; target: least rate of the gap */
+} place;
+
+typedef struct capture {
+    lw_run *run;
+    lw_dynamics *d;
+    int     n, n_kept, *kept;                /* places in the pattern; independent rows of the joints */
+    place  *at;
+    double  size;                            /* smallest body that touches, scaled */
+    double *q, *v, *next_q, *next_v, *momentum, *wanted, *force, *full, *push;
+    lw_columns pattern;                      /* of the system, */
+    lw_sparse_lu *lu;                        /* its factors, */
+    double *value;                           /* its entries: where pairs of rows and their own products go */
+    int    *to, *diagonal;
+    double  t, work, power;                  /* power of forces without potential in the middle of the step [W] */
+} capture;
+
+/* ---- the pattern ------------------------------------------------------------------------------------------ */
+
+/* Speed of the fastest place, scaled; and is a place that is not in the pattern nearer than `near`? */
+static double look(capture *g, double near, bool *missing)
+{
+    lw_touch_list *list = &g->d->touch->list;
+    double fastest = 0;
+    int k = 0;
+    g->d->eq.place(g->d->eq.context, g->q);
+    for (int i = 0; i < list->n; i++) {
+        lw_touch_motion m;
+        lw_touch_at(&list->touch[i], &g->d->eq, g->d->frames, g->v, &m);
+        fastest = fmax(fastest, hypot(m.rate, m.slip));
+        while (k < g->n && g->at[k].touch < i)
+            k++;
+        bool in = k < g->n && g->at[k].touch == i;
+        *missing = *missing || (!in && m.gap < near);
+    }
+    return fastest;
+}
+
+static void free_pattern(capture *g)
+{
+    lw_sparse_lu_free(g->lu);
+    lw_columns_free(&g->pattern);
+    free(g->value);
+    free(g->to);
+    g->lu = NULL;
+    g->value = NULL;
+    g->to = NULL;
+}
+
+/* The pattern of the system: an entry where two rows share a body. */
+static lw_status make_pattern(capture *g)
+{
+    lw_dynamics *d = g->d;
+    long n = d->n_pair;
+    free_pattern(g);
+    int *entry = malloc((4*(size_t)n + 1)*sizeof *entry);
+    g->to = malloc((2*(size_t)n + (size_t)d->n_kept + 1)*sizeof *g->to);
+    if (!entry || !g->to) {
+        free(entry);
+        return LW_E_MEMORY;
+    }
+    g->diagonal = g->to + 2*n;
+    for (long k = 0; k < n; k++) {
+        int i = d->place[d->pair[k].row/LW_ROW_SIZE], j = d->place[d->pair[k].other/LW_ROW_SIZE];
+        memcpy(entry + 4*k, (int[]){ i, j, j, i }, 4*sizeof *entry);
+    }
+    bool ok = lw_columns_make(&g->pattern, d->n_kept, entry, 2*n);
+    for (long k = 0; ok && k < n; k++) {
+        g->to[2*k] = lw_columns_find(&g->pattern, entry[4*k], entry[4*k + 1]);
+        g->to[2*k + 1] = lw_columns_find(&g->pattern, entry[4*k + 1], entry[4*k]);
+    }
+    for (int i = 0; ok && i < d->n_kept; i++)
+        g->diagonal[i] = lw_columns_find(&g->pattern, i, i);
+    free(entry);
+    ok = ok && (g->value = malloc(((size_t)g->pattern.at[d->n_kept] + 1)*sizeof *g->value)) != NULL;
+    ok = ok && (g->lu = lw_sparse_lu_create(&g->pattern)) != NULL;
+    return ok ? LW_OK : LW_E_MEMORY;
+}
+
+/* Put the places nearer than `reach` into the pattern; frames are those at q. */
+static lw_status choose_places(capture *g, double reach)
+{
+    lw_dynamics *d = g->d;
+    struct lw_touching *w = d->touch;
+    int n = 0, old = g->n, k = 0;
+    place *was = malloc(((size_t)old + 1)*sizeof *was);
+    if (!was)
+        return LW_E_MEMORY;
+    memcpy(was, g->at, (size_t)old*sizeof *was);
+    w->n_row = 0;
+    for (int i = 0; i < w->list.n; i++) {
+        const lw_touch *p = &w->list.touch[i];
+        lw_touch_motion m;
+        lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+        while (k < old && was[k].touch < i)
+            k++;
+        bool in = k < old && was[k].touch == i;
+        if (!(m.gap < reach) && !(in && was[k].presses))
+            continue;
+        place *to = &g->at[n++];
+        *to = in ? was[k] : (place){ .touch = i, .mu = p->surface->friction };
+        to->rubs = p->kind <= LW_TOUCH_DISCS && to->mu > 0;
+        to->row = d->n_row + d->n_driven + w->n_row;
+        w->row[w->n_row++] = (lw_touch_row){ i, false };
+        if (to->rubs)
+            w->row[w->n_row++] = (lw_touch_row){ i, true };
+    }
+    free(was);
+    g->n = n;
+    lw_status s = lw_mbs_arrange_touch(d, g->kept, g->n_kept);
+    return s == LW_OK ? make_pattern(g) : s;
+}
+
+/* ---- a step ------------------------------------------------------------------------------------------------ */
+
+static void clear_row(lw_dynamics *d, int row) { memset(d->jac + row*LW_ROW_SIZE, 0, LW_ROW_SIZE*sizeof *d->jac); }
+
+static int first_row(const lw_dynamics *d) { return d->n_row + d->n_driven; }
+
+/* All rows of places as they are in the middle of the step. */
+static void restore_rows(const capture *g)
+{
+    lw_dynamics *d = g->d;
+    memcpy(d->jac + first_row(d)*LW_ROW_SIZE, g->full, (size_t)(d->n_c - first_row(d))*LW_ROW_SIZE*sizeof *d->jac);
+}
+
+/* The system for the guess: J M^-1 P^T, where P are the directions in which the multipliers push: the rows, and at a place
+ * that slips that of the gap less friction. */
+static bool factor_guess(capture *g)
+{
+    lw_dynamics *d = g->d;
+    memcpy(g->push, d->jac, (size_t)d->n_c*LW_ROW_SIZE*sizeof *g->push);
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        double *gap = g->push + p->row*LW_ROW_SIZE, *slip = gap + LW_ROW_SIZE;
+        for (int i = 0; p->presses && p->slips && i < LW_ROW_SIZE; i++)
+            gap[i] -= p->mu*p->slips*slip[i];
+        if (!p->presses)
+            clear_row(d, p->row), memset(gap, 0, LW_ROW_SIZE*sizeof *gap);
+        if (p->rubs && (!p->presses || p->slips))
+            clear_row(d, p->row + 1), memset(slip, 0, LW_ROW_SIZE*sizeof *slip);
+    }
+    memset(g->value, 0, (size_t)g->pattern.at[g->pattern.n]*sizeof *g->value);
+    for (int k = 0; k < d->n_pair; k++) {
+        const lw_row_pair *pair = &d->pair[k];
+        int row = pair->row/LW_ROW_SIZE, slot = pair->row%LW_ROW_SIZE/LW_BLOCK;
+        const double *m = d->by_mass + LW_BLOCK*d->row_block[row][slot], *a = d->jac + pair->row, *b = d->jac + pair->other;
+        const double *x = g->push + pair->row, *y = g->push + pair->other;
+        g->value[g->to[2*k]] += a[0]*y[0]*m[0] + a[1]*y[1]*m[1] + a[2]*y[2]*m[2];
+        if (row != pair->other/LW_ROW_SIZE)
+            g->value[g->to[2*k + 1]] += b[0]*x[0]*m[0] + b[1]*x[1]*m[1] + b[2]*x[2]*m[2];
+    }
+    for (int i = 0; i < d->n_kept; i++) {
+        double *diagonal = &g->value[g->diagonal[i]];
+        *diagonal = *diagonal == 0 ? 1 : d->kept[i] >= first_row(d) ? *diagonal*(1 + give) : *diagonal;
+    }
+    return lw_sparse_lu_factor(g->lu, g->value);
+}
+
+/* x += the rows given, each by its number in l. */
+static void add_rows(const lw_dynamics *d, const double *rows, const double *l, double *x)
+{
+    for (int r = 0; r < d->n_c; r++)
+        for (int k = 0; l[r] != 0 && k < LW_ROW_BLOCKS && d->row_block[r][k] >= 0; k++)
+            for (int i = 0; i < 3; i++)
+                x[LW_BLOCK*d->row_block[r][k] + i] += l[r]*rows[r*LW_ROW_SIZE + 3*k + i];
+}
+
+/* Velocities next_v and multipliers d->l with the places in force as guessed. */
+static lw_status solve_guess(capture *g, double h)
+{
+    lw_dynamics *d = g->d;
+    if (!factor_guess(g))
+        return LW_OPEN;
+    for (int i = 0; i < d->n_v; i++)
+        g->next_v[i] = g->v[i] + h*g->force[i]*d->by_mass[i];
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        g->wanted[p->row] = p->presses ? p->target : 0;
+        if (p->rubs)
+            g->wanted[p->row + 1] = 0;
+    }
+    double *b = d->small, *x = g->momentum;
+    for (int i = 0; i < d->n_kept; i++)
+        b[i] = lw_mbs_row_rate(d, d->kept[i], g->next_v) - g->wanted[d->kept[i]];
+    lw_sparse_lu_solve(g->lu, b);
+    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+    for (int i = 0; i < d->n_kept; i++)
+        d->l[d->kept[i]] = b[i];
+    memset(x, 0, (size_t)d->n_v*sizeof *x);
+    add_rows(d, g->push, d->l, x);
+    for (int i = 0; i < d->n_v; i++)
+        g->next_v[i] -= x[i]*d->by_mass[i];
+    return LW_OK;
+}
+
+/* Change what contradicts the velocities next_v and multipliers l at place p; true: it was changed.  What begins to press
+ * slips on; what sticks lets go before it leaves. */
+static bool revise_place(capture *g, place *p, const double *l, double tiny)
+{
+    const lw_dynamics *d = g->d;
+    double slip = p->rubs ? lw_mbs_row_rate(d, p->row + 1, g->next_v) : 0;
+    p->normal = p->presses ? -l[p->row] : 0;
+    p->across = 0;
+    if (!p->presses) {
+        p->presses = lw_mbs_row_rate(d, p->row, g->next_v) < p->target - tiny;
+        p->slips = fabs(slip) > tiny ? slip > 0 ? 1 : -1 : 0;
+        return p->presses;
+    }
+    if (p->rubs && p->slips == 0) {
+        p->across = -l[p->row + 1];
+        if (fabs(p->across) <= p->mu*p->normal*(1 + 1e-6))
+            return false;
+        p->slips = p->across > 0 ? -1 : 1;               /* friction acts against the slip */
+        return true;
+    }
+    if (p->normal < 0) {
+        p->presses = false;
+        p->normal = 0;
+        return true;
+    }
+    p->across = -p->slips*p->mu*p->normal;
+    if (!(p->slips*slip < -tiny))
+        return false;
+    p->slips = 0;
+    return true;
+}
+
+/* Change all places that contradict; in later passes, where they go round in circles, half of them, drawn anew each time.
+ * Returns how many contradict. */
+static int revise(capture *g, const double *l, int pass, double tiny)
+{
+    int changes = 0;
+    for (int k = 0; k < g->n; k++) {
+        place was = g->at[k];
+        if (!was.shut || !revise_place(g, &g->at[k], l, tiny))
+            continue;
+        changes++;
+        if (pass >= TOGETHER && ((unsigned)k*2654435761u + (unsigned)pass*2246822519u) >> 31)
+            g->at[k].presses = was.presses, g->at[k].slips = was.slips;
+    }
+    return changes;
+}
+
+/* New velocities for a step of length h with the middle at next_q.  LW_OPEN: the passes do not end. */
+static lw_status solve_step(capture *g, double t, double h)
+{
+    lw_dynamics *d = g->d;
+    double fastest = 0, pull = 0;
+    g->power = 0;
+    lw_status s = lw_mbs_rows(d, t, g->next_q);
+    if (s == LW_OK)
+        s = lw_mbs_rate_wanted(d, t);
+    if (s != LW_OK)
+        return s;
+    memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
+    memcpy(g->full, d->jac + first_row(d)*LW_ROW_SIZE, (size_t)(d->n_c - first_row(d))*LW_ROW_SIZE*sizeof *d->jac);
+    d->eq.forces(d->eq.context, t, g->next_q, g->v, g->force, &g->power);
+    for (int i = 0; i < d->n_v; i++) {
+        if (!isfinite(g->force[i]))
+            return LW_E_NUMERIC;
+        fastest = fmax(fastest, fabs(g->v[i]));
+        pull = fmax(pull, fabs(h*g->force[i]*d->by_mass[i]));
+    }
+    for (int k = 0; k < g->n; k++) {
+        place *p = &g->at[k];
+        const lw_touch *touch = &d->touch->list.touch[p->touch];
+        lw_touch_motion m;
+        lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
+        p->shut = m.gap < closed*g->size && !lw_touch_past_end(touch, &m);
+        p->presses = p->presses && p->shut;
+        p->target = m.rate < -3*pull ? -touch->surface->restitution*m.rate : 0;
+        p->normal = p->across = 0;
+    }
+    for (int pass = 0; pass < PASSES; pass++) {
+        s = solve_guess(g, h);
+        restore_rows(g);
+        if (s != LW_OK || revise(g, d->l, pass, (pass < HARD ? exact : allowed)*(fastest + pull)) == 0)
+            return s;
+    }
+    return LW_OPEN;
+}
+
+/* Put q on the joints and out of the shapes; returns the greatest overlap before, scaled. */
+static lw_status put_back(capture *g, double t, double *q, double *overlap)
+{
+    lw_dynamics *d = g->d;
+    for (int pass = 0; pass < 12; pass++) {
+        lw_status s = lw_mbs_rows(d, t, q);
+        double off = 0;
+        if (s != LW_OK)
+            return s;
+        for (int r = 0; r < d->n_row + d->n_driven; r++) {
+            g->wanted[r] = -d->phi[r];
+            off = fmax(off, fabs(d->phi[r]));
+        }
+        for (int k = 0; k < g->n; k++) {
+            const place *p = &g->at[k];
+            bool in = p->presses && d->phi[p->row] < 0;
+            g->wanted[p->row] = in ? -d->phi[p->row] : 0;
+            *overlap = pass || !p->presses ? *overlap : fmax(*overlap, -d->phi[p->row]);
+            off = in ? fmax(off, 1e-3*-d->phi[p->row]) : off;
+            if (!in)
+                clear_row(d, p->row);
+            if (p->rubs) {
+                g->wanted[p->row + 1] = 0;
+                clear_row(d, p->row + 1);
+            }
+        }
+        if (off < 1e-13*fmax(1, fabs(q[0])) || pass == 11)
+            return LW_OK;
+        if ((s = lw_mbs_factor_touch(d)) != LW_OK)
+            return s;
+        lw_mbs_linear(d, NULL, g->wanted, d->hold, d->l_each);
+        d->eq.move(d->eq.context, q, d->hold);
+    }
+    return LW_OK;
+}
+
+/* One step of length h: next_q, next_v; d->a and d->l are means over it. */
+static lw_status step(capture *g, double h, double *overlap)
+{
+    lw_dynamics *d = g->d;
+    double *way = d->hold, gained = 0, motion[3];
+    size_t n_v = (size_t)d->n_v;
+    for (size_t i = 0; i < n_v; i++)
+        way[i] = 0.5*h*g->v[i];
+    memcpy(g->next_q, g->q, (size_t)d->n_q*sizeof *g->q);
+    d->eq.move(d->eq.context, g->next_q, way);
+    lw_status s = solve_step(g, g->t + 0.5*h, h);
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i < d->n_c; i++)
+        d->l[i] /= h;
+    for (int k = 0; k < g->n; k++) {
+        const place *p = &g->at[k];
+        gained += 0.5*p->normal*(lw_mbs_row_rate(d, p->row, g->v) + lw_mbs_row_rate(d, p->row, g->next_v));
+        if (p->rubs)
+            gained += 0.5*p->across*(lw_mbs_row_rate(d, p->row + 1, g->v) + lw_mbs_row_rate(d, p->row + 1, g->next_v));
+    }
+    for (size_t i = 0; i < n_v; i++) {
+        d->a[i] = (g->next_v[i] - g->v[i])/h;
+        way[i] = 0.5*h*g->next_v[i];
+    }
+    for (int i = 0; i < d->n_driven; i++)
+        if (lw_mbs_motion(d, i, g->t + 0.5*h, motion) == LW_OK)
+            gained -= h*d->l[d->n_row + i]*motion[1];
+    d->eq.move(d->eq.context, g->next_q, way);
+    g->work += gained + h*g->power;
+    return put_back(g, g->t + h, g->next_q, overlap);
+}
+
+/* ---- the run ------------------------------------------------------------------------------------------------- */
+
+static void note_impacts(capture *g, double t)
+{
+    lw_dynamics *d = g->d;
+    lw_dynamics_report *r = g->run->r;
+    for (int k = 0; k < g->n; k++) {
+        lw_touch *p = &d->touch->list.touch[g->at[k].touch];
+        bool held = p->state == LW_TOUCH_HELD;
+        if (g->at[k].presses != held) {
+            bool stop = p->kind == LW_TOUCH_STOP;
+            if (r->n_event < LW_REPORT_EVENT_MAX)
+                r->event[r->n_event++] = (lw_run_event){ t, stop ? p->owner : -1, p->sign < 0, !held,
+                                                         lw_mbs_row_rate(d, g->at[k].row, g->v)*d->s.unit,
+                                                         stop ? d->model->linkage.joint[p->owner].name
+                                                              : lw_touch_name(d->model, p), !stop };
+            r->n_event_seen++;
+        }
+        p->state = g->at[k].presses ? LW_TOUCH_HELD : LW_TOUCH_APART;
+        p->sticks = g->at[k].presses && g->at[k].rubs && g->at[k].slips == 0;
+        p->slips = g->at[k].presses && g->at[k].rubs ? g->at[k].slips : 0;
+    }
+}
+
+static double *fill_state(const capture *g, double *y)
+{
+    const lw_dynamics *d = g->d;
+    memcpy(y, g->q, (size_t)d->n_q*sizeof *y);
+    memcpy(y + d->n_q, g->v, (size_t)d->n_v*sizeof *y);
+    y[d->n_q + d->n_v] = g->work;
+    return y;
+}
+
+/* Velocities are on the rows of the middle of the step: for the sample they are put on those at its end. */
+static lw_status show(capture *g, double *y)
+{
+    lw_dynamics *d = g->d;
+    fill_state(g, y);
+    lw_status s = lw_mbs_rows(d, g->t, g->q);
+    for (int r = d->n_row + d->n_driven; r < d->n_c; r++)
+        clear_row(d, r);
+    if (s == LW_OK)
+        s = lw_mbs_factor_touch(d);
+    if (s == LW_OK)
+        s = lw_mbs_project_v(d, g->t, y + d->n_q);
+    return s == LW_OK ? lw_run_show_solved(g->run, g->t, y) : s;
+}
+
+static lw_status run_steps(capture *g, double *y)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    lw_touch_list *list = &d->touch->list;
+    double part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest), longest = (d->o.to - d->o.from)/50, h = longest;
+    lw_status s = LW_OK;
+    while (s == LW_OK && run->next <= d->o.intervals) {
+        bool missing = false;
+        double speed = look(g, 0, &missing), pull = 0, end = lw_run_time(d, run->next);
+        for (int i = 0; i < d->n_v; i++)
+            pull = fmax(pull, fabs(d->a[i]));
+        h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(part*g->size*pull))));
+        missing = false;
+        look(g, 2*h*speed + closed*g->size, &missing);
+        if (missing)
+            s = choose_places(g, ahead*h*speed + 0.1*g->size);
+        double overlap = 0, whole = h;
+        s = s == LW_OK ? LW_OPEN : s;
+        for (int k = 0; s == LW_OPEN && k < HALVINGS; k++, whole *= 0.5) {
+            bool last = g->t + whole > end - 1e-9*whole;
+            s = step(g, last ? end - g->t : whole, &overlap);
+            if (s == LW_OPEN) {
+                run->r->refused++;
+                continue;
+            }
+            h = last ? h : whole;
+            note_impacts(g, g->t);
+            g->t = last ? end : g->t + whole;
+        }
+        if (s == LW_OPEN)
+            s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of contact were found that satisfy all conditions; give the "
+                             "contacts a \"stiffness\"", g->t);
+        if (s != LW_OK)
+            break;
+        double *q = g->q, *v = g->v;
+        g->q = g->next_q, g->next_q = q;
+        g->v = g->next_v, g->next_v = v;
+        run->r->t = g->t;
+        run->r->steps++;
+        run->r->captured_step = fmax(run->r->captured_step, whole);
+        run->r->overlap = fmax(run->r->overlap, overlap*d->s.unit);
+        d->eq.place(d->eq.context, g->q);
+        for (int i = 0; i < list->n; i++)
+            if (list->touch[i].state == LW_TOUCH_APART)
+                lw_touch_choose_side(&list->touch[i], d->frames, false);
+        lw_run_watch(run, fill_state(g, y));
+        if (g->t >= end) {
+            s = show(g, y);
+            run->next++;
+        }
+        if (s == LW_OK)
+            s = lw_run_limits(run, g->t, 0);
+    }
+    return s;
+}
+
+/* Extent of the smallest body that touches, about its centre, scaled. */
+static double smallest(const lw_touch_list *list)
+{
+    double least = INFINITY;
+    for (int i = 0; i < list->n; i++) {
+        const lw_touch *p = &list->touch[i];
+        if (p->kind <= LW_TOUCH_DISCS)
+            least = fmin(least, lw_v2_norm(p->arm[0]) + p->radius[0]);
+    }
+    return least < INFINITY ? least : 1;
+}
+
+static lw_status run_capture(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
+    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(&d->touch->list) };
+    double *memory = calloc(2*n_q + 4*n_v + rows + 2*rows*LW_ROW_SIZE + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
+    g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
+    lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.next_v = p, p += n_v;
+        g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*LW_ROW_SIZE;
+        g.push = p, p += rows*LW_ROW_SIZE, y = p;
+        memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
+        lw_dynamics_start(d, g.q, g.v);
+        fill_state(&g, y);
+        d->eq.place(d->eq.context, g.q);
+        for (int i = 0; i < d->touch->list.n; i++)
+            lw_touch_choose_side(&d->touch->list.touch[i], d->frames, true);
+        s = lw_run_touch_check(run, g.t);
+        d->touch->captured = true;
+        if (s == LW_OK)
+            s = choose_places(&g, 0.1*g.size);
+        if (s == LW_OK)                      /* a moment, for accelerations and forces at the start */
+            s = step(&g, moment*(d->o.to - d->o.from), &(double){ 0 });
+        g.work = 0;
+        note_impacts(&g, g.t);
+        if (s == LW_OK)
+            s = lw_run_begin_solved(run, y);
+        if (s == LW_OK)
+            s = run_steps(&g, y);
+        d->touch->captured = false;
+    }
+    free_pattern(&g);
+    free(g.at);
+    free(g.kept);
+    free(memory);
+    return s;
+}
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    if (!d->touch)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it is for contacts and ropes");
+    int n = d->touch->list.n;
+    for (int i = 0; i < n; i++)
+        if (d->touch->list.touch[i].surface->stiffness > 0)
+            return lw_formulation_say(r, LW_E_KIND, 0, "it knows rigid contacts only");
+    if (d->space || d->eq.n_z || d->n_friction || d->has_zero_mass)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no spatial models, first-order states, friction of joints or massless links");
+    if (!asked && d->model->n_contact < LEAST_CONTACTS)
+        return lw_formulation_say(r, LW_E_KIND, 0, "few contacts: index1 locates each event");
+    return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "many contacts: they are captured in steps, "
+                              "of first order, instead of locating each event (index1)");
+}
+
+const lw_formulation_row lw_formulation_capture = { able, run_capture };
