@@ -475,12 +475,9 @@ static lw_status check_all(lw_axis_state from, lw_axis_state to, const lw_axis_l
     return s == LW_OK ? check_state(to, l, -1, error) : s;
 }
 
-lw_status lw_profile_make(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double least,
-                          lw_profile *out, lw_error *error)
+static lw_status make(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double least, lw_profile *out,
+                      lw_error *error)
 {
-    lw_status s = check_all(from, to, limits, error);
-    if (s != LW_OK)
-        return s;
     transfer greatest = transfer_of(from, to, limits, false), smallest = transfer_of(from, to, limits, true);
     double way = to.x - from.x, slack = 1e-15*(fabs(from.x) + fabs(to.x));
     solution found = first_time(&greatest, &smallest, way, slack, fmax(least, 0));
@@ -488,7 +485,31 @@ lw_status lw_profile_make(lw_axis_state from, lw_axis_state to, const lw_axis_li
         return lw_error_set(error, LW_E_ARG, "the limits of speed %g to %g do not allow a way of %g", limits->v[0],
                             limits->v[1], way);
     build(&greatest, &smallest, from, way, &found, out);
+    lw_axis_limits e = lw_profile_extremes(out);
+    if (fmax(-e.v[0], e.v[1])*out->duration < fabs(way)*(1 - 1e-9))
+        return lw_error_set(error, LW_E_ARG, "the way %g, the limits and the time differ by too many orders of magnitude: the motion "
+                            "cannot be computed with 16 digits; choose other units, or limits nearer to what the motion needs", way);
     return LW_OK;
+}
+
+lw_status lw_profile_make(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double least,
+                          lw_profile *out, lw_error *error)
+{
+    lw_status s = check_all(from, to, limits, error);
+    bool rests = from.v == 0 && from.a == 0 && to.v == 0 && to.a == 0;
+    if (s != LW_OK || !(least > 0) || !rests || from.x == to.x)
+        return s == LW_OK ? make(from, to, limits, least, out, error) : s;
+    s = make(from, to, limits, 0, out, error);
+    double slower = least/(2*out->duration);
+    if (s != LW_OK || slower < 50)
+        return s == LW_OK ? make(from, to, limits, least, out, error) : s;
+    lw_axis_limits scaled = *limits;         /* a mixture of extreme motions that go much farther would lose digits */
+    for (int side = 0; side < 2; side++) {
+        scaled.v[side] /= slower;
+        scaled.a[side] /= slower*slower;
+        scaled.j[side] /= slower*slower*slower;
+    }
+    return make(from, to, &scaled, least, out, error);
 }
 
 lw_status lw_profile_make_timed(lw_axis_state from, lw_axis_state to, const lw_axis_limits *limits, double duration,

@@ -93,6 +93,17 @@ TEST(hard_cases)
     expect("$P profile 1e-12 --speed-limit 3" LIMITS, 0, "jerk          -400 to 400 ", NULL);
     expect("$P profile 1 --duration 1e9 --speed-limit 3" LIMITS, 0, "duration      1000000000 s\nspeed         0 to 1", NULL);
     expect("$P profile 1 --frequency 1e8" LIMITS, 0, "acceleration", NULL);
+    /* much slower than the limits allow: stretched, no digit is lost */
+    for (int i = 3; i <= 12; i += 3) {
+        char command[200];
+        snprintf(command, sizeof command, "$P profile 1" LIMITS "--duration 1e%d -n 2 | tail -2 | head -1 | cut -d, -f2", i);
+        expect(command, 0, "0.5\n", NULL);
+        snprintf(command, sizeof command, "$P profile 1" LIMITS "--duration 1e%d", i);
+        double peak = number(command, "speed         0 to ");
+        CHECK(peak*pow(10, i) > 1 && peak*pow(10, i) < 2.0001);
+    }
+    expect("$P profile 1e300 --speed-limit 3" LIMITS, 2, NULL, "too many orders of magnitude");
+    expect("$P profile 1e-300" LIMITS, 2, NULL, "too many orders of magnitude");
     expect("$P profile 1 --law copper-loss --duration 1 --json", 0, "\"law\": \"step\"", NULL);
     expect("$P profile 1 --law bang-bang --acceleration-limit 4", 0, "duration      1 s", NULL);
 }
