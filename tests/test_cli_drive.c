@@ -126,3 +126,21 @@ TEST(wrong_use)
     expect("$P drive load examples/ellipse.csv", 3, NULL, "target");
     expect("$P drive load examples/drives/lifting-arm.json -p $D/x.txt", 2, NULL, "svg");
 }
+
+/* Nothing to do, and sizes and times that no machine has: an answer, or an error with its place. */
+TEST(extreme_axes)
+{
+    static const struct { const char *edit; int code; const char *says; } rows[] = {
+        { "s/\"to\": 1, /\"to\": 0, /", 0, NULL },
+        { "s/\"mass\": 25/\"mass\": 1e300/", 3, "servo.load.mass: this number is too large" },
+        { "s/\"jerk\": 400/\"jerk\": 1e-300/", 3, "moves[0]: the way 1, the limits and the time differ by too many orders" },
+        { "s/\"dwell\": 0.1/\"dwell\": 1e300/", 3, "moves[0].dwell: this number is too large" },
+        { "s/\"gain\": 40/\"gain\": -40/", 3, "gain: this must not be negative" },
+        { "s/\"gain\": 40/\"gain\": 4000/", 0, "unstable: its pole 511.585 +1592.9 i 1/s grows" } };
+    for (int i = 0; i < (int)(sizeof rows/sizeof *rows); i++) {
+        char command[300];
+        snprintf(command, sizeof command, "sed '%s' examples/drives/servo-axis.json > $D/axis.json; $P drive simulate $D/axis.json",
+                 rows[i].edit);
+        expect(command, rows[i].code, NULL, rows[i].says);
+    }
+}

@@ -130,6 +130,27 @@ TEST(frequencies_in_space)
     expect("$P family sweep $D/pendulum.json --vary l=0.5:2:2 --measure 'frequency(2)'", 2, NULL, "has 1 natural frequenc");
 }
 
+/* Circles are named, units are compared, and every place is one of the master. */
+TEST(impossible_masters)
+{
+    static const char *const rows[][2] = {
+        { "\"parameters\": {\"a\": {\"value\": \"=b + 1\"}, \"b\": {\"value\": \"=a*2\"}}, \"model\": {\"links\": [\"ground\"]}",
+          "parameters.a.value: a value needs itself: a -> b -> a" },
+        { "\"parameters\": {\"a\": 1}, \"let\": {\"u\": \"w + a\", \"v\": \"u\", \"w\": \"v\"}, \"model\": {\"links\": [\"ground\"]}",
+          "let.u: a value needs itself: u -> w -> v -> u" },
+        { "\"parameters\": {\"a\": {\"value\": 1, \"unit\": \"m\"}, \"m\": {\"value\": 2, \"unit\": \"kg\"}}, \"let\": {\"u\": \"a + m\"}, "
+          "\"model\": {\"links\": [\"ground\"]}", "let.u: the units do not fit: [m] and [kg] cannot be added" },
+        { "\"parts\": {\"p\": {\"use\": [{\"part\": \"q\", \"name\": \"z\"}]}, \"q\": {\"use\": [{\"part\": \"p\", \"name\": \"y\"}]}}, "
+          "\"model\": {\"links\": [\"ground\"], \"use\": [{\"part\": \"p\", \"name\": \"x\"}]}",
+          "parts.p: a part uses itself: p -> q -> p" } };
+    for (int i = 0; i < 4; i++) {
+        char command[900];
+        snprintf(command, sizeof command, "echo '{\"linkwright\": 1, \"family\": \"f\", %s}' > $D/bad.json; $P family expand $D/bad.json "
+                 "-o $D/none.json; c=$?; test ! -e $D/none.json && exit $c", rows[i][0]);
+        expect(command, 3, NULL, rows[i][1]);
+    }
+}
+
 TEST(tables_and_checks)
 {
     ran r = run("$P family table " LOADER);
