@@ -351,9 +351,9 @@ static lw_status draw(const sweep *s, const double *base, bool normalised, const
             int line = plot[p].n_series++;
             size_t used = (size_t)snprintf(name[p][line], sizeof name[p][line], "%.60s", s->measure[i].text);
             for (int k = 1; k < s->n_vary && lines > 1 && used < 100; k++)
-                used += (size_t)snprintf(name[p][line] + used, sizeof name[p][line] - used, ", %.30s %.4g",
-                                         s->vary[k].name,
-                                         s->point[b*width*(size_t)s->n_vary + (size_t)k]);
+                used += (size_t)snprintf(name[p][line] + used, sizeof name[p][line] - used, ", %.30s %.4g %s",
+                                         s->vary[k].name, s->point[b*width*(size_t)s->n_vary + (size_t)k],
+                                         strcmp(s->vary[k].unit, "1") != 0 ? s->vary[k].unit : "");
             series[p][line] = (lw_series){ .name = name[p][line], .n = width, .x = xy + b*width, .y = y };
         }
     for (int p = 0; p < panels; p++) {
