@@ -783,11 +783,11 @@ LW_API void      lw_stepper_destroy(lw_stepper *stepper);
  * failure the stepper stands where it was. */
 LW_API lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *error);
 
-/* The present: as of the last lw_stepper_advance.  Holds until the next one. */
+/* The present: as of the last lw_stepper_advance.  Holds until the next one.  NULL: the model is spatial. */
 LW_API const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper);
 
 /* From now on this load acts on a link, besides all others; set a state.  LW_E_ARG: no such link or state; not
- * finite. */
+ * finite; a spatial model (lw_spatial_stepper_set_load). */
 LW_API lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load);
 LW_API lw_status lw_stepper_set_state(lw_stepper *stepper, int state, double value);
 
@@ -873,6 +873,16 @@ LW_API lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulatio
  * a link has no mass. */
 LW_API lw_status lw_spatial_vibrations(const lw_spatial *model, bool rest, bool hold, lw_vibration_callback *visit,
                                        void *context, lw_error *error);
+
+/* A model in space in pieces: lw_stepper_advance, _save, _restore, _destroy as of planar ones; it has no states to set.  The
+ * sample holds until the next advance.  A load acts besides all others until it is changed: force at the centre of mass (of
+ * an elastic link: at its first node) [N] and torque [N m], in ground axes.  Errors as of lw_spatial_simulate and of planar
+ * steppers.  A stepper of the other kind: NULL, LW_E_ARG. */
+typedef struct lw_frame_load { lw_vec3 force, torque; } lw_frame_load;
+LW_API lw_status lw_spatial_stepper_create(const lw_spatial *model, const lw_simulation_options *options, lw_stepper **out,
+                                           lw_error *error);
+LW_API const lw_spatial_sample *lw_spatial_stepper_sample(const lw_stepper *stepper);
+LW_API lw_status lw_spatial_stepper_set_load(lw_stepper *stepper, int link, lw_frame_load load);
 
 /* Pins with clearance, as the model file gives them ("clearance" of a joint). */
 typedef struct lw_clearance_settings {

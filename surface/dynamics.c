@@ -270,7 +270,9 @@ lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *v
 /* ---- runs in pieces -------------------------------------------------------------------------------------------- */
 
 struct lw_stepper {
-    lw_simulation       *memory;              /* of samples; its d belongs to steps                                */
+    lw_simulation       *memory;              /* of samples; its d belongs to steps; NULL: in space               */
+    lw_surface_spatial   space;
+    lw_error            *e;                   /* of the advance under way                                         */
     lw_stepping         *steps;
     double              *state;
     lw_simulation_sample sample;
@@ -284,6 +286,12 @@ static lw_status keep_sample(void *context, const lw_moment *m)
         memcpy(s->state, m->z, (size_t)s->memory->model->n_state*sizeof *s->state);
     s->sample.state = s->state;
     return LW_OK;
+}
+
+static lw_status keep_spatial_sample(void *context, const lw_moment *m)
+{
+    lw_stepper *s = context;
+    return lw_surface_spatial_take(&s->space, m, s->e);
 }
 
 lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *options, lw_stepper **out, lw_error *error)
@@ -311,28 +319,66 @@ lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *
     return status;
 }
 
+lw_status lw_spatial_stepper_create(const lw_spatial *model, const lw_simulation_options *options, lw_stepper **out,
+                                    lw_error *error)
+{
+    lw_dynamics_options o;
+    *out = NULL;
+    lw_status status = lw_surface_options(options, &o, error);
+    if (status == LW_OK && o.force.apply)
+        status = lw_error_set(error, LW_E_KIND, "spatial models take no forces of the caller's own");
+    lw_stepper *s = status == LW_OK ? calloc(1, sizeof *s) : NULL;
+    if (!s)
+        return status == LW_OK ? lw_error_set(error, LW_E_MEMORY, "out of memory") : status;
+    status = lw_stepping_make_spatial(model, &o, &s->steps, error);
+    if (status == LW_OK)
+        status = lw_surface_spatial_make((lw_dynamics *)(uintptr_t)lw_stepping_dynamics(s->steps), &s->space, error);
+    if (status == LW_OK)
+        status = lw_stepper_advance(s, o.from, error);
+    if (status == LW_OK)
+        *out = s;
+    else
+        lw_stepper_destroy(s);
+    return status;
+}
+
+const lw_spatial_sample *lw_spatial_stepper_sample(const lw_stepper *stepper)
+{
+    return stepper->memory ? NULL : &stepper->space.sample;
+}
+
+lw_status lw_spatial_stepper_set_load(lw_stepper *stepper, int link, lw_frame_load load)
+{
+    const double l[] = { load.force.x, load.force.y, load.force.z, load.torque.x, load.torque.y, load.torque.z };
+    return stepper->memory ? LW_E_ARG : lw_stepping_set_load(stepper->steps, link, l);
+}
+
 void lw_stepper_destroy(lw_stepper *stepper)
 {
     if (stepper) {
         if (stepper->memory)
             stepper->memory->d = NULL;
         lw_simulation_destroy(stepper->memory);
+        lw_surface_spatial_free(&stepper->space);
         lw_stepping_free(stepper->steps);
         free(stepper->state);
     }
     free(stepper);
 }
 
-const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper) { return &stepper->sample; }
+const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper) { return stepper->memory ? &stepper->sample : NULL; }
 
 lw_status lw_stepper_advance(lw_stepper *stepper, double t, lw_error *error)
 {
-    return lw_stepping_advance(stepper->steps, t, keep_sample, stepper, NULL, error);
+    lw_error own = { 0 };
+    stepper->e = error ? error : &own;
+    return lw_stepping_advance(stepper->steps, t, stepper->memory ? keep_sample : keep_spatial_sample, stepper, NULL, stepper->e);
 }
 
 lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load)
 {
-    return lw_stepping_set_load(stepper->steps, link, load);
+    return stepper->memory ? lw_stepping_set_load(stepper->steps, link, (const double[]){ load.force.x, load.force.y, load.torque })
+                           : LW_E_ARG;
 }
 
 lw_status lw_stepper_set_state(lw_stepper *stepper, int state, double value)

@@ -83,30 +83,49 @@ lw_status lw_spatial_trace(const lw_spatial *model, bool in_time, double from, d
 
 /* ---- simulation --------------------------------------------------------------------------------------------- */
 
+lw_status lw_surface_spatial_make(lw_dynamics *d, lw_surface_spatial *s, lw_error *error)
+{
+    const lw_spatial *m = lw_dynamics_space(d)->model;         /* with the nodes of elastic links */
+    *s = (lw_surface_spatial){ .d = d };
+    s->link = calloc((size_t)m->n_link, sizeof *s->link);
+    s->tracer = calloc((size_t)m->n_tracer + 1, sizeof *s->tracer);
+    return s->link && s->tracer ? LW_OK : lw_error_set(error, LW_E_MEMORY, "out of memory");
+}
+
+void lw_surface_spatial_free(lw_surface_spatial *s)
+{
+    free(s->link), free(s->tracer);
+    *s = (lw_surface_spatial){ 0 };
+}
+
+lw_status lw_surface_spatial_take(lw_surface_spatial *s, const lw_moment *moment, lw_error *error)
+{
+    lw_space_moment m;
+    const lw_space *space = lw_dynamics_space(s->d);
+    lw_status st = lw_dynamics_space_moment(s->d, moment, &m, error);
+    if (st != LW_OK)
+        return st;
+    lw_space_links(space, &m, s->link);
+    lw_space_tracers(space, m.frame, m.q, m.v, m.a, s->tracer);
+    s->sample = (lw_spatial_sample){ m.t, s->link, s->tracer, m.joint, m.input, m.input_rate, m.drive, m.kinetic, m.potential,
+                                     m.work, m.off };
+    return LW_OK;
+}
+
 typedef struct visitor {
-    lw_dynamics         *d;
-    const lw_space      *s;
+    lw_surface_spatial   now;
     lw_error            *e;
     lw_spatial_callback *visit;
     void                *context;
-    lw_frame_motion     *link, *tracer;
 } visitor;
 
 static lw_status ignore(void *context, const lw_moment *m) { (void)context, (void)m; return LW_OK; }
 
-static lw_status hand_on(void *context, const lw_moment *moment)
+static lw_status hand_on(void *context, const lw_moment *m)
 {
     visitor *v = context;
-    lw_space_moment all, *m = &all;
-    lw_status st = lw_dynamics_space_moment(v->d, moment, m, v->e);
-    if (st != LW_OK)
-        return st;
-    lw_space_links(v->s, m, v->link);
-    lw_space_tracers(v->s, m->frame, m->q, m->v, m->a, v->tracer);
-    lw_spatial_sample sample = { m->t, v->link, v->tracer, m->joint, m->input, m->input_rate, m->drive, m->kinetic,
-                                 m->potential,
-                                 m->work, m->off };
-    return v->visit(v->context, &sample);
+    lw_status st = lw_surface_spatial_take(&v->now, m, v->e);
+    return st == LW_OK ? v->visit(v->context, &v->now.sample) : st;
 }
 
 lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_options *options, lw_spatial_callback *visit,
@@ -122,18 +141,17 @@ lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_optio
     lw_status s = lw_surface_options(options, &o, error);
     if (s == LW_OK && o.force.apply)
         s = lw_error_set(error, LW_E_KIND, "spatial models take no forces of the caller's own");
+    lw_dynamics *d = NULL;
     if (s == LW_OK)
-        s = lw_dynamics_make_spatial(model, &o, &v.d, error);
+        s = lw_dynamics_make_spatial(model, &o, &d, error);
     if (s != LW_OK)
         return s;
-    v.s = lw_dynamics_space(v.d);
-    v.link = malloc((size_t)model->n_link*sizeof *v.link);
-    v.tracer = malloc(((size_t)model->n_tracer + 1)*sizeof *v.tracer);
-    s = v.link && v.tracer ? lw_dynamics_analyse(v.d, visit ? hand_on : ignore, &v, &q, &rest, error)
-                           : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    s = lw_surface_spatial_make(d, &v.now, error);
+    if (s == LW_OK)
+        s = lw_dynamics_analyse(d, visit ? hand_on : ignore, &v, &q, &rest, error);
     if (report)
         lw_surface_report(&q, report);
-    free(v.link), free(v.tracer);
-    lw_dynamics_free(v.d);
+    lw_surface_spatial_free(&v.now);
+    lw_dynamics_free(d);
     return s;
 }

@@ -26,6 +26,18 @@ struct lw_dynamics_report;
 lw_status lw_surface_options(const lw_simulation_options *options, struct lw_dynamics_options *out, lw_error *error);
 void      lw_surface_report(const struct lw_dynamics_report *r, lw_simulation_report *out);
 
+/* Samples of a spatial model: the arrays hold until the next one. */
+typedef struct lw_surface_spatial {
+    struct lw_dynamics *d;
+    lw_frame_motion    *link, *tracer;
+    lw_spatial_sample   sample;
+} lw_surface_spatial;
+
+struct lw_moment;
+lw_status lw_surface_spatial_make(struct lw_dynamics *d, lw_surface_spatial *s, lw_error *error);       /* all 0: free does nothing */
+void      lw_surface_spatial_free(lw_surface_spatial *s);
+lw_status lw_surface_spatial_take(lw_surface_spatial *s, const struct lw_moment *m, lw_error *error);
+
 /* A new object of `room` bytes, all 0, filled by a reader from a text or a file: its context is the object.  *out NULL
  * with every status but LW_OK. */
 lw_status lw_surface_parse_new(const char *text, size_t size, const char *file, lw_surface_reader *read, size_t room,

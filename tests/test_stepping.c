@@ -239,3 +239,191 @@ TEST(restored_runs_have_the_same_bits)
     CHECK(s == NULL);
     lw_model_destroy(model);
 }
+
+/* ---- in space ------------------------------------------------------------------------------------------------ */
+
+typedef struct last_in_space { lw_frame_motion link[160]; lw_spatial_reaction joint[40]; double work, energy; } last_in_space;
+
+static lw_spatial *space;
+
+static lw_status keep_in_space(void *context, const lw_spatial_sample *s)
+{
+    last_in_space *l = context;
+    memset(l, 0, sizeof *l);
+    memcpy(l->link, s->link, (size_t)lw_spatial_count(space, 'l')*sizeof *l->link);
+    memcpy(l->joint, s->joint, (size_t)lw_spatial_count(space, 'j')*sizeof *l->joint);
+    l->work = s->work;
+    l->energy = s->kinetic + s->potential;
+    return LW_OK;
+}
+
+static lw_spatial *load_in_space(const char *path)
+{
+    lw_spatial *m = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    CHECK_INT(lw_spatial_load(path, &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return m;
+}
+
+static lw_spatial *parse_in_space(const char *format)
+{
+    char text[3000];
+    lw_spatial *m = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    snprintf(text, sizeof text, "%s", format);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    CHECK_INT(lw_spatial_parse(text, strlen(text), "text", &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return m;
+}
+
+static double apart(lw_vec3 a, lw_vec3 b) { return fmax(fabs(a.x - b.x), fmax(fabs(a.y - b.y), fabs(a.z - b.z))); }
+
+static void agree_in_space(const char *path, double end, int pieces, double off)
+{
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_stepper *steps = NULL;
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    last_in_space one, many;
+    space = load_in_space(path);
+    o.to = end;
+    CHECK_INT(lw_spatial_simulate(space, &o, keep_in_space, &one, NULL, &e), LW_OK);
+    CHECK_INT(lw_spatial_stepper_create(space, &o, &steps, &e), LW_OK);
+    for (int k = 1; steps && k <= pieces; k++)
+        CHECK_INT(lw_stepper_advance(steps, end*k/pieces, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    if (steps) {
+        keep_in_space(&many, lw_spatial_stepper_sample(steps));
+        for (int i = 0; i < lw_spatial_count(space, 'l'); i++) {
+            CHECK_NEAR(apart(many.link[i].place, one.link[i].place), 0, off, 0);
+            CHECK_NEAR(apart(many.link[i].omega, one.link[i].omega), 0, 1000*off, 0);
+        }
+        CHECK(lw_stepper_sample(steps) == NULL);
+        CHECK_INT(lw_stepper_set_load(steps, 1, (lw_link_load){ { 0, 0 }, 1 }), LW_E_ARG);
+        CHECK_INT(lw_spatial_stepper_set_load(steps, 99, (lw_frame_load){ { 0, 0, 0 }, { 0, 0, 1 } }), LW_E_ARG);
+        CHECK_INT(lw_spatial_stepper_set_load(steps, 1, (lw_frame_load){ { 0, 0, NAN }, { 0, 0, 1 } }), LW_E_ARG);
+        CHECK_INT(lw_stepper_set_state(steps, 0, 1), LW_E_ARG);
+    }
+    lw_stepper_destroy(steps);
+    lw_spatial_destroy(space);
+}
+
+TEST(pieces_make_the_whole_in_space)
+{
+    agree_in_space("examples/space/top.json", 0.5, 20, 1e-8);
+    agree_in_space("examples/space/governor.json", 1, 20, 1e-7);
+    agree_in_space("examples/space/bennett.json", 0.5, 10, 1e-7);          /* redundant rows */
+    agree_in_space("examples/space/slider-crank.json", 0.2, 10, 1e-7);
+    agree_in_space("examples/space/delta.json", 0.1, 10, 1e-7);            /* every freedom is driven */
+    agree_in_space("examples/space/delta-elastic.json", 0.003, 2, 1e-6);
+}
+
+/* A free body and a swing: loads against the same as "forces" of time, and against the closed form. */
+static const char body[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.01, 0.04, 0.05]}],"
+    "'joints': [{'name': 'A', 'kind': '%s', 'links': ['ground', 'arm'], 'at': [0, 0, 0]%s}], 'gravity': [0, 0, -9.81]%s}";
+
+static lw_spatial *arm_in_space(const char *kind, const char *axis, const char *forces)
+{
+    char text[2000];
+    snprintf(text, sizeof text, body, kind, axis, forces);
+    return parse_in_space(text);
+}
+
+TEST(loads_act_in_space)
+{
+    static const char same[] = ", 'forces': [{'link': 'arm', 'at': [0.3, 0, 0], 'fy': '5*(1 + sign(t - 0.2))/2', "
+                               "'fz': '-3*(1 + sign(t - 0.2))/2', 'tx': '0.5*(1 + sign(t - 0.2))/2'}]";
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    last_in_space one, many;
+    lw_stepper *steps = NULL;
+    o.to = 0.7;
+    space = arm_in_space("spherical", "", same);
+    CHECK_INT(lw_spatial_simulate(space, &o, keep_in_space, &one, NULL, &e), LW_OK);
+    lw_spatial_destroy(space);
+    space = arm_in_space("spherical", "", "");
+    CHECK_INT(lw_spatial_stepper_create(space, &o, &steps, &e), LW_OK);
+    CHECK_INT(lw_stepper_advance(steps, 0.2, &e), LW_OK);
+    CHECK_INT(lw_spatial_stepper_set_load(steps, 1, (lw_frame_load){ { 0, 5, -3 }, { 0.5, 0, 0 } }), LW_OK);
+    CHECK_INT(lw_stepper_advance(steps, 0.7, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    keep_in_space(&many, lw_spatial_stepper_sample(steps));
+    CHECK_NEAR(apart(many.link[1].place, one.link[1].place), 0, 1e-8, 0);
+    CHECK_NEAR(apart(many.link[1].omega, one.link[1].omega), 0, 1e-7, 0);
+    CHECK_NEAR(many.work, one.work, 1e-7, 0);
+    CHECK_NEAR(many.energy - many.work, 0, 1e-7, 0);
+    CHECK(fabs(many.work) > 0.1);
+    /* the sample of now has the load of now */
+    lw_vec3 before = many.link[1].alpha;
+    CHECK_INT(lw_spatial_stepper_set_load(steps, 1, (lw_frame_load){ { 0, 0, 0 }, { 0, 0, 0 } }), LW_OK);
+    CHECK_INT(lw_stepper_advance(steps, 0.7, &e), LW_OK);
+    CHECK(lw_spatial_stepper_sample(steps)->t == 0.7);
+    CHECK(apart(lw_spatial_stepper_sample(steps)->link[1].alpha, before) > 0.1);
+    lw_stepper_destroy(steps);
+    lw_spatial_destroy(space);
+    /* about an upright hinge: angle = M t^2/(2 J), many turns, J = 0.05 + 2*0.09 */
+    space = arm_in_space("revolute", ", 'axis': [0, 0, 1]", ", 'inputs': [{'joint': 'A', 'speed': 0}]");
+    CHECK_INT(lw_spatial_stepper_create(space, &o, &steps, &e), LW_OK);
+    CHECK_INT(lw_spatial_stepper_set_load(steps, 1, (lw_frame_load){ { 0, 0, 0 }, { 0, 0, 3 } }), LW_OK);
+    for (int k = 1; k <= 40; k++)
+        CHECK_INT(lw_stepper_advance(steps, 0.05*k, &e), LW_OK);
+    CHECK_NEAR(lw_spatial_stepper_sample(steps)->input[0], 3*4/(2*0.23), 0, 1e-9);
+    CHECK_NEAR(lw_spatial_stepper_sample(steps)->work, 3*3*4/(2*0.23), 0, 1e-8);
+    CHECK_TEXT(e.text, "");
+    lw_stepper_destroy(steps);
+    lw_spatial_destroy(space);
+}
+
+static void go_in_space(lw_stepper *s, int from, int to, double step, last_in_space *l)
+{
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    for (int k = from; k < to; k++) {
+        if (k == 5)
+            CHECK_INT(lw_spatial_stepper_set_load(s, 1, (lw_frame_load){ { 0.2, 0, 0.1 }, { 0, 0.05, 0 } }), LW_OK);
+        CHECK_INT(lw_stepper_advance(s, step*(k + 1), &e), LW_OK);
+    }
+    CHECK_TEXT(e.text, "");
+    keep_in_space(l, lw_spatial_stepper_sample(s));
+}
+
+TEST(restored_runs_in_space_have_the_same_bits)
+{
+    static const struct { const char *path; double step; int pieces; } run[] = {
+        { "examples/space/governor.json", 0.1, 12 }, { "examples/space/bennett.json", 0.1, 12 },
+        { "examples/space/delta-elastic.json", 0.0003, 8 }, { NULL, 0.2, 12 } };
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_error e = { LW_OK, "", 0, 0, "" };
+    for (int i = 0; i < 4; i++) {
+        lw_stepper *a = NULL, *b = NULL, *c = NULL;
+        char *bytes = NULL;
+        size_t size;
+        last_in_space x, y;
+        /* turns that count: a spring about a hinge that turns several times */
+        space = run[i].path ? load_in_space(run[i].path) : arm_in_space("revolute", ", 'axis': [0, 0, 1]",
+                ", 'springs': [{'joint': 'A', 'stiffness': 0.05}], 'inputs': [{'joint': 'A', 'speed': 20}]");
+        CHECK_INT(lw_spatial_stepper_create(space, &o, &a, &e), LW_OK);
+        CHECK_INT(lw_spatial_stepper_create(space, &o, &b, &e), LW_OK);
+        go_in_space(a, 0, 7, run[i].step, &x);
+        CHECK_INT(lw_stepper_save(a, &bytes, &size), LW_OK);
+        go_in_space(a, 7, run[i].pieces, run[i].step, &x);
+        CHECK_INT(lw_stepper_restore(b, bytes, size, &e), LW_OK);
+        go_in_space(b, 7, run[i].pieces, run[i].step, &y);
+        CHECK(memcmp(&x, &y, sizeof x) == 0);
+        CHECK_INT(lw_stepper_restore(a, bytes, size, &e), LW_OK);           /* back in time */
+        go_in_space(a, 7, run[i].pieces, run[i].step, &y);
+        CHECK(memcmp(&x, &y, sizeof x) == 0);
+        CHECK_INT(lw_stepper_restore(a, bytes, size - 1, &e), LW_E_NOTATION);
+        lw_spatial *other = load_in_space("examples/space/top.json");
+        CHECK_INT(lw_spatial_stepper_create(other, &o, &c, &e), LW_OK);
+        CHECK_INT(lw_stepper_restore(c, bytes, size, &e), LW_E_NOTATION);
+        lw_free(bytes);
+        lw_stepper_destroy(a);
+        lw_stepper_destroy(b);
+        lw_stepper_destroy(c);
+        lw_spatial_destroy(other);
+        lw_spatial_destroy(space);
+    }
+}

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/touch_internal.h"
 
 /* What a run knows of a place that touches besides posture and velocities. */
@@ -13,9 +14,12 @@ struct lw_stepping {
     lw_dynamics    *d;
     lw_caller_force force;                   /* of the caller's own; apply NULL: none */
     bool            loaded;                  /* some load is held */
-    lw_link_load   *load;                    /* (n_link) loads that are held */
+    int             n_link, width;           /* width: numbers of a load */
+    double         *load;                    /* (n_link of width) loads that are held */
     double          t, work;                 /* at the present, and the work done since the start */
-    double         *y, *next;                /* (n_q) posture, (n_q) velocities, (n_z) states; the same after a piece */
+    double         *y, *next;                /* (n_q) posture, (n_v) velocities, (n_z) states; the same after a piece */
+    int             n_turn;                  /* of joints in space, which count their turns */
+    double         *turn;                    /* (n_turn) at the present */
     double          next_work;
     touch_memory   *touch;                   /* (of d->touch) at the present */
     unsigned char  *resting;                 /* (n_stop) is the stop rested on? */
@@ -29,6 +33,8 @@ static int n_touch(const lw_stepping *s) { return s->d->touch ? s->d->touch->lis
 static void put_memory(const lw_stepping *s)
 {
     lw_dynamics *d = s->d;
+    if (d->space)
+        memcpy(d->space->f.turn, s->turn, (size_t)s->n_turn*sizeof *s->turn);
     d->n_resting = 0;
     for (int i = 0; i < d->n_stop; i++)
         if ((d->stop[i].resting = s->resting[i] != 0))
@@ -48,6 +54,8 @@ static void put_memory(const lw_stepping *s)
 
 static void take_memory(lw_stepping *s)
 {
+    if (s->d->space)
+        memcpy(s->turn, s->d->space->f.turn, (size_t)s->n_turn*sizeof *s->turn);
     for (int i = 0; i < s->d->n_stop; i++)
         s->resting[i] = s->d->stop[i].resting;
     for (int i = 0; i < n_touch(s); i++) {
@@ -57,7 +65,7 @@ static void take_memory(lw_stepping *s)
     }
 }
 
-static size_t numbers(const lw_stepping *s) { return 2*(size_t)s->d->n_q + (size_t)s->d->eq.n_z; }
+static size_t numbers(const lw_stepping *s) { return (size_t)(s->d->n_q + s->d->n_v + s->d->eq.n_z); }
 
 /* The caller's forces and the loads that are held. */
 static void apply(void *context, double t, const lw_link_motion *link, lw_link_load *load)
@@ -65,13 +73,15 @@ static void apply(void *context, double t, const lw_link_motion *link, lw_link_l
     const lw_stepping *s = context;
     if (s->force.apply)
         s->force.apply(s->force.context, t, link, load);
-    for (int i = 0; s->loaded && i < s->d->model->linkage.n_link; i++) {
-        load[i].force = lw_v2_add(load[i].force, s->load[i].force);
-        load[i].torque += s->load[i].torque;
+    for (int i = 0; s->loaded && i < s->n_link; i++) {
+        const double *held = s->load + 3*i;
+        load[i].force = lw_v2_add(load[i].force, lw_v2(held[0], held[1]));
+        load[i].torque += held[2];
     }
 }
 
-lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
+/* One of both models is given. */
+static lw_status make(const lw_model *m, const lw_spatial *space, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
 {
     lw_dynamics_options with = *o;
     lw_stepping *s = calloc(1, sizeof *s);
@@ -83,28 +93,45 @@ lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_s
     if (!s)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     s->force = o->force;
-    with.force = (lw_caller_force){ s, apply };
+    if (m)
+        with.force = (lw_caller_force){ s, apply };
     with.pieces = true;
     with.to = fmax(with.to, with.from + 1e-3);
-    lw_status status = lw_dynamics_make(m, &with, &s->d, e);
+    lw_status status = m ? lw_dynamics_make(m, &with, &s->d, e) : lw_dynamics_make_spatial(space, &with, &s->d, e);
     if (status == LW_OK) {
+        s->width = m ? 3 : 6;                /* links: with the nodes of elastic ones */
+        s->n_link = m ? s->d->model->linkage.n_link : s->d->space->model->n_link;
+        s->n_turn = m ? 0 : s->d->space->s.n_joint;
         s->y = calloc(2*numbers(s) + 1, sizeof *s->y);
-        s->load = calloc((size_t)s->d->model->linkage.n_link, sizeof *s->load);      /* with the nodes of elastic links */
+        s->load = calloc((size_t)(s->n_link*s->width), sizeof *s->load);
+        s->turn = calloc((size_t)s->n_turn + 1, sizeof *s->turn);
         s->touch = calloc((size_t)n_touch(s) + 1, sizeof *s->touch);
         s->resting = calloc((size_t)s->d->n_stop + 1, 1);
-        status = s->y && s->load && s->touch && s->resting ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        status = s->y && s->load && s->turn && s->touch && s->resting ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     if (status != LW_OK) {
         lw_stepping_free(s);
         return status;
     }
+    if (s->d->space)
+        s->d->eq.conservative = s->d->space->f.conservative = false;         /* loads may come */
     take_memory(s);
     s->next = s->y + numbers(s);
     s->t = o->from;
     lw_dynamics_start(s->d, s->y, s->y + s->d->n_q);
-    memcpy(s->y + 2*s->d->n_q, lw_dynamics_start_states(s->d), (size_t)s->d->eq.n_z*sizeof *s->y);
+    memcpy(s->y + s->d->n_q + s->d->n_v, lw_dynamics_start_states(s->d), (size_t)s->d->eq.n_z*sizeof *s->y);
     *out = s;
     return LW_OK;
+}
+
+lw_status lw_stepping_make(const lw_model *m, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
+{
+    return make(m, NULL, o, out, e);
+}
+
+lw_status lw_stepping_make_spatial(const lw_spatial *m, const lw_dynamics_options *o, lw_stepping **out, lw_error *e)
+{
+    return make(NULL, m, o, out, e);
 }
 
 void lw_stepping_free(lw_stepping *s)
@@ -112,6 +139,7 @@ void lw_stepping_free(lw_stepping *s)
     if (s) {
         lw_dynamics_free(s->d);
         free(s->load);
+        free(s->turn);
         free(s->touch);
         free(s->resting);
         free(s->y);
@@ -126,12 +154,12 @@ const lw_dynamics *lw_stepping_dynamics(const lw_stepping *s) { return s->d; }
 static lw_status take(void *context, const lw_moment *m)
 {
     lw_stepping *s = context;
-    size_t n = (size_t)s->d->n_q;
+    size_t n = (size_t)s->d->n_q, n_v = (size_t)s->d->n_v;
     if (m->t < s->d->o.to && !s->only_start)
         return LW_OK;
     memcpy(s->next, m->q, n*sizeof *m->q);
-    memcpy(s->next + n, m->v, n*sizeof *m->v);
-    memcpy(s->next + 2*n, m->z, (size_t)s->d->eq.n_z*sizeof *m->z);
+    memcpy(s->next + n, m->v, n_v*sizeof *m->v);
+    memcpy(s->next + n + n_v, m->z, (size_t)s->d->eq.n_z*sizeof *m->z);
     s->next_work = s->work + m->work;
     lw_moment with = *m;
     with.work = s->next_work;
@@ -146,13 +174,17 @@ lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, vo
     lw_dynamics_report report = { 0 };
     if (!isfinite(t))
         return lw_error_set(e, LW_E_ARG, "the time to go on to is not a number");
-    d->f.caller.apply = s->force.apply || s->loaded ? apply : NULL;
+    if (d->space)
+        d->space->f.held = s->loaded ? s->load : NULL;
+    else
+        d->f.caller.apply = s->force.apply || s->loaded ? apply : NULL;
     s->sink = sink;
     s->context = context;
     s->only_start = t <= s->t;
     d->o.intervals = 1;
     put_memory(s);
-    lw_status status = lw_dynamics_restart(d, s->t, s->only_start ? s->t + 1e-3 : t, s->y, s->y + d->n_q, s->y + 2*d->n_q, e);
+    lw_status status = lw_dynamics_restart(d, s->t, s->only_start ? s->t + 1e-3 : t, s->y, s->y + d->n_q,
+                                           s->y + d->n_q + d->n_v, e);
     if (status == LW_OK)
         status = lw_dynamics_run(d, take, s, &report, e);
     if (status == LW_STOPPED && s->only_start && report.samples > 0)
@@ -168,15 +200,22 @@ lw_status lw_stepping_advance(lw_stepping *s, double t, lw_moment_sink *sink, vo
     return LW_OK;
 }
 
-lw_status lw_stepping_set_load(lw_stepping *s, int link, lw_link_load load)
+static void find_loaded(lw_stepping *s)
 {
-    int n = s->d->model->linkage.n_link;
-    if (link < 0 || link >= n || !isfinite(load.force.x) || !isfinite(load.force.y) || !isfinite(load.torque))
-        return LW_E_ARG;
-    s->load[link] = load;
     s->loaded = false;
-    for (int i = 0; i < n; i++)
-        s->loaded = s->loaded || s->load[i].force.x != 0 || s->load[i].force.y != 0 || s->load[i].torque != 0;
+    for (int i = 0; i < s->n_link*s->width; i++)
+        s->loaded = s->loaded || s->load[i] != 0;
+}
+
+lw_status lw_stepping_set_load(lw_stepping *s, int link, const double *load)
+{
+    bool good = link >= 0 && link < s->n_link;
+    for (int k = 0; k < s->width; k++)
+        good = good && isfinite(load[k]);
+    if (!good)
+        return LW_E_ARG;
+    memcpy(s->load + link*s->width, load, (size_t)s->width*sizeof *load);
+    find_loaded(s);
     return LW_OK;
 }
 
@@ -184,46 +223,48 @@ lw_status lw_stepping_set_state(lw_stepping *s, int state, double value)
 {
     if (state < 0 || state >= s->d->eq.n_z || !isfinite(value))
         return LW_E_ARG;
-    s->y[2*s->d->n_q + state] = value;
+    s->y[s->d->n_q + s->d->n_v + state] = value;
     return LW_OK;
 }
 
 /* ---- save and restore ------------------------------------------------------------------------------------- */
 
-/* Bytes: head, y, loads, places that touch, and for each rigid stop whether it is rested on. */
-typedef struct head { char magic[8]; uint64_t model, numbers, loads, touches, stops; double t, work; } head;
+/* Bytes: head, y, loads, turns, places that touch, and for each rigid stop whether it is rested on. */
+typedef struct head { char magic[8]; uint64_t model, numbers, loads, turns, touches, stops; double t, work; } head;
 
-static const char magic[8] = "lwstep1";
+static const char magic[8] = "lwstep2";
 
 /* A hash (FNV-1a) of names, kinds and masses: tells models apart. */
 static uint64_t fingerprint(const lw_dynamics *d)
 {
-    const lw_assembly *k = &d->model->linkage;
+    const lw_equations *eq = &d->eq;
     uint64_t h = 14695981039346656037u;
     const struct { const void *at; size_t size; } part[] = {
-        { d->f.mass, (size_t)d->n_q*sizeof *d->f.mass }, { d->f.weight, (size_t)d->n_q*sizeof *d->f.weight },
-        { &d->s.unit, sizeof d->s.unit }, { k->link_name, (size_t)k->n_link*sizeof *k->link_name }
+        { eq->mass, (size_t)d->n_v*sizeof *eq->mass }, { eq->weight, (size_t)d->n_v*sizeof *eq->weight },
+        { &eq->unit, sizeof eq->unit }
     };
     for (size_t p = 0; p < sizeof part/sizeof *part; p++)
         for (size_t i = 0; i < part[p].size; i++)
             h = (h ^ ((const unsigned char *)part[p].at)[i])*1099511628211u;
-    for (int i = 0; i < d->eq.n_z; i++)
-        for (const char *c = d->model->state[i].name; *c; c++)
+    for (int i = 0; i < eq->n_block + eq->n_z; i++) {
+        bool block = i < eq->n_block;
+        for (const char *c = eq->name(eq->context, block ? LW_NAMED_BLOCK : LW_NAMED_STATE, block ? i : i - eq->n_block); *c; c++)
             h = (h ^ (unsigned char)*c)*1099511628211u;
+    }
     return h;
 }
 
 static head head_of(const lw_stepping *s)
 {
-    head h = { .model = fingerprint(s->d), .numbers = numbers(s), .loads = (uint64_t)s->d->model->linkage.n_link,
-               .touches = (uint64_t)n_touch(s), .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work };
+    head h = { .model = fingerprint(s->d), .numbers = numbers(s), .loads = (uint64_t)(s->n_link*s->width),
+               .turns = (uint64_t)s->n_turn, .touches = (uint64_t)n_touch(s), .stops = (uint64_t)s->d->n_stop, .t = s->t, .work = s->work };
     memcpy(h.magic, magic, sizeof magic);
     return h;
 }
 
 static size_t size_of(const head *h)
 {
-    return sizeof *h + (size_t)h->numbers*sizeof(double) + (size_t)h->loads*sizeof(lw_link_load)
+    return sizeof *h + (size_t)(h->numbers + h->loads + h->turns)*sizeof(double)
          + (size_t)h->touches*sizeof(touch_memory) + (size_t)h->stops;
 }
 
@@ -238,7 +279,8 @@ lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
     memcpy(to, &h, sizeof h);
     memcpy(to += sizeof h, s->y, numbers(s)*sizeof *s->y);
     memcpy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
-    memcpy(to += (size_t)h.loads*sizeof *s->load, s->touch, (size_t)h.touches*sizeof *s->touch);
+    memcpy(to += (size_t)h.loads*sizeof *s->load, s->turn, (size_t)h.turns*sizeof *s->turn);
+    memcpy(to += (size_t)h.turns*sizeof *s->turn, s->touch, (size_t)h.touches*sizeof *s->touch);
     memcpy(to + (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
     return LW_OK;
 }
@@ -250,15 +292,16 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
         return lw_error_set(e, LW_E_NOTATION, "these bytes are no saved run");
     memcpy(&h, bytes, sizeof h);
     if (size != size_of(&own) || h.model != own.model || h.numbers != own.numbers || h.loads != own.loads ||
-        h.touches != own.touches || h.stops != own.stops)
+        h.turns != own.turns || h.touches != own.touches || h.stops != own.stops)
         return lw_error_set(e, LW_E_NOTATION, "this run was saved of another model, or is incomplete");
     const unsigned char *from = (const unsigned char *)bytes + sizeof h;
     memcpy(s->y, from, numbers(s)*sizeof *s->y);
     memcpy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
-    memcpy(s->touch, from += (size_t)h.loads*sizeof *s->load, (size_t)h.touches*sizeof *s->touch);
+    memcpy(s->turn, from += (size_t)h.loads*sizeof *s->load, (size_t)h.turns*sizeof *s->turn);
+    memcpy(s->touch, from += (size_t)h.turns*sizeof *s->turn, (size_t)h.touches*sizeof *s->touch);
     memcpy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
     s->t = h.t;
     s->work = h.work;
-    lw_stepping_set_load(s, 0, s->load[0]);              /* are there any? */
+    find_loaded(s);
     return LW_OK;
 }

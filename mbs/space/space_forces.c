@@ -423,6 +423,19 @@ static void push_beam(sum *s, int i)
     s->power += at.power;
 }
 
+/* The loads that the caller holds on links. */
+static void push_held(sum *s)
+{
+    static const double none[36];
+    const lw_space *space = s->f->s;
+    for (int b = 0; b < space->n_body; b++) {
+        const double *l = s->f->held + 6*space->link_of[b], *v = s->v + 6*b;
+        lw_vec3 omega = lw_space_omega(s->frame, b, s->v);
+        lw_space_add_element(space, s->frame, 1, &b, l, none, none, s->force, s->sink);
+        s->power += space->unit*(l[0]*v[0] + l[1]*v[1] + l[2]*v[2]) + lw_v3_dot(lw_v3(l[3], l[4], l[5]), omega);
+    }
+}
+
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force, double *power, const lw_space_sink *sink)
 {
@@ -462,6 +475,8 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
     }
     for (int i = 0; i < m->n_beam; i++)
         push_beam(&s, i);
+    if (f->held)
+        push_held(&s);
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 6; k++)
             push_component(&s, i, k%3, k >= 3, lw_v3(k%3 == 0, k%3 == 1, k%3 == 2));

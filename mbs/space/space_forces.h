@@ -17,6 +17,8 @@ typedef struct lw_space_forces {
     lw_beam_space   *beam;               /* (n_beam) */
     double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
     double          *weight;             /* (n_v) generalised force of gravity [J] */
+    const double    *held;               /* (6 n_link) the caller's loads: force at the centre of a link [N] and torque [N m], ground
+                                            axes; NULL: none.  The caller's, who makes conservative false */
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;
