@@ -14,11 +14,12 @@ Links, joints, tracers and inputs count from 0.  Failures raise linkwright.Error
 from ._core import Error, Stopped, version
 from .catalogue import Catalogue, Hit
 from .dynamics import Model, Simulation, Stepper
+from .family import Family, Variant, simulate_servo
 from .fitting import Result, Results, Target, fit, precision_points
 from .linkage import FourBarClass, Kinematics, Linkage, Trace, classify
 from .topology import Chain, Mechanism, chains, count_chains
 
 __version__ = version()
-__all__ = ["Catalogue", "Chain", "Error", "FourBarClass", "Hit", "Kinematics", "Linkage", "Mechanism", "Model",
-           "Result", "Results", "Simulation", "Stepper", "Stopped", "Target", "Trace", "chains", "classify", "count_chains",
-           "fit", "precision_points", "version"]
+__all__ = ["Catalogue", "Chain", "Error", "Family", "FourBarClass", "Hit", "Kinematics", "Linkage", "Mechanism", "Model",
+           "Result", "Results", "Simulation", "Stepper", "Stopped", "Target", "Trace", "Variant", "chains", "classify", "count_chains",
+           "fit", "precision_points", "simulate_servo", "version"]

@@ -254,3 +254,22 @@ def test_notebooks_run(name, tmp_path, monkeypatch):
     for cell in json.loads((folder / f"{name}.ipynb").read_text())["cells"]:
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]).replace("/tmp/", f"{tmp_path}/"), names)
+
+
+def test_family():
+    family = lw.Family(EXAMPLES / "families/loader.json")
+    assert family.parameters[:2] == ["reach", "drop"] and "large" in family.configurations and "kinematic" in family.views
+    assert family.variant(reach=3, drop="1600 mm").number("boom_length as mm") == pytest.approx(3400)   # hypot
+    light, heavy = (family.variant(payload=p).model().simulate(to=1, n=20).drive[0, 0] for p in (400, 800))
+    assert 0 < light < heavy
+    with pytest.raises(lw.Error, match="stays above the ground"):
+        family.variant(drop=2.2, pin_height=2).model()
+    with pytest.raises(lw.Error, match="its unit is"):
+        family.variant(reach="3 kg").model()
+
+
+def test_servo():
+    report = lw.simulate_servo(EXAMPLES / "drives/servo-axis.json")
+    gone = report["heat"] + report["friction"] + report["transmission"] + report["stored"]
+    assert report["electrical"] + report["work"] == pytest.approx(gone, rel=1e-6)
+    assert 0 < report["error_peak"] < 0.01 and report["current_peak"] <= 25*(1 + 1e-9)
