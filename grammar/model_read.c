@@ -68,9 +68,10 @@ static int look_up_named(const lw_model *m, const char *word, const char *name, 
         at = lw_read_find(name, m->state->name, sizeof *m->state, m->n_state);
     else if (!state && m->n_spring)
         at = lw_read_find(name, m->spring->name, sizeof *m->spring, m->n_spring);
-    if (at < 0)
-        snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"%s", state ? "state" : "spring or cylinder between two points",
-                 name, state ? " (those of motors: NAME.current; of cylinders: NAME.p1)" : "");
+    if (at < 0 && state)
+        snprintf(why, WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
+    else if (at < 0)
+        snprintf(why, WHY_SIZE, "there is no spring or cylinder between two points \"%.40s\"", name);
     return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
                                                                                 : LW_QUANTITY_SPRING_RATE, at);
 }
