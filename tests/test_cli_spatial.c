@@ -24,13 +24,22 @@ TEST(runs)
     expect("$P simulate examples/space/bricard.json --max-steps 3 --to 50", 5, NULL, "rows so far are kept");
 }
 
+TEST(pictures)
+{
+    expect("$P simulate examples/space/top.json --to 0.1 -n 10 --gif $D/top.gif --plot $D/top.svg && head -c 6 $D/top.gif", 0,
+           "GIF89a", "times slower");
+    expect("$P simulate examples/space/delta-elastic.json --to 0.01 -n 3 --gif $D/bent.gif --plot $D/bent.svg --json && "
+           "grep -c M1.drive $D/bent.svg", 0, "\"rows\"", "slower");
+    expect("$P simulate examples/space/top.json --plot $D/no.svg --columns P.x,energy -n 2 && grep -c P.x $D/no.svg", 0, "1", NULL);
+    expect("$P simulate examples/space/top.json --plot $D/no.svg --columns energy -n 2", 3, NULL, "no column is called energy");
+}
+
 /* What is not there for spatial models is refused, never ignored. */
 TEST(refusals)
 {
     expect("$P simulate examples/space/top.json -a linear --along 3", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json --formulation reduced", 3, NULL, "its links move in space");
     expect("$P simulate examples/space/top.json --balance", 2, NULL, "planar");
-    expect("$P simulate examples/space/top.json --gif $D/a.gif", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json -a kinematic", 3, NULL, "more freedoms would have to be driven");
     expect("$P trace examples/space/bricard.json --cycle", 2, NULL, "planar");
     expect("$P trace examples/space/top.json", 3, NULL, "no input");

@@ -184,6 +184,20 @@ TEST(a_still_scene_is_one_frame)
     lw_scene_free(&s);
 }
 
+/* Delays add up to the time of the motion, of a short one to half a second. */
+TEST(true_time)
+{
+    static const struct { size_t n; double seconds, shown; } rows[] = {
+        { 1001, 2, 2 }, { 101, 10, 10 }, { 201, 60, 60 }, { 5, 1, 1 }, { 51, 0.1, 0.5 }, { 3, 0.1, 0.12 } };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        double slower;
+        lw_gif_options o = lw_gif_options_in_time(rows[i].n, rows[i].seconds, &slower);
+        CHECK(o.n_frame <= rows[i].n && o.delay >= 2);
+        CHECK_NEAR(0.01*(double)o.n_frame*o.delay, rows[i].shown, 0, 0.03);
+        CHECK_NEAR(slower, rows[i].shown/rows[i].seconds, 0, 0.03);
+    }
+}
+
 TEST(same_input_same_bytes)
 {
     lw_scene s;

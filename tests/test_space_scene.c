@@ -3,10 +3,12 @@
 #include "catalogues/draw/space_scene.h"
 
 #include <jansson.h>
+#include <stdlib.h>
 #include "base/bytes.h"
 #include "base/file.h"
 #include "base/vec3.h"
 #include "catalogues/pages/draw.h"
+#include "mbs/elastic/expand_space.h"
 #include "tests/check.h"
 
 static const char *const examples[] = {
@@ -117,6 +119,41 @@ TEST(projection)
         lw_drawing_free(&d);
     }
     lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
+/* An element of an elastic link ends at its nodes, which move on their own. */
+TEST(elastic_links_bend)
+{
+    lw_spatial m;
+    lw_spatial_expansion x;
+    lw_error e = { 0 };
+    if (!read_model("examples/space/delta-elastic.json", &m))
+        return;
+    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
+    size_t links = (size_t)x.model.n_link;
+    lw_vec3 *origin = calloc(links, sizeof *origin), *path = calloc((size_t)m.n_tracer + 1, sizeof *path);
+    lw_space_pose *pose = calloc(links, sizeof *pose);
+    int moved = x.chain[0].node[2], found = 0;
+    lw_vec3 off = lw_v3(0.01, 0.02, 0.03);
+    for (size_t i = 0; i < links; i++) {
+        origin[i] = x.model.body[i].centre;
+        pose[i] = (lw_space_pose){ (int)i == moved ? lw_v3_add(origin[i], off) : origin[i], { 1, 0, 0, 0 } };
+    }
+    lw_space_scene_options o = { .n_frame = 1, .pose = pose, .path = path, .origin = origin, .until = 1 };
+    lw_space_scene s;
+    CHECK_INT(lw_space_scene_make(&x.model, &o, &s, &e), LW_OK);
+    for (int i = 0; i < s.n_shape; i++)
+        for (int k = 0; s.shape[i].to >= 0 && k < 2; k++) {
+            bool of_node = (k ? s.shape[i].to : s.shape[i].link) == moved;
+            lw_vec3 d = lw_v3_sub(lw_space_scene_point(&s, 0, &s.shape[i], k), s.shape[i].p[k]);
+            CHECK_NEAR(lw_v3_norm(d), of_node ? lw_v3_norm(off) : 0, 1e-15, 1e-12);
+            found += of_node;
+        }
+    CHECK_INT(found, 2);
+    lw_space_scene_free(&s);
+    free(origin), free(path), free(pose);
+    lw_spatial_expansion_free(&x);
     lw_spatial_free(&m);
 }
 

@@ -1,5 +1,6 @@
 /* catalogues/draw/gif.c - see gif.h */
 #include "catalogues/draw/gif.h"
+#include "base/real.h"
 
 #include <gif_lib.h>
 #include <stdlib.h>
@@ -32,6 +33,19 @@ typedef struct lw_film {
 lw_gif_options lw_gif_options_default(void)
 {
     return (lw_gif_options){ .width = 640, .height = 480, .n_frame = 60, .delay = 5 };
+}
+
+lw_gif_options lw_gif_options_in_time(size_t n_frame, double seconds, double *slower)
+{
+    enum { MOST = 250, LEAST = 25 };                       /* frames */
+    lw_gif_options o = lw_gif_options_default();
+    double ticks = 100*seconds, n = fmax((double)n_frame, 1);       /* of 1/100 s */
+    o.delay = (int)fmin(fmax(2, ceil(ticks/fmin(n, MOST))), 65535);
+    double frames = fmin(fmax(round(ticks/o.delay), LEAST), n);
+    o.n_frame = (size_t)frames;
+    if (slower)
+        *slower = seconds > 0 ? o.delay*frames/ticks : 1;
+    return o;
 }
 
 static int mix(unsigned ink, int shift, int shade)

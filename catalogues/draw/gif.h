@@ -15,6 +15,10 @@ typedef struct lw_gif_options {
 
 lw_gif_options lw_gif_options_default(void);
 
+/* Frames and delay that show a motion of n_frame frames in `seconds` in true time, at most 50 in a second; of a motion of less
+ * than half a second slower: *slower (may be NULL) is the factor. */
+lw_gif_options lw_gif_options_in_time(size_t n_frame, double seconds, double *slower);
+
 /* The frames of a motion; render fills pixels 0x00RRGGBB of the size of the animation. */
 typedef struct lw_gif_motion {
     size_t n_frame, first_frame;   /* the frame that comes first, if the motion loops */

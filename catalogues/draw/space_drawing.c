@@ -76,7 +76,7 @@ static void put_shape(page *g, const lw_space_shape *shape)
 {
     lw_vec3 p[LW_SPACE_POINTS];
     for (int i = 0; i < shape->n; i++)
-        p[i] = lw_space_scene_at(g->s, g->frame, shape->link, shape->p[i]);
+        p[i] = lw_space_scene_point(g->s, g->frame, shape, i);
     if (shape->n == 2) {
         put_line(g, shape, p[0], p[1]);
         return;
@@ -208,7 +208,7 @@ static void choose_scale(page *g)
         for (int i = 0; i < g->s->n_shape; i++)
             for (int k = 0; k < g->s->shape[i].n; k++) {
                 const lw_space_shape *shape = &g->s->shape[i];
-                lw_vec3 p = lw_v3_sub(lw_space_scene_at(g->s, f, shape->link, shape->p[k]), g->s->middle);
+                lw_vec3 p = lw_v3_sub(lw_space_scene_point(g->s, f, shape, k), g->s->middle);
                 w = fmax(w, fabs(lw_v3_dot(p, g->axis[0])));
                 h = fmax(h, fabs(lw_v3_dot(p, g->axis[1])));
             }

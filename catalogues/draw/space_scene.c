@@ -14,6 +14,11 @@ lw_vec3 lw_space_scene_at(const lw_space_scene *s, size_t frame, int link, lw_ve
     return lw_v3_add(q->at, lw_m3_apply(&turn, lw_v3_sub(p, s->origin[link])));
 }
 
+lw_vec3 lw_space_scene_point(const lw_space_scene *s, size_t frame, const lw_space_shape *shape, int k)
+{
+    return lw_space_scene_at(s, frame, shape->to >= 0 && k == shape->n - 1 ? shape->to : shape->link, shape->p[k]);
+}
+
 /* ---- motion ---------------------------------------------------------------------------------------------- */
 
 typedef struct film { lw_space_scene *s; const lw_spatial *m; size_t most; } film;
@@ -74,6 +79,15 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
     lw_error why = { 0 };
     t.whole = !t.in_time;
     s->seconds = t.in_time ? t.to : 0;
+    if (o->pose) {
+        s->n_frame = o->n_frame;
+        s->seconds = o->until;
+        s->ends = true;
+        memcpy(s->pose, o->pose, s->n_frame*(size_t)s->n_link*sizeof *s->pose);
+        if (s->n_tracer)
+            memcpy(s->path, o->path, s->n_frame*(size_t)s->n_tracer*sizeof *s->path);
+        return LW_OK;
+    }
     if (m->n_input == 0) {
         stand_still(s, m);
         snprintf(s->note, sizeof s->note, "no input: it stands still");
@@ -102,7 +116,11 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
 
 /* ---- shapes ---------------------------------------------------------------------------------------------- */
 
-static void add(lw_space_scene *s, lw_space_shape shape) { s->shape[s->n_shape++] = shape; }
+static void add(lw_space_scene *s, lw_space_shape shape)
+{
+    shape.to = -1;
+    s->shape[s->n_shape++] = shape;
+}
 
 /* Points of a link, each once: its joints, then its tracers. */
 static int points_of(const lw_spatial *m, int link, double near, lw_vec3 p[LW_SPACE_POINTS])
@@ -199,12 +217,30 @@ static void add_line(lw_space_scene *s, int link, const lw_vec3 *p, int n)
         add_bar(s, link, p[a], p[b]);
 }
 
+/* Rigid arms from a node of an elastic link to what acts beside its axis. */
+static void add_node(lw_space_scene *s, int link, lw_vec3 centre, const lw_vec3 *p, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (lw_v3_norm(lw_v3_sub(p[i], centre)) > 1e-6*s->radius)
+            add_bar(s, link, centre, p[i]);
+}
+
+static bool is_node(const lw_spatial *m, int link)
+{
+    for (int i = 0; i < m->n_beam; i++)
+        if (m->beam[i].link[0] == link || m->beam[i].link[1] == link)
+            return true;
+    return false;
+}
+
 static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
 {
     lw_vec3 p[LW_SPACE_POINTS], normal;
     double near = 1e-6*s->radius;
     int n = points_of(m, link, near, p);
-    if (n < 3) {
+    if (is_node(m, link)) {
+        add_node(s, link, m->body[link].centre, p, n);
+    } else if (n < 3) {
         add_line(s, link, p, n);
     } else if (are_flat(p, n, near, &normal)) {
         lw_space_shape plate = { .kind = LW_SPACE_PLATE, .link = link, .item = link, .n = outline(p, n, normal) };
@@ -269,6 +305,11 @@ static void make_shapes(const lw_spatial *m, lw_space_scene *s)
     for (int i = 0; i < m->n_link; i++)
         if (i != m->ground)
             add_link(m, i, s);
+    for (int i = 0; i < m->n_beam; i++) {
+        const int *end = m->beam[i].link;
+        add_bar(s, end[0], m->body[end[0]].centre, m->body[end[1]].centre);
+        s->shape[s->n_shape - 1].to = end[1];
+    }
     for (int i = 0; i < m->n_joint; i++)
         add_joint(m, i, s);
     for (int i = 0; i < m->n_tracer; i++)
@@ -293,7 +334,7 @@ static void measure(lw_space_scene *s)
     for (size_t f = 0; f < s->n_frame; f++)
         for (int i = 0; i < s->n_shape; i++)
             for (int k = 0; k < s->shape[i].n; k++) {
-                lw_vec3 p = lw_space_scene_at(s, f, s->shape[i].link, s->shape[i].p[k]);
+                lw_vec3 p = lw_space_scene_point(s, f, &s->shape[i], k);
                 least = lw_v3(fmin(least.x, p.x), fmin(least.y, p.y), fmin(least.z, p.z));
                 most = lw_v3(fmax(most.x, p.x), fmax(most.y, p.y), fmax(most.z, p.z));
             }
@@ -306,7 +347,7 @@ static void measure(lw_space_scene *s)
 lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e)
 {
     size_t n_frame = o->n_frame + 1, n_link = (size_t)m->n_link, n_tracer = (size_t)m->n_tracer;
-    size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer;
+    size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam;
     *s = (lw_space_scene){ .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 } };
     snprintf(s->title, sizeof s->title, "%s", o->title ? o->title : m->name);
     s->shape = calloc(n_shape + 1, sizeof *s->shape);
@@ -320,7 +361,7 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
         s->up = lw_v3_scale(m->gravity, -1/g);
     s->radius = lw_spatial_size(m);
     for (int i = 0; i < m->n_link; i++)
-        s->origin[i] = origin_of(m, i);
+        s->origin[i] = o->pose ? o->origin[i] : origin_of(m, i);
     lw_status status = make_motion(m, o, s, e);
     if (status != LW_OK)
         return status;

@@ -24,6 +24,7 @@ typedef enum lw_space_shape_kind {
 typedef struct lw_space_shape {
     lw_space_shape_kind kind;
     int     link, item;          /* it moves with; number of its link, joint or tracer                 */
+    int     to;                  /* an elastic element: the link that its last point moves with; else -1 */
     bool    grounded;            /* a joint at the ground                                              */
     int     n;
     lw_vec3 p[LW_SPACE_POINTS];  /* in the posture of the file [m]                                     */
@@ -39,7 +40,8 @@ typedef struct lw_space_scene {
     lw_space_shape *shape;       /* (n_shape)                                                          */
     lw_vec3 *origin;             /* (n_link) reference point of each link in the posture of the file   */
     size_t   n_frame;            /* 1: it does not move                                                */
-    bool     loops;              /* the first pose follows the last; else the motion goes back and forth */
+    bool     loops;              /* the first pose follows the last; else the motion goes back and forth, */
+    bool     ends;               /* or ends and begins anew                                            */
     double   seconds;            /* that the motion lasts; 0: it is not in time                        */
     lw_space_pose *pose;         /* [frame*n_link + link]                                              */
     lw_vec3 *path;               /* [frame*n_tracer + tracer]                                          */
@@ -51,6 +53,8 @@ typedef struct lw_space_scene_options {
     const char *title;           /* NULL: the name of the model                                        */
     size_t      n_frame;         /* of the motion (120)                                                */
     double      until;           /* length of a motion in time [s]; 0: 1 s                             */
+    const lw_space_pose *pose;   /* a motion that is known [frame*n_link + link]; NULL: that of the inputs */
+    const lw_vec3 *path, *origin;            /* its [frame*n_tracer + tracer] and (n_link), as of the scene */
     const volatile sig_atomic_t *stop;      /* may be NULL                                             */
 } lw_space_scene_options;
 
@@ -60,6 +64,9 @@ void      lw_space_scene_free(lw_space_scene *s);
 
 /* Place of a point of a link in a frame. */
 lw_vec3 lw_space_scene_at(const lw_space_scene *s, size_t frame, int link, lw_vec3 p);
+
+/* Point k of a shape in a frame. */
+lw_vec3 lw_space_scene_point(const lw_space_scene *s, size_t frame, const lw_space_shape *shape, int k);
 
 /* Seen from a direction: azimuth about the upward axis, elevation above the level plane [rad]. */
 typedef struct lw_space_view { double azimuth, elevation; } lw_space_view;

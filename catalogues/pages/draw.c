@@ -99,14 +99,14 @@ lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kin
     if (kind == LW_DRAW_HTML)
         return lw_space_page_write(s, view, out, e);
     if (kind == LW_DRAW_GIF) {
+        bool forward = s->loops || s->ends;
+        if (s->seconds > 0)
+            o = lw_gif_options_in_time(s->n_frame, s->seconds, NULL);
+        o.n_frame *= s->seconds > 0 && !forward ? 2 : 1;       /* there and back */
         o.width = width > 0 ? width : o.width;
         o.height = height > 0 ? height : o.height;
         space_film f = { s, view, o.width, o.height };
-        lw_gif_motion motion = { .n_frame = s->n_frame, .loops = s->loops, .render = render_space, .context = &f };
-        if (s->seconds > 0) {                                /* in true time, as far as 1/50 s allows */
-            double frames = fmin((double)s->n_frame, (double)o.n_frame);
-            o.delay = (int)fmax(2, lrint(100*s->seconds/frames));
-        }
+        lw_gif_motion motion = { .n_frame = s->n_frame, .loops = forward, .render = render_space, .context = &f };
         return lw_gif_encode(&motion, &o, out, e);
     }
     lw_status st = lw_space_draw(s, 0, view, width > 0 ? width : (int)page.width, height > 0 ? height : (int)page.height,

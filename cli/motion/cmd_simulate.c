@@ -58,7 +58,7 @@ static const cli_option options[] = {
       "columns to plot: their names, or the part of the name before the point; without it the drives, or the energies "
       "if there is no drive", 0, 0, "plot", NULL },
     { "gif", 'g', CLI_OUTPUT, offsetof(settings, gif), "FILE", NULL,
-      "animation of the motion, one frame for each row", 0, 0, NULL, NULL },
+      "animation of the motion in true time, at most 50 frames in a second; motions shorter than half a second slower", 0, 0, NULL, NULL },
     { "rest", 0, CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
       "with --analysis linear: vibrations about the static equilibrium near the posture of the file",
       0, 0, NULL, NULL },
@@ -123,7 +123,7 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     if (st == LW_OK && s->balance)
         st = cli_simulate_balance(c, stdout, e);
     if (st == LW_OK && s->plot)
-        st = cli_simulate_plot(c, s->columns, s->plot, e);
+        st = cli_table_plot(&(cli_table){ c->n_column, c->column, c->n_row, c->row }, c->model->linkage.name, s->columns, s->plot, e);
     if (st == LW_OK && s->gif)
         st = cli_simulate_gif(c, s->gif, e);
     return st;
@@ -140,7 +140,7 @@ static int linear(const cli_call *call, lw_model *m)
 
 static int run_spatial(const cli_call *call, lw_spatial *m)
 {
-    static const char *const planar[] = { "balance", "plot", "columns", "gif", "along", "fft", NULL };
+    static const char *const planar[] = { "balance", "along", "fft", NULL };
     const settings *s = call->settings;
     lw_dynamics_options o = { .analysis = (lw_analysis)s->analysis, .formulation = (lw_formulation)s->formulation, .from = s->from,
                               .to = s->to, .intervals = s->steps, .relative = s->tolerance, .absolute = s->tolerance,
@@ -157,7 +157,8 @@ static int run_spatial(const cli_call *call, lw_spatial *m)
         l.t = s->from;
         return cli_simulate_linear(call, NULL, m, &l);
     }
-    return cli_spatial_simulate(call, m, &o, s->speed, s->explain);
+    cli_spatial_pictures p = { s->plot, s->columns, s->gif };
+    return cli_spatial_simulate(call, m, &o, s->speed, s->explain, &p);
 }
 
 static int run(const cli_call *call)

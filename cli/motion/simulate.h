@@ -2,11 +2,9 @@
 #ifndef CLI_MOTION_SIMULATE_H
 #define CLI_MOTION_SIMULATE_H
 
-#include "cli/program/command.h"
+#include "cli/motion/table.h"
 #include "cli/program/json.h"
 #include "mbs/dynamics/reactions.h"
-
-typedef struct cli_column { char name[2*LW_NAME_SIZE + 8]; const char *unit; double scale; } cli_column;
 
 typedef struct cli_simulate {
     const cli_call *call;
@@ -38,9 +36,10 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e);
 /* Take one row: the sink of lw_dynamics_run; context: the cli_simulate. */
 lw_status cli_simulate_row(void *context, const lw_moment *m);
 
-/* Plot the columns whose names begin with one of a list (NULL: drives if an input has a motion, else energies). */
-lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e);
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e);
+
+/* Say so if the animation of a motion in n_frame rows is slower than the motion of this length [s]. */
+void cli_note_slower(const cli_call *call, size_t n_frame, double seconds);
 
 /* Print what an elastic link consists of. */
 void cli_explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k);

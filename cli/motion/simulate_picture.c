@@ -3,18 +3,17 @@
 #include <string.h>
 #include "base/real.h"
 #include "base/suggest.h"
+#include "catalogues/draw/gif.h"
 #include "catalogues/pages/draw.h"
+#include "cli/program/output.h"
 #include "cli/motion/simulate.h"
 
 /* Is the column in the list, by its name or by the part of its name before the point? */
-static bool wanted(const cli_simulate *s, int c, const char *list)
+static bool wanted(const cli_table *t, int c, const char *list, bool driven)
 {
-    const char *name = s->column[c].name, *dot = strrchr(name, '.');
-    if (!list) {
-        bool driven = s->report.formulation == LW_FORMULATION_DRIVEN;
-        return driven ? dot && strcmp(dot, ".drive") == 0 : strcmp(name, "kinetic") == 0 || strcmp(name,
-                                                                                                   "potential") == 0;
-    }
+    const char *name = t->column[c].name, *dot = strrchr(name, '.');
+    if (!list)
+        return driven ? dot && strcmp(dot, ".drive") == 0 : strcmp(name, "kinetic") == 0 || strcmp(name, "potential") == 0;
     for (const char *p = list; *p;) {
         size_t n = strcspn(p, ",");
         if ((strlen(name) == n && strncmp(name, p, n) == 0) || (dot && (size_t)(dot - name) == n && strncmp(name, p,
@@ -25,7 +24,19 @@ static bool wanted(const cli_simulate *s, int c, const char *list)
     return false;
 }
 
-lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e)
+/* Does a drive exert a force?  Those of inputs that run freely are 0 or missing. */
+static bool is_driven(const cli_table *t)
+{
+    for (int c = 1; c < t->n_column; c++) {
+        const char *dot = strrchr(t->column[c].name, '.');
+        for (size_t i = 0; dot && strcmp(dot, ".drive") == 0 && i < t->n_row; i++)
+            if (fabs(cli_table_at(t, i, c)) > 0)
+                return true;
+    }
+    return false;
+}
+
+lw_status cli_table_plot(const cli_table *s, const char *title, const char *columns, const char *path, lw_error *e)
 {
     enum { LINES = 8 };                                    /* that can be told apart in a panel */
     lw_series series[LW_PANEL_MAX][LINES];
@@ -33,6 +44,7 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
     char label[LW_PANEL_MAX][32];
     size_t n = s->n_row;
     int panels = 0, lines = 0;
+    bool driven = is_driven(s);
     double *x = calloc((LW_PANEL_MAX*LINES + 1)*(n + 1), sizeof *x);
     if (!x)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -40,7 +52,7 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
         x[i] = s->row[i*(size_t)s->n_column];
     lw_status st = LW_OK;
     for (int c = 1; c < s->n_column && st == LW_OK; c++) {
-        if (!wanted(s, c, columns))
+        if (!wanted(s, c, columns, driven))
             continue;
         int p = 0;                                         /* a panel of this unit with room */
         while (p < panels && (strcmp(plot[p].y_label, s->column[c].unit) != 0 || plot[p].n_series == LINES))
@@ -66,7 +78,7 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
                           columns ? columns : "drive", near ? ", did you mean " : "", near ? near : "");
         free(names);
     } else if (st == LW_OK) {
-        plot[0].title = s->model->linkage.name;
+        plot[0].title = title;
         plot[0].height = panels == 1 ? 560 : fmin(260*panels, 8000);
         plot[panels - 1].x_label = "t [s]";
         for (int p = 0; p < panels; p++) {
@@ -132,9 +144,20 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
     return LW_OK;
 }
 
+void cli_note_slower(const cli_call *call, size_t n_frame, double seconds)
+{
+    double slower;
+    lw_gif_options_in_time(n_frame, seconds, &slower);
+    if (slower > 1.05)
+        cli_note(call, "the animation is %.3g times slower than the motion of %.3g s", slower, seconds);
+}
+
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
 {
     lw_scene scene;
+    lw_bytes bytes = { 0 };
+    double seconds = s->n_row > 1 ? s->row[(s->n_row - 1)*(size_t)s->n_column] - s->row[0] : 0;
+    lw_gif_options o = lw_gif_options_in_time(s->n_row, seconds, NULL);
     const lw_linkage *k;
     lw_status st = lw_model_small(s->model, &k, e);
     if (st != LW_OK)
@@ -143,7 +166,12 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
     if (st == LW_OK)
         st = set_frames(s, &scene, e);
     if (st == LW_OK)
-        st = lw_draw_save(&scene, LW_DRAW_GIF, path, 0, 0, e);
+        st = lw_gif_write(&scene, &o, &bytes, e);
+    if (st == LW_OK)
+        st = lw_file_write(path, bytes.data, bytes.size, e);
+    if (st == LW_OK)
+        cli_note_slower(s->call, s->n_row, seconds);
+    lw_bytes_free(&bytes);
     lw_scene_free(&scene);
     return st;
 }

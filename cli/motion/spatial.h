@@ -19,9 +19,12 @@ int cli_spatial_refuse(const cli_call *call, const char *const *names);
 int cli_spatial_trace_run(const cli_call *call, const lw_spatial *m, const cli_spatial_trace *o);
 int cli_spatial_mobility(const cli_call *call, const lw_spatial *m, double tolerance);
 
+/* Pictures of a run; NULL: none. */
+typedef struct cli_spatial_pictures { const char *plot, *columns, *gif; } cli_spatial_pictures;
+
 /* speed: of the inputs without a motion; NULL: they run freely. */
 int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_options *o, const char *speed,
-                         bool explain);
+                         bool explain, const cli_spatial_pictures *p);
 
 /* Inputs without a motion move at constant speed from their values in the file; speed NULL: they do not. */
 lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e);

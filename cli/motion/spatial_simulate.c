@@ -5,6 +5,7 @@
 
 #include "base/number.h"
 #include "base/real.h"
+#include "catalogues/pages/draw.h"
 #include "cli/motion/dynamics_report.h"
 #include "cli/motion/simulate.h"
 #include "cli/motion/spatial.h"
@@ -13,8 +14,6 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "mbs/dynamics/statics.h"
-
-typedef struct column { char name[LW_NAME_SIZE + 24]; const char *unit; double scale; } column;
 
 typedef struct run {
     const lw_spatial *m;
@@ -25,27 +24,30 @@ typedef struct run {
     lw_error         *e;
     lw_frame_motion  *tracer, *link;
     lw_space_inner   *inner;             /* of the nodes of one elastic link */
-    column           *column;
+    cli_column       *column;
     int               n_column, capacity;
     double           *row;
-    FILE             *f;
+    FILE             *f;                 /* NULL: rows are only kept */
     bool              as_json, no_memory;
     cli_json          json;
-    cli_table        *table;             /* not NULL: rows are kept there instead of printed */
+    cli_table        *table;             /* NULL: rows are not kept */
+    bool              film;              /* postures are kept, for a GIF */
+    lw_space_pose    *pose;              /* [row*n_link + link] */
+    lw_vec3          *path;              /* [row*n_tracer + tracer] */
 } run;
 
 static void add(run *r, const char *of, const char *part, const char *unit, double scale)
 {
     if (r->n_column == r->capacity) {
         int capacity = 2*r->capacity + 64;
-        column *more = realloc(r->column, (size_t)capacity*sizeof *more);
+        cli_column *more = realloc(r->column, (size_t)capacity*sizeof *more);
         r->no_memory = r->no_memory || !more;
         if (!more)
             return;
         r->column = more;
         r->capacity = capacity;
     }
-    column *c = &r->column[r->n_column++];
+    cli_column *c = &r->column[r->n_column++];
     snprintf(c->name, sizeof c->name, "%s%s%s", of, *of && *part ? "." : "", part);
     c->unit = unit;
     c->scale = scale;
@@ -186,6 +188,34 @@ static double acceleration(const run *r, const lw_space_moment *o, lw_spatial_me
     return out - lw_space_measure_bias(r->s, o->frame, of, o->v)*lw_space_scale(r->s, of);
 }
 
+/* Room for a number of rows of `size` bytes, doubled when it is full; false: no memory. */
+static bool make_room(void **rows, size_t n, size_t size)
+{
+    if (n & (n - 1))
+        return true;
+    void *more = realloc(*rows, (n ? 2*n : 1)*size + 1);
+    *rows = more ? more : *rows;
+    return more != NULL;
+}
+
+static lw_status keep_row(run *r)
+{
+    cli_table *t = r->table;
+    size_t n = t->n_row, columns = (size_t)r->n_column, links = (size_t)r->m->n_link, tracers = (size_t)r->m->n_tracer;
+    if (!make_room((void **)&t->row, n, columns*sizeof *t->row))
+        return LW_E_MEMORY;
+    memcpy(t->row + n*columns, r->row, columns*sizeof *r->row);
+    if (r->film && (!make_room((void **)&r->pose, n, links*sizeof *r->pose)
+                    || !make_room((void **)&r->path, n, tracers*sizeof *r->path)))
+        return LW_E_MEMORY;
+    for (size_t i = 0; r->film && i < links; i++)
+        r->pose[n*links + i] = (lw_space_pose){ r->link[i].place, r->link[i].turn };
+    for (size_t i = 0; r->film && i < tracers; i++)
+        r->path[n*tracers + i] = r->tracer[i].place;
+    t->n_row++;
+    return LW_OK;
+}
+
 static lw_status put_row(void *context, const lw_moment *moment)
 {
     run *r = context;
@@ -225,18 +255,13 @@ static lw_status put_row(void *context, const lw_moment *moment)
     *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
     for (int i = 0; i < r->n_column; i++)
         r->row[i] *= r->column[i].scale;
-    if (r->table) {
-        double *more = realloc(r->table->row, (r->table->n_row + 1)*(size_t)r->n_column*sizeof *more);
-        if (!more)
-            return LW_E_MEMORY;
-        r->table->row = more;
-        memcpy(more + r->table->n_row++*(size_t)r->n_column, r->row, (size_t)r->n_column*sizeof *more);
-    } else if (r->as_json)
+    lw_status kept = r->table ? keep_row(r) : LW_OK;
+    if (r->f && r->as_json)
         cli_json_reals(&r->json, NULL, r->row, (size_t)r->n_column);
     else
-        for (int i = 0; i < r->n_column; i++)
+        for (int i = 0; r->f && i < r->n_column; i++)
             put_number(r->f, r->row[i]), fputc(i + 1 < r->n_column ? ',' : '\n', r->f);
-    return LW_OK;
+    return kept;
 }
 
 static void head(run *r, const cli_call *call)
@@ -297,62 +322,97 @@ static void take_scene(run *r)
     r->no_memory = r->no_memory || !r->inner;
 }
 
+static lw_status prepare(run *r, lw_spatial *m, const lw_dynamics_options *o, const char *speed)
+{
+    lw_status st = cli_spatial_speed(m, speed, r->e);
+    if (st == LW_OK)
+        st = lw_dynamics_make_spatial(m, o, &r->d, r->e);
+    if (st != LW_OK)
+        return st;
+    r->report = *lw_dynamics_choice(r->d);
+    take_scene(r);
+    make_columns(r);
+    r->row = malloc((size_t)r->n_column*sizeof *r->row);
+    r->tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r->tracer);
+    r->link = malloc((size_t)r->m->n_link*sizeof *r->link);
+    return r->no_memory || !r->row || !r->tracer || !r->link ? lw_error_set(r->e, LW_E_MEMORY, "out of memory") : LW_OK;
+}
+
+static void end(run *r)
+{
+    free(r->row), free(r->tracer), free(r->link), free(r->inner), free(r->column), free(r->pose), free(r->path);
+    lw_dynamics_free(r->d);
+}
+
 lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const char *speed, cli_table *t, lw_error *e)
 {
     run r = { .m = m, .table = t, .e = e };
-    lw_status st = cli_spatial_speed(m, speed, e);
-    if (st == LW_OK)
-        st = lw_dynamics_make_spatial(m, o, &r.d, e);
-    if (st == LW_OK) {
-        take_scene(&r);
-        make_columns(&r);
-        r.row = malloc((size_t)r.n_column*sizeof *r.row);
-        r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
-        r.link = malloc((size_t)r.m->n_link*sizeof *r.link);
-        t->column = calloc((size_t)r.n_column + 1, sizeof *t->column);
-        st = r.no_memory || !r.row || !r.tracer || !r.link || !t->column ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
-    }
-    t->n_column = r.n_column;
-    for (int i = 0; st == LW_OK && i < r.n_column; i++) {
-        snprintf(t->column[i].name, sizeof t->column[i].name, "%s", r.column[i].name);
-        t->column[i].unit = r.column[i].unit;
-    }
+    lw_status st = prepare(&r, m, o, speed);
     if (st == LW_OK)
         st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, e);
-    free(r.row), free(r.tracer), free(r.link), free(r.inner), free(r.column);
-    lw_dynamics_free(r.d);
+    t->n_column = r.n_column;
+    t->column = r.column;
+    r.column = NULL;
+    end(&r);
     return st;
 }
 
+/* The motion of the rows; elastic links bend with their nodes. */
+static lw_status save_gif(const cli_call *call, const run *r, const char *path)
+{
+    const cli_table *t = r->table;
+    lw_vec3 *origin = calloc((size_t)r->m->n_link, sizeof *origin);
+    double seconds = t->n_row > 1 ? cli_table_at(t, t->n_row - 1, 0) - cli_table_at(t, 0, 0) : 0;
+    lw_space_scene_options o = { .n_frame = t->n_row, .pose = r->pose, .path = r->path, .origin = origin, .until = seconds };
+    lw_space_scene scene;
+    lw_bytes bytes = { 0 };
+    if (!origin)
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory");
+    for (int b = 0; b < r->s->n_body; b++) {
+        const double *q = r->s->start + 7*b, unit = r->s->unit;
+        origin[r->s->link_of[b]] = lw_v3(unit*q[0], unit*q[1], unit*q[2]);
+    }
+    lw_status st = lw_space_scene_make(r->m, &o, &scene, r->e);
+    if (st == LW_OK)
+        st = lw_draw_space(&scene, lw_space_view_default(), LW_DRAW_GIF, 0, 0, &bytes, r->e);
+    if (st == LW_OK)
+        st = lw_file_write(path, bytes.data, bytes.size, r->e);
+    if (st == LW_OK)
+        cli_note_slower(call, t->n_row, seconds);
+    free(origin);
+    lw_bytes_free(&bytes);
+    lw_space_scene_free(&scene);
+    return st;
+}
+
+static lw_status pictures(const cli_call *call, const run *r, const cli_spatial_pictures *p)
+{
+    lw_status st = p->plot ? cli_table_plot(r->table, r->m->name, p->columns, p->plot, r->e) : LW_OK;
+    return st == LW_OK && p->gif ? save_gif(call, r, p->gif) : st;
+}
+
 int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_options *o, const char *speed,
-                         bool explain)
+                         bool explain, const cli_spatial_pictures *p)
 {
     lw_error e = { 0 };
-    run r = { .m = m, .as_json = call->common.json, .e = &e };
+    cli_table kept = { 0 };
+    bool picture = p->plot || p->gif;
+    run r = { .m = m, .as_json = call->common.json, .e = &e, .table = picture ? &kept : NULL, .film = p->gif != NULL };
     lw_output out;
-    lw_status st = cli_spatial_speed(m, speed, &e);
-    if (st == LW_OK)
-        st = lw_dynamics_make_spatial(m, o, &r.d, &e);
-    if (st == LW_OK) {
-        const lw_dynamics_report *q = lw_dynamics_choice(r.d);
-        r.report = *q;
-        if (explain)
-            cli_dynamics_explain(call, q);
-        take_scene(&r);
-        const lw_elastic_chain *c;
-        for (int i = 0; explain && (c = chain_of(&r, i)); i++)
-            cli_explain_chain(call, m->body[c->link].name, c);
-        make_columns(&r);
-        r.row = malloc((size_t)r.n_column*sizeof *r.row);
-        r.tracer = malloc(((size_t)m->n_tracer + 1)*sizeof *r.tracer);
-        r.link = malloc((size_t)r.m->n_link*sizeof *r.link);
-        st = r.no_memory || !r.row || !r.tracer || !r.link ? lw_error_set(&e, LW_E_MEMORY, "out of memory")
-            : cli_open(call, &out,
-                &e);
-    }
     int code;
+    lw_status st = prepare(&r, m, o, speed);
+    if (st == LW_OK && explain) {
+        const lw_elastic_chain *c;
+        cli_dynamics_explain(call, &r.report);
+        for (int i = 0; (c = chain_of(&r, i)); i++)
+            cli_explain_chain(call, m->body[c->link].name, c);
+    }
+    if (st == LW_OK)
+        st = cli_open_beside(call, picture, &out, &e);
     if (st == LW_OK) {
         r.f = out.f;
+        kept.n_column = r.n_column;
+        kept.column = r.column;
         head(&r, call);
         st = lw_dynamics_analyse(r.d, put_row, &r, &r.report, &r.rest, &e);
         if (r.as_json)
@@ -362,6 +422,8 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         cli_dynamics_notes(call, r.d, &r.report);
         if (r.report.formulation == LW_FORMULATION_AUTO && r.report.samples > 0)
             cli_note(call, "at rest after %d iterations, %s", r.rest.iterations, r.rest.stable ? "stable" : "not stable");
+        if (st == LW_OK && picture)
+            st = pictures(call, &r, p);
         bool limit = st == LW_STOPPED && r.report.samples > 0;
         if (limit)
             cli_note(call, "%s; the rows so far are kept", e.text);
@@ -373,7 +435,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
             snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
         code = cli_fail(call, &e);
     }
-    free(r.row), free(r.tracer), free(r.link), free(r.inner), free(r.column);
-    lw_dynamics_free(r.d);
+    free(kept.row);
+    end(&r);
     return code;
 }

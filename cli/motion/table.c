@@ -45,13 +45,8 @@ static lw_status planar_table(const cli_call *call, lw_model *m, const cli_table
     t->n_row = c->n_row;
     t->row = c->row;
     c->row = NULL;
-    t->column = s == LW_OK ? calloc((size_t)c->n_column + 1, sizeof *t->column) : NULL;
-    if (s == LW_OK && !t->column)
-        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; s == LW_OK && i < t->n_column; i++) {
-        snprintf(t->column[i].name, sizeof t->column[i].name, "%s", c->column[i].name);
-        t->column[i].unit = c->column[i].unit;
-    }
+    t->column = c->column;
+    c->column = NULL;
     c->model = NULL;                                          /* the caller's */
     cli_simulate_free(c);
     free(c);

@@ -6,12 +6,12 @@
 #include "grammar/model.h"
 #include "grammar/spatial.h"
 
-typedef struct cli_table_column { char name[2*LW_NAME_SIZE + 24]; const char *unit; } cli_table_column;
+typedef struct cli_column { char name[2*LW_NAME_SIZE + 24]; const char *unit; double scale; } cli_column;
 
 typedef struct cli_table cli_table;
 struct cli_table {
     int               n_column;
-    cli_table_column *column;            /* the first is t [s] */
+    cli_column       *column;            /* the first is t [s] */
     size_t            n_row;
     double           *row;               /* (n_row * n_column) */
 };
@@ -29,6 +29,11 @@ lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spat
 void      cli_table_free(cli_table *t);
 
 int cli_table_find(const cli_table *t, const char *name);        /* -1: no such column */
+
+/* Plot the columns whose names, or their parts before the point, are in a list; NULL: the drives, or the energies if there are
+ * none. */
+lw_status cli_table_plot(const cli_table *t, const char *title, const char *columns, const char *path, lw_error *e);
+
 static inline double cli_table_at(const cli_table *t, size_t row, int column)
 {
     return t->row[row*(size_t)t->n_column + (size_t)column];
