@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 #include "base/rng.h"
+#include "catalogues/build/build.h"
 #include "catalogues/draw/scene.h"
 #include "tests/check.h"
 #include "tests/temporary.h"
@@ -88,6 +89,98 @@ TEST(into_the_store)
     CHECK_INT(sweep.segments, 1);
     CHECK_INT(lw_store_commit(s, &e), LW_OK);
     CHECK_INT(lw_store_verify(s, &e), LW_OK);
+    lw_store_close(s);
+}
+
+/* All numbers of all curves, as one number. */
+static lw_status hash_row(void *context, int n_column, const char *const *name, const lw_value *v)
+{
+    uint64_t *hash = context;
+    (void)name;
+    for (int i = 0; i < n_column; i++) {
+        bool bytes = v[i].kind == LW_VALUE_TEXT || v[i].kind == LW_VALUE_BLOB;
+        const unsigned char *p = bytes ? (const unsigned char *)v[i].text : (const unsigned char *)&v[i].integer;
+        for (size_t k = 0; k < (bytes ? v[i].size : sizeof v[i].integer); k++)
+            *hash = (*hash ^ p[k])*1099511628211u;
+    }
+    return LW_OK;
+}
+
+static uint64_t hash_curves(lw_store *s)
+{
+    static const char *const sql[] = {
+        "SELECT * FROM sweep ORDER BY id", "SELECT * FROM curve_block ORDER BY id",
+        "SELECT id, sweep, number, closed, n, first_block, boxes FROM curve_segment ORDER BY id" };
+    uint64_t hash = 14695981039346656037u;
+    lw_error e = { 0 };
+    for (size_t i = 0; i < 3; i++) {
+        lw_store_query q = { .sql = sql[i], .row = hash_row, .context = &hash };
+        CHECK_INT(lw_store_ask(s, &q, &e), LW_OK);
+    }
+    return hash;
+}
+
+static lw_store *store_at(const char *name, bool write)
+{
+    char file[400];
+    lw_store *s = NULL;
+    lw_error e = { 0 };
+    snprintf(file, sizeof file, "%s-%s", path, name);
+    CHECK_INT(lw_store_open(file, &(lw_store_options){ .write = write, .create = write }, &s, &e), LW_OK);
+    return s;
+}
+
+static lw_status draw_part(const char *name, int part, int n_part, int jobs, bool (*goes_on)(void *, double, double))
+{
+    lw_build_control control = { .jobs = jobs, .seed = 5, .part = part, .n_part = n_part, .segment = 700,
+                                 .goes_on = goes_on };
+    lw_build_counts n;
+    lw_error e = { 0 };
+    lw_store *s = store_at(name, true);
+    lw_status status = lw_build_curves(s, maker, LW_ATLAS_BOTH, 3300, "test", &control, &n, &e);
+    lw_store_close(s);
+    return status;
+}
+
+static bool stop_after_one(void *context, double done, double total)
+{
+    (void)context, (void)total;
+    return done == 0;
+}
+
+/* Parts of a sequence, joined, are the catalogue of the whole: 5 segments in 1 + 2 + 2.  They are joined in order only,
+ * and only when complete. */
+TEST(parts_joined_are_the_whole)
+{
+    static const char *const names[] = { "part-1", "part-2", "part-3" };
+    static const lw_store_run run = { "add", "test", "test", 0 };
+    char file[400];
+    lw_error e = { 0 };
+    uint64_t n;
+    CHECK_INT(draw_part("whole", 0, 0, 2, NULL), LW_OK);
+    CHECK_INT(draw_part("part-1", 0, 3, 1, NULL), LW_OK);
+    CHECK_INT(draw_part("part-2", 1, 3, 3, stop_after_one), LW_STOPPED);
+    CHECK_INT(draw_part("part-3", 2, 3, 1, NULL), LW_OK);
+    CHECK_INT(draw_part("part-3", 1, 3, 1, NULL), LW_E_ARG);
+    CHECK_INT(draw_part("part-6", 5, 6, 1, NULL), LW_E_ARG);        /* more parts than segments */
+    lw_store *s = store_at("joined", true);
+    for (int i = 2; i >= 0; i--) {
+        snprintf(file, sizeof file, "%s-%s", path, names[i]);
+        CHECK_INT(lw_store_add_curves(s, file, &run, &n, &e), i == 0 ? LW_OK : LW_E_ARG);
+        CHECK_HAS(e.text, i == 0 ? "" : i == 1 ? "not complete" : "add part 1 first");
+    }
+    CHECK_INT(draw_part("part-2", 1, 3, 3, NULL), LW_OK);
+    for (int i = 0; i < 3; i++) {
+        snprintf(file, sizeof file, "%s-%s", path, names[i]);
+        CHECK_INT(lw_store_add_curves(s, file, &run, &n, &e), i == 0 ? LW_NOTHING : LW_OK);
+    }
+    CHECK_INT(lw_store_verify(s, &e), LW_OK);
+    lw_store *whole = store_at("whole", false);
+    CHECK(hash_curves(s) == hash_curves(whole));
+    lw_store_close(whole);
+    whole = store_at("part-1", false);
+    CHECK(hash_curves(s) != hash_curves(whole));
+    lw_store_close(whole);
     lw_store_close(s);
 }
 

@@ -14,6 +14,18 @@ TEST(help)
     expect("$P catalogue build $D/a.db --links 7 && ls $D", 3, NULL, "P = F + 2 L + 1 - n2");
 }
 
+TEST(parts_of_curves)
+{
+    expect("$P catalogue curves $D/p.db --samples 65600 --part 3/2", 2, NULL, "R/M");
+    expect("$P catalogue curves $D/p.db --samples 65600 --part 2/3; ls $D/p.db", 2, NULL, "do not give 3 parts");
+    expect("$P catalogue curves $D/p.db --samples 65600 --part 2/2", 0, "", "64 of 64 samples");
+    expect("$P catalogue add $D/q.db $D/p.db", 3, "", "add part 1 first");
+    expect("$P catalogue build $D/r.db --links 4; $P catalogue add $D/q.db $D/r.db", 3, "", "0 sequences of curves");
+    expect("$P catalogue curves $D/s.db --samples 30 -q; $P catalogue add $D/q.db $D/s.db", 0, "", "curves added");
+    expect("$P catalogue add $D/q.db $D/s.db", 0, "", "already");
+    expect("$P catalogue check $D/q.db", 0, NULL, NULL);
+}
+
 /* 16 chains and 71 ground links with eight links: OEIS A233288 and the table of published counts. */
 TEST(build)
 {

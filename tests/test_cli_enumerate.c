@@ -150,6 +150,11 @@ TEST(processes)
     expect("$P chains --links 16 --count --keep $D/m1 --part 2/3; $P chains --links 16 --count > $D/all; "
            "$RUN $P chains --links 16 --count --mpi --keep $D/m1 --structures $D/m.bin | cmp - $D/all && echo same", 0,
            "same\n", "complete");
+    expect("$P catalogue curves $D/c1 --samples 66000 -q && $RUN $P catalogue curves $D/c3 --samples 66000 --mpi -q && "
+           "for c in c1 c3; do $P catalogue query $D/$c --sql --format csv 'SELECT c.id, hex(terms), hex(linkages), g.number, "
+           "hex(boxes), s.samples FROM curve_block c, curve_segment g, sweep s' > $D/$c.csv; done; cmp $D/c1.csv "
+           "$D/c3.csv && test -s $D/c1.csv && echo same", 0, "same\n", NULL);
+    expect("$RUN $P catalogue curves /no/such/folder/x --samples 100 --mpi", 3, NULL, "/no/such/folder");
     expect("$RUN $P chains --links 5 --dof 2 --mpi", 0, "Dhc\n", NULL);
     expect("$RUN $P chains --links 8 --mpi -o /no/such/folder/x", 3, NULL, "/no/such/folder");
     expect("$RUN $P chains --links 7 --mpi", 3, NULL, "P = F + 2 L + 1 - n2");

@@ -23,6 +23,8 @@ typedef struct lw_build_control {
     int         jobs;         /* threads; < 1: one for each core                                     */
     double      commit;       /* seconds between two commits                                         */
     uint64_t    seed;         /* stored with the run; of the samples of curves                       */
+    int         part, n_part; /* of the curves: part 0 .. n_part - 1; n_part 0: all                  */
+    size_t      segment;      /* samples of curves in a segment, at most and without it LW_SEGMENT_MAX */
     const char *command;      /* stored with the run: how the program was called; NULL: nothing      */
     /* Called now and then with the work done and the whole work (0: unknown).  false stops the work with LW_STOPPED;
      * what is done by then is committed.  NULL: never asked. */
@@ -63,10 +65,30 @@ lw_status lw_build_linkages(lw_store *s, const char *file, const char *text, siz
 
 /* ---- coupler curves --------------------------------------------------------------------------------------- */
 
-/* Draw samples of the maker's families until the catalogue has n_sample of them for this seed.  `about` says of what
- * linkages ("fourbar", "six links"). */
+/* Draw samples of the maker's families until the catalogue has n_sample of them for this seed, or those of a part.  `about`
+ * says of what linkages ("fourbar", "six links").  A part holds consecutive segments; lw_store_add_curves joins the parts.
+ * LW_E_ARG: fewer segments than parts. */
 lw_status lw_build_curves(lw_store *s, const lw_curve_maker *maker, lw_atlas_kinds kinds, uint64_t n_sample,
                           const char *about, const lw_build_control *control, lw_build_counts *counts, lw_error *e);
+
+/* The same in steps, so that several processes can draw.  Process 0 begins; any process draws a segment; process 0 puts
+ * the segments from sweep.segments to n_segment - 1 in order and frees the trees. */
+typedef struct lw_build_sweep {
+    const lw_curve_maker *maker;
+    lw_atlas_sweep        sweep;
+    uint64_t              n_sample;       /* of this part                                             */
+    size_t                n_segment, size;/* of this part; samples in a segment                       */
+} lw_build_sweep;
+
+/* Which samples: no catalogue is needed. */
+lw_status lw_build_sweep_make(const lw_curve_maker *maker, lw_atlas_kinds kinds, uint64_t n_sample,
+                              const lw_build_control *control, lw_build_sweep *b, lw_error *e);
+lw_status lw_build_sweep_begin(lw_build_sweep *b, lw_store *s, const char *about, const lw_build_control *control,
+                               lw_build_counts *counts, lw_error *e);
+size_t    lw_build_sweep_samples(const lw_build_sweep *b, size_t segment);
+lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, int jobs, lw_atlas_tree tree[2]);
+lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts,
+                             lw_error *e);
 
 /* ---- checking --------------------------------------------------------------------------------------------- */
 

@@ -3,44 +3,79 @@
 
 #include "catalogues/build/build_internal.h"
 
-static lw_status begin(lw_store *s, lw_atlas_sweep *sweep, uint64_t n_sample, const char *about,
-                       const lw_build_control *control, lw_error *e)
+lw_status lw_build_sweep_make(const lw_curve_maker *maker, lw_atlas_kinds kinds, uint64_t n_sample,
+                              const lw_build_control *control, lw_build_sweep *b, lw_error *e)
 {
-    char what[128];
-    snprintf(what, sizeof what, "%llu curves of %.90s", (unsigned long long)n_sample, about);
-    lw_store_run run = { "curves", what, lw_build_command(control), control->seed };
-    lw_status status = lw_store_begin(s, e);
-    if (status == LW_OK)
-        status = lw_store_sweep_begin(s, sweep, e);
-    if (status == LW_OK && sweep->samples < n_sample)
-        status = lw_store_run_begin(s, &run, e);
-    if (status == LW_OK)
-        return lw_store_commit(s, e);
-    lw_store_rollback(s);
-    return status;
+    uint64_t size = control->segment > 0 ? control->segment : LW_SEGMENT_MAX, m = control->n_part > 0 ? control->n_part : 1;
+    uint64_t all = (n_sample + size - 1)/size, part = (uint64_t)control->part;
+    uint64_t first = all*part/m, end = all*(part + 1)/m;
+    if (all < m && n_sample > 0)
+        return lw_error_set(e, LW_E_ARG, "%llu samples are %llu segments of %llu; they do not give %llu parts",
+                            (unsigned long long)n_sample, (unsigned long long)all, (unsigned long long)size,
+                            (unsigned long long)m);
+    *b = (lw_build_sweep){ .maker = maker, .n_segment = (size_t)(end - first), .size = (size_t)size };
+    b->sweep = (lw_atlas_sweep){ .families = lw_curve_maker_families(maker), .kinds = kinds, .seed = control->seed,
+                                 .first = first };
+    b->n_sample = (end == all ? n_sample : end*size) - first*size;
+    return LW_OK;
 }
 
-static lw_status draw_segment(lw_store *s, const lw_curve_maker *maker, lw_atlas_sweep *sweep, uint64_t n_sample,
-                              int jobs, uint64_t *n_curve, lw_error *e)
+lw_status lw_build_sweep_begin(lw_build_sweep *b, lw_store *s, const char *about, const lw_build_control *control,
+                               lw_build_counts *counts, lw_error *e)
 {
-    lw_atlas_tree tree[2];
-    uint64_t left = n_sample - sweep->samples;
-    size_t n = left < LW_SEGMENT_MAX ? (size_t)left : LW_SEGMENT_MAX;
-    lw_status status = lw_atlas_segment(maker, sweep->seed, sweep->segments, n, sweep->kinds, jobs, tree);
-    if (status != LW_OK)
-        return lw_error_set(e, status, "%s", lw_status_text(status));
-    status = lw_store_begin(s, e);
+    char what[128];
+    snprintf(what, sizeof what, "%llu curves of %.90s", (unsigned long long)b->n_sample, about);
+    lw_store_run run = { "curves", what, lw_build_command(control), control->seed };
+    *counts = (lw_build_counts){ .total = b->n_sample };
+    lw_status status = lw_store_begin(s, e);
+    if (status == LW_OK)
+        status = lw_store_sweep_begin(s, &b->sweep, e);
+    if (status == LW_OK && b->sweep.samples < b->n_sample)
+        status = lw_store_run_begin(s, &run, e);
+    if (status == LW_OK)
+        status = lw_store_commit(s, e);
+    if (status != LW_OK) {
+        lw_store_rollback(s);
+        return status;
+    }
+    counts->before = counts->done = b->sweep.samples;
+    counts->was_complete = b->sweep.samples >= b->n_sample;
+    /* a segment may have been the short end of a smaller number of samples */
+    uint64_t left = counts->was_complete ? 0 : b->n_sample - b->sweep.samples;
+    b->n_segment = (size_t)(b->sweep.segments + (left + b->size - 1)/b->size);
+    return LW_OK;
+}
+
+size_t lw_build_sweep_samples(const lw_build_sweep *b, size_t segment)
+{
+    uint64_t at = b->sweep.samples + (segment - b->sweep.segments)*b->size, left = b->n_sample - at;
+    return left < b->size ? (size_t)left : b->size;
+}
+
+lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, int jobs, lw_atlas_tree tree[2])
+{
+    return lw_atlas_segment(b->maker, b->sweep.seed, b->sweep.first + segment, lw_build_sweep_samples(b, segment),
+                            b->sweep.kinds, jobs, tree);
+}
+
+lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts, lw_error *e)
+{
+    size_t n = lw_build_sweep_samples(b, b->sweep.segments);
+    lw_status status = lw_store_begin(s, e);
     if (status == LW_OK)
         status = lw_store_put_segment(s, tree, n, e);
-    sweep->samples += n;
-    sweep->segments++;
-    if (status == LW_OK && sweep->samples >= n_sample)
+    if (status == LW_OK && b->sweep.samples + n >= b->n_sample)
         status = lw_store_run_end(s, e);
     if (status == LW_OK)
         status = lw_store_commit(s, e);
-    if (status != LW_OK)
+    if (status == LW_OK) {
+        b->sweep.samples += n;
+        b->sweep.segments++;
+        counts->done = b->sweep.samples;
+        counts->added += tree[0].n + tree[1].n;
+    } else {
         lw_store_rollback(s);
-    *n_curve += tree[0].n + tree[1].n;
+    }
     lw_atlas_tree_free(&tree[0]);
     lw_atlas_tree_free(&tree[1]);
     return status;
@@ -49,17 +84,18 @@ static lw_status draw_segment(lw_store *s, const lw_curve_maker *maker, lw_atlas
 lw_status lw_build_curves(lw_store *s, const lw_curve_maker *maker, lw_atlas_kinds kinds, uint64_t n_sample,
                           const char *about, const lw_build_control *control, lw_build_counts *counts, lw_error *e)
 {
-    lw_atlas_sweep sweep = { .families = lw_curve_maker_families(maker), .kinds = kinds, .seed = control->seed };
-    *counts = (lw_build_counts){ .total = n_sample };
-    lw_status status = begin(s, &sweep, n_sample, about, control, e);
-    counts->before = sweep.samples;
-    counts->was_complete = sweep.samples >= n_sample;
-    while (status == LW_OK && sweep.samples < n_sample) {
-        if (lw_build_goes_on(control, (double)sweep.samples, (double)n_sample))
-            status = draw_segment(s, maker, &sweep, n_sample, control->jobs, &counts->added, e);
-        else
-            status = LW_STOPPED;
+    lw_build_sweep b;
+    *counts = (lw_build_counts){ 0 };
+    lw_status status = lw_build_sweep_make(maker, kinds, n_sample, control, &b, e);
+    if (status == LW_OK)
+        status = lw_build_sweep_begin(&b, s, about, control, counts, e);
+    while (status == LW_OK && b.sweep.samples < b.n_sample) {
+        lw_atlas_tree tree[2];
+        if (!lw_build_goes_on(control, (double)b.sweep.samples, (double)b.n_sample))
+            return LW_STOPPED;
+        status = lw_build_sweep_draw(&b, b.sweep.segments, control->jobs, tree);
+        status = status != LW_OK ? lw_error_set(e, status, "%s", lw_status_text(status))
+                                 : lw_build_sweep_put(&b, s, tree, counts, e);
     }
-    counts->done = sweep.samples;
     return status;
 }

@@ -8,17 +8,23 @@
 #include "catalogues/curves/atlas.h"
 #include "catalogues/store/store.h"
 
-/* A sequence of samples in a catalogue: how many are drawn so far, in how many segments. */
+/* A sequence of samples in a catalogue: how many are drawn so far, in how many segments.  A catalogue may hold a part of
+ * the sequence, which begins after `first` segments. */
 typedef struct lw_atlas_sweep {
     const char    *families;               /* of lw_curve_maker_families                              */
     lw_atlas_kinds kinds;
-    uint64_t       seed, samples, segments;
+    uint64_t       seed, first, samples, segments;
 } lw_atlas_sweep;
 
 /* Find the sequence with these families, kinds and seed, or start it; fills samples and segments.  Add a segment to
- * it.  Both inside a transaction. */
+ * it.  Both inside a transaction.  LW_E_ARG: the catalogue holds another part of the sequence. */
 lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e);
 lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t n_sample, lw_error *e);
+
+/* Add the curves of another catalogue with the path `part`: one sequence, which must go on where that in s ends.  The
+ * rows are those that one catalogue for all parts has.  All is added or nothing; not inside a transaction.  *n_curve:
+ * curves added.  LW_E_ARG: parts before it are missing, or it is not complete; LW_NOTHING: s holds it already. */
+lw_status lw_store_add_curves(lw_store *s, const char *part, const lw_store_run *run, uint64_t *n_curve, lw_error *e);
 
 typedef struct lw_atlas_hit {
     double     distance;              /* root mean square distance of the points, both curves traversed at even

@@ -81,10 +81,10 @@ lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)
 {
     bool any;
     char seed[24];
-    sqlite3_int64 samples = 0, segments = 0;
+    sqlite3_int64 samples = 0, segments = 0, first = 0;
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)sweep->seed);
-    lw_status status = lw_store_do(s, "INSERT OR IGNORE INTO sweep(families, kinds, seed) VALUES(?1, ?2, ?3)", e, "tit",
-                                   sweep->families, (long long)sweep->kinds, seed);
+    lw_status status = lw_store_do(s, "INSERT OR IGNORE INTO sweep(families, kinds, seed, first) VALUES(?1, ?2, ?3, ?4)",
+                                   e, "titi", sweep->families, (long long)sweep->kinds, seed, (long long)sweep->first);
     if (status == LW_OK)
         status = lw_store_find(s, "SELECT id FROM sweep WHERE families = ?1 AND kinds = ?2 AND seed = ?3", &s->sweep,
                                &any, e, "tit", sweep->families, (long long)sweep->kinds, seed);
@@ -94,6 +94,12 @@ lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)
     if (status == LW_OK)
         status = lw_store_find(s, "SELECT segments FROM sweep WHERE id = ?1", &segments, &any, e, "i",
                                (long long)s->sweep);
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT first FROM sweep WHERE id = ?1", &first, &any, e, "i", (long long)s->sweep);
+    if (status == LW_OK && (uint64_t)first != sweep->first)
+        status = lw_error_at(e, LW_E_ARG, s->path, 0, 0, "it holds the curves of this sequence from segment %lld on, not "
+                             "from %llu; give each part a file of its own", (long long)first + 1,
+                             (unsigned long long)sweep->first + 1);
     sweep->samples = (uint64_t)samples;
     sweep->segments = (uint64_t)segments;
     return status;
@@ -114,7 +120,7 @@ static lw_status put_tree(lw_store *s, const lw_atlas_tree *t, lw_error *e)
     }
     if (status == LW_OK)
         status = lw_store_do(s, "INSERT INTO curve_segment(sweep, number, closed, n, first_block, boxes, run) "
-                             "SELECT ?1, segments + 1, ?2, ?3, ?4, ?5, ?6 FROM sweep WHERE id = ?1", e, "iiiibi",
+                             "SELECT ?1, first + segments + 1, ?2, ?3, ?4, ?5, ?6 FROM sweep WHERE id = ?1", e, "iiiibi",
                              (long long)s->sweep, (long long)t->closed, (long long)t->n, (long long)last + 1, t->box,
                              t->n_block*sizeof *t->box, (long long)s->run);
     return status;
@@ -129,6 +135,90 @@ lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t 
     if (status == LW_OK)
         status = lw_store_do(s, "UPDATE sweep SET samples = samples + ?1, segments = segments + 1 WHERE id = ?2", e,
                              "ii", (long long)n_sample, (long long)s->sweep);
+    return status;
+}
+
+/* ---- curves of another catalogue --------------------------------------------------------------------- */
+
+#define SAME "main.sweep h JOIN part.sweep t ON h.families = t.families AND h.kinds = t.kinds AND h.seed = t.seed"
+
+/* Check that the sequence in the attached catalogue goes on where the same one here ends.  LW_NOTHING: it is here. */
+static lw_status check_part(lw_store *s, const char *path, sqlite3_int64 *n_curve, lw_error *e)
+{
+    sqlite3_int64 n = 0, n_open = 0, first = 0, last = 0, here = 0;
+    bool any;
+    lw_status status = lw_store_find(s, "SELECT count(*) FROM part.sweep", &n, &any, e, "");
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT ended IS NULL FROM part.run WHERE id = (SELECT run FROM part.curve_segment "
+                               "ORDER BY id DESC LIMIT 1)", &n_open, &any, e, "");
+    n_open = status == LW_OK && !any ? 1 : n_open;
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT first FROM part.sweep", &first, &any, e, "");
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT first + segments FROM part.sweep", &last, &any, e, "");
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT h.first + h.segments FROM " SAME, &here, &any, e, "");
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT sum(n) FROM part.curve_segment", n_curve, &any, e, "");
+    if (status != LW_OK)
+        return status;
+    if (n != 1)
+        return lw_error_at(e, LW_E_ARG, path, 0, 0, "it holds %lld sequences of curves; a part holds one", (long long)n);
+    if (n_open > 0)
+        return lw_error_at(e, LW_E_ARG, path, 0, 0, "this part is not complete; give the command that makes it again");
+    if (last <= here)
+        return LW_NOTHING;
+    if (first == here)
+        return LW_OK;
+    return lw_error_at(e, LW_E_ARG, path, 0, 0, "it begins after segment %lld of its sequence, and %s has %lld segments; "
+                       "add part 1 first, then 2, and so on", (long long)first, s->path, (long long)here);
+}
+
+static lw_status copy_part(lw_store *s, lw_error *e)
+{
+    sqlite3_int64 last = 0;
+    bool any;
+    lw_status status = lw_store_find(s, "SELECT max(id) FROM curve_block", &last, &any, e, "");
+    if (status == LW_OK)
+        status = lw_store_do(s, "INSERT OR IGNORE INTO main.sweep(families, kinds, seed, first) "
+                             "SELECT families, kinds, seed, first FROM part.sweep", e, "");
+    if (status == LW_OK)
+        status = lw_store_do(s, "INSERT INTO main.curve_block(id, terms, linkages) "
+                             "SELECT id + ?1, terms, linkages FROM part.curve_block ORDER BY id", e, "i",
+                             (long long)last);
+    if (status == LW_OK)
+        status = lw_store_do(s, "INSERT INTO main.curve_segment(sweep, number, closed, n, first_block, boxes, run) "
+                             "SELECT (SELECT h.id FROM " SAME "), number, closed, n, first_block + ?1, boxes, ?2 "
+                             "FROM part.curve_segment ORDER BY id", e, "ii", (long long)last, (long long)s->run);
+    return status != LW_OK ? status
+         : lw_store_do(s, "UPDATE main.sweep SET samples = samples + (SELECT samples FROM part.sweep), segments = "
+                       "segments + (SELECT segments FROM part.sweep) WHERE id = (SELECT h.id FROM " SAME ")", e, "");
+}
+
+lw_status lw_store_add_curves(lw_store *s, const char *part, const lw_store_run *run, uint64_t *n_curve, lw_error *e)
+{
+    sqlite3_int64 n = 0;
+    *n_curve = 0;
+    lw_status status = lw_store_do(s, "ATTACH ?1 AS part", e, "t", part);
+    if (status != LW_OK)
+        return status;
+    status = lw_store_begin(s, e);
+    if (status == LW_OK)
+        status = check_part(s, part, &n, e);
+    if (status == LW_OK)
+        status = lw_store_run_begin(s, run, e);
+    if (status == LW_OK)
+        status = copy_part(s, e);
+    if (status == LW_OK)
+        status = lw_store_run_end(s, e);
+    if (status == LW_OK)
+        status = lw_store_commit(s, e);
+    if (status == LW_OK)
+        *n_curve = (uint64_t)n;
+    else
+        lw_store_rollback(s);
+    lw_error ignored;
+    (void)lw_store_do(s, "DETACH part", &ignored, "");
     return status;
 }
 

@@ -66,5 +66,8 @@ static const char version_3[] =
     " current_peak REAL NOT NULL, peak_time REAL NOT NULL, mass REAL NOT NULL, price REAL NOT NULL,"
     " run INTEGER NOT NULL REFERENCES run(id));";
 
-const char *const lw_store_steps[] = { version_1, version_2, version_3 };
+/* Parts of a sequence of curves: number of segments before those in the file. */
+static const char version_4[] = "ALTER TABLE sweep ADD COLUMN first INTEGER NOT NULL DEFAULT 0;";
+
+const char *const lw_store_steps[] = { version_1, version_2, version_3, version_4 };
 const int lw_store_step_count = sizeof lw_store_steps/sizeof *lw_store_steps;

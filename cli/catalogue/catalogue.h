@@ -8,9 +8,9 @@
 
 typedef struct cli_catalogue_settings {
     double      time, wait, commit, min_transmission, length_range[2];
-    bool        full_turn, disagreeing, no_pictures, sql, fields;
+    bool        mpi, full_turn, disagreeing, no_pictures, sql, fields;
     int         links, dof, input, samples, curves, results, shape, list, format;
-    const char *joints, *types, *columns, *sort;
+    const char *joints, *types, *columns, *sort, *part;
 } cli_catalogue_settings;
 
 /* Actions. Each gets the whole call, whose word[0] is its own name, and returns the exit code. */

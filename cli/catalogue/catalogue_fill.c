@@ -6,6 +6,7 @@
 #include "catalogues/build/build.h"
 #include "catalogues/store/drive_store.h"
 #include "cli/catalogue/catalogue.h"
+#include "cli/program/mpi_jobs.h"
 
 #define CONTINUE "; the same command goes on from here"
 
@@ -92,6 +93,39 @@ static lw_status add_parts(const cli_call *call, const char *text, size_t size, 
     return status;
 }
 
+/* Is it an SQLite file? */
+static bool is_catalogue(const char *file)
+{
+    char head[16];
+    FILE *f = fopen(file, "rb");
+    bool is = f && fread(head, sizeof head, 1, f) == 1 && memcmp(head, "SQLite format 3", sizeof head) == 0;
+    if (f)
+        fclose(f);
+    return is;
+}
+
+/* The curves of another catalogue. */
+static lw_status add_curves(const cli_call *call, const char *file, lw_error *e)
+{
+    char what[128];
+    uint64_t n = 0;
+    lw_store *part = NULL, *store = NULL;
+    snprintf(what, sizeof what, "curves of %.100s", file);
+    lw_store_run run = { "add", what, call->line, 0 };
+    /* opened first, so that it is known to be a catalogue of this version */
+    lw_status status = lw_store_open(file, &(lw_store_options){ .wait = 5, .command = call->line }, &part, e);
+    if (status == LW_OK)
+        status = cli_catalogue_open(call, true, &store, e);
+    if (status == LW_OK)
+        status = lw_store_add_curves(store, lw_store_path(part), &run, &n, e);
+    if (status == LW_OK || status == LW_NOTHING)
+        cli_note(call, status == LW_OK ? "%llu curves added" : "its curves are in the catalogue already",
+                 (unsigned long long)n);
+    lw_store_close(store);
+    lw_store_close(part);
+    return status == LW_NOTHING ? LW_OK : status;
+}
+
 int cli_catalogue_add(const cli_call *call)
 {
     const char *file = call->parsed.word[2];
@@ -102,6 +136,8 @@ int cli_catalogue_add(const cli_call *call)
     size_t size;
     cli_catalogue_watch w = cli_catalogue_watch_begin(call, "add", "linkages");
     lw_build_control control = control_of(call, &w);
+    if (is_catalogue(file))
+        return cli_catalogue_watch_end(&w, add_curves(call, file, &e) == LW_OK ? CLI_DONE : cli_fail(call, &e));
     lw_status status = cli_read_file(file, "results of fit or linkages (JSON)", &text, &size, &e);
     if (status == LW_OK && lw_drive_parts_is(text, size)) {
         status = add_parts(call, text, size, &e);
@@ -125,36 +161,171 @@ int cli_catalogue_add(const cli_call *call)
 
 /* ---- curves --------------------------------------------------------------------------------------------- */
 
-int cli_catalogue_curves(const cli_call *call)
+/* A run under mpirun: a task is a segment; its answer is the two trees. */
+typedef struct remote {
+    lw_build_sweep          b;
+    lw_store               *store;               /* process 0 */
+    const lw_build_control *control;
+    lw_build_counts        *n;
+    lw_error               *e;
+} remote;
+
+static lw_status work_segment(void *context, size_t k, lw_bytes *answer)
+{
+    remote *r = context;
+    lw_atlas_tree tree[2];
+    lw_status status = lw_build_sweep_draw(&r->b, k, 1, tree);
+    for (int i = 0; i < 2 && status == LW_OK; i++) {
+        const lw_atlas_tree *t = &tree[i];
+        lw_bytes_add(answer, &t->n, sizeof t->n);
+        lw_bytes_add(answer, &t->n_block, sizeof t->n_block);
+        lw_bytes_add(answer, t->terms, t->n*sizeof *t->terms);
+        lw_bytes_add(answer, t->row, t->n*sizeof *t->row);
+        lw_bytes_add(answer, t->box, t->n_block*sizeof *t->box);
+        lw_atlas_tree_free(&tree[i]);
+    }
+    return status;
+}
+
+/* A copy of n items from the answer. */
+static void *copy_items(const char **at, size_t n, size_t size)
+{
+    void *copy = malloc(n*size + 1);
+    if (copy)
+        memcpy(copy, *at, n*size);
+    *at += n*size;
+    return copy;
+}
+
+static lw_status take_segment(void *context, size_t k, const char *answer, size_t size)
+{
+    remote *r = context;
+    lw_atlas_tree tree[2] = { { .closed = true }, { .closed = false } };
+    bool good = true;
+    (void)k, (void)size;
+    for (int i = 0; i < 2; i++) {
+        lw_atlas_tree *t = &tree[i];
+        memcpy(&t->n, answer, sizeof t->n);
+        memcpy(&t->n_block, answer + sizeof t->n, sizeof t->n_block);
+        answer += sizeof t->n + sizeof t->n_block;
+        t->terms = copy_items(&answer, t->n, sizeof *t->terms);
+        t->row = copy_items(&answer, t->n, sizeof *t->row);
+        t->box = copy_items(&answer, t->n_block, sizeof *t->box);
+        good = good && t->terms && t->row && t->box;
+    }
+    if (!good) {
+        lw_atlas_tree_free(&tree[0]);
+        lw_atlas_tree_free(&tree[1]);
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory");
+    }
+    lw_status status = lw_build_sweep_put(&r->b, r->store, tree, r->n, r->e);
+    bool over = r->b.sweep.samples >= r->b.n_sample;
+    return status != LW_OK || over
+        || r->control->goes_on(r->control->context, (double)r->b.sweep.samples, (double)r->b.n_sample)
+         ? status : LW_STOPPED;
+}
+
+static bool is_stored(void *context, size_t k)
+{
+    return k < ((remote *)context)->b.sweep.segments;
+}
+
+/* Process 0 has the store, the others have NULL. */
+static lw_status draw_remote(remote *r, const char *about, bool *ran)
+{
+    lw_status status = r->store ? lw_build_sweep_begin(&r->b, r->store, about, r->control, r->n, r->e) : LW_OK;
+    if (status == LW_OK && !r->n->was_complete && r->b.sweep.samples != r->b.sweep.segments*r->b.size)
+        status = lw_error_set(r->e, LW_E_ARG, "the last segment of the catalogue is short, which --mpi does not know; go on "
+                              "without --mpi");
+    if (status != LW_OK)
+        return status;
+    *ran = true;
+    cli_mpi_work w = { r->n->was_complete ? 0 : r->b.n_segment, work_segment, take_segment, r, is_stored, 2 };
+    status = cli_mpi_run(&w);
+    if (status != LW_OK && status != LW_STOPPED && !*r->e->text)
+        lw_error_set(r->e, status, "%s", lw_status_text(status));
+    return status;
+}
+
+static lw_curve_maker *make_maker(const cli_call *call, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
-    bool six = s->links == 6;
     lw_curve_maker *maker = NULL;
+    (void)(s->links == 6 ? lw_curve_maker_links(6, call->common.jobs, &maker, e)
+                         : lw_curve_maker_create(s->types, &maker, e));
+    return maker;
+}
+
+/* A process that is not process 0. */
+static void help_out(const cli_call *call, const lw_build_control *control, bool *ran)
+{
+    const cli_catalogue_settings *s = call->settings;
+    lw_error e = { 0 };
+    lw_build_counts n = { 0 };
+    remote r = { .control = control, .n = &n, .e = &e };
+    lw_curve_maker *maker = make_maker(call, &e);
+    if (maker && lw_build_sweep_make(maker, (lw_atlas_kinds)s->curves, (uint64_t)s->samples, control, &r.b, &e) == LW_OK)
+        (void)draw_remote(&r, "", ran);
+    lw_curve_maker_free(maker);
+}
+
+static int draw_curves(const cli_call *call, lw_build_control *control, cli_catalogue_watch *w, bool *ran)
+{
+    const cli_catalogue_settings *s = call->settings;
+    const char *about = s->links == 6 ? "six links" : s->types;
+    uint64_t n_sample = (uint64_t)s->samples;
     lw_store *store = NULL;
     lw_build_counts n = { 0 };
     lw_error e = { 0 };
-    if (s->links != 0 && s->links != 4 && s->links != 6)
-        return cli_usage(call, "curves are drawn for four or six links: --links 4 or 6, not %d", s->links);
-    if (six && cli_given(&call->parsed, "type"))
-        return cli_usage(call, "--type is for four links; --links 6 draws all chains, ground links and tracer links");
-    if (s->samples == 0)
-        return cli_usage(call, "how many curves? give --samples N");
-    cli_catalogue_watch w = cli_catalogue_watch_begin(call, "curves", "samples");
-    lw_build_control control = control_of(call, &w);
+    remote r = { .control = control, .n = &n, .e = &e };
     double start = lw_clock_wall();
-    lw_status status = six ? lw_curve_maker_links(6, call->common.jobs, &maker, &e)
-                           : lw_curve_maker_create(s->types, &maker, &e);
+    lw_curve_maker *maker = make_maker(call, &e);
+    lw_status status = maker ? lw_build_sweep_make(maker, (lw_atlas_kinds)s->curves, n_sample, control, &r.b, &e)
+                             : e.status;
     if (status == LW_OK)
         status = cli_catalogue_open(call, true, &store, &e);
+    r.store = store;
     if (status == LW_OK)
-        status = lw_build_curves(store, maker, (lw_atlas_kinds)s->curves, (uint64_t)s->samples,
-                                 six ? "six links" : s->types, &control, &n, &e);
-    int code = cli_catalogue_watch_end(&w, status < 0 ? cli_fail(call, &e) : CLI_DONE);
+        status = s->mpi ? draw_remote(&r, about, ran)
+               : lw_build_curves(store, maker, (lw_atlas_kinds)s->curves, n_sample, about, control, &n, &e);
+    int code = cli_catalogue_watch_end(w, status < 0 ? cli_fail(call, &e) : CLI_DONE);
     if (status >= 0)
         cli_note(call, "%llu curves drawn in %.2f s; the catalogue has %llu of %llu samples%s",
                  (unsigned long long)n.added, lw_clock_wall() - start, (unsigned long long)n.done,
                  (unsigned long long)n.total, status == LW_OK ? "" : CONTINUE);
     lw_curve_maker_free(maker);
     lw_store_close(store);
+    return code;
+}
+
+int cli_catalogue_curves(const cli_call *call)
+{
+    const cli_catalogue_settings *s = call->settings;
+    bool ran = false;
+    if (s->links != 0 && s->links != 4 && s->links != 6)
+        return cli_usage(call, "curves are drawn for four or six links: --links 4 or 6, not %d", s->links);
+    if (s->links == 6 && cli_given(&call->parsed, "type"))
+        return cli_usage(call, "--type is for four links; --links 6 draws all chains, ground links and tracer links");
+    if (s->samples == 0)
+        return cli_usage(call, "how many curves? give --samples N");
+    int part = 0, n_part = 0;
+    int code = s->part ? cli_read_part(call, s->part, &part, &n_part) : CLI_DONE;
+    if (code == CLI_DONE && s->mpi)
+        code = cli_mpi_check(call);
+    if (code != CLI_DONE)
+        return code;
+    int rank = s->mpi ? cli_mpi_begin() : 0;
+    cli_catalogue_watch w = { 0 };
+    if (rank == 0)
+        w = cli_catalogue_watch_begin(call, "curves", "samples");
+    lw_build_control control = control_of(call, &w);
+    control.part = part;
+    control.n_part = n_part;
+    if (rank > 0)
+        help_out(call, &control, &ran);
+    else
+        code = draw_curves(call, &control, &w, &ran);
+    if (s->mpi)
+        cli_mpi_end(ran);
     return code;
 }

@@ -22,6 +22,10 @@ static const cli_option options[] = {
       "curves: types of four-link mechanisms, named as in 'linkwright fit', or all", 0, 0, NULL, NULL },
     { "curves", 0, CLI_CHOICE, PLACE(curves), "both|closed|open", "both",
       "curves: closed curves, open parts of closed curves, or both by turns", 0, 0, NULL, NULL },
+    { "part", 0, CLI_TEXT, PLACE(part), "R/M", NULL,
+      "curves: draw part R of M (R = 1 .. M) of the samples; 'add' joins the parts", 0, 0, NULL, NULL },
+    { "mpi", 0, CLI_FLAG, PLACE(mpi), NULL, NULL,
+      "curves: share the work among all processes that mpirun started; process 0 writes", 0, 0, NULL, NULL },
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
       "nearest: take the target as a closed or as an open curve; file: as its file says", 0, 0, NULL, NULL },
     { "full-turn", 0, CLI_FLAG, PLACE(full_turn), NULL, NULL, "nearest: only linkages whose input turns fully", 0, 0,
@@ -65,14 +69,17 @@ static const cli_action actions[] = {
       "Assur groups. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
       "same command is given again.\n",
       1, 1, cli_catalogue_build, CLI_CATALOGUE },
-    { "add", "FILE RESULTS.json",
+    { "add", "FILE RESULTS.json or PART.db",
       "Adds linkages with their errors from the output of 'linkwright fit --json', or linkage files. Several\n"
       "results may follow one another; - is standard input. Linkages that the catalogue already holds are\n"
-      "skipped. A table of motors, gears or amplifiers (CSV, docs/drive.md) is added for 'linkwright drive select'.\n",
+      "skipped. Curves of another catalogue, made with --part, are added too: the parts in order, 1, 2, 3, ...\n"
+      "A table of motors, gears or amplifiers (CSV, docs/drive.md) is added for 'linkwright drive select'.\n",
       2, 2, cli_catalogue_add, CLI_CATALOGUE | CLI_LINKAGE | CLI_RESULTS },
     { "curves", "FILE --samples N",
       "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes\n"
-      "of the linkages; with --links 6 curves of the Watt and Stephenson chains whose input turns fully.\n",
+      "of the linkages; with --links 6 curves of the Watt and Stephenson chains whose input turns fully.\n"
+      "Several machines each draw --part R/M into a file of their own, or share the work under mpirun with --mpi;\n"
+      "the catalogue is the same (docs/cluster.md).\n",
       1, 1, cli_catalogue_curves, CLI_CATALOGUE },
     { "nearest", "FILE TARGET.csv",
       "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction\n"
@@ -119,6 +126,7 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue add atlas.db results.jsonl      results of fit --json, or linkages\n"
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue curves atlas.db --links 6 --samples 1000000\n"
+        "  linkwright catalogue curves part-3.db --links 6 --samples 10000000 --part 3/20\n"
         "  linkwright catalogue nearest atlas.db target.csv --results 20\n"
         "  linkwright catalogue nearest atlas.db target.csv --full-turn --min-transmission-angle 35 --length-range 5:80\n"
         "  linkwright catalogue query atlas.db 'links=8 and planar and symmetry>1' --sort grounds\n"

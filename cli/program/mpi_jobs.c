@@ -1,10 +1,23 @@
 #include "cli/program/mpi_jobs.h"
 
+#include <stdlib.h>
+#include "cli/program/output.h"
+
+int cli_read_part(const cli_call *call, const char *text, int *part, int *n_part)
+{
+    char *end;
+    long r = strtol(text, &end, 10), m = *end == '/' ? strtol(end + 1, &end, 10) : 0;
+    if (*end || r < 1 || r > m || m > 1000000)
+        return cli_usage(call, "--part is R/M with 1 <= R <= M, for example 2/5, not '%s'", text);
+    *part = (int)r - 1;
+    *n_part = (int)m;
+    return CLI_DONE;
+}
+
 #ifdef LW_MPI
 #include <mpi.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TAG_TASK = 1, TAG_ANSWER };
@@ -14,7 +27,11 @@ enum { TAG_TASK = 1, TAG_ANSWER };
 /* Precedes every answer. */
 typedef struct heading { uint64_t task; int64_t status; } heading;
 
-bool cli_mpi_available(void) { return true; }
+int cli_mpi_check(const cli_call *call)
+{
+    (void)call;
+    return CLI_DONE;
+}
 
 int cli_mpi_begin(void)
 {
@@ -24,7 +41,20 @@ int cli_mpi_begin(void)
     return rank;
 }
 
-void cli_mpi_end(void) { MPI_Finalize(); }
+/* Used by a process that cannot go on: its answers report the failure; process 0 ends the others. */
+static lw_status work_not(void *context, size_t k, lw_bytes *answer)
+{
+    (void)context, (void)k, (void)answer;
+    return LW_E_MEMORY;
+}
+
+void cli_mpi_end(bool ran)
+{
+    cli_mpi_work nothing = { .work = work_not };
+    if (!ran)
+        (void)cli_mpi_run(&nothing);
+    MPI_Finalize();
+}
 
 static void send_task(int rank, uint64_t task) { MPI_Send(&task, 1, MPI_UINT64_T, rank, TAG_TASK, MPI_COMM_WORLD); }
 
@@ -143,7 +173,7 @@ static int hand_out(desk *d)
 
 static lw_status serve(const cli_mpi_work *w, int n_rank)
 {
-    desk d = { .w = w, .n_kept = KEPT_BY_RANK*(size_t)n_rank };
+    desk d = { .w = w, .n_kept = (w->ahead > 0 ? w->ahead : KEPT_BY_RANK)*(size_t)n_rank };
     d.early = calloc(d.n_kept, sizeof *d.early);
     d.idle = calloc((size_t)n_rank, sizeof *d.idle);
     if (!d.early || !d.idle)
@@ -184,9 +214,13 @@ lw_status cli_mpi_run(const cli_mpi_work *w)
 
 #else
 
-bool cli_mpi_available(void) { return false; }
+int cli_mpi_check(const cli_call *call)
+{
+    return cli_usage(call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with it");
+}
+
 int  cli_mpi_begin(void) { return 0; }
-void cli_mpi_end(void) { }
+void cli_mpi_end(bool ran) { (void)ran; }
 lw_status cli_mpi_run(const cli_mpi_work *w)
 {
     (void)w;

@@ -102,18 +102,6 @@ static bool tick_structures(void *context, int loops, size_t found)
     return go_on(t);
 }
 
-/* Read a part such as "2/5". */
-static bool read_part(const char *text, lw_chain_walk *how)
-{
-    char *end;
-    long part = strtol(text, &end, 10), n_part = *end == '/' ? strtol(end + 1, &end, 10) : 0;
-    if (*end || part < 1 || part > n_part || n_part > 1000000)
-        return false;
-    how->part = (int)part - 1;
-    how->n_part = (int)n_part;
-    return true;
-}
-
 static int unknown_filter(const cli_call *call, const char *name)
 {
     const char *names[16];
@@ -137,13 +125,13 @@ static int read_settings(task *t)
     t->notation = t->call->common.json ? lw_notation_find("json") : &lw_notations[s->format];
     if (!cli_given(&t->call->parsed, "links"))
         return cli_usage(t->call, "how many links? give --links P");
-    if (s->part && !read_part(s->part, &t->how))
-        return cli_usage(t->call, "--part is R/M with 1 <= R <= M, for example 2/5, not '%s'", s->part);
+    int code = s->part ? cli_read_part(t->call, s->part, &t->how.part, &t->how.n_part) : CLI_DONE;
+    if (code != CLI_DONE)
+        return code;
     if (filter && !(t->how.filter = lw_filter_find(filter)))
         return unknown_filter(t->call, filter);
-    if (s->mpi && !cli_mpi_available())
-        return cli_usage(t->call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with "
-                         "it");
+    if (s->mpi && (code = cli_mpi_check(t->call)) != CLI_DONE)
+        return code;
     if (s->mpi && s->resume)
         return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
@@ -364,7 +352,7 @@ static lw_status remote_count(task *t)
     lw_status status = lw_chains_count(t->chains, &nothing, &t->table);
     if (status == LW_OK)
         clear_rows(&t->table);
-    cli_mpi_work w = { t->n_task, work_count, take_count, t, is_kept };
+    cli_mpi_work w = { t->n_task, work_count, take_count, t, is_kept, 0 };
     t->served = true;
     lw_status run = cli_mpi_run(&w);
     return status == LW_OK ? run : status;
@@ -517,7 +505,7 @@ static lw_status remote_list(task *t)
 {
     const lw_structures *set = lw_chains_structures(t->chains);
     t->n_task = set ? lw_structures_count(set, t->n_loop) : 1;
-    cli_mpi_work w = { t->n_task, work_list, take_list, t, NULL };
+    cli_mpi_work w = { t->n_task, work_list, take_list, t, NULL, 0 };
     t->served = true;
     return cli_mpi_run(&w);
 }
@@ -585,23 +573,6 @@ static void help_out(task *t)
         (void)(t->s->count ? remote_count(t) : remote_list(t));
 }
 
-/* Used by a process that cannot go on: its answers report the failure; process 0 ends the others. */
-static lw_status work_not(void *context, size_t k, lw_bytes *answer)
-{
-    (void)context;
-    (void)k;
-    (void)answer;
-    return LW_E_MEMORY;
-}
-
-static void end_remote(task *t)
-{
-    cli_mpi_work w = { 0, work_not, NULL, NULL, NULL };
-    if (!t->served)
-        (void)cli_mpi_run(&w);
-    cli_mpi_end();
-}
-
 static int run(const cli_call *call)
 {
     task t = { .call = call, .s = call->settings, .start = lw_clock_wall() };
@@ -622,7 +593,7 @@ static int run(const cli_call *call)
     else
         code = status == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
     if (t.s->mpi)
-        end_remote(&t);
+        cli_mpi_end(t.served);
     free(t.before.last);
     lw_chain_table_free(&t.table);
     lw_kept_close(t.kept);
