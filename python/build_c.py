@@ -25,6 +25,8 @@ extern "Python" {
     lw_status lw_py_range(void *context, const lw_input_range *range);
     lw_status lw_py_sample(void *context, const lw_simulation_sample *sample);
     lw_status lw_py_vibration(void *context, const lw_vibration_info *vibration);
+    lw_status lw_py_spatial_trace(void *context, double at, const double *input, const lw_frame_motion *tracer);
+    lw_status lw_py_spatial_sample(void *context, const lw_spatial_sample *sample);
     lw_status lw_py_row(void *context, int n_column, const char *const *name, const lw_value *value);
     lw_status lw_py_hit(void *context, const lw_catalogue_hit *hit);
     void      lw_py_force(void *context, double t, const lw_link_motion *link, lw_link_load *load);

@@ -1,4 +1,4 @@
-"""Planar mechanisms: which exist, how they move, what they carry, and which one does a job.
+"""Mechanisms: which exist, how they move, what they carry, and which one does a job.
 
 Units are SI everywhere: lengths in m, angles in rad counter-clockwise, time in s, mass in kg, force in N.
 Links, joints, tracers and inputs count from 0.  Failures raise linkwright.Error with the library's text.
@@ -17,9 +17,11 @@ from .dynamics import Model, Simulation, Stepper
 from .family import Family, Variant, simulate_servo
 from .fitting import Result, Results, Target, fit, precision_points
 from .linkage import FourBarClass, Kinematics, Linkage, Trace, classify
+from .space import Frames, SpatialModel, SpatialSimulation, SpatialTrace
 from .topology import Chain, Mechanism, chains, count_chains
 
 __version__ = version()
-__all__ = ["Catalogue", "Chain", "Error", "Family", "FourBarClass", "Hit", "Kinematics", "Linkage", "Mechanism", "Model",
-           "Result", "Results", "Simulation", "Stepper", "Stopped", "Target", "Trace", "Variant", "chains", "classify", "count_chains",
-           "fit", "precision_points", "simulate_servo", "version"]
+__all__ = ["Catalogue", "Chain", "Error", "Family", "FourBarClass", "Frames", "Hit", "Kinematics", "Linkage", "Mechanism",
+           "Model", "Result", "Results", "Simulation", "SpatialModel", "SpatialSimulation", "SpatialTrace", "Stepper",
+           "Stopped", "Target", "Trace", "Variant", "chains", "classify", "count_chains", "fit", "precision_points",
+           "simulate_servo", "version"]

@@ -153,7 +153,8 @@ def _visitor(name):
         return ffi.from_handle(context).run_visit(*arguments)
 
 
-for _name in ("chain", "mechanism", "group", "range", "sample", "vibration", "row", "hit"):
+for _name in ("chain", "mechanism", "group", "range", "sample", "vibration", "row", "hit", "spatial_trace",
+              "spatial_sample"):
     _visitor("lw_py_" + _name)
 
 

@@ -170,6 +170,57 @@ def test_a_run_in_pieces_is_changed_saved_and_restored():
         steps.restore(b"12345")
 
 
+def test_a_model_in_space_is_traced_against_its_closure():
+    """Bennett's linkage: the coupler point keeps its distance from both ends of the coupler; rates by differences."""
+    model = lw.SpatialModel.load(EXAMPLES / "space" / "bennett.json")
+    assert model.links == ["ground", "crank", "coupler", "rocker"] and model.inputs == ["A"] and model.tracers == ["P"]
+    info = model.analyse_mobility()
+    assert (info["freedom"], info["count"], info["redundant"]) == (1, -2, 3)
+    path = model.trace(2880)
+    place, velocity = path.tracer.place[:, 0], path.tracer.velocity[:, 0]
+    assert path.at[-1] == pytest.approx(2*np.pi) and place.shape == (2881, 3)
+    slope = (place[2:] - place[:-2])/(path.at[2:] - path.at[:-2])[:, None]
+    assert np.allclose(slope, velocity[1:-1], rtol=0, atol=3e-5) and np.allclose(place[0], place[-1], atol=1e-12)
+    assert path.tracer.turn.shape == (2881, 1, 4)
+    assert np.allclose(np.linalg.norm(path.tracer.turn, axis=2), 1, atol=1e-12)
+    half = model.trace(10, over=(0, 1))
+    assert half.at[-1] == 1 and np.array_equal(half.input[:, 0], half.at)
+    with pytest.raises(ValueError):
+        model.trace(10, over=(0, 1), time=(0, 1))
+    with pytest.raises(lw.Error):
+        model.drive("sin(")
+
+
+def test_runs_in_space_against_the_balance_of_energy_and_momentum():
+    model = lw.SpatialModel.load(EXAMPLES / "space" / "top.json")
+    run = model.simulate(to=0.5, n=50)
+    assert np.ptp(run.energy[:, 0] + run.energy[:, 1]) < 1e-9 and run.reaction.shape == (51, 1, 6)
+    weight = run.link.acceleration[:, 1, 2] - run.reaction[:, 0, 2]          # of a top of 1 kg, over its mass
+    assert np.allclose(weight, weight[0], atol=1e-9) and "<table>" in run._repr_html_()
+    delta = lw.SpatialModel.load(EXAMPLES / "space" / "delta.json")
+    run, path = delta.simulate(to=0.1, n=10), delta.trace(10, time=(0, 0.1))
+    assert run.drive.shape == (11, 3) and np.allclose(path.tracer.place, run.tracer.place, atol=1e-12)
+    assert np.allclose(path.tracer.place[-1, 0], (0.2, 0, -0.65), atol=1e-9)      # the motion in the file
+    with pytest.raises(lw.Error, match="nope"):
+        model.simulate(formulation="nope")
+    with pytest.raises(TypeError, match="max_seconds"):
+        model.simulate(seconds=1)
+
+
+def test_control_c_ends_a_run_in_space():
+    model = lw.SpatialModel.load(EXAMPLES / "space" / "top.json")
+    threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        model.simulate(to=1e6, n=10)
+
+
+def test_a_planar_file_is_no_model_in_space():
+    with pytest.raises(lw.Error):
+        lw.SpatialModel.load(EXAMPLES / "no-such-file.json")
+    with pytest.raises(lw.Error):
+        lw.SpatialModel.from_dict({"linkwright": 1, "joints": 3})
+
+
 def test_fit_finds_a_four_bar_again():
     path = fourbar().trace(24)
     target = lw.Target(x=path.x, y=path.y, closed=True)
