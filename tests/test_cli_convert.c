@@ -27,6 +27,8 @@ TEST(units)
     expect("$P convert $D/u.txt --length-unit mm", 0, "\"length\": \"mm\"", NULL);
     expect("$P convert $D/u.txt --length-unit mm -o $D/u.json", 0, NULL, NULL);
     expect("$P convert $D/u.json --length-unit cm --format pmks", 0, "a,b,R,2,0,ffff", NULL);
+    expect("sed '/\"units\"/d' examples/chebyshev.json | $P convert - -o $D/u.dxf", 0, NULL, "taken as metres");
+    expect("$P convert examples/chebyshev.json -o $D/v.dxf 2>&1 | grep -c metres", 1, "0", NULL);
 }
 
 TEST(an_input_is_chosen)

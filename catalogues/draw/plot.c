@@ -302,6 +302,12 @@ static void draw_chart(lw_chart *c, double left, double right)
     settle(&c->x, fmax((c->x.to - c->x.from)/TICKS_APART, 1));
     if (c->p->equal)
         make_equal(&c->x, &c->y);
+    if (c->x.n_tick > 0) {                                 /* the last number, half of which may stand out, stays on the page */
+        char last[32];
+        lw_number_text(last, c->x.tick[c->x.n_tick - 1], c->x.digits);
+        double end = place(&c->x, c->x.tick[c->x.n_tick - 1]) + lw_text_width(last, LETTER)/2;
+        c->x.to -= fmax(end - (c->d->width - 6), 0);
+    }
     draw_axes(c);
     draw_levels(c);
     for (int i = 0; i < c->p->n_series; i++)

@@ -160,6 +160,16 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
     return status;
 }
 
+/* Plates are made in millimetres: say what a linkage without a unit is taken for. */
+static void tell_unit(const cli_call *call, const lw_format *to, const lw_linkage *k)
+{
+    static const char *const made[] = { "dxf", "scad", "step", "stl" };
+    for (size_t i = 0; i < sizeof made/sizeof *made && !k->units.length[0]; i++)
+        if (strcmp(to->name, made[i]) == 0)
+            cli_note(call, "the linkage names no unit of length: its numbers are taken as metres; "
+                           "if they are not, add \"units\": {\"length\": \"mm\"} to the file");
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -175,6 +185,7 @@ static int run(const cli_call *call)
         cli_free_model(m);
         return cli_fail(call, &e);
     }
+    tell_unit(call, to, &k);
     lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
                             .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
     lw_status st = lw_format_write(to, &k, &o, &b, &e);

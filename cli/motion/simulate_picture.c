@@ -36,12 +36,26 @@ static bool is_driven(const cli_table *t)
     return false;
 }
 
+/* What is measured in a unit: "force [N]"; other units stand alone. */
+static void label_of(char *to, size_t size, const char *unit)
+{
+    static const char *const known[][2] = {
+        { "m/s", "velocity" }, { "m/s^2", "acceleration" }, { "rad/s", "angular velocity" },
+        { "rad/s^2", "angular acceleration" }, { "N", "force" }, { "N m", "torque" }, { "J", "energy" },
+        { "N/m^2", "stress" }, { "W", "power" }, { "A", "current" }, { "V", "voltage" } };
+    lw_units u = lw_units_si();
+    const char *what = lw_units_set_length(&u, unit) ? "place" : lw_units_set_angle(&u, unit) ? "angle" : NULL;
+    for (size_t i = 0; !what && i < sizeof known/sizeof *known; i++)
+        what = strcmp(unit, known[i][0]) == 0 ? known[i][1] : NULL;
+    snprintf(to, size, "%s%s[%s]", what ? what : "", what ? " " : "", unit);
+}
+
 lw_status cli_table_plot(const cli_table *s, const char *title, const char *columns, const char *path, lw_error *e)
 {
     enum { LINES = 8 };                                    /* that can be told apart in a panel */
     lw_series series[LW_PANEL_MAX][LINES];
     lw_plot plot[LW_PANEL_MAX] = { 0 };
-    char label[LW_PANEL_MAX][32];
+    char label[LW_PANEL_MAX][64];
     size_t n = s->n_row;
     int panels = 0, lines = 0;
     bool driven = is_driven(s);
@@ -82,7 +96,7 @@ lw_status cli_table_plot(const cli_table *s, const char *title, const char *colu
         plot[0].height = panels == 1 ? 560 : fmin(260*panels, 8000);
         plot[panels - 1].x_label = "t [s]";
         for (int p = 0; p < panels; p++) {
-            snprintf(label[p], sizeof label[p], "[%s]", plot[p].y_label);
+            label_of(label[p], sizeof label[p], plot[p].y_label);
             plot[p].y_label = label[p];
         }
         st = lw_draw_plots(panels, plot, path, e);
@@ -105,6 +119,23 @@ static lw_place place_of(const cli_simulate *s, int link, const double *q)
         }
     return b < 0 ? (lw_place){ { 0, 0 }, { 1, 0 } }
                  : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
+}
+
+/* The paths of the tracers in the frames of a scene, in place of those that they have for all inputs. */
+static bool take_paths(lw_scene *scene)
+{
+    const lw_linkage *k = &scene->linkage;
+    while (scene->n_curve > 0)
+        free(scene->curve[--scene->n_curve].p);
+    for (int t = 0; t < k->n_tracer && t < LW_CURVE_MAX; t++) {
+        lw_vec2 *p = calloc(scene->n_frame + 1, sizeof *p);
+        if (!p)
+            return false;
+        for (size_t f = 0; f < scene->n_frame; f++)
+            p[f] = lw_scene_at(scene, f, k->tracer[t].link, k->tracer[t].at);
+        scene->curve[scene->n_curve++] = (lw_curve){ .tracer = t, .shown_branch = true, .n = scene->n_frame, .p = p };
+    }
+    return true;
 }
 
 /* Use the postures of the run as frames of a scene. */
@@ -141,7 +172,7 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
     scene->n_frame = n;
     scene->first_frame = 0;
     scene->loops = true;
-    return LW_OK;
+    return take_paths(scene) ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 void cli_note_slower(const cli_call *call, size_t n_frame, double seconds)

@@ -180,6 +180,8 @@ if (!firefox) await test("a phone: nothing is wider than the screen, everything 
   await phone.go(server().address);
   await phone.until("studio.motion");
   check("wider than the screen", !(await phone.run("document.documentElement.scrollWidth > 361")));
+  const beyond = await phone.run("[...document.querySelectorAll('header button, header select')].filter((e) => e.getBoundingClientRect().right > 360).map((e) => e.id)");
+  check(`beyond the right edge of the top bar: ${beyond}`, beyond.length === 0);
   const [, , w, h] = await phone.run("(() => { const b = document.getElementById('canvas').getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; })()");
   check(`room to draw: ${w} x ${h}`, w > 300 && h > 200);
   for (const tab of ["path", "search", "mechanism", "look", "away"]) {
@@ -210,6 +212,9 @@ await test("dark: by the system and by the button; texts keep their contrast", a
   await p.click("#theme");
   check("light by the button", !(await p.run("document.documentElement.classList.contains('dark')")));
   await p.click("#theme");
+  await p.click("#tab-mechanism");
+  await p.until("document.querySelector('.chains img')");
+  check("chains are drawn light on dark", await p.run("getComputedStyle(document.querySelector('.chains img')).filter.includes('invert') && getComputedStyle(document.querySelector('.chains button')).backgroundColor !== 'rgb(255, 255, 255)'"));
   if (pictures) writeFileSync(join(pictures, "dark.png"), await p.picture());
 });
 

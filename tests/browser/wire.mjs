@@ -9,7 +9,7 @@ import { join } from "node:path";
 const [, , program, ...given] = process.argv, folder = mkdtempSync(join(tmpdir(), "linkwright-wire-"));
 const files = given.length ? given : ["hoeken", "jansen", "geared-five-bar", "gallery/klann", "gallery/strandbeest",
   "gallery/scott-russell", "gallery/peaucellier", "gallery/excavator", "gallery/scissor-lift"].map((n) => `examples/${n}.json`);
-const child = spawn(program, ["studio", "--no-browser", "--quiet"], { env: { ...process.env, XDG_STATE_HOME: folder, XDG_CACHE_HOME: "/nowhere" } });
+const child = spawn(program, ["studio", "--no-browser", "--quiet"], { env: { ...process.env, XDG_STATE_HOME: folder, XDG_CACHE_HOME: "/dev/null" } });
 const address = await new Promise((yes) => { let text = ""; child.stdout.on("data", (d) => { text += d; if (text.includes("\n")) yes(text.trim()); }); });
 const agent = new http.Agent({ keepAlive: true, maxSockets: 1 });
 const ask = (body) => new Promise((yes, no) => {
