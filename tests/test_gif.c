@@ -198,6 +198,33 @@ TEST(true_time)
     }
 }
 
+/* A bar that bends is drawn through its points. */
+TEST(bars_bend)
+{
+    lw_scene s;
+    lw_bytes straight, bent;
+    lw_error e;
+    lw_gif_options o = { .width = 160, .height = 120, .n_frame = 2, .delay = 5 };
+    lw_vec2 *p;
+    CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
+    p = calloc(3*s.n_frame, sizeof *p);
+    const lw_joint *j = s.linkage.joint;
+    int link = j[0].link[0] == s.linkage.ground ? j[0].link[1] : j[0].link[0];
+    lw_bent_bar bar = { link, 3, p };
+    for (size_t f = 0; f < s.n_frame; f++)
+        for (size_t i = 0; i < 3; i++)
+            p[3*f + i] = lw_v2_add(j[0].at, lw_v2(i == 1 ? 0.01 : 0, 0));
+    CHECK_INT(lw_gif_write(&s, &o, &straight, &e), LW_OK);
+    s.bend = &bar;
+    s.n_bend = 1;
+    CHECK_INT(lw_gif_write(&s, &o, &bent, &e), LW_OK);
+    CHECK(straight.size != bent.size || memcmp(straight.data, bent.data, bent.size) != 0);
+    lw_bytes_free(&straight);
+    lw_bytes_free(&bent);
+    lw_scene_free(&s);
+    free(p);
+}
+
 TEST(same_input_same_bytes)
 {
     lw_scene s;

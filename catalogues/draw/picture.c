@@ -118,6 +118,24 @@ static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, cons
     cairo.transform(c, &a);
 }
 
+/* A bar that bends is a line through its points instead; false: the shape is no such bar. */
+static bool paint_bend(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene, size_t frame)
+{
+    bool bar = scene && s->kind == LW_SHAPE_PATH && s->role == LW_ROLE_LINK && s->n == 2 && s->panel >= 0 && s->panel < d->n_view;
+    for (int i = 0; bar && i < scene->n_bend; i++) {
+        const lw_bent_bar *b = &scene->bend[i];
+        if (b->link != s->link)
+            continue;
+        for (int k = 0; k < b->n; k++) {
+            lw_vec2 p = lw_view_pixel(&d->view[s->panel], b->p[frame*(size_t)b->n + (size_t)k]);
+            cairo.line_to(c, p.x, p.y);
+        }
+        paint_outline(c, s);
+        return true;
+    }
+    return false;
+}
+
 /* Draw letters as the font defines them, without hints for a screen or its settings. */
 static void set_font_options(cairo_t *c)
 {
@@ -141,6 +159,10 @@ static void paint(cairo_t *c, const lw_drawing *d, const lw_scene *scene, size_t
             const lw_view *v = &d->view[s->panel];
             cairo.rectangle(c, v->x, v->y, v->w, v->h);
             cairo.clip(c);
+        }
+        if (paint_bend(c, d, s, scene, frame)) {
+            cairo.restore(c);
+            continue;
         }
         follow_link(c, d, s, scene, frame);
         switch (s->kind) {

@@ -36,6 +36,9 @@ typedef struct lw_curve {
     lw_vec2 *p;                   /* [m]; a point that is not finite interrupts the line    (n)      */
 } lw_curve;
 
+/* An elastic link: points along it in every frame, [frame*n + i] [m]. */
+typedef struct lw_bent_bar { int link, n; lw_vec2 *p; } lw_bent_bar;
+
 typedef struct lw_scene {
     char       title[128];
     lw_linkage linkage;                       /* in the posture shown                                */
@@ -60,6 +63,8 @@ typedef struct lw_scene {
     int        dim_link[LW_DIM_MAX];
     int        n_contour;                     /* outlines of links, in the posture shown; the model's  */
     const struct lw_contour *contour;
+    int        n_bend;                        /* the caller's; drawn by animations                     */
+    const lw_bent_bar *bend;
     char       note[256];                     /* why it does not move; "" when it does               */
 } lw_scene;
 

@@ -175,6 +175,33 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
     return take_paths(scene) ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
+/* The nodes of elastic links in all rows; *bend needs free_bends. */
+static lw_status make_bends(const cli_simulate *s, lw_bent_bar **bend, int *n, lw_error *e)
+{
+    const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
+    const lw_system *sys = lw_dynamics_system(s->d);
+    *n = x ? x->n_chain : 0;
+    *bend = calloc((size_t)*n + 1, sizeof **bend);
+    bool room = *bend != NULL;
+    for (int c = 0; room && c < *n; c++) {
+        const lw_elastic_chain *k = &x->chain[c];
+        size_t nodes = (size_t)k->n_node;
+        lw_vec2 *p = calloc(s->n_row*nodes + 1, sizeof *p);
+        (*bend)[c] = (lw_bent_bar){ k->link, k->n_node, p };
+        room = p != NULL;
+        for (size_t i = 0; room && i < s->n_row*nodes; i++)
+            p[i] = lw_system_point(sys, sys->body[k->node[i % nodes]], lw_v2(0, 0), s->q + i/nodes*(size_t)sys->n_q);
+    }
+    return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+static void free_bends(lw_bent_bar *bend, int n)
+{
+    for (int c = 0; bend && c < n; c++)
+        free(bend[c].p);
+    free(bend);
+}
+
 void cli_note_slower(const cli_call *call, size_t n_frame, double seconds)
 {
     double slower;
@@ -196,12 +223,19 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
     st = lw_scene_make(k, NULL, NULL, &scene, e);
     if (st == LW_OK)
         st = set_frames(s, &scene, e);
+    lw_bent_bar *bend = NULL;
+    int n_bend = 0;
+    if (st == LW_OK)
+        st = make_bends(s, &bend, &n_bend, e);
+    scene.bend = bend;
+    scene.n_bend = n_bend;
     if (st == LW_OK)
         st = lw_gif_write(&scene, &o, &bytes, e);
     if (st == LW_OK)
         st = lw_file_write(path, bytes.data, bytes.size, e);
     if (st == LW_OK)
         cli_note_slower(s->call, s->n_row, seconds);
+    free_bends(bend, n_bend);
     lw_bytes_free(&bytes);
     lw_scene_free(&scene);
     return st;
