@@ -496,9 +496,9 @@ static lw_status visit(lw_scope *scope, int in_part, int at, int *path, int dept
         return LW_OK;
     if (s->mark == 1) {
         char circle[400] = "";
-        int first = depth - 1;
-        while (first > 0 && path[first] != at)
-            first--;
+        int first = 0;
+        while (first < depth && path[first] != at)
+            first++;
         for (int i = first; i <= depth && strlen(circle) < 300; i++)
             snprintf(circle + strlen(circle), sizeof circle - strlen(circle), "%s%s", i > first ? " -> " : "",
                      scope->symbol[path[i]].name);
