@@ -700,9 +700,9 @@ static lw_status visit_part(lw_master *m, int at, int *path, int depth, lw_error
         return LW_OK;
     if (part->mark == 1) {
         char circle[400] = "";
-        int first = depth - 1;
-        while (path[first] != at)
-            first--;
+        int first = 0;
+        while (first < depth && path[first] != at)
+            first++;
         for (int i = first; i <= depth && strlen(circle) < 300; i++)
             snprintf(circle + strlen(circle), sizeof circle - strlen(circle), "%s%.60s", i > first ? " -> " : "",
                      m->part[path[i]].name);
