@@ -292,7 +292,7 @@ TEST(speeds_and_plots)
            "grep -c 'mm/s^2' $D/t.svg", 0, "1", NULL);
     expect("$P trace examples/jansen.json --plot $D/t.txt", 2, NULL, "kind of picture");
     expect("$P simulate examples/pendulum.json --to 1 --plot $D/s.svg --columns kinetic,A,P -o $D/s.csv && "
-           "grep -c '>.rad/s.<' $D/s.svg", 0, "1", NULL);
+           "grep -c '>angular velocity .rad/s.<' $D/s.svg", 0, "1", NULL);
 }
 
 TEST(geometry_of_the_path)
