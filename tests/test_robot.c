@@ -1,11 +1,12 @@
 /* test_robot.c - robots: the DELTA robot of Makkonen 1999 (upper arms 0.35 m, lower bars 0.75 m, base less plate 0.15 m)
  * against its closed form (intersections of spheres, Clavel 1991) and against values worked out independently; a Stewart
  * platform and an arm against differences, unit forces and their inverse. */
-#include "mbs/space/robot.h"
+#include "mbs/dynamics/held.h"
 
 #include "base/file.h"
 #include "base/rng.h"
 #include "base/vec3.h"
+#include "mbs/dynamics/modes.h"
 #include "tests/check.h"
 
 static bool read_model(const char *file, lw_spatial *m)
@@ -278,4 +279,77 @@ TEST(bad_robots)
         return;
     CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_E_ARG);
     lw_spatial_free(&m);
+}
+
+/* ---- the lowest eigenfrequency over the workspace ------------------------------------------------------- */
+
+static double lowest(lw_held *h, lw_robot *r, double radius, double angle)
+{
+    lw_error e = { 0 };
+    double f = NAN;
+    lw_robot_reset(r);
+    CHECK_INT(lw_robot_move(r, lw_v3(radius*cos(angle), radius*sin(angle), -0.65), NULL, &e), LW_OK);
+    CHECK_INT(lw_held_frequency(h, r, &f, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return f;
+}
+
+/* The DELTA robot with elastic arms and bars of 4 elements, towards an arm: an independent model of the same declared data.  What it
+ * does not state is read as: shear factor of the box A/(2 h t) in both directions, of the tube 2, the plate without inertia. */
+TEST(frequencies_over_the_workspace)
+{
+    static const double at[] = { 0, 0.2, 0.3, 0.4, 0.5, 0.55 }, hertz[] = { 128.33, 120.31, 106.78, 87.64, 63.52, 49.24 };
+    lw_spatial m;
+    lw_robot r;
+    lw_held h;
+    lw_robot_pose pose;
+    lw_error e = { 0 };
+    if (!make("examples/space/delta-elastic.json", &m, &r))
+        return;
+    for (int i = 0; i < m.n_link; i++) {
+        lw_section *q = &m.elastic[i].section;
+        q->zeta_y = q->zeta_z = q->round ? 2 : q->area/2e-4;
+        for (int k = 0; k < 3 && !m.elastic[i].given; k++)
+            m.body[i].inertia[k] *= 1e-3;
+    }
+    CHECK_INT(lw_held_make(&m, &h, &e), LW_OK);
+    for (int i = 0; i < 6; i++) {
+        double f = lowest(&h, &r, at[i], 0);
+        CHECK_NEAR(f, hertz[i], 0, 2.5e-3);
+        CHECK_NEAR(lowest(&h, &r, at[i], 2*LW_PI/3), f, 0, 1e-9);
+        CHECK_NEAR(lowest(&h, &r, at[i], -2*LW_PI/3), f, 0, 1e-9);
+    }
+    CHECK_NEAR(lowest(&h, &r, 0.35, 0.3), lowest(&h, &r, 0.35, -0.3), 0, 1e-9);           /* the arm's plane of symmetry */
+    /* the same posture by the start of a run, whose motions put the drives there */
+    double f = lowest(&h, &r, 0.35, 0.7);
+    CHECK_INT(lw_robot_measure(&r, &pose, &e), LW_OK);
+    lw_held_free(&h);
+    for (int i = 0; i < m.n_input; i++) {
+        char motion[40];
+        snprintf(motion, sizeof motion, "%.17g", pose.drive[i]);
+        CHECK_INT(lw_spatial_set_motion(&m, i, motion, &e), LW_OK);
+    }
+    m.gravity = lw_v3(0, 0, 0);
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_dynamics *d;
+    lw_modes modes = { 0 };
+    o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+    double *q = calloc((size_t)(lw_dynamics_space(d)->n_q + lw_dynamics_space(d)->n_v), sizeof *q);
+    lw_dynamics_start(d, q, q + lw_dynamics_space(d)->n_q);
+    CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .hold_inputs = true }, 3, 0, q, &modes, &e), LW_OK);
+    CHECK_NEAR(modes.mode[0].frequency, f, 0, 1e-9);
+    lw_modes_free(&modes);
+    free(q);
+    lw_dynamics_free(d);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+    /* drives of their own, and nothing elastic */
+    if (make("examples/space/delta.json", &m, &r)) {
+        CHECK_INT(lw_held_make(&m, &h, &e), LW_E_ARG);
+        CHECK(strstr(e.text, "elastic") != NULL);
+        lw_held_free(&h);
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
 }

@@ -1,4 +1,5 @@
-/* linkwright robot - a model in space as a robot: Jacobian, workspace, maps of the condition number. */
+/* linkwright robot - a model in space as a robot: Jacobian, workspace, maps of the condition number and of the lowest
+ * eigenfrequency. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,13 +11,13 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
-#include "mbs/space/robot.h"
+#include "mbs/dynamics/held.h"
 
 typedef struct settings {
     const char *tool, *at, *plot;
     double      max_condition;
     int         rays, grid;
-    bool        links_only;
+    bool        links_only, frequency;
 } settings;
 
 #define PLACE(member) offsetof(settings, member)
@@ -33,8 +34,10 @@ static const cli_option options[] = {
     { "rays", 0, CLI_INT, PLACE(rays), "N", "72", "workspace: number of directions in the level plane", 3, 100000, NULL,
       NULL },
     { "places", 0, CLI_INT, PLACE(grid), "N", "25", "map: number of places across the workspace", 2, 1000, NULL, NULL },
+    { "eigenfrequency", 0, CLI_FLAG, PLACE(frequency), NULL, NULL,
+      "map: the lowest eigenfrequency of a robot with elastic links, its drives held, too", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
-      "workspace: draw its edge; map: draw the condition numbers (.svg, .pdf, .png)", 0, 0, NULL, NULL },
+      "workspace: draw its edge; map: draw the condition numbers, or frequencies (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -314,15 +317,29 @@ static int run_workspace(const cli_call *call)
 
 #define BANDS 6
 
-typedef struct map { double *x, *y, *condition; int n; } map;
+typedef struct map { double *x, *y, *value; int n; bool frequency; } map;
 
-/* Points by bands of the condition number, in equal shares. */
+/* Edges of bands for frequencies: even steps of 1, 2, 2.5 or 5 times a power of ten. */
+static void even_edges(const map *m, double edge[BANDS + 1])
+{
+    double least = INFINITY, most = 0;
+    for (int i = 0; i < m->n; i++)
+        least = fmin(least, m->value[i]), most = fmax(most, m->value[i]);
+    double rough = fmax(most - least, 1e-3*most + 1e-9)/(BANDS - 1), ten = pow(10, floor(log10(rough)));
+    double step = ten*(rough <= ten ? 1 : rough <= 2*ten ? 2 : rough <= 2.5*ten ? 2.5 : rough <= 5*ten ? 5 : 10), first = step*floor(least/step);
+    for (int b = 0; b <= BANDS; b++)
+        edge[b] = first + b*step;
+}
+
+/* Points by bands of the value. */
 static int draw_map(const job *j, const map *m)
 {
     lw_series series[BANDS];
     char name[BANDS][40], label[2][40];
     lw_error e;
     double edge[BANDS + 1] = { 1, 1.5, 2, 3, 5, 10, INFINITY };
+    if (m->frequency)
+        even_edges(m, edge);
     double *xy = malloc(2*(size_t)m->n*sizeof *xy + 1);
     int used = 0, n_series = 0;
     if (!xy)
@@ -330,12 +347,12 @@ static int draw_map(const job *j, const map *m)
     for (int b = 0; b < BANDS; b++) {
         int first = used;
         for (int i = 0; i < m->n; i++)
-            if (m->condition[i] >= edge[b] && m->condition[i] < edge[b + 1]) {
+            if (m->value[i] >= edge[b] && m->value[i] < edge[b + 1]) {
                 xy[used] = m->x[i];
                 xy[m->n + used++] = m->y[i];
             }
         if (isfinite(edge[b + 1]))
-            snprintf(name[b], sizeof name[b], "%g to %g", edge[b], edge[b + 1]);
+            snprintf(name[b], sizeof name[b], "%g to %g%s", edge[b], edge[b + 1], m->frequency ? " Hz" : "");
         else
             snprintf(name[b], sizeof name[b], "above %g", edge[b]);
         if (used > first)
@@ -344,8 +361,8 @@ static int draw_map(const job *j, const map *m)
     }
     snprintf(label[0], sizeof label[0], "to the right [%s]", j->unit);
     snprintf(label[1], sizeof label[1], "ahead [%s]", j->unit);
-    lw_plot plot = { .title = "Condition number of the Jacobian", .x_label = label[0], .y_label = label[1],
-                     .n_series = n_series, .series = series, .equal = true, .width = 760, .height = 640 };
+    lw_plot plot = { .title = m->frequency ? "Lowest eigenfrequency, drives held" : "Condition number of the Jacobian",
+                     .x_label = label[0], .y_label = label[1], .n_series = n_series, .series = series, .equal = true, .width = 760, .height = 640 };
     int code = lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
     free(xy);
     return code;
@@ -362,10 +379,15 @@ static int run_map(const cli_call *call)
     size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_extra : 0;
     size_t most = (size_t)n*(size_t)n;
     double *q = malloc((n_q + n_near + 3*most + 1)*sizeof *q), *near = q + n_q, reach = 0;
-    map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0 };
+    map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0, j.s->frequency };
+    lw_held held = { .q = NULL };
+    double frequency = 0;
+    if (code == CLI_DONE && m.frequency && lw_held_make(j.m, &held, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
     if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
         code = cli_fail(call, &j.e);
     if (code != CLI_DONE) {
+        lw_held_free(&held);
         free(q);
         end(&j);
         return code;
@@ -379,7 +401,8 @@ static int run_map(const cli_call *call)
     }
     reach *= 1.02;
     cli_progress progress = cli_progress_begin(call, "map", "places");
-    fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m\nx,y,z,condition,greatest,least,manipulability\n", j.unit);
+    fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s\nx,y,z,condition,greatest,least,manipulability%s\n", j.unit,
+            m.frequency ? "; frequency Hz" : "", m.frequency ? ",frequency" : "");
     for (int i = 0; i < n*n && !cli_interrupted(); i++) {
         double a = reach*(2.0*(i % n)/(n - 1) - 1), b = reach*(2.0*(i/n)/(n - 1) - 1);
         lw_vec3 to = lw_v3_add(p.place, lw_v3_add(lw_v3_scale(j.right, a), lw_v3_scale(j.ahead, b)));
@@ -388,6 +411,8 @@ static int run_map(const cli_call *call)
         lw_status st = lw_robot_move(&j.r, to, NULL, &j.e);
         if (st == LW_OK)
             st = lw_robot_measure(&j.r, &here, &j.e);
+        if (st == LW_OK && m.frequency && (st = lw_held_frequency(&held, &j.r, &frequency, &j.e)) == LW_OPEN)
+            st = LW_E_NUMERIC;
         if (st == LW_OPEN) {
             lost++;
             continue;
@@ -396,11 +421,14 @@ static int run_map(const cli_call *call)
             code = cli_fail(call, &j.e);
             break;
         }
-        fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", to.x/j.metre + 0.0, to.y/j.metre + 0.0, to.z/j.metre + 0.0,
+        fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", to.x/j.metre + 0.0, to.y/j.metre + 0.0, to.z/j.metre + 0.0,
                 here.condition, here.singular[0], here.singular[here.rank - 1], here.manipulability);
+        if (m.frequency)
+            fprintf(o.f, ",%.9g", frequency);
+        fputc('\n', o.f);
         m.x[m.n] = a/j.metre;
         m.y[m.n] = b/j.metre;
-        m.condition[m.n++] = here.condition;
+        m.value[m.n++] = m.frequency ? frequency : here.condition;
         cli_progress_show(&progress, i, (double)n*n, NULL);
     }
     cli_progress_end(&progress);
@@ -408,6 +436,7 @@ static int run_map(const cli_call *call)
     if (j.s->plot && m.n > 0 && !cli_interrupted())
         code = draw_map(&j, &m);
     code = cli_close(call, &o, code == CLI_DONE && m.n == 0 ? CLI_NOTHING : code);
+    lw_held_free(&held);
     free(q);
     end(&j);
     return code;
@@ -427,7 +456,8 @@ static const cli_action actions[] = {
       1, 1, run_workspace, CLI_LINKAGE },
     { "map", "MODEL.json",
       "Prints condition number, singular values and manipulability over a grid in the level plane of the tool, at the places\n"
-      "that it reaches on a straight way.\n",
+      "that it reaches on a straight way. --eigenfrequency adds the lowest eigenfrequency of its elastic links while the drives are\n"
+      "held, without gravity and loads.\n",
       1, 1, run_map, CLI_LINKAGE },
     { .name = NULL }
 };
@@ -435,12 +465,13 @@ static const cli_action actions[] = {
 const cli_command cli_robot_command = {
     .name = "robot",
     .words = "ACTION MODEL.json",
-    .title = "a model in space as a robot: Jacobian, workspace, condition number",
+    .title = "a model in space as a robot: Jacobian, workspace, condition number, lowest frequency",
     .examples =
         "  linkwright robot jacobian examples/space/delta.json                    in the posture of the file\n"
         "  linkwright robot jacobian examples/space/delta.json --tool-at 0.2,0,-0.65   elsewhere, with the drives' values\n"
         "  linkwright robot workspace examples/space/delta.json --tool-at 0,0,-0.65 --max-condition 5 --plot edge.svg\n"
         "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --plot map.svg\n"
+        "  linkwright robot map examples/space/delta-elastic.json --eigenfrequency --plot hertz.svg   stiff and soft places\n"
         "  linkwright robot jacobian examples/space/stewart.json --json\n",
     .about =
         "MODEL is a spatial model (docs/notation.md). Its drives are \"drives\", or its inputs, and leave no freedom; its tool\n"

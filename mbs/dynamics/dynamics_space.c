@@ -478,29 +478,34 @@ static lw_status hold_spins(lw_dynamics *d, const lw_spatial *given, lw_error *e
     return st;
 }
 
-/* Where and how fast body b is, or the node that it is, on a link of the rigid model r. */
-static void place_on_rigid(lw_dynamics *d, const lw_dynamics *r, int b, int link)
+/* Where body b is, or the node that it is, on the links of the rigid model, whose frames and velocities are given; how fast,
+ * unless v is NULL. */
+static void place_on_rigid(const lw_dynamics *d, const lw_space *rigid, const lw_space_frame *frame, const double *rates, int b,
+                           double *q, double *v)
 {
-    const lw_space *s = &d->space->s, *rigid = &r->space->s;
-    const lw_space_frame *frame = r->space->frame;
-    double *q = d->start_q + 7*b, *v = d->start_v + 6*b;
+    const lw_space *s = &d->space->s;
+    const lw_spatial_expansion *x = &d->spatial_expansion;
+    int link = s->link_of[b];
+    for (int k = 0; k < x->n_chain; k++)
+        for (int i = 1; i < x->chain[k].n_node; i++)
+            link = x->chain[k].node[i] == s->link_of[b] ? x->chain[k].link : link;
     const double *file = s->start + 7*b;
     lw_space_point p = lw_space_point_of(rigid, link, lw_v3_scale(lw_v3(file[0], file[1], file[2]), s->unit));
     lw_vec3 at = lw_v3_scale(lw_space_point_at(frame, p), 1/s->unit);
-    lw_vec3 rate = lw_v3_scale(lw_space_point_velocity(rigid, frame, p, r->start_v), 1/s->unit);
     lw_quaternion now = lw_quaternion_of_matrix(&frame[p.body + 1].turn);
     lw_quaternion t = lw_quaternion_times(lw_quaternion_times(now, lw_quaternion_inverse(rigid->axes[p.body])), s->axes[b]);
-    lw_mat3 turn = lw_quaternion_matrix(lw_quaternion_unit(t));
-    lw_vec3 omega = lw_m3_unapply(&turn, lw_space_omega(frame, p.body, r->start_v));
     q[0] = at.x, q[1] = at.y, q[2] = at.z, q[3] = t.w, q[4] = t.x, q[5] = t.y, q[6] = t.z;
+    if (!v)
+        return;
+    lw_vec3 rate = lw_v3_scale(lw_space_point_velocity(rigid, frame, p, rates), 1/s->unit);
+    lw_mat3 turn = lw_quaternion_matrix(lw_quaternion_unit(t));
+    lw_vec3 omega = lw_m3_unapply(&turn, lw_space_omega(frame, p.body, rates));
     v[0] = rate.x, v[1] = rate.y, v[2] = rate.z, v[3] = omega.x, v[4] = omega.y, v[5] = omega.z;
 }
 
 /* Start elastic links undeformed, with the posture and the velocities of the same model with rigid links. */
 static lw_status start_as_rigid(lw_dynamics *d, const lw_spatial *given, lw_error *e)
 {
-    const lw_spatial_expansion *x = &d->spatial_expansion;
-    const lw_space *s = &d->space->s;
     lw_dynamics *r = calloc(1, sizeof *r);
     if (!r)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -509,13 +514,8 @@ static lw_status start_as_rigid(lw_dynamics *d, const lw_spatial *given, lw_erro
     lw_status st = lw_dynamics_prepare_spatial(r, given, e);
     if (st == LW_OK)
         lw_space_place(&r->space->s, r->start_q, r->space->frame);
-    for (int b = 0; st == LW_OK && b < s->n_body; b++) {
-        int link = s->link_of[b];
-        for (int k = 0; k < x->n_chain; k++)
-            for (int i = 1; i < x->chain[k].n_node; i++)
-                link = x->chain[k].node[i] == s->link_of[b] ? x->chain[k].link : link;
-        place_on_rigid(d, r, b, link);
-    }
+    for (int b = 0; st == LW_OK && b < d->space->s.n_body; b++)
+        place_on_rigid(d, &r->space->s, r->space->frame, r->start_v, b, d->start_q + 7*b, d->start_v + 6*b);
     lw_dynamics_free(r);
     if (st != LW_OK)
         return st;
@@ -525,6 +525,20 @@ static lw_status start_as_rigid(lw_dynamics *d, const lw_spatial *given, lw_erro
         (st = lw_mbs_project_v(d, d->o.from, d->start_v)) == LW_OK)
         st = lw_mbs_arrange(d, d->o.from, d->start_q);
     return st;
+}
+
+lw_status lw_dynamics_place_on_rigid(lw_dynamics *d, const lw_space *rigid, const double *rigid_q, double *q, lw_error *e)
+{
+    lw_space_frame *frame = malloc(((size_t)rigid->n_body + 1)*sizeof *frame);
+    if (!frame)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_space_place(rigid, rigid_q, frame);
+    for (int b = 0; b < d->space->s.n_body; b++)
+        place_on_rigid(d, rigid, frame, NULL, b, q + 7*b, NULL);
+    free(frame);
+    d->e = e;
+    d->eq.accept(d->eq.context, q);
+    return lw_mbs_arrange(d, d->o.from, q);
 }
 
 lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e)

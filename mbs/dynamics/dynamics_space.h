@@ -32,6 +32,10 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
 /* The elastic links; NULL: there are none, or they are taken as rigid. */
 const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d);
 
+/* The posture q (n_q of d) in which the links are as in a posture of the same model with rigid links, elastic ones undeformed;
+ * inputs are held there, whatever their motion.  For modes. */
+lw_status lw_dynamics_place_on_rigid(lw_dynamics *d, const lw_space *rigid, const double *rigid_q, double *q, lw_error *e);
+
 /* Inside an elastic link at a node, in the axes of its elements, of those on both sides the mean: tension and shear forces
  * along y and z [N], torque and bending moments about y and z [N m]; the greatest stress, N/A + M/W [N/m^2]. */
 typedef struct lw_space_inner { double normal, shear[2], torque, bending[2], stress; } lw_space_inner;
