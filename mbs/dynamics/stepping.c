@@ -7,6 +7,13 @@
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/touch_internal.h"
 
+/* memcpy, where there may be nothing and no place for it. */
+static void copy(void *to, const void *from, size_t size)
+{
+    if (size > 0)
+        memcpy(to, from, size);
+}
+
 /* What a run knows of a place that touches besides posture and velocities. */
 typedef struct touch_memory { double anchor, anchor_angle, passed, force; int state, sticks, slips, side; } touch_memory;
 
@@ -159,7 +166,7 @@ static lw_status take(void *context, const lw_moment *m)
         return LW_OK;
     memcpy(s->next, m->q, n*sizeof *m->q);
     memcpy(s->next + n, m->v, n_v*sizeof *m->v);
-    memcpy(s->next + n + n_v, m->z, (size_t)s->d->eq.n_z*sizeof *m->z);
+    copy(s->next + n + n_v, m->z, (size_t)s->d->eq.n_z*sizeof *m->z);
     s->next_work = s->work + m->work;
     lw_moment with = *m;
     with.work = s->next_work;
@@ -278,10 +285,10 @@ lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
         return LW_E_MEMORY;
     memcpy(to, &h, sizeof h);
     memcpy(to += sizeof h, s->y, numbers(s)*sizeof *s->y);
-    memcpy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
-    memcpy(to += (size_t)h.loads*sizeof *s->load, s->turn, (size_t)h.turns*sizeof *s->turn);
-    memcpy(to += (size_t)h.turns*sizeof *s->turn, s->touch, (size_t)h.touches*sizeof *s->touch);
-    memcpy(to + (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
+    copy(to += numbers(s)*sizeof *s->y, s->load, (size_t)h.loads*sizeof *s->load);
+    copy(to += (size_t)h.loads*sizeof *s->load, s->turn, (size_t)h.turns*sizeof *s->turn);
+    copy(to += (size_t)h.turns*sizeof *s->turn, s->touch, (size_t)h.touches*sizeof *s->touch);
+    copy(to + (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
     return LW_OK;
 }
 
@@ -296,10 +303,10 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
         return lw_error_set(e, LW_E_NOTATION, "this run was saved of another model, or is incomplete");
     const unsigned char *from = (const unsigned char *)bytes + sizeof h;
     memcpy(s->y, from, numbers(s)*sizeof *s->y);
-    memcpy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
-    memcpy(s->turn, from += (size_t)h.loads*sizeof *s->load, (size_t)h.turns*sizeof *s->turn);
-    memcpy(s->touch, from += (size_t)h.turns*sizeof *s->turn, (size_t)h.touches*sizeof *s->touch);
-    memcpy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
+    copy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);
+    copy(s->turn, from += (size_t)h.loads*sizeof *s->load, (size_t)h.turns*sizeof *s->turn);
+    copy(s->touch, from += (size_t)h.turns*sizeof *s->turn, (size_t)h.touches*sizeof *s->touch);
+    copy(s->resting, from + (size_t)h.touches*sizeof *s->touch, (size_t)h.stops);
     s->t = h.t;
     s->work = h.work;
     find_loaded(s);
