@@ -1,6 +1,12 @@
 /* The program and spatial models: what it prints, and what it refuses with a status that is not 0. */
 #include "tests/cli_run.h"
 
+/* Several inputs, none with a range: the first one is to turn once, and it is said where it stops. */
+TEST(several_inputs_without_a_range)
+{
+    expect("$P trace examples/space/delta-elastic.json -n 2", 4, NULL, "singular posture");
+}
+
 TEST(traces)
 {
     expect("$P trace examples/space/slider-crank.json -n 4 --tracer P", 0, "\n0,0.1999", NULL);

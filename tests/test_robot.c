@@ -353,3 +353,23 @@ TEST(frequencies_over_the_workspace)
         lw_spatial_free(&m);
     }
 }
+
+/* Where links are not asked to bend, elastic ones are rigid bars: the masses of the rigid model, whose bars have those of the
+ * sections to 0.2 %. */
+TEST(elastic_links_as_rigid_bars)
+{
+    static const char *const file[] = { "examples/space/delta.json", "examples/space/delta-elastic.json" };
+    lw_robot_pose pose[2];
+    lw_error e = { 0 };
+    for (int k = 0; k < 2; k++) {
+        lw_spatial m;
+        lw_robot r;
+        if (!make(file[k], &m, &r))
+            return;
+        CHECK_INT(lw_robot_measure(&r, &pose[k], &e), LW_OK);
+        lw_robot_free(&r);
+        lw_spatial_free(&m);
+    }
+    for (int i = 0; i < 3; i++)
+        CHECK_NEAR(pose[1].mass[i], pose[0].mass[i], 0, 3e-3);
+}

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/elastic/expand_space.h"
 
 void lw_space_free(lw_space *s)
 {
@@ -29,10 +30,9 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
     return LW_OK;
 }
 
-static void make_body(lw_space *s, int link)
+static void make_body(lw_space *s, const lw_spatial_body *p, int link)
 {
     const lw_spatial *m = s->model;
-    const lw_spatial_body *p = &m->body[link];
     int b = s->n_body++;
     double *q = s->start + 7*b, *mass = s->mass + 6*b;
     lw_vec3 at = p->centre;
@@ -100,10 +100,17 @@ lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
     lw_status st = reserve(m, s, e);
     if (st != LW_OK)
         return st;
+    lw_spatial rigid = { .body = m->body };
+    if (m->n_elastic > 0 && (st = lw_spatial_rigid(m, &rigid, e)) != LW_OK) {
+        lw_space_free(s);
+        return st;
+    }
     s->body_of[m->ground] = -1;
     for (int i = 0; i < m->n_link; i++)
         if (i != m->ground)
-            make_body(s, i);
+            make_body(s, &rigid.body[i], i);
+    if (m->n_elastic > 0)
+        lw_spatial_rigid_free(&rigid);
     s->n_q = 7*s->n_body;
     s->n_v = 6*s->n_body;
     for (int i = 0; i < m->n_joint; i++)

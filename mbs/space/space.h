@@ -45,7 +45,8 @@ typedef struct lw_space {
     void    *memory;
 } lw_space;
 
-/* The model must outlive s.  LW_E_MEMORY. */
+/* The model must outlive s.  Elastic links are rigid bars of the same mass (mbs/elastic/expand_space.h).  LW_E_MEMORY;
+ * LW_E_ARG: an elastic link without an axis. */
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e);
 void      lw_space_free(lw_space *s);
 

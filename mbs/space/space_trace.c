@@ -45,11 +45,13 @@ static lw_status first_alone(void *context, double u, double (*out)[3])
     return LW_OK;
 }
 
-/* Ends of the input where none are given: its range in the file, a whole turn, or as far as it goes. */
-static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, int n, lw_space_trace *o, lw_error *e)
+/* Ends of the first input where none are given: its range in the file, a whole turn, or as far as it goes.  value (n):
+ * scratch. */
+static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, int n, double *value, lw_space_trace *o,
+                           lw_error *e)
 {
     const lw_spatial_input *in = &s->model->input[0];
-    double offset = lw_spatial_offset(in), start;
+    double offset = lw_spatial_offset(in);
     if (in->has_range) {
         o->from = in->first, o->to = in->last;
         return LW_OK;
@@ -62,7 +64,8 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
     lw_status st = lw_space_follow_make(s, input, n, false, &f, e);
     if (st != LW_OK)
         return st;
-    lw_space_follow_values(&f, &start);
+    lw_space_follow_values(&f, value);
+    double start = value[0];
     if (n == 1) {
         st = lw_space_reach(&f, start + 2*LW_PI, &o->to, &o->limit[1], e);
         o->from = start;
@@ -102,7 +105,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
     for (int i = 0; st == LW_OK && i < m->n_input; i++)
         input[i] = m->input[i].measure;
     if (st == LW_OK && !o->in_time && o->whole)
-        st = find_ends(&s, input, m->n_input, o, e);
+        st = find_ends(&s, input, m->n_input, value, o, e);
     if (st == LW_OK)
         st = lw_space_follow_make(&s, input, m->n_input, false, &f, e);
     if (st == LW_OK) {
