@@ -50,7 +50,7 @@ static int time_alone(void *context, const char *word, const char *name, char *w
     return strcmp(word, "t") == 0 && !name ? lw_variable(LW_QUANTITY_T, 0) : -1;
 }
 
-const struct lw_moves *lw_model_find_profile(void *context, const char *name)
+static const struct lw_moves *find_profile(void *context, const char *name)
 {
     const lw_model *m = context;
     return lw_moves_find(m->n_profile, m->profile, name);
@@ -60,6 +60,14 @@ static double earlier(double than, const lw_expression *x, double t)
 {
     double at = x ? lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t) : than;
     return at < than ? at : than;
+}
+
+double lw_states_next_kink(const lw_states *s, double t)
+{
+    double next = INFINITY;
+    for (int i = 0; i < s->n_state; i++)
+        next = earlier(next, s->state[i].rate, t);
+    return next;
 }
 
 double lw_model_next_kink(const lw_model *m, double t)
@@ -73,15 +81,13 @@ double lw_model_next_kink(const lw_model *m, double t)
         next = earlier(next, m->joint_spring[i].law, t);
     for (int i = 0; i < m->n_force; i++)
         next = earlier(earlier(earlier(next, m->force[i].fx, t), m->force[i].fy, t), m->force[i].torque, t);
-    for (int i = 0; i < m->n_state; i++)
-        next = earlier(next, m->state[i].rate, t);
-    return next;
+    return fmin(next, lw_states_next_kink(&m->states, t));
 }
 
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e)
 {
     lw_expression *x;
-    lw_expression_words words = { .context = m, .variable = time_alone, .moves = lw_model_find_profile };
+    lw_expression_words words = { .context = m, .variable = time_alone, .moves = find_profile };
     lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
     if (s != LW_OK)
         return s;
@@ -89,6 +95,17 @@ lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e
     m->motion[input] = x;
     m->has_speed[input] = false;
     return LW_OK;
+}
+
+void lw_states_free(lw_states *s)
+{
+    for (int i = 0; i < s->n_state; i++) {
+        lw_expression_free(s->state[i].rate);
+        lw_expression_free(s->state[i].start_at);
+    }
+    for (int i = 0; i < s->n_signal; i++)
+        lw_expression_free(s->signal[i].value);
+    free(s->state), free(s->signal), free(s->rotor);
 }
 
 void lw_model_free(lw_model *m)
@@ -104,19 +121,14 @@ void lw_model_free(lw_model *m)
         lw_expression_free(m->force[i].fy);
         lw_expression_free(m->force[i].torque);
     }
-    for (int i = 0; i < m->n_state; i++) {
-        lw_expression_free(m->state[i].rate);
-        lw_expression_free(m->state[i].start_at);
-    }
-    for (int i = 0; i < m->n_signal; i++)
-        lw_expression_free(m->signal[i].value);
+    lw_states_free(&m->states);
     for (int i = 0; m->elastic && i < m->linkage.n_link; i++)
         free(m->elastic[i].axis);
     for (int i = 0; i < m->n_shape; i++)
         free(m->shape[i].at);
     for (int i = 0; i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
-    void *const array[] = { m->profile, m->shape, m->contact, m->rope, m->state, m->signal, m->rotor, m->motion,
+    void *const array[] = { m->profile, m->shape, m->contact, m->rope, m->motion,
                             m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor, m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);

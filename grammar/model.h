@@ -104,6 +104,14 @@ typedef struct lw_rotor {                /* of a motor: inertia that moves with 
     double inertia;                      /* seen at the joint [kg m^2], at a slider [kg]           */
 } lw_rotor;
 
+/* What has states of first order, of planar and of spatial models. */
+typedef struct lw_states {
+    int        n_state, n_signal, n_rotor;
+    lw_state  *state;
+    lw_signal *signal;
+    lw_rotor  *rotor;
+} lw_states;
+
 /* The outline of a link, for contact.  Points are in the posture [m].
  *
  *     circle    at[0] its centre, radius
@@ -179,10 +187,7 @@ typedef struct lw_model {
     lw_motor        *motor;
     int              n_profile;
     lw_moves        *profile;            /* of profile(name) in expressions                        */
-    int              n_state, n_signal, n_rotor;
-    lw_state        *state;
-    lw_signal       *signal;
-    lw_rotor        *rotor;
+    lw_states        states;
     lw_contour        *shape;
     lw_contact      *contact;
     lw_rope         *rope;
@@ -191,12 +196,13 @@ typedef struct lw_model {
     lw_clearance    *clearance;
 } lw_model;
 
-/* The quantity of a variable in an expression: t; q, v: displacement and rate of a joint; x, y, vx, vy: position
- * and velocity of a tracer; angle, omega: rotation of a link since the posture, and its rate; length, rate: of the
- * spring whose law it is, or its joint's displacement; state: its value; spring length, rate: of a spring or cylinder. */
+/* The quantity of a variable in an expression: t; q, v: turn or displacement of a joint, and its rate; s, vs: slide of a
+ * spatial joint; x, y, z, vx, vy, vz: place and velocity of a tracer; angle, omega: rotation of a link of a planar model since
+ * the posture, and its rate; length, rate: of the spring whose law it is, or its joint's displacement; state: its value; spring
+ * length, rate: of a spring or cylinder. */
 typedef enum lw_quantity {
-    LW_QUANTITY_T, LW_QUANTITY_Q, LW_QUANTITY_V, LW_QUANTITY_X, LW_QUANTITY_Y, LW_QUANTITY_VX,
-    LW_QUANTITY_VY, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE,
+    LW_QUANTITY_T, LW_QUANTITY_Q, LW_QUANTITY_V, LW_QUANTITY_S, LW_QUANTITY_VS, LW_QUANTITY_X, LW_QUANTITY_Y, LW_QUANTITY_Z,
+    LW_QUANTITY_VX, LW_QUANTITY_VY, LW_QUANTITY_VZ, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE,
     LW_QUANTITY_STATE, LW_QUANTITY_SPRING_LENGTH, LW_QUANTITY_SPRING_RATE
 } lw_quantity;
 
@@ -211,6 +217,7 @@ lw_status lw_model_read(const char *text, size_t size, const char *file, lw_mode
 /* The same for result number `which` of a text with results, as lw_linkage_read_result. */
 lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m, lw_error *e);
 void      lw_model_free(lw_model *m);
+void      lw_states_free(lw_states *s);
 
 /* m->small.  LW_E_KIND when it is NULL; the text says how large the model is. */
 lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error *e);
@@ -218,7 +225,9 @@ lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error
 /* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
 
-/* The first time after t at which a motion, force, law or rate has a kink (lw_expression_next_kink); infinite: none. */
+/* The first time after t at which the rate of a state, or a motion, force, law or rate has a kink (lw_expression_next_kink);
+ * infinite: none. */
+double lw_states_next_kink(const lw_states *s, double t);
 double lw_model_next_kink(const lw_model *m, double t);
 
 /* A model of a linkage alone: no masses, no loads.  LW_E_MEMORY: m is empty. */

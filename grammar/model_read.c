@@ -9,23 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/number.h"
 #include "grammar/read_internal.h"
 
 /* ---- expressions ------------------------------------------------------------------------------- */
 
-typedef struct look { lw_model *m; lw_expression_scope scope; } look;
-
 #define WHY_SIZE 128      /* of grammar/expression.h */
 
 /* A variable of the state of the linkage: word(name). */
-static int look_up_state(const lw_assembly *assembly, const char *word, const char *name, char *why)
+static int look_up_state(const void *model, const char *word, const char *name, char *why)
 {
     static const struct { const char *word; lw_quantity quantity; char of; } known[] = {
         { "q", LW_QUANTITY_Q, 'j' }, { "v", LW_QUANTITY_V, 'j' }, { "x", LW_QUANTITY_X, 't' },
         { "y", LW_QUANTITY_Y, 't' }, { "vx", LW_QUANTITY_VX, 't' }, { "vy", LW_QUANTITY_VY, 't' },
         { "angle", LW_QUANTITY_ANGLE, 'l' }, { "omega", LW_QUANTITY_OMEGA, 'l' },
     };
+    const lw_assembly *assembly = &((const lw_model *)model)->linkage;
     for (int i = 0; i < COUNT(known); i++) {
         if (strcmp(word, known[i].word) != 0)
             continue;
@@ -52,131 +50,7 @@ static int look_up_state(const lw_assembly *assembly, const char *word, const ch
     return -1;
 }
 
-/* A state, or a spring or cylinder: state(name), length(name), rate(name). */
-static int look_up_named(const lw_model *m, const char *word, const char *name, char *why)
-{
-    bool state = strcmp(word, "state") == 0;
-    if (!state && strcmp(word, "length") != 0 && strcmp(word, "rate") != 0)
-        return -1;
-    if (!name) {
-        snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder",
-                 word);
-        return -1;
-    }
-    int at = -1;
-    if (state && m->n_state)
-        at = lw_read_find(name, m->state->name, sizeof *m->state, m->n_state);
-    else if (!state && m->n_spring)
-        at = lw_read_find(name, m->spring->name, sizeof *m->spring, m->n_spring);
-    if (at < 0 && state)
-        snprintf(why, WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
-    else if (at < 0)
-        snprintf(why, WHY_SIZE, "there is no spring or cylinder between two points \"%.40s\"", name);
-    return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
-                                                                                : LW_QUANTITY_SPRING_RATE, at);
-}
-
-/* output(name) of a controller, or the part before the point of a signal's name. */
-static const lw_expression *insert_signal(void *context, const char *word, const char *name)
-{
-    const look *l = context;
-    for (int i = 0; l->scope == LW_OF_STATE && name && i < l->m->n_signal; i++) {
-        const char *all = l->m->signal[i].name, *point = strrchr(all, '.');
-        if (point && strcmp(word, point + 1) == 0 && strncmp(name, all, (size_t)(point - all)) == 0
-            && name[point - all] == '\0')
-            return l->m->signal[i].value;
-    }
-    return NULL;
-}
-
-static const struct lw_moves *find_profile(void *context, const char *name)
-{
-    return lw_model_find_profile(((const look *)context)->m, name);
-}
-
-/* The state of integral(x) or lag(x, time). */
-static int integrate(void *context, lw_expression *x, double lag, double start)
-{
-    lw_model *m = ((const look *)context)->m;
-    char name[2*LW_NAME_SIZE];
-    int n = 1;
-    for (int i = 0; i < m->n_state; i++)
-        n += strncmp(m->state[i].name, lag > 0 ? "lag " : "integral ", lag > 0 ? 4 : 9) == 0;
-    snprintf(name, sizeof name, "%s %d", lag > 0 ? "lag" : "integral", n);
-    int i = lw_model_add_state(m, name, "1", 1);
-    if (i < 0) {
-        lw_expression_free(x);
-        return -1;
-    }
-    lw_state *z = &m->state[i];
-    z->start = isnan(start) ? 0 : start;
-    if (!(lag > 0)) {
-        z->rate = x;
-        return lw_variable(LW_QUANTITY_STATE, i);
-    }
-    if (isnan(start))
-        z->start_at = x;
-    const lw_generated word[] = { { "x", x, 0 }, { "z", NULL, lw_variable(LW_QUANTITY_STATE, i) } };
-    char text[64];
-    snprintf(text, sizeof text, "(x - z)/%.17g", lag);
-    lw_status s = lw_model_generate(text, word, COUNT(word), &z->rate, NULL);
-    if (!isnan(start))
-        lw_expression_free(x);
-    return s == LW_OK ? lw_variable(LW_QUANTITY_STATE, i) : -1;
-}
-
-static int look_up_variable(void *context, const char *word, const char *name, char *why)
-{
-    const look *l = context;
-    if (strcmp(word, "t") == 0 && !name)
-        return lw_variable(LW_QUANTITY_T, 0);
-    if (l->scope == LW_OF_STATE) {
-        int at = look_up_named(l->m, word, name, why);
-        if (at < 0 && !why[0] && strcmp(word, "output") == 0)
-            snprintf(why, WHY_SIZE, "there is no controller \"%.40s\" before this one", name ? name : "");
-        return at >= 0 || why[0] ? at : look_up_state(&l->m->linkage, word, name, why);
-    }
-    const char *first = l->scope == LW_OF_LENGTH ? "length" : "displacement";
-    if (l->scope != LW_OF_TIME && !name && strcmp(word, first) == 0)
-        return lw_variable(LW_QUANTITY_LENGTH, 0);
-    if (l->scope != LW_OF_TIME && !name && strcmp(word, "rate") == 0)
-        return lw_variable(LW_QUANTITY_RATE, 0);
-    if (l->scope == LW_OF_TIME)
-        snprintf(why, WHY_SIZE, "the motion of an input depends on t alone");
-    else
-        snprintf(why, WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
-    return -1;
-}
-
-/* Numbers are expressions too. */
-lw_status lw_model_read_expression(const lw_json_node *object, const char *key, lw_model *m, lw_expression_scope scope,
-                                   lw_expression **out, lw_error *e)
-{
-    lw_json_node n;
-    lw_error inner = { 0 };
-    look l = { m, scope };
-    lw_expression_words words = { &l, look_up_variable, insert_signal, scope == LW_OF_STATE ? integrate : NULL,
-                                  m ? find_profile : NULL };
-    char digits[LW_NUMBER_SIZE];
-    double value;
-    if (!lw_json_member(object, key, &n))
-        return LW_OK;
-    const char *text = lw_json_text(&n);
-    if (lw_json_kind_of(&n) == LW_JSON_NUMBER) {
-        lw_json_number(&n, &value, e);
-        lw_number_print(value, digits);
-        text = digits;
-    }
-    if (!text)
-        return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
-    lw_status s = lw_expression_parse_words(text, strlen(text), &words, out, &inner);
-    if (s == LW_OK)
-        return s;
-    *out = NULL;
-    if (s != LW_E_NOTATION)
-        return lw_error_set(e, s, "%s", inner.text);
-    return lw_json_fault_inside(&n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
-}
+static lw_reading reading_of(lw_model *m);
 
 /* ---- links and inputs -------------------------------------------------------------------------- */
 
@@ -237,11 +111,12 @@ static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_e
 {
     const lw_number_key speed = { "speed", 1, LW_ANY, &m->speed[i], &m->has_speed[i] };
     lw_json_node n;
+    const lw_reading r = reading_of(m);
     lw_status s = lw_read_numbers(input, &speed, 1, e);
     if (s == LW_OK && m->has_speed[i] && lw_json_member(input, "motion", &n))
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it "
                              "starts before it runs freely; keep one");
-    return s == LW_OK ? lw_model_read_expression(input, "motion", m, LW_OF_TIME, &m->motion[i], e) : s;
+    return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &m->motion[i], e) : s;
 }
 
 static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e)
@@ -370,7 +245,7 @@ static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_err
 
 /* ---- loads ------------------------------------------------------------------------------------- */
 
-lw_status lw_model_read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
+static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
                                  lw_error *e)
 {
     lw_json_node n;
@@ -390,7 +265,7 @@ static lw_status law_alone(const lw_json_node *object, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_model_read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
+static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
 {
     lw_json_node links, at;
     lw_status s = lw_read_need(object, "links", &links, e);
@@ -409,10 +284,61 @@ lw_status lw_model_read_ends(const lw_json_node *object, lw_model *m, lw_spring 
     return s;
 }
 
+/* ---- for expressions and states ------------------------------------------------------------------ */
+
+static int find_spring(const void *model, const char *name)
+{
+    const lw_model *m = model;
+    return m->n_spring ? lw_read_find(name, m->spring->name, sizeof *m->spring, m->n_spring) : -1;
+}
+
+static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)
+{
+    lw_model *m = model;
+    lw_spring *p = &m->spring[m->n_spring];
+    snprintf(p->name, sizeof p->name, "%s", name);
+    lw_status s = read_ends(object, m, p, e);
+    m->n_spring += s == LW_OK;
+    return s;
+}
+
+static lw_expression **find_cylinder(void *model, const char *name, int *spring, double *length)
+{
+    lw_model *m = model;
+    int i = m->n_spring - 1;
+    while (strcmp(m->spring[i].name, name) != 0)           /* cylinders come after all other springs */
+        i--;
+    *spring = i;
+    *length = lw_v2_norm(lw_v2_sub(m->spring[i].at[1], m->spring[i].at[0]));
+    return &m->spring[i].law;
+}
+
+static lw_status read_motor_joint(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e)
+{
+    lw_model *m = model;
+    lw_joint_spring *push = &m->joint_spring[m->n_joint_spring];
+    lw_status s = read_load_joint(object, "motors", m, &push->joint, e);
+    if (s != LW_OK)
+        return s;
+    const lw_joint *j = &m->linkage.joint[push->joint];
+    m->n_joint_spring++;
+    snprintf(push->name, sizeof push->name, "%s", name);
+    *out = (lw_motor_joint){ push->joint, { j->link[0], j->link[1] }, m->linkage.ground, lw_variable(LW_QUANTITY_V, push->joint),
+                             lw_joint_turns(j->kind), j->name, &push->law };
+    return LW_OK;
+}
+
+static lw_reading reading_of(lw_model *m)
+{
+    return (lw_reading){ m, &m->states, &m->linkage.units, &m->n_profile, &m->profile, look_up_state, find_spring,
+                         read_cylinder_ends, find_cylinder, read_motor_joint };
+}
+
 /* A spring between two points.  Without "free" its free length is that in the posture. */
 static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
                                   lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     lw_spring *p = &m->spring[m->n_spring];
     const lw_number_key numbers[] = {
         { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
@@ -421,24 +347,25 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
     };
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
-        s = lw_model_read_ends(object, m, p, e);
+        s = read_ends(object, m, p, e);
     if (s != LW_OK)
         return s;
     m->n_spring++;
     p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
     s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK)
-        s = lw_model_read_expression(object, "law", m, LW_OF_LENGTH, &p->law, e);
+        s = lw_read_expression(object, "law", &r, LW_OF_LENGTH, &p->law, e);
     return s == LW_OK && p->law ? law_alone(object, e) : s;
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
                                    lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
     lw_status s = lw_read_own_name(object, what, index, p->name, e);
     if (s == LW_OK)
-        s = lw_model_read_load_joint(object, what, m, &p->joint, e);
+        s = read_load_joint(object, what, m, &p->joint, e);
     if (s != LW_OK)
         return s;
     m->n_joint_spring++;
@@ -449,7 +376,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
     };
     s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK)
-        s = lw_model_read_expression(object, "law", m, LW_OF_DISPLACEMENT, &p->law, e);
+        s = lw_read_expression(object, "law", &r, LW_OF_DISPLACEMENT, &p->law, e);
     return s == LW_OK && p->law ? law_alone(object, e) : s;
 }
 
@@ -481,6 +408,7 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     static const char *const frames[] = { "plane", "link" };
     lw_force *f = &m->force[m->n_force++];
     lw_json_node n;
+    const lw_reading r = reading_of(m);
     int frame = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
@@ -490,9 +418,9 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     if (s == LW_OK && lw_json_member(object, "frame", &n))
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
-    if (s == LW_OK && (s = lw_model_read_expression(object, "fx", m, LW_OF_STATE, &f->fx, e)) == LW_OK &&
-        (s = lw_model_read_expression(object, "fy", m, LW_OF_STATE, &f->fy, e)) == LW_OK)
-        s = lw_model_read_expression(object, "torque", m, LW_OF_STATE, &f->torque, e);
+    if (s == LW_OK && (s = lw_read_expression(object, "fx", &r, LW_OF_STATE, &f->fx, e)) == LW_OK &&
+        (s = lw_read_expression(object, "fy", &r, LW_OF_STATE, &f->fy, e)) == LW_OK)
+        s = lw_read_expression(object, "torque", &r, LW_OF_STATE, &f->torque, e);
     if (s != LW_OK)
         return s;
     if (!f->fx && !f->fy && !f->torque)
@@ -504,8 +432,9 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
 
 static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
 {
-    if (lw_model_is_driven_motor(object))
-        return lw_model_read_driven_motor(object, index, m, e);
+    const lw_reading r = reading_of(m);
+    if (lw_is_driven_motor(object))
+        return lw_states_read_motor(object, index, &r, e);
     static const char *const known[] = { "name", "joint", "stall", "free_speed" };
     lw_motor *p = &m->motor[m->n_motor++];
     lw_json_node n;
@@ -515,7 +444,7 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
-        (s = lw_model_read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
+        (s = read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
         (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
         (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
         s = lw_read_numbers(object, numbers, COUNT(numbers), e);
@@ -561,12 +490,12 @@ static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *
     size_t motors = count_list(root, "motors") + 1;
     m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
     m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
-    m->rotor = calloc(motors, sizeof *m->rotor);
+    m->states.rotor = calloc(motors, sizeof *m->states.rotor);
     m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
     m->contact = calloc(count_list(root, "contacts") + 1, sizeof *m->contact);
     m->rope = calloc(count_list(root, "ropes") + 1, sizeof *m->rope);
-    return m->spring && m->joint_spring && m->force && m->motor && m->rotor && m->contact && m->rope
+    return m->spring && m->joint_spring && m->force && m->motor && m->states.rotor && m->contact && m->rope
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -579,6 +508,7 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
                                lw_error *e)
 {
     lw_json json;
+    const lw_reading r = reading_of(m);
     lw_json_node place[4];
     memset(m, 0, sizeof *m);
     m->linkage.units = lw_units_si();
@@ -603,17 +533,17 @@ lw_status lw_model_read_result(const char *text, size_t size, const char *file, 
     if (s == LW_OK)
         s = lw_model_read_shapes(root, m, e);
     if (s == LW_OK)
-        s = lw_model_name_states(root, m, e);
+        s = lw_states_name(root, &m->states, e);
     for (int kind = SPRINGS; s == LW_OK && kind <= DAMPERS; kind++)
         s = read_loads(root, (load)kind, m, e);
     if (s == LW_OK)
-        s = lw_model_read_cylinder_ends(root, m, e);
+        s = lw_states_read_cylinder_ends(root, &r, e);
     if (s == LW_OK)
-        s = lw_model_read_controllers(root, m, e);
+        s = lw_states_read_controllers(root, &r, e);
     for (int kind = FORCES; s == LW_OK && kind <= ROPES; kind++)
         s = read_loads(root, (load)kind, m, e);
     if (s == LW_OK)
-        s = lw_model_read_states(root, m, e);
+        s = lw_states_read(root, &r, e);
     lw_json_close(&json);
     if (s != LW_OK)
         lw_model_free(m);

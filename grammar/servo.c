@@ -93,7 +93,7 @@ static lw_status read_load(const lw_json_node *root, lw_servo *p, lw_error *e)
         s = NUMBERS(&n, AMOUNT("breakaway", &p->friction.breakaway));
     if (s == LW_OK && p->elastic && !(p->load > 0))
         s = lw_json_fault(&n, e, "behind an elastic transmission the load needs a %s", p->slides ? "\"mass\"" : "\"inertia\"");
-    return s == LW_OK ? lw_model_read_expression(&n, "force", NULL, LW_OF_TIME, &p->force, e) : s;
+    return s == LW_OK ? lw_read_expression(&n, "force", &(lw_reading){ 0 }, LW_OF_TIME, &p->force, e) : s;
 }
 
 static lw_status read_loop(const lw_json_node *n, lw_servo_loop *loop, lw_error *e)
@@ -181,7 +181,7 @@ static lw_status read_motion(const lw_json_node *root, lw_servo *p, lw_error *e)
         return s;
     if (lw_json_member(&n, "expression", &moves))
         return lw_json_member(&n, "moves", &moves) ? lw_json_fault(&moves, e, "a motion has an \"expression\" or \"moves\"")
-             : lw_model_read_expression(&n, "expression", NULL, LW_OF_TIME, &p->reference, e);
+             : lw_read_expression(&n, "expression", &(lw_reading){ 0 }, LW_OF_TIME, &p->reference, e);
     return lw_moves_read(&n, &p->moves, e);
 }
 

@@ -28,6 +28,7 @@ void lw_spatial_free(lw_spatial *m)
             lw_expression_free(m->force[i].force[k]);
             lw_expression_free(m->force[i].torque[k]);
         }
+    lw_states_free(&m->states);
     for (int i = 0; m->profile && i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
     for (int i = 0; m->elastic && i < m->n_link; i++)
@@ -42,10 +43,10 @@ void lw_spatial_free(lw_spatial *m)
 static int time_alone(void *context, const char *word, const char *name, char *why)
 {
     (void)context, (void)why;
-    return strcmp(word, "t") == 0 && !name ? LW_VARIABLE_T : -1;
+    return strcmp(word, "t") == 0 && !name ? lw_variable(LW_QUANTITY_T, 0) : -1;
 }
 
-const struct lw_moves *lw_spatial_find_profile(void *context, const char *name)
+static const struct lw_moves *find_profile(void *context, const char *name)
 {
     const lw_spatial *m = context;
     return lw_moves_find(m->n_profile, m->profile, name);
@@ -54,7 +55,7 @@ const struct lw_moves *lw_spatial_find_profile(void *context, const char *name)
 lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_error *e)
 {
     lw_expression *x;
-    lw_expression_words words = { .context = m, .variable = time_alone, .moves = lw_spatial_find_profile };
+    lw_expression_words words = { .context = m, .variable = time_alone, .moves = find_profile };
     lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
     if (s != LW_OK)
         return s;

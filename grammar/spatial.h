@@ -136,6 +136,7 @@ typedef struct lw_spatial {
     lw_spatial_motor        *motor;
     int                      n_profile;
     lw_moves                *profile;    /* of profile(name) in expressions                            */
+    lw_states                states;
     lw_elastic              *elastic;    /* (n_link)                                                   */
     int      n_elastic;                  /* links that are elastic                                     */
     int      n_beam;                     /* a file has none                                            */
@@ -143,15 +144,6 @@ typedef struct lw_spatial {
     lw_vec3  gravity;                    /* [m/s^2]                                                    */
     lw_units units;
 } lw_spatial;
-
-/* Variables of expressions: t; turn, slide and their rates of a joint; place and velocity of a tracer; length or
- * displacement, and rate, of a law. */
-typedef enum lw_spatial_variable {
-    LW_VARIABLE_T, LW_VARIABLE_TURN, LW_VARIABLE_SLIDE, LW_VARIABLE_TURN_RATE, LW_VARIABLE_SLIDE_RATE, LW_VARIABLE_X,
-    LW_VARIABLE_Y, LW_VARIABLE_Z, LW_VARIABLE_VX, LW_VARIABLE_VY, LW_VARIABLE_VZ, LW_VARIABLE_LENGTH, LW_VARIABLE_RATE
-} lw_spatial_variable;
-#define LW_VARIABLE_OF(number)    ((lw_spatial_variable)((number)%16))
-#define LW_VARIABLE_INDEX(number) ((number)/16)
 
 /* Is this the text of a spatial model: has a place three numbers, or a joint a kind that only space has? */
 bool lw_spatial_text(const char *text, size_t size);
@@ -166,9 +158,6 @@ lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_err
 /* The greatest distance of a joint, tracer or centre of mass from the middle of them, at least 1e-9 m: the size that
  * tolerances refer to. */
 double lw_spatial_size(const lw_spatial *m);
-
-/* The profile of a name, for expressions; context: the model. */
-const struct lw_moves *lw_spatial_find_profile(void *context, const char *name);
 
 /* A name for messages: "A", or "x of P" of a tracer. */
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size);

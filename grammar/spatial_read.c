@@ -8,9 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/number.h"
 #include "base/suggest.h"
-#include "grammar/read_internal.h"
+#include "grammar/model_internal.h"
 
 static lw_status has_memory(const void *p, lw_error *e)
 {
@@ -87,19 +86,16 @@ static lw_status read_frame(const lw_json_node *object, lw_mat3 *out, lw_error *
 
 /* ---- expressions ------------------------------------------------------------------------------- */
 
-typedef enum { OF_TIME, OF_STATE, OF_LENGTH, OF_DISPLACEMENT } scope;
-typedef struct look { const lw_spatial *m; scope scope; } look;
-
 #define WHY_SIZE 128      /* of grammar/expression.h */
 
-static int look_up_state(const lw_spatial *m, const char *word, const char *name, char *why)
+static int look_up_state(const void *model, const char *word, const char *name, char *why)
 {
-    static const struct { const char *word; lw_spatial_variable turns, slides; } known[] = {
-        { "q", LW_VARIABLE_TURN, LW_VARIABLE_SLIDE }, { "v", LW_VARIABLE_TURN_RATE, LW_VARIABLE_SLIDE_RATE },
-        { "s", LW_VARIABLE_SLIDE, LW_VARIABLE_SLIDE }, { "vs", LW_VARIABLE_SLIDE_RATE, LW_VARIABLE_SLIDE_RATE },
-        { "x", LW_VARIABLE_X, 0 }, { "y", LW_VARIABLE_Y, 0 }, { "z", LW_VARIABLE_Z, 0 },
-        { "vx", LW_VARIABLE_VX, 0 }, { "vy", LW_VARIABLE_VY, 0 }, { "vz", LW_VARIABLE_VZ, 0 },
+    static const struct { const char *word; lw_quantity turns, slides; } known[] = {
+        { "q", LW_QUANTITY_Q, LW_QUANTITY_S }, { "v", LW_QUANTITY_V, LW_QUANTITY_VS }, { "s", LW_QUANTITY_S, LW_QUANTITY_S },
+        { "vs", LW_QUANTITY_VS, LW_QUANTITY_VS }, { "x", LW_QUANTITY_X, 0 }, { "y", LW_QUANTITY_Y, 0 },
+        { "z", LW_QUANTITY_Z, 0 }, { "vx", LW_QUANTITY_VX, 0 }, { "vy", LW_QUANTITY_VY, 0 }, { "vz", LW_QUANTITY_VZ, 0 },
     };
+    const lw_spatial *m = model;
     for (int i = 0; i < COUNT(known); i++) {
         if (strcmp(word, known[i].word) != 0)
             continue;
@@ -114,7 +110,7 @@ static int look_up_state(const lw_spatial *m, const char *word, const char *name
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", joint ? "joint" : "tracer", name);
             return -1;
         }
-        lw_spatial_variable v = known[i].turns;
+        lw_quantity v = known[i].turns;
         if (joint) {
             const lw_spatial_kind_row *k = lw_spatial_kind_of(m->joint[at].kind);
             if (i < 2 ? !k->turns && !k->slides : !k->slides) {
@@ -124,65 +120,12 @@ static int look_up_state(const lw_spatial *m, const char *word, const char *name
             if (!k->turns)
                 v = known[i].slides;
         }
-        return 16*at + (int)v;
+        return lw_variable(v, at);
     }
     return -1;
 }
 
-static int look_up_variable(void *context, const char *word, const char *name, char *why)
-{
-    const look *l = context;
-    if (strcmp(word, "t") == 0 && !name)
-        return LW_VARIABLE_T;
-    if (l->scope == OF_STATE)
-        return look_up_state(l->m, word, name, why);
-    const char *first = l->scope == OF_LENGTH ? "length" : "displacement";
-    if (l->scope != OF_TIME && !name && strcmp(word, first) == 0)
-        return LW_VARIABLE_LENGTH;
-    if (l->scope != OF_TIME && !name && strcmp(word, "rate") == 0)
-        return LW_VARIABLE_RATE;
-    if (l->scope == OF_TIME)
-        snprintf(why, WHY_SIZE, "the motion of an input depends on t alone");
-    else
-        snprintf(why, WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
-    return -1;
-}
-
-static const struct lw_moves *find_profile(void *context, const char *name)
-{
-    const lw_spatial *m = ((const look *)context)->m;
-    return lw_moves_find(m->n_profile, m->profile, name);
-}
-
-/* Numbers are expressions too. */
-static lw_status read_expression(const lw_json_node *object, const char *key, const lw_spatial *m, scope sc,
-                                 lw_expression **out, lw_error *e)
-{
-    lw_json_node n;
-    lw_error inner = { 0 };
-    look l = { m, sc };
-    char digits[LW_NUMBER_SIZE];
-    double value;
-    *out = NULL;
-    if (!lw_json_member(object, key, &n))
-        return LW_OK;
-    const char *text = lw_json_text(&n);
-    if (lw_json_kind_of(&n) == LW_JSON_NUMBER) {
-        lw_json_number(&n, &value, e);
-        lw_number_print(value, digits);
-        text = digits;
-    }
-    if (!text)
-        return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
-    lw_expression_words words = { .context = &l, .variable = look_up_variable, .moves = find_profile };
-    lw_status s = lw_expression_parse_words(text, strlen(text), &words, out, &inner);
-    if (s == LW_OK)
-        return s;
-    *out = NULL;
-    if (s != LW_E_NOTATION)
-        return lw_error_set(e, s, "%s", inner.text);
-    return lw_json_fault_inside(&n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
-}
+static lw_reading reading_of(lw_spatial *m);
 
 /* ---- links ------------------------------------------------------------------------------------- */
 
@@ -525,6 +468,7 @@ static double measure_unit(const lw_spatial *m, lw_spatial_measure of)
 
 static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     static const char *const known[] = { "joint", "tracer", "coordinate", "value", "first", "last", "motion", "speed" };
     lw_spatial_input *in = &m->input[m->n_input++];
     lw_json_node n;
@@ -556,7 +500,7 @@ static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it starts "
                                     "before it "
                              "runs freely; keep one");
-    return s == LW_OK ? read_expression(input, "motion", m, OF_TIME, &in->motion, e) : s;
+    return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &in->motion, e) : s;
 }
 
 static lw_status read_inputs(const lw_json_node *root, lw_spatial *m, lw_error *e)
@@ -621,30 +565,24 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error
 /* ---- loads ------------------------------------------------------------------------------------- */
 
 /* "law" stands alone. */
-static lw_status read_law(const lw_json_node *object, const lw_spatial *m, scope sc, lw_expression **law, lw_error *e)
+static lw_status read_law(const lw_json_node *object, lw_spatial *m, lw_expression_scope sc, lw_expression **law, lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     static const char *const other[] = { "stiffness", "damping", "free" };
     lw_json_node n;
-    lw_status s = read_expression(object, "law", m, sc, law, e);
+    lw_status s = lw_read_expression(object, "law", &r, sc, law, e);
     for (int i = 0; s == LW_OK && *law && i < COUNT(other); i++)
         if (lw_json_member(object, other[i], &n))
             s = lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
     return s;
 }
 
-static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
-                                  lw_error *e)
+/* "links" and "at" of a spring between two points; its free length. */
+static lw_status read_ends(const lw_json_node *object, lw_spatial *m, lw_spatial_spring *p, lw_error *e)
 {
-    lw_spatial_spring *p = &m->spring[m->n_spring++];
     lw_json_node links, at;
-    const lw_number_key numbers[] = {
-        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
-        { "free", m->units.metre, LW_NOT_NEGATIVE, &p->free, NULL },
-    };
-    lw_status s = lw_read_own_name(object, what, index, p->name, e);
-    if (s == LW_OK && (s = lw_read_need(object, "links", &links, e)) == LW_OK && (s = lw_read_list(&links, 2, 2, e)) ==
-        LW_OK &&
-        (s = lw_read_need(object, "at", &at, e)) == LW_OK)
+    lw_status s = lw_read_need(object, "links", &links, e);
+    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK && (s = lw_read_need(object, "at", &at, e)) == LW_OK)
         s = lw_read_list(&at, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
         lw_json_node link = lw_json_element(&links, end), point = lw_json_element(&at, end);
@@ -653,13 +591,23 @@ static lw_status read_line_spring(const lw_json_node *object, const char *what, 
             s = lw_read_triple(&point, m->units.metre, &p->at[end], e);
     }
     if (s == LW_OK && p->link[0] == p->link[1])
-        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move",
-                          m->body[p->link[0]].name);
-    if (s != LW_OK)
-        return s;
+        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move", m->body[p->link[0]].name);
     p->free = lw_v3_norm(lw_v3_sub(p->at[1], p->at[0]));
-    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? read_law(object, m, OF_LENGTH, &p->law, e) : s;
+    return s;
+}
+
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
+                                  lw_error *e)
+{
+    lw_spatial_spring *p = &m->spring[m->n_spring++];
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
+        { "free", m->units.metre, LW_NOT_NEGATIVE, &p->free, NULL },
+    };
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
+    if (s == LW_OK && (s = read_ends(object, m, p, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    return s == LW_OK ? read_law(object, m, LW_OF_LENGTH, &p->law, e) : s;
 }
 
 static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
@@ -676,7 +624,7 @@ static lw_status read_joint_spring(const lw_json_node *object, const char *what,
         { "free", measure_unit(m, p->measure), LW_ANY, &p->free, NULL },
     };
     s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    return s == LW_OK ? read_law(object, m, OF_DISPLACEMENT, &p->law, e) : s;
+    return s == LW_OK ? read_law(object, m, LW_OF_DISPLACEMENT, &p->law, e) : s;
 }
 
 static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper,
@@ -713,6 +661,7 @@ static lw_status read_damper(const lw_json_node *n, size_t i, lw_spatial *m, lw_
 
 static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
 {
+    const lw_reading r = reading_of(m);
     static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "fz", "tx", "ty", "tz" };
     static const char *const frames[] = { "ground", "link" };
     lw_spatial_force *f = &m->force[m->n_force++];
@@ -727,9 +676,9 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
     for (int i = 0; s == LW_OK && i < 3; i++) {
-        s = read_expression(object, known[4 + i], m, OF_STATE, &f->force[i], e);
+        s = lw_read_expression(object, known[4 + i], &r, LW_OF_STATE, &f->force[i], e);
         if (s == LW_OK)
-            s = read_expression(object, known[7 + i], m, OF_STATE, &f->torque[i], e);
+            s = lw_read_expression(object, known[7 + i], &r, LW_OF_STATE, &f->torque[i], e);
         forces += f->force[i] != NULL, torques += f->torque[i] != NULL;
     }
     if (s != LW_OK)
@@ -741,29 +690,89 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial
     return forces ? lw_read_need(object, "at", &n, e) : LW_OK;
 }
 
+/* The joint of a motor: revolute or prismatic. */
+static lw_status read_motor_place(const lw_json_node *object, const lw_spatial *m, int *joint, lw_error *e)
+{
+    lw_json_node n;
+    lw_status s = lw_read_need(object, "joint", &n, e);
+    if (s == LW_OK)
+        s = lw_read_name_of(&n, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), joint, e);
+    lw_spatial_kind k = s == LW_OK ? m->joint[*joint].kind : LW_SPATIAL_REVOLUTE;
+    return k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_PRISMATIC ? s
+         : lw_json_fault(&n, e, "joint \"%s\" is %s; only revolute and prismatic joints have motors", m->joint[*joint].name,
+                         lw_spatial_kind_of(k)->word);
+}
+
 static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "joint", "stall", "free_speed" };
+    const lw_reading r = reading_of(m);
+    if (lw_is_driven_motor(object))
+        return lw_states_read_motor(object, index, &r, e);
     lw_spatial_motor *p = &m->motor[m->n_motor++];
     lw_json_node n;
     const lw_number_key numbers[] = { { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL } };
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
-        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK && (s = lw_read_need(object, "joint", &n,
-                e)) == LW_OK &&
-        (s = lw_read_name_of(&n, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), &p->joint, e)) == LW_OK) {
-        lw_spatial_kind k = m->joint[p->joint].kind;
-        if (k != LW_SPATIAL_REVOLUTE && k != LW_SPATIAL_PRISMATIC)
-            return lw_json_fault(&n, e, "joint \"%s\" is %s; only revolute and prismatic joints have motors",
-                                 m->joint[p->joint].name, lw_spatial_kind_of(k)->word);
-        if ((s = lw_read_need(object, "stall", &n, e)) == LW_OK && (s = lw_read_need(object, "free_speed", &n, e)) ==
-            LW_OK)
-            s = lw_read_numbers(object, numbers, COUNT(numbers), e);
-    }
+        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
+        (s = read_motor_place(object, m, &p->joint, e)) == LW_OK && (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
+        (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
     if (s == LW_OK && !(p->stall*p->free_speed > 0))
         s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its "
                                      "motion, and are not 0");
     return s;
+}
+
+/* ---- for expressions and states ---------------------------------------------------------------- */
+
+static int find_spring(const void *model, const char *name)
+{
+    const lw_spatial *m = model;
+    return lw_read_find(name, NAMES(m->spring, m->n_spring, lw_spatial_spring));
+}
+
+static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)
+{
+    lw_spatial *m = model;
+    lw_spatial_spring *p = &m->spring[m->n_spring++];
+    snprintf(p->name, sizeof p->name, "%s", name);
+    return read_ends(object, m, p, e);
+}
+
+static lw_expression **find_cylinder(void *model, const char *name, int *spring, double *length)
+{
+    lw_spatial *m = model;
+    int i = m->n_spring - 1;
+    while (strcmp(m->spring[i].name, name) != 0)           /* cylinders come after all other springs */
+        i--;
+    *spring = i;
+    *length = m->spring[i].free;
+    return &m->spring[i].law;
+}
+
+static lw_status read_motor_joint(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e)
+{
+    lw_spatial *m = model;
+    lw_spatial_joint_spring *push = &m->joint_spring[m->n_joint_spring];
+    int joint;
+    lw_status s = read_motor_place(object, m, &joint, e);
+    if (s != LW_OK)
+        return s;
+    const lw_spatial_joint *j = &m->joint[joint];
+    bool turns = j->kind == LW_SPATIAL_REVOLUTE;
+    m->n_joint_spring++;
+    snprintf(push->name, sizeof push->name, "%s", name);
+    push->measure = (lw_spatial_measure){ turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
+    *out = (lw_motor_joint){ joint, { j->link[0], j->link[1] }, m->ground,
+                             lw_variable(turns ? LW_QUANTITY_V : LW_QUANTITY_VS, joint), turns, j->name, &push->law };
+    return LW_OK;
+}
+
+static lw_reading reading_of(lw_spatial *m)
+{
+    return (lw_reading){ m, &m->states, &m->units, &m->n_profile, &m->profile, look_up_state, find_spring,
+                         read_cylinder_ends, find_cylinder, read_motor_joint };
 }
 
 /* ---- the whole --------------------------------------------------------------------------------- */
@@ -805,7 +814,8 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
                                          "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces",
-                                         "motors", "profiles" };
+                                         "motors", "profiles", "states", "controllers", "cylinders" };
+    const lw_reading r = reading_of(m);
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK)
@@ -822,11 +832,13 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
     size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
     m->joint = calloc(count_list(root, "joints") + 1, sizeof *m->joint);
     m->tracer = calloc(count_list(root, "tracers") + 1, sizeof *m->tracer);
-    m->spring = calloc(springs, sizeof *m->spring);
-    m->joint_spring = calloc(springs, sizeof *m->joint_spring);
+    size_t motors = count_list(root, "motors") + 1;
+    m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
+    m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
     m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
-    m->motor = calloc(count_list(root, "motors") + 1, sizeof *m->motor);
-    if (!m->joint || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor)
+    m->motor = calloc(motors, sizeof *m->motor);
+    m->states.rotor = calloc(motors, sizeof *m->states.rotor);
+    if (!m->joint || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor || !m->states.rotor)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
         (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
@@ -835,10 +847,12 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
         s = read_drives(root, m, e);
     if (s == LW_OK && lw_json_member(root, "gravity", &n))
         s = lw_read_triple(&n, 1, &m->gravity, e);
-    if (s == LW_OK && (s = read_each(root, "springs", m, read_spring, e)) == LW_OK &&
-        (s = read_each(root, "dampers", m, read_damper, e)) == LW_OK && (s = read_each(root, "forces", m, read_force,
-                                                                                       e)) == LW_OK)
-        s = read_each(root, "motors", m, read_motor, e);
+    if (s == LW_OK && (s = lw_states_name(root, &m->states, e)) == LW_OK &&
+        (s = read_each(root, "springs", m, read_spring, e)) == LW_OK &&
+        (s = read_each(root, "dampers", m, read_damper, e)) == LW_OK &&
+        (s = lw_states_read_cylinder_ends(root, &r, e)) == LW_OK && (s = lw_states_read_controllers(root, &r, e)) == LW_OK &&
+        (s = read_each(root, "forces", m, read_force, e)) == LW_OK && (s = read_each(root, "motors", m, read_motor, e)) == LW_OK)
+        s = lw_states_read(root, &r, e);
     return s;
 }
 

@@ -282,8 +282,8 @@ static lw_status keep_sample(void *context, const lw_moment *m)
 {
     lw_stepper *s = context;
     s->sample = sample_of(s->memory, m);
-    if (s->memory->model->n_state)
-        memcpy(s->state, m->z, (size_t)s->memory->model->n_state*sizeof *s->state);
+    if (s->memory->model->states.n_state)
+        memcpy(s->state, m->z, (size_t)s->memory->model->states.n_state*sizeof *s->state);
     s->sample.state = s->state;
     return LW_OK;
 }
@@ -301,7 +301,7 @@ lw_status lw_stepper_create(const lw_model *model, const lw_simulation_options *
     if (!s)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     lw_status status = make_simulation(model, options, &s->memory, error);
-    if (status == LW_OK && !(s->state = calloc((size_t)model->n_state + 1, sizeof *s->state)))
+    if (status == LW_OK && !(s->state = calloc((size_t)model->states.n_state + 1, sizeof *s->state)))
         status = lw_error_set(error, LW_E_MEMORY, "out of memory");
     if (status == LW_OK)
         status = lw_stepping_make(model, &s->memory->o, &s->steps, error);
@@ -400,17 +400,17 @@ lw_status lw_stepper_restore(lw_stepper *stepper, const void *bytes, size_t size
     return s == LW_OK ? lw_stepper_advance(stepper, lw_stepping_time(stepper->steps), error) : s;
 }
 
-int lw_model_n_state(const lw_model *model) { return model->n_state; }
+int lw_model_n_state(const lw_model *model) { return model->states.n_state; }
 
 const char *lw_model_state_name(const lw_model *model, int state)
 {
-    return state >= 0 && state < model->n_state ? model->state[state].name : NULL;
+    return state >= 0 && state < model->states.n_state ? model->states.state[state].name : NULL;
 }
 
 int lw_model_find_state(const lw_model *model, const char *name)
 {
-    for (int i = 0; i < model->n_state; i++)
-        if (strcmp(model->state[i].name, name) == 0)
+    for (int i = 0; i < model->states.n_state; i++)
+        if (strcmp(model->states.state[i].name, name) == 0)
             return i;
     return -1;
 }

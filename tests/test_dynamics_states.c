@@ -3,7 +3,9 @@
 #include "mbs/dynamics/dynamics_ggl.c"
 #include "base/rng.h"
 #include "base/vec2.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "tests/dynamics_run.h"
+#include "tests/spatial_models.h"
 
 #define MOST 160
 
@@ -36,8 +38,8 @@ static double last_z[32], q_end, v_end, drive_end;      /* drive_end: what the m
 static lw_status keep_last(void *context, const lw_moment *m)
 {
     drun *d = context;
-    if (d->model.n_state)
-        memcpy(last_z, m->z, (size_t)d->model.n_state*sizeof *last_z);
+    if (d->model.states.n_state)
+        memcpy(last_z, m->z, (size_t)d->model.states.n_state*sizeof *last_z);
     drive_end = d->model.motion[0] ? m->l[d->system.n_row] : 0;
     return drun_keep(context, m);
 }
@@ -217,8 +219,8 @@ TEST(formulations_agree)
         drun_read_format(&d, arm_with_all, 0, 0);
         run_to(&d, 0.5, formulation[k]);
         CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
-        for (int i = 0; k > 1 && i < d.model.n_state; i++)
-            CHECK_NEAR(last_z[i], z[i], 2e-6*d.model.state[i].scale, 2e-6);
+        for (int i = 0; k > 1 && i < d.model.states.n_state; i++)
+            CHECK_NEAR(last_z[i], z[i], 2e-6*d.model.states.state[i].scale, 2e-6);
         if (k > 1) {
             CHECK_NEAR(q_end, q, 1e-7, 0);
             CHECK_NEAR(v_end, v, 1e-6, 0);
@@ -227,6 +229,88 @@ TEST(formulations_agree)
         q = q_end, v = v_end;
         lw_model_free(&d.model);
     }
+}
+
+/* ---- in space ---------------------------------------------------------------------------------------------------- */
+
+/* arm_with_all in the plane y z of space. */
+static const char arm_in_space[] =
+    "{'linkwright': 1, 'units': {'length': 'm'}, 'links': ['ground', "
+    "{'name': 'arm', 'mass': 3, 'centre': [0, 0.5, 0.1], 'inertia': [0.2, 0.15, 0.17]}, "
+    "{'name': 'fore', 'mass': 2, 'centre': [0, 1.3, 0.3], 'inertia': [0.1, 0.06, 0.07]}], 'joints': ["
+    "{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}, "
+    "{'name': 'B', 'links': ['arm', 'fore'], 'at': [0, 1, 0.2], 'axis': [1, 0, 0]}], "
+    "'inputs': [{'joint': 'A', 'speed': 0.2}, {'joint': 'B', 'speed': -0.1}], 'gravity': [0, 0, -9.81], "
+    "'tracers': [{'name': 'P', 'link': 'fore', 'at': [0, 1.6, 0.4]}], "
+    "'states': [{'name': 'e', 'rate': '-3*state(e) + y(P)*state(C.p1)/1e6 + v(A) + v(B)', 'start': 'y(P)'}], "
+    "'controllers': [{'name': 'pid', 'wanted': '0.3*sin(2*t)', 'measured': 'q(B)', 'proportional': 60, 'integral': 90, "
+    "'derivative': 4, 'filter': 0.01, 'feed_forward': 'lag(v(A), 0.05) + integral(0.1*q(A))', 'least': -40, "
+    "'greatest': 40}], "
+    "'motors': [{'name': 'M', 'joint': 'B', 'voltage': 'output(pid)', 'resistance': 0.7, 'inductance': 2e-3, "
+    "'torque_constant': 0.1, 'inertia': 2e-4, 'ratio': 1, 'current': 0.5}], "
+    "'cylinders': [{'name': 'C', 'links': ['ground', 'arm'], 'at': [[0, 0.3, -0.8], [0, 0.8, 0.1]], 'bore': 0.05, 'rod': 0.03, "
+    "'retracted': 0.9, 'stroke': 0.4, 'dead_volume': 1e-4, 'pressures': [3e6, 2e6], 'valve': '0.3*sin(3*t) + 0.1*q(A)', "
+    "'flow': 2e-4, 'supply': 1.2e7, 'tank': 1e5, 'leakage': 1e-12, 'relief': 1.1e7, 'relief_flow': 1e-11, 'damping': 300, "
+    "'friction': 50, 'friction_speed': 0.01}], "
+    "'forces': [{'link': 'fore', 'at': [0, 1.6, 0.4], 'fz': '-5*state(e) - 20*rate(C)', 'tx': '0.1*state(M.current)'}]}";
+
+static lw_spatial in_space;
+
+static void read_in_space(const char *format)
+{
+    char text[6000];
+    snprintf(text, sizeof text, "%s", format);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    read_spatial(text, strlen(text), "text", &in_space);
+}
+
+typedef struct space_end { lw_dynamics *d; double z[32], q, v, energy; } space_end;
+
+static lw_status keep_space(void *context, const lw_moment *m)
+{
+    space_end *to = context;
+    lw_space_moment o;
+    lw_error e;
+    lw_status st = lw_dynamics_space_moment(to->d, m, &o, &e);
+    memcpy(to->z, m->z, (size_t)in_space.states.n_state*sizeof *to->z);
+    to->q = o.input[0];
+    to->v = o.input_rate[0];
+    return st;
+}
+
+static void run_in_space(double end, lw_formulation f, space_end *to)
+{
+    lw_error e = { 0 };
+    lw_dynamics_report r;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.to = end, o.intervals = 20, o.formulation = f, o.relative = o.absolute = 1e-11;
+    CHECK_INT(lw_dynamics_make_spatial(&in_space, &o, &to->d, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_INT(lw_dynamics_run(to->d, keep_space, to, &r, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK(r.energy_error < 1e-6*r.energy_scale);
+    lw_dynamics_free(to->d);
+}
+
+/* The same arm as a planar and as a spatial model, by every formulation that space has. */
+TEST(states_in_space)
+{
+    static const lw_formulation way[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE };
+    space_end s;
+    drun_read_format(&d, arm_with_all, 0, 0);
+    run_to(&d, 0.5, LW_FORMULATION_INDEX1);
+    read_in_space(arm_in_space);
+    CHECK_INT(in_space.states.n_state, d.model.states.n_state);
+    for (size_t k = 0; k < sizeof way/sizeof *way; k++) {
+        run_in_space(0.5, way[k], &s);
+        CHECK_NEAR(s.q, q_end, 1e-7, 0);
+        CHECK_NEAR(s.v, v_end, 1e-6, 0);
+        for (int i = 0; i < d.model.states.n_state; i++)
+            CHECK_NEAR(s.z[i], last_z[i], 2e-6*d.model.states.state[i].scale, 2e-6);
+    }
+    lw_spatial_free(&in_space);
+    lw_model_free(&d.model);
 }
 
 /* The Jacobian of the differential-algebraic equations, states included, against central differences. */
@@ -250,7 +334,7 @@ TEST(derivatives_are_exact)
         y[i] = 0.1*lw_rng_range(&rng, -1, 1) + (i < g.q ? made->start_q[i] : 0);
         dy[i] = lw_rng_range(&rng, -1, 1);
         if (i >= z)
-            y[i] = made->start_z[i - z] + 0.1*lw_rng_range(&rng, 0, 1)*d.model.state[i - z].scale;
+            y[i] = made->start_z[i - z] + 0.1*lw_rng_range(&rng, 0, 1)*d.model.states.state[i - z].scale;
     }
     CHECK_INT(find_pattern(&g), LW_OK);
     CHECK_INT(jacobian(&g, 0.2, c, y, dy, value), LW_OK);
@@ -258,14 +342,14 @@ TEST(derivatives_are_exact)
         for (int k = g.columns.at[j]; k < g.columns.at[j + 1]; k++)
             jac[g.columns.row[k] + n*j] = value[k];      /* 0 outside the pattern */
     for (int j = 0; j < n; j++) {
-        double was = y[j], rate = dy[j], h = 1e-6*(j >= z ? d.model.state[j - z].scale : 1);
+        double was = y[j], rate = dy[j], h = 1e-6*(j >= z ? d.model.states.state[j - z].scale : 1);
         y[j] = was + h, dy[j] = rate + c*h;
         residual(&g, 0.2, y, dy, up);
         y[j] = was - h, dy[j] = rate - c*h;
         residual(&g, 0.2, y, dy, down);
         y[j] = was, dy[j] = rate;
         for (int i = 0; i < n; i++) {
-            double row = i >= z ? d.model.state[i - z].scale : 100, column = j >= z ? d.model.state[j - z].scale : 1;
+            double row = i >= z ? d.model.states.state[i - z].scale : 100, column = j >= z ? d.model.states.state[j - z].scale : 1;
             CHECK_NEAR(jac[i + n*j], (up[i] - down[i])/(2*h), 1e-5*row/column, 1e-5);
         }
     }

@@ -685,11 +685,12 @@ TEST(derivatives_of_forces_and_rows)
         "\"second_axis\": [0.3, 1, 0.4]}, {\"name\": \"E\", \"kind\": \"planar\", \"links\": [\"a\", \"c\"], \"at\": [1, 0.4, 0.4], \"axis\": "
         "[0.2, 0.3, 1]}, {\"name\": \"T\", \"kind\": \"prismatic\", \"links\": [\"a\", \"c\"], \"at\": [1.3, 0.3, 0.2], \"axis\": [1, -1, 0.3]}, "
         "{\"name\": \"F\", \"kind\": \"fixed\", \"links\": [\"b\", \"c\"]}], "
-        "\"springs\": [{\"joint\": \"C\", \"coordinate\": \"slide\", \"stiffness\": 40, \"damping\": 2}, {\"joint\": \"H\", \"coordinate\": "
-        "\"turn\", \"stiffness\": 2, \"damping\": 0.5}, {\"links\": [\"c\", \"b\"], \"at\": [[0.9, 0.4, 0.5], [1.2, 0.5, 0.2]], "
+        "\"states\": [{\"name\": \"w\", \"rate\": \"x(P)*vy(P) + length(S)*rate(S) - 2*state(w)*q(H)\", \"start\": 0.4}], "
+        "\"springs\": [{\"joint\": \"H\", \"coordinate\": \"turn\", \"law\": \"rate*displacement - 2*displacement^2\"}, {\"joint\": \"C\", \"coordinate\": \"slide\", \"stiffness\": 40, \"damping\": 2}, {\"joint\": \"H\", \"coordinate\": "
+        "\"turn\", \"stiffness\": 2, \"damping\": 0.5}, {\"name\": \"S\", \"links\": [\"c\", \"b\"], \"at\": [[0.9, 0.4, 0.5], [1.2, 0.5, 0.2]], "
         "\"stiffness\": 50, \"damping\": 3}, {\"links\": [\"ground\", \"a\"], \"at\": [[1.5, 0.5, 1], [1.9, 0.2, 0.3]], \"law\": "
         "\"3*length^2 + rate*length\"}], "
-        "\"forces\": [{\"link\": \"c\", \"at\": [1, 1, 0], \"fx\": \"x(P)*vy(P)\", \"fz\": 3, \"ty\": \"q(H)\"}, {\"link\": \"b\", \"at\": "
+        "\"forces\": [{\"link\": \"c\", \"at\": [1, 1, 0], \"fx\": \"x(P)*vy(P)\", \"fz\": \"3 + state(w)*length(S) + rate(S)\", \"ty\": \"q(H)\"}, {\"link\": \"b\", \"at\": "
         "[0, 1, 0.5], \"frame\": \"link\", \"fy\": \"4 + y(P)\", \"tx\": 2}], "
         "\"gravity\": [0.5, -1, -9.81], \"tracers\": [{\"name\": \"P\", "
         "\"link\": \"c\", \"at\": [2, 0.2, 0.1]}]}";
@@ -698,8 +699,8 @@ TEST(derivatives_of_forces_and_rows)
     lw_space_forces f;
     lw_error e = { 0 };
     lw_rng rng;
-    enum { N = 18, ROWS = 40 };
-    double by_q[N*N] = { 0 }, by_v[N*N] = { 0 }, q[21], v[N], force[2][N], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
+    enum { N = 18, ALL = 19, ROWS = 40 };
+    double by_q[ALL*ALL] = { 0 }, by_v[ALL*ALL] = { 0 }, q[21], v[N], force[2][ALL], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
     lw_space_frame frame[4];
     lw_space_bend bend[LW_SPACE_BENDS];
     read_spatial(text, strlen(text), "derivatives", &m);
@@ -718,7 +719,9 @@ TEST(derivatives_of_forces_and_rows)
     memcpy(q, s.start, sizeof q);
     lw_space_move(&s, q, by);
     lw_space_place(&s, q, frame);
-    lw_space_forces_apply(&f, 0.3, frame, v, force[0], NULL, &(lw_space_sink){ &(matrix){ N, by_q, by_v }, add_entry });
+    lw_space_state_start(&f, 0.3, frame, v, force[0]);
+    CHECK_NEAR(force[0][0], 0.4, 0, 0);
+    lw_space_forces_apply(&f, 0.3, frame, v, force[0], NULL, &(lw_space_sink){ &(matrix){ ALL, by_q, by_v }, add_entry, add_entry });
     double most = 0, off_q = 0, off_v = 0, off_h = 0;
     for (int i = 0; i < N; i++) {
         double at[21], w[N];
@@ -729,11 +732,12 @@ TEST(derivatives_of_forces_and_rows)
             lw_space_move(&s, at, by);
             lw_space_place(&s, at, frame);
             lw_space_forces_apply(&f, 0.3, frame, v, force[side], NULL, NULL);
+            lw_space_state_rates(&f, 0.3, frame, v, force[side] + N);
             lw_space_rows(&s, frame, phi, jac[side]);
         }
-        for (int a = 0; a < N; a++) {
-            most = fmax(most, fabs(by_q[a*N + i]));
-            off_q = fmax(off_q, fabs((force[1][a] - force[0][a])/(2*h) - by_q[a*N + i]));
+        for (int a = 0; a < ALL; a++) {
+            most = fmax(most, fabs(by_q[a*ALL + i]));
+            off_q = fmax(off_q, fabs((force[1][a] - force[0][a])/(2*h) - by_q[a*ALL + i]));
         }
         lw_space_place(&s, q, frame);
         for (int j = 0; j < s.n_joint; j++)
@@ -754,10 +758,19 @@ TEST(derivatives_of_forces_and_rows)
             memcpy(w, v, sizeof w);
             w[i] += side ? h : -h;
             lw_space_forces_apply(&f, 0.3, frame, w, force[side], NULL, NULL);
+            lw_space_state_rates(&f, 0.3, frame, w, force[side] + N);
         }
-        for (int a = 0; a < N; a++)
-            off_v = fmax(off_v, fabs((force[1][a] - force[0][a])/(2*h) - by_v[a*N + i]));
+        for (int a = 0; a < ALL; a++)
+            off_v = fmax(off_v, fabs((force[1][a] - force[0][a])/(2*h) - by_v[a*ALL + i]));
     }
+    for (int side = 0; side < 2; side++) {           /* by the state */
+        f.z[0] = 0.4 + (side ? h : -h);
+        lw_space_place(&s, q, frame);
+        lw_space_forces_apply(&f, 0.3, frame, v, force[side], NULL, NULL);
+        lw_space_state_rates(&f, 0.3, frame, v, force[side] + N);
+    }
+    for (int a = 0; a < ALL; a++)
+        off_q = fmax(off_q, fabs((force[1][a] - force[0][a])/(2*h) - by_q[a*ALL + N]));
     CHECK(most > 1);
     CHECK_NEAR(off_q, 0, 1e-7*most, 0);
     CHECK_NEAR(off_v, 0, 1e-7*most, 0);

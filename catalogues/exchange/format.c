@@ -106,7 +106,7 @@ lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const l
             return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s",
                                 linkage->joint[j].name, f->name);
     const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"
-                     : m->n_state ? "states" : NULL;
+                     : m->states.n_state ? "states" : NULL;
     if (what)
         return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "
                             "the file to export the rest", what, f->name);

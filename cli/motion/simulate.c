@@ -33,7 +33,7 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
     double metre = 1/k->units.metre, radian = 1/k->units.radian;
     size_t n = 1 + 3*(size_t)k->n_input + 6*(size_t)k->n_tracer + 9*(size_t)sys->n_body + 3*(size_t)k->n_joint + 8
-             + (size_t)s->model->n_state + (size_t)s->model->n_signal + 1
+             + (size_t)s->model->states.n_state + (size_t)s->model->states.n_signal + 1
              + 2*(size_t)s->model->n_contact + (size_t)s->model->n_rope;
     const lw_elastic_expansion *elastic = lw_dynamics_elastic(s->d);
     int most = 0;
@@ -97,10 +97,10 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
     add(s, "N", 1, "shaking.fx");
     add(s, "N", 1, "shaking.fy");
     add(s, "N m", 1, "shaking.moment");
-    for (int i = 0; i < s->model->n_state; i++)
-        add(s, s->model->state[i].unit, 1, "%s", s->model->state[i].name);
-    for (int i = 0; i < s->model->n_signal; i++)
-        add(s, s->model->signal[i].unit, 1, "%s", s->model->signal[i].name);
+    for (int i = 0; i < s->model->states.n_state; i++)
+        add(s, s->model->states.state[i].unit, 1, "%s", s->model->states.state[i].name);
+    for (int i = 0; i < s->model->states.n_signal; i++)
+        add(s, s->model->states.signal[i].unit, 1, "%s", s->model->states.signal[i].name);
     add(s, "J", 1, "kinetic");
     add(s, "J", 1, "potential");
     if (elastic)
@@ -255,9 +255,9 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
         to = put_inner(s, m, c, to);
     to = put_contacts(s, m, (double *)(void *)(joint + k->n_joint), to);
     to = put_reaction(lw_reactions_shaking(s->d, m), to);
-    for (int i = 0; i < s->model->n_state; i++)
+    for (int i = 0; i < s->model->states.n_state; i++)
         *to++ = m->z[i];
-    for (int i = 0; i < s->model->n_signal; i++)
+    for (int i = 0; i < s->model->states.n_signal; i++)
         *to++ = lw_forces_signal(lw_dynamics_forces(s->d), i, m->t, m->q, m->v);
     *to++ = m->kinetic;
     *to++ = m->potential;

@@ -133,6 +133,10 @@ static void make_columns(run *r)
         add_vector(r, m->joint[j].name, "m", "N m", 1);
     }
     add_inner(r);
+    for (int i = 0; i < m->states.n_state; i++)
+        add(r, m->states.state[i].name, "", m->states.state[i].unit, 1);
+    for (int i = 0; i < m->states.n_signal; i++)
+        add(r, m->states.signal[i].name, "", m->states.signal[i].unit, 1);
     add_vector(r, "momentum", "p", "kg m/s", 1);
     add_vector(r, "momentum", "l", "kg m^2/s", 1);
     add(r, "kinetic", "", "J", 1);
@@ -250,6 +254,10 @@ static lw_status put_row(void *context, const lw_moment *moment)
     for (int j = 0; j < m->n_joint; j++)
         to = put(put(to, o->joint[j].force), o->joint[j].moment);
     to = put_inner(r, o, to);
+    for (int i = 0; i < m->states.n_state; i++)
+        *to++ = moment->z[i];
+    for (int i = 0; i < m->states.n_signal; i++)
+        *to++ = lw_dynamics_space_signal(r->d, i, o);
     lw_space_momentum(s, o->frame, o->v, &linear, &angular);
     to = put(put(to, linear), angular);
     *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;

@@ -106,9 +106,9 @@ static void find_friction(lw_clearance_scene *c, const bool *opened, bool *apart
 lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_error *e)
 {
     *scene = NULL;
-    if (m->n_state)
+    if (m->states.n_state)
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), which runs with clearance do not know",
-                            m->state[0].name);
+                            m->states.state[0].name);
     lw_clearance_scene *c = calloc(1, sizeof *c);
     if (!c)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a scene with clearance");

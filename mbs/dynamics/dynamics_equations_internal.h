@@ -103,6 +103,9 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
  * that of a posture near by, large models look whether rows left out as dependent stay satisfied. */
 void      lw_mbs_take_equations(lw_dynamics *d, lw_equations eq);
 lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e);
+
+/* Values of the first-order states at the start.  LW_E_NUMERIC: one is not a number. */
+lw_status lw_mbs_start_states(lw_dynamics *d, lw_error *e);
 lw_status lw_mbs_rank_nearby(lw_dynamics *d, double t, const double *q, const double *v);
 lw_status lw_mbs_rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v);
 

@@ -571,20 +571,25 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         return s;
     d->e = e;
     if (d->elastic && (s = start_as_rigid(d, given)) != LW_NOTHING)
-        return s;
+        return s == LW_OK ? lw_mbs_start_states(d, e) : s;
     if ((s = find_posture(d, e)) == LW_OK)
         s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
     if (s == LW_OK)
         s = d->large ? lw_mbs_rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
                      : lw_mbs_rank_nearby(d, d->o.from, d->start_q, d->start_v);
     if (s == LW_OK)
-        d->eq.state_start(d->eq.context, d->o.from, d->start_q, d->start_v, d->start_z);
-    for (int i = 0; s == LW_OK && i < d->eq.n_z; i++)
+        s = lw_mbs_start_states(d, e);
+    return s == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : s;
+}
+
+lw_status lw_mbs_start_states(lw_dynamics *d, lw_error *e)
+{
+    d->eq.state_start(d->eq.context, d->o.from, d->start_q, d->start_v, d->start_z);
+    for (int i = 0; i < d->eq.n_z; i++)
         if (!isfinite(d->start_z[i]))
-            s = lw_error_set(e, LW_E_NUMERIC, "the start of state \"%s\" is not a number", m->state[i].name);
-    if (s == LW_OK)
-        s = lw_mbs_arrange(d, d->o.from, d->start_q);
-    return s;
+            return lw_error_set(e, LW_E_NUMERIC, "the start of state \"%s\" is not a number",
+                                d->eq.name(d->eq.context, LW_NAMED_STATE, i));
+    return LW_OK;
 }
 
 void lw_mbs_system_rows(const lw_dynamics *c, const double *q)

@@ -391,6 +391,11 @@ void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion
     }
 }
 
+double lw_dynamics_space_signal(const lw_dynamics *d, int i, const lw_space_moment *m)
+{
+    return lw_space_signal(&d->space->f, i, m->t, m->frame, m->v);
+}
+
 /* ---- driven runs ------------------------------------------------------------------------------------------------ */
 
 /* Accelerations d->a and multipliers d->l at (t, q); v becomes the velocities there. */
@@ -576,6 +581,6 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
     else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && d->freedom > 0 && !rest)
         st = find_velocities(d, e);
     if (st == LW_OK)
-        st = make_drives(d, e);
-    return st;
+        st = lw_mbs_start_states(d, e);
+    return st == LW_OK ? make_drives(d, e) : st;
 }

@@ -43,6 +43,9 @@ typedef struct lw_space_inner { double normal, shear[2], torque, bending[2], str
 /* out (n_node of the chain). */
 void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int chain, lw_space_inner *out);
 
+/* Signal i of the model: the output of a controller, the voltage of a motor, the opening of a valve. */
+double lw_dynamics_space_signal(const lw_dynamics *d, int i, const lw_space_moment *m);
+
 /* Motion of all links (n_link) at a moment. */
 void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out);
 

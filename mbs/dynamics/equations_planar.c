@@ -155,7 +155,7 @@ static void pattern(void *context, const lw_force_sink *sink) { lw_forces_patter
 static void place_states(void *context, const double *z)
 {
     const lw_forces *f = ((const lw_planar *)context)->f;
-    for (int i = 0; i < f->model->n_state; i++)
+    for (int i = 0; i < f->model->states.n_state; i++)
         f->z[i] = z[i];
 }
 
@@ -169,7 +169,7 @@ static void state_start(void *context, double t, const double *q, const double *
     lw_forces_state_start(((const lw_planar *)context)->f, t, q, v, z);
 }
 
-static double state_scale(void *context, int i) { return ((const lw_planar *)context)->f->model->state[i].scale; }
+static double state_scale(void *context, int i) { return ((const lw_planar *)context)->f->model->states.state[i].scale; }
 
 static double kinetic(void *context, const double *v) { return lw_forces_kinetic(((const lw_planar *)context)->f, v); }
 static double potential(void *context, const double *q) { return lw_forces_potential(((const lw_planar *)context)->f, q); }
@@ -305,7 +305,7 @@ static const char *name(void *context, lw_named what, int i)
     case LW_NAMED_ROW:     return k->joint[d->s->row[i].joint].name;
     case LW_NAMED_MEASURE: return k->joint[i].name;
     case LW_NAMED_INPUT:   return k->joint[d->s->input_joint[i]].name;
-    case LW_NAMED_STATE:   return d->f->model->state[i].name;
+    case LW_NAMED_STATE:   return d->f->model->states.state[i].name;
     }
     return "";
 }
@@ -351,7 +351,7 @@ lw_equations lw_planar_equations(lw_planar *p)
     for (int i = 0; i < m->n_beam; i++)
         consistent = consistent || m->beam[i].consistent;
     return (lw_equations){ .n_q = p->s->n_q, .n_v = p->s->n_q, .n_block = p->s->n_body, .n_row = p->s->n_row,
-                           .n_z = m->n_state, .z = p->f->z, .n_damper = m->n_spring + m->n_joint_spring + m->n_motor,
+                           .n_z = m->states.n_state, .z = p->f->z, .n_damper = m->n_spring + m->n_joint_spring + m->n_motor,
                            .mass = p->f->mass, .weight = p->f->weight, .unit = p->s->unit,
                            .conservative = p->f->conservative, .exact = is_exact(p), .context = p, .name = name,
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,

@@ -267,19 +267,19 @@ static void derivatives(void *context, double t, const double *q, const double *
 {
     const lw_spatial_scene *c = context;
     lw_space_place(&c->s, q, c->frame);
-    lw_space_forces_apply(&c->f, t, c->frame, v, force, NULL, &(lw_space_sink){ sink->context, sink->add });
+    lw_space_forces_apply(&c->f, t, c->frame, v, force, NULL, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
 }
 
 static void more_mass(void *context, const double *q, const lw_force_sink *sink)
 {
     const lw_spatial_scene *c = context;
     lw_space_place(&c->s, q, c->frame);
-    lw_space_more_mass(&c->f, c->frame, &(lw_space_sink){ sink->context, sink->add });
+    lw_space_more_mass(&c->f, c->frame, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
 }
 
 static void pattern(void *context, const lw_force_sink *sink)
 {
-    lw_space_forces_pattern(&((const lw_spatial_scene *)context)->f, &(lw_space_sink){ sink->context, sink->add });
+    lw_space_forces_pattern(&((const lw_spatial_scene *)context)->f, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
 }
 
 static double damper(void *context, int k, const double *q, const double *v, double *g)
@@ -292,7 +292,7 @@ static double damper(void *context, int k, const double *q, const double *v, dou
 
 static double earlier(double than, const lw_expression *x, double t)
 {
-    return x ? fmin(than, lw_expression_next_kink(x, LW_VARIABLE_T, t)) : than;
+    return x ? fmin(than, lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t)) : than;
 }
 
 static double next_kink(void *context, double t)
@@ -308,15 +308,29 @@ static double next_kink(void *context, double t)
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 3; k++)
             next = earlier(earlier(next, m->force[i].force[k], t), m->force[i].torque[k], t);
-    return next;
+    return fmin(next, lw_states_next_kink(&m->states, t));
 }
 
-static void no_states(void *context, const double *z) { (void)context, (void)z; }
-static void no_rates(void *context, double t, const double *q, const double *v, double *rate)
+static void place_states(void *context, const double *z)
 {
-    (void)context, (void)t, (void)q, (void)v, (void)rate;
+    const lw_spatial_scene *c = context;
+    for (int i = 0; i < c->model->states.n_state; i++)
+        c->f.z[i] = z[i];
 }
-static double no_scale(void *context, int i) { (void)context, (void)i; return 1; }
+
+static void state_rates(void *context, double t, const double *q, const double *v, double *rate)
+{
+    place(context, q);
+    lw_space_state_rates(&((const lw_spatial_scene *)context)->f, t, ((const lw_spatial_scene *)context)->frame, v, rate);
+}
+
+static void state_start(void *context, double t, const double *q, const double *v, double *z)
+{
+    place(context, q);
+    lw_space_state_start(&((const lw_spatial_scene *)context)->f, t, ((const lw_spatial_scene *)context)->frame, v, z);
+}
+
+static double state_scale(void *context, int i) { return ((const lw_spatial_scene *)context)->model->states.state[i].scale; }
 
 static double kinetic(void *context, const double *v) { return lw_space_kinetic(&((const lw_spatial_scene *)context)->s, v); }
 
@@ -352,21 +366,22 @@ static void accept(void *context, double *q)
 static const char *name(void *context, lw_named what, int i)
 {
     const lw_spatial_scene *c = context;
-    lw_spatial_measure of = what == LW_NAMED_INPUT ? c->model->input[i].measure : lw_spatial_numbered(c, i);
+    lw_spatial_measure of = what == LW_NAMED_INPUT ? c->model->input[i].measure
+                          : lw_spatial_numbered(c, what == LW_NAMED_MEASURE ? i : 0);
     switch (what) {
     case LW_NAMED_BLOCK: return c->model->body[c->s.link_of[i/2]].name;
     case LW_NAMED_ROW:   return c->slots[i].joint < 0 ? c->model->body[c->s.link_of[c->idle[i - c->s.n_row].body]].name
                                                       : c->model->joint[c->slots[i].joint].name;
     case LW_NAMED_INPUT: case LW_NAMED_MEASURE:
         return of.of < LW_OF_X ? c->model->joint[of.index].name : c->model->tracer[of.index].name;
-    case LW_NAMED_STATE: break;
+    case LW_NAMED_STATE: return c->model->states.state[i].name;
     }
     return "";
 }
 
 static bool has_expressions(const lw_spatial_scene *c)
 {
-    bool any = c->model->n_force + c->model->n_spring + c->model->n_joint_spring > 0;
+    bool any = c->model->n_force + c->model->n_spring + c->model->n_joint_spring + c->model->states.n_state > 0;
     for (int i = 0; i < c->model->n_input; i++)
         any = any || c->model->input[i].motion;
     return any;
@@ -381,7 +396,8 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
-                           .damper = damper, .next_kink = has_expressions(c) ? next_kink : NULL, .place_states = no_states,
-                           .state_rates = no_rates, .state_start = NULL, .state_scale = no_scale, .kinetic = kinetic,
+                           .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
+                           .state_start = state_start, .state_scale = state_scale,
+                           .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
                            .potential = potential, .move = move, .along = along, .rates = rates, .accept = accept };
 }

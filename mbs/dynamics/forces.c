@@ -97,7 +97,7 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
     size_t n = (size_t)s->n_q, springs = (size_t)m->n_spring, forces = (size_t)m->n_force;
     *f = (lw_forces){ .model = m, .system = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
     size_t calls = caller && caller->apply ? 1 : 0, links = calls*(size_t)m->linkage.n_link;
-    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1 + (size_t)m->n_state, sizeof *f->memory);
+    f->memory = calloc((2 + 3*calls)*n + 4*springs + 2*forces + 1 + (size_t)m->states.n_state, sizeof *f->memory);
     f->stop_joint = calloc((size_t)s->n_joint + 1, sizeof *f->stop_joint);
     f->caller_link = calloc(links + 1, sizeof *f->caller_link);
     f->caller_load = calloc(links + 1, sizeof *f->caller_load);
@@ -118,15 +118,15 @@ lw_status lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_
         f->weight[3*b] = body->mass*m->gravity.x*s->unit;
         f->weight[3*b + 1] = body->mass*m->gravity.y*s->unit;
     }
-    for (int i = 0; i < m->n_rotor; i++) {
-        int b = s->body[m->rotor[i].link];
-        if (lw_joint_turns(m->linkage.joint[m->rotor[i].joint].kind))
-            f->mass[3*b + 2] += m->rotor[i].inertia;
+    for (int i = 0; i < m->states.n_rotor; i++) {
+        int b = s->body[m->states.rotor[i].link];
+        if (lw_joint_turns(m->linkage.joint[m->states.rotor[i].joint].kind))
+            f->mass[3*b + 2] += m->states.rotor[i].inertia;
         else
             for (int axis = 0; axis < 2; axis++)
-                f->mass[3*b + axis] += m->rotor[i].inertia*s->unit*s->unit;
+                f->mass[3*b + axis] += m->states.rotor[i].inertia*s->unit*s->unit;
     }
-    f->coupled = m->n_state > 0;
+    f->coupled = m->states.n_state > 0;
     for (int i = 0; i < m->n_spring; i++) {
         f->coupled = f->coupled || (m->spring[i].law && !is_own_law(m->spring[i].law));
         for (int end = 0; end < 2; end++)
@@ -560,30 +560,30 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
 {
     sum to = { .n = f->system->n_q, .force = force, .sink = sink, .second = true };
     apply_all(f, t, q, v, &to);
-    for (int i = 0; sink->add_state && i < f->model->n_state; i++)
-        evaluate(f, f->model->state[i].rate, NULL, t, q, v, &(rows_of){ 1, { to.n + i }, { 1 }, true }, &to);
+    for (int i = 0; sink->add_state && i < f->model->states.n_state; i++)
+        evaluate(f, f->model->states.state[i].rate, NULL, t, q, v, &(rows_of){ 1, { to.n + i }, { 1 }, true }, &to);
 }
 
 /* ---- states -------------------------------------------------------------------------------------- */
 
 void lw_forces_state_rates(const lw_forces *f, double t, const double *q, const double *v, double *rate)
 {
-    for (int i = 0; i < f->model->n_state; i++)
-        rate[i] = evaluate(f, f->model->state[i].rate, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
+    for (int i = 0; i < f->model->states.n_state; i++)
+        rate[i] = evaluate(f, f->model->states.state[i].rate, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
 }
 
 void lw_forces_state_start(const lw_forces *f, double t, const double *q, const double *v, double *z)
 {
-    for (int i = 0; i < f->model->n_state; i++)
-        z[i] = f->z[i] = f->model->state[i].start;
-    for (int i = 0; i < f->model->n_state; i++)
-        if (f->model->state[i].start_at)
-            z[i] = f->z[i] = evaluate(f, f->model->state[i].start_at, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
+    for (int i = 0; i < f->model->states.n_state; i++)
+        z[i] = f->z[i] = f->model->states.state[i].start;
+    for (int i = 0; i < f->model->states.n_state; i++)
+        if (f->model->states.state[i].start_at)
+            z[i] = f->z[i] = evaluate(f, f->model->states.state[i].start_at, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
 }
 
 double lw_forces_signal(const lw_forces *f, int i, double t, const double *q, const double *v)
 {
-    return evaluate(f, f->model->signal[i].value, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
+    return evaluate(f, f->model->states.signal[i].value, NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q });
 }
 
 /* All coordinates of body a by all of body b. */
@@ -620,7 +620,8 @@ static void bodies_of(const lw_forces *f, int variable, int body[2])
     case LW_QUANTITY_X: case LW_QUANTITY_Y: case LW_QUANTITY_VX: case LW_QUANTITY_VY:
         body[0] = s->tracer_body[k];
         break;
-    case LW_QUANTITY_T: case LW_QUANTITY_LENGTH: case LW_QUANTITY_RATE: case LW_QUANTITY_STATE:
+    case LW_QUANTITY_T: case LW_QUANTITY_LENGTH: case LW_QUANTITY_RATE: case LW_QUANTITY_STATE: case LW_QUANTITY_S:
+    case LW_QUANTITY_VS: case LW_QUANTITY_Z: case LW_QUANTITY_VZ:
         break;
     }
 }
@@ -665,8 +666,8 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
         add_pair(sink, s->joint[m->joint_spring[i].joint].body);
         add_expression(f, s->joint[m->joint_spring[i].joint].body, -1, m->joint_spring[i].law, sink);
     }
-    for (int i = 0; i < m->n_state; i++)
-        add_expression(f, NULL, i, m->state[i].rate, sink);
+    for (int i = 0; i < m->states.n_state; i++)
+        add_expression(f, NULL, i, m->states.state[i].rate, sink);
     for (int i = 0; i < f->n_stop; i++)
         add_pair(sink, s->joint[f->stop_joint[i]].body);
     for (int i = 0; i < m->n_motor; i++)

@@ -328,9 +328,9 @@ lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t,
     lw_vibration v;
     lw_rest r;
     memset(modes, 0, sizeof *modes);
-    if (f->model->n_state)
+    if (f->model->states.n_state)
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), which the analysis of small vibrations "
-                            "does not know", f->model->state[0].name);
+                            "does not know", f->model->states.state[0].name);
     if (lw_vibration_make(f, o->hold_inputs, t, q, &v) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a linear analysis");
     lw_status s = lw_vibration_project(&v, q);

@@ -88,8 +88,8 @@ static lw_status reserve(work *w, int links, int beams, lw_error *e)
     to->beam = calloc((size_t)beams + 1, sizeof *to->beam);
     to->spring = calloc(springs, sizeof *to->spring);
     to->force = calloc(forces, sizeof *to->force);
-    to->rotor = calloc((size_t)m->n_rotor + 1, sizeof *to->rotor);
-    if (!names || !to->body || !to->elastic || !to->beam || !to->spring || !to->force || !to->rotor) {
+    to->states.rotor = calloc((size_t)m->states.n_rotor + 1, sizeof *to->states.rotor);
+    if (!names || !to->body || !to->elastic || !to->beam || !to->spring || !to->force || !to->states.rotor) {
         free(names);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
@@ -99,8 +99,8 @@ static lw_status reserve(work *w, int links, int beams, lw_error *e)
         memcpy(to->spring, m->spring, (size_t)m->n_spring*sizeof *to->spring);
     if (m->n_force)
         memcpy(to->force, m->force, (size_t)m->n_force*sizeof *to->force);
-    if (m->n_rotor)
-        memcpy(to->rotor, m->rotor, (size_t)m->n_rotor*sizeof *to->rotor);
+    if (m->states.n_rotor)
+        memcpy(to->states.rotor, m->states.rotor, (size_t)m->states.n_rotor*sizeof *to->states.rotor);
     free(to->linkage.link_name);
     to->linkage.has_nodes = true;
     to->linkage.link_name = names;
@@ -114,8 +114,8 @@ static void share(const lw_model *m, lw_model *to)
     to->gravity = m->gravity;
     to->n_spring = m->n_spring, to->n_joint_spring = m->n_joint_spring, to->n_force = m->n_force, to->n_motor = m->n_motor;
     to->joint_spring = m->joint_spring, to->motor = m->motor;
-    to->n_state = m->n_state, to->n_signal = m->n_signal, to->n_rotor = m->n_rotor;
-    to->state = m->state, to->signal = m->signal;
+    to->states.n_state = m->states.n_state, to->states.n_signal = m->states.n_signal, to->states.n_rotor = m->states.n_rotor;
+    to->states.state = m->states.state, to->states.signal = m->states.signal;
     to->friction = m->friction, to->stop = m->stop, to->clearance = m->clearance;
 }
 
@@ -173,8 +173,8 @@ static void attach(work *w)
             k->joint[j].link[end] = node_for(w, k->joint[j].link[end], k->joint[j].at);
     for (int i = 0; i < k->n_tracer; i++)
         k->tracer[i].link = node_for(w, k->tracer[i].link, k->tracer[i].at);
-    for (int i = 0; i < to->n_rotor; i++)
-        to->rotor[i].link = node_for(w, to->rotor[i].link, k->joint[to->rotor[i].joint].at);
+    for (int i = 0; i < to->states.n_rotor; i++)
+        to->states.rotor[i].link = node_for(w, to->states.rotor[i].link, k->joint[to->states.rotor[i].joint].at);
     for (int i = 0; i < to->n_force; i++)
         to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
     for (int i = 0; i < to->n_spring; i++)
@@ -217,7 +217,7 @@ void lw_elastic_expansion_free(lw_elastic_expansion *x)
     for (int k = 0; x->chain && k < x->n_chain; k++)
         free(x->chain[k].node);
     void *const own[] = { x->chain, x->model.body, x->model.elastic, x->model.beam, x->model.spring, x->model.force,
-                          x->model.rotor };
+                          x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);
     lw_assembly_free(&x->model.linkage);

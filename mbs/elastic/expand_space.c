@@ -69,7 +69,8 @@ static lw_status reserve(work *w, int nodes, int beams, lw_error *e)
     to->spring = copy(m->spring, m->n_spring, 0, sizeof *m->spring);
     to->force = copy(m->force, m->n_force, 0, sizeof *m->force);
     to->beam = copy(NULL, 0, beams, sizeof *to->beam);
-    return to->body && to->joint && to->tracer && to->spring && to->force && to->beam
+    to->states.rotor = copy(m->states.rotor, m->states.n_rotor, 0, sizeof *m->states.rotor);
+    return to->body && to->joint && to->tracer && to->spring && to->force && to->beam && to->states.rotor
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -148,6 +149,8 @@ static int node_for(const work *w, int link, lw_vec3 at)
 static void attach(work *w)
 {
     lw_spatial *to = &w->x->model;
+    for (int i = 0; i < to->states.n_rotor; i++)
+        to->states.rotor[i].link = node_for(w, to->states.rotor[i].link, to->joint[to->states.rotor[i].joint].at);
     for (int j = 0; j < to->n_joint; j++)
         for (int end = 0; end < 2; end++)
             to->joint[j].link[end] = node_for(w, to->joint[j].link[end], to->joint[j].at);
@@ -192,7 +195,7 @@ void lw_spatial_expansion_free(lw_spatial_expansion *x)
     for (int k = 0; x->chain && k < x->n_chain; k++)
         free(x->chain[k].node);
     void *const own[] = { x->chain, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
-                          x->model.beam };
+                          x->model.beam, x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);
     memset(x, 0, sizeof *x);

@@ -16,11 +16,12 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
 {
     size_t links = (size_t)m->n_link, joints = (size_t)m->n_joint, tracers = (size_t)m->n_tracer;
     size_t bytes = joints*sizeof *s->joint + (tracers + 1)*sizeof *s->tracer + links*sizeof *s->axes +
-                   links*13*sizeof(double) + 2*links*sizeof(int);
+                   links*14*sizeof(double) + 2*links*sizeof(int);
     char *at = s->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     s->mass = (double *)(void *)at, at += 6*links*sizeof(double);
+    s->rotor = (double *)(void *)at, at += links*sizeof(double);
     s->start = (double *)(void *)at, at += 7*links*sizeof(double);
     s->axes = (lw_quaternion *)(void *)at, at += links*sizeof *s->axes;
     s->tracer = (lw_space_point *)(void *)at, at += (tracers + 1)*sizeof *s->tracer;
@@ -44,8 +45,19 @@ static void make_body(lw_space *s, const lw_spatial_body *p, int link)
             at = m->joint[j].at;
             break;
         }
-    mass[0] = mass[1] = mass[2] = p->mass*s->unit*s->unit;
-    lw_m3_principal(p->inertia, mass + 3, &axes);
+    double inertia[6];
+    memcpy(inertia, p->inertia, sizeof inertia);
+    for (int i = 0; i < m->states.n_rotor; i++) {
+        const lw_rotor *r = &m->states.rotor[i];
+        lw_vec3 u = m->joint[r->joint].axis;
+        const double tensor[6] = { u.x*u.x, u.y*u.y, u.z*u.z, u.x*u.y, u.x*u.z, u.y*u.z };
+        if (r->link == link && m->joint[r->joint].kind == LW_SPATIAL_PRISMATIC)
+            s->rotor[b] += r->inertia*s->unit*s->unit;
+        for (int k = 0; r->link == link && m->joint[r->joint].kind != LW_SPATIAL_PRISMATIC && k < 6; k++)
+            inertia[k] += r->inertia*tensor[k];
+    }
+    mass[0] = mass[1] = mass[2] = p->mass*s->unit*s->unit + s->rotor[b];
+    lw_m3_principal(inertia, mass + 3, &axes);
     double top = fmax(mass[3], fmax(mass[4], mass[5]));
     for (int i = 3; i < 6; i++)
         if (mass[i] < 1e-15*top)

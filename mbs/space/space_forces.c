@@ -25,7 +25,7 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint, v = (size_t)s->n_v,
            beams = (size_t)m->n_beam;
     *f = (lw_space_forces){ .s = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
-    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v)*sizeof *f->turn +
+    size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v + (size_t)m->states.n_state)*sizeof *f->turn +
                    beams*sizeof *f->beam + 1;
     char *at = f->memory = calloc(1, bytes);
     if (!at)
@@ -35,6 +35,7 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     f->beam = (lw_beam_space *)(void *)at, at += beams*sizeof *f->beam;
     f->weight = (double *)(void *)at, at += v*sizeof *f->weight;
     f->turn = (double *)(void *)at;
+    f->z = f->turn + joints;
     for (int i = 0; i < m->n_spring; i++) {
         for (int k = 0; k < 2; k++)
             f->spring_end[i][k] = lw_space_point_of(s, m->spring[i].link[k], m->spring[i].at[k]);
@@ -52,7 +53,7 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
         f->conservative = f->conservative && m->beam[i].damping == 0;
     const double g[] = { m->gravity.x, m->gravity.y, m->gravity.z };
     for (int i = 0; i < s->n_v; i++)
-        f->weight[i] = i%6 < 3 ? s->mass[i]*g[i%6]/s->unit : 0;
+        f->weight[i] = i%6 < 3 ? (s->mass[i] - s->rotor[i/6])*g[i%6]/s->unit : 0;
     return LW_OK;
 }
 
@@ -156,28 +157,33 @@ static void length_of(const lw_space_forces *f, const lw_space_frame *frame, con
 /* ---- expressions ------------------------------------------------------------------------------------------- */
 
 /* The measure that a variable of an expression is, or is the rate of.  false: it is none. */
-static bool variable_measure(int number, lw_spatial_measure *of, bool *is_rate)
+static bool variable_measure(int number, lw_spatial_measure *of)
 {
-    lw_spatial_variable kind = LW_VARIABLE_OF(number);
-    int index = LW_VARIABLE_INDEX(number);
-    *is_rate = kind == LW_VARIABLE_TURN_RATE || kind == LW_VARIABLE_SLIDE_RATE || (kind >= LW_VARIABLE_VX && kind <= LW_VARIABLE_VZ);
-    switch (kind) {
-    case LW_VARIABLE_TURN:  case LW_VARIABLE_TURN_RATE:  *of = (lw_spatial_measure){ LW_OF_TURN, index }; return true;
-    case LW_VARIABLE_SLIDE: case LW_VARIABLE_SLIDE_RATE: *of = (lw_spatial_measure){ LW_OF_SLIDE, index }; return true;
-    case LW_VARIABLE_X:     case LW_VARIABLE_VX:         *of = (lw_spatial_measure){ LW_OF_X, index }; return true;
-    case LW_VARIABLE_Y:     case LW_VARIABLE_VY:         *of = (lw_spatial_measure){ LW_OF_Y, index }; return true;
-    case LW_VARIABLE_Z:     case LW_VARIABLE_VZ:         *of = (lw_spatial_measure){ LW_OF_Z, index }; return true;
-    default:                                             return false;
+    int index = lw_variable_index(number);
+    switch (lw_variable_quantity(number)) {
+    case LW_QUANTITY_Q: case LW_QUANTITY_V:  *of = (lw_spatial_measure){ LW_OF_TURN, index }; return true;
+    case LW_QUANTITY_S: case LW_QUANTITY_VS: *of = (lw_spatial_measure){ LW_OF_SLIDE, index }; return true;
+    case LW_QUANTITY_X: case LW_QUANTITY_VX: *of = (lw_spatial_measure){ LW_OF_X, index }; return true;
+    case LW_QUANTITY_Y: case LW_QUANTITY_VY: *of = (lw_spatial_measure){ LW_OF_Y, index }; return true;
+    case LW_QUANTITY_Z: case LW_QUANTITY_VZ: *of = (lw_spatial_measure){ LW_OF_Z, index }; return true;
+    default:                                 return false;
     }
 }
 
-/* What a law says: its value, derivatives by its own length and rate, and by every other measure. */
+static bool is_rate(lw_quantity what)
+{
+    return what == LW_QUANTITY_V || what == LW_QUANTITY_VS || (what >= LW_QUANTITY_VX && what <= LW_QUANTITY_VZ) ||
+           what == LW_QUANTITY_SPRING_RATE;
+}
+
+/* What a law says: its value, derivatives by its own length and rate, by every other measure, and by states. */
 typedef struct law {
     const lw_expression *x;
     double value, by_length, by_rate;
-    int    n;                                    /* other variables */
-    double by[LW_EXPRESSION_VARIABLE_MAX];
+    int    n, n_state;                           /* other variables */
+    double by[LW_EXPRESSION_VARIABLE_MAX], by_state[LW_EXPRESSION_VARIABLE_MAX];
     bool   is_rate[LW_EXPRESSION_VARIABLE_MAX];
+    int    state[LW_EXPRESSION_VARIABLE_MAX];
     measure *m;                                  /* (n) */
 } law;
 
@@ -191,15 +197,20 @@ static law evaluate(const lw_space_forces *f, const lw_expression *x, double t, 
     law out = { .x = x, .m = m };
     measure one;
     for (int i = 0; i < n; i++) {
-        lw_spatial_variable kind = LW_VARIABLE_OF(which[i]);
+        lw_quantity what = lw_variable_quantity(which[i]);
+        int index = lw_variable_index(which[i]);
         lw_spatial_measure of;
-        at[i] = kind == LW_VARIABLE_T ? t : kind == LW_VARIABLE_LENGTH ? length : rate;
         measure *to = m ? &m[out.n] : &one;
-        if (!variable_measure(which[i], &of, &out.is_rate[out.n]))
+        if (what == LW_QUANTITY_SPRING_LENGTH || what == LW_QUANTITY_SPRING_RATE)
+            length_of(f, frame, f->spring_end[index], v, m != NULL, to);
+        else if (variable_measure(which[i], &of))
+            measure_of(f, frame, of, v, m != NULL, to);
+        else {
+            at[i] = what == LW_QUANTITY_T ? t : what == LW_QUANTITY_STATE ? f->z[index] : what == LW_QUANTITY_LENGTH ? length : rate;
             continue;
-        measure_of(f, frame, of, v, m != NULL, to);
-        at[i] = out.is_rate[out.n] ? to->rate : to->value;
-        out.n++;
+        }
+        out.is_rate[out.n++] = is_rate(what);
+        at[i] = is_rate(what) ? to->rate : to->value;
     }
     if (!m) {
         out.value = lw_expression_value(x, at);
@@ -208,12 +219,14 @@ static law evaluate(const lw_space_forces *f, const lw_expression *x, double t, 
     out.value = lw_expression_gradient(x, at, dv);
     out.n = 0;
     for (int i = 0; i < n; i++) {
-        lw_spatial_variable kind = LW_VARIABLE_OF(which[i]);
-        if (kind == LW_VARIABLE_LENGTH)
+        lw_quantity what = lw_variable_quantity(which[i]);
+        if (what == LW_QUANTITY_LENGTH)
             out.by_length = dv[i];
-        else if (kind == LW_VARIABLE_RATE)
+        else if (what == LW_QUANTITY_RATE)
             out.by_rate = dv[i];
-        else if (kind != LW_VARIABLE_T)
+        else if (what == LW_QUANTITY_STATE)
+            out.by_state[out.n_state] = dv[i], out.state[out.n_state++] = lw_variable_index(which[i]);
+        else if (what != LW_QUANTITY_T)
             out.by[out.n++] = dv[i];
     }
     return out;
@@ -230,18 +243,35 @@ typedef struct sum {
     measure variable[LW_EXPRESSION_VARIABLE_MAX];        /* scratch */
 } sum;
 
-/* Derivatives of a law by measures other than its own, for the generalised force value*g on two bodies. */
-static void add_law(sum *s, const law *l, const int body[2], const double *g)
+/* Derivatives of a law by measures other than its own, and by states, in n rows that grow by g times its value; states: the
+ * rows are rates of states. */
+static void add_law(sum *s, const law *l, int n, const int *row, const double *g, bool states)
 {
-    for (int i = 0; i < l->n; i++)
-        for (int a = 0; a < 12; a++)
-            for (int b = 0; b < 12 && body[a/6] >= 0; b++) {
+    const lw_space_sink *to = s->sink;
+    int n_v = s->f->s->n_v;
+    for (int a = 0; a < n; a++) {
+        for (int i = 0; i < l->n; i++)
+            for (int b = 0; b < 12; b++) {
                 const measure *m = &l->m[i];
                 double by = l->by[i]*g[a];
-                if (m->body[b/6] >= 0)
-                    s->sink->add(s->sink->context, 6*body[a/6] + a%6, 6*m->body[b/6] + b%6,
-                                 by*(l->is_rate[i] ? m->along[b] : m->g[b]), l->is_rate[i] ? by*m->g[b] : 0);
+                if (m->body[b/6] >= 0 && (to->add_state || !states))
+                    (states ? to->add_state : to->add)(to->context, row[a], 6*m->body[b/6] + b%6, by*(l->is_rate[i] ? m->along[b]
+                                                       : m->g[b]), l->is_rate[i] ? by*m->g[b] : 0);
             }
+        for (int i = 0; i < l->n_state && to->add_state; i++)
+            to->add_state(to->context, row[a], n_v + l->state[i], l->by_state[i]*g[a], 0);
+    }
+}
+
+/* The same for a load with gradient `sense` times g on two bodies. */
+static void add_law_on(sum *s, const law *l, const int body[2], double sense, const double *g)
+{
+    int row[12], n = 0;
+    double to[12];
+    for (int a = 0; a < 12; a++)
+        if (body[a/6] >= 0)
+            row[n] = 6*body[a/6] + a%6, to[n++] = sense*g[a];
+    add_law(s, l, n, row, to, false);
 }
 
 /* A force along a measure, with its derivatives by the measure's value and rate. */
@@ -259,8 +289,9 @@ static void push(sum *s, const measure *m, double load, double by_value, double 
     }
 }
 
-/* A spring and damper along a measure, or its law. */
-static void push_spring(sum *s, const measure *m, double stiffness, double damping, double free, const lw_expression *x)
+/* A spring and damper along a measure, or its law, which is a tension (sense -1) or a push. */
+static void push_spring(sum *s, const measure *m, double stiffness, double damping, double free, double sense,
+                        const lw_expression *x)
 {
     if (!x) {
         push(s, m, -stiffness*(m->value - free) - damping*m->rate, -stiffness, -damping);
@@ -268,13 +299,10 @@ static void push_spring(sum *s, const measure *m, double stiffness, double dampi
         return;
     }
     law l = evaluate(s->f, x, s->t, s->frame, s->v, m->value, m->rate, s->sink ? s->variable : NULL);
-    push(s, m, -l.value, -l.by_length, -l.by_rate);
-    s->power -= l.value*m->rate;
-    double g[12];
-    for (int a = 0; a < 12; a++)
-        g[a] = -m->g[a];
+    push(s, m, sense*l.value, sense*l.by_length, sense*l.by_rate);
+    s->power += sense*l.value*m->rate;
     if (s->sink)
-        add_law(s, &l, m->body, g);
+        add_law_on(s, &l, m->body, sense, m->g);
 }
 
 /* How far a measure lies beyond its stop. */
@@ -317,7 +345,7 @@ static void push_component(sum *s, int i, int k, bool torque, lw_vec3 e)
     }
     if (!s->sink)
         return;
-    add_law(s, &l, (const int[2]){ at.body, -1 }, g);
+    add_law_on(s, &l, (const int[2]){ at.body, -1 }, 1, g);
     for (int c = 0; c < 3; c++) {            /* the body turns: its own axes, or the directions, move */
         lw_vec3 by = lw_v3(c == 0, c == 1, c == 2), d;
         double column[6] = { 0 };
@@ -448,12 +476,12 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
     for (int i = 0; i < m->n_spring; i++) {
         const lw_spatial_spring *p = &m->spring[i];
         length_of(f, frame, f->spring_end[i], v, sink, &at);
-        push_spring(&s, &at, p->stiffness, p->damping, p->free, p->law);
+        push_spring(&s, &at, p->stiffness, p->damping, p->free, -1, p->law);
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_spatial_joint_spring *p = &m->joint_spring[i];
         measure_of(f, frame, p->measure, v, sink, &at);
-        push_spring(&s, &at, p->stiffness, p->damping, p->free, p->law);
+        push_spring(&s, &at, p->stiffness, p->damping, p->free, 1, p->law);
     }
     for (int i = 0; i < m->n_motor; i++) {
         const lw_spatial_motor *p = &m->motor[i];
@@ -480,8 +508,36 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 6; k++)
             push_component(&s, i, k%3, k >= 3, lw_v3(k%3 == 0, k%3 == 1, k%3 == 2));
+    for (int i = 0; sink && sink->add_state && i < m->states.n_state; i++) {
+        law l = evaluate(f, m->states.state[i].rate, t, frame, v, 0, 0, s.variable);
+        add_law(&s, &l, 1, (const int[]){ space->n_v + i }, (const double[]){ 1 }, true);
+    }
     if (power)
         *power = s.power;
+}
+
+/* ---- states --------------------------------------------------------------------------------------------------- */
+
+void lw_space_state_rates(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *rate)
+{
+    const lw_states *z = &f->s->model->states;
+    for (int i = 0; i < z->n_state; i++)
+        rate[i] = evaluate(f, z->state[i].rate, t, frame, v, 0, 0, NULL).value;
+}
+
+void lw_space_state_start(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *start)
+{
+    const lw_states *z = &f->s->model->states;
+    for (int i = 0; i < z->n_state; i++)
+        start[i] = f->z[i] = z->state[i].start;
+    for (int i = 0; i < z->n_state; i++)
+        if (z->state[i].start_at)
+            start[i] = f->z[i] = evaluate(f, z->state[i].start_at, t, frame, v, 0, 0, NULL).value;
+}
+
+double lw_space_signal(const lw_space_forces *f, int i, double t, const lw_space_frame *frame, const double *v)
+{
+    return evaluate(f, f->s->model->states.signal[i].value, t, frame, v, 0, 0, NULL).value;
 }
 
 void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n, const int *body, const double *load,
@@ -530,18 +586,35 @@ static void list(const lw_space_sink *sink, const int body[2], const int other[2
                 sink->add(sink->context, 6*body[a/6] + a%6, 6*other[b/6] + b%6, 1, 1);
 }
 
-static void list_law(const lw_space_forces *f, const lw_space_sink *sink, const int body[2], const lw_expression *x)
+/* A law that acts on two bodies, or (state >= 0) is the rate of a state. */
+static void list_law(const lw_space_forces *f, const lw_space_sink *sink, const int body[2], int state, const lw_expression *x)
 {
+    static const double any[12] = { 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 };
+    sum s;
+    law l = { .m = s.variable };
     const int *which;
-    int n = x ? lw_expression_variables(x, &which) : 0, other[2];
+    int n = x ? lw_expression_variables(x, &which) : 0;
     for (int i = 0; i < n; i++) {
+        lw_quantity what = lw_variable_quantity(which[i]);
         lw_spatial_measure of;
-        bool is_rate;
-        if (!variable_measure(which[i], &of, &is_rate))
+        measure *m = &l.m[l.n];
+        if (what == LW_QUANTITY_STATE)
+            l.by_state[l.n_state] = 1, l.state[l.n_state++] = lw_variable_index(which[i]);
+        if (what == LW_QUANTITY_SPRING_LENGTH || what == LW_QUANTITY_SPRING_RATE)
+            for (int end = 0; end < 2; end++)
+                m->body[end] = f->spring_end[lw_variable_index(which[i])][end].body;
+        else if (variable_measure(which[i], &of))
+            lw_space_bodies(f->s, &(lw_space_extra){ .measure = of }, m->body);
+        else
             continue;
-        lw_space_bodies(f->s, &(lw_space_extra){ .measure = of }, other);
-        list(sink, body, other);
+        memcpy(m->g, any, sizeof any);
+        l.by[l.n++] = 1;
     }
+    s.f = f, s.sink = sink;
+    if (state < 0)
+        add_law_on(&s, &l, body, 1, any);
+    else
+        add_law(&s, &l, 1, (const int[]){ f->s->n_v + state }, any, true);
 }
 
 void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink)
@@ -554,12 +627,12 @@ void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink
     for (int i = 0; i < m->n_spring; i++) {
         body[0] = f->spring_end[i][0].body, body[1] = f->spring_end[i][1].body;
         list(sink, body, body);
-        list_law(f, sink, body, m->spring[i].law);
+        list_law(f, sink, body, -1, m->spring[i].law);
     }
     for (int i = 0; i < m->n_joint_spring; i++) {
         lw_space_bodies(s, &(lw_space_extra){ .measure = m->joint_spring[i].measure }, body);
         list(sink, body, body);
-        list_law(f, sink, body, m->joint_spring[i].law);
+        list_law(f, sink, body, -1, m->joint_spring[i].law);
     }
     for (int i = 0; i < m->n_motor; i++)
         list(sink, s->joint[m->motor[i].joint].body, s->joint[m->motor[i].joint].body);
@@ -572,9 +645,11 @@ void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink
     }
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 3; k++) {
-            list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, m->force[i].force[k]);
-            list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, m->force[i].torque[k]);
+            list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, -1, m->force[i].force[k]);
+            list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, -1, m->force[i].torque[k]);
         }
+    for (int i = 0; i < m->states.n_state && sink->add_state; i++)
+        list_law(f, sink, NULL, i, m->states.state[i].rate);
 }
 
 int lw_space_dampers(const lw_space *s) { return s->model->n_spring + s->model->n_joint_spring + s->model->n_motor; }
@@ -605,7 +680,7 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
     double all = 0, x;
     measure at;
     for (int b = 0; b < s->n_body; b++)
-        all -= s->mass[6*b]*lw_v3_dot(m->gravity, frame[b + 1].at)/(s->unit*s->unit);
+        all -= (s->mass[6*b] - s->rotor[b])*lw_v3_dot(m->gravity, frame[b + 1].at)/(s->unit*s->unit);
     for (int i = 0; i < m->n_spring; i++) {
         length_of(f, frame, f->spring_end[i], NULL, false, &at);
         x = at.value - m->spring[i].free;

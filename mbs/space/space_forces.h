@@ -17,15 +17,20 @@ typedef struct lw_space_forces {
     lw_beam_space   *beam;               /* (n_beam) */
     double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
     double          *weight;             /* (n_v) generalised force of gravity [J] */
+    double          *z;                  /* (n_state) the states at which forces are wanted */
     const double    *held;               /* (6 n_link) the caller's loads: force at the centre of a link [N] and torque [N m], ground
                                             axes; NULL: none.  The caller's, who makes conservative false */
     bool conservative;                   /* no dampers, motors, laws, forces */
     void *memory;
 } lw_space_forces;
 
-/* Takes derivatives of force `row` by coordinate `column` of a displacement and of the velocities; they are sums. */
-typedef struct lw_space_sink { void *context; void (*add)(void *context, int row, int column, double by_q, double by_v); }
-    lw_space_sink;
+/* Takes derivatives of force `row` by coordinate `column` of a displacement and of the velocities; they are sums.
+ * add_state: those of the rates of states, rows from n_v on, and by states, columns from n_v on (by_q); NULL: not wanted. */
+typedef struct lw_space_sink {
+    void *context;
+    void (*add)(void *context, int row, int column, double by_q, double by_v);
+    void (*add_state)(void *context, int row, int column, double by_q, double by_v);
+} lw_space_sink;
 
 lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *e);
 void      lw_space_forces_free(lw_space_forces *f);
@@ -37,6 +42,11 @@ void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame);
  * to the sink, unless NULL. */
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force, double *power, const lw_space_sink *sink);
+
+/* Rates of the states f->z; values of all states at the start; signal i. */
+void   lw_space_state_rates(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *rate);
+void   lw_space_state_start(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *z);
+double lw_space_signal(const lw_space_forces *f, int i, double t, const lw_space_frame *frame, const double *v);
 
 /* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
 void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink);
