@@ -95,7 +95,7 @@ static lw_status compare(void *context, const lw_moment *m)
 }
 
 /* Parallelograms of two and three cranks and slider-cranks with equal crank and rod, driven over singular postures at
- * constant and at varying speed: all samples of every grid are on the exact motion, and the drive gives the power. */
+ * constant and at varying speed, or turning back beside one: all samples of every grid are on the exact motion, and the drive gives the power. */
 TEST(driven)
 {
     static const int grid[] = { 7, 36, 97, 100, 360 };
@@ -111,7 +111,8 @@ TEST(driven)
         if (k%2)
             put("%.17g + %.17g*t'}}", value, 2*LW_PI*f);
         else
-            put("%.17g + %.17g*sin(%.17g*t)'}}", value, between(1, 9), 2*LW_PI*f);
+            put("%.17g + %.17g*sin(%.17g*t)'}}", value, k%4 == 2 ? (slider ? 0.5 : 1)*LW_PI - z.start + 0.005
+                : between(1, 9), 2*LW_PI*f);
         drun_read_text(&d, text);
         for (int g = 0; g < 5; g++)
             for (int slow = 0; slow < (g == 1 ? 2 : 1); slow++) {

@@ -3,10 +3,12 @@
  * from the factors of the rows.
  *
  * Near a branch point these lose digits: at the distance x [rad] from it rounding is magnified by 1/x^4.  There all
- * quantities are interpolated in time from places on both sides.  Postures are analytic, and multipliers have at most a
- * simple pole, so the product of multiplier and time from the branch point is analytic too.  Its value there is the
- * strength of the pole; where that is 0, its derivative is the limit of the multiplier.  The power of a moving input
- * is finite, so its drive has a limit; reactions often have none. */
+ * quantities are interpolated from places on both sides: with one input along its value, with the speed and acceleration
+ * that it has at the moment asked for, since in time the input may turn back close to the branch point; with several
+ * inputs in time.  Postures are analytic, and multipliers have at most a simple pole, so the product of multiplier and
+ * distance from the branch point is analytic too.  Its value there is the strength of the pole; where that is 0, its
+ * derivative is the limit of the multiplier.  The power of a moving input is finite, so its drive has a limit; reactions
+ * often have none. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -28,11 +30,12 @@ static const double enough = 1e-9;           /* such a difference that a shorter
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
 
-/* Samples around one branch point: q, v, a, then the time from it times the multipliers. */
+/* Samples around one branch point: q, v, a, then the distance from it times the multipliers.  A place is the value of the
+ * input, or with several inputs the time. */
 typedef struct window {
-    double at, half;                         /* time of the branch point; half the length [s]; 0: no window */
+    double at, half;                         /* place of the branch point; half the length; 0: no window */
     double off;                              /* difference of two interpolations */
-    double x[N_NODE], *values;               /* times from `at`; (N_NODE x width) */
+    double x[N_NODE], *values;               /* places from `at`; (N_NODE x width) */
 } window;
 
 typedef struct driven {
@@ -40,11 +43,12 @@ typedef struct driven {
     lw_dynamics *d;
     lw_system   system;                      /* with the driven inputs only */
     lw_prescribed_motion *motion;
+    lw_prescribed_motion *by_place;          /* of the place; with several inputs the same as `motion` */
     int         width;
     window      found, tried;
     bool        made;                        /* `found` has been looked for at found.at */
     double      piece;                       /* longest time followed at once [s] */
-    double      clear_from, clear_to;        /* no branch point between these times */
+    double      clear_from, clear_to;        /* no branch point between these places */
     double      middle[2*LW_SYSTEM_Q_MAX + LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
     double      rough[3*LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
 } driven;
@@ -118,21 +122,23 @@ static double scale(const driven *z, const window *w, int k)
     return most;
 }
 
-/* Go to the places of the window w, whose `at` and `half` are set, and compare two interpolations at its middle. */
-static lw_status fill(driven *z, window *w)
+/* Go to the places of the window w, whose `at` and `half` are set, and compare two interpolations at its middle.  With
+ * one input the speed and the acceleration of the input and the forces are those of time t. */
+static lw_status fill(driven *z, window *w, double t)
 {
     lw_dynamics *d = z->d;
     int n = d->n_q;
     for (int i = 0; i < N_NODE; i++) {
         double *to = w->values + i*z->width;
         w->x[i] = i < N_SIDE ? -w->half*node[N_SIDE - 1 - i] : w->half*node[i - N_SIDE];
-        lw_status s = lw_prescribed_motion_to(z->motion, w->at + w->x[i]);
+        double when = z->by_place == z->motion ? w->at + w->x[i] : t;
+        lw_status s = lw_prescribed_motion_to(z->by_place, w->at + w->x[i]);
         if (s == LW_OK) {
-            memcpy(to, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *to);
-            s = velocities_at(d, w->at + w->x[i], to, to + n);
+            memcpy(to, lw_prescribed_motion_posture(z->by_place), (size_t)n*sizeof *to);
+            s = velocities_at(d, when, to, to + n);
         }
         if (s == LW_OK)
-            s = forces_at(d, w->at + w->x[i], to, to + n);
+            s = forces_at(d, when, to, to + n);
         if (s != LW_OK)
             return s;
         memcpy(to + 2*n, d->a, (size_t)n*sizeof *to);
@@ -152,8 +158,8 @@ static lw_status fill(driven *z, window *w)
     return LW_OK;
 }
 
-/* A window around the branch point at `at`: the length whose interpolations agree best. */
-static void make_window(driven *z, double at, double half)
+/* A window around the branch point at `at` for time t: the length whose interpolations agree best. */
+static void make_window(driven *z, double at, double half, double t)
 {
     window *best = &z->found, *next = &z->tried;
     best->half = 0;
@@ -161,7 +167,7 @@ static void make_window(driven *z, double at, double half)
     for (int k = 0; k < 5 && best->off > enough; k++, half *= 0.5) {
         next->at = at;
         next->half = half;
-        if (fill(z, next) != LW_OK || !(next->off < best->off))
+        if (fill(z, next, t) != LW_OK || !(next->off < best->off))
             continue;
         window was = *best;
         *best = *next;
@@ -172,32 +178,32 @@ static void make_window(driven *z, double at, double half)
     best->at = at;
 }
 
-/* Is there a branch point within `half` [s] of t?  Leaves the motion at another time. */
-static bool look_around(driven *z, double t, double half, double *at)
+/* Is there a branch point within `half` of the place x?  Leaves the motion at another place. */
+static bool look_around(driven *z, double x, double half, double *at)
 {
     double last;
-    int before = lw_prescribed_motion_crossings(z->motion, &last);
-    if (before > 0 && fabs(last - t) < half)
+    int before = lw_prescribed_motion_crossings(z->by_place, &last);
+    if (before > 0 && fabs(last - x) < half)
         return *at = last, true;
     for (int side = 1; side >= -1; side -= 2) {
-        if (lw_prescribed_motion_to(z->motion, t + side*half) != LW_OK)
-            lw_prescribed_motion_to(z->motion, t);
-        if (lw_prescribed_motion_crossings(z->motion, &last) > before && fabs(last - t) < half)
+        if (lw_prescribed_motion_to(z->by_place, x + side*half) != LW_OK)
+            lw_prescribed_motion_to(z->by_place, x);
+        if (lw_prescribed_motion_crossings(z->by_place, &last) > before && fabs(last - x) < half)
             return *at = last, true;
-        lw_prescribed_motion_to(z->motion, t);
+        lw_prescribed_motion_to(z->by_place, x);
     }
-    z->clear_from = t - half;
-    z->clear_to = t + half;
+    z->clear_from = x - half;
+    z->clear_to = x + half;
     return false;
 }
 
-/* Fill q and v (y), d->a and d->l at t from the window.  A multiplier without a limit is NaN. */
-static void from_window(driven *z, double t, double *y)
+/* Fill q and v (y), d->a and d->l at a place from the window.  A multiplier without a limit is NaN. */
+static void from_window(driven *z, double place, double *y)
 {
     const window *w = &z->found;
     lw_dynamics *d = z->d;
     int n = d->n_q;
-    double x = t - w->at, most = scale(z, w, 3), *pole = z->middle;
+    double x = place - w->at, most = scale(z, w, 3), *pole = z->middle;
     bool near = fabs(x) < at_pole*w->half;
     interpolate(w, z->width, N_SIDE, 0, false, pole);
     interpolate(w, z->width, N_SIDE, near ? 0 : x, false, z->rough);
@@ -214,7 +220,7 @@ static void from_window(driven *z, double t, double *y)
         d->l[c] = fabs(pole[3*n + c]) < no_pole*most ? z->rough[3*n + c] : NAN;
 }
 
-static bool within(const window *w, double t) { return fabs(t - w->at) < node[0]*w->half; }
+static bool within(const window *w, double x) { return w->half > 0 && fabs(x - w->at) < node[0]*w->half; }
 
 /* ---- samples --------------------------------------------------------------------------------------------- */
 
@@ -244,29 +250,55 @@ static lw_status follow(driven *z, double t)
     return s;
 }
 
+/* The posture y at t is near a singular one: is it near a branch point, and the moment at t filled from places around it?
+ * LW_E_NUMERIC: the two ways to t do not agree. */
+static lw_status near_crossing(driven *z, double t, double *y, bool *filled)
+{
+    lw_dynamics *d = z->d;
+    int n = d->n_q;
+    double x = t, at, series[2*LW_SYSTEM_Q_MAX];
+    bool same = z->by_place == z->motion;
+    if (!same)
+        lw_mbs_driven_inputs(d, t, 0, &x);
+    *filled = false;
+    if (x > z->clear_from && x < z->clear_to)
+        return LW_OK;
+    lw_status s = same ? LW_OK : lw_prescribed_motion_to(z->by_place, x);
+    if (s == LW_OPEN)                                     /* at a limit of the input, to rounding */
+        return LW_OK;
+    for (int i = 0; s == LW_OK && i < n; i++)
+        if (!(fabs(lw_prescribed_motion_posture(z->by_place)[i] - y[i]) < 1e-4))
+            s = LW_E_NUMERIC;
+    if (s != LW_OK)
+        return lost(z, LW_E_NUMERIC, t);
+    if (!lw_prescribed_motion_rates(z->by_place, 1, series) || !(lw_greatest(n, series + n) > 0))
+        return LW_OK;
+    double half = longest_half/lw_greatest(n, series + n);
+    if (look_around(z, x, half, &at)) {
+        if (!z->made || fabs(z->found.at - at) > 0.1*half)
+            make_window(z, at, half, t);
+        else if (!same && within(&z->found, x) && fill(z, &z->found, t) != LW_OK)
+            z->found.half = 0;
+        z->made = true;
+        if ((*filled = within(&z->found, x)))
+            from_window(z, x, y);
+    }
+    return *filled || !same || (s = lw_prescribed_motion_to(z->motion, t)) == LW_OK ? LW_OK : lost(z, s, t);
+}
+
 /* Posture and velocities y, accelerations and multipliers at t.  LW_OPEN: the forces are not known. */
 static lw_status moment_at(driven *z, double t, double *y)
 {
     lw_dynamics *d = z->d;
     int n = d->n_q;
-    if (z->found.half > 0 && within(&z->found, t))
-        return from_window(z, t, y), LW_OK;
+    bool filled = false;
     lw_status s = follow(z, t);
     if (s != LW_OK)
         return s;
     memcpy(y, lw_prescribed_motion_posture(z->motion), (size_t)n*sizeof *y);
-    double series[2*LW_SYSTEM_Q_MAX], half, at;
-    bool near = apart(d, t, y) < beside && !(t > z->clear_from && t < z->clear_to)
-             && lw_prescribed_motion_rates(z->motion, 1, series) && lw_greatest(n, series + n) > 0;
-    if (near && look_around(z, t, half = longest_half/lw_greatest(n, series + n), &at)) {
-        if (!z->made || fabs(z->found.at - at) > 0.1*half)
-            make_window(z, at, half);
-        z->made = true;
-        if (z->found.half > 0 && within(&z->found, t))
-            return from_window(z, t, y), LW_OK;
-    }
-    if (near && (s = lw_prescribed_motion_to(z->motion, t)) != LW_OK)
-        return lost(z, s, t);
+    if (apart(d, t, y) < beside && ((s = near_crossing(z, t, y, &filled)) != LW_OK || filled))
+        return s;
+    double series[2*LW_SYSTEM_Q_MAX];
     s = velocities_at(d, t, y, y + n);
     if (s == LW_OPEN && lw_prescribed_motion_rates(z->motion, 1, series))
         memcpy(y + n, series + n, (size_t)n*sizeof *y);
@@ -308,6 +340,14 @@ static lw_status run_all(driven *z, double *y)
     return s;
 }
 
+/* The input as a function of itself. */
+static void input_itself(void *context, double x, int order, double *u)
+{
+    (void)context;
+    for (int k = 0; k <= order; k++)
+        u[k] = k == 0 ? x : k == 1;
+}
+
 static lw_status run_driven(lw_run *run)
 {
     if (run->d->space)
@@ -326,10 +366,18 @@ static lw_status run_driven(lw_run *run)
         z->tried.values = z->found.values + N_NODE*width;
         z->clear_from = z->clear_to = -INFINITY;
         s = lw_mbs_follow(d, &z->system, &z->motion, run->e);
+        z->by_place = z->motion;
+    }
+    if (s == LW_OK && z->system.n_input == 1) {
+        double x;
+        lw_mbs_driven_inputs(d, d->o.from, 0, &x);
+        s = lw_prescribed_motion_create(&z->system, input_itself, NULL, x, &z->by_place, run->e);
     }
     if (s == LW_OK)
         s = run_all(z, y);
     if (z) {
+        if (z->by_place != z->motion)
+            lw_prescribed_motion_free(z->by_place);
         lw_prescribed_motion_free(z->motion);
         lw_system_free(&z->system);
     }

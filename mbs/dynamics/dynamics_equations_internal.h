@@ -143,6 +143,7 @@ lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const do
 /* Follow the motions of all driven inputs, which leave no freedom, from the posture of the file to where they begin at
  * d->o.from and on.  s becomes the system with these inputs only; it must outlive the motion, and needs
  * lw_system_free. */
+lw_input_function lw_mbs_driven_inputs;         /* the inputs with a motion, in the order of d->driven; context: d */
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e);
 
 /* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.

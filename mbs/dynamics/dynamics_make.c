@@ -226,8 +226,7 @@ static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
     return s;
 }
 
-/* The inputs with a motion, in the order of context's list. */
-static void driven_inputs(void *context, double t, int order, double *u)
+void lw_mbs_driven_inputs(void *context, double t, int order, double *u)
 {
     const lw_dynamics *d = context;
     double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
@@ -242,7 +241,7 @@ lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion
         return lw_error_set(e, LW_E_KIND, "inputs are tied to input 1, which needs a \"motion\"");
     if (lw_system_choose_inputs(&d->s, d->driven, d->n_driven, s) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    return lw_prescribed_motion_create(s, driven_inputs, (void *)(uintptr_t)d, d->o.from, out, e);
+    return lw_prescribed_motion_create(s, lw_mbs_driven_inputs, (void *)(uintptr_t)d, d->o.from, out, e);
 }
 
 /* Where every freedom is driven, the start is on the motion that a run follows. */
