@@ -54,11 +54,11 @@ static const cli_action *find_action(const cli_command *c, const char *name)
     return NULL;
 }
 
-/* Does a clause of the help text begin with this action, as in "build, check: number of links; html: ..."? */
-static bool names_action(const char *help, const char *action)
+/* Does a clause of the help text, or the first one, begin with this action, as in "build, check: number of links; html: ..."? */
+static bool names_action(const char *help, const char *action, bool first)
 {
     size_t n = strlen(action);
-    for (const char *clause = help, *next; clause; clause = next ? next + 2 : NULL) {
+    for (const char *clause = help, *next; clause; clause = next && !first ? next + 2 : NULL) {
         size_t head = strspn(clause, "abcdefghijklmnopqrstuvwxyz, ");
         next = strstr(clause, "; ");
         for (const char *at = clause; clause[head] == ':' && (at = strstr(at, action)) && at < clause + head; at++)
@@ -68,13 +68,13 @@ static bool names_action(const char *help, const char *action)
     return false;
 }
 
-/* Does the option apply to the action? An option whose help names no action applies to all of them. */
+/* Does the option apply to the action? If the first clause of its help names no action, it applies to all of them. */
 static bool belongs_to(const cli_option *o, const cli_command *c, const cli_action *only)
 {
     bool any = false;
     for (const cli_action *a = c->actions; only && a->name; a++)
-        any = any || names_action(o->help, a->name);
-    return !any || names_action(o->help, only->name);
+        any = any || names_action(o->help, a->name, true);
+    return !any || names_action(o->help, only->name, false);
 }
 
 /* Print the lines of `text` that contain `part`. */
@@ -256,6 +256,10 @@ static int check_words(const cli_call *call, int (**run)(const cli_call *call))
         least = a ? a->least + 1 : 1;
         most = a ? a->most + 1 : 1;
         *run = a ? a->run : NULL;
+        for (const cli_option *o = c->options; a && o && o->name; o++)
+            if (cli_given(&call->parsed, o->name) && !belongs_to(o, c, a))
+                return cli_usage(call, "--%s is no option of '%s %s'; 'linkwright help %s %s' lists them", o->name, c->name, a->name,
+                                 c->name, a->name);
         if (a)
             snprintf(usage, sizeof usage, "linkwright %s %s %s", c->name, a->name, a->words);
     }
@@ -277,7 +281,7 @@ static int run(const cli_command *c, int argc, char **argv)
         fputs("linkwright: out of memory\n", stderr);
     else if (cli_parse(c->options, argc - 2, argv + 2, settings, &call.common, &call.parsed, &e) != LW_OK)
         code = e.status == LW_E_MEMORY ? cli_fail(&call, &e) : cli_usage(&call, "%s", e.text);
-    else if (call.common.help) {
+    else if (call.common.json = call.common.json || (!c->pictures && cli_ends_in(call.common.output, "json")), call.common.help) {
         cli_command_help(c, call.parsed.n_word ? find_action(c, call.parsed.word[0]) : NULL, stdout);
         code = finish_text(CLI_DONE);
     } else if ((code = check_words(&call, &act)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE) {

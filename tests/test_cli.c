@@ -39,6 +39,55 @@ TEST(help_of_every_command)
     expect("$P", 2, NULL, "Usage:");
 }
 
+/* A plot or an animation stands alone: nothing else on standard output unless -o or --json asks for the data. The end of
+ * every name goes with what is written, else nothing is computed. */
+TEST(plots_stand_alone)
+{
+    static const char *const lines[] = {
+        "trace examples/jansen.json -n 8 --plot $D/p.svg", "simulate examples/pendulum.json --to 0.1 -n 4 --plot $D/p.svg",
+        "simulate examples/pendulum.json --to 0.1 -n 4 --gif $D/p.gif",
+        "simulate examples/pendulum.json --analysis static --plot $D/p.svg",
+        "simulate examples/space/top.json --to 0.1 -n 4 --plot $D/p.svg",
+        "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01 --plot $D/p.svg",
+        "clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01 --path $D/p.pdf --force-plot $D/p.svg",
+        "profile 1 --acceleration-limit 20 --plot $D/p.svg", "profile examples/cycles/gantry.json -n 9 --plot $D/p.svg",
+        "robot workspace examples/space/delta.json --rays 4 --plot $D/p.svg",
+        "robot map examples/space/delta.json --places 3 --plot $D/p.png",
+        "drive load examples/drives/lifting-arm.json --to 0.1 -n 8 --plot $D/p.svg",
+        "drive select examples/drives/lifting-arm.json --to 2.5 -n 100 --motors examples/drives/motors.csv "
+        "--gears examples/drives/gears.csv --plot $D/p.svg",
+        "drive simulate examples/drives/servo-axis.json --to 0.1 --plot $D/p.svg",
+        "drive simulate examples/drives/servo-axis.json --to 0.1 --bode $D/p.svg",
+        "family sweep examples/families/loader.json --vary reach=2:3:2 -n 10 --plot $D/p.svg",
+    };
+    char name[32][32], line[600], wanted[64];
+    for (size_t i = 0; i < sizeof lines/sizeof *lines; i++) {
+        snprintf(line, sizeof line, "rm -f $D/p.*; $P %s --quiet && ls $D/p.* | wc -l | tr -dc 12", lines[i]);
+        ran r = run(line);
+        CHECK_INT(r.code, 0);
+        CHECK_TEXT(r.out, strstr(lines[i], "force-plot") ? "2" : "1");
+        if (r.code != 0 || strlen(r.out) > 1)
+            fprintf(stderr, "%s\n%s\n", lines[i], r.err);
+        ran_free(&r);
+    }
+    for (int k = 0, n = list_commands(name); k < n; k++) {                /* each command with a plot has a row here */
+        bool here = false;
+        snprintf(line, sizeof line, "$P help %s | grep -c -- ' --plot FILE'", name[k]);
+        snprintf(wanted, sizeof wanted, "%s ", name[k]);
+        for (size_t i = 0; i < sizeof lines/sizeof *lines; i++)
+            here = here || strncmp(lines[i], wanted, strlen(wanted)) == 0;
+        expect(line, here ? 0 : 1, here ? "" : "0", NULL);
+    }
+    expect("$P profile 1 --acceleration-limit 20 --plot $D/p.svg -o $D/p.json && head -c 1 $D/p.json", 0, "{", NULL);
+    expect("$P profile 1 --acceleration-limit 20 --plot $D/p.svg --json", 0, "\"duration\"", NULL);
+    expect("$P profile 1 --acceleration-limit 20 --plot $D/p.gif", 2, "", "end it in .svg, .pdf or .png");
+    expect("$P simulate examples/pendulum.json --gif $D/p.svg", 2, "", "end it in .gif");
+    expect("$P fit examples/ellipse.csv -o $D/e.svg", 2, "", "--save FOLDER draws them");
+    expect("$P trace examples/jansen.json -o $D/e.PNG", 2, "", "--plot FILE draws them");
+    expect("$P trace examples/jansen.json --json -o $D/e.csv", 2, "", "--json writes JSON");
+    expect("$P drive radius examples/drives/motors.csv --mass 20 --way 1 --plot $D/p.svg", 2, "", "no option of 'drive radius'");
+}
+
 TEST(misspelt_words)
 {
     expect("$P clasify 4 2 5 3", 2, NULL, "did you mean 'classify'?");

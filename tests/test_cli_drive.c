@@ -63,7 +63,7 @@ TEST(loop)
     expect(command, 4, NULL, "unstable, its pole");
     /* the margins that are printed stand in the picture; the tables have the numbers of the JSON file, by name */
     expect("$P drive simulate examples/drives/servo-axis.json --bode $D/bode.svg --matrices-folder $D/axis --matrices $D/state.json -q "
-           "> $D/text && grep 'speed loop' $D/text && grep -o 'speed margin 42 deg at 238.6 Hz' $D/bode.svg && grep -c "
+           "-o $D/text && grep 'speed loop' $D/text && grep -o 'speed margin 42 deg at 238.6 Hz' $D/bode.svg && grep -c "
            "'poles of the whole' $D/bode.svg && ls $D/axis | wc -l && sed -n '3p' $D/axis/plant-B.csv", 0,
            "crossover 238.613 Hz, phase margin 42.03 deg", NULL);
     expect("head -2 $D/axis/plant-B.csv; sed -n 7p $D/axis/plant-B.csv; cat $D/state.json", 0,

@@ -33,7 +33,7 @@ TEST(known_motions)
 
 TEST(tables_and_pictures)
 {
-    ran r = run("$P profile 90 --law modified-sine --duration 0.5 -n 4 -p $D/m.svg");
+    ran r = run("$P profile 90 --law modified-sine --duration 0.5 -n 4 -p $D/m.svg -o -");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "t,x,v,a,j\n0,0,0,0,");
     CHECK_HAS(r.out, "\n0.25,45,");
@@ -113,7 +113,7 @@ TEST(cycles)
     expect("$P profile examples/cycles/gantry.json", 0, " 2.418536337\nwanted", NULL);
     expect("$P profile examples/cycles/gantry.json --json", 0, "\"kept\": true", NULL);
     expect("sed 's/2.5/2.4/' examples/cycles/gantry.json > $D/late.json; $P profile $D/late.json", 1, "NOT kept", "more than wanted");
-    expect("$P profile examples/cycles/blended.json -n 10 -p $D/cycle.svg", 0, "t,y,y.v,y.a,y.j,z,z.v,z.a,z.j,payload\n0,0,0,0,0,0,", NULL);
+    expect("$P profile examples/cycles/blended.json -n 10 -p $D/cycle.svg -o -", 0, "t,y,y.v,y.a,y.j,z,z.v,z.a,z.j,payload\n0,0,0,0,0,0,", NULL);
     expect("$P profile examples/cycles/gantry.json --speed-limit 3", 2, NULL, "--speed-limit is for a single motion");
     expect("$P profile examples/loader.json", 3, NULL, "examples/loader.json:2:3: linkwright: this key is not known");
 }

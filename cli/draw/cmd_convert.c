@@ -241,4 +241,5 @@ const cli_command cli_convert_command = {
     .most_words = 1,
     .run = run,
     .reads = CLI_LINKAGE | CLI_RESULTS | CLI_FOREIGN,
+    .pictures = true,
 };

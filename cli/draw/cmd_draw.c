@@ -253,4 +253,5 @@ const cli_command cli_draw_command = {
     .most_words = 2,
     .run = run,
     .reads = CLI_LINKAGE | CLI_RESULTS | CLI_TOPOLOGIES,
+    .pictures = true,
 };

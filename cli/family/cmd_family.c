@@ -36,7 +36,7 @@ static const cli_option options[] = {
     { "sensitivity", 0, CLI_FLAG, PLACE(sensitivity), NULL, NULL,
       "sweep: percent of change of each figure for one percent of each parameter, about the chosen variant", 0, 0,
           NULL, "samples" },
-    { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "sweep: draw the figures over the first parameter, as SVG, PDF or PNG", 0, 0, NULL, NULL },
     { "normalised", 0, CLI_FLAG, PLACE(normalised), NULL, NULL,
       "sweep: with --plot, draw each figure over its value in the chosen variant", 0, 0, "plot", NULL },

@@ -454,10 +454,7 @@ static lw_status open_sweep(const cli_call *call, sweep *s, bool ranges, lw_erro
 {
     const cli_family_settings *o = call->settings;
     s->call = call;
-    lw_draw_kind kind;
-    lw_status st = o->plot && lw_draw_kind_of(o->plot, &kind, e) != LW_OK ? LW_E_ARG : LW_OK;
-    if (st == LW_OK && !(o->from < o->to))
-        st = lw_error_set(e, LW_E_ARG, "--from must be less than --to");
+    lw_status st = o->from < o->to ? LW_OK : lw_error_set(e, LW_E_ARG, "--from must be less than --to");
     if (st == LW_OK)
         st = cli_family_open(call, &s->m, &s->v, e);
     return st == LW_OK ? read_variation(s, o->vary, ranges, e) : st;

@@ -630,7 +630,7 @@ static bool wants_json(const cli_call *call)
 
 static void print(const cli_call *call, const cli_fit_set *set, int n, lw_output *o)
 {
-    bool table = !call->common.json && !(call->common.quiet && call->common.output);
+    bool table = !cli_given(&call->parsed, "json") && !(call->common.quiet && call->common.output);
     for (int i = 0; i < n && table; i++)
         cli_fit_table(&set[i], stdout);
     for (int i = 0; i < n && wants_json(call); i++)

@@ -12,7 +12,7 @@ static const cli_option options[] = {
     { "speed", 's', CLI_TEXT, PLACE(speed), "W", NULL,
       "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL,
       NULL },
-    { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "load: draw torque over speed of each drive; select: with the limits of the first choice; simulate: the run over time; as "
       "SVG, PDF or PNG", 0, 0, NULL,
       NULL },
@@ -23,7 +23,7 @@ static const cli_option options[] = {
     { "matrices-folder", 0, CLI_TEXT, PLACE(folder), "FOLDER", NULL,
       "simulate: write the matrices as CSV files plant-A.csv ... whole-D.csv, with names and units of states, inputs and outputs",
       0, 0, NULL, NULL },
-    { "bode", 0, CLI_OUTPUT, PLACE(bode), "FILE", NULL,
+    { "bode", 0, CLI_PLOT, PLACE(bode), "FILE", NULL,
       "simulate: draw gain and phase of each open loop over frequency with its margins, and the poles of the whole (.svg, .pdf, "
       ".png)", 0, 0, NULL, NULL },
     { "motors", 0, CLI_INPUT, PLACE(motors), "FILE", NULL,
@@ -79,7 +79,7 @@ const cli_command cli_drive_command = {
         "  linkwright drive select examples/drives/lifting-arm.json --to 2.5 --motors examples/drives/motors.csv "
         "--gears examples/drives/gears.csv --amplifiers examples/drives/amplifiers.csv\n"
         "  linkwright drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 20\n"
-        "  linkwright drive simulate examples/drives/servo-axis.json --plot loop.svg  # error, current, margins, poles\n"
+        "  linkwright drive simulate examples/drives/servo-axis.json --plot loop.svg  # the run over time; without it the figures\n"
         "  linkwright drive simulate examples/drives/servo-axis.json --bode bode.svg --matrices-folder axis   # for control tools\n",
     .about = "The cycle of a load is the time from --from to --to; it is taken to repeat.\n",
     .options = options,

@@ -50,7 +50,7 @@ static const cli_option options[] = {
       "several axes move along a straight line, in phase; without it they begin and end together", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, rows), "N", "0",
       "print N + 1 rows of a table (CSV: t,x,v,a,j) instead of the summary", 0, 100000000, NULL, NULL },
-    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
       "draw way, speed, acceleration and jerk over time (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { .name = NULL }
 };
@@ -419,10 +419,7 @@ static int run(const cli_call *call)
     if (s != LW_OK)
         return cli_usage(call, "%s", e.text);
     double frequency = o->swing > 0 ? o->swing : o->frequency;
-    lw_draw_kind kind;
-    s = o->plot ? lw_draw_kind_of(o->plot, &kind, &e) : LW_OK;
-    if (s == LW_OK)
-        s = make_motion(o, &m, &e);
+    s = make_motion(o, &m, &e);
     if (s == LW_OK)
         s = cli_open(call, &out, &e);
     if (s != LW_OK)

@@ -36,7 +36,7 @@ static const cli_option options[] = {
     { "places", 0, CLI_INT, PLACE(grid), "N", "25", "map: number of places across the workspace", 2, 1000, NULL, NULL },
     { "eigenfrequency", 0, CLI_FLAG, PLACE(frequency), NULL, NULL,
       "map: the lowest eigenfrequency of a robot with elastic links, its drives held, too", 0, 0, NULL, NULL },
-    { "plot", 'p', CLI_OUTPUT, PLACE(plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "workspace: draw its edge; map: draw the condition numbers, or frequencies (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { .name = NULL }
 };

@@ -52,12 +52,12 @@ static const cli_option options[] = {
       "take elastic links as rigid bars of the same mass", 0, 0, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
       "print counterweights that cancel the static shaking force, as JSON", 0, 0, NULL, NULL },
-    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
       "plot columns over time as SVG, PDF or PNG; with --plot or --gif rows are printed only with -o or --json", 0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, offsetof(settings, columns), "NAME,...", NULL,
       "columns to plot: their names, or the part of the name before the point; without it the drives, or the energies "
       "if there is no drive", 0, 0, "plot", NULL },
-    { "gif", 'g', CLI_OUTPUT, offsetof(settings, gif), "FILE", NULL,
+    { "gif", 'g', CLI_GIF, offsetof(settings, gif), "FILE", NULL,
       "animation of the motion in true time, at most 50 frames in a second; motions shorter than half a second slower", 0, 0, NULL, NULL },
     { "rest", 0, CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
       "with --analysis linear: vibrations about the static equilibrium near the posture of the file",
@@ -168,13 +168,12 @@ static int run(const cli_call *call)
     bool linear_only = l->rest || l->hold || l->fft || l->along;
     if (s->analysis != ANALYSIS_LINEAR && linear_only)
         return cli_usage(call, "--rest, --hold, --along and --fft go with --analysis linear");
+    if (s->analysis == ANALYSIS_LINEAR && (s->plot || s->gif))
+        return cli_usage(call, "--plot and --gif show a motion in time or an equilibrium, not --analysis linear");
     lw_error e = { 0 };
     lw_output o;
-    lw_draw_kind kind;
     lw_model *m;
     lw_spatial *spatial;
-    if (s->analysis != ANALYSIS_LINEAR && s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
-        return cli_usage(call, "%s", e.text);
     if (s->analysis != ANALYSIS_LINEAR && !(s->from < s->to))
         return cli_usage(call, "--from must be less than --to");
     if (cli_read_any_model(call->parsed.word[0], 0, &m, &spatial, &e) != LW_OK)
@@ -194,7 +193,7 @@ static int run(const cli_call *call)
     if (!c)
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (!c || prepare(call, c, &e) != LW_OK
-        || cli_open_beside(call, s->plot || s->gif, &o, &e) != LW_OK) {
+        || cli_open(call, &o, &e) != LW_OK) {
         if (c)
             cli_simulate_free(c);
         free(c);

@@ -50,7 +50,7 @@ static const cli_option options[] = {
     { "speed", 's', CLI_TEXT, offsetof(settings, speed), "W", NULL,
       "constant speed of the input [rad/s, or length unit/s for a slider], or with a unit: \"60 rpm\"; derivatives are "
       "then with respect to time instead of the input", 0, 0, NULL, NULL },
-    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
+    { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
       "draw place, velocity and acceleration of the tracers over the input or the time (.svg, .pdf, .png); of the arc "
       "that contains the posture of the file, unless --mode both is given; rows are then printed only with -o or "
       "--json", 0, 0, NULL, NULL },
@@ -190,8 +190,7 @@ static int print_plan(const cli_call *call, cli_trace *t)
 {
     lw_error e = { 0 };
     lw_output o;
-    const settings *s = call->settings;
-    if (cli_open_beside(call, s->plot != NULL, &o, &e) != LW_OK)
+    if (cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     t->rows.f = o.f;
     t->line = call->line;
@@ -322,7 +321,7 @@ static int print_curves(const cli_call *call, cli_curve_trace *t, const double *
     const settings *s = call->settings;
     lw_output o;
     lw_error e = { 0 };
-    if (cli_open_beside(call, s->plot != NULL, &o, &e) != LW_OK)
+    if (cli_open(call, &o, &e) != LW_OK)
         return fail_in(call, &e);
     cli_progress progress = cli_progress_begin(call, "trace", "rows");
     cli_json json = cli_json_begin(o.f, 1);
@@ -533,9 +532,6 @@ static int run(const cli_call *call)
         return cli_usage(call, "--input-range wants two different inputs, the smaller first");
     double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     lw_error e = { 0 };
-    lw_draw_kind kind;
-    if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
-        return cli_usage(call, "%s", e.text);
     lw_model *m;
     lw_spatial *spatial;
     if (cli_read_any_model(call->parsed.word[0], s->result, &m, &spatial, &e) != LW_OK)

@@ -110,10 +110,7 @@ int cli_drive_load(const cli_call *call)
     const cli_drive_settings *s = call->settings;
     lw_loads l = { 0 };
     lw_error e = { 0 };
-    lw_draw_kind kind;
     lw_output o;
-    if (s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK)
-        return cli_usage(call, "%s", e.text);
     if (!(s->from < s->to))
         return cli_usage(call, "--from must be less than --to");
     lw_status st = cli_drive_run(call, &l, &e);

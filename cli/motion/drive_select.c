@@ -304,11 +304,8 @@ int cli_drive_select(const cli_call *call)
     selection *s = NULL;
     const lw_drive_choice **best = NULL;
     lw_error e = { 0 };
-    lw_draw_kind kind;
     lw_output out;
     int code = CLI_DONE;
-    if (o->plot && lw_draw_kind_of(o->plot, &kind, &e) != LW_OK)
-        return cli_usage(call, "%s", e.text);
     if (!(o->from < o->to))
         return cli_usage(call, "--from must be less than --to");
     lw_status st = read_all_parts(o, &p, &e);

@@ -477,15 +477,12 @@ int cli_drive_simulate(const cli_call *call)
 {
     const cli_drive_settings *s = call->settings;
     lw_error e = { 0 };
-    lw_draw_kind kind;
     lw_output o;
     bool rows = cli_given(&call->parsed, "steps");
     if (cli_given(&call->parsed, "speed") || cli_given(&call->parsed, "from"))
         return cli_usage(call, "--speed and --from are options of 'drive load'");
     if (cli_given(&call->parsed, "to") && !(s->to > 0))
         return cli_usage(call, "--to must be greater than 0");
-    if ((s->plot && lw_draw_kind_of(s->plot, &kind, &e) != LW_OK) || (s->bode && lw_draw_kind_of(s->bode, &kind, &e) != LW_OK))
-        return cli_usage(call, "%s", e.text);
     int folder = s->folder ? check_folder(call, s->folder) : CLI_DONE;
     if (folder != CLI_DONE)
         return folder;

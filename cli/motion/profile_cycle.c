@@ -144,11 +144,8 @@ int cli_profile_cycle(const cli_call *call, const char *given, size_t given_size
     lw_work_cycle c = { 0 };
     lw_error e = { 0 };
     lw_output out;
-    lw_draw_kind kind;
     char *text = NULL;
     size_t size = 0;
-    if (plot && lw_draw_kind_of(plot, &kind, &e) != LW_OK)
-        return cli_usage(call, "%s", e.text);
     lw_status s = given ? LW_OK : cli_read_file(file, "a work cycle (JSON)", &text, &size, &e);
     if (s == LW_OK)
         s = lw_work_cycle_read(given ? given : text, given ? given_size : size, given ? "" : file, &c, &e);

@@ -416,7 +416,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
             cli_explain_chain(call, m->body[c->link].name, c);
     }
     if (st == LW_OK)
-        st = cli_open_beside(call, picture, &out, &e);
+        st = cli_open(call, &out, &e);
     if (st == LW_OK) {
         r.f = out.f;
         kept.n_column = r.n_column;

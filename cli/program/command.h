@@ -50,6 +50,7 @@ typedef struct cli_command {
     int               least_words, most_words;
     int             (*run)(const cli_call *call);   /* returns an exit code                        */
     unsigned          reads;                /* kinds of files among its words; 0: any              */
+    bool              pictures;             /* -o takes pictures and files of other programs too   */
 } cli_command;
 
 extern const cli_command cli_simulate_command, cli_clearance_command, cli_fit_command, cli_classify_command,

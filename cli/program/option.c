@@ -18,7 +18,7 @@ const cli_option cli_common_options[] = {
     ROW("force",  0, CLI_FLAG, force, NULL, NULL,
         "also replace existing files that linkwright did not write; an input of the same command is never replaced", 0,
         0),
-    ROW("json",   0, CLI_FLAG, json, NULL, NULL, "print JSON instead of text", 0, 0),
+    ROW("json",   0, CLI_FLAG, json, NULL, NULL, "print JSON instead of text; -o FILE.json does the same", 0, 0),
     ROW("seed",   0, CLI_SEED, seed, "N", "1",
         "seed of the random numbers; the same seed gives the same answer", 0, 0),
     ROW("jobs",  'j', CLI_INT, jobs, "N", "0",
@@ -165,7 +165,9 @@ lw_status cli_value(const cli_option *r, const char *name, const char *text, voi
     case CLI_FLAG:   *(bool *)value = true;          return LW_OK;
     case CLI_TEXT:
     case CLI_INPUT:
-    case CLI_OUTPUT: *(const char **)value = text;   return LW_OK;
+    case CLI_OUTPUT:
+    case CLI_PLOT:
+    case CLI_GIF:    *(const char **)value = text;   return LW_OK;
     case CLI_INT:    return int_value(r, name, text, strlen(text), value, e);
     case CLI_SEED:   return seed_value(name, text, value, e);
     case CLI_REAL:   return real_value(r, name, text, strlen(text), value, e);

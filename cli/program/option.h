@@ -19,6 +19,8 @@ typedef enum cli_kind {
     CLI_TEXT,                 /* const char *; points into argv                                    */
     CLI_INPUT,                /* as TEXT: the name of a file that is read                          */
     CLI_OUTPUT,               /* as TEXT: the name of a file that is written                       */
+    CLI_PLOT,                 /* as OUTPUT: a plot; the name ends in .svg, .pdf or .png            */
+    CLI_GIF,                  /* as OUTPUT: an animation; the name ends in .gif                    */
     CLI_INT,                  /* int                                                               */
     CLI_SEED,                 /* uint64_t                                                          */
     CLI_REAL,                 /* double, finite                                                    */

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -94,16 +95,19 @@ static lw_status open_path(const char *path, lw_output *o, lw_error *e)
     return s;
 }
 
-lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
+static const char *option_text(const cli_call *call, int i)
 {
-    return open_path(call->common.output ? call->common.output : "-", o, e);
+    return *(const char *const *)((const char *)call->settings + call->command->options[i].place);
 }
 
-lw_status cli_open_beside(const cli_call *call, bool picture, lw_output *o, lw_error *e)
+lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
 {
-    if (picture && !call->common.output && !call->common.json)
-        return open_path("/dev/null", o, e);
-    return cli_open(call, o, e);
+    bool picture = false;
+    for (int i = 0; call->command->options && call->command->options[i].name; i++) {
+        cli_kind kind = call->command->options[i].kind;
+        picture = picture || ((kind == CLI_PLOT || kind == CLI_GIF) && option_text(call, i));
+    }
+    return open_path(call->common.output ? call->common.output : picture && !call->common.json ? "/dev/null" : "-", o, e);
 }
 
 static bool lost;
@@ -157,11 +161,6 @@ static bool is_file(const char *path, struct stat *st)
 static bool is_same(const struct stat *a, const struct stat *b)
 {
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
-
-static const char *option_text(const cli_call *call, int i)
-{
-    return *(const char *const *)((const char *)call->settings + call->command->options[i].place);
 }
 
 /* Is the input `path`, or in drawing.svg#curve the part before '#', the file `st`? */
@@ -276,6 +275,38 @@ static int try_output(const cli_call *call, const char *path)
     return CLI_DONE;
 }
 
+bool cli_ends_in(const char *path, const char *words)
+{
+    const char *dot = path ? strrchr(path, '.') : NULL;
+    for (size_t n; dot && *words; words += n + (words[n] == ' '))
+        if (n = strcspn(words, " "), strlen(dot + 1) == n && strncasecmp(dot + 1, words, n) == 0)
+            return true;
+    return false;
+}
+
+/* A name whose end promises another kind of file than the one that would be written is refused before the work. */
+static int check_ends(const cli_call *call)
+{
+    const cli_option *o = call->command->options;
+    const char *path = call->common.output, *plot = NULL;
+    for (int i = 0; o && o[i].name; i++) {
+        bool still = o[i].kind == CLI_PLOT, moves = o[i].kind == CLI_GIF;
+        const char *file = still || moves ? option_text(call, i) : NULL;
+        if (file && !cli_ends_in(file, still ? "svg pdf png" : "gif"))
+            return cli_usage(call, "--%s %s: the name does not say what kind of picture it is to be; end it in %s", o[i].name,
+                             file, still ? ".svg, .pdf or .png" : ".gif");
+        plot = plot ? plot : still ? "plot FILE" : strcmp(o[i].name, "save") == 0 ? "save FOLDER" : NULL;
+    }
+    if (!path || call->command->pictures)
+        return CLI_DONE;
+    if (cli_ends_in(path, "svg pdf png gif html htm jpg jpeg bmp tif tiff webp eps ps dxf stl step stp"))
+        return cli_usage(call, "-o %s: this command writes data to -o, no pictures; %s%s%s", path, plot ? "--" : "see 'linkwright "
+                         "help draw' or 'linkwright help convert'", plot ? plot : "", plot ? " draws them" : "");
+    if (cli_given(&call->parsed, "json") && cli_ends_in(path, "csv"))
+        return cli_usage(call, "-o %s: --json writes JSON; end the name in .json, or leave out --json", path);
+    return CLI_DONE;
+}
+
 int cli_check_outputs(const cli_call *call)
 {
     const cli_option *o = call->command->options;
@@ -284,7 +315,7 @@ int cli_check_outputs(const cli_call *call)
     if (call->common.output)
         path[n++] = call->common.output;
     for (int i = 0; o && o[i].name; i++)
-        if (o[i].kind == CLI_OUTPUT && option_text(call, i))
+        if ((o[i].kind == CLI_OUTPUT || o[i].kind == CLI_PLOT || o[i].kind == CLI_GIF) && option_text(call, i))
             path[n++] = option_text(call, i);
     for (int i = 0; i < n && code == CLI_DONE; i++) {
         for (int k = 0; k < i; k++)
@@ -295,7 +326,7 @@ int cli_check_outputs(const cli_call *call)
         if (code == CLI_DONE && path[i] != call->common.output)
             code = try_output(call, path[i]);
     }
-    return code;
+    return code == CLI_DONE ? check_ends(call) : code;
 }
 
 int cli_make_folder(const cli_call *call, const char *folder)

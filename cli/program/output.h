@@ -28,8 +28,8 @@ int cli_may_write(const cli_call *call, const char *path);
 int cli_may_write_in(const cli_call *call, const char *folder, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The same for -o and all options of kind CLI_OUTPUT; no two of them may name one file. main.c calls this before the
- * command runs. */
+/* The same for -o and all options that name a file to write; no two of them may name one file. The ends of their names
+ * must go with what is written. main.c calls this before the command runs. */
 int cli_check_outputs(const cli_call *call);
 
 /* Room for a path in a folder that cli_make_folder made, or of data: a name in it has at most 400 bytes. */
@@ -42,11 +42,12 @@ int cli_add_input(const cli_call *call, const char *path);
 /* Make the folder and those above it. CLI_BAD_INPUT with a message: this failed, or the folder cannot be written. */
 int cli_make_folder(const cli_call *call, const char *folder);
 
-/* Open the file of -o, or standard output; then write to o->f. */
-lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
+/* Does the name of a file end in one of the words, as in "svg pdf png"? NULL does not. */
+bool cli_ends_in(const char *path, const char *words);
 
-/* The same for rows that a picture can replace: if a picture was asked for, they are printed only with -o or --json. */
-lw_status cli_open_beside(const cli_call *call, bool picture, lw_output *o, lw_error *e);
+/* Open the file of -o, or standard output; then write to o->f. Data beside a plot or an animation are written only with
+ * -o or --json, else nowhere. */
+lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
 
 /* Commit the output. Returns `code` if this succeeded, else the exit code of the failure. If the code is an error or
  * CLI_LIMIT, or a signal or --time ended the work, the output so far goes to FILE.partial and FILE stays as it was. */
