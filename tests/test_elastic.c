@@ -555,7 +555,7 @@ TEST(tolerances)
     }
 }
 
-/* First-order states beside elastic links: an integral and a lag that drive the arm.  IDA takes them by itself; the explicit method gives the
+/* First-order states beside elastic links: an integral and a lag that drive the arm.  The implicit method takes them by itself; the explicit one gives the
  * same motion. */
 TEST(states)
 {
@@ -572,7 +572,7 @@ TEST(states)
                              "20*state(slow)'}], 'tracers': [{'name': 'P', 'link': 'load', 'at': [1, 0]}]}"), LW_OK);
         s.o.formulation = k ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO;
         CHECK_INT(run(&s, k ? 1e-9 : 1e-8, 0.1, 20, &by[k], &report), LW_OK);
-        CHECK(k || report.formulation == LW_FORMULATION_GGL);
+        CHECK(k || report.formulation == LW_FORMULATION_RADAU);
         close_scene(&s);
     }
     for (int i = 0; i < 21; i++)

@@ -1,10 +1,10 @@
 /* mbs/dynamics/dynamics_radau.c - Radau IIA of order 5 (Hairer & Wanner 1996, section IV.8) for stiff models of any size:
  * elastic links above all, whose fast vibrations an explicit method would have to follow and BDF methods damp or excite.
  *
- *     q' = G v,   M v' + J^T l = Q(t, q, v),   Phi(t, q) = 0
+ *     q' = G v,   M v' + J^T l = Q(t, q, v, x),   x' = f(t, q, v, x),   Phi(t, q) = 0
  *
  * With Z the displacements from q at the start to the three stages, W = A^-1 and h the step: v = T(Z) W Z/h and
- * v' = W (v - v0)/h in the stages, so the unknowns are Z and l alone; T is the unit matrix but for turns in space, and
+ * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit matrix but for turns in space, and
  * Newton's method takes it for that.  In the eigenvectors of W one real and one complex sparse system remain (tangent.c), whose
  * entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is put on the constraints.  Steps end at the
  * samples, where positions, velocities, accelerations and multipliers are those of the third stage: accelerations found
@@ -34,12 +34,13 @@ static const double TI[3][3] = {
 typedef struct stages {
     lw_run *run;
     lw_tangent real, pair;                   /* matrices for the real and the complex eigenvalues */
-    int     n, n_q, c;
+    int     n, n_q, n_x, c;
     double  w[3][3], at[3], weight[3], error[3];   /* A^-1; places, weights; of the error estimate */
     double  t, h, h_old, work;
-    double *q, *v, *a, *l;                   /* at t; l of the kept rows */
-    double *z, *zl;                          /* (3 n) displacements of the stages, (3 c) l there */
-    double *last, *last_l;                   /* those of the last step */
+    double *q, *v, *a, *l, *x, *dx;          /* at t; l of the kept rows; states and their rates */
+    double *z, *zl, *zx;                     /* (3 n) displacements of the stages, (3 c) l there, (3 n_x) changes of states */
+    double *last, *last_l, *last_x;          /* those of the last step */
+    double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
     double *vi, *ai, *r, *b, *pair_b, *qi, *e, *old;
     double  power[3];
     double  contraction;
@@ -84,11 +85,20 @@ static void differentiate(stages *g)
         }
 }
 
-/* Residuals r (3 (n + c)) of the stages. */
+/* Rate of state i in stage k from its changes. */
+static double state_rate(const stages *g, int k, int i)
+{
+    double rate = 0;
+    for (int j = 0; j < 3; j++)
+        rate += g->w[k][j]*g->zx[j*g->n_x + i]/g->h;
+    return rate;
+}
+
+/* Residuals r (3 (n + n_x + c)) of the stages. */
 static lw_status residuals(stages *g)
 {
     lw_dynamics *d = g->run->d;
-    int n = g->n, all = n + g->c;
+    int n = g->n, first = n + g->n_x, all = first + g->c;
     differentiate(g);
     for (int k = 0; k < 3; k++) {
         double *r = g->r + k*all, t = g->t + g->at[k]*g->h;
@@ -97,12 +107,18 @@ static lw_status residuals(stages *g)
         lw_status s = lw_mbs_rows(d, t, g->qi);
         if (s != LW_OK)
             return s;
+        for (int i = 0; i < g->n_x; i++)
+            g->xi[i] = g->x[i] + g->zx[k*g->n_x + i];
+        d->eq.place_states(d->eq.context, g->xi);
         d->eq.forces(d->eq.context, t, g->qi, g->vi + k*n, d->force, &g->power[k]);
+        d->eq.state_rates(d->eq.context, t, g->qi, g->vi + k*n, g->xi);
+        for (int i = 0; i < g->n_x; i++)
+            r[n + i] = (state_rate(g, k, i) - g->xi[i])/g->scale[i];
         for (int i = 0; i < n; i++)
             r[i] = d->eq.mass[i]*g->ai[k*n + i] - d->force[i];
         lw_tangent_push(d, g->zl + k*g->c, r);
         for (int i = 0; i < g->c; i++)
-            r[n + i] = d->phi[d->kept[i]];
+            r[first + i] = d->phi[d->kept[i]];
         for (int i = 0; i < d->n_driven; i++) {
             double motion[3];
             int place = d->place[d->n_row + i];
@@ -117,10 +133,10 @@ static lw_status residuals(stages *g)
     return LW_OK;
 }
 
-/* One simplified Newton step.  Returns the greatest change of a stage of q. */
+/* One simplified Newton step.  Returns the greatest change of a stage of q, or of a state over its scale. */
 static double newton_step(stages *g)
 {
-    int n = g->n, all = n + g->c;
+    int n = g->n, first = n + g->n_x, all = first + g->c;
     for (int i = 0; i < all; i++) {
         const double r[3] = { g->r[i], g->r[all + i], g->r[2*all + i] };
         g->b[i] = -(TI[0][0]*r[0] + TI[0][1]*r[1] + TI[0][2]*r[2]);
@@ -133,11 +149,12 @@ static double newton_step(stages *g)
     for (int i = 0; i < all; i++)
         for (int k = 0; k < 3; k++) {
             double change = T[k][0]*g->b[i] + T[k][1]*g->pair_b[2*i] + T[k][2]*g->pair_b[2*i + 1];
-            if (i < n) {
-                g->z[k*n + i] += change;
-                most = fmax(most, fabs(change)) + (isfinite(change) ? 0 : INFINITY);
-            } else
-                g->zl[k*g->c + i - n] += change;
+            if (i >= first) {
+                g->zl[k*g->c + i - first] += change;
+                continue;
+            }
+            *(i < n ? &g->z[k*n + i] : &g->zx[k*g->n_x + i - n]) += i < n ? change : change*g->scale[i - n];
+            most = fmax(most, fabs(change)) + (isfinite(change) ? 0 : INFINITY);
         }
     return most;
 }
@@ -157,6 +174,11 @@ static void predict(stages *g)
             const double *z = g->last + i;
             int n = g->n;
             g->z[k*n + i] = g->since ? basis[0]*z[0] + basis[1]*z[n] + basis[2]*z[2*n] - z[2*n] : g->at[k]*g->h*g->v[i];
+        }
+        for (int i = 0; i < g->n_x; i++) {
+            const double *z = g->last_x + i;
+            int n = g->n_x;
+            g->zx[k*n + i] = g->since ? basis[0]*z[0] + basis[1]*z[n] + basis[2]*z[2*n] - z[2*n] : g->at[k]*g->h*g->dx[i];
         }
         for (int i = 0; i < g->c; i++) {
             const double *z = g->last_l + i;
@@ -184,6 +206,7 @@ static lw_status solve_stages(stages *g)
     const double c2[2] = { w_re/g->h, w_im/g->h }, m2[2] = { c2[0]*c2[0] - c2[1]*c2[1], 2*c2[0]*c2[1] };
     double before = 0, wanted = 0.02*tolerance(g);
     lw_status s = lw_mbs_rows(d, g->t, g->q);
+    d->eq.place_states(d->eq.context, g->x);
     if (s == LW_OK && lw_tangent_factor(&g->real, g->t, g->q, g->v, g->l, m1, c1) != LW_OK)
         return LW_OPEN;
     if (s == LW_OK && lw_tangent_factor(&g->pair, g->t, g->q, g->v, g->l, m2, c2) != LW_OK)
@@ -229,10 +252,18 @@ static double error_of(stages *g)
         g->e[i] = eq;
         g->b[i] = d->eq.mass[i]*(w*w*eq + w*ev);
     }
-    memset(g->b + n, 0, (size_t)g->c*sizeof *g->b);
+    for (int i = 0; i < g->n_x; i++) {
+        double e = g->dx[i];
+        for (int k = 0; k < 3; k++)
+            e += w*g->error[k]*g->zx[k*g->n_x + i];
+        g->b[n + i] = e/g->scale[i];
+    }
+    memset(g->b + n + g->n_x, 0, (size_t)g->c*sizeof *g->b);
     lw_tangent_solve(&g->real, g->b);
     for (int i = 0; i < n; i++)
         most = fmax(most, fabs(g->b[i]));
+    for (int i = 0; i < g->n_x; i++)
+        most = fmax(most, fabs(g->b[n + i])/fmax(1, fabs(g->x[i])/g->scale[i]));
     return most/tolerance(g);
 }
 
@@ -246,6 +277,11 @@ static lw_status accept(stages *g, double t)
         g->v[i] = g->vi[2*n + i];
         g->a[i] = g->ai[2*n + i];
     }
+    for (int i = 0; i < g->n_x; i++) {
+        g->x[i] += g->zx[2*g->n_x + i];
+        g->dx[i] = state_rate(g, 2, i);
+    }
+    memcpy(g->last_x, g->zx, 3*(size_t)g->n_x*sizeof *g->zx);
     memcpy(g->l, g->zl + 2*g->c, (size_t)g->c*sizeof *g->l);
     memcpy(g->last, g->z, 3*(size_t)n*sizeof *g->z);
     memcpy(g->last_l, g->zl, 3*(size_t)g->c*sizeof *g->zl);
@@ -268,6 +304,7 @@ static double *state(stages *g, double *y)
     memcpy(y + g->n_q, g->v, (size_t)g->n*sizeof *y);
     if (g->run->has_work)
         y[g->n_q + g->n] = g->work;
+    memcpy(y + lw_run_states(g->run), g->x, (size_t)g->n_x*sizeof *y);
     return y;
 }
 
@@ -343,18 +380,24 @@ static lw_status run_steps(stages *g)
 static lw_status run_radau(lw_run *run)
 {
     lw_dynamics *d = run->d;
-    stages g = { .run = run, .n = d->n_v, .n_q = d->n_q, .c = d->n_kept, .t = d->o.from };
-    size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q;
-    double *memory = calloc(2*(size_t)run->n + 2*q + 22*n + 16*c + 8, sizeof *memory), *p = memory;
+    stages g = { .run = run, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = d->o.from };
+    size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
+    double *memory = calloc(2*(size_t)run->n + 2*q + 22*n + 16*c + 16*x + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += run->n;
     g.q = p, p += q, g.v = p, p += n, g.a = p, p += n, g.l = p, p += c;
     g.z = p, p += 3*n, g.zl = p, p += 3*c, g.last = p, p += 3*n, g.last_l = p, p += 3*c;
-    g.vi = p, p += 3*n, g.ai = p, p += 3*n, g.r = p, p += 3*(n + c), g.b = p, p += n + c;
-    g.pair_b = p, p += 2*(n + c), g.qi = p, p += q, g.e = p;
+    g.vi = p, p += 3*n, g.ai = p, p += 3*n, g.r = p, p += 3*(n + x + c), g.b = p, p += n + x + c;
+    g.x = p, p += x, g.dx = p, p += x, g.zx = p, p += 3*x, g.last_x = p, p += 3*x, g.xi = p, p += x, g.scale = p, p += x;
+    g.pair_b = p, p += 2*(n + x + c), g.qi = p, p += q, g.e = p;
     set_method(&g);
     lw_dynamics_start(d, g.q, g.v);
+    memcpy(g.x, d->start_z, x*sizeof *g.x);
+    for (int i = 0; i < g.n_x; i++)
+        g.scale[i] = d->eq.state_scale(d->eq.context, i);
+    d->eq.place_states(d->eq.context, g.x);
+    d->eq.state_rates(d->eq.context, g.t, g.q, g.v, g.dx);
     lw_status s = lw_run_begin(run, state(&g, run->y));
     memcpy(g.a, d->a, n*sizeof *g.a);
     for (int k = 0; k < g.c; k++)
@@ -371,8 +414,6 @@ static lw_status run_radau(lw_run *run)
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
-    if (d->eq.n_z > 0)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it integrates no first-order states");
     if (d->touch)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->n_friction || d->n_stop || d->has_zero_mass)

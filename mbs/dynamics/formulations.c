@@ -90,16 +90,9 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
         s = table[f]->able(d, false, r);
         if (s == LW_OK || s == LW_E_MEMORY)
             return s;
-        if (d->elastic && f == LW_FORMULATION_RADAU) {
-            char why[sizeof r->why];
-            memcpy(why, r->why, sizeof why);
-            r->formulation = LW_FORMULATION_GGL;
-            if (table[LW_FORMULATION_GGL]->able(d, true, r) == LW_OK)
-                return lw_formulation_say(r, LW_OK, r->unknowns, "elastic links beside first-order states: an implicit method with "
-                                          "sparse derivatives");
+        if (d->elastic && f == LW_FORMULATION_RADAU)
             return lw_error_set(e, LW_E_KIND, "the methods for elastic links cannot do this model: %s; take the rest out, ask for the "
-                                "explicit \"index1\" formulation, or make the links rigid (--rigid)", why);
-        }
+                                "explicit \"index1\" formulation, or make the links rigid (--rigid)", r->why);
     }
     if (d->large) {                          /* no implicit method can: the explicit one takes short steps */
         r->formulation = LW_FORMULATION_INDEX1;

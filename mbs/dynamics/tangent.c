@@ -37,9 +37,11 @@ static void list_force(void *context, int row, int column, double by_q, double b
 
 lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t)
 {
-    *t = (lw_tangent){ .d = d, .is_complex = is_complex, .consistent = consistent, .n = d->n_v, .c = d->n_kept, .scale = 1 };
-    d->eq.pattern(d->eq.context, &(lw_force_sink){ .context = t, .add = list_force });
-    for (int i = 0; i < t->n + t->c; i++)
+    *t = (lw_tangent){ .d = d, .is_complex = is_complex, .consistent = consistent, .n = d->n_v, .z = d->eq.n_z, .c = d->n_kept,
+                       .scale = 1 };
+    int first = t->n + t->z;
+    d->eq.pattern(d->eq.context, &(lw_force_sink){ .context = t, .add = list_force, .add_state = list_force });
+    for (int i = 0; i < first + t->c; i++)
         list_each(t, i, i);
     for (int k = 0; k < t->c; k++) {
         const int *block = d->row_block[d->kept[k]];
@@ -47,13 +49,13 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
         for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
             coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
         for (int b = 0; b < count; b++) {
-            list_each(t, coordinate[b], t->n + k);
-            list_each(t, t->n + k, coordinate[b]);
+            list_each(t, coordinate[b], first + k);
+            list_each(t, first + k, coordinate[b]);
             for (int j = 0; j < count; j++)
                 list_each(t, coordinate[b], coordinate[j]);
         }
     }
-    int n = (is_complex ? 2 : 1)*(t->n + t->c);
+    int n = (is_complex ? 2 : 1)*(first + t->c);
     bool ok = !t->failed && lw_columns_make(&t->columns, n, t->pair, t->n_pair);
     free(t->pair);
     t->pair = NULL;
@@ -92,6 +94,15 @@ static void put_force(void *context, int row, int column, double by_q, double by
     put(t, row, column, -by_q - t->weight_re*by_v, -t->weight_im*by_v);
 }
 
+static void put_state(void *context, int row, int column, double by_q, double by_v)
+{
+    lw_tangent *t = context;
+    const lw_equations *eq = &t->d->eq;
+    double scale = (column < t->n ? 1 : eq->state_scale(eq->context, column - t->n))/
+                   (row < t->n ? 1 : eq->state_scale(eq->context, row - t->n));
+    put_force(t, row, column, scale*by_q, scale*by_v);
+}
+
 /* Entries of the mass matrix besides its diagonal, weighed. */
 static void put_mass(void *context, int row, int column, double by_q, double by_v)
 {
@@ -127,8 +138,8 @@ static void put_rows(lw_tangent *t, const double *l)
         for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
             for (int i = 0; i < 3; i++) {
                 double x = t->scale*d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + i];
-                put(t, LW_BLOCK*d->row_block[row][b] + i, t->n + k, x, 0);
-                put(t, t->n + k, LW_BLOCK*d->row_block[row][b] + i, x, 0);
+                put(t, LW_BLOCK*d->row_block[row][b] + i, t->n + t->z + k, x, 0);
+                put(t, t->n + t->z + k, LW_BLOCK*d->row_block[row][b] + i, x, 0);
             }
         for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0) - 1; e >= 0; e--)
             put(t, bend[e].a, bend[e].b, l[k]*bend[e].h, 0);
@@ -142,9 +153,12 @@ lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const d
     memset(t->value, 0, (size_t)t->columns.at[t->columns.n]*sizeof *t->value);
     t->weight_re = c[0];
     t->weight_im = c[1];
-    d->eq.derivatives(d->eq.context, time, q, v, d->force, &(lw_force_sink){ .context = t, .add = put_force });
+    d->eq.derivatives(d->eq.context, time, q, v, d->force, &(lw_force_sink){ .context = t, .add = put_force,
+                                                                                                  .add_state = put_state });
     for (int i = 0; i < t->n; i++)
         put(t, i, i, m[0]*d->eq.mass[i], m[1]*d->eq.mass[i]);
+    for (int i = 0; i < t->z; i++)
+        put(t, t->n + i, t->n + i, c[0], c[1]);
     t->mass_re = m[0];
     t->mass_im = m[1];
     if (t->consistent && d->eq.more_mass)
@@ -160,10 +174,10 @@ lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const d
 void lw_tangent_solve(lw_tangent *t, double *b)
 {
     int width = t->is_complex ? 2 : 1;
-    for (int i = width*t->n; i < width*(t->n + t->c); i++)
+    for (int i = width*(t->n + t->z); i < width*(t->n + t->z + t->c); i++)
         b[i] *= t->scale;
     lw_sparse_lu_solve(t->lu, b);
-    for (int i = width*t->n; i < width*(t->n + t->c); i++)
+    for (int i = width*(t->n + t->z); i < width*(t->n + t->z + t->c); i++)
         b[i] *= t->scale;
 }
 

@@ -1,7 +1,8 @@
 /* mbs/dynamics/tangent_internal.h - sparse matrices of implicit steps, of equilibrium and of vibrations; internal to mbs/.
  *
- *     [ m M + c C + K   s J^T ]        K = -dQ/dq + sum l_r H_r,  C = -dQ/dv,  J: the kept rows,
- *     [      s J          0   ]        H_r: second derivatives of row r (none of gears and ties are counted)
+ *     [ m M + c C + K   -dQ/dz        s J^T ]        K = -dQ/dq + sum l_r H_r,  C = -dQ/dv,  J: the kept rows,
+ *     [ -f_q - c f_v    c 1 - df/dz     0   ]        H_r: second derivatives of row r (none of gears and ties are counted)
+ *     [      s J            0           0   ]        f: rates of the first-order states z, which are counted in their scales
  *
  * m and c may be complex: then each unknown is a pair (real, imaginary), one after the other.  The scale s keeps the rows
  * near the size of the rest. */
@@ -14,7 +15,7 @@
 typedef struct lw_tangent {
     lw_dynamics *d;
     bool    is_complex, consistent;      /* consistent: masses of elements by their shape functions, where asked for */
-    int     n, c;                        /* velocities; kept rows */
+    int     n, z, c;                     /* velocities; states; kept rows */
     double  scale;                       /* s */
     lw_columns columns;
     double *value;
@@ -35,7 +36,7 @@ void      lw_tangent_free(lw_tangent *t);
 lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const double *v, const double *l,
                             const double m[2], const double c[2]);
 
-/* Solve in place: b (n + c, or twice as many); the last c are multipliers, already divided by s. */
+/* Solve in place: b (n + z + c, or twice as many); the last c are multipliers, already divided by s. */
 void lw_tangent_solve(lw_tangent *t, double *b);
 
 /* out (n) = M x, of consistent masses where they are asked for. */
