@@ -27,7 +27,7 @@ typedef enum lw_analysis {
  *     quadrature  K(s) = K0 + int Q ds, t = int sqrt(M/2K) ds, by Chebyshev points panel by panel
  *     reduced     M(s) s'' + M'(s)/2 s'^2 = Q in the input s of the plan, explicit method of order 8; friction is
  *                 set-valued
- *     radau       the same equations by Radau IIA of order 5 with sparse derivatives
+ *     radau       M v' + J^T l = Q with Phi = 0 by Radau IIA of order 5 or 9 with sparse derivatives
  *     capture     impacts and contact forces together in steps of time (Moreau, Jean)
  *     index1      M a + J^T l = Q with J a = c solved in every evaluation, explicit method of order 8, the state put
  *                 back on the constraints after every step
@@ -37,7 +37,7 @@ typedef enum lw_analysis {
     X(DRIVEN, driven, "every freedom is driven: kinematics, then forces") \
     X(QUADRATURE, quadrature, "one freedom, forces by the posture alone: time is an integral") \
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
-    X(RADAU, radau, "implicit Runge-Kutta method of order 5, for elastic links") \
+    X(RADAU, radau, "implicit Runge-Kutta method of order 5 or 9, for elastic links and stiff dampers") \
     X(CAPTURE, capture, "many rigid contacts: captured in steps, first order; impacts are not located") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
     X(CVODE, cvode, "the same by an implicit method, for smooth friction") \

@@ -1,14 +1,16 @@
-/* mbs/dynamics/dynamics_radau.c - Radau IIA of order 5 (Hairer & Wanner 1996, section IV.8) for stiff models of any size:
- * elastic links above all, whose fast vibrations an explicit method would have to follow and BDF methods damp or excite.
+/* mbs/dynamics/dynamics_radau.c - Radau IIA of order 5, or 9 where the tolerance is below 1e-7 (Hairer & Wanner 1996, section
+ * IV.8; 1999), for stiff models of any size: elastic links above all, whose fast vibrations an explicit method would have to
+ * follow and BDF methods damp or excite.
  *
  *     q' = G v,   M v' + J^T l = Q(t, q, v, x),   x' = f(t, q, v, x),   Phi(t, q) = 0
  *
- * With Z the displacements from q at the start to the three stages, W = A^-1 and h the step: v = T(Z) W Z/h and
- * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit matrix but for turns in space, and
- * Newton's method takes it for that.  In the eigenvectors of W one real and one complex sparse system remain (tangent.c), whose
- * entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is put on the constraints.  Steps end at the
- * samples, where positions, velocities, accelerations and multipliers are those of the third stage: accelerations found
- * afresh from a posture would show its error times the square of the highest frequency. */
+ * With Z the displacements from q at the start to the stages, W = A^-1 and h the step: v = T(Z) W Z/h and
+ * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit
+ * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
+ * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
+ * put on the constraints.  Steps end at the samples, where positions, velocities, accelerations and multipliers are those of
+ * the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency. */
+#include "base/linalg.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -18,51 +20,113 @@
 
 /* ---- the method -------------------------------------------------------------------------------------------- */
 
-/* Real eigenvalue of A^-1, complex ones a +- ib; eigenvectors T and their inverse. */
-static const double w_real = 3.63783425274449573, w_re = 2.68108287362775213, w_im = 3.05043019924741057;
-static const double T[3][3] = {
-    { 9.1232394870892942792e-02, -0.14125529502095420843, -3.0029194105147424492e-02 },
-    { 0.24171793270710701896, 0.20412935229379993199, 0.38294211275726193779 },
-    { 0.96604818261509293619, 1, 0 }
-};
-static const double TI[3][3] = {
-    { 4.3255798900631553510, 0.33919925181580986954, 0.54177053993587487119 },
-    { -4.1787185915519047273, -0.32768282076106238708, 0.47662355450055045196 },
-    { -0.50287263494578687595, 2.5719269498556054292, -0.59603920482822492497 }
+#define MOST_STAGES 5
+#define MOST_PAIRS  2
+
+/* Places of the stages in a step but the last, 1; eigenvalues of A^-1: the real one, then complex ones a + ib. */
+typedef struct method { int stages; double at[MOST_STAGES - 1], real, pair[MOST_PAIRS][2]; } method;
+static const method methods[] = {
+    { 3, { 0.15505102572168219018, 0.64494897427831780981 }, 3.6378342527444957322, { { 2.6810828736277521339, 3.0504301992474105694 } } },
+    { 5, { 0.05710419611451768219, 0.27684301363812382768, 0.58359043236891682005, 0.86024013565621944785 }, 6.2867047517292766452,
+      { { 5.7009532986717894192, 3.2102656003085498884 }, { 3.6556943254635722582, 6.5437368993600772940 } } },
 };
 
 typedef struct stages {
     lw_run *run;
-    lw_tangent real, pair;                   /* matrices for the real and the complex eigenvalues */
-    int     n, n_q, n_x, c;
-    double  w[3][3], at[3], weight[3], error[3];   /* A^-1; places, weights; of the error estimate */
+    const method *way;
+    lw_tangent real, pair[MOST_PAIRS];       /* matrices for the real and the complex eigenvalues */
+    int     n, n_q, n_x, c, s;               /* s: stages */
+    double  w[MOST_STAGES][MOST_STAGES], at[MOST_STAGES];          /* A^-1; places */
+    double  weight[MOST_STAGES], error[MOST_STAGES];               /* weights; of the error estimate */
+    double  T[MOST_STAGES][MOST_STAGES], TI[MOST_STAGES][MOST_STAGES];     /* eigenvectors of A^-1 and their inverse */
     double  t, h, h_old, work;
     double *q, *v, *a, *l, *x, *dx;          /* at t; l of the kept rows; states and their rates */
-    double *z, *zl, *zx;                     /* (3 n) displacements of the stages, (3 c) l there, (3 n_x) changes of states */
+    double *z, *zl, *zx;                     /* (s n) displacements of the stages, (s c) l there, (s n_x) changes of states */
     double *last, *last_l, *last_x;          /* those of the last step */
     double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
-    double *vi, *ai, *r, *b, *pair_b, *qi, *e, *old;
-    double  power[3];
+    double *vi, *ai, *r, *b, *pair_b, *qi, *e;
+    double  power[MOST_STAGES];
     double  contraction;
     long    since;                           /* steps with the present history; 0: none */
 } stages;
 
+/* x (n): A x = b, A by columns, overwritten. */
+static void solve_small(int n, double *A, double *b)
+{
+    double diag[2*MOST_STAGES];
+    lw_qr_factor(n, n, A, diag);
+    lw_qr_solve(n, n, A, diag, b);
+}
+
+/* The eigenvector u + iv of A^-1 for re + i im, whose last number is 1. */
+static void find_eigenvector(const stages *g, double re, double im, double *u, double *v)
+{
+    int m = g->s - 1, n = 2*m;
+    double A[4*MOST_STAGES*MOST_STAGES], b[2*MOST_STAGES];
+    for (int i = 0; i < m; i++) {
+        b[i] = -g->w[i][m], b[m + i] = 0;
+        for (int j = 0; j < m; j++) {
+            A[i + n*j] = A[m + i + n*(m + j)] = g->w[i][j] - (i == j ? re : 0);
+            A[i + n*(m + j)] = i == j ? im : 0;
+            A[m + i + n*j] = i == j ? -im : 0;
+        }
+    }
+    solve_small(n, A, b);
+    for (int i = 0; i < m; i++)
+        u[i] = b[i], v[i] = b[m + i];
+    u[m] = 1, v[m] = 0;
+}
+
+/* Stages at the places c: their polynomials through 0 and all c give A^-1, collocation the weights; the error estimate adds a
+ * stage at 0 with the weight 1/w_real, which leaves one order less. */
 static void set_method(stages *g)
 {
-    double s6 = sqrt(6.0);
-    const double lambda[3][3] = { { w_real, 0, 0 }, { 0, w_re, -w_im }, { 0, w_im, w_re } };
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            g->w[i][j] = 0;
-            for (int a = 0; a < 3; a++)
-                for (int b = 0; b < 3; b++)
-                    g->w[i][j] += T[i][a]*lambda[a][b]*TI[b][j];
+    const int s = g->s = g->way->stages;
+    double x[MOST_STAGES + 1] = { 0 }, u[MOST_STAGES], v[MOST_STAGES], A[2][MOST_STAGES*MOST_STAGES];
+    memcpy(x + 1, g->way->at, (size_t)(s - 1)*sizeof *x);
+    x[s] = 1;
+    memcpy(g->at, x + 1, (size_t)s*sizeof *x);
+    for (int i = 1; i <= s; i++)
+        for (int j = 1; j <= s; j++) {       /* slope at x_i of the polynomial that is 1 at x_j and 0 at the others */
+            double at_j = 1, at_i = 1, sum = 0;
+            for (int k = 0; k <= s; k++) {
+                at_j *= k == j ? 1 : x[j] - x[k];
+                at_i *= k == j || k == i ? 1 : x[i] - x[k];
+                sum += k == j ? 0 : 1/(x[j] - x[k]);
+            }
+            g->w[i - 1][j - 1] = i == j ? sum : at_i/at_j;
         }
-    const double at[3] = { (4 - s6)/10, (4 + s6)/10, 1 }, weight[3] = { (16 - s6)/36, (16 + s6)/36, 1.0/9 };
-    const double error[3] = { -(13 + 7*s6)/(3*w_real), (-13 + 7*s6)/(3*w_real), -1/(3*w_real) };
-    memcpy(g->at, at, sizeof at);
-    memcpy(g->weight, weight, sizeof weight);
-    memcpy(g->error, error, sizeof error);
+    for (int q = 0; q < s; q++) {
+        for (int j = 0; j < s; j++)
+            A[0][q + s*j] = A[1][q + s*j] = pow(g->at[j], q);
+        g->weight[q] = 1.0/(q + 1);
+        u[q] = q ? 0 : -1/g->way->real;
+    }
+    solve_small(s, A[0], g->weight);
+    solve_small(s, A[1], u);
+    for (int j = 0; j < s; j++) {
+        g->error[j] = 0;
+        for (int i = 0; i < s; i++)
+            g->error[j] += u[i]*g->w[i][j];
+    }
+    for (int k = 0; k < s; k += k ? 2 : 1) {
+        const double *pair = g->way->pair[k ? (k - 1)/2 : 0];
+        find_eigenvector(g, k ? pair[0] : g->way->real, k ? pair[1] : 0, u, v);
+        for (int i = 0; i < s; i++) {
+            g->T[i][k] = u[i];
+            if (k)
+                g->T[i][k + 1] = -v[i];
+        }
+    }
+    for (int j = 0; j < s; j++) {
+        for (int i = 0; i < s*s; i++)
+            A[0][i] = g->T[i%s][i/s];
+        for (int i = 0; i < s; i++)
+            u[i] = i == j;
+        solve_small(s, A[0], u);
+        for (int i = 0; i < s; i++)
+            g->TI[i][j] = u[i];
+    }
 }
 
 /* Velocities and accelerations of the stages from z. */
@@ -70,17 +134,17 @@ static void differentiate(stages *g)
 {
     const lw_equations *eq = &g->run->d->eq;
     for (int i = 0; i < g->n; i++)
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < g->s; k++) {
             g->vi[k*g->n + i] = 0;
-            for (int j = 0; j < 3; j++)
+            for (int j = 0; j < g->s; j++)
                 g->vi[k*g->n + i] += g->w[k][j]*g->z[j*g->n + i]/g->h;
         }
-    for (int k = 0; k < 3 && eq->along; k++)
+    for (int k = 0; k < g->s && eq->along; k++)
         eq->along(eq->context, g->z + k*g->n, g->vi + k*g->n);
     for (int i = 0; i < g->n; i++)
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < g->s; k++) {
             g->ai[k*g->n + i] = 0;
-            for (int j = 0; j < 3; j++)
+            for (int j = 0; j < g->s; j++)
                 g->ai[k*g->n + i] += g->w[k][j]*(g->vi[j*g->n + i] - g->v[i])/g->h;
         }
 }
@@ -89,7 +153,7 @@ static void differentiate(stages *g)
 static double state_rate(const stages *g, int k, int i)
 {
     double rate = 0;
-    for (int j = 0; j < 3; j++)
+    for (int j = 0; j < g->s; j++)
         rate += g->w[k][j]*g->zx[j*g->n_x + i]/g->h;
     return rate;
 }
@@ -100,7 +164,7 @@ static lw_status residuals(stages *g)
     lw_dynamics *d = g->run->d;
     int n = g->n, first = n + g->n_x, all = first + g->c;
     differentiate(g);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < g->s; k++) {
         double *r = g->r + k*all, t = g->t + g->at[k]*g->h;
         memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
         d->eq.move(d->eq.context, g->qi, g->z + k*n);
@@ -137,18 +201,22 @@ static lw_status residuals(stages *g)
 static double newton_step(stages *g)
 {
     int n = g->n, first = n + g->n_x, all = first + g->c;
-    for (int i = 0; i < all; i++) {
-        const double r[3] = { g->r[i], g->r[all + i], g->r[2*all + i] };
-        g->b[i] = -(TI[0][0]*r[0] + TI[0][1]*r[1] + TI[0][2]*r[2]);
-        g->pair_b[2*i] = -(TI[1][0]*r[0] + TI[1][1]*r[1] + TI[1][2]*r[2]);
-        g->pair_b[2*i + 1] = -(TI[2][0]*r[0] + TI[2][1]*r[1] + TI[2][2]*r[2]);
-    }
+    for (int i = 0; i < all; i++)
+        for (int a = 0; a < g->s; a++) {
+            double sum = 0;
+            for (int k = 0; k < g->s; k++)
+                sum -= g->TI[a][k]*g->r[k*all + i];
+            *(a ? &g->pair_b[(a - 1)/2*2*all + 2*i + (a - 1)%2] : &g->b[i]) = sum;
+        }
     lw_tangent_solve(&g->real, g->b);
-    lw_tangent_solve(&g->pair, g->pair_b);
+    for (int p = 0; p < g->s/2; p++)
+        lw_tangent_solve(&g->pair[p], g->pair_b + 2*p*all);
     double most = 0;
     for (int i = 0; i < all; i++)
-        for (int k = 0; k < 3; k++) {
-            double change = T[k][0]*g->b[i] + T[k][1]*g->pair_b[2*i] + T[k][2]*g->pair_b[2*i + 1];
+        for (int k = 0; k < g->s; k++) {
+            double change = g->T[k][0]*g->b[i];
+            for (int a = 1; a < g->s; a++)
+                change += g->T[k][a]*g->pair_b[(a - 1)/2*2*all + 2*i + (a - 1)%2];
             if (i >= first) {
                 g->zl[k*g->c + i - first] += change;
                 continue;
@@ -162,28 +230,25 @@ static double newton_step(stages *g)
 /* First values of the stages: the polynomial of the last step, or constant velocity. */
 static void predict(stages *g)
 {
-    for (int k = 0; k < 3; k++) {
-        double s = 1 + g->at[k]*g->h/(g->h_old > 0 ? g->h_old : 1), basis[3], basis_l[3];
-        for (int j = 0; j < 3; j++) {
-            int a = (j + 1)%3, b = (j + 2)%3;
-            double c = g->at[j], ca = g->at[a], cb = g->at[b];
-            basis_l[j] = (s - ca)*(s - cb)/((c - ca)*(c - cb));
-            basis[j] = basis_l[j]*s/c;
+    int n = g->n, x = g->n_x, c = g->c, s = g->s;
+    for (int k = 0; k < s; k++) {
+        double at = 1 + g->at[k]*g->h/(g->h_old > 0 ? g->h_old : 1), basis[MOST_STAGES], basis_l[MOST_STAGES];
+        for (int j = 0; j < s; j++) {
+            basis_l[j] = 1;
+            for (int i = 0; i < s; i++)
+                basis_l[j] *= i == j ? 1 : (at - g->at[i])/(g->at[j] - g->at[i]);
+            basis[j] = basis_l[j]*at/g->at[j];
         }
-        for (int i = 0; i < g->n; i++) {
-            const double *z = g->last + i;
-            int n = g->n;
-            g->z[k*n + i] = g->since ? basis[0]*z[0] + basis[1]*z[n] + basis[2]*z[2*n] - z[2*n] : g->at[k]*g->h*g->v[i];
-        }
-        for (int i = 0; i < g->n_x; i++) {
-            const double *z = g->last_x + i;
-            int n = g->n_x;
-            g->zx[k*n + i] = g->since ? basis[0]*z[0] + basis[1]*z[n] + basis[2]*z[2*n] - z[2*n] : g->at[k]*g->h*g->dx[i];
-        }
-        for (int i = 0; i < g->c; i++) {
-            const double *z = g->last_l + i;
-            int c = g->c;
-            g->zl[k*c + i] = g->since ? basis_l[0]*z[0] + basis_l[1]*z[c] + basis_l[2]*z[2*c] : g->l[i];
+        for (int i = 0; i < n + x + c; i++) {
+            const double *old = i < n ? g->last + i : i < n + x ? g->last_x + i - n : g->last_l + i - n - x;
+            int size = i < n ? n : i < n + x ? x : c;
+            double *to = i < n ? &g->z[k*n + i] : i < n + x ? &g->zx[k*x + i - n] : &g->zl[k*c + i - n - x];
+            *to = i < n ? g->at[k]*g->h*g->v[i] : i < n + x ? g->at[k]*g->h*g->dx[i - n] : g->l[i - n - x];
+            if (!g->since)
+                continue;
+            *to = i < n + x ? -old[(s - 1)*size] : 0;
+            for (int j = 0; j < s; j++)
+                *to += (i < n + x ? basis[j] : basis_l[j])*old[j*size];
         }
     }
 }
@@ -202,15 +267,15 @@ static double tolerance(const stages *g)
 static lw_status solve_stages(stages *g)
 {
     lw_dynamics *d = g->run->d;
-    const double c1[2] = { w_real/g->h, 0 }, m1[2] = { c1[0]*c1[0], 0 };
-    const double c2[2] = { w_re/g->h, w_im/g->h }, m2[2] = { c2[0]*c2[0] - c2[1]*c2[1], 2*c2[0]*c2[1] };
     double before = 0, wanted = 0.02*tolerance(g);
     lw_status s = lw_mbs_rows(d, g->t, g->q);
     d->eq.place_states(d->eq.context, g->x);
-    if (s == LW_OK && lw_tangent_factor(&g->real, g->t, g->q, g->v, g->l, m1, c1) != LW_OK)
-        return LW_OPEN;
-    if (s == LW_OK && lw_tangent_factor(&g->pair, g->t, g->q, g->v, g->l, m2, c2) != LW_OK)
-        return LW_OPEN;
+    for (int k = 0; s == LW_OK && k <= g->s/2; k++) {
+        double re = (k ? g->way->pair[k - 1][0] : g->way->real)/g->h, im = k ? g->way->pair[k - 1][1]/g->h : 0;
+        const double c[2] = { re, im }, m[2] = { re*re - im*im, 2*re*im };
+        if (lw_tangent_factor(k ? &g->pair[k - 1] : &g->real, g->t, g->q, g->v, g->l, m, c) != LW_OK)
+            return LW_OPEN;
+    }
     if (s != LW_OK)
         return s;
     predict(g);
@@ -219,7 +284,7 @@ static lw_status solve_stages(stages *g)
         s = lw_run_busy(g->run, g->t);
         if (s == LW_OK)
             s = residuals(g);
-        g->run->r->rates += 3;
+        g->run->r->rates += g->s;
         if (s != LW_OK)
             return s == LW_E_NUMERIC ? LW_OPEN : s;
         double change = newton_step(g);
@@ -237,15 +302,15 @@ static lw_status solve_stages(stages *g)
     return LW_OPEN;
 }
 
-/* Error of the step, over the tolerance: of q by the embedded formula of order 3, filtered by the real matrix. */
+/* Error of the step, over the tolerance: of q by the embedded formula of order s, filtered by the real matrix. */
 static double error_of(stages *g)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
-    double w = w_real/g->h, most = 0;
+    double w = g->way->real/g->h, most = 0;
     for (int i = 0; i < n; i++) {
         double eq = g->v[i]/w, ev = g->a[i]/w;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < g->s; k++) {
             eq += g->error[k]*g->z[k*n + i];
             ev += g->error[k]*(g->vi[k*n + i] - g->v[i]);
         }
@@ -254,7 +319,7 @@ static double error_of(stages *g)
     }
     for (int i = 0; i < g->n_x; i++) {
         double e = g->dx[i];
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < g->s; k++)
             e += w*g->error[k]*g->zx[k*g->n_x + i];
         g->b[n + i] = e/g->scale[i];
     }
@@ -272,20 +337,20 @@ static lw_status accept(stages *g, double t)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
-    d->eq.move(d->eq.context, g->q, g->z + 2*n);
+    d->eq.move(d->eq.context, g->q, g->z + (g->s - 1)*n);
     for (int i = 0; i < n; i++) {
-        g->v[i] = g->vi[2*n + i];
-        g->a[i] = g->ai[2*n + i];
+        g->v[i] = g->vi[(g->s - 1)*n + i];
+        g->a[i] = g->ai[(g->s - 1)*n + i];
     }
     for (int i = 0; i < g->n_x; i++) {
-        g->x[i] += g->zx[2*g->n_x + i];
-        g->dx[i] = state_rate(g, 2, i);
+        g->x[i] += g->zx[(g->s - 1)*g->n_x + i];
+        g->dx[i] = state_rate(g, g->s - 1, i);
     }
-    memcpy(g->last_x, g->zx, 3*(size_t)g->n_x*sizeof *g->zx);
-    memcpy(g->l, g->zl + 2*g->c, (size_t)g->c*sizeof *g->l);
-    memcpy(g->last, g->z, 3*(size_t)n*sizeof *g->z);
-    memcpy(g->last_l, g->zl, 3*(size_t)g->c*sizeof *g->zl);
-    for (int k = 0; k < 3; k++)
+    memcpy(g->last_x, g->zx, (size_t)g->s*(size_t)g->n_x*sizeof *g->zx);
+    memcpy(g->l, g->zl + (g->s - 1)*g->c, (size_t)g->c*sizeof *g->l);
+    memcpy(g->last, g->z, (size_t)g->s*(size_t)n*sizeof *g->z);
+    memcpy(g->last_l, g->zl, (size_t)g->s*(size_t)g->c*sizeof *g->zl);
+    for (int k = 0; k < g->s; k++)
         g->work += g->h*g->weight[k]*g->power[k];
     g->h_old = g->h;
     g->t = t;
@@ -351,14 +416,14 @@ static lw_status run_steps(stages *g)
         }
         if (s != LW_OK)
             break;
-        double error = fmax(error_of(g), 1e-6), factor = 0.9*pow(error, -0.25);
+        double error = fmax(error_of(g), 1e-6), root = -1.0/(g->s + 1), factor = 0.9*pow(error, root);
         if (error > 1) {
             h = g->h*fmax(factor, 0.2);
             run->r->refused++;
             continue;
         }
         if (g->since)                        /* Gustafsson's control */
-            factor = fmin(factor, factor*g->h/g->h_old*pow(error_old/error, 0.25));
+            factor = fmin(factor, factor*g->h/g->h_old*pow(error/error_old, root));
         error_old = fmax(error, 1e-2);
         bool cut = g->h < 0.99*h;
         s = accept(g, end > 0 ? end : g->t + g->h);
@@ -382,16 +447,17 @@ static lw_status run_radau(lw_run *run)
     lw_dynamics *d = run->d;
     stages g = { .run = run, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = d->o.from };
     size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
-    double *memory = calloc(2*(size_t)run->n + 2*q + 22*n + 16*c + 16*x + 8, sizeof *memory), *p = memory;
+    g.way = &methods[d->o.relative < 1e-7];
+    set_method(&g);
+    size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
+    double *memory = calloc((size_t)run->n + 2*q + 3*n + 5*s_n + 4*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = p, p += run->n;
-    g.q = p, p += q, g.v = p, p += n, g.a = p, p += n, g.l = p, p += c;
-    g.z = p, p += 3*n, g.zl = p, p += 3*c, g.last = p, p += 3*n, g.last_l = p, p += 3*c;
-    g.vi = p, p += 3*n, g.ai = p, p += 3*n, g.r = p, p += 3*(n + x + c), g.b = p, p += n + x + c;
-    g.x = p, p += x, g.dx = p, p += x, g.zx = p, p += 3*x, g.last_x = p, p += 3*x, g.xi = p, p += x, g.scale = p, p += x;
-    g.pair_b = p, p += 2*(n + x + c), g.qi = p, p += q, g.e = p;
-    set_method(&g);
+    g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c;
+    g.x = p, p += x, g.dx = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
+    g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;
+    g.zl = p, p += s_c, g.last_l = p, p += s_c, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
     lw_dynamics_start(d, g.q, g.v);
     memcpy(g.x, d->start_z, x*sizeof *g.x);
     for (int i = 0; i < g.n_x; i++)
@@ -402,12 +468,14 @@ static lw_status run_radau(lw_run *run)
     memcpy(g.a, d->a, n*sizeof *g.a);
     for (int k = 0; k < g.c; k++)
         g.l[k] = d->l[d->kept[k]];
-    if (s == LW_OK && (lw_tangent_make(d, false, false, &g.real) != LW_OK || lw_tangent_make(d, true, false, &g.pair) != LW_OK))
-        s = lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    for (int k = 0; s == LW_OK && k <= g.s/2; k++)
+        if (lw_tangent_make(d, k > 0, false, k ? &g.pair[k - 1] : &g.real) != LW_OK)
+            s = lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = run_steps(&g);
     lw_tangent_free(&g.real);
-    lw_tangent_free(&g.pair);
+    for (int k = 0; k < g.s/2; k++)
+        lw_tangent_free(&g.pair[k]);
     free(memory);
     return s;
 }
