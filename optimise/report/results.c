@@ -133,7 +133,10 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 /* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
 #define EXACT_ENOUGH 1e-3          /* an error of this part of the target is as good as none: play and tolerances are more */
 #define COMPACT      1.5           /* a link no longer than this many targets costs nothing, ...                    */
-#define PER_SIZE     0.5           /* ... beyond it twice the length counts as 1.4 times the error                  */
+#define BULKY        3             /* ... beyond it twice the length counts as 1.4 times the error; beyond so many ... */
+#define PER_SIZE     0.5           /* ... as 2.8 times                                                               */
+#define PER_BULK     1
+#define PER_MISS     0.5           /* beyond LW_NEAR twice the error counts as 2.8 times                             */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.2           /* for each link more                                                            */
 #define ROCKING      0.1           /* an input that has to be reversed                                              */
@@ -151,12 +154,13 @@ static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fi
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    double error = isnan(r->angle_max) ? 0 : r->angle_max, size = 0;
+    double error = isnan(r->angle_max) ? 0 : r->angle_max, more = 0;
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r))) {
         error = (distance_of(t, c, r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
-        size = log(fmax(1, r->size/(COMPACT*t->extent)));
+        more = PER_SIZE*log(fmax(1, r->size/(COMPACT*t->extent))) + PER_BULK*log(fmax(1, r->size/(BULKY*t->extent)))
+             + PER_MISS*log(fmax(1, error/LW_NEAR));
     }
-    return log(error + EXACT_ENOUGH) + PER_SIZE*size + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
+    return log(error + EXACT_ENOUGH) + more + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 

@@ -4,6 +4,9 @@
 
 #include "optimise/report/report.h"
 
+/* A linkage that leaves the target by no more than this part of its diagonal follows it well. */
+#define LW_NEAR 0.02
+
 /* A candidate that is no result. */
 typedef struct lw_left_out {
     int  candidate;

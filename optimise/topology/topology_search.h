@@ -21,7 +21,6 @@
 #include "optimise/report/results.h"
 #include "optimise/topology/mechanism_set.h"
 
-#define LW_NEAR 0.02
 #define LW_DEFAULT_GEAR_RATIOS  "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3"
 #define LW_DEFAULT_INPUT_RATIOS "1,-1,2,-2,3,-3"
 
