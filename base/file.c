@@ -242,6 +242,8 @@ static lw_status open_output(lw_output *o, const char *path, bool partial, lw_er
     } else if (stat(path, &st) != 0) {
         if (n > 0 && path[n-1] == '/')
             return failed(e, "written", path, EISDIR);
+        if (errno == ENOENT && lstat(path, &st) == 0)
+            return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be written: it is a link to a file that does not exist");
         fd = errno == ENOENT || errno == ENAMETOOLONG ? open_replacement(o, path, NULL) : -1;
     } else if (S_ISDIR(st.st_mode)) {
         return failed(e, "written", path, EISDIR);

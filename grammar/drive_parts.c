@@ -179,9 +179,6 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
         return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "a name of 1 to %d bytes is expected",
                            LW_PART_NAME - 1);
     memcpy(part, f[h->name].text, f[h->name].n);
-    for (int i = 0; i < at; i++)
-        if (strcmp(lw_part_name(p, h->kind, i), part) == 0)
-            return lw_error_at(e, LW_E_NOTATION, file, line, f[h->name].column, "the name \"%s\" is given twice", part);
     for (int i = 0; i < n; i++) {
         double x = 0, v;
         if (!h->of[i])
@@ -202,13 +199,44 @@ static lw_status read_part(const header *h, const field *f, int n, const char *f
     return LW_OK;
 }
 
+/* A part and the line of the table that it stands in; 0: in an earlier table. */
+typedef struct named { const char *name; long line; } named;
+
+static int by_name(const void *a, const void *b)
+{
+    const named *x = a, *y = b;
+    int order = strcmp(x->name, y->name);
+    return order ? order : x->line < y->line ? -1 : x->line > y->line;
+}
+
+/* No two parts of a kind have one name.  line: of each part after the first `before`. */
+static lw_status check_names(const lw_drive_parts *p, const header *h, int before, const long *line, const char *file,
+                             lw_error *e)
+{
+    int n = lw_part_count(p, h->kind);
+    const named *first = NULL;
+    named *all = malloc((size_t)n*sizeof *all);
+    if (!all)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < n; i++)
+        all[i] = (named){ lw_part_name(p, h->kind, i), i < before ? 0 : line[i - before] };
+    qsort(all, (size_t)n, sizeof *all, by_name);
+    for (int i = 1; i < n; i++)
+        if (strcmp(all[i - 1].name, all[i].name) == 0 && all[i].line > 0 && (!first || all[i].line < first->line))
+            first = &all[i];
+    lw_status s = first ? lw_error_at(e, LW_E_NOTATION, file, first->line, 1, "the name \"%s\" is given twice",
+                                      first->name) : LW_OK;
+    free(all);
+    return s;
+}
+
 lw_status lw_drive_parts_read(const char *text, size_t size, const char *file, lw_drive_parts *p, lw_error *e)
 {
     header h = { .n = 0 };
     field f[FIELD_MAX];
     int before[3] = { p->n_motor, p->n_gear, p->n_amplifier };
-    bool any = false;
-    long line = 0;
+    int n_part = 0, room = 0;
+    long line = 0, *lines = NULL;                       /* of each part */
     lw_status s = LW_OK;
     size_t at = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     while (at < size && s == LW_OK) {
@@ -224,14 +252,25 @@ lw_status lw_drive_parts_read(const char *text, size_t size, const char *file, l
             else if (h.n == 0)
                 s = read_header(f, n, file, line, &h, e);
             else {
+                if (n_part == room) {
+                    long *more = realloc(lines, (size_t)(room = 2*room + 64)*sizeof *lines);
+                    if (!more) {
+                        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+                        break;
+                    }
+                    lines = more;
+                }
+                lines[n_part++] = line;
                 s = read_part(&h, f, n, file, line, p, e);
-                any = true;
             }
         }
         at = end + 1;
     }
-    if (s == LW_OK && !any)
+    if (s == LW_OK && n_part == 0)
         s = lw_error_at(e, LW_E_NOTATION, file, line ? line : 1, 1, "this table has no part");
+    else if (s == LW_OK)
+        s = check_names(p, &h, before[h.kind], lines, file, e);
+    free(lines);
     if (s != LW_OK) {
         p->n_motor = before[0];
         p->n_gear = before[1];

@@ -24,6 +24,9 @@ TEST(parts_of_curves)
     expect("$P catalogue curves $D/s.db --samples 30 -q; $P catalogue add $D/q.db $D/s.db", 0, "", "curves added");
     expect("$P catalogue add $D/q.db $D/s.db", 0, "", "already");
     expect("$P catalogue check $D/q.db", 0, NULL, NULL);
+    /* a catalogue of linkages alone lists them */
+    expect("$P catalogue add $D/k.db examples/chebyshev.json -q && $P catalogue export $D/k.db", 0, "\"linkage\":", NULL);
+    expect("$P catalogue query $D/k.db links=4 -f csv", 0, "transmission_min", NULL);
 }
 
 /* 16 chains and 71 ground links with eight links: OEIS A233288 and the table of published counts. */

@@ -342,6 +342,9 @@ TEST(bad_outputs)
     expect("ln -s $D/six.g6 $D/link; $P mechanisms $D/six.g6 -o $D/link --force", 2, "", "is an input");
     expect("$P fit examples/ellipse.csv --save $D/six.g6", 3, "", "the folder cannot be made");
     expect("$P drive load examples/drives/lifting-arm.json --to 0.1 --plot $D/p.svg -o $D/p.svg", 2, "", "are one file");
+    expect("ln -s $D/nowhere $D/hanging; $P numbers --loops 3 -o $D/hanging", 3, "", "a link to a file that does not exist");
+    expect("echo mine > $D/mine; ln $D/mine $D/q.partial; for c in 'chains --links 6' 'numbers --loops 3'; do $P $c -o $D/q; "
+           "test $? = 2 || exit 1; done; grep -q mine $D/mine && test ! -e $D/q", 0, "", "linkwright did not finish it");
     expect("$P chains --links 10 | head -n 1 > $D/rows; test -s $D/rows", 0, "", NULL);
 }
 

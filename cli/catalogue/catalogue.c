@@ -2,6 +2,7 @@
 #include "cli/catalogue/catalogue.h"
 
 #include <dirent.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -14,6 +15,36 @@ lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store,
     if (cli_given(&call->parsed, "time"))
         cli_limit_time(s->time);
     return lw_store_open(call->parsed.word[1], &o, store, e);
+}
+
+lw_status cli_catalogue_list(const cli_call *call, const char *text, lw_query_list last, lw_query_options *o, lw_error *e)
+{
+    static const char *const filled[] = { "SELECT EXISTS(SELECT 1 FROM chain)", "SELECT EXISTS(SELECT 1 FROM mechanism)",
+                                          "SELECT EXISTS(SELECT 1 FROM linkage)", "SELECT EXISTS(SELECT 1 FROM structure)" };
+    const cli_catalogue_settings *s = call->settings;
+    o->list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY;
+    if (s->list)
+        return LW_OK;
+    lw_store *store = NULL;
+    lw_query *q = calloc(1, sizeof *q);
+    lw_status status = q ? cli_catalogue_open(call, false, &store, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int list = 0; status == LW_OK && list <= (int)last && o->list == LW_LIST_ANY; list++) {
+        lw_query_options one = *o;
+        lw_error no_field = { 0 };
+        long long n = 0;
+        one.list = (lw_query_list)list;
+        lw_status fits = lw_query_compile(text, &one, q, &no_field);
+        lw_query_free(q);
+        if (fits == LW_OK && (status = lw_store_number(store, filled[list], NULL, 0, &n, e)) == LW_OK && n)
+            o->list = one.list;
+        else if (fits == LW_E_MEMORY) {
+            *e = no_field;
+            status = fits;
+        }
+    }
+    lw_store_close(store);
+    free(q);
+    return status;
 }
 
 int cli_catalogue_folder(const cli_call *call, const char *folder, const char *under, const char *ending)

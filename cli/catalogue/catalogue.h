@@ -2,6 +2,7 @@
 #ifndef CLI_CATALOGUE_CATALOGUE_H
 #define CLI_CATALOGUE_CATALOGUE_H
 
+#include "catalogues/store/query.h"
 #include "catalogues/store/store.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
@@ -30,6 +31,10 @@ int cli_catalogue_folder(const cli_call *call, const char *folder, const char *u
 
 /* Open the catalogue of word[1]; if `write`, create it if it does not exist. */
 lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store, lw_error *e);
+
+/* Set o->list, unless it was chosen by --list, to the first list of at most `last` that has all fields of the question and
+ * is not empty in this catalogue.  Without such a list it stays LW_LIST_ANY. */
+lw_status cli_catalogue_list(const cli_call *call, const char *text, lw_query_list last, lw_query_options *o, lw_error *e);
 
 /* Ctrl-C, --time (if given) and the progress line of an action that writes. */
 typedef struct cli_catalogue_watch {

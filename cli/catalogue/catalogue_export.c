@@ -165,9 +165,10 @@ static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
     const char *text = call->parsed.n_word > 2 ? call->parsed.word[2] : "";
-    lw_query_options o = { .list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY, .sort = s->sort,
-                           .limit = s->results };
-    lw_status status = lw_query_compile(text, &o, q, e);
+    lw_query_options o = { .sort = s->sort, .limit = s->results };
+    lw_status status = cli_catalogue_list(call, text, LW_LIST_LINKAGES, &o, e);
+    if (status == LW_OK)
+        status = lw_query_compile(text, &o, q, e);
     if (status != LW_OK)
         return status;
     o.list = q->list;

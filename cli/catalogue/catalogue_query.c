@@ -259,11 +259,12 @@ static int run_query(job *j)
     const cli_call *call = j->call;
     const cli_catalogue_settings *s = call->settings;
     const char *text = call->parsed.n_word > 2 ? call->parsed.word[2] : "";
-    lw_query_options o = { .list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY, .columns = s->columns,
-                           .sort = s->sort, .limit = s->results };
+    lw_query_options o = { .columns = s->columns, .sort = s->sort, .limit = s->results };
     lw_query *q = calloc(1, sizeof *q);
     lw_status status = q ? LW_OK : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     lw_store_query sql = { .sql = text, .foreign = true };
+    if (status == LW_OK && !s->sql)
+        status = cli_catalogue_list(call, text, LW_LIST_STRUCTURES, &o, &j->e);
     if (status == LW_OK && !s->sql) {
         status = lw_query_compile(text, &o, q, &j->e);
         sql = (lw_store_query){ .sql = q->sql.data, .value = q->value, .n_value = q->n_value };

@@ -39,7 +39,8 @@ static const cli_option options[] = {
       "nearest: number of curves to print, without it 20; query, export: greatest number of rows; html: greatest "
       "number of chains", 1, 2e9, NULL, NULL },
     { "list", 0, CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
-      "query, export: which list; any: the first of these lists that has all fields of the query", 0, 0, NULL, NULL },
+      "query, export: which list; any: the first of these lists that is not empty "
+      "and has all fields of the query", 0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, PLACE(columns), "NAME,...", NULL, "query: fields to print", 0, 0, NULL, NULL },
     { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
       "query, export: sort by these fields; a minus sign before a field reverses its order", 0, 0, NULL, NULL },

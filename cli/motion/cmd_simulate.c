@@ -170,6 +170,10 @@ static int run(const cli_call *call)
         return cli_usage(call, "--rest, --hold, --along and --fft go with --analysis linear");
     if (s->analysis == ANALYSIS_LINEAR && (s->plot || s->gif))
         return cli_usage(call, "--plot and --gif show a motion in time or an equilibrium, not --analysis linear");
+    static const char *const in_time[] = { "speed", "balance", "formulation" };
+    for (int i = 0; s->analysis == ANALYSIS_LINEAR && i < 3; i++)
+        if (cli_given(&call->parsed, in_time[i]))
+            return cli_usage(call, "--%s does not go with --analysis linear", in_time[i]);
     lw_error e = { 0 };
     lw_output o;
     lw_model *m;

@@ -46,7 +46,7 @@ static const cli_option options[] = {
     { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
       "both: arcs of all assembly modes; file: only the arc that contains the posture of the file", 0, 0, NULL, NULL },
     { "input-range", 0, CLI_RANGE, offsetof(settings, input_range), "MIN:MAX", NULL,
-      "only this part of the input, in the unit of the file", 0, 0, NULL, NULL },
+      "only this part of the input, in the unit of the file", -1e9, 1e9, NULL, NULL },
     { "speed", 's', CLI_TEXT, offsetof(settings, speed), "W", NULL,
       "constant speed of the input [rad/s, or length unit/s for a slider], or with a unit: \"60 rpm\"; derivatives are "
       "then with respect to time instead of the input", 0, 0, NULL, NULL },

@@ -100,7 +100,7 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
 
 void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
 {
-    if (r->period > 0)
+    if (r->period_off > 0)
         cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them, its phase good "
                  "to %.1e periods at the end", r->period, r->period_off);
     if (r->without_forces)

@@ -229,7 +229,7 @@ lw_status cli_speed(const char *text, bool slides, double plain, double *speed, 
         { "rad/s", 1 }, { "deg/s", LW_PI/180 }, { "rpm", LW_PI/30 }, { "r/min", LW_PI/30 }, { "1/min", LW_PI/30 },
         { "turn/s", 2*LW_PI }, { "Hz", 2*LW_PI } };
     char *end, name[8] = "";
-    double value = strtod(text, &end), factor = end != text && isfinite(value) ? plain : 0;
+    double value = strtod(text, &end), factor = end != text && fabs(value) <= 1e60 ? plain : 0;
     while (*end == ' ')
         end++;
     size_t n = strlen(end);
@@ -247,7 +247,7 @@ lw_status cli_speed(const char *text, bool slides, double plain, double *speed, 
     *speed = value*factor;
     if (factor != 0)
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "--speed is \"%.60s\"; expected a number, alone or with a unit: %s", text,
+    return lw_error_set(e, LW_E_ARG, "--speed is \"%.60s\"; expected a number of at most 1e60, alone or with a unit: %s", text,
                         slides ? "m/s, mm/s, cm/s, in/s, ... (the input slides)" :
                         "rpm, rad/s, deg/s, turn/s, Hz (the input turns)");
 }

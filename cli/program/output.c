@@ -31,7 +31,6 @@ int cli_exit_code(lw_status s)
     return CLI_NUMERIC;
 }
 
-/* A failure must not end with exit code 0 because the failing call filled no message. */
 /* Kinds of files that the command, or its action, reads. */
 static unsigned kinds_read(const cli_call *call)
 {
@@ -44,7 +43,7 @@ static unsigned kinds_read(const cli_call *call)
 int cli_fail(const cli_call *call, const lw_error *e)
 {
     char text[sizeof e->file + sizeof e->text + 64];
-    if (e->status == LW_OK) {
+    if (e->status == LW_OK) {                    /* no exit code 0 because the failing call filled no message */
         fprintf(stderr, "linkwright %s: the work could not be finished; most likely it ran out of memory\n",
                 call->command->name);
         return CLI_NUMERIC;
@@ -225,6 +224,22 @@ int cli_may_write(const cli_call *call, const char *path)
     return CLI_DONE;
 }
 
+/* A run that is stopped writes `path`.partial: no file of the user may have this name. */
+static int may_write_partial(const cli_call *call, const char *path)
+{
+    char partial[LW_PATH_SIZE + 16];
+    struct stat st;
+    snprintf(partial, sizeof partial, "%s.partial", path);
+    bool device = strcmp(path, "-") == 0 || (stat(path, &st) == 0 && !S_ISREG(st.st_mode));
+    if (device || lstat(partial, &st) != 0 || (S_ISREG(st.st_mode) && (st.st_size == 0 || lw_file_is_own(partial))))
+        return CLI_DONE;
+    bool resumes = false;
+    for (const cli_option *o = call->command->options; o && o->name; o++)
+        resumes = resumes || strcmp(o->name, "resume") == 0;
+    return cli_usage(call, "%s exists, and linkwright did not finish it; a run that is stopped would replace it. Rename or "
+                     "remove it%s", partial, resumes ? ", or continue it by --resume" : "");
+}
+
 /* Do two paths name the same file, which may not exist yet? */
 static bool same_place(const char *a, const char *b)
 {
@@ -323,8 +338,8 @@ int cli_check_outputs(const cli_call *call)
                 return cli_usage(call, "%s and %s are one file, and both are written; name two", path[k], path[i]);
         bool continued = cli_given(&call->parsed, "resume");         /* keep the listing so far */
         code = continued ? CLI_DONE : cli_may_write(call, path[i]);
-        if (code == CLI_DONE && path[i] != call->common.output)
-            code = try_output(call, path[i]);
+        if (code == CLI_DONE && !continued)
+            code = path[i] == call->common.output ? may_write_partial(call, path[i]) : try_output(call, path[i]);
     }
     return code == CLI_DONE ? check_ends(call) : code;
 }
