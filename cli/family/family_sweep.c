@@ -346,7 +346,7 @@ static lw_status draw(const sweep *s, const double *base, bool normalised, const
             }
             for (size_t k = 0; k < width; k++) {
                 double v = s->value[(b*width + k)*(size_t)s->n_measure + (size_t)i];
-                y[k] = normalised ? v/base[i] : v;
+                y[k] = !s->done[b*width + k] ? NAN : normalised ? v/base[i] : v;
             }
             int line = plot[p].n_series++;
             size_t used = (size_t)snprintf(name[p][line], sizeof name[p][line], "%.60s", s->measure[i].text);
@@ -505,8 +505,10 @@ int cli_family_sweep(const cli_call *call)
         else
             (call->common.json ? write_json : write_csv)(s, out.f);
         code = cli_close(call, &out, CLI_DONE);
-        if (code == CLI_DONE && o->plot)
-            st = draw(s, base, o->normalised, o->plot, &e);
+        char partial[LW_PATH_SIZE + 16];
+        const char *to = o->plot ? cli_picture_path(call, o->plot, code, partial) : NULL;
+        if (to)
+            st = draw(s, base, o->normalised, to, &e);
     }
     if (st != LW_OK)
         code = st == LW_E_ARG ? cli_usage(call, "%s", e.text) : cli_fail(call, &e);

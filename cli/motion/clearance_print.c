@@ -336,12 +336,15 @@ lw_status cli_clearance_detail(cli_clearance *c, const char *history, const char
     lw_status s = lw_clearance_run(c->sweep.law[0].scene, &o, &r, e), run = s;
     if (l.n > 0)
         s = LW_OK;                                   /* a run that stopped early is written as far as it went */
-    if (s == LW_OK && history)
-        s = write_history(c, &l, history, e);
-    if (s == LW_OK && path)
-        s = draw_path(c, &l, path, e);
-    if (s == LW_OK && force)
-        s = draw_force(c, &l, force, e);
+    int code = cli_exit_code(run);
+    char part[LW_PATH_SIZE + 16];
+    const char *to;
+    if (s == LW_OK && history && (to = cli_picture_path(c->call, history, code, part)))
+        s = write_history(c, &l, to, e);
+    if (s == LW_OK && path && (to = cli_picture_path(c->call, path, code, part)))
+        s = draw_path(c, &l, to, e);
+    if (s == LW_OK && force && (to = cli_picture_path(c->call, force, code, part)))
+        s = draw_force(c, &l, to, e);
     free(l.s);
     return s == LW_OK ? run : s;
 }

@@ -136,8 +136,10 @@ static int write_tables(const cli_call *call, const cli_clearance *c)
     else
         cli_clearance_csv(c, o.f);
     code = cli_close(call, &o, code);
-    if ((s->plot && cli_clearance_plot(c, s->plot, &e) != LW_OK)
-        || (s->passes && cli_clearance_passes(c, s->passes, &e) != LW_OK))
+    char partial[LW_PATH_SIZE + 16];
+    const char *to;
+    if ((s->plot && (to = cli_picture_path(call, s->plot, code, partial)) && cli_clearance_plot(c, to, &e) != LW_OK)
+        || (s->passes && (to = cli_picture_path(call, s->passes, code, partial)) && cli_clearance_passes(c, to, &e) != LW_OK))
         return cli_fail(call, &e);
     return code;
 }
@@ -155,7 +157,8 @@ static int work(const cli_call *call, cli_clearance *c)
                          "law", c->sweep.n_row);
     if (cli_clearance_run(c, &e) != LW_OK)
         return cli_fail(call, &e);
-    if (detail && cli_clearance_detail(c, s->history, s->path, s->force, &e) != LW_OK)
+    lw_status st = detail ? cli_clearance_detail(c, s->history, s->path, s->force, &e) : LW_OK;
+    if (st != LW_OK && st != LW_STOPPED)
         return cli_fail(call, &e);
     return write_tables(call, c);
 }

@@ -332,7 +332,7 @@ static void even_edges(const map *m, double edge[BANDS + 1])
 }
 
 /* Points by bands of the value. */
-static int draw_map(const job *j, const map *m)
+static int draw_map(const job *j, const map *m, const char *path, int code)
 {
     lw_series series[BANDS];
     char name[BANDS][40], label[2][40];
@@ -363,9 +363,9 @@ static int draw_map(const job *j, const map *m)
     snprintf(label[1], sizeof label[1], "ahead [%s]", j->unit);
     lw_plot plot = { .title = m->frequency ? "Lowest eigenfrequency, drives held" : "Condition number of the Jacobian",
                      .x_label = label[0], .y_label = label[1], .n_series = n_series, .series = series, .equal = true, .width = 760, .height = 640 };
-    int code = lw_draw_plot(&plot, j->s->plot, &e) < 0 ? cli_fail(j->call, &e) : CLI_DONE;
+    lw_status st = lw_draw_plot(&plot, path, &e);
     free(xy);
-    return code;
+    return st < 0 ? cli_fail(j->call, &e) : code;
 }
 
 static int run_map(const cli_call *call)
@@ -433,9 +433,11 @@ static int run_map(const cli_call *call)
     }
     cli_progress_end(&progress);
     cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
-    if (j.s->plot && m.n > 0 && !cli_interrupted())
-        code = draw_map(&j, &m);
     code = cli_close(call, &o, code == CLI_DONE && m.n == 0 ? CLI_NOTHING : code);
+    char partial[LW_PATH_SIZE + 16];
+    const char *to = j.s->plot && m.n > 0 ? cli_picture_path(call, j.s->plot, code, partial) : NULL;
+    if (to)
+        code = draw_map(&j, &m, to, code);
     lw_held_free(&held);
     free(q);
     end(&j);

@@ -122,11 +122,22 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     cli_simulate_tail(c, st, e);
     if (st == LW_OK && s->balance)
         st = cli_simulate_balance(c, stdout, e);
-    if (st == LW_OK && s->plot)
-        st = cli_table_plot(&(cli_table){ c->n_column, c->column, c->n_row, c->row }, c->model->linkage.name, s->columns, s->plot, e);
-    if (st == LW_OK && s->gif)
-        st = cli_simulate_gif(c, s->gif, e);
     return st;
+}
+
+/* Draw the rows of a run that ended with `code`. */
+static int pictures(const cli_call *call, const cli_simulate *c, int code)
+{
+    const settings *s = call->settings;
+    char partial[LW_PATH_SIZE + 16];
+    const char *to;
+    lw_error e = { 0 };
+    lw_status st = LW_OK;
+    if (s->plot && (to = cli_picture_path(call, s->plot, code, partial)))
+        st = cli_table_plot(&(cli_table){ c->n_column, c->column, c->n_row, c->row }, c->model->linkage.name, s->columns, to, &e);
+    if (st == LW_OK && s->gif && (to = cli_picture_path(call, s->gif, code, partial)))
+        st = cli_simulate_gif(c, to, &e);
+    return st == LW_OK ? code : cli_fail(call, &e);
 }
 
 static int linear(const cli_call *call, lw_model *m)
@@ -215,9 +226,12 @@ static int run(const cli_call *call)
     int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
     if (code == CLI_LIMIT)
         cli_note(call, "%s; the rows so far are kept", e.text);
+    code = cli_close(call, &o, code);
+    if (c->n_row > 0)
+        code = pictures(call, c, code);
     cli_simulate_free(c);
     free(c);
-    return cli_close(call, &o, code);
+    return code;
 }
 
 const cli_command cli_simulate_command = {

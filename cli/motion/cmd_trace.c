@@ -558,9 +558,11 @@ static int run(const cli_call *call)
         }
     }
     int code = good ? choose_way(&j) : fail_in(call, &e);
-    if (s->plot && code == CLI_DONE) {
+    char partial[LW_PATH_SIZE + 16];
+    const char *to = s->plot && (code == CLI_DONE || kept.n > 0) ? cli_picture_path(call, s->plot, code, partial) : NULL;
+    if (to) {
         cli_rows rows = make_rows(&j, j.k);
-        if (cli_rows_plot(&rows, s->plot, &e) != LW_OK)
+        if (cli_rows_plot(&rows, to, &e) != LW_OK)
             code = cli_fail(call, &e);
     }
     free(kept.row);

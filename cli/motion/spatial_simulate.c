@@ -393,10 +393,18 @@ static lw_status save_gif(const cli_call *call, const run *r, const char *path)
     return st;
 }
 
-static lw_status pictures(const cli_call *call, const run *r, const cli_spatial_pictures *p)
+/* Draw the rows of a run that ended with `code`. */
+static int pictures(const cli_call *call, const run *r, const cli_spatial_pictures *p, int code)
 {
-    lw_status st = p->plot ? cli_table_plot(r->table, r->m->name, p->columns, p->plot, r->e) : LW_OK;
-    return st == LW_OK && p->gif ? save_gif(call, r, p->gif) : st;
+    char partial[LW_PATH_SIZE + 16];
+    const char *to;
+    lw_status st = LW_OK;
+    *r->e = (lw_error){ 0 };
+    if (p->plot && (to = cli_picture_path(call, p->plot, code, partial)))
+        st = cli_table_plot(r->table, r->m->name, p->columns, to, r->e);
+    if (st == LW_OK && p->gif && (to = cli_picture_path(call, p->gif, code, partial)))
+        st = save_gif(call, r, to);
+    return st == LW_OK ? code : cli_fail(call, r->e);
 }
 
 int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_options *o, const char *speed,
@@ -430,14 +438,14 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         cli_dynamics_notes(call, r.d, &r.report);
         if (r.report.formulation == LW_FORMULATION_AUTO && r.report.samples > 0)
             cli_note(call, "at rest after %d iterations, %s", r.rest.iterations, r.rest.stable ? "stable" : "not stable");
-        if (st == LW_OK && picture)
-            st = pictures(call, &r, p);
         bool limit = st == LW_STOPPED && r.report.samples > 0;
         if (limit)
             cli_note(call, "%s; the rows so far are kept", e.text);
         if (!e.file[0])
             snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
         code = cli_close(call, &out, st == LW_OK ? CLI_DONE : limit ? CLI_LIMIT : cli_fail(call, &e));
+        if (picture && kept.n_row > 0)
+            code = pictures(call, &r, p, code);
     } else {
         if (!e.file[0])
             snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);

@@ -82,15 +82,20 @@ void cli_note(const cli_call *call, const char *format, ...)
     va_end(arg);
 }
 
-/* The temporary file of -o, which a forced end removes; "" for none. */
-static char temporary[sizeof ((lw_output *)0)->temp];
+static volatile sig_atomic_t finishing;          /* a file is committed: the program is not ended by force */
+static timer_t               timer;
+static bool                  timed;              /* the timer was made                               */
+
+/* The temporary files of -o and, after it, of pictures, which a forced end removes; "" for none. */
+enum { TEMPORARY_MAX = 8 };
+static char temporary[TEMPORARY_MAX][sizeof ((lw_output *)0)->temp];
 
 static lw_status open_path(const char *path, lw_output *o, lw_error *e)
 {
     lw_output_clean(path);
     lw_status s = lw_output_open(o, path, e);
     if (s == LW_OK)
-        strcpy(temporary, o->temp);
+        strcpy(temporary[0], o->temp);
     return s;
 }
 
@@ -109,6 +114,26 @@ lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
     return open_path(call->common.output ? call->common.output : picture && !call->common.json ? "/dev/null" : "-", o, e);
 }
 
+/* Commit the file: nothing ends the program by force meanwhile.  --time goes on afterwards, for pictures. */
+static lw_status commit(lw_output *o, bool partial, lw_error *e)
+{
+    struct itimerspec left = { 0 };
+    bool file = temporary[0][0];                 /* a pipe that nobody reads may hold the program up */
+    if (file) {
+        finishing = 1;
+        if (timed)
+            timer_settime(timer, 0, &(struct itimerspec){ 0 }, &left);
+    }
+    lw_status s = (partial ? lw_output_commit_partial : lw_output_commit)(o, e);
+    if (file) {
+        temporary[0][0] = 0;
+        finishing = 0;
+        if (timed && (left.it_value.tv_sec || left.it_value.tv_nsec))
+            timer_settime(timer, 0, &left, NULL);
+    }
+    return s;
+}
+
 static bool lost;
 
 void cli_lost(void) { lost = true; }
@@ -124,7 +149,6 @@ static int close_lost(lw_output *o, int code)
 int cli_close(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
-    cli_finish();
     if (lost)
         return close_lost(o, code);
     code = cli_end_code(code);
@@ -133,7 +157,7 @@ int cli_close(const cli_call *call, lw_output *o, int code)
         lw_output_abandon(o);
         return code;
     }
-    if ((partial ? lw_output_commit_partial : lw_output_commit)(o, &e) != LW_OK)
+    if (commit(o, partial, &e) != LW_OK)
         return cli_fail(call, &e);
     if (partial)
         fprintf(stderr, "linkwright %s: stopped before the end: what was found is in %s.partial\n",
@@ -144,10 +168,27 @@ int cli_close(const cli_call *call, lw_output *o, int code)
 int cli_close_marked(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
-    cli_finish();
     if (lost)
         return close_lost(o, code);
-    return lw_output_commit(o, &e) == LW_OK ? cli_end_code(code) : cli_fail(call, &e);
+    return commit(o, false, &e) == LW_OK ? cli_end_code(code) : cli_fail(call, &e);
+}
+
+const char *cli_picture_path(const cli_call *call, const char *path, int code, char partial[LW_PATH_SIZE + 16])
+{
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    struct stat st;
+    if (code == CLI_DONE)
+        return path;
+    if (!dot || (slash && dot < slash))
+        dot = path + strlen(path);
+    snprintf(partial, LW_PATH_SIZE + 16, "%.*s.partial%s", (int)(dot - path), path, dot);
+    if (lstat(partial, &st) == 0 && !(S_ISREG(st.st_mode) && lw_file_is_own(partial))) {
+        fprintf(stderr, "linkwright %s: what was found is not written: %s exists, and linkwright did not write it\n",
+                call->command->name, partial);
+        return NULL;
+    }
+    fprintf(stderr, "linkwright %s: what was found goes to %s\n", call->command->name, partial);
+    return partial;
 }
 
 /* ---- nothing of the user is overwritten ---------------------------------------------------------- */
@@ -286,6 +327,11 @@ static int try_output(const cli_call *call, const char *path)
         return CLI_DONE;
     if (lw_output_open(&o, path, &e) != LW_OK)
         return cli_fail(call, &e);
+    for (int i = 1; i < TEMPORARY_MAX; i++)
+        if (!temporary[i][0]) {                  /* the name that it will have again */
+            strcpy(temporary[i], o.temp);
+            break;
+        }
     lw_output_abandon(&o);
     return CLI_DONE;
 }
@@ -378,9 +424,6 @@ int cli_make_folder(const cli_call *call, const char *folder)
 /* The only state that a signal handler changes. */
 static volatile sig_atomic_t interrupted;
 
-static volatile sig_atomic_t finishing;          /* a file is committed: the program is not ended by force */
-static timer_t               timer;
-static bool                  timed;              /* the timer was made                               */
 
 static void set_timer(double seconds)
 {
@@ -395,8 +438,9 @@ static void end_now(void)
     static const char text[] = "linkwright: stopped; what was begun is lost, what was written before is kept\n";
     if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
         errno = 0;
-    if (temporary[0])
-        unlink(temporary);
+    for (int i = 0; i < TEMPORARY_MAX; i++)
+        if (temporary[i][0])
+            unlink(temporary[i]);
     _exit(cli_end_code(CLI_DONE));
 }
 
@@ -437,14 +481,6 @@ void cli_limit_time(double seconds)
     if (seconds > 0 && !limited)
         set_timer(seconds);
     limited = limited || seconds > 0;
-}
-
-void cli_finish(void)
-{
-    if (!temporary[0])                           /* a pipe that nobody reads may hold the program up */
-        return;
-    finishing = 1;
-    set_timer(0);
 }
 
 const volatile sig_atomic_t *cli_stop_flag(void)

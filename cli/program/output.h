@@ -56,13 +56,17 @@ int cli_close(const cli_call *call, lw_output *o, int code);
 /* A part of the output could not be made for lack of memory: the command then ends with a message and CLI_NUMERIC. */
 void cli_lost(void);
 
+/* The file of a picture of a run that ended with `code`: `path` after CLI_DONE, else "plot.partial.svg" for "plot.svg", so
+ * that a picture of a part replaces no whole one.  NULL after a message: the user has a file of this name. */
+const char *cli_picture_path(const cli_call *call, const char *path, int code, char partial[LW_PATH_SIZE + 16]);
+
 /* The same for an output that says itself that it is not complete: it always goes to FILE. */
 int cli_close_marked(const cli_call *call, lw_output *o, int code);
 
 /* Watch for Ctrl-C (SIGINT), SIGTERM, SIGHUP and the end of --time (SIGALRM). The first of them sets the flag to its
  * number and ends standard input, so that a command that waits for input continues at once; a second signal ends the
  * program. Functions of the library stop when the flag is set. A phase that does not stop by itself is ended by force
- * less than a second later, unless cli_finish was called; the temporary file of -o is then removed. */
+ * less than a second later, except while the file of -o is committed; temporary files are then removed. */
 void cli_watch_signals(void);
 void cli_limit_time(double seconds);         /* from now on; only the first call with seconds > 0 counts */
 const volatile sig_atomic_t *cli_stop_flag(void);
@@ -73,9 +77,6 @@ const volatile sig_atomic_t *cli_stop_flag(void);
  * allocations beyond it fail. */
 double cli_memory(const cli_call *call);
 void   cli_limit_memory(const cli_call *call);
-
-/* The work is over and its file is committed: --time no longer stops the command, and nothing ends it by force. */
-void cli_finish(void);
 
 /* The exit code of a command that ended with `code`: 5 after --time, 128 + the signal's number after a signal. */
 int cli_end_code(int code);
