@@ -1,159 +1,110 @@
-/* Each kind of step as one loop over a block of lanes, forwards and backwards. */
+/* Each kind of step as one loop over a block of lanes, forwards and backwards, by the formulas of
+ * mbs/plan/steps_internal.h. */
 #include "mbs/batch/kernel_run_internal.h"
+#include "mbs/plan/plan_internal.h"
+#include "mbs/plan/steps_internal.h"
 
-/* ---- steps forwards ----------------------------------------------------------------------------------
- * per_lane: do dimensions and modes differ between lanes?  It is a constant wherever these functions are inlined. */
+/* ---- the rows of a step ------------------------------------------------------------------------------------
+ * Constants wherever these functions are inlined: kind; per_lane: do dimensions and modes differ between lanes? */
 
-static void input_pin(const run *k, const lw_step *s, size_t n)
+/* Rows of the numbers of a step; a row of zeros for a dimension that it lacks. */
+typedef struct number_rows { const double *dim[3], *mode, *c, *s; } number_rows;
+
+LW_INLINE number_rows number_rows_of(const run *k, const lw_step *s, const lw_step_kind kind)
 {
-    memcpy(reg_x(k, s->out[0]), k->c, n*sizeof(double));
-    memcpy(reg_y(k, s->out[0]), k->s, n*sizeof(double));
-}
-
-static void input_slide(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]);
-    const out_rows o = out_reg(k, s->out[0]);
-    const double *d = k->c;
-    LW_LANES(n) put(o, i, lw_frame_point(get(q, i), get(w, i), d[i], 0));
-}
-
-LW_INLINE void point(const run *k, const lw_step *s, size_t n, const int per_lane)
-{
-    const in_rows o = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
-    const out_rows p = out_reg(k, s->out[0]);
-    const double *x = dim_of(k, s->dim[0]), *y = dim_of(k, s->dim[1]), x0 = *x, y0 = *y;
-    LW_LANES(n) put(p, i, lw_frame_point(get(o, i), get(d, i), per_lane ? x[i] : x0, per_lane ? y[i] : y0));
-}
-
-LW_INLINE void line(const run *k, const lw_step *s, size_t n, const int per_lane)
-{
-    const in_rows o = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
-    const out_rows q = out_reg(k, s->out[0]), w = out_reg(k, s->out[1]);
-    const double *e = dim_of(k, s->dim[0]), *c = cos_of(k, s->dim[2]), *t = sin_of(k, s->dim[2]);
-    const double e0 = *e, c0 = *c, t0 = *t;
-    LW_LANES(n) {
-        lw_vec2 along = lw_v2_turn(lw_v2(per_lane ? c[i] : c0, per_lane ? t[i] : t0), get(d, i));
-        lw_vec2 at = lw_frame_point(get(o, i), along, 0, per_lane ? e[i] : e0);
-        put(w, i, along);
-        put(q, i, at);
+    const int dims = lw_step_dims(kind);
+    number_rows r = { { dim_of(k, dims > 0 ? s->dim[0] : -1), dim_of(k, dims > 1 ? s->dim[1] : -1),
+                        dim_of(k, dims > 2 ? s->dim[2] : -1) },
+                      s->dyad < 0 ? reg_x(k, LW_ORIGIN_REG) : mode_of(k, s->dyad),
+                      reg_x(k, LW_AXIS_REG), reg_y(k, LW_AXIS_REG) };
+    if (lw_step_is_input(kind)) {
+        r.c = k->c;
+        r.s = kind == LW_STEP_INPUT_PIN ? k->s : k->c;
+    } else if (kind == LW_STEP_LINE) {
+        r.c = cos_of(k, s->dim[2]);
+        r.s = sin_of(k, s->dim[2]);
     }
+    return r;
 }
+
+LW_INLINE lw_step_numbers numbers_at(const number_rows *r, const lw_step *s, size_t i, const lw_step_kind kind)
+{
+    lw_step_numbers q = { { r->dim[0][i], r->dim[1][i], r->dim[2][i] }, r->mode[i], { 0, 0 }, 0,
+                          lw_v2(r->c[i], r->s[i]), { s->power[0], s->power[1] } };
+    lw_step_prepare(kind, &q);
+    return q;
+}
+
+/* Registers of input and output h; the origin for one that is not used.  Only gears and RRR may lack one. */
+LW_INLINE int in_of(const lw_step *s, const lw_step_kind kind, const int h)
+{
+    return h >= lw_step_inputs(kind) || (kind == LW_STEP_GEAR && s->in[h] < 0) ? LW_ORIGIN_REG : s->in[h];
+}
+LW_INLINE int out_of(const lw_step *s, const lw_step_kind kind, const int h)
+{
+    return h >= lw_step_outputs(kind) || (kind == LW_STEP_RRR && h == 1 && s->out[h] < 0) ? LW_ORIGIN_REG : s->out[h];
+}
+
+/* ---- steps forwards ------------------------------------------------------------------------------------- */
 
 /* Keep the least margin, and the reciprocal that derivatives need (0 where they do not exist). */
 LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, const int outputs)
 {
     if (outputs >= WITH_MARGIN)
         *margin = lw_at_most(m, *margin);
-    if (outputs == WITH_ROOTS)
+    if (outputs == WITH_ROOTS && aux)
         *aux = (m > LW_MARGIN_FLAT ? 1.0 : 0.0)/(m > LW_MARGIN_FLAT ? y : 1.0);
 }
 
-/* RRR dyads.  turns: bits 1 and 2 tell whether out[0] and out[1] are stored.  met: are all circles assumed to meet?
- * Returns false if that is wrong. */
-LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs,
-                         const int turns, const int met)
+/* One step over n lanes.  keep: bit h, is output h stored?  met: are all circles of RRR assumed to meet?  Returns false
+ * if that is wrong. */
+LW_INLINE bool forward_lanes(const run *k, const lw_step *s, size_t n, const lw_step_kind kind, const int per_lane,
+                             const int outputs, const int keep, const int met)
 {
-    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
-    const out_rows c = out_reg(k, s->out[2]);
-    const out_rows u = turns & 1 ? out_reg(k, s->out[0]) : c, v = turns & 2 ? out_reg(k, s->out[1]) : c;
-    const double *r1 = dim_of(k, s->dim[0]), *r2 = dim_of(k, s->dim[1]), *mode = mode_of(k, s->dyad);
-    const double r10 = *r1, r20 = *r2, mode0 = *mode, flat0 = lw_rrr_flat(r10, r20);
-    const double by_r10 = 1/lw_away_from_zero(r10), by_r20 = 1/lw_away_from_zero(r20);
-    double *margin = k->margin, *aux = aux_row(k, s->dyad);
+    const int dyad = kind >= LW_STEP_RRR && kind <= LW_STEP_PPR;
+    const in_rows a = in_reg(k, in_of(s, kind, 0)), b = in_reg(k, in_of(s, kind, 1));
+    const in_rows c = in_reg(k, in_of(s, kind, 2)), d = in_reg(k, in_of(s, kind, 3));
+    const out_rows o = out_reg(k, out_of(s, kind, 0)), p = out_reg(k, out_of(s, kind, 1));
+    const out_rows t = out_reg(k, out_of(s, kind, 2));
+    const number_rows r = number_rows_of(k, s, kind);
+    const lw_step_numbers shared = numbers_at(&r, s, 0, kind);
+    double *margin = k->margin, *aux = aux_row(k, dyad ? s->dyad : 0);
     long long open = 0;
     LW_LANES(n) {
-        double p = per_lane ? r1[i] : r10, q = per_lane ? r2[i] : r20;
-        lw_vec2 from = get(a, i), to = get(b, i);
-        lw_rrr z = lw_rrr_solve_met(from, to, p, q, per_lane ? mode[i] : mode0, met);
-        lw_vec2 arm = lw_rrr_arm(&z), tip = lw_v2_add(from, arm);
-        open |= z.h >= 0 ? 0 : 1;
-        if (outputs)
-            keep_margin(&margin[i], &aux[i], lw_rrr_margin(&z, per_lane ? lw_rrr_flat(p, q) : flat0), z.y, outputs);
-        if (turns & 1)
-            put(u, i, lw_v2_scale(arm, per_lane ? 1/z.r1 : by_r10));
-        if (turns & 2)
-            put(v, i, lw_v2_scale(lw_rrr_other(&z, lw_v2_sub(tip, to), met), per_lane ? 1/z.r2 : by_r20));
-        put(c, i, tip);
+        lw_step_lane z;
+        lw_step_numbers q = per_lane ? numbers_at(&r, s, i, kind) : shared;
+        if (lw_step_is_input(kind))
+            q.turn = lw_v2(r.c[i], r.s[i]);
+        z.in[0] = get(a, i);
+        z.in[1] = get(b, i);
+        z.in[2] = get(c, i);
+        z.in[3] = get(d, i);
+        lw_step_value(kind, &z, &q, met);
+        if (kind == LW_STEP_RRR)
+            open |= z.open;
+        if (outputs && (dyad || kind == LW_STEP_RACK))
+            keep_margin(&margin[i], dyad ? &aux[i] : NULL, z.margin, dyad ? z.root : 1, outputs);
+        if (keep & 1)
+            put(o, i, z.out[0]);
+        if (keep & 2)
+            put(p, i, z.out[1]);
+        if (keep & 4)
+            put(t, i, z.out[2]);
     }
     return !(met && open);
 }
 
 /* Try first the cheaper loop for circles that all meet.  Both loops give the same bits in lanes whose circles meet. */
-LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs, const int turns)
+LW_INLINE void forward_rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs,
+                           const int keep)
 {
-    if (!rrr_lanes(k, s, n, per_lane, outputs, turns, 1))
-        rrr_lanes(k, s, n, per_lane, outputs, turns, 0);
+    if (!forward_lanes(k, s, n, LW_STEP_RRR, per_lane, outputs, keep, 1))
+        forward_lanes(k, s, n, LW_STEP_RRR, per_lane, outputs, keep, 0);
 }
 
-LW_INLINE void rrp(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs)
-{
-    const in_rows a = in_reg(k, s->in[0]), q = in_reg(k, s->in[1]), w = in_reg(k, s->in[2]);
-    const out_rows u = out_reg(k, s->out[0]), c = out_reg(k, s->out[1]);
-    const double *r = dim_of(k, s->dim[0]), *mode = mode_of(k, s->dyad), r0 = *r, mode0 = *mode;
-    double *margin = k->margin, *aux = aux_row(k, s->dyad);
-    LW_LANES(n) {
-        lw_vec2 from = get(a, i);
-        lw_rrp z = lw_rrp_solve_along(from, get(q, i), get(w, i), per_lane ? r[i] : r0, per_lane ? mode[i] : mode0);
-        if (outputs)
-            keep_margin(&margin[i], &aux[i], lw_rrp_margin(&z), z.y, outputs);
-        put(u, i, lw_rrp_direction(&z));
-        put(c, i, lw_v2_add(from, z.arm));
-    }
-}
-
-LW_INLINE void rpr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs)
-{
-    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
-    const out_rows u = out_reg(k, s->out[0]);
-    const double *e = dim_of(k, s->dim[0]), *mode = mode_of(k, s->dyad), e0 = *e, mode0 = *mode;
-    double *margin = k->margin, *aux = aux_row(k, s->dyad);
-    LW_LANES(n) {
-        lw_rpr z = lw_rpr_solve(get(a, i), get(b, i), per_lane ? e[i] : e0, per_lane ? mode[i] : mode0);
-        if (outputs)
-            keep_margin(&margin[i], &aux[i], lw_rpr_margin(&z), z.y, outputs);
-        put(u, i, z.u);
-    }
-}
-
-LW_INLINE void prp(const run *k, const lw_step *s, size_t n, const int outputs)
-{
-    const in_rows p = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]), q = in_reg(k, s->in[2]), w = in_reg(k, s->in[3]);
-    const out_rows c = out_reg(k, s->out[0]);
-    double *margin = k->margin, *aux = aux_row(k, s->dyad);
-    LW_LANES(n) {
-        lw_prp z = lw_prp_solve(get(p, i), get(u, i), get(q, i), get(w, i));
-        if (outputs)
-            keep_margin(&margin[i], &aux[i], lw_prp_margin(&z), z.sine, outputs);
-        put(c, i, z.c);
-    }
-}
-
-static void turn_step(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows u = in_reg(k, s->in[0]), v = in_reg(k, s->in[1]);
-    const out_rows o = out_reg(k, s->out[0]);
-    const double sign = s->dim[0];
-    LW_LANES(n) put(o, i, lw_v2_turn(get(u, i), lw_v2(v.x[i], sign*v.y[i])));
-}
-
-static void slide_step(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]);
-    const out_rows o = out_reg(k, s->out[0]);
-    LW_LANES(n) put(o, i, lw_frame_point(get(q, i), get(w, i), d.x[i], 0));
-}
-
-static void times(const out_rows o, in_rows u, double sign, size_t n)
-{
-    LW_LANES(n) {
-        lw_vec2 a = lw_v2(o.x[i], o.y[i]), b = get(u, i);
-        put(o, i, lw_v2_turn(a, lw_v2(b.x, sign*b.y)));
-    }
-}
-
-/* e^{i phase} u^m v^n by repeated products; m and n are small. */
-LW_INLINE void gear(const run *k, const lw_step *s, size_t n, const int per_lane)
+/* As lw_step_value, whose number of products would be another in each step: one product after the other over all
+ * lanes. */
+LW_INLINE void forward_gear(const run *k, const lw_step *s, size_t n, const int per_lane)
 {
     const out_rows o = out_reg(k, s->out[0]);
     const double *c = s->dim[0] < 0 ? reg_x(k, 1) : cos_of(k, s->dim[2]);
@@ -161,71 +112,37 @@ LW_INLINE void gear(const run *k, const lw_step *s, size_t n, const int per_lane
     const double c0 = *c, t0 = *t;
     LW_LANES(n) put(o, i, lw_v2(per_lane && s->dim[0] >= 0 ? c[i] : c0, per_lane && s->dim[0] >= 0 ? t[i] : t0));
     for (int h = 0; h < 2 && s->in[h] >= 0; h++)
-        for (int m = 0; m < (s->power[h] < 0 ? -s->power[h] : s->power[h]); m++)
-            times(o, in_reg(k, s->in[h]), s->power[h] < 0 ? -1 : 1, n);
+        for (int m = 0; m < (s->power[h] < 0 ? -s->power[h] : s->power[h]); m++) {
+            const in_rows u = in_reg(k, s->in[h]);
+            const double sign = s->power[h] < 0 ? -1 : 1;
+            LW_LANES(n) put(o, i, lw_v2_turn(lw_v2(o.x[i], o.y[i]), lw_v2(u.x[i], sign*u.y[i])));
+        }
 }
 
-static void along(const run *k, const lw_step *s, size_t n)
+LW_INLINE void forward_kind(const run *k, const lw_step *s, int keep, size_t n, const lw_step_kind kind,
+                            const int per_lane, const int outputs)
 {
-    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), p = in_reg(k, s->in[2]);
-    const out_rows o = out_reg(k, s->out[0]);
-    LW_LANES(n) put(o, i, lw_v2(lw_v2_dot(lw_v2_sub(get(p, i), get(q, i)), get(w, i)), 0));
-}
-
-LW_INLINE void roll(const run *k, const lw_step *s, size_t n, const int per_lane)
-{
-    const in_rows u = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
-    const out_rows o = out_reg(k, s->out[0]);
-    const double *rho = dim_of(k, s->dim[0]), *shift = dim_of(k, s->dim[1]), rho0 = *rho, shift0 = *shift;
-    LW_LANES(n) put(o, i, lw_v2_turn(get(u, i), lw_sincos(lw_rolled(d.x[i], per_lane ? rho[i] : rho0,
-                                                                    per_lane ? shift[i] : shift0))));
-}
-
-LW_INLINE void rack(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs)
-{
-    const in_rows v = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]);
-    const out_rows o = out_reg(k, s->out[0]);
-    const double *rho = dim_of(k, s->dim[0]), *shift = dim_of(k, s->dim[1]), *middle = dim_of(k, s->dim[2]);
-    const double rho0 = *rho, shift0 = *shift, middle0 = *middle;
-    double *margin = k->margin;
-    LW_LANES(n) {
-        lw_vec2 a = lw_v2_unturn(get(v, i), get(u, i));
-        double m = per_lane ? middle[i] : middle0, by = lw_off_middle(lw_bearing(a.x, a.y), m);
-        if (outputs)
-            margin[i] = lw_at_most(lw_rack_margin(by), margin[i]);
-        put(o, i, lw_v2((per_lane ? shift[i] : shift0) + (per_lane ? rho[i] : rho0)*(m + by), 0));
-    }
+    if (kind == LW_STEP_RRR)
+        switch ((s->out[1] < 0 ? keep & 1 : keep & 3) | (outputs == WITH_ROOTS)) {
+        case 0:  forward_rrr(k, s, n, per_lane, outputs, 4); break;
+        case 1:  forward_rrr(k, s, n, per_lane, outputs, 5); break;
+        case 2:  forward_rrr(k, s, n, per_lane, outputs, 6); break;
+        default: forward_rrr(k, s, n, per_lane, outputs, 7);
+        }
+    else if (kind == LW_STEP_GEAR)
+        forward_gear(k, s, n, per_lane);
+    else
+        forward_lanes(k, s, n, kind, per_lane, outputs, (1 << lw_step_outputs(kind)) - 1, 0);
 }
 
 /* One copy of each loop for each combination of per_lane and outputs. */
 LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, const int per_lane, const int outputs)
 {
     switch (s->kind) {
-    case LW_STEP_INPUT_PIN:   input_pin(k, s, n); break;
-    case LW_STEP_INPUT_SLIDE: input_slide(k, s, n); break;
-    case LW_STEP_POINT:       point(k, s, n, per_lane); break;
-    case LW_STEP_LINE:        line(k, s, n, per_lane); break;
-    case LW_STEP_RRR:
-        if (outputs == WITH_ROOTS)
-            keep |= 1;
-        switch (s->out[1] < 0 ? keep & 1 : keep & 3) {
-        case 0:  rrr(k, s, n, per_lane, outputs, 0); break;
-        case 1:  rrr(k, s, n, per_lane, outputs, 1); break;
-        case 2:  rrr(k, s, n, per_lane, outputs, 2); break;
-        default: rrr(k, s, n, per_lane, outputs, 3);
-        }
-        break;
-    case LW_STEP_RRP:         rrp(k, s, n, per_lane, outputs); break;
-    case LW_STEP_RPR:         rpr(k, s, n, per_lane, outputs); break;
-    case LW_STEP_PRP:
-    case LW_STEP_PPR:         prp(k, s, n, outputs); break;
-    case LW_STEP_HIGHER:      break;                       /* see lw_forward */
-    case LW_STEP_TURN:        turn_step(k, s, n); break;
-    case LW_STEP_SLIDE:       slide_step(k, s, n); break;
-    case LW_STEP_GEAR:        gear(k, s, n, per_lane); break;
-    case LW_STEP_ALONG:       along(k, s, n); break;
-    case LW_STEP_ROLL:        roll(k, s, n, per_lane); break;
-    case LW_STEP_RACK:        rack(k, s, n, per_lane, outputs); break;
+#define X(name, ...) case LW_STEP_##name: forward_kind(k, s, keep, n, LW_STEP_##name, per_lane, outputs); break;
+    LW_STEP_LIST(X)
+#undef X
+    case LW_STEP_HIGHER: break;                            /* see lw_forward */
     }
 }
 
@@ -264,212 +181,69 @@ void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs)
 /* ---- steps backwards: see mbs/plan/dyad_internal.h --------------------------------------------------
  * Several inputs of a step may be one register, so that its adjoint is read again after it is written. */
 
-static void back_input_pin(const run *k, const lw_step *s, size_t n, double *input_bar)
+/* Add the adjoint of input h, a point or a direction. */
+LW_INLINE void add_bar(const lw_step_kind kind, const int h, out_rows to, size_t i, const lw_step_lane *z)
 {
-    const double *u = bar_x(k, s->out[0]);
-    LW_LANES(n) input_bar[i] += u[i];
+    if (lw_step_points(kind) >> h & 1)
+        add_to(to, i, z->in_bar[h]);
+    else if (h < lw_step_inputs(kind))
+        to.x[i] += z->in_bar[h].x;
 }
 
-static void back_input_slide(const run *k, const lw_step *s, size_t n, double *input_bar)
+/* Adjoints of input h; spare rows for one that a gear lacks. */
+LW_INLINE out_rows in_bar_of(const run *k, const lw_step *s, const lw_step_kind kind, const int h)
 {
-    const in_rows w = in_reg(k, s->in[1]), o_bar = in_bar(k, s->out[0]);
-    const out_rows q_bar = out_bar(k, s->in[0]);
-    const double *d = k->c;
-    double *w_bar = bar_x(k, s->in[1]);
+    return kind == LW_STEP_GEAR && s->in[h] < 0 ? (out_rows){ k->spare, k->spare + k->nb }
+                                                : out_bar(k, in_of(s, kind, h));
+}
+
+/* Adjoints of output h; zeros for one that the step lacks. */
+LW_INLINE in_rows out_bar_of(const run *k, const lw_step *s, const lw_step_kind kind, const int h)
+{
+    const int lacks = h >= lw_step_outputs(kind) || (kind == LW_STEP_RRR && h == 1 && s->out[h] < 0);
+    return lacks ? in_reg(k, LW_ORIGIN_REG) : in_bar(k, s->out[h]);
+}
+
+LW_INLINE void back_lanes(const run *k, const lw_step *s, size_t n, double *input_bar, const lw_step_kind kind)
+{
+    const int dyad = kind >= LW_STEP_RRR && kind <= LW_STEP_PPR, dims = lw_step_dims(kind);
+    const in_rows a = in_reg(k, in_of(s, kind, 0)), b = in_reg(k, in_of(s, kind, 1));
+    const in_rows c = in_reg(k, in_of(s, kind, 2)), d = in_reg(k, in_of(s, kind, 3));
+    const in_rows o = in_reg(k, out_of(s, kind, 0)), p = in_reg(k, out_of(s, kind, 1));
+    const in_rows o_bar = out_bar_of(k, s, kind, 0), p_bar = out_bar_of(k, s, kind, 1);
+    const in_rows t_bar = out_bar_of(k, s, kind, 2);
+    const out_rows a_bar = in_bar_of(k, s, kind, 0), b_bar = in_bar_of(k, s, kind, 1);
+    const out_rows c_bar = in_bar_of(k, s, kind, 2), d_bar = in_bar_of(k, s, kind, 3);
+    double *x_bar = dim_bar(k, dims > 0 ? s->dim[0] : -1), *y_bar = dim_bar(k, dims > 1 ? s->dim[1] : -1);
+    const number_rows r = number_rows_of(k, s, kind);
+    const lw_step_numbers shared = numbers_at(&r, s, 0, kind);
+    const double *inv = aux_row(k, dyad ? s->dyad : 0);
     LW_LANES(n) {
-        lw_vec2 o = get(o_bar, i), u = get(w, i);
-        input_bar[i] += lw_v2_dot(o, u);
-        w_bar[i] += d[i]*lw_v2_dot(o, lw_v2_perp(u));
-        add_to(q_bar, i, o);
-    }
-}
-
-static void back_point(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows d = in_reg(k, s->in[1]), p_bar = in_bar(k, s->out[0]);
-    const out_rows o_bar = out_bar(k, s->in[0]);
-    const double x = *dim_of(k, s->dim[0]), y = *dim_of(k, s->dim[1]);
-    double *d_bar = bar_x(k, s->in[1]), *x_bar = dim_bar(k, s->dim[0]), *y_bar = dim_bar(k, s->dim[1]);
-    LW_LANES(n) {
-        lw_vec2 p = get(p_bar, i), u = get(d, i);
-        double along = lw_v2_dot(p, u), across = lw_v2_dot(p, lw_v2_perp(u));
-        x_bar[i] += along;
-        y_bar[i] += across;
-        d_bar[i] += x*across - y*along;
-        add_to(o_bar, i, p);
-    }
-}
-
-static void back_line(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows w = in_reg(k, s->out[1]), q_bar = in_bar(k, s->out[0]);
-    const out_rows o_bar = out_bar(k, s->in[0]);
-    const double e = *dim_of(k, s->dim[0]), *w_bar = bar_x(k, s->out[1]);
-    double *d_bar = bar_x(k, s->in[1]), *e_bar = dim_bar(k, s->dim[0]), *beta_bar = dim_bar(k, s->dim[1]);
-    LW_LANES(n) {
-        lw_vec2 q = get(q_bar, i), u = get(w, i);
-        double turn = w_bar[i] - e*lw_v2_dot(q, u);
-        e_bar[i] += lw_v2_dot(q, lw_v2_perp(u));
-        beta_bar[i] += turn;
-        d_bar[i] += turn;
-        add_to(o_bar, i, q);
-    }
-}
-
-/* Add `pull` to the adjoint of b, and the adjoint of the tip minus `pull` to that of a. */
-LW_INLINE void share_pull(out_rows a_bar, out_rows b_bar, size_t i, lw_vec2 tip, lw_vec2 pull)
-{
-    add_to(a_bar, i, lw_v2_sub(tip, pull));
-    add_to(b_bar, i, pull);
-}
-
-static void back_rrr(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]), u = in_reg(k, s->out[0]),
-        c_bar = in_bar(k, s->out[2]);
-    const out_rows a_bar = out_bar(k, s->in[0]), b_bar = out_bar(k, s->in[1]);
-    const double r1 = *dim_of(k, s->dim[0]), r2 = *dim_of(k, s->dim[1]), by_r2 = 1/lw_away_from_zero(r2);
-    const double *inv = aux_row(k, s->dyad), *u_bar = bar_x(k, s->out[0]);
-    const double *v_bar = s->out[1] < 0 ? reg_x(k, 0) : bar_x(k, s->out[1]);
-    double *r1_bar = dim_bar(k, s->dim[0]), *r2_bar = dim_bar(k, s->dim[1]);
-    LW_LANES(n) {
-        lw_vec2 u1 = get(u, i), c = get(c_bar, i), tip = lw_frame_point(get(a, i), u1, r1, 0);
-        lw_vec2 u2 = lw_v2_scale(lw_v2_sub(tip, get(b, i)), by_r2);
-        double d1 = lw_v2_dot(c, u1), d2 = 0, turn = u_bar[i] + r1*lw_v2_dot(c, lw_v2_perp(u1));
-        lw_vec2 pull = lw_rrr_back(u1, u2, r1, r2, inv[i], turn, v_bar[i], &d1, &d2);
-        r1_bar[i] += d1;
-        r2_bar[i] += d2;
-        share_pull(a_bar, b_bar, i, c, pull);
-    }
-}
-
-static void back_rrp(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows q = in_reg(k, s->in[1]), w = in_reg(k, s->in[2]), u = in_reg(k, s->out[0]), c = in_reg(k, s->out[1]);
-    const in_rows c_bar = in_bar(k, s->out[1]);
-    const out_rows a_bar = out_bar(k, s->in[0]), q_bar = out_bar(k, s->in[1]);
-    const double r = *dim_of(k, s->dim[0]), *inv = aux_row(k, s->dyad), *u_bar = bar_x(k, s->out[0]);
-    double *w_bar = bar_x(k, s->in[2]), *r_bar = dim_bar(k, s->dim[0]);
-    LW_LANES(n) {
-        lw_vec2 u1 = get(u, i), w1 = get(w, i), bar = get(c_bar, i);
-        double t = lw_v2_dot(lw_v2_sub(get(c, i), get(q, i)), w1);
-        double d = lw_v2_dot(bar, u1), dw = 0, turn = u_bar[i] + r*lw_v2_dot(bar, lw_v2_perp(u1));
-        lw_vec2 pull = lw_rrp_back(u1, w1, t, inv[i], turn, &d, &dw);
-        r_bar[i] += d;
-        w_bar[i] += dw;
-        share_pull(a_bar, q_bar, i, bar, pull);
-    }
-}
-
-static void back_rpr(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows u = in_reg(k, s->out[0]);
-    const out_rows a_bar = out_bar(k, s->in[0]), b_bar = out_bar(k, s->in[1]);
-    const double *u_bar = bar_x(k, s->out[0]), *inv = aux_row(k, s->dyad);
-    double *e_bar = dim_bar(k, s->dim[0]);
-    LW_LANES(n) {
-        double d = 0;
-        lw_vec2 pull = lw_rpr_back(get(u, i), inv[i], u_bar[i], &d);
-        e_bar[i] += d;
-        share_pull(a_bar, b_bar, i, lw_v2(0, 0), pull);
-    }
-}
-
-static void back_prp(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows p = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]), q = in_reg(k, s->in[2]), w = in_reg(k, s->in[3]);
-    const in_rows c = in_reg(k, s->out[0]), c_bar = in_bar(k, s->out[0]);
-    const out_rows p_bar = out_bar(k, s->in[0]), q_bar = out_bar(k, s->in[2]);
-    const double *inv = aux_row(k, s->dyad);
-    double *u_bar = bar_x(k, s->in[1]), *w_bar = bar_x(k, s->in[3]);
-    LW_LANES(n) {
-        lw_vec2 tip = get(c, i), u1 = get(u, i), u2 = get(w, i), bar = get(c_bar, i);
-        double t1 = lw_v2_dot(lw_v2_sub(tip, get(p, i)), u1), t2 = lw_v2_dot(lw_v2_sub(tip, get(q, i)), u2);
-        double d1 = 0, d2 = 0;
-        lw_vec2 pull = lw_prp_back(u1, u2, t1, t2, inv[i], bar, &d1, &d2);
-        u_bar[i] += d1;
-        w_bar[i] += d2;
-        share_pull(p_bar, q_bar, i, bar, pull);
-    }
-}
-
-static void back_turn(const run *k, const lw_step *s, size_t n)
-{
-    const double *o = bar_x(k, s->out[0]), sign = s->dim[0];
-    double *u = bar_x(k, s->in[0]), *v = bar_x(k, s->in[1]);
-    LW_LANES(n) {
-        u[i] += o[i];
-        v[i] += sign*o[i];
-    }
-}
-
-static void back_slide(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]), o_bar = in_bar(k, s->out[0]);
-    const out_rows q_bar = out_bar(k, s->in[0]);
-    double *w_bar = bar_x(k, s->in[1]), *d_bar = bar_x(k, s->in[2]);
-    LW_LANES(n) {
-        lw_vec2 o = get(o_bar, i), u = get(w, i);
-        d_bar[i] += lw_v2_dot(o, u);
-        w_bar[i] += d.x[i]*lw_v2_dot(o, lw_v2_perp(u));
-        add_to(q_bar, i, o);
-    }
-}
-
-static void back_gear(const run *k, const lw_step *s, size_t n)
-{
-    const double *o = bar_x(k, s->out[0]);
-    for (int h = 0; h < 2 && s->in[h] >= 0; h++) {
-        double *u = bar_x(k, s->in[h]);
-        const double power = s->power[h];
-        LW_LANES(n) u[i] += power*o[i];
-    }
-    if (s->dim[0] >= 0) {
-        double *phase_bar = dim_bar(k, s->dim[0]);
-        LW_LANES(n) phase_bar[i] += o[i];
-    }
-}
-
-static void back_along(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), p = in_reg(k, s->in[2]);
-    const out_rows q_bar = out_bar(k, s->in[0]), p_bar = out_bar(k, s->in[2]);
-    const double *d_bar = bar_x(k, s->out[0]);
-    double *w_bar = bar_x(k, s->in[1]);
-    LW_LANES(n) {
-        lw_vec2 u = get(w, i), offset = lw_v2_sub(get(p, i), get(q, i));
-        add_to(p_bar, i, lw_v2_scale(u, d_bar[i]));
-        add_to(q_bar, i, lw_v2_scale(u, -d_bar[i]));
-        w_bar[i] += d_bar[i]*lw_v2_dot(offset, lw_v2_perp(u));
-    }
-}
-
-static void back_roll(const run *k, const lw_step *s, size_t n)
-{
-    const double *o = bar_x(k, s->out[0]), *d = reg_x(k, s->in[1]);
-    const double rho = *dim_of(k, s->dim[0]), shift = *dim_of(k, s->dim[1]), by_rho = 1/lw_away_from_zero(rho);
-    double *u_bar = bar_x(k, s->in[0]), *d_bar = bar_x(k, s->in[1]);
-    double *rho_bar = dim_bar(k, s->dim[0]), *shift_bar = dim_bar(k, s->dim[1]);
-    LW_LANES(n) {
-        u_bar[i] += o[i];
-        d_bar[i] += o[i]*by_rho;
-        shift_bar[i] -= o[i]*by_rho;
-        rho_bar[i] -= o[i]*by_rho*lw_rolled(d[i], rho, shift);
-    }
-}
-
-/* The middle of a rack has no derivative: it only selects a turn. */
-static void back_rack(const run *k, const lw_step *s, size_t n)
-{
-    const double *d_bar = bar_x(k, s->out[0]), *d = reg_x(k, s->out[0]);
-    const double rho = *dim_of(k, s->dim[0]), shift = *dim_of(k, s->dim[1]);
-    double *v_bar = bar_x(k, s->in[0]), *u_bar = bar_x(k, s->in[1]);
-    double *rho_bar = dim_bar(k, s->dim[0]), *shift_bar = dim_bar(k, s->dim[1]);
-    LW_LANES(n) {
-        v_bar[i] += rho*d_bar[i];
-        u_bar[i] -= rho*d_bar[i];
-        shift_bar[i] += d_bar[i];
-        rho_bar[i] += d_bar[i]*lw_rolled(d[i], rho, shift);
+        lw_step_lane z;
+        lw_step_numbers q = shared;
+        if (lw_step_is_input(kind))
+            q.turn = lw_v2(r.c[i], r.s[i]);
+        z.in[0] = get(a, i);
+        z.in[1] = get(b, i);
+        z.in[2] = get(c, i);
+        z.in[3] = get(d, i);
+        z.out[0] = get(o, i);
+        z.out[1] = get(p, i);
+        z.out_bar[0] = get(o_bar, i);
+        z.out_bar[1] = get(p_bar, i);
+        z.out_bar[2] = get(t_bar, i);
+        z.inv = dyad ? inv[i] : 0;
+        lw_step_back(kind, &z, &q);
+        if (lw_step_is_input(kind))
+            input_bar[i] += z.input_bar;
+        if (dims > 0)
+            x_bar[i] += z.dim_bar[0];
+        if (dims > 1)
+            y_bar[i] += z.dim_bar[1];
+        add_bar(kind, 0, a_bar, i, &z);
+        add_bar(kind, 1, b_bar, i, &z);
+        add_bar(kind, 2, c_bar, i, &z);
+        add_bar(kind, 3, d_bar, i, &z);
     }
 }
 
@@ -479,22 +253,10 @@ void lw_backward(const run *k, int which, size_t n, double *input_bar)
     for (int i = n_step_of(p, which) - 1; i >= 0; i--) {
         const lw_step *s = step_of(p, which, i);
         switch (s->kind) {
-        case LW_STEP_INPUT_PIN:   back_input_pin(k, s, n, input_bar); break;
-        case LW_STEP_INPUT_SLIDE: back_input_slide(k, s, n, input_bar); break;
-        case LW_STEP_POINT:       back_point(k, s, n); break;
-        case LW_STEP_LINE:        back_line(k, s, n); break;
-        case LW_STEP_RRR:         back_rrr(k, s, n); break;
-        case LW_STEP_RRP:         back_rrp(k, s, n); break;
-        case LW_STEP_RPR:         back_rpr(k, s, n); break;
-        case LW_STEP_PRP:
-        case LW_STEP_PPR:         back_prp(k, s, n); break;
-        case LW_STEP_HIGHER:      lw_higher_backward(k, s, n); break;
-        case LW_STEP_TURN:        back_turn(k, s, n); break;
-        case LW_STEP_SLIDE:       back_slide(k, s, n); break;
-        case LW_STEP_GEAR:        back_gear(k, s, n); break;
-        case LW_STEP_ALONG:       back_along(k, s, n); break;
-        case LW_STEP_ROLL:        back_roll(k, s, n); break;
-        case LW_STEP_RACK:        back_rack(k, s, n); break;
+#define X(name, ...) case LW_STEP_##name: back_lanes(k, s, n, input_bar, LW_STEP_##name); break;
+        LW_STEP_LIST(X)
+#undef X
+        case LW_STEP_HIGHER: lw_higher_backward(k, s, n); break;
         }
     }
 }
@@ -504,72 +266,25 @@ void lw_backward(const run *k, int which, size_t n, double *input_bar)
 /* Margin of step s in lane i.  With `seed` also add its adjoints.  Steps without a margin and higher groups: 1. */
 static double step_margin(const run *k, const lw_step *s, size_t i, bool seed)
 {
-    switch (s->kind) {
-    case LW_STEP_RRR: {
-        double r1 = *dim_of(k, s->dim[0]), r2 = *dim_of(k, s->dim[1]);
-        lw_rrr z = lw_rrr_solve(get(in_reg(k, s->in[0]), i), get(in_reg(k, s->in[1]), i), r1, r2, 1);
-        if (seed) {                                        /* 1 - cos^2 of the triangle r1, r2, d       */
-            double cosine = (z.r1*z.r1 + z.r2*z.r2 - z.d2)/(2*z.r1*z.r2);
-            lw_vec2 pull = lw_v2_scale(z.span, 2*cosine/(z.r1*z.r2));
-            dim_bar(k, s->dim[0])[i] -= 2*cosine*(1/z.r2 - cosine/z.r1);
-            dim_bar(k, s->dim[1])[i] -= 2*cosine*(1/z.r1 - cosine/z.r2);
-            add_to(out_bar(k, s->in[0]), i, lw_v2_scale(pull, -1));
-            add_to(out_bar(k, s->in[1]), i, pull);
-        }
-        return lw_rrr_margin(&z, lw_rrr_flat(r1, r2));
-    }
-    case LW_STEP_RRP: {
-        lw_vec2 w = get(in_reg(k, s->in[2]), i);
-        lw_vec2 off = lw_v2_sub(get(in_reg(k, s->in[1]), i), get(in_reg(k, s->in[0]), i));
-        lw_rrp z = lw_rrp_solve(lw_v2_cross(w, off), *dim_of(k, s->dim[0]), 1);
-        if (seed) {                                        /* 1 - (away/r)^2                            */
-            double away = lw_v2_cross(w, off), by_away = -2*away/(z.r*z.r);
-            lw_vec2 pull = lw_v2_scale(lw_v2_perp(w), by_away);
-            dim_bar(k, s->dim[0])[i] -= by_away*away/z.r;
-            bar_x(k, s->in[2])[i] -= by_away*lw_v2_dot(w, off);
-            add_to(out_bar(k, s->in[0]), i, lw_v2_scale(pull, -1));
-            add_to(out_bar(k, s->in[1]), i, pull);
-        }
-        return lw_rrp_margin(&z);
-    }
-    case LW_STEP_RPR: {
-        double e = *dim_of(k, s->dim[0]);
-        lw_vec2 a = get(in_reg(k, s->in[0]), i), b = get(in_reg(k, s->in[1]), i);
-        lw_rpr z = lw_rpr_solve(a, b, e, 1);
-        if (seed) {                                        /* 1 - e^2/d^2                               */
-            lw_vec2 pull = lw_v2_scale(lw_joint_span(a, b), 2*e*e/(z.d2*z.d2));
-            dim_bar(k, s->dim[0])[i] -= 2*e/z.d2;
-            add_to(out_bar(k, s->in[0]), i, lw_v2_scale(pull, -1));
-            add_to(out_bar(k, s->in[1]), i, pull);
-        }
-        return lw_rpr_margin(&z);
-    }
-    case LW_STEP_PRP:
-    case LW_STEP_PPR: {
-        lw_vec2 u = get(in_reg(k, s->in[1]), i), w = get(in_reg(k, s->in[3]), i);
-        double sine = lw_v2_cross(u, w), turn = 2*sine*lw_v2_dot(u, w);
-        if (seed) {
-            bar_x(k, s->in[1])[i] -= turn;
-            bar_x(k, s->in[3])[i] += turn;
-        }
-        return sine*sine;
-    }
-    case LW_STEP_RACK: {
-        double middle = *dim_of(k, s->dim[2]);
-        lw_vec2 a = lw_v2_unturn(get(in_reg(k, s->in[0]), i), get(in_reg(k, s->in[1]), i));
-        double off = lw_off_middle(lw_bearing(a.x, a.y), middle), by_off = -2*off/(LW_RACK_REACH*LW_RACK_REACH);
-        if (seed) {
-            bar_x(k, s->in[0])[i] += by_off;
-            bar_x(k, s->in[1])[i] -= by_off;
-            dim_bar(k, s->dim[2])[i] -= by_off;
-        }
-        return lw_rack_margin(off);
-    }
-    case LW_STEP_INPUT_PIN: case LW_STEP_INPUT_SLIDE: case LW_STEP_POINT: case LW_STEP_LINE: case LW_STEP_HIGHER:
-    case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_GEAR: case LW_STEP_ALONG: case LW_STEP_ROLL:
+    if (s->dyad < 0 && s->kind != LW_STEP_RACK)
         return 1;
-    }
-    return 1;
+    const int inputs = lw_step_inputs(s->kind), dims = lw_step_dims(s->kind);
+    lw_step_lane z = { .margin = 1 };
+    lw_step_numbers q = { .mode = 1 };
+    for (int h = 0; h < inputs; h++)
+        z.in[h] = get(in_reg(k, s->in[h]), i);
+    for (int h = 0; h < dims; h++)
+        q.dim[h] = *dim_of(k, s->dim[h]);
+    lw_step_prepare(s->kind, &q);
+    lw_step_value(s->kind, &z, &q, 0);
+    if (!seed)
+        return z.margin;
+    lw_step_margin_back(s->kind, &z, &q);
+    for (int h = 0; h < inputs; h++)
+        add_to(out_bar(k, s->in[h]), i, z.in_bar[h]);
+    for (int h = 0; h < dims; h++)
+        dim_bar(k, s->dim[h])[i] += z.dim_bar[h];
+    return z.margin;
 }
 
 /* Margins of dyads are computed twice, by other expressions: this much apart they are the same. */

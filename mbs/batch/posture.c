@@ -2,10 +2,9 @@
  * its Taylor coefficients in the input, every operation by that on the coefficients (Griewank & Walther 2008, ch. 13).
  * The derivatives are exact to rounding. */
 #include "mbs/batch/posture.h"
-#include "mbs/plan/dyad_internal.h"
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/plan/plan_internal.h"
-#include "mbs/plan/sincos_internal.h"
+#include "mbs/plan/steps_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,100 +13,25 @@
 
 static double value(const double *dim, int d) { return d < 0 ? 0 : dim[d]; }
 
-static double solve_rrr(const lw_step *s, const double *dim, double mode, lw_vec2 *reg)
-{
-    double r1 = dim[s->dim[0]], r2 = dim[s->dim[1]];
-    lw_rrr z = lw_rrr_solve(reg[s->in[0]], reg[s->in[1]], r1, r2, mode);
-    reg[s->out[0]] = lw_rrr_first(&z);
-    if (s->out[1] >= 0)
-        reg[s->out[1]] = lw_rrr_second(&z);
-    reg[s->out[2]] = lw_v2_add(reg[s->in[0]], lw_rrr_arm(&z));
-    return lw_rrr_margin(&z, lw_rrr_flat(r1, r2));
-}
-
-/* u times v to the power n. */
-static lw_vec2 times_power(lw_vec2 u, lw_vec2 v, int n)
-{
-    v.y = n < 0 ? -v.y : v.y;
-    for (int i = 0; i < abs(n); i++)
-        u = lw_v2_turn(u, v);
-    return u;
-}
-
-static lw_vec2 solve_gear(const lw_step *s, const double *dim, const lw_vec2 *reg)
-{
-    lw_vec2 u = times_power(lw_v2_polar(1, value(dim, s->dim[0])), reg[s->in[0]], s->power[0]);
-    return s->in[1] < 0 ? u : times_power(u, reg[s->in[1]], s->power[1]);
-}
-
-/* Compute the displacement of a rack.  Returns its margin. */
-static double solve_rack(const lw_step *s, const double *dim, lw_vec2 *reg)
-{
-    lw_vec2 a = lw_v2_unturn(reg[s->in[0]], reg[s->in[1]]);
-    double middle = dim[s->dim[2]], off = remainder(atan2(a.y, a.x) - middle, 2*LW_PI);
-    reg[s->out[0]] = lw_v2(dim[s->dim[1]] + dim[s->dim[0]]*(middle + off), 0);
-    return lw_rack_margin(off);
-}
-
 /* Evaluate one step.  Returns the margin of a dyad or rack, 1 for other steps. */
 static double solve_step(const lw_step *s, const double *dim, const double *mode, double input, lw_vec2 *reg)
 {
-    const int *in = s->in, *out = s->out;
-    double sign = s->dyad < 0 ? 1 : mode[s->dyad];
-    switch (s->kind) {
-    case LW_STEP_INPUT_PIN:
-        reg[out[0]] = lw_v2_polar(1, input);
-        return 1;
-    case LW_STEP_INPUT_SLIDE:
-        reg[out[0]] = lw_frame_point(reg[in[0]], reg[in[1]], input, 0);
-        return 1;
-    case LW_STEP_POINT:
-        reg[out[0]] = lw_frame_point(reg[in[0]], reg[in[1]], value(dim, s->dim[0]), value(dim, s->dim[1]));
-        return 1;
-    case LW_STEP_LINE:
-        reg[out[1]] = lw_v2_turn(lw_v2_polar(1, dim[s->dim[1]]), reg[in[1]]);
-        reg[out[0]] = lw_frame_point(reg[in[0]], reg[out[1]], 0, value(dim, s->dim[0]));
-        return 1;
-    case LW_STEP_RRR:
-        return solve_rrr(s, dim, sign, reg);
-    case LW_STEP_RRP: {
-        lw_rrp z = lw_rrp_solve_along(reg[in[0]], reg[in[1]], reg[in[2]], dim[s->dim[0]], sign);
-        reg[out[0]] = lw_rrp_direction(&z);
-        reg[out[1]] = lw_v2_add(reg[in[0]], z.arm);
-        return lw_rrp_margin(&z);
-    }
-    case LW_STEP_RPR: {
-        lw_rpr z = lw_rpr_solve(reg[in[0]], reg[in[1]], dim[s->dim[0]], sign);
-        reg[out[0]] = z.u;
-        return lw_rpr_margin(&z);
-    }
-    case LW_STEP_TURN:
-        reg[out[0]] = lw_v2_turn(reg[in[0]], lw_v2(reg[in[1]].x, s->dim[0]*reg[in[1]].y));
-        return 1;
-    case LW_STEP_GEAR:
-        reg[out[0]] = solve_gear(s, dim, reg);
-        return 1;
-    case LW_STEP_SLIDE:
-        reg[out[0]] = lw_frame_point(reg[in[0]], reg[in[1]], reg[in[2]].x, 0);
-        return 1;
-    case LW_STEP_ALONG:
-        reg[out[0]] = lw_v2(lw_v2_dot(lw_v2_sub(reg[in[2]], reg[in[0]]), reg[in[1]]), 0);
-        return 1;
-    case LW_STEP_ROLL:
-        reg[out[0]] = lw_v2_turn(reg[in[0]], lw_v2_polar(1, lw_rolled(reg[in[1]].x, dim[s->dim[0]], dim[s->dim[1]])));
-        return 1;
-    case LW_STEP_RACK:
-        return solve_rack(s, dim, reg);
-    case LW_STEP_PRP:
-    case LW_STEP_PPR: {
-        lw_prp z = lw_prp_solve(reg[in[0]], reg[in[1]], reg[in[2]], reg[in[3]]);
-        reg[out[0]] = z.c;
-        return lw_prp_margin(&z);
-    }
-    case LW_STEP_HIGHER:
-        break;                                             /* see registers */
-    }
-    return 1;
+    lw_step_lane z = { .margin = 1 };
+    lw_step_numbers q = { .mode = s->dyad < 0 ? 1 : mode[s->dyad], .power = { s->power[0], s->power[1] } };
+    for (int h = 0; h < lw_step_dims(s->kind); h++)
+        q.dim[h] = value(dim, s->dim[h]);
+    if (s->kind == LW_STEP_INPUT_SLIDE)
+        q.turn = lw_v2(input, 0);
+    else if (s->kind == LW_STEP_INPUT_PIN || s->kind == LW_STEP_LINE || s->kind == LW_STEP_GEAR)
+        q.turn = lw_v2_polar(1, s->kind == LW_STEP_INPUT_PIN ? input : q.dim[s->kind == LW_STEP_LINE]);
+    lw_step_prepare(s->kind, &q);
+    for (int h = 0; h < lw_step_inputs(s->kind) && s->in[h] >= 0; h++)
+        z.in[h] = reg[s->in[h]];
+    lw_step_value(s->kind, &z, &q, 0);
+    for (int h = 0; h < lw_step_outputs(s->kind); h++)
+        if (s->out[h] >= 0)
+            reg[s->out[h]] = z.out[h];
+    return z.margin;
 }
 
 /* Copy the directions and displacements of a higher group to the registers. */
@@ -347,7 +271,7 @@ static void jet_step(const lw_step *s, const double *dim, const double *mode, do
         break;
     case LW_STEP_RRR: jet_rrr(s, dim, mode[s->dyad], reg); break;
     case LW_STEP_TURN:
-        reg[out[0]] = turn2(reg[in[0]], s->dim[0] < 0 ? conjugate(reg[in[1]]) : reg[in[1]]);
+        reg[out[0]] = turn2(reg[in[0]], s->power[0] < 0 ? conjugate(reg[in[1]]) : reg[in[1]]);
         break;
     case LW_STEP_GEAR:  reg[out[0]] = jet_gear(s, dim, reg); break;
     case LW_STEP_SLIDE: reg[out[0]] = add2(reg[in[0]], scale2(reg[in[1]], reg[in[2]].x)); break;

@@ -1,6 +1,7 @@
 /* mbs/dynamics/reduced_make.c - can one coordinate describe a model?  Its parts on the registers of the plan. */
 #include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
+#include "mbs/plan/steps_internal.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -205,20 +206,6 @@ static lw_dyad_step fill_step(const lw_reduced *r, const lw_step *from)
     return st;
 }
 
-/* Number of registers that a step fills. */
-static int outputs(const lw_step *st)
-{
-    return st->kind == LW_STEP_RRR ? 3 : st->kind == LW_STEP_RRP || st->kind == LW_STEP_LINE ? 2 : 1;
-}
-
-static int inputs(const lw_step *st)
-{
-    static const int n[] = { [LW_STEP_INPUT_PIN] = 0, [LW_STEP_INPUT_SLIDE] = 2, [LW_STEP_POINT] = 2,
-                             [LW_STEP_LINE] = 2, [LW_STEP_RRR] = 2, [LW_STEP_RRP] = 3, [LW_STEP_RPR] = 2,
-                             [LW_STEP_PRP] = 4, [LW_STEP_PPR] = 4 };
-    return n[st->kind];
-}
-
 /* Fill all steps in order.  Registers that never move are evaluated once, and their steps left out. */
 static void fill_steps(lw_reduced *r, bool *fixed)
 {
@@ -230,11 +217,11 @@ static void fill_steps(lw_reduced *r, bool *fixed)
     for (int i = 0; i < p->n_step; i++) {
         const lw_step *st = &p->step[i];
         bool still = st->kind == LW_STEP_POINT || st->kind == LW_STEP_LINE;
-        for (int k = 0; k < inputs(st); k++)
+        for (int k = 0; k < lw_step_inputs(st->kind); k++)
             still = still && fixed[st->in[k]];
         r->step[0] = fill_step(r, st);
         r->n_step = 1;
-        for (int k = 0; k < outputs(st); k++)
+        for (int k = 0; k < lw_step_outputs(st->kind); k++)
             if (st->out[k] >= 0)
                 fixed[st->out[k]] = still;
         if (still)
@@ -270,13 +257,12 @@ static void drop_steps(const lw_dynamics *d, lw_reduced *r)
             needed[r->joint[j].pin] = true;
     for (int i = r->n_step - 1; i >= 0; i--) {
         const lw_dyad_step *st = &r->step[i];
-        const lw_step as = { .kind = st->kind };
         bool live = st->kind >= LW_STEP_RRR;
-        for (int k = 0; k < outputs(&as); k++)
+        for (int k = 0; k < lw_step_outputs(st->kind); k++)
             live = live || (st->out[k] >= 0 && needed[st->out[k]]);
         if (!live)
             continue;
-        for (int k = 0; k < inputs(&as); k++)
+        for (int k = 0; k < lw_step_inputs(st->kind); k++)
             needed[st->in[k]] = true;
         r->step[--kept] = r->step[i];
     }

@@ -1,7 +1,7 @@
 /* mbs/plan/dyad_internal.h - the closed forms of the dyads and their derivatives, one posture at a time.
  *
- * The arithmetic has no branches.  It is inlined into every loop (mbs/batch/kernel*.c) and into the single posture
- * (mbs/batch/posture.c).  Internal to mbs.
+ * The arithmetic has no branches.  It is inlined into the steps of all plans (mbs/plan/steps_internal.h) and into the
+ * loops of the most frequent ones (mbs/batch/kernel_fast_dyad.c).  Internal to mbs.
  *
  * Where circles or lines do not meet, the square root of a negative number is replaced by 0 and the direction stays a
  * unit vector: the link points as near to the other as it can.  Where the centres coincide the direction is set along
@@ -89,11 +89,6 @@ LW_INLINE lw_vec2 lw_rrr_other(const lw_rrr *z, lw_vec2 where_met, const int met
 LW_INLINE lw_vec2 lw_rrr_first(const lw_rrr *z)
 {
     return lw_v2_scale(lw_v2_turn(z->span, lw_v2(z->p1, z->y)), 0.5/(z->d2*z->r1));
-}
-
-LW_INLINE lw_vec2 lw_rrr_second(const lw_rrr *z)
-{
-    return lw_v2_scale(lw_v2_turn(z->span, lw_v2(-z->p2, z->y)), 0.5/(z->d2*z->r2));
 }
 
 /* sin^2 of the angle between the two links; `flat` is 1/(2 r1 r2)^2. */

@@ -121,21 +121,32 @@ typedef struct lw_dyad {
     int joint[3];
 } lw_dyad;
 
-/* Kinds of steps.  The switches that evaluate steps have no default, so that a missing case does not compile
- * (-Werror=switch); docs/contributing.md lists their files. */
+/* Kinds of steps: name, number of inputs, which inputs are points (bit h: in[h]; the others are directions and
+ * displacements), number of outputs, number of dimensions that it has derivatives by.  The formulas stand in
+ * mbs/plan/steps_internal.h.  Its switches have no default, so that a missing case does not compile (-Werror=switch);
+ * docs/contributing.md lists the other files. */
+#define LW_STEP_LIST(X)                                                                                        \
+    X(INPUT_PIN,   0, 0, 1, 0)          /* direction of the input link from the input                      */  \
+    X(INPUT_SLIDE, 2, 1, 1, 0)          /* origin of the input link from the input                         */  \
+    X(POINT,       2, 1, 1, 2)          /* point on a link                                                 */  \
+    X(LINE,        2, 1, 2, 2)          /* slide line on a link: a point of it and its direction           */  \
+    X(RRR,         2, 3, 3, 2)          /* dyads                                                           */  \
+    X(RRP,         3, 3, 2, 1)                                                                                 \
+    X(RPR,         2, 3, 1, 1)                                                                                 \
+    X(PRP,         4, 5, 1, 0)                                                                                 \
+    X(PPR,         4, 5, 1, 0)                                                                                 \
+    X(TURN,        2, 0, 1, 0)          /* direction turned by another                                     */  \
+    X(SLIDE,       3, 1, 1, 0)          /* point along a line, by a displacement                           */  \
+    X(GEAR,        2, 0, 1, 1)          /* direction of a wheel                                            */  \
+    X(ALONG,       3, 5, 1, 0)          /* displacement of a slider between known links                    */  \
+    X(ROLL,        2, 0, 1, 2)          /* direction of a pinion from its rack                             */  \
+    X(RACK,        2, 0, 1, 3)          /* displacement of a rack from its pinion                          */
+
 typedef enum lw_step_kind {
-    LW_STEP_INPUT_PIN,        /* direction of the input link from the input                      */
-    LW_STEP_INPUT_SLIDE,      /* origin of the input link from the input                         */
-    LW_STEP_POINT,            /* point on a link                                                 */
-    LW_STEP_LINE,             /* slide line on a link: a point of it and its direction           */
-    LW_STEP_RRR, LW_STEP_RRP, LW_STEP_RPR, LW_STEP_PRP, LW_STEP_PPR,
-    LW_STEP_HIGHER,           /* a higher group: its directions and displacements                */
-    LW_STEP_TURN,             /* direction turned by another                                     */
-    LW_STEP_SLIDE,            /* point along a line, by a displacement                           */
-    LW_STEP_GEAR,             /* direction of a wheel                                            */
-    LW_STEP_ALONG,            /* displacement of a slider between known links                    */
-    LW_STEP_ROLL,             /* direction of a pinion from its rack                             */
-    LW_STEP_RACK              /* displacement of a rack from its pinion                          */
+#define X(name, inputs, points, outputs, dims) LW_STEP_##name,
+    LW_STEP_LIST(X)
+#undef X
+    LW_STEP_HIGHER            /* a higher group: its directions and displacements, found together            */
 } lw_step_kind;
 
 /* in[], out[] are register numbers, dim[] dimension numbers, -1 where unused.  A register is a point
@@ -150,7 +161,7 @@ typedef enum lw_step_kind {
  *     RRP           a, q, w                 u, c            r         c = a + r u = q + t w
  *     RPR           a, b                    u               e         b = a + (t + ie) u
  *     PRP, PPR      q1, w1, q2, w2          c                         c = q1 + t1 w1 = q2 + t2 w2
- *     TURN          u, v                    u v                       dim[0]: +1, or -1 for u conj(v)
+ *     TURN          u, v                    u v                       power[0]: +1, or -1 for u conj(v)
  *     SLIDE         q, w, (d, 0)            q + d w
  *     GEAR          u, v                    u^m v^n e^{i phi}  phi    m, n in power[]; v is 1 if in[1] is -1;
  *                                                                     dim[2] as for LINE

@@ -305,7 +305,7 @@ static void emit_links(group_builder *q)
             lw_step *s = lw_build_step(b, LW_STEP_TURN);
             s->in[0] = b->p->link_dir[r->a];
             s->in[1] = b->input_reg;
-            s->dim[0] = d->input;
+            s->power[0] = d->input;
             dir = s->out[0] = lw_build_reg(b);
         }
         lw_build_link(b, r->b, origin, dir);

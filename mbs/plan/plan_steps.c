@@ -337,7 +337,7 @@ static void sort_dims(builder *b)
         p->dim[to[i]] = old[i];
     }
     for (int i = 0; i < p->n_step; i++)
-        for (int h = 0; h < 3 && p->step[i].kind != LW_STEP_HIGHER && p->step[i].kind != LW_STEP_TURN; h++)
+        for (int h = 0; h < 3 && p->step[i].kind != LW_STEP_HIGHER; h++)
             renumber(&p->step[i].dim[h], to);
     for (int g = 0; g < p->n_higher; g++)
         lw_build_higher_renumber(&p->higher[g], to);
