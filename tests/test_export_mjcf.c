@@ -2,15 +2,12 @@
  * is skipped with a message. */
 #include "catalogues/exchange/export.h"
 
-#include <dlfcn.h>
-#include <unistd.h>
-
 #include "base/rng.h"
 #include "mbs/constraints/newton.h"
 #include "tests/dynamics_run.h"
 #include "tests/example_linkage.h"
 #include "tests/loaded_models.h"
-#include "tests/temporary.h"
+#include "tests/mujoco.h"
 
 static lw_bytes mjcf(const lw_linkage *k)
 {
@@ -94,37 +91,7 @@ static void refusals(void)
 /* ---- by MuJoCo ------------------------------------------------------------------------------------- */
 
 #if __has_include(<mujoco/mujoco.h>)
-#include <mujoco/mujoco.h>
-
 #define DOF_MAX 64
-
-static struct {
-    __typeof__(mj_version)     *version;
-    __typeof__(mj_loadXML)     *load;
-    __typeof__(mj_makeData)    *make;
-    __typeof__(mj_fwdPosition) *position;
-    __typeof__(mj_step)        *step;
-    __typeof__(mj_name2id)     *find;
-    __typeof__(mj_deleteModel) *free_model;
-    __typeof__(mj_deleteData)  *free_data;
-} mj;
-
-static bool have_mujoco(void)
-{
-    void *lib = dlopen("libmujoco.so", RTLD_NOW | RTLD_LOCAL);
-    if (!lib)
-        return false;
-    *(void **)&mj.version = dlsym(lib, "mj_version");
-    *(void **)&mj.load = dlsym(lib, "mj_loadXML");
-    *(void **)&mj.make = dlsym(lib, "mj_makeData");
-    *(void **)&mj.position = dlsym(lib, "mj_fwdPosition");
-    *(void **)&mj.step = dlsym(lib, "mj_step");
-    *(void **)&mj.find = dlsym(lib, "mj_name2id");
-    *(void **)&mj.free_model = dlsym(lib, "mj_deleteModel");
-    *(void **)&mj.free_data = dlsym(lib, "mj_deleteData");
-    return mj.version && mj.version() == mjVERSION_HEADER && mj.load && mj.make && mj.position && mj.step && mj.find
-        && mj.free_model && mj.free_data;
-}
 
 typedef struct run { const mjModel *m; mjData *d; bool held[DOF_MAX]; } run;
 
@@ -185,15 +152,9 @@ static double close_loops(run *r)
 
 static mjModel *load_bytes(const lw_linkage *k, lw_bytes b)
 {
-    char path[220], why[1000] = "";
-    snprintf(path, sizeof path, "%s/model.%s", temporary_folder(), strstr(b.data, "<robot") ? "urdf" : "xml");
-    FILE *f = fopen(path, "w");
-    CHECK(f && fwrite(b.data, 1, b.size, f) == b.size);
-    if (f)
-        fclose(f);
-    mjModel *m = mj.load(path, NULL, why, sizeof why);
+    mjModel *m = mujoco_load(strstr(b.data, "<robot") ? "urdf" : "xml", b.data, b.size);
     if (!m)
-        fprintf(stderr, "    %s: %s\n%s", k->name, why, b.data);
+        fprintf(stderr, "    %s\n", k->name);
     CHECK(m != NULL);
     lw_bytes_free(&b);
     return m;
@@ -431,7 +392,6 @@ static void welds(void)
     CHECK_NEAR(apart(&k, 2*LW_PI, 60), 0, 1e-8, 0);
 }
 #else
-static bool have_mujoco(void) { return false; }
 static void examples_move_alike(void) { }
 static void examples_are_stable(void) { }
 static void loads_act_alike(void) { }

@@ -7,6 +7,7 @@
 
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
+#include "catalogues/exchange/export_space.h"
 #include "catalogues/exchange/tree.h"
 #include "catalogues/draw/scene.h"
 
@@ -452,11 +453,11 @@ lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o,
     return s;
 }
 
-/* A file name, without ending, from the linkage's name: letters, digits, underscores; "linkage" if nothing is left. */
-static void file_name(const lw_linkage *linkage, char *name, size_t size)
+/* A file name, without ending, from a name: letters, digits, underscores; "linkage" if nothing is left. */
+static void file_name(const char *from, char *name, size_t size)
 {
     size_t n = 0;
-    for (const char *c = linkage->name; *c && n + 1 < size; c++)
+    for (const char *c = from; *c && n + 1 < size; c++)
         if ((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || (*c >= '0' && *c <= '9'))
             name[n++] = *c;
         else if (n > 0 && name[n - 1] != '_')
@@ -468,15 +469,25 @@ static void file_name(const lw_linkage *linkage, char *name, size_t size)
         snprintf(name, size, "linkage");
 }
 
-lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+static lw_status put_commands(const char *title, bool weighed, lw_bytes *out, lw_error *e)
 {
     char name[64];
-    file_name(linkage, name, sizeof name);
+    file_name(title, name, sizeof name);
     lw_bytes_text(out, name);
     lw_bytes_text(out, ".adm\n");
     lw_bytes_text(out, name);
     lw_bytes_text(out, "\nOUTPUT/NOSEPARATOR\nSIMULATE/");
-    lw_bytes_text(out, lw_export_weighed(linkage, o ? o->model : NULL) ? "DYNAMICS" : "KINEMATICS");
+    lw_bytes_text(out, weighed ? "DYNAMICS" : "KINEMATICS");
     lw_bytes_text(out, ", END = 1.0, STEPS = 100\nSTOP\n");
     return lw_bytes_end(out, e);
+}
+
+lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+{
+    return put_commands(linkage->name, lw_export_weighed(linkage, o ? o->model : NULL), out, e);
+}
+
+lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_error *e)
+{
+    return put_commands(m->name, lw_space_weighed(m), out, e);
 }

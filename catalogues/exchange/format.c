@@ -69,23 +69,25 @@ static lw_status read_adams(const char *text, size_t size, const char *file, con
 }
 
 const lw_format lw_formats[] = {
-    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json, false },
-    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs, false },
-    { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams, true },
-    { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks, false },
-    { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, lw_export_mjcf, true },
-    { "urdf", "a robot description, a tree", ".urdf", NULL, NULL, lw_export_urdf, true },
-    { "sdf", "a model for Gazebo and others, with loops", ".sdf", NULL, NULL, lw_export_sdf, true },
-    { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands, true },
-    { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf, false },
-    { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad, false },
-    { "step", "plates and pins as an assembly of solids, STEP AP214", ".step", NULL, NULL, lw_export_step, false },
-    { "stl", "plates and pins as meshes, STL", ".stl", NULL, NULL, lw_export_stl, false },
-    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false },
-    { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false },
-    { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses, false },
+    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json, false, NULL },
+    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs, false, NULL },
+    { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams, true,
+      lw_export_space_adams },
+    { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks, false, NULL },
+    { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, lw_export_mjcf, true, lw_export_space_mjcf },
+    { "urdf", "a robot description, a tree", ".urdf", NULL, NULL, lw_export_urdf, true, NULL },
+    { "sdf", "a model for Gazebo and others, with loops", ".sdf", NULL, NULL, lw_export_sdf, true, NULL },
+    { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands, true,
+      lw_export_space_adams_commands },
+    { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf, false, NULL },
+    { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad, false, NULL },
+    { "step", "plates and pins as an assembly of solids, STEP AP214", ".step", NULL, NULL, lw_export_step, false, NULL },
+    { "stl", "plates and pins as meshes, STL", ".stl", NULL, NULL, lw_export_stl, false, NULL },
+    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false, NULL },
+    { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false, NULL },
+    { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses, false, NULL },
     { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints,
-      false },
+      false, NULL },
     { .name = NULL }
 };
 
@@ -111,4 +113,11 @@ lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const l
         return lw_error_set(e, LW_E_KIND, "the model has %s, which are not written to %s: take them out of a copy of "
                             "the file to export the rest", what, f->name);
     return f->write(linkage, o, out, e);
+}
+
+lw_status lw_format_write_space(const lw_format *f, const lw_spatial *m, lw_bytes *out, lw_error *e)
+{
+    if (f->write_space)
+        return f->write_space(m, out, e);
+    return lw_error_set(e, LW_E_KIND, "%s holds planar linkages only, and this model is spatial; mjcf and adams hold it", f->name);
 }

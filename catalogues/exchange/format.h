@@ -5,6 +5,7 @@
 
 #include "base/bytes.h"
 #include "catalogues/exchange/export.h"
+#include "catalogues/exchange/export_space.h"
 
 typedef struct lw_format {
     const char *name, *title;
@@ -16,6 +17,7 @@ typedef struct lw_format {
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
     lw_status (*write)(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
     bool        loads;                 /* _write uses the model of the options                           */
+    lw_status (*write_space)(const lw_spatial *m, lw_bytes *out, lw_error *e);    /* NULL: planar only   */
 } lw_format;
 
 /* Ends with a row without name.  Ask in this order whether a text is theirs: the last that can be read takes any. */
@@ -25,6 +27,9 @@ extern const lw_format lw_formats[];
  * contacts, ropes, elastic links and states of the model.  Whoever writes a format calls this. */
 lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out,
                           lw_error *e);
+
+/* The same of a spatial model; LW_E_KIND also: the format holds planar linkages only. */
+lw_status lw_format_write_space(const lw_format *f, const lw_spatial *m, lw_bytes *out, lw_error *e);
 
 /* NULL: there is none of that name. */
 const lw_format *lw_format_find(const char *name);

@@ -46,44 +46,38 @@ static lw_status mark_gears(const lw_linkage *linkage, bool *at_gear, lw_error *
     return LW_OK;
 }
 
-/* Choose a spanning tree by rank (Kruskal). */
-static void choose_tree(const lw_linkage *linkage, const lw_model *m, const bool *at_gear, lw_export_tree *w)
+bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree, int *parent,
+             int *joint)
 {
-    int group[LW_LINK_MAX];
-    for (int i = 0; i < linkage->n_link; i++)
+    int most = 0, reached = 1, before = 0;
+    for (int i = 0; i < n_link; i++) {
         group[i] = i;
-    for (int rank = 0; rank <= 4; rank++)
-        for (int j = 0; j < linkage->n_joint; j++) {
-            int a = group[linkage->joint[j].link[0]], b = group[linkage->joint[j].link[1]];
-            if (rank_of(linkage, m, j, at_gear) != rank || a == b)
+        parent[i] = joint[i] = -1;
+    }
+    for (int j = 0; j < n_joint; j++)
+        most = rank[j] > most ? rank[j] : most;
+    for (int r = 0; r <= most; r++)                        /* Kruskal's method */
+        for (int j = 0; j < n_joint; j++) {
+            int a = group[link[j][0]], b = group[link[j][1]];
+            if (rank[j] != r || a == b)
                 continue;
-            w->in_tree[j] = true;
-            for (int i = 0; i < linkage->n_link; i++)
-                if (group[i] == b)
-                    group[i] = a;
+            in_tree[j] = true;
+            for (int i = 0; i < n_link; i++)
+                group[i] = group[i] == b ? a : group[i];
         }
-}
-
-/* Set parents, going away from the ground. False: a link is connected only by a gear. */
-static bool root_tree(const lw_linkage *linkage, lw_export_tree *w)
-{
-    int reached = 1;
-    for (int i = 0; i < linkage->n_link; i++)
-        w->parent[i] = w->joint[i] = -1;
-    for (bool more = true; more;) {
-        more = false;
-        for (int j = 0; j < linkage->n_joint; j++)
-            for (int side = 0; w->in_tree[j] && side < 2; side++) {
-                int from = linkage->joint[j].link[side], to = linkage->joint[j].link[1 - side];
-                if ((from != linkage->ground && w->parent[from] < 0) || to == linkage->ground || w->parent[to] >= 0)
+    while (reached > before) {
+        before = reached;
+        for (int j = 0; j < n_joint; j++)
+            for (int side = 0; in_tree[j] && side < 2; side++) {
+                int from = link[j][side], to = link[j][1 - side];
+                if ((from != ground && parent[from] < 0) || to == ground || parent[to] >= 0)
                     continue;
-                w->parent[to] = from;
-                w->joint[to] = j;
-                w->origin[to] = linkage->joint[j].at;
-                more = ++reached > 0;
+                parent[to] = from;
+                joint[to] = j;
+                reached++;
             }
     }
-    return reached == linkage->n_link;
+    return reached == n_link;
 }
 
 lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export_tree *t, lw_error *e)
@@ -93,9 +87,18 @@ lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export
     lw_status s = mark_gears(linkage, at_gear, e);
     if (s != LW_OK)
         return s;
-    choose_tree(linkage, m, at_gear, t);
-    return root_tree(linkage, t) ? LW_OK : lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, "
-                                                        "which has no form in a tree of bodies");
+    int link[LW_JOINT_MAX][2], rank[LW_JOINT_MAX], group[LW_LINK_MAX];
+    for (int j = 0; j < linkage->n_joint; j++) {
+        rank[j] = rank_of(linkage, m, j, at_gear);
+        for (int side = 0; side < 2; side++)
+            link[j][side] = linkage->joint[j].link[side];
+    }
+    if (!lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, group, t->in_tree, t->parent, t->joint))
+        return lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in a tree of bodies");
+    for (int i = 0; i < linkage->n_link; i++)
+        if (t->joint[i] >= 0)
+            t->origin[i] = linkage->joint[t->joint[i]].at;
+    return LW_OK;
 }
 
 double lw_export_count_sign(const lw_linkage *linkage, int joint, int child)

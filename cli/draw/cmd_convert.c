@@ -117,8 +117,9 @@ static bool has_masses(const lw_model *m)
     return false;
 }
 
-/* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Free it with cli_free_model. */
-static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *linkage, lw_model **m, lw_error *e)
+/* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Or read a spatial model into *space. Free
+ * them with cli_free_model and cli_free_spatial. */
+static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *linkage, lw_model **m, lw_spatial **space, lw_error *e)
 {
     const settings *s = call->settings;
     const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
@@ -136,9 +137,14 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
     if (status == LW_OK && !f)
         f = format_of_text(text);
     if (status == LW_OK && strcmp(f->name, "json") == 0)              /* a result of fit is written too */
-        status = cli_linkage_text(path, s->result, text, size, linkage, e);
+        status = cli_any_linkage_text(path, s->result, text, size, linkage, space, e);
     else if (status == LW_OK)
         status = f->read(text, size, path, &units, linkage, e);
+    if (status == LW_OK && *space) {
+        free(text);
+        return s->unit || s->input ? lw_error_set(e, LW_E_ARG, "--%s goes with planar linkages, and this model is spatial",
+                                                  s->unit ? "length-unit" : "input-joint") : LW_OK;
+    }
     if (status == LW_OK && loads && strcmp(f->name, "json") == 0) {
         *m = calloc(1, sizeof **m);
         status = *m ? lw_model_read_result(text, size, path, s->result, *m, e) : lw_error_set(e, LW_E_MEMORY,
@@ -181,15 +187,19 @@ static int run(const cli_call *call)
     if ((s->to ? format_named(s->to, false, &to, &e) : format_of_output(call, &to, &e)) != LW_OK)
         return cli_usage(call, "%s", e.text);
     lw_model *m = NULL;
-    if (read_linkage(call, to->loads, &k, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
+    lw_spatial *space = NULL;
+    if (read_linkage(call, to->loads, &k, &m, &space, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
         cli_free_model(m);
+        cli_free_spatial(space);
         return cli_fail(call, &e);
     }
-    tell_unit(call, to, &k);
+    if (!space)
+        tell_unit(call, to, &k);
     lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
                             .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
-    lw_status st = lw_format_write(to, &k, &o, &b, &e);
+    lw_status st = space ? lw_format_write_space(to, space, &b, &e) : lw_format_write(to, &k, &o, &b, &e);
     cli_free_model(m);
+    cli_free_spatial(space);
     if (st != LW_OK) {
         lw_output_abandon(&out);
         return cli_fail(call, &e);
@@ -210,7 +220,8 @@ const cli_command cli_convert_command = {
         "                                                              plates for a laser cutter\n"
         "  linkwright convert expression.pyslvs --input-joint P0 | linkwright draw - -o x.svg\n",
     .about =
-        "Reads one linkage from FILE or standard input and recognises its format from the text. Formats:\n"
+        "Reads one linkage from FILE or standard input and recognises its format from the text. Spatial models are\n"
+        "written to mjcf, adams and acf. Formats:\n"
         "  json     linkages as in docs/notation.md, and the results of fit\n"
         "  pyslvs   the mechanism expression of Pyslvs, M[J[R, P[0, 0], L[ground, crank]], ...]\n"
         "  pmks     the joint table of PMKS: crank,rod,R,0,30,tfff\n"

@@ -92,8 +92,7 @@ static lw_status hint(const char *path, const char *text, size_t size, lw_status
 {
     if (s == LW_E_NOTATION && lw_spatial_text(text, size))
         return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is a spatial model, and this command knows planar "
-                                                         "ones only; "
-                           "spatial models go with trace, simulate and mobility");
+                           "ones only; trace, simulate, mobility, robot, draw and convert know spatial models");
     if (s == LW_E_NOTATION)
         cli_wrong_kind(path, CLI_LINKAGE | CLI_RESULTS, e);
     return s;
@@ -164,6 +163,13 @@ lw_status cli_read_any_model(const char *path, int which, lw_model **planar, lw_
     return s;
 }
 
+lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k, lw_spatial **spatial,
+                               lw_error *e)
+{
+    *spatial = NULL;
+    return or_spatial(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), spatial, e);
+}
+
 lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, lw_spatial **spatial, lw_error *e)
 {
     char *text = NULL;
@@ -171,7 +177,7 @@ lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, lw_sp
     *spatial = NULL;
     lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
     if (s == LW_OK)
-        s = or_spatial(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), spatial, e);
+        s = cli_any_linkage_text(path, which, text, size, k, spatial, e);
     free(text);
     return s;
 }

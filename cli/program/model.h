@@ -28,6 +28,8 @@ void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fi
 /* The same from text in memory. */
 lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
                            lw_error *e);
+lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
+                               struct lw_spatial **spatial, lw_error *e);
 
 /* Is this the text of a target (CSV)? */
 bool cli_is_target(const char *text, size_t size);

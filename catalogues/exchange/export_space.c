@@ -1,0 +1,171 @@
+#include "catalogues/exchange/export_space.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "catalogues/exchange/tree.h"
+#include "mbs/dynamics/dynamics_space.h"
+
+double lw_export_constant(const lw_expression *x) { return x ? lw_expression_value(x, NULL) : 0; }
+
+bool lw_space_weighed(const lw_spatial *m)
+{
+    for (int i = 0; i < m->n_link; i++)
+        if (i != m->ground && m->body[i].mass > 0)
+            return true;
+    return false;
+}
+
+static bool varies(const lw_expression *x)
+{
+    const int *which;
+    return x && lw_expression_variables(x, &which) > 0;
+}
+
+lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_error *e)
+{
+    for (int i = 0; i < m->n_link; i++)
+        if (m->elastic && m->elastic[i].given)
+            return lw_error_set(e, LW_E_KIND, "link '%s' is elastic, which is not written to %s: give it a mass instead in a copy of "
+                                "the file to export the rest", m->body[i].name, format);
+    for (int i = 0; i < m->n_spring; i++)
+        if (m->spring[i].law)
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to %s", m->spring[i].name, format);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        if (m->joint_spring[i].law || m->joint_spring[i].measure.of >= LW_OF_X)
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' has a law of its own, which is not written to %s",
+                                m->joint_spring[i].name, format);
+    for (int i = 0; i < m->n_force; i++)
+        for (int c = 0; c < 3; c++)
+            if (varies(m->force[i].force[c]) || varies(m->force[i].torque[c]))
+                return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s", m->force[i].name, format);
+    return LW_OK;
+}
+
+/* ---- velocities at the start -------------------------------------------------------------------------- */
+
+static bool any(lw_vec3 v) { return lw_v3_norm(v) > 0; }
+
+static lw_status twists(lw_dynamics *d, const lw_spatial *m, lw_space_twist *out, lw_error *e)
+{
+    const lw_space *s = lw_dynamics_space(d);
+    double *q = calloc((size_t)(s->n_q + s->n_v) + 1, sizeof *q), *v = q + s->n_q;
+    lw_space_frame *frame = calloc((size_t)s->n_body + 1, sizeof *frame);
+    if (q && frame) {
+        lw_dynamics_start(d, q, v);
+        lw_space_place(s, q, frame);
+        for (int i = 0; i < m->n_link; i++)
+            if (i != m->ground)
+                out[i] = (lw_space_twist){ lw_space_point_velocity(s, frame, lw_space_point_of(s, i, lw_v3(0, 0, 0)), v),
+                                           lw_space_omega(frame, s->body_of[i], v) };
+    }
+    bool room = q && frame;
+    free(q);
+    free(frame);
+    return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_error *e)
+{
+    bool moves = false, driven = false;
+    for (int i = 0; i < m->n_link; i++)
+        moves |= i != m->ground && ((m->body[i].has_velocity && any(m->body[i].velocity)) || (m->body[i].has_omega && any(m->body[i].omega)));
+    for (int i = 0; i < m->n_input; i++) {
+        driven |= m->input[i].motion != NULL;
+        moves |= !m->input[i].motion && m->input[i].has_speed && m->input[i].speed != 0;
+    }
+    *out = NULL;
+    if (!moves || !lw_space_weighed(m))
+        return LW_OK;
+    if (driven)
+        return lw_error_set(e, LW_E_KIND, "some inputs have a motion, and other parts a speed at the start; a file for another program "
+                            "holds one or the other");
+    lw_dynamics *d = NULL;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_status s = lw_dynamics_make_spatial(m, &o, &d, e);
+    if (s != LW_OK)
+        return s;
+    *out = calloc((size_t)m->n_link, sizeof **out);
+    s = *out ? twists(d, m, *out, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_dynamics_free(d);
+    return s;
+}
+
+/* ---- the tree --------------------------------------------------------------------------------------- */
+
+static bool is_loaded(const lw_spatial *m, int joint)
+{
+    const lw_joint_stop *stop = &m->joint[joint].stop;
+    bool any = stop->has_least || stop->has_greatest;
+    for (int i = 0; i < m->n_input; i++)
+        any |= m->input[i].measure.of < LW_OF_X && m->input[i].measure.index == joint;
+    for (int i = 0; i < m->n_drive; i++)
+        any |= m->drive[i].index == joint;
+    for (int i = 0; i < m->n_joint_spring; i++)
+        any |= m->joint_spring[i].measure.of < LW_OF_X && m->joint_spring[i].measure.index == joint;
+    for (int i = 0; i < m->n_motor; i++)
+        any |= m->motor[i].joint == joint;
+    return any;
+}
+
+/* Revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a light body in
+ * between, which makes the loop softer. */
+static int rank_of(const lw_spatial *m, int joint)
+{
+    switch (m->joint[joint].kind) {
+    case LW_SPATIAL_FIXED:     return 0;
+    case LW_SPATIAL_PRISMATIC: case LW_SPATIAL_CYLINDRICAL: case LW_SPATIAL_UNIVERSAL: case LW_SPATIAL_SCREW: case LW_SPATIAL_PLANAR:
+        return is_loaded(m, joint) ? 0 : 1;
+    case LW_SPATIAL_REVOLUTE:  return is_loaded(m, joint) ? 2 : 3;
+    case LW_SPATIAL_SPHERICAL: return 4;
+    case LW_SPATIAL_FREE:      return 5;             /* it closes nothing */
+    }
+    return 0;
+}
+
+void lw_space_tree_free(lw_space_tree *t)
+{
+    free(t->in_tree);
+    free(t->parent);
+    free(t->origin);
+    memset(t, 0, sizeof *t);
+}
+
+lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e)
+{
+    size_t n = (size_t)m->n_link, joints = (size_t)m->n_joint + 1;
+    int *group = malloc((n + joints)*sizeof *group), *rank = group + n;
+    int (*link)[2] = malloc(joints*sizeof *link);
+    t->in_tree = calloc(joints, sizeof *t->in_tree);
+    t->parent = malloc(4*n*sizeof *t->parent);
+    t->origin = calloc(n, sizeof *t->origin);
+    lw_status s = group && link && t->in_tree && t->parent && t->origin ? LW_OK
+                : lw_error_set(e, LW_E_MEMORY, "out of memory for a tree of bodies");
+    for (int j = 0; s == LW_OK && j < m->n_joint; j++) {
+        rank[j] = rank_of(m, j);
+        for (int side = 0; side < 2; side++)
+            link[j][side] = m->joint[j].link[side];
+    }
+    if (s == LW_OK) {
+        t->joint = t->parent + n;
+        t->child = t->joint + n;
+        t->next = t->child + n;
+        if (!lw_span(link, rank, m->n_joint, m->ground, m->n_link, group, t->in_tree, t->parent, t->joint))
+            s = lw_error_set(e, LW_E_KIND, "a link hangs on no joint");
+    }
+    for (int i = 0; s == LW_OK && i < m->n_link; i++)
+        t->child[i] = t->next[i] = -1;
+    for (int i = m->n_link - 1; s == LW_OK && i >= 0; i--) {
+        int j = t->joint[i];
+        if (j < 0)
+            continue;
+        if (m->joint[j].kind == LW_SPATIAL_FREE && t->parent[i] != m->ground)
+            s = lw_error_set(e, LW_E_KIND, "joint '%s' is free between two links that move, which has no form in a tree of bodies; "
+                             "name the ground as one of its links", m->joint[j].name);
+        t->next[i] = t->child[t->parent[i]];
+        t->child[t->parent[i]] = i;
+        t->origin[i] = m->joint[j].at;
+    }
+    free(group);
+    free(link);
+    return s;
+}

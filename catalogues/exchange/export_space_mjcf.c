@@ -1,0 +1,649 @@
+/* catalogues/exchange/export_space_mjcf.c - write a spatial model as a model of MuJoCo (XML reference of MuJoCo 2.2). */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/real.h"
+#include "catalogues/exchange/export_space.h"
+
+#define DIGITS 15
+
+#define STEP   2e-4                            /* of time, unless springs need a smaller one [s]          */
+#define DRIVE  0.3                             /* angular frequency of a drive, times the step            */
+#define RATIO  0.3                             /* of its damping to the critical one                      */
+#define LITTLE 1e-5                            /* mass of a body without mass, over that of all bodies    */
+#define SLIM   1e-4                            /* least principal moment of a body over its greatest one  */
+#define HINGE  0.3                             /* half the distance of the two points that close a hinge, over the size */
+
+typedef struct writer {
+    const lw_spatial *m;
+    lw_bytes         *out, speeds;             /* speeds: of all coordinates, for the keyframe            */
+    double            size, mass, step;        /* mass: of all bodies                                     */
+    bool              weighed;                 /* the model has masses                                    */
+    lw_space_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
+    lw_space_tree     tree;
+} writer;
+
+/* ---- text ---------------------------------------------------------------------------------------- */
+
+static void put(writer *w, const char *text) { lw_bytes_text(w->out, text); }
+static void put_number(writer *w, double v) { lw_bytes_number(w->out, v, DIGITS); }
+
+static void put_numbers(writer *w, const char *attribute, const double *v, int n)
+{
+    put(w, " ");
+    put(w, attribute);
+    put(w, "=\"");
+    for (int i = 0; i < n; i++) {
+        put(w, i ? " " : "");
+        put_number(w, v[i]);
+    }
+    put(w, "\"");
+}
+
+static void put_attribute(writer *w, const char *attribute, double v) { put_numbers(w, attribute, &v, 1); }
+static void put_vec(writer *w, const char *attribute, lw_vec3 v) { put_numbers(w, attribute, (double[]){ v.x, v.y, v.z }, 3); }
+
+static void put_tag(writer *w, int depth, const char *text)
+{
+    put(w, "\n");
+    while (depth-- > 0)
+        put(w, "  ");
+    put(w, text);
+}
+
+static void put_name(writer *w, const char *attribute, const char *name, const char *more)
+{
+    put(w, " ");
+    put(w, attribute);
+    put(w, "=\"");
+    lw_bytes_xml(w->out, name);
+    put(w, more);
+    put(w, "\"");
+}
+
+/* The name "world" is reserved in MuJoCo. */
+static void put_link(writer *w, const char *attribute, int link)
+{
+    const char *name = w->m->body[link].name;
+    put_name(w, attribute, name, strcmp(name, "world") == 0 ? " link" : "");
+}
+
+static lw_vec3 from_origin(const writer *w, int link, lw_vec3 at) { return lw_v3_sub(at, w->tree.origin[link]); }
+
+/* ---- coordinates --------------------------------------------------------------------------------- */
+
+static bool same(lw_spatial_measure a, lw_spatial_measure b) { return a.of == b.of && a.index == b.index; }
+
+/* In a model with masses, an input without a motion runs freely. */
+static bool is_driven(const writer *w, const lw_spatial_input *in) { return !w->weighed || in->motion; }
+
+/* What the actuators move: the drives, or the inputs. Returns how many there are. */
+static int n_actuator(const writer *w) { return w->m->n_drive ? w->m->n_drive : w->m->n_input; }
+
+static bool is_actuated(const writer *w, int i)
+{
+    return w->m->n_drive ? w->m->n_input > 0 && is_driven(w, &w->m->input[0]) : is_driven(w, &w->m->input[i]);
+}
+
+static lw_spatial_measure actuated(const writer *w, int i)
+{
+    return w->m->n_drive ? w->m->drive[i] : w->m->input[i].measure;
+}
+
+/* Value of a coordinate in the posture. */
+static double reference_of(const writer *w, lw_spatial_measure of)
+{
+    for (int i = 0; i < w->m->n_input; i++)
+        if (same(w->m->input[i].measure, of))
+            return w->m->input[i].value;
+    return 0;
+}
+
+static double drive_inertia(const writer *w, lw_spatial_measure of)
+{
+    return w->mass*(of.of == LW_OF_TURN ? w->size*w->size : 1);
+}
+
+/* Name of the coordinate of a joint in the file: its own, with " turn" or " slide" where the joint has both. */
+static void put_coordinate(writer *w, const char *attribute, lw_spatial_measure of)
+{
+    const lw_spatial_joint *p = &w->m->joint[of.index];
+    const lw_spatial_kind_row *kind = lw_spatial_kind_of(p->kind);
+    put_name(w, attribute, p->name, !(kind->turns && kind->slides) ? "" : of.of == LW_OF_TURN ? " turn" : " slide");
+}
+
+/* Value in the posture, springs, dampers and stops of a coordinate. A driven one also has an inertia of its drive: that of all
+ * bodies at the distance of the model's size, so that the frequency of the drive changes little over the motion, which does not
+ * depend on it. */
+static void put_reference(writer *w, lw_spatial_measure of)
+{
+    const lw_spatial *m = w->m;
+    double at = reference_of(w, of), stiffness = 0, damping = 0, pull = 0;
+    if (at != 0)
+        put_attribute(w, "ref", at);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        if (same(m->joint_spring[i].measure, of)) {
+            stiffness += m->joint_spring[i].stiffness;
+            damping += m->joint_spring[i].damping;
+            pull += m->joint_spring[i].stiffness*m->joint_spring[i].free;
+        }
+    if (stiffness > 0) {
+        put_attribute(w, "stiffness", stiffness);
+        put_attribute(w, "springref", at + pull/stiffness);
+    }
+    if (damping > 0)
+        put_attribute(w, "damping", damping);
+    const lw_joint_stop *stop = &m->joint[of.index].stop;
+    bool stops = stop->has_least || stop->has_greatest;
+    if (stops && of.of == (lw_spatial_kind_of(m->joint[of.index].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE)) {
+        double range[2] = { at + (stop->has_least ? stop->least : -1e6), at + (stop->has_greatest ? stop->greatest : 1e6) };
+        put(w, " limited=\"true\"");
+        put_numbers(w, "range", range, 2);
+    }
+    for (int i = 0; i < n_actuator(w); i++)
+        if (is_actuated(w, i) && same(actuated(w, i), of))
+            put_attribute(w, "armature", drive_inertia(w, of));
+}
+
+static void put_speeds(writer *w, lw_vec3 v, int n)
+{
+    double value[3] = { v.x, v.y, v.z };
+    for (int i = 0; i < n; i++) {
+        lw_bytes_text(&w->speeds, " ");
+        lw_bytes_number(&w->speeds, value[i], DIGITS);
+    }
+}
+
+/* Velocity of `link` against `from` at the start: of a point, and of the turn. */
+static lw_space_twist relative(const writer *w, int link, int from, lw_vec3 at)
+{
+    if (!w->twist)
+        return (lw_space_twist){ { 0, 0, 0 }, { 0, 0, 0 } };
+    lw_space_twist a = w->twist[link], b = w->twist[from];
+    lw_vec3 omega = lw_v3_sub(a.omega, b.omega);
+    return (lw_space_twist){ lw_v3_add(lw_v3_sub(a.velocity, b.velocity), lw_v3_cross(omega, at)), omega };
+}
+
+/* The part of omega about the unit vector a, the rest being about b. */
+static double share(lw_vec3 omega, lw_vec3 a, lw_vec3 b)
+{
+    double c = lw_v3_dot(a, b);
+    return (lw_v3_dot(omega, a) - c*lw_v3_dot(omega, b))/(1 - c*c);
+}
+
+/* A hinge or a slide, and its speed; `more` ends its name when it is not the coordinate that the joint counts. */
+static void put_axis(writer *w, int depth, int joint, lw_spatial_of of, lw_vec3 axis, const char *more, double speed)
+{
+    lw_spatial_measure measure = { of, joint };
+    put_tag(w, depth, of == LW_OF_TURN ? "<joint type=\"hinge\"" : "<joint type=\"slide\"");
+    if (more)
+        put_name(w, "name", w->m->joint[joint].name, more);
+    else
+        put_coordinate(w, "name", measure);
+    put_vec(w, "axis", axis);
+    if (!more)
+        put_reference(w, measure);
+    put(w, "/>");
+    put_speeds(w, lw_v3(speed, 0, 0), 1);
+}
+
+/* The coordinates that joint j leaves `child` against its parent; the body's frame begins at the joint. */
+static void put_joint(writer *w, int depth, int j, int child)
+{
+    const lw_spatial_joint *p = &w->m->joint[j];
+    int first = p->link[0] == child ? 1 : 0;              /* the side of the parent */
+    lw_vec3 axis = lw_v3_scale(p->axis, first ? -1 : 1), x = lw_v3_across(p->axis), y = lw_v3_cross(p->axis, x);
+    lw_vec3 one = first ? p->second : p->axis, two = first ? p->axis : p->second;
+    lw_space_twist speed = relative(w, child, p->link[first], p->at);
+    double slides = lw_v3_dot(speed.velocity, axis), turns = lw_v3_dot(speed.omega, axis);
+    switch (p->kind) {
+    case LW_SPATIAL_CYLINDRICAL:
+    case LW_SPATIAL_SCREW:
+        put_axis(w, depth, j, LW_OF_SLIDE, axis, NULL, slides);
+        put_axis(w, depth, j, LW_OF_TURN, axis, NULL, turns);
+        break;
+    case LW_SPATIAL_PRISMATIC:
+        put_axis(w, depth, j, LW_OF_SLIDE, axis, NULL, slides);
+        break;
+    case LW_SPATIAL_REVOLUTE:
+        put_axis(w, depth, j, LW_OF_TURN, axis, NULL, turns);
+        break;
+    case LW_SPATIAL_UNIVERSAL:
+        put_axis(w, depth, j, LW_OF_TURN, one, " first", share(speed.omega, one, two));
+        put_axis(w, depth, j, LW_OF_TURN, two, " second", share(speed.omega, two, one));
+        break;
+    case LW_SPATIAL_PLANAR:
+        put_axis(w, depth, j, LW_OF_SLIDE, x, " first", lw_v3_dot(speed.velocity, x));
+        put_axis(w, depth, j, LW_OF_SLIDE, y, " second", lw_v3_dot(speed.velocity, y));
+        put_axis(w, depth, j, LW_OF_TURN, axis, NULL, turns);
+        break;
+    case LW_SPATIAL_SPHERICAL:
+    case LW_SPATIAL_FREE:
+        put_tag(w, depth, p->kind == LW_SPATIAL_SPHERICAL ? "<joint type=\"ball\"" : "<joint type=\"free\"");
+        put_name(w, "name", p->name, "");
+        put(w, "/>");
+        put_speeds(w, speed.velocity, p->kind == LW_SPATIAL_FREE ? 3 : 0);
+        put_speeds(w, speed.omega, 3);
+        break;
+    case LW_SPATIAL_FIXED:
+        break;
+    }
+}
+
+/* ---- bodies --------------------------------------------------------------------------------------- */
+
+/* MuJoCo needs some mass and inertia of every body that moves. A bar between ball joints spins about itself without moving anything
+ * else; it needs some inertia about its axis too. */
+static void put_inertia(writer *w, int depth, const lw_spatial_body *b, lw_vec3 centre)
+{
+    double mass = fmax(b ? b->mass : 0, LITTLE*w->mass), value[3] = { 0 };
+    lw_mat3 axes = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
+    if (b)
+        lw_m3_principal(b->inertia, value, &axes);
+    double least = fmax(LITTLE*(b && b->mass > 0 ? mass : w->mass)*w->size*w->size, SLIM*fmax(value[0], fmax(value[1], value[2])));
+    for (int i = 0; i < 3; i++)
+        value[i] = fmax(value[i], least);
+    lw_quaternion turn = lw_quaternion_of_matrix(&axes);
+    put_tag(w, depth, "<inertial");
+    put_vec(w, "pos", centre);
+    put_attribute(w, "mass", mass);
+    put_numbers(w, "quat", (double[]){ turn.w, turn.x, turn.y, turn.z }, 4);
+    put_numbers(w, "diaginertia", value, 3);
+    put(w, "/>");
+}
+
+/* A rod from the frame's origin, or a ball there. */
+static void put_rod(writer *w, int depth, lw_vec3 to)
+{
+    bool ball = lw_v3_norm(to) < 1e-9*w->size;
+    put_tag(w, depth, ball ? "<geom type=\"sphere\"" : "<geom type=\"capsule\"");
+    if (!ball)
+        put_numbers(w, "fromto", (double[]){ 0, 0, 0, to.x, to.y, to.z }, 6);
+    put_attribute(w, "size", (ball ? 0.02 : 0.01)*w->size);
+    put(w, w->weighed ? " density=\"0\"/>" : "/>");
+}
+
+static void put_shape(writer *w, int depth, int link)
+{
+    const lw_spatial *m = w->m;
+    int rods = 0;
+    for (int j = 0; j < m->n_joint + m->n_tracer; j++) {
+        bool here = j < m->n_joint ? m->joint[j].link[0] == link || m->joint[j].link[1] == link : m->tracer[j - m->n_joint].link == link;
+        if (!here)
+            continue;
+        lw_vec3 to = from_origin(w, link, j < m->n_joint ? m->joint[j].at : m->tracer[j - m->n_joint].at);
+        if (lw_v3_norm(to) < 1e-9*w->size)
+            continue;
+        put_rod(w, depth, to);
+        rods++;
+    }
+    if (rods == 0)
+        put_rod(w, depth, lw_v3(0, 0, 0));
+}
+
+static void put_site(writer *w, int depth, const char *name, const char *more, int link, lw_vec3 at, const lw_quaternion *turn)
+{
+    put_tag(w, depth, "<site");
+    put_name(w, "name", name, more);
+    put_vec(w, "pos", from_origin(w, link, at));
+    if (turn)
+        put_numbers(w, "quat", (double[]){ turn->w, turn->x, turn->y, turn->z }, 4);
+    put_attribute(w, "size", (turn ? 0.02 : 0.01)*w->size);
+    put(w, "/>");
+}
+
+/* Tracers, and the points of springs and forces. */
+static void put_sites(writer *w, int depth, int link)
+{
+    const lw_spatial *m = w->m;
+    for (int t = 0; t < m->n_tracer; t++)
+        if (m->tracer[t].link == link)
+            put_site(w, depth, m->tracer[t].name, "", link, m->tracer[t].at, &m->tracer[t].frame);
+    for (int i = 0; i < m->n_spring; i++)
+        for (int end = 0; end < 2; end++)
+            if (m->spring[i].link[end] == link)
+                put_site(w, depth, m->spring[i].name, end ? " end" : " start", link, m->spring[i].at[end], NULL);
+    for (int i = 0; i < m->n_force; i++)
+        if (m->force[i].link == link)
+            put_site(w, depth, m->force[i].name, " force", link, m->force[i].at, NULL);
+}
+
+/* Does a joint that closes a loop need a body of its own, which moves on link[0] as the joint allows but for a turn? */
+static bool has_runner(lw_spatial_kind kind)
+{
+    return kind == LW_SPATIAL_PRISMATIC || kind == LW_SPATIAL_CYLINDRICAL || kind == LW_SPATIAL_SCREW || kind == LW_SPATIAL_PLANAR
+        || kind == LW_SPATIAL_UNIVERSAL;
+}
+
+static void put_runners(writer *w, int depth, int link)
+{
+    for (int j = 0; j < w->m->n_joint; j++) {
+        const lw_spatial_joint *p = &w->m->joint[j];
+        lw_vec3 x = lw_v3_across(p->axis);
+        if (w->tree.in_tree[j] || p->link[0] != link || !has_runner(p->kind))
+            continue;
+        lw_vec3 along = p->kind == LW_SPATIAL_PLANAR ? x : p->axis, across = lw_v3_cross(p->axis, x);
+        put_tag(w, depth, "<body");
+        put_name(w, "name", p->name, " runner");
+        put_vec(w, "pos", from_origin(w, link, p->at));
+        put(w, ">");
+        lw_space_twist speed = relative(w, p->link[1], p->link[0], p->at);
+        double turns = lw_v3_dot(speed.omega, p->axis);
+        if (p->kind == LW_SPATIAL_UNIVERSAL)
+            put_axis(w, depth + 1, j, LW_OF_TURN, p->axis, " first", share(speed.omega, p->axis, p->second));
+        else
+            put_axis(w, depth + 1, j, LW_OF_SLIDE, along, " first", lw_v3_dot(speed.velocity, along));
+        if (p->kind == LW_SPATIAL_SCREW)
+            put_axis(w, depth + 1, j, LW_OF_TURN, p->axis, " second", turns);
+        if (p->kind == LW_SPATIAL_PLANAR)
+            put_axis(w, depth + 1, j, LW_OF_SLIDE, across, " second", lw_v3_dot(speed.velocity, across));
+        put_inertia(w, depth + 1, NULL, lw_v3(0, 0, 0));
+        put_rod(w, depth + 1, lw_v3(0, 0, 0));
+        put_tag(w, depth, "</body>");
+    }
+}
+
+static void put_link_begin(writer *w, int depth, int link)
+{
+    const lw_spatial *m = w->m;
+    const lw_spatial_body *b = &m->body[link];
+    if (link != m->ground) {
+        put_tag(w, depth, "<body");
+        put_link(w, "name", link);
+        put_vec(w, "pos", from_origin(w, w->tree.parent[link], w->tree.origin[link]));
+        put(w, ">");
+        put_joint(w, depth + 1, w->tree.joint[link], link);
+        if (w->weighed)
+            put_inertia(w, depth + 1, b, b->given ? from_origin(w, link, b->centre) : lw_v3(0, 0, 0));
+        put_shape(w, depth + 1, link);
+    }
+    put_sites(w, depth + 1, link);
+    put_runners(w, depth + 1, link);
+}
+
+/* All links, each inside its parent; without recursion, since a chain may be as long as memory holds. */
+static void put_links(writer *w)
+{
+    int depth = 1, link = w->m->ground;
+    put_link_begin(w, depth, link);
+    for (;;) {
+        int next = w->tree.child[link];
+        if (next >= 0) {
+            depth += link != w->m->ground;
+            put_link_begin(w, depth, link = next);
+            continue;
+        }
+        while (link != w->m->ground && w->tree.next[link] < 0) {
+            put_tag(w, depth, "</body>");
+            link = w->tree.parent[link];
+            depth -= link != w->m->ground;
+        }
+        if (link == w->m->ground)
+            return;
+        put_tag(w, depth, "</body>");
+        put_link_begin(w, depth, link = w->tree.next[link]);
+    }
+}
+
+/* ---- what closes the loops ------------------------------------------------------------------------ */
+
+/* Join link[1] of a joint to its runner, or to link[0], at a point. The world cannot be the first of the two. */
+static void put_equality(writer *w, const char *kind, int j, bool runner, const lw_vec3 *at)
+{
+    const lw_spatial_joint *p = &w->m->joint[j];
+    int side = !runner && p->link[0] == w->m->ground ? 1 : 0, other = p->link[1 - side];
+    put_tag(w, 2, kind);
+    if (runner)
+        put_name(w, "body1", p->name, " runner");
+    else
+        put_link(w, "body1", p->link[side]);
+    if (other != w->m->ground)
+        put_link(w, "body2", other);
+    if (at)
+        put_vec(w, "anchor", lw_v3_sub(*at, runner ? p->at : w->tree.origin[p->link[side]]));
+    put(w, "/>");
+}
+
+/* Two points of an axis, which leave the turn about it. */
+static void put_hinge(writer *w, int j, bool runner, lw_vec3 axis)
+{
+    for (int end = -1; end <= 1; end += 2) {
+        lw_vec3 at = lw_v3_add(w->m->joint[j].at, lw_v3_scale(axis, end*HINGE*w->size));
+        put_equality(w, "<connect", j, runner, &at);
+    }
+}
+
+/* slide = pitch times turn of a screw */
+static void put_screw(writer *w, int j)
+{
+    const lw_spatial_joint *p = &w->m->joint[j];
+    bool in_tree = w->tree.in_tree[j];
+    put_tag(w, 2, "<joint");
+    put_name(w, "joint1", p->name, in_tree ? " slide" : " first");
+    put_name(w, "joint2", p->name, in_tree ? " turn" : " second");
+    put_numbers(w, "polycoef", (double[]){ 0, p->lead/(2*LW_PI), 0, 0, 0 }, 5);
+    put(w, "/>");
+}
+
+static void put_closures(writer *w)
+{
+    put(w, "\n  <equality>");
+    for (int j = 0; j < w->m->n_joint; j++) {
+        const lw_spatial_joint *p = &w->m->joint[j];
+        if (p->kind == LW_SPATIAL_SCREW)
+            put_screw(w, j);
+        if (w->tree.in_tree[j])
+            continue;
+        switch (p->kind) {
+        case LW_SPATIAL_REVOLUTE:    put_hinge(w, j, false, p->axis);                   break;
+        case LW_SPATIAL_CYLINDRICAL: put_hinge(w, j, true, p->axis);                    break;
+        case LW_SPATIAL_PLANAR:      put_hinge(w, j, true, p->axis);                    break;
+        case LW_SPATIAL_UNIVERSAL:   put_hinge(w, j, true, p->second);                  break;
+        case LW_SPATIAL_SPHERICAL:   put_equality(w, "<connect", j, false, &p->at);     break;
+        case LW_SPATIAL_PRISMATIC:
+        case LW_SPATIAL_SCREW:       put_equality(w, "<weld", j, true, NULL);           break;
+        case LW_SPATIAL_FIXED:       put_equality(w, "<weld", j, false, NULL);          break;
+        case LW_SPATIAL_FREE:        break;
+        }
+    }
+    put(w, "\n  </equality>");
+}
+
+/* ---- loads ---------------------------------------------------------------------------------------- */
+
+/* Refuse what has no form in MJCF, by name. */
+static lw_status check(const writer *w, lw_error *e)
+{
+    const lw_spatial *m = w->m;
+    for (int i = 0; i < n_actuator(w); i++) {
+        lw_spatial_measure of = actuated(w, i);
+        if (is_actuated(w, i) && of.of >= LW_OF_X)
+            return lw_error_set(e, LW_E_KIND, "an input prescribes tracer '%s', which has no form in MJCF; name the joints that move "
+                                "it as \"drives\"", m->tracer[of.index].name);
+        if (is_actuated(w, i) && !w->tree.in_tree[of.index])
+            return lw_error_set(e, LW_E_KIND, "'%s' closes a loop of driven joints, which has no form in MJCF", m->joint[of.index].name);
+    }
+    for (int i = 0; i < m->n_joint_spring; i++)
+        if (!w->tree.in_tree[m->joint_spring[i].measure.index])
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' acts at a joint by which a loop is closed, which has no form in MJCF",
+                                m->joint_spring[i].name);
+    for (int i = 0; i < m->n_motor; i++)
+        if (!w->tree.in_tree[m->motor[i].joint])
+            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form in MJCF",
+                                m->motor[i].name);
+    for (int j = 0; j < m->n_joint; j++) {
+        const lw_joint_stop *stop = &m->joint[j].stop;
+        bool stops = stop->has_least || stop->has_greatest;
+        if (stops && (stop->restitution > 0 || stop->stiffness > 0 || !w->tree.in_tree[j]))
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has a stop that %s, which has no form in MJCF", m->joint[j].name,
+                                w->tree.in_tree[j] ? "rebounds or gives way" : "acts where a loop is closed");
+    }
+    return LW_OK;
+}
+
+static void put_springs(writer *w)
+{
+    put(w, w->m->n_spring ? "\n  <tendon>" : "");
+    for (int i = 0; i < w->m->n_spring; i++) {
+        const lw_spatial_spring *p = &w->m->spring[i];
+        put(w, "\n    <spatial");
+        put_name(w, "name", p->name, "");
+        put_attribute(w, "springlength", p->free);
+        put_attribute(w, "stiffness", p->stiffness);
+        put_attribute(w, "damping", p->damping);
+        put_attribute(w, "width", 0.005*w->size);
+        put(w, ">");
+        for (int end = 0; end < 2; end++) {
+            put_tag(w, 3, "<site");
+            put_name(w, "site", p->name, end ? " end" : " start");
+            put(w, "/>");
+        }
+        put(w, "\n    </spatial>");
+    }
+    put(w, w->m->n_spring ? "\n  </tendon>" : "");
+}
+
+/* The step of time: a fifth of the shortest time 1/omega of a spring on the lightest body, at most STEP. */
+static double choose_step(const writer *w)
+{
+    double least = INFINITY, stiffest = 0;
+    for (int i = 0; i < w->m->n_link; i++)
+        if (i != w->m->ground && w->m->body[i].mass > 0)
+            least = fmin(least, w->m->body[i].mass);
+    for (int i = 0; i < w->m->n_spring; i++)
+        stiffest = fmax(stiffest, w->m->spring[i].stiffness);
+    for (int i = 0; i < w->m->n_joint_spring; i++)
+        stiffest = fmax(stiffest, w->m->joint_spring[i].stiffness/(w->m->joint_spring[i].measure.of == LW_OF_TURN ? w->size*w->size : 1));
+    return fmax(1e-6, fmin(STEP, stiffest > 0 && isfinite(least) ? 0.2*sqrt(least/stiffest) : STEP));
+}
+
+/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate. Forces and
+ * motors need no control: they are the bias of an actuator. A force that keeps its direction acts along axes of the world. */
+static void put_actuators(writer *w)
+{
+    const lw_spatial *m = w->m;
+    put(w, "\n  <actuator>");
+    for (int i = 0; i < n_actuator(w); i++) {
+        if (!is_actuated(w, i))
+            continue;
+        lw_spatial_measure of = actuated(w, i);
+        double omega = DRIVE/w->step, kp = drive_inertia(w, of)*omega*omega;
+        put(w, "\n    <general biastype=\"affine\"");
+        put_name(w, "name", m->joint[of.index].name, " drive");
+        put_coordinate(w, "joint", of);
+        put_attribute(w, "gainprm", kp);
+        put_numbers(w, "biasprm", (double[]){ 0, -kp, -2*RATIO*kp/omega }, 3);
+        put(w, "/>");
+    }
+    for (int i = 0; i < m->n_motor; i++) {
+        const lw_spatial_motor *p = &m->motor[i];
+        put(w, "\n    <general gainprm=\"0\" biastype=\"affine\"");
+        put_name(w, "name", p->name, " motor");
+        put_name(w, "joint", m->joint[p->joint].name, "");
+        put_numbers(w, "biasprm", (double[]){ p->stall, 0, -p->stall/p->free_speed }, 3);
+        put(w, "/>");
+    }
+    for (int i = 0; i < m->n_force; i++) {
+        const lw_spatial_force *p = &m->force[i];
+        double value[6];
+        for (int c = 0; c < 6; c++)
+            value[c] = lw_export_constant(c < 3 ? p->force[c] : p->torque[c - 3]);
+        put(w, "\n    <general gainprm=\"0\" biastype=\"affine\" biasprm=\"1 0 0\"");
+        put_name(w, "name", p->name, " force");
+        put_name(w, "site", p->name, " force");
+        put(w, p->follows ? "" : " refsite=\"axes of the world\"");
+        put_numbers(w, "gear", value, 6);
+        put(w, "/>");
+    }
+    put(w, "\n  </actuator>\n  <sensor>");
+    for (int t = 0; t < m->n_tracer; t++) {
+        put(w, "\n    <framepos objtype=\"site\"");
+        put_name(w, "objname", m->tracer[t].name, "");
+        put(w, "/>");
+    }
+    put(w, "\n  </sensor>");
+}
+
+/* Controls and speeds of the posture, where they are not all 0. */
+static void put_keyframe(writer *w)
+{
+    int driven = 0;
+    for (int i = 0; i < n_actuator(w); i++)
+        driven += is_actuated(w, i);
+    if (driven == 0 && !w->twist)
+        return;
+    put(w, "\n  <keyframe>\n    <key name=\"posture\"");
+    if (driven > 0) {
+        put(w, " ctrl=\"");
+        for (int i = 0, n = 0; i < n_actuator(w); i++)
+            if (is_actuated(w, i)) {
+                put(w, n++ ? " " : "");
+                put_number(w, reference_of(w, actuated(w, i)));
+            }
+        for (int i = 0; i < w->m->n_motor + w->m->n_force; i++)
+            put(w, " 0");
+        put(w, "\"");
+    }
+    if (w->twist) {
+        put(w, " qvel=\"");
+        put(w, w->speeds.data + 1);
+        put(w, "\"");
+    }
+    put(w, "/>\n  </keyframe>");
+}
+
+static void put_head(writer *w)
+{
+    bool loops = false;
+    for (int j = 0; j < w->m->n_joint; j++)
+        loops |= w->m->joint[j].kind == LW_SPATIAL_SCREW || (!w->tree.in_tree[j] && w->m->joint[j].kind != LW_SPATIAL_FREE);
+    put(w, "<mujoco");
+    put_name(w, "model", w->m->name[0] ? w->m->name : "model", "");
+    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the posture, and its speeds, are in the "
+           "keyframe. -->\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>\n  <option");
+    put_vec(w, "gravity", w->weighed ? w->m->gravity : lw_v3(0, 0, 0));
+    put_attribute(w, "timestep", w->step);
+    put(w, " integrator=\"RK4\"");
+    put(w, "/>\n  <statistic");
+    put_attribute(w, "extent", w->size);
+    put(w, "/>\n  <default>\n    <joint limited=\"false\"/>"
+           "\n    <geom contype=\"0\" conaffinity=\"0\" density=\"7850\" rgba=\"0.35 0.55 0.75 1\"/>"
+           "\n    <site rgba=\"0.85 0.35 0 1\"/>\n    <equality");
+    put_numbers(w, "solref", (double[]){ 2*w->step, 1 }, 2);
+    put(w, " solimp=\"0.9999 0.9999 0.001\"/>\n  </default>\n  <worldbody>");
+    if (w->m->n_force > 0)
+        put(w, "\n    <site name=\"axes of the world\" pos=\"0 0 0\" rgba=\"0 0 0 0\"/>");
+}
+
+lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
+{
+    writer w = { .m = m, .out = out, .size = lw_spatial_size(m), .weighed = lw_space_weighed(m), .mass = 1 };
+    lw_status s = lw_space_tree_make(m, &w.tree, e);
+    for (int i = 0; w.weighed && i < m->n_link; i++)
+        w.mass = (i ? w.mass : 0) + (i == m->ground ? 0 : m->body[i].mass);
+    if (s == LW_OK)
+        s = lw_export_space_loads(m, "MJCF", e);
+    if (s == LW_OK)
+        s = check(&w, e);
+    if (s == LW_OK)
+        s = lw_export_space_start(m, &w.twist, e);
+    if (s == LW_OK) {
+        w.step = choose_step(&w);
+        put_head(&w);
+        put_links(&w);
+        put(&w, "\n  </worldbody>");
+        put_closures(&w);
+        put_springs(&w);
+        put_actuators(&w);
+        put_keyframe(&w);
+        put(&w, "\n</mujoco>\n");
+        out->failed |= w.speeds.failed;
+        s = lw_bytes_end(out, e);
+    }
+    if (s != LW_OK)
+        lw_bytes_free(out);
+    lw_bytes_free(&w.speeds);
+    free(w.twist);
+    lw_space_tree_free(&w.tree);
+    return s;
+}
