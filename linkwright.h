@@ -823,6 +823,11 @@ LW_API void      lw_spatial_destroy(lw_spatial *model);
 LW_API int         lw_spatial_count(const lw_spatial *model, char what);
 LW_API const char *lw_spatial_name(const lw_spatial *model, char what, int index);
 
+/* As text of another program: "mjcf", "adams", "acf".  *size, may be NULL: without the terminator.  LW_E_ARG: no such
+ * format; LW_E_KIND: the format cannot say this. */
+LW_API lw_status lw_spatial_export(const lw_spatial *model, const char *format, char **out, size_t *size,
+                                   lw_error *error);
+
 /* Move an input by an expression of t: "0.5 + 10*t" [rad] or [m].  LW_E_NOTATION with the column. */
 LW_API lw_status lw_spatial_set_motion(lw_spatial *model, int input, const char *motion, lw_error *error);
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
+#include "catalogues/exchange/format.h"
 #include "grammar/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
@@ -52,6 +53,17 @@ const char *lw_spatial_name(const lw_spatial *model, char what, int index)
                           : (lw_spatial_measure){ what == 't' ? LW_OF_X : LW_OF_TURN, index };
     return what == 'l' ? model->body[index].name : of.of >= LW_OF_X ? model->tracer[of.index].name
         : model->joint[of.index].name;
+}
+
+lw_status lw_spatial_export(const lw_spatial *model, const char *format, char **out, size_t *size, lw_error *error)
+{
+    const lw_format *f = lw_format_find(format);
+    lw_bytes b = { 0 };
+    *out = NULL;
+    if (!f || !f->write)
+        return lw_error_set(error, LW_E_ARG, "there is no format '%s' to write", format);
+    lw_status s = lw_format_write_space(f, model, &b, error);
+    return s == LW_OK ? lw_surface_give(&b, out, size, error) : s;
 }
 
 lw_status lw_spatial_analyse_mobility(const lw_spatial *model, double tolerance, uint64_t seed, lw_mobility_info *out,

@@ -51,7 +51,14 @@ TEST(refusals)
     expect("$P trace examples/space/top.json", 3, NULL, "no input");
     expect("$P fit examples/space/top.json", 3, NULL, "");
     expect("$P clearance examples/space/top.json", 3, NULL, "spatial model");
-    expect("$P convert examples/space/top.json -o $D/a.adm", 3, NULL, "");
+    expect("$P convert examples/space/top.json --format dxf", 3, "", "planar linkages only");
+    expect("$P convert examples/space/top.json --format mjcf --length-unit mm", 3, "", "--length-unit goes with planar");
+}
+
+TEST(files_for_other_programs)
+{
+    expect("$P convert examples/space/top.json -o $D/a.adm && grep -c SPHERICAL $D/a.adm", 0, "1\n", NULL);
+    expect("$P convert - --format mjcf < examples/space/delta.json | grep -c '<connect'", 0, "6\n", NULL);
 }
 
 TEST(freedoms)

@@ -20,39 +20,37 @@ static lw_bytes export(const lw_spatial *m, const char *format)
 
 /* Every kind of joint closes a loop once; and springs, dampers, forces and motors. */
 static const char *const closing[] = {
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': ["
-    "{'name': 'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]},"
-    "{'name': 'C', 'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]}], 'gravity': [1, -2, -9.81],"
-    "'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': ["
-    "{'name': 'C', 'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},"
-    "{'name': 'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'gravity': [1, -2, -9.81],"
-    "'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}],"
-    "'springs': [{'name': 'k', 'links': ['ground', 'a'], 'at': [[2, 1, 0.5], [1, 0, 0]], 'stiffness': 30, 'damping': 1, 'free': 0.9}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': "
+    "[{'name': 'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]},{'name': 'C', "
+    "'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]}], 'gravity': [1, -2, "
+    "-9.81],'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': "
+    "[{'name': 'C', 'kind': 'cylindrical', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},{'name': "
+    "'E', 'kind': 'planar', 'links': ['a', 'ground'], 'at': [0, 0, 0], 'axis': [0, 0, 1]}], 'gravity': [1, -2, "
+    "-9.81],'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0.5, 0]}],'springs': [{'name': 'k', 'links': ['ground', "
+    "'a'], 'at': [[2, 1, 0.5], [1, 0, 0]], 'stiffness': 30, 'damping': 1, 'free': 0.9}]",
     "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': ["
     "{'name': 'C', 'kind': 'cylindrical', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},"
     "{'name': 'H', 'kind': 'screw', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0], 'lead': 0.3}],"
     "'gravity': [5, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]},"
-    "{'name': 'b', 'mass': 1, 'centre': [0.3, 0.9, 0], 'inertia': [0.1, 0.1, 0.1]},"
-    "{'name': 'c', 'mass': 1, 'centre': [0, 0, 0], 'inertia': [0.1, 0.1, 0.1]},"
-    "{'name': 'd', 'mass': 1, 'centre': [0, 0, 1], 'inertia': [0.1, 0.1, 0.1], 'velocity': [0, 0, 2]}], 'joints': ["
-    "{'name': 'H', 'kind': 'screw', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0], 'lead': 0.3},"
-    "{'name': 'W', 'kind': 'fixed', 'links': ['a', 'b'], 'at': [0, 0.5, 0]},"
-    "{'name': 'V', 'kind': 'fixed', 'links': ['b', 'a'], 'at': [0, 0.7, 0]},"
-    "{'name': 'T', 'kind': 'prismatic', 'links': ['ground', 'c'], 'at': [0, 0, 0], 'axis': [1, 0, 0]},"
-    "{'name': 'F', 'kind': 'free', 'links': ['ground', 'd'], 'at': [0, 0, 1]},"
-    "{'name': 'U', 'kind': 'prismatic', 'links': ['c', 'd'], 'at': [0.1, 0, 1], 'axis': [0, 0, 1]}], 'gravity': [5, 0, -9.81],"
-    "'forces': [{'name': 'f', 'link': 'c', 'at': [0, 0, 0.1], 'fx': 3, 'tz': 1}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [1, 0, 0]},"
-    "{'name': 'Q', 'link': 'd', 'at': [0, 0, 1]}]",
-    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]},"
-    "{'name': 'b', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': ["
-    "{'name': 'A', 'kind': 'revolute', 'links': ['ground', 'a'], 'at': [-1, 0, 0], 'axis': [1, 0, 0], 'stop': {'least': -1000}},"
-    "{'name': 'B', 'kind': 'revolute', 'links': ['ground', 'b'], 'at': [0.8, 0.6, 0], 'axis': [0.8, 0.6, 0]},"
-    "{'name': 'K', 'kind': 'universal', 'links': ['a', 'b'], 'at': [0, 0, 0], 'axis': [0, 0, 1], 'second_axis': [-0.6, 0.8, 0]}],"
-    "'input': {'joint': 'A', 'speed': 3}, 'motors': [{'name': 'm', 'joint': 'A', 'stall': 0.4, 'free_speed': 20}],"
-    "'dampers': [{'joint': 'A', 'damping': 0.05}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [0, 0, 1]},"
-    "{'name': 'Q', 'link': 'a', 'at': [0, 0, 1]}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', "
+    "'mass': 1, 'centre': [0.3, 0.9, 0], 'inertia': [0.1, 0.1, 0.1]},{'name': 'c', 'mass': 1, 'centre': [0, 0, 0], "
+    "'inertia': [0.1, 0.1, 0.1]},{'name': 'd', 'mass': 1, 'centre': [0, 0, 1], 'inertia': [0.1, 0.1, 0.1], 'velocity': "
+    "[0, 0, 2]}], 'joints': [{'name': 'H', 'kind': 'screw', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, "
+    "0, 0], 'lead': 0.3},{'name': 'W', 'kind': 'fixed', 'links': ['a', 'b'], 'at': [0, 0.5, 0]},{'name': 'V', 'kind': "
+    "'fixed', 'links': ['b', 'a'], 'at': [0, 0.7, 0]},{'name': 'T', 'kind': 'prismatic', 'links': ['ground', 'c'], "
+    "'at': [0, 0, 0], 'axis': [1, 0, 0]},{'name': 'F', 'kind': 'free', 'links': ['ground', 'd'], 'at': [0, 0, "
+    "1]},{'name': 'U', 'kind': 'prismatic', 'links': ['c', 'd'], 'at': [0.1, 0, 1], 'axis': [0, 0, 1]}], 'gravity': "
+    "[5, 0, -9.81],'forces': [{'name': 'f', 'link': 'c', 'at': [0, 0, 0.1], 'fx': 3, 'tz': 1}], 'tracers': [{'name': "
+    "'P', 'link': 'b', 'at': [1, 0, 0]},{'name': 'Q', 'link': 'd', 'at': [0, 0, 1]}]",
+    "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', "
+    "'mass': 2, 'centre': [0, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': [{'name': 'A', 'kind': 'revolute', "
+    "'links': ['ground', 'a'], 'at': [-1, 0, 0], 'axis': [1, 0, 0], 'stop': {'least': -1000}},{'name': 'B', 'kind': "
+    "'revolute', 'links': ['ground', 'b'], 'at': [0.8, 0.6, 0], 'axis': [0.8, 0.6, 0]},{'name': 'K', 'kind': "
+    "'universal', 'links': ['a', 'b'], 'at': [0, 0, 0], 'axis': [0, 0, 1], 'second_axis': [-0.6, 0.8, 0]}],'input': "
+    "{'joint': 'A', 'speed': 3}, 'motors': [{'name': 'm', 'joint': 'A', 'stall': 0.4, 'free_speed': 20}],'dampers': "
+    "[{'joint': 'A', 'damping': 0.05}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [0, 0, 1]},{'name': 'Q', 'link': "
+    "'a', 'at': [0, 0, 1]}]",
 };
 
 static void read_closing(size_t i, lw_spatial *m)
@@ -68,7 +66,13 @@ static void read_closing(size_t i, lw_spatial *m)
 
 #define SAMPLES 2000
 
-static struct { int n; const lw_space *s; lw_dynamics *d; double control[SAMPLES + 1][8]; lw_vec3 tracer[SAMPLES + 1][8]; } ours;
+static struct {
+    int             n;
+    const lw_space *s;
+    lw_dynamics    *d;
+    double          control[SAMPLES + 1][8];
+    lw_vec3         tracer[SAMPLES + 1][8];
+} ours;
 
 /* What the drives measure, and the tracers. */
 static lw_status keep(void *context, const lw_moment *moment)
@@ -82,7 +86,8 @@ static lw_status keep(void *context, const lw_moment *moment)
         ours.control[ours.n][i] = o.input[i];
     for (int i = 0; i < m->n_drive && i < 8; i++) {
         double rate;
-        lw_space_measured(ours.s, o.frame, m->drive[i], ours.n ? ours.control[ours.n - 1][i] : 0, o.v, &ours.control[ours.n][i], &rate);
+        lw_space_measured(ours.s, o.frame, m->drive[i], ours.n ? ours.control[ours.n - 1][i] : 0, o.v,
+                          &ours.control[ours.n][i], &rate);
     }
     for (int t = 0; t < m->n_tracer && t < 8; t++)
         ours.tracer[ours.n][t] = lw_space_point_at(o.frame, ours.s->tracer[t]);
@@ -120,8 +125,10 @@ static double apart(lw_spatial *m, double to)
     for (int k = 1; k <= steps; k++) {
         double at = (double)k*SAMPLES/steps;
         int before = at < SAMPLES ? (int)at : SAMPLES - 1;
-        for (int a = 0; driven && a < model->nu; a++)
-            d->ctrl[a] = ours.control[before][a] + (at - before)*(ours.control[before + 1][a] - ours.control[before][a]);
+        for (int a = 0; driven && a < model->nu; a++) {
+            const double *from = ours.control[before], *end = ours.control[before + 1];
+            d->ctrl[a] = from[a] + (at - before)*(end[a] - from[a]);
+        }
         mj.step(model, d);
         if (k % (steps/20) != 0)
             continue;
@@ -144,7 +151,8 @@ static double apart(lw_spatial *m, double to)
 TEST(mujoco_runs_the_examples_alike)
 {
     static const struct { const char *name; double to; const char *motion[3]; } rows[] = {
-        { "top", 1, { NULL } }, { "bricard", 1, { NULL } }, { "governor", 1, { NULL } }, { "slider-crank", 1, { NULL } },
+        { "top", 1, { NULL } }, { "bricard", 1, { NULL } }, { "governor", 1, { NULL } },
+            { "slider-crank", 1, { NULL } },
         { "arm", 1, { NULL } }, { "stewart", 1, { NULL } },
         { "delta", 1, { "0.1*(1 - cos(pi*t))", "0.1*(1 - cos(pi*t))*sin(pi*t)", "-0.65 + 0.05*(1 - cos(pi*t))" } }
     };
@@ -179,7 +187,8 @@ static marker found[20000];
 
 static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
 {
-    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)), lw_m3_apply(a, lw_m3_column(b, 2)));
+    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)),
+                         lw_m3_apply(a, lw_m3_column(b, 2)));
 }
 
 static lw_mat3 about(char axis, double angle)
@@ -194,7 +203,8 @@ static void read_markers(const char *text)
     for (const char *c = text; (c = strstr(c, "\nMARKER/")); c++) {
         int id, part;
         double x, y, z, a = 0, b = 0, g = 0;
-        CHECK_INT(sscanf(c, "\nMARKER/%d, PART = %d, QP = %lf, %lf, %lf\n, REULER = %lf, %lf, %lf", &id, &part, &x, &y, &z, &a, &b, &g) >= 5, 1);
+        CHECK_INT(sscanf(c, "\nMARKER/%d, PART = %d, QP = %lf, %lf, %lf\n, REULER = %lf, %lf, %lf", &id, &part, &x, &y,
+                         &z, &a, &b, &g) >= 5, 1);
         CHECK(id > 0 && id < 20000 && found[id].part == 0);
         lw_mat3 one = about('z', a), two = about('x', b), three = about('z', g), both = times(&two, &three);
         found[id % 20000] = (marker){ part, lw_v3(x, y, z), times(&one, &both) };
@@ -272,7 +282,8 @@ TEST(datasets_of_adams_say_the_same)
 TEST(what_has_no_form_is_named)
 {
     static const struct { const char *model, *format, *says; } rows[] = {
-        { "arm", "mjcf", "stop that rebounds" }, { "arm", "adams", "has a stop" }, { "delta-elastic", "mjcf", "is elastic" },
+        { "arm", "mjcf", "stop that rebounds" }, { "arm", "adams", "has a stop" },
+            { "delta-elastic", "mjcf", "is elastic" },
         { "top", "urdf", "planar linkages only" }, { "delta", "adams", "MAX" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {

@@ -25,11 +25,15 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_erro
 {
     for (int i = 0; i < m->n_link; i++)
         if (m->elastic && m->elastic[i].given)
-            return lw_error_set(e, LW_E_KIND, "link '%s' is elastic, which is not written to %s: give it a mass instead in a copy of "
-                                "the file to export the rest", m->body[i].name, format);
+            return lw_error_set(e, LW_E_KIND, "link '%s' is elastic, which is not written to %s: give it a mass "
+                                "instead in a copy of the file to export the rest", m->body[i].name, format);
+    if (m->states.n_state + m->states.n_signal + m->states.n_rotor > 0)
+        return lw_error_set(e, LW_E_KIND, "the model has states, which are not written to %s: take them out of a copy "
+                            "of the file to export the rest", format);
     for (int i = 0; i < m->n_spring; i++)
         if (m->spring[i].law)
-            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to %s", m->spring[i].name, format);
+            return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which is not written to %s",
+                                m->spring[i].name, format);
     for (int i = 0; i < m->n_joint_spring; i++)
         if (m->joint_spring[i].law || m->joint_spring[i].measure.of >= LW_OF_X)
             return lw_error_set(e, LW_E_KIND, "joint spring '%s' has a law of its own, which is not written to %s",
@@ -37,7 +41,8 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_erro
     for (int i = 0; i < m->n_force; i++)
         for (int c = 0; c < 3; c++)
             if (varies(m->force[i].force[c]) || varies(m->force[i].torque[c]))
-                return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s", m->force[i].name, format);
+                return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which is not written to %s",
+                                    m->force[i].name, format);
     return LW_OK;
 }
 
@@ -55,7 +60,8 @@ static lw_status twists(lw_dynamics *d, const lw_spatial *m, lw_space_twist *out
         lw_space_place(s, q, frame);
         for (int i = 0; i < m->n_link; i++)
             if (i != m->ground)
-                out[i] = (lw_space_twist){ lw_space_point_velocity(s, frame, lw_space_point_of(s, i, lw_v3(0, 0, 0)), v),
+                out[i] = (lw_space_twist){ lw_space_point_velocity(s, frame, lw_space_point_of(s, i, lw_v3(0, 0, 0)),
+                                                                   v),
                                            lw_space_omega(frame, s->body_of[i], v) };
     }
     bool room = q && frame;
@@ -68,7 +74,8 @@ lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_er
 {
     bool moves = false, driven = false;
     for (int i = 0; i < m->n_link; i++)
-        moves |= i != m->ground && ((m->body[i].has_velocity && any(m->body[i].velocity)) || (m->body[i].has_omega && any(m->body[i].omega)));
+        moves |= i != m->ground && ((m->body[i].has_velocity && any(m->body[i].velocity))
+                                    || (m->body[i].has_omega && any(m->body[i].omega)));
     for (int i = 0; i < m->n_input; i++) {
         driven |= m->input[i].motion != NULL;
         moves |= !m->input[i].motion && m->input[i].has_speed && m->input[i].speed != 0;
@@ -77,8 +84,8 @@ lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_er
     if (!moves || !lw_space_weighed(m))
         return LW_OK;
     if (driven)
-        return lw_error_set(e, LW_E_KIND, "some inputs have a motion, and other parts a speed at the start; a file for another program "
-                            "holds one or the other");
+        return lw_error_set(e, LW_E_KIND, "some inputs have a motion, and other parts a speed at the start; a file for "
+                            "another program holds one or the other");
     lw_dynamics *d = NULL;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_status s = lw_dynamics_make_spatial(m, &o, &d, e);
@@ -107,13 +114,17 @@ static bool is_loaded(const lw_spatial *m, int joint)
     return any;
 }
 
-/* Revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a light body in
- * between, which makes the loop softer. */
+/* Revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a
+ * light body in between, which makes the loop softer. */
 static int rank_of(const lw_spatial *m, int joint)
 {
     switch (m->joint[joint].kind) {
     case LW_SPATIAL_FIXED:     return 0;
-    case LW_SPATIAL_PRISMATIC: case LW_SPATIAL_CYLINDRICAL: case LW_SPATIAL_UNIVERSAL: case LW_SPATIAL_SCREW: case LW_SPATIAL_PLANAR:
+    case LW_SPATIAL_PRISMATIC:
+    case LW_SPATIAL_CYLINDRICAL:
+    case LW_SPATIAL_UNIVERSAL:
+    case LW_SPATIAL_SCREW:
+    case LW_SPATIAL_PLANAR:
         return is_loaded(m, joint) ? 0 : 1;
     case LW_SPATIAL_REVOLUTE:  return is_loaded(m, joint) ? 2 : 3;
     case LW_SPATIAL_SPHERICAL: return 4;
@@ -159,8 +170,8 @@ lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e)
         if (j < 0)
             continue;
         if (m->joint[j].kind == LW_SPATIAL_FREE && t->parent[i] != m->ground)
-            s = lw_error_set(e, LW_E_KIND, "joint '%s' is free between two links that move, which has no form in a tree of bodies; "
-                             "name the ground as one of its links", m->joint[j].name);
+            s = lw_error_set(e, LW_E_KIND, "joint '%s' is free between two links that move, which has no form in a "
+                             "tree of bodies; name the ground as one of its links", m->joint[j].name);
         t->next[i] = t->child[t->parent[i]];
         t->child[t->parent[i]] = i;
         t->origin[i] = m->joint[j].at;

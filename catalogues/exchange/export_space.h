@@ -1,20 +1,20 @@
 /* catalogues/exchange/export_space.h - a spatial model as a file that another program runs.
  *
- * As catalogues/exchange/export.h: text in SI units, out is freed after a failure, LW_E_KIND names what the format cannot
- * express: laws and forces that are not constant, elastic links, stops that rebound. */
+ * As catalogues/exchange/export.h: text in SI units, out is freed after a failure, LW_E_KIND names what the format
+ * cannot express: laws and forces that are not constant, elastic links, stops that rebound. */
 #ifndef LW_CATALOGUES_EXCHANGE_EXPORT_SPACE_H
 #define LW_CATALOGUES_EXCHANGE_EXPORT_SPACE_H
 
 #include "base/bytes.h"
 #include "grammar/spatial.h"
 
-/* MuJoCo's MJCF. Bodies are the links, nested along a spanning tree of the joints, parallel to the world in the posture of
- * the file; equality constraints close the other joints. Drives (or the driven inputs) have actuators, whose controls are the
- * coordinates of their joints. Velocities at the start are in the keyframe. */
+/* MuJoCo's MJCF. Bodies are the links, nested along a spanning tree of the joints, parallel to the world in the posture
+ * of the file; equality constraints close the other joints. Drives (or the driven inputs) have actuators, whose
+ * controls are the coordinates of their joints. Velocities at the start are in the keyframe. */
 lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e);
 
-/* A dataset of ADAMS/Solver, and the commands that run it. Motions of inputs are written in the words of ADAMS; LW_E_KIND
- * also: a motion has others (profile, table), a joint has a stop. */
+/* A dataset of ADAMS/Solver, and the commands that run it. Motions of inputs are written in the words of ADAMS;
+ * LW_E_KIND also: a motion has others (profile, table), a joint has a stop. */
 lw_status lw_export_space_adams(const lw_spatial *m, lw_bytes *out, lw_error *e);
 lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_error *e);
 
@@ -28,13 +28,14 @@ typedef struct lw_space_tree {
     lw_vec3 *origin;                   /* (n_link) of a body's frame: the joint to its parent; ground: 0 [m]  */
 } lw_space_tree;
 
-/* Joints that are no revolute or spherical ones first, then driven and loaded ones, spherical ones last. LW_E_KIND: a free joint
- * between two links that move; LW_E_MEMORY. Free it after a failure too. */
+/* Joints that are no revolute or spherical ones first, then driven and loaded ones, spherical ones last. LW_E_KIND: a
+ * free joint between two links that move; LW_E_MEMORY. Free it after a failure too. */
 lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e);
 void      lw_space_tree_free(lw_space_tree *t);
 
-/* Velocities at the start, of each link (n_link): of its point at the origin [m/s] and of its turn [rad/s]. *out: to be freed; NULL: all
- * links start at rest. LW_E_KIND: some input has a motion and another a speed; failures of lw_dynamics_make_spatial. */
+/* Velocities at the start, of each link (n_link): of its point at the origin [m/s] and of its turn [rad/s]. *out: to be
+ * freed; NULL: all links start at rest. LW_E_KIND: some input has a motion and another a speed; failures of
+ * lw_dynamics_make_spatial. */
 typedef struct lw_space_twist { lw_vec3 velocity, omega; } lw_space_twist;
 lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_error *e);
 

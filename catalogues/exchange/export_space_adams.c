@@ -143,15 +143,18 @@ static void put_markers(writer *w, int j)
 static lw_status put_joint(writer *w, int j, lw_error *e)
 {
     static const char *const word[] = {
-        [LW_SPATIAL_REVOLUTE] = "REVOLUTE", [LW_SPATIAL_PRISMATIC] = "TRANSLATIONAL", [LW_SPATIAL_CYLINDRICAL] = "CYLINDRICAL",
-        [LW_SPATIAL_SPHERICAL] = "SPHERICAL", [LW_SPATIAL_UNIVERSAL] = "UNIVERSAL", [LW_SPATIAL_SCREW] = "SCREW",
-        [LW_SPATIAL_PLANAR] = "PLANAR", [LW_SPATIAL_FIXED] = "FIXED", [LW_SPATIAL_FREE] = NULL
+        [LW_SPATIAL_REVOLUTE] = "REVOLUTE",       [LW_SPATIAL_PRISMATIC] = "TRANSLATIONAL",
+        [LW_SPATIAL_CYLINDRICAL] = "CYLINDRICAL", [LW_SPATIAL_SPHERICAL] = "SPHERICAL",
+        [LW_SPATIAL_UNIVERSAL] = "UNIVERSAL",     [LW_SPATIAL_SCREW] = "SCREW",
+        [LW_SPATIAL_PLANAR] = "PLANAR",           [LW_SPATIAL_FIXED] = "FIXED",
+        [LW_SPATIAL_FREE] = NULL
     };
     const lw_spatial_joint *p = &w->m->joint[j];
     if (p->kind == LW_SPATIAL_FREE)
         return LW_OK;
     if (p->kind == LW_SPATIAL_UNIVERSAL && fabs(lw_v3_dot(p->axis, p->second)) > 1e-9)
-        return lw_error_set(e, LW_E_KIND, "the axes of universal joint '%s' are not at right angles, which ADAMS does not know", p->name);
+        return lw_error_set(e, LW_E_KIND, "the axes of universal joint '%s' are not at right angles, which ADAMS does "
+                            "not know", p->name);
     put_name(w, p->name, "");
     put_id(w, "JOINT/", j + 1);
     put(w, ", ");
@@ -176,7 +179,8 @@ static lw_status check(const lw_spatial *m, lw_error *e)
                                 m->joint_spring[i].name);
     for (int i = 0; i < m->n_motor; i++)
         if (!lw_spatial_kind_of(m->joint[m->motor[i].joint].kind)->turns)
-            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slide, which is not written to ADAMS", m->motor[i].name);
+            return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slide, which is not written to ADAMS",
+                                m->motor[i].name);
     return LW_OK;
 }
 
@@ -250,7 +254,8 @@ static void put_loads(writer *w)
         for (int c = 0; c < 6; c++)
             v[c] = lw_export_constant(c < 3 ? p->force[c] : p->torque[c - 3]);
         put_name(w, p->name, " force");
-        put_action(w, p->link, p->at, lw_v3(v[0], v[1], v[2]), p->follows ? p->link : m->ground, p->name, ", TRANSLATION");
+        put_action(w, p->link, p->at, lw_v3(v[0], v[1], v[2]), p->follows ? p->link : m->ground, p->name,
+                   ", TRANSLATION");
         put_action(w, p->link, p->at, lw_v3(v[3], v[4], v[5]), p->follows ? p->link : m->ground, p->name, ", ROTATION");
     }
 }
@@ -260,8 +265,9 @@ static void put_loads(writer *w)
 /* An expression of t in the words of ADAMS: false if it has others. */
 static bool put_function(writer *w, const char *text)
 {
-    static const char *const known[] = { "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log",
-        "sqrt", "abs", "mod", "min", "max", "step", "havsin", "poly", "pi" };
+    static const char *const known[] = { "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh",
+                                         "exp", "log", "sqrt", "abs", "mod", "min", "max", "step", "havsin", "poly",
+                                         "pi" };
     while (*text) {
         size_t n = 0;
         char word[16] = "";
@@ -294,7 +300,8 @@ static bool put_function(writer *w, const char *text)
     return true;
 }
 
-/* The motion of an input; without one, of a model without masses: to and fro, over its range or a tenth of a radian or of the size. */
+/* The motion of an input; without one, of a model without masses: to and fro, over its range or a tenth of a radian or
+ * of the size. */
 static lw_status put_motion(writer *w, int i, lw_error *e)
 {
     const lw_spatial_input *in = &w->m->input[i];
@@ -316,12 +323,14 @@ static lw_status put_motion(writer *w, int i, lw_error *e)
     put(w, "\n, FUNCTION = ");
     if (in->motion) {
         if (!put_function(w, lw_expression_text(in->motion)))
-            return lw_error_set(e, LW_E_KIND, "the motion of %s, \"%s\", has no form in ADAMS", name, lw_expression_text(in->motion));
+            return lw_error_set(e, LW_E_KIND, "the motion of %s, \"%s\", has no form in ADAMS", name,
+                                lw_expression_text(in->motion));
         put_key(w, lw_spatial_offset(in) > 0 ? " - " : " + ", fabs(lw_spatial_offset(in)));
     } else {
         double reach = of == LW_OF_TURN ? 0.1 : 0.1*lw_spatial_size(w->m);
         double down = in->has_range ? in->value - in->first : reach, up = in->has_range ? in->last - in->value : reach;
-        double half = (up + down)/2, middle = (up - down)/2, phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0;
+        double half = (up + down)/2, middle = (up - down)/2, phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half)))
+            : 0;
         put_key(w, "", middle + (of >= LW_OF_X ? in->value : 0));
         put_key(w, " + ", half);
         put_key(w, "*SIN(2*PI*TIME + ", phase);

@@ -1,4 +1,4 @@
-/* catalogues/exchange/export_space_mjcf.c - write a spatial model as a model of MuJoCo (XML reference of MuJoCo 2.2). */
+/* catalogues/exchange/export_space_mjcf.c - write a spatial model as a model of MuJoCo 2.2 (its XML reference). */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@
 #define RATIO  0.3                             /* of its damping to the critical one                      */
 #define LITTLE 1e-5                            /* mass of a body without mass, over that of all bodies    */
 #define SLIM   1e-4                            /* least principal moment of a body over its greatest one  */
-#define HINGE  0.3                             /* half the distance of the two points that close a hinge, over the size */
+#define HINGE  0.3                             /* half the distance of the points that close a hinge, over the size */
 
 typedef struct writer {
     const lw_spatial *m;
@@ -41,7 +41,11 @@ static void put_numbers(writer *w, const char *attribute, const double *v, int n
 }
 
 static void put_attribute(writer *w, const char *attribute, double v) { put_numbers(w, attribute, &v, 1); }
-static void put_vec(writer *w, const char *attribute, lw_vec3 v) { put_numbers(w, attribute, (double[]){ v.x, v.y, v.z }, 3); }
+
+static void put_vec(writer *w, const char *attribute, lw_vec3 v)
+{
+    put_numbers(w, attribute, (double[]){ v.x, v.y, v.z }, 3);
+}
 
 static void put_tag(writer *w, int depth, const char *text)
 {
@@ -112,9 +116,9 @@ static void put_coordinate(writer *w, const char *attribute, lw_spatial_measure 
     put_name(w, attribute, p->name, !(kind->turns && kind->slides) ? "" : of.of == LW_OF_TURN ? " turn" : " slide");
 }
 
-/* Value in the posture, springs, dampers and stops of a coordinate. A driven one also has an inertia of its drive: that of all
- * bodies at the distance of the model's size, so that the frequency of the drive changes little over the motion, which does not
- * depend on it. */
+/* Value in the posture, springs, dampers and stops of a coordinate. A driven one also has an inertia of its drive: that
+ * of all bodies at the distance of the model's size, so that the frequency of the drive changes little over the motion,
+ * which does not depend on it. */
 static void put_reference(writer *w, lw_spatial_measure of)
 {
     const lw_spatial *m = w->m;
@@ -136,7 +140,8 @@ static void put_reference(writer *w, lw_spatial_measure of)
     const lw_joint_stop *stop = &m->joint[of.index].stop;
     bool stops = stop->has_least || stop->has_greatest;
     if (stops && of.of == (lw_spatial_kind_of(m->joint[of.index].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE)) {
-        double range[2] = { at + (stop->has_least ? stop->least : -1e6), at + (stop->has_greatest ? stop->greatest : 1e6) };
+        double range[2] = { at + (stop->has_least ? stop->least : -1e6),
+                           at + (stop->has_greatest ? stop->greatest : 1e6) };
         put(w, " limited=\"true\"");
         put_numbers(w, "range", range, 2);
     }
@@ -232,15 +237,16 @@ static void put_joint(writer *w, int depth, int j, int child)
 
 /* ---- bodies --------------------------------------------------------------------------------------- */
 
-/* MuJoCo needs some mass and inertia of every body that moves. A bar between ball joints spins about itself without moving anything
- * else; it needs some inertia about its axis too. */
+/* MuJoCo needs some mass and inertia of every body that moves. A bar between ball joints spins about itself without
+ * moving anything else; it needs some inertia about its axis too. */
 static void put_inertia(writer *w, int depth, const lw_spatial_body *b, lw_vec3 centre)
 {
     double mass = fmax(b ? b->mass : 0, LITTLE*w->mass), value[3] = { 0 };
     lw_mat3 axes = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
     if (b)
         lw_m3_principal(b->inertia, value, &axes);
-    double least = fmax(LITTLE*(b && b->mass > 0 ? mass : w->mass)*w->size*w->size, SLIM*fmax(value[0], fmax(value[1], value[2])));
+    double least = fmax(LITTLE*(b && b->mass > 0 ? mass : w->mass)*w->size*w->size,
+                        SLIM*fmax(value[0], fmax(value[1], value[2])));
     for (int i = 0; i < 3; i++)
         value[i] = fmax(value[i], least);
     lw_quaternion turn = lw_quaternion_of_matrix(&axes);
@@ -268,7 +274,8 @@ static void put_shape(writer *w, int depth, int link)
     const lw_spatial *m = w->m;
     int rods = 0;
     for (int j = 0; j < m->n_joint + m->n_tracer; j++) {
-        bool here = j < m->n_joint ? m->joint[j].link[0] == link || m->joint[j].link[1] == link : m->tracer[j - m->n_joint].link == link;
+        bool here = j < m->n_joint ? m->joint[j].link[0] == link || m->joint[j].link[1] == link
+            : m->tracer[j - m->n_joint].link == link;
         if (!here)
             continue;
         lw_vec3 to = from_origin(w, link, j < m->n_joint ? m->joint[j].at : m->tracer[j - m->n_joint].at);
@@ -281,7 +288,8 @@ static void put_shape(writer *w, int depth, int link)
         put_rod(w, depth, lw_v3(0, 0, 0));
 }
 
-static void put_site(writer *w, int depth, const char *name, const char *more, int link, lw_vec3 at, const lw_quaternion *turn)
+static void put_site(writer *w, int depth, const char *name, const char *more, int link, lw_vec3 at,
+                     const lw_quaternion *turn)
 {
     put_tag(w, depth, "<site");
     put_name(w, "name", name, more);
@@ -311,8 +319,8 @@ static void put_sites(writer *w, int depth, int link)
 /* Does a joint that closes a loop need a body of its own, which moves on link[0] as the joint allows but for a turn? */
 static bool has_runner(lw_spatial_kind kind)
 {
-    return kind == LW_SPATIAL_PRISMATIC || kind == LW_SPATIAL_CYLINDRICAL || kind == LW_SPATIAL_SCREW || kind == LW_SPATIAL_PLANAR
-        || kind == LW_SPATIAL_UNIVERSAL;
+    return kind == LW_SPATIAL_PRISMATIC || kind == LW_SPATIAL_CYLINDRICAL || kind == LW_SPATIAL_SCREW
+        || kind == LW_SPATIAL_PLANAR || kind == LW_SPATIAL_UNIVERSAL;
 }
 
 static void put_runners(writer *w, int depth, int link)
@@ -458,24 +466,28 @@ static lw_status check(const writer *w, lw_error *e)
     for (int i = 0; i < n_actuator(w); i++) {
         lw_spatial_measure of = actuated(w, i);
         if (is_actuated(w, i) && of.of >= LW_OF_X)
-            return lw_error_set(e, LW_E_KIND, "an input prescribes tracer '%s', which has no form in MJCF; name the joints that move "
-                                "it as \"drives\"", m->tracer[of.index].name);
+            return lw_error_set(e, LW_E_KIND, "an input prescribes tracer '%s', which has no form in MJCF; name the "
+                                "joints that move it as \"drives\"", m->tracer[of.index].name);
         if (is_actuated(w, i) && !w->tree.in_tree[of.index])
-            return lw_error_set(e, LW_E_KIND, "'%s' closes a loop of driven joints, which has no form in MJCF", m->joint[of.index].name);
+            return lw_error_set(e, LW_E_KIND, "'%s' closes a loop of driven joints, which has no form in MJCF",
+                                m->joint[of.index].name);
     }
     for (int i = 0; i < m->n_joint_spring; i++)
         if (!w->tree.in_tree[m->joint_spring[i].measure.index])
-            return lw_error_set(e, LW_E_KIND, "joint spring '%s' acts at a joint by which a loop is closed, which has no form in MJCF",
+            return lw_error_set(e, LW_E_KIND, "joint spring '%s' acts at a joint by which a loop is closed, which has "
+                                "no form in MJCF",
                                 m->joint_spring[i].name);
     for (int i = 0; i < m->n_motor; i++)
         if (!w->tree.in_tree[m->motor[i].joint])
-            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form in MJCF",
+            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form "
+                                "in MJCF",
                                 m->motor[i].name);
     for (int j = 0; j < m->n_joint; j++) {
         const lw_joint_stop *stop = &m->joint[j].stop;
         bool stops = stop->has_least || stop->has_greatest;
         if (stops && (stop->restitution > 0 || stop->stiffness > 0 || !w->tree.in_tree[j]))
-            return lw_error_set(e, LW_E_KIND, "joint '%s' has a stop that %s, which has no form in MJCF", m->joint[j].name,
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has a stop that %s, which has no form in MJCF",
+                                m->joint[j].name,
                                 w->tree.in_tree[j] ? "rebounds or gives way" : "acts where a loop is closed");
     }
     return LW_OK;
@@ -513,12 +525,14 @@ static double choose_step(const writer *w)
     for (int i = 0; i < w->m->n_spring; i++)
         stiffest = fmax(stiffest, w->m->spring[i].stiffness);
     for (int i = 0; i < w->m->n_joint_spring; i++)
-        stiffest = fmax(stiffest, w->m->joint_spring[i].stiffness/(w->m->joint_spring[i].measure.of == LW_OF_TURN ? w->size*w->size : 1));
+        stiffest = fmax(stiffest, w->m->joint_spring[i].stiffness/(w->m->joint_spring[i].measure.of == LW_OF_TURN
+                                                                   ? w->size*w->size : 1));
     return fmax(1e-6, fmin(STEP, stiffest > 0 && isfinite(least) ? 0.2*sqrt(least/stiffest) : STEP));
 }
 
-/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate. Forces and
- * motors need no control: they are the bias of an actuator. A force that keeps its direction acts along axes of the world. */
+/* A drive is a spring of its own inertia's frequency DRIVE/step, with damping; its control is the joint's coordinate.
+ * Forces and motors need no control: they are the bias of an actuator. A force that keeps its direction acts along axes
+ * of the world. */
 static void put_actuators(writer *w)
 {
     const lw_spatial *m = w->m;
@@ -594,16 +608,14 @@ static void put_keyframe(writer *w)
 
 static void put_head(writer *w)
 {
-    bool loops = false;
-    for (int j = 0; j < w->m->n_joint; j++)
-        loops |= w->m->joint[j].kind == LW_SPATIAL_SCREW || (!w->tree.in_tree[j] && w->m->joint[j].kind != LW_SPATIAL_FREE);
     put(w, "<mujoco");
     put_name(w, "model", w->m->name[0] ? w->m->name : "model", "");
-    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the posture, and its speeds, are in the "
-           "keyframe. -->\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>\n  <option");
+    put(w, ">\n  <!-- The controls of the drives are coordinates of their joints; those of the posture, and its "
+           "speeds, are in the keyframe. -->"
+           "\n  <compiler angle=\"radian\" boundmass=\"1e-12\" boundinertia=\"1e-18\"/>"
+           "\n  <option integrator=\"RK4\"");
     put_vec(w, "gravity", w->weighed ? w->m->gravity : lw_v3(0, 0, 0));
     put_attribute(w, "timestep", w->step);
-    put(w, " integrator=\"RK4\"");
     put(w, "/>\n  <statistic");
     put_attribute(w, "extent", w->size);
     put(w, "/>\n  <default>\n    <joint limited=\"false\"/>"

@@ -69,8 +69,10 @@ static lw_status read_adams(const char *text, size_t size, const char *file, con
 }
 
 const lw_format lw_formats[] = {
-    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json, false, NULL },
-    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs, false, NULL },
+    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json, false,
+      NULL },
+    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs, false,
+      NULL },
     { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams, true,
       lw_export_space_adams },
     { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks, false, NULL },
@@ -81,7 +83,8 @@ const lw_format lw_formats[] = {
       lw_export_space_adams_commands },
     { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf, false, NULL },
     { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad, false, NULL },
-    { "step", "plates and pins as an assembly of solids, STEP AP214", ".step", NULL, NULL, lw_export_step, false, NULL },
+    { "step", "plates and pins as an assembly of solids, STEP AP214", ".step", NULL, NULL, lw_export_step, false,
+      NULL },
     { "stl", "plates and pins as meshes, STL", ".stl", NULL, NULL, lw_export_stl, false, NULL },
     { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false, NULL },
     { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false, NULL },
@@ -119,5 +122,6 @@ lw_status lw_format_write_space(const lw_format *f, const lw_spatial *m, lw_byte
 {
     if (f->write_space)
         return f->write_space(m, out, e);
-    return lw_error_set(e, LW_E_KIND, "%s holds planar linkages only, and this model is spatial; mjcf and adams hold it", f->name);
+    return lw_error_set(e, LW_E_KIND, "%s holds planar linkages only; mjcf and adams hold spatial models like this one",
+                        f->name);
 }

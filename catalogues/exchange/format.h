@@ -17,7 +17,7 @@ typedef struct lw_format {
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
     lw_status (*write)(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
     bool        loads;                 /* _write uses the model of the options                           */
-    lw_status (*write_space)(const lw_spatial *m, lw_bytes *out, lw_error *e);    /* NULL: planar only   */
+    lw_status (*write_space)(const lw_spatial *m, lw_bytes *out, lw_error *e);     /* NULL: planar only    */
 } lw_format;
 
 /* Ends with a row without name.  Ask in this order whether a text is theirs: the last that can be read takes any. */

@@ -22,13 +22,13 @@ static bool is_loaded(const lw_model *m, int joint)
     return any;
 }
 
-/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and
- * slots; pins last,
- * because a loop is closed most simply at a pin. -1: never. */
+/* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots;
+ * pins last, because a loop is closed most simply at a pin. -1: never. */
 static int rank_of(const lw_linkage *linkage, const lw_model *m, int joint, const bool *at_gear)
 {
     lw_joint_kind kind = linkage->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : lw_export_is_input(linkage, joint) || is_loaded(m, joint) ? 0 : at_gear[joint] ? 1
+    return lw_joint_has_ratio(kind) ? -1 : lw_export_is_input(linkage, joint) || is_loaded(m, joint) ? 0
+        : at_gear[joint] ? 1
          : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 
@@ -46,8 +46,8 @@ static lw_status mark_gears(const lw_linkage *linkage, bool *at_gear, lw_error *
     return LW_OK;
 }
 
-bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree, int *parent,
-             int *joint)
+bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
+             int *parent, int *joint)
 {
     int most = 0, reached = 1, before = 0;
     for (int i = 0; i < n_link; i++) {
@@ -93,7 +93,8 @@ lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export
         for (int side = 0; side < 2; side++)
             link[j][side] = linkage->joint[j].link[side];
     }
-    if (!lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, group, t->in_tree, t->parent, t->joint))
+    if (!lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, group, t->in_tree, t->parent,
+                 t->joint))
         return lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in a tree of bodies");
     for (int i = 0; i < linkage->n_link; i++)
         if (t->joint[i] >= 0)

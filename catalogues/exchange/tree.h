@@ -12,10 +12,10 @@ typedef struct lw_export_tree {
     lw_vec2 origin[LW_LINK_MAX];       /* of the body's frame: the joint to its parent [m]               */
 } lw_export_tree;
 
-/* A spanning tree of n_link links from the ground: joints of lowest rank first, those of a rank below 0 never. link: (n_joint) pairs;
- * group: (n_link) scratch; in_tree (n_joint): false before. False: a link is not reached. */
-bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree, int *parent,
-             int *joint);
+/* A spanning tree of n_link links from the ground: joints of lowest rank first, those of a rank below 0 never. link:
+ * (n_joint) pairs; group: (n_link) scratch; in_tree (n_joint): false before. False: a link is not reached. */
+bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
+             int *parent, int *joint);
 
 /* Choose a spanning tree: driven and loaded joints first (m may be NULL), then those of gear wheels, welds, sliders and
  * slots, pins last. LW_E_KIND: a link hangs on a gear alone; failures of lw_export_gear. */

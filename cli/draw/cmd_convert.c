@@ -30,9 +30,8 @@ static const cli_option options[] = {
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
       "take result number N of a file written by fit; default: the first", 1, 1e9, NULL, NULL },
     { "plate-width", 0, CLI_REAL, offsetof(settings, width), "MM", NULL,
-      "dxf, scad, step, stl: width of a bar; without it two thirds of the shortest distance of two pins of a link, "
-          "at most "
-      "2/25 of the size of the linkage", 1e-6, 1e9, NULL, NULL },
+      "dxf, scad, step, stl: width of a bar; without it two thirds of the shortest distance of two pins of a link, at "
+          "most 2/25 of the size of the linkage", 1e-6, 1e9, NULL, NULL },
     { "plate-thickness", 0, CLI_REAL, offsetof(settings, thickness), "MM", NULL,
       "thickness of the plates; without it half their width", 1e-6, 1e9, NULL, NULL },
     { "hole", 0, CLI_REAL, offsetof(settings, hole), "MM", NULL,
@@ -117,9 +116,10 @@ static bool has_masses(const lw_model *m)
     return false;
 }
 
-/* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Or read a spatial model into *space. Free
- * them with cli_free_model and cli_free_spatial. */
-static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *linkage, lw_model **m, lw_spatial **space, lw_error *e)
+/* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Or read a spatial model into
+ * *space. Free them with cli_free_model and cli_free_spatial. */
+static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *linkage, lw_model **m, lw_spatial **space,
+                              lw_error *e)
 {
     const settings *s = call->settings;
     const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
@@ -142,7 +142,8 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
         status = f->read(text, size, path, &units, linkage, e);
     if (status == LW_OK && *space) {
         free(text);
-        return s->unit || s->input ? lw_error_set(e, LW_E_ARG, "--%s goes with planar linkages, and this model is spatial",
+        return s->unit || s->input ? lw_error_set(e, LW_E_ARG,
+                                                  "--%s goes with planar linkages, and this model is spatial",
                                                   s->unit ? "length-unit" : "input-joint") : LW_OK;
     }
     if (status == LW_OK && loads && strcmp(f->name, "json") == 0) {
@@ -157,9 +158,8 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
     if (status == LW_OK && s->unit)
         status = set_unit(s->unit, &linkage->units, e);
     if (status == LW_OK && s->input && *m && has_masses(*m))
-        status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions "
-                              "belong to its "
-                              "own inputs; change the input in the file");
+        status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions belong "
+                              "to its own inputs; change the input in the file");
     if (status == LW_OK && s->input)
         status = set_input(s->input, linkage, e);
     free(text);

@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional, Union
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, check, fill, interruptible, new_error, plain, text_of
+from ._core import Calls, check, fill, interruptible, new_error, plain, take_bytes, text_of
 
 
 class Frames(NamedTuple):
@@ -109,6 +109,12 @@ class SpatialModel:
         """Move an input by an expression of t: "0.5 + 10*t" [rad] or [m]."""
         error = new_error()
         check(lib.lw_spatial_set_motion(self._handle, input, motion.encode(), error), error)
+
+    def export(self, format: str) -> bytes:
+        """As "mjcf" (MuJoCo), "adams" or "acf"."""
+        out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
+        check(lib.lw_spatial_export(self._handle, format.encode(), out, size, error), error)
+        return take_bytes(out[0], size[0])
 
     def analyse_mobility(self, tolerance: float = 1e-12, seed: int = 1) -> dict:
         """How freely it moves, found by moving it: kind ("rigid", "shaky", "moves"), freedom, idle, redundant, ..."""

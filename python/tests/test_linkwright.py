@@ -324,3 +324,10 @@ def test_servo():
     gone = report["heat"] + report["friction"] + report["transmission"] + report["stored"]
     assert report["electrical"] + report["work"] == pytest.approx(gone, rel=1e-6)
     assert 0 < report["error_peak"] < 0.01 and report["current_peak"] <= 25*(1 + 1e-9)
+
+
+def test_files_of_models_in_space():
+    model = lw.SpatialModel.load(EXAMPLES / "space" / "top.json")
+    assert b'<joint type="ball" name="O"/>' in model.export("mjcf") and b"SPHERICAL" in model.export("adams")
+    with pytest.raises(lw.Error, match="planar linkages only"):
+        model.export("dxf")
