@@ -12,7 +12,7 @@ static const double stride = 0.25;           /* between postures, scaled */
 static const double exact = 1e-12;           /* rows that are satisfied by the dimensions given */
 static const double closed = 2e-13;          /* rows that are satisfied by the dimensions adjusted */
 static const double ease = 10;               /* a change of a posture costs less than one of a dimension by this factor */
-static const double least_shift = 1e-16;     /* of the squares of the rows, and more where rounding asks for it */
+static const double least_pivot[2] = { 1e-12, 1e-8 };  /* of the rows, relative: the first as far as rounding allows */
 enum { POSTURES = 8, LEAST_SQUARES = 60, ROWS_MOST = 700 };
 
 /* A dimension: coordinate `axis` of the arm of a joint at one end, or (end 2) the direction of its line. */
@@ -24,14 +24,15 @@ typedef struct adjuster {
     dimension *dim;
     double *q;                               /* (n_posture * n_q) */
     double *phi, *jac, *other;               /* of one posture */
-    double *a, *gram, *right, *step;         /* the least-squares problem */
+    double *a, *right, *step;                /* the least-squares problem */
+    int    *order;
     double *doubles;                         /* of rank */
     int    *ints;
 } adjuster;
 
 static void free_adjuster(adjuster *w)
 {
-    void *const array[] = { w->dim, w->q, w->phi, w->a, w->doubles, w->ints };
+    void *const array[] = { w->dim, w->q, w->phi, w->a, w->order, w->doubles, w->ints };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
 }
@@ -148,61 +149,29 @@ static double fill(adjuster *w, int n)
     return worst;
 }
 
-/* step = -A^T (A A^T + shift)^-1 right, by Cholesky's method.  False: not positive definite. */
-static bool solve(adjuster *w, int m, int n, double shift)
-{
-    double *g = w->gram, *x = w->right;
-    for (int i = 0; i < m; i++)
-        for (int j = 0; j <= i; j++) {
-            double sum = i == j ? shift : 0;
-            const double *a = w->a + (size_t)i*(size_t)n, *b = w->a + (size_t)j*(size_t)n;
-            for (int k = 0; k < n; k++)
-                sum += a[k]*b[k];
-            for (int k = 0; k < j; k++)
-                sum -= g[i*m + k]*g[j*m + k];
-            if (i == j && !(sum > 0))
-                return false;
-            g[i*m + j] = i == j ? sqrt(sum) : sum/g[j*m + j];
-        }
-    for (int i = 0; i < m; i++) {
-        for (int k = 0; k < i; k++)
-            x[i] -= g[i*m + k]*x[k];
-        x[i] /= g[i*m + i];
-    }
-    for (int i = m - 1; i >= 0; i--) {
-        for (int k = i + 1; k < m; k++)
-            x[i] -= g[k*m + i]*x[k];
-        x[i] /= g[i*m + i];
-    }
-    for (int k = 0; k < n; k++) {
-        w->step[k] = 0;
-        for (int i = 0; i < m; i++)
-            w->step[k] -= w->a[(size_t)i*(size_t)n + (size_t)k]*x[i];
-    }
-    return true;
-}
-
-/* Levenberg's method on all rows of all postures, whose shift goes to 0 with the residual: it converges fast although rows
- * are dependent in the limit (Yamashita & Fukushima 2001). */
+/* Newton's method on all rows of all postures, with the least step.  Rows are dependent in the limit, so directions in
+ * which they change less than the residual are left alone, and weak ones until the residual falls no more without. */
 static bool close_all(adjuster *w, double *total)
 {
     int m = w->n_posture*w->n_row, n = w->n_dim + w->n_posture*w->n_q;
+    double before = INFINITY, pivot = least_pivot[1];
     for (int pass = 0; pass < LEAST_SQUARES; pass++) {
         double worst = fill(w, n);
+        lw_rank r;
         if (worst < closed)
             return true;
-        double shift = fmax(worst*worst, least_shift);
-        while (!solve(w, m, n, shift)) {
-            fill(w, n);
-            if (!((shift *= 10) < 1e-6))
-                return false;
-        }
+        if (worst > 0.5*before)
+            pivot = fmax(0.1*pivot, least_pivot[0]);
+        before = worst;
+        lw_rank_place(&r, n, m, w->a, w->order);        /* the rows of A, one after the other, are the columns of A^T */
+        lw_rank_factor(&r, fmax(worst, pivot));
+        lw_rank_solve_transposed(&r, w->right, w->step);
         for (int d = 0; d < w->n_dim; d++) {
-            change(w, &w->dim[d], w->step[d]);
-            total[d] += w->step[d];
+            change(w, &w->dim[d], -w->step[d]);
+            total[d] -= w->step[d];
         }
         for (int k = 0; k < w->n_posture*w->n_q; k++)
-            w->q[k] += (k < w->n_q ? 1 : ease)*w->step[w->n_dim + k];
+            w->q[k] -= (k < w->n_q ? 1 : ease)*w->step[w->n_dim + k];
         if (!(lw_greatest(w->n_dim, total) <= LW_ADJUST_MOST))
             return false;
     }
@@ -215,11 +184,11 @@ static lw_status allocate(adjuster *w, int freedom, lw_error *e)
     size_t m = p*r, n = dims + p*q;
     w->dim = calloc(dims, sizeof *w->dim);
     w->q = calloc(p*q, sizeof *w->q);
-    w->a = calloc(m*n + m*m + m + n + dims, sizeof *w->a);
-    if (!w->dim || !w->q || !w->a)
+    w->a = calloc(lw_rank_doubles((int)n, (int)m) + m + n + dims, sizeof *w->a);
+    w->order = calloc(lw_rank_ints((int)n, (int)m), sizeof *w->order);
+    if (!w->dim || !w->q || !w->a || !w->order)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    w->gram = w->a + m*n;
-    w->right = w->gram + m*m;
+    w->right = w->a + lw_rank_doubles((int)n, (int)m);
     w->step = w->right + m;
     return LW_OK;
 }
