@@ -164,6 +164,8 @@ static void accelerate_bodies(scene *s, const double *q, const double *v, double
     double *series = calloc(3*(size_t)n, sizeof *series), *b = calloc((size_t)all, sizeof *b),
     *x = calloc((size_t)all, sizeof *x);
     double *memory = calloc(lw_rank_doubles(all, all), sizeof *memory), force[LW_SYSTEM_Q_MAX];
+    double *matrix = calloc((size_t)(all*all), sizeof *matrix), *rest = calloc(3*(size_t)all, sizeof *rest);
+    double *right = rest + all, *step = right + all;
     int *ints = calloc(lw_rank_ints(all, all), sizeof *ints);
     lw_rank k;
     lw_rank_place(&k, all, all, memory, ints);
@@ -183,9 +185,21 @@ static void accelerate_bodies(scene *s, const double *q, const double *v, double
             k.a[n + r + all*i] = k.a[i + all*(n + r)] = jac[r*n + i];
         b[n + r] = -2*phi[2*rows + r];
     }
+    memcpy(matrix, k.a, sizeof(double)*(size_t)(all*all));
+    memcpy(rest, b, sizeof(double)*(size_t)all);
     lw_rank_factor(&k, 1e-13);
-    lw_rank_solve(&k, b, x);
+    for (int pass = 0; pass < 3; pass++) {                   /* with the residual solved for again */
+        memcpy(right, rest, sizeof(double)*(size_t)all);
+        lw_rank_solve(&k, right, step);
+        for (int i = 0; i < all; i++)
+            x[i] += step[i];
+        memcpy(rest, b, sizeof(double)*(size_t)all);
+        for (int c = 0; c < all; c++)
+            for (int i = 0; i < all; i++)
+                rest[i] -= matrix[i + all*c]*x[c];
+    }
     memcpy(a, x, sizeof(double)*(size_t)n);
+    free(matrix), free(rest);
     free(jac), free(phi), free(series), free(b), free(x), free(memory), free(ints);
 }
 

@@ -118,8 +118,8 @@ static bool at_home(const lw_problem *p, const double *x)
     return f < 1e-20;
 }
 
-/* A sample's condition, or what lies below it between samples where it is the least of its neighbours. */
-static void check_sample(const double *g, const double *want, size_t k, bool round, double off)
+/* A sample's condition, or the least between its neighbours, `fine`, where it is the least of them. */
+static void check_sample(const double *g, const double *want, size_t k, bool round, double fine, double off)
 {
     enum { N = LW_CURVE_SAMPLES };
     bool end = !round && (k == 0 || k == N - 1);
@@ -127,8 +127,18 @@ static void check_sample(const double *g, const double *want, size_t k, bool rou
     if (end || !least)
         CHECK_NEAR(g[k], want[k], off, off);
     else
-        CHECK(g[k] <= want[k] + off*(1 + fabs(want[k]))
-              && g[k] >= want[k] - fmax(want[(k + 1) % N], want[(k + N - 1) % N]) + fmin(want[k], 0) - off);
+        CHECK(g[k] <= want[k] + off*(1 + fabs(want[k])) && g[k] >= fine - fmax(off, 1e-3)*(1 + fabs(fine)));
+}
+
+/* Conditions on transmission angle and acceleration in one posture. */
+static void conditions_at(const lw_problem *p, const member *m, double input, const double *mode, double limit, double most,
+                          double *sine, double *acceleration)
+{
+    lw_posture posture;
+    lw_posture_solve(&m->plan, m->dim, mode, p->plan.input_is_slider ? input*p->unit : input, 2, &posture);
+    CHECK(posture.margin > -1e-9);
+    *sine = posture.margin - pow(sin(limit), 2);
+    *acceleration = 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2);
 }
 
 static double apart(const lw_problem *p, double a, double b)
@@ -161,7 +171,7 @@ TEST(conditions_are_those_of_single_postures)
         enum { N = LW_CURVE_SAMPLES };
         bool round = p.intended.turns;
         size_t closure = !round && timing == LW_TIMING_PRESCRIBED ? st.n : 0;
-        double *g = conditions(&p, x, NULL), *at = g + p.n_linear, sine[N], acceleration[N];
+        double *g = conditions(&p, x, NULL), *at = g + p.n_linear, sine[N], acceleration[N], fine[2][N];
         void *work = new_work(&p);
         if (timing == LW_TIMING_PRESCRIBED)
             lw_problem_prescribe(&p, x, work);
@@ -175,14 +185,19 @@ TEST(conditions_are_those_of_single_postures)
             double mode[LW_MODE_MAX];
             int leg;
             double input = round ? 2*LW_PI*(double)k/N : lw_problem_input_at(&p, work, (double)k/(N - 1), mode, &leg);
-            if (p.plan.input_is_slider)
-                input *= p.unit;
+            double at_end = p.plan.input_is_slider ? input*p.unit : input;
             if (!round && (k == 0 || k == N - 1))
-                CHECK(fmin(apart(&p, input, st.input[0]), apart(&p, input, st.input[8])) < 1e-6);
-            lw_posture_solve(&m.plan, m.dim, round ? &m.mode : mode, input, 2, &posture);
-            CHECK(posture.margin > -1e-9);
-            sine[k] = posture.margin - pow(sin(limit), 2);
-            acceleration[k] = 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2);
+                CHECK(fmin(apart(&p, at_end, st.input[0]), apart(&p, at_end, st.input[8])) < 1e-6);
+            conditions_at(&p, &m, input, round ? &m.mode : mode, limit, most, &sine[k], &acceleration[k]);
+            fine[0][k] = fine[1][k] = INFINITY;
+            for (int i = -24; i <= 24; i++) {
+                double place = (double)k + i/24.0, s, a;
+                place = round ? place : fmin(fmax(place, 0), N - 1);
+                input = round ? 2*LW_PI*place/N : lw_problem_input_at(&p, work, place/(N - 1), mode, &leg);
+                conditions_at(&p, &m, input, round ? &m.mode : mode, limit, most, &s, &a);
+                fine[0][k] = fmin(fine[0][k], s);
+                fine[1][k] = fmin(fine[1][k], a);
+            }
         }
         size_t postures = lw_problem_transmission_postures(&p);
         double least = INFINITY, of_all = INFINITY;
@@ -192,8 +207,8 @@ TEST(conditions_are_those_of_single_postures)
             if (k < postures)
                 least = fmin(least, at[closure + k]);
             if (!round)
-                check_sample(at + closure, sine, k, round, 1e-7);
-            check_sample(at + closure + postures, acceleration, k, round, 1e-5);      /* differenced twice */
+                check_sample(at + closure, sine, k, round, fine[0][k], 1e-7);
+            check_sample(at + closure + postures, acceleration, k, round, fine[1][k], 1e-5);      /* differenced twice */
         }
         if (round)                                         /* the four postures are those of the extremes */
             CHECK_NEAR(least, of_all, 1e-12, 1e-10);
@@ -208,13 +223,13 @@ TEST(conditions_are_those_of_single_postures)
 TEST(extremes_between_samples_are_found)
 {
     lw_rng rng;
-    double off = 0, gap = 0;
+    int n_off = 0;
     lw_rng_seed(&rng, check_seed(), 7);
     for (int trial = 0; trial < 40; trial++) {
         enum { FINE = 5000 };
         member m;
         lw_problem p;
-        double x[LW_VAR_MAX] = { 0 }, most = 2, want = INFINITY, least = INFINITY, sampled = INFINITY;
+        double x[LW_VAR_MAX] = { 0 }, most = 2, want = INFINITY, least = INFINITY;
         make_case(trial % 2 ? "crank-rocker" : "slider-crank", LW_TIMING_FREE, 0, most, &rng, &m, &p, x);
         double *g = conditions(&p, x, NULL);
         for (int k = 0; k < FINE; k++) {
@@ -222,24 +237,14 @@ TEST(extremes_between_samples_are_found)
             CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*k/FINE, 2, &posture), LW_OK);
             want = fmin(want, 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2));
         }
-        double at[LW_CURVE_SAMPLES], beside = 0;
-        for (size_t k = 0; k < LW_CURVE_SAMPLES; k++) {
-            lw_posture posture;
-            lw_posture_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*(double)k/LW_CURVE_SAMPLES, 2, &posture);
-            at[k] = 1 - pow(lw_v2_norm(posture.tracer[0][2])/most, 2);
-            sampled = fmin(sampled, at[k]);
+        for (size_t k = 0; k < LW_CURVE_SAMPLES; k++)
             least = fmin(least, g[(size_t)p.n_linear + k]);
-        }
-        for (size_t k = 0; k < LW_CURVE_SAMPLES; k++)            /* how far the samples beside the least one rise */
-            if (at[k] == sampled)
-                beside = fmax(at[(k + 1) % LW_CURVE_SAMPLES], at[(k + 63) % LW_CURVE_SAMPLES]) - sampled;
-        CHECK(fabs(least - want) <= beside + 1e-5*(1 + fabs(want)));
-        off += fabs(least - want)/(1 + fabs(want));
-        gap += (sampled - want)/(1 + fabs(want));
+        n_off += !(fabs(least - want) <= 2e-4*(1 + fabs(want)));         /* as near as 5000 postures come */
+        CHECK_NEAR(least, want, 0.05, 0.05);                     /* of two peaks between samples it may be the lower */
         free(g);
         lw_problem_free(&p);
     }
-    CHECK(off < 0.7*gap);
+    CHECK(n_off <= 2);
 }
 
 /* Every kind of condition: transmission, acceleration, pivots in a box and on a line, zones on the path, lengths. */

@@ -91,6 +91,8 @@ TEST(points_of_the_inflection_circle)
         lw_instant_motion at;
         CHECK(lw_kinematics_instant(m, lw_kinematics_input(m), 2, 0, &at) == LW_OK);
         lw_kinematics_destroy(m);
+        if (lw_v2_norm(lw_v2_sub(at.centre, at.inflection)) > 1e6)      /* almost a line: nothing is well off it */
+            continue;
         lw_vec2 middle = lw_v2_scale(lw_v2_add(at.centre, at.inflection), 0.5);
         lw_vec2 on = lw_v2_add(middle, lw_v2_turn(lw_v2_sub(at.centre, middle), lw_v2_polar(1, draw(&rng, 0.5, 5.5))));
         for (int off = 0; off < 2; off++) {

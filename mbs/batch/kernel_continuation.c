@@ -96,6 +96,7 @@ static void lay_route(const follower *f, const input_path *path, size_t i, route
 
 typedef struct chunk chunk;
 static void put_passed(const follower *f, const chunk *q, const input_path *path, const route *r, size_t i, int count);
+static void put_present(const follower *f, const chunk *q, const input_path *path, size_t i, size_t end);
 
 /* Is a group, or a dyad that carries a group, near or past a limit, where the posture varies like the square root of
  * the input? */
@@ -125,6 +126,12 @@ static size_t follow_path(follower *f, const input_path *path, const chunk *q)
             continue;
         }
         f->tight = f->tight && near_limit(f, n);
+        if (n == 0 && gap == 0) {            /* too near a limit for a step, but the posture is known */
+            if (q)
+                put_present(f, q, path, i, r.passed[0]);
+            i = r.passed[0];
+            continue;
+        }
         if (n == 0) {
             f->at.stride = gap*fmin(0.5, fmax(0.125, 0.5/f->need[0]));
             if (!(f->at.stride >= (f->fine ? END_FINE : END)*unit))
@@ -172,6 +179,13 @@ static void put_group_posture(const follower *f, const chunk *q, size_t at, doub
     for (int r = 0; r < f->plan->n_row; r++)
         q->group_posture[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
     q->group_posture[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
+}
+
+/* Store the present posture as lanes i .. end-1 of the path. */
+static void put_present(const follower *f, const chunk *q, const input_path *path, size_t i, size_t end)
+{
+    for (; i < end; i++)
+        put_group_posture(f, q, q->lane[path->first + i*path->step], 0);
 }
 
 /* Write the inputs of the lanes as continuous numbers: the angle of a pin changes by at most half a turn per lane. */

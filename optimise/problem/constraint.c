@@ -15,7 +15,7 @@
 #include "optimise/problem/variable_projection.h"
 
 /* Conditions on the motion are checked in LW_CURVE_SAMPLES postures: over the turn if the input turns fully, else from the
- * first station to the last. Extremes between the samples are found by a parabola. */
+ * first station to the last. Extremes between the samples are searched for. */
 enum {
     POSTURES = LW_CURVE_SAMPLES,
     ZONE_POSTURES = LW_ZONE_SAMPLES + 1
@@ -222,9 +222,13 @@ static void sample_motion(const lw_problem *p, lw_work *w, const motion *m, size
     }
 }
 
-/* The same for n postures of the turn, of which there are POSTURES. */
-static void sample_turn(lw_work *w, size_t n)
+/* The same, or n postures of the turn, of which there are POSTURES. */
+static void sample(const lw_problem *p, lw_work *w, const motion *m, size_t n)
 {
+    if (!p->intended.turns) {
+        sample_motion(p, w, m, n);
+        return;
+    }
     for (size_t i = 0; i < n; i++) {
         size_t k = i*(POSTURES/n);
         w->check_at[i] = (lw_cycle_point){ .c = w->turn_c[k], .s = w->turn_s[k], .input = w->turn[k], .rate = 1 };
@@ -307,11 +311,11 @@ static void margins_at(const lw_problem *p, const double *x, lw_work *w, const d
  * of the output angle psi: the tracer has distance one from the output's pin, so |P''|^2 = psi''^2 + |P'|^4. */
 typedef struct acceleration { double x, y, vx, vy; } acceleration;
 
-/* Tangents, and with jx the Jacobian, with every input shifted by `by`. */
-static void shifted(const lw_problem *p, const double *x, lw_work *w, double by, double *tx, double *ty)
+/* Tangents and Jacobian of n postures, with every input shifted by `by`. */
+static void shifted(const lw_problem *p, const double *x, lw_work *w, size_t n, double by, double *tx, double *ty)
 {
     double cb = cos(by), sb = sin(by);
-    for (size_t k = 0; k < POSTURES; k++) {
+    for (size_t k = 0; k < n; k++) {
         double c = w->check_c[k], s = w->check_s[k];
         w->posture_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
         w->posture_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
@@ -319,7 +323,7 @@ static void shifted(const lw_problem *p, const double *x, lw_work *w, double by,
     lw_jacobian j = w->posture;
     j.tx = tx;
     j.ty = ty;
-    jacobian(p, x, w, 0, w->posture_c, w->posture_s, POSTURES, &j);
+    jacobian(p, x, w, 0, w->posture_c, w->posture_s, n, &j);
 }
 
 static double acceleration_condition(const lw_problem *p, const acceleration *a)
@@ -339,7 +343,7 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
         memset(w->slope[i], 0, sizeof(double)*rows*ld);
     for (int i = 0; i < 5; i++) {
         double a = second[i]/(12*h*h), v = first[i]/(12*h);
-        shifted(p, x, w, (i - 2)*h, w->posture_u, w->posture_v);
+        shifted(p, x, w, POSTURES, (i - 2)*h, w->posture_u, w->posture_v);
         for (size_t d = 0; d < rows; d++) {
             const double *jx = d + 1 < rows ? w->posture.jx + d*ld : w->posture_u;
             const double *jy = d + 1 < rows ? w->posture.jy + d*ld : w->posture_v;
@@ -353,56 +357,99 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
     }
 }
 
-/* Conditions g, and with `slope` their derivatives in w->slope[0]. */
-static void accelerations(const lw_problem *p, const double *x, lw_work *w, double *g, bool slope)
+/* P' and P'' of n postures, and their conditions. */
+static void find_accelerations(const lw_problem *p, const double *x, lw_work *w, size_t n, acceleration *of, double *g)
 {
-    const double h = 1e-4, scale = 2/(p->max_acceleration*p->max_acceleration);
-    acceleration of[POSTURES];
-    shifted(p, x, w, +h, w->posture_x, w->posture_y);
-    shifted(p, x, w, -h, w->posture_u, w->posture_v);
-    for (size_t k = 0; k < POSTURES; k++) {
+    const double h = 1e-4;
+    shifted(p, x, w, n, +h, w->posture_x, w->posture_y);
+    shifted(p, x, w, n, -h, w->posture_u, w->posture_v);
+    for (size_t k = 0; k < n; k++) {
         of[k] = (acceleration){ (w->posture_x[k] - w->posture_u[k])/(2*h), (w->posture_y[k] - w->posture_v[k])/(2*h),
                                 0.5*(w->posture_x[k] + w->posture_u[k]), 0.5*(w->posture_y[k] + w->posture_v[k]) };
         g[k] = acceleration_condition(p, &of[k]);
     }
-    if (!slope)
-        return;
-    acceleration_slopes(p, x, w);
-    for (size_t d = 0; d <= (size_t)p->n_dim; d++)
-        for (size_t k = 0; k < POSTURES; k++) {
-            size_t at = d*w->posture.ld + k;
-            const acceleration *a = &of[k];
-            double v2 = !lw_task_has_place(p->task) ? 2*(a->vx*a->vx + a->vy*a->vy) : 0;
-            w->slope[0][at] = -scale*(a->x*w->slope[0][at] + a->y*w->slope[1][at]
-                                      - v2*(a->vx*w->slope[2][at] + a->vy*w->slope[3][at]));
-        }
 }
 
-/* Lower each sample that is less than both neighbours to the vertex of the parabola through the three; j as well. */
-static void look_between(const lw_problem *p, bool round, double *g, double *j)
+static void acceleration_conditions(const lw_problem *p, const double *x, lw_work *w, size_t n, double *g)
 {
-    size_t nv = (size_t)p->n_var;
-    double raw[POSTURES], *row = j;
-    double before_row[LW_VAR_MAX], now_row[LW_VAR_MAX], first_row[LW_VAR_MAX];
-    memcpy(raw, g, sizeof raw);
-    if (j)
-        memcpy(first_row, j, sizeof *j*nv);
-    for (size_t k = 0; k < POSTURES; k++) {
-        double now = raw[k], before = k > 0 ? raw[k - 1] : round ? raw[POSTURES - 1] : INFINITY;
-        double after = k + 1 < POSTURES ? raw[k + 1] : round ? raw[0] : INFINITY;
-        double bend = before + after - 2*now, slope = after - before;
-        bool lower = now <= before && now <= after && bend > 0 && isfinite(bend);
-        if (lower)
-            g[k] -= slope*slope/(8*bend);
-        if (!j)
+    acceleration of[POSTURES];
+    find_accelerations(p, x, w, n, of, g);
+}
+
+/* A condition in n postures of check_c, check_s. */
+typedef void condition(const lw_problem *p, const double *x, lw_work *w, size_t n, double *g);
+
+/* Move posture i to `place`, counted in samples of the motion. */
+static void move_posture(const lw_problem *p, lw_work *w, const motion *m, size_t i, double place)
+{
+    if (p->intended.turns) {
+        double input = 2*LW_PI*place/POSTURES;
+        w->check_at[i] = (lw_cycle_point){ .c = cos(input), .s = sin(input), .input = input, .rate = 1 };
+    } else
+        w->check_at[i] = point_at(p, w, m, place/(POSTURES - 1));
+    w->check_c[i] = w->check_at[i].c;
+    w->check_s[i] = w->check_at[i].s;
+}
+
+/* Vertex of the parabola through the values before, now, after at -1, 0, 1; *least: its value. */
+static double vertex(double before, double now, double after, double *least)
+{
+    double bend = before + after - 2*now, at = bend > 0 ? fmin(fmax(0.5*(before - after)/bend, -2), 2) : 0;
+    *least = now + at*(0.5*(after - before) + 0.5*bend*at);
+    return at;
+}
+
+/* Move each sample that is less than both neighbours to the extreme between them, whose value g becomes: two nets, each
+ * of a quarter of the spacing before, then parabolas.  The posture of sample k is then at place[k].  Only the least of many. */
+static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, const motion *m, condition *of, double *g,
+                          double *place)
+{
+    enum { MOST = POSTURES/6 };
+    size_t at[MOST], n = 0;
+    double best[MOST], value[POSTURES];
+    bool round = p->intended.turns;
+    for (size_t k = 0; k < POSTURES; k++)
+        place[k] = (double)k;
+    for (size_t k = round ? 0 : 1; k < (round ? POSTURES : POSTURES - 1); k++) {
+        double before = g[(k + POSTURES - 1) % POSTURES], after = g[(k + 1) % POSTURES];
+        if (!(g[k] < before && g[k] <= after) || (k > 0 && changes(p, w, k - 1)) || changes(p, w, k))
             continue;
-        memcpy(now_row, row, sizeof *row*nv);
-        const double *b = k > 0 ? before_row : j + (POSTURES - 1)*nv, *a = k + 1 < POSTURES ? row + nv : first_row;
-        for (size_t d = 0; lower && d < nv; d++)
-            row[d] -= slope/(4*bend)*(a[d] - b[d]) - slope*slope/(8*bend*bend)*(b[d] + a[d] - 2*now_row[d]);
-        memcpy(before_row, now_row, sizeof *row*nv);
-        row += nv;
+        size_t i = n < MOST ? n++ : n;
+        for (; i > 0 && g[at[i - 1]] > g[k]; i--)
+            if (i < MOST)
+                at[i] = at[i - 1];
+        if (i < MOST)
+            at[i] = k;
     }
+    if (n == 0)
+        return;
+    for (size_t i = 0; i < n; i++)
+        best[i] = (double)at[i];
+    for (double h = 0.25; h > 0.01; h *= 0.25) {
+        static const double net[6] = { -3, -2, -1, 1, 2, 3 };
+        for (size_t i = 0; i < 6*n; i++)
+            move_posture(p, w, m, i, best[i/6] + h*net[i % 6]);
+        of(p, x, w, 6*n, value);
+        for (size_t i = 0; i < n; i++) {
+            double from = best[i];
+            for (size_t q = 6*i; q < 6*i + 6; q++)
+                if (value[q] < g[at[i]]) {
+                    g[at[i]] = value[q];
+                    best[i] = from + h*net[q % 6];
+                }
+        }
+    }
+    for (double h = 1.0/16; h > 5e-4; h *= 0.2) {
+        for (size_t i = 0; i < 3*n; i++)
+            move_posture(p, w, m, i, best[i/3] + h*((double)(i % 3) - 1));
+        of(p, x, w, 3*n, value);
+        for (size_t i = 0; i < n; i++)
+            best[i] += h*vertex(value[3*i], value[3*i + 1], value[3*i + 2], &g[at[i]]);
+    }
+    for (size_t k = 0; k < POSTURES; k++)
+        move_posture(p, w, m, k, place[k]);
+    for (size_t i = 0; i < n; i++)
+        move_posture(p, w, m, at[i], place[at[i]] = best[i]);
 }
 
 /* Where the motion passes a limit, both conditions beside it are the lesser one, and at most `most`. */
@@ -421,26 +468,61 @@ static void lower_changes(const lw_problem *p, const lw_work *w, double most, do
 }
 
 /* The rows of the n sampled postures, from the derivatives in `slope`. */
-static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *slope, double *j)
+static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *place,
+                     const double *slope, double *j)
 {
     for (size_t k = 0; k < n; k++)
-        put_row(p, w, m, (double)k/(double)(n - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
+        put_row(p, w, m, place[k]/(double)(n - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
+}
+
+static void margins(const lw_problem *p, const double *x, lw_work *w, size_t n, double *g)
+{
+    margins_at(p, x, w, w->check_c, w->check_s, n, g, NULL);
 }
 
 /* Needs the inputs of the sampled postures. */
 static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
 {
-    double sine = sin(p->min_transmission);
+    double sine = sin(p->min_transmission), place[POSTURES];
     size_t n = lw_problem_transmission_postures(p);
-    margins_at(p, x, w, w->check_c, w->check_s, n, g, j ? w->slope[0] : NULL);
+    if (n == POSTURES) {                                      /* else the postures are those of the extremes */
+        margins(p, x, w, n, g);
+        seek_extremes(p, x, w, m, margins, g, place);
+    }
+    if (n < POSTURES || j)
+        margins_at(p, x, w, w->check_c, w->check_s, n, g, j ? w->slope[0] : NULL);
+    for (size_t k = 0; k < n && n < POSTURES; k++)
+        place[k] = (double)k;
     if (j)
-        put_rows(p, w, m, n, w->slope[0], j);
+        put_rows(p, w, m, n, place, w->slope[0], j);
     if (n == POSTURES)
         lower_changes(p, w, 0, g, j);
     for (size_t k = 0; k < n; k++)
         g[k] -= sine*sine;
-    if (n == POSTURES)                                        /* else the postures are those of the extremes */
-        look_between(p, p->intended.turns, g, j);
+}
+
+/* The same for accelerations. */
+static void accelerations(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
+{
+    const double scale = 2/(p->max_acceleration*p->max_acceleration);
+    acceleration of[POSTURES];
+    double place[POSTURES], unused[POSTURES];
+    acceleration_conditions(p, x, w, POSTURES, g);
+    seek_extremes(p, x, w, m, acceleration_conditions, g, place);
+    if (j) {
+        find_accelerations(p, x, w, POSTURES, of, unused);
+        acceleration_slopes(p, x, w);
+        for (size_t d = 0; d <= (size_t)p->n_dim; d++)
+            for (size_t k = 0; k < POSTURES; k++) {
+                size_t at = d*w->posture.ld + k;
+                const acceleration *a = &of[k];
+                double v2 = !lw_task_has_place(p->task) ? 2*(a->vx*a->vx + a->vy*a->vy) : 0;
+                w->slope[0][at] = -scale*(a->x*w->slope[0][at] + a->y*w->slope[1][at]
+                                          - v2*(a->vx*w->slope[2][at] + a->vy*w->slope[3][at]));
+            }
+        put_rows(p, w, m, POSTURES, place, w->slope[0], j);
+    }
+    lower_changes(p, w, -1, g, j);                          /* at a dead point it is unbounded */
 }
 
 static void closure(const lw_problem *p, const double *x, lw_work *w, double *g, double *j)
@@ -780,24 +862,16 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
         j += j ? p->n*nv : 0;
     }
     motion turn = { .moves = false }, *checked = p->intended.turns ? &turn : &between;
-    if (!p->intended.turns && (p->min_transmission > 0 || p->max_acceleration > 0))
-        sample_motion(p, w, &between, POSTURES);
     if (p->min_transmission > 0) {
         size_t n = lw_problem_transmission_postures(p);
-        if (p->intended.turns)
-            sample_turn(w, n);
+        sample(p, w, checked, n);
         transmissions(p, x, w, checked, g, j);
         g += n;
         j += j ? n*nv : 0;
     }
     if (p->max_acceleration > 0) {
-        if (p->intended.turns)
-            sample_turn(w, POSTURES);
-        accelerations(p, x, w, g, j != NULL);
-        if (j)
-            put_rows(p, w, checked, POSTURES, w->slope[0], j);
-        lower_changes(p, w, -1, g, j);                      /* at a dead point it is unbounded */
-        look_between(p, p->intended.turns, g, j);
+        sample(p, w, checked, POSTURES);
+        accelerations(p, x, w, checked, g, j);
         g += POSTURES;
         j += j ? POSTURES*nv : 0;
     }
@@ -809,7 +883,7 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
 static void transmissions_alone(const lw_problem *p, const double *x, double *g, lw_work *w)
 {
     motion turn = { .moves = false };
-    sample_turn(w, lw_problem_transmission_postures(p));
+    sample(p, w, &turn, lw_problem_transmission_postures(p));
     transmissions(p, x, w, &turn, g, NULL);
 }
 
