@@ -348,6 +348,19 @@ TEST(errors_fall_with_the_tolerance)
     lw_spatial_free(&m);
 }
 
+/* A Sarrus linkage with a redundant row falls through four singular postures, where its legs lie flat; whatever the tolerance. */
+TEST(through_singular_postures)
+{
+    lw_spatial m;
+    load_spatial("sarrus", &m);
+    for (int i = 6; i <= 10; i += 2) {
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 3, 1, pow(10, -i));
+        CHECK_NEAR(k.at[1].tracer.z, 0.5859714770667, 5*pow(10, -i) + 1e-11, 0);
+        CHECK(q.energy_error < 10*pow(10, -i)*q.energy_scale + 1e-13);
+    }
+    lw_spatial_free(&m);
+}
+
 /* Newton's law for each body: what its joints carry, and gravity, accelerate it; reactions at the two ends of a joint
  * are opposite.  In the slider-crank at t = 0.4, the ground carries the whole. */
 TEST(reactions_carry_the_masses)
@@ -816,6 +829,42 @@ TEST(modes_of_a_hanging_body)
     lw_modes_free(&modes);
     lw_dynamics_free(d);
     lw_spatial_free(&m);
+}
+
+/* Inertias far below mass times length squared: as many modes as freedoms, and those of even less inertia. */
+TEST(modes_of_points_of_mass)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, \"centre\": [0.8, -0.5, -1], "
+        "\"inertia\": [%g, %g, %g]}, {\"name\": \"b\", \"mass\": 2, \"centre\": [2.6, -1.8, -3], \"inertia\": [%g, %g, %g]}], \"joints\": "
+        "[{\"name\": \"A\", \"kind\": \"spherical\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0]}, {\"name\": \"B\", \"links\": "
+        "[\"a\", \"b\"], \"at\": [1.6, -1.1, -2], \"axis\": [1, 0.1, 0]}], \"springs\": [{\"links\": [\"ground\", \"a\"], \"at\": "
+        "[[-0.3, -1.4, -2.8], [1.1, -0.6, -1.3]], \"stiffness\": 490}, {\"links\": [\"ground\", \"a\"], \"at\": [[1.8, -0.7, -1.7], "
+        "[0.9, -0.7, -0.8]], \"stiffness\": 330}, {\"links\": [\"ground\", \"b\"], \"at\": [[2.5, -1.4, -2.5], [2.4, -1.7, -3.3]], "
+        "\"stiffness\": 930}, {\"links\": [\"ground\", \"b\"], \"at\": [[0.8, -1.5, -2.8], [2.8, -1.8, -3]], \"stiffness\": 770}]}";
+    double slow[2][4] = { { 0 } }, q[14];
+    for (int i = 0; i < 2; i++) {
+        lw_spatial m;
+        lw_dynamics *d;
+        lw_modes modes;
+        lw_error e = { 0 };
+        char all[2000];
+        double a = i ? 1e-12 : 1e-9, b = i ? 1e-14 : 1e-10;
+        snprintf(all, sizeof all, text, a, a, 1.5*a, b, b, 1.5*b);
+        read_spatial(all, strlen(all), "points", &m);
+        lw_dynamics_options o = lw_dynamics_options_default();
+        o.analysis = LW_ANALYSIS_STATIC;
+        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+        CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ false, true }, 20, 0, q, &modes, &e), LW_OK);
+        CHECK_INT(modes.n_mode, 4);
+        for (int k = 0; k < 4 && k < modes.n_mode; k++)
+            slow[i][k] = modes.mode[k].frequency;
+        lw_modes_free(&modes);
+        lw_dynamics_free(d);
+        lw_spatial_free(&m);
+    }
+    for (int k = 0; k < 4; k++)
+        CHECK_NEAR(slow[1][k], slow[0][k], 0, 1e-7);
+    CHECK(slow[0][0] > 0.1);
 }
 
 /* The implicit Runge-Kutta method on turns in space: its error falls with the tolerance towards the explicit method's result, for

@@ -790,9 +790,11 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
     if (d->n_c == d->rank || *weak > 0.1*run->chosen)
         return LW_NOTHING;
     int rank = d->rank;
+    double scale = d->weak_scale;
     lw_status s = lw_mbs_arrange(d, t, y);
     if (s == LW_OK && d->rank < rank)
         return LW_E_NUMERIC;
+    d->weak_scale = scale;                   /* of the start: this posture may be near a singular one */
     if (s == LW_OK && (s = lw_mbs_factor(d, false)) < 0)
         return s;
     *weak = run->chosen = d->weak;

@@ -546,6 +546,17 @@ lw_status lw_dynamics_place_on_rigid(lw_dynamics *d, const lw_space *rigid, cons
     return lw_mbs_arrange(d, d->o.from, q);
 }
 
+/* At rest no mass matters to the multipliers: rows of a link of next to no inertia must not look dependent. */
+static void weigh_alike(lw_dynamics *d)
+{
+    static const double least = 1e-3;
+    double top = 0;
+    for (int i = 0; i < d->n_v; i++)
+        top = fmax(top, d->eq.mass[i]);
+    for (int i = 0; i < d->n_v; i++)
+        d->by_mass[i] = 1/fmax(d->eq.mass[i], least*top);
+}
+
 lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_error *e)
 {
     const lw_spatial *given = m;
@@ -576,6 +587,8 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         st = lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if (st == LW_OK)
         st = lw_mbs_reserve(d, e);
+    if (st == LW_OK && rest)
+        weigh_alike(d);
     if (st == LW_OK && d->elastic)
         st = start_as_rigid(d, given, e);
     else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && d->freedom > 0 && !rest)

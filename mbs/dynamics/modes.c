@@ -65,19 +65,42 @@ static lw_mode *add(lw_modes *out, double re, double im)
 
 /* ---- eigenvalues --------------------------------------------------------------------------------- */
 
+/* Slow vibrations beside very fast ones: w of the slow ones from 1/w, which rounding of the fast ones does not touch.  The
+ * two have the same error at the geometric mean of the rates.  k, m (n*n) are overwritten; inverse (n) x (n*n) scratch.  Changes
+ * nothing where a motion is free or unstable. */
+static void refine_slow(int n, double *k, double *m, double *inverse, double *vectors, double *w, double *x)
+{
+    double top = w[n - 1];
+    if (!(w[0] > NEGLIGIBLE*NEGLIGIBLE*top) || lw_eigen_symmetric(n, m, k, inverse, vectors) != LW_OK || !(inverse[n - 1] > 0))
+        return;
+    for (int i = 0; i < n; i++) {            /* 1/w ascends as w descends */
+        double slow = 1/inverse[n - 1 - i];
+        if (!(inverse[n - 1 - i] > 0) || slow*slow*inverse[n - 1] > top)
+            break;
+        w[i] = slow;
+        memcpy(x + i*n, vectors + (n - 1 - i)*n, (size_t)n*sizeof *x);
+    }
+}
+
 /* Undamped: w = s^2.  Below 0 it is a vibration; above, a pair of real values, of which the growing one is reported. */
 static lw_status conservative(const lw_vibration *v, double *memory, lw_modes *out)
 {
     int n = v->n_free;
     size_t square = (size_t)(n*n);
     double *k = memory, *m = k + square, *x = m + square, *w = x + square, most = 0.0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            k[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]);
-    memcpy(m, v->mass, sizeof *m*square);
-    lw_status s = lw_eigen_symmetric(n, k, m, w, x);
-    for (int i = 0; s == LW_OK && i < n; i++)
-        most = fmax(most, fabs(w[i]));
+    lw_status s = LW_OK;
+    for (int pass = 0; s == LW_OK && pass < 2; pass++) {
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                k[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]);
+        memcpy(m, v->mass, sizeof *m*square);
+        if (pass == 0)
+            s = lw_eigen_symmetric(n, k, m, w, x);
+        for (int i = 0; s == LW_OK && pass == 0 && i < n; i++)
+            most = fmax(most, fabs(w[i]));
+        if (s == LW_OK && pass == 1 && n > 1)
+            refine_slow(n, k, m, w + n, w + 2*n, w, x);
+    }
     for (int i = 0; s == LW_OK && i < n; i++) {
         lw_mode *mode = add(out, 0.0, 0.0);
         double square_rate = fabs(w[i]) <= NEGLIGIBLE*most ? 0.0 : w[i];     /* a free motion, but for rounding */

@@ -3,7 +3,8 @@
  * (K + s M) z + J^T l = M x, J z = 0 gives z from x; the eigenvalues of this map are 1/(w^2 + s) (Ericsson & Ruhe 1980).  The
  * shift s makes the matrix regular where motions are free.  Vectors stay orthogonal in the metric of the masses by full
  * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
- * it is repeated until it finds none below the greatest.  Damped modes are those of the equations reduced to twice as many
+ * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
+ * motions instead, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness. */
 #include <stdlib.h>
 #include <string.h>
@@ -150,8 +151,30 @@ static void multiply(void *context, int row, int column, double by_q, double by_
     p->c[row] -= by_v*p->x[column];
 }
 
-/* false: the stiffness is not symmetric. */
-static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, double *k, double *c, double *still)
+/* A basis of all motions that the rows allow, instead of modes: for few freedoms. */
+static lw_status find_basis(lanczos *z)
+{
+    const lw_dynamics *d = z->d;
+    int n = z->n, c = z->tangent.c;
+    double *doubles = calloc(lw_rank_doubles(n, c) + 1, sizeof *doubles);
+    int *ints = calloc(lw_rank_ints(n, c) + 1, sizeof *ints);
+    if (doubles && ints) {
+        lw_rank rank;
+        lw_rank_place(&rank, n, c, doubles, ints);
+        for (int r = 0; r < c; r++)
+            lw_mbs_row(d, d->kept[r], rank.a + (size_t)r*(size_t)n);
+        rank.most = c;
+        lw_rank_factor(&rank, 0);
+        for (z->n_found = 0; z->n_found < n - rank.rank; z->n_found++)
+            lw_rank_left_null(&rank, z->n_found, z->found + (size_t)z->n_found*(size_t)n);
+    }
+    lw_status s = doubles && ints ? LW_OK : LW_E_MEMORY;
+    free(doubles), free(ints);
+    return s;
+}
+
+/* Matrices of the modes or of the basis.  false: the stiffness is not symmetric. */
+static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vibration *v, double *k, double *c, double *still)
 {
     lw_dynamics *d = z->d;
     int n = z->n, m = z->n_found;
@@ -167,21 +190,24 @@ static bool reduce(lanczos *z, double t, const double *l, lw_vibration *v, doubl
             for (int b = 0; b < count; b++)
                 k[bend[b].a] += l[r]*bend[b].h*x[bend[b].b];
         }
+        lw_tangent_mass(&z->tangent, z->q, x, z->heavy);
         for (int i = 0; i < m; i++) {
             const double *y = z->found + (size_t)i*(size_t)n;
             v->stiffness[i*m + j] = lw_dot(n, y, k);
             v->damping[i*m + j] = lw_dot(n, y, c);
-            v->mass[i*m + j] = i == j;
+            v->mass[i*m + j] = are_modes ? i == j : lw_dot(n, y, z->heavy);
         }
     }
-    /* stiffness of a potential is diagonal here, but for rounding */
+    /* stiffness of a potential is symmetric, in the modes diagonal, but for rounding */
     double skew = 0, stiff = 0;
     for (int i = 0; i < m*m; i++) {
         stiff = fmax(stiff, fabs(v->stiffness[i]));
         skew = fmax(skew, fabs(v->stiffness[i] - v->stiffness[i%m*m + i/m]));
     }
-    for (int i = 0; i < m*m; i++)
+    for (int i = 0; i < m*m && are_modes; i++)
         v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
+    for (int i = 0; i < m*m && d->eq.conservative && !are_modes; i++)
+        v->stiffness[i] = v->stiffness[i%m*m + i/m] = 0.5*(v->stiffness[i] + v->stiffness[i%m*m + i/m]);
     return d->eq.conservative || skew <= 1e-7*stiff;
 }
 
@@ -201,6 +227,8 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
     if (modes->freedom <= 0)
         return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
     int aim = d->eq.conservative ? wanted : 2*wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
+    bool small = !d->elastic && modes->freedom <= 2*LW_MODES_DEFAULT;
+    room = small ? modes->freedom : room;
     int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom;
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
@@ -215,7 +243,7 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         lw_vibration v = { .eq = &d->eq, .n_q = d->n_v, .null = z.found };
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
         s = lw_tangent_at_rest(d, t, q, still, d->a, l);
-        static const double small = 1e-8;        /* a force left over counts against that of a displacement this small, too */
+        static const double tiny = 1e-8;        /* a force left over counts against that of a displacement this small, too */
         double left = 0, force = 0, ratio = 0, scale = 0;
         for (size_t i = 0; s == LW_OK && i < n; i++) {
             left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
@@ -228,21 +256,23 @@ lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wan
         for (int i = 0; i < z.n; i++) {
             double stiffness = fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)]);
             ratio = fmax(ratio, stiffness/d->eq.mass[i]);
-            force = fmax(force, small*stiffness);
+            force = fmax(force, tiny*stiffness);
         }
         modes->unbalanced = force > 0 ? left/force : 0;
         scale = ratio > 0 ? ratio : 1;
         z.shift = 1e-9*scale;
-        if (s == LW_OK && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
+        if (s == LW_OK && !small && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
             s = lw_error_set(e, LW_E_NUMERIC, "the stiffness is singular in this posture");
         if (s == LW_OK)
-            s = find_modes(&z, aim < room ? aim : room, room);
+            s = small ? find_basis(&z) : find_modes(&z, aim < room ? aim : room, room);
+        if (s == LW_NOTHING)
+            s = lw_error_set(e, LW_E_NUMERIC, "no mode was found: Lanczos's method does not converge here");
         if (s == LW_OK) {
-            for (int i = 0; i < z.n_found; i++)
+            for (int i = 0; i < z.n_found && !small; i++)
                 if (fabs(z.value[i]) < 1e-6*z.shift)                       /* a free motion, but for rounding */
                     z.value[i] = 0;
             v.n_free = z.n_found;
-            s = reduce(&z, t, l, &v, k, damp, still) ? lw_modes_solve(&v, modes, e)
+            s = reduce(&z, !small, t, l, &v, k, damp, still) ? lw_modes_solve(&v, modes, e)
               : lw_error_set(e, LW_E_KIND, "modes of large models and of elastic links need loads with a potential; a force that "
                              "turns with its link or depends on others has none");
         }
