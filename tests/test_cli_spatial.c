@@ -27,6 +27,7 @@ TEST(runs)
     expect("$P simulate examples/space/sarrus.json -a static", 1, NULL, "no static equilibrium");
     expect("$P simulate examples/space/slider-crank.json --speed 3 -n 2 --explain", 0, "A.drive", "driven");
     expect("$P simulate examples/space/slider-crank.json --formulation cvode --tolerance 1e-6 -n 2", 0, NULL, "energy error");
+    expect("$P simulate examples/space/delta-elastic.json --to 1e-3 -n 1 -e", 0, NULL, "quasi-static run");
     expect("$P simulate examples/space/bricard.json --max-steps 3 --to 50", 5, NULL, "rows so far are kept");
 }
 

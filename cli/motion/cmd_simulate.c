@@ -219,7 +219,7 @@ static int run(const cli_call *call)
     if (s->explain && s->analysis != LW_ANALYSIS_STATIC)
         cli_dynamics_explain(call, &c->report);
     if (s->explain)
-        cli_simulate_explain_elastic(c, s->from, s->to);
+        cli_explain_elastic(c->call, c->model, c->d, s->from, s->to);
     lw_status st = run_it(call, c, &e);
     if (s->analysis != LW_ANALYSIS_STATIC)
         cli_dynamics_notes(call, c->d, &c->report);

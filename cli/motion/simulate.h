@@ -41,11 +41,8 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
 /* Say so if the animation of a motion in n_frame rows is slower than the motion of this length [s]. */
 void cli_note_slower(const cli_call *call, size_t n_frame, double seconds);
 
-/* Print what an elastic link consists of. */
-void cli_explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k);
-
-/* Print what elastic links consist of and what follows for the analysis; nothing without them. */
-void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to);
+/* What --explain says of the elastic links of a model that is solved: elements, first frequency, the rules of the source. */
+void cli_explain_elastic(const cli_call *call, const lw_model *m, const lw_dynamics *solved, double from, double to);
 
 /* Print counterweights that keep the common centre of mass at rest, computed from the postures kept. */
 lw_status cli_simulate_balance(cli_simulate *s, FILE *f, lw_error *e);

@@ -2,27 +2,20 @@
  * decides how to analyse them. */
 #include "base/real.h"
 #include "cli/motion/simulate.h"
+#include "cli/motion/spatial.h"
 #include "mbs/dynamics/modes.h"
 
 #include <stdlib.h>
 #include "cli/program/output.h"
 
-/* The lowest frequency about the posture with the inputs held [Hz]; 0: not found. */
-static double first_frequency(const cli_simulate *s)
+/* The lowest frequency of d, made for a static analysis, about its start [Hz]; 0: not found.  Frees d. */
+static double first_frequency(lw_dynamics *d, int n_q)
 {
-    lw_dynamics_options o = lw_dynamics_options_default();
-    lw_dynamics *d;
     lw_modes modes = { 0 };
     lw_error e = { 0 };
-    double found = 0;
-    o.analysis = LW_ANALYSIS_STATIC;
-    o.hold_inputs = true;
-    if (lw_dynamics_make(s->model, &o, &d, &e) != LW_OK)
-        return 0;
-    size_t n = (size_t)lw_dynamics_system(d)->n_q;
-    double *q = calloc(2*n, sizeof *q);
+    double found = 0, *q = calloc(2*(size_t)n_q, sizeof *q);
     if (q) {
-        lw_dynamics_start(d, q, q + n);
+        lw_dynamics_start(d, q, q + n_q);
         if (lw_modes_find_large(d, &(lw_modes_options){ 0 }, 1, 0, q, &modes, &e) == LW_OK && modes.n_mode > 0)
             found = modes.mode[0].frequency;
     }
@@ -32,25 +25,27 @@ static double first_frequency(const cli_simulate *s)
     return found;
 }
 
-/* The greatest speed of an input over the run, of turning ones [rad/s]; 0: none turns. */
-static double drive_speed(const cli_simulate *s, double from, double to)
+static lw_dynamics_options held(void)
 {
-    const lw_system *sys = lw_dynamics_system(s->d);
-    const lw_model *m = lw_dynamics_model(s->d);
-    double most = 0, at[3];
-    for (int i = 0; i < sys->n_input; i++) {
-        if (!lw_joint_turns(sys->joint[sys->input_joint[i]].kind))
-            continue;
-        if (m->has_speed[i])
-            most = fmax(most, fabs(m->speed[i]));
-        for (int k = 0; m->motion[i] && k <= 200; k++)
-            if (lw_input_motion(m, sys, i, from + (to - from)*k/200, at) == LW_OK)
-                most = fmax(most, fabs(at[1]));
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    o.hold_inputs = true;
+    return o;
+}
+
+/* The greatest speed of a motion over the run. */
+static double greatest_speed(const lw_expression *motion, double from, double to)
+{
+    double most = 0;
+    for (int k = 0; motion && k <= 200; k++) {
+        double at[2] = { from + (to - from)*k/200, 1 }, out[2];
+        lw_expression_series(motion, 1, at, out);
+        most = isfinite(out[1]) ? fmax(most, fabs(out[1])) : most;
     }
     return most;
 }
 
-void cli_explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
+static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
 {
     if (k->frequency > 0)
         cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements, for errors below 1 %% of frequencies up to %.4g Hz; "
@@ -60,24 +55,12 @@ void cli_explain_chain(const cli_call *call, const char *name, const lw_elastic_
                  name, k->length, k->mass, k->n_node - 1, k->first);
 }
 
-void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to)
+/* first: the lowest frequency [Hz]; drive: the greatest speed of a turning input [rad/s]; pass: the shortest time in which a
+ * wave passes an element [s]. */
+static void explain_rules(const cli_call *call, double first, double drive, double pass)
 {
     enum { HIGHER = 4, SAMPLES = 10 };           /* N and S of eq. 21 */
-    const lw_elastic_expansion *x = lw_dynamics_elastic(s->d);
-    const cli_call *call = s->call;
-    double pass = INFINITY;
-    for (int c = 0; x && c < x->n_chain; c++) {
-        const lw_elastic_chain *k = &x->chain[c];
-        const lw_material *m = &k->elastic->material;
-        double h = INFINITY;
-        for (int i = 0; i + 1 < k->n_node; i++)
-            h = fmin(h, x->model.beam[k->first_beam + i].length);
-        pass = fmin(pass, h/sqrt(m->e/m->density));
-        cli_explain_chain(call, s->model->linkage.link_name[k->link], k);
-    }
-    if (!x)
-        return;
-    double first = first_frequency(s), drive = drive_speed(s, from, to), ratio = drive > 0 ? 2*LW_PI*first/drive : 0;
+    double ratio = drive > 0 ? 2*LW_PI*first/drive : 0;
     if (first > 0)
         cli_note(call, "first frequency in the posture of the file, inputs held: %.4g Hz", first);
     if (ratio > 0)
@@ -88,4 +71,52 @@ void cli_simulate_explain_elastic(const cli_simulate *s, double from, double to)
         cli_note(call, "longest step to see %d harmonics with %d samples each: %.3g s (Makkonen 1999, eq. 21)", HIGHER, SAMPLES,
                  2*LW_PI/(20*HIGHER*SAMPLES*drive));
     cli_note(call, "a shock wave passes the shortest element in %.3g s, the longest step for impacts (eq. 22)", pass);
+}
+
+/* Time in which a wave passes an element of a link. */
+static double passing(const lw_elastic_chain *k, double length)
+{
+    return length/sqrt(k->elastic->material.e/k->elastic->material.density);
+}
+
+void cli_explain_elastic(const cli_call *call, const lw_model *m, const lw_dynamics *solved, double from, double to)
+{
+    const lw_elastic_expansion *x = lw_dynamics_elastic(solved);
+    double pass = INFINITY, drive = 0;
+    lw_dynamics *d;
+    for (int c = 0; x && c < x->n_chain; c++) {
+        const lw_elastic_chain *k = &x->chain[c];
+        for (int i = 0; i + 1 < k->n_node; i++)
+            pass = fmin(pass, passing(k, x->model.beam[k->first_beam + i].length));
+        explain_chain(call, m->linkage.link_name[k->link], k);
+    }
+    if (!x)
+        return;
+    for (int i = 0; i < m->linkage.n_input; i++)
+        if (lw_joint_turns(m->linkage.joint[m->linkage.input[i].joint].kind))
+            drive = fmax(drive, fmax(m->has_speed[i] ? fabs(m->speed[i]) : 0, greatest_speed(m->motion[i], from, to)));
+    lw_dynamics_options o = held();
+    double first = lw_dynamics_make(m, &o, &d, NULL) == LW_OK ? first_frequency(d, lw_dynamics_system(d)->n_q) : 0;
+    explain_rules(call, first, drive, pass);
+}
+
+void cli_explain_elastic_spatial(const cli_call *call, const lw_spatial *m, const lw_dynamics *solved, double from, double to)
+{
+    const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(solved);
+    double pass = INFINITY, drive = 0;
+    lw_dynamics *d;
+    for (int c = 0; x && c < x->n_chain; c++) {
+        const lw_elastic_chain *k = &x->chain[c];
+        for (int i = 0; i + 1 < k->n_node; i++)
+            pass = fmin(pass, passing(k, x->model.beam[k->first_beam + i].length));
+        explain_chain(call, m->body[k->link].name, k);
+    }
+    if (!x || x->n_chain == 0)
+        return;
+    for (int i = 0; i < m->n_input; i++)
+        if (m->input[i].measure.of == LW_OF_TURN)
+            drive = fmax(drive, fmax(m->input[i].has_speed ? fabs(m->input[i].speed) : 0, greatest_speed(m->input[i].motion, from, to)));
+    lw_dynamics_options o = held();
+    double first = lw_dynamics_make_spatial(m, &o, &d, NULL) == LW_OK ? first_frequency(d, lw_dynamics_space(d)->n_q) : 0;
+    explain_rules(call, first, drive, pass);
 }

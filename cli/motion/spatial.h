@@ -29,6 +29,9 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
 /* Inputs without a motion move at constant speed from their values in the file; speed NULL: they do not. */
 lw_status cli_spatial_speed(lw_spatial *m, const char *speed, lw_error *e);
 
+/* As cli_explain_elastic (cli/motion/simulate.h). */
+void cli_explain_elastic_spatial(const cli_call *call, const lw_spatial *m, const lw_dynamics *solved, double from, double to);
+
 /* Keep the rows of a run (cli/motion/table.h). */
 struct cli_table;
 lw_status cli_spatial_table(lw_spatial *m, const lw_dynamics_options *o, const char *speed, struct cli_table *t, lw_error *e);

@@ -418,10 +418,8 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
     int code;
     lw_status st = prepare(&r, m, o, speed);
     if (st == LW_OK && explain) {
-        const lw_elastic_chain *c;
         cli_dynamics_explain(call, &r.report);
-        for (int i = 0; (c = chain_of(&r, i)); i++)
-            cli_explain_chain(call, m->body[c->link].name, c);
+        cli_explain_elastic_spatial(call, m, r.d, o->from, o->to);
     }
     if (st == LW_OK)
         st = cli_open(call, &out, &e);
