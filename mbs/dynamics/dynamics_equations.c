@@ -293,7 +293,9 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
     }
     if (s == LW_OK)
         s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, response, t, d->n_v, a, d->n_c, l,
-                            size, d->touch ? &d->touch->determinant : NULL, d->e);
+                            size, d->touch ? &d->touch->determinant : &d->friction_determinant, d->e);
+    if (!d->touch && !(d->friction_determinant > d->least_determinant))
+        d->least_determinant = d->friction_determinant;
     for (int j = 0; s == LW_OK && power && j < n; j++)
         *power += size[j]*unit_power[j];
     return s;

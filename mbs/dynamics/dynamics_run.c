@@ -70,18 +70,26 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
     r->samples++;
     r->worst_off = fmax(r->worst_off, m->off);
     r->worst_off_rate = fmax(r->worst_off_rate, m->off_rate);
-    return run->sink ? run->sink(run->context, m) : LW_OK;
+    if (!run->sink || r->samples <= run->shown)
+        return LW_OK;
+    s = run->sink(run->context, m);
+    run->refused = s != LW_OK;
+    return s;
 }
 
 lw_status lw_run_show(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
     lw_moment m;
+    lw_error was = *run->e;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
     bool touches = d->touch || d->n_resting;             /* what holds now may not hold around it */
     double apart = s == LW_OPEN ? 0 : d->by_rank ? d->rank_of.weakest : sqrt(d->weak);
-    if ((s == LW_OK || s == LW_OPEN) && apart < LW_SINGULAR_NEAR && !touches && !d->large)
+    bool jams = s == LW_E_NUMERIC && d->n_friction && !d->touch && apart < LW_SINGULAR_NEAR;
+    if (jams)                                            /* the motion goes on, and only this sample has no forces */
+        *run->e = was, s = LW_OPEN;
+    if ((s == LW_OK || (s == LW_OPEN && !jams)) && apart < LW_SINGULAR_NEAR && !touches && !d->large)
         s = lw_run_singular_forces(run, t, y);
     else if (s == LW_OPEN) {
         for (int i = 0; i < d->n_v; i++)

@@ -16,6 +16,8 @@ typedef struct lw_run {
     bool    has_work;
     long    n_busy;                  /* evaluations */
     int     next;                    /* the next sample */
+    long    shown;                   /* samples that an earlier formulation handed out, which are left out */
+    bool    refused;                 /* the sink ended the run */
     double  kink;                    /* the next time at which the loads have a kink; infinite: none */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
@@ -23,6 +25,8 @@ typedef struct lw_run {
     double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere */
     double  ahead;                   /* time to the singular posture foretold [s]; 0: none */
     double  apart;                   /* residual of the rows on a curve tried there; 0: none tried */
+    double  jam;                     /* time of the singular posture before which friction jams; 0: none */
+    double *behind, fell;            /* (2 x n) states after the last two steps, with friction; last fall of the pivot */
     double  chosen;                  /* greatest of the least pivots since the kept rows were chosen */
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;

@@ -81,6 +81,7 @@ static const double unsettled = 1e-9;        /* the same where rounding lets it 
 static const double unresolved = 1e-8;       /* difference of orders 12 and 10 that is still allowed, scaled */
 static const double resolved = 1e-13;        /* such a difference that a shorter gap need not improve */
 static const double shortest_half = 0.01;    /* half the length of a gap, scaled: rounding grows in shorter ones */
+static const double beside_jam = 0.5;        /* root of the least pivot above which friction does not jam */
 static const double half_explicit = 0.03;    /* half the length of an explicit step, where there is no polynomial */
 
 /* Weights of the integral from the anchor to x of the polynomial through values at nodes `first` to `last`; 0 for the
@@ -239,6 +240,46 @@ static lw_status panel_rule(lw_dynamics *d)
     return d->rule ? lw_panel_rule_make(d->rule) : LW_E_MEMORY;
 }
 
+/* Reactions have poles in singular postures.  Where their friction grows with them, its equations lose their solution on
+ * the way, and the linkage jams: do they between the state `from` and y behind the singular posture?  scratch (n). */
+static bool jams(lw_run *run, double t, const double *from, const double *y, double *scratch)
+{
+    enum { PLACES = 400 };
+    lw_dynamics *d = run->d;
+    lw_error was = *run->e;
+    bool found = false;
+    for (int k = 1; k < PLACES && !found && d->n_friction && !d->touch; k++) {
+        for (int i = 0; i < run->n; i++)
+            scratch[i] = from[i] + (y[i] - from[i])*k/PLACES;
+        found = lw_mbs_rows(d, t, scratch) == LW_OK && lw_mbs_factor(d, true) == LW_OK
+             && lw_mbs_solve(d, t, scratch, scratch + d->n_q, d->a, d->l, NULL) == LW_E_NUMERIC;
+    }
+    *run->e = was;
+    return found;
+}
+
+/* With friction: has the last step, or the one before, to y gone over a singular posture in which the linkage jams? */
+static lw_status jumped(lw_run *run, double fall, double t, const double *y)
+{
+    const lw_dynamics *d = run->d;
+    size_t n = (size_t)run->n;
+    bool first = !run->behind;
+    if (!d->n_friction || d->touch)
+        return LW_OK;
+    if (first && !(run->behind = malloc(3*n*sizeof *y)))
+        return LW_E_MEMORY;
+    double *older = run->behind, *old = older + n;
+    bool least = !first && fall < 0 && run->fell > 0 && run->pivot < beside_jam;
+    run->fell = fall;
+    if (least && jams(run, t, older, y, old + n)) {
+        run->jam = run->r->t = run->pivot_t;
+        return LW_E_NUMERIC;
+    }
+    memcpy(older, first ? y : old, n*sizeof *y);
+    memcpy(old, y, n*sizeof *y);
+    return LW_OK;
+}
+
 lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y)
 {
     size_t n = (size_t)run->n;
@@ -287,6 +328,9 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     double allowed = fmin(1e-6, 100*run->d->o.relative + 1e-9)*fmax(run->r->energy_scale, 1e-300);
     if (s == LW_OK && !(fabs(lw_run_energy(run, y) - before) <= allowed))
         s = LW_OPEN;
+    bool jammed = s == LW_OK && jams(run, place, first, y, run->state);
+    if (jammed)
+        run->jam = place, s = LW_E_NUMERIC;
     if (s == LW_OK)
         s = lw_run_samples(run, nextafter(end, good), state_on_the_way, &(on_the_way){ run, good, first, &z });
     free(first);
@@ -294,7 +338,7 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     if (s == LW_OK)
         run->e->text[0] = '\0';             /* of shorter and longer gaps */
     *t = end;
-    s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
+    s = s == LW_E_NUMERIC && run->apart > 0 && !jammed ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
     return s == LW_OK || s == LW_STOPPED ? s
          : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
@@ -819,6 +863,9 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0, place = *t;
     bool one = d->freedom == 1 && !d->space && !d->n_driven && !d->n_friction && !d->eq.n_z;
     double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
+    lw_status jam = jumped(run, fall, *t, y);
+    if (jam != LW_OK)
+        return jam;
     run->pivot = w;
     run->pivot_t = *t;
     run->ahead = fall > 0 && w < 1 ? since*w/fall : 0;

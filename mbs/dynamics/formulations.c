@@ -1,8 +1,10 @@
 /* mbs/dynamics/formulations.c - the table of formulations: which one a model takes, and its run. */
+#include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics_internal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,6 +103,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     return lw_error_set(e, LW_E_KIND, "no formulation can do this model");
 }
 
+static const double no_determinant = 1e-3;   /* friction equations below it have no solution of use (friction.c) */
+
 /* ---- making and running ---------------------------------------------------------------------------- */
 
 lw_dynamics_options lw_dynamics_options_default(void)
@@ -168,6 +172,85 @@ lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const doub
     return s == LW_OK ? choose(d, &d->choice, d->e) : s;
 }
 
+/* One run by the formulation of run->r; what it ended on is in run->e. */
+static lw_status run_one(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    lw_dynamics_report *r = run->r;
+    run->has_work = !d->eq.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
+    run->n = d->n_q + d->n_v + run->has_work + d->eq.n_z;
+    run->pivot_tried = 1;
+    d->least_determinant = 1;
+    r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
+                         r->formulation != LW_FORMULATION_REDUCED;
+    bool equilibria = d->elastic && d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    lw_status s = equilibria ? lw_statics_run_large(run) : table[r->formulation]->run(run);
+    free(run->behind);
+    run->behind = NULL;
+    if (s == LW_OPEN && run->apart > 0 && run->apart < 1e-5)
+        s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s two motion curves come within %.1e of the size of the "
+                         "linkage, and it is undecided which of them goes on%s", r->t, run->apart, run->apart > 1e-8
+                         ? "" : ": if they should meet, write the posture with more digits or give a greater "
+                         "tolerance");
+    if (s == LW_E_NUMERIC && d->n_friction && (d->weak < LW_SINGULAR_NEAR || run->jam != 0))
+        s = d->least_determinant < no_determinant
+          ? lw_error_set(run->e, s, "at t = %.9g s friction jams the linkage: near a singular posture reactions grow without limit, "
+                         "and the equations of friction lose their solution (determinant %.2g; 1 without friction: Painleve's "
+                         "paradox); %s", r->t, fmax(0, d->least_determinant), d->o.formulation == LW_FORMULATION_AUTO
+                         ? "no formulation goes on from there; lower the coefficient or the radius of the pins, or drive the "
+                         "linkage through the posture" : "another formulation may go on (auto tries them all)")
+          : lw_error_set(run->e, s, "at t = %.9g s, near a singular posture with friction, no step is short enough to go on", r->t);
+    if (s == LW_OPEN)
+        s = lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
+                         "which it can go on in several ways", r->t);
+    if (s == LW_OK && r->samples != d->o.intervals + 1L)
+        s = lw_error_set(run->e, LW_E_NUMERIC, "the run ended at t = %.9g s after %ld of %ld samples", r->t, r->samples,
+                         d->o.intervals + 1L);
+    if (s < 0 && !run->e->text[0])
+        lw_error_set(run->e, s, "the run ended at t = %.9g s: %s", r->t, lw_status_text(s));
+    return s;
+}
+
+/* The formulation chosen by itself has given up: run again from the start by the others, without the samples handed out
+ * already.  If none reaches the end, e and run->r keep what the first one ended on. */
+static lw_status run_others(lw_run *run, lw_status s)
+{
+    lw_dynamics *d = run->d;
+    lw_dynamics_report first = *run->r, next;
+    lw_error said = *run->e;
+    long steps = d->o.max_step;
+    lw_formulation tried = first.formulation;
+    for (int f = LW_FORMULATION_REDUCED; f < (int)(sizeof table/sizeof *table) && s == LW_E_NUMERIC && !run->refused; f++) {
+        next = d->choice;
+        next.formulation = (lw_formulation)f;
+        if (f == (int)tried || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || table[f]->able(d, true, &next) != LW_OK)
+            continue;
+        lw_error e = { 0 };
+        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .shown = run->shown };
+        for (int i = 0; i < d->n_stop; i++)
+            d->stop[i].resting = false;
+        d->n_resting = 0;
+        d->e = &e;
+        d->o.max_step = steps > 0 ? steps : 1000000;
+        d->eq.place_states(d->eq.context, d->start_z);
+        snprintf(next.why, sizeof next.why, "%s gave up at t = %.9g s", lw_formulation_name(tried), first.t);
+        if (lw_mbs_arrange(d, d->o.from, d->start_q) != LW_OK)
+            break;
+        lw_status other = run_one(&again);
+        run->shown = next.samples > run->shown ? next.samples : run->shown;
+        run->refused = again.refused;
+        if (other == LW_OK || other == LW_E_MEMORY || again.refused) {
+            *run->r = next;
+            *run->e = e;
+            s = other;
+        }
+    }
+    d->o.max_step = steps;
+    if (s == LW_E_NUMERIC)
+        *run->r = first, *run->e = said;
+    return s;
+}
+
 lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e)
 {
     lw_error own = { 0 };
@@ -176,28 +259,9 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (r->formulation == LW_FORMULATION_AUTO)
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
     d->e = run.e;
-    run.has_work = !d->eq.conservative || d->n_driven || d->n_friction || d->n_stop || d->touch;
-    run.n = d->n_q + d->n_v + run.has_work + d->eq.n_z;
-    run.pivot_tried = 1;
-    r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
-                         r->formulation != LW_FORMULATION_REDUCED;
-    bool equilibria = d->elastic && d->o.analysis == LW_ANALYSIS_QUASISTATIC;
-    lw_status s = equilibria ? lw_statics_run_large(&run) : table[r->formulation]->run(&run);
-    if (s == LW_OPEN && run.apart > 0 && run.apart < 1e-5)
-        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two motion curves come within %.1e of the size of the "
-                         "linkage, and it is undecided which of them goes on%s", r->t, run.apart, run.apart > 1e-8
-                         ? "" : ": if they should meet, write the posture with more digits or give a greater "
-                         "tolerance");
-    if (s == LW_E_NUMERIC && d->n_friction && d->weak < LW_SINGULAR_NEAR)
-        s = lw_error_set(run.e, s, "at t = %.9g s friction jams the linkage near a singular posture, where reactions grow without "
-                         "limit, or no step is short enough to go on", r->t);
-    if (s == LW_OPEN)
-        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
-                         "which it can go on in several ways", r->t);
-    if (s == LW_OK && r->samples != d->o.intervals + 1L)
-        s = lw_error_set(run.e, LW_E_NUMERIC, "the run ended at t = %.9g s after %ld of %ld samples", r->t, r->samples,
-                         d->o.intervals + 1L);
-    if (s < 0 && !run.e->text[0])
-        lw_error_set(run.e, s, "the run ended at t = %.9g s: %s", r->t, lw_status_text(s));
-    return s;
+    lw_status s = run_one(&run);
+    run.shown = r->samples;
+    bool others = d->o.formulation == LW_FORMULATION_AUTO && r->formulation != LW_FORMULATION_DRIVEN && !d->space && !d->large
+               && !d->touch && !d->o.pieces;
+    return s == LW_E_NUMERIC && others && !run.refused ? run_others(&run, s) : s;
 }
