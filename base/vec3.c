@@ -37,17 +37,6 @@ lw_vec3 lw_v3_across(lw_vec3 a)
     return lw_v3_scale(b, 1/lw_v3_norm(b));
 }
 
-lw_quaternion lw_quaternion_between(lw_vec3 a, lw_vec3 b)
-{
-    double c = lw_v3_dot(a, b);
-    lw_vec3 u = lw_v3_cross(a, b);
-    if (1 + c < 1e-12) {                     /* opposite: about any axis across */
-        u = lw_v3_across(a);
-        return (lw_quaternion){ 0, u.x, u.y, u.z };
-    }
-    return lw_quaternion_unit((lw_quaternion){ 1 + c, u.x, u.y, u.z });
-}
-
 void lw_m3_principal(const double tensor[6], double value[3], lw_mat3 *axes)
 {
     double a[3][3] = { { tensor[0], tensor[3], tensor[4] }, { tensor[3], tensor[1], tensor[5] },

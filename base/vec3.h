@@ -75,8 +75,6 @@ lw_quaternion lw_quaternion_of_vector(lw_vec3 angle);
 lw_vec3 lw_quaternion_vector(lw_quaternion a);
 /* The turn of a rotation matrix. */
 lw_quaternion lw_quaternion_of_matrix(const lw_mat3 *m);
-/* The least turn that carries the unit vector a to the unit vector b. */
-lw_quaternion lw_quaternion_between(lw_vec3 a, lw_vec3 b);
 /* A unit vector across the unit vector a. */
 lw_vec3 lw_v3_across(lw_vec3 a);
 

@@ -92,12 +92,6 @@ int lw_linkage_free_inputs(const lw_linkage *linkage)
     return lw_assembly_free_inputs(&a);
 }
 
-double lw_linkage_tied_input(const lw_linkage *linkage, int i, double first)
-{
-    lw_assembly a = lw_linkage_view(linkage);
-    return lw_assembly_tied_input(&a, i, first);
-}
-
 double lw_linkage_tie_unit(const lw_linkage *linkage, int i, double metre)
 {
     lw_assembly a = lw_linkage_view(linkage);

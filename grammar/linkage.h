@@ -68,9 +68,6 @@ int lw_linkage_mobility(const lw_linkage *linkage);
 /* The number of free inputs.  They come first; the others are tied. */
 int lw_linkage_free_inputs(const lw_linkage *linkage);
 
-/* Value of the tied input i when the first input is at `first` [rad] or [m]. */
-double lw_linkage_tied_input(const lw_linkage *linkage, int i, double first);
-
 /* Unit of the ratio of input i, with `metre` the length unit: metre if it slides and the first input turns,
  * 1/metre if it turns and the first slides, else 1. */
 double lw_linkage_tie_unit(const lw_linkage *linkage, int i, double metre);

@@ -1005,19 +1005,6 @@ static lw_status read_all(lw_master *m, const char *text, size_t size, const cha
     return s;
 }
 
-bool lw_master_is(const char *text, size_t size)
-{
-    lw_json json;
-    lw_json_node at;
-    if (lw_json_open(text, size, "", &json, NULL) != LW_OK)
-        return false;
-    lw_json_node root = lw_json_root(&json);
-    bool is = lw_json_kind_of(&root) == LW_JSON_OBJECT && lw_json_member(&root, "model", &at)
-           && lw_json_kind_of(&at) == LW_JSON_OBJECT;
-    lw_json_close(&json);
-    return is;
-}
-
 lw_status lw_master_read(const char *text, size_t size, const char *file, lw_master **out, lw_error *e)
 {
     lw_error own = { 0 };
@@ -1339,36 +1326,16 @@ lw_status lw_variant_value(lw_variant *v, int parameter, lw_amount *out, lw_erro
     return s;
 }
 
-static lw_status work_out(lw_variant *v, const char *text, lw_amount *out, lw_formula **f, lw_error *e)
-{
-    place p = { v->m, (lw_scope *)&v->m->scope, false };
-    *f = NULL;
-    lw_status s = lw_variant_update(v, e);
-    if (s == LW_OK)
-        s = lw_formula_parse(text, strlen(text), look_up, &p, f, e);
-    return s == LW_OK ? lw_formula_value(*f, (const lw_amount *const[2]){ v->value, NULL }, out, e) : s;
-}
-
-lw_status lw_variant_formula(lw_variant *v, const char *text, lw_amount *out, lw_error *e)
-{
-    lw_formula *f;
-    lw_status s = work_out(v, text, out, &f, e);
-    if (s == LW_OK && out->kind == LW_AMOUNT_TEXT) {           /* it may be a literal of f, which ends here */
-        char *copy = strdup(out->text);
-        free(v->text[LW_SYMBOL_VIEW]);
-        v->text[LW_SYMBOL_VIEW] = copy;
-        out->text = copy ? copy : "";
-        s = copy ? LW_OK : no_memory(e);
-    }
-    lw_formula_free(f);
-    return s;
-}
-
 lw_status lw_variant_quantity(lw_variant *v, const char *text, double *out, char *unit, lw_error *e)
 {
-    lw_formula *f;
+    place p = { v->m, (lw_scope *)&v->m->scope, false };
+    lw_formula *f = NULL;
     lw_amount a;
-    lw_status s = work_out(v, text, &a, &f, e);
+    lw_status s = lw_variant_update(v, e);
+    if (s == LW_OK)
+        s = lw_formula_parse(text, strlen(text), look_up, &p, &f, e);
+    if (s == LW_OK)
+        s = lw_formula_value(f, (const lw_amount *const[2]){ v->value, NULL }, &a, e);
     if (s == LW_OK && a.kind != LW_AMOUNT_NUMBER)
         s = lw_error_set(e, LW_E_KIND, "this is a %s, no number", a.kind == LW_AMOUNT_TEXT ? "text" : "condition");
     if (s == LW_OK) {

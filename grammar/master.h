@@ -21,9 +21,6 @@ typedef struct lw_parameter {
     bool        whole;                   /* takes whole numbers only                                */
 } lw_parameter;
 
-/* Is this the text of a master file, an object with a "family" or with "parameters" and "model"? */
-bool      lw_master_is(const char *text, size_t size);
-
 /* Read a master file.  LW_E_NOTATION with line and column, also for unknown names, circular parameters and parts that
  * use themselves. */
 lw_status lw_master_read(const char *text, size_t size, const char *file, lw_master **out, lw_error *e);
@@ -39,11 +36,10 @@ int         lw_master_find_parameter(const lw_master *m, const char *name);     
 void      lw_variant_free(lw_variant *v);
 lw_status lw_variant_set_number(lw_variant *v, int parameter, double value);        /* in the unit of the parameter */
 
-/* The value of parameter i, or of a formula over parameters and lets.  Checks ranges and choices first.  The texts of a
- * value belong to the variant and hold until it changes. */
+/* The value of parameter i.  Checks ranges and choices first.  Its text belongs to the variant and holds until it
+ * changes. */
 lw_status lw_variant_value(lw_variant *v, int parameter, lw_amount *out, lw_error *e);
-lw_status lw_variant_formula(lw_variant *v, const char *formula, lw_amount *out, lw_error *e);
-/* The same as a number, in SI or in the unit after `as`; *unit (64 bytes, may be NULL) gets that unit. */
+/* The number that a formula over parameters and lets gives, in SI or in the unit after `as`; *unit (64 bytes, may be NULL) gets that unit. */
 lw_status lw_variant_quantity(lw_variant *v, const char *formula, double *out, char *unit, lw_error *e);
 
 /* A value as text with its unit, as the user wrote the unit: "350 mm". */

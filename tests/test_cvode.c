@@ -4,12 +4,12 @@
 #include "tests/check.h"
 #include "tests/ode_problems.h"
 
-static lw_status run_to(lw_cvode *w, double t, lw_error *e)
+static lw_status run_to(lw_sundials *w, double t, lw_error *e)
 {
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
     while (s == LW_OK && stop != LW_ODE_END)
-        s = lw_cvode_step(w, t, &stop, e);
+        s = lw_sundials_step(w, t, &stop, e);
     return s;
 }
 
@@ -38,14 +38,14 @@ TEST(stiff_published)
             lw_ode ode = { .n = 2, .rate = van_der_pol, .jacobian = with ? van_der_pol_slope : NULL };
             lw_ode_options o = lw_ode_options_default();
             o.relative = o.absolute = tolerance;
-            lw_cvode w;
+            lw_sundials w;
             double y[2] = { 2.0, 0.0 };
             CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
             CHECK_INT(run_to(&w, 2.0, NULL), LW_OK);
             CHECK_NEAR(w.y[0], 1.706167732170483, 2000.0*tolerance, 0);
             CHECK_NEAR(w.y[1], -0.8928097010247975, 2000.0*tolerance, 0);
             CHECK(w.t == 2.0 && w.n_step > 50 && w.n_step < 20000 && w.n_jacobian > 0);
-            lw_cvode_free(&w);
+            lw_sundials_free(&w);
         }
 }
 
@@ -66,18 +66,18 @@ TEST(events_in_order)
                    .passing = { false, true }, .seen = note };
     lw_ode_options o = lw_ode_options_default();
     o.relative = o.absolute = 1e-11;
-    lw_cvode w;
+    lw_sundials w;
     double y[2] = { 1.0, 0.0 };
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_ADAMS, 0.0, y, NULL), LW_OK);
     lw_ode_stop stop;
     int k = 0;
-    while (lw_cvode_step(&w, 10.0, &stop, NULL) == LW_OK && stop != LW_ODE_END)
+    while (lw_sundials_step(&w, 10.0, &stop, NULL) == LW_OK && stop != LW_ODE_END)
         if (stop == LW_ODE_EVENT) {
             CHECK_NEAR(w.t, (k++ + 0.5)*pi, 1e-8, 0);
             CHECK_INT((int)w.events & 1, 1);
             CHECK_NEAR(w.y[0], 0.0, 1e-13, 0);
             double early[2];                                 /* inside the step that the event ended */
-            CHECK_INT(lw_cvode_dense(&w, w.t - 1e-3, early), LW_OK);
+            CHECK_INT(lw_sundials_dense(&w, w.t - 1e-3, early), LW_OK);
             CHECK_NEAR(early[0], cos(w.t - 1e-3), 1e-8, 0);
         }
     CHECK_INT(k, 3);
@@ -89,11 +89,11 @@ TEST(events_in_order)
     CHECK_INT(lw_cvode_restart(&w, y, 0, NULL), LW_OK);
     stop = LW_ODE_STEP;
     while (stop == LW_ODE_STEP)
-        CHECK_INT(lw_cvode_step(&w, 20.0, &stop, NULL), LW_OK);
+        CHECK_INT(lw_sundials_step(&w, 20.0, &stop, NULL), LW_OK);
     CHECK_NEAR(w.t, 10.0 + pi/2, 1e-8, 0);
     CHECK_INT(run_to(&w, w.t + 1e-6, NULL), LW_OK);
     CHECK_NEAR(w.y[0], -1e-6, 1e-8, 0);
-    lw_cvode_free(&w);
+    lw_sundials_free(&w);
 }
 
 TEST(projection)
@@ -103,12 +103,12 @@ TEST(projection)
         lw_ode ode = { .n = 4, .rate = pendulum, .project = with ? onto_circle : NULL };
         lw_ode_options o = lw_ode_options_default();
         o.relative = o.absolute = 1e-7;
-        lw_cvode w;
+        lw_sundials w;
         double y[4] = { 1.0, 0.0, 0.0, 0.0 };
         CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
         CHECK_INT(run_to(&w, 10.0, NULL), LW_OK);
         drift[with] = fabs(hypot(w.y[0], w.y[1]) - 1.0);
-        lw_cvode_free(&w);
+        lw_sundials_free(&w);
     }
     CHECK(drift[0] > 1e-8);
     CHECK(drift[1] < 1e-9);
@@ -118,26 +118,26 @@ TEST(failures_are_told)
 {
     lw_ode_options o = lw_ode_options_default();
     lw_error e;
-    lw_cvode w;
+    lw_sundials w;
     double y[2] = { 1.0, 0.0 };
     lw_ode bad = { .n = 1, .rate = explodes };
     CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
     CHECK_INT(run_to(&w, 2.0, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "CVODE gave up at t = ");
     CHECK(w.t < 1.0 + 1e-6 && w.t > 0.9);
-    lw_cvode_free(&w);
+    lw_sundials_free(&w);
     bad.rate = breaks;
     CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
     CHECK_INT(run_to(&w, 2.0, &e), LW_E_KIND);
-    lw_cvode_free(&w);
+    lw_sundials_free(&w);
     lw_ode ode = { .n = 2, .rate = oscillator };
     o.max_step = 20;
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
     CHECK_INT(run_to(&w, 1e3, &e), LW_STOPPED);
     lw_ode_stop stop;
-    CHECK_INT(lw_cvode_step(&w, -1.0, &stop, &e), LW_E_ARG);
-    lw_cvode_free(&w);
-    lw_cvode_free(&w);                                       /* twice is harmless */
+    CHECK_INT(lw_sundials_step(&w, -1.0, &stop, &e), LW_E_ARG);
+    lw_sundials_free(&w);
+    lw_sundials_free(&w);                                       /* twice is harmless */
     o = (lw_ode_options){ .relative = -1.0 };
     CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
     o = (lw_ode_options){ .relative = 1e-6, .absolute = 1e-6, .fixed = 0.1 };

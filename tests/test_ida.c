@@ -3,12 +3,12 @@
 #include "mbs/ode/ida.h"
 #include "tests/check.h"
 
-static lw_status run_to(lw_ida *w, double t, lw_error *e)
+static lw_status run_to(lw_sundials *w, double t, lw_error *e)
 {
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
     while (s == LW_OK && stop != LW_ODE_END)
-        s = lw_ida_step(w, t, &stop, e);
+        s = lw_sundials_step(w, t, &stop, e);
     return s;
 }
 
@@ -44,7 +44,7 @@ TEST(robertson_published)
                        .algebraic = algebraic };
         lw_ode_options o = lw_ode_options_default();
         o.relative = 1e-9, o.absolute_each = each;
-        lw_ida w;
+        lw_sundials w;
         double y[3] = { 1.0, 0.0, 0.0 }, dy[3] = { -0.04, 0.04, 0.0 };
         CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
         CHECK_INT(run_to(&w, 1e11, NULL), LW_OK);
@@ -52,7 +52,7 @@ TEST(robertson_published)
         CHECK_NEAR(w.y[1], 0.8333360770334713e-13, 0, 1e-5);
         CHECK_NEAR(w.y[2], 0.9999999791665050, 1e-12, 0);
         CHECK(w.n_step < 5000);
-        lw_ida_free(&w);
+        lw_sundials_free(&w);
     }
 }
 
@@ -122,7 +122,7 @@ TEST(pendulum_of_index_two)
         lw_dae dae = { .n = 6, .residual = ggl, .jacobian = ggl_slope, .algebraic = multipliers };
         lw_ode_options o = lw_ode_options_default();
         o.relative = o.absolute = tolerance;
-        lw_ida w;
+        lw_sundials w;
         double y[6], dy[6];
         ggl_start(y, dy);
         CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
@@ -131,7 +131,7 @@ TEST(pendulum_of_index_two)
         CHECK_NEAR(w.y[1], -cos(angle), 3000.0*tolerance, 0);
         CHECK_NEAR(w.y[2], cos(angle)*speed, 10000.0*tolerance, 0);
         CHECK_NEAR(hypot(w.y[0], w.y[1]), 1.0, 10.0*tolerance, 0);
-        lw_ida_free(&w);
+        lw_sundials_free(&w);
     }
 }
 
@@ -155,28 +155,28 @@ TEST(events_of_the_pendulum)
                    .event = lowest };
     lw_ode_options o = lw_ode_options_default();
     o.relative = o.absolute = 1e-10;
-    lw_ida w;
+    lw_sundials w;
     double y[6], dy[6];
     ggl_start(y, dy);
     CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, NULL), LW_OK);
     lw_ode_stop stop;
     int k = 0;
-    while (lw_ida_step(&w, 3.0, &stop, NULL) == LW_OK && stop != LW_ODE_END)
+    while (lw_sundials_step(&w, 3.0, &stop, NULL) == LW_OK && stop != LW_ODE_END)
         if (stop == LW_ODE_EVENT)
             CHECK_NEAR(w.t, (2*k++ + 1)*agm, 1e-7, 0);
     CHECK_INT(k, 3);
     double in[6];
-    CHECK_INT(lw_ida_dense(&w, w.t, in), LW_OK);
+    CHECK_INT(lw_sundials_dense(&w, w.t, in), LW_OK);
     CHECK(in[0] == w.y[0]);
     ggl_start(y, dy);
     CHECK_INT(lw_ida_restart(&w, y, dy, NULL), LW_OK);
     stop = LW_ODE_STEP;
     while (stop == LW_ODE_STEP)
-        CHECK_INT(lw_ida_step(&w, 6.0, &stop, NULL), LW_OK);
+        CHECK_INT(lw_sundials_step(&w, 6.0, &stop, NULL), LW_OK);
     CHECK_NEAR(w.t, 3.0 + agm, 1e-7, 0);
-    CHECK_INT(lw_ida_dense(&w, w.t - 1e-4, in), LW_OK);
+    CHECK_INT(lw_sundials_dense(&w, w.t - 1e-4, in), LW_OK);
     CHECK(in[0] > 0.0);
-    lw_ida_free(&w);
+    lw_sundials_free(&w);
 }
 
 static lw_status breaks(void *context, double t, const double *y, const double *dy, double *r)
@@ -190,25 +190,25 @@ TEST(failures_are_told)
 {
     lw_ode_options o = lw_ode_options_default();
     lw_error e;
-    lw_ida w;
+    lw_sundials w;
     double y[6] = { 1.0 }, dy[6] = { 1.0 };
     lw_dae dae = { .n = 1, .residual = breaks };
     CHECK_INT(lw_ida_make(&w, &dae, &o, 0.0, y, dy, &e), LW_OK);
     CHECK_INT(run_to(&w, 2.0, &e), LW_E_KIND);
     CHECK_HAS(e.text, "IDA gave up at t = ");
-    lw_ida_free(&w);
+    lw_sundials_free(&w);
     ggl_start(y, dy);
     y[0] = 2.0;                                              /* off the circle by far */
     lw_dae pendulum = { .n = 6, .residual = ggl, .algebraic = multipliers };
     CHECK_INT(lw_ida_make(&w, &pendulum, &o, 0.0, y, dy, &e), LW_OK);
     CHECK(run_to(&w, 1.0, &e) != LW_OK || fabs(hypot(w.y[0], w.y[1]) - 1.0) < 1e-6);
-    lw_ida_free(&w);
+    lw_sundials_free(&w);
     o.max_step = 20;
     ggl_start(y, dy);
     CHECK_INT(lw_ida_make(&w, &pendulum, &o, 0.0, y, dy, &e), LW_OK);
     CHECK_INT(run_to(&w, 100.0, &e), LW_STOPPED);
-    lw_ida_free(&w);
-    lw_ida_free(&w);
+    lw_sundials_free(&w);
+    lw_sundials_free(&w);
     o.fixed = 0.1;
     CHECK_INT(lw_ida_make(&w, &pendulum, &o, 0.0, y, dy, &e), LW_E_ARG);
 }

@@ -238,7 +238,7 @@ static lw_status run_ggl(const lw_flexible_crank *c, const double *y0, const lw_
     double y[GGL_N], dy[GGL_N] = { 0 };
     lw_dae dae = { .n = GGL_N, .context = (void *)(size_t)c, .residual = ggl_residual, .algebraic = algebraic };
     lw_ode_stop stop = LW_ODE_STEP;
-    lw_ida w;
+    lw_sundials w;
     memset(algebraic + 2*N, 1, 2*ROWS);
     lw_status st = ggl_start(c, y0, y, dy);
     if (st == LW_OK)
@@ -246,12 +246,12 @@ static lw_status run_ggl(const lw_flexible_crank *c, const double *y0, const lw_
     if (st != LW_OK)
         return st;
     while (st == LW_OK && stop != LW_ODE_END)
-        st = lw_ida_step(&w, to, &stop, e);
+        st = lw_sundials_step(&w, to, &stop, e);
     memcpy(r->p, w.y, sizeof r->p);
     memcpy(r->v, w.y + N, sizeof r->v);
     r->steps = w.n_step;
-    r->rates = w.n_residual;
-    lw_ida_free(&w);
+    r->rates = w.n_rate;
+    lw_sundials_free(&w);
     return st;
 }
 
@@ -277,17 +277,17 @@ static lw_status run_explicit(const lw_ode *ode, const lw_ode_options *o, double
 static lw_status run_cvode(const lw_ode *ode, const lw_ode_options *o, lw_cvode_method method, double to, double *y,
                            lw_flexible_run *r, lw_error *e)
 {
-    lw_cvode w;
+    lw_sundials w;
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status st = lw_cvode_make(&w, ode, o, method, 0, y, e);
     if (st != LW_OK)
         return st;
     while (st == LW_OK && stop != LW_ODE_END)
-        st = lw_cvode_step(&w, to, &stop, e);
+        st = lw_sundials_step(&w, to, &stop, e);
     memcpy(y, w.y, (size_t)ode->n*sizeof *y);
     r->steps = w.n_step;
     r->rates = w.n_rate;
-    lw_cvode_free(&w);
+    lw_sundials_free(&w);
     return st;
 }
 

@@ -41,7 +41,7 @@ typedef struct stepper {
     bool          implicit;
     lw_ode        ode;
     lw_integrator explicit_one;
-    lw_cvode      implicit_one;
+    lw_sundials   implicit_one;
     double       *work;
     double       *each;                      /* absolute tolerances, NULL: all the same */
 } stepper;
@@ -78,7 +78,7 @@ static void end_steps(stepper *w, lw_dynamics_report *r)
     r->refused += w->implicit ? w->implicit_one.n_refused : w->explicit_one.n_refused;
     r->rates += w->implicit ? w->implicit_one.n_rate : w->explicit_one.n_rate;
     if (w->implicit)
-        lw_cvode_free(&w->implicit_one);
+        lw_sundials_free(&w->implicit_one);
     free(w->work);
 }
 
@@ -87,7 +87,7 @@ static double time_of(const stepper *w) { return w->implicit ? w->implicit_one.t
 
 static lw_status step(stepper *w, double end, lw_ode_stop *stop, lw_error *e)
 {
-    return w->implicit ? lw_cvode_step(&w->implicit_one, end, stop, e)
+    return w->implicit ? lw_sundials_step(&w->implicit_one, end, stop, e)
                        : lw_integrate_step(&w->explicit_one, end, stop, e);
 }
 
@@ -120,7 +120,7 @@ static lw_status state_at(void *context, double t, double *y)
         memcpy(y, state(w), (size_t)w->run->n*sizeof *y);
         return LW_OK;
     }
-    lw_status s = w->implicit ? lw_cvode_dense(&w->implicit_one, t, y) : lw_integrate_dense(&w->explicit_one, t, y);
+    lw_status s = w->implicit ? lw_sundials_dense(&w->implicit_one, t, y) : lw_integrate_dense(&w->explicit_one, t, y);
     return s == LW_OK && lw_run_project(w->run, t, y) < 0 ? LW_E_NUMERIC : s;
 }
 

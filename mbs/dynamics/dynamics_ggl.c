@@ -21,7 +21,7 @@ typedef struct ggl {
     lw_run *run;
     int    q, c;
     double least_mass;
-    lw_ida *ida;
+    lw_sundials *ida;
     double *dense;                           /* (n of IDA) scratch */
     unsigned char *algebraic;                /* (n of IDA) */
     double *each;                            /* absolute tolerances */
@@ -256,7 +256,7 @@ static void unpack(const ggl *g, const double *y, double *out)
 static lw_status state_at(void *context, double t, double *state)
 {
     ggl *g = context;
-    lw_status s = lw_ida_dense(g->ida, t, g->dense);
+    lw_status s = lw_sundials_dense(g->ida, t, g->dense);
     if (s != LW_OK)
         return s;
     unpack(g, g->dense, state);
@@ -294,7 +294,7 @@ static lw_status pack(const ggl *g, double t, const double *state, double *y, do
 }
 
 /* Begin again at (t, state) with the rows that are kept now. */
-static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
+static lw_status begin_again(ggl *g, lw_sundials *w, double t, double *y, double *dy)
 {
     lw_run *run = g->run;
     w->t = t;
@@ -308,7 +308,7 @@ static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
 }
 
 /* Begin again at the present state, at first order and with the multipliers of the posture. */
-static lw_status after_failure(ggl *g, lw_ida *w, double *y, double *dy)
+static lw_status after_failure(ggl *g, lw_sundials *w, double *y, double *dy)
 {
     g->run->e->text[0] = '\0';
     unpack(g, w->y, g->run->state);
@@ -331,7 +331,7 @@ static double apart(const lw_dynamics *d)
 
 /* Pass through the singular posture ahead, if there is one.  Choose other rows where the kept ones have become
  * nearly dependent. */
-static lw_status pass_singular(ggl *g, lw_ida *w, double *y, double *dy)
+static lw_status pass_singular(ggl *g, lw_sundials *w, double *y, double *dy)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
@@ -357,7 +357,7 @@ static lw_status pass_singular(ggl *g, lw_ida *w, double *y, double *dy)
 }
 
 /* Start the run.  dae, algebraic and g->each must outlive w. */
-static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *dy)
+static lw_status begin(ggl *g, lw_sundials *w, const lw_dae *dae, double *y, double *dy)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
@@ -378,7 +378,7 @@ static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *
     return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
 }
 
-static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
+static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
@@ -391,7 +391,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     if (s != LW_OK)
         return s;
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
-        s = lw_ida_step(w, lw_run_end(run, w->t), &stop, run->e);
+        s = lw_sundials_step(w, lw_run_end(run, w->t), &stop, run->e);
         run->r->t = w->t;
         if (s == LW_E_NUMERIC && w->n_step > g->since + worth_restart) {
             s = after_failure(g, w, y, dy);
@@ -419,10 +419,10 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     }
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
-    run->r->rates += w->n_residual;
+    run->r->rates += w->n_rate;
     if (s == LW_E_NUMERIC)
         unpack(g, w->y, run->state);
-    lw_ida_free(w);
+    lw_sundials_free(w);
     if (s == LW_E_NUMERIC && d->o.formulation == LW_FORMULATION_AUTO)
         s = lw_run_go_on(run, run->state);
     return s;
@@ -432,7 +432,7 @@ static lw_status run_ggl(lw_run *run)
 {
     lw_dynamics *d = run->d;
     ggl g = { .run = run, .q = d->n_q, .c = d->n_kept };
-    lw_ida w = { 0 };
+    lw_sundials w = { 0 };
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->eq.mass[i]);
     size_t n = 2*(size_t)(g.q + g.c) + 1 + (size_t)d->eq.n_z;

@@ -1,12 +1,12 @@
 /* mbs/ode/ida.h - differential-algebraic equations F(t, y, y') = 0 of constrained motion by IDA's BDF methods
- * (Hindmarsh et al. 2005); used like mbs/ode/integrate.h.
+ * (Hindmarsh et al. 2005).
  *
  * `algebraic` marks multipliers and other variables without derivative.  They are excluded from the error test;
  * otherwise index-2 equations (Gear, Gupta & Leimkuhler 1985) fail at the start for tight tolerances. */
 #ifndef LW_MBS_ODE_IDA_H
 #define LW_MBS_ODE_IDA_H
 
-#include "mbs/ode/integrate.h"
+#include "mbs/ode/sundials.h"
 
 typedef struct lw_dae {
     int   n;
@@ -24,23 +24,12 @@ typedef struct lw_dae {
     void (*seen)(void *context, int event, double t, const double *y);
 } lw_dae;
 
-typedef struct lw_ida {
-    double  t, t_old;
-    const double *y, *dy;            /* (n) at t                                                    */
-    unsigned long long events;
-    long    n_step, n_refused, n_residual, n_jacobian;
-    struct lw_ida_own *own;
-} lw_ida;
-
 /* Begin at (t, y, y'), which should satisfy F; dae must outlive w.  o->fixed: LW_E_ARG.  After a failure w needs no
  * _free. */
-lw_status lw_ida_make(lw_ida *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y,
+lw_status lw_ida_make(lw_sundials *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y,
                       const double *dy, lw_error *e);
-void      lw_ida_free(lw_ida *w);
 
-/* As lw_cvode_restart, _step, _dense; the length of the first step is chosen. */
-lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error *e);
-lw_status lw_ida_step(lw_ida *w, double t_end, lw_ode_stop *stop, lw_error *e);
-lw_status lw_ida_dense(lw_ida *w, double t, double *y);
+/* As lw_integrate_restart; the length of the first step is chosen. */
+lw_status lw_ida_restart(lw_sundials *w, const double *y, const double *dy, lw_error *e);
 
 #endif

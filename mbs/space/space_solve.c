@@ -49,14 +49,14 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     z->n_extra = n_extra;
     z->n_row = s->n_row + n_extra;
     size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1;
-    size_t bytes = (rows*(2*LW_SPACE_ROW + 3) + 3*v + x)*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
+    size_t bytes = (rows*(2*LW_SPACE_ROW + 2) + 3*v + x)*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
                    x*sizeof *z->extra + rows*(sizeof *z->body + 2*sizeof(int));
     char *at = z->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->full_l, &z->weight, &z->full, &z->step,
+    double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step,
                                  &z->near };
-    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, rows, v, v, v, x };
+    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, v, v, v, x };
     for (size_t i = 0; i < sizeof doubles/sizeof *doubles; i++) {
         *doubles[i] = (double *)(void *)at;
         at += sizes[i]*sizeof(double);
@@ -262,17 +262,6 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
 
 /* ---- solving ----------------------------------------------------------------------------------------------------- */
 
-void lw_space_rows_times(const lw_space_rows_set *z, const double *x, double *out)
-{
-    for (int r = 0; r < z->n_row; r++) {
-        const double *jac = z->jac + r*LW_SPACE_ROW;
-        out[r] = 0;
-        for (int k = 0; k < 2; k++)
-            if (z->body[r][k] >= 0)
-                out[r] += dot6(jac + 6*k, x + 6*z->body[r][k]);
-    }
-}
-
 void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x)
 {
     for (int r = 0; r < z->n_row; r++) {
@@ -321,8 +310,6 @@ void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rh
     if (refine)
         improve(z, rhs, x, l);
 }
-
-void lw_space_rows_correct(lw_space_rows_set *z, const double *rhs, double *v) { improve(z, rhs, v, z->full_l); }
 
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l)
 {

@@ -29,7 +29,7 @@ typedef struct lw_space_rows_set {
     lw_space_pair *pair;
     lw_cholesky schur;
     double   weak;                       /* least pivot over its diagonal when factored last               */
-    double  *small, *full_l, *full, *step;       /* (n_row) (n_row) (n_v) (n_v) scratch                    */
+    double  *small, *full, *step;                /* (n_row) (n_v) (n_v) scratch                            */
     void    *memory;
 } lw_space_rows_set;
 
@@ -50,14 +50,10 @@ bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
  * rounding. */
 void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
 
-/* Put v on J v = rhs, the change least in W.  Factored. */
-void lw_space_rows_correct(lw_space_rows_set *z, const double *rhs, double *v);
-
 /* l of J^T l = f in the metric of W, for f that the rows can carry. */
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
 
-/* out = J x (n_row); x += sign J^T l. */
-void lw_space_rows_times(const lw_space_rows_set *z, const double *x, double *out);
+/* x += sign J^T l. */
 void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x);
 
 /* What J a has to be, without second rates of extras: those are added (n_row). */
