@@ -31,6 +31,11 @@ TEST(rounded_drawings_move)
             CHECK(d.report.adjusted > 0.01*by && d.report.adjusted < 20*by);
             CHECK(d.report.worst_off < 1e-11);
             CHECK(d.energy[10] - d.energy[0] < 1e-8 && d.energy[0] - d.energy[10] < 1e-8);
+            char motion[64];                             /* the same driven */
+            snprintf(motion, sizeof motion, "%.17g + %g*t", d.model.linkage.input[0].value, f ? 0.05 : 0.3);
+            CHECK_INT(lw_model_drive(&d.model, 0, motion, &d.e), LW_OK);
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 10), LW_OK);
+            CHECK(d.n_moment == 11 && d.report.worst_off < 1e-10);
             lw_model_free(&d.model);
         }
 }

@@ -11,7 +11,7 @@ static ride *start(const lw_linkage *k, lw_input_function *motion, void *context
 {
     ride *r = calloc(1, sizeof *r);
     CHECK_INT(lw_system_make(k, NULL, 0, &r->s, &r->e), LW_OK);
-    r->status = lw_prescribed_motion_create(&r->s, motion, context, t, &r->d, &r->e);
+    r->status = lw_prescribed_motion_create(&r->s, NULL, motion, context, t, &r->d, &r->e);
     return r;
 }
 

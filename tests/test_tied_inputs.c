@@ -190,7 +190,7 @@ TEST(goes_with_the_first_in_time)
         lw_model_from_linkage(&k, &m);
         CHECK_INT(lw_model_drive(&m, 0, "0.7853981633974483 + 0.3*sin(2*t)", NULL), LW_OK);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
-        CHECK_INT(lw_prescribed_motion_create(&s, lw_prescribed_motion_of_model, &m, 0, &d, NULL), LW_OK);
+        CHECK_INT(lw_prescribed_motion_create(&s, NULL, lw_prescribed_motion_of_model, &m, 0, &d, NULL), LW_OK);
         for (int i = 0; i <= 20; i++) {
             double u[2*LW_INPUT_MAX], t = 0.2*i;
             CHECK_INT(lw_prescribed_motion_to(d, t), LW_OK);

@@ -72,7 +72,7 @@ lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *m
     *c = (lw_motion_path){ .pace = LW_PACE_TIME, .from = from, .to = to };
     lw_status st = lw_system_make(linkage, NULL, 0, &c->s, e);
     if (st == LW_OK)
-        st = lw_prescribed_motion_create(&c->s, motion, context, from, &c->drive, e);
+        st = lw_prescribed_motion_create(&c->s, NULL, motion, context, from, &c->drive, e);
     if (st != LW_OK)
         return st;
     memcpy(q, lw_prescribed_motion_posture(c->drive), (size_t)c->s.n_q*sizeof *q);

@@ -11,6 +11,7 @@
 #include "cli/motion/trace.h"
 #include "cli/motion/trace_curve.h"
 #include "cli/motion/spatial.h"
+#include "mbs/constraints/adjust.h"
 #include "mbs/constraints/mobility.h"
 
 typedef struct settings {
@@ -263,7 +264,7 @@ static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all,
                      t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
                      t->curves.full ? "; there are more than can be listed" : "");
     } else {
-        st = lw_motion_curve_create(&t->s, NULL, &o, &t->curves.curve[0], e);
+        st = lw_motion_curve_create(&t->s, t->drawn, &o, &t->curves.curve[0], e);
         t->curves.n = st == LW_OK;
     }
     for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
@@ -363,7 +364,22 @@ static void free_curves(cli_curve_trace *t)
     lw_circuits_free(&t->curves);
     lw_system_free(&t->s);
     free(t->groups);
+    free(t->drawn);
     free(t);
+}
+
+/* An overconstrained linkage that is drawn with rounded numbers is made to move. */
+static lw_status adjust(const job *j, cli_curve_trace *t, lw_error *e)
+{
+    double by;
+    if (!(t->drawn = malloc((size_t)t->s.n_q*sizeof *t->drawn)))
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_system_posture(&t->s, t->drawn);
+    lw_status st = lw_system_adjust(&t->s, t->drawn, &by, e);
+    if (st == LW_OK)
+        cli_note(j->call, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to "
+                 "%.3g m so that they do, by least squares", by*t->s.unit);
+    return st == LW_NOTHING ? LW_OK : st;
 }
 
 /* Prepare the curves. all: every circuit, not only that of the posture in the file. */
@@ -376,6 +392,8 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     t->k = j->k;
     t->rows = make_rows(j, t->k);
     lw_status st = lw_system_make(t->k, NULL, 0, &t->s, e);
+    if (st == LW_OK)
+        st = adjust(j, t, e);
     if (st == LW_OK)
         curve_window(j, t);
     if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)

@@ -488,7 +488,7 @@ static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
 {
     lw_prescribed_motion *d;
-    lw_status s = lw_prescribed_motion_create(&t->s, lw_prescribed_motion_of_model, (void *)t->model, range[0], &d, e);
+    lw_status s = lw_prescribed_motion_create(&t->s, t->drawn, lw_prescribed_motion_of_model, (void *)t->model, range[0], &d, e);
     if (s != LW_OK)
         return s;
     double n = floor((range[1] - range[0])/range[2]*(1 + 1e-12));

@@ -52,6 +52,7 @@ typedef struct cli_curve_trace {
     const lw_model *model;
     const lw_linkage *k;
     lw_system   s;
+    double     *drawn;           /* (s.n_q) posture of the file, where an overconstrained linkage was adjusted; or NULL */
     lw_circuits   curves;
     cli_rows    rows;
     cli_groups *groups;               /* NULL: the linkage has no plan                             */

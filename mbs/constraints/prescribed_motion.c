@@ -311,7 +311,6 @@ static lw_status check_inputs(lw_prescribed_motion *d, lw_error *e)
 {
     lw_continuation rows = d->f;
     rows.n_held = 0;
-    lw_system_posture(d->s, d->q);
     int freedoms = lw_continuation_freedoms(&rows, d->q, d->next), inputs = d->s->n_input;
     if (freedoms < 0)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -331,7 +330,6 @@ static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
             return lw_error_set(e, LW_E_NUMERIC, "the motion of input %d is no number at t = %g", i + 1, t);
     d->motion = straight;
     d->context = d;
-    lw_system_posture(d->s, d->q);
     hold(d, 0.0);
     if (!(lw_continuation_factor(&d->f, d->q) > 1e-12))
         return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another "
@@ -354,8 +352,8 @@ static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t,
-                                      lw_prescribed_motion **out, lw_error *e)
+lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_input_function *motion, void *context,
+                                      double t, lw_prescribed_motion **out, lw_error *e)
 {
     int all[LW_INPUT_MAX], missing = s->n_q - s->n_row - s->n_input;
     *out = NULL;
@@ -383,6 +381,10 @@ lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *mot
     d->over = d->series + (ORDER + 2)*d->n;
     d->posture = d->over + (ORDER + 1)*d->n;
     d->track = d->posture + d->n;
+    if (q)
+        memcpy(d->q, q, (size_t)d->n*sizeof *q);
+    else
+        lw_system_posture(s, d->q);
     lw_status status = check_inputs(d, e);
     if (status == LW_OK)
         status = begin(d, t, e);

@@ -17,11 +17,12 @@ lw_input_function lw_prescribed_motion_of_model;
 
 typedef struct lw_prescribed_motion lw_prescribed_motion;
 
-/* Move the inputs straight from the drawn posture to their values at time t.  s must outlive the object.  LW_E_ARG:
+/* Move the inputs straight from posture q (NULL: the drawn one), which is at or near the drawn values of the inputs, to their
+ * values at time t.  s must outlive the object.  LW_E_ARG:
  * fewer or more inputs than degrees of freedom; LW_E_NUMERIC: the posture is a dead point of the inputs, or a motion
  * is not a number; LW_OPEN: the linkage cannot reach the start of the motion. */
-lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t,
-                                      lw_prescribed_motion **out, lw_error *e);
+lw_status lw_prescribed_motion_create(const lw_system *s, const double *q, lw_input_function *motion, void *context,
+                                      double t, lw_prescribed_motion **out, lw_error *e);
 void      lw_prescribed_motion_free(lw_prescribed_motion *d);
 
 /* Move to time t, later or earlier.  LW_OPEN: the inputs lead beyond a limit (a dead point of the inputs); then

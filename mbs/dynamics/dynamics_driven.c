@@ -371,7 +371,7 @@ static lw_status run_driven(lw_run *run)
     if (s == LW_OK && z->system.n_input == 1) {
         double x;
         lw_mbs_driven_inputs(d, d->o.from, 0, &x);
-        s = lw_prescribed_motion_create(&z->system, input_itself, NULL, x, &z->by_place, run->e);
+        s = lw_prescribed_motion_create(&z->system, d->drawn_q, input_itself, NULL, x, &z->by_place, run->e);
     }
     if (s == LW_OK)
         s = run_all(z, y);

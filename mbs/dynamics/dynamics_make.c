@@ -64,7 +64,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->jac_by_mass, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, v },
         { &d->rank_work, dense*lw_rank_doubles((int)v, (int)speeds) }, { &d->null, dense*v*v }, { &d->mass_null, dense*v*v },
         { &d->small, c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
-        { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q },
+        { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
         { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
         { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 2*(size_t)d->n_friction) },
     };
@@ -241,7 +241,7 @@ lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion
         return lw_error_set(e, LW_E_KIND, "inputs are tied to input 1, which needs a \"motion\"");
     if (lw_system_choose_inputs(&d->s, d->driven, d->n_driven, s) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    return lw_prescribed_motion_create(s, lw_mbs_driven_inputs, (void *)(uintptr_t)d, d->o.from, out, e);
+    return lw_prescribed_motion_create(s, d->drawn_q, lw_mbs_driven_inputs, (void *)(uintptr_t)d, d->o.from, out, e);
 }
 
 /* Where every freedom is driven, the start is on the motion that a run follows. */
@@ -277,6 +277,7 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
         return lw_error_set(e, LW_OPEN, "the posture of the file does not close, and no closed one is near");
     for (int i = 0; i < d->n_q; i++)
         d->moved = fmax(d->moved, fabs(q[i] - d->a[i]));
+    memcpy(d->drawn_q, q, (size_t)d->n_q*sizeof *q);
     int rank = d->rank;
     d->n_driven = driven;
     s = lw_mbs_arrange(d, d->o.from, q);
