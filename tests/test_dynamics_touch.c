@@ -2,6 +2,7 @@
 #include "base/rng.h"
 #include "mbs/dynamics/complementarity.h"
 #include "mbs/dynamics/reactions.h"
+#include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -343,6 +344,56 @@ TEST(groove)
     lw_model_free(&d.model);
 }
 
+/* ---- at rest --------------------------------------------------------------------------------------------- */
+
+static lw_status add_loads(void *context, const lw_moment *m)
+{
+    loads *l = context;
+    lw_vec2 f[8];
+    lw_reactions_contacts(l->m, m, f, NULL);
+    for (int i = 0; i < d.model.n_contact; i++)
+        l->fy += f[i].y, l->most_x += f[i].x;
+    CHECK(m->v[0] == 0 && m->a[0] == 0);
+    return LW_OK;
+}
+
+/* Contacts carry the weight of the model that was read, at rest; or `expected`. */
+static void settle(lw_status expected)
+{
+    loads l = { 0 };
+    lw_rest rest;
+    lw_dynamics *m = NULL;
+    double weight = 0;
+    d.o.analysis = LW_ANALYSIS_STATIC;
+    for (int b = 0; b < d.model.linkage.n_link; b++)
+        weight += g*d.model.body[b].mass;
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_OK);
+    l.m = m;
+    CHECK_INT(lw_dynamics_analyse(m, add_loads, &l, &d.report, &rest, &d.e), expected);
+    CHECK_NEAR(l.fy, expected == LW_OK ? weight : 0, 0, 1e-6);
+    CHECK_NEAR(l.most_x, 0, 1e-6*weight, 0);
+    lw_dynamics_free(m);
+    lw_model_free(&d.model);
+}
+
+TEST(statics)
+{
+    static const char *const examples[] = { "examples/dynamics/hook.json", "examples/dynamics/walking-machine.json" };
+    const char *incline = FREE("{'line': [[0, 0], [2, 1]]}", "'mass': 2, 'centre': [0.95, 0.6], 'inertia': 0.02",
+                               "{'polygon': [[0.8, 0.4], [1.2, 0.6], [1.1, 0.8], [0.7, 0.6]]}", "'friction': %.17g");
+    for (int i = 0; i < 2; i++) {
+        drun_read(&d, examples[i]);
+        settle(LW_OK);
+    }
+    free_model(incline, 0.501, 0);
+    settle(LW_OK);
+    free_model(incline, 0.499, 0);                       /* slips for ever */
+    settle(LW_NOTHING);
+    free_model(FREE("{'polygon': [[-2, 2], [-2, -1], [2, -1], [2, 2], [0, 0]]}", "'mass': 2, 'centre': [0, 1.3], 'inertia': 0.5",
+                    "{'circle': [0, 1.3], 'radius': 0.7071067811865476}", "'friction': 0.1"), 0, 0);
+    settle(LW_OK);
+}
+
 TEST(hook_holds)
 {
     drun_read(&d, "examples/dynamics/hook.json");
@@ -517,7 +568,7 @@ TEST(refused)
                     "'restitution': 0.6"), 0, 0);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 10), LW_E_ARG);
     CHECK(strstr(d.e.text, "overlap") != NULL);
-    d.o.analysis = LW_ANALYSIS_STATIC;
+    d.o.analysis = LW_ANALYSIS_QUASISTATIC;
     CHECK_INT(lw_dynamics_make(&d.model, &d.o, &m, &d.e), LW_E_KIND);
     d.o.analysis = LW_ANALYSIS_TRANSIENT;
     for (lw_formulation f = LW_FORMULATION_QUADRATURE; f <= LW_FORMULATION_GGL; f++) {

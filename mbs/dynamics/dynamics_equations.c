@@ -18,7 +18,10 @@ static const double least_share = 1e-10;    /* relative pivot below which a row 
 
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 {
-    return d->eq.motion(d->eq.context, d->driven[i], t, out);
+    lw_status s = d->eq.motion(d->eq.context, d->driven[i], d->settling > 0 ? d->o.from : t, out);
+    if (d->settling > 0)
+        out[1] = out[2] = 0;
+    return s;
 }
 
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
@@ -306,7 +309,9 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power)
 {
-    d->eq.forces(d->eq.context, t, q, v, d->force, power);
+    d->eq.forces(d->eq.context, d->settling > 0 ? d->o.from : t, q, v, d->force, power);
+    for (int i = 0; d->settling > 0 && i < d->n_v; i++)
+        d->force[i] -= d->settling*v[i]/d->by_mass[i];
     if (d->touch)
         lw_mbs_touch_forces(d, v, d->force, power);
     for (int i = 0; i < d->n_v; i++)

@@ -85,6 +85,7 @@ struct lw_dynamics {
     lw_status reduced_status;
     char    not_reduced[128];                 /* and if not, why */
     struct lw_panel_rule *rule;               /* of the quadrature formulation */
+    double  settling;                         /* damping of all motion [1/s] at held inputs, statics of contacts only; 0: none */
     double  decay;                            /* fastest decay by dampers at the start [1/s] */
     bool    decay_known;
     lw_dynamics_report choice;                /* the formulation chosen */

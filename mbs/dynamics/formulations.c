@@ -64,14 +64,21 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     if (d->large && !d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
         return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
                             "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->s.n_body + 1);
-    if (d->touch && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0))
-        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in dynamic runs with a freedom only");
+    bool settles = d->touch && a == LW_ANALYSIS_STATIC && d->freedom && !d->elastic && !d->large && !d->eq.n_z;
+    if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC
+                                 || d->freedom == 0))
+        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in dynamic runs with a freedom, and in statics of rigid links, "
+                            "only");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), whose values this analysis does not know; "
                             "run it in time (dynamic)", d->eq.name(d->eq.context, LW_NAMED_STATE, 0));
+    if (settles) {
+        lw_status s = check_masses(d);
+        return s == LW_OK ? take(d, LW_FORMULATION_INDEX1, r, e) : s;
+    }
     if (a == LW_ANALYSIS_STATIC)
         return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
     if (d->elastic && a == LW_ANALYSIS_QUASISTATIC) {

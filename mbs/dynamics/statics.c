@@ -155,10 +155,58 @@ static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
     return LW_OK;
 }
 
+/* ---- contacts ---------------------------------------------------------------------------------------------- */
+
+/* Which places touch, stick and slip at rest follows from the way there: friction leaves many equilibria.  The model starts at
+ * rest in the posture of the file and moves under its loads, damped in all motion, until it stays. */
+static const double at_rest = 1e-9;          /* speed that counts as rest, times the damping; scaled */
+static const double balanced = 1e-7;         /* acceleration that counts as rest, over that at the start or by weight */
+enum { SETTLING_TIME = 1000 };               /* [1/damping] */
+
+typedef struct settled { const lw_dynamics *d; double push; double *q, left; bool found; } settled;
+
+static lw_status see(void *context, const lw_moment *m)
+{
+    settled *z = context;
+    const lw_dynamics *d = z->d;
+    z->found = lw_greatest(d->n_v, m->v) < at_rest*d->settling && lw_greatest(d->n_v, m->a) < balanced*z->push
+            && isfinite(lw_greatest(d->n_c, m->l));
+    memcpy(z->q, m->q, (size_t)d->n_q*sizeof *m->q);
+    z->left = 0;
+    for (int i = 0; i < d->n_v; i++)
+        z->left = fmax(z->left, fabs(m->a[i]/d->by_mass[i]));
+    return z->found ? LW_NOTHING : LW_OK;
+}
+
+static lw_status settle(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
+{
+    lw_dynamics_report report;
+    settled z = { .d = d, .q = q };
+    lw_error own = { 0 };
+    memset(d->start_v, 0, (size_t)d->n_v*sizeof *d->start_v);
+    d->eq.place(d->eq.context, d->start_q);
+    d->eq.forces(d->eq.context, t, d->start_q, d->start_v, d->force, NULL);
+    for (int i = 0; i < d->n_v; i++)
+        z.push = fmax(z.push, fabs(d->force[i]*d->by_mass[i]));
+    z.push = fmax(z.push, 1e-6);
+    d->settling = 2*sqrt(z.push);
+    d->o.from = t;
+    d->o.to = t + SETTLING_TIME/d->settling;
+    d->o.intervals = 4*SETTLING_TIME;
+    lw_status s = lw_dynamics_run(d, see, &z, &report, e ? e : &own);
+    *r = (lw_rest){ .iterations = (int)report.steps, .residual = z.left, .stable = true };
+    if (z.found)
+        return LW_OK;
+    return s != LW_OK ? s : lw_error_set(e, LW_NOTHING, "the model does not come to rest: nothing stops it, or a contact slips for "
+                                         "ever");
+}
+
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
 {
     lw_vibration v;
     *r = (lw_rest){ 0 };
+    if (d->touch)
+        return settle(d, t, q, r, e);
     if (d->large)
         return lw_statics_rest_large(d, t, q, r, e);
     memcpy(q, d->start_q, sizeof *q*(size_t)d->n_q);

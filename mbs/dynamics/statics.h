@@ -12,7 +12,9 @@ typedef struct lw_rest {
 
 /* Equilibrium nearest downhill from the start of d, inputs with a motion held at their values at t: q (n_q).
  * Newton's method on the reduced forces, with a shifted matrix where it is not positive definite.  LW_NOTHING: no
- * equilibrium was found, or it lies beyond a rigid stop (which is named); LW_OPEN: the linkage does not close. */
+ * equilibrium was found, or it lies beyond a rigid stop (which is named); LW_OPEN: the linkage does not close.
+ *
+ * With contacts and ropes: where the model comes to rest from the posture of the file, damped in all motion. */
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e);
 
 /* Hand the moment of rest at (t, q) to a sink: no velocities, reactions to weight and loads. */
