@@ -39,7 +39,7 @@ static const cli_option options[] = {
     { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "sweep: draw the figures over the first parameter, as SVG, PDF or PNG", 0, 0, NULL, NULL },
     { "normalised", 0, CLI_FLAG, PLACE(normalised), NULL, NULL,
-      "sweep: with --plot, draw each figure over its value in the chosen variant", 0, 0, "plot", NULL },
+      "sweep: draw each figure divided by its value in the chosen variant", 0, 0, "plot", NULL },
     { "minimise", 0, CLI_TEXT, PLACE(minimise), "FIGURE", NULL, "optimise: the figure to make small", 0, 0, NULL,
       "maximise" },
     { "maximise", 0, CLI_TEXT, PLACE(maximise), "FIGURE", NULL, "optimise: the figure to make large", 0, 0, NULL,

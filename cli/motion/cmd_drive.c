@@ -57,12 +57,12 @@ static const cli_action actions[] = {
     { "select", "MODEL.json --motors FILE",
       "Tries every motor with every gear and amplifier on each drive of the model over the cycle: speed, peak and\n"
       "root-mean-square torque of motor and gear, voltage, current and i^2 t of the amplifier, inertia ratio. It prints the\n"
-      "choices that can do the cycle, the cheapest first (by price, else mass, else rated power), with what they use of\n"
-      "each limit in percent; * marks those that nothing cheaper uses less. If none can, it says so, with the nearest; exit\n"
-      "code 1. --plot draws the load and the limits of the first choice of each drive.\n",
+      "choices that can do the cycle, the cheapest first (by price, else by mass, else by rated power), and how many percent\n"
+      "of each limit they use. * marks a choice if no choice that is as cheap stays farther below its limits. If no choice\n"
+      "can do the cycle, it prints the nearest ones and ends with exit code 1. --plot draws the load and the limits of the first choice of each drive.\n",
       1, 1, cli_drive_select, CLI_LINKAGE | CLI_RESULTS },
     { "radius", "MOTORS.csv --mass M --way S",
-      "The radius of the wheel on which each motor moves a mass over a way, by the formulas of Makkonen 1999, paper D,\n"
+      "Prints the radius of the wheel on which each motor moves a mass over a distance, by the formulas of Makkonen 1999,\n"
       "beside what the axis truly does with it: acceleration, time of the way, and whether the wanted acceleration can be had\n"
       "with any radius.\n",
       1, 1, cli_drive_radius, 0 },

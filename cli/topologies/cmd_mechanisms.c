@@ -34,10 +34,9 @@ static const cli_option options[] = {
       "combinations that have F degrees of freedom", 0, 0, NULL, NULL },
     { "slider-direction", 0, CLI_FLAG, offsetof(settings, slider_direction), NULL, NULL,
       "tell apart which link of a slider has the guide and which the block: the slider-crank has 4 inversions then, "
-      "else 2; with --joints", 0, 0, "joints", NULL },
+      "else 2", 0, 0, "joints", NULL },
     { "translating-cams", 0, CLI_FLAG, offsetof(settings, translating_cams), NULL, NULL,
-      "also combinations in which two links that touch (g) never turn against each other, such as a wedge; with "
-      "--joints", 0, 0, "joints", NULL },
+      "also combinations in which two links that touch (g) never turn against each other, such as a wedge", 0, 0, "joints", NULL },
     { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
       "choose F driven joints: from the joints at the ground, or from all", 0, 0, NULL, NULL },
     { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
@@ -53,7 +52,7 @@ static const cli_option options[] = {
     { "multiple-joints", 0, CLI_FLAG, offsetof(settings, multiple), NULL, NULL,
       "list the chains with multiple joints instead (several links on one pin)", 0, 0, "links", "joints" },
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
-      "with --multiple-joints: also list chains that separate into two at a link or a pin, after the others", 0, 0,
+      "also list chains that separate into two at a link or a pin, after the others", 0, 0,
       "multiple-joints", NULL },
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
       "after an error in the input continue with the next chain", 0, 0, NULL, NULL },
