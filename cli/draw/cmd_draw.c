@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "cli/draw/draw.h"
+#include "cli/program/file_kind.h"
 #include "cli/program/model.h"
 #include "grammar/model.h"
 #include "grammar/spatial.h"

@@ -1,91 +1,14 @@
-/* Read files of the user; a file of another kind is named (bridge to jansson). */
+/* Read files of the user; a file of another kind is named. */
 #include "cli/program/model.h"
 
-#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "cli/program/file_kind.h"
 #include "cli/program/output.h"
 #include "grammar/model.h"
 #include "grammar/notation.h"
 #include "grammar/spatial.h"
-
-bool cli_is_target(const char *text, size_t size)
-{
-    lw_target t;
-    if (lw_target_read(text, size, "", NULL, &t, NULL) != LW_OK)
-        return false;
-    lw_target_free(&t);
-    return true;
-}
-
-/* ---- kinds of files ------------------------------------------------------------------------------- */
-
-static cli_kind_of_file kind_of_json(const char *text, size_t size)
-{
-    json_t *root = json_loadb(text, size, JSON_DISABLE_EOF_CHECK, NULL);
-    const json_t *joints = json_object_get(root, "joints");
-    cli_kind_of_file kind = json_is_array(json_object_get(root, "results")) ? CLI_RESULTS
-                          : json_object_get(root, "linkwright-task") ? CLI_TASK
-                          : json_is_object(json_object_get(root, "model")) ? CLI_MASTER
-                          : !joints ? CLI_UNKNOWN : json_is_array(json_array_get(joints, 0)) ? CLI_TOPOLOGIES
-                              : CLI_LINKAGE;
-    json_decref(root);
-    return kind;
-}
-
-static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *path)
-{
-    static lw_mechanism m;
-    if (size >= 15 && memcmp(text, "SQLite format 3", 15) == 0)
-        return CLI_CATALOGUE;
-    if (memchr(text, 0, size) && !cli_is_target(text, size))
-        return CLI_BINARY;
-    if (text[strspn(text, " \t\r\n")] == '{')
-        return kind_of_json(text, size);
-    if (lw_target_kind_of(text, size, path) != LW_TARGET_KIND_TABLE)
-        return CLI_DRAWING;
-    if (cli_is_target(text, size))
-        return CLI_TARGET;
-    if (strncmp(text, "M[", 2) == 0 || strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/"))
-        return CLI_FOREIGN;
-    lw_topologies t = lw_topologies_open(text, size, path);
-    return lw_topologies_next(&t, &m, NULL) == LW_OK ? CLI_TOPOLOGIES : CLI_UNKNOWN;
-}
-
-bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
-{
-    static const struct { cli_kind_of_file kind; const char *is, *command; } rows[] = {
-        { CLI_LINKAGE, "a linkage", "trace %s" }, { CLI_RESULTS, "a list of results", "trace %s" },
-        { CLI_TARGET, "a target", "fit %s" }, { CLI_DRAWING, "a drawing", "fit %s" },
-        { CLI_TASK, "a task", "fit %s" },
-        { CLI_TOPOLOGIES, "a list of chains or mechanisms", "draw %s -o chains.svg" },
-        { CLI_MASTER, "a master file of a product family", "family expand %s" },
-        { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
-        { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
-        { CLI_BINARY, "no text (a picture, a workbook or an archive)", NULL }, { CLI_LENGTHS, "a table of lengths",
-            NULL }
-    };
-    char *text = NULL, command[600], what[160] = "";
-    size_t size, n = sizeof rows/sizeof *rows;
-    if (!wanted || strcmp(path, "-") == 0 || lw_file_read(path, &text, &size, NULL) != LW_OK)
-        return false;
-    cli_kind_of_file kind = kind_of_text(text, size, path);
-    free(text);
-    if (kind == CLI_UNKNOWN || kind & wanted)
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS)
-            snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", what[0] ? " or " : "", rows[i].is);
-    for (size_t i = 0; i < n; i++) {
-        if (rows[i].kind != kind)
-            continue;
-        snprintf(command, sizeof command, rows[i].command ? rows[i].command : "", path);
-        lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s, not %s%s%s%s", rows[i].is, what,
-                    rows[i].command ? ": did you mean 'linkwright " : "", command, rows[i].command ? "'?" : "");
-    }
-    return true;
-}
 
 /* After a failed read of a linkage: does the file hold something else, for which there is a command? */
 static lw_status hint(const char *path, const char *text, size_t size, lw_status s, lw_error *e)

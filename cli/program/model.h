@@ -31,13 +31,6 @@ lw_status cli_linkage_text(const char *path, int which, const char *text, size_t
 lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
                                struct lw_spatial **spatial, lw_error *e);
 
-/* Is this the text of a target (CSV)? */
-bool cli_is_target(const char *text, size_t size);
-
-/* If the file is of a known kind (command.h) that is not among those wanted, set e: what it is, and the command that
- * reads it.  Call it after reading the file has failed. */
-bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e);
-
 /* Read CSV, or the curve of a drawing if the name ends in .svg or .dxf. */
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 

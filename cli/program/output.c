@@ -1,5 +1,5 @@
 #include "cli/program/output.h"
-#include "cli/program/model.h"
+#include "cli/program/file_kind.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,0 +1,14 @@
+/* cli/program/file_kind.h - tell the kinds of files apart. */
+#ifndef CLI_PROGRAM_FILE_KIND_H
+#define CLI_PROGRAM_FILE_KIND_H
+
+#include "base/error.h"
+
+/* Is this the text of a target (CSV)? */
+bool cli_is_target(const char *text, size_t size);
+
+/* If the file is of a known kind (command.h) that is not among those wanted, set e: what it is, and the command that
+ * reads it.  Call it after reading the file has failed. */
+bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e);
+
+#endif
