@@ -16,4 +16,9 @@ typedef lw_status lw_grow_visit(void *context, lw_ear ear, const lw_structure *c
 /* Visit the children of a structure, in the order of rule, a, b.  Some may be isomorphic. */
 lw_status lw_grow(const lw_structure *parent, lw_grow_visit *visit, void *context);
 
+/* The same, but a child is visited only if an automorphism maps its new line to the one best line of the child, ties decided
+ * by canonical form.  So children of different parents are never isomorphic, and of those of one parent `visit` gets
+ * the first of each kind: every structure is visited once, and none is stored but the children of one parent. */
+lw_status lw_grow_once(const lw_structure *parent, lw_grow_visit *visit, void *context);
+
 #endif

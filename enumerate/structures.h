@@ -31,6 +31,17 @@ lw_status lw_structures_create_within(int loops, int most_circles, int n_thread,
                                       void *context, lw_structures **set);
 void      lw_structures_free(lw_structures *set);
 
+/* How many structures there are with a number of circles, and the sum of 1/|automorphisms of circles and lines| over
+ * them, which generating functions give too (tests/test_structure.c). */
+typedef struct lw_structures_tally { uint64_t n; long double weight; } lw_structures_tally;
+
+/* Count the structures with one loop more than the set has, by circles, without storing them: the children that
+ * lw_grow_once gives parent number part, part + n_part, ...  Parts have no structure in common and together are all.
+ * by_circles (LW_CIRCLE_MAX + 1) does not depend on n_thread.  LW_E_ARG: the set has LW_LOOP_MAX loops; LW_E_MEMORY;
+ * LW_STOPPED. */
+lw_status lw_structures_count_next(const lw_structures *set, int part, int n_part, int n_thread, lw_structures_tick *tick,
+                                   void *context, lw_structures_tally *by_circles);
+
 /* Write the set to f, and read it again, so that work in many parts grows it once.  Growing nine loops takes a minute
  * of a core, reading them half a second.  The file holds, in little-endian order: "lwstruct", format 1 and loops (4
  * bytes each); for each level from 3 the number of structures (8 bytes) and their records of 8 bytes (parent, rule, a,

@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include "base/clock.h"
 #include "cli/program/json.h"
+#include "cli/program/mpi_jobs.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
 #include "enumerate/estimate.h"
@@ -14,7 +15,7 @@
 typedef struct settings {
     int         loops;
     bool        count, derive, planar, non_planar;
-    const char *replay, *structures;
+    const char *replay, *structures, *part;
 } settings;
 
 static const cli_option options[] = {
@@ -31,6 +32,9 @@ static const cli_option options[] = {
       "only structures with a non-planar graph", 0, 0, NULL, NULL },
     { "structures", 0, CLI_INPUT, offsetof(settings, structures), "FILE", NULL,
       "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, "replay" },
+    { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
+      "count part R of M (R = 1 .. M) without storing structures, only those with fewer loops; the parts add up to all",
+      0, 0, "count", "planar" },
     { "replay", 0, CLI_TEXT, offsetof(settings, replay), "DERIVATION", NULL,
       "print the structure that this derivation makes, step by step", 0, 0, NULL, "loops" },
     { .name = NULL }
@@ -63,30 +67,31 @@ static void write_structure(const cli_call *call, FILE *f, const lw_structure *s
     cli_json_end(&j);
 }
 
-static void write_counts(const cli_call *call, FILE *f, int loops, const size_t *by_circles)
+static void write_counts(const cli_call *call, FILE *f, int loops, const lw_structures_tally *by_circles, bool weights)
 {
-    size_t total = 0;
+    uint64_t total = 0;
     cli_json j = cli_json_begin(f, 0);
     if (call->common.json) {
         cli_json_object(&j, NULL);
         cli_json_int(&j, "loops", loops);
         cli_json_array(&j, "by_circles");
     } else {
-        fputs("# circles  structures\n", f);
+        fprintf(f, "# circles  structures%s\n", weights ? "  sum of 1/|automorphisms|" : "");
     }
     for (int v = 2; v <= 2*(loops - 1); v++) {
-        total += by_circles[v];
+        total += by_circles[v].n;
         if (call->common.json)
-            cli_json_int(&j, NULL, (long long)by_circles[v]);
+            cli_json_int(&j, NULL, (long long)by_circles[v].n);
         else
-            fprintf(f, "%9d%12zu\n", v, by_circles[v]);
+            fprintf(f, weights ? "%9d%12llu%26.12Lf\n" : "%9d%12llu\n", v, (unsigned long long)by_circles[v].n,
+                    by_circles[v].weight);
     }
     if (call->common.json) {
         cli_json_end(&j);
         cli_json_int(&j, "structures", (long long)total);
         cli_json_end(&j);
     } else {
-        fprintf(f, "%9s%12zu\n", "all", total);
+        fprintf(f, "%9s%12llu\n", "all", (unsigned long long)total);
     }
 }
 
@@ -94,7 +99,8 @@ static size_t walk(const cli_call *call, FILE *f, const lw_structures *set)
 {
     const settings *s = call->settings;
     const lw_filter *filter = lw_filter_find(s->planar ? "planar" : s->non_planar ? "non-planar" : "");
-    size_t by_circles[LW_CIRCLE_MAX + 1] = { 0 }, n = 0;
+    lw_structures_tally by_circles[LW_CIRCLE_MAX + 1] = { 0 };
+    size_t n = 0;
     for (size_t k = 0; k < lw_structures_count(set, s->loops) && !cli_interrupted(); k++) {
         lw_structure structure;
         lw_derivation d;
@@ -102,13 +108,13 @@ static size_t walk(const cli_call *call, FILE *f, const lw_structures *set)
         if (filter && !filter->structure(&structure))
             continue;
         n++;
-        by_circles[structure.n_circle]++;
+        by_circles[structure.n_circle].n++;
         lw_structures_derive(set, s->loops, k, &d);
         if (!s->count)
             write_structure(call, f, &structure, s->derive ? &d : NULL);
     }
     if (s->count)
-        write_counts(call, f, s->loops, by_circles);
+        write_counts(call, f, s->loops, by_circles, false);
     return n;
 }
 
@@ -147,25 +153,47 @@ static int run(const cli_call *call)
     lw_structures *set;
     lw_output o;
     lw_error e = { 0 };
+    int part = 0, n_part = 1;
     if (s->replay)
         return replay(call);
     if (!s->loops)
         return cli_usage(call, "how many loops? give --loops L");
-    if (s->loops > 8 && !(s->structures && access(s->structures, R_OK) == 0))
+    if (s->part && s->loops < 3)
+        return cli_usage(call, "--part needs --loops 3 or more");
+    int code = s->part ? cli_read_part(call, s->part, &part, &n_part) : CLI_DONE;
+    if (code != CLI_DONE)
+        return code;
+    int stored = s->part ? s->loops - 1 : s->loops;
+    if (stored > 8 && !(s->structures && access(s->structures, R_OK) == 0))
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
     lw_estimate size;
-    if (s->loops > 8 && lw_chains_estimate(2*s->loops + 2, 1, &size, &e) == LW_OK && size.bytes > cli_memory(call)) {
+    if (stored > 8 && lw_chains_estimate(2*stored + 2, 1, &size, &e) == LW_OK && size.bytes > cli_memory(call)) {
         lw_error_set(&e, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", s->loops, size.bytes/1e9);
         return cli_fail(call, &e);
     }
     watch w = { call, cli_progress_begin(call, "structures", "structures"), lw_clock_wall() };
-    lw_status status = lw_structures_stored(s->structures, s->loops, call->common.jobs, tick, &w, &set, &e);
+    lw_structures_tally by_circles[LW_CIRCLE_MAX + 1];
+    lw_status status = lw_structures_stored(s->structures, stored, call->common.jobs, tick, &w, &set, &e);
+    if (status == LW_OK && s->part) {
+        if (lw_structures_loops(set) == stored)
+            status = lw_structures_count_next(set, part, n_part, call->common.jobs, tick, &w, by_circles);
+        else
+            status = lw_error_set(&e, LW_E_ARG, "%s holds more than %d loops, which --part grows from", s->structures, stored);
+        if (status != LW_OK) {
+            lw_structures_free(set);
+            if (e.status == LW_OK)
+                lw_error_set(&e, status, "%s", lw_status_text(status));
+        }
+    }
     cli_progress_end(&w.progress);
     if (status != LW_OK)
         return cli_interrupted() && !cli_timed_out() ? CLI_DONE : cli_fail(call, &e);
-    int code = CLI_DONE;
     if (cli_open(call, &o, &e) != LW_OK)
         code = cli_fail(call, &e);
+    else if (s->part) {
+        write_counts(call, o.f, s->loops, by_circles, true);
+        code = cli_close(call, &o, CLI_DONE);
+    }
     else
         code = cli_close(call, &o, walk(call, o.f, set) > 0 || s->count ? CLI_DONE : CLI_NOTHING);
     lw_structures_free(set);
@@ -181,6 +209,7 @@ const cli_command cli_structures_command = {
         "  linkwright structures --loops 6 --count          1198, for each number of circles\n"
         "  linkwright structures --loops 4 --derive         how each structure grows\n"
         "  linkwright structures --loops 9 --count --structures 9.bin   grow them once, for many later runs\n"
+        "  linkwright structures --loops 10 --count --part 3/40 --structures 9.bin   a part of a count, without memory for all\n"
         "  linkwright structures --replay 'theta 3(1,2)'    follow a derivation\n",
     .about =
         "A structure shows the links with three or more joints as circles, and each string of binary links\n"
@@ -189,7 +218,9 @@ const cli_command cli_structures_command = {
         "structure before that step:\n"
         "    1(a,b) between circles a and b          2(a,b) between circle a and a new circle on line b\n"
         "    3(a,b) between new circles on lines a and b          4(a) between two new circles on line a\n"
-        "Structures with fewer circles come first; the order is always the same.\n",
+        "Structures with fewer circles come first; the order is always the same.\n"
+        "--count --part R/M grows the structures with one loop fewer, stores only those, and counts the children of each\n"
+        "R-th of M that have it as their one canonical parent (docs/twenty-links.md); also sums 1/|automorphisms|.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .most_words = 0,
