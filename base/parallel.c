@@ -62,3 +62,9 @@ lw_status lw_parallel(int n_thread, size_t n_job, lw_job *run, void *context)
         pthread_join(w[i].id, NULL);
     return LW_OK;
 }
+
+lw_status lw_loop_run(const lw_loop *loop, const lw_sharing *sharing)
+{
+    return sharing ? sharing->loop(sharing->context, loop)
+                   : lw_parallel(loop->n_thread, loop->n_job, loop->run, loop->context);
+}

@@ -15,6 +15,26 @@ typedef void lw_job(void *context, size_t job, int thread);
  * If the system refuses a thread, the others do the work; this is not a failure. */
 lw_status lw_parallel(int n_thread, size_t n_job, lw_job *run, void *context);
 
+/* A loop whose jobs may run in another process.  All that job k leaves for the code after the loop is size bytes, without
+ * pointers, at `at` + k*size of each array of `out`. */
+typedef struct lw_loop {
+    int     n_thread;
+    size_t  n_job;
+    lw_job *run;
+    void   *context;
+    struct { void *at; size_t size; } out[2];          /* at NULL: no such array */
+} lw_loop;
+
+/* What runs a loop instead of the threads of this process: other processes that do the same up to here, or a file of what
+ * it left before.  Returns LW_OK when all arrays are filled. */
+typedef struct lw_sharing {
+    lw_status (*loop)(void *context, const lw_loop *loop);
+    void       *context;
+} lw_sharing;
+
+/* sharing NULL: lw_parallel. */
+lw_status lw_loop_run(const lw_loop *loop, const lw_sharing *sharing);
+
 /* Number of cores this process may use (affinity respected), at least 1. */
 int lw_core_count(void);
 

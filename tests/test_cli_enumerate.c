@@ -150,10 +150,21 @@ TEST(processes)
     expect("$P chains --links 16 --count --keep $D/m1 --part 2/3; $P chains --links 16 --count > $D/all; "
            "$RUN $P chains --links 16 --count --mpi --keep $D/m1 --structures $D/m.bin | cmp - $D/all && echo same", 0,
            "same\n", "complete");
-    expect("$P catalogue curves $D/c1 --samples 66000 -q && $RUN $P catalogue curves $D/c3 --samples 66000 --mpi -q && "
-           "for c in c1 c3; do $P catalogue query $D/$c --sql --format csv 'SELECT c.id, hex(terms), hex(linkages), g.number, "
+    /* a process that does a task is killed: its task is done again, once, and nothing else changes */
+    expect("$P catalogue curves $D/c1 --samples 66000 -q && { $RUN $P catalogue curves $D/c3 --samples 66000 --mpi -q & } 2> "
+           "$D/killed; until w=$(pgrep -P \"$(pgrep -d, -P $!)\" | head -n 1) && test -n \"$w\"; do sleep 0.01; done; "
+           "kill -9 $w; wait $! && grep -c 'only this task is done again' $D/killed", 0, "1\n", NULL);
+    expect("for c in c1 c3; do $P catalogue query $D/$c --sql --format csv 'SELECT c.id, hex(terms), hex(linkages), g.number, "
            "hex(boxes), s.samples FROM curve_block c, curve_segment g, sweep s' > $D/$c.csv; done; cmp $D/c1.csv "
            "$D/c3.csv && test -s $D/c1.csv && echo same", 0, "same\n", NULL);
+    /* all processes are killed in the middle of a listing, which goes on with another number of them */
+    expect("$P chains --links 14 > $D/l1; { $RUN $P chains --links 14 --mpi -q -o $D/l3 & } 2> $D/killed; "
+           "until test -s $D/l3.partial; do sleep 0.01; done; kill -9 $(pgrep -P $!); wait $!; test -e $D/l3 || "
+           "mpirun --allow-run-as-root --oversubscribe -n 2 $P chains --links 14 --mpi -q -o $D/l3 --resume; "
+           "cmp $D/l1 $D/l3 && echo same", 0, "same\n", NULL);
+    expect("$P fit examples/figure-eight.csv --rounds 2 -q -o $D/f1.json && $RUN $P fit examples/figure-eight.csv --rounds 2 -q "
+           "--mpi --keep $D/fk -o $D/f3.json && for f in f1 f3; do grep -v '\"seconds\"\\|\"command\"' $D/$f.json > $D/$f; done; "
+           "cmp $D/f1 $D/f3 && echo same", 0, "same\n", NULL);
     expect("$RUN $P catalogue curves /no/such/folder/x --samples 100 --mpi", 3, NULL, "/no/such/folder");
     expect("$RUN $P chains --links 5 --dof 2 --mpi", 0, "Dhc\n", NULL);
     expect("$RUN $P chains --links 8 --mpi -o /no/such/folder/x", 3, NULL, "/no/such/folder");
@@ -167,6 +178,11 @@ TEST(limits_and_faults)
     expect("$P chains --dof 1", 2, NULL, "--links");
     expect("$P chains --links 33", 2, NULL, "links");
     expect("$P chains --links 8 --part 4/3", 2, NULL, "R/M");
+    expect("$P structures --loops 6 --part 1/2", 2, NULL, "--count");
+    expect("for r in 1 2 3; do $P structures --loops 6 --count --part $r/3 | tail -n 1; done | awk '{ n += $2 } END { print n }'", 0,
+           "1198\n", NULL);
+    expect("$P structures --loops 6 --count --structures $D/6.bin -q > $D/six; $P structures --loops 6 --count --part 1/2 "
+           "--structures $D/6.bin", 3, NULL, "more than 5 loops");
     expect("$P chains --links 8 --part x", 2, NULL, "R/M");
     expect("$P chains --links 8 --filter plannar", 2, NULL, "did you mean 'planar'?");
     expect("$P chains --links 8 --planar --non-planar", 2, NULL, "non-planar");

@@ -148,6 +148,31 @@ TEST(both_simulations_come_to_one_objective)
     }
 }
 
+/* Killed in the middle, a kept fit goes on and finds the same; the file belongs to this search only. */
+TEST(a_kept_fit_survives_a_kill)
+{
+    expect("$P fit examples/figure-eight.csv --rounds 1 -q -o $D/whole.json", 0, NULL, NULL);
+    expect("$P fit examples/figure-eight.csv --rounds 1 -q -o $D/cut.json --keep $D/kept & "
+           "until test $(grep -ac '^task' $D/kept 2>&1 || echo 0) -ge 1; do sleep 0.01; done 2> /dev/null; kill -9 $!; wait $!; "
+           "test ! -e $D/cut.json && grep -ac '^task' $D/kept > $D/before", 0, NULL, NULL);
+    expect("$P fit examples/figure-eight.csv --rounds 1 -q -o $D/cut.json --keep $D/kept --jobs 1 && for f in whole cut; do grep "
+           "-v '\"seconds\"\\|\"command\"' $D/$f.json > $D/$f; done; cmp $D/whole $D/cut && echo same", 0, "same\n", NULL);
+    expect("test $(grep -ac '^task' $D/kept) -gt $(cat $D/before)", 0, NULL, NULL);
+    expect("$P fit examples/ellipse.csv --rounds 1 -q --keep $D/kept", 3, NULL, "another command");
+    expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --rounds 1 -q -o $D/again.json --keep "
+           "$D/kept && grep -v '\"seconds\"\\|\"command\"' $D/again.json | cmp - $D/whole && echo same", 0, "same\n", NULL);
+    expect("$P fit examples/ellipse.csv --keep $D/more --time 5", 2, NULL, "--budget");
+}
+
+TEST(kept_runs_of_a_benchmark_add_up)
+{
+    setenv("B", "bench fit --solvers lm --seeds 1 --time 0.01 --reach-time 0.02 -q", 1);
+    expect("$P $B --part 1/2", 2, NULL, "--keep");
+    expect("for r in 1 2; do $P $B --keep $D/b$r --part $r/2; done; cat $D/b1 $D/b2 > $D/b; $P $B --keep $D/b > $D/t1; $P $B --keep $D/b "
+           "| cmp - $D/t1 && grep -c '^| arc5' $D/t1", 0, "1\n", NULL);
+    expect("$P $B --keep $D/b --both-ways", 3, NULL, "another command");
+}
+
 TEST(files_of_another_kind_are_named)
 {
     expect("$P trace examples/ellipse.csv", 3, "", "this is a target, not a linkage: did you mean 'linkwright fit");

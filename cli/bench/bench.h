@@ -3,6 +3,7 @@
 #ifndef CLI_BENCH_BENCH_H
 #define CLI_BENCH_BENCH_H
 
+#include "base/bytes.h"
 #include "cli/program/output.h"
 #include "optimise/search/fit.h"
 #include "optimise/report/report.h"
@@ -24,7 +25,7 @@ typedef struct cli_bench_figures {
 typedef struct cli_bench_problem {
     const cli_bench_figures *known;
     cli_bench_figures own;               /* for a file that is not in the table                    */
-    char        name[64];
+    char        name[64], path[CLI_PATH_SIZE];
     lw_target   target;
     lw_fit_spec spec;
 } cli_bench_problem;
@@ -87,15 +88,21 @@ void      cli_bench_tables(const cli_bench *b, FILE *f);                       /
 /* Save curves.csv, reach.csv and a plot for each problem. */
 lw_status cli_bench_save(const cli_bench *b, const char *line, const char *folder, lw_error *e);
 
-/* Run searches with increasing numbers of links; the table goes to standard output, links.csv and plots into the
- * folder. */
+/* Searches with increasing numbers of links. */
 typedef struct cli_bench_links {
     int         links, jobs;
     long        budget;                  /* evaluations for each number of links                    */
     uint64_t    seed;
     const char *folder;                  /* NULL: none                                              */
     bool        both_ways;               /* paths without timing: compare target to curve and curve to target */
+    struct cli_bench_outcome *outcome;   /* of each problem, made by _begin, owned                  */
 } cli_bench_links;
-lw_status cli_bench_links_run(const cli_call *call, const cli_bench *b, const cli_bench_links *o, lw_error *e);
+/* Begin; search one problem; take its answer; end: the table goes to standard output, links.csv and plots into the
+ * folder. */
+lw_status cli_bench_links_begin(const cli_bench *b, cli_bench_links *o, lw_error *e);
+lw_status cli_bench_links_one(const cli_bench_problem *p, const cli_bench_links *o, lw_bytes *answer, lw_error *e);
+lw_status cli_bench_links_take(cli_bench_links *o, int problem, const char *answer, size_t size, lw_error *e);
+lw_status cli_bench_links_end(const cli_bench *b, const cli_bench_links *o, lw_error *e);
+void      cli_bench_links_free(cli_bench_links *o);
 
 #endif

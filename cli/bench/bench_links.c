@@ -32,7 +32,7 @@ typedef struct best {
     lw_likeness likeness;
 } best;
 
-typedef struct outcome { int n; best best[LW_STAGE_MAX]; watch watch; } outcome;
+typedef struct cli_bench_outcome { int n; best best[LW_STAGE_MAX]; watch watch; } outcome;
 
 static void record(void *context, long evals, double seconds, double error)
 {
@@ -179,26 +179,43 @@ static lw_status save_all(const cli_bench *b, const outcome *out, const char *fo
     return st;
 }
 
-lw_status cli_bench_links_run(const cli_call *call, const cli_bench *b, const cli_bench_links *o, lw_error *e)
+lw_status cli_bench_links_begin(const cli_bench *b, cli_bench_links *o, lw_error *e)
 {
-    outcome *out = calloc((size_t)b->n_problem + 1, sizeof *out);
-    lw_status st = out ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    cli_progress line = cli_progress_begin(call, "bench", "problems");
-    int done = 0;
+    o->outcome = calloc((size_t)b->n_problem + 1, sizeof *o->outcome);
+    return o->outcome ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+void cli_bench_links_free(cli_bench_links *o)
+{
+    free(o->outcome);
+    o->outcome = NULL;
+}
+
+lw_status cli_bench_links_one(const cli_bench_problem *p, const cli_bench_links *o, lw_bytes *answer, lw_error *e)
+{
+    outcome *out = calloc(1, sizeof *out);
+    lw_status st = out ? run_one(p, o, out, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK)
-        printf("%s\n\n| problem | links | %% of path | objective | Chamfer | ordered | s | linkage |\n"
-               "|---|---|---|---|---|---|---|---|\n", b->machine);
-    for (; done < b->n_problem && st == LW_OK && !cli_interrupted(); done++) {
-        cli_progress_show(&line, done, b->n_problem, b->problem[done].name);
-        st = run_one(&b->problem[done], o, &out[done], e);
-        print_rows(&b->problem[done], &out[done], stdout);
-        fflush(stdout);
-    }
-    cli_progress_end(&line);
-    if (st == LW_OK)
-        print_means(out, done, stdout);
-    if (st == LW_OK && o->folder)
-        st = save_all(b, out, o->folder, e);
+        lw_bytes_add(answer, out, sizeof *out);
     free(out);
-    return st;
+    return st == LW_OK && cli_interrupted() ? LW_STOPPED : st;
+}
+
+lw_status cli_bench_links_take(cli_bench_links *o, int problem, const char *answer, size_t size, lw_error *e)
+{
+    if (size != sizeof *o->outcome)
+        return lw_error_set(e, LW_E_NOTATION, "the kept runs are of another benchmark");
+    memcpy(&o->outcome[problem], answer, size);
+    return LW_OK;
+}
+
+lw_status cli_bench_links_end(const cli_bench *b, const cli_bench_links *o, lw_error *e)
+{
+    int done = 0;
+    printf("%s\n\n| problem | links | %% of path | objective | Chamfer | ordered | s | linkage |\n"
+           "|---|---|---|---|---|---|---|---|\n", b->machine);
+    for (; done < b->n_problem && o->outcome[done].n > 0; done++)
+        print_rows(&b->problem[done], &o->outcome[done], stdout);
+    print_means(o->outcome, done, stdout);
+    return o->folder ? save_all(b, o->outcome, o->folder, e) : LW_OK;
 }

@@ -59,7 +59,6 @@ static lw_status add(const char *folder, const char *file, const cli_bench_figur
                      cli_bench_problem **list, int *n, lw_error *e)
 {
     static const lw_target_options by_file = { .closed = -1 };
-    char path[CLI_PATH_SIZE];
     cli_bench_problem *more = realloc(*list, sizeof **list*(size_t)(*n + 1));
     if (!more)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -67,14 +66,14 @@ static lw_status add(const char *folder, const char *file, const cli_bench_figur
     cli_bench_problem *p = &more[*n];
     memset(p, 0, sizeof *p);
     snprintf(p->name, sizeof p->name, "%s", known ? known->name : file);
-    snprintf(path, sizeof path, "%s/%s.csv", folder, file);
-    lw_status st = cli_read_target(path, &by_file, &p->target, e);
+    snprintf(p->path, sizeof p->path, "%s/%s.csv", folder, file);
+    lw_status st = cli_read_target(p->path, &by_file, &p->target, e);
     if (st != LW_OK)
         return st;
     p->known = known;
     ++*n;
     if (!p->target.x)
-        return lw_error_at(e, LW_E_ARG, path, 0, 0, "a path is wanted: columns x and y");
+        return lw_error_at(e, LW_E_ARG, p->path, 0, 0, "a path is wanted: columns x and y");
     return LW_OK;
 }
 

@@ -7,14 +7,15 @@
 #include "base/suggest.h"
 #include "cli/bench/bench.h"
 #include "cli/bench/bench_mbs.h"
+#include "cli/program/mpi_jobs.h"
 #include "cli/program/progress.h"
 
 typedef struct settings {
     const char *output, *problems, *solvers;
     double      time, limit, budget;
     int         seeds;
-    const char *links, *cases, *peers;
-    bool        both_ways;
+    const char *links, *cases, *peers, *keep, *part;
+    bool        both_ways, mpi;
     double      tolerance[2];
 } settings;
 
@@ -41,6 +42,12 @@ static const cli_option options[] = {
     { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
       "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target",
       0, 0, NULL, NULL },
+    { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
+      "fit: keep every run in FILE, and leave out those that FILE holds already", 0, 0, NULL, NULL },
+    { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
+      "fit: with --keep, do part R of M (R = 1 .. M) of the runs; join the files with cat for the tables", 0, 0, "keep", NULL },
+    { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
+      "fit: share the runs among all processes that mpirun started; process 0 prints", 0, 0, NULL, "part" },
     { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
       "mbs: pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, space-slider-crank, "
       "space-bricard, space-governor, space-chain, flexible-crank, clearance, clearance-250; "
@@ -106,20 +113,19 @@ static lw_status choose(const char *list, chosen *c, lw_error *e)
 
 /* ---- runs ------------------------------------------------------------------------------------------ */
 
-static lw_status run_curves(cli_bench *b, const chosen *c, uint64_t seed, cli_progress *line, lw_error *e)
-{
-    lw_status st = LW_OK;
-    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
-        for (int k = 0; k < c->n && st == LW_OK && !cli_interrupted(); k++) {
-            const lw_solver *s = c->solver[k];
-            cli_bench_curve *curve = &b->curve[b->n_curve++];
-            *curve = (cli_bench_curve){ .problem = &b->problem[i], .solver = s ? s->name : "default",
-                                        .seed = seed };
-            cli_progress_show(line, i*c->n + k, b->n_problem*c->n, b->problem[i].name);
-            st = cli_bench_run(s, b->seconds, 1, 0, curve, e);
-        }
-    return st;
-}
+/* The tasks of a benchmark: first the complete fits, problem after problem and seed after seed, then each solver on each
+ * problem; or with --links a search of each problem. */
+typedef struct runs {
+    const cli_call *call;
+    cli_bench      *b;
+    const chosen   *c;
+    cli_bench_links *links;              /* NULL: not with --links                                      */
+    cli_kept       *kept;
+    size_t          n_task;
+    int             part, n_part;
+    cli_progress    line;
+    lw_error       *e;
+} runs;
 
 static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint64_t seed,
                             cli_bench_reach *r, lw_error *e)
@@ -135,34 +141,127 @@ static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint
     return st;
 }
 
-static lw_status run_reach(cli_bench *b, uint64_t seed, cli_progress *line, lw_error *e)
+static size_t reaches(const runs *r) { return (size_t)r->b->n_problem*(size_t)r->b->n_seed; }
+
+/* Problem of a task. */
+static int problem_of(const runs *r, size_t k)
 {
+    return r->links ? (int)k : (int)(k < reaches(r) ? k/(size_t)r->b->n_seed : (k - reaches(r))/(size_t)r->c->n);
+}
+
+static lw_status run_task(void *context, size_t k, lw_bytes *answer)
+{
+    runs *r = context;
+    int i = problem_of(r, k);
+    lw_status st;
+    if (r->links)
+        return cli_bench_links_one(&r->b->problem[i], r->links, answer, r->e);
+    if (k < reaches(r)) {
+        cli_bench_reach *done = &r->b->reach[k];
+        st = reach_once(r->b, &r->b->problem[i], r->call->common.seed + k%(size_t)r->b->n_seed, done, r->e);
+        lw_bytes_add(answer, done, sizeof *done);
+    } else {
+        const lw_solver *s = r->c->solver[(k - reaches(r))%(size_t)r->c->n];
+        cli_bench_curve curve = { .problem = &r->b->problem[i], .solver = s ? s->name : "default",
+                                  .seed = r->call->common.seed };
+        st = cli_bench_run(s, r->b->seconds, 1, 0, &curve, r->e);
+        lw_bytes_add(answer, &curve.verified, sizeof curve.verified);
+        lw_bytes_add(answer, curve.point, curve.n*sizeof *curve.point);
+        free(curve.point);
+    }
+    return st == LW_OK && cli_interrupted() ? LW_STOPPED : st;
+}
+
+static lw_status use_task(runs *r, size_t k, const char *answer, size_t size)
+{
+    int i = problem_of(r, k);
+    if (r->links)
+        return cli_bench_links_take(r->links, i, answer, size, r->e);
+    if (k < reaches(r)) {
+        if (size != sizeof *r->b->reach)
+            return lw_error_set(r->e, LW_E_NOTATION, "the kept runs are of another benchmark");
+        memcpy(&r->b->reach[k], answer, size);
+        r->b->reach_done[i] = (int)(k%(size_t)r->b->n_seed) + 1;
+        return LW_OK;
+    }
+    const lw_solver *s = r->c->solver[(k - reaches(r))%(size_t)r->c->n];
+    cli_bench_curve *curve = &r->b->curve[r->b->n_curve++];
+    *curve = (cli_bench_curve){ .problem = &r->b->problem[i], .solver = s ? s->name : "default", .seed = r->call->common.seed };
+    if (size < sizeof curve->verified || (size - sizeof curve->verified)%sizeof *curve->point != 0)
+        return lw_error_set(r->e, LW_E_NOTATION, "the kept runs are of another benchmark");
+    memcpy(&curve->verified, answer, sizeof curve->verified);
+    curve->n = curve->size = (size - sizeof curve->verified)/sizeof *curve->point;
+    curve->point = malloc((curve->n + 1)*sizeof *curve->point);
+    if (!curve->point)
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory");
+    memcpy(curve->point, answer + sizeof curve->verified, curve->n*sizeof *curve->point);
+    return LW_OK;
+}
+
+/* Kept answers are used at the end, others at once; both in the order of the tasks. */
+static lw_status take_task(void *context, size_t k, const char *answer, size_t size)
+{
+    runs *r = context;
+    cli_progress_show(&r->line, (double)k + 1, (double)r->n_task, r->b->problem[problem_of(r, k)].name);
+    return r->kept ? cli_kept_add(r->kept, k, answer, size, r->e) : use_task(r, k, answer, size);
+}
+
+static bool task_left_out(void *context, size_t k)
+{
+    runs *r = context;
+    size_t size;
+    bool unknown = !r->links && k < reaches(r) && !(r->b->problem[problem_of(r, k)].known->reachable > 0);
+    return unknown || k%(size_t)r->n_part != (size_t)r->part || cli_kept_get(r->kept, k, &size);
+}
+
+/* *whole: all runs are there. */
+static lw_status use_kept(runs *r, bool *whole)
+{
+    size_t n_mine = 0, n_left = 0, size;
+    runs all = *r;
+    all.part = 0;
+    all.n_part = 1;
+    for (size_t k = 0; k < r->n_task; k++) {
+        n_left += !task_left_out(&all, k);
+        n_mine += !task_left_out(r, k);
+    }
+    *whole = n_left == 0;
+    if (n_left > 0)
+        cli_note(r->call, n_mine > 0 ? "%zu of %zu runs are missing in the file; the same command does them"
+                 : "this part is done; of all, %zu of %zu runs are missing. Join the files of the parts with cat", n_left, r->n_task);
     lw_status st = LW_OK;
-    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
-        for (int k = 0; k < b->n_seed && st == LW_OK && b->problem[i].known->reachable > 0; k++) {
-            cli_progress_show(line, i*b->n_seed + k, b->n_problem*b->n_seed, b->problem[i].name);
-            st = reach_once(b, &b->problem[i], seed + (uint64_t)k, &b->reach[i*b->n_seed + k], e);
-            if (cli_interrupted())
-                return st;
-            b->reach_done[i] = k + 1;
-        }
+    for (size_t k = 0; k < r->n_task && *whole && st == LW_OK; k++) {
+        const char *answer = cli_kept_get(r->kept, k, &size);
+        if (answer)
+            st = use_task(r, k, answer, size);
+    }
     return st;
 }
 
-static lw_status run_all(const cli_call *call, cli_bench *b, const chosen *c, lw_error *e)
+/* Do all tasks. *served: the other processes under mpirun have been served. */
+static lw_status run_all(runs *r, bool mpi, bool *served, bool *whole)
+{
+    cli_mpi_work w = { r->n_task, run_task, take_task, r, task_left_out, 0 };
+    *whole = true;
+    r->line = cli_progress_begin(r->call, "bench", "runs");
+    *served = true;
+    lw_status st = mpi ? cli_mpi_run(&w) : cli_tasks_run(&w);
+    cli_progress_end(&r->line);
+    if (st == LW_OK || st == LW_STOPPED) {
+        lw_status sum = r->kept ? use_kept(r, whole) : LW_OK;
+        st = sum < 0 ? sum : LW_OK;
+    } else if (r->e->status == LW_OK)
+        lw_error_set(r->e, st, "%s", lw_status_text(st));
+    return st;
+}
+
+static lw_status make_memory(cli_bench *b, const chosen *c, lw_error *e)
 {
     size_t n = (size_t)b->n_problem;
     b->reach_done = calloc(n, sizeof *b->reach_done);
     b->reach = calloc(n*(size_t)b->n_seed + 1, sizeof *b->reach);
     b->curve = calloc(n*(size_t)c->n + 1, sizeof *b->curve);
-    if (!b->reach_done || !b->reach || !b->curve)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    cli_progress line = cli_progress_begin(call, "bench", "runs");
-    lw_status st = run_reach(b, call->common.seed, &line, e);
-    if (st == LW_OK)
-        st = run_curves(b, c, call->common.seed, &line, e);
-    cli_progress_end(&line);
-    return st;
+    return b->reach_done && b->reach && b->curve ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 static void free_all(cli_bench *b)
@@ -214,22 +313,6 @@ static int most_links(const char *list)
     return most;
 }
 
-static int run_links(const cli_call *call, cli_bench *b)
-{
-    const settings *s = call->settings;
-    lw_error e = { 0 };
-    cli_bench_links o = { .links = most_links(s->links), .jobs = b->jobs, .budget = (long)s->budget,
-                          .seed = call->common.seed, .folder = s->output, .both_ways = s->both_ways };
-    if (o.links == 0)
-        return cli_usage(call, "--links takes even numbers from 4 to 10, as 6 or 6,8, not '%s'", s->links);
-    lw_status st = cli_bench_load(s->problems, &b->problem, &b->n_problem, &e);
-    int code = st == LW_OK ? check_folder(call, "links.csv", "links-", b) : CLI_DONE;
-    if (st == LW_OK && code == CLI_DONE)
-        st = cli_bench_links_run(call, b, &o, &e);
-    cli_bench_free(b->problem, b->n_problem);
-    return code != CLI_DONE ? code : st < 0 ? cli_fail(call, &e) : CLI_DONE;
-}
-
 #define NO_JSON "--json has no meaning here; -o FOLDER writes CSV"
 
 static int run_mbs(const cli_call *call)
@@ -253,27 +336,67 @@ static int run_mbs(const cli_call *call)
     return st < 0 ? cli_fail(call, &e) : CLI_DONE;
 }
 
+/* Load the problems, do the runs, and print; process 0, or one of the others under mpirun. */
+static int run_fit_as(const cli_call *call, runs *r, int rank, bool *served)
+{
+    const settings *s = call->settings;
+    cli_bench *b = r->b;
+    bool whole = false;
+    lw_status st = cli_bench_load(s->problems, &b->problem, &b->n_problem, r->e);
+    int code = st != LW_OK ? cli_fail(call, r->e) : rank > 0 ? CLI_DONE
+             : r->links ? check_folder(call, "links.csv", "links-", b) : check_folder(call, "curves.csv", "", b);
+    if (code == CLI_DONE && !r->links && s->output && rank == 0)
+        code = cli_may_write_in(call, s->output, "reach.csv");
+    if (code != CLI_DONE)
+        return code;
+    r->n_task = r->links ? (size_t)b->n_problem : reaches(r) + (size_t)b->n_problem*(size_t)r->c->n;
+    st = r->links ? cli_bench_links_begin(b, r->links, r->e) : make_memory(b, r->c, r->e);
+    if (st == LW_OK && rank == 0 && s->keep) {
+        const char **file = calloc((size_t)b->n_problem + 1, sizeof *file);
+        for (int i = 0; file && i < b->n_problem; i++)
+            file[i] = b->problem[i].path;
+        st = !file ? lw_error_set(r->e, LW_E_MEMORY, "out of memory")
+           : cli_kept_open(s->keep, cli_kept_run(call->line, b->n_problem, file), &r->kept, r->e);
+        free(file);
+    }
+    if (st == LW_OK)
+        st = run_all(r, s->mpi, served, &whole);
+    if (rank > 0 || (st >= 0 && !whole))
+        return CLI_DONE;
+    if (st < 0)
+        return cli_fail(call, r->e);
+    return r->links ? (cli_bench_links_end(b, r->links, r->e) == LW_OK ? CLI_DONE : cli_fail(call, r->e)) : finish(call, b);
+}
+
 static int run_fit(const cli_call *call)
 {
     const settings *s = call->settings;
     cli_bench b = { .n_seed = s->seeds, .seconds = s->time, .limit = s->limit,
-                    .jobs = call->common.jobs > 0 ? call->common.jobs : lw_core_count() };
+                    .jobs = s->mpi ? 1 : call->common.jobs > 0 ? call->common.jobs : lw_core_count() };
+    cli_bench_links links = { .links = s->links ? most_links(s->links) : 0, .jobs = b.jobs, .budget = (long)s->budget,
+                              .seed = call->common.seed, .folder = s->output, .both_ways = s->both_ways };
     chosen c;
     lw_error e = { 0 };
+    runs r = { .call = call, .b = &b, .c = &c, .links = s->links ? &links : NULL, .n_part = 1, .e = &e };
+    bool served = false;
     if (call->common.json)
         return cli_usage(call, NO_JSON);
     if (choose(s->solvers, &c, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
+    if (s->links && links.links == 0)
+        return cli_usage(call, "--links takes even numbers from 4 to 10, as 6 or 6,8, not '%s'", s->links);
+    int code = s->part ? cli_read_part(call, s->part, &r.part, &r.n_part) : CLI_DONE;
+    if (code == CLI_DONE && s->mpi)
+        code = cli_mpi_check(call);
+    if (code != CLI_DONE)
+        return code;
     cli_bench_machine(b.machine, sizeof b.machine);
-    if (s->links)
-        return run_links(call, &b);
-    lw_status st = cli_bench_load(s->problems, &b.problem, &b.n_problem, &e);
-    int code = st == LW_OK ? check_folder(call, "curves.csv", "", &b) : cli_fail(call, &e);
-    if (st == LW_OK && code == CLI_DONE)
-        code = s->output ? cli_may_write_in(call, s->output, "reach.csv") : CLI_DONE;
-    if (st == LW_OK && code == CLI_DONE)
-        code = run_all(call, &b, &c, &e) == LW_OK ? finish(call, &b) : cli_fail(call, &e);
+    code = run_fit_as(call, &r, s->mpi ? cli_mpi_begin() : 0, &served);
+    cli_kept_close(r.kept);
+    cli_bench_links_free(&links);
     free_all(&b);
+    if (s->mpi)
+        cli_mpi_end(served);
     return code;
 }
 
@@ -284,7 +407,8 @@ static const cli_action actions[] = {
       "solver reaches on one core within --time. Local solvers start from the starting points of 'linkwright\n"
       "fit', global solvers search the whole box of bounds. With -o, curves.csv holds every improvement,\n"
       "reach.csv every fit. Errors and numbers of evaluations depend on the seed only; times depend on the\n"
-      "machine.\n", 0, 0, run_fit, 0 },
+      "machine. --keep FILE survives interruptions; several machines each do --part R/M, or share the runs\n"
+      "under mpirun with --mpi (docs/cluster.md).\n", 0, 0, run_fit, 0 },
     { "mbs", "",
       "Solves reference problems of multibody dynamics with every formulation and every tolerance. A row gives\n"
       "the error against an exact solution, or against a solution with more digits, and the shortest processor\n"
@@ -305,6 +429,7 @@ const cli_command cli_bench_command = {
         "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n"
         "  linkwright bench fit --links 6,8                          error against number of links\n"
         "  linkwright bench fit --links 8 --problems examples/letters -o out\n"
+        "  linkwright bench fit --seeds 1000 --keep 3.kept --part 3/20   one of twenty jobs of a cluster\n"
         "  linkwright bench mbs -o out                               problems of dynamics, all solvers\n"
         "  linkwright bench mbs --cases andrews\n"
         "  linkwright bench mbs --cases andrews --peers none         without other programs\n",

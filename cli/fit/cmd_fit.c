@@ -7,6 +7,7 @@
 #include "base/number.h"
 #include "cli/fit/fit.h"
 #include "cli/program/model.h"
+#include "cli/program/mpi_jobs.h"
 #include "cli/program/progress.h"
 
 typedef struct settings {
@@ -18,7 +19,8 @@ typedef struct settings {
     const char *tolerances;
     double      weight_path, weight_angle, angle_length, min_transmission, max_acceleration;
     double      length_range[2], position_range[2], length_ratio, smooth, max_size, class_margin;
-    bool        crank_only, full_turn, closed, open, exact, through_limits, unlimited;
+    bool        crank_only, full_turn, closed, open, exact, through_limits, unlimited, mpi;
+    const char *keep;
 } settings;
 
 enum { AUTO = 0 };
@@ -142,6 +144,10 @@ static const cli_option options[] = {
       "unit of the lengths in the target: m, mm, cm, in, ...; without it as the file says, else m", 0, 0, NULL, NULL },
     { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "rad|deg|turn", NULL,
       "unit of the angles in the target; without it as the file says, else rad", 0, 0, NULL, NULL },
+    { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
+      "keep the work of each round in FILE; after an interruption the same command goes on from there", 0, 0, NULL, "exact" },
+    { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
+      "share the work of each round among all processes that mpirun started; process 0 prints", 0, 0, NULL, "exact" },
     { .name = NULL }
 };
 
@@ -444,9 +450,10 @@ static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_
     return st;
 }
 
-static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
+static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side *together, lw_error *e)
 {
     const settings *s = call->settings;
+    const lw_sharing sharing = { cli_share_loop, together };
     shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
     lw_topology_search_options o = lw_topology_search_options_default();
     lw_status st = topologies(call, set, &o, e);
@@ -463,13 +470,16 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     o.fit.starts = s->starts;
     o.fit.max_rounds = s->rounds;
     o.fit.n_result = s->results;
-    o.fit.interrupt = cli_stop_flag();
+    o.fit.interrupt = s->mpi ? &together->stop : cli_stop_flag();
+    o.fit.sharing = s->mpi || s->keep ? &sharing : NULL;
     o.fit.progress = show;
     o.fit.context = &progress;
     o.fit.budget = (long)s->budget;
     if (s->exact && !cli_given(&call->parsed, "type"))
         o.fit.types = NULL;                              /* chosen by the target's number of stations */
     st = s->exact ? cli_fit_exact(call, set, &o.fit, e) : lw_topology_search_run(&set->target, &o, &set->search, e);
+    if (st < 0 && together->e.status != LW_OK)
+        *e = together->e;
     cli_progress_end(&progress.line);
     return st;
 }
@@ -569,7 +579,7 @@ static lw_status read_stations(const char *text, int *stations, lw_error *e)
     return text && strcmp(text, "drawn") != 0 ? cli_value(&number, "stations", text, stations, e) : LW_OK;
 }
 
-static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *set, lw_error *e)
+static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_side *together, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
     lw_target_options o = { .closed = s->closed ? 1 : s->open ? 0 : -1, .length_unit = s->length_unit,
@@ -591,7 +601,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
     }
     if (st != LW_OK)
         return st;
-    why = search(call, set, e);
+    why = search(call, set, together, e);
     if (why == LW_NOTHING && s->exact)
         lw_error_set(e, why, set->exact.complete
                      ? "no real linkage of these types within these bounds and conditions goes through all stations"
@@ -688,15 +698,15 @@ static int check(const cli_call *call)
 
 /* Fit every target; report those that fail and go on. The targets share --time: each gets an equal part of what the
  * targets before it have left. Returns the exit code. */
-static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
+static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit_set *set, int *done)
 {
     int code = CLI_DONE, n = call->parsed.n_word;
     double end = lw_clock_wall() + call->common.time;
-    for (int i = 0; i < n && !cli_interrupted(); i++) {
+    for (int i = 0; i < n && !together->stop && (together->mpi || !cli_interrupted()); i++) {
         lw_error e = { 0 };
         cli_fit_set *now = &set[*done];
         now->seconds = call->common.time > 0 ? fmax(1e-3, (end - lw_clock_wall())/(n - i)) : 0;
-        lw_status st = fit_one(call, call->parsed.word[i], now, &e);
+        lw_status st = fit_one(call, call->parsed.word[i], together, now, &e);
         if (st < 0 || st == LW_NOTHING) {
             code = cli_fail(call, &e);
             set_free(now);
@@ -710,7 +720,7 @@ static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
 }
 
 /* Open the output first: a search must not be lost because a folder cannot be written. */
-static int fit_all(const cli_call *call)
+static int fit_all(const cli_call *call, cli_side_by_side *together)
 {
     lw_output o;
     lw_error e = { 0 };
@@ -724,7 +734,7 @@ static int fit_all(const cli_call *call)
         free(set);
         return cli_fail(call, &e);
     }
-    code = fit_targets(call, set, &done);
+    code = fit_targets(call, together, set, &done);
     print(call, set, done, &o);
     if (wants_json(call) && done > 0)
         code = cli_close_marked(call, &o, code);
@@ -738,15 +748,47 @@ static int fit_all(const cli_call *call)
     return code;
 }
 
+/* A process that is not process 0: the same search, nothing printed or written. */
+static int help_out(const cli_call *call, cli_side_by_side *together)
+{
+    cli_call mine = *call;
+    settings silent = *(const settings *)call->settings;
+    mine.settings = &silent;
+    mine.common.output = NULL;
+    mine.common.json = false;
+    mine.common.quiet = true;
+    silent.save = NULL;
+    if (freopen("/dev/null", "w", stdout))
+        (void)fit_all(&mine, together);
+    return CLI_DONE;
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
-    int code;
+    cli_side_by_side together = { .mpi = s->mpi };
+    lw_error e = { 0 };
+    int code, rank = 0;
     if (strcmp(s->solver, "help") == 0)
         return list_solvers();
-    if ((code = check(call)) != CLI_DONE)
+    if ((code = check(call)) != CLI_DONE || (s->mpi && (code = cli_mpi_check(call)) != CLI_DONE))
         return code;
-    return fit_all(call);
+    if ((s->mpi || s->keep) && call->common.time > 0)
+        return cli_usage(call, "--time does not go with --mpi and --keep, since the answer must not depend on it; --budget limits "
+                         "the work");
+    if (s->mpi)
+        rank = cli_mpi_begin();
+    if (rank == 0 && s->keep
+        && cli_kept_open(s->keep, cli_kept_run(call->line, call->parsed.n_word, call->parsed.word), &together.kept, &e) != LW_OK)
+        code = cli_fail(call, &e);
+    if (s->mpi && !cli_mpi_agree(code == CLI_DONE))
+        code = code == CLI_DONE ? CLI_BAD_INPUT : code;
+    else if (code == CLI_DONE)
+        code = rank == 0 ? fit_all(call, &together) : help_out(call, &together);
+    cli_kept_close(together.kept);
+    if (s->mpi)
+        cli_mpi_end(true);
+    return code;
 }
 
 const cli_command cli_fit_command = {
@@ -760,7 +802,9 @@ const cli_command cli_fit_command = {
         "  linkwright fit path.csv --links 5 --joints r,p,g                also slots and gear pairs\n"
         "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n"
         "  linkwright fit drawing.svg#toe --stations 40                    a curve of a drawing\n"
-        "  linkwright fit measured.csv --smooth 0.5                        points with noise\n",
+        "  linkwright fit measured.csv --smooth 0.5                        points with noise\n"
+        "  linkwright fit path.csv --links 8 --budget 1e8 --keep path.kept survives interruptions\n"
+        "  mpirun -n 64 linkwright fit path.csv --links 8 --budget 1e9 --mpi --keep path.kept\n",
     .about =
         "TARGET is a CSV file. Its columns say what is wanted:\n"
         "    x,y           a point shall follow this path\n"

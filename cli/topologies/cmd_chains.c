@@ -76,7 +76,7 @@ typedef struct task {
     lw_kept                *kept;                         /* of --keep                             */
     lw_error               *e;
     int                     n_loop;
-    size_t                  n_task;                       /* under mpirun                          */
+    size_t                  n_task, first;                /* under mpirun; tasks before `first` are done */
     bool                    served;                       /* the other processes have been served  */
 } task;
 
@@ -132,8 +132,6 @@ static int read_settings(task *t)
         return unknown_filter(t->call, filter);
     if (s->mpi && (code = cli_mpi_check(t->call)) != CLI_DONE)
         return code;
-    if (s->mpi && s->resume)
-        return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
         return cli_usage(t->call, "--resume needs -o FILE, the listing to continue");
     if (s->resume && t->notation->lines)
@@ -493,23 +491,60 @@ static lw_status work_list(void *context, size_t k, lw_bytes *answer)
     how.part = (int)k;
     how.n_part = (int)t->n_task;
     how.tick = NULL;
+    how.skip = 0;
     return lw_chains_each(t->chains, &how, print_for_answer, &p);
 }
 
 static lw_status take_list(void *context, size_t k, const char *answer, size_t size)
 {
     task *t = context;
+    if (k == t->first)
+        for (; t->how.skip > 0; t->how.skip--) {     /* chains that the file has, but the last of them */
+            const char *end = memchr(answer, '\n', size);
+            size_t line = end ? (size_t)(end + 1 - answer) : size;
+            answer += line;
+            size -= line;
+        }
     lw_status status = write_text(t, answer, size);
     return status == LW_OK && !tick(t, (double)(k + 1)/(double)t->n_task) ? LW_STOPPED : status;
+}
+
+/* A listing that is continued: count the chains of one structure after the other up to the last one listed. t->first
+ * becomes its structure, t->how.skip the number of its chains before that one. */
+static lw_status find_structure(task *t)
+{
+    lw_chain_walk how = t->how;
+    how.skip = 0;
+    how.tick = NULL;
+    how.n_part = (int)t->n_task;
+    for (; t->how.skip > 0 && t->first < t->n_task; t->first++) {
+        lw_chain_table table;
+        how.part = (int)t->first;
+        lw_status status = lw_chains_count(t->chains, &how, &table);
+        uint64_t n = table.total.n_chain;
+        lw_chain_table_free(&table);
+        if (status != LW_OK)
+            return status;
+        if (n > t->how.skip)
+            break;
+        t->how.skip -= n;
+    }
+    return LW_OK;
+}
+
+static bool is_listed(void *context, size_t k)
+{
+    return k < ((task *)context)->first;
 }
 
 static lw_status remote_list(task *t)
 {
     const lw_structures *set = lw_chains_structures(t->chains);
     t->n_task = set ? lw_structures_count(set, t->n_loop) : 1;
-    cli_mpi_work w = { t->n_task, work_list, take_list, t, NULL, 0 };
-    t->served = true;
-    return cli_mpi_run(&w);
+    lw_status status = find_structure(t);
+    cli_mpi_work w = { t->n_task, work_list, take_list, t, is_listed, 0 };
+    t->served = status == LW_OK;
+    return status == LW_OK ? cli_mpi_run(&w) : status;
 }
 
 static lw_status list_all(task *t, lw_error *e)

@@ -7,6 +7,7 @@
 #ifndef LW_OPTIMISE_SEARCH_FIT_H
 #define LW_OPTIMISE_SEARCH_FIT_H
 
+#include "base/parallel.h"
 #include "optimise/search/families.h"
 #include "optimise/solvers/solver.h"
 
@@ -34,6 +35,8 @@ typedef struct lw_fit_options {
     uint64_t    seed;            /* 1                                                               */
     int         jobs;            /* threads; < 1: one per core                                      */
     double      max_seconds;     /* 0: no limit                                                     */
+    const lw_sharing *sharing;   /* who runs the loops of a round; NULL: the threads of this process.  Processes that share
+                                  * a search must all have the same target and options, and max_seconds 0 */
     long        starts;          /* starts of each candidate in a round; 0: by the type              */
     int         max_rounds;      /* 0: by the size of the problem                                   */
     int         n_result;        /* most results (10)                                               */

@@ -233,6 +233,7 @@ static void search_job(void *context, size_t at, int thread)
 {
     lw_search *s = context;
     lw_search_job *job = &s->job[at];
+    memset(s->found + at*LW_KEEP, 0, LW_KEEP*sizeof *s->found);
     for (int i = 0; i < LW_KEEP; i++)
         s->found[at*LW_KEEP + (size_t)i].f = INFINITY;
     if (lw_search_stopped(s))
@@ -240,6 +241,8 @@ static void search_job(void *context, size_t at, int thread)
     lw_problem *p = lw_search_problem(s, thread, job->candidate, true, &job->status);
     if (p)
         search_in(s, at, p, &s->bench[thread]);
+    if (s->no_memory)
+        job->status = LW_E_MEMORY;
 }
 
 /* A find to polish on the full target, and the outcome. */
@@ -260,13 +263,16 @@ typedef struct polish_list {
 /* An empty list; NULL: no memory. */
 static polish_list *new_list(lw_search *s)
 {
-    polish_list *list = malloc(sizeof *list);
-    if (list) {
+    polish_list *list = calloc(1, sizeof *list);
+    if (list)
         list->s = s;
-        list->n = 0;
-        list->until = 0;
-    }
     return list;
+}
+
+static lw_status run_list(lw_search *s, polish_list *list, lw_job *run)
+{
+    const lw_loop loop = { s->n_thread, (size_t)list->n, run, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
+    return lw_loop_run(&loop, s->o->sharing);
 }
 
 /* The coarse and the fine problem have scales of their own: convert by the user's frame. */
@@ -464,7 +470,9 @@ static lw_status polish_round(lw_search *s, polish_list *list, lw_error *e)
     pick(s, list);
     if (s->o->max_seconds > 0 || lw_search_stopped(s))
         list->until = (lw_search_stopped(s) ? lw_clock_wall() : lw_search_end(s)) + lw_search_grace(s);
-    lw_parallel(s->n_thread, (size_t)list->n, polish_one, list);
+    lw_status st = run_list(s, list, polish_one);
+    if (st != LW_OK)
+        return lw_error_set(e, st, "%s", lw_status_text(st));
     for (int i = 0; i < list->n; i++) {
         const polish *l = &list->item[i];
         if (l->status != LW_OK)
@@ -480,7 +488,10 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
     lw_status st = make_memory(s, e);
     if (st != LW_OK)
         return st;
-    lw_parallel(s->n_thread, (size_t)s->n_job, search_job, s);
+    const lw_loop loop = { s->n_thread, (size_t)s->n_job, search_job, s,
+                           { { s->found, LW_KEEP*sizeof *s->found }, { s->job, sizeof *s->job } } };
+    if ((st = lw_loop_run(&loop, s->o->sharing)) != LW_OK)
+        return lw_error_set(e, st, "%s", lw_status_text(st));
     if ((st = update_candidates(s, e)) != LW_OK)
         return st;
     polish_list *list = new_list(s);
@@ -644,8 +655,8 @@ lw_status lw_search_widen(lw_search *s)
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
-    lw_parallel(s->n_thread, (size_t)list->n, fit_variant, list);
-    for (int i = 0; i < list->n; i++) {
+    st = run_list(s, list, fit_variant);
+    for (int i = 0; i < list->n && st == LW_OK; i++) {
         if ((st = list->item[i].status) != LW_OK)
             break;
         lw_pool_put(pool, &list->item[i].find, &list->item[i].of);
