@@ -55,7 +55,10 @@ static lw_status check_phase(lw_run *run, const lw_moment *m)
     return LW_OK;
 }
 
-/* Every sample of a run is handed out here. */
+/* Samples of two formulations that differ by more are of different motions: chaos, or a branch. */
+static const double same = 1e-7, far_apart = 1e4;
+
+/* Every sample of a run is handed out here.  LW_E_NUMERIC: it does not go on from those of an earlier formulation. */
 static lw_status hand_out(lw_run *run, const lw_moment *m)
 {
     lw_status s = check_phase(run, m);
@@ -70,9 +73,16 @@ static lw_status hand_out(lw_run *run, const lw_moment *m)
     r->samples++;
     r->worst_off = fmax(r->worst_off, m->off);
     r->worst_off_rate = fmax(r->worst_off_rate, m->off_rate);
-    if (!run->sink || r->samples <= run->shown)
-        return LW_OK;
-    s = run->sink(run->context, m);
+    if (r->samples <= run->shown) {
+        double off = 0;
+        for (int i = 0; i < run->d->n_q && r->samples == run->shown; i++)
+            off = fmax(off, fabs(m->q[i] - run->last_shown[i]));
+        return off <= same + far_apart*run->d->o.relative ? LW_OK
+             : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the motion is another one than by the formulation before", m->t);
+    }
+    if (run->last_shown)
+        memcpy(run->last_shown, m->q, (size_t)run->d->n_q*sizeof *m->q);
+    s = run->sink ? run->sink(run->context, m) : LW_OK;
     run->refused = s != LW_OK;
     return s;
 }

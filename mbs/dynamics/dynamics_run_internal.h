@@ -16,7 +16,8 @@ typedef struct lw_run {
     bool    has_work;
     long    n_busy;                  /* evaluations */
     int     next;                    /* the next sample */
-    long    shown;                   /* samples that an earlier formulation handed out, which are left out */
+    long    shown;                   /* samples that an earlier formulation handed out, which are left out, */
+    double *last_shown;              /* and the posture (n_q) of the last of them; NULL: none will follow */
     bool    refused;                 /* the sink ended the run */
     double  kink;                    /* the next time at which the loads have a kink; infinite: none */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */

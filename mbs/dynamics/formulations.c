@@ -219,7 +219,7 @@ static lw_status run_one(lw_run *run)
 }
 
 /* The formulation chosen by itself has given up: run again from the start by the others, without the samples handed out
- * already.  If none reaches the end, e and run->r keep what the first one ended on. */
+ * already, which they have to go on from.  If none reaches the end, e and run->r keep what the first one ended on. */
 static lw_status run_others(lw_run *run, lw_status s)
 {
     lw_dynamics *d = run->d;
@@ -233,7 +233,8 @@ static lw_status run_others(lw_run *run, lw_status s)
         if (f == (int)tried || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || table[f]->able(d, true, &next) != LW_OK)
             continue;
         lw_error e = { 0 };
-        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .shown = run->shown };
+        lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .shown = run->shown,
+                         .last_shown = run->last_shown };
         for (int i = 0; i < d->n_stop; i++)
             d->stop[i].resting = false;
         d->n_resting = 0;
@@ -266,9 +267,14 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (r->formulation == LW_FORMULATION_AUTO)
         return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
     d->e = run.e;
-    lw_status s = run_one(&run);
-    run.shown = r->samples;
     bool others = d->o.formulation == LW_FORMULATION_AUTO && r->formulation != LW_FORMULATION_DRIVEN && !d->space && !d->large
                && !d->touch && !d->o.pieces;
-    return s == LW_E_NUMERIC && others && !run.refused ? run_others(&run, s) : s;
+    if (others && !(run.last_shown = malloc((size_t)d->n_q*sizeof *run.last_shown)))
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = run_one(&run);
+    run.shown = r->samples;
+    if (s == LW_E_NUMERIC && others && !run.refused)
+        s = run_others(&run, s);
+    free(run.last_shown);
+    return s;
 }
