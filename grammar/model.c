@@ -123,7 +123,7 @@ void lw_model_free(lw_model *m)
     }
     lw_states_free(&m->states);
     for (int i = 0; m->elastic && i < m->linkage.n_link; i++)
-        free(m->elastic[i].axis);
+        lw_elastic_free(&m->elastic[i]);
     for (int i = 0; i < m->n_shape; i++)
         free(m->shape[i].at);
     for (int i = 0; i < m->n_profile; i++)

@@ -1,7 +1,10 @@
 /* grammar/model_elastic.c - "elastic" of a link (docs/notation.md, "Elastic links"). */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/file.h"
 #include "base/real.h"
+#include "grammar/matrix_market.h"
 #include "grammar/model_internal.h"
 #include "grammar/read_internal.h"
 
@@ -74,15 +77,122 @@ static lw_status read_segments(const lw_json_node *n, lw_elastic *p, lw_error *e
     return LW_OK;
 }
 
+/* ---- superelements ------------------------------------------------------------------------------------------ */
+
+/* The matrix of the file that a member names, beside the file of the model; symmetric, of 6 rows a node. */
+static lw_status read_matrix(const lw_json_node *object, const char *key, int nodes, double **out, lw_error *e)
+{
+    lw_json_node at;
+    char path[LW_PATH_SIZE], *text = NULL;
+    size_t size;
+    int n = 0;
+    double most = 0, skew = 0;
+    lw_status s = lw_read_need(object, key, &at, e);
+    if (s == LW_OK)
+        s = lw_json_expect(&at, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    const char *name = lw_json_text(&at), *file = at.json->file ? at.json->file : "", *end = strrchr(file, '/');
+    if (!*name || strlen(name) < 5 || strcmp(name + strlen(name) - 4, ".mtx") != 0)
+        return lw_json_fault(&at, e, "\"%s\" names a file of the Matrix Market, NAME.mtx", key);
+    int folder = end && *name != '/' ? (int)(end - file) + 1 : 0;
+    if (snprintf(path, sizeof path, "%.*s%s", folder, file, name) >= (int)sizeof path)
+        return lw_json_fault(&at, e, "the path is too long");
+    if (lw_file_read(path, &text, &size, e) != LW_OK)
+        return lw_json_fault(&at, e, "the file \"%.200s\" cannot be read", path);
+    s = lw_matrix_market_read(text, size, path, &n, out, e);
+    free(text);
+    for (int i = 0; s == LW_OK && i < n*n; i++) {
+        most = fmax(most, fabs((*out)[i]));
+        skew = fmax(skew, fabs((*out)[i] - (*out)[i%n*n + i/n]));
+    }
+    if (s == LW_OK && n != 6*nodes)
+        s = lw_json_fault(&at, e, "the matrix has %d rows; with %d nodes it needs %d, the displacements and turns x y z of each node", n,
+                          nodes, 6*nodes);
+    if (s == LW_OK && (!(most > 0) || skew > 1e-8*most))
+        s = lw_json_fault(&at, e, !(most > 0) ? "the matrix is 0" : "the matrix is not symmetric");
+    return s;
+}
+
+/* Does the stiffness let the body move as a rigid one?  Each of these motions is to cause no forces. */
+static lw_status check_rigid(const lw_json_node *n, const lw_elastic *p, lw_error *e)
+{
+    static const char *const motion[] = { "along x", "along y", "along z", "about x", "about y", "about z" };
+    int rows = 6*p->n_node;
+    double most = 0, size = 0;
+    for (int i = 0; i < rows*rows; i++)
+        most = fmax(most, fabs(p->stiffness[i]));
+    for (int i = 1; i < p->n_node; i++)
+        size = fmax(size, lw_v3_norm(lw_v3_sub(p->node[i], p->node[0])));
+    for (int k = 0; k < 6; k++)
+        for (int i = 0; i < rows; i++) {
+            double force = 0;
+            for (int j = 0; j < p->n_node; j++) {
+                lw_vec3 axis = lw_v3(k%3 == 0, k%3 == 1, k%3 == 2);
+                lw_vec3 move = k < 3 ? axis : lw_v3_cross(axis, lw_v3_sub(p->node[j], p->node[0]));
+                const double x[6] = { move.x, move.y, move.z, k > 2 ? axis.x : 0, k > 2 ? axis.y : 0, k > 2 ? axis.z : 0 };
+                for (int c = 0; c < 6; c++)
+                    force += p->stiffness[i*rows + 6*j + c]*x[c];
+            }
+            if (fabs(force) > 1e-6*most*fmax(1, size))
+                return lw_json_fault(n, e, "the stiffness resists a motion of the whole body %s: %.3g N or N m against %.3g of the greatest "
+                                     "entry; is it fixed somewhere, or are the nodes elsewhere?", motion[k], fabs(force), most);
+        }
+    return LW_OK;
+}
+
+/* {"nodes": [[x, y, z], ...], "stiffness": "K.mtx", "mass": "M.mtx"} and "damping" */
+static lw_status read_superelement(const lw_json_node *n, double metre, lw_elastic *p, lw_error *e)
+{
+    static const char *const known[] = { "nodes", "stiffness", "mass", "damping" };
+    lw_json_node nodes, at;
+    lw_status s = lw_json_known_keys(n, known, COUNT(known), e);
+    if (s == LW_OK && (s = lw_read_need(n, "nodes", &nodes, e)) == LW_OK)
+        s = lw_read_list(&nodes, 2, LW_MATRIX_MOST/6, e);
+    if (s != LW_OK)
+        return s;
+    p->node = calloc(lw_json_count(&nodes), sizeof *p->node);
+    if (!p->node)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&nodes); i++) {
+        lw_json_node one = lw_json_element(&nodes, i);
+        s = lw_read_triple(&one, metre, &p->node[i], e);
+        for (size_t k = 0; s == LW_OK && k < i; k++)
+            if (lw_v3_norm(lw_v3_sub(p->node[i], p->node[k])) == 0)
+                s = lw_json_fault(&one, e, "two nodes are at one place");
+    }
+    p->n_node = (int)lw_json_count(&nodes);
+    if (s == LW_OK && (s = read_matrix(n, "stiffness", p->n_node, &p->stiffness, e)) == LW_OK &&
+        (s = read_matrix(n, "mass", p->n_node, &p->mass, e)) == LW_OK)
+        s = check_rigid(n, p, e);
+    for (int i = 0; s == LW_OK && i < 6*p->n_node; i++)
+        if (!(p->mass[i*6*p->n_node + i] > 0))
+            s = lw_json_fault(n, e, "the mass matrix has %.3g on its diagonal at row %d; it is to be above 0", p->mass[i*6*p->n_node + i], i + 1);
+    if (s == LW_OK && lw_json_member(n, "damping", &at))
+        s = read_elastic_damping(&at, p, e);
+    p->given = s == LW_OK;
+    return s;
+}
+
+void lw_elastic_free(lw_elastic *p)
+{
+    free(p->axis), free(p->node), free(p->stiffness), free(p->mass);
+}
+
 lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
-    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "height" };
+    static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "height",
+                                         "superelements" };
     static const char *const masses[] = { "lumped", "consistent" };
     lw_json_node section, at;
     int mass = 0;
     const lw_number_key frequency = { "frequency", 1, LW_POSITIVE, &p->frequency, NULL };
+    double pieces = 0;
+    const lw_number_key condensed = { "superelements", 1, 1, 100, &pieces, NULL };
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - !space, e)) == LW_OK &&
+    if (s == LW_OK && space && (lw_json_member(n, "stiffness", &at) || lw_json_member(n, "nodes", &at)))
+        return read_superelement(n, metre, p, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - 2*!space, e)) == LW_OK &&
         (s = lw_read_need(n, "section", &section, e)) == LW_OK &&
         (s = lw_section_read(&section, metre, &p->section, e)) == LW_OK &&
         (s = lw_read_need(n, "material", &at, e)) == LW_OK)
@@ -95,6 +205,11 @@ lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_el
         s = lw_json_fault(&at, e, "\"frequency\" is for \"segments\": \"auto\"; keep one");
     if (s == LW_OK)
         s = lw_read_numbers(n, &frequency, 1, e);
+    if (s == LW_OK)
+        s = lw_read_numbers(n, &condensed, 1, e);
+    p->pieces = (int)pieces;
+    if (s == LW_OK && pieces != p->pieces)
+        s = lw_json_fault(n, e, "\"superelements\" is a whole number");
     if (s == LW_OK && lw_json_member(n, "damping", &at))
         s = read_elastic_damping(&at, p, e);
     if (s == LW_OK && lw_json_member(n, "mass", &at))

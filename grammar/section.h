@@ -33,6 +33,10 @@ typedef struct lw_elastic {
     bool   consistent;               /* mass of the shape functions instead of lumps */
     int    n_axis;                   /* points of the axis; 0: the line of the link's joints */
     lw_vec3 *axis;                   /* in the posture [m]; in the plane z = 0 */
+    int    pieces;                   /* > 0: condensed to superelements, as many along the axis (in space) */
+    int    n_node;                   /* > 0: instead of all but damping and consistent, a superelement with its own matrices, */
+    lw_vec3 *node;                   /* nodes in the posture [m], */
+    double *stiffness, *mass;        /* (6 n_node squared) by displacement and turn of each node about ground axes [N/m] [kg] */
     lw_vec3 height;                  /* in space: direction near which the y axis of the section lies; 0: the section is
                                         the same in all directions */
 } lw_elastic;
@@ -44,8 +48,10 @@ struct lw_json_node;
 lw_status lw_section_read(const struct lw_json_node *n, double metre, lw_section *s, lw_error *e);
 lw_status lw_material_read(const struct lw_json_node *n, lw_material *m, lw_error *e);
 
-/* Read the object "elastic" of a link, in the plane or in space.  p->axis is to be freed, after a failure too. */
+/* Read the object "elastic" of a link, in the plane or in space; matrices from files beside the model's.  p needs
+ * lw_elastic_free, after a failure too. */
 lw_status lw_elastic_read(const struct lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e);
+void lw_elastic_free(lw_elastic *p);
 /* What the object `link` cannot say beside "elastic", its member n. */
 lw_status lw_elastic_check_link(const struct lw_json_node *link, const struct lw_json_node *n, bool ground, lw_error *e);
 

@@ -32,7 +32,7 @@ void lw_spatial_free(lw_spatial *m)
     for (int i = 0; m->profile && i < m->n_profile; i++)
         lw_moves_free(&m->profile[i]);
     for (int i = 0; m->elastic && i < m->n_link; i++)
-        free(m->elastic[i].axis);
+        lw_elastic_free(&m->elastic[i]);
     void *const array[] = { m->profile, m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
                             m->force, m->motor, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)

@@ -121,6 +121,17 @@ typedef struct lw_spatial_beam {
     bool    consistent;                  /* modes use the mass of the shape functions                  */
 } lw_spatial_beam;
 
+/* A body with stiffness and mass between its nodes, which are links; elastic links become these, too. */
+typedef struct lw_superelement {
+    int      n, *link;                   /* (n) nodes                                                  */
+    lw_vec3 *at;                         /* (n) in the posture [m]                                     */
+    double  *stiffness;                  /* (6n x 6n) by displacement and turn of each node, about ground axes of the posture */
+    double  *mass;                       /* (6n x 6n) less the masses and inertias of the nodes        */
+    double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
+    double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
+    double   damping;                    /* [s]                                                        */
+} lw_superelement;
+
 typedef struct lw_spatial {
     char    name[64];
     int     n_link, n_joint, n_input, n_drive, n_tracer, n_spring, n_joint_spring, n_force, n_motor;
@@ -141,6 +152,8 @@ typedef struct lw_spatial {
     int      n_elastic;                  /* links that are elastic                                     */
     int      n_beam;                     /* a file has none                                            */
     lw_spatial_beam         *beam;
+    int      n_super;                    /* a file has none                                            */
+    lw_superelement         *super;
     lw_vec3  gravity;                    /* [m/s^2]                                                    */
     lw_units units;
 } lw_spatial;

@@ -8,6 +8,7 @@
 #include "mbs/elastic/expand_space.h"
 #include "tests/check.h"
 #include "tests/spatial_models.h"
+#include "tests/temporary.h"
 
 #define SQUARE "{'shape': 'rectangle', 'width': 0.1, 'height': 0.1}"
 #define STEEL  "{'E': 210e9, 'nu': 0.3, 'density': 7850}"
@@ -317,6 +318,187 @@ TEST(rigid)
     lw_spatial_free(&m);
 }
 
+/* ---- superelements -------------------------------------------------------------------------------------------- */
+
+/* A bar of 2 m along x, clamped at 0, with a tracer and a force at its end; `more` belongs to "elastic". */
+static lw_status read_bar(lw_spatial *m, const char *elastic, double gravity, double force)
+{
+    lw_error e;
+    lw_status st = read_text(m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {%s}}], 'joints': [{'name': 'A', 'kind': "
+                             "'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [2, 0, "
+                             "0]}], 'gravity': [0, 0, %.17g], 'forces': [{'link': 'bar', 'at': [2, 0, 0], 'fz': %.17g}]}", elastic, gravity, force);
+    if (st != LW_OK)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(st, LW_OK);
+    return st;
+}
+
+#define BAR "'section': {'shape': 'box', 'width': 0.05, 'height': 0.08, 'wall': 0.004}, 'height': [0, 0, 1], 'material': " STEEL \
+            ", 'axis': [[0, 0, 0], [2, 0, 0]]"
+
+static double sag(const char *elastic, double gravity, double force)
+{
+    static record r;
+    lw_spatial m;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    if (read_bar(&m, elastic, gravity, force) != LW_OK)
+        return NAN;
+    run(&m, o, &r);
+    return r.at[0].z;
+}
+
+static void write_matrix(const char *path, int n, const double *a)
+{
+    FILE *f = fopen(path, "w");
+    fprintf(f, "%%%%MatrixMarket matrix array real general\n%% by columns\n%d %d\n", n, n);
+    for (int i = 0; f && i < n*n; i++)
+        fprintf(f, "%.17g\n", a[i%n*n + i/n]);
+    if (f)
+        fclose(f);
+}
+
+/* Small loads bend a bar condensed to any number of pieces as the whole one, by its weight too; the frequencies come from above to
+ * those of the whole bar; matrices from files are the same superelement. */
+TEST(condensed)
+{
+    double whole = sag(BAR ", 'segments': 20", -0.1, -1), f[3][4], before = INFINITY;
+    lw_spatial m;
+    lw_error e;
+    CHECK(whole < -1e-6);
+    read_bar(&m, BAR ", 'segments': 20", 0, 0);
+    frequencies(&m, false, 4, f[0]);
+    for (int pieces = 1; pieces <= 5; pieces += pieces) {
+        char text[500];
+        snprintf(text, sizeof text, BAR ", 'segments': 20, 'superelements': %d", pieces);
+        CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-9, 0);
+        read_bar(&m, text, 0, 0);
+        frequencies(&m, false, 4, f[1]);
+        double error = f[1][0]/f[0][0] - 1;                          /* of a cubic: 0.5 % */
+        CHECK(error > 0 && error < 0.15*before && error < 0.006);
+        before = error;
+    }
+    lw_spatial_expansion x;
+    read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
+    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
+    lw_superelement *p = x.model.super;
+    char path[2][300], text[1000];
+    for (int i = 0; i < 2; i++) {            /* the mass with its lumps */
+        static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+        const lw_spatial_body *b = &x.model.body[p->link[i]];
+        for (int k = 0; k < 3; k++)
+            p->mass[(6*i + k)*13] += p->lump[i];
+        for (int k = 0; k < 6; k++) {
+            int row = 6*i + 3 + entry[k][0], column = 6*i + 3 + entry[k][1];
+            p->mass[12*row + column] += b->inertia[k];
+            p->mass[12*column + row] += row == column ? 0 : b->inertia[k];
+        }
+        snprintf(path[i], sizeof path[i], "%s/%s.mtx", temporary_folder(), i ? "mass" : "stiffness");
+    }
+    double most = 0, rigid = 0;              /* rigid motions cause no force */
+    for (int k = 0; k < 6; k++)
+        for (int i = 0; i < 12; i++) {
+            double force = 0;
+            for (int j = 0; j < 2; j++) {
+                lw_vec3 axis = lw_v3(k%3 == 0, k%3 == 1, k%3 == 2), move = k < 3 ? axis : lw_v3_cross(axis, p->at[j]);
+                const double by[6] = { move.x, move.y, move.z, k > 2 ? axis.x : 0, k > 2 ? axis.y : 0, k > 2 ? axis.z : 0 };
+                for (int c = 0; c < 6; c++) {
+                    force += p->stiffness[12*i + 6*j + c]*by[c];
+                    most = fmax(most, fabs(p->stiffness[12*i + 6*j + c]));
+                }
+            }
+            rigid = fmax(rigid, fabs(force));
+        }
+    CHECK(rigid < 1e-9*most);
+    write_matrix(path[0], 12, p->stiffness);
+    write_matrix(path[1], 12, p->mass);
+    lw_spatial_expansion_free(&x);
+    frequencies(&m, false, 4, f[1]);
+    snprintf(text, sizeof text, "'nodes': [[0, 0, 0], [2, 0, 0]], 'stiffness': '%s', 'mass': '%s'", path[0], path[1]);
+    CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-9, 0);
+    read_bar(&m, text, 0, 0);
+    frequencies(&m, false, 4, f[2]);
+    for (int i = 0; i < 4; i++)
+        CHECK_NEAR(f[2][i], f[1][i], 0, 1e-9);
+}
+
+/* Elastica, P L^2/EI = 5: w/L .713791524; the error falls with the square of the number of pieces. */
+TEST(condensed_elastica)
+{
+    double before = 0;
+    for (int pieces = 4; pieces <= 16; pieces *= 2) {
+        char text[500];
+        snprintf(text, sizeof text, "'section': {'shape': 'general', 'area': 1, 'Iz': 1e-8, 'Iy': 1e-8, 'It': 1e-8, 'zeta': 1e-12}, 'material': "
+                 "{'E': 1e9, 'G': 1e9, 'density': 1}, 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': %d, 'superelements': %d", 2*pieces, pieces);
+        double off = sag(text, 0, 5*10/4.)/2 - .713791524;
+        CHECK_NEAR(off, 0, 0.15/(pieces*pieces), 0);
+        CHECK(pieces == 4 || (fabs(off) < 0.3*before && fabs(off) > 0.2*before));
+        before = fabs(off);
+    }
+}
+
+/* Forces of a superelement between four nodes in any posture against differences of its energy, and their derivatives against
+ * differences of the forces; forces and moments balance. */
+TEST(superelement_derivatives)
+{
+    enum { N = 4, ROWS = 6*N };
+    double stiffness[ROWS*ROWS], mass[ROWS*ROWS], first[3*ROWS], lump[N], force[3][ROWS], by_x[ROWS*ROWS], by_v[ROWS*ROWS], power;
+    lw_vec3 at[N];
+    lw_mat3 turn[N];
+    lw_beam_node node[N];
+    lw_rng rng;
+    lw_super s;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int i = 0; i < ROWS*ROWS; i++)
+        stiffness[i] = mass[i] = lw_rng_range(&rng, -1, 1);
+    for (int i = 0; i < ROWS; i++)
+        for (int j = 0; j < i; j++)
+            stiffness[ROWS*i + j] = stiffness[ROWS*j + i];
+    for (int i = 0; i < 3*ROWS; i++)
+        first[i] = lw_rng_range(&rng, -0.1, 0.1);
+    for (int i = 0; i < N; i++) {
+        lump[i] = 0.1;
+        at[i] = lw_v3(i, lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1));
+        lw_vec3 away = lw_v3(lw_rng_range(&rng, -.3, .3), lw_rng_range(&rng, -.3, .3), lw_rng_range(&rng, -.3, .3));
+        lw_vec3 about = lw_v3(2 + lw_rng_range(&rng, -.4, .4), lw_rng_range(&rng, -.4, .4), lw_rng_range(&rng, -.4, .4));
+        turn[i] = lw_quaternion_matrix(lw_quaternion_of_vector(away));
+        node[i] = (lw_beam_node){ .at = lw_v3_add(at[i], away) };
+        node[i].turn = lw_quaternion_matrix(lw_quaternion_times(lw_quaternion_of_vector(about), lw_quaternion_of_matrix(&turn[i])));
+    }
+    lw_superelement p = { N, NULL, at, stiffness, mass, first, lump, 0 };
+    CHECK_INT(lw_super_make(&p, turn, lw_v3(1, -2, 9), &s), LW_OK);
+    lw_super_at(&s, node, force[0], by_x, by_v, &power);
+    double h = 1e-5;
+    for (int c = 0; c < ROWS; c++) {
+        double energy[2];
+        for (int way = 0; way < 2; way++) {
+            lw_beam_node old = node[c/6];
+            lw_vec3 by = lw_v3_scale(lw_v3(c%3 == 0, c%3 == 1, c%3 == 2), way ? h : -h);
+            lw_quaternion more = lw_quaternion_of_vector(by);
+            if (c%6 < 3)
+                node[c/6].at = lw_v3_add(old.at, by);
+            else
+                node[c/6].turn = lw_quaternion_matrix(lw_quaternion_times(more, lw_quaternion_of_matrix(&old.turn)));
+            energy[way] = lw_super_at(&s, node, force[1 + way], NULL, NULL, &power);
+            node[c/6] = old;
+        }
+        CHECK_NEAR(force[0][c], -(energy[1] - energy[0])/(2*h), 1e-8, 0);
+        for (int r = 0; r < ROWS; r++)
+            CHECK_NEAR(by_x[ROWS*r + c], (force[2][r] - force[1][r])/(2*h), 1e-7, 0);
+    }
+    lw_super_free(&s);
+    CHECK_INT(lw_super_make(&p, turn, lw_v3(0, 0, 0), &s), LW_OK);
+    lw_super_at(&s, node, force[0], NULL, NULL, &power);
+    lw_vec3 pull = { 0, 0, 0 }, twist = { 0, 0, 0 };
+    for (int i = 0; i < N; i++) {
+        const double *f = force[0] + 6*i;
+        pull = lw_v3_add(pull, lw_v3(f[0], f[1], f[2]));
+        twist = lw_v3_add(twist, lw_v3_add(lw_v3(f[3], f[4], f[5]), lw_v3_cross(node[i].at, lw_v3(f[0], f[1], f[2]))));
+    }
+    CHECK(lw_v3_norm(pull) < 1e-12 && lw_v3_norm(twist) < 1e-12);
+    lw_super_free(&s);
+}
+
 TEST(refused)
 {
     static const struct { const char *link, *says; } bad[] = {
@@ -326,6 +508,10 @@ TEST(refused)
         { "'angular_velocity': [0, 0, 1], 'elastic': {'section': " SQUARE ", 'material': 'steel'}", "speed" },
         { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'axis': [[0, 0], [1, 0]]}", "3" },
         { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'height': [0, 0, 0]}", "direction" },
+        { "'elastic': {'nodes': [[0, 0, 0], [1, 0, 0]], 'stiffness': 'nowhere.mtx', 'mass': 'nowhere.mtx'}", "cannot be read" },
+        { "'elastic': {'nodes': [[0, 0, 0], [0, 0, 0]], 'stiffness': 'a.mtx', 'mass': 'a.mtx'}", "one place" },
+        { "'elastic': {'nodes': [[0, 0, 0], [1, 0, 0]], 'stiffness': 'a.txt', 'mass': 'a.mtx'}", "NAME.mtx" },
+        { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'superelements': 1.5}", "whole" },
     };
     lw_spatial m;
     lw_error e;

@@ -47,7 +47,10 @@ static double greatest_speed(const lw_expression *motion, double from, double to
 
 static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
 {
-    if (k->frequency > 0)
+    if (k->condensed)
+        cli_note(call, "elastic link \"%s\": %.4g kg; superelements between %d nodes, whose masses are lumped in time", name, k->mass,
+                 k->n_node);
+    else if (k->frequency > 0)
         cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements, for errors below 1 %% of frequencies up to %.4g Hz; "
                  "first bending frequency with hinged ends %.4g Hz", name, k->length, k->mass, k->n_node - 1, k->frequency, k->first);
     else
@@ -70,7 +73,8 @@ static void explain_rules(const cli_call *call, double first, double drive, doub
     if (drive > 0)
         cli_note(call, "longest step to see %d harmonics with %d samples each: %.3g s (Makkonen 1999, eq. 21)", HIGHER, SAMPLES,
                  2*LW_PI/(20*HIGHER*SAMPLES*drive));
-    cli_note(call, "a shock wave passes the shortest element in %.3g s, the longest step for impacts (eq. 22)", pass);
+    if (isfinite(pass))
+        cli_note(call, "a shock wave passes the shortest element in %.3g s, the longest step for impacts (eq. 22)", pass);
 }
 
 /* Time in which a wave passes an element of a link. */
@@ -107,7 +111,7 @@ void cli_explain_elastic_spatial(const cli_call *call, const lw_spatial *m, cons
     lw_dynamics *d;
     for (int c = 0; x && c < x->n_chain; c++) {
         const lw_elastic_chain *k = &x->chain[c];
-        for (int i = 0; i + 1 < k->n_node; i++)
+        for (int i = 0; i + 1 < k->n_node && !k->condensed; i++)
             pass = fmin(pass, passing(k, x->model.beam[k->first_beam + i].length));
         explain_chain(call, m->body[k->link].name, k);
     }

@@ -358,7 +358,7 @@ void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int
 {
     const lw_elastic_chain *c = &d->spatial_expansion.chain[chain];
     memset(out, 0, (size_t)c->n_node*sizeof *out);
-    for (int i = 0; i + 1 < c->n_node; i++) {
+    for (int i = 0; i + 1 < c->n_node && !c->condensed; i++) {
         lw_beam_space_state z;
         lw_space_beam(&d->space->f, m->frame, m->v, c->first_beam + i, false, &z);
         for (int end = 0; end < 2; end++) {
@@ -471,7 +471,7 @@ static lw_status hold_spins(lw_dynamics *d, const lw_spatial *given, lw_error *e
     for (int i = 0; i < n; i++)
         for (int k = 0; k < x->n_chain; k++) {
             const lw_elastic *p = x->chain[k].elastic;
-            bool alike = !(lw_v3_norm(p->height) > 0) && (p->n_axis == 0 || p->n_axis == 2);
+            bool alike = p->n_node == 0 && !(lw_v3_norm(p->height) > 0) && (p->n_axis == 0 || p->n_axis == 2);
             if (x->chain[k].link != rigid.link_of[idle[i].body] || !alike)
                 continue;
             int node = d->space->s.body_of[x->chain[k].node[0]];
@@ -571,6 +571,10 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         st = hold_spins(d, given, e);
     if (st == LW_OK) {
         lw_mbs_take_equations(d, lw_spatial_equations(d->space));
+        bool consistent = d->o.analysis == LW_ANALYSIS_STATIC;       /* superelements have lumps at their nodes in time */
+        for (int i = 0; i < m->n_beam; i++)
+            consistent = consistent || m->beam[i].consistent;
+        d->eq.more_mass = consistent ? d->eq.more_mass : NULL;
         d->n_input = m->n_input;
         st = reserve_lists(d, e);
     }

@@ -57,13 +57,19 @@ static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
 /* The strains at one moment, in the mid frame. */
 typedef struct strain { lw_mat3 t; lw_vec3 p, g; factors z; } strain;
 
+lw_mid_frame lw_mid_frame_of(const lw_mat3 *a, const lw_mat3 *b)
+{
+    lw_quaternion first = lw_quaternion_of_matrix(a), second = lw_quaternion_of_matrix(b);
+    lw_vec3 g = lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_times(lw_quaternion_inverse(first), second)));
+    lw_quaternion middle = lw_quaternion_times(first, lw_quaternion_of_vector(lw_v3_scale(g, 0.5)));
+    return (lw_mid_frame){ lw_quaternion_matrix(middle), g, factors_of(0.25*lw_v3_dot(g, g)).q };
+}
+
 static strain strain_of(const lw_beam_space *b, const lw_beam_node node[2])
 {
     lw_mat3 a = times(&node[0].turn, &b->axes[0]), c = times(&node[1].turn, &b->axes[1]);
-    lw_quaternion first = lw_quaternion_of_matrix(&a), second = lw_quaternion_of_matrix(&c);
-    lw_vec3 g = lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_times(lw_quaternion_inverse(first), second)));
-    lw_quaternion middle = lw_quaternion_times(first, lw_quaternion_of_vector(lw_v3_scale(g, 0.5)));
-    strain s = { .t = lw_quaternion_matrix(middle), .g = g, .z = factors_of(0.25*lw_v3_dot(g, g)) };
+    lw_mid_frame mid = lw_mid_frame_of(&a, &c);
+    strain s = { .t = mid.turn, .g = mid.g, .z = factors_of(0.25*lw_v3_dot(mid.g, mid.g)) };
     s.p = lw_m3_unapply(&s.t, lw_v3_sub(node[1].at, node[0].at));
     return s;
 }

@@ -33,6 +33,11 @@ typedef struct lw_beam_space_state {
     double  by_v[12][12];        /* by velocities and angular velocities */
 } lw_beam_space_state;
 
+/* The frame half-way between the rotations of two nodes, axes: those of the frame in the axes of each node.  g: rotation vector from
+ * the first to the second; small turns t of the nodes, in the frame's axes, turn it by (t0 + t1)/2 - q g x (t1 - t0). */
+typedef struct lw_mid_frame { lw_mat3 turn; lw_vec3 g; double q; } lw_mid_frame;
+lw_mid_frame lw_mid_frame_of(const lw_mat3 *first, const lw_mat3 *second);
+
 void lw_beam_space_stiffness(const lw_section *s, const lw_material *m, double h, double out[6]);
 void lw_beam_space_at(const lw_beam_space *b, const lw_beam_node node[2], bool derivatives, lw_beam_space_state *out);
 

@@ -15,6 +15,7 @@ typedef struct lw_elastic_chain {
     const lw_elastic *elastic;       /* the model's */
     int    n_node, *node;            /* links of the expanded model, along the axis */
     int    first_beam;               /* element i is between nodes i and i + 1: beam[first_beam + i] */
+    bool   condensed;                /* superelements between the nodes instead (in space) */
     double length, mass;             /* [m] [kg] */
     double frequency;                /* up to which elements chosen by themselves are good to 1 %; 0: their number was given [Hz] */
     double first;                    /* first bending frequency with hinged ends (Euler & Bernoulli) [Hz] */

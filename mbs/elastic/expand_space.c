@@ -1,15 +1,17 @@
 /* mbs/elastic/expand_space.c - elastic links of a spatial model as chains of nodes. */
 #include "mbs/elastic/expand_space.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/elastic/beam_space.h"
+#include "mbs/elastic/superelement.h"
 
 typedef struct work {
     const lw_spatial     *m;
     lw_spatial_expansion *x;
     lw_elastic_axis      *axis;      /* per chain */
+    lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; axis has those that are kept */
 } work;
 
 /* Places of the link at which something acts: joints, tracers, ends of springs, forces. */
@@ -35,14 +37,44 @@ static lw_status find_places(const lw_spatial *m, int link, lw_elastic_places *p
     return LW_OK;
 }
 
+/* Keep the ends, the nodes where something acts, and those that cut the bar into pieces. */
+static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_error *e)
+{
+    lw_elastic_axis *a = &w->axis[chain], *full = &w->full[chain];
+    int n = a->n_node, pieces = w->x->chain[chain].elastic->pieces;
+    *full = *a;
+    a->node = calloc((size_t)n, sizeof *a->node);
+    if (!a->node)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    a->n_node = 0;
+    for (int i = 0; i < n; i++) {
+        bool kept = false;
+        for (int k = 0; k <= pieces; k++)
+            kept = kept || i == (k*(n - 1) + pieces/2)/pieces;
+        for (int k = 0; k < at->n; k++)
+            kept = kept || i == lw_elastic_axis_node(full, at->at[k]);
+        if (kept)
+            a->node[a->n_node++] = full->node[i];
+    }
+    return LW_OK;
+}
+
 static lw_status plan_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
     lw_elastic_axis *a = &w->axis[chain];
     lw_elastic_places at;
+    c->condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0;
+    if (c->elastic->n_node > 0) {
+        c->n_node = c->elastic->n_node;
+        c->node = calloc((size_t)c->n_node, sizeof *c->node);
+        return c->node ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
     lw_status s = find_places(w->m, c->link, &at, e);
     if (s == LW_OK)
         s = lw_elastic_axis_make(c->elastic, w->m->body[c->link].name, &at, a, e);
+    if (s == LW_OK && c->condensed)
+        s = keep_nodes(w, chain, &at, e);
     free(at.at);
     return s == LW_OK ? lw_elastic_chain_take(c, a, e) : s;
 }
@@ -69,8 +101,9 @@ static lw_status reserve(work *w, int nodes, int beams, lw_error *e)
     to->spring = copy(m->spring, m->n_spring, 0, sizeof *m->spring);
     to->force = copy(m->force, m->n_force, 0, sizeof *m->force);
     to->beam = copy(NULL, 0, beams, sizeof *to->beam);
+    to->super = copy(NULL, 0, beams + m->n_elastic, sizeof *to->super);
     to->states.rotor = copy(m->states.rotor, m->states.n_rotor, 0, sizeof *m->states.rotor);
-    return to->body && to->joint && to->tracer && to->spring && to->force && to->beam && to->states.rotor
+    return to->body && to->joint && to->tracer && to->spring && to->force && to->beam && to->super && to->states.rotor
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
@@ -102,6 +135,22 @@ static void add_inertia(lw_spatial_body *b, const lw_mat3 *axes, const double va
         }
 }
 
+/* Nodes of a chain as links without mass, at the given places. */
+static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis *axis, lw_error *e)
+{
+    lw_spatial *to = &w->x->model;
+    for (int i = 0; i < c->n_node; i++) {
+        int link = i ? to->n_link++ : c->link;
+        c->node[i] = link;
+        to->body[link] = (lw_spatial_body){ .given = true, .centre = axis ? lw_elastic_axis_point(axis, axis->node[i])
+                                                                           : c->elastic->node[i] };
+        if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", w->m->body[c->link].name, i) >= LW_NAME_SIZE)
+            return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
+                                "\"NAME.1\", ...; at most %d bytes", w->m->body[c->link].name, LW_NAME_SIZE - 7);
+    }
+    return LW_OK;
+}
+
 static lw_status fill_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
@@ -109,23 +158,16 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     const lw_section *q = &p->section;
     lw_spatial *to = &w->x->model;
     c->first_beam = to->n_beam;
-    for (int i = 0; i < c->n_node; i++) {
-        int link = i ? to->n_link++ : c->link;
-        c->node[i] = link;
-        to->body[link] = (lw_spatial_body){ .given = true,
-                                            .centre = lw_elastic_axis_point(&w->axis[chain], w->axis[chain].node[i]) };
-        if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", w->m->body[c->link].name, i) >= LW_NAME_SIZE)
-            return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
-                                "\"NAME.1\", ...; at most %d bytes", w->m->body[c->link].name, LW_NAME_SIZE - 7);
-    }
+    lw_status s = fill_nodes(w, c, &w->axis[chain], e);
+    if (s != LW_OK)
+        return s;
     for (int i = 0; i + 1 < c->n_node; i++) {
         lw_spatial_beam *b = &to->beam[to->n_beam++];
         lw_vec3 d = lw_v3_sub(to->body[c->node[i + 1]].centre, to->body[c->node[i]].centre);
         double h = lw_v3_norm(d), line = p->material.density*h;
         *b = (lw_spatial_beam){ .link = { c->node[i], c->node[i + 1] }, .length = h, .damping = p->damping, .mass = line*q->area,
                                 .gyration = { q->iy/q->area, q->iz/q->area }, .consistent = p->consistent };
-        lw_status s = element_axes(w, c, lw_v3_scale(d, 1/h), &b->axes, e);
-        if (s != LW_OK)
+        if ((s = element_axes(w, c, lw_v3_scale(d, 1/h), &b->axes, e)) != LW_OK)
             return s;
         lw_beam_space_stiffness(q, &p->material, h, b->stiffness);
         const double inertia[3] = { 0.5*line*(q->iy + q->iz), 0.5*line*q->iy, 0.5*line*q->iz };
@@ -137,12 +179,146 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     return LW_OK;
 }
 
+/* A superelement between the nodes link of the model; takes the matrices over, of which the mass loses the lumps at the nodes. */
+static lw_status add_superelement(lw_spatial *to, int n, const int *link, double damping, double *stiffness, double *mass, lw_error *e)
+{
+    static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    lw_superelement *p = &to->super[to->n_super++];
+    double total, rigid[6], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
+    lw_vec3 centre;
+    *p = (lw_superelement){ n, calloc((size_t)n, sizeof *p->link), calloc((size_t)n, sizeof *p->at), stiffness, mass,
+                            calloc(18*(size_t)n, sizeof *p->first), lump, damping };
+    lw_status s = lump && inertia && p->link && p->at && p->first ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; s == LW_OK && i < n; i++)
+        p->link[i] = link[i], p->at[i] = to->body[link[i]].centre;
+    if (s == LW_OK) {
+        lw_super_rigid_mass(n, p->at, mass, &total, &centre, rigid);
+        lw_super_lump(n, mass, total, lump, inertia);
+        for (int i = 0; i < 36*n*n; i++)
+            if (i/(6*n)%6 < 3)
+                p->first[i/(6*n)%6*6*n + i%(6*n)] += mass[i];
+        s = total > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the mass matrix of the elastic link \"%s\" has no mass when the body moves",
+                                             to->body[link[0]].name);
+    }
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        lw_spatial_body *b = &to->body[link[i]];
+        b->mass += lump[i];
+        for (int k = 0; k < 6; k++) {
+            int x = 6*i + 3 + entry[k][0], y = 6*i + 3 + entry[k][1];
+            b->inertia[k] += inertia[6*i + k];
+            mass[x*6*n + y] -= inertia[6*i + k];
+            if (x != y)
+                mass[y*6*n + x] -= inertia[6*i + k];
+        }
+        for (int k = 0; k < 3; k++)
+            mass[(6*i + k)*(6*n + 1)] -= lump[i];
+    }
+    free(inertia);
+    return s;
+}
+
+/* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends. */
+static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, double **stiffness, double **mass)
+{
+    int nodes = last - first + 1, rows = 6*nodes, keep[12];
+    double *k = *stiffness = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = *mass = calloc((size_t)rows*(size_t)rows, sizeof *a);
+    if (!k || !a)
+        return LW_E_MEMORY;
+    for (int i = first; i < last; i++) {
+        const lw_spatial_beam *p = &m->beam[i];
+        lw_beam_space b = { .length = p->length, .axes = { p->axes, p->axes } };
+        lw_beam_node node[2] = { { .at = m->body[i].centre }, { .at = m->body[i + 1].centre } };
+        lw_beam_space_state z;
+        double more[12][12] = { { 0 } };
+        for (int side = 0; side < 2; side++)
+            node[side].turn = lw_m3_columns(lw_v3(1, 0, 0), lw_v3(0, 1, 0), lw_v3(0, 0, 1));
+        memcpy(b.stiffness, p->stiffness, sizeof b.stiffness);
+        lw_beam_space_at(&b, node, true, &z);
+        if (consistent)
+            lw_beam_space_mass(p, more);
+        const double lump[6] = { p->mass/2, p->mass/2, p->mass/2, p->mass*(p->gyration[0] + p->gyration[1])/2, p->mass*p->gyration[0]/2,
+                                 p->mass*p->gyration[1]/2 };
+        for (int x = 0; x < 12; x++)
+            more[x][x] += lump[x%6];
+        for (int x = 0; x < 12; x++)
+            for (int y = 0; y < 12; y++) {
+                int at = (6*(i - first) + x)*rows + 6*(i - first) + y;
+                const double *row[2] = { &p->axes.row[x%3].x, &p->axes.row[y%3].x };
+                k[at] -= 0.5*(z.by_x[x][y] + z.by_x[y][x]);
+                for (int c = 0; c < 3; c++)
+                    for (int d = 0; d < 3; d++)
+                        a[at] += row[0][c]*more[x/3*3 + c][y/3*3 + d]*row[1][d];
+            }
+    }
+    for (int i = 0; i < 12; i++)
+        keep[i] = i < 6 ? i : rows - 12 + i;
+    return lw_super_condense(rows, k, a, 12, keep);
+}
+
+/* A bar of elements condensed to superelements between its nodes that are kept. */
+static lw_status fill_pieces(work *w, int chain, lw_error *e)
+{
+    lw_elastic_chain *c = &w->x->chain[chain], all = *c;
+    const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
+    size_t n = (size_t)full->n_node + 1;
+    lw_spatial named = { .body = &((lw_spatial *)(uintptr_t)w->m)->body[c->link] };
+    lw_spatial_expansion mesh = { .model = { .n_link = 1, .body = calloc(n, sizeof *mesh.model.body), .beam = calloc(n, sizeof *mesh.model.beam) },
+                                  .chain = &all };
+    work part = { &named, &mesh, (lw_elastic_axis *)(uintptr_t)full, NULL };
+    all.link = 0, all.n_node = full->n_node, all.node = calloc(n, sizeof *all.node);
+    lw_status s = all.node && mesh.model.body && mesh.model.beam ? fill_nodes(w, c, kept, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        s = fill_chain(&part, 0, e);
+    for (int i = 0, first = 0; s == LW_OK && i + 1 < kept->n_node; i++) {
+        int last = first + 1;
+        double *stiffness, *mass;
+        while (full->node[last] < kept->node[i + 1])
+            last++;
+        s = condense(&mesh.model, first, last, c->elastic->consistent, &stiffness, &mass);
+        if (s == LW_OK)
+            s = add_superelement(&w->x->model, 2, c->node + i, c->elastic->damping, stiffness, mass, e);
+        else {
+            free(stiffness), free(mass);
+            lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
+        }
+        first = last;
+    }
+    free(all.node), free(mesh.model.body), free(mesh.model.beam);
+    return s;
+}
+
+/* A superelement with its own matrices. */
+static lw_status fill_matrices(work *w, int chain, lw_error *e)
+{
+    lw_elastic_chain *c = &w->x->chain[chain];
+    const lw_elastic *p = c->elastic;
+    size_t size = 36*(size_t)p->n_node*(size_t)p->n_node*sizeof(double);
+    double *stiffness = malloc(size), *mass = malloc(size), rigid[6];
+    lw_vec3 centre;
+    lw_status s = stiffness && mass ? fill_nodes(w, c, NULL, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s != LW_OK) {
+        free(stiffness), free(mass);
+        return s;
+    }
+    memcpy(stiffness, p->stiffness, size);
+    memcpy(mass, p->mass, size);
+    lw_super_rigid_mass(p->n_node, p->node, mass, &c->mass, &centre, rigid);
+    return add_superelement(&w->x->model, p->n_node, c->node, p->damping, stiffness, mass, e);
+}
+
 /* The node of an elastic link nearest along the axis to `at`; other links stay. */
 static int node_for(const work *w, int link, lw_vec3 at)
 {
-    for (int k = 0; k < w->x->n_chain; k++)
-        if (w->x->chain[k].link == link)
-            return w->x->chain[k].node[lw_elastic_axis_node(&w->axis[k], at)];
+    for (int k = 0; k < w->x->n_chain; k++) {
+        const lw_elastic_chain *c = &w->x->chain[k];
+        int best = 0;
+        if (c->link != link)
+            continue;
+        for (int i = 1; i < c->elastic->n_node; i++)
+            if (lw_v3_norm(lw_v3_sub(c->elastic->node[i], at)) < lw_v3_norm(lw_v3_sub(c->elastic->node[best], at)))
+                best = i;
+        return c->node[c->elastic->n_node > 0 ? best : lw_elastic_axis_node(&w->axis[k], at)];
+    }
     return link;
 }
 
@@ -167,9 +343,9 @@ lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_err
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_spatial_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis) };
+    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full) };
     int more = 0;
-    lw_status s = x->chain && w.axis ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = x->chain && w.axis && w.full ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->n_link; l++) {
         if (!m->elastic[l].given)
             continue;
@@ -181,12 +357,13 @@ lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_err
     if (s == LW_OK)
         s = reserve(&w, more, more, e);
     for (int k = 0; s == LW_OK && k < x->n_chain; k++)
-        s = fill_chain(&w, k, e);
+        s = x->chain[k].elastic->n_node > 0 ? fill_matrices(&w, k, e) : x->chain[k].condensed ? fill_pieces(&w, k, e)
+          : fill_chain(&w, k, e);
     if (s == LW_OK)
         attach(&w);
-    for (int k = 0; w.axis && k < m->n_elastic; k++)
-        free(w.axis[k].node);
-    free(w.axis);
+    for (int k = 0; w.axis && w.full && k < m->n_elastic; k++)
+        free(w.axis[k].node), free(w.full[k].node);
+    free(w.axis), free(w.full);
     return s;
 }
 
@@ -194,7 +371,11 @@ void lw_spatial_expansion_free(lw_spatial_expansion *x)
 {
     for (int k = 0; x->chain && k < x->n_chain; k++)
         free(x->chain[k].node);
-    void *const own[] = { x->chain, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
+    for (int k = 0; k < x->model.n_super; k++) {
+        lw_superelement *p = &x->model.super[k];
+        free(p->link), free(p->at), free(p->stiffness), free(p->mass), free(p->first), free(p->lump);
+    }
+    void *const own[] = { x->chain, x->model.super, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
                           x->model.beam, x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);
@@ -211,6 +392,10 @@ static void join(const lw_spatial_expansion *x, const lw_elastic_chain *c, lw_sp
     memcpy(name, b->name, sizeof name);
     *b = (lw_spatial_body){ .given = true };
     memcpy(b->name, name, sizeof name);
+    if (c->elastic->n_node > 0) {
+        lw_super_rigid_mass(c->n_node, c->elastic->node, c->elastic->mass, &b->mass, &b->centre, b->inertia);
+        return;
+    }
     for (int i = 0; i + 1 < c->n_node; i++) {
         const lw_spatial_beam *beam = &m->beam[c->first_beam + i];
         lw_vec3 middle = lw_v3_scale(lw_v3_add(m->body[beam->link[0]].centre, m->body[beam->link[1]].centre), 0.5);
@@ -233,16 +418,21 @@ static void join(const lw_spatial_expansion *x, const lw_elastic_chain *c, lw_sp
 
 lw_status lw_spatial_rigid(const lw_spatial *m, lw_spatial *rigid, lw_error *e)
 {
-    lw_spatial_expansion x;
+    lw_spatial_expansion x = { 0 };
     *rigid = *m;
     rigid->n_elastic = 0, rigid->elastic = NULL;
     rigid->body = copy(m->body, m->n_link, 0, sizeof *m->body);
     if (!rigid->body)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status s = lw_spatial_expand(m, &x, e);
+    lw_spatial bars = *m;                    /* condensed bars count as what they are condensed from */
+    bars.elastic = copy(m->elastic, m->n_link, 0, sizeof *m->elastic);
+    for (int i = 0; bars.elastic && i < m->n_link; i++)
+        bars.elastic[i].pieces = 0;
+    lw_status s = bars.elastic ? lw_spatial_expand(&bars, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int k = 0; s == LW_OK && k < x.n_chain; k++)
         join(&x, &x.chain[k], &rigid->body[x.chain[k].link]);
     lw_spatial_expansion_free(&x);
+    free(bars.elastic);
     if (s != LW_OK)
         lw_spatial_rigid_free(rigid);
     return s;

@@ -57,6 +57,9 @@ static void make_body(lw_space *s, const lw_spatial_body *p, int link)
             inertia[k] += r->inertia*tensor[k];
     }
     mass[0] = mass[1] = mass[2] = p->mass*s->unit*s->unit + s->rotor[b];
+    for (int i = 0; i < m->n_super; i++)     /* these weigh by themselves */
+        for (int k = 0; k < m->super[i].n; k++)
+            s->rotor[b] += m->super[i].link[k] == link ? m->super[i].lump[k]*s->unit*s->unit : 0;
     lw_m3_principal(inertia, mass + 3, &axes);
     double top = fmax(mass[3], fmax(mass[4], mass[5]));
     for (int i = 3; i < 6; i++)

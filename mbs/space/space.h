@@ -41,7 +41,7 @@ typedef struct lw_space {
     lw_space_point *tracer;      /* (n_tracer)                                                        */
     lw_quaternion *axes;         /* (n_body) principal axes in the posture of the file                */
     double  *mass;               /* (n_v) diagonal of the mass matrix [kg m^2]                        */
-    double  *rotor;              /* (n_body) part of it that rotors add to the mass of sliders, without weight */
+    double  *rotor;              /* (n_body) part of it without weight: of rotors at sliders, of superelements */
     double  *start;              /* (n_q) posture of the file                                         */
     void    *memory;
 } lw_space;

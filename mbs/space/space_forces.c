@@ -19,6 +19,26 @@ static void make_beam(const lw_space *s, const lw_spatial_beam *p, lw_beam_space
     }
 }
 
+static lw_status make_super(const lw_space *s, lw_space_forces *f, lw_error *e)
+{
+    const lw_spatial *m = s->model;
+    size_t most = 1;
+    f->super = calloc((size_t)m->n_super + 1, sizeof *f->super);
+    for (int i = 0; i < m->n_super; i++)
+        most = (size_t)m->super[i].n > most ? (size_t)m->super[i].n : most;
+    f->super_work = calloc(6*most + 72*most*most + most*(sizeof(lw_beam_node)/sizeof(double) + 1), sizeof(double));
+    lw_mat3 *turn = calloc(most, sizeof *turn);
+    lw_status st = f->super && f->super_work && turn ? LW_OK : LW_E_MEMORY;
+    for (int i = 0; st == LW_OK && i < m->n_super; i++) {
+        for (int k = 0; k < m->super[i].n; k++)
+            turn[k] = lw_quaternion_matrix(s->axes[s->body_of[m->super[i].link[k]]]);
+        st = lw_super_make(&m->super[i], turn, m->gravity, &f->super[i]);
+        f->conservative = f->conservative && m->super[i].damping == 0;
+    }
+    free(turn);
+    return st == LW_OK ? st : lw_error_set(e, st, "out of memory");
+}
+
 lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *e)
 {
     const lw_spatial *m = s->model;
@@ -54,12 +74,14 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
     const double g[] = { m->gravity.x, m->gravity.y, m->gravity.z };
     for (int i = 0; i < s->n_v; i++)
         f->weight[i] = i%6 < 3 ? (s->mass[i] - s->rotor[i/6])*g[i%6]/s->unit : 0;
-    return LW_OK;
+    return make_super(s, f, e);
 }
 
 void lw_space_forces_free(lw_space_forces *f)
 {
-    free(f->memory);
+    for (int i = 0; f->super && i < f->s->model->n_super; i++)
+        lw_super_free(&f->super[i]);
+    free(f->memory), free(f->super), free(f->super_work);
     *f = (lw_space_forces){ 0 };
 }
 
@@ -404,15 +426,58 @@ void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const 
         }
 }
 
+/* Nodes of a superelement at one moment, behind the matrices of the scratch; v NULL: at rest. */
+static lw_beam_node *super_nodes(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i)
+{
+    const lw_space *s = f->s;
+    const lw_superelement *p = &s->model->super[i];
+    lw_beam_node *node = (lw_beam_node *)(void *)(f->super_work + 6*p->n + 72*p->n*p->n);
+    for (int k = 0; k < p->n; k++) {
+        int b = s->body_of[p->link[k]];
+        node[k] = (lw_beam_node){ .at = frame[b + 1].at, .turn = frame[b + 1].turn };
+        if (v) {
+            node[k].v = lw_v3_scale(lw_v3(v[6*b], v[6*b + 1], v[6*b + 2]), s->unit);
+            node[k].omega = lw_space_omega(frame, b, v);
+        }
+    }
+    return node;
+}
+
+/* Entries of the mass matrix m (6n x 6n), by displacements and turns of n nodes in the axes of a frame. */
+static void add_mass(const lw_space *s, const lw_space_frame *frame, const lw_mat3 *axes, int n, const int *link, const double *m,
+                     const lw_space_sink *sink)
+{
+    for (int i = 0; i < 2*n; i++)
+        for (int j = 0; j < 2*n; j++) {
+            double to[2][3][3];                  /* a coordinate's motion in the frame */
+            int body[2] = { s->body_of[link[i/2]], s->body_of[link[j/2]] };
+            for (int side = 0; side < 2; side++)
+                for (int c = 0; c < 3; c++) {
+                    lw_vec3 e = lw_v3(c == 0, c == 1, c == 2);
+                    e = lw_m3_unapply(axes, (side ? j : i)%2 ? lw_m3_apply(&frame[body[side] + 1].turn, e) : lw_v3_scale(e, s->unit));
+                    to[side][0][c] = e.x, to[side][1][c] = e.y, to[side][2][c] = e.z;
+                }
+            for (int a = 0; a < 3; a++)
+                for (int b = 0; b < 3; b++) {
+                    double all = 0;
+                    for (int x = 0; x < 3; x++)
+                        for (int y = 0; y < 3; y++)
+                            all += to[0][x][a]*m[(3*i + x)*6*n + 3*j + y]*to[1][y][b];
+                    sink->add(sink->context, 6*body[0] + 3*(i%2) + a, 6*body[1] + 3*(j%2) + b, all, 0);
+                }
+        }
+}
+
 bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink)
 {
     const lw_space *s = f->s;
-    bool any = false;
-    for (int i = 0; i < s->model->n_beam; i++) {
-        const lw_spatial_beam *p = &s->model->beam[i];
+    const lw_spatial *model = s->model;
+    bool any = model->n_super > 0;
+    for (int i = 0; i < model->n_beam; i++) {
+        const lw_spatial_beam *p = &model->beam[i];
         lw_beam_node node[2];
         lw_beam_space_state z;
-        double m[12][12], to[4][3][3];          /* a coordinate's motion in the element's axes */
+        double m[12][12];
         any = any || p->consistent;
         if (!p->consistent || !sink)
             continue;
@@ -422,20 +487,11 @@ bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, c
         }
         lw_beam_space_at(&f->beam[i], node, false, &z);
         lw_beam_space_mass(p, m);
-        for (int b = 0; b < 4; b++)
-            for (int c = 0; c < 3; c++) {
-                lw_vec3 e = lw_v3(c == 0, c == 1, c == 2);
-                e = lw_m3_unapply(&z.frame, b%2 ? lw_m3_apply(&node[b/2].turn, e) : lw_v3_scale(e, s->unit));
-                to[b][0][c] = e.x, to[b][1][c] = e.y, to[b][2][c] = e.z;
-            }
-        for (int a = 0; a < 12; a++)
-            for (int b = 0; b < 12; b++) {
-                double all = 0;
-                for (int x = 0; x < 3; x++)
-                    for (int y = 0; y < 3; y++)
-                        all += to[a/3][x][a%3]*m[3*(a/3) + x][3*(b/3) + y]*to[b/3][y][b%3];
-                sink->add(sink->context, 6*s->body_of[p->link[a/6]] + a%6, 6*s->body_of[p->link[b/6]] + b%6, all, 0);
-            }
+        add_mass(s, frame, &z.frame, 2, p->link, &m[0][0], sink);
+    }
+    for (int i = 0; sink && i < model->n_super; i++) {
+        lw_mat3 axes = lw_super_frame(&f->super[i], super_nodes(f, frame, NULL, i));
+        add_mass(s, frame, &axes, model->super[i].n, model->super[i].link, model->super[i].mass, sink);
     }
     return any;
 }
@@ -449,6 +505,20 @@ static void push_beam(sum *s, int i)
     lw_space_add_element(space, s->frame, 2, (const int[2]){ space->body_of[p->link[0]], space->body_of[p->link[1]] }, at.force,
                          &at.by_x[0][0], &at.by_v[0][0], s->force, s->sink);
     s->power += at.power;
+}
+
+static void push_super(sum *s, int i)
+{
+    const lw_space *space = s->f->s;
+    const lw_superelement *p = &space->model->super[i];
+    lw_beam_node *node = super_nodes(s->f, s->frame, s->v, i);
+    double *force = s->f->super_work, *by_x = force + 6*p->n, *by_v = by_x + 36*p->n*p->n, power;
+    int body[LW_SUPER_NODES];
+    for (int k = 0; k < p->n; k++)
+        body[k] = space->body_of[p->link[k]];
+    lw_super_at(&s->f->super[i], node, force, s->sink ? by_x : NULL, by_v, &power);
+    lw_space_add_element(space, s->frame, p->n, body, force, by_x, by_v, s->force, s->sink);
+    s->power += power;
 }
 
 /* The loads that the caller holds on links. */
@@ -503,6 +573,8 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
     }
     for (int i = 0; i < m->n_beam; i++)
         push_beam(&s, i);
+    for (int i = 0; i < m->n_super; i++)
+        push_super(&s, i);
     if (f->held)
         push_held(&s);
     for (int i = 0; i < m->n_force; i++)
@@ -643,6 +715,11 @@ void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink
         body[0] = s->body_of[m->beam[i].link[0]], body[1] = s->body_of[m->beam[i].link[1]];
         list(sink, body, body);
     }
+    for (int i = 0; i < m->n_super; i++)
+        for (int k = 0; k < m->super[i].n*m->super[i].n; k++) {
+            body[0] = s->body_of[m->super[i].link[k/m->super[i].n]], body[1] = s->body_of[m->super[i].link[k%m->super[i].n]];
+            list(sink, (const int[2]){ body[0], -1 }, (const int[2]){ body[1], -1 });
+        }
     for (int i = 0; i < m->n_force; i++)
         for (int k = 0; k < 3; k++) {
             list_law(f, sink, (const int[2]){ f->force_at[i].body, -1 }, -1, m->force[i].force[k]);
@@ -707,6 +784,8 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
         lw_beam_space_at(&f->beam[i], node, false, &z);
         all += z.energy;
     }
+    for (int i = 0; i < m->n_super; i++)
+        all += lw_super_at(&f->super[i], super_nodes(f, frame, NULL, i), f->super_work, NULL, NULL, &x);
     return all;
 }
 

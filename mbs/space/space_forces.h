@@ -7,7 +7,7 @@
 #ifndef LW_MBS_SPACE_SPACE_FORCES_H
 #define LW_MBS_SPACE_SPACE_FORCES_H
 
-#include "mbs/elastic/beam_space.h"
+#include "mbs/elastic/superelement.h"
 #include "mbs/space/space.h"
 
 typedef struct lw_space_forces {
@@ -15,6 +15,8 @@ typedef struct lw_space_forces {
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
     lw_beam_space   *beam;               /* (n_beam) */
+    lw_super        *super;              /* (n_super) */
+    double          *super_work;         /* scratch of the largest: force, by_x, by_v, nodes */
     double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
     double          *weight;             /* (n_v) generalised force of gravity [J] */
     double          *z;                  /* (n_state) the states at which forces are wanted */

@@ -1,0 +1,313 @@
+/* mbs/elastic/superelement.c - derivation.
+ *
+ * T is the frame half-way between nodes a and b (lw_mid_frame_of), p_i = T^T (r_i - r_a), g_i the rotation vector of node i against T;
+ * e_i = (p_i - P_i, g_i).  For small motions r, t of the nodes, written in the frame, with its turn s = (t_a + t_b)/2 - q g x (t_b - t_a):
+ *
+ *     dp_i = r_i - r_a + p_i x s,     dg_i = L(g_i) (t_i - s),     L(g) = 1 - g x /2 + k g x g x,  k = (1 - f/2 cot f/2)/f^2, f = |g|
+ *
+ * With the stress (N_i, M_i) = K (e + d e'), h_i = L^T M_i and c = sum of N_i x p_i - h_i, the gradient of the energy is N_i by r_i
+ * (less their sum by r_a), h_i by t_i, and c/2 + q c x g by t_a, c/2 - q c x g by t_b.  Its change has the exact part B^T K B and
+ * that of the directions at constant stress, which is small beside it and is found by central differences.
+ *
+ * The weight has the potential -g.(m r_a + T w), w = S (P + e), S = sum of the rows of the mass matrix along each axis: it adds
+ * -S^T T^T g to the stress, -w x T^T g to c, and pulls at node a by m g. */
+#include "mbs/elastic/superelement.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/linalg.h"
+
+static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
+{
+    return lw_m3_columns(lw_m3_apply(a, lw_m3_column(b, 0)), lw_m3_apply(a, lw_m3_column(b, 1)), lw_m3_apply(a, lw_m3_column(b, 2)));
+}
+
+static lw_vec3 vec(const double *x) { return lw_v3(x[0], x[1], x[2]); }
+static void put(double *to, lw_vec3 a) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
+
+lw_status lw_super_make(const lw_superelement *p, const lw_mat3 *turn, lw_vec3 gravity, lw_super *s)
+{
+    size_t n = 6*(size_t)p->n;
+    *s = (lw_super){ .p = p, .gravity = gravity, .axes = calloc((size_t)p->n, sizeof *s->axes), .work = calloc(2*n*n + 7*n, sizeof *s->work) };
+    if (!s->axes || !s->work)
+        return LW_E_MEMORY;
+    for (int i = 0; i < p->n; i++) {
+        double away = lw_v3_norm(lw_v3_sub(p->at[i], p->at[0]));
+        if (away > s->size)
+            s->size = away, s->b = i;
+        s->axes[i] = lw_m3_columns(turn[i].row[0], turn[i].row[1], turn[i].row[2]);      /* the inverse */
+    }
+    return LW_OK;
+}
+
+void lw_super_free(lw_super *s)
+{
+    free(s->axes), free(s->work);
+    memset(s, 0, sizeof *s);
+}
+
+static lw_mid_frame frame_of(const lw_super *s, const lw_beam_node *node)
+{
+    lw_mat3 a = times(&node[s->a].turn, &s->axes[s->a]), b = times(&node[s->b].turn, &s->axes[s->b]);
+    return lw_mid_frame_of(&a, &b);
+}
+
+lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node) { return frame_of(s, node).turn; }
+
+/* p_i and g_i. */
+static void place(const lw_super *s, const lw_mid_frame *z, const lw_beam_node *node, int i, lw_vec3 *p, lw_vec3 *g)
+{
+    lw_mat3 own = times(&node[i].turn, &s->axes[i]), back = lw_m3_columns(z->turn.row[0], z->turn.row[1], z->turn.row[2]);
+    own = times(&back, &own);
+    *p = lw_m3_unapply(&z->turn, lw_v3_sub(node[i].at, node[s->a].at));
+    *g = lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_of_matrix(&own)));
+}
+
+/* L(g) t, or with sense 1 L^T t. */
+static lw_vec3 log_rate(lw_vec3 g, lw_vec3 t, double sense)
+{
+    double f2 = lw_v3_dot(g, g), f = sqrt(f2);
+    double k = f2 < 1e-3 ? 1./12 + f2*(1./720 + f2*(1./30240 + f2/1209600)) : (1 - 0.5*f/tan(0.5*f))/f2;
+    lw_vec3 across = lw_v3_cross(g, t);
+    return lw_v3_add(lw_v3_add(t, lw_v3_scale(across, 0.5*sense)), lw_v3_scale(lw_v3_cross(g, across), k));
+}
+
+/* Row k of S times the strains of node i, less those of the posture where they are e. */
+static double moment_part(const lw_super *s, int k, int i, lw_vec3 p, lw_vec3 g)
+{
+    const double *row = s->p->first + k*6*s->p->n + 6*i;
+    return lw_v3_dot(vec(row), p) + lw_v3_dot(vec(row + 3), g);
+}
+
+static double total_mass(const lw_super *s)
+{
+    double m = 0;
+    for (int i = 0; i < s->p->n; i++)
+        m += s->p->lump[i];
+    return m;
+}
+
+/* The gradient (6n), in ground axes, of the energy for a stress, and of the weight. */
+static void gradient(const lw_super *s, const lw_beam_node *node, const double *stress, double *out)
+{
+    lw_mid_frame z = frame_of(s, node);
+    lw_vec3 all = { 0, 0, 0 }, c = { 0, 0, 0 }, down = lw_m3_unapply(&z.turn, s->gravity);
+    double w[3] = { 0 };
+    for (int i = 0; i < s->p->n; i++) {
+        lw_vec3 p, g, n = vec(stress + 6*i), m = vec(stress + 6*i + 3);
+        place(s, &z, node, i, &p, &g);
+        for (int k = 0; k < 3; k++) {
+            const double *row = s->p->first + k*6*s->p->n + 6*i, part = k == 0 ? down.x : k == 1 ? down.y : down.z;
+            w[k] += moment_part(s, k, i, p, g);
+            n = lw_v3_sub(n, lw_v3_scale(vec(row), part));
+            m = lw_v3_sub(m, lw_v3_scale(vec(row + 3), part));
+        }
+        lw_vec3 h = log_rate(g, m, 1);
+        all = lw_v3_add(all, n);
+        c = lw_v3_add(c, lw_v3_sub(lw_v3_cross(n, p), h));
+        put(out + 6*i, n), put(out + 6*i + 3, h);
+    }
+    c = lw_v3_sub(c, lw_v3_cross(lw_v3(w[0], w[1], w[2]), down));
+    all = lw_v3_add(all, lw_v3_scale(down, total_mass(s)));
+    lw_vec3 half = lw_v3_scale(c, 0.5), turn = lw_v3_scale(lw_v3_cross(c, z.g), z.q);
+    put(out + 6*s->a, lw_v3_sub(vec(out + 6*s->a), all));
+    put(out + 6*s->a + 3, lw_v3_add(vec(out + 6*s->a + 3), lw_v3_add(half, turn)));
+    put(out + 6*s->b + 3, lw_v3_add(vec(out + 6*s->b + 3), lw_v3_sub(half, turn)));
+    for (int i = 0; i < 2*s->p->n; i++)
+        put(out + 3*i, lw_m3_apply(&z.turn, vec(out + 3*i)));
+}
+
+/* B (6n x 6n): change of e by motions of the nodes about ground axes. */
+static void strain_matrix(const lw_super *s, const lw_beam_node *node, double *matrix)
+{
+    lw_mid_frame z = frame_of(s, node);
+    int n = s->p->n, rows = 6*n;
+    memset(matrix, 0, (size_t)rows*(size_t)rows*sizeof *matrix);
+    for (int i = 0; i < n; i++) {
+        lw_vec3 p, g;
+        place(s, &z, node, i, &p, &g);
+        for (int column = 0; column < rows; column++) {
+            int j = column/6;
+            lw_vec3 axis = lw_v3(column%3 == 0, column%3 == 1, column%3 == 2), own = lw_m3_unapply(&z.turn, axis);
+            lw_vec3 none = { 0, 0, 0 }, turn = none, dp = none;
+            if (column%6 >= 3 && (j == s->a || j == s->b))
+                turn = lw_v3_add(lw_v3_scale(own, 0.5), lw_v3_scale(lw_v3_cross(z.g, own), j == s->b ? -z.q : z.q));
+            if (column%6 < 3)
+                dp = lw_v3_scale(own, (i == j) - (j == s->a));
+            dp = lw_v3_add(dp, lw_v3_cross(p, turn));
+            lw_vec3 dg = log_rate(g, lw_v3_sub(column%6 >= 3 && i == j ? own : none, turn), -1);
+            const double all[6] = { dp.x, dp.y, dp.z, dg.x, dg.y, dg.z };
+            for (int k = 0; k < 6; k++)
+                matrix[(6*i + k)*rows + column] = all[k];
+        }
+    }
+}
+
+double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double *by_x, double *by_v, double *power)
+{
+    const double step = 1e-6;                /* the differences are off by its square */
+    int n = s->p->n, rows = 6*n;
+    size_t square = (size_t)rows*(size_t)rows;
+    double *e = s->work, *rate = e + rows, *stress = rate + rows, *side[2] = { stress + rows, stress + 2*rows };
+    double *matrix = stress + 3*rows, *product = matrix + square, energy = 0;
+    const double *k = s->p->stiffness;
+    lw_mid_frame z = frame_of(s, node);
+    lw_vec3 down = lw_m3_unapply(&z.turn, s->gravity);
+    for (int i = 0; i < n; i++) {
+        lw_vec3 p, g;
+        place(s, &z, node, i, &p, &g);
+        energy -= down.x*moment_part(s, 0, i, p, g) + down.y*moment_part(s, 1, i, p, g) + down.z*moment_part(s, 2, i, p, g);
+        put(e + 6*i, lw_v3_sub(p, lw_v3_sub(s->p->at[i], s->p->at[s->a])));
+        put(e + 6*i + 3, g);
+    }
+    energy -= total_mass(s)*lw_v3_dot(s->gravity, node[s->a].at);
+    memset(rate, 0, (size_t)rows*sizeof *rate);
+    if (s->p->damping > 0 || by_x)
+        strain_matrix(s, node, matrix);
+    for (int i = 0; s->p->damping > 0 && i < rows; i++)
+        for (int j = 0; j < n; j++) {
+            const double *b = matrix + i*rows + 6*j;
+            rate[i] += lw_v3_dot(vec(b), node[j].v) + lw_v3_dot(vec(b + 3), node[j].omega);
+        }
+    *power = 0;
+    for (int i = 0; i < rows; i++) {
+        double still = 0, moving = 0;
+        for (int j = 0; j < rows; j++)
+            still += k[i*rows + j]*e[j], moving += k[i*rows + j]*rate[j];
+        stress[i] = still + s->p->damping*moving;
+        energy += 0.5*e[i]*still;
+        *power -= s->p->damping*rate[i]*moving;
+    }
+    gradient(s, node, stress, force);
+    for (int i = 0; i < rows; i++)
+        force[i] = -force[i];
+    if (!by_x)
+        return energy;
+    for (int i = 0; i < rows; i++)           /* K B */
+        for (int j = 0; j < rows; j++) {
+            double sum = 0;
+            for (int l = 0; l < rows; l++)
+                sum += k[i*rows + l]*matrix[l*rows + j];
+            product[i*rows + j] = sum;
+        }
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < rows; j++) {
+            double sum = 0;
+            for (int l = 0; l < rows; l++)
+                sum += matrix[l*rows + i]*product[l*rows + j];
+            by_x[i*rows + j] = -sum;
+            by_v[i*rows + j] = -s->p->damping*sum;
+        }
+    for (int column = 0; column < rows; column++) {
+        lw_beam_node *at = &node[column/6], old = *at;
+        double h = column%6 < 3 ? step*s->size : step;
+        for (int way = 0; way < 2; way++) {
+            lw_vec3 by = lw_v3_scale(lw_v3(column%3 == 0, column%3 == 1, column%3 == 2), way ? h : -h);
+            lw_mat3 turn = lw_quaternion_matrix(lw_quaternion_of_vector(by));
+            *at = old;
+            if (column%6 < 3)
+                at->at = lw_v3_add(old.at, by);
+            else
+                at->turn = times(&turn, &old.turn);
+            gradient(s, node, stress, side[way]);
+        }
+        *at = old;
+        for (int i = 0; i < rows; i++)
+            by_x[i*rows + column] -= (side[1][i] - side[0][i])/(2*h);
+    }
+    return energy;
+}
+
+/* ---- mass and condensation ---------------------------------------------------------------------------------------- */
+
+lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep)
+{
+    int inner = n - m, *other = calloc((size_t)n + 1, sizeof *other), found = 0;
+    size_t size = (size_t)inner + 1, both = (size_t)m + 1;
+    double *a = calloc(size*size + size + size*both + size, sizeof *a), *diag = a + size*size, *shape = diag + size, *b = shape + size*both;
+    lw_status s = other && a ? LW_OK : LW_E_MEMORY;
+    for (int i = 0, kept = 0; s == LW_OK && i < n; i++)
+        if (kept < m && keep[kept] == i)
+            kept++;
+        else
+            other[found++] = i;
+    for (int j = 0; s == LW_OK && j < inner; j++)
+        for (int i = 0; i < inner; i++)
+            a[i + inner*j] = k[other[i]*n + other[j]];
+    if (s == LW_OK && inner > 0 && !(lw_qr_factor(inner, inner, a, diag) > 1e-15))
+        s = LW_E_NUMERIC;
+    for (int j = 0; s == LW_OK && j < m; j++) {          /* motion of the others with those that are kept */
+        for (int i = 0; i < inner; i++)
+            b[i] = -k[other[i]*n + keep[j]];
+        if (inner > 0)
+            lw_qr_solve(inner, inner, a, diag, b);
+        memcpy(shape + (size_t)j*(size_t)inner, b, (size_t)inner*sizeof *b);
+    }
+    double *out[2] = { calloc(both*both, sizeof(double)), calloc(both*both, sizeof(double)) };
+    s = s == LW_OK && (!out[0] || !out[1]) ? LW_E_MEMORY : s;
+    for (int which = 0; s == LW_OK && which < 2; which++)
+        for (int j = 0; j < m; j++) {
+            const double *x = which ? mass : k, *v = shape + (size_t)j*(size_t)inner;
+            for (int i = 0; i < m; i++) {
+                const double *u = shape + (size_t)i*(size_t)inner;
+                double sum = x[keep[i]*n + keep[j]];
+                for (int l = 0; l < inner; l++)
+                    sum += x[keep[i]*n + other[l]]*v[l];
+                for (int r = 0; which && r < inner; r++) {
+                    double row = x[other[r]*n + keep[j]];
+                    for (int l = 0; l < inner; l++)
+                        row += x[other[r]*n + other[l]]*v[l];
+                    sum += u[r]*row;
+                }
+                out[which][i*m + j] = sum;
+            }
+        }
+    for (int which = 0; s == LW_OK && which < 2; which++)
+        for (int i = 0; i < m; i++)
+            for (int j = 0; j < m; j++)
+                (which ? mass : k)[i*m + j] = 0.5*(out[which][i*m + j] + out[which][j*m + i]);
+    free(other), free(a), free(out[0]), free(out[1]);
+    return s;
+}
+
+void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6])
+{
+    static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    double all[6][6] = { { 0 } };            /* about the origin: by motions along and turns about x, y, z */
+    int rows = 6*n;
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < rows; j++)
+            for (int a = 0; a < 6; a++)
+                for (int b = 0; b < 6; b++) {
+                    double part[2];
+                    for (int side = 0; side < 2; side++) {
+                        int c = side ? j : i, k = side ? b : a;
+                        lw_vec3 axis = lw_v3(k%3 == 0, k%3 == 1, k%3 == 2), move = k < 3 ? axis : lw_v3_cross(axis, at[c/6]);
+                        const double x[6] = { move.x, move.y, move.z, k > 2 ? axis.x : 0, k > 2 ? axis.y : 0, k > 2 ? axis.z : 0 };
+                        part[side] = x[c%6];
+                    }
+                    all[a][b] += part[0]*mass[i*rows + j]*part[1];
+                }
+    double m = *total = (all[0][0] + all[1][1] + all[2][2])/3;
+    lw_vec3 c = *centre = lw_v3_scale(lw_v3(all[1][5], all[2][3], all[0][4]), 1/m);
+    const double x[3] = { c.x, c.y, c.z }, square = lw_v3_dot(c, c);
+    for (int k = 0; k < 6; k++) {
+        int i = entry[k][0], j = entry[k][1];
+        inertia[k] = all[3 + i][3 + j] - m*((i == j ? square : 0) - x[i]*x[j]);
+    }
+}
+
+void lw_super_lump(int n, const double *mass, double total, double *lump, double *inertia)
+{
+    static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    int rows = 6*n;
+    double sum = 0;
+    for (int i = 0; i < rows; i++)
+        sum += i%6 < 3 ? mass[i*rows + i]/3 : 0;
+    for (int i = 0; i < n; i++) {
+        const double *block = mass + 6*i*rows + 6*i;
+        lump[i] = total/sum*(block[0] + block[rows + 1] + block[2*rows + 2])/3;
+        for (int k = 0; k < 6; k++)
+            inertia[6*i + k] = total/sum*block[(3 + entry[k][0])*rows + 3 + entry[k][1]];
+    }
+}

@@ -1,0 +1,42 @@
+/* mbs/elastic/superelement.h - a body between n nodes in its own moving frame: strains e, the displacements and rotation vectors of
+ * its nodes relative to the frame half-way between two of them, have the energy 1/2 e^T K e.  Rotations of the nodes against the
+ * frame may have any angle below 180 degrees; K is that of small strains.  Its weight acts at the centre of mass, which follows from the
+ * places of the nodes and the mass matrix, so that condensed bodies sag as the whole ones do. */
+#ifndef LW_MBS_ELASTIC_SUPERELEMENT_H
+#define LW_MBS_ELASTIC_SUPERELEMENT_H
+
+#include "mbs/elastic/beam_space.h"
+
+#define LW_SUPER_NODES 100              /* at most */
+
+typedef struct lw_super {
+    const lw_superelement *p;
+    int      a, b;                   /* nodes that carry the frame: the first, and the farthest from it */
+    double   size;                   /* distance between them [m] */
+    lw_vec3  gravity;                /* [m/s^2] */
+    lw_mat3 *axes;                   /* (n) the frame's axes in those of each node */
+    double  *work;                   /* e, stress, B (6n x 6n), K B, two gradients */
+} lw_super;
+
+/* turn: of each node's axes in the posture.  s needs lw_super_free, after LW_E_MEMORY too. */
+lw_status lw_super_make(const lw_superelement *p, const lw_mat3 *turn, lw_vec3 gravity, lw_super *s);
+void      lw_super_free(lw_super *s);
+
+/* force (6n): force and moment on each node, ground axes; by_x, by_v (6n x 6n) its derivatives as in lw_beam_space_state; NULL: not
+ * wanted.  node is as it was afterwards.  Returns the energy with that of the weight [J]; *power of the damping [W]. */
+double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double *by_x, double *by_v, double *power);
+
+/* The frame's axes. */
+lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node);
+
+/* Guyan's condensation (1965) of matrices (n x n) to the m coordinates `keep`, ascending: k and mass become m x m.  LW_E_NUMERIC: the
+ * other coordinates are not held by the stiffness. */
+lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep);
+
+/* Mass, centre [m] and inertia about it (as in lw_spatial_body) of a mass matrix when the body moves as a rigid one. */
+void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6]);
+
+/* Share the mass among the nodes in proportion to the diagonal, their inertias too: mass (n), inertia (6n). */
+void lw_super_lump(int n, const double *mass, double total, double *lump, double *inertia);
+
+#endif
