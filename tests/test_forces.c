@@ -70,10 +70,9 @@ static void state(lw_rng *r, double *q, double *v)
     }
 }
 
-/* Differences of a smooth function of one coordinate: of order 4; false beside a kink, where two orders disagree; *worst: by how
- * much. */
-static bool difference(int i, bool of_q, double *q, double *v, double t, double *out,
-                       double *worst)
+/* Differences of a smooth function of one coordinate: of order 4; false beside a kink, where two orders disagree;
+ * *worst: by how much. */
+static bool difference(int i, bool of_q, double *q, double *v, double t, double *out, double *worst)
 {
     double f[5][LW_SYSTEM_Q_MAX], *x = of_q ? q + i : v + i, keep = *x, size = 1;
     *worst = 0;

@@ -280,10 +280,15 @@ TEST(random_ones_too)
         for (int s = -10; s <= 10; s++) {
             double turn = (p.plan.input_is_slider ? 1 : 0.1/p.plan.input_turns_per_period)*s;
             lw_newton_reset(n);
-            bool there = lw_newton_move(n, p.k.input[0].value + p.plan.input_turns_per_period*turn, NULL) == LW_OK;
+            double reached, from = p.k.input[0].value, ratio = p.plan.input_turns_per_period;
+            bool there = lw_newton_move(n, from + ratio*turn, &reached) == LW_OK;
             if (lw_posture_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &posture) != LW_OK || posture.margin < 1e-4)
                 continue;
-            CHECK(there);
+            if (!there) {                                    /* beyond a gap, narrower than the step */
+                lw_posture_solve(&p.plan, p.dim, p.mode, p.input + (reached - from)/ratio, 0, &posture);
+                CHECK_NEAR(posture.margin, 0, 1e-9, 0);
+                continue;
+            }
             CHECK_NEAR(lw_v2_norm(lw_v2_sub(posture.tracer[0][0], lw_newton_tracer(n, 0))), 0, 1e-9/posture.margin, 0);
             compared++;
         }

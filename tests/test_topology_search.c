@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "mbs/constraints/newton.h"
+#include "optimise/topology/mechanism_set.h"
 #include "optimise/topology/topology_search.h"
 #include "tests/check.h"
 
@@ -110,6 +111,23 @@ static void watch(void *context, double done, double seconds, double best)
     w->calls++;
     w->in_range &= done >= 0 && done <= 1;
     w->stop = 1;
+}
+
+/* A mechanism moves as one with fewer links only if it does with every joint at the ground as the input. */
+TEST(the_joint_chosen_as_input_does_not_decide)
+{
+    lw_mechanism_request ask = { .links = 8, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH, .jobs = 1 };
+    lw_mechanism_set one, each;
+    CHECK_INT(lw_mechanism_set_make(&ask, &one, NULL), LW_OK);
+    ask.timed = true;
+    CHECK_INT(lw_mechanism_set_make(&ask, &each, NULL), LW_OK);
+    for (int s = 0; s < 2; s++) {
+        CHECK_INT(one.stage[s].tally.outcome[LW_PAIR_FITTED], s ? 170 : 8);
+        for (int o = 0; o < LW_PAIR_OUTCOMES; o++)
+            CHECK_INT(one.stage[s].tally.outcome[o], each.stage[s].tally.outcome[o]);
+    }
+    lw_mechanism_set_free(&one);
+    lw_mechanism_set_free(&each);
 }
 
 TEST(progress_is_told_and_the_stop_flag_honoured)

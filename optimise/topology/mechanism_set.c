@@ -101,18 +101,18 @@ static bool try_input(chain_job *job, int joint, lw_packed_mechanism *f, int *li
     return try_inputs(job, f, links);
 }
 
-/* Choose the joint at the ground that makes the plainest plan as the input: pins before slides.  false: there is
- * none. */
+/* Choose the joint at the ground that makes the plainest plan as the input: one with which the tracer depends on all
+ * links before one with which it depends on fewer, pins before slides.  false: there is none. */
 static bool best_input(chain_job *job, const lw_mechanism *m, lw_packed_mechanism *best, int *links)
 {
     bool found = false;
     for (int pass = 0; pass < 2; pass++)
-        for (int j = 0; j < m->n_joint && !(found && best->turn == LW_TURN_DYADS); j++) {
+        for (int j = 0; j < m->n_joint; j++) {
             bool ground = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
             lw_packed_mechanism f = *best;
             int n;
             if (!ground || !lw_joint_can_drive(m->kind[j]) || lw_joint_turns(m->kind[j]) != !pass
-                || !try_input(job, j, &f, &n) || (found && f.turn >= best->turn))
+                || !try_input(job, j, &f, &n) || (found && (n < *links || (n == *links && f.turn >= best->turn))))
                 continue;
             found = true;
             *links = n;
