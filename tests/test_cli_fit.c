@@ -240,3 +240,36 @@ TEST(the_page_has_every_result_and_its_file)
            "sed 's/%/\\\\x/g' | xargs -0 printf '%b' | diff -B - $D/saved/film-advance-1.json", 0, "", "");
     json_decref(root);
 }
+
+/* The curve of the best dwell in the plot passes through the markers of what is wanted, as near as its report says. */
+TEST(wanted_and_reached)
+{
+    expect("$P fit examples/tasks/dwell.json --rounds 1 --starts 50 --results 1 --plot $D/dwell.svg -o $D/dwell.json", 0, "", NULL);
+    ran json = run("grep -m 1 angle_error_max $D/dwell.json | cut -d: -f2"), svg = run("cat $D/dwell.svg");
+    CHECK_HAS(svg.out, ">input angle [deg]<");
+    CHECK_HAS(svg.out, ">output angle [deg]<");
+    double pixels = strtod(json.out, NULL)*180/3.14159265358979*460/40 + 0.5, cx, cy, most = 0;       /* 40 degrees take less than 460 px */
+    int n = 0;
+    for (const char *m = svg.out; (m = strstr(m, "class=\"marker\"")); m++, n++) {
+        double least = INFINITY;
+        const char *circle = m;
+        while (strncmp(circle, "<circle", 7) != 0)
+            circle--;
+        CHECK_INT(sscanf(circle, "<circle cx=\"%lf\" cy=\"%lf\"", &cx, &cy), 2);
+        for (const char *s = svg.out; (s = strstr(s, "<polyline points=\"")); s++) {
+            char *at = (char *)s + 18;
+            for (const char *end = strchr(at, '"'); at < end;) {
+                double x = strtod(at, &at), y = strtod(at + 1, &at);
+                if (!strncmp(strstr(end, "class="), "class=\"series\"", 14))
+                    least = fmin(least, hypot(x - cx, y - cy));
+            }
+        }
+        most = fmax(most, least);
+    }
+    CHECK_INT(n, 16);
+    CHECK(pixels > 0.5 && most < pixels + 1.5);           /* half the greatest distance of the points of the curve */
+    ran_free(&json);
+    ran_free(&svg);
+    expect("$P fit examples/function-log.csv --rounds 1 --starts 20 --save $D/log -q > /dev/null && "
+           "grep -c 'class=\"curves\"' $D/log/index.html && test -s $D/log/function-log-curve.svg", 0, "1", NULL);
+}

@@ -129,21 +129,27 @@ lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, i
     return st;
 }
 
-lw_status lw_draw_plots(int n, const lw_plot *p, const char *path, lw_error *e)
+lw_status lw_draw_drawing(const lw_drawing *d, const char *path, lw_error *e)
 {
     lw_draw_kind kind = LW_DRAW_SVG;
-    lw_drawing d;
     lw_bytes b = { 0 };
     lw_status st = lw_draw_kind_of(path, &kind, e);
     if (st == LW_OK)
-        st = lw_plot_draw_stack(n, p, &d, e);
-    if (st < 0)
-        return st;
-    st = lw_draw_still(&d, kind, &b, e);
-    lw_drawing_free(&d);
+        st = lw_draw_still(d, kind, &b, e);
     if (st == LW_OK)
         st = lw_file_write(path, b.data, b.size, e);
     lw_bytes_free(&b);
+    return st;
+}
+
+lw_status lw_draw_plots(int n, const lw_plot *p, const char *path, lw_error *e)
+{
+    lw_drawing d;
+    lw_status st = lw_plot_draw_stack(n, p, &d, e);
+    if (st < 0)
+        return st;
+    st = lw_draw_drawing(&d, path, e);
+    lw_drawing_free(&d);
     return st;
 }
 

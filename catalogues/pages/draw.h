@@ -28,6 +28,9 @@ lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kin
 /* A drawing as SVG, PNG or PDF.  LW_E_ARG: another kind. */
 lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, lw_error *e);
 
+/* Write it, the kind by the end of the file's name. */
+lw_status lw_draw_drawing(const lw_drawing *d, const char *path, lw_error *e);
+
 /* Write a plot as SVG, PNG or PDF, by the end of the file's name. */
 lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e);
 

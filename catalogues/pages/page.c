@@ -341,6 +341,12 @@ static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int t
             return st;
     }
     controls(b);
+    if (t->curves) {
+        snprintf(open, sizeof open, "t%d-curves-", target + 1);
+        lw_bytes_text(b, "<div class=\"curves\">\n");
+        lw_svg_inline(t->curves, open, b);
+        lw_bytes_text(b, "</div>\n");
+    }
     results_table(b, t, target);
     lw_bytes_text(b, "</section>\n");
     return LW_OK;

@@ -6,6 +6,7 @@
 #define LW_CATALOGUES_PAGES_PAGE_H
 
 #include "base/bytes.h"
+#include "catalogues/draw/drawing.h"
 #include "catalogues/draw/scene.h"
 
 /* One linkage found.  Numbers that are NAN and texts that are NULL are left out. */
@@ -31,6 +32,7 @@ typedef struct lw_page_target {
     const char *about;            /* a paragraph; NULL: none                                        */
     int n_result;                 /* best first                                                     */
     const lw_page_result *result;
+    const lw_drawing *curves;     /* a plot below the linkages; NULL: none                          */
 } lw_page_target;
 
 typedef struct lw_page {

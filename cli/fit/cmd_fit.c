@@ -5,13 +5,14 @@
 #include "base/clock.h"
 #include "base/real.h"
 #include "base/number.h"
+#include "catalogues/pages/draw.h"
 #include "cli/fit/fit.h"
 #include "cli/program/model.h"
 #include "cli/program/mpi_jobs.h"
 #include "cli/program/progress.h"
 
 typedef struct settings {
-    const char *tolerance, *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
+    const char *tolerance, *type, *bounds, *solver, *save, *plot, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
     *gear_ratios, *stations,
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
@@ -127,8 +128,12 @@ static const cli_option options[] = {
       "greatest number of rounds; 0 lets the size of the problem decide", 0, 100000, NULL, NULL },
     { "results", 0, CLI_INT, offsetof(settings, results), "N", "10", "greatest number of results", 1, 64, NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
-      "write linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder",
+      "write linkages (JSON), pictures (SVG, PNG), an animation (GIF), the wanted and reached curves and one index.html into this "
+      "folder",
       0, 0, NULL, NULL },
+    { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
+      "draw what is wanted and what the best seven results reach: of a function output over input, else the paths (.svg, .pdf, "
+      ".png); the table is then not printed", 0, 0, NULL, NULL },
     { "closed", 0, CLI_FLAG, offsetof(settings, closed), NULL, NULL,
       "the target is a closed curve, whatever its file says", 0, 0, NULL, NULL },
     { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL,
@@ -640,7 +645,7 @@ static bool wants_json(const cli_call *call)
 
 static void print(const cli_call *call, const cli_fit_set *set, int n, lw_output *o)
 {
-    bool table = !cli_given(&call->parsed, "json") && !(call->common.quiet && call->common.output);
+    bool table = !cli_given(&call->parsed, "json") && !cli_given(&call->parsed, "plot") && !(call->common.quiet && call->common.output);
     for (int i = 0; i < n && table; i++)
         cli_fit_table(&set[i], stdout);
     for (int i = 0; i < n && wants_json(call); i++)
@@ -651,6 +656,16 @@ static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
 {
     const settings *s = call->settings;
     lw_error e = { 0 };
+    lw_drawing d;
+    if (s->plot && set->search.results.n > 0) {
+        lw_status st = cli_fit_curves(set, &d, &e);
+        if (st == LW_OK) {
+            st = lw_draw_drawing(&d, s->plot, &e);
+            lw_drawing_free(&d);
+        }
+        if (st != LW_OK)
+            return cli_fail(call, &e);
+    }
     if (!s->save)
         return code;
     for (int i = 0; i < n; i++)
@@ -689,6 +704,8 @@ static int check(const cli_call *call)
         return cli_usage(call, "%s", e.text);
     if (call->parsed.n_word == 0)
         return cli_usage(call, "no target; give a CSV file");
+    if (s->plot && call->parsed.n_word > 1)
+        return cli_usage(call, "--plot shows a single target; give them one by one, or --save FOLDER");
     int code = CLI_DONE;
     for (int i = 0; i < call->parsed.n_word && code == CLI_DONE; i++)
         if (is_task_file(call->parsed.word[i]))
@@ -735,6 +752,7 @@ static int fit_all(const cli_call *call, cli_side_by_side *together)
         return cli_fail(call, &e);
     }
     code = fit_targets(call, together, set, &done);
+    cli_finish();                                      /* --time no longer ends the program: results are written in full */
     print(call, set, done, &o);
     if (wants_json(call) && done > 0)
         code = cli_close_marked(call, &o, code);

@@ -2,6 +2,7 @@
 #ifndef CLI_FIT_FIT_H
 #define CLI_FIT_FIT_H
 
+#include "catalogues/draw/drawing.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "optimise/task/task_file.h"
@@ -54,6 +55,9 @@ int cli_fit_check_folder(const cli_call *call, const char *folder, int results);
 /* Write pictures of the best result and the linkages of all results into a folder; and one page for all targets. */
 lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
 lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
+
+/* Draw what is wanted and what the best results reach (fit_plot.c): of a function output over input, else paths. */
+lw_status cli_fit_curves(const cli_fit_set *s, lw_drawing *d, lw_error *e);
 
 /* --exact (fit_exact.c): find linkages through all stations instead of the best ones; then print as for a fit, with
  * their defects. */

@@ -18,7 +18,7 @@ void cli_fit_name(const char *path, char *name, size_t size)
 
 int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
 {
-    static const char *const end[] = { "svg", "png", "gif" };
+    static const char *const end[] = { ".svg", ".png", ".gif", "-curve.svg" };
     char name[CLI_FIT_NAME_SIZE], other[CLI_FIT_NAME_SIZE];
     int code = cli_make_folder(call, folder);
     if (code == CLI_DONE)
@@ -31,8 +31,8 @@ int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
                 return cli_usage(call, "%s and %s would be saved under one name, '%s'; rename one, or fit them one by "
                                  "one into folders of their own", call->parsed.word[k], call->parsed.word[i], name);
         }
-        for (int k = 0; k < 3 && code == CLI_DONE; k++)
-            code = cli_may_write_in(call, folder, "%s.%s", name, end[k]);
+        for (int k = 0; k < 4 && code == CLI_DONE; k++)
+            code = cli_may_write_in(call, folder, "%s%s", name, end[k]);
         for (int k = 1; k <= results + LW_STAGE_MAX && code == CLI_DONE; k++)
             code = cli_may_write_in(call, folder, "%s-%d.json", name, k);
     }
@@ -82,6 +82,13 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
     }
     lw_scene_free(scene);
     free(scene);
+    lw_drawing d;
+    if (st == LW_OK && (st = cli_fit_curves(s, &d, e)) == LW_OK) {
+        char path[CLI_PATH_SIZE];
+        snprintf(path, sizeof path, "%s/%s-curve.svg", folder, s->name);
+        st = lw_draw_drawing(&d, path, e);
+        lw_drawing_free(&d);
+    }
     return st;
 }
 
@@ -91,6 +98,7 @@ typedef struct sheet {
     lw_scene       *scene;                         /* one for each result, as the following            */
     lw_page_result *result;
     char          (*limits)[256];
+    lw_drawing     curves;                         /* wanted and reached                               */
     char          (*class_name)[128], (*file)[CLI_FIT_NAME_SIZE + 24], about[160];
     int             n;
 } sheet;
@@ -129,10 +137,12 @@ static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, l
         st = make_scene(s, h->n, &h->scene[h->n], e);
         describe(s, h->n, h);
     }
+    if (st == LW_OK)
+        st = cli_fit_curves(s, &h->curves, e);
     snprintf(h->about, sizeof h->about, "%zu points, %s; %ld local fits in %.1f s.", s->target.n,
              s->target.closed ? "closed" : "open", s->search.found.fit.improved, s->search.found.fit.seconds);
     *t = (lw_page_target){ .name = s->name, .about = h->about, .n_result = h->n,
-                           .result = h->result };
+                           .result = h->result, .curves = st == LW_OK && !lw_task_has_place(s->spec.task) ? &h->curves : NULL };
     return st;
 }
 
@@ -163,6 +173,7 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
         free(h[i].class_name);
         free(h[i].file);
         free(h[i].limits);
+        lw_drawing_free(&h[i].curves);
     }
     lw_bytes_free(&bytes);
     free(h);
