@@ -234,3 +234,21 @@ TEST(circles_stay_round)
         lw_drawing_free(&d);
     }
 }
+
+/* An axis is never numbered in multiples of rounding: such values are drawn as zero, and it is said. */
+TEST(rounding_is_zero)
+{
+    for (int k = 0; k < 2; k++) {
+        lines l;
+        lw_drawing d;
+        lw_error e;
+        make(&l, false, false);
+        l.p.n_level = 0;
+        for (int i = 0; i < N; i++)
+            l.y[i] = (k ? 1e-12 : 3e-17)*(i % 3 - 1);
+        CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+        CHECK_INT(n_of(&d, LW_ROLE_NOTE), !k);
+        CHECK((fabs(marker_at(&d, 0).y - marker_at(&d, 1).y) > 100) == k);
+        lw_drawing_free(&d);
+    }
+}

@@ -605,3 +605,26 @@ TEST(any_bytes_are_survived)
         lw_target_free(&t);
     }
 }
+
+/* What the file does not say is said by the note, and nothing else. */
+TEST(assumed_units)
+{
+    static const struct { const char *text; bool length, angle; } row[] = {
+        { "x,y\n0,0\n1,2\n3,3\n", true, false },
+        { "# units: mm\nx,y\n0,0\n1,2\n3,3\n", false, false },
+        { "x_mm,y_mm,angle\n0,0,0\n1,2,1\n3,3,2\n", false, true },
+        { "x_mm,y_mm,t\n0,0,0\n1,2,0.1\n3,3,0.2\n", false, false },
+        { "angle,theta\n0,0\n1,2\n2,3\n", false, true },
+        { "angle_deg,theta_deg\n0,0\n1,2\n2,3\n", false, false },
+        { "0,0\n1,2\n3,3\n", true, false },
+    };
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
+        lw_target t;
+        lw_error e = { 0 };
+        CHECK_INT(lw_target_read(row[i].text, strlen(row[i].text), "f.csv", NULL, &t, &e), LW_OK);
+        CHECK_INT(strstr(t.note, "lengths have no unit") != NULL, row[i].length);
+        CHECK_INT(strstr(t.note, "count as rad") != NULL, row[i].angle);
+        CHECK_INT(t.note[0] != 0, row[i].length || row[i].angle);
+        lw_target_free(&t);
+    }
+}

@@ -9,6 +9,7 @@
 #define LETTER   12.0           /* size of the letters [px] */
 #define TICK_MAX 64
 #define TICKS_APART 70.0      /* about [px] */
+#define ROUNDING 1e-13          /* |y| up to here, all over a linear axis, is drawn as zero     */
 #define ROW      18.0           /* height of a row of the legend [px] */
 
 typedef struct lw_axis {
@@ -24,6 +25,7 @@ typedef struct lw_chart {
     lw_drawing *d;
     double  top, height;            /* its part of the page [px]                                   */
     lw_axis x, y;
+    double  rounding;               /* greatest |y| where all of them are rounding, else 0         */
 } lw_chart;
 
 static bool fits(const lw_axis *a, double v)
@@ -113,6 +115,10 @@ static bool find_ranges(lw_chart *c)
     for (int i = 0; any && i < c->p->n_level; i++)
         if (fits(&c->y, c->p->level[i].y))
             include(&c->y, c->p->level[i].y);
+    double most = fmax(fabs(c->y.lo), fabs(c->y.hi));
+    c->rounding = any && !c->p->log_y && most > 0 && most <= ROUNDING ? most : 0;
+    if (c->rounding > 0)
+        c->y.lo = -1, c->y.hi = 1;
     return any;
 }
 
@@ -156,6 +162,11 @@ static void draw_axes(lw_chart *c)
     if (c->p->title) {
         s = lw_drawing_text(c->d, LW_ROLE_TITLE, c->p->title, lw_v2(x->from, c->top + 24), 16, 0);
         s->bold = true;
+    }
+    if (c->rounding > 0) {
+        char note[64];
+        snprintf(note, sizeof note, "zero: only rounding, up to %.0e", c->rounding);
+        text(c, LW_ROLE_NOTE, note, x->to - 4, y->to + 14, 1);
     }
 }
 

@@ -32,7 +32,8 @@ typedef struct lw_plot {
 } lw_plot;
 
 /* Write the result with svg.h or picture.h.  LW_E_ARG: too many series, sizes outside 64 .. 8192;
- * LW_NOTHING: there is no point to show (the drawing says so). */
+ * LW_NOTHING: there is no point to show (the drawing says so).  Where all y are at most 1e-13, they are drawn as zero, and the
+ * drawing says so. */
 lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e);
 
 /* n plots, one above the other, their x axes in one place: one for each unit.  The first says the size of the page,

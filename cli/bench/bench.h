@@ -36,6 +36,9 @@ typedef struct cli_bench_problem {
 lw_status cli_bench_load(const char *folder, cli_bench_problem **p, int *n, lw_error *e);
 void      cli_bench_free(cli_bench_problem *p, int n);
 
+/* "error: sum of squared distances [mm^2]". */
+void cli_bench_error_label(const cli_bench_problem *p, char *text, size_t size);
+
 /* One improvement: the best error after this much work. */
 typedef struct cli_bench_point { long evals; double seconds, error; } cli_bench_point;
 

@@ -154,9 +154,10 @@ static lw_status save_plot(const cli_bench_problem *p, const outcome *out, const
 {
     double x[POINT_MAX], y[POINT_MAX];
     lw_series series[LW_STAGE_MAX];
-    char name[LW_STAGE_MAX][32], path[CLI_PATH_SIZE];
-    lw_plot plot = { .title = p->name, .x_label = "seconds", .y_label = "error: sum of squared distances",
+    char name[LW_STAGE_MAX][32], path[CLI_PATH_SIZE], label[64];
+    lw_plot plot = { .title = p->name, .x_label = "time [s]", .y_label = label,
                      .log_x = true, .log_y = true, .series = series };
+    cli_bench_error_label(p, label, sizeof label);
     for (int k = 0, at = 0; k < out->n; k++) {
         int first = at;
         for (; at < out->watch.n && out->watch.p[at].stage == k; at++) {

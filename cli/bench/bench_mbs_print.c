@@ -138,9 +138,9 @@ static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *n
 {
     char path[CLI_PATH_SIZE], label[128];
     lw_series series[LW_SERIES_MAX];
-    lw_plot plot = { .title = p->title, .x_label = "seconds", .y_label = label, .log_x = true, .log_y = true,
+    lw_plot plot = { .title = p->title, .x_label = "processor time [s]", .y_label = label, .log_x = true, .log_y = true,
                      .series = series };
-    snprintf(label, sizeof label, "error: %s", p->error);
+    snprintf(label, sizeof label, "greatest error: %s", p->error);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
         if (strcmp(r->problem, p->name))

@@ -208,6 +208,12 @@ static lw_status save_reach(const cli_bench *b, const char *line, const char *fo
 
 /* The errors that a plot shows. Worse ones are drawn on its upper edge, since the first guesses of a search would
  * otherwise fill the plot. */
+void cli_bench_error_label(const cli_bench_problem *p, char *text, size_t size)
+{
+    const char *unit = p->target.units.length;
+    snprintf(text, size, "error: sum of squared distances [%s^2]", *unit ? unit : "unit of the file");
+}
+
 typedef struct range { double top, decades; } range;
 
 static range range_of(const cli_bench *b, const cli_bench_problem *p)
@@ -269,19 +275,28 @@ static void add_levels(const cli_bench_figures *k, range r, labels *l)
         add_level(l, "reachable", k->reachable, r);
 }
 
+#define LINES 8                     /* that a plot shows legibly */
+
 static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, double *numbers,
                            const char *folder, lw_error *e)
 {
-    char path[CLI_PATH_SIZE], title[192], bounds[96];
+    char path[CLI_PATH_SIZE], title[224], bounds[96], label[64];
+    int n_all = 0;
     lw_series series[LW_SERIES_MAX];
     labels l;
     range r = range_of(b, p);
-    lw_plot plot = { .title = title, .x_label = "seconds on one core",
-                     .y_label = "error: sum of squared distances", .log_x = true, .log_y = true,
+    lw_plot plot = { .title = title, .x_label = "time on one core [s]", .y_label = label, .log_x = true, .log_y = true,
                      .series = series, .level = l.level };
     for (int i = 0; i < b->n_curve && plot.n_series < LW_SERIES_MAX; i++) {
         const cli_bench_curve *c = &b->curve[i];
         if (c->problem != p || c->n == 0)
+            continue;
+        n_all++;
+        int better = 0;                                        /* curves that end with less error, or come first */
+        for (int k = 0; k < b->n_curve; k++)
+            better += b->curve[k].problem == p && b->curve[k].n > 0
+                   && (cli_bench_error(&b->curve[k]) < cli_bench_error(c) || (k < i && cli_bench_error(&b->curve[k]) == cli_bench_error(c)));
+        if (better >= LINES)
             continue;
         double *x = numbers, *y = numbers + c->n + 1;
         size_t n = thin(c, r, b->seconds, x, y);
@@ -291,7 +306,10 @@ static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, doubl
     add_levels(p->known, r, &l);
     plot.n_level = l.n;
     bounds_text(p->known, bounds, sizeof bounds);
-    snprintf(title, sizeof title, "%s (bounds: %s)", p->name, bounds);
+    int used = snprintf(title, sizeof title, "%s (bounds: %s)", p->name, bounds);
+    if (n_all > LINES)
+        snprintf(title + used, sizeof title - (size_t)used, ", the best %d of %d solvers", LINES, n_all);
+    cli_bench_error_label(p, label, sizeof label);
     snprintf(path, sizeof path, "%s/%s.svg", folder, p->name);
     lw_status st = lw_draw_plot(&plot, path, e);
     return st == LW_NOTHING ? LW_OK : st;

@@ -229,6 +229,22 @@ static lw_status read_columns(lw_header *h, lw_lines *l, lw_error *e)
     return s;
 }
 
+/* Say which names and units were assumed. */
+static void note_assumptions(const lw_header *h, lw_target *t)
+{
+    bool turned = h->column[LW_TARGET_FIELD_THETA] >= 0;
+    bool driven = h->column[LW_TARGET_FIELD_ANGLE] >= 0 && strcmp(h->name[LW_TARGET_FIELD_ANGLE], "t") != 0;
+    size_t used = 0, size = sizeof t->note;
+    if (!h->named)
+        used = (size_t)snprintf(t->note, size, "the columns have no names; they count as x, y%s", t->x && !*h->length_by ? "; " : "");
+    if (t->x && !*h->length_by)
+        used += (size_t)snprintf(t->note + used, size - used, "lengths have no unit: results are in that of the file, exports take "
+                         "metres; add \"# units: mm\"");
+    if ((turned || driven) && !*h->angle_by)
+        snprintf(t->note + used, size - used, "%sangles have no unit and count as rad; add \"# units: deg\" if they are degrees",
+                 used ? "; " : "");
+}
+
 lw_status lw_target_read(const char *text, size_t size, const char *file, const lw_target_options *o,
                          lw_target *t, lw_error *e)
 {
@@ -251,8 +267,8 @@ lw_status lw_target_read(const char *text, size_t size, const char *file, const 
         s = read_columns(&h, &l, e);
     if (s == LW_OK)
         s = read_rows(&h, l, t, e);
-    if (s == LW_OK && !h.named)
-        snprintf(t->note, sizeof t->note, "the columns have no names; they count as x, y in %s", t->units.length);
+    if (s == LW_OK)
+        note_assumptions(&h, t);
     if (s == LW_OK && (s = lw_target_treat(t, o, &why)) != LW_OK)
         lw_error_at(e, s, file, 0, 0, "%s", why.text);
     if (s != LW_OK)
