@@ -15,4 +15,7 @@ lw_units lw_units_si(void);
 bool     lw_units_set_length(lw_units *u, const char *name);   /* false: unknown name, u unchanged */
 bool     lw_units_set_angle(lw_units *u, const char *name);
 
+/* "mm/s" (order 1) or "mm/s^2" (order 2) for the length unit of u, "m/s", ... if it has none. */
+const char *lw_units_rate(const lw_units *u, int order);
+
 #endif

@@ -309,3 +309,24 @@ TEST(geometry_of_the_path)
            "d = $18*cos(u) - $17*sin(u); if (d*d > 1e-16*($17*$17 + $18*$18)) bad++; v = $6 + $13*($5 - $18); "
            "if (v*v > 1e-16*($6*$6 + $18*$18)) bad++ } END { print bad + 0 }'", 0, "0", NULL);
 }
+
+/* All lengths of an output are in one unit: the piston moves by simulate as by trace, in mm, mm/s and mm/s^2. */
+TEST(one_system_of_units)
+{
+    ran a = run("$P simulate examples/slider-crank.json --speed 60rpm -n 2 -q | grep -v '^[#t]' | head -n 1 | cut -d, -f5-10");
+    ran u = run("$P simulate examples/slider-crank.json --speed 60rpm -n 2 -q | head -n 1 | cut -d, -f5-10");
+    double v[6];
+    CHECK_TEXT(u.out, "mm,mm,mm/s,mm/s,mm/s^2,mm/s^2\n");
+    CHECK_INT(sscanf(a.out, "%lf,%lf,%lf,%lf,%lf,%lf", v, v + 1, v + 2, v + 3, v + 4, v + 5), 6);
+    /* crank 30 mm, rod 70 mm, offset 10 mm at 2 pi rad/s: x = r cos a + sqrt(l^2 - (r sin a - e)^2), checked by differences */
+    double w = 6.283185307179586, a0 = atan2(24, 18), h = 1e-5, x[3];
+    for (int i = 0; i < 3; i++) {
+        double angle = a0 + w*h*(i - 1), y = 30*sin(angle) - 10;
+        x[i] = 30*cos(angle) + sqrt(v[0]*v[0] - 36*v[0] + 324 + 196 - y*y);
+    }
+    CHECK_NEAR(v[0], x[1], 1e-9, 0);
+    CHECK_NEAR(v[2], (x[2] - x[0])/(2*h), 1e-4, 0);
+    CHECK_NEAR(v[4], (x[2] - 2*x[1] + x[0])/(h*h), 1e-2, 0);
+    ran_free(&a);
+    ran_free(&u);
+}

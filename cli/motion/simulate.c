@@ -52,24 +52,24 @@ static lw_status name_columns(cli_simulate *s, lw_error *e)
         const char *name = k->joint[k->input[i].joint].name;
         bool pin = lw_joint_turns(k->joint[k->input[i].joint].kind);
         add(s, pin ? angle : length, pin ? radian : metre, "%s.input", name);
-        add(s, pin ? "rad/s" : "m/s", 1, "%s.rate", name);
+        add(s, pin ? "rad/s" : lw_units_rate(&k->units, 1), pin ? 1 : metre, "%s.rate", name);
         add(s, pin ? "N m" : "N", 1, "%s.drive", name);
     }
     for (int i = 0; i < k->n_tracer; i++)
         for (int order = 0; order < 3; order++)
             for (int axis = 0; axis < 2; axis++)
-                add(s, order == 2 ? "m/s^2" : order ? "m/s" : length, order ? 1 : metre, "%s.%s%c", k->tracer[i].name,
+                add(s, order ? lw_units_rate(&k->units, order) : length, metre, "%s.%s%c", k->tracer[i].name,
                     order == 0 ? "" : order == 1 ? "v" : "a", axis ? 'y' : 'x');
     for (int b = 0; b < sys->n_body; b++) {
         const char *name = k->link_name[sys->link[b]];
         add(s, length, metre, "%s.x", name);
         add(s, length, metre, "%s.y", name);
         add(s, angle, radian, "%s.turn", name);
-        add(s, "m/s", 1, "%s.vx", name);
-        add(s, "m/s", 1, "%s.vy", name);
+        add(s, lw_units_rate(&k->units, 1), metre, "%s.vx", name);
+        add(s, lw_units_rate(&k->units, 1), metre, "%s.vy", name);
         add(s, "rad/s", 1, "%s.omega", name);
-        add(s, "m/s^2", 1, "%s.ax", name);
-        add(s, "m/s^2", 1, "%s.ay", name);
+        add(s, lw_units_rate(&k->units, 2), metre, "%s.ax", name);
+        add(s, lw_units_rate(&k->units, 2), metre, "%s.ay", name);
         add(s, "rad/s^2", 1, "%s.alpha", name);
     }
     for (int i = 0; i < k->n_joint; i++) {

@@ -40,11 +40,16 @@ static bool is_driven(const cli_table *t)
 static void label_of(char *to, size_t size, const char *unit)
 {
     static const char *const known[][2] = {
-        { "m/s", "velocity" }, { "m/s^2", "acceleration" }, { "rad/s", "angular velocity" },
+        { "rad/s", "angular velocity" },
         { "rad/s^2", "angular acceleration" }, { "N", "force" }, { "N m", "torque" }, { "J", "energy" },
         { "N/m^2", "stress" }, { "W", "power" }, { "A", "current" }, { "V", "voltage" } };
     lw_units u = lw_units_si();
+    char length[8] = "";
+    const char *slash = strchr(unit, '/');
+    snprintf(length, sizeof length, "%.*s", slash ? (int)(slash - unit) : 0, unit);
     const char *what = lw_units_set_length(&u, unit) ? "place" : lw_units_set_angle(&u, unit) ? "angle" : NULL;
+    if (lw_units_set_length(&u, length))
+        what = strcmp(slash, "/s") == 0 ? "velocity" : strcmp(slash, "/s^2") == 0 ? "acceleration" : NULL;
     for (size_t i = 0; !what && i < sizeof known/sizeof *known; i++)
         what = strcmp(unit, known[i][0]) == 0 ? known[i][1] : NULL;
     snprintf(to, size, "%s%s[%s]", what ? what : "", what ? " " : "", unit);

@@ -64,6 +64,12 @@ static void add_vector(run *r, const char *of, const char *prefix, const char *u
     }
 }
 
+static void add_rate(run *r, const char *of, const char *part, bool turn, int order)
+{
+    const lw_units *u = &r->m->units;
+    add(r, of, part, turn ? order == 1 ? "rad/s" : "rad/s^2" : lw_units_rate(u, order), turn ? 1 : 1/u->metre);
+}
+
 static void add_body(run *r, const char *name)
 {
     static const char *const turn[] = { "qw", "qx", "qy", "qz" };
@@ -71,9 +77,9 @@ static void add_body(run *r, const char *name)
     add_vector(r, name, "", u->length[0] ? u->length : "m", 1/u->metre);
     for (int i = 0; i < 4; i++)
         add(r, name, turn[i], "1", 1);
-    add_vector(r, name, "v", "m/s", 1);
+    add_vector(r, name, "v", lw_units_rate(u, 1), 1/u->metre);
     add_vector(r, name, "w", "rad/s", 1);
-    add_vector(r, name, "a", "m/s^2", 1);
+    add_vector(r, name, "a", lw_units_rate(u, 2), 1/u->metre);
     add_vector(r, name, "alpha_", "rad/s^2", 1);
 }
 
@@ -111,17 +117,17 @@ static void make_columns(run *r)
         for (char *c = name; *c; c++)
             *c = *c == ' ' ? '_' : *c;
         add(r, name, "input", turn ? m->units.angle : length, turn ? 1/m->units.radian : 1/m->units.metre);
-        add(r, name, "rate", turn ? "rad/s" : "m/s", 1);
+        add_rate(r, name, "rate", turn, 1);
         if (m->n_drive == 0) {
-            add(r, name, "acceleration", turn ? "rad/s^2" : "m/s^2", 1);
+            add_rate(r, name, "acceleration", turn, 2);
             add(r, name, "drive", force_unit(of), 1);
         }
     }
     for (int i = 0; i < m->n_drive; i++) {
         lw_spatial_measure_name(m, m->drive[i], name, sizeof name);
         bool turn = m->drive[i].of == LW_OF_TURN;
-        add(r, name, "rate", turn ? "rad/s" : "m/s", 1);
-        add(r, name, "acceleration", turn ? "rad/s^2" : "m/s^2", 1);
+        add_rate(r, name, "rate", turn, 1);
+        add_rate(r, name, "acceleration", turn, 2);
         add(r, name, "drive", force_unit(m->drive[i]), 1);
     }
     for (int i = 0; i < m->n_tracer; i++)
