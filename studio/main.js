@@ -2,7 +2,7 @@
 import { app, accept, blank, change, changed, emit, later, on, recall, redo, undo } from "./state.js";
 import { ask, latest, onConnection, Refused } from "./api.js";
 import { Layer, View, drawMechanism } from "./view.js";
-import { clone, complete, distance, inputOf, placed, turned } from "./mechanism.js";
+import { clone, complete, distance, inputOf, placed, rebase, turned } from "./mechanism.js";
 import { csv, outline } from "./path.js";
 import { nudge, removePicked, select, tools } from "./tools.js";
 import { makePanels } from "./panels.js";
@@ -117,7 +117,7 @@ function drawLinkage() {
     const index = new Map(g.motion.links.map((name, i) => [name, i])), f = app.motion ? app.frame / app.motion.frames * g.motion.frames : 0;
     const at = Math.min(f, g.motion.frames - 1);
     drawMechanism(body, v, g.linkage, (p, link) => placed(g.motion, at, index.get(link), p), (link) => turned(g.motion, at, index.get(link)),
-      { key: `ghost${n}.`, little: true });
+      { key: `ghost${n}.`, little: true, ghost: true });
   }
   if (app.doc.linkage) {
     const { where, turn, k } = poses();
@@ -234,6 +234,17 @@ app.refresh = () => {
     fault("Pin a link to the ground: choose Ground and click one of its ends.");
     app.redraw();
   }
+};
+
+// The same lengths at the same input, put together the next other way.
+app.assemble = async () => {
+  const k = app.doc.linkage && (app.fresh() ? rebase(app.doc.linkage, app.motion, app.frame) : app.doc.linkage);
+  if (!k) return;
+  try {
+    const o = await ask("assembly", { linkage: k });
+    change("linkage", (d) => { d.linkage = rebase(k, o, 0); });
+    app.frame = 0;
+  } catch (error) { app.say(error.message, true); }
 };
 
 // ---- the path, from the server
@@ -469,6 +480,7 @@ document.addEventListener("keydown", (e) => {
   else if (key === "-") $("zoom-out").click();
   else if (key === "0") app.fit();
   else if (key === "n") $("snap").click();
+  else if (key === "m") app.assemble();
   else if (key === "?") $("keys").click();
   else {
     const tool = tools.find((t) => t.key === key);
@@ -478,7 +490,7 @@ document.addEventListener("keydown", (e) => {
 $("keys").onclick = () => {
   const rows = [["Space", "play or pause"], ["Ctrl Z, Ctrl Y", "undo, redo"], ["Ctrl S, Ctrl O", "save, open"],
     ...tools.map((t) => [t.key.toUpperCase(), t.title]), ["arrows", "on a point: move it, with Shift five times as far; on the drawing: move the paper"],
-    ["+ − 0", "zoom in, out, show all"], ["N", "snap to the grid"], ["Del", "take away the chosen point or link"], ["Esc", "leave a stroke"]];
+    ["+ − 0", "zoom in, out, show all"], ["N", "snap to the grid"], ["M", "the other assembly mode"], ["Del", "take away the chosen point or link"], ["Esc", "leave a stroke"]];
   const help = $("help");
   help.replaceChildren(Object.assign(document.createElement("h2"), { textContent: "Keys" }));
   const dl = document.createElement("dl");

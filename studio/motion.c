@@ -167,6 +167,67 @@ lw_status studio_mobility(studio *st, const json_t *ask, studio_reply *r, lw_err
     return s;
 }
 
+/* Where each link is in the posture of mode, as one frame of a motion: the points (0, 0) and (1, 0) of the link move with
+ * it as its tracers. */
+static void put_assembly(lw_bytes *b, const lw_plan *plan, const double *dim, const double *mode, double input, lw_linkage *k)
+{
+    lw_linkage *moved = malloc(sizeof *moved);
+    double place[4*LW_LINK_MAX] = { 0 }, origin[2*LW_LINK_MAX] = { 0 };
+    k->n_tracer = 2;
+    for (int i = 0; i < k->n_link && moved; i++) {
+        for (int p = 0; p < 2; p++)
+            k->tracer[p] = (lw_tracer){ .link = i, .at = lw_v2(p, 0) };
+        *moved = *k;
+        lw_plan_write(plan, dim, mode, input, moved);
+        lw_vec2 at = moved->tracer[0].at, turn = lw_v2_sub(moved->tracer[1].at, at);
+        memcpy(place + 4*i, (double[]){ at.x/k->units.metre, at.y/k->units.metre, turn.x, turn.y }, 4*sizeof *place);
+    }
+    lw_bytes_text(b, "{");
+    studio_put_key(b, "links");
+    lw_bytes_text(b, "[");
+    for (int i = 0; i < k->n_link; i++)
+        studio_put_text(b, NULL, k->link_name[i]);
+    lw_bytes_text(b, "]");
+    studio_put_real(b, "frames", 1);
+    studio_put_reals(b, "origins", origin, 2*(size_t)k->n_link, 1, 1);
+    studio_put_reals(b, "places", place, moved ? 4*(size_t)k->n_link : 0, 1, 1);
+    lw_bytes_text(b, "}\n");
+    free(moved);
+}
+
+/* { linkage }: the same lengths at the same input, put together the next other way, as a motion of one frame. */
+lw_status studio_assembly(studio *st, const json_t *ask, studio_reply *r, lw_error *e)
+{
+    lw_linkage *k = malloc(sizeof *k);
+    lw_plan *plan = malloc(sizeof *plan);
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
+    (void)st;
+    lw_status s = k && plan ? studio_linkage(ask, "linkage", k, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_plan_options o = { .kind = LW_PLAN_GEARED, .all_joints = true };
+    if (s == LW_OK)
+        s = lw_plan_make(k, o, plan, e);
+    if (s == LW_OK)
+        s = lw_plan_read(plan, k, dim, mode, &input, e);
+    unsigned ways = s == LW_OK ? 1u << plan->n_dyad : 0, code = 0, next = 1;
+    for (int d = 0; ways && d < plan->n_dyad; d++)
+        code |= (unsigned)(mode[d] < 0) << d;
+    for (; next < ways; next++) {                     /* mode + and - as the bits of a number, counted on */
+        for (int d = 0; d < plan->n_dyad; d++)
+            mode[d] = (code + next) >> d & 1 ? -1 : 1;
+        if (lw_plan_write(plan, dim, mode, input, k) == LW_OK)
+            break;
+    }
+    if (s == LW_OK && next < ways)                    /* as it was: places are counted from there */
+        s = studio_linkage(ask, "linkage", k, e);
+    if (s == LW_OK && next >= ways)
+        s = lw_error_set(e, LW_E_ARG, "these lengths close in one way only where the input stands; move the input first");
+    if (s == LW_OK)
+        put_assembly(&r->body, plan, dim, mode, input, k);
+    free(k);
+    free(plan);
+    return s;
+}
+
 /* ---- velocities, centres, limits ------------------------------------------------------------------------------ */
 
 /* One frame with derivatives; false: the frame stands in another assembly mode than the posture, or at a limit. */

@@ -256,7 +256,7 @@ function searchPanel(panel) {
       make("p", { id: "state", role: "status" }, `${words}${n ? `, ${round(n.seconds, 2)} s` : ""}${lastError !== null ? `; best error ${round(lastError)} ${app.doc.unit} (rms)` : ""}`));
     if (n && n.error) progress.append(make("p", { class: "bad" }, n.error));
     if (pairs.length) {
-      pairs.push([Math.max(n.seconds, pairs[pairs.length - 1][0]), lastError]);
+      pairs.push([Math.max(n.seconds, 1.05 * pairs[pairs.length - 1][0]), lastError]);
       const x = [], y = [];
       pairs.forEach(([a, b], i) => { if (i) { x.push(a); y.push(pairs[i - 1][1]); } x.push(a); y.push(b); });
       progress.append(plot({ label: "Error over time", x: "time [s]", y: `error [${app.doc.unit}]`, log: true, height: 120, series: [{ x, y, colour: "var(--wanted)" }] }));
@@ -449,7 +449,8 @@ function mechanismPanel(panel) {
     const parts = [table];
     if (grounded.length) parts.push(choice("Driven at", input ? input.joint : "", [["", "nowhere"], ...grounded.map((j) => [j.name, `${j.name} (${j.links.find((l) => l !== ground)})`])],
       (v) => { const posture = now(); change("linkage", (d) => { d.linkage = posture; delete d.linkage.inputs; if (v) d.linkage.input = { joint: v }; else delete d.linkage.input; }); }));
-    parts.push(...pickedPart(k), row(make("button", { id: "improve2", disabled: app.stations.length < 3, onclick: () => { app.show("search"); document.getElementById("improve").click(); } }, "Improve from here"),
+    parts.push(...pickedPart(k), row(make("button", { id: "assembly", onclick: app.assemble, title: "The same lengths, put together the other way (M)" }, "Other assembly")),
+      row(make("button", { id: "improve2", disabled: app.stations.length < 3, onclick: () => { app.show("search"); document.getElementById("improve").click(); } }, "Improve from here"),
       make("button", { onclick: () => change("linkage", (d) => { d.linkage = null; d.locked = []; }) }, "Clear the mechanism")));
     swap(list, ...parts);
   });

@@ -125,6 +125,7 @@ static void found(void *context, const lw_linkage *linkage, double objective, do
     pthread_mutex_lock(&q->s->lock);
     lw_bytes_free(&q->best);
     q->best = best;
+    q->seconds = fmax(q->seconds, seconds);
     if (q->history.size)
         lw_bytes_text(&q->history, ",");
     lw_bytes_number(&q->history, seconds, 5);

@@ -22,7 +22,7 @@ static const struct { const char *name; studio_answer *answer; } answers[] = {
     { "analyse", studio_analyse }, { "forces", studio_forces },     { "mobility", studio_mobility },
     { "target", studio_target },   { "search", studio_search_start }, { "news", studio_search_news },
     { "stop", studio_search_stop },{ "nearest", studio_nearest },   { "export", studio_export },
-    { "chains", studio_chains },   { "chain", studio_chain_linkage }, { "gallery", studio_gallery },
+    { "assembly", studio_assembly },{ "chains", studio_chains },   { "chain", studio_chain_linkage }, { "gallery", studio_gallery },
 };
 
 static void put_error(studio_reply *r, int status, const lw_error *e)

@@ -39,7 +39,7 @@ struct studio {
 /* Answer one question: fills r->body.  A status below 0 goes to the page as an error with its text. */
 typedef lw_status studio_answer(studio *s, const json_t *ask, studio_reply *r, lw_error *e);
 
-studio_answer studio_begin, studio_open, studio_motion, studio_analyse, studio_forces, studio_mobility,
+studio_answer studio_begin, studio_open, studio_motion, studio_analyse, studio_forces, studio_mobility, studio_assembly,
               studio_target, studio_search_start, studio_search_news, studio_search_stop, studio_nearest, studio_export,
               studio_chains, studio_chain_linkage, studio_gallery;
 

@@ -134,7 +134,7 @@ export function drawMechanism(layer, view, k, where, turn, o = {}) {
     if (bar) points.splice(0, points.length, ...far);
     const d = points.map((p, i) => `${i ? "L" : "M"}${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("") + (bar ? "" : "Z");
     layer.put(`${key}link.${link}`, "path", { d, class: `link${bar ? " bar" : ""}${drive && drive.links.includes(link) ? " input" : ""}` +
-      `${o.picked && o.picked.link === link ? " picked" : ""}`, "stroke-width": o.little ? (bar ? 4 : 1.5) : undefined });
+      `${o.picked && o.picked.link === link ? " picked" : ""}${o.ghost ? " ghost" : ""}`, "stroke-width": o.little ? (bar ? 4 : 1.5) : undefined });
   }
   for (const j of k.joints) {
     const id = `${key}joint.${j.name}`, fixed = j.links.includes(ground);

@@ -146,6 +146,34 @@ await test("double points of a figure of eight", async () => {
   await p.click("#fit");
 });
 
+await test("the other assembly mode: the same lengths, the other side, and back; masses come along", async () => {
+  const p = page();
+  await p.click("#tab-mechanism");
+  await p.until("document.querySelectorAll('#gallery option').length > 20");
+  await p.choose("#gallery", "hoeken");
+  await p.until("studio.doc.linkage && /Hoe/i.test(studio.doc.linkage.name)");
+  await settled();
+  await p.click("#tab-mechanism");
+  const coupler = await p.run("studio.doc.linkage.links[2].name");
+  await p.fill(`[aria-label='Mass of ${coupler}']`, "0.4");
+  await settled();
+  const k = (await doc()).linkage, at = (q, n) => [...q.joints, ...q.tracers].find((j) => j.name === n).at, d = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  await p.click("#assembly");
+  await p.until(`JSON.stringify(studio.doc.linkage) !== ${JSON.stringify(JSON.stringify(k))}`, "the other mode");
+  await settled();
+  const o = (await doc()).linkage, moved = k.joints.filter((j) => d(j.at, at(o, j.name)) > 1e-3).map((j) => j.name);
+  check(`one pin changes sides, not ${moved}`, moved.length === 1);
+  for (const link of k.links) {
+    const on = [...k.joints.filter((j) => j.links.includes(link.name)), ...k.tracers.filter((t) => t.link === link.name)].map((j) => j.name);
+    for (const a of on) for (const b of on) check(`${a} ${b}`, Math.abs(d(at(k, a), at(k, b)) - d(at(o, a), at(o, b))) < 1e-6);
+    if (link.centre) check("centre of mass", Math.abs(d(link.centre, at(k, on[0])) - d(o.links.find((l) => l.name === link.name).centre, at(o, on[0]))) < 1e-6);
+  }
+  await p.run("document.getElementById('canvas').focus()");
+  await p.key("m");
+  await p.until(`Math.hypot(...studio.doc.linkage.joints.find((j) => j.name === "${moved[0]}").at.map((v, i) => v - ${JSON.stringify(at(k, moved[0]))}[i])) < 1e-6`, "M brings it back");
+  await settled();
+});
+
 await test("masses give the torque of the drive and the forces in the joints", async () => {
   const p = page();
   check("told what is missing", (await p.run("document.getElementById('panel-look').textContent")).includes("masses"));
