@@ -126,7 +126,7 @@ function drawLinkage() {
     if (app.tool === select) {
       const seen = [];
       for (const p of [...k.tracers, ...k.joints]) {
-        if (!p.at) continue;
+        if (!p.at || p.kind === "n") continue;
         const q = app.posed(p);
         if (seen.some((o) => distance(o, q) < 1e-9)) continue;
         seen.push(q);
@@ -165,6 +165,8 @@ app.fit = () => {
   const { where, k } = poses();
   if (k) {
     for (const p of [...k.joints, ...k.tracers]) if (p.at) points.push(where(p.at, p.links ? p.links[0] : p.link));
+    for (const f of [...(k.ropes || []), ...(k.springs || [])]) if (Array.isArray(f.at) && f.links) f.at.forEach((p, i) => points.push(where(p, f.links[i])));
+    for (const l of k.links) for (const s of l.shapes || []) for (const p of s.circle ? [s.circle] : s.polygon || s.segment || []) points.push(where(p, l.name));
     if (app.motion) for (const c of app.motion.curves) if (c.shown) for (let i = 0; i < c.x.length; i += 9) points.push([c.x[i], c.y[i]]);
   }
   for (const z of [app.doc.task.pivots, ...app.doc.task.forbidden]) if (z) points.push([z[0], z[1]], [z[2], z[3]]);
@@ -549,9 +551,15 @@ export function inUnit(k, unit) {
   if (f === 1) return out;
   for (const p of [...out.joints, ...(out.tracers || [])]) if (p.at) p.at = scaled(p.at);
   for (const l of out.links) if (l.centre) l.centre = scaled(l.centre);
+  for (const l of out.links) for (const s of l.shapes || []) {
+    for (const key of ["line", "segment", "polygon"]) if (s[key]) s[key] = s[key].map(scaled);
+    if (s.circle) s.circle = scaled(s.circle);
+    if (typeof s.radius === "number") s.radius *= f;
+  }
   for (const j of out.joints) for (const [o, keys] of [[j.stop, ["least", "greatest"]], [j.friction, ["radius"]], [j.clearance, ["gap", "depth"]]])
     if (o) for (const key of keys) if (typeof o[key] === "number" && !(o === j.stop && j.kind === "r")) o[key] *= f;
-  for (const s of [...(out.springs || []), ...(out.dampers || [])]) {
+  for (const s of [...(out.springs || []), ...(out.dampers || []), ...(out.ropes || [])]) {
+    if (typeof s.length === "number") s.length *= f;
     if (typeof s.free === "number" && s.links) s.free *= f;
     if (Array.isArray(s.at)) s.at = s.at.map((p) => (Array.isArray(p) ? scaled(p) : p));
   }

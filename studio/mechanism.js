@@ -16,7 +16,7 @@ export function complete(written, text) {
     const mine = k.links.find((m) => m.name === nameOf(l));
     if (mine && typeof l === "object") Object.assign(mine, l);
   }
-  for (const key of ["gravity", "springs", "dampers", "forces", "motors"]) if (old[key]) k[key] = old[key];
+  for (const key of ["gravity", "springs", "dampers", "forces", "motors", "ropes", "contacts"]) if (old[key]) k[key] = old[key];
   for (const j of old.joints || []) {
     const mine = k.joints.find((m) => m.name === j.name);
     for (const key of ["friction", "stop", "clearance"]) if (mine && j[key]) mine[key] = j[key];
@@ -27,7 +27,7 @@ export function complete(written, text) {
 export function inputOf(k) { return k.input || (k.inputs && k.inputs[0]) || null; }
 export function groundOf(k) { return k.ground || "ground"; }
 export const linkNames = (k) => k.links.map(nameOf);
-export const onLink = (k, link) => k.joints.filter((j) => j.kind !== "g" && j.links.includes(link));
+export const onLink = (k, link) => k.joints.filter((j) => j.kind !== "g" && j.kind !== "n" && j.links.includes(link));
 
 // Points of a link that are drawn: its joints and tracers, each place once.
 export function pointsOf(k, link) {
@@ -68,7 +68,10 @@ export function rebase(k, motion, frame) {
     if (t.angle) t.angle += Math.atan2(s, c) * 180 / Math.PI;
   }
   for (const l of out.links) if (l.centre) l.centre = move(l.centre, l.name);
-  for (const f of [...(out.springs || []), ...(out.dampers || [])])
+  for (const l of out.links) for (const s of l.shapes || []) for (const key of ["line", "segment", "polygon"])
+    if (s[key]) s[key] = s[key].map((p) => move(p, l.name));
+  for (const l of out.links) for (const s of l.shapes || []) if (s.circle) s.circle = move(s.circle, l.name);
+  for (const f of [...(out.springs || []), ...(out.dampers || []), ...(out.ropes || [])])
     if (Array.isArray(f.at) && f.links) f.at = f.at.map((p, i) => move(p, f.links[i]));
   for (const f of out.forces || []) if (f.at) f.at = move(f.at, f.link);
   const input = inputOf(out);

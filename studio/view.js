@@ -122,11 +122,43 @@ function groundPin(layer, key, x, y) {
     "stroke-width": 1.2 });
 }
 
+// Outlines that can touch others, ropes and springs; `where` takes a point and its link.
+function drawParts(layer, view, k, where) {
+  const P = (p, link) => { const q = where(p, link); return [view.X(q), view.Y(q)]; };
+  const path = (points, closed) => points.map((p, i) => `${i ? "L" : "M"}${p[0].toFixed(1)} ${p[1].toFixed(1)}`).join("") + (closed ? "Z" : "");
+  for (const link of k.links) for (const [i, s] of (link.shapes || []).entries()) {
+    const key = `shape.${link.name}.${i}`, r = (s.radius || 0) * view.scale;
+    if (s.circle) {
+      const [cx, cy] = P(s.circle, link.name);
+      layer.put(key, "circle", { class: "outline", cx: cx.toFixed(1), cy: cy.toFixed(1), r: r.toFixed(1) });
+      continue;
+    }
+    let points = (s.line || s.segment || s.polygon || []).map((p) => P(p, link.name));
+    if (s.line) {                                       // without ends
+      const [a, b] = points, f = 1e4 / (Math.hypot(b[0] - a[0], b[1] - a[1]) || 1), by = [f * (b[0] - a[0]), f * (b[1] - a[1])];
+      points = [[a[0] - by[0], a[1] - by[1]], [b[0] + by[0], b[1] + by[1]]];
+    }
+    layer.put(key, "path", { class: `outline${s.polygon ? "" : " open"}`, d: path(points, s.polygon), "stroke-width": s.segment ? Math.max(2 * r, 1.5) : undefined });
+  }
+  const tie = (key, f, spring) => {
+    if (!Array.isArray(f.at) || !f.links) return;
+    const [a, b] = f.at.map((p, i) => P(p, f.links[i])), long = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1, points = [a], n = 9;
+    for (let i = 0; i <= n && spring; i++) {
+      const u = 0.2 + 0.6 * i / n, w = (i === 0 || i === n ? 0 : i % 2 ? 7 : -7) / long;
+      points.push([a[0] + u * (b[0] - a[0]) - w * (b[1] - a[1]), a[1] + u * (b[1] - a[1]) + w * (b[0] - a[0])]);
+    }
+    layer.put(key, "path", { class: "tie", d: path([...points, b]) });
+  };
+  (k.ropes || []).forEach((f, i) => tie(`rope.${i}`, f));
+  (k.springs || []).forEach((f, i) => tie(`spring.${i}`, f, true));
+}
+
 // Draw a linkage with its points where `where(point, link)` says.  o: key prefix, little (no symbols' names), picked.
 export function drawMechanism(layer, view, k, where, turn, o = {}) {
   const key = o.key || "", ground = groundOf(k), input = inputOf(k);
   const P = (p, link) => { const q = where(p.at, link); return [view.X(q), view.Y(q)]; };
   const drive = input && k.joints.find((j) => j.name === input.joint);
+  if (!o.little) drawParts(layer, view, k, where);
   for (const link of linkNames(k)) {
     if (link === ground) continue;
     const all = pointsOf(k, link).map((p) => P(p, link)), points = hull(all);
@@ -138,6 +170,7 @@ export function drawMechanism(layer, view, k, where, turn, o = {}) {
   }
   for (const j of k.joints) {
     const id = `${key}joint.${j.name}`, fixed = j.links.includes(ground);
+    if (j.kind === "n") continue;
     if (j.kind === "g") {
       if (!o.little) drawGear(layer, view, k, j, where, id);
       continue;

@@ -57,3 +57,12 @@ TEST(compared)
     expect("$P draw examples/space/bennett.json examples/hoeken.json", 3, "", "planar");
     expect("$P draw examples/hoeken.json --azimuth 3", 3, "", "spatial");
 }
+
+/* Outlines that touch, ropes and springs are parts of the picture, and ropes follow both ends in an animation. */
+TEST(parts_of_models)
+{
+    expect("$P draw examples/dynamics/boxes.json -q | grep -c '<polygon[^>]*class=\"link\"'", 0, "3", NULL);
+    expect("$P draw examples/dynamics/rope.json -q | grep -c 'class=\"link\"[^>]*stroke=\"#b87a00\"'", 0, "1", NULL);
+    expect("$P draw examples/andrews.json -q | grep -c '<polyline points=.*class=.link.*#b87a00'", 0, "1", NULL);
+
+}

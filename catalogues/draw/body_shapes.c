@@ -1,5 +1,6 @@
 /* catalogues/draw/body_shapes.c - see body_shapes.h */
 #include "catalogues/draw/body_shapes.h"
+#include "grammar/model.h"
 
 static bool has_pin(const lw_joint *j, int link)
 {
@@ -257,5 +258,7 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE
     for (int i = 0; i < k->n_tracer; i++)
         if (k->tracer[i].link == link)
             n = add_node(node, n, k->tracer[i].at, -1, i);
+    if (n == 1 && link != k->ground && s->model && s->model->body[link].mass > 0)     /* a pendulum reaches to its mass */
+        n = add_node(node, n, s->model->body[link].centre, -1, -1);
     return n;
 }

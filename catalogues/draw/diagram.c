@@ -348,11 +348,32 @@ static void draw_contour(sketch *k, const lw_contour *c)
     s->alpha = 0.15;
 }
 
+/* A rope, a straight line; or a spring, a zigzag.  Its ends move with two links. */
+static void draw_tie(sketch *k, const int link[2], const lw_vec2 end[2], bool spring)
+{
+    enum { TEETH = 9 };
+    lw_vec2 a = pixel_of(k, 0, end[0]), b = pixel_of(k, 0, end[1]), p[TEETH + 4] = { a };
+    lw_vec2 across = lw_v2_scale(lw_v2_perp(lw_v2_sub(b, a)), 1/fmax(lw_v2_norm(lw_v2_sub(b, a)), 1e-9));
+    int n = 1;
+    for (int i = 0; i <= TEETH && spring; i++)             /* the middle of its length */
+        p[n++] = lw_v2_add(lw_v2_add(a, lw_v2_scale(lw_v2_sub(b, a), 0.2 + 0.6*i/TEETH)),
+                           lw_v2_scale(across, (i == 0 || i == TEETH ? 0 : i % 2 ? 7 : -7)*k->u));
+    p[n++] = b;
+    lw_shape *s = lw_drawing_path(k->d, LW_ROLE_LINK, p, (size_t)n, false);
+    s->link = link[0] == linkage(k)->ground ? -1 : link[0];
+    s->tie = link[1];
+    s->panel = 0;
+    s->stroke = LW_INK_ORANGE;
+    s->width = (spring ? 1.6 : 2.2)*k->u;
+    lw_label_map_line(&k->map, a, b, 3);
+}
+
 static void sketch_linkage(sketch *k)
 {
     const lw_linkage *l = linkage(k);
-    for (int i = 0; i < k->s->n_contour; i++)
-        draw_contour(k, &k->s->contour[i]);
+    const lw_model *m = k->s->model;
+    for (int i = 0; m && i < m->n_shape; i++)
+        draw_contour(k, &m->shape[i]);
     draw_frame_line(k);
     for (int i = 0; i < l->n_joint; i++)
         if (lw_joint_slides(l->joint[i].kind))
@@ -371,6 +392,12 @@ static void sketch_linkage(sketch *k)
         }
     for (int i = 0; i < l->n_input; i++)
         draw_input(k, i);
+    if (m && k->o->ties) {
+        for (int i = 0; i < m->n_rope; i++)
+            draw_tie(k, m->rope[i].link, m->rope[i].at, false);
+        for (int i = 0; i < m->n_spring; i++)
+            draw_tie(k, m->spring[i].link, m->spring[i].at, true);
+    }
     draw_pins(k);
 }
 
@@ -661,7 +688,7 @@ lw_diagram_options lw_diagram_options_default(void)
 {
     return (lw_diagram_options){ .width = 1000, .height = 750, .zoom = 1, .title = true,
                                  .labels = true, .length_labels = true, .length_values = true,
-                                 .dimensions = true };
+                                 .dimensions = true, .ties = true };
 }
 
 lw_page_motion lw_diagram_motion(const lw_scene *s, const lw_view *v, size_t frame, int link)

@@ -84,7 +84,7 @@ static lw_shape *add(lw_drawing *d, lw_shape_kind kind, lw_role role)
     bool ok = reserve(d, (void **)&d->shape, d->n_shape, &d->shape_room, 1, sizeof *d->shape);
     lw_shape *s = ok ? &d->shape[d->n_shape++] : &d->spare;
     *s = (lw_shape){ .kind = kind, .role = role,
-                     .item = -1, .link = -1, .panel = -1, .alpha = 1, .width = 1 };
+                     .item = -1, .link = -1, .tie = -1, .panel = -1, .alpha = 1, .width = 1 };
     return s;
 }
 

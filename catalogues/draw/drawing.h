@@ -65,6 +65,7 @@ typedef struct lw_shape {
     lw_role role;
     int     item;              /* which joint, link, station, ... it stands for; -1: none          */
     int     link;              /* the link it moves with; -1: stands still                          */
+    int     tie;               /* a path between two links: that of its last point; -1: none        */
     int     panel;             /* the view (0, 1) it lies in and is clipped to; -1: the whole page  */
     lw_ink  stroke, fill;
     double  width;             /* of the stroke [px]; for text: the size of the type                */

@@ -721,6 +721,7 @@ lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_
         return st;
     lw_text_clean(s->title, sizeof s->title, o->title ? o->title : linkage->name);
     s->linkage = *linkage;
+    s->model = o->model;
     for (int i = 0; i < linkage->n_link; i++)
         for (int j = 0; j < linkage->n_joint; j++)
             if (linkage->joint[j].link[0] == i || linkage->joint[j].link[1] == i)

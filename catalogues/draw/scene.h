@@ -19,7 +19,6 @@
 #define LW_CURVE_MAX 64
 
 struct lw_model;                  /* grammar/model.h */
-struct lw_contour;
 
 /* Where a link is: the place of its reference point (lw_scene.origin), and its rotation since the posture shown as a
  * unit vector.  A point p of the link is at  at + turn * (p - origin). */
@@ -61,8 +60,8 @@ typedef struct lw_scene {
     double     dim[LW_DIM_MAX];               /* [m] or [rad]                                        */
     lw_dim_kind dim_kind[LW_DIM_MAX];
     int        dim_link[LW_DIM_MAX];
-    int        n_contour;                     /* outlines of links, in the posture shown; the model's  */
-    const struct lw_contour *contour;
+    const struct lw_model *model;             /* whose shapes, ropes and springs are drawn; the caller's;
+                                               * NULL: none                                          */
     int        n_bend;                        /* the caller's; drawn by animations                     */
     const lw_bent_bar *bend;
     char       note[256];                     /* why it does not move; "" when it does               */
@@ -75,7 +74,8 @@ typedef struct lw_scene_options {
     bool        other_branches;   /* curves of the other assembly modes and circuits too     (false) */
     bool        draft;            /* quickly, without proof of the branch, if there is no plan (draft.h); without
                                    * other branches                                           (false) */
-    const struct lw_model *model; /* how several inputs move in time; NULL: unknown                  */
+    const struct lw_model *model; /* how several inputs move in time; its shapes, ropes and springs are
+                                   * drawn and it has to outlive the scene; NULL: unknown            */
     double      until;            /* show that motion from 0 to this time [s]; 0: until it repeats or
                                    * comes to rest, else 1 s                                         */
 } lw_scene_options;

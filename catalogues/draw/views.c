@@ -86,12 +86,11 @@ static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
     }
 }
 
-/* Add pins, blocks and tracers; if `guides`, also the travel of guides, and gears. */
-/* Outlines, but not infinite lines. */
-static void add_contours(lw_box *b, const lw_scene *s, size_t frame)
+/* Outlines, but not infinite lines, and the ends of ropes and springs. */
+static void add_parts(lw_box *b, const lw_scene *s, size_t frame)
 {
-    for (int i = 0; i < s->n_contour; i++) {
-        const lw_contour *c = &s->contour[i];
+    for (int i = 0; s->model && i < s->model->n_shape; i++) {
+        const lw_contour *c = &s->model->shape[i];
         lw_vec2 reach = lw_v2(c->radius, c->radius);
         for (int k = 0; k < c->n && c->kind != LW_CONTOUR_LINE; k++) {
             lw_vec2 at = lw_scene_at(s, frame, c->link, c->at[k]);
@@ -99,12 +98,19 @@ static void add_contours(lw_box *b, const lw_scene *s, size_t frame)
             box_add(b, lw_v2_add(at, reach));
         }
     }
+    for (int end = 0; end < 2 && s->model; end++) {
+        for (int i = 0; i < s->model->n_rope; i++)
+            box_add(b, lw_scene_at(s, frame, s->model->rope[i].link[end], s->model->rope[i].at[end]));
+        for (int i = 0; i < s->model->n_spring; i++)
+            box_add(b, lw_scene_at(s, frame, s->model->spring[i].link[end], s->model->spring[i].at[end]));
+    }
 }
 
+/* Add pins, blocks and tracers; if `guides`, also the travel of guides, and gears. */
 static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
     const lw_linkage *k = &s->linkage;
-    add_contours(b, s, frame);
+    add_parts(b, s, frame);
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
         if (j->kind == LW_JOINT_FREE)

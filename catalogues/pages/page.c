@@ -304,6 +304,7 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
     o.zoom = 1.25;
     o.title = o.dimensions = o.length_values = false;             /* the table shows them */
     o.whole_motion = true;
+    o.ties = false;                      /* the script moves links only */
     lw_drawing d;
     lw_status st = lw_diagram_draw(r->scene, &o, &d, e);
     if (st != LW_OK)

@@ -168,8 +168,7 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
     }
     free(start);
     scene->note[0] = '\0';
-    scene->n_contour = s->model->n_shape;
-    scene->contour = s->model->shape;
+    scene->model = s->model;
     free(scene->place);
     free(scene->input);
     scene->place = place;
