@@ -483,6 +483,8 @@ void cli_limit_time(double seconds)
     limited = limited || seconds > 0;
 }
 
+void cli_finish(void) { set_timer(0); }
+
 const volatile sig_atomic_t *cli_stop_flag(void)
 {
     return &interrupted;
