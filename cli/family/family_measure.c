@@ -5,7 +5,7 @@
 
 #include "base/real.h"
 #include "base/suggest.h"
-#include "cli/motion/table.h"
+#include "cli/motion/table_run.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "mbs/space/robot.h"

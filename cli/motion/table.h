@@ -1,10 +1,9 @@
-/* cli/motion/table.h - a run of a planar or spatial model in time, kept as rows of the named columns of `simulate`. */
+/* cli/motion/table.h - a run in time, kept as rows of the named columns of `simulate`. */
 #ifndef CLI_MOTION_TABLE_H
 #define CLI_MOTION_TABLE_H
 
 #include "cli/program/command.h"
 #include "grammar/model.h"
-#include "grammar/spatial.h"
 
 typedef struct cli_column { char name[2*LW_NAME_SIZE + 24]; const char *unit; double scale; } cli_column;
 
@@ -16,17 +15,7 @@ struct cli_table {
     double           *row;               /* (n_row * n_column) */
 };
 
-typedef struct cli_table_options {
-    double      from, to;
-    int         steps;
-    const char *speed;                   /* of inputs without a motion; NULL: they run freely */
-} cli_table_options;
-
-/* One of planar and spatial is the model, which may be changed.  t needs cli_table_free also after a failure. */
-lw_status cli_table_run(const cli_call *call, lw_model *planar, lw_spatial *spatial, const cli_table_options *o,
-                        cli_table *t,
-                        lw_error *e);
-void      cli_table_free(cli_table *t);
+void cli_table_free(cli_table *t);
 
 int cli_table_find(const cli_table *t, const char *name);        /* -1: no such column */
 
