@@ -5,8 +5,6 @@
 
 #include "mbs/plan/plan.h"
 
-#define LW_ORDER_MAX 3        /* 0 position, 1 velocity, 2 acceleration, 3 jerk, by input         */
-
 typedef struct lw_posture {
     double  input;                                       /* [rad] or [m], ground frame            */
     double  margin;                                      /* as in mbs/batch/batch.h               */

@@ -37,8 +37,8 @@ static double springs(lw_reduced *r, double t, double ds, double *power)
     for (int i = 0; i < r->model->n_spring; i++) {
         const lw_spring *p = &r->model->spring[i];
         const lw_end_point *end = r->end[i];
-        lw_reg1 a = lw_reduced_point(r->reg, end[0].origin, end[0].dir, end[0].arm);
-        lw_reg1 b = lw_reduced_point(r->reg, end[1].origin, end[1].dir, end[1].arm);
+        lw_reg1 a = lw_rate_point(r->reg, end[0].origin, end[0].dir, end[0].arm);
+        lw_reg1 b = lw_rate_point(r->reg, end[1].origin, end[1].dir, end[1].arm);
         lw_vec2 d = lw_v2_sub(b.p, a.p);
         double l = sqrt(lw_v2_dot(d, d)), by = l > 0 ? lw_v2_dot(d, lw_v2_sub(b.d, a.d))/l : 0, loss = p->damping*by*ds;
         double pull = p->law ? spring_law(p->law, l, by*ds, t) : p->stiffness*(l - p->free) + loss;
@@ -81,8 +81,8 @@ double lw_reduced_joint_value(const lw_reduced *r, int joint, double s)
     if (!j->slides)
         return j->sign*(turn_of(r, j->body[1], s) - turn_of(r, j->body[0], s));
     const lw_end_point *p = j->point;
-    lw_reg1 a = lw_reduced_point(r->reg, p[0].origin, p[0].dir, p[0].arm);
-    lw_reg1 b = lw_reduced_point(r->reg, p[1].origin, p[1].dir, p[1].arm);
+    lw_reg1 a = lw_rate_point(r->reg, p[0].origin, p[0].dir, p[0].arm);
+    lw_reg1 b = lw_rate_point(r->reg, p[1].origin, p[1].dir, p[1].arm);
     return j->sign*lw_v2_dot(lw_v2_sub(b.p, a.p), lw_v2_turn(j->along, r->reg[j->dir[0]].p));
 }
 
@@ -94,7 +94,7 @@ static void push_joint(lw_reduced *r, int joint, double force)
     lw_vec2 at = { 0, 0 }, f = { 0, 0 };
     double torque = j->slides ? 0 : j->sign*force;
     if (j->slides) {
-        at = lw_reduced_point(r->reg, p->origin, p->dir, p->arm).p;
+        at = lw_rate_point(r->reg, p->origin, p->dir, p->arm).p;
         f = lw_v2_scale(lw_v2_turn(j->along, r->reg[j->dir[0]].p), j->sign*force);
     }
     push(r, j->body[1], at, f, torque);
@@ -138,7 +138,7 @@ static double forces(lw_reduced *r, double t, double ds, double *power)
             continue;
         lw_vec2 f = lw_v2_unturn(lw_v2(at_time(p->fx, t), at_time(p->fy, t)), r->turn);
         double torque = at_time(p->torque, t);
-        lw_reg1 c = lw_reduced_point(r->reg, at->origin, at->dir, at->arm);
+        lw_reg1 c = lw_rate_point(r->reg, at->origin, at->dir, at->arm);
         if (p->follows)
             f = lw_v2_turn(f, lw_v2_unturn(r->reg[at->dir].p, lw_v2_polar(1, r->dir0[p->link])));
         q += lw_v2_dot(f, c.d) + torque*r->reg[at->dir].d.x;
@@ -160,7 +160,7 @@ static double general_loads(lw_reduced *r, double t, double s, double ds, double
     lw_forces_apply(&d->f, t, r->q, r->v, r->force, NULL, NULL, power);
     for (int b = 0; b < d->s.n_body; b++) {
         const lw_end_point *p = &r->centre[b];
-        lw_reg1 c = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+        lw_reg1 c = lw_rate_point(r->reg, p->origin, p->dir, p->arm);
         const double *from = r->force + 3*b;
         lw_vec2 f = lw_v2_scale(lw_v2_unturn(lw_v2(from[0], from[1]), r->turn), 1/d->s.unit);
         q += lw_v2_dot(f, c.d) + from[2]*r->reg[p->dir].d.x;
@@ -184,7 +184,7 @@ static inline double masses(const lw_reduced *r, double *weight)
     }
     for (int i = r->n_pivot; i < r->n_mass; i++) {
         const lw_mass_point *p = &r->mass[i];
-        lw_reg1 c = lw_reduced_point(reg, p->origin, p->dir, p->arm);
+        lw_reg1 c = lw_rate_point(reg, p->origin, p->dir, p->arm);
         double w = reg[p->dir].d.x;
         mass += p->mass*lw_v2_dot(c.d, c.d) + p->inertia*w*w;
         q += lw_v2_dot(p->weight, c.d);
@@ -202,7 +202,7 @@ static double masses_each(lw_reduced *r, double *weight)
     for (int b = 0; b < d->s.n_body; b++) {
         const lw_end_point *p = &r->centre[b];
         const lw_body *body = &r->model->body[d->s.link[b]];
-        lw_reg1 c = r->at[b] = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+        lw_reg1 c = r->at[b] = lw_rate_point(r->reg, p->origin, p->dir, p->arm);
         double w = r->reg[p->dir].d.x;
         lw_vec2 f = r->general ? lw_v2(0, 0) : lw_v2_scale(g, body->mass);
         mass += body->mass*lw_v2_dot(c.d, c.d) + body->inertia*w*w;
@@ -253,12 +253,12 @@ double lw_reduced_potential(const lw_reduced *r, double s)
     double energy = 0;
     for (int i = 0; i < r->n_mass; i++) {
         const lw_mass_point *p = &r->mass[i];
-        energy -= lw_v2_dot(p->weight, lw_reduced_point(r->reg, p->origin, p->dir, p->arm).p);
+        energy -= lw_v2_dot(p->weight, lw_rate_point(r->reg, p->origin, p->dir, p->arm).p);
     }
     for (int i = 0; i < r->model->n_spring; i++) {
         const lw_spring *p = &r->model->spring[i];
-        lw_reg1 a = lw_reduced_point(r->reg, r->end[i][0].origin, r->end[i][0].dir, r->end[i][0].arm);
-        lw_reg1 b = lw_reduced_point(r->reg, r->end[i][1].origin, r->end[i][1].dir, r->end[i][1].arm);
+        lw_reg1 a = lw_rate_point(r->reg, r->end[i][0].origin, r->end[i][0].dir, r->end[i][0].arm);
+        lw_reg1 b = lw_rate_point(r->reg, r->end[i][1].origin, r->end[i][1].dir, r->end[i][1].arm);
         double l = lw_v2_norm(lw_v2_sub(b.p, a.p)) - p->free;
         energy += p->law ? 0 : 0.5*p->stiffness*l*l;
     }
@@ -275,7 +275,7 @@ void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, doub
     for (int b = 0; b < d->s.n_body; b++) {
         const lw_end_point *p = &r->centre[b];
         const lw_reg1 *u = &r->reg[p->dir];
-        lw_reg1 c = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+        lw_reg1 c = lw_rate_point(r->reg, p->origin, p->dir, p->arm);
         lw_vec2 at = lw_v2_sub(lw_v2_add(r->z0, lw_v2_turn(c.p, r->turn)), d->s.origin);
         lw_vec2 rate = lw_v2_turn(c.d, r->turn);
         double turn = atan2(u->p.y, u->p.x) - r->dir0[d->s.link[b]];

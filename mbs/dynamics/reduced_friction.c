@@ -80,7 +80,7 @@ static void place_joint(const lw_reduced *r, balance *z, int joint)
     const lw_reduced_joint *j = &r->joint[joint];
     const lw_end_point *p = &j->point[1];
     const lw_reg1 *u = &r->reg[j->dir[0]];
-    z->joint[joint].at = j->pin >= 0 ? r->reg[j->pin] : lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+    z->joint[joint].at = j->pin >= 0 ? r->reg[j->pin] : lw_rate_point(r->reg, p->origin, p->dir, p->arm);
     if (j->slides)
         z->joint[joint].u = lw_v2_turn(j->along, u->p), z->joint[joint].turn = u->d.x;
 }

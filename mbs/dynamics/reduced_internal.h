@@ -13,20 +13,9 @@
 #define LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
 
 #include "mbs/dynamics/dynamics_equations_internal.h"
-#include "mbs/plan/plan.h"
+#include "mbs/plan/steps_internal.h"
 
 typedef struct lw_reduced lw_reduced;
-
-/* A point with its derivative by the input; a direction: u in p, the rate of its angle in d.x. */
-typedef struct lw_reg1 { lw_vec2 p, d; } lw_reg1;
-
-/* A step of the plan with its dimensions.  r1 is the offset of RPR; sum2, dif2 = (r1 +- r2)^2. */
-typedef struct lw_dyad_step {
-    lw_step_kind kind;
-    int     in[4], out[4], dyad;
-    double  r1, r2, sum2, dif2, product, inv1, inv2, flat;
-    lw_vec2 at, line;
-} lw_dyad_step;
 
 #define LW_CHANGE_POINT_MAX   32
 #define LW_REDUCED_LOAD_MAX   64       /* springs; forces: models with more take another formulation */
@@ -157,17 +146,6 @@ lw_status lw_reduced_friction_sides(lw_reduced *r, double input, double directio
 
 /* The next reversal from an input in a direction, or an input before it at which to look again. */
 lw_status lw_reduced_next_reversal(lw_reduced *r, double input, double direction, double *next);
-
-/* A point of a link, with its derivative; origin -1: on ground. */
-static inline lw_reg1 lw_reduced_point(const lw_reg1 *reg, int origin, int dir, lw_vec2 arm)
-{
-    if (origin < 0)
-        return (lw_reg1){ arm, { 0, 0 } };
-    const lw_reg1 *o = &reg[origin], *u = &reg[dir];
-    lw_vec2 r = lw_v2_turn(arm, u->p);
-    double w = u->d.x;
-    return (lw_reg1){ lw_v2_add(o->p, r), lw_v2(o->d.x - w*r.y, o->d.y + w*r.x) };
-}
 
 /* Potential at the registers [J], up to a constant. */
 double lw_reduced_potential(const lw_reduced *r, double s);

@@ -1,7 +1,6 @@
 /* mbs/dynamics/reduced_make.c - can one coordinate describe a model?  Its parts on the registers of the plan. */
 #include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
-#include "mbs/plan/steps_internal.h"
 
 #include <assert.h>
 #include <stdio.h>
@@ -183,29 +182,6 @@ static void place_masses(const lw_dynamics *d, lw_reduced *r, const bool *fixed)
 
 /* ---- the plan with its numbers ---------------------------------------------------------------------- */
 
-static double number(const double *dim, int i) { return i < 0 ? 0 : dim[i]; }
-
-static lw_dyad_step fill_step(const lw_reduced *r, const lw_step *from)
-{
-    lw_dyad_step st = { .kind = from->kind, .dyad = from->dyad };
-    double a = number(r->dim, from->dim[0]), b = number(r->dim, from->dim[1]);
-    for (int i = 0; i < 4; i++) {
-        st.in[i] = from->in[i];
-        st.out[i] = from->out[i];
-    }
-    st.r1 = a;
-    st.r2 = b;
-    st.sum2 = (a + b)*(a + b);
-    st.dif2 = (a - b)*(a - b);
-    st.product = (a + b)*(a - b);
-    st.inv1 = 1/a;
-    st.inv2 = 1/b;
-    st.flat = 0.25/(a*a*b*b);
-    st.at = from->kind == LW_STEP_LINE ? lw_v2(0, a) : lw_v2(a, b);
-    st.line = lw_v2_polar(1, b);
-    return st;
-}
-
 /* Fill all steps in order.  Registers that never move are evaluated once, and their steps left out. */
 static void fill_steps(lw_reduced *r, bool *fixed)
 {
@@ -219,7 +195,7 @@ static void fill_steps(lw_reduced *r, bool *fixed)
         bool still = st->kind == LW_STEP_POINT || st->kind == LW_STEP_LINE;
         for (int k = 0; k < lw_step_inputs(st->kind); k++)
             still = still && fixed[st->in[k]];
-        r->step[0] = fill_step(r, st);
+        r->step[0] = lw_dyad_step_of(st, r->dim);
         r->n_step = 1;
         for (int k = 0; k < lw_step_outputs(st->kind); k++)
             if (st->out[k] >= 0)
@@ -230,7 +206,7 @@ static void fill_steps(lw_reduced *r, bool *fixed)
     r->n_step = 0;
     for (int i = 0; i < p->n_step; i++)
         if (!fixed[p->step[i].out[0]])
-            r->step[r->n_step++] = fill_step(r, &p->step[i]);
+            r->step[r->n_step++] = lw_dyad_step_of(&p->step[i], r->dim);
 }
 
 static void mark_needed(bool *needed, const lw_end_point *e)

@@ -79,6 +79,7 @@
 #define LW_UNKNOWN_MAX (2*LW_PLAN_LOOP_MAX)
 #define LW_STEP_MAX  96
 #define LW_REG_MAX  128
+#define LW_ORDER_MAX 3         /* of derivatives by the input: position, velocity, acceleration, jerk */
 #define LW_INPUT_TURNS_PER_PERIOD_MAX 24    /* turns of the input until all gears are back         */
 #define LW_POWER_MAX 99        /* turns of a wheel in that time                                   */
 
