@@ -147,7 +147,7 @@ lw_status studio_open(studio *s, const json_t *ask, studio_reply *r, lw_error *e
 /* {}: the list of known mechanisms; { name }: the file of one.  Only names of the list are read. */
 lw_status studio_gallery(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
 {
-    char path[LW_PATH_SIZE], *text;
+    char path[LW_PATH_SIZE], *text = NULL;
     size_t size, i;
     const char *name = studio_text(ask, "name", NULL);
     const json_t *row;
@@ -182,7 +182,7 @@ typedef struct chain_list { lw_bytes *b; int n; } chain_list;
 static lw_status put_mechanism(void *context, const lw_mechanism *m)
 {
     chain_list *list = context;
-    char *json = NULL, *edges = NULL;
+    char *json = NULL;
     lw_error e;
     lw_picture *picture = NULL;
     char *svg = NULL;
@@ -191,8 +191,10 @@ static lw_status put_mechanism(void *context, const lw_mechanism *m)
     if (list->n++ >= 400)
         return LW_STOPPED;
     lw_status s = lw_mechanism_to_text(m, "json", &json, &e);
-    if (s == LW_OK && lw_picture_of_mechanisms(1, &m, &caption, 1, NULL, &picture, &e) == LW_OK)
-        lw_picture_write(picture, "svg", 160, 120, &svg, &size, &e);
+    if (s == LW_OK)
+        s = lw_picture_of_mechanisms(1, &m, &caption, 1, NULL, &picture, &e);
+    if (s == LW_OK)
+        s = lw_picture_write(picture, "svg", 160, 120, &svg, &size, &e);
     if (s == LW_OK) {
         studio_put_key(list->b, NULL);
         lw_bytes_text(list->b, "{");
@@ -202,7 +204,6 @@ static lw_status put_mechanism(void *context, const lw_mechanism *m)
     }
     lw_picture_destroy(picture);
     lw_free(svg);
-    lw_free(edges);
     lw_free(json);
     return s;
 }

@@ -58,14 +58,17 @@ void studio_put_key(lw_bytes *b, const char *key)
 
 void studio_put_text(lw_bytes *b, const char *key, const char *text)
 {
-    json_t *v = text ? json_string(text) : json_null();
+    const char *at = text ? text : "";
+    for (int n; *at && (n = (unsigned char)*at < 0x80 ? 1 : lw_text_character(at)) > 0; at += n)
+        ;
+    bool plain = *at == '\0';                            /* UTF-8 */
+    json_t *v = !text ? json_null() : json_string(plain ? text : "?");
     char *quoted = json_dumps(v, JSON_ENCODE_ANY);
     json_decref(v);
     studio_put_key(b, key);
     if (quoted)
         lw_bytes_text(b, quoted);
-    else if (text)                          /* no UTF-8 */
-        lw_bytes_text(b, "\"?\"");
+    b->failed = b->failed || !quoted;
     free(quoted);
 }
 
@@ -105,6 +108,8 @@ void studio_put_linkage(lw_bytes *b, const char *key, const lw_linkage *k)
 {
     char *text = lw_linkage_write(k, 0);
     studio_put_key(b, key);
-    lw_bytes_text(b, text ? text : "null");
+    if (text)
+        lw_bytes_text(b, text);
+    b->failed = b->failed || !text;
     free(text);
 }

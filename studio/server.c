@@ -74,8 +74,6 @@ void studio_ask(studio *s, const char *name, const lw_bytes *body, studio_reply 
         snprintf(e.text, sizeof e.text, "%s", lw_status_text(st));
     if (st < 0)
         put_error(r, 422, &e);
-    else if (r->body.failed)
-        refuse(r, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory");
 }
 
 /* A file of the page: those of the table, nothing of the disk. */
@@ -156,15 +154,18 @@ static enum MHD_Result send_reply(struct MHD_Connection *c, studio_reply *r)
         { "Content-Security-Policy", "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
                                      "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'" },
     };
+    if (r->body.failed)
+        refuse(r, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory");
     struct MHD_Response *response = MHD_create_response_from_buffer(r->body.size, r->body.data ? r->body.data : "",
                                                                     MHD_RESPMEM_MUST_COPY);
     lw_bytes_free(&r->body);
     if (!response)
         return MHD_NO;
-    for (size_t i = 0; i < sizeof headers/sizeof *headers; i++)
-        MHD_add_response_header(response, headers[i][0], headers[i][1]);
-    MHD_add_response_header(response, "Content-Type", r->type);
-    enum MHD_Result done = MHD_queue_response(c, (unsigned)r->status, response);
+    enum MHD_Result done = MHD_add_response_header(response, "Content-Type", r->type);
+    for (size_t i = 0; i < sizeof headers/sizeof *headers && done == MHD_YES; i++)
+        done = MHD_add_response_header(response, headers[i][0], headers[i][1]);
+    if (done == MHD_YES)
+        done = MHD_queue_response(c, (unsigned)r->status, response);
     MHD_destroy_response(response);
     return done;
 }
@@ -203,6 +204,8 @@ static enum MHD_Result handle(void *context, struct MHD_Connection *c, const cha
     const char *type = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Content-Type");
     if (q->too_large)
         refuse(&r, MHD_HTTP_CONTENT_TOO_LARGE, "the request is larger than 8 MB");
+    else if (q->body.failed)
+        refuse(&r, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory");
     else if (get && strncmp(rest, "api/", 4) != 0)
         give_file(rest, &r);
     else if (!post || strncmp(rest, "api/", 4) != 0)

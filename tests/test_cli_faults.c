@@ -2,12 +2,12 @@
  *
  * One row a command, with measured times taken out of what it prints.  Each row runs undisturbed first, which tells
  * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
- * spread is taken: the first N_FIRST, then ever longer steps.  LW_FAULTS=n makes the spread n times as dense;
+ * spread is taken: the first N_FIRST, then ever longer steps; fewer of searches.  LW_FAULTS=n makes the spread n times as dense;
  * LW_FAULTS_ROW=text runs the rows that hold the text. */
 #include <stdbool.h>
 #include "tests/cli_run.h"
 
-enum { N_FIRST = 24, N_FIRST_OF_SEARCH = 5, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+enum { N_FIRST = 24, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
 
 /* $C commands write to standard output or to $D/o, which is removed before each run. */
 static const char *const rows[] = {
@@ -46,8 +46,8 @@ static const char *const rows[] = {
     "$C catalogue nearest $D/curves.db examples/ellipse.csv",
     "$C catalogue check $D/six.db",
     "rm -f $D/a.db; $C catalogue add $D/a.db $D/fit.json && $P catalogue query $D/a.db error\\<1",
-    "LW_CLOCK_STEP=1e-9 $C fit examples/ellipse.csv --starts 20 --rounds 1 -j 1 --json -o $D/o",
-    "LW_CLOCK_STEP=1e-9 $C fit examples/ellipse.csv --starts 20 --rounds 1 -j 2 -q",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 2 -j 1 --json -o $D/o",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 2 -j 2 -q",
     "LW_CLOCK_STEP=1e-9 $C fit $D/five.csv --exact -j 1 --json -q",
     "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
     "$C profile 2 --speed-limit 1 --acceleration-limit 20 -o $D/o",
@@ -74,7 +74,9 @@ static const char *const rows[] = {
     "$C robot jacobian examples/space/stewart.json",
     "$C robot workspace examples/space/delta.json --rays 3 -o $D/o",
     "$C robot map examples/space/delta.json --places 3",
+    "$C robot map examples/space/delta-elastic.json --eigenfrequency --places 3 --plot $D/o.svg --force",
     "$C trace examples/space/bricard.json -n 4",
+    "$C trace examples/klann.json -n 8 --geometry --plot $D/o.svg --force",
     "$C mobility examples/space/sarrus.json",
     "$C simulate examples/space/governor.json --to 0.01 -n 2",
     "$C draw examples/space/delta.json -f svg -o $D/o",
@@ -85,6 +87,12 @@ static const char *const rows[] = {
     "$C simulate examples/elastic-frame.json --analysis static",
     "$C simulate examples/dynamics/boxes.json --to 0.01 -n 2",
     "$C simulate examples/dynamics/boom-cylinder.json --to 0.01 -n 2",
+    "$C simulate examples/space/governor.json --to 0.01 -n 4 --plot $D/o.svg --gif $D/o.gif --force",
+    "$C drive simulate examples/drives/servo-axis.json -n 8 --bode $D/o.svg --matrices-folder $D/out --force",
+    "$C profile 0.5 0.3 -0.8 --acceleration-limit 2 --dwell 0.2",
+    "$C mechanisms --links 6 --multiple-joints",
+    "rm -f $D/a.db; $C catalogue add $D/a.db $D/curves.db -q && $P catalogue nearest $D/a.db examples/ellipse.csv",
+    "XDG_STATE_HOME=$D XDG_CACHE_HOME=$D tests/studio_ask.py $D/bin/linkwright studio --no-browser -q --atlas $D/curves.db",
     "$D/bin/linkwright gallery klann",
 };
 
@@ -134,7 +142,8 @@ static void fail_each(const char *command)
 {
     char calls[300], *file;
     const char *denser = getenv("LW_FAULTS");
-    double step = 1 + 0.6/(denser ? atof(denser) : 1);
+    bool search = strstr(command, "C fit ") || strstr(command, "C plasma ") || strstr(command, " studio ");
+    double step = 1 + (search ? 2 : 0.6)/(denser ? atof(denser) : 1);
     snprintf(calls, sizeof calls, "%s/calls", getenv("D"));
     setenv("LW_CALLS_FILE", calls, 1);
     ran whole = run_once(command, &file);
@@ -143,7 +152,7 @@ static void fail_each(const char *command)
         fprintf(stderr, "%s\n  said: %s", command, whole.err);
     CHECK_INT(whole.code, 0);
     for (size_t k = 0; k < sizeof kinds/sizeof *kinds; k++) {
-        long n_call = count_calls(kinds[k]), n_first = strstr(command, "C fit ") ? N_FIRST_OF_SEARCH : N_FIRST;
+        long n_call = count_calls(kinds[k]), n_first = search ? N_FIRST_OF_SEARCH : N_FIRST;
         n_first *= denser ? atol(denser) : 1;
         for (long n = 1; n <= n_call; n = n < n_first ? n + 1 : (long)(step*(double)n))
             fail_one(command, kinds[k], n, &whole, file);

@@ -348,7 +348,7 @@ static int run_moves(const cli_call *call)
     FILE *f = place ? open_memstream(&text, &size) : NULL;
     if (!f) {
         free(place);
-        return cli_usage(call, "out of memory");
+        return cli_fail(call, &(lw_error){ .status = LW_E_MEMORY, .text = "out of memory" });
     }
     fputs("{\"linkwright-cycle\": 1, \"axes\": [", f);
     bool fine = true;
