@@ -5,6 +5,7 @@
 #include "linkwright.h"
 #include "mbs/dynamics/modes_eigen_internal.h"      /* what no model reaches */
 #include "tests/check.h"
+#include "tests/temporary.h"
 
 static int n_handled;
 
@@ -390,6 +391,274 @@ TEST(spatial_models)
     lw_spatial_destroy(m);
     CHECK_INT(lw_spatial_load("no/such/file", &m, &e), LW_E_IO);
     CHECK(m == NULL);
+}
+
+/* ---- the rest of the topologies, against published counts ------------------------------------------------------- */
+
+static lw_status count_text(void *n, const char *text)                     { return ++*(int *)n, *text ? LW_OK : LW_E_ARG; }
+static lw_status count_assortment(void *n, const int *n_with, int size)    { return *(int *)n += size > 2 && n_with[2] > 0, LW_OK; }
+static lw_status count_structure(void *n, const char *s, const char *how)  { return *(int *)n += *s == '(' && *how, LW_OK; }
+static lw_status count_group(void *n, const lw_chain *truss, int lost, const lw_group_info *g)
+{
+    return *(int *)n += lw_chain_mobility(truss) == 0 && lost >= 0 && g != NULL, LW_OK;
+}
+
+typedef struct four_links { lw_mechanism *want; int n, same; } four_links;
+
+static lw_status compare(void *context, const lw_mechanism *m)
+{
+    four_links *f = context;
+    bool same = false;
+    CHECK_INT(lw_mechanism_is_isomorphic(m, f->want, &same), LW_OK);
+    f->n++;
+    f->same += same;
+    return LW_OK;
+}
+
+TEST(numbers_structures_and_groups)
+{
+    lw_link_numbers of_links, of_loops;
+    lw_enumeration_cost cost;
+    lw_error e;
+    int n = 0;
+    CHECK_INT(lw_link_numbers_of_links(8, 1, 0, &of_links, &e), LW_OK);
+    CHECK_INT(lw_link_numbers_of_loops(1, 3, 0, &of_loops, &e), LW_OK);
+    CHECK(of_links.loops == 3 && of_links.joints1 == 10 && of_loops.links == 8 && of_loops.joints1 == 10);
+    CHECK_INT(lw_link_numbers_of_links(5, 1, 0, &of_links, &e), LW_E_ARG);
+    CHECK_INT(lw_enumerate_assortments(&of_loops, count_assortment, &n), LW_OK);
+    CHECK_INT(n, 3);                                              /* 4-4-0, 5-2-1, 6-0-2 */
+    CHECK_INT((n = 0, lw_enumerate_structures(4, 1, count_structure, &n)), LW_OK);
+    CHECK_INT(n, 17);
+    CHECK_INT((n = 0, lw_enumerate_groups(4, 1, count_group, &n, &e)), LW_OK);
+    CHECK_INT(n, 2);                                              /* of class III and IV */
+    CHECK_INT((n = 0, lw_enumerate_multiple(6, 1, 1, count_text, &n, &e)), LW_OK);
+    CHECK_INT(n, 2);                                              /* published: tests/test_multiple.c */
+    CHECK_INT(lw_enumerate_estimate(14, 1, &cost, &e), LW_OK);
+    CHECK(cost.chains > 0.5*318162 && cost.chains < 2*318162. && cost.bytes > 0 && cost.list_seconds >= cost.count_seconds);
+}
+
+TEST(mechanisms_are_made_asked_and_drawn)
+{
+    four_links f = { NULL, 0, 0 };
+    lw_mechanism *m = NULL, *turned = NULL, *back = NULL;
+    lw_linkage *k = NULL;
+    lw_picture *picture = NULL;
+    lw_error e;
+    char *text = NULL, *svg = NULL, why[200];
+    size_t size = 0;
+    int link[2], input = 0;
+    CHECK_INT(lw_mechanism_create(4, &m), LW_OK);
+    for (int i = 0; i < 4; i++)
+        CHECK_INT(lw_mechanism_join(m, i, (i + 1)%4, i == 3 ? 't' : 'r'), LW_OK);
+    CHECK_INT(lw_mechanism_choose(m, 0, 1, &input, 2), LW_OK);
+    CHECK(lw_mechanism_n_link(m) == 4 && lw_mechanism_n_joint(m) == 4 && lw_mechanism_ground(m) == 0 && lw_mechanism_output(m) == 2
+          && lw_mechanism_n_input(m) == 1 && lw_mechanism_input(m, 0) == 0 && lw_mechanism_mobility(m) == 1);
+    CHECK_INT(lw_mechanism_joint_kind(m, lw_mechanism_joint(m, 3, 0), link), 't');
+    CHECK(link[0] + link[1] == 3 && lw_mechanism_joint_kind(m, 4, link) == 0);
+    CHECK_INT(lw_mechanism_moves(m, why, sizeof why), LW_OK);
+    CHECK_INT(lw_mechanism_copy(m, &turned), LW_OK);
+    CHECK_INT(lw_mechanism_choose(turned, 1, 1, &input, 3), LW_OK);      /* the ground no longer carries the slide */
+    f.want = m;
+    CHECK(compare(&f, m) == LW_OK && compare(&f, turned) == LW_OK && f.same == 1);
+    CHECK_INT(lw_mechanism_to_text(m, "json", &text, &e), LW_OK);
+    CHECK_INT(lw_mechanism_from_text(text, strlen(text), NULL, &back, &e), LW_OK);
+    CHECK(compare(&f, back) == LW_OK && f.same == 2);
+    char twice[2000];
+    snprintf(twice, sizeof twice, "%s\n%s\n", text, text);
+    CHECK_INT(lw_mechanism_read_all(twice, strlen(twice), NULL, compare, &f, &e), LW_OK);
+    CHECK(f.n == 5 && f.same == 4);
+    lw_free(text);
+    CHECK_INT(lw_mechanism_derivation(m, &text, &e), LW_OK);
+    CHECK(text && *text);
+    CHECK_INT(lw_picture_of_mechanisms(1, (const lw_mechanism *const *)&m, NULL, 1, "four", &picture, &e), LW_OK);
+    CHECK_INT(lw_picture_write(picture, "svg", 0, 0, &svg, &size, &e), LW_OK);
+    CHECK_HAS(svg, "<svg");
+    CHECK(size == strlen(svg));
+    CHECK_INT(lw_linkage_of_mechanism(m, 7, &k, &e), LW_OK);
+    CHECK(lw_linkage_n_link(k) == 4 && lw_linkage_mobility(k) == 1);
+    /* from four links by the published rules: pins alone make the four-bar, once */
+    lw_mechanism_destroy(back);
+    CHECK_INT(lw_mechanism_create(4, &back), LW_OK);
+    for (int i = 0; i < 4; i++)
+        CHECK_INT(lw_mechanism_join(back, i, (i + 1)%4, 'r'), LW_OK);
+    f = (four_links){ back, 0, 0 };
+    CHECK_INT(lw_enumerate_grammar(4, "1234", "r", true, compare, &f, &e), LW_OK);
+    CHECK(f.n >= 1);
+    lw_linkage_destroy(k);
+    lw_picture_destroy(picture);
+    lw_free(svg);
+    lw_free(text);
+    lw_mechanism_destroy(back);
+    lw_mechanism_destroy(turned);
+    lw_mechanism_destroy(m);
+}
+
+TEST(parts_of_a_linkage)
+{
+    lw_linkage *k = four_bar(), *copy = NULL, *saved = NULL;
+    lw_kinematics *z = NULL;
+    lw_joint_info j;
+    lw_input_info in;
+    lw_tracer_info p;
+    lw_error e;
+    char path[300];
+    snprintf(path, sizeof path, "%s/four.json", temporary_folder());
+    lw_linkage_set_name(k, "four");
+    CHECK_INT(lw_linkage_copy(k, &copy), LW_OK);
+    CHECK_TEXT(lw_linkage_name(copy), "four");
+    CHECK(lw_linkage_n_joint(copy) == 4 && lw_linkage_n_input(copy) == 1 && lw_linkage_n_tracer(copy) == 1
+          && lw_linkage_ground(copy) == 0 && lw_linkage_link_name(copy, 0) && *lw_linkage_link_name(copy, 0));
+    CHECK(lw_linkage_joint(copy, 2, &j) == LW_OK && j.kind == 'r' && j.at.x == 2 && j.at.y == 2.5);
+    CHECK(lw_linkage_input(copy, 0, &in) == LW_OK && in.joint == 0);
+    CHECK(lw_linkage_tracer(copy, 0, &p) == LW_OK && p.link == 2 && p.at.x == 4);
+    CHECK(lw_linkage_joint(copy, 4, &j) == LW_E_ARG && lw_linkage_input(copy, 1, &in) == LW_E_ARG
+          && lw_linkage_tracer(copy, 1, &p) == LW_E_ARG);
+    p.at = (lw_vec2){ 3, 5 };
+    CHECK_INT(lw_linkage_set_tracer(copy, 0, &p, &e), LW_OK);
+    CHECK_INT(lw_linkage_save(copy, NULL, path, &e), LW_OK);
+    CHECK_INT(lw_linkage_load(path, &saved, &e), LW_OK);
+    CHECK(lw_linkage_tracer(saved, 0, &p) == LW_OK && p.at.x == 3 && p.at.y == 5);
+    CHECK_INT(lw_kinematics_create(k, &z, &e), LW_OK);
+    CHECK_INT(lw_kinematics_turns(z), 1);
+    int n = lw_kinematics_n_dimension(z);
+    CHECK(n >= 6);
+    for (int i = 0; i < n; i++)
+        if (strcmp(lw_kinematics_dimension_name(z, i), "r2") == 0) {
+            lw_vec2 before[4], after[4];
+            double at = lw_kinematics_input(z), length = lw_kinematics_dimension(z, i);
+            CHECK_INT(lw_kinematics_posture(z, at, 0, before, NULL, NULL, NULL), LW_OK);
+            CHECK_INT(lw_kinematics_set_dimension(z, i, 0.5*length), LW_OK);
+            CHECK_INT(lw_kinematics_posture(z, at, 0, after, NULL, NULL, NULL), LW_OK);
+            double was = hypot(before[1].x - before[0].x, before[1].y - before[0].y);
+            CHECK_NEAR(was, 1, 1e-14, 0);
+            CHECK_NEAR(hypot(after[1].x - after[0].x, after[1].y - after[0].y), 0.5, 1e-14, 0);
+        }
+    CHECK_INT(lw_kinematics_set_dimension(z, n, 1), LW_E_ARG);
+    unlink(path);
+    lw_kinematics_destroy(z);
+    lw_linkage_destroy(saved);
+    lw_linkage_destroy(copy);
+    lw_linkage_destroy(k);
+}
+
+/* ---- targets, tasks, profiles ------------------------------------------------------------------------------------ */
+
+TEST(targets_tasks_and_cycles)
+{
+    static const char bent[] = "x,y\n0,0\n3,0\n6,0\n6,4\n";
+    const double *x, *y, *theta, *angle;
+    lw_target *t = NULL;
+    lw_task_file *task = NULL;
+    lw_work_cycle *c = NULL;
+    lw_error e;
+    CHECK_INT(lw_target_parse(bent, strlen(bent), NULL, NULL, &t, &e), LW_OK);
+    lw_target_stations(t, &x, &y, &theta, &angle);
+    CHECK(lw_target_n(t) == 4 && !lw_target_closed(t) && !theta && !angle && lw_target_note(t));
+    CHECK_NEAR(lw_target_length(t), 10, 0, 1e-15);
+    CHECK(x[3] == 6 && y[3] == 4);
+    lw_target_destroy(t);
+    CHECK_INT(lw_task_file_load("examples/tasks/walking-foot.json", &task, &t, &e), LW_OK);
+    lw_fit_request asked = lw_task_file_request(task), plain = lw_fit_request_default();
+    CHECK(lw_target_n(t) > 3 && memcmp(&asked, &plain, sizeof asked) != 0);
+    lw_target_destroy(t);
+    lw_task_file_destroy(task);
+    CHECK_INT(lw_task_file_parse("{}", 2, NULL, &task, &t, &e), LW_E_NOTATION);
+    CHECK_INT(lw_work_cycle_load("examples/cycles/gantry.json", &c, &e), LW_OK);
+    int axes = lw_work_cycle_count(c, 'a'), moves = lw_work_cycle_count(c, 'm');
+    double start, duration, dwell, end = 0;
+    CHECK(axes > 0 && moves > 0 && lw_work_cycle_name(c, 'a', 0) && !lw_work_cycle_name(c, 'a', axes));
+    for (int i = 0; i < moves; i++) {                                    /* one move after the other */
+        CHECK_INT(lw_work_cycle_times(c, i, &start, &duration, &dwell), LW_OK);
+        CHECK_NEAR(start, end, 1e-12, 1e-12);
+        end = start + duration + dwell;
+        for (int a = 0; a < axes; a++)
+            CHECK_NEAR(lw_work_cycle_at(c, a, start, NULL).v, 0, 1e-9, 0);
+    }
+    CHECK_NEAR(lw_work_cycle_end(c), end, 1e-12, 1e-12);
+    lw_work_cycle_destroy(c);
+    CHECK_INT(lw_work_cycle_parse("{", 1, NULL, &c, &e), LW_E_NOTATION);
+    lw_axis_limits power = { { -INFINITY, INFINITY }, { -INFINITY, INFINITY }, { -INFINITY, INFINITY } }, quiet = power;
+    lw_profile_limit_power(2, 50, 3, &power);
+    CHECK_NEAR(3*power.a[1]*power.v[1], 50, 0, 1e-12);                    /* at the end of the ramp */
+    CHECK_NEAR(2*power.v[1]*power.v[1]/power.a[1], 2, 0, 1e-12);          /* a third of the time each */
+    quiet.a[0] = -4, quiet.a[1] = 4;
+    lw_profile_limit_frequency(2, 5, &quiet);
+    CHECK_NEAR(remainder(quiet.a[1]/quiet.j[1]*5, 1), 0, 1e-12, 0);
+    CHECK(quiet.a[1] <= 4 && quiet.j[1] > 0);
+}
+
+/* ---- dynamics ---------------------------------------------------------------------------------------------------- */
+
+static lw_status count_row(void *n, const lw_sweep_result *r)
+{
+    CHECK_INT(r->status, LW_OK);
+    return *(int *)n += r->n_outcome, LW_OK;
+}
+
+TEST(clearances_run_alone_and_in_a_sweep)
+{
+    lw_model *m = NULL;
+    lw_error e;
+    lw_clearance_outcome one;
+    lw_clearance_settings o = lw_clearance_settings_default();
+    double speed[] = { 8, 9 };
+    lw_sweep_request request = { .n_speed = 2, .speed = speed, .jobs = 1 };
+    int n = 0, rows = 0;
+    CHECK(o.time == 1.25 && o.settle == 0.4 && isnan(o.speed));
+    CHECK_INT(lw_model_load("examples/clearance-four-bar.json", &m, &e), LW_OK);
+    o.time = 0.02, o.settle = 0.01, o.speed = 8;
+    CHECK_INT(lw_simulate_clearance(m, &o, NULL, NULL, &one, 1, &n, &e), LW_OK);
+    CHECK(n == 1 && one.force_most >= 0);
+    CHECK_INT(lw_sweep_clearance(m, &o, &request, count_row, NULL, &rows, &e), LW_OK);
+    CHECK_INT(rows, 2);
+    CHECK_INT(lw_model_set_speed(m, 9, 1), LW_E_ARG);
+    lw_model_destroy(m);
+}
+
+/* ---- catalogues and plots ---------------------------------------------------------------------------------------- */
+
+static lw_status take_number(void *out, int n, const char *const *name, const lw_value *v)
+{
+    CHECK(n == 1 && name[0]);
+    *(long long *)out = v->integer;
+    return LW_OK;
+}
+
+TEST(catalogues_answer_and_are_drawn)
+{
+    lw_catalogue *c = NULL;
+    lw_linkage *k = four_bar();
+    lw_error e;
+    char path[300], page[300], command[700], *json = NULL;
+    size_t size;
+    uint64_t n = 0;
+    long long chains = 0;
+    double x[] = { 0, 1, 2 }, y[] = { 0, 1, 4 };
+    lw_plot_series series = { "squares", 3, x, y };
+    snprintf(path, sizeof path, "%s/six.db", temporary_folder());
+    CHECK_INT(lw_catalogue_open(path, true, 1, &c, &e), LW_OK);
+    CHECK_INT(lw_catalogue_add_chains(c, 6, 1, "r", NULL, &n, &e), LW_OK);
+    CHECK_INT((int)n, 2);
+    CHECK_INT(lw_catalogue_sql(c, "SELECT count(*) FROM chain", take_number, &chains, &e), LW_OK);
+    CHECK_INT((int)chains, 2);
+    CHECK_INT(lw_catalogue_sql(c, "DELETE FROM chain", take_number, &chains, &e), LW_E_ARG);
+    CHECK_INT(lw_linkage_export(k, "json", &json, &size, &e), LW_OK);
+    CHECK_INT(lw_catalogue_add_linkages(c, json, size, "four.json", &n, &e), LW_OK);
+    CHECK_INT((int)n, 1);
+    snprintf(page, sizeof page, "%s/pages", temporary_folder());
+    snprintf(command, sizeof command, "mkdir %s", page);
+    CHECK_INT(system(command), 0);
+    CHECK_INT(lw_catalogue_pages(c, page, 0, 0, NULL, &e), LW_OK);
+    snprintf(command, sizeof command, "test -s %s/index.html", page);
+    CHECK_INT(system(command), 0);
+    lw_catalogue_close(c);
+    snprintf(path, sizeof path, "%s/plot.svg", temporary_folder());
+    CHECK_INT(lw_plot_save(path, "title", "x", "y", false, false, 1, &series, &e), LW_OK);
+    CHECK_INT(lw_plot_save("plot.nothing", "title", "x", "y", false, false, 1, &series, &e), LW_E_ARG);
+    snprintf(command, sizeof command, "grep -q squares %s && test -e examples/../README.md", path);
+    CHECK_INT(system(command), 0);
+    lw_free(json);
+    lw_linkage_destroy(k);
 }
 
 int main(void)
