@@ -101,7 +101,7 @@ static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_creat
 static ran run_once(const char *command, char **file)
 {
     char line[1200], path[300];
-    snprintf(line, sizeof line, "rm -f $D/o; %s", command);
+    snprintf(line, sizeof line, "rm -f $D/o $D/o.partial; %s", command);
     ran r = run(line);
     snprintf(path, sizeof path, "%s/o", getenv("D"));
     *file = slurp(path);
