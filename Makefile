@@ -114,7 +114,7 @@ $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
-           timer_settime lw_kernels_supported
+           lw_kernels_supported
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) $(SERVER) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a

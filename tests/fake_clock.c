@@ -1,8 +1,7 @@
 /* tests/fake_clock.c - replaces base/clock.c in the test build of the program, so that a time limit is a number of
  * readings of the clock, the same on every machine.
  *
- *     LW_CLOCK_STEP=0.01     each reading is 0.01 s later than the one before, and no timer runs; without it the clock is
- *                            the real one
+ *     LW_CLOCK_STEP=0.01     each reading is 0.01 s later than the one before; without it the clock is the real one
  *     LW_SIGNAL=2 LW_SIGNAL_AT=100    the hundredth reading sends signal 2 to the program itself */
 #include <signal.h>
 #include <stdatomic.h>
@@ -37,10 +36,3 @@ static double read_clock(clockid_t clock)
 
 double lw_clock_wall(void) { return read_clock(CLOCK_MONOTONIC); }
 double lw_clock_cpu(void)  { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
-
-int __real_timer_settime(timer_t timer, int flags, const struct itimerspec *new, struct itimerspec *old);
-int __wrap_timer_settime(timer_t timer, int flags, const struct itimerspec *new, struct itimerspec *old);
-int __wrap_timer_settime(timer_t timer, int flags, const struct itimerspec *new, struct itimerspec *old)
-{
-    return step > 0 ? 0 : __real_timer_settime(timer, flags, new, old);
-}

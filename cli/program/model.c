@@ -176,7 +176,7 @@ lw_status cli_speed(const char *text, bool slides, double plain, double *speed, 
     *speed = value*factor;
     if (factor != 0)
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "--speed is \"%.60s\"; expected a number of at most 1e60, alone or with a unit: %s", text,
+    return lw_error_set(e, LW_E_ARG, "--speed is \"%.60s\"; expected a number, alone or with a unit, of at most 1e60: %s", text,
                         slides ? "m/s, mm/s, cm/s, in/s, ... (the input slides)" :
                         "rpm, rad/s, deg/s, turn/s, Hz (the input turns)");
 }
