@@ -8,12 +8,12 @@
 
 static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)
 {
-    return lw_master_read(text, size, file, out, e);
+    return lw_master_read(text, size, file ? file : "", out, e);
 }
 
 lw_status lw_master_parse(const char *text, size_t size, const char *file, lw_master **out, lw_error *error)
 {
-    return lw_master_read(text, size, file, out, error);
+    return lw_master_read(text, size, file ? file : "", out, error);
 }
 
 lw_status lw_master_load(const char *path, lw_master **out, lw_error *error)

@@ -615,6 +615,93 @@ TEST(clearances_run_alone_and_in_a_sweep)
     lw_model_destroy(m);
 }
 
+/* ---- motion, families, vibrations -------------------------------------------------------------------------------- */
+
+/* The crank turns about its ground pin; the eight crosses itself once, in its middle. */
+TEST(centres_double_points_and_motion_curves)
+{
+    lw_linkage *k = four_bar(), *there = NULL;
+    lw_kinematics *z = NULL;
+    lw_motion_curves *curves = NULL;
+    lw_picture *picture = NULL;
+    lw_instant_motion about;
+    lw_double_point twice[4];
+    lw_error e;
+    char *text = NULL, path[300];
+    double x[361], y[361], input[90], px[90], py[90];
+    CHECK_INT(lw_kinematics_create(k, &z, &e), LW_OK);
+    CHECK_INT(lw_kinematics_instant(z, lw_kinematics_input(z), 1, 0, &about), LW_OK);
+    CHECK_NEAR(about.turn, 1, 1e-12, 0);
+    CHECK_NEAR(hypot(about.centre.x, about.centre.y), 0, 1e-12, 0);
+    CHECK_INT(lw_kinematics_instant(z, 0, 9, 0, &about), LW_E_ARG);
+    CHECK_INT(lw_kinematics_explain(z, &text), LW_OK);
+    CHECK(text && *text);
+    CHECK_INT(lw_kinematics_linkage(z, lw_kinematics_input(z) + 0.5, &there, &e), LW_OK);
+    for (int i = 0; i < 361; i++) {
+        double a = i*3.14159265358979323846/180;
+        x[i] = cos(a), y[i] = sin(2*a);
+    }
+    CHECK_INT(lw_path_double_points(361, x, y, twice, 4), 1);
+    CHECK_NEAR(hypot(twice[0].at.x, twice[0].at.y), 0, 1e-9, 0);
+    CHECK_INT(lw_motion_curves_create(k, 4, 1, &curves, &e), LW_OK);
+    CHECK_INT(lw_motion_curves_trace(curves, 0, 0, 90, input, px, py), LW_OK);
+    for (int i = 0; i < 90; i++)                     /* the tracer keeps its distance from the pin of the crank */
+        CHECK_NEAR(hypot(px[i] - cos(input[i]), py[i] - sin(input[i])), 5, 1e-9, 0);
+    CHECK_INT(lw_motion_curves_trace(curves, 99, 0, 90, input, px, py), LW_E_ARG);
+    snprintf(path, sizeof path, "%s/four.svg", temporary_folder());
+    CHECK_INT(lw_picture_of_linkage(there, NULL, NULL, &picture, &e), LW_OK);
+    CHECK_INT(lw_picture_save(picture, path, 0, 0, &e), LW_OK);
+    CHECK_INT(unlink(path), 0);
+    lw_picture_destroy(picture);
+    lw_motion_curves_destroy(curves);
+    lw_linkage_destroy(there);
+    lw_kinematics_destroy(z);
+    lw_linkage_destroy(k);
+    lw_free(text);
+}
+
+static lw_status keep_slowest(void *slowest, const lw_vibration_info *v)
+{
+    double *least = slowest;
+    if (v->im > 0 && !(*least < v->frequency))
+        *least = v->frequency;
+    return LW_OK;
+}
+
+TEST(families_and_vibrations)
+{
+    static const char pendulum[] = "{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\", {\"name\": \"bob\", "
+        "\"mass\": 2, \"centre\": [0, 0, -0.5], \"inertia\": [0.1, 0.1, 0.1]}], \"joints\": [{\"name\": \"A\", \"kind\": \"revolute\", "
+        "\"links\": [\"ground\", \"bob\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}]}";
+    lw_master *m = NULL;
+    lw_variant *v = NULL;
+    lw_spatial *space = NULL;
+    lw_model *model = NULL;
+    lw_error e;
+    const char *unit = NULL;
+    char *text = NULL;
+    size_t size = 0;
+    double range[2], slowest = NAN;
+    CHECK_INT(lw_master_load("examples/families/loader.json", &m, &e), LW_OK);
+    CHECK_TEXT(lw_master_parameter_name(m, 0), "reach");
+    CHECK_INT(lw_master_parameter_unit(m, 0, &unit, range), LW_OK);
+    CHECK_TEXT(unit, "m");
+    CHECK(range[0] == 1.2 && range[1] == 4 && lw_master_parameter_unit(m, 99, &unit, range) == LW_E_ARG);
+    CHECK_INT(lw_variant_create(m, &v), LW_OK);
+    CHECK_INT(lw_variant_text(v, &text, &size, &e), LW_OK);
+    CHECK_INT(lw_model_parse(text, size, NULL, &model, &e), LW_OK);
+    CHECK_INT(lw_variant_spatial(v, &space, &e), LW_E_KIND);             /* a planar one */
+    lw_free(text);
+    lw_model_destroy(model);
+    lw_variant_destroy(v);
+    lw_master_destroy(m);
+    CHECK_INT(lw_master_parse("{", 1, NULL, &m, &e), LW_E_NOTATION);
+    CHECK_INT(lw_spatial_parse(pendulum, strlen(pendulum), NULL, &space, &e), LW_OK);
+    CHECK_INT(lw_spatial_vibrations(space, false, false, keep_slowest, &slowest, &e), LW_OK);
+    CHECK_NEAR(slowest, sqrt(2*9.81*0.5/(0.1 + 2*0.25))/(2*3.14159265358979323846), 0, 1e-9);
+    lw_spatial_destroy(space);
+}
+
 /* ---- catalogues and plots ---------------------------------------------------------------------------------------- */
 
 static lw_status take_number(void *out, int n, const char *const *name, const lw_value *v)
@@ -651,6 +738,7 @@ TEST(catalogues_answer_and_are_drawn)
     CHECK_INT(lw_catalogue_pages(c, page, 0, 0, NULL, &e), LW_OK);
     snprintf(command, sizeof command, "test -s %s/index.html", page);
     CHECK_INT(system(command), 0);
+    CHECK_INT(lw_catalogue_check(c, &e), LW_OK);
     lw_catalogue_close(c);
     snprintf(path, sizeof path, "%s/plot.svg", temporary_folder());
     CHECK_INT(lw_plot_save(path, "title", "x", "y", false, false, 1, &series, &e), LW_OK);
