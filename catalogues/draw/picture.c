@@ -106,7 +106,14 @@ static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, cons
 {
     if (!scene || s->link < 0 || s->panel < 0 || s->panel >= d->n_view)
         return;
-    lw_page_motion m = lw_diagram_motion(scene, &d->view[s->panel], frame, s->link);
+    const lw_view *v = &d->view[s->panel];
+    for (int t = 0; t < scene->linkage.n_tracer && scene->n_bend > 0 && s->role == LW_ROLE_TRACER; t++)
+        if (lw_v2_norm(lw_v2_sub(lw_view_pixel(v, scene->linkage.tracer[t].at), s->at)) < 0.01 && t < scene->n_curve) {
+            lw_vec2 to = lw_view_pixel(v, scene->curve[t].p[frame]);         /* maybe inside a bar that bends */
+            cairo.translate(c, to.x - s->at.x, to.y - s->at.y);
+            return;
+        }
+    lw_page_motion m = lw_diagram_motion(scene, v, frame, s->link);
     if (s->upright) {
         lw_vec2 to = lw_v2_add(m.to, lw_v2_turn(lw_v2_sub(s->hold, m.from), m.turn));
         cairo.translate(c, to.x - s->hold.x, to.y - s->hold.y);

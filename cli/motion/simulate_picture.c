@@ -126,9 +126,10 @@ static lw_place place_of(const cli_simulate *s, int link, const double *q)
                  : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
 }
 
-/* The paths of the tracers in the frames of a scene, in place of those that they have for all inputs. */
-static bool take_paths(lw_scene *scene)
+/* The paths of the tracers as the rows have them, in place of those that they have for all inputs. */
+static bool take_paths(const cli_simulate *s, lw_scene *scene)
 {
+    size_t first = 1 + 3*(size_t)s->model->linkage.n_input, columns = (size_t)s->n_column;
     const lw_linkage *k = &scene->linkage;
     while (scene->n_curve > 0)
         free(scene->curve[--scene->n_curve].p);
@@ -137,7 +138,7 @@ static bool take_paths(lw_scene *scene)
         if (!p)
             return false;
         for (size_t f = 0; f < scene->n_frame; f++)
-            p[f] = lw_scene_at(scene, f, k->tracer[t].link, k->tracer[t].at);
+            p[f] = lw_v2_scale(lw_v2(s->row[f*columns + first + 6*(size_t)t], s->row[f*columns + first + 6*(size_t)t + 1]), k->units.metre);
         scene->curve[scene->n_curve++] = (lw_curve){ .tracer = t, .shown_branch = true, .n = scene->n_frame, .p = p };
     }
     return true;
@@ -176,7 +177,7 @@ static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
     scene->n_frame = n;
     scene->first_frame = 0;
     scene->loops = true;
-    return take_paths(scene) ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    return take_paths(s, scene) ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 /* The nodes of elastic links in all rows; *bend needs free_bends. */
