@@ -27,7 +27,8 @@ lw_status studio_source(const json_t *ask, const char *key, char **text, size_t 
     const json_t *v = json_object_get(ask, key);
     *text = json_is_string(v) ? strdup(json_string_value(v)) : json_is_object(v) ? json_dumps(v, JSON_COMPACT) : NULL;
     if (!*text)
-        return v ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_error_set(e, LW_E_ARG, "the request has no \"%s\"", key);
+        return json_is_string(v) || json_is_object(v) ? lw_error_set(e, LW_E_MEMORY, "out of memory")
+                 : lw_error_set(e, LW_E_ARG, "the request has no \"%s\" that is an object or a text", key);
     *size = strlen(*text);
     return LW_OK;
 }

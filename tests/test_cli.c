@@ -73,8 +73,8 @@ TEST(plots_stand_alone)
     }
     for (int k = 0, n = list_commands(name); k < n; k++) {                /* each command with a plot has a row here */
         bool here = false;
-        snprintf(line, sizeof line, "$P help %s | grep -c -- ' --plot FILE'", name[k]);
-        snprintf(wanted, sizeof wanted, "%s ", name[k]);
+        snprintf(line, sizeof line, "$P help %.31s | grep -c -- ' --plot FILE'", name[k]);
+        snprintf(wanted, sizeof wanted, "%.31s ", name[k]);
         for (size_t i = 0; i < sizeof lines/sizeof *lines; i++)
             here = here || strncmp(lines[i], wanted, strlen(wanted)) == 0;
         expect(line, here ? 0 : 1, here ? "" : "0", NULL);

@@ -159,6 +159,7 @@ TEST(answers)
     CHECK(question("mobility", "{\"linkage\":" FOURBAR "}") == 200 && strstr(reply, "\"kind\":\"moves\""));
     CHECK(question("assembly", "{\"linkage\":" FOURBAR "}") == 200 && strstr(reply, "\"frames\":1") && !strstr(reply, "null"));
     CHECK(question("assembly", "{}") == 422);
+    CHECK(question("motion", "{\"linkage\":[]}") == 422 && strstr(reply, "an object or a text"));
     CHECK(question("open", "{\"name\":\"a.csv\",\"text\":\"x,y\\n0,0\\n1,0\\n1,1\\n\"}") == 200 && strstr(reply, "\"kind\":\"target\""));
     CHECK(question("open", "{\"name\":\"a.csv\",\"text\":\"x,y\\n0,zero\\n\"}") == 422 && strstr(reply, "\"line\":2"));
     CHECK(question("target", "{\"name\":\"d.csv\",\"unit\":\"mm\",\"force_unit\":true,\"stations\":9,\"closed\":true,"
