@@ -30,15 +30,12 @@ static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool clos
     lw_scene_free(&scene);
 }
 
-/* Of types, or of the families of a list. */
-static void draws(const char *types, const char *families, size_t n)
+static void draws(lw_curve_maker *m, size_t n)
 {
-    lw_curve_maker *m;
     lw_error e = { 0 };
     lw_rng rng;
     int n_made[2] = { 0, 0 };
     static double u[400*LW_CURVE_DRAWS];
-    CHECK_INT(types ? lw_curve_maker_create(types, &m, &e) : lw_curve_maker_of(families, &m, &e), LW_OK);
     void *work = aligned_alloc(64, lw_curve_work_size(m));
     lw_rng_seed(&rng, check_seed(), 5);
     CHECK(lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u));
@@ -65,15 +62,47 @@ static void draws(const char *types, const char *families, size_t n)
     lw_curve_maker_free(m);
 }
 
-TEST(curves_are_those_of_their_linkages) { draws("fourbar", NULL, 400); }
-TEST(all_types) { draws("all", NULL, 400); }
+static lw_curve_maker *of_types(const char *types)
+{
+    lw_curve_maker *m = NULL;
+    CHECK_INT(lw_curve_maker_create(types, &m, NULL), LW_OK);
+    return m;
+}
+
+static lw_curve_maker *of_families(const char *families)
+{
+    lw_curve_maker *m = NULL;
+    CHECK_INT(lw_curve_maker_of(families, &m, NULL), LW_OK);
+    return m;
+}
+
+static lw_curve_maker *of_links(int links, const char *kinds)
+{
+    lw_curve_maker *m = NULL;
+    CHECK_INT(lw_curve_maker_links(links, kinds, 1, &m, NULL), LW_OK);
+    return m;
+}
+
+TEST(curves_are_those_of_their_linkages) { draws(of_types("fourbar"), 400); }
+TEST(all_types) { draws(of_types("all"), 400); }
+TEST(eight_links) { draws(of_links(8, "r"), 400); }
+TEST(six_links_with_sliders) { draws(of_links(6, "rt"), 400); }
+
+/* A byte numbers the families of a maker. */
+TEST(too_many_families)
+{
+    lw_curve_maker *m = NULL;
+    lw_error e = { 0 };
+    CHECK_INT(lw_curve_maker_links(8, "rt", 1, &m, &e), LW_E_ARG);
+    CHECK(!m && strstr(e.text, "255"));
+}
 
 /* Watt I, Stephenson III, and an eight-link chain with a slider, as text. */
 #define WATT       "Watt I; point on link 5=1-2r.3-1r.1-5r.2-4r.2-6r.3-4r.5-6r=g3i2t5"
 #define STEPHENSON "Stephenson III=1-3r.1-5r.1-6r.2-4r.2-5r.2-6r.3-4r=g1i2t4"
 #define SLIDER     "a rocker's slider=1-2r.2-3r.3-4r.4-1r.3-5r.5-6r.6-1t=g1i1t5"
 
-TEST(more_links) { draws(NULL, WATT "," STEPHENSON "," SLIDER, 300); }
+TEST(more_links) { draws(of_families(WATT "," STEPHENSON "," SLIDER), 300); }
 
 /* The text says all: another maker, made of a linkage, draws the same members; texts that say nothing are refused. */
 TEST(topologies_as_text)

@@ -9,9 +9,10 @@
 #include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
 
-#define FAMILY_MAX 32
+#define FAMILY_MAX 255                /* lw_curve_row.family has a byte                               */
 #define POINTS     LW_CURVE_POINTS
 #define REACH      2.0        /* tracers are drawn up to this distance from the middle of the coupler, in its lengths */
+#define PARALLEL   1e-4       /* squared sine: two guides that become so nearly parallel may pass through infinity */
 #define LEAST_PART 0.1          /* of the input's range, for an open curve                            */
 
 typedef struct kind {
@@ -19,6 +20,7 @@ typedef struct kind {
     lw_curve_topology *topology;                                /* owned; NULL: four-bar           */
     lw_plan            plan;
     int              shape[LW_SHAPE_MAX], n_shape, coupler;     /* indices of dimensions; -1: none */
+    bool             slides;                                    /* a topology with a slider        */
     double           upto;                                      /* cumulative share of the samples */
 } kind;
 
@@ -58,6 +60,8 @@ static lw_status add_topology(lw_curve_maker *m, const char *text, lw_error *e)
     size_t size = lw_curve_topology_work_size(to->topology);
     m->topology_size = size > m->topology_size ? size : m->topology_size;
     to->plan = to->topology->problem.plan;
+    for (int j = 0; j < to->topology->linkage.n_joint; j++)
+        to->slides |= lw_joint_slides(to->topology->linkage.joint[j].kind);
     return add_kind(m, &to->topology->family, text, to);
 }
 
@@ -271,6 +275,20 @@ static bool opens(const double *margin, bool round)
     return false;
 }
 
+/* The least margin of the postures, and between them that of the parabola through a least value and its neighbours. */
+static double least_margin(const double *margin, bool round)
+{
+    double least = INFINITY;
+    for (int i = 0; i < POINTS; i++) {
+        double here = margin[i];
+        double to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
+        least = fmin(least, here);
+        if ((round || (i > 0 && i < POINTS - 1)) && to_last > 0 && to_next > 0)
+            least = fmin(least, here - (to_next - to_last)*(to_next - to_last)/(8*(to_last + to_next)));
+    }
+    return least;
+}
+
 static void solve_member(const lw_curve_maker *m, const lw_curve_row *row, bool closed, const double *dim,
                          const double *mode, scratch *w)
 {
@@ -284,6 +302,7 @@ static lw_status draw_member(const lw_curve_maker *m, const double *u, bool clos
 {
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     lw_range range;
+    const kind *k = &m->kind[row->family];
     uint64_t key = (uint64_t)(u[1]*0x1p53)*0x9e3779b97f4a7c15u ^ (uint64_t)(u[2]*0x1p53)*0xbf58476d1ce4e5b9u;
     row->key[0] = (uint32_t)key;
     row->key[1] = (uint32_t)(key >> 32);
@@ -295,7 +314,8 @@ static lw_status draw_member(const lw_curve_maker *m, const double *u, bool clos
     if (!closed)
         draw_piece(u + 6, range.first, range.last, range.turns, row);
     solve_member(m, row, closed, dim, mode, work);
-    return opens(((scratch *)work)->margin, closed) ? LW_OPEN : LW_OK;
+    const double *margin = ((scratch *)work)->margin;
+    return opens(margin, closed) || (k->slides && least_margin(margin, closed) < PARALLEL) ? LW_OPEN : LW_OK;
 }
 
 lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row)
@@ -336,20 +356,6 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
 }
 
 /* ---- points ----------------------------------------------------------------------------------------- */
-
-/* The least margin of the postures, and between them that of the parabola through a least value and its neighbours. */
-static double least_margin(const double *margin, bool round)
-{
-    double least = INFINITY;
-    for (int i = 0; i < POINTS; i++) {
-        double here = margin[i];
-        double to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
-        least = fmin(least, here);
-        if ((round || (i > 0 && i < POINTS - 1)) && to_last > 0 && to_next > 0)
-            least = fmin(least, here - (to_next - to_last)*(to_next - to_last)/(8*(to_last + to_next)));
-    }
-    return least;
-}
 
 /* Solve all postures of a four-bar. */
 static lw_status solve_type(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, scratch *w,

@@ -45,11 +45,12 @@ typedef struct lw_curve_maker lw_curve_maker;
  * type. */
 lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_error *e);
 
-/* All mechanisms of pins with so many links (4, 6, 8) and one freedom, whose tracer moves in a way that fewer links do
- * not allow, each with every input at the ground. */
-lw_status lw_curve_maker_links(int links, int jobs, lw_curve_maker **maker, lw_error *e);
+/* All mechanisms with so many links (6, 8) and one freedom, of pins ("r") or pins and sliders ("rt"), whose tracer moves in
+ * a way that fewer links do not allow, driven by a pin from which dyads solve them.  LW_E_ARG: there are more than 255, as with
+ * eight links and sliders. */
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, lw_curve_maker **maker, lw_error *e);
 
-/* Add a family: linkages of any topology that a plan of dyads solves (pins and sliders, one input, tracer 0).  They are
+/* Add a family: linkages of any topology that a plan of dyads solves (pins and sliders, one pin as input, tracer 0).  They are
  * drawn as for a fit (optimise/search/random_linkage.h); their closed curves belong to a full turn of the input.
  * LW_E_KIND: no plan of dyads; LW_E_ARG: too many families, too many links. */
 lw_status lw_curve_maker_add(lw_curve_maker *maker, const char *name, const lw_linkage *linkage, lw_error *e);

@@ -83,6 +83,8 @@ static lw_status make_problem(lw_curve_topology *t, lw_error *e)
     lw_fit_spec spec = lw_fit_spec_default();
     spec.timing = LW_TIMING_NONE;
     t->family = (lw_family){ .name = t->name, .linkage = &t->linkage, .links = t->linkage.n_link, .blocks = 1 };
+    if (lw_joint_slides(t->linkage.joint[t->linkage.input[0].joint].kind))
+        return lw_error_set(e, LW_E_KIND, "%s: a slider drives it, which makes no full turn", t->name);
     lw_status s = lw_target_make(4, x, y, NULL, NULL, NULL, 1, &circle, e);
     if (s != LW_OK)
         return s;
@@ -188,10 +190,10 @@ static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int lin
     return status;
 }
 
-lw_status lw_curve_maker_links(int links, int jobs, lw_curve_maker **maker, lw_error *e)
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, lw_curve_maker **maker, lw_error *e)
 {
     lw_mechanism_set all;
-    lw_mechanism_request request = { .links = links, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH,
+    lw_mechanism_request request = { .links = links, .dof = 1, .kinds = kinds, .only = "all", .task = LW_TASK_PATH,
                                      .jobs = jobs };
     lw_status status = lw_curve_maker_create(NULL, maker, e);
     if (status != LW_OK)

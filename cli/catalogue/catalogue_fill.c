@@ -251,8 +251,8 @@ static lw_curve_maker *make_maker(const cli_call *call, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
     lw_curve_maker *maker = NULL;
-    (void)(s->links == 6 ? lw_curve_maker_links(6, call->common.jobs, &maker, e)
-                         : lw_curve_maker_create(s->types, &maker, e));
+    (void)(s->links > 4 ? lw_curve_maker_links(s->links, read_kinds(s->joints), call->common.jobs, &maker, e)
+                        : lw_curve_maker_create(s->types, &maker, e));
     return maker;
 }
 
@@ -272,7 +272,9 @@ static void help_out(const cli_call *call, const lw_build_control *control, bool
 static int draw_curves(const cli_call *call, lw_build_control *control, cli_catalogue_watch *w, bool *ran)
 {
     const cli_catalogue_settings *s = call->settings;
-    const char *about = s->links == 6 ? "six links" : s->types;
+    bool sliders = s->links > 4 && strcmp(read_kinds(s->joints), "rt") == 0;
+    const char *about = s->links == 8 ? "eight links" : s->links == 6 ? sliders ? "six links with sliders" : "six links"
+                      : s->types;
     uint64_t n_sample = (uint64_t)s->samples;
     lw_store *store = NULL;
     lw_build_counts n = { 0 };
@@ -302,10 +304,14 @@ int cli_catalogue_curves(const cli_call *call)
 {
     const cli_catalogue_settings *s = call->settings;
     bool ran = false;
-    if (s->links != 0 && s->links != 4 && s->links != 6)
-        return cli_usage(call, "curves are drawn for four or six links: --links 4 or 6, not %d", s->links);
-    if (s->links == 6 && cli_given(&call->parsed, "type"))
-        return cli_usage(call, "--type is for four links; --links 6 draws all chains, ground links and tracer links");
+    const char *kinds = read_kinds(s->joints);
+    if (s->links != 0 && s->links != 4 && s->links != 6 && s->links != 8)
+        return cli_usage(call, "curves are drawn for four, six or eight links: --links 4, 6 or 8, not %d", s->links);
+    if (s->links > 4 && cli_given(&call->parsed, "type"))
+        return cli_usage(call, "--type is for four links; with more links all chains, ground links and tracer links are drawn");
+    if (!kinds || (strcmp(kinds, "r") != 0 && (strcmp(kinds, "rt") != 0 || s->links != 6)))
+        return cli_usage(call, "curves with sliders are drawn of four links, by --type, and of six, by --joints r,t, not by "
+                         "--joints %s%s", s->joints, s->links == 8 ? " with --links 8: there are 11675 such mechanisms" : "");
     if (s->samples == 0)
         return cli_usage(call, "how many curves? give --samples N");
     int part = 0, n_part = 0;
