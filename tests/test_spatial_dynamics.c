@@ -856,14 +856,14 @@ TEST(modes_of_points_of_mass)
         CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
         CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ false, true }, 20, 0, q, &modes, &e), LW_OK);
         CHECK_INT(modes.n_mode, 4);
-        for (int k = 0; k < 4 && k < modes.n_mode; k++)
-            slow[i][k] = modes.mode[k].frequency;
+        for (int j = 0; j < 4 && j < modes.n_mode; j++)
+            slow[i][j] = modes.mode[j].frequency;
         lw_modes_free(&modes);
         lw_dynamics_free(d);
         lw_spatial_free(&m);
     }
-    for (int k = 0; k < 4; k++)
-        CHECK_NEAR(slow[1][k], slow[0][k], 0, 1e-7);
+    for (int j = 0; j < 4; j++)
+        CHECK_NEAR(slow[1][j], slow[0][j], 0, 1e-7);
     CHECK(slow[0][0] > 0.1);
 }
 

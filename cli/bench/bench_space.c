@@ -119,7 +119,7 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial 
 
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
-    static const lw_formulation every[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE };
+    static const lw_formulation every[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_RADAU };
     lw_spatial m;
     places exact;
     lw_status st = p->n_loop > 0 ? make_chain(p->n_loop, &m, e) : read_model(p->name, &m, e);
@@ -128,7 +128,7 @@ lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
     lw_dynamics_options o = { .formulation = LW_FORMULATION_INDEX1, .to = p->to, .intervals = MOMENTS, .stop = cli_stop_flag() };
     o.relative = o.absolute = p->n_loop ? 1e-13 : 1e-14;
     st = run_once(&m, &o, &exact, NULL, e);
-    for (int f = 0; f < 2 && st == LW_OK; f++) {
+    for (int f = 0; f < 3 && st == LW_OK; f++) {
         bool slow = false;
         for (int k = b->loosest; k <= b->tightest && k <= p->implicit && !slow && st == LW_OK
              && !cli_interrupted(); k++)

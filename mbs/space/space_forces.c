@@ -32,7 +32,7 @@ static lw_status make_super(const lw_space *s, lw_space_forces *f, lw_error *e)
     for (int i = 0; st == LW_OK && i < m->n_super; i++) {
         for (int k = 0; k < m->super[i].n; k++)
             turn[k] = lw_quaternion_matrix(s->axes[s->body_of[m->super[i].link[k]]]);
-        st = lw_super_make(&m->super[i], turn, m->gravity, &f->super[i]);
+        st = lw_super_make(&m->super[i], turn, m->gravity, &f->super[f->n_super++]);
         f->conservative = f->conservative && m->super[i].damping == 0;
     }
     free(turn);
@@ -79,7 +79,7 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
 
 void lw_space_forces_free(lw_space_forces *f)
 {
-    for (int i = 0; f->super && i < f->s->model->n_super; i++)
+    for (int i = 0; i < f->n_super; i++)           /* the model may be gone */
         lw_super_free(&f->super[i]);
     free(f->memory), free(f->super), free(f->super_work);
     *f = (lw_space_forces){ 0 };

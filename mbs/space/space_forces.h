@@ -15,6 +15,7 @@ typedef struct lw_space_forces {
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
     lw_beam_space   *beam;               /* (n_beam) */
+    int              n_super;
     lw_super        *super;              /* (n_super) */
     double          *super_work;         /* scratch of the largest: force, by_x, by_v, nodes */
     double          *turn;               /* (n_joint) turns accepted last, from which angles are counted */
