@@ -353,7 +353,7 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "bodies' coordinates; contacts and ropes by complementarity");
     if (asked)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
-    if (d->n_friction || lw_mbs_is_stiff(d))
+    if (lw_mbs_is_stiff(d) || (d->n_friction && lw_mbs_friction_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     if (d->space)
         snprintf(why, sizeof why, "places and quaternions of all bodies, explicit method of order 8%s%s",

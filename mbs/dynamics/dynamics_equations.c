@@ -689,6 +689,7 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
+static const double damped = 1e3;            /* the same where an implicit method of high order serves */
 static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
@@ -706,6 +707,26 @@ static void see_state(void *context, int row, int column, double by_q, double by
     (void)by_v;
     if (row == column && row >= o->n_v)
         o->most = fmax(o->most, -by_q);
+}
+
+bool lw_mbs_friction_is_stiff(lw_dynamics *d)
+{
+    double most = 0, load = 0, *g = d->small_v, *change = d->v_try;
+    if (d->space || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+        return true;
+    d->eq.forces(d->eq.context, d->o.from, d->start_q, d->start_v, d->force, NULL);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    if (lw_mbs_linear(d, d->force, d->rhs, d->a, d->l) != LW_OK)
+        return true;
+    for (int j = 0; j < d->n_friction; j++)
+        load = fmax(load, 2*lw_v2_norm(lw_friction_reaction(&d->s, d->friction[j].joint, d->l + d->friction_row[j])));
+    for (int j = 0; j < d->n_friction; j++) {
+        const lw_friction_joint *f = &d->friction[j];
+        double arm = f->lever_arm*lw_system_joint_unit(&d->s, f->joint), speed = f->speed > 0 ? f->speed : LW_FRICTION_SPEED;
+        lw_system_measure(&d->s, f->joint, d->start_q, g);
+        most = fmax(most, f->coefficient*arm*arm*load/speed*lw_mbs_impulse(d, g, change));
+    }
+    return most*(d->o.to - d->o.from) > stiff;
 }
 
 /* The fastest decay that dampers and states cause at the start [1/s]. */
@@ -731,4 +752,11 @@ bool lw_mbs_is_stiff(lw_dynamics *d)
         d->decay = fastest_decay(d);
     d->decay_known = true;
     return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
+}
+
+bool lw_mbs_is_damped_tree(lw_dynamics *d)
+{
+    if (d->space || d->large || d->s.n_joint != d->s.n_body || d->s.n_tie || d->n_driven || d->eq.n_z || !d->eq.exact)
+        return false;
+    return lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped;
 }

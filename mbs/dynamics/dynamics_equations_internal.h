@@ -182,4 +182,10 @@ double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x);
 /* Do dampers make the equations stiff over the length of the run? */
 bool lw_mbs_is_stiff(lw_dynamics *d);
 
+/* Does regularised friction, at twice the reactions of the start, make joints that rest stiff?  Always, in space. */
+bool lw_mbs_friction_is_stiff(lw_dynamics *d);
+
+/* An open chain in the plane, which has no singular postures, whose dampers keep the steps of an explicit method short. */
+bool lw_mbs_is_damped_tree(lw_dynamics *d);
+
 #endif

@@ -486,7 +486,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->n_friction || d->n_stop || d->has_zero_mass)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops or massless links");
-    if (!asked && !d->elastic && !(d->space && lw_mbs_is_stiff(d)))
+    if (!asked && !d->elastic && !(d->space ? lw_mbs_is_stiff(d) : lw_mbs_is_damped_tree(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
                               ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "
