@@ -106,7 +106,7 @@ static bool add_joint(splitting *s, const lw_mechanism *m, int j)
 /* A cam and its follower may both only slide. */
 static bool may_not_turn(const lw_mechanism *m, int j)
 {
-    return m->translating_cams && m->kind[j] == LW_JOINT_GEAR;
+    return m->translating_cams && lw_joint_has_ratio(m->kind[j]);
 }
 
 /* True if every freedom of joint j is used: a condition that blocks it would be independent. */

@@ -114,7 +114,7 @@ static bool add_neighbours(const lw_assembly *a, bool any, surroundings *s)
             const lw_joint *q = &a->joint[j];
             int known[2] = { place_of(s, q->link[0]), place_of(s, q->link[1]) };
             bool near = any ? (known[0] >= 0 && known[0] < n) || (known[1] >= 0 && known[1] < n)
-                            : q->kind == LW_JOINT_FIXED && (known[0] >= 0) != (known[1] >= 0);
+                            : lw_joint_freedoms(q->kind) == 0 && (known[0] >= 0) != (known[1] >= 0);
             if (!near || lw_joint_has_ratio(q->kind) || (known[0] >= 0 && known[1] >= 0))
                 continue;
             if (!add_link(s, q->link[0]) || !add_link(s, q->link[1]))

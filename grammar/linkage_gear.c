@@ -14,7 +14,7 @@ static uint32_t welded(const lw_linkage *linkage, int link)
         before = set;
         for (int j = 0; j < linkage->n_joint; j++) {
             uint32_t pair = 1u << linkage->joint[j].link[0] | 1u << linkage->joint[j].link[1];
-            if (linkage->joint[j].kind == LW_JOINT_FIXED && set & pair)
+            if (lw_joint_freedoms(linkage->joint[j].kind) == 0 && set & pair)
                 set |= pair;
         }
     }

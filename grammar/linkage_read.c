@@ -285,7 +285,8 @@ static lw_status finish_gear(const lw_json_node *joint, lw_assembly *assembly, i
 /* A weld or a free link without a place is put where the other joints of its links are. */
 static void finish_weld(lw_assembly *assembly, int i)
 {
-    int link = assembly->joint[i].link[assembly->joint[i].kind == LW_JOINT_FREE && assembly->joint[i].link[0] == assembly->ground];
+    const lw_joint *weld = &assembly->joint[i];
+    int link = weld->link[lw_joint_freedoms(weld->kind) == 3 && weld->link[0] == assembly->ground];
     for (int j = 0; j < assembly->n_joint; j++)
         if (lw_joint_has_position(assembly->joint[j].kind) && (assembly->joint[j].link[0] == link || assembly->joint[j].link[1] == link)) {
             assembly->joint[i].at = assembly->joint[j].at;

@@ -52,7 +52,7 @@ static lw_status check_joint(check *c, int w, int i)
         return fault(c, w, i, "parts are numbered 1 to %d", LW_LINK_MAX);
     if (a == b)
         return fault(c, w, i, "part %d is joined to itself", a + 1);
-    if (!lw_joint_freedoms(kind) || kind == LW_JOINT_FREE)        /* a free link has no joint */
+    if (lw_joint_freedoms(kind) == 0 || lw_joint_freedoms(kind) == 3)        /* a free link has no joint */
         return fault(c, w, i, "a joint is r, t, p or g");
     if (b < 0 || b >= LW_LINK_MAX)
         return LW_OK;                                      /* reported when that word is checked */

@@ -242,7 +242,7 @@ static void find_moment(const lw_kinematics *m, const lw_scene *s, size_t frame,
     for (int i = 0; i < k->n_joint; i++)
         size = fmax(size, hypot(k->joint[i].at.x, k->joint[i].at.y));
     for (int i = 0; i < k->n_joint && out->valid; i++) {
-        if (k->joint[i].kind != LW_JOINT_REVOLUTE)
+        if (!lw_joint_turns(k->joint[i].kind))
             continue;
         lw_vec2 p = lw_scene_at(s, frame, k->joint[i].link[0], k->joint[i].at);
         out->valid = hypot(p.x - out->joint[i][0].x, p.y - out->joint[i][0].y) <= 1e-6*size;
@@ -277,7 +277,7 @@ static void put_rates(lw_bytes *b, const lw_linkage *k, const moment *m, size_t 
     for (int i = 0; i < k->n_tracer; i++)
         put_point(b, k->tracer[i].name, m, n, true, i, u);
     for (int i = 0; i < k->n_joint; i++)
-        if (k->joint[i].kind == LW_JOINT_REVOLUTE && k->joint[i].link[0] != k->ground && k->joint[i].link[1] != k->ground)
+        if (lw_joint_turns(k->joint[i].kind) && k->joint[i].link[0] != k->ground && k->joint[i].link[1] != k->ground)
             put_point(b, k->joint[i].name, m, n, false, i, u);
     lw_bytes_text(b, "]");
 }
@@ -395,7 +395,7 @@ static void put_cognates(lw_bytes *b, const lw_linkage *k)
     lw_plan_options o = { .tracers = 1, .all_joints = true };
     bool pins = k->n_link == 4 && k->n_joint == 4 && k->n_tracer > 0;
     for (int i = 0; i < k->n_joint; i++)
-        pins = pins && k->joint[i].kind == LW_JOINT_REVOLUTE;
+        pins = pins && lw_joint_turns(k->joint[i].kind);
     if (!pins || lw_plan_make(k, o, &plan, NULL) != LW_OK || lw_plan_read(&plan, k, dim, mode, &input, NULL) != LW_OK
         || plan.n_dim != 9)
         return;
@@ -429,7 +429,7 @@ static void put_class(lw_bytes *b, const lw_scene *s)
             r[s->dim_name[i][1] - '1'] = s->dim[i];
     bool pins = s->linkage.n_link == 4 && s->linkage.n_joint == 4;
     for (int i = 0; i < s->linkage.n_joint; i++)
-        pins = pins && s->linkage.joint[i].kind == LW_JOINT_REVOLUTE;
+        pins = pins && lw_joint_turns(s->linkage.joint[i].kind);
     if (!pins || lw_fourbar_classify(r, 1e-12, &c, NULL) != LW_OK)
         return;
     studio_put_key(b, "class");
@@ -523,7 +523,7 @@ static void put_loads(lw_bytes *b, const load_rows *rows, const lw_linkage *k)
     studio_put_reals(b, "t", rows->v, rows->n, width, 1);
     studio_put_reals(b, "input", rows->v + 1, rows->n, width, 1);
     studio_put_reals(b, "drive", rows->v + 2, rows->n, width, 1);
-    studio_put_text(b, "unit", k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER ? "N" : "N m");
+    studio_put_text(b, "unit", lw_joint_slides(k->joint[k->input[0].joint].kind) ? "N" : "N m");
     studio_put_key(b, "joints");
     lw_bytes_text(b, "[");
     for (size_t i = 0; i < rows->joints; i++) {

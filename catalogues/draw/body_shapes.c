@@ -10,7 +10,7 @@ static bool has_pin(const lw_joint *j, int link)
 
 static bool is_welded(const lw_joint *j, int link)
 {
-    return j->kind == LW_JOINT_FIXED && (j->link[0] == link || j->link[1] == link);
+    return lw_joint_freedoms(j->kind) == 0 && (j->link[0] == link || j->link[1] == link);
 }
 
 static bool has_tracer(const lw_linkage *linkage, int link)

@@ -113,7 +113,7 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
     add_parts(b, s, frame);
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
-        if (j->kind == LW_JOINT_FREE)
+        if (lw_joint_freedoms(j->kind) == 3)
             continue;
         if (!lw_joint_slides(j->kind)) {
             box_add(b, lw_scene_at(s, frame, j->link[1], j->at));

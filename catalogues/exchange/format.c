@@ -107,7 +107,7 @@ lw_status lw_format_write(const lw_format *f, const lw_linkage *linkage, const l
 {
     const lw_model *m = f->loads && o ? o->model : NULL;
     for (int j = 0; j < linkage->n_joint && f->write != write_json; j++)
-        if (linkage->joint[j].kind == LW_JOINT_FREE)
+        if (lw_joint_freedoms(linkage->joint[j].kind) == 3)
             return lw_error_set(e, LW_E_KIND, "joint '%s' leaves its link free, which has no form in %s",
                                 linkage->joint[j].name, f->name);
     const char *what = !m ? NULL : m->n_contact ? "contacts" : m->n_rope ? "ropes" : m->n_elastic ? "elastic links"

@@ -37,9 +37,7 @@ static void print_table(const lw_target *t, const lw_atlas_hit *hit, int n, FILE
 static void print_json(const cli_call *call, const lw_target *t, lw_atlas_hit *hit, int n, FILE *f)
 {
     cli_json j = cli_json_begin(f, 0);
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", call->line);
+    cli_json_head(&j, call->line);
     cli_json_object(&j, "target");
     cli_json_text(&j, "file", call->parsed.word[2]);
     cli_json_int(&j, "points", (long long)t->n);

@@ -316,9 +316,7 @@ static void print_json(const cli_call *call, FILE *f, const lw_master *m, int ro
                        char (*text)[CELL])
 {
     cli_json j = cli_json_begin(f, 2);
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", call->line);
+    cli_json_head(&j, call->line);
     cli_json_text(&j, "family", lw_master_title(m));
     cli_json_array(&j, "configurations");
     for (int c = 0; c < columns; c++)

@@ -269,9 +269,7 @@ static void write_csv(const sweep *s, FILE *f)
 static void write_json(const sweep *s, FILE *f)
 {
     cli_json j = cli_json_begin(f, 2);
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", s->call->line);
+    cli_json_head(&j, s->call->line);
     cli_json_array(&j, "columns");
     for (int i = 0; i < s->n_vary; i++)
         cli_json_text(&j, NULL, s->vary[i].name);
@@ -399,9 +397,7 @@ static void write_sensitivities(const sweep *s, FILE *f, const double *base_poin
     bool json = s->call->common.json;
     cli_json j = cli_json_begin(f, 2);
     if (json) {
-        cli_json_object(&j, NULL);
-        cli_json_text(&j, "version", LW_VERSION);
-        cli_json_text(&j, "command", s->call->line);
+        cli_json_head(&j, s->call->line);
         cli_json_array(&j, "figures");
         for (int i = 0; i < s->n_measure; i++) {
             cli_json_object(&j, NULL);
@@ -630,9 +626,7 @@ static void write_optimum(const optimum *p, FILE *f, const double *x, const lw_s
     bool json = s->call->common.json;
     cli_json j = cli_json_begin(f, 2);
     if (json) {
-        cli_json_object(&j, NULL);
-        cli_json_text(&j, "version", LW_VERSION);
-        cli_json_text(&j, "command", s->call->line);
+        cli_json_head(&j, s->call->line);
         cli_json_array(&j, "parameters");
     }
     for (int i = 0; i < s->n_vary; i++) {

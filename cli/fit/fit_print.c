@@ -496,9 +496,7 @@ static void json_topologies(const cli_fit_set *s, cli_json *j)
 void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent)
 {
     cli_json j = cli_json_begin(f, indent);
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", call->line);
+    cli_json_head(&j, call->line);
     cli_json_seed(&j, "seed", s->seed);
     cli_json_object(&j, "target");
     cli_json_text(&j, "file", s->path);

@@ -120,9 +120,7 @@ static void json_pose(const job *j, FILE *f, const lw_robot_pose *p)
     cli_json w = cli_json_begin(f, 2);
     double row[LW_ROBOT_DRIVES];
     char name[80];
-    cli_json_object(&w, NULL);
-    cli_json_text(&w, "version", LW_VERSION);
-    cli_json_text(&w, "command", j->call->line);
+    cli_json_head(&w, j->call->line);
     cli_json_text(&w, "length_unit", "m");
     cli_json_text(&w, "tool", j->m->tracer[j->r.tool].name);
     cli_json_reals(&w, "place", (double[]){ p->place.x, p->place.y, p->place.z }, 3);
@@ -261,9 +259,7 @@ static int run_workspace(const cli_call *call)
     cli_progress progress = cli_progress_begin(call, "workspace", "rays");
     cli_json w = cli_json_begin(o.f, 2);
     if (call->common.json) {
-        cli_json_object(&w, NULL);
-        cli_json_text(&w, "version", LW_VERSION);
-        cli_json_text(&w, "command", call->line);
+        cli_json_head(&w, call->line);
         cli_json_text(&w, "length_unit", j.unit);
         cli_json_array(&w, "edge");
     } else

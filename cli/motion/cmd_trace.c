@@ -79,7 +79,7 @@ static void trace_pins(const cli_call *call, lw_linkage *linkage)
     int left_out = 0;
     for (int i = 0; i < linkage->n_joint; i++) {
         const lw_joint *j = &linkage->joint[i];
-        bool fresh = j->kind == LW_JOINT_REVOLUTE && j->link[0] != linkage->ground && j->link[1] != linkage->ground;
+        bool fresh = lw_joint_turns(j->kind) && j->link[0] != linkage->ground && j->link[1] != linkage->ground;
         for (int q = 0; q < linkage->n_tracer; q++)
             fresh = fresh && (linkage->tracer[q].at.x != j->at.x || linkage->tracer[q].at.y != j->at.y);
         if (!fresh)
@@ -297,9 +297,7 @@ static void json_top(const cli_call *call, cli_curve_trace *t, const char *way)
     const lw_input *in = &t->k->input[0];
     bool slider = t->k->n_input && lw_joint_slides(t->k->joint[in->joint].kind);
     bool timed = t->timed || strcmp(way, "time") == 0;
-    cli_json_object(j, NULL);
-    cli_json_text(j, "version", LW_VERSION);
-    cli_json_text(j, "command", call->line);
+    cli_json_head(j, call->line);
     cli_json_text(j, "name", t->k->name);
     cli_json_text(j, "way", way);
     cli_json_object(j, "units");

@@ -23,9 +23,7 @@ static void print(const cli_call *call, FILE *f, int n, const lw_load *load)
                                         "energy_back" };
     cli_json j = cli_json_begin(f, 2);
     if (call->common.json) {
-        cli_json_object(&j, NULL);
-        cli_json_text(&j, "version", LW_VERSION);
-        cli_json_text(&j, "command", call->line);
+        cli_json_head(&j, call->line);
         cli_json_array(&j, "drives");
     } else {
         fprintf(f, "%-16s", "drive");

@@ -265,9 +265,7 @@ static int print_selection(const cli_call *call, const lw_loads *all, const lw_d
     int code = CLI_DONE;
     cli_json j = cli_json_begin(f, 2);
     if (call->common.json) {
-        cli_json_object(&j, NULL);
-        cli_json_text(&j, "version", LW_VERSION);
-        cli_json_text(&j, "command", call->line);
+        cli_json_head(&j, call->line);
         cli_json_array(&j, "drives");
     }
     for (int i = 0; i < all->n; i++) {

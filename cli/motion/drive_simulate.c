@@ -139,9 +139,7 @@ static void print_json(const job *b, FILE *f, bool rows)
     figure figures[N_FIGURE];
     cli_json j = cli_json_begin(f, 2);
     fill_figures(b, figures);
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", b->call->line);
+    cli_json_head(&j, b->call->line);
     for (int i = 0; i < N_FIGURE; i++)
         cli_json_real(&j, figures[i].key, figures[i].value);
     cli_json_array(&j, "loops");

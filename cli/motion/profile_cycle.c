@@ -67,9 +67,7 @@ static void write_rows(const lw_work_cycle *c, FILE *f, int n)
 static void write_json(const cli_call *call, const lw_work_cycle *c, FILE *f)
 {
     cli_json j = cli_json_begin(f, 2);
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", call->line);
+    cli_json_head(&j, call->line);
     cli_json_text(&j, "name", c->name);
     cli_json_real(&j, "cycle_time", c->end);
     if (c->wanted > 0) {

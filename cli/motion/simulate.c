@@ -330,9 +330,7 @@ void cli_simulate_head(cli_simulate *s)
         return;
     if (s->json) {
         s->j = cli_json_begin(s->f, 1);
-        cli_json_object(&s->j, NULL);
-        cli_json_text(&s->j, "version", LW_VERSION);
-        cli_json_text(&s->j, "command", s->call->line);
+        cli_json_head(&s->j, s->call->line);
         cli_json_array(&s->j, "columns");
         for (int c = 0; c < s->n_column; c++)
             cli_json_text(&s->j, NULL, s->column[c].name);

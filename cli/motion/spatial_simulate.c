@@ -288,9 +288,7 @@ static void head(run *r, const cli_call *call)
         return;
     }
     r->json = cli_json_begin(r->f, 1);
-    cli_json_object(&r->json, NULL);
-    cli_json_text(&r->json, "version", LW_VERSION);
-    cli_json_text(&r->json, "command", call->line);
+    cli_json_head(&r->json, call->line);
     cli_json_array(&r->json, "columns");
     for (int i = 0; i < r->n_column; i++)
         cli_json_text(&r->json, NULL, r->column[i].name);

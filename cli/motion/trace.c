@@ -229,9 +229,7 @@ void cli_trace_json(cli_trace *t)
 {
     cli_json j = cli_json_begin(t->rows.f, 1);
     t->rows.json = &j;
-    cli_json_object(&j, NULL);
-    cli_json_text(&j, "version", LW_VERSION);
-    cli_json_text(&j, "command", t->line);
+    cli_json_head(&j, t->line);
     cli_json_text(&j, "name", t->k.name);
     cli_json_text(&j, "way", "plan");
     cli_json_object(&j, "units");

@@ -125,3 +125,10 @@ void cli_json_reals(cli_json *j, const char *key, const double *v, size_t n)
         cli_json_real(j, NULL, v[i]);
     cli_json_end(j);
 }
+
+void cli_json_head(cli_json *j, const char *command)
+{
+    cli_json_object(j, NULL);
+    cli_json_text(j, "version", LW_VERSION);
+    cli_json_text(j, "command", command);
+}

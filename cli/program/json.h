@@ -29,6 +29,9 @@ typedef struct cli_json {
 
 cli_json cli_json_begin(FILE *f, int indent);
 
+/* Open the object of a whole answer: version and command line come first. */
+void cli_json_head(cli_json *j, const char *command);
+
 void cli_json_object(cli_json *j, const char *key);
 void cli_json_array(cli_json *j, const char *key);
 void cli_json_end(cli_json *j);                        /* the last one also ends the line          */

@@ -115,7 +115,7 @@ static void say_lost(const cli_call *call, const lw_notation *n, const lw_mechan
     static bool said[2];                         /* kinds, choices */
     bool kinds = false, choices = m->ground != LW_NONE || m->output != LW_NONE || m->n_input > 0;
     for (int j = 0; j < m->n_joint; j++)
-        kinds = kinds || m->kind[j] == LW_JOINT_SLIDER || m->kind[j] == LW_JOINT_GEAR;
+        kinds = kinds || lw_joint_translates(m->kind[j]) || lw_joint_has_ratio(m->kind[j]);
     if (kinds && !n->keeps_kinds && !said[0])
         cli_note(call, "%s has no joint kinds: sliders and gears are written as joints of one and two freedoms; edges and "
                  "json keep them", n->name);
