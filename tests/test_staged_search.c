@@ -72,6 +72,32 @@ TEST(more_links_are_never_worse)
     lw_target_free(&t);
 }
 
+/* A time limit that does not end the search makes parts of it. */
+TEST(stages_are_searched_in_parts)
+{
+    lw_linkage k = six_bar();
+    lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
+                         { .links = 8, .families = lw_families_of(NULL, 0) } };
+    lw_fit_options o = options(LW_TIMING_FREE, 0);
+    lw_staged_search s[2];
+    lw_target t;
+    o.budget = 8000;
+    o.max_rounds = 1;
+    o.max_seconds = 1e4;
+    six_bar_target(&k, 18, true, &t);
+    for (int i = 0; i < 18; i += 3)                      /* not to be met: no search ends early       */
+        t.x[i] += i % 2 ? 0.4 : -0.4;
+    for (int i = 0; i < 2; i++)
+        CHECK_INT(lw_staged_search_run(&t, &o, stage, 2 + i, &s[i], NULL), LW_OK);
+    CHECK_INT(s[0].stage[1].n_part, 1);                  /* nothing to choose from                    */
+    CHECK_INT(s[1].stage[1].n_part, 3);
+    CHECK_INT(s[1].stage[2].n_part, 3);
+    lw_staged_search_free(&s[0]);
+    lw_staged_search_free(&s[1]);
+    lw_target_free(&t);
+}
+
 TEST(threads_do_not_change_the_answer)
 {
     lw_linkage k = six_bar();

@@ -25,6 +25,13 @@ static bool first_with_its_links(const lw_fit_results *r, const lw_fit *fit, int
     return true;
 }
 
+/* How large a linkage is: its longest link in diagonals of the target.  A function has no length to compare with: of its
+ * linkage a quarter of the ratio of the longest to the shortest link. */
+static double bulk_of(const lw_target *t, const lw_fit_report *r)
+{
+    return t->extent > 0 ? r->size/t->extent : 0.25*r->length_most/r->length_least;
+}
+
 /* A result is worth a row beside a better one if it is smaller or strays less by this factor, or ... */
 #define SMALLER 0.8
 /* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
@@ -42,9 +49,10 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
 }
 
 /* Is the result with report a, whose error is less, at least as good in all else as far as it matters? */
-static bool covers(const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
+static bool covers(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
+                   const lw_fit_report *b)
 {
-    return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && !(b->size < SMALLER*a->size)
+    return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && !(bulk_of(t, b) < SMALLER*bulk_of(t, a))
         && !(lw_fit_report_stray(b) < SMALLER*lw_fit_report_stray(a))
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
@@ -63,9 +71,9 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
 enum { MEASURES = 6 };
 #define NO_BETTER 1e-3             /* relative: the best in a measure is not replaced by one better by less, a twin    */
 
-static void measures(const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
+static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
 {
-    const double all[MEASURES] = { c->objective, lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max, r->size,
+    const double all[MEASURES] = { c->objective, lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max, bulk_of(t, r),
                                    -fmin(r->transmission_min, ENOUGH) };
     for (int i = 0; i < MEASURES; i++)
         m[i] = isnan(all[i]) ? INFINITY : all[i];
@@ -105,7 +113,7 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
         if (!usable[i] || bits(all[i].broken) > bits(broken)
             || is_rough(t, fit, all, f->least[lw_candidate_links(c)], c, &all[i]))
             continue;
-        measures(c, &all[i], m);
+        measures(t, c, &all[i], m);
         for (int k = 0; k < MEASURES && k < most - 1; k++)
             if (isfinite(m[k]) && (f->best[k] < 0 || m[k] < least[k] - NO_BETTER*fabs(least[k]))) {
                 least[k] = m[k];
@@ -126,17 +134,16 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
         return out->n < most;
     bool wanted = !is_rough(t, fit, all, f->least[lw_candidate_links(c)], c, &all[i]);
     for (int k = 0; k < out->n && wanted && !is_best(f, i); k++)
-        wanted = !covers(&fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
+        wanted = !covers(t, &fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
     return wanted;
 }
 
 /* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
-#define EXACT_ENOUGH 1e-3          /* an error of this part of the target is as good as none: play and tolerances are more */
-#define COMPACT      1.5           /* a link no longer than this many targets costs nothing, ...                    */
-#define BULKY        3             /* ... beyond it twice the length counts as 1.4 times the error; beyond so many ... */
-#define PER_SIZE     0.5           /* ... as 2.8 times                                                               */
-#define PER_BULK     1
-#define PER_MISS     0.5           /* beyond LW_NEAR twice the error counts as 2.8 times                             */
+#define EXACT_ENOUGH 2e-3          /* an error of this part of the target is as good as none: play and tolerances are more */
+#define COMPACT      1.5           /* a link no longer than this many targets costs nothing; ...                    */
+#define PER_SIZE     0.85          /* ... beyond that twice the length counts as 1.8 times the error, ...           */
+#define BULKY        3             /* ... and beyond this as 3.2 times                                              */
+#define PER_MISS     0.5           /* beyond LW_NEAR twice the error counts as 2.8 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.2           /* for each link more                                                            */
 #define ROCKING      0.1           /* an input that has to be reversed                                              */
@@ -154,13 +161,11 @@ static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fi
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    double error = isnan(r->angle_max) ? 0 : r->angle_max, more = 0;
-    if (t->extent > 0 && isfinite(lw_fit_report_stray(r))) {
+    double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
+    if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
         error = (distance_of(t, c, r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
-        more = PER_SIZE*log(fmax(1, r->size/(COMPACT*t->extent))) + PER_BULK*log(fmax(1, r->size/(BULKY*t->extent)))
-             + PER_MISS*log(fmax(1, error/LW_NEAR));
-    }
-    return log(error + EXACT_ENOUGH) + more + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
+    return log(error + EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
+         + PER_SIZE*(log(fmax(1, bulk/COMPACT)) + log(fmax(1, bulk/BULKY))) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 

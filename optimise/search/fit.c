@@ -99,13 +99,16 @@ static bool type_requested(const char *types, const lw_type *type)
     return false;
 }
 
-static bool family_requested(const lw_fit_options *o, const lw_family *f)
+static bool family_requested(const lw_target *t, const lw_fit_options *o, const lw_family *f)
 {
+    bool must_turn = t->closed && lw_task_has_place(o->spec.task) && o->spec.by_default & LW_LIMIT_MOTION;
     if (!type_requested(o->types, lw_type_find(f->type)))
         return false;
     if (o->spec.crank_only && !f->turns)
         return false;
-    if (o->part != LW_FIT_WHOLE && (o->part == LW_FIT_CRANKS) != (f->turns && !f->drag_link))
+    if (o->part != LW_FIT_WHOLE && (o->part != LW_FIT_OTHERS) != (f->turns && !f->drag_link))
+        return false;
+    if ((o->part == LW_FIT_OTHERS || o->both_ways) && must_turn && !f->turns)
         return false;
     return !(o->spec.exclude_drag_link && f->drag_link);
 }
@@ -231,7 +234,7 @@ static lw_status add_candidate(lw_search *s, const lw_family *f, int mode, int s
 static lw_status make_candidates(lw_search *s, lw_fit *out, lw_error *e)
 {
     for (const lw_family *f = lw_family_table; f->name; f++) {
-        if (!family_requested(s->o, f))
+        if (!family_requested(s->t, s->o, f))
             continue;
         bool function = !lw_task_has_place(s->o->spec.task) && s->o->spec.datum == LW_DATUM_FREE;
         int senses = s->o->spec.timing == LW_TIMING_FREE || function ? 2 : 1;

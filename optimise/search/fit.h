@@ -12,10 +12,15 @@
 #include "optimise/solvers/solver.h"
 
 #define LW_HIGHER_COST 20
+#define LW_FIT_BUDGET 1000000        /* evaluations of a search over families                       */
 
 /* Which of the four-link families to search in.  A search of all of them is one in the cranks, which is what
- * `crank_only` without drag links asks for, and one in the others: so it is never worse than that. */
-typedef enum lw_fit_part { LW_FIT_WHOLE, LW_FIT_CRANKS, LW_FIT_OTHERS } lw_fit_part;
+ * `crank_only` without drag links asks for, and one in the others: so it is never worse than that.  LW_FIT_COMPACT: in
+ * cranks no larger than LW_COMPACT_SIZE, or of a function with no greater ratio of lengths than LW_COMPACT_RATIO, which a
+ * search that only lowers the error passes by. */
+typedef enum lw_fit_part { LW_FIT_WHOLE, LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT } lw_fit_part;
+#define LW_COMPACT_SIZE  1.5         /* diagonals of the target                                     */
+#define LW_COMPACT_RATIO 8
 
 struct lw_candidate;
 
@@ -27,12 +32,13 @@ typedef struct lw_fit_options {
     const char *types;           /* names or letters of mbs/plan/types.h with commas between, or "all" ("fourbar") */
     const lw_families *families; /* search in these by successive halving instead of in types; NULL: in types */
     long        budget;          /* with `families`: no round begins after this many evaluations.  An evaluation of a
-                                  * linkage with higher groups counts as LW_HIGHER_COST.  0: 1000000 */
+                                  * linkage with higher groups counts as LW_HIGHER_COST.  0: LW_FIT_BUDGET */
     long        sweep;           /* with `families`: evaluations that the first look of the first sweep may cost, and
                                   * the same number for its halvings; each further sweep costs twice as much as the
                                   * one before.  0: 500000                                          */
     const lw_solver *solver;     /* local solver that improves starts; NULL: lm                     */
     uint64_t    seed;            /* 1                                                               */
+    int         part_number;     /* with `families`: of a search in parts; each draws starts of its own */
     int         jobs;            /* threads; < 1: one per core                                      */
     double      max_seconds;     /* 0: no limit                                                     */
     const lw_sharing *sharing;   /* who runs the loops of a round; NULL: the threads of this process.  Processes that share

@@ -183,7 +183,7 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
     const lw_search_candidate *a = &s->candidate[s->job[job].candidate];
     lw_rng rng;
     uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_SEARCH_CANDIDATE_MAX*LW_SEARCH_BLOCK_MAX);
-    lw_rng_seed(&rng, s->o->seed, round + job);
+    lw_rng_seed(&rng, s->o->seed, round + job + ((uint64_t)s->o->part_number << 40));
     if (s->job[job].around)
         return search_around(a->best, effort, p, &rng, work, best);
     int n = draw_starts(s, effort, p, &rng, bench, best);

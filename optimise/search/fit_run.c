@@ -10,7 +10,6 @@
 
 enum {
     HITS = 100,             /* if different starts found the best this often, a better one is unlikely */
-    BUDGET = 1000000,       /* evaluations of a search over families, by default                     */
     NO_LIMIT = 100000       /* rounds                                                                */
 };
 #define EXACT 1e-27         /* f of one station, of a target of size one, that is only rounding      */
@@ -27,7 +26,7 @@ static int rounds_of(const lw_search *s)
     const lw_fit_spec *q = &s->o->spec;
     if (q->min_transmission > 0 || q->max_acceleration > 0 || q->n_zone > 0)      /* a job costs twice as much */
         jobs *= 0.5;
-    if (s->o->part == LW_FIT_OTHERS || s->o->both_ways)         /* after a search in the cranks, or of the same */
+    if (s->o->part == LW_FIT_OTHERS || s->o->part == LW_FIT_COMPACT || s->o->both_ways)    /* after another search */
         jobs *= 0.4;
     int rounds = (int)(jobs/s->n_job + 0.5);
     return rounds < 5 ? 5 : rounds;
@@ -73,7 +72,7 @@ static void search_free(lw_search *s)
 
 static long budget_of(const lw_search *s)
 {
-    return s->o->budget > 0 ? s->o->budget : BUDGET;
+    return s->o->budget > 0 ? s->o->budget : LW_FIT_BUDGET;
 }
 
 static double done_part(const lw_search *s, int rounds)
@@ -187,8 +186,12 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
     s->t = t;
     s->own = *o;
     s->o = &s->own;
-    if (o->part == LW_FIT_CRANKS)
+    if (o->part == LW_FIT_CRANKS || o->part == LW_FIT_COMPACT)
         s->own.spec.crank_only = s->own.spec.exclude_drag_link = true;
+    if (o->part == LW_FIT_COMPACT && lw_task_has_place(o->spec.task))
+        s->own.spec.max_size = LW_COMPACT_SIZE;
+    else if (o->part == LW_FIT_COMPACT)
+        s->own.spec.length_ratio = LW_COMPACT_RATIO;
     if (o->both_ways)
         s->own.spec.timing = LW_TIMING_NONE;
     s->started = lw_clock_wall();

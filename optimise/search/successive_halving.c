@@ -57,7 +57,7 @@ static lw_status draw_order(lw_search *s, int *order)
         return LW_E_MEMORY;
     for (int i = 0; i < s->n_candidate; i++) {
         lw_rng rng;
-        lw_rng_seed(&rng, s->o->seed ^ 0x6c6f7473u, (uint64_t)i);
+        lw_rng_seed(&rng, s->o->seed ^ 0x6c6f7473u, (uint64_t)i + ((uint64_t)s->o->part_number << 40));
         list[i] = (standing){ f->turn(f->of, i), lw_rng_bits(&rng), i };
     }
     qsort(list, (size_t)s->n_candidate, sizeof *list, by_f);

@@ -11,18 +11,23 @@
 enum {
     PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
+    AGAIN = 8,              /* linkages that a stage found before and starts from again              */
+    FIRST = 4,              /* the first part of a stage's budget: one in so many                    */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     NEAREST = 12            /* candidates whose distance from the target is looked at               */
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
+#define FIRST_TIME 0.5       /* of its share of a time limit, for the first part of a stage          */
+#define LEAST_PART 0.02      /* of a time limit, that is worth another part of the search            */
 #define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
-typedef struct grown {
+/* Linkages that a stage starts from. */
+typedef struct starts {
     int            n;
-    lw_family_made made[CHILDREN];
-    lw_family      family[CHILDREN];
-} grown;
+    lw_family_made made[CHILDREN + AGAIN];
+    lw_family      family[CHILDREN + AGAIN];
+} starts;
 
 /* ---- the starts of a stage ------------------------------------------------------------------------ */
 
@@ -38,7 +43,7 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
 
 /* LW_OK, with a child or without one, or LW_E_MEMORY. */
 static lw_status grow_one(const lw_target *t, const lw_search_stage *stage, const lw_candidate *c, const lw_fit_report *r,
-                     lw_rng *rng, grown *to)
+                     lw_rng *rng, starts *to)
 {
     double first, last;
     lw_family_made *g = &to->made[to->n];
@@ -66,15 +71,15 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
     return false;
 }
 
-/* Add dyads to the best results with `links` links.  LW_OK or LW_E_MEMORY. */
+/* Add dyads to the best results with `links` links; part: how often the stage was searched before.  LW_OK or LW_E_MEMORY. */
 static lw_status grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from,
-                      int links, grown *to)
+                      int links, int part, starts *to)
 {
     int parents = 0;
     lw_status st = LW_OK;
     lw_rng rng;
     lw_fit_report *r = malloc(sizeof *r);
-    lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links);
+    lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links + ((uint64_t)part << 32));
     for (int i = 0; r && i < from->n && parents < PARENTS && st != LW_E_MEMORY; i++) {
         const lw_candidate *c = &from->candidate[i];
         if (lw_candidate_links(c) != links || changes_mode(t, c)
@@ -84,6 +89,26 @@ static lw_status grow(const lw_target *t, const lw_fit_options *o, const lw_sear
         parents++;
         for (int k = 0; st == LW_OK && k < children && to->n < CHILDREN; k++)
             st = grow_one(t, stage, c, r, &rng, to);
+    }
+    free(r);
+    return r && st != LW_E_MEMORY ? LW_OK : LW_E_MEMORY;
+}
+
+/* Start again from the best results with `links` links.  LW_OK or LW_E_MEMORY. */
+static lw_status start_again(const lw_target *t, const lw_fit_spec *s, const lw_fit *from, int links, starts *to)
+{
+    lw_status st = LW_OK;
+    lw_fit_report *r = malloc(sizeof *r);
+    for (int i = 0, n = 0; r && i < from->n && n < AGAIN && st != LW_E_MEMORY; i++) {
+        const lw_candidate *c = &from->candidate[i];
+        if (lw_candidate_links(c) != links || changes_mode(t, c)
+            || (st = lw_fit_report_make(t, s, c, r, NULL)) != LW_OK || !r->verified)
+            continue;
+        lw_family_made *g = &to->made[to->n];
+        g->linkage = r->linkage;
+        snprintf(g->name, sizeof g->name, "%.90s", lw_family_title(c->family));
+        to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true, .links = links };
+        n++;
     }
     free(r);
     return r && st != LW_E_MEMORY ? LW_OK : LW_E_MEMORY;
@@ -126,17 +151,19 @@ static lw_status merge(lw_fit *all, lw_fit *more)
 
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
-/* Keep the results of one search of a stage. */
-static lw_status take(lw_staged_search *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
+/* Keep the results of one search of a stage, n_start of whose families are linkages to start from. */
+static lw_status take(lw_staged_search *out, lw_stage_result *r, int n_start, lw_fit *fit, lw_error *e)
 {
     r->starts += fit->starts;
     r->improved += fit->improved;
     r->evals += fit->evals;
     r->stop = fit->stop;
     r->best = fit->n ? fmin(r->best, fit->candidate[0].objective) : r->best;
+    for (int i = 0; r->state && i < r->n_state; i++)
+        r->state[i] = fit->state[i] > r->state[i] ? fit->state[i] : r->state[i];
     if (!r->state) {
         r->state = fit->state;
-        r->n_state = fit->n_state > 0 ? fit->n_state - r->n_grown : 0;
+        r->n_state = fit->n_state > 0 ? fit->n_state - n_start : 0;
         fit->state = NULL;
     }
     lw_status st = merge(&out->fit, fit) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the results");
@@ -166,36 +193,48 @@ static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *
     return st;
 }
 
-/* Run the searches of a stage: of four-link types the cranks, then the others; then once more if the best curve strays.
- * Each gets an equal part of the time that is left. */
-static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, double seconds, lw_stage_result *r,
-                              lw_staged_search *out, lw_error *e)
+/* Is a search for small linkages worth while: may results be larger by default than those? */
+static bool can_be_compact(const lw_fit_options *o)
 {
-    enum { BOTH_WAYS = 2 };
+    unsigned limit = lw_task_has_place(o->spec.task) ? LW_LIMIT_SIZE : LW_LIMIT_RATIO;
+    return !o->families && o->spec.by_default & limit;
+}
+
+/* Run the searches of a stage: of four-link types the cranks, the others, and small cranks; then once more if the best curve
+ * strays.  Each gets an equal part of the time that is left. */
+static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, int n_start, double seconds,
+                              lw_stage_result *r, lw_staged_search *out, lw_error *e)
+{
+    enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, SEARCHES };
     double end = lw_clock_wall() + seconds;
     bool whole = o->families || o->spec.exclude_drag_link, stopped = false, any = false, again = false;
+    const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec) };
     lw_status st = LW_OK;
-    for (int i = whole ? 1 : 0; i <= BOTH_WAYS; i++) {
+    for (int i = CRANKS; i < SEARCHES; i++) {
+        static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_WHOLE };
         lw_fit fit;
         lw_error why = { .text = "" };
-        if (i == BOTH_WAYS && (st = strays(t, &o->spec, &out->fit, links, &again)) != LW_OK)
+        int to_come = 0;
+        if (i == BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, &again)) != LW_OK)
             return st;
-        if (i == BOTH_WAYS && !again)
-            break;
-        o->part = whole || i == BOTH_WAYS ? LW_FIT_WHOLE : i == 0 ? LW_FIT_CRANKS : LW_FIT_OTHERS;
+        if (!wanted[i] || (i == BOTH_WAYS && !again))
+            continue;
+        for (int k = i; k < SEARCHES; k++)
+            to_come += wanted[k];
+        o->part = whole && i == OTHERS ? LW_FIT_WHOLE : part[i];
         o->both_ways = i == BOTH_WAYS;
-        o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/(BOTH_WAYS - i + can_stray(t, &o->spec))) : 0;
+        o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/to_come) : 0;
         st = lw_fit_run(t, o, &fit, &why);
-        if (st == LW_E_ARG && i == 1 && !whole && !any) {        /* no type can turn: this says it, or gives way */
+        if (st == LW_E_ARG && i == OTHERS && !whole && !any) {   /* no type can turn: this says it, or gives way */
             o->part = LW_FIT_WHOLE;
             st = lw_fit_run(t, o, &fit, &why);
         }
         bool found = st >= 0;
-        if (found && take(out, r, &fit, e) != LW_OK)
+        if (found && take(out, r, n_start, &fit, e) != LW_OK)
             return LW_E_MEMORY;
         stopped |= st == LW_STOPPED;
         any |= found;
-        if (!found && !(st == LW_E_ARG && !whole && (i == 0 || any))) {
+        if (!found && !(st == LW_E_ARG && (i >= COMPACT || (!whole && (i == CRANKS || any))))) {
             if (e)
                 *e = why;
             return st;
@@ -221,26 +260,31 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
     return st;
 }
 
+/* Search a stage, for the first time or again, with this budget. */
 static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int before,
-                           double seconds, lw_staged_search *out, lw_error *e)
+                           long budget, bool in_part, double seconds, lw_stage_result *r,
+                           lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
-    lw_stage_result *r = &out->stage[out->n_stage++];
-    grown *more = calloc(1, sizeof *more);
-    *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
+    starts *more = calloc(1, sizeof *more);
     bool grows = stage->families.make && before > 0 && !lw_task_has_angle(o->spec.task);
-    if (!more || (grows && grow(t, o, stage, &out->fit, before, more) != LW_OK)) {
+    lw_status st = more && grows ? grow(t, o, stage, &out->fit, before, r->n_part, more) : more ? LW_OK : LW_E_MEMORY;
+    r->n_grown += more ? more->n : 0;
+    if (st == LW_OK && r->n_part > 0)
+        st = start_again(t, &o->spec, &out->fit, stage->links, more);
+    if (st != LW_OK) {
         free(more);
-        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to grow");
+        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to start from");
     }
-    r->n_grown = more->n;
     lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
     lw_families all = lw_families_join(&pair);
     double start = lw_clock_wall();
     mine.families = stage->families.make ? &all : NULL;
-    mine.budget = stage->budget > 0 ? stage->budget : o->budget;
-    lw_status st = run_searches(t, &mine, stage->links, seconds, r, out, e);
-    r->seconds = lw_clock_wall() - start;
+    mine.budget = budget;
+    mine.sweep = o->sweep == 0 && in_part ? budget/2 : o->sweep;
+    mine.part_number = r->n_part++;
+    st = run_searches(t, &mine, stage->links, more->n, seconds, r, out, e);
+    r->seconds += lw_clock_wall() - start;
     free(more);
     return st;
 }
@@ -284,29 +328,116 @@ static double part_of_time(const lw_search_stage *stage, int i, int n)
     return all > 0 ? mine/all : 1;
 }
 
+/* ---- which stage gets the next evaluations -------------------------------------------------------- */
+
+/* Under a time limit several stages with families are searched in parts, each twice as large as the one before, the first
+ * a quarter of the stage's budget.  The stage whose last part lowered the logarithm of the error most per evaluation has
+ * the next part.  If time does not end it before, each has its own budget in the end, the last part of more links after
+ * all of fewer. */
+typedef struct contest {
+    long   part[LW_STAGE_MAX];       /* budget of the last part of each                             */
+    long   left[LW_STAGE_MAX];       /* of its budget; 0: it takes no part any more                 */
+    double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
+} contest;
+
+/* Budget of the next part of stage i. */
+static long next_part(const contest *c, int i)
+{
+    return 2*c->part[i] < c->left[i] ? 2*c->part[i] : c->left[i];
+}
+
+/* The least objective with at most so many links. */
+static double least_of(const lw_fit *f, int links)
+{
+    double least = INFINITY;
+    for (int i = 0; i < f->n; i++)
+        if (f->candidate[i].beyond == 0 && lw_candidate_links(&f->candidate[i]) <= links)
+            least = fmin(least, f->candidate[i].objective);
+    return least;
+}
+
+/* The stage that gets the next part: the one that gained most; of several that gained nothing the one with the smallest
+ * part.  -1: none. */
+static int winner(const contest *c, int n)
+{
+    int best = -1;
+    long fewer = 0;                  /* what stages with fewer links have left                      */
+    for (int i = 0; i < n; i++) {
+        bool may = c->left[i] > 0 && (fewer == 0 || next_part(c, i) < c->left[i]);
+        fewer += c->left[i];
+        if (may && (best < 0 || c->rate[i] > c->rate[best]
+                    || (c->rate[i] == c->rate[best] && c->part[i] <= c->part[best])))
+            best = i;
+    }
+    return best;
+}
+
+/* Search stage i, and see what it gained. */
+static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int i, long budget,
+                          double seconds, contest *c, lw_staged_search *out, lw_error *e)
+{
+    lw_stage_result *r = &out->stage[i];
+    double before = least_of(&out->fit, stage[i].links);
+    long spent = r->evals, whole = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
+    lw_status st = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0, budget, budget < whole, seconds, r,
+                             out, e);
+    double after = least_of(&out->fit, stage[i].links);
+    spent = r->evals - spent;
+    if (stage[i].families.make) {
+        c->part[i] = budget;
+        c->left[i] = r->stop != LW_STOP_F_TARGET ? c->left[i] - budget : 0;
+        c->rate[i] = !(after < before) || spent == 0 ? 0
+                   : log((fmin(before, 1e300) + ROUNDING)/(after + ROUNDING))/(double)spent;
+        for (int k = 0; k < out->n_stage; k++)            /* better linkages to add a dyad to: as promising  */
+            if (stage[k].links == stage[i].links + 2)
+                c->rate[k] = fmax(c->rate[k], c->rate[i]);
+    }
+    return st;
+}
+
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
                                lw_staged_search *out, lw_error *e)
 {
     lw_status st = LW_OK;
     double start = lw_clock_wall();
+    contest c = { .part = { 0 } };
+    int rivals = 0;
     memset(out, 0, sizeof *out);
-    for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
-        double left = o->max_seconds - (lw_clock_wall() - start);
-        bool enough = false;
-        if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
+    n_stage = n_stage < LW_STAGE_MAX ? n_stage : LW_STAGE_MAX;
+    for (int i = 0; i < n_stage; i++)
+        rivals += stage[i].families.make != NULL && !(stage[i].unless > 0);
+    bool in_parts = rivals > 1 && o->max_seconds > 0;
+    for (;;) {
+        bool first = out->n_stage < n_stage, enough = false;
+        double left = o->max_seconds > 0 ? fmax(o->max_seconds - (lw_clock_wall() - start), 1e-3) : 0;
+        int i = first ? out->n_stage : winner(&c, n_stage);
+        if (i < 0 || (!first && o->max_seconds > 0 && left <= LEAST_PART*o->max_seconds))
+            break;
+        if (first && stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }
-        if (enough)
-            break;
-        lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
-                                  o->max_seconds > 0 ? fmax(left*part_of_time(stage, i, n_stage), 1e-3) : 0, out, e);
+        if (enough) {
+            n_stage = out->n_stage;
+            continue;
+        }
+        long budget = next_part(&c, i);
+        if (first) {
+            out->stage[out->n_stage++] = (lw_stage_result){ .links = stage[i].links, .best = INFINITY };
+            budget = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
+            if (stage[i].families.make) {
+                c.left[i] = budget;
+                budget = in_parts ? (budget + FIRST - 1)/FIRST : budget;
+            }
+        }
+        double share = !first ? 1 : part_of_time(stage, i, n_stage)*(in_parts && stage[i].families.make ? FIRST_TIME : 1);
+        lw_status now = run_part(t, o, stage, i, budget, left*share, &c, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_staged_search_free(out);
             return now;
         }
         st = now == LW_STOPPED ? now : st;
-        if (now == LW_STOPPED && o->interrupt && *o->interrupt)
+        if (now == LW_STOPPED && ((o->interrupt && *o->interrupt) || !first))
             break;
     }
     shorten(out, 2*lw_fit_kept(o), o->spec.by_default ? 2*lw_fit_kept(o) : OF_EACH);

@@ -1,7 +1,10 @@
 /* optimise/topology/staged_search.h - fits of one target stage by stage: linkages of four, six, eight, ... links.
  *
  * The best linkages of a stage with two links fewer, and a dyad added, are starts of the next stage; so more links
- * are never worse than fewer.  The caller says which families a stage has. */
+ * are never worse than fewer.  The caller says which families a stage has.
+ *
+ * Under a time limit several stages with families are searched in parts of doubling size that start again from their best
+ * linkages; the stage that gains most per evaluation has the next part.  Otherwise each has its budget at once. */
 #ifndef LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 #define LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 
@@ -23,6 +26,7 @@ typedef struct lw_search_stage {
 
 typedef struct lw_stage_result {
     int        links, n_grown;       /* n_grown: starts with an added dyad                          */
+    int        n_part;               /* how often it was searched                                   */
     double     best;                 /* objective; INFINITY: nothing was found                      */
     long       starts, improved, evals;
     double     seconds;              /* of the stage                                                */
@@ -37,7 +41,7 @@ typedef struct lw_staged_search {
     lw_stage_result stage[LW_STAGE_MAX];
 } lw_staged_search;
 
-/* o->families is not used; o->budget counts for each stage.  Statuses as lw_fit_run. */
+/* o->families is not used; o->budget is that of each stage.  Statuses as lw_fit_run. */
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
                                lw_staged_search *out, lw_error *e);
 void      lw_staged_search_free(lw_staged_search *s);
