@@ -80,7 +80,7 @@ static void put_circle(lw_bytes *out, const char *layer, lw_vec2 at, double r)
 /* Write the outline of a convex polygon (counter-clockwise, or a bar, or a point) widened by r. */
 static void put_outline(lw_bytes *out, const char *layer, const lw_vec2 *p, int n, double r, lw_vec2 shift)
 {
-    lw_loop loop;
+    lw_plate_loop loop;
     lw_loop_widen(p, n, r, &loop);
     if (loop.n == 1) {
         put_circle(out, layer, lw_v2_add(p[0], shift), r);

@@ -107,7 +107,7 @@ static int put_line(writer *w, lw_vec2 a, double z, double dx, double dy, double
     return put(w, "LINE('',#%d,#%d)", point, vector);
 }
 
-static int put_side_curve(writer *w, const lw_loop *l, int i, double z)
+static int put_side_curve(writer *w, const lw_plate_loop *l, int i, double z)
 {
     const lw_plate_side *a = &l->side[i], *b = &l->side[(i + 1) % l->n];
     char radius[32];
@@ -121,7 +121,7 @@ static int put_side_curve(writer *w, const lw_loop *l, int i, double z)
     return put_line(w, a->from, z, d.x/length, d.y/length, 0);
 }
 
-static void put_edges(writer *w, const lw_loop *l, double low, double high, edges *e)
+static void put_edges(writer *w, const lw_plate_loop *l, double low, double high, edges *e)
 {
     int vertex[2][SIDES];
     e->n = l->n;
@@ -148,7 +148,7 @@ static int oriented(writer *w, int edge, bool forward)
 
 /* The face of side i. The material is inside an outline and outside a hole, and the edges run round the face
  * counter-clockwise, seen from where there is no material. */
-static int put_side_face(writer *w, const lw_loop *l, const edges *e, int i, double low, bool hole)
+static int put_side_face(writer *w, const lw_plate_loop *l, const edges *e, int i, double low, bool hole)
 {
     int next = (i + 1) % l->n, edge[4];
     const lw_plate_side *a = &l->side[i];
@@ -200,7 +200,7 @@ static int put_solid(writer *w, const lw_slab *s, const char *name)
     int *face = malloc(((size_t)(1 + s->n_hole)*SIDES + 2)*sizeof *face), n = 0;
     int solid = 0;
     for (int k = 0; all && face && k <= s->n_hole; k++) {
-        const lw_loop *l = k ? &s->hole[k-1] : &s->outline;
+        const lw_plate_loop *l = k ? &s->hole[k-1] : &s->outline;
         put_edges(w, l, s->low, s->high, &all[k]);
         for (int i = 0; i < l->n; i++)
             face[n++] = put_side_face(w, l, &all[k], i, s->low, k > 0);

@@ -23,7 +23,7 @@ typedef struct mesh {
 /* ---- corners --------------------------------------------------------------------------------------------------- */
 
 /* Append the corners of a loop, counter-clockwise; returns how many. p NULL: only count. */
-static int add_corners(const lw_loop *l, lw_vec2 *p)
+static int add_corners(const lw_plate_loop *l, lw_vec2 *p)
 {
     int n = 0;
     for (int i = 0; i < l->n; i++) {

@@ -61,7 +61,7 @@ void lw_plates_room(const lw_plates *w, char *text, size_t size)
              : "in no layer anything passes anything", room);
 }
 
-void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_loop *loop)
+void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_loop *loop)
 {
     loop->n = 0;
     loop->radius = r;

@@ -24,21 +24,21 @@ void lw_plates_room(const lw_plates *w, char *text, size_t size);
 /* A side of a loop, from its point to that of the next side: a line, or an arc about a centre, counter-clockwise. */
 typedef struct lw_plate_side { lw_vec2 from, centre; bool arc; } lw_plate_side;
 
-typedef struct lw_loop {                   /* counter-clockwise [m]                                    */
+typedef struct lw_plate_loop {                   /* counter-clockwise [m]                                    */
     int     n;                             /* 1: a circle                                              */
     double  radius;                        /* of its arcs                                              */
     lw_plate_side side[2*LW_CORNER_MAX];
-} lw_loop;
+} lw_plate_loop;
 
 /* The outline of a convex polygon (counter-clockwise, or a bar, or a point), widened by r. */
-void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_loop *loop);
+void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_loop *loop);
 
 /* A body between two heights: an outline and its holes. */
 typedef struct lw_slab {
     char    name[LW_NAME_SIZE + 16];
     double  low, high;                     /* [m]                                                      */
     int     n_hole;
-    lw_loop outline, hole[LW_HOLE_MAX];
+    lw_plate_loop outline, hole[LW_HOLE_MAX];
 } lw_slab;
 
 /* Number of plates and pins; slab i of them, in the posture. */
