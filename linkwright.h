@@ -1120,7 +1120,8 @@ typedef struct lw_target_options {
                                  * 0: the rows of a table, 60 for each curve of a drawing; < 0: the
                                  * points of a drawing as they are drawn                           */
     double      smooth;         /* > 0: move the points of a path onto a smooth curve that none of
-                                 * them leaves by more than this [length unit of the target]       */
+                                 * them leaves by more than this [length unit of the target];
+                                 * < 0: by as much as their noise, which is estimated              */
 } lw_target_options;
 
 /* From CSV text with a header x,y[,theta][,angle|t][,weight] or angle,theta[,weight] (docs/notation.md, "Target"), or

@@ -108,6 +108,32 @@ TEST(noise_goes)
     CHECK(all_after < 0.3*all_before);                /* the variance that is left, over all trials */
 }
 
+/* The noise of ellipses and of open arcs, drawn at uneven steps along them; a path without noise has next to none. */
+TEST(noise_is_estimated)
+{
+    double all = 0;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 5);
+    for (int trial = 0; trial < 60; trial++) {
+        double x[300], y[300], work[300], noise = pow(10, lw_rng_range(&rng, -3.5, -1.5)), turn = trial % 2 ? 2*LW_PI : 4;
+        size_t n = 60 + 4*(size_t)trial;
+        for (int clean = 0; clean < 2; clean++) {
+            for (size_t i = 0; i < n; i++) {
+                double u = turn*((double)i + (clean ? 0 : 0.2*lw_rng_uniform(&rng)))/(double)n;
+                x[i] = 2*cos(u) + (clean ? 0 : noise*lw_rng_normal(&rng));
+                y[i] = sin(u) + (clean ? 0 : noise*lw_rng_normal(&rng));
+            }
+            double got = lw_noise(x, y, n, trial % 2, work);
+            if (clean)
+                CHECK(got < 1e-5);
+            else
+                CHECK(got > 0.3*noise && got < 2.5*noise);
+            all += clean ? 0 : got/noise/60;
+        }
+    }
+    CHECK(all > 0.8 && all < 1.15);
+}
+
 /* Neither the place of the first point of a closed curve, nor the direction, nor a turn of the plane matters. */
 TEST(smoothing_is_invariant)
 {

@@ -17,9 +17,9 @@ typedef struct settings {
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
-    const char *tolerances;
+    const char *tolerances, *smooth;
     double      weight_path, weight_angle, angle_length, min_transmission, max_acceleration;
-    double      length_range[2], position_range[2], length_ratio, smooth, max_size, class_margin;
+    double      length_range[2], position_range[2], length_ratio, max_size, class_margin;
     bool        crank_only, full_turn, closed, open, exact, through_limits, unlimited, mpi;
     const char *keep;
 } settings;
@@ -138,9 +138,10 @@ static const cli_option options[] = {
       "the target is a closed curve, whatever its file says", 0, 0, NULL, NULL },
     { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL,
       "the target is an open curve, whatever its file says", 0, 0, NULL, "closed" },
-    { "smooth", 0, CLI_REAL, offsetof(settings, smooth), "DISTANCE", NULL,
+    { "smooth", 0, CLI_TEXT, offsetof(settings, smooth), "DISTANCE|auto", NULL,
       "smooth the points of a noisy path: use the smoothest curve that none of them leaves by more than this distance, in "
-      "the length unit of the target; how far it lies from them is printed", 0, 1e300, NULL, NULL },
+      "the length unit of the target; auto: by as much as their noise, which is estimated. How far the curve lies from "
+      "them is printed", 0, 0, NULL, NULL },
     { "stations", 0, CLI_TEXT, offsetof(settings, stations), "N|drawn", NULL,
       "spread N stations over the path by length and curvature, with the corners among them; 'drawn' takes the points of "
       "a drawing as they are. Without it: the rows of a table, 60 stations on each curve of a drawing",
@@ -584,14 +585,24 @@ static lw_status read_stations(const char *text, int *stations, lw_error *e)
     return text && strcmp(text, "drawn") != 0 ? cli_value(&number, "stations", text, stations, e) : LW_OK;
 }
 
+/* 0: not smoothed; -1: by the noise. */
+static lw_status read_smooth(const char *text, double *distance, lw_error *e)
+{
+    static const cli_option number = { .name = "smooth", .kind = CLI_REAL, .least = 0, .most = 1e300 };
+    *distance = text ? -1 : 0;
+    return text && strcmp(text, "auto") != 0 ? cli_value(&number, "smooth", text, distance, e) : LW_OK;
+}
+
 static lw_status fit_one(const cli_call *call, const char *path, cli_side_by_side *together, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
     lw_target_options o = { .closed = s->closed ? 1 : s->open ? 0 : -1, .length_unit = s->length_unit,
-                            .angle_unit = s->angle_unit, .smooth = s->smooth };
+                            .angle_unit = s->angle_unit };
     set->path = path;
     cli_fit_name(path, set->name, sizeof set->name);
     lw_status st = read_stations(s->stations, &o.stations, e), why;
+    if (st == LW_OK)
+        st = read_smooth(s->smooth, &o.smooth, e);
     if (st == LW_OK)
         st = read_input(path, &o, set, e);
     if (st == LW_OK && set->target.note[0])

@@ -68,6 +68,12 @@ lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature
 lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most,
                     lw_error *e);
 
+#define LW_NOISE_POINTS 20              /* fewest points whose noise can be estimated */
+
+/* Standard deviation of the noise of n points across their path: the median of their differences (Gasser, Sroka &
+ * Jennen-Steinmetz 1986), of the order 2, 4, 6 or 8 that leaves least of the path itself.  work: (n).  n >= 9. */
+double lw_noise(const double *x, const double *y, size_t n, bool closed, double *work);
+
 /* Smooth and resample a target as the options say; adds to its note. LW_E_ARG: it is no path, or has more columns. */
 lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e);
 

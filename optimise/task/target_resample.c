@@ -278,6 +278,37 @@ static void find_smoothing(spline *s, double distance)
     smooth_by(s, low);
 }
 
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double lw_noise(const double *x, const double *y, size_t n, bool closed, double *work)
+{
+    static const double by[4][9] = { { 0, 0, 0, 1, -2, 1 }, { 0, 0, 1, -4, 6, -4, 1 }, { 0, 1, -6, 15, -20, 15, -6, 1 },
+                                     { 1, -8, 28, -56, 70, -56, 28, -8, 1 } };
+    double least = INFINITY;
+    for (int order = 0; order < 4; order++) {
+        double square = 0;
+        size_t count = 0;
+        for (int j = 0; j < 9; j++)
+            square += by[order][j]*by[order][j];
+        for (size_t i = closed ? 0 : 4; i + (closed ? 0 : 4) < n; i++) {
+            lw_vec2 d = { 0, 0 };
+            for (size_t j = 0; j < 9; j++)
+                d = lw_v2_add(d, lw_v2_scale(lw_v2(x[(i + n + j - 4) % n], y[(i + n + j - 4) % n]), by[order][j]));
+            size_t a = (i + n - 4) % n, b = (i + 4) % n;
+            lw_vec2 chord = lw_v2(x[b] - x[a], y[b] - y[a]);
+            double length = lw_v2_norm(chord);
+            work[count++] = length > 0 ? fabs(lw_v2_cross(chord, d))/length : lw_v2_norm(d);
+        }
+        qsort(work, count, sizeof *work, by_size);
+        least = fmin(least, work[count/2]/(0.6745*sqrt(square)));
+    }
+    return least;
+}
+
 lw_status lw_smooth(double *x, double *y, size_t n, bool closed, double distance, double *rms, double *most,
                     lw_error *e)
 {
@@ -334,8 +365,22 @@ __attribute__((format(printf, 2, 3))) static void add_note(lw_target *t, const c
 
 static lw_status smooth_target(lw_target *t, double distance, lw_error *e)
 {
-    double all = 0, worst = 0, rms, most;
+    double all = 0, worst = 0, rms, most, noise = 0, *work = NULL;
     lw_status s = LW_OK;
+    if (distance < 0 && t->n < LW_NOISE_POINTS)
+        return lw_error_set(e, LW_E_ARG, "the noise of %zu points cannot be estimated, only that of %d or more; say how far "
+                            "the smooth path may be from the points", t->n, LW_NOISE_POINTS);
+    if (distance < 0 && !(work = malloc(t->n*sizeof *work)))
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for the noise of %zu points", t->n);
+    for (int i = -1; i < t->n_also && work; i++)
+        if (i < 0 || t->also[i].x)
+            noise = fmax(noise, lw_noise(i < 0 ? t->x : t->also[i].x, i < 0 ? t->y : t->also[i].y, t->n, t->closed, work));
+    if (work) {
+        distance = noise*sqrt(2*log((double)t->n));               /* the greatest of n deviations, as expected */
+        add_note(t, "noise across the path: %.3g %s (standard deviation), smoothed by --smooth %.3g", noise/t->units.metre,
+                 t->units.length, distance/t->units.metre);
+        free(work);
+    }
     for (int i = -1; s == LW_OK && i < t->n_also; i++) {
         double *x = i < 0 ? t->x : t->also[i].x, *y = i < 0 ? t->y : t->also[i].y;
         if (!x)
@@ -391,16 +436,16 @@ lw_status lw_target_treat(lw_target *t, const lw_target_options *o, lw_error *e)
 {
     lw_status s = LW_OK;
     lw_target_place place;
-    if (!o || (o->smooth <= 0 && o->stations <= 0))
+    if (!o || (o->smooth == 0 && o->stations <= 0))
         return s;
     if (!t->x)
         return lw_error_set(e, LW_E_ARG, "a function cannot be smoothed or spread to other stations; only a path can");
     if (o->stations > 0 && (t->theta || t->angle || t->n_also > 0))
         return lw_error_set(e, LW_E_ARG, "stations with angles or further points belong to the rows of the file; only "
                             "a path of x and y can be spread to other stations");
-    if (o->smooth > 0)
+    if (o->smooth != 0)
         s = smooth_target(t, o->smooth*t->units.metre, e);
-    if (s == LW_OK && o->smooth > 0)
+    if (s == LW_OK && o->smooth != 0)
         s = lw_target_finish(t, t->closed, &place, e);            /* its length and size */
     if (s == LW_OK && o->stations > 0)
         s = spread_target(t, (size_t)o->stations, e);

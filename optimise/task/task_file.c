@@ -460,7 +460,12 @@ static lw_status read_sampling(const lw_json_node *root, lw_task_file *b, lw_err
     double n = 0;
     char word[8] = "";
     lw_json_node o;
-    lw_status s = read_bounded(root, "smooth", 1, 0, 1e90, &b->smooth, e);
+    lw_status s = LW_OK;
+    if (lw_json_member(root, "smooth", &o) && lw_json_expect(&o, LW_JSON_TEXT, NULL) == LW_OK
+        && lw_json_name(&o, word, sizeof word, NULL) == LW_OK && strcmp(word, "auto") == 0)
+        b->smooth = -1;
+    else
+        s = read_bounded(root, "smooth", 1, 0, 1e90, &b->smooth, e);
     if (s == LW_OK && !b->target[0] && (lw_json_member(root, "smooth", &o) || lw_json_member(root, "resample", &o)))
         return lw_json_fault(&o, e, "this is about the path of a \"target\" file, and this task names none");
     if (s != LW_OK || !lw_json_member(root, "resample", &o))
