@@ -136,7 +136,7 @@ static lw_status read_target(const char *path, const lw_target_options *o, lw_ta
         mine.closed = task->closed;
     if (!mine.stations)
         mine.stations = task->resample;
-    if (!(mine.smooth > 0))
+    if (mine.smooth == 0)
         mine.smooth = task->smooth;
     lw_status s = read_source(path, task->target, &task->stations, &mine, &read[0], &part[0], e);
     for (int i = 0; i < task->n_also && s == LW_OK; i++)
