@@ -144,6 +144,8 @@ static lw_status read_target(const char *path, const lw_target_options *o, lw_ta
     if (s == LW_OK && (s = lw_target_join(part, 1 + task->n_also, &joined, e)) == LW_OK) {
         s = lw_task_file_target(task, &joined, t, e);
         lw_target_free(&joined);
+        if (s == LW_OK && read[0].note[0])
+            memcpy(t->note, read[0].note, sizeof t->note);
     }
     for (int i = 0; i <= LW_ALSO_MAX; i++)
         lw_target_free(&read[i]);
