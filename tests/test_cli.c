@@ -55,8 +55,8 @@ TEST(plots_stand_alone)
         "robot workspace examples/space/delta.json --rays 4 --plot $D/p.svg",
         "robot map examples/space/delta.json --places 3 --plot $D/p.png",
         "drive load examples/drives/lifting-arm.json --to 0.1 -n 8 --plot $D/p.svg",
-        "drive select examples/drives/lifting-arm.json --to 2.5 -n 100 --motors examples/drives/motors.csv "
-        "--gears examples/drives/gears.csv --plot $D/p.svg",
+        ("drive select examples/drives/lifting-arm.json --to 2.5 -n 100 --motors examples/drives/motors.csv "
+         "--gears examples/drives/gears.csv --plot $D/p.svg"),
         "drive simulate examples/drives/servo-axis.json --to 0.1 --plot $D/p.svg",
         "drive simulate examples/drives/servo-axis.json --to 0.1 --bode $D/p.svg",
         "family sweep examples/families/loader.json --vary reach=2:3:2 -n 10 --plot $D/p.svg",
