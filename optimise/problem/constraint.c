@@ -633,7 +633,7 @@ static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double eno
     return least;
 }
 
-/* How far a path may leave the chord between its postures b and c, from its curvature at b. */
+/* How far a path may leave a chord between two of its postures a, b, c, from its curvature at b. */
 static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
 {
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
@@ -675,19 +675,23 @@ static void find_places(const lw_problem *p, const double *x, lw_work *w, places
 /* Where a condition is least: of which place, how far from posture k - 1 to posture k, with the bulge or not. */
 typedef struct nearest { int place; double where; bool bulges; } nearest;
 
+/* The first of the three postures that give the bulge between k - 1 and k. */
+static size_t bulge_from(size_t k) { return k > 1 ? k - 2 : 0; }
+
 /* Least distance between postures k - 1 and k. 0 if one of them does not close; another condition covers that. */
 static double least_between(const lw_work *w, const places *all, const lw_zone *z, size_t k, nearest *at)
 {
     double least = INFINITY, where;
     *at = (nearest){ .place = -1 };
-    bool before = k > 1 && all->closes[k - 2];
+    size_t from = bulge_from(k);
+    bool bulges = all->closes[from] && all->closes[from + 2];
     for (int i = 0; i < all->n && all->closes[k] && all->closes[k - 1]; i++) {
         lw_vec2 b = place(w, i, k - 1), c = place(w, i, k);
-        double out = before ? bulge(place(w, i, k - 2), b, c) : 0;
+        double out = bulges ? bulge(place(w, i, from), place(w, i, from + 1), place(w, i, from + 2)) : 0;
         double d = outside_between(z, b, c, least + out, &where) - out;
         if (d < least) {
             least = d;
-            *at = (nearest){ i, where, before };
+            *at = (nearest){ i, where, bulges };
         }
     }
     return isfinite(least) ? least : 0;
@@ -734,21 +738,24 @@ static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, 
                         const nearest *at, double *row)
 {
     lw_vec2 b = place(w, at->place, k - 1), c = place(w, at->place, k), pull[3] = { { 0, 0 } };
+    size_t from = bulge_from(k);
     bool end = at->where == 0 || at->where == 1;
     lw_vec2 out = outwards(z, lw_v2_add(lw_v2_scale(b, 1 - at->where), lw_v2_scale(c, at->where)),
                            end ? lw_v2(0, 0) : lw_v2_sub(c, b));
-    pull[1] = lw_v2_scale(out, 1 - at->where);
-    pull[2] = lw_v2_scale(out, at->where);
+    pull[k - 1 - from] = lw_v2_scale(out, 1 - at->where);
+    pull[k - from] = lw_v2_scale(out, at->where);
     if (at->bulges) {
-        lw_vec2 bend = lw_v2_sub(lw_v2_add(place(w, at->place, k - 2), c), lw_v2_scale(b, 2));
+        lw_vec2 middle = place(w, at->place, from + 1);
+        lw_vec2 bend = lw_v2_sub(lw_v2_add(place(w, at->place, from), place(w, at->place, from + 2)),
+                                 lw_v2_scale(middle, 2));
         double size = length_of(bend);
         bend = lw_v2_scale(bend, size > 0 ? -0.125/size : 0);
-        pull[0] = bend;
+        pull[0] = lw_v2_add(pull[0], bend);
         pull[1] = lw_v2_sub(pull[1], lw_v2_scale(bend, 2));
         pull[2] = lw_v2_add(pull[2], bend);
     }
-    for (int i = at->bulges ? 0 : 1; i < 3; i++)
-        add_place(p, w, m, k - 2 + (size_t)i, pull[i], row);
+    for (size_t i = 0; i < 3; i++)
+        add_place(p, w, m, from + i, pull[i], row);
 }
 
 /* The least distances of all pins and points from the forbidden zones, between each posture and the next. */
