@@ -868,8 +868,8 @@ typedef struct lw_spatial_sample {
 } lw_spatial_sample;
 typedef lw_status lw_spatial_callback(void *context, const lw_spatial_sample *sample);
 
-/* Run a model, as lw_simulation_run; analysis "static": one sample.  Formulations: auto, driven, index1, cvode. 
- * LW_E_KIND: a rigid stop, or a force of the caller's own in the options, which spatial models do not know. */
+/* Run a model, as lw_simulation_run; analysis "static": one sample.  Formulations: auto, driven, index1, cvode, radau.
+ * LW_E_KIND: a force of the caller's own in the options, which spatial models do not know. */
 LW_API lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_options *options,
                                      lw_spatial_callback *visit, void *context, lw_simulation_report *report,
                                      lw_error *error);
