@@ -185,7 +185,7 @@ static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);
     s = s < 0 ? s : lw_run_singular_crossing(run, weak, w->implicit ? NULL : w->explicit_one.y_old, &t, y);
-    if (s == LW_NOTHING && !w->implicit && run->ahead > 0 && !run->d->n_stop)    /* a longer step would miss it */
+    if (s == LW_NOTHING && !w->implicit && run->ahead > 0 && run->d->n_resting == 0)    /* a longer step would miss it */
         w->explicit_one.h = fmin(w->explicit_one.h, 0.7*run->ahead);
     if (s != LW_OK)
         return s == LW_NOTHING ? LW_OK : s;
@@ -256,7 +256,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s != LW_OK)
             break;
         double weak = d->weak;
-        if (!w->implicit && !d->n_stop && !d->touch && (s = take_back(run, w, y, &taken)) != LW_NOTHING) {
+        if (!w->implicit && !d->touch && (s = take_back(run, w, y, &taken)) != LW_NOTHING) {
             stop = LW_ODE_STEP;
             continue;
         }

@@ -697,6 +697,22 @@ static lw_status find_curve(crossing *z)
     return LW_NOTHING;
 }
 
+/* Is no stop struck anywhere on the curve?  What happens there is not looked for while the linkage moves on it. */
+static bool clear_of_stops(crossing *z)
+{
+    lw_dynamics *d = z->d;
+    double left[LW_EVENT_MAX] = { 0 };
+    for (int k = -64; d->n_stop && k <= 64; k++) {
+        value(&z->path, z->at + z->half*k/64, z->guess, NULL);
+        if (lw_run_stop_events(z->run, z->run->r->t, z->guess, left) != LW_OK)
+            return false;
+        for (int i = 0; i < d->n_stop; i++)
+            if (!(left[i] > 0))
+                return false;
+    }
+    return true;
+}
+
 /* ---- motion on it -------------------------------------------------------------------------------------- */
 
 /* Equations of motion of y = s, p over the root of M at the start, work. */
@@ -821,6 +837,7 @@ static lw_status cross_on_curve(lw_run *run, double *t, double *y)
     z.zero = y[z.along];
     lw_status s = most > 0 ? look_back(&z, y, y + n) : LW_NOTHING;
     s = s == LW_OK ? find_curve(&z) : s;
+    s = s == LW_OK && !clear_of_stops(&z) ? LW_NOTHING : s;
     if (s == LW_OK)
         s = move(&z, t, y);
     free(memory);
@@ -862,6 +879,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     const lw_dynamics *d = run->d;
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0, place = *t;
     bool one = d->freedom == 1 && !d->space && !d->n_driven && !d->n_friction && !d->eq.n_z;
+    bool stops = one ? d->n_resting > 0 : d->n_stop > 0;
     double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
     lw_status jam = jumped(run, fall, *t, y);
     if (jam != LW_OK)
@@ -870,10 +888,10 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     run->pivot_t = *t;
     run->ahead = fall > 0 && w < 1 ? since*w/fall : 0;
     bool near = w < too_near && (one || !before);
-    if (d->n_stop || w > from || near)
+    if (stops || w > from || near)
         run->pivot_tried = 1;
     run->apart = w > beside ? 0 : run->apart;
-    if (d->n_stop || w > from || near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
+    if (stops || w > from || near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));
