@@ -124,8 +124,7 @@ static int add_symbol(lw_scope *s, const char *name, lw_template *node, lw_error
 {
     if (node && !is_name(name)) {
         lw_json_fault(&node->json, e, "\"%.60s\" cannot be a name; write letters, digits and _, a letter first, at "
-                                      "most %d, and "
-                      "none of the words of formulas", name, LW_MASTER_NAME - 1);
+                                      "most %d, and none of the words of formulas", name, LW_MASTER_NAME - 1);
         return -1;
     }
     int before = find_symbol(s, name);

@@ -141,8 +141,7 @@ static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, do
     size_t count = s == LW_OK ? lw_json_count(&n) : 0;
     if (s == LW_OK && count != 3 && count != 6)
         return lw_json_fault(&n, e, "an inertia in space has 3 numbers [Ixx, Iyy, Izz], or 6 with Ixy, Ixz, Iyz, the "
-                                    "entries "
-                             "of the matrix");
+                                    "entries of the matrix");
     for (size_t i = 0; s == LW_OK && i < count; i++) {
         lw_json_node part = lw_json_element(&n, i);
         s = lw_json_number(&part, &given[i], e);
@@ -156,8 +155,8 @@ static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, do
     for (int i = 0; i < 3; i++)
         if (value[i] < -1e-12*top || top <= 0 ? value[i] != 0 : 2*value[i] > sum*(1 + 1e-9))
             return lw_json_fault(&n, e, "no body has this inertia: its principal values are %.6g, %.6g, %.6g kg m^2; "
-                                        "none may be "
-                                 "negative or exceed the sum of the others", value[0], value[1], value[2]);
+                                        "none may be negative or exceed the sum of the "
+                                        "others", value[0], value[1], value[2]);
     lw_vec3 r[3];                            /* rows of frame I, then of frame I frame^T */
     for (int i = 0; i < 3; i++) {
         lw_vec3 f = frame->row[i];
@@ -292,8 +291,8 @@ static lw_status read_kind(const lw_json_node *joint, lw_spatial_kind *kind, lw_
                              text);
     const char *near = lw_suggest(text, names, COUNT(names));
     return lw_json_fault(&n, e, "there is no joint kind \"%.40s\"%s%s%s; known are r revolute, t prismatic, c "
-                                "cylindrical, "
-                         "b spherical, u universal, h screw, e planar, f fixed, o free", text, near ?
+                                "cylindrical, b spherical, u universal, h screw, e planar, f fixed, o "
+                                "free", text, near ?
                              "; did you mean \"" : "",
                          near ? near : "", near ? "\"?" : "");
 }
@@ -316,8 +315,7 @@ static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_sp
         return s;
     if (lw_json_member(joint, "second_axis", &second) != two)
         return two ? lw_json_fault(joint, e, "a universal joint needs \"second_axis\": the axis on its second link; "
-                                             "\"axis\" is "
-                                   "on the first")
+                                             "\"axis\" is on the first")
                    : lw_json_fault(&second, e, "a %s joint has no second axis", word);
     if (two && (s = lw_read_direction(&second, &j->second, e)) == LW_OK &&
         lw_v3_norm(lw_v3_cross(j->axis, j->second)) < 1e-6)
@@ -416,9 +414,8 @@ static lw_status check_connected(const lw_json_node *root, const lw_spatial *m, 
     free(reached);
     lw_json_member(root, "joints", &joints);
     return lost == m->n_link ? LW_OK
-         : lw_json_fault(&joints, e, "no chain of joints connects link \"%s\" to the ground; a body that flies "
-                                     "freely has a "
-                         "joint of kind \"free\" with the ground", m->body[lost].name);
+         : lw_json_fault(&joints, e, "no chain of joints connects link \"%s\" to the ground; a body that flies freely "
+                                     "has a joint of kind \"free\" with the ground", m->body[lost].name);
 }
 
 /* ---- inputs and tracers ------------------------------------------------------------------------ */
@@ -498,8 +495,7 @@ static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *
             s = lw_json_fault(input, e, "this is an input already");
     if (s == LW_OK && in->has_speed && lw_json_member(input, "motion", &n))
         return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it starts "
-                                    "before it "
-                             "runs freely; keep one");
+                                    "before it runs freely; keep one");
     return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &in->motion, e) : s;
 }
 

@@ -91,8 +91,8 @@ static lw_status plan_move(const lw_json_node *object, plan *p, lw_cycle_move *m
     for (int i = 0; s == LW_OK && i < c->n_axis; i++) {
         if (m->moves[i] && p->free_at[i] > m->start + 1e-12)
             s = lw_json_fault(object, e, "axis \"%s\" still moves until %g s and cannot begin at %g s; a smaller "
-                                         "\"blend\" before, or "
-                              "moves of different axes, may overlap", c->axis[i].name, p->free_at[i], m->start);
+                                         "\"blend\" before, or moves of different axes, may "
+                                         "overlap", c->axis[i].name, p->free_at[i], m->start);
         else if (p->at[i].v != 0 && (!m->moves[i] || m->start > p->free_at[i] + 1e-12))
             s = lw_json_fault(object, e, "axis \"%s\" arrives here with a speed of %g and has to go on at once",
                               c->axis[i].name,

@@ -220,9 +220,8 @@ TEST(one_freedom)
     CHECK(10*failed <= runs);
 }
 
-/* Friction in all pins of a parallelogram, which may jam in a flat posture: on the exact curve in all samples, or a status
- * with a reason.  All formulations
- * jam at the same time, whatever the grid. */
+/* Friction in all pins of a parallelogram, which may jam in a flat posture: on the exact curve in all samples, or a
+ * status with a reason.  All formulations jam at the same time, whatever the grid. */
 TEST(friction_in_all_pins)
 {
     int jammed = 0;

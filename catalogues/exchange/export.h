@@ -32,12 +32,11 @@ lw_status lw_export_mjcf(const lw_linkage *linkage, const lw_export_options *o, 
 lw_status lw_export_urdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_sdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
-/* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER,
- * MOTION, REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. Without
- * masses the file is for kinematics. With a model it holds masses, gravity, springs and dampers, motors at pins and
- * constant
- * forces, and inputs without a motion run freely from rest; LW_E_KIND, naming it: another load. _commands: the
- * command file (.acf) that runs <name>.adm for a second. */
+/* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
+ * REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. Without masses the
+ * file is for kinematics. With a model it holds masses, gravity, springs and dampers, motors at pins and constant
+ * forces, and inputs without a motion run freely from rest; LW_E_KIND, naming it: another load. _commands: the command
+ * file (.acf) that runs <name>.adm for a second. */
 lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 

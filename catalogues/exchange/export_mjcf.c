@@ -95,10 +95,10 @@ static double reference_of(const lw_linkage *linkage, int joint)
     return 0;
 }
 
-/* Write what belongs to a joint's coordinate: its value in the posture, springs and dampers, stops, and for a driven
- * joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the linkage's size, so
- * that
- * its frequency changes by a factor of sqrt(2) at most over the motion; the motion itself does not depend on it. */
+/* Write what belongs to a joint's coordinate: its value in the posture, springs and dampers, stops, and for a
+ * driven joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the
+ * linkage's size, so that its frequency changes by a factor of sqrt(2) at most over the motion; the motion
+ * itself does not depend on it. */
 static void put_reference(writer *w, int joint)
 {
     const lw_linkage *k = w->k;
@@ -439,9 +439,8 @@ static lw_status check_loads(const writer *w, lw_error *e)
     }
     for (int i = 0; m && i < m->n_motor; i++)
         if (!w->tree.in_tree[m->motor[i].joint])
-            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no "
-                                "form in "
-                                "MJCF", m->motor[i].name);
+            return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form "
+                                "in MJCF", m->motor[i].name);
     for (int i = 0; m && i < m->n_force; i++)
         if (varies(m->force[i].fx) || varies(m->force[i].fy) || varies(m->force[i].torque))
             return lw_error_set(e, LW_E_KIND, "force '%s' is not constant, which has no form in MJCF",
@@ -449,8 +448,7 @@ static lw_status check_loads(const writer *w, lw_error *e)
     for (int i = 0; m && i < k->n_input; i++)
         if (!m->motion[i] && m->has_speed[i] && m->speed[i] != 0)
             return lw_error_set(e, LW_E_KIND, "input '%s' starts with a speed, which this file does not hold; leave "
-                                "the speed "
-                                "out", k->joint[k->input[i].joint].name);
+                                "the speed out", k->joint[k->input[i].joint].name);
     for (int j = 0; m && j < k->n_joint; j++) {
         const lw_joint_stop *stop = &m->stop[j];
         bool stops = stop->has_least || stop->has_greatest;

@@ -1,8 +1,7 @@
 /* catalogues/exchange/export_step.c - plates and pins as an assembly of solids: STEP AP214 (ISO 10303-21, -42, -214).
  *
  * Each plate is a boundary representation: two planes with the outline and the holes as bounds, and a plane or a
- * cylinder
- * for each side. Edges of a loop run counter-clockwise seen from above. */
+ * cylinder for each side. Edges of a loop run counter-clockwise seen from above. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -274,9 +274,8 @@ static void put_note(writer *w, int loops)
     put(w, w->sdf ? "  <!-- The coordinates of all joints are 0 in this posture; gravity is set in the world." :
         "  <!-- The coordinates of all joints are 0 in this posture; URDF holds no gravity.");
     if (loops > 0) {
-        put(w, w->sdf ? " Joints that close a loop:" : " URDF is a tree. These joints close a loop and are left "
-            "out; add them in "
-            "the simulator as constraints:");
+        put(w, w->sdf ? " Joints that close a loop:" : " URDF is a tree. These joints close a loop and are left out; "
+            "add them in the simulator as constraints:");
         for (int j = 0, n = 0; j < w->k->n_joint; j++) {
             const lw_joint *p = &w->k->joint[j];
             char name[LW_NAME_SIZE*3];

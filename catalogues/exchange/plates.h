@@ -1,6 +1,5 @@
-/* catalogues/exchange/plates.h - a linkage as plates and pins in layers (layers.h), and their outlines as closed
- * loops of
- * lines and arcs. */
+/* catalogues/exchange/plates.h - a linkage as plates and pins in layers (layers.h), and their outlines as closed loops
+ * of lines and arcs. */
 #ifndef LW_CATALOGUES_EXCHANGE_PLATES_H
 #define LW_CATALOGUES_EXCHANGE_PLATES_H
 

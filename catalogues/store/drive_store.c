@@ -80,8 +80,7 @@ lw_status lw_store_read_drive_parts(const char *path, lw_drive_parts *p, lw_erro
     if (status == LW_OK && lw_store_found_version(s) < 3) {
         lw_store_close(s);
         return lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this catalogue holds no motors; add them by 'linkwright "
-                                                         "catalogue add "
-                           "%s motors.csv'", path);
+                                                         "catalogue add %s motors.csv'", path);
     }
     for (int kind = 0; status == LW_OK && kind < 3; kind++)
         status = read_kind(s, kind, p, e);

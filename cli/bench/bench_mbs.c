@@ -358,10 +358,9 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
         const char *near = lw_suggest(word, names, n);
         if (i == n)
             return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word,
-                                near ? "did you mean '" : "there are "
-                                "pendulum, two-four-bars, row-of-15, row-of-40, row-of-400, andrews, "
-                                "space-slider-crank, "
-                                "space-bricard, space-governor, space-chain, flexible-crank, clearance, clearance-250",
+                                near ? "did you mean '" : "there are pendulum, two-four-bars, row-of-15, row-of-40, "
+                                "row-of-400, andrews, space-slider-crank, space-bricard, space-governor, space-chain, "
+                                "flexible-crank, clearance, clearance-250",
                                 near ? near : "",
                                 near ? "'?" : "");
         *wanted |= 1ull << i;

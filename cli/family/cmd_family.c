@@ -19,8 +19,7 @@ static const cli_option options[] = {
       "set parameters, in their own unit or in another: \"reach=3,wall=8 mm\"", 0, 0, NULL, NULL },
     { "view", 0, CLI_TEXT, PLACE(view), "NAME", NULL,
       "which view to make: kinematic, dynamic, elastic, clearance, or one of the master; without it that of the "
-      "master, or "
-      "everything", 0, 0, NULL, NULL },
+      "master, or everything", 0, 0, NULL, NULL },
     { "map", 0, CLI_OUTPUT, PLACE(map), "FILE", NULL,
       "expand: also write where each line of the model comes from, as CSV", 0, 0, NULL, NULL },
     { "vary", 0, CLI_TEXT, PLACE(vary), "NAME=FROM:TO,...", NULL,
@@ -48,8 +47,7 @@ static const cli_option options[] = {
       "optimise: conditions besides the checks of the master: FIGURE<=N or FIGURE>=N", 0, 0, NULL, NULL },
     { "solver", 0, CLI_TEXT, PLACE(solver), "NAME", "cobyla",
       "optimise: method of NLopt without derivatives: cobyla, neldermead, sbplx, bobyqa; isres, crs, direct, esch "
-      "search the "
-      "whole range", 0, 0, NULL, NULL },
+      "search the whole range", 0, 0, NULL, NULL },
     { "max-evaluations", 0, CLI_INT, PLACE(max_evals), "N", "500", "optimise: greatest number of models", 1, 10000000,
       NULL, NULL },
     { "from", 0, CLI_REAL, PLACE(from), "T", "0", "sweep, optimise: start of the run of a model [s]", 0, 0, NULL,

@@ -169,8 +169,7 @@ static lw_status make_grid(sweep *s, lw_error *e)
     }
     if (n > POINT_MAX)
         return lw_error_set(e, LW_E_ARG, "this grid has %.0f points, at most %d are computed; --samples N takes N "
-                                         "points that fill "
-                            "the ranges evenly", n, POINT_MAX);
+                                         "points that fill the ranges evenly", n, POINT_MAX);
     lw_status st = make_room(s, (size_t)n, e);
     for (size_t k = 0; st == LW_OK && k < s->n; k++) {
         size_t rest = k;                                    /* the first parameter changes fastest */
@@ -319,8 +318,7 @@ static lw_status draw(const sweep *s, const double *base, bool normalised, const
     int panels = 0;
     if ((size_t)s->n_measure*lines > LW_PANEL_MAX*LINES)
         return lw_error_set(e, LW_E_ARG, "a plot shows at most %d lines in a panel and %d panels; vary fewer "
-                                         "parameters or measure "
-                            "fewer figures", LINES, LW_PANEL_MAX);
+                                         "parameters or measure fewer figures", LINES, LW_PANEL_MAX);
     double *xy = malloc((size_t)(s->n_measure + 1)*s->n*sizeof *xy);
     if (!xy)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");

@@ -422,8 +422,7 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
                             dof, links, dof, lw_mechanism_least_links(dof));
     if (cli_given(said, "type") || s->exact)
         return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links "
-                            "and "
-                            "F = 1", dof, s->exact ? "exact" : "type");
+                            "and F = 1", dof, s->exact ? "exact" : "type");
     return LW_OK;
 }
 

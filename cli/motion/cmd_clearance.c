@@ -152,9 +152,8 @@ static int work(const cli_call *call, cli_clearance *c)
         return cli_fail(call, &e);
     bool detail = s->path || s->force || s->history;
     if (detail && c->sweep.n_row > 1)
-        return cli_usage(call, "--path, --force-plot and --history show one run, but the lists make %d; give one "
-                         "speed and one "
-                         "law", c->sweep.n_row);
+        return cli_usage(call, "--path, --force-plot and --history show one run, but the lists make %d; give one speed "
+                         "and one law", c->sweep.n_row);
     if (cli_clearance_run(c, &e) != LW_OK)
         return cli_fail(call, &e);
     lw_status st = detail ? cli_clearance_detail(c, s->history, s->path, s->force, &e) : LW_OK;

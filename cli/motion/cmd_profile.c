@@ -137,8 +137,7 @@ static lw_status make_law(const settings *o, motion *m, lw_error *e)
     }
     if (isinf(T))
         return lw_error_set(e, LW_E_ARG, "--law %s: the acceleration steps, so that no limit of jerk can be kept; "
-            "leave out "
-                            "--jerk-limit, or take cycloid, 345, modified-sine, ...", law->name);
+            "leave out --jerk-limit, or take cycloid, 345, modified-sine, ...", law->name);
     if (T == 0 && !(o->duration > 0))
         return lw_error_set(e, LW_E_ARG, "--law %s needs --duration, or a limit of speed, acceleration or jerk",
                             law->name);

@@ -251,9 +251,8 @@ static lw_status along(linear *l, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "modes along the motion need an input, and the model has none");
     bool pin = lw_joint_turns(l->s->joint[l->s->input_joint[0]].kind), whole = in->first == in->last;
     if (whole && !pin)
-        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a "
-                            "\"from\" and a "
-                            "\"to\"");
+        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a \"from\" "
+                            "and a \"to\"");
     double first = whole ? in->value : in->first, last = whole ? in->value + 2*LW_PI : in->last;
     lw_status s = LW_OK;
     for (int k = 0; s == LW_OK && k <= l->o->along && !cli_interrupted(); k++) {

@@ -95,8 +95,8 @@ static lw_status count_freedoms(lw_space_follow *f, int rank, bool any, lw_error
     f->redundant = s->n_row + f->n_idle - rank;
     if (f->z.n_kept < rank + f->n_input)
         return lw_error_set(e, LW_E_ARG, "%d inputs move only %d of %d freedoms in the posture of the file: they "
-                                         "contradict each "
-                            "other, or the posture is singular for them", f->n_input, f->z.n_kept - rank, freedom);
+                                         "contradict each other, or the posture is singular for "
+                                         "them", f->n_input, f->z.n_kept - rank, freedom);
     if (f->freedom > 0 && !any)
         return lw_error_set(e, LW_E_ARG, "the model has %d freedom%s and %d input%s: %d more input%s needed", freedom,
                             freedom == 1 ? "" : "s", f->n_input, f->n_input == 1 ? "" : "s", f->freedom,
@@ -274,7 +274,7 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
     if (joint >= 0 && gap > 1e-7)
         return lw_error_set(e, LW_OPEN, "the joints cannot be closed beyond %s: at the inputs wanted, joint \"%s\" "
                                         "stays %.3g %s "
-                            "open", where, s->model->joint[joint].name, gap, angle ? "rad" : "m");
+                                        "open", where, s->model->joint[joint].name, gap, angle ? "rad" : "m");
     return lw_error_set(e, LW_OPEN, "the motion ends at %s in a singular posture: it can go on in several ways, or "
                                     "not at all",
                         where);

@@ -11,9 +11,8 @@
 /* Files that are often handed in by mistake, by the bytes with which they begin. */
 static lw_status refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
 {
-    static const char pixels[] = "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save "
-        "that as "
-                                 "SVG";
+    static const char pixels[] = "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that "
+        "as SVG";
     static const struct { const char *bytes; size_t n; const char *what; } rows[] = {
         { "PK\3\4", 4, "a workbook (Excel, LibreOffice) or an archive; save the sheet as CSV" },
         { "\xd0\xcf\x11\xe0", 4, "a workbook of Excel; save the sheet as CSV" },
@@ -59,9 +58,8 @@ lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path
     return dxf || ends_in(path, ".dxf") ? LW_TARGET_KIND_DXF : LW_TARGET_KIND_TABLE;
 }
 
-/* The curve that a path names behind '#', as in "leg.svg#path10"; NULL: none. If there is a file of the whole name,
- * it is
- * meant. */
+/* The curve that a path names behind '#', as in "leg.svg#path10"; NULL: none. If there is a file of the whole
+ * name, it is meant. */
 static const char *find_curve(const char *path)
 {
     const char *hash = strrchr(path, '#');

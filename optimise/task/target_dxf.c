@@ -426,9 +426,8 @@ static lw_status draw_insert(reader *r, const entity *n, const place *in, int de
     if (s != LW_OK || !b)
         return s;
     if (depth == DEPTH_MAX)
-        return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, head(r, n)->line, 1, "blocks are nested deeper than "
-                           "%d, or "
-                           "one holds itself", DEPTH_MAX);
+        return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, head(r, n)->line, 1, "blocks are nested deeper than %d, "
+                           "or one holds itself", DEPTH_MAX);
     double c = cos(v[4]*LW_PI/180), d = sin(v[4]*LW_PI/180);
     lw_affine at = own.m, turn = { c, d, -d, c, v[0], v[1] };
     snprintf(own.block, sizeof own.block, "%.*s", name->size > 47 ? 47 : (int)name->size, name->text);
@@ -439,8 +438,7 @@ static lw_status draw_insert(reader *r, const entity *n, const place *in, int de
             own.m = lw_affine_product(&at, &own.m);
             if (++r->inserts > INSERT_MAX)
                 return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, head(r, n)->line, 1, "the drawing inserts more "
-                                   "than "
-                                   "%d blocks", INSERT_MAX);
+                                   "than %d blocks", INSERT_MAX);
             s = draw_all(r, b->first, b->last, &own, depth + 1);
         }
     return s;
@@ -731,9 +729,8 @@ lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, co
     else if (s == LW_OK && r.n_point > 0 && r.drawn != SIZE_MAX)
         s = draw_points(&r, &page);
     if (s == LW_OK && r.out.n == 0 && !r.out.failed)
-        s = lw_error_at(e, LW_E_NOTATION, file, r.c.line, 1, "there is no visible line, arc, circle, ellipse, "
-                        "spline or "
-                        "polyline in the ENTITIES of this drawing%s%s", r.other[0] ? ", only things such as " : "",
+        s = lw_error_at(e, LW_E_NOTATION, file, r.c.line, 1, "there is no visible line, arc, circle, ellipse, spline "
+                        "or polyline in the ENTITIES of this drawing%s%s", r.other[0] ? ", only things such as " : "",
                         r.other);
     if (s == LW_OK)
         s = lw_outlines_target(&r.out, file, o, t, e);

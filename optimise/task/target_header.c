@@ -219,8 +219,7 @@ static lw_status unknown_column(const lw_header *h, lw_text_span name, long line
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "this column has no name");
     if (lw_number_parse(name.s, name.n, &number) == LW_OK)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "the first line holds numbers; only two columns "
-                           "need "
-                           "no names (x and y), put a line such as x,y,angle before more");
+                           "need no names (x and y), put a line such as x,y,angle before more");
     snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
     const char *near = lw_suggest(word, names, COLUMN_COUNT);
     return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "unknown column %s%s%s%s; columns are x, y, theta, "

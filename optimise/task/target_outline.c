@@ -123,8 +123,7 @@ static lw_status check(const lw_outlines *d, const char *file, lw_error *e)
 {
     if (d->failed)
         return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "the drawing has more than %d curves or %d points, or memory "
-                           "ran "
-                           "out", LW_DRAWN_CURVE_MAX, LW_OUTLINE_MAX);
+                           "ran out", LW_DRAWN_CURVE_MAX, LW_OUTLINE_MAX);
     for (int i = 0; i < d->n; i++)
         for (size_t k = 0; k < d->curve[i].n; k++)
             if (!(fabs(d->curve[i].p[k].x)*d->scale <= LW_COORDINATE_MAX
@@ -215,9 +214,8 @@ static lw_status choose(const lw_outlines *d, const char *file, const char *word
     if (!words) {
         list_curves(d, list, sizeof list);
         return lw_error_at(e, LW_E_NOTATION, file, d->curve[1].line[0], 1, "this drawing has %d curves: %s. Put the "
-                           "one "
-                           "that is wanted behind the name of the file, as FILE#1 or FILE#NAME; several (FILE#1,2 or "
-                           "FILE#all, at most %d) become the points of one linkage", d->n, list, POINTS);
+                           "one that is wanted behind the name of the file, as FILE#1 or FILE#NAME; several (FILE#1,2 "
+                           "or FILE#all, at most %d) become the points of one linkage", d->n, list, POINTS);
     }
     while (s == LW_OK && *words) {
         size_t size = strcspn(words, ",");

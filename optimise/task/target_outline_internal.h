@@ -56,9 +56,8 @@ lw_status lw_outlines_target(lw_outlines *d, const char *file, const lw_target_o
 /* ---- places along a curve (target_resample.c) ---- */
 
 /* Place m >= 2 stations along the polygon of n >= 2 points. Corners are stations, if they are not too many; between
- * them, two thirds of the stations follow the length and one third the turning of the curve, if by_curvature, else
- * all of
- * them the length. from[i]: index of the point before station i. */
+ * them, two thirds of the stations follow the length and one third the turning of the curve, if by_curvature, else all
+ * of them the length. from[i]: index of the point before station i. */
 lw_status lw_resample(const lw_vec2 *p, size_t n, bool closed, bool by_curvature, size_t m, lw_vec2 *out, size_t *from,
                       lw_error *e);
 

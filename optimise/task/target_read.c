@@ -39,9 +39,8 @@ static lw_status bad_decimal(const lw_header *h, const lw_lines *l, lw_text_span
                        field.n > 40 ? 40 : (int)field.n, field.s, why);
 }
 
-/* Write a number as spreadsheets do in the way that lw_number_parse reads: without a plus, with a plain minus and
- * with a
- * decimal point. A comma is a decimal comma; commas and points do not mix. */
+/* Write a number as spreadsheets do in the way that lw_number_parse reads: without a plus, with a plain minus and with
+ * a decimal point. A comma is a decimal comma; commas and points do not mix. */
 static lw_status plain_number(lw_header *h, const lw_lines *l, lw_text_span field, lw_text_span *plain, char *buf,
                               size_t size, lw_error *e)
 {
