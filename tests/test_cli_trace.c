@@ -287,7 +287,7 @@ TEST(speeds_and_plots)
     expect("$P trace examples/jansen.json --speed 5mm/s", 2, NULL, "(the input turns)");
     expect("$P trace examples/trammel.json --speed 5rpm", 2, NULL, "(the input slides)");
     expect("$P trace examples/trammel.json --speed 0.5m/s -n 4 --quiet", 0, "mm/s", NULL);
-    expect("$P trace examples/jansen.json --speed 5x", 2, NULL, "expected a number of at most 1e60, alone or with a unit");
+    expect("$P trace examples/jansen.json --speed 5x", 2, NULL, "expected a number, alone or with a unit");
     expect("$P trace examples/slider-crank.json --speed 60rpm --tracer piston --plot $D/t.svg -o $D/t.csv && "
            "grep -c 'mm/s^2' $D/t.svg", 0, "1", NULL);
     expect("$P trace examples/jansen.json --plot $D/t.txt", 2, NULL, "kind of picture");
