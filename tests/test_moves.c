@@ -193,7 +193,7 @@ static lw_status last_input(void *context, const lw_moment *moment)
 TEST(runs_in_space_stop_at_kinks)
 {
     static const char *const load[] = { "\"forces\": [{\"link\": \"cart\", \"at\": [0, 0, 0], \"fx\": \"2*profile(go, mod(t, 0.75))\"}]",
-                                        "\"springs\": [{\"joint\": \"S\", \"law\": \"-2*profile(go, mod(t, 0.75))\"}]" };
+                                        "\"springs\": [{\"joint\": \"S\", \"law\": \"2*profile(go, mod(t, 0.75))\"}]" };
     static const char text[] = "{%s, \"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"cart\", \"mass\": 2, \"centre\": "
         "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", "
         "\"cart\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0]}], \"profiles\": [{\"name\": \"go\", \"speed\": 3, \"acceleration\": 20, "

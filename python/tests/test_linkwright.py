@@ -225,9 +225,10 @@ def test_fit_finds_a_four_bar_again():
     path = fourbar().trace(24)
     target = lw.Target(x=path.x, y=path.y, closed=True)
     results = lw.fit(target, rounds=4, seed=3)
-    assert results[0].error_max < 1e-6 and results[0].verified
-    inputs = results.inputs(0)
-    found = results[0].linkage.kinematics().trace(inputs)
+    exact = min(range(len(results)), key=lambda k: results[k].error_max)        # the first row may be a smaller one
+    assert results[exact].error_max < 1e-6 and results[exact].verified and results[0].error_max < 2e-3
+    inputs = results.inputs(exact)
+    found = results[exact].linkage.kinematics().trace(inputs)
     assert np.max(np.hypot(found.x - path.x, found.y - path.y)) < 1e-6
     assert "<table>" in results._repr_html_() and "<svg" in results.page().lower()
 
