@@ -1,6 +1,7 @@
 /* catalogues/exchange/export_mjcf.c - write a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
+#include "catalogues/exchange/export_space.h"
 #include "catalogues/exchange/tree.h"
 
 #include <stdio.h>
@@ -464,6 +465,25 @@ static lw_status check_loads(const writer *w, lw_error *e)
     return LW_OK;
 }
 
+void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width)
+{
+    writer w = { .out = out };
+    put(&w, "\n    <spatial");
+    put_name(&w, "name", name, "");
+    put_attribute(&w, "springlength", free);
+    put_attribute(&w, "stiffness", stiffness);
+    put_attribute(&w, "damping", damping);
+    put_attribute(&w, "width", width);
+    put(&w, ">");
+    for (int end = 0; end < 2; end++) {
+        put_indent(&w, 3);
+        put(&w, "<site");
+        put_name(&w, "site", name, end ? " end" : " start");
+        put(&w, "/>");
+    }
+    put(&w, "\n    </spatial>");
+}
+
 static void put_springs(writer *w)
 {
     if (!w->m || w->m->n_spring == 0)
@@ -471,20 +491,7 @@ static void put_springs(writer *w)
     put(w, "\n  <tendon>");
     for (int i = 0; i < w->m->n_spring; i++) {
         const lw_spring *p = &w->m->spring[i];
-        put(w, "\n    <spatial");
-        put_name(w, "name", p->name, "");
-        put_attribute(w, "springlength", p->free);
-        put_attribute(w, "stiffness", p->stiffness);
-        put_attribute(w, "damping", p->damping);
-        put_attribute(w, "width", 0.005*w->size);
-        put(w, ">");
-        for (int end = 0; end < 2; end++) {
-            put_indent(w, 3);
-            put(w, "<site");
-            put_name(w, "site", p->name, end ? " end" : " start");
-            put(w, "/>");
-        }
-        put(w, "\n    </spatial>");
+        lw_mjcf_spring(w->out, p->name, p->free, p->stiffness, p->damping, 0.005*w->size);
     }
     put(w, "\n  </tendon>");
 }

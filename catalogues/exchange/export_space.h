@@ -44,6 +44,9 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_erro
 
 bool lw_space_weighed(const lw_spatial *m);      /* Has a link a mass? */
 
+/* A spring of MJCF between the sites "NAME start" and "NAME end": a tendon, drawn with this width [m]. */
+void lw_mjcf_spring(lw_bytes *out, const char *name, double free, double stiffness, double damping, double width);
+
 /* Value of an expression without variables; 0 of NULL. */
 double lw_export_constant(const lw_expression *x);
 

@@ -498,19 +498,7 @@ static void put_springs(writer *w)
     put(w, w->m->n_spring ? "\n  <tendon>" : "");
     for (int i = 0; i < w->m->n_spring; i++) {
         const lw_spatial_spring *p = &w->m->spring[i];
-        put(w, "\n    <spatial");
-        put_name(w, "name", p->name, "");
-        put_attribute(w, "springlength", p->free);
-        put_attribute(w, "stiffness", p->stiffness);
-        put_attribute(w, "damping", p->damping);
-        put_attribute(w, "width", 0.005*w->size);
-        put(w, ">");
-        for (int end = 0; end < 2; end++) {
-            put_tag(w, 3, "<site");
-            put_name(w, "site", p->name, end ? " end" : " start");
-            put(w, "/>");
-        }
-        put(w, "\n    </spatial>");
+        lw_mjcf_spring(w->out, p->name, p->free, p->stiffness, p->damping, 0.005*w->size);
     }
     put(w, w->m->n_spring ? "\n  </tendon>" : "");
 }
