@@ -51,6 +51,44 @@ TEST(a_cycle_over_both_limits)
     expect("$P trace examples/chebyshev.json --cycle -n 4", 0, "circuit 1: closes, the input swings", NULL);
 }
 
+/* A model with more parts than a linkage holds: 20 four-bars in a row, whose cranks stay parallel through flat postures. */
+TEST(any_number_of_links)
+{
+    char path[] = "/tmp/linkwright-row-XXXXXX", line[200];
+    int fd = mkstemp(path);
+    FILE *f = fdopen(fd, "w");
+    fputs("{\"linkwright\": 1, \"links\": [\"ground\"", f);
+    for (int i = 0; i <= 20; i++)
+        fprintf(f, i < 20 ? ", \"c%d\", \"r%d\"" : ", \"c%d\"", i, i);
+    fputs("], \"joints\": [{\"name\": \"A0\", \"links\": [\"ground\", \"c0\"], \"at\": [0, 0]}", f);
+    for (int i = 1; i <= 20; i++)
+        fprintf(f, ", {\"name\": \"A%d\", \"links\": [\"ground\", \"c%d\"], \"at\": [%d, 0]}, {\"name\": \"B%d\", \"links\": [\"c%d\", \"r%d\"], "
+                "\"at\": [%d, 1]}, {\"name\": \"C%d\", \"links\": [\"r%d\", \"c%d\"], \"at\": [%d, 1]}", i, i, i, i, i - 1, i - 1, i - 1, i,
+                i - 1, i, i);
+    fputs("], \"input\": {\"joint\": \"A0\", \"motion\": "
+          "\"1.5707963267948966 + 2*t\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"r19\", \"at\": [19.5, 1]}]}", f);
+    fclose(f);
+    double v[20];
+    snprintf(line, sizeof line, "%s -n 7", path);
+    CHECK_INT(trace(line, v), 8);
+    CHECK_NEAR(v[0], 2.5*M_PI, 1e-12, 0);
+    CHECK_NEAR(v[1], 19.5, 1e-10, 0);
+    CHECK_NEAR(v[2], 1, 1e-10, 0);
+    CHECK_NEAR(v[3], -1, 1e-10, 0);
+    CHECK_NEAR(v[6], -1, 1e-9, 0);
+    snprintf(line, sizeof line, "%s --time-range 0:3:0.5", path);
+    CHECK_INT(trace(line, v), 7);
+    CHECK_NEAR(v[2], 19.5 - sin(6), 1e-10, 0);
+    CHECK_NEAR(v[4], -2*cos(6), 1e-9, 0);
+    snprintf(line, sizeof line, "$P mobility %s", path);
+    expect(line, 0, "driven          1 of 1 freedom by 1 input", NULL);
+    snprintf(line, sizeof line, "$P simulate %s --to 1 -n 2", path);
+    expect(line, 0, "P.x", NULL);
+    snprintf(line, sizeof line, "$P trace %s --cycle", path);
+    expect(line, 2, NULL, "--cycle is for linkages of at most 32 links");
+    remove(path);
+}
+
 /* The closed form and the continuation give the same curve: every posture of the plan lies on the closed curve,
  * found by its input. */
 TEST(two_ways_agree)

@@ -6,7 +6,8 @@
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
-#include "mbs/constraints/mobility.h"
+#include "grammar/model.h"
+#include "mbs/dynamics/freedoms.h"
 
 typedef struct settings {
     double tolerance;
@@ -132,6 +133,97 @@ static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
         fprintf(f, "%-16sit would move if joints opened by %.3g m\n", "misfit", m->misfit);
 }
 
+/* ---- models with more parts than a linkage holds ---------------------------------------------------- */
+
+static void write_links(FILE *f, const char *what, const lw_assembly *a, const bool *link, const char *more)
+{
+    int n = 0;
+    for (int i = 0; i < a->n_link; i++)
+        if (link[i])
+            n++ ? fprintf(f, ", %s", a->link_name[i]) : fprintf(f, "%-16s%s", what, a->link_name[i]);
+    if (n)
+        fprintf(f, "%s\n", more);
+}
+
+static void write_large_text(FILE *f, const lw_assembly *a, const lw_freedoms *m)
+{
+    int own = lw_assembly_free_inputs(a);
+    bool moving = m->kind == LW_MOBILITY_MOVES;
+    fprintf(f, "%-16s%s\n", "verdict", m->kind == LW_MOBILITY_RIGID ? "rigid: nothing moves, not even of first order"
+            : moving ? "moves" : "shaky: it yields, but cannot move");
+    fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count, m->n_body, m->n_row);
+    fprintf(f, "%-16s%d\n", "freedom", m->freedom);
+    if (moving && own > 0)
+        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom, m->freedom == 1 ? "" : "s", own,
+                own == 1 ? "" : "s");
+    write_links(f, "loose", a, m->loose, "  (move while every input stands still)");
+    write_links(f, "still links", a, m->still, "");
+    fprintf(f, "%-16s%d in the posture%s\n", "first order", m->instant,
+            moving && m->instant > m->freedom ? "  (a singular posture)" : "");
+    fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, moving ? ", along the motion" : "");
+    fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
+    for (int i = 0; i < m->n_redundant; i++)
+        fprintf(f, "%-16s%s of %s\n", "", m->redundant[i].what, a->joint[m->redundant[i].joint].name);
+    if (moving)
+        fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->distance, m->residual);
+}
+
+static void json_marked(cli_json *j, const char *key, const lw_assembly *a, const bool *link)
+{
+    cli_json_array(j, key);
+    for (int i = 0; i < a->n_link; i++)
+        if (link[i])
+            cli_json_text(j, NULL, a->link_name[i]);
+    cli_json_end(j);
+}
+
+static void write_large_json(FILE *f, const lw_assembly *a, const lw_freedoms *m)
+{
+    cli_json j = cli_json_begin(f, 2);
+    cli_json_object(&j, NULL);
+    cli_json_text(&j, "verdict", lw_mobility_kind_text(m->kind));
+    cli_json_int(&j, "count", m->count);
+    cli_json_int(&j, "freedom", m->freedom);
+    cli_json_int(&j, "first_order_posture", m->instant);
+    cli_json_int(&j, "coordinates", m->n_q);
+    cli_json_int(&j, "rows", m->n_row);
+    cli_json_int(&j, "rank", m->rank);
+    cli_json_array(&j, "redundant");
+    for (int i = 0; i < m->n_redundant; i++) {
+        cli_json_object(&j, NULL);
+        cli_json_text(&j, "joint", a->joint[m->redundant[i].joint].name);
+        cli_json_text(&j, "row", m->redundant[i].what);
+        cli_json_end(&j);
+    }
+    cli_json_end(&j);
+    cli_json_int(&j, "driven", m->driven);
+    json_marked(&j, "loose_links", a, m->loose);
+    json_marked(&j, "still_links", a, m->still);
+    cli_json_real(&j, "moved", m->distance);
+    cli_json_real(&j, "residual", m->residual);
+    cli_json_end(&j);
+}
+
+static int run_large(const cli_call *call, const lw_model *model, double tolerance)
+{
+    lw_freedoms m;
+    lw_output out;
+    lw_error e = { 0 };
+    if (lw_freedoms_find(model, tolerance, call->common.seed, &m, &e) != LW_OK) {
+        if (e.status != LW_E_MEMORY)
+            snprintf(e.file, sizeof e.file, "%s", call->parsed.word[0]);
+        return cli_fail(call, &e);
+    }
+    if (cli_open(call, &out, &e) != LW_OK)
+        return lw_freedoms_free(&m), cli_fail(call, &e);
+    if (call->common.json)
+        write_large_json(out.f, &model->linkage, &m);
+    else
+        write_large_text(out.f, &model->linkage, &m);
+    lw_freedoms_free(&m);
+    return cli_close(call, &out, CLI_DONE);
+}
+
 /* ---- JSON ----------------------------------------------------------------------------------------- */
 
 static void json_links(cli_json *j, const char *key, const lw_linkage *linkage, uint32_t links)
@@ -204,8 +296,9 @@ static int run(const cli_call *call)
     lw_mobility_options o = { .tolerance = s->tolerance, .seed = call->common.seed };
     lw_output out;
     lw_error e = { 0 };
+    lw_model *model;
     lw_spatial *spatial;
-    if (cli_read_any_linkage(call->parsed.word[0], s->result, &k, &spatial, &e) != LW_OK)
+    if (cli_read_any_model(call->parsed.word[0], s->result, &model, &spatial, &e) != LW_OK)
         return cli_fail(call, &e);
     if (spatial) {
         static const char *const planar[] = { "result", NULL };
@@ -214,6 +307,13 @@ static int run(const cli_call *call)
         cli_free_spatial(spatial);
         return code;
     }
+    if (!model->small) {
+        int code = run_large(call, model, s->tolerance);
+        cli_free_model(model);
+        return code;
+    }
+    k = *model->small;
+    cli_free_model(model);
     if (lw_mobility_find(&k, &o, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
         return cli_fail(call, &e);
     if (call->common.json)
@@ -240,7 +340,9 @@ const cli_command cli_mobility_command = {
         "postures, so that a special posture is distinguished from special dimensions. 'redundant'\n"
         "names constraints that follow from those before them in the file: x and y of a pin, across and turn of a\n"
         "slider. 'idle' degrees of freedom do not move any tracer (without tracers: any other link). For a\n"
-        "linkage that cannot move, 'misfit' is how far its joints must open so that it moves by 1/20 of its size.\n",
+        "linkage that cannot move, 'misfit' is how far its joints must open so that it moves by 1/20 of its size.\n"
+        "Models of more than 32 links are analysed with sparse matrices; 'idle', 'misfit' and the order of shaky ones\n"
+        "are not looked for, and 'redundant' does not name the joints that imply a constraint.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

@@ -10,6 +10,7 @@
 #include "cli/program/output.h"
 #include "cli/motion/trace.h"
 #include "cli/motion/trace_curve.h"
+#include "cli/motion/trace_large.h"
 #include "cli/motion/spatial.h"
 #include "mbs/constraints/adjust.h"
 #include "mbs/constraints/mobility.h"
@@ -29,8 +30,8 @@ typedef struct job {
     const cli_call *call;
     const settings *s;
     const lw_model *m;
-    lw_linkage     *k;                /* of the model, without idle freedoms                       */
-    unsigned        tracers;          /* bit i: tracer i is printed                                */
+    lw_linkage     *k;                /* of the model, without idle freedoms; NULL: it is too large */
+    int             only;             /* the tracer that is printed; -1: all                       */
     double          until;            /* wall time [s] at which to stop; 0: never                  */
     double          speed;            /* of the input [rad/s] or [m/s]; 0: not given               */
     cli_kept       *kept;             /* rows for the plot; NULL: none                             */
@@ -74,7 +75,7 @@ static const cli_option options[] = {
 };
 
 /* Without tracers: the pins between two moving links, each place once, as far as there is room. */
-static void trace_pins(const cli_call *call, lw_linkage *linkage)
+static void trace_pins(const cli_call *call, lw_assembly *linkage, int room)
 {
     int left_out = 0;
     for (int i = 0; i < linkage->n_joint; i++) {
@@ -84,7 +85,7 @@ static void trace_pins(const cli_call *call, lw_linkage *linkage)
             fresh = fresh && (linkage->tracer[q].at.x != j->at.x || linkage->tracer[q].at.y != j->at.y);
         if (!fresh)
             continue;
-        if (linkage->n_tracer == LW_TRACER_MAX) {
+        if (linkage->n_tracer == room) {
             left_out++;
             continue;
         }
@@ -98,26 +99,27 @@ static void trace_pins(const cli_call *call, lw_linkage *linkage)
         cli_note(call, "%d more moving pins are left out; name the points you want in \"tracers\"", left_out);
 }
 
-static lw_status choose_tracers(const settings *s, const char *file, const lw_linkage *linkage,
-                                unsigned *tracers, lw_error *e)
+static lw_status choose_tracers(const settings *s, const char *file, const lw_assembly *linkage, int *only, lw_error *e)
 {
-    const char *names[LW_TRACER_MAX];
     if (linkage->n_tracer == 0)
         return lw_error_at(e, LW_E_ARG, file, 0, 0, "the linkage has no tracer and no pin between moving links, so "
                            "there is nothing to trace; add \"tracers\" to the file");
-    *tracers = (1u << linkage->n_tracer) - 1;
+    *only = -1;
     if (!s->tracer)
         return LW_OK;
+    const char **names = malloc((size_t)linkage->n_tracer*sizeof *names);
+    if (!names)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; i < linkage->n_tracer; i++) {
         names[i] = linkage->tracer[i].name;
-        if (strcmp(names[i], s->tracer) == 0) {
-            *tracers = 1u << i;
-            return LW_OK;
-        }
+        *only = strcmp(names[i], s->tracer) == 0 ? i : *only;
     }
-    const char *near = lw_suggest(s->tracer, names, linkage->n_tracer);
-    return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'", s->tracer,
-                       near ? "did you mean" : "the first is", near ? near : names[0]);
+    const char *near = *only < 0 ? lw_suggest(s->tracer, names, linkage->n_tracer) : NULL;
+    lw_status st = *only >= 0 ? LW_OK
+                 : lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'", s->tracer,
+                               near ? "did you mean" : "the first is", near ? near : names[0]);
+    free(names);
+    return st;
 }
 
 static void set_window(const settings *s, const cli_call *call, cli_trace *t)
@@ -144,11 +146,13 @@ static void set_tools(cli_trace *t)
         t->tool[i] = t->k.tracer[i].angle - posture.angle[t->k.tracer[i].link][0];
 }
 
+static unsigned tracer_bits(const job *j) { return j->only < 0 ? (1u << j->k->n_tracer) - 1 : 1u << j->only; }
+
 /* ---- by the plan ------------------------------------------------------------------------------- */
 
 static cli_rows make_rows(const job *j, const lw_linkage *linkage)
 {
-    return (cli_rows){ .k = linkage, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until,
+    return (cli_rows){ .k = linkage ? lw_linkage_view(linkage) : j->m->linkage, .only = j->only, .stop = cli_stop_flag(), .until = j->until,
                        .kept = j->kept, .geometry = j->s->geometry };
 }
 
@@ -396,7 +400,7 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
         curve_window(j, t);
     if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)
         return st;
-    t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, j->tracers);
+    t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, tracer_bits(j));
     cli_curve_stretches(t);
     if (j->s->mode == MODE_FILE)
         keep_posture_stretch(t);
@@ -484,7 +488,7 @@ static int choose_way(const job *j)
     const lw_linkage *k = j->k;
     lw_error e = { 0 };
     if (j->s->explain)
-        return explain(call, k, j->tracers);
+        return explain(call, k, tracer_bits(j));
     if (j->s->range)
         return in_time(j);
     int own = lw_linkage_free_inputs(k);
@@ -497,7 +501,7 @@ static int choose_way(const job *j)
     if (!t)
         return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
     t->k = *k;
-    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
+    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = tracer_bits(j), .all_joints = true }, &t->plan, &e);
     int code;
     if (st == LW_OK)
         code = by_plan(j, t);
@@ -521,6 +525,31 @@ static lw_status hold_idle(const cli_call *call, lw_linkage *linkage, lw_error *
         if (held >> j & 1)
             cli_note(call, "%s is held still: its motion moves no tracer", linkage->joint[j].name);
     return st;
+}
+
+/* A planar model with more parts than a linkage holds. */
+static int run_large(const job *j)
+{
+    static const char *const small[] = { "cycle", "all-assemblies", "explain" };
+    const cli_call *call = j->call;
+    const settings *s = j->s;
+    double range[3], window[2];
+    lw_error e = { 0 };
+    for (size_t i = 0; i < sizeof small/sizeof *small; i++)
+        if (cli_given(&call->parsed, small[i]))
+            return cli_usage(call, "--%s is for linkages of at most %d links, %d joints, %d inputs and %d tracers", small[i],
+                             LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
+    if (s->range && read_range(s, range, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (s->mode != MODE_FILE && !s->range)
+        cli_note(call, "followed from the posture of the file; other assembly modes are not looked for in a model of this size");
+    cli_trace_large t = { .model = j->m, .rows = make_rows(j, NULL), .steps = s->steps, .time_range = s->range ? range : NULL,
+                          .timed = cli_given(&call->parsed, "speed"), .speed = j->speed };
+    const lw_assembly *a = &j->m->linkage;
+    double unit = a->n_input && lw_joint_slides(a->joint[a->input[0].joint].kind) ? a->units.metre : a->units.radian;
+    window[0] = s->input_range[0]*unit, window[1] = s->input_range[1]*unit;
+    t.input_range = cli_given(&call->parsed, "input-range") ? window : NULL;
+    return cli_trace_large_run(call, &t);
 }
 
 static int run_spatial(const cli_call *call, const lw_spatial *m)
@@ -559,21 +588,25 @@ static int run(const cli_call *call)
     }
     cli_kept kept = { 0 };
     job j = { .call = call, .s = s, .m = m, .k = m->small, .until = until, .kept = s->plot ? &kept : NULL };
-    const lw_linkage *small;
-    bool good = lw_model_small(m, &small, &e) == LW_OK;
-    if (good && j.k->n_tracer == 0)
-        trace_pins(call, j.k);
-    good = good && choose_tracers(s, call->parsed.word[0], j.k, &j.tracers, &e) == LW_OK
-           && hold_idle(call, j.k, &e) == LW_OK;
+    lw_assembly parts = j.k ? lw_linkage_view(j.k) : m->linkage;
+    bool good = true;
+    if (parts.n_tracer == 0 && !j.k) {                    /* room for as many as there are joints */
+        parts.tracer = m->linkage.tracer = realloc(parts.tracer, ((size_t)parts.n_joint + 1)*sizeof *parts.tracer);
+        good = parts.tracer || lw_error_set(&e, LW_E_MEMORY, "out of memory") == LW_OK;
+    }
+    if (good && parts.n_tracer == 0)
+        trace_pins(call, &parts, j.k ? LW_TRACER_MAX : parts.n_joint);
+    *(j.k ? &j.k->n_tracer : &m->linkage.n_tracer) = parts.n_tracer;
+    good = good && choose_tracers(s, call->parsed.word[0], &parts, &j.only, &e) == LW_OK
+           && (!j.k || hold_idle(call, j.k, &e) == LW_OK);
     if (good && s->speed) {
-        const lw_linkage *k = j.k;
-        bool slides = k->n_input && lw_joint_slides(k->joint[k->input[0].joint].kind);
-        if (cli_speed(s->speed, slides, slides ? k->units.metre : 1, &j.speed, &e) != LW_OK) {
+        bool slides = parts.n_input && lw_joint_slides(parts.joint[parts.input[0].joint].kind);
+        if (cli_speed(s->speed, slides, slides ? parts.units.metre : 1, &j.speed, &e) != LW_OK) {
             cli_free_model(m);
             return cli_usage(call, "%s", e.text);
         }
     }
-    int code = good ? choose_way(&j) : fail_in(call, &e);
+    int code = !good ? fail_in(call, &e) : j.k ? choose_way(&j) : run_large(&j);
     char partial[LW_PATH_SIZE + 16];
     const char *to = s->plot && (code == CLI_DONE || kept.n > 0) ? cli_picture_path(call, s->plot, code, partial) : NULL;
     if (to) {
@@ -611,7 +644,8 @@ const cli_command cli_trace_command = {
         "Linkages made of dyads are solved in closed form. All others, and those that pass a change point, are\n"
         "followed step by step, with steps small enough never to jump to another assembly mode; standard error\n"
         "and --explain tell which method is used. In the second case only the circuit of the file's posture is\n"
-        "printed; --all-assemblies searches for the others.\n",
+        "printed; --all-assemblies searches for the others. Models of more than 32 links are followed from the posture\n"
+        "of the file, a whole turn or to the limits of the input (found to 1e-7).\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

@@ -107,7 +107,8 @@ static void row_values(const cli_trace *t, const lw_posture *posture, int tracer
 /* Print row `i` of `steps` of a piece. angle[] carries the tool angles [rad] from row to row. */
 static void put_row(cli_trace *t, const cli_piece *p, const char *mode, int i, double *angle)
 {
-    cli_row r = { .arc = p->arc + 1, .mode = mode, .n_lead = 1 };
+    CLI_ROW_SPACE;
+    cli_row r = { .arc = p->arc + 1, .mode = mode, .n_lead = 1, .lead = lead, .value = value };
     bool end0 = i == 0, end1 = i == t->steps, limit = (end0 && p->limit[0]) || (end1 && p->limit[1]);
     const lw_arc *arc = &t->motion.arc[p->arc];
     double signs[LW_MODE_MAX];
@@ -120,7 +121,7 @@ static void put_row(cli_trace *t, const cli_piece *p, const char *mode, int i, d
     r.lead[0] = shown_input(t, input);
     r.rates = s == LW_OK && posture.margin > 0 && !limit;
     for (int k = 0; k < t->k.n_tracer; k++) {
-        if (!(t->rows.tracers >> k & 1))
+        if (!cli_rows_want(&t->rows, k))
             continue;
         angle[k] = tool_angle(t, &posture, k, i ? &angle[k] : NULL);
         row_values(t, &posture, k, angle[k], r.value[k]);

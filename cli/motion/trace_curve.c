@@ -223,7 +223,8 @@ static void stretch_rows(cli_curve_trace *t, int index)
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
         double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
-        cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1 };
+        CLI_ROW_SPACE;
+        cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1, .lead = lead, .value = value };
         row.lead[0] = u/cli_curve_unit(t, 0);
         if (!between || !cli_groups_row(t->groups, u, rate_unit(t), &t->rows, &row))
             curve_row(t, s, i, u, &row);
@@ -236,7 +237,8 @@ static void cycle_rows(cli_curve_trace *t, int curve)
     lw_motion_curve *motion = t->curves.curve[curve];
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_motion_curve_length(motion);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
-        cli_row row = { .arc = curve + 1, .n_lead = 2 };
+        CLI_ROW_SPACE;
+        cli_row row = { .arc = curve + 1, .n_lead = 2, .lead = lead, .value = value };
         double arc = length*i/t->steps;
         double station = i == t->steps ? lw_motion_curve_segments(motion) : lw_motion_curve_station(motion, arc);
         int side = lw_motion_curve_side(motion, station);
@@ -474,7 +476,8 @@ static void begin(cli_curve_trace *t)
 static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
 {
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX] = { 0 }, u[LW_INPUT_MAX];
-    cli_row row = { .arc = 1, .mode = ".", .n_lead = 1 + t->k->n_input };
+    CLI_ROW_SPACE;
+    cli_row row = { .arc = 1, .mode = ".", .n_lead = 1 + t->k->n_input, .lead = lead, .value = value };
     row.rates = lw_prescribed_motion_rates(d, CLI_ROW_ORDER, series);
     memcpy(series, lw_prescribed_motion_posture(d), (size_t)t->s.n_q*sizeof *series);
     row.lead[0] = lw_prescribed_motion_time(d);
@@ -563,7 +566,7 @@ void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double 
     g->more = input - u;
     g->seeded = g->seeded && solve(g, u);
     for (int i = 0; i < g->k.n_tracer && g->seeded; i++) {
-        g->angle[i] = row->value[i][8]*rows->k->units.radian;
+        g->angle[i] = row->value[i][8]*rows->k.units.radian;
         g->tool[i] = g->angle[i] - g->posture.angle[g->k.tracer[i].link][0];
     }
 }
@@ -575,7 +578,7 @@ bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cl
     for (int i = 0; i < g->k.n_tracer; i++) {
         lw_vec2 p[CLI_ROW_ORDER + 1];
         double a[CLI_ROW_ORDER + 1], scale = 1;
-        if (!(rows->tracers >> i & 1))
+        if (!cli_rows_want(rows, i))
             continue;
         const double *turn = g->posture.angle[g->k.tracer[i].link];
         for (int order = 0; order <= CLI_ROW_ORDER; order++, scale *= by) {

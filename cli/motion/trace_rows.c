@@ -16,11 +16,11 @@
 
 void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double angle, double *value)
 {
-    double length = r->k->units.metre;
+    double length = r->k.units.metre;
     for (int order = 0; order <= CLI_ROW_ORDER; order++) {
         value[2*order]     = p[order].x/length;
         value[2*order + 1] = p[order].y/length;
-        value[8 + order]   = order ? a[order] : angle/r->k->units.radian;
+        value[8 + order]   = order ? a[order] : angle/r->k.units.radian;
     }
     double *g = value + CLI_ROW_VALUES, speed = lw_v2_norm(p[1]);
     lw_instant_motion m = lw_instant_motion_at(p, a);
@@ -40,8 +40,6 @@ static int n_value(const cli_rows *r) { return r->geometry ? CLI_ROW_MOST : CLI_
 
 static bool is_rate(int value) { return value >= 2 && value != 8; }
 
-static bool wanted(const cli_rows *r, int tracer) { return r->tracers >> tracer & 1; }
-
 void cli_row_number(FILE *f, double v)
 {
     char text[LW_NUMBER_SIZE];
@@ -51,14 +49,14 @@ void cli_row_number(FILE *f, double v)
 
 void cli_rows_units(const cli_rows *r, const char *lead, const char *by)
 {
-    const char *length = r->k->units.length[0] ? r->k->units.length : "length";
+    const char *length = r->k.units.length[0] ? r->k.units.length : "length";
     if (r->kept) {
         size_t word = strcspn(lead, " ;"), unit = lead[word] == ' ' ? strcspn(lead + word + 1, " ;") : 0;
         snprintf(r->kept->lead, sizeof r->kept->lead, "%.*s [%.*s]", (int)word, lead, (int)unit, lead + word + 1);
         snprintf(r->kept->by, sizeof r->kept->by, "%s", by);
     }
     fprintf(r->f, "# units: %s; x y %s; v a j %s/%s %s/%s^2 %s/%s^3; angle %s; angle_v _a _j "
-            "rad/%s rad/%s^2 rad/%s^3", lead, length, length, by, length, by, length, by, r->k->units.angle, by, by, by);
+            "rad/%s rad/%s^2 rad/%s^3", lead, length, length, by, length, by, length, by, r->k.units.angle, by, by, by);
     if (r->geometry)
         fprintf(r->f, "; curvature 1/%s; pole inflection %s", length, length);
     fputc('\n', r->f);
@@ -72,15 +70,15 @@ static void json_head(const cli_rows *r, const char *lead)
         snprintf(name, sizeof name, "%.*s", (int)strcspn(c, ","), c);
         cli_json_text(r->json, NULL, name);
     }
-    for (int k = 0; k < r->k->n_tracer; k++)
-        for (const char *c = columns(r); *c && wanted(r, k); c += strcspn(c, ","), c += *c == ',') {
-            snprintf(name, sizeof name, "%s.%.*s", r->k->tracer[k].name, (int)strcspn(c, ","), c);
+    for (int k = 0; k < r->k.n_tracer; k++)
+        for (const char *c = columns(r); *c && cli_rows_want(r, k); c += strcspn(c, ","), c += *c == ',') {
+            snprintf(name, sizeof name, "%s.%.*s", r->k.tracer[k].name, (int)strcspn(c, ","), c);
             cli_json_text(r->json, NULL, name);
         }
     cli_json_end(r->json);
 }
 
-static bool several(const cli_rows *r) { return __builtin_popcount(r->tracers) > 1; }
+static bool several(const cli_rows *r) { return cli_rows_tracers(r) > 1; }
 
 void cli_rows_head(const cli_rows *r, const char *lead)
 {
@@ -96,20 +94,25 @@ void cli_rows_head(const cli_rows *r, const char *lead)
 
 static void put_json(cli_rows *r, const cli_row *row)
 {
-    double flat[CLI_ROW_LEAD + LW_TRACER_MAX*CLI_ROW_MOST];
+    double *flat = malloc(((size_t)row->n_lead + (size_t)r->k.n_tracer*CLI_ROW_MOST + 1)*sizeof *flat);
     size_t n = 0;
+    if (!flat) {
+        cli_lost();
+        return;
+    }
     for (int i = 0; i < row->n_lead; i++)
         flat[n++] = row->lead[i] + 0.0;
-    for (int k = 0; k < r->k->n_tracer; k++)
-        for (int v = 0; v < n_value(r) && wanted(r, k); v++)
+    for (int k = 0; k < r->k.n_tracer; k++)
+        for (int v = 0; v < n_value(r) && cli_rows_want(r, k); v++)
             flat[n++] = row->rates || !is_rate(v) ? row->value[k][v] + 0.0 : NAN;
     cli_json_reals(r->json, NULL, flat, n);
+    free(flat);
 }
 
 static void put_csv(cli_rows *r, const cli_row *row)
 {
-    for (int k = 0; k < r->k->n_tracer; k++) {
-        if (!wanted(r, k))
+    for (int k = 0; k < r->k.n_tracer; k++) {
+        if (!cli_rows_want(r, k))
             continue;
         fprintf(r->f, "%d,%s", row->arc, row->mode);
         for (int i = 0; i < row->n_lead; i++) {
@@ -117,7 +120,7 @@ static void put_csv(cli_rows *r, const cli_row *row)
             cli_row_number(r->f, row->lead[i]);
         }
         if (several(r))
-            fprintf(r->f, ",%s", r->k->tracer[k].name);
+            fprintf(r->f, ",%s", r->k.tracer[k].name);
         for (int v = 0; v < n_value(r); v++) {
             fputc(',', r->f);
             if ((row->rates || !is_rate(v)) && isfinite(row->value[k][v]))
@@ -146,15 +149,15 @@ static void keep(cli_rows *r, const cli_row *row)
     cli_kept *kept = r->kept;
     if (kept->only && kept->only != row->arc)
         return;
-    kept->width = 1 + n_value(r)*__builtin_popcount(r->tracers);
+    kept->width = 1 + n_value(r)*cli_rows_tracers(r);
     for (int gap = kept->arc != row->arc && kept->n; gap >= 0; gap--) {
         double *to = new_row(kept);
         if (!to)
             return;
         int n = 0;
         to[n++] = gap ? NAN : row->lead[0];
-        for (int k = 0; k < r->k->n_tracer; k++)
-            for (int v = 0; v < n_value(r) && wanted(r, k); v++)
+        for (int k = 0; k < r->k.n_tracer; k++)
+            for (int v = 0; v < n_value(r) && cli_rows_want(r, k); v++)
                 to[n++] = gap || (is_rate(v) && !row->rates) ? NAN : row->value[k][v];
     }
     kept->arc = row->arc;
@@ -168,8 +171,8 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
     static const int first[PANELS] = { 0, 2, 4, CLI_ROW_VALUES, CLI_ROW_VALUES + 1 };
     int panels = r->geometry ? PANELS : 3;
     const cli_kept *kept = r->kept;
-    const char *length = r->k->units.length[0] ? r->k->units.length : "length";
-    int tracers = __builtin_popcount(r->tracers), n_line = 2*tracers;
+    const char *length = r->k.units.length[0] ? r->k.units.length : "length";
+    int tracers = cli_rows_tracers(r), n_line = 2*tracers;
     if (kept->failed)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (n_line > LINES)
@@ -193,8 +196,8 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
         middle[c] = 0.5*(least + most);
         reach = fmax(reach, most - least);
     }
-    for (int k = 0, t = 0; k < r->k->n_tracer; k++) {
-        for (int panel = 0; panel < panels && wanted(r, k); panel++)
+    for (int k = 0, t = 0; k < r->k.n_tracer; k++) {
+        for (int panel = 0; panel < panels && cli_rows_want(r, k); panel++)
             for (int c = 0; c < 2 && part[panel][c]; c++) {
                 int line = 2*t + c;
                 double *to = y + (size_t)(1 + panel*n_line + line)*kept->n, *x = y;
@@ -205,10 +208,10 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
                     for (size_t i = 0; i < kept->n; i++)
                         x[i] = fabs(to[i] - middle[c]) < 3*reach ? y[i] : NAN;
                 }
-                snprintf(name[panel][line], sizeof name[panel][line], "%s.%s", r->k->tracer[k].name, part[panel][c]);
+                snprintf(name[panel][line], sizeof name[panel][line], "%s.%s", r->k.tracer[k].name, part[panel][c]);
                 series[panel][part[panel][1] ? line : t] = (lw_series){ .name = name[panel][line], .n = kept->n, .x = x, .y = to };
             }
-        t += wanted(r, k);
+        t += cli_rows_want(r, k);
     }
     snprintf(label[0], sizeof label[0], "place [%s]", length);
     snprintf(label[1], sizeof label[1], "velocity [%s/%s]", length, kept->by);
@@ -216,7 +219,7 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
     snprintf(label[3], sizeof label[3], "curvature [1/%s]", length);
     snprintf(label[4], sizeof label[4], "instant centre [%s]", length);
     for (int panel = 0; panel < panels; panel++)
-        plot[panel] = (lw_plot){ .title = panel ? NULL : r->k->name, .y_label = label[panel],
+        plot[panel] = (lw_plot){ .title = panel ? NULL : r->k.name, .y_label = label[panel],
                                  .n_series = part[panel][1] ? n_line : tracers,
                                  .series = series[panel], .x_label = panel == panels - 1 ? kept->lead : NULL,
                                  .height = 260*panels };
@@ -228,7 +231,7 @@ lw_status cli_rows_plot(const cli_rows *r, const char *path, lw_error *e)
 /* Rows of this arc for its double points: input, then x and y of each printed tracer. */
 static void keep_path(cli_rows *r, const cli_row *row)
 {
-    size_t width = 1 + 2*(size_t)__builtin_popcount(r->tracers), n = 0;
+    size_t width = 1 + 2*(size_t)cli_rows_tracers(r), n = 0;
     if (r->n_path == r->room) {
         size_t room = 2*r->room + 512;
         double *grown = realloc(r->path, room*width*sizeof *grown);
@@ -241,8 +244,8 @@ static void keep_path(cli_rows *r, const cli_row *row)
     }
     double *to = r->path + r->n_path++*width;
     to[n++] = row->lead[0];
-    for (int k = 0; k < r->k->n_tracer; k++)
-        for (int v = 0; v < 2 && wanted(r, k); v++)
+    for (int k = 0; k < r->k.n_tracer; k++)
+        for (int v = 0; v < 2 && cli_rows_want(r, k); v++)
             to[n++] = row->value[k][v];
 }
 
@@ -270,7 +273,7 @@ void cli_rows_arc_end(cli_rows *r, int arc)
 {
     enum { MOST = 64 };
     lw_double_point found[MOST];
-    size_t n = r->n_path, width = 1 + 2*(size_t)__builtin_popcount(r->tracers), column = 1;
+    size_t n = r->n_path, width = 1 + 2*(size_t)cli_rows_tracers(r), column = 1;
     if (!r->geometry)
         return;
     double *line = malloc(3*(n + 1)*sizeof *line);             /* input, x, y */
@@ -278,8 +281,8 @@ void cli_rows_arc_end(cli_rows *r, int arc)
         cli_lost();
     if (r->json)
         cli_json_array(r->json, "double_points");
-    for (int k = 0; k < r->k->n_tracer && line && n > 1; k++) {
-        if (!wanted(r, k))
+    for (int k = 0; k < r->k.n_tracer && line && n > 1; k++) {
+        if (!cli_rows_want(r, k))
             continue;
         for (size_t i = 0; i < n; i++) {
             line[i] = r->path[i*width];
@@ -288,7 +291,7 @@ void cli_rows_arc_end(cli_rows *r, int arc)
         }
         int all = lw_point_path_doubles(n, line + n, line + 2*n, found, MOST);
         for (int d = 0; d < all; d++)
-            put_double(r, arc, r->k->tracer[k].name, &found[d], line, n);
+            put_double(r, arc, r->k.tracer[k].name, &found[d], line, n);
         column += 2;
     }
     if (r->json)

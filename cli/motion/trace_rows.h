@@ -6,12 +6,11 @@
 #include <stdio.h>
 #include "cli/program/json.h"
 #include "cli/program/progress.h"
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 
 #define CLI_ROW_ORDER 3
 #define CLI_ROW_VALUES 12         /* x y vx vy ax ay jx jy angle angle_v angle_a angle_j           */
 #define CLI_ROW_MOST   19         /* with --geometry: curvature pole_x pole_y pole_u pole_v inflection_x inflection_y */
-#define CLI_ROW_LEAD (2 + LW_INPUT_MAX)
 
 /* Rows that are kept for a plot. */
 typedef struct cli_kept {
@@ -26,8 +25,8 @@ typedef struct cli_kept {
 typedef struct cli_rows {
     FILE             *f;
     cli_json         *json;       /* NULL: CSV                                                     */
-    const lw_linkage *k;
-    unsigned          tracers;    /* bit i: tracer i is printed                                    */
+    lw_assembly       k;          /* a view                                                        */
+    int               only;       /* the tracer that is printed; -1: all                           */
     bool              geometry;   /* with curvature, instant centre, inflection circle, double points */
     double           *path;       /* input, x, y of the printed tracers in the rows of this arc     */
     size_t            n_path, room;
@@ -43,10 +42,17 @@ typedef struct cli_row {
     int         arc;
     const char *mode;
     int         n_lead;
-    double      lead[CLI_ROW_LEAD];                           /* input, or other leading columns    */
+    double     *lead;                                         /* input, or other leading columns    */
     bool        rates;                                        /* derivatives exist                  */
-    double      value[LW_TRACER_MAX][CLI_ROW_MOST];
+    double    (*value)[CLI_ROW_MOST];                         /* (n_tracer)                         */
 } cli_row;
+
+/* Space for a row of a linkage. */
+#define CLI_ROW_SPACE double lead[2 + LW_INPUT_MAX], value[LW_TRACER_MAX][CLI_ROW_MOST]
+
+/* Is this tracer printed?  How many are? */
+static inline bool cli_rows_want(const cli_rows *r, int tracer) { return r->only < 0 || tracer == r->only; }
+static inline int  cli_rows_tracers(const cli_rows *r) { return r->only < 0 ? r->k.n_tracer : 1; }
 
 /* Values of a tracer in the units of the file.  p, a: place [m] and direction of its link [rad] with derivatives;
  * angle: of the tool [rad]. */

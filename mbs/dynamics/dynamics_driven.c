@@ -11,6 +11,7 @@
  * often have none. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/follow_internal.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -69,6 +70,23 @@ static lw_status forces_at(lw_dynamics *d, double t, const double *q, const doub
     lw_forces_apply(&d->f, t, q, still, d->force, NULL, NULL, NULL);
     lw_rank_solve(&d->rank_of, d->force, d->l);
     return LW_OK;
+}
+
+/* The same of a large model. */
+static lw_status forces_of_large(lw_dynamics *d, double t, const double *q, double *v)
+{
+    bool still = d->o.analysis == LW_ANALYSIS_QUASISTATIC;
+    lw_status s = lw_mbs_rows(d, t, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    if (s == LW_OK)
+        s = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
+    if (s != LW_OK || !still)
+        return s;
+    memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    d->eq.forces(d->eq.context, t, q, d->v_try, d->force, NULL);
+    return lw_mbs_linear(d, d->force, d->rhs, d->v_try, d->l);
 }
 
 /* Velocities v at (t, q). */
@@ -348,10 +366,49 @@ static void input_itself(void *context, double x, int order, double *u)
         u[k] = k == 0 ? x : k == 1;
 }
 
+/* Models of any size (mbs/dynamics/follow.h). */
+static lw_status run_large(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    size_t n = (size_t)d->n_q;
+    lw_follow *f = NULL;
+    double *y = calloc(2*n, sizeof *y);
+    run->has_work = false;
+    lw_status s = y ? lw_follow_ready(d, lw_mbs_driven_inputs, d, d->o.from, &f, run->e)
+                    : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
+        double t = lw_run_time(d, k);
+        s = lw_follow_to(f, t, run->e);
+        if (s == LW_OPEN)
+            s = lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.12g s: it stands at a "
+                             "limit of its motion", lw_follow_time(f));
+        if (s != LW_OK)
+            break;
+        memcpy(y, lw_follow_series(f), 2*n*sizeof *y);
+        for (size_t i = 0; i < n; i++)
+            d->hold[i] = 2*lw_follow_series(f)[2*n + i];
+        s = forces_of_large(d, t, y, y + n);
+        if (s == LW_OPEN)                                    /* a singular posture has accelerations, and perhaps no forces */
+            for (int i = 0; i < d->n_c; i++)
+                d->l[i] = NAN;
+        if (s == LW_OPEN)
+            memcpy(d->a, d->hold, n*sizeof *d->a);
+        s = s == LW_OK || s == LW_OPEN ? lw_run_show_solved(run, t, y) : s;
+        run->r->steps++;
+        if (s == LW_OK)
+            s = lw_run_limits(run, t, k);
+    }
+    lw_follow_free(f);
+    free(y);
+    return s;
+}
+
 static lw_status run_driven(lw_run *run)
 {
     if (run->d->space)
         return lw_run_driven_spatial(run);
+    if (run->d->large)
+        return run_large(run);
     lw_dynamics *d = run->d;
     size_t n = (size_t)d->n_q, width = 3*n + (size_t)d->n_c;
     driven *z = calloc(1, sizeof *z);

@@ -322,7 +322,12 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
                                 d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t);
     if (acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
-    lw_status s = lw_mbs_linear(d, d->force, d->rhs, a, l);
+    lw_status s = LW_OK;
+    if (d->weighed && (s = lw_mbs_linear(d, NULL, d->rhs, a, l)) == LW_OK)       /* all is driven: a follows from rows alone, */
+        for (int i = 0; i < d->n_v; i++)                 /* and what the metric adds to the masses must not count */
+            d->force[i] += a[i]*(1/d->by_mass[i] - d->eq.mass[i]);
+    if (s == LW_OK)
+        s = lw_mbs_linear(d, d->force, d->rhs, a, l);
     bool slips = d->n_friction || (d->touch && d->touch->n_slip);
     return s == LW_OK && slips ? add_friction(d, t, q, v, a, l, power) : s;
 }

@@ -56,6 +56,8 @@ struct lw_dynamics {
     struct lw_touching *touch;                /* places where parts touch; NULL: none are named */
     int     rank, freedom;                    /* of J in a posture that is not singular; n_v - rank */
     bool    has_zero_mass;
+    bool    rows_only;                        /* nothing but the rows is wanted, by the way of large models */
+    bool    weighed;                          /* by_mass is a metric: links of a large model have no mass */
     /* rows of the fast way */
     int     n_kept, *kept, *place;            /* rows in the order of elimination; place among them, -1: left out */
     int     n_pair;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/constraints/adjust.h"
+#include "mbs/dynamics/follow_internal.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/ode/integrate.h"
 
@@ -54,6 +55,29 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
          ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
+/* A metric for the changes of links that have no mass, in a large model that is all driven: the greatest mass, at the distance
+ * of the farthest joint. */
+static void weigh_massless(lw_dynamics *d)
+{
+    double most = 0;
+    for (int b = 0; b < d->s.n_body; b++)
+        most = fmax(most, d->eq.mass[3*b]);
+    for (int b = 0; b < d->s.n_body; b++)
+        d->v_try[b] = 0;
+    for (int j = 0; j < d->s.n_joint; j++)
+        for (int end = 0; end < 2; end++) {
+            int b = d->s.joint[j].body[end];
+            if (b >= 0)
+                d->v_try[b] = fmax(d->v_try[b], lw_v2_dot(d->s.joint[j].arm[end], d->s.joint[j].arm[end]));
+        }
+    for (int i = 0; i < d->n_v; i++)
+        if (!(d->eq.mass[i] > 0)) {
+            double far2 = d->v_try[i/3] > 0 ? d->v_try[i/3] : 1;
+            d->by_mass[i] = 1/((most > 0 ? most : 1)*(i%3 == 2 ? far2 : 1));
+            d->weighed = true;
+        }
+}
+
 /* dense: 0 for large models, which know no way by rank. */
 lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
 {
@@ -90,6 +114,8 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
     }
     for (size_t i = 0; i < v; i++)
         d->by_mass[i] = 1/d->eq.mass[i];
+    if (d->large && !d->space)
+        weigh_massless(d);
     return LW_OK;
 }
 
@@ -231,7 +257,11 @@ void lw_mbs_driven_inputs(void *context, double t, int order, double *u)
     const lw_dynamics *d = context;
     double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
     for (int i = 0; i < d->n_driven; i++)
-        lw_expression_series(d->model->motion[d->driven[i]], order, at, u + i*(order + 1));
+        if (d->model->motion[d->driven[i]])
+            lw_expression_series(d->model->motion[d->driven[i]], order, at, u + i*(order + 1));
+        else                                                 /* held */
+            for (int k = 0; k <= order; k++)
+                u[i*(order + 1) + k] = k ? 0 : d->s.input_value[d->driven[i]];
 }
 
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e)
@@ -247,6 +277,14 @@ lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion
 /* Where every freedom is driven, the start is on the motion that a run follows. */
 static lw_status start_on_motion(lw_dynamics *d, double *q, lw_error *e)
 {
+    if (d->large) {
+        lw_follow *f;
+        lw_status st = lw_follow_ready(d, lw_mbs_driven_inputs, d, d->o.from, &f, e);
+        if (st == LW_OK)
+            memcpy(q, lw_follow_series(f), (size_t)d->n_q*sizeof *q);
+        lw_follow_free(f);
+        return st == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : st;
+    }
     lw_prescribed_motion *motion;
     lw_system system = { 0 };
     lw_status s = lw_mbs_follow(d, &system, &motion, e);
@@ -284,9 +322,6 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     if (s == LW_OK && d->rank < rank + driven)
         return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave "
                             "motions out", driven, d->rank - rank);
-    if (s == LW_OK && driven && d->freedom == 0 && d->large)
-        return lw_error_set(e, LW_E_KIND, "all freedoms are driven, which is possible with at most %d links and %d joints",
-                            LW_LINK_MAX, LW_JOINT_MAX);
     if (s == LW_OK && driven && d->freedom == 0)
         return start_on_motion(d, q, e);
     if (s == LW_OK && driven)
@@ -368,7 +403,7 @@ static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
     lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
     for (int given = 1; given >= 0; given--)
         for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
-            if (d->model->has_speed[i] == (bool)given && !d->model->motion[i]) {
+            if (d->model->has_speed[i] == (bool)given && !d->model->motion[i] && !d->o.hold_inputs) {
                 int n = d->n_driven;
                 s = hold_speed(d, i);
                 d->at_rest[i] = !given && d->n_driven > n;
@@ -467,11 +502,6 @@ static void find_special_joints(lw_dynamics *d)
 /* What models beyond the size of a linkage cannot have. */
 static lw_status check_large(const lw_dynamics *d, lw_error *e)
 {
-    for (int b = 0; b < d->s.n_body; b++)
-        if (!(d->f.mass[3*b] > 0 && d->f.mass[3*b + 2] > 0))
-            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model with elastic links "
-                                "or more than %d links every link has them", d->model->linkage.link_name[d->s.link[b]],
-                                LW_LINK_MAX);
     if (d->n_stop > 0)
         return lw_error_set(e, LW_E_KIND, "rigid stops are possible with at most %d links, none of them elastic; give the stop "
                             "at joint \"%s\" a \"stiffness\"", LW_LINK_MAX, d->model->linkage.joint[d->stop[0].joint].name);
@@ -480,6 +510,17 @@ static lw_status check_large(const lw_dynamics *d, lw_error *e)
                             LW_LINK_MAX);
     if (d->n_friction > LW_JOINT_MAX)
         return lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
+    return LW_OK;
+}
+
+/* Large models with a freedom need all their masses. */
+static lw_status check_masses(const lw_dynamics *d, lw_error *e)
+{
+    for (int b = 0; b < d->s.n_body && d->weighed && (d->freedom > 0 || d->elastic); b++)
+        if (!(d->f.mass[3*b] > 0 && d->f.mass[3*b + 2] > 0))
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model with elastic links, or with "
+                                "more than %d links and a freedom that no \"motion\" drives (this one has %d), every link has them",
+                                d->model->linkage.link_name[d->s.link[b]], LW_LINK_MAX, d->freedom);
     return LW_OK;
 }
 
@@ -546,7 +587,7 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         m = d->model;
     }
     const lw_linkage *small;
-    d->large = d->elastic || lw_model_small(m, &small, NULL) != LW_OK;
+    d->large = d->rows_only || d->elastic || lw_model_small(m, &small, NULL) != LW_OK;
     s = lw_forces_system(m, true, &d->s, e);
     if (s == LW_OK)
         s = lw_forces_make(m, &d->s, &d->o.force, &d->f, e);
@@ -561,18 +602,24 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     lw_mbs_take_equations(d, lw_planar_equations(&d->planar));
     d->n_input = d->s.n_input;
     find_special_joints(d);
-    if ((s = lw_mbs_touch_make(d, e)) != LW_OK)
+    if (!d->rows_only && (s = lw_mbs_touch_make(d, e)) != LW_OK)
         return s;
-    if (d->large && (s = check_large(d, e)) != LW_OK)
+    if (d->large && !d->rows_only && (s = check_large(d, e)) != LW_OK)
         return s;
     if (d->n_stop > LW_EVENT_MAX/2)
         return lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if ((s = lw_mbs_reserve(d, e)) != LW_OK)
         return s;
     d->e = e;
+    if (d->rows_only)
+        return LW_OK;
+    if (d->elastic && (s = check_masses(d, e)) != LW_OK)
+        return s;
     if (d->elastic && (s = start_as_rigid(d, given)) != LW_NOTHING)
         return s == LW_OK ? lw_mbs_start_states(d, e) : s;
     if ((s = find_posture(d, e)) == LW_OK)
+        s = check_masses(d, e);
+    if (s == LW_OK)
         s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
     if (s == LW_OK)
         s = d->large ? lw_mbs_rank_nearby_large(d, d->o.from, d->start_q, d->start_v)

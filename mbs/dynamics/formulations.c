@@ -61,9 +61,6 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
                             "(dynamic) or --rigid, or see its equilibrium (static, quasistatic)");
     if (d->eq.more_mass && a != LW_ANALYSIS_STATIC)
         return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
-    if (d->large && !d->elastic && (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC))
-        return lw_error_set(e, LW_E_KIND, "models with more than %d links or %d joints can only be run in time (dynamic); this "
-                            "one has %d links", LW_LINK_MAX, LW_JOINT_MAX, d->s.n_body + 1);
     bool settles = d->touch && a == LW_ANALYSIS_STATIC && d->freedom && !d->elastic && !d->large && !d->eq.n_z;
     if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC
                                  || d->freedom == 0))
