@@ -103,40 +103,6 @@ static lw_status reserve_sample(lw_simulation *s)
     return s->link && s->acceleration && s->joint && s->input && s->drive && s->tracer ? LW_OK : LW_E_MEMORY;
 }
 
-lw_simulation_options lw_simulation_options_default(void)
-{
-    return (lw_simulation_options){ .analysis = "transient", .formulation = "auto", .to = 1, .intervals = 100,
-                                    .tolerance = 1e-10 };
-}
-
-lw_status lw_surface_options(const lw_simulation_options *options, lw_dynamics_options *out, lw_error *error)
-{
-    static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic", NULL };
-    const lw_simulation_options all = options ? *options : lw_simulation_options_default();
-    const char *formulations[LW_FORMULATION_GGL + 2] = { NULL };
-    for (int i = 0; i <= LW_FORMULATION_GGL; i++)
-        formulations[i] = lw_formulation_name((lw_formulation)i);
-    int analysis = lw_surface_word("analysis", all.analysis, analyses, error);
-    int formulation = analysis < 0 ? -1 : lw_surface_word("formulation", all.formulation, formulations, error);
-    if (formulation < 0)
-        return LW_E_ARG;
-    if (all.intervals < 1 || !(all.from < all.to) || !(all.tolerance > 0))
-        return lw_error_set(error, LW_E_ARG, "a simulation needs from < to, an interval and a positive tolerance");
-    *out = lw_dynamics_options_default();
-    out->analysis = (lw_analysis)analysis;
-    out->formulation = (lw_formulation)formulation;
-    out->from = all.from;
-    out->to = all.to;
-    out->intervals = all.intervals;
-    out->relative = out->absolute = all.tolerance;
-    out->max_step = all.max_steps;
-    out->until = all.max_seconds > 0 ? lw_clock_wall() + all.max_seconds : 0;
-    out->stop = all.stop;
-    out->force = all.force;
-    out->rigid = all.rigid;
-    return LW_OK;
-}
-
 /* Memory for samples and the options as the library has them. */
 static lw_status make_simulation(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
                                  lw_error *error)
@@ -243,15 +209,6 @@ static lw_status hand_over(void *context, const lw_moment *m)
     const lw_simulation *s = context;
     lw_simulation_sample sample = sample_of(s, m);
     return s->visit ? s->visit(s->context, &sample) : LW_OK;
-}
-
-void lw_surface_report(const lw_dynamics_report *r, lw_simulation_report *out)
-{
-    *out = (lw_simulation_report){ .formulation = lw_formulation_name(r->formulation), .freedom = r->freedom,
-                                   .unknowns = r->unknowns, .redundant = r->redundant, .steps = r->steps,
-                                   .refused = r->refused, .evaluations = r->rates, .t = r->t,
-                                   .energy_error = r->energy_error, .residual = r->worst_off };
-    memcpy(out->why, r->why, sizeof out->why);
 }
 
 lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,

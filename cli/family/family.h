@@ -25,6 +25,9 @@ lw_status cli_family_open(const cli_call *call, lw_master **m, lw_variant **v, l
 /* The variant that the options choose. */
 lw_status cli_family_variant(const cli_call *call, const lw_master *m, lw_variant **v, lw_error *e);
 
+/* Set the parameters of a list NAME=VALUE,...  LW_E_ARG. */
+lw_status cli_family_set(const char *list, lw_variant *v, lw_error *e);
+
 /* Is the text a whole model?  Errors name the place in the master. */
 lw_status cli_family_read_back(const lw_expansion *x, lw_error *e);
 

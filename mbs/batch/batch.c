@@ -1,29 +1,5 @@
-/* Run the kernels of the chosen instruction set, and count the scratch it needs. */
+/* Run the kernels of the chosen instruction set. */
 #include "mbs/batch/kernels_internal.h"
-
-/* Rows of a block: registers and their adjoints (two numbers each); margin and three spare rows; the reciprocal of a
- * root for each dyad; cosine and sine of each angle; dimensions and modes copied to every lane; derivatives by the
- * dimensions. */
-size_t lw_lane_rows(const lw_plan *p)
-{
-    return 4*(size_t)p->n_reg + 4 + (size_t)p->n_dyad + (size_t)p->n_mode + 2*(size_t)p->n_angle + 2*(size_t)p->n_dim;
-}
-
-/* Rows of the padded last group of inputs and outputs, and eight accumulators for each sum. */
-static size_t group_rows(const lw_plan *p) { return 17 + 5*(size_t)p->n_dim + (size_t)p->n_mode; }
-
-size_t lw_inverse_rows(const lw_plan *p)
-{
-    size_t rows = 0;
-    for (int i = 0; i < p->n_higher; i++)
-        rows += (size_t)(p->higher[i].n_unknown*p->higher[i].n_unknown);
-    return rows;
-}
-
-size_t lw_continuation_size(const lw_plan *p)
-{
-    return (lw_lane_rows(p) + group_rows(p))*LW_GROUP;
-}
 
 size_t lw_group_posture_size(const lw_plan *p)
 {
@@ -33,7 +9,7 @@ size_t lw_group_posture_size(const lw_plan *p)
 /* Higher groups add their inverses, their postures in a chunk of lanes, and the scratch to follow and to solve them. */
 size_t lw_batch_work_size(const lw_plan *p)
 {
-    size_t size = sizeof(double)*(lw_lane_rows(p)*LW_BLOCK_LANES + group_rows(p)*LW_GROUP);
+    size_t size = sizeof(double)*(lw_lane_rows(p)*LW_BLOCK_LANES + lw_group_rows(p)*LW_GROUP);
     if (!p->n_higher)
         return size;
     size += sizeof(double)*(lw_inverse_rows(p)*LW_BLOCK_LANES + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP));

@@ -146,17 +146,6 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
 
 /* ---- the motion ----------------------------------------------------------------------------- */
 
-double lw_fit_report_distance(const lw_target *t, lw_vec2 p)
-{
-    double least = hypot(p.x - t->x[0], p.y - t->y[0]);
-    size_t last = t->closed ? t->n : t->n - 1;
-    for (size_t i = 0; i < last; i++) {
-        size_t k = i + 1 < t->n ? i + 1 : 0;
-        least = fmin(least, lw_v2_segment_distance(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k])));
-    }
-    return least;
-}
-
 enum { SAMPLES = 720 };           /* of a motion                                                  */
 
 /* Update curve_max by the tracer's greatest distance from the target over [from, to] in one assembly mode. */
@@ -166,7 +155,7 @@ static void measure_distance(const lw_target *t, const lw_plan *plan, const lw_c
     lw_posture posture;
     for (int k = 0; k <= SAMPLES; k++)
         if (lw_posture_solve(plan, c->dim, modes, from + (to - from)*k/SAMPLES, 0, &posture) == LW_OK)
-            r->curve_max = fmax(r->curve_max, lw_fit_report_distance(t, posture.tracer[0][0]));
+            r->curve_max = fmax(r->curve_max, lw_target_distance(t, posture.tracer[0][0]));
 }
 
 /* The arc that holds station 0; -1: none. */
@@ -178,13 +167,6 @@ static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c
     for (int d = 0; d < plan->n_dyad; d++)             /* dyads of two slides have one mode       */
         modes[d] = 1;
     return at >= 0 ? at : lw_motion_arc(plan, m, modes, c->input[0]);
-}
-
-void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double input)
-{
-    const lw_joint *j = &r->linkage.joint[joint];
-    if (r->n_reversal < LW_REVERSAL_MAX)
-        r->reversal[r->n_reversal++] = (lw_reversal){ limit, joint, j->link[j->link[0] == r->linkage.ground], input };
 }
 
 /* The range of the arc, in the turn of station 0, and the reversals in it. */

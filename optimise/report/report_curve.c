@@ -8,6 +8,13 @@
 #include "mbs/batch/posture.h"
 #include "optimise/report/report_internal.h"
 
+void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double input)
+{
+    const lw_joint *j = &r->linkage.joint[joint];
+    if (r->n_reversal < LW_REVERSAL_MAX)
+        r->reversal[r->n_reversal++] = (lw_reversal){ limit, joint, j->link[j->link[0] == r->linkage.ground], input };
+}
+
 enum { STEPS = 720 };
 
 typedef struct work {

@@ -20,9 +20,6 @@ bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const doubl
 size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,
                                   size_t most, lw_vec2 *curve);
 
-/* Distance of a place from the polygon of the target. */
-double lw_fit_report_distance(const lw_target *t, lw_vec2 p);
-
 /* Fill in size and lengths, which limits are active, and which the result does not keep. */
 void lw_fit_report_limits(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r);
 

@@ -254,7 +254,7 @@ static bool add_samples(replay *v, const lw_vec2 *at)
     for (size_t i = v->t->n; i < v->t->n + (size_t)v->c->n_sample; i++) {
         if (!go_to(v, i, at))
             return false;
-        double away = lw_fit_report_distance(v->t, v->now.tracer[0].at);
+        double away = lw_target_distance(v->t, v->now.tracer[0].at);
         v->r->verified_objective += v->s->a*v->c->sample_weight*away*away;
     }
     return true;

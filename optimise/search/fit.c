@@ -58,6 +58,11 @@ double lw_search_grace(const lw_search *s)
     return s->o->max_seconds > 0 ? fmin(POLISH_TIME, POLISH_PART*s->o->max_seconds) : POLISH_TIME;
 }
 
+bool lw_search_widens(const lw_search *s)
+{
+    return s->o->spec.by_default && lw_task_has_place(s->o->spec.task) && lw_fit_kept(s->o) >= LW_SEARCH_LEFT;
+}
+
 double lw_search_widening(const lw_search *s)
 {
     return lw_search_widens(s) ? WIDEN_PART*s->o->max_seconds : 0;

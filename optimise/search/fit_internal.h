@@ -121,7 +121,10 @@ lw_effort lw_search_effort(const lw_search *s, const lw_problem *p);
 double lw_search_end(const lw_search *s);
 double lw_search_grace(const lw_search *s);
 
-/* Are the best finds fitted again for a front (lw_search_widen)?  Seconds of a time limit that are kept for it. */
+/* At most so many finds are fitted again for a front (lw_search_widen). */
+#define LW_SEARCH_LEFT 15
+
+/* Is that done, and which seconds of a time limit are kept for it? */
 bool   lw_search_widens(const lw_search *s);
 double lw_search_widening(const lw_search *s);
 

@@ -574,7 +574,7 @@ static const struct { double size, transmission_deg; } variants[] = {
     { 0.6, 0 }, { 0.35, 0 }, { 0.2, 0 }, { 1, 30 }, { 1, 40 }, { 0.5, 35 }, { 0.3, 35 }, { 0.8, 0 }, { 0.7, 0 }, { 0.5, 0 }, { 0.42, 0 },
     { 0.29, 0 }, { 0.24, 0 }
 };
-enum { VARIANTS = 7, ALL_VARIANTS = sizeof variants/sizeof *variants, WIDENED = 3, LEFT = 15 };
+enum { VARIANTS = 7, ALL_VARIANTS = sizeof variants/sizeof *variants, WIDENED = 3 };
 
 static int variants_of(const lw_search *s) { return s->o->spec.tolerance > 0 ? ALL_VARIANTS : VARIANTS; }
 
@@ -632,11 +632,6 @@ static void fit_variant(void *context, size_t job, int thread)
         l->find.f = INFINITY;
 }
 
-bool lw_search_widens(const lw_search *s)
-{
-    return s->o->spec.by_default && lw_task_has_place(s->o->spec.task) && lw_fit_kept(s->o) >= LEFT;
-}
-
 lw_status lw_search_widen(lw_search *s)
 {
     lw_status st = LW_OK;
@@ -647,7 +642,7 @@ lw_status lw_search_widen(lw_search *s)
     polish_list *list = new_list(s);
     if (!list)
         return LW_E_MEMORY;
-    int left = s->o->both_ways ? lw_fit_kept(s->o) : LEFT;        /* ordered stations may hide the nearest curves   */
+    int left = s->o->both_ways ? lw_fit_kept(s->o) : LW_SEARCH_LEFT;        /* ordered stations may hide the nearest curves   */
     pool->n = pool->n < left ? pool->n : left;
     for (int i = 0; i < pool->n && list->n < WIDENED*variants_of(s); i++)
         for (int k = 0; k < variants_of(s); k++)

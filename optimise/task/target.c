@@ -214,3 +214,14 @@ lw_status lw_target_make(size_t n, const double *x, const double *y, const doubl
 {
     return lw_target_make_all(n, x, y, theta, angle, weight, NULL, 0, closed, t, e);
 }
+
+double lw_target_distance(const lw_target *t, lw_vec2 p)
+{
+    double least = hypot(p.x - t->x[0], p.y - t->y[0]);
+    size_t last = t->closed ? t->n : t->n - 1;
+    for (size_t i = 0; i < last; i++) {
+        size_t k = i + 1 < t->n ? i + 1 : 0;
+        least = fmin(least, lw_v2_segment_distance(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k])));
+    }
+    return least;
+}

@@ -20,6 +20,7 @@
 #include <stddef.h>
 #include "base/error.h"
 #include "base/units.h"
+#include "base/vec2.h"
 
 #define LW_STATION_MAX 100000
 #define LW_ALSO_MAX 3             /* greatest number of further points                               */
@@ -70,5 +71,8 @@ lw_status lw_target_make_all(size_t n, const double *x, const double *y, const d
  * input angles that disagree, too many parts. */
 lw_status lw_target_join(const lw_target *const *part, int n_part, lw_target *t, lw_error *e);
 void      lw_target_free(lw_target *t);
+
+/* Distance of a place from the polygon of the stations [m]. */
+double lw_target_distance(const lw_target *t, lw_vec2 place);
 
 #endif
