@@ -131,6 +131,34 @@ void lw_bytes_integer(lw_bytes *b, long v)
     lw_bytes_add(b, t, (size_t)snprintf(t, sizeof t, "%ld", v));
 }
 
+/* The digits of v > 0, rounded to `digits` of them, and its exponent, without printf.  False: v is too large or small, or
+ * so near to the middle between two texts that rounding in here could decide. */
+static bool quick_digits(double v, int digits, char *d, int *exponent)
+{
+    static const double power[] = { 1, 10, 100, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+                                    1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };         /* exact */
+    if (digits > 9 || !(v >= 1e-9 && v < 1e9))
+        return false;
+    int e = 0;
+    if (v >= 1)
+        while (v >= power[e + 1])
+            e++;
+    else
+        for (e = -1; v*power[-e] < 1; e--)
+            ;
+    int k = digits - 1 - e;
+    double x = k < 0 ? v/power[-k] : v*power[k], whole = floor(x), part = x - whole;
+    if (fabs(part - 0.5) < 1e-5 || part > 1 - 1e-5)
+        return false;
+    unsigned long m = (unsigned long)whole + (part > 0.5);
+    if (m < (unsigned long)power[digits - 1] || m >= (unsigned long)power[digits])
+        return false;
+    for (int i = digits; i-- > 0; m /= 10)
+        d[i] = (char)('0' + m % 10);
+    *exponent = e;
+    return true;
+}
+
 void lw_number_text(char text[32], double v, int digits)
 {
     digits = digits < 1 ? 1 : digits > 17 ? 17 : digits;
@@ -139,12 +167,16 @@ void lw_number_text(char text[32], double v, int digits)
         return;
     }
     char t[48], d[20];                        /* digits and exponent, whatever stands for the point */
-    snprintf(t, sizeof t, "%.*e", digits - 1, fabs(v));
-    char *e = strchr(t, 'e');
-    int n = 0, exponent = atoi(e + 1);
-    for (char *c = t; c < e; c++)
-        if (*c >= '0' && *c <= '9')
-            d[n++] = *c;
+    int n = digits, exponent;
+    if (!quick_digits(fabs(v), digits, d, &exponent)) {
+        snprintf(t, sizeof t, "%.*e", digits - 1, fabs(v));
+        char *e = strchr(t, 'e');
+        exponent = atoi(e + 1);
+        n = 0;
+        for (char *c = t; c < e; c++)
+            if (*c >= '0' && *c <= '9')
+                d[n++] = *c;
+    }
     while (n > 1 && d[n - 1] == '0')
         n--;
     char *o = text;

@@ -14,7 +14,6 @@
 #include "mbs/constraints/newton.h"
 
 /* What the steps of lw_scene_make share. */
-#define DRAFT_DYADS 3           /* of more the assembly modes take longer to find than a draft */
 #define POINTS_MAX 50000        /* of a curve: beyond, its steps are no longer halved */
 
 typedef struct lw_work {
@@ -199,9 +198,10 @@ static void keep_dimensions(lw_work *w)
  * Dimensions are filled whenever there is a plan. */
 static bool prepare(lw_work *w)
 {
+    bool chosen = choose_references(w);                       /* adds tracers */
     const lw_plan_options outputs = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true,
-                                       .kind = LW_PLAN_HIGHER };
-    lw_status st = choose_references(w) ? lw_plan_make(&w->linkage, outputs, &w->plan, NULL) : LW_E_KIND;
+                                      .kind = LW_PLAN_HIGHER };
+    lw_status st = chosen ? lw_plan_make(&w->linkage, outputs, &w->plan, NULL) : LW_E_KIND;
     w->no_memory |= st == LW_E_MEMORY;
     bool any = st == LW_OK && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
     if (any)
@@ -388,6 +388,8 @@ static bool find_walk(lw_work *w)
     return true;
 }
 
+static bool draft_by_frames(lw_work *w, const lw_scene_options *o);
+
 /* Compute curves and frames by the plan. False: out of memory. */
 static bool show_walk(lw_work *w, const lw_scene_options *o)
 {
@@ -395,11 +397,13 @@ static bool show_walk(lw_work *w, const lw_scene_options *o)
     if (o->other_branches && !take_others(w, o->n_curve_point))
         return false;
     if (is_restricted(w)) {
-        if (!take_curves(w, false, o->n_curve_point))
+        if (!o->draft && !take_curves(w, false, o->n_curve_point))
             return false;
         lw_walk_restrict(&w->walk, w->input + (fmin(in->first, in->last) - in->value),
                          w->input + (fmax(in->first, in->last) - in->value));
     }
+    if (o->draft)
+        return draft_by_frames(w, o);
     return take_curves(w, true, o->n_curve_point)
         && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
 }
@@ -500,107 +504,14 @@ static lw_status start_path(lw_work *w, const lw_scene_options *o, lw_error *why
 }
 
 /* ---- a draft: the motion quickly, for a linkage that is being dragged --------------------------------------
- * Postures by Newton's method (mbs/constraints/newton.h), the curves smooth through them.  Nothing proves that the motion
- * stays in its assembly mode between two postures, and past a limit of the input the other assembly mode is left out. */
+ * By the plan, without the proof that no gap is passed over between two inputs; else by the steps of Newton's method
+ * (mbs/constraints/newton.h) and on cubics between them, without the other assembly modes past a limit. */
 
-enum { TURNS = 12 };                /* after so many turns a motion that does not repeat is cut */
+enum { TURNS = 12, NODES = 500 };                /* after so many turns, or steps, a motion that does not repeat is cut */
+enum { DRAFT_STEPS = 96, DRAFT_STAGES = 6 };     /* inputs tried in a turn; arcs of a walk                             */
 
-/* Where the motion begins and ends; turns 0: it goes to and fro between them. */
-typedef struct reach { double from, to; int turns; } reach;
-
-static bool is_back(const lw_newton *m, int n_link)
-{
-    for (int i = 0; i < n_link; i++)
-        if (fabs(remainder(lw_newton_angle(m, i), 2*LW_PI)) > 1e-6)
-            return false;
-    return true;
-}
-
-static lw_status find_reach(lw_newton *m, const lw_scene *s, const double *range, reach *r)
-{
-    double now = lw_newton_input(m), size = 0, reached;
-    bool slides = lw_joint_slides(s->linkage.joint[s->linkage.input[0].joint].kind);
-    for (int i = 0; i < s->linkage.n_joint; i++)
-        size = fmax(size, lw_v2_norm(lw_v2_sub(s->linkage.joint[i].at, s->linkage.joint[0].at)));
-    double far = slides ? 8*size : 2*LW_PI;
-    lw_status st = LW_OK;
-    *r = (reach){ now, range ? range[1] : now + far, 0 };
-    for (int turn = 1; !range && !slides && turn <= TURNS && st == LW_OK; turn++) {
-        st = lw_newton_move(m, now + turn*2*LW_PI, &reached);
-        r->turns = st == LW_OK && is_back(m, s->linkage.n_link) ? turn : 0;
-        if (r->turns || (st == LW_OK && turn == TURNS)) {
-            r->to = now + turn*2*LW_PI;
-            lw_newton_reset(m);
-            return LW_OK;
-        }
-    }
-    if (st == LW_OK)
-        st = lw_newton_move(m, r->to, &reached);
-    if (st < 0)
-        return st;
-    r->to = reached;
-    lw_newton_reset(m);
-    st = lw_newton_move(m, range ? range[0] : now - far, &reached);
-    r->from = reached;
-    lw_newton_reset(m);
-    return st < 0 ? st : LW_OK;
-}
-
-static void take_frame(lw_scene *s, const lw_newton *m, size_t f)
-{
-    size_t n_link = (size_t)s->linkage.n_link;
-    s->input[f] = lw_newton_input(m);
-    for (size_t i = 0; i < n_link; i++)
-        s->place[f*n_link + i] = (lw_place){ lw_newton_point(m, (int)i, s->origin[i]),
-                                             lw_v2_polar(1, lw_newton_angle(m, (int)i)) };
-}
-
-/* Fill frames of s, which has its linkage and origins: a full turn of the input or as many as bring back the posture,
- * else from limit to limit; only the inputs range[0] to range[1], if range is not NULL.  Fails, with s unchanged, as
- * lw_newton_create and lw_newton_move do. */
-static lw_status draft_frames(lw_scene *s, const double *range, size_t n)
-{
-    lw_newton *m = NULL;
-    lw_error e;
-    reach r = { 0 };
-    lw_status st = lw_newton_create(&s->linkage, &m, &e);
-    if (st == LW_OK)
-        st = find_reach(m, s, range, &r);
-    if (st == LW_OK && !(r.to - r.from > 0))
-        st = LW_E_NUMERIC;
-    s->place = st == LW_OK ? malloc(n*(size_t)s->linkage.n_link*sizeof *s->place) : NULL;
-    s->input = st == LW_OK ? malloc(n*sizeof *s->input) : NULL;
-    if (st == LW_OK && (!s->place || !s->input))
-        st = LW_E_MEMORY;
-    s->loops = st == LW_OK && r.turns > 0;
-    double now = st == LW_OK ? lw_newton_input(m) : 0, middle = 0, half = 0;
-    if (st == LW_OK && !s->loops) {
-        middle = 0.5*(r.from + r.to);
-        half = 0.5*(r.to - r.from);
-        double first = acos(fmin(fmax((middle - now)/half, -1), 1))/LW_PI;
-        s->first_frame = (size_t)round(first*(double)(n - 1));
-        st = lw_newton_move(m, r.from, NULL);
-    }
-    for (size_t f = 0; f < n && st >= 0; f++) {
-        double u = s->loops ? r.from + (r.to - r.from)*(double)f/(double)n
-                            : middle - half*cos(LW_PI*(double)f/(double)(n - 1));
-        if (!s->loops || f > 0)
-            st = lw_newton_move(m, f == s->first_frame ? now : u, NULL);
-        take_frame(s, m, f);
-    }
-    if (st >= 0)
-        s->n_frame = n;
-    else {
-        free(s->place);
-        free(s->input);
-        s->place = NULL;
-        s->input = NULL;
-        s->first_frame = 0;
-        s->loops = false;
-    }
-    lw_newton_free(m);
-    return st < 0 ? st : LW_OK;
-}
+static const double draft_step = 0.25;          /* longest step [1], see lw_newton_step                   */
+static const double draft_margin = 1e-3;        /* nearer to a change point the plan does not decide the way */
 
 /* Curves of all tracers through the frames, with about n points each: cubics with the slopes of Catmull and Rom. */
 static lw_status draft_curves(lw_scene *s, size_t n)
@@ -647,12 +558,263 @@ static void draft_thin(lw_scene *s)
     s->first_frame /= 2;
 }
 
-static bool finish_draft(lw_scene *s, size_t n)
+/* Frames of w, and curves through twice as many.  False: out of memory. */
+static bool draft_by_frames(lw_work *w, const lw_scene_options *o)
 {
-    if (draft_curves(s, n) != LW_OK)
+    if (!take_frames(w, 2*(o->n_frame < 2 ? 2 : o->n_frame)) || draft_curves(w->s, o->n_curve_point) != LW_OK)
         return false;
-    draft_thin(s);
+    draft_thin(w->s);
     return true;
+}
+
+static bool plan_closes(lw_work *w, const double *mode, double input)
+{
+    return lw_posture_solve(&w->plan, w->dim, mode, input, 0, &w->posture) == LW_OK;
+}
+
+/* The last input from `from` towards `end` that closes, looked for in `steps` steps; lowers *least to the margins met. */
+static double plan_end(lw_work *w, const double *mode, double from, double end, int steps, double *least)
+{
+    double good = 0, bad = 2;
+    for (int i = 1; i <= steps && bad > 1; i++)
+        if (plan_closes(w, mode, from + (end - from)*i/steps)) {
+            good = (double)i/steps;
+            *least = fmin(*least, w->posture.margin);
+        } else
+            bad = (double)i/steps;
+    while (bad <= 1 && bad - good > 1e-12) {
+        double middle = 0.5*(good + bad);
+        *(plan_closes(w, mode, from + (end - from)*middle) ? &good : &bad) = middle;
+    }
+    return good == 1 ? end : from + (end - from)*good;
+}
+
+static bool has_mode(const lw_plan *p, int dyad)
+{
+    for (int i = 0; i < p->n_step; i++)
+        if (p->step[i].dyad == dyad && (p->step[i].kind == LW_STEP_PRP || p->step[i].kind == LW_STEP_PPR))
+            return false;
+    return true;
+}
+
+/* The assembly mode beyond a limit: it differs in one dyad and has the same posture there.  Returns how many there are. */
+static int mode_beyond(lw_work *w, const double *mode, double limit, double *next)
+{
+    lw_posture here, there;
+    int n = 0, flips = 0;
+    lw_posture_solve(&w->plan, w->dim, mode, limit, 0, &here);
+    memcpy(next, mode, sizeof w->mode);
+    for (int i = 0; i < w->plan.n_dyad; i++) {
+        next[i] = -next[i];
+        lw_posture_solve(&w->plan, w->dim, next, limit, 0, &there);
+        next[i] = -next[i];
+        if (has_mode(&w->plan, i) && lw_plan_posture_distance(&w->plan, &here, &there) < 1e-4*span(&w->linkage)) {
+            n++;
+            flips = i;
+        }
+    }
+    next[flips] = n == 1 ? -next[flips] : next[flips];
+    return n;
+}
+
+/* The walk from the posture shown, along the plan: a full turn, or from limit to limit and back in the other assembly
+ * modes.  False: near a change point. */
+static bool draft_walk(lw_work *w)
+{
+    bool slides = w->plan.input_is_slider;
+    double least = 1, none = 1, way = slides ? 8*span(&w->linkage) : 2*LW_PI;
+    double last = plan_end(w, w->mode, w->input, w->input + way, DRAFT_STEPS, &least);
+    bool turns = !slides && last == w->input + way;
+    double first = turns ? w->input : plan_end(w, w->mode, w->input, w->input - way, DRAFT_STEPS, &none);
+    lw_walk *k = &w->walk;
+    *k = (lw_walk){ .plan = &w->plan, .dim = w->dim, .n_stage = 1, .loops = turns, .turns = turns };
+    k->stage[0] = (lw_walk_stage){ .from = first, .to = last };
+    memcpy(k->stage[0].mode, w->mode, sizeof w->mode);
+    if (turns || !(last > first))
+        return turns && least > draft_margin;
+    if (slides && (last == w->input + way || first == w->input - way))
+        return true;
+    while (k->n_stage < DRAFT_STAGES) {
+        const lw_walk_stage *s = &k->stage[k->n_stage - 1];
+        lw_walk_stage *next = &k->stage[k->n_stage];
+        double end = s->to + (s->from < s->to ? -way : way);
+        int n = mode_beyond(w, s->mode, s->to, next->mode);
+        k->loops = n == 1 && fabs(s->to - first) < 1e-6*way
+                   && memcmp(next->mode, w->mode, (size_t)w->plan.n_dyad*sizeof *w->mode) == 0;
+        if (n != 1 || k->loops)
+            return n < 2;
+        next->from = s->to;
+        next->to = plan_end(w, next->mode, s->to, end, DRAFT_STEPS, &none);
+        if (next->to == end || next->to == next->from)
+            break;
+        if (!plan_closes(w, next->mode, 0.5*(next->from + next->to)) || w->posture.margin < 1e-6)
+            return false;                                       /* two links lie on each other: the plan does not move */
+        k->n_stage++;
+    }
+    return true;
+}
+
+/* The steps of a motion, in the order of the input. */
+typedef struct draft_nodes { double *q; size_t n, size; bool failed; } draft_nodes;
+
+static void draft_keep(draft_nodes *d, const lw_newton *m)
+{
+    if (d->n % 64 == 0) {
+        double *q = realloc(d->q, (d->n + 64)*d->size*sizeof *q);
+        d->failed = d->failed || !q;
+        d->q = q ? q : d->q;
+    }
+    if (!d->failed)
+        lw_newton_keep(m, d->q + d->size*d->n++);
+}
+
+/* Step from the present posture to `input`, and keep the postures on the way. */
+static lw_status draft_go(draft_nodes *d, lw_newton *m, double input)
+{
+    lw_status st = LW_STOPPED;
+    while (st == LW_STOPPED && d->n < NODES && !d->failed) {
+        st = lw_newton_step(m, input, draft_step);
+        if (st >= 0)
+            draft_keep(d, m);
+    }
+    return d->failed ? LW_E_MEMORY : st;
+}
+
+static bool is_back(const lw_newton *m, int n_link)
+{
+    for (int i = 0; i < n_link; i++)
+        if (fabs(remainder(lw_newton_angle(m, i), 2*LW_PI)) > 1e-6)
+            return false;
+    return true;
+}
+
+static void draft_reverse(draft_nodes *d)
+{
+    for (size_t i = 0; i < d->n/2; i++)
+        for (size_t k = 0; k < d->size; k++) {
+            double *a = d->q + d->size*i + k, *b = d->q + d->size*(d->n - 1 - i) + k, old = *a;
+            *a = *b;
+            *b = old;
+        }
+}
+
+/* Step through the whole motion: turns until it is back where it began, else from limit to limit, only within
+ * range[0] .. range[1] if range is not NULL.  A branch that is lost ends it: *lost. */
+static lw_status draft_steps(draft_nodes *d, lw_newton *m, lw_scene *s, const double *range, bool *lost)
+{
+    bool slides = lw_joint_slides(s->linkage.joint[s->linkage.input[0].joint].kind);
+    double now = lw_newton_input(m), far = slides ? 8*span(&s->linkage) : 2*LW_PI;
+    lw_status st = LW_OK;
+    draft_keep(d, m);
+    for (int turn = 1; turn <= (range || slides ? 1 : TURNS) && st == LW_OK && !s->loops; turn++) {
+        st = draft_go(d, m, range ? range[1] : now + turn*far);
+        s->loops = st == LW_OK && !range && !slides && (is_back(m, s->linkage.n_link) || turn == TURNS);
+    }
+    *lost = st == LW_E_NUMERIC || st == LW_STOPPED;
+    if (s->loops || st == LW_E_MEMORY)
+        return st;
+    size_t up = d->n;
+    lw_newton_reset(m);
+    draft_nodes down = { .size = d->size };
+    st = draft_go(&down, m, range ? range[0] : now - far);
+    *lost = *lost || st == LW_E_NUMERIC || st == LW_STOPPED;
+    draft_reverse(&down);
+    double *q = realloc(d->q, (up + down.n + 1)*d->size*sizeof *q);
+    if (q) {
+        d->q = q;
+        memmove(q + down.n*d->size, q, up*d->size*sizeof *q);
+        if (down.n)
+            memcpy(q, down.q, down.n*d->size*sizeof *q);
+        d->n = up + down.n;
+    }
+    free(down.q);
+    return !q || st == LW_E_MEMORY ? LW_E_MEMORY : LW_OK;
+}
+
+/* Move m to `input`, between node *at or a later one and the next. */
+static void draft_place(const draft_nodes *d, lw_newton *m, double input, size_t *at)
+{
+    double lo = 0, hi = 1;
+    for (lw_newton_between(m, d->q, d->q, 1); *at + 2 < d->n; ++*at) {
+        const double *next = d->q + d->size*(*at + 1);
+        lw_newton_between(m, next, next, 1);
+        if (lw_newton_input(m) >= input)
+            break;
+    }
+    for (int i = 0; i < 30; i++) {
+        double x = 0.5*(lo + hi);
+        lw_newton_between(m, d->q + d->size**at, d->q + d->size*(*at + 1), x);
+        *(lw_newton_input(m) < input ? &lo : &hi) = x;
+    }
+}
+
+static bool draft_frames(lw_scene *s, const draft_nodes *d, lw_newton *m, double now, size_t n)
+{
+    const double *last = d->q + d->size*(d->n - 1);
+    if (!make_frames(s, n))
+        return false;
+    lw_newton_between(m, d->q, d->q, 0);
+    double from = lw_newton_input(m);
+    lw_newton_between(m, last, last, 1);
+    double to = lw_newton_input(m), middle = 0.5*(from + to), half = 0.5*(to - from);
+    if (!s->loops)
+        s->first_frame = (size_t)round(acos(fmin(fmax((middle - now)/half, -1), 1))/LW_PI*(double)(n - 1));
+    size_t at = 0, n_link = (size_t)s->linkage.n_link;
+    for (size_t f = 0; f < n; f++) {
+        s->input[f] = f == s->first_frame ? now : s->loops ? from + (to - from)*(double)f/(double)n
+                                                           : middle - half*cos(LW_PI*(double)f/(double)(n - 1));
+        draft_place(d, m, s->input[f], &at);
+        for (size_t i = 0; i < n_link && f != s->first_frame; i++)
+            s->place[f*n_link + i] = (lw_place){ lw_newton_point(m, (int)i, s->origin[i]),
+                                                 lw_v2_polar(1, lw_newton_angle(m, (int)i)) };
+    }
+    return true;
+}
+
+static bool draft_lines(lw_scene *s, const draft_nodes *d, lw_newton *m, size_t n)
+{
+    size_t parts = d->n - 1, each = (n + parts - 1)/parts, first = (size_t)s->n_curve;
+    for (int t = 0; t < s->linkage.n_tracer && s->n_curve < LW_CURVE_MAX; t++) {
+        lw_curve *c = &s->curve[s->n_curve];
+        *c = (lw_curve){ .tracer = t, .shown_branch = true, .closed = s->loops, .n = parts*each + !s->loops };
+        if (!(c->p = malloc((parts*each + 1)*sizeof *c->p)))
+            return false;
+        s->n_curve++;
+    }
+    for (size_t i = 0; i <= parts*each && (int)first < s->n_curve; i++) {
+        size_t part = i < parts*each ? i/each : parts - 1;
+        const double *a = d->q + d->size*part;
+        lw_newton_between(m, a, a + d->size, (double)(i - part*each)/(double)each);
+        for (size_t c = first; c < (size_t)s->n_curve; c++)
+            s->curve[c].p[i] = lw_newton_tracer(m, s->curve[c].tracer);
+    }
+    return true;
+}
+
+/* The draft of any linkage by steps.  LW_E_MEMORY, LW_E_ARG: as lw_newton_create, without a scene.  Other faults of
+ * lw_newton_create give a scene that does not move. */
+static lw_status draft_by_steps(lw_scene *s, const double *range, const lw_scene_options *o)
+{
+    lw_newton *m = NULL;
+    lw_error e = { 0 };
+    bool lost = false;
+    lw_status st = lw_newton_create(&s->linkage, &m, &e);
+    draft_nodes d = { .size = m ? lw_newton_node_size(m) : 0 };
+    double now = m ? lw_newton_input(m) : 0;
+    if (st == LW_OK)
+        st = draft_steps(&d, m, s, range, &lost);
+    bool moves = st == LW_OK && d.n > 1;
+    if (moves && !(draft_frames(s, &d, m, now, o->n_frame < 2 ? 2 : o->n_frame) && draft_lines(s, &d, m, o->n_curve_point)))
+        st = LW_E_MEMORY;
+    if (st != LW_E_MEMORY && st != LW_E_ARG && !moves) {
+        st = make_frames(s, 1) ? LW_OK : LW_E_MEMORY;
+        snprintf(s->note, sizeof s->note, "Shown without motion: %.200s",
+                 e.text[0] ? e.text : "two branches of the motion are too close to each other here");
+    } else if (lost)
+        snprintf(s->note, sizeof s->note, "Shown in part while it is dragged: the rest takes longer to follow");
+    free(d.q);
+    lw_newton_free(m);
+    return st;
 }
 
 static bool show_course(lw_work *w, const lw_scene_options *o)
@@ -666,8 +828,9 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
     bool motions;
     if (o->draft && w->linkage.n_input > 0 && !move_together(&w->linkage, o, &motions)) {
         double range[2] = { fmin(in->first, in->last), fmax(in->first, in->last) };
-        if (draft_frames(s, is_restricted(w) ? range : NULL, 2*o->n_frame) == LW_OK)
-            return finish_draft(s, n);
+        lw_status drafted = draft_by_steps(s, is_restricted(w) ? range : NULL, o);
+        if (drafted != LW_E_ARG)
+            return drafted == LW_OK;
     }
     lw_status st = start_path(w, o, &why);
     if (st == LW_E_MEMORY || w->no_memory)
@@ -680,7 +843,7 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
         return make_frames(s, 1);
     }
     if (o->draft && w->path.drive)
-        return take_frames(w, 2*o->n_frame) && finish_draft(s, n);
+        return draft_by_frames(w, o);
     for (int i = 1; i < w->path.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
         lw_motion_path_choose(&w->path, i);
         if (!take_curves(w, false, n))
@@ -701,7 +864,7 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
 
 static bool show_motion(lw_work *w, const lw_scene_options *o)
 {
-    bool walks = prepare(w) && !(o->draft && w->plan.n_dyad > DRAFT_DYADS) && find_walk(w);
+    bool walks = prepare(w) && (o->draft ? draft_walk(w) : find_walk(w));
     for (int i = 0; i < w->s->linkage.n_link && walks; i++)
         if (i != w->s->linkage.ground)
             w->s->origin[i] = reference(w, &w->start, i);

@@ -72,8 +72,8 @@ typedef struct lw_scene_options {
     size_t      n_frame;          /* of the motion                                            (120)  */
     size_t      n_curve_point;    /* of each curve, at least                                  (360)  */
     bool        other_branches;   /* curves of the other assembly modes and circuits too     (false) */
-    bool        draft;            /* quickly, without proof of the branch, if there is no plan (draft.h); without
-                                   * other branches                                           (false) */
+    bool        draft;            /* quickly, while it is dragged: no other branches, no proof that no gap was
+                                   * passed over; places to 1e-5 of the size                  (false) */
     const struct lw_model *model; /* how several inputs move in time; its shapes, ropes and springs are
                                    * drawn and it has to outlive the scene; NULL: unknown            */
     double      until;            /* show that motion from 0 to this time [s]; 0: until it repeats or

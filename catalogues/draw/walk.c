@@ -3,8 +3,7 @@
 
 #include <string.h>
 
-/* Greatest distance of a joint or tracer between two postures. */
-static double posture_distance(const lw_plan *plan, const lw_posture *a, const lw_posture *b)
+double lw_plan_posture_distance(const lw_plan *plan, const lw_posture *a, const lw_posture *b)
 {
     double d = 0;
     for (int i = 0; i < LW_JOINT_MAX; i++)
@@ -52,7 +51,7 @@ static int arc_beyond(const lw_walk *w, const lw_motion *m, const lw_walk_stage 
         if (at < 0)
             continue;
         lw_posture_solve(w->plan, w->dim, a->mode, at ? a->last : a->first, 0, &there);
-        double d = posture_distance(w->plan, &here, &there);
+        double d = lw_plan_posture_distance(w->plan, &here, &there);
         if (d < least) {
             least = d;
             best = i;

@@ -38,6 +38,9 @@ void lw_walk_restrict(lw_walk *w, double first, double last);
 double lw_walk_input(const lw_walk *w, double t);
 double lw_walk_time(const lw_walk *w, double input);    /* the t of an input of the first stage   */
 
+/* Greatest distance of a joint or tracer between two postures [m]. */
+double lw_plan_posture_distance(const lw_plan *plan, const lw_posture *a, const lw_posture *b);
+
 /* The posture there.  At a limit, where rounding decides whether the linkage closes, the nearest posture. */
 void   lw_walk_posture(const lw_walk *w, double t, lw_posture *posture);
 

@@ -414,6 +414,23 @@ static double wanted(const lw_newton *s, double input)
 
 enum { STEPS_MAX = 20000 };
 
+static lw_status status_of(outcome o)
+{
+    return o == ARRIVED ? LW_OK : o == ENDED ? LW_OPEN : o == MOVED ? LW_STOPPED : LW_E_NUMERIC;
+}
+
+lw_status lw_newton_step(lw_newton *s, double input, double most)
+{
+    double target = wanted(s, input), from = s->here.z[s->n];
+    if (!isfinite(input))
+        return LW_E_ARG;
+    if (target == from)
+        return LW_OK;
+    face(s, target > from ? 1 : -1);
+    s->step = fmin(s->step, most);
+    return status_of(s->limit ? ENDED : advance(s, target));
+}
+
 lw_status lw_newton_move(lw_newton *s, double input, double *reached)
 {
     lw_status status = LW_OK;
@@ -425,7 +442,7 @@ lw_status lw_newton_move(lw_newton *s, double input, double *reached)
         outcome o = s->limit ? ENDED : MOVED;
         for (long steps = 0; o == MOVED && steps < STEPS_MAX; steps++)     /* a far input is not followed for ever */
             o = advance(s, wanted(s, input));
-        status = o == ARRIVED ? LW_OK : o == ENDED ? LW_OPEN : LW_E_NUMERIC;
+        status = o == MOVED ? LW_E_NUMERIC : status_of(o);
     }
     if (reached)
         *reached = status == LW_OK ? input : lw_newton_input(s);
@@ -442,6 +459,31 @@ void lw_newton_reset(lw_newton *s)
     s->way = 1;
     s->limit = s->has_back = false;
     s->crossings = 0;
+}
+
+size_t lw_newton_node_size(const lw_newton *s) { return 2*(size_t)s->w; }
+
+void lw_newton_keep(const lw_newton *s, double *node)
+{
+    memcpy(node, s->here.z, (size_t)s->w*sizeof *node);
+    for (int i = 0; i < s->system.n_body; i++)
+        node[3*i + 2] += 2.0*LW_PI*s->here.turns[i];
+    node[s->n] += 2.0*LW_PI*s->here.input_turns;
+    for (int i = 0; i < s->w; i++)
+        node[s->w + i] = s->way*s->here.t[i];
+}
+
+void lw_newton_between(lw_newton *s, const double *a, const double *b, double x)
+{
+    const double *ta = a + s->w, *tb = b + s->w, y = 1.0 - x;
+    double length = 0.0;
+    for (int i = 0; i < s->w; i++)
+        length += (b[i] - a[i])*(b[i] - a[i]);
+    length = sqrt(length);
+    for (int i = 0; i < s->w; i++)
+        s->here.z[i] = y*y*(1.0 + 2.0*x)*a[i] + x*x*(1.0 + 2.0*y)*b[i] + length*x*y*(y*ta[i] - x*tb[i]);
+    memset(s->here.turns, 0, sizeof s->here.turns);
+    s->here.input_turns = 0;
 }
 
 /* One block for all arrays. */

@@ -33,6 +33,18 @@ void      lw_newton_free(lw_newton *s);
  * margin of 1e-12 in mbs/kinematics/fourbar.h, where rounding of the posture begins to decide. */
 lw_status lw_newton_move(lw_newton *s, double input, double *reached);
 
+/* One step of that motion, of a length of at most `most` in the coordinates (rotations in rad, places divided by the
+ * size).  LW_STOPPED: on the way.  LW_OK: at the input.  Else as lw_newton_move. */
+lw_status lw_newton_step(lw_newton *s, double input, double most);
+
+/* A posture between two that are one step apart, for pictures: lw_newton_keep stores the present posture and its tangent
+ * towards growing inputs in node (lw_newton_node_size); lw_newton_between places s on the cubic through a (x = 0) and
+ * b (x = 1), whose error is about 1/400 of the fourth power of the step. Only the positions of s are valid then, until
+ * lw_newton_reset. */
+size_t    lw_newton_node_size(const lw_newton *s);
+void      lw_newton_keep(const lw_newton *s, double *node);
+void      lw_newton_between(lw_newton *s, const double *a, const double *b, double x);
+
 /* Back to the posture of the file. */
 void      lw_newton_reset(lw_newton *s);
 
