@@ -4,18 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include "enumerate/canon.h"
-#include "grammar/text_internal.h"
 
 static int on_pin(const lw_multiple *m, int k) { return __builtin_popcount(m->pin[k]); }
-
-static int by_size(const void *a, const void *b)
-{
-    const uint32_t *x = a, *y = b;
-    int more = __builtin_popcount(*y) - __builtin_popcount(*x);
-    return more ? more : (*x < *y) - (*x > *y);
-}
-
-static void sort_pins(lw_multiple *m) { qsort(m->pin, (size_t)m->n_pin, sizeof *m->pin, by_size); }
 
 /* ---- does it move ------------------------------------------------------------------------------ */
 
@@ -89,27 +79,35 @@ bool lw_multiple_moves(const lw_multiple *m) { return nothing_rigid(m) && is_who
 
 /* ---- canonical form ---------------------------------------------------------------------------- */
 
+/* Links are vertices, and so are pins with more than two links, of another colour. */
+static lw_status graph_of(const lw_multiple *m, lw_graph *g)
+{
+    memset(g, 0, sizeof *g);
+    g->n = m->n_link;
+    for (int k = 0; k < m->n_pin; k++) {
+        int a = __builtin_ctz(m->pin[k]), b = 31 - __builtin_clz(m->pin[k]);
+        if (on_pin(m, k) == 2) {
+            g->tie[a][b] = g->tie[b][a] = 1;
+            continue;
+        }
+        if (g->n == LW_GRAPH_MAX)
+            return LW_E_ARG;
+        g->colour[g->n] = 1;
+        for (uint32_t s = m->pin[k]; s; s &= s - 1)
+            g->tie[g->n][__builtin_ctz(s)] = g->tie[__builtin_ctz(s)][g->n] = 2;
+        g->n++;
+    }
+    return LW_OK;
+}
+
 lw_status lw_multiple_canonical(const lw_multiple *m, lw_multiple *form)
 {
     lw_graph g;
     uint8_t to[LW_GRAPH_MAX];
     lw_multiple out = { .n_link = m->n_link, .n_pin = m->n_pin };
-    memset(&g, 0, sizeof g);
-    g.n = m->n_link;
-    for (int k = 0; k < m->n_pin; k++) {
-        int a = __builtin_ctz(m->pin[k]), b = 31 - __builtin_clz(m->pin[k]);
-        if (on_pin(m, k) == 2) {
-            g.tie[a][b] = g.tie[b][a] = 1;
-            continue;
-        }
-        if (g.n == LW_GRAPH_MAX)
-            return LW_E_ARG;
-        g.colour[g.n] = 1;
-        for (uint32_t s = m->pin[k]; s; s &= s - 1)
-            g.tie[g.n][__builtin_ctz(s)] = g.tie[__builtin_ctz(s)][g.n] = 2;
-        g.n++;
-    }
-    lw_status s = lw_graph_label(&g, to);
+    lw_status s = graph_of(m, &g);
+    if (s == LW_OK)
+        s = lw_graph_label(&g, to);
     if (s != LW_OK)
         return s;
     uint32_t above[LW_GRAPH_MAX] = { 0 };                  /* links that stand before a vertex */
@@ -119,18 +117,29 @@ lw_status lw_multiple_canonical(const lw_multiple *m, lw_multiple *form)
     for (int k = 0; k < m->n_pin; k++)
         for (uint32_t left = m->pin[k]; left; left &= left - 1)
             out.pin[k] |= 1u << above[__builtin_ctz(left)];
-    sort_pins(&out);
+    lw_multiple_sort(&out);
     *form = out;
     return LW_OK;
 }
 
-size_t lw_multiple_print(const lw_multiple *m, char *buf, size_t size)
+lw_status lw_multiple_symmetry(const lw_multiple *m, uint8_t *lowest, uint64_t *order)
 {
-    lw_text t = lw_text_start(buf, size);
-    for (int k = 0; k < m->n_pin; k++)
-        for (uint32_t s = m->pin[k]; s; s &= s - 1)
-            lw_text_add(&t, "%s%d", s != m->pin[k] ? "-" : k > 0 ? " " : "", __builtin_ctz(s) + 1);
-    return t.length;
+    lw_graph g;
+    lw_symmetry_group group;
+    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
+    size_t n = 1;
+    lw_status s = graph_of(m, &g);
+    if (s == LW_OK)
+        s = lw_graph_group(&g, &group);
+    if (s != LW_OK)
+        return s;
+    if (group.n_generator > 0)
+        s = lw_symmetry_group_elements(&group, &element, &n);
+    memcpy(lowest, group.orbit, (size_t)m->n_link);
+    *order = n;
+    free(element);
+    lw_symmetry_group_free(&group);
+    return s;
 }
 
 /* ---- all of them ------------------------------------------------------------------------------- */
@@ -205,7 +214,7 @@ static lw_multiple whole_of(const stage *s)
     for (int i = 0; i < m.n_link; i++)
         for (uint32_t rest = s->left[i] & ~((2u << i) - 1); rest; rest &= rest - 1)
             m.pin[m.n_pin++] = 1u << i | (rest & -rest);
-    sort_pins(&m);
+    lw_multiple_sort(&m);
     return m;
 }
 

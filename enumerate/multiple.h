@@ -10,12 +10,7 @@
 #define LW_ENUMERATE_MULTIPLE_H
 
 #include "enumerate/chains.h"
-#include "grammar/mechanism.h"
-
-typedef struct lw_multiple {
-    int      n_link, n_pin;
-    uint32_t pin[LW_JOINT_MAX];     /* links on each pin, as bits: two or more; falling by number, then by bits */
-} lw_multiple;
+#include "grammar/multiple.h"
 
 /* True for a closed chain that can move and is not fractionated: no two links share two pins, every link has at least
  * two pins, no set of links has F <= 0, and the chain stays connected without any one link or pin. */
@@ -25,8 +20,9 @@ bool lw_multiple_moves(const lw_multiple *m);
  * pins together are more than LW_LINK_MAX; LW_E_MEMORY. */
 lw_status lw_multiple_canonical(const lw_multiple *m, lw_multiple *form);
 
-/* "1-2-5 1-3 2-4 ...": the links on each pin, counted from 1; returns the length as snprintf does. */
-size_t lw_multiple_print(const lw_multiple *m, char *buf, size_t size);
+/* lowest (n_link): of each link the lowest one that a symmetry maps it to; *order: the number of symmetries.
+ * LW_E_ARG as above, LW_E_MEMORY. */
+lw_status lw_multiple_symmetry(const lw_multiple *m, uint8_t *lowest, uint64_t *order);
 
 typedef lw_status lw_multiple_visit(void *context, const lw_multiple *m);
 

@@ -1,6 +1,7 @@
 /* Pictures of chains: no crossing on all planar chains up to ten links, measured here again from the
  * places alone; distances, angles, symmetry; frames on a line; chains that are not planar. */
 #include "catalogues/draw/chain_layout_internal.h"
+#include "enumerate/multiple.h"
 #include "grammar/planar.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
@@ -203,10 +204,11 @@ static int straight_rows(const lw_mechanism *m, const lw_chain_layout *l)
     return n_row/2;
 }
 
+#define CAPACITY 4000
+
 /* A chain of which some map has a symmetry that keeps the outer loop is drawn with symmetry. */
 TEST(symmetric_where_possible)
 {
-    enum { CAPACITY = 4000 };
     lw_embedding *map = malloc(CAPACITY*sizeof *map);
     chain_list list = all_chains(10, 1);
     int n_possible = 0, n_drawn = 0, n_row = 0;
@@ -216,7 +218,7 @@ TEST(symmetric_where_possible)
         int n_map = 0, most = 1;
         lw_mechanism_from_chain(&list.chain[i], &m);
         CHECK_INT(lw_chain_layout_make(&m, &l, NULL), LW_OK);
-        if (lw_embeddings_find(&m, CAPACITY, map, &n_map) == LW_OK)
+        if (lw_embeddings_find(&m, 0, CAPACITY, map, &n_map) == LW_OK)
             for (int k = 0; k < n_map; k++)
                 most = map[k].symmetry > most ? map[k].symmetry : most;
         CHECK(n_map < CAPACITY);
@@ -341,3 +343,51 @@ TEST(faults)
     CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_E_ARG);
     CHECK_HAS(e.text, "hang together");
 }
+/* Chains with multiple joints: all links of a pin meet in one point, no links of a planar one cross, the others have one
+ * crossing, the frame stands on its line.  A picture has a symmetry wherever a map of the chain has one. */
+typedef struct pins_seen { int n, n_drawn; bool grounded; } pins_seen;
+
+static lw_status look_at_pins(void *context, const lw_multiple *pins)
+{
+    pins_seen *seen = context;
+    lw_mechanism m;
+    lw_chain_layout l;
+    lw_error e;
+    uint32_t axes;
+    static lw_embedding map[CAPACITY];
+    int n_map = 0, most = 1;
+    CHECK_INT(lw_multiple_mechanism(pins, &m, &axes), LW_OK);
+    if (seen->grounded)
+        m.ground = seen->n%pins->n_link;
+    CHECK_INT(lw_axes_layout_make(&m, axes, &l, &e), LW_OK);
+    CHECK_INT(l.n_cross, !l.planar);
+    CHECK(l.least_gap > 0.1 && l.least_angle > 0.1);
+    check_rings(&m, &l);
+    for (int i = pins->n_link; i < m.n_link; i++)
+        for (int k = l.first[i]; k < l.first[i + 1]; k++)
+            CHECK(!memcmp(&l.at[l.ring[k]], &l.at[l.ring[l.first[i]]], sizeof *l.at));
+    m.n_link = pins->n_link;                                         /* the axes are no links to cross */
+    CHECK_INT(count_overlaps(&m, &l), l.n_cross);
+    for (int k = l.first[m.ground < 0 ? 0 : m.ground]; m.ground >= 0 && k < l.first[m.ground + 1]; k++)
+        CHECK_NEAR(l.at[l.ring[k]].y, 0, 1e-12, 0);
+    m.n_link += __builtin_popcount(axes);
+    if (lw_embeddings_find(&m, axes, CAPACITY, map, &n_map) == LW_OK)
+        for (int k = 0; k < n_map; k++)
+            most = map[k].symmetry > most ? map[k].symmetry : most;
+    CHECK_INT(l.symmetry > 1, most > 1);
+    seen->n++;
+    seen->n_drawn += l.symmetry > 1;
+    return LW_OK;
+}
+
+TEST(multiple_joints)
+{
+    pins_seen eight = { 0 }, grounded = { .grounded = true }, two = { .grounded = true };
+    CHECK_INT(lw_multiple_each(8, 1, 1, look_at_pins, &eight, NULL), LW_OK);
+    CHECK_INT(lw_multiple_each(8, 1, 1, look_at_pins, &grounded, NULL), LW_OK);
+    CHECK_INT(lw_multiple_each(9, 2, 1, look_at_pins, &two, NULL), LW_OK);
+    CHECK_INT(eight.n, 44);
+    CHECK_INT(two.n, 174);
+    CHECK_INT(eight.n_drawn, 19);
+}
+

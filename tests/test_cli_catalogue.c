@@ -41,6 +41,14 @@ TEST(build)
     expect("$P catalogue build $D/sliders.db --links 6 && $P catalogue build $D/sliders.db --links 6 --joints r,t", 0,
            "", NULL);
     expect("$P catalogue check $D/sliders.db", 0, NULL, "2 chains");
+    for (int i = 0; i < 2; i++)                                  /* the second call finds them there */
+        expect("$P catalogue build $D/pins.db --links 8 --multiple-joints", 0, "", "44 chains with multiple joints");
+    expect("$P catalogue check $D/pins.db", 0, NULL, "60 chains are what their labels say");
+    expect_words("$P catalogue check $D/pins.db", " 44 44 agrees P=8 F=1 nonfractionated chains with at least one multiple");
+    expect("sqlite3 $D/pins.db \"UPDATE multiple SET symmetry = 7 WHERE id = 5\"; $P catalogue check $D/pins.db", 3, NULL,
+           "1 of 60 chains are not what their label");
+    expect("sqlite3 $D/pins.db 'DELETE FROM multiple WHERE id = 5'; $P catalogue check $D/pins.db", 3, NULL,
+           "multiple joints of a finished build are missing");
     expect("$P catalogue build $D/b.db --links 8 --jobs 1 --command x", 2, NULL, "no option");
     expect("ls $D/*-lock $D/*-journal", 2, "", NULL);
 }

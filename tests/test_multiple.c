@@ -35,6 +35,18 @@ static void check_form(const lw_multiple *m, lw_rng *rng)
     CHECK_INT(lw_multiple_canonical(&shuffled, &b), LW_OK);
     CHECK(!memcmp(&a, &b, sizeof a));
     CHECK(lw_multiple_moves(&b));
+    char text[LW_MULTIPLE_SIZE];
+    uint8_t lowest[2][LW_LINK_MAX];
+    uint64_t order[2];
+    size_t n = lw_multiple_print(m, text, sizeof text);
+    CHECK_INT(lw_multiple_read(text, n, NULL, &a, NULL), LW_OK);
+    CHECK(!memcmp(&a, m, sizeof a));
+    CHECK_INT(lw_multiple_symmetry(m, lowest[0], &order[0]), LW_OK);
+    CHECK_INT(lw_multiple_symmetry(&shuffled, lowest[1], &order[1]), LW_OK);
+    CHECK(order[0] == order[1]);
+    for (int i = 0; i < m->n_link; i++)                            /* the same orbits, under other numbers */
+        for (int k = 0; k < i; k++)
+            CHECK((lowest[0][i] == lowest[0][k]) == (lowest[1][to[i]] == lowest[1][to[k]]));
 }
 
 /* F, where a pin counts as the number of its links minus one. */
@@ -100,6 +112,23 @@ TEST(published)
     }
     for (size_t i = 0; i < sizeof total/sizeof *total; i++)
         CHECK_INT(list(total[i].n_link, total[i].dof, &rng).n, total[i].n);
+}
+
+TEST(what_is_refused)
+{
+    static const struct { const char *text, *says; long column; } bad[] = {
+        { "", "no pin", 1 }, { "1-2 2-3 x", "link number", 9 }, { "1-2 3", "two links or more", 5 }, { "1-2-1", "twice", 5 },
+        { "1-2-3 2-1", "on one pin already", 7 }, { "1-2 2-4", "no link 3", 1 }, { "1-99", "1 to 32", 3 },
+        { "1-2:t", "'-' or a blank", 4 }, { "1-2\n1-3", "one line", 1 }, { "0-1", "1 to 32", 1 },
+    };
+    lw_multiple m = { .n_link = 77 };
+    lw_error e;
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        CHECK_INT(lw_multiple_read(bad[i].text, strlen(bad[i].text), "f", &m, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, bad[i].says);
+        CHECK_INT(e.column, bad[i].column);
+        CHECK_INT(m.n_link, 77);
+    }
 }
 
 /* Fractionated chains against all sets of pins: any two share at most one link, every link has two pins or more, all

@@ -54,6 +54,11 @@ typedef struct lw_build_topologies {
 lw_status lw_build_chains(lw_store *s, const lw_chains *chains, const lw_build_topologies *what,
                           const lw_build_control *control, lw_build_counts *counts, lw_error *e);
 
+/* Store every chain with multiple joints that is not fractionated (enumerate/multiple.h), in one transaction: a call that
+ * is stopped stores nothing.  LW_E_ARG, LW_STOPPED, LW_E_IO, LW_E_MEMORY. */
+lw_status lw_build_multiple(lw_store *s, int links, int dof, const lw_build_control *control, lw_build_counts *counts,
+                            lw_error *e);
+
 /* ---- linkages --------------------------------------------------------------------------------------------- */
 
 /* Store the linkages of a JSON text that `file` is the name of: values one after the other, each what `fit --json` or

@@ -11,6 +11,7 @@
 #define SIGN      (1/72.0)   /* size of signs (u of symbols.h) per length of a bar */
 #define SIGN_MOST 1.3        /* upper limit of that size [px]                      */
 #define SIGN_LEAST 0.42      /* lower limit: pins of 2.3 px                        */
+#define MULTIPLE  1.6        /* size of the outer circle of a multiple joint [pins] */
 #define CAPTION   12.0       /* size of the caption [px]                           */
 #define LETTER    13.0       /* size of the number of a link [u]                   */
 
@@ -123,7 +124,7 @@ static void draw_link(sketch *k, int link)
 {
     lw_vec2 p[LW_LINK_MAX + 1];
     int n = outline(k, link, p);
-    if (link == k->m->ground || n < 2)
+    if (link == k->m->ground || n < 2 || k->l->axes >> link & 1)
         return;
     lw_ink ink = ink_of(k->m, link);
     lw_shape *s = lw_drawing_path(k->d, LW_ROLE_LINK, p, (size_t)n, n > 2);
@@ -161,7 +162,7 @@ static void draw_links(sketch *k)
     int order[LW_LINK_MAX], n = 0;
     for (int bars = 0; bars < 2; bars++)
         for (int i = 0; i < k->m->n_link; i++)
-            if ((k->l->first[i + 1] - k->l->first[i] < 3) == bars && i != k->m->ground)
+            if ((k->l->first[i + 1] - k->l->first[i] < 3) == bars && i != k->m->ground && !(k->l->axes >> i & 1))
                 order[n++] = i;
     for (int i = 0; i < n; i++) {
         for (int below = 0; k->l->n_cross > 0 && below < i; below++)
@@ -266,14 +267,26 @@ static void draw_contact(sketch *k, int joint)
     }
 }
 
+/* A pin with more than two links is two circles, one in the other. */
+static void draw_pin(sketch *k, int joint)
+{
+    const uint8_t *link = k->m->link[joint], *ring = k->l->ring;
+    lw_bearer b = { joint, -1, -1 };
+    lw_vec2 at = pixel(k, k->l->at[joint]);
+    int axis = k->l->axes >> link[0] & 1 ? link[0] : k->l->axes >> link[1] & 1 ? link[1] : -1;
+    if (axis < 0 || ring[k->l->first[axis]] == joint)
+        lw_symbol_pin(k->d, b, at, axis < 0 ? k->u : MULTIPLE*k->u);
+    if (axis >= 0 && ring[k->l->first[axis]] == joint)
+        lw_symbol_pin(k->d, b, at, 0.8*k->u);
+}
+
 static void draw_joint(sketch *k, int joint)
 {
-    lw_bearer b = { joint, -1, -1 };
     switch ((lw_joint_kind)k->m->kind[joint]) {
     case LW_JOINT_SLIDER:   draw_slider(k, joint); break;
     case LW_JOINT_SLOT:     draw_slot(k, joint); break;
     case LW_JOINT_GEAR:     draw_contact(k, joint); break;
-    case LW_JOINT_REVOLUTE: lw_symbol_pin(k->d, b, pixel(k, k->l->at[joint]), k->u); break;
+    case LW_JOINT_REVOLUTE: draw_pin(k, joint); break;
     case LW_JOINT_FIXED: case LW_JOINT_FREE: assert(!"no chain has welds or free links");
     }
 }
@@ -306,7 +319,7 @@ static double clearance(const sketch *k, lw_vec2 at)
     for (int i = 0; i < k->m->n_link; i++) {
         lw_vec2 p[LW_LINK_MAX + 1];
         int n = outline(k, i, p);
-        for (int s = 0; i != k->m->ground && s < (n > 2 ? n : n - 1); s++)
+        for (int s = 0; i != k->m->ground && !(k->l->axes >> i & 1) && s < (n > 2 ? n : n - 1); s++)
             least = fmin(least, lw_v2_segment_distance(at, p[s], p[(s + 1) % n]));
     }
     return least;
@@ -376,12 +389,14 @@ void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box 
     for (int i = 0; i < m->n_input; i++)
         draw_input(&k, i);
     for (int i = 0; numbers && i < m->n_link; i++)
-        draw_number(&k, i);
+        if (!(l->axes >> i & 1))
+            draw_number(&k, i);
 }
 
 lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const lw_chain_style *s, lw_drawing *d,
                         lw_error *e)
 {
+    int n_axis = __builtin_popcount(l->axes);
     *d = (lw_drawing){ .width = s->width, .height = s->height };
     if (!(s->width >= 32 && s->width <= 8192 && s->height >= 32 && s->height <= 8192))
         return lw_error_set(e, LW_E_ARG, "a picture is 32 to 8192 px wide and high");
@@ -394,6 +409,6 @@ lw_status lw_chain_draw(const lw_mechanism *m, const lw_chain_layout *l, const l
         lw_drawing_text(d, LW_ROLE_TITLE, s->caption, lw_v2(s->width/2, s->height - 0.6*CAPTION), CAPTION, 0.5);
     lw_text_clean(d->title, sizeof d->title, s->caption ? s->caption : "Kinematic chain");
     snprintf(d->about, sizeof d->about, "%s of %d links and %d joints", m->ground == LW_NONE ? "Chain" : "Mechanism",
-             m->n_link, m->n_joint);
+             m->n_link - n_axis, m->n_joint - n_axis);
     return lw_drawing_end(d, e);
 }

@@ -46,7 +46,7 @@ static int describe(const lw_mechanism *m, const lw_rings *r, const uint8_t *nex
     entry[0] = (uint8_t)start;
     for (int k = 0; k < n_link; k++) {
         int d = entry[k];
-        code[n++] = r->link[d] == m->ground ? 255 : 254;                 /* a link begins */
+        code[n++] = r->link[d] == m->ground ? 255 : r->axes >> r->link[d] & 1 ? 253 : 254;      /* a link begins */
         do {
             int other = r->link[d ^ 1];
             if (!(met >> other & 1)) {
@@ -194,9 +194,9 @@ static void set_ring(orders *o, int link)
         o->rings.after[o->dart[link][k]] = o->dart[link][(k + 1) % o->n[link]];
 }
 
-static void first_orders(const lw_mechanism *m, orders *o)
+static void first_orders(const lw_mechanism *m, uint32_t axes, orders *o)
 {
-    *o = (orders){ .rings = { .n_link = m->n_link, .n_dart = 2*m->n_joint } };
+    *o = (orders){ .rings = { .n_link = m->n_link, .n_dart = 2*m->n_joint, .axes = axes } };
     for (int d = 0; d < 2*m->n_joint; d++) {
         int link = m->link[d >> 1][d & 1];
         o->rings.link[d] = (uint8_t)link;
@@ -280,12 +280,12 @@ static lw_status try_one_order(finder *f, orders *o)
     return s;
 }
 
-lw_status lw_embeddings_find(const lw_mechanism *m, int capacity, lw_embedding *embedding, int *n_embedding)
+lw_status lw_embeddings_find(const lw_mechanism *m, uint32_t axes, int capacity, lw_embedding *embedding, int *n_embedding)
 {
     orders o;
     finder f = { .m = m, .capacity = capacity, .embedding = embedding };
     lw_status s = LW_OK;
-    first_orders(m, &o);
+    first_orders(m, axes, &o);
     if (few_orders(&o))
         try_all_orders(&f, &o);
     else

@@ -129,14 +129,14 @@ void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l)
     l->least_gap = 1e9;
     for (int i = 0; i < m->n_link; i++) {
         int n = outline_of(l, i, p);
-        if (i == m->ground || (n == 2 && same_place(p[0], p[1])))
+        if (i == m->ground || l->axes >> i & 1 || (n == 2 && same_place(p[0], p[1])))
             continue;
         for (int k = 0; k < sides(n); k++, n_side++)
             length += lw_v2_norm(lw_v2_sub(p[(k + 1) % n], p[k]));
         l->least_gap = fmin(l->least_gap, sqrt(least_gap2(l, p, n)));
         for (int k = i; k < m->n_link; k++) {
             int n_other = outline_of(l, k, q);
-            if (k == m->ground || (n_other == 2 && same_place(q[0], q[1])))
+            if (k == m->ground || l->axes >> k & 1 || (n_other == 2 && same_place(q[0], q[1])))
                 continue;
             l->n_cross += links_cross(p, n, q, n_other, k == i);
             l->least_angle = fmin(l->least_angle, least_angle(p, n, q, n_other, k == i));
@@ -158,6 +158,7 @@ static void copy_places(const draft *t, lw_chain_layout *l)
     const lw_web *w = &t->web;
     const lw_vec2 *p = t->p;
     l->n_joint = m->n_joint;
+    l->axes = embedding->rings.axes;
     for (int j = 0; j < m->n_joint; j++)
         l->at[j] = p[w->vertex_of[j]];
     for (int i = 0; i < m->n_link; i++) {
@@ -274,6 +275,7 @@ static void stand_up(draft *t)
 
 typedef struct contest {
     const lw_mechanism *m;           /* pins only */
+    uint32_t axes;                   /* of m: see lw_rings */
     draft *trial;                 /* (2) */
     draft *now, *best;
     lw_embedding    embedding[2];                /* of trial[0], trial[1]          */
@@ -447,7 +449,7 @@ static lw_status try_cuts(contest *c, int n_set, int n_try)
         int n_embedding;
         if (!cut_links(c->m, set[i], &parts))
             continue;
-        s = lw_embeddings_find(&parts, n_try, embedding, &n_embedding);
+        s = lw_embeddings_find(&parts, c->axes, n_try, embedding, &n_embedding);
         if (s == LW_NOTHING)                             /* the cut chain falls apart: no embedding */
             s = LW_OK;
         for (int k = 0; s == LW_OK && k < n_embedding && left > 0; k++) {
@@ -499,7 +501,7 @@ static lw_status enter_chance(contest *c, lw_rng *rng)
     lw_status s = LW_OK;
     t->m = c->m;
     t->embedding = embedding;
-    *embedding = (lw_embedding){ .rings = { .n_link = c->m->n_link, .n_dart = 2*c->m->n_joint } };
+    *embedding = (lw_embedding){ .rings = { .n_link = c->m->n_link, .n_dart = 2*c->m->n_joint, .axes = c->axes } };
     for (int d = 0; d < embedding->rings.n_dart; d++)
         embedding->rings.link[d] = c->m->link[d >> 1][d & 1];
     for (int v = 0; v < LW_WEB_VERTEX; v++)
@@ -527,12 +529,12 @@ static lw_status enter_chance(contest *c, lw_rng *rng)
     return s;
 }
 
-static lw_status lay_out_nonplanar(const lw_mechanism *m, lw_chain_layout *l)
+static lw_status lay_out_nonplanar(const lw_mechanism *m, uint32_t axes, lw_chain_layout *l)
 {
     lw_mechanism pins = *m;
     lw_rng rng;
     draft *t = calloc(2, sizeof *t);
-    contest c = { .m = &pins, .n_cross = -1, .trial = t, .now = t, .best = t + 1 };
+    contest c = { .m = &pins, .axes = axes, .n_cross = -1, .trial = t, .now = t, .best = t + 1 };
     memset(pins.kind, 'r', sizeof pins.kind);
     lw_rng_seed(&rng, 1, 0);
     lw_status s = t ? try_cuts(&c, FEW, FEW) : LW_E_MEMORY;
@@ -591,21 +593,26 @@ static lw_status lay_out(const lw_mechanism *m, const lw_embedding *embedding, i
 
 lw_status lw_chain_layout_make(const lw_mechanism *m, lw_chain_layout *l, lw_error *e)
 {
+    return lw_axes_layout_make(m, 0, l, e);
+}
+
+lw_status lw_axes_layout_make(const lw_mechanism *m, uint32_t axes, lw_chain_layout *l, lw_error *e)
+{
     lw_chain c;
     int n_embedding;
-    *l = (lw_chain_layout){ .n_joint = m->n_joint };
+    *l = (lw_chain_layout){ .n_joint = m->n_joint, .axes = axes };
     lw_mechanism_chain(m, &c);
     if (m->n_link < 2 || !lw_chain_is_connected(&c))
         return lw_error_set(e, LW_E_ARG, m->n_link < 2 ? "a picture of a chain needs two links or more"
                                                        : "the links do not hang together: draw each part alone");
     lw_embedding *embedding = malloc(EMBEDDINGS_MAX*sizeof *embedding);
-    lw_status s = embedding ? lw_embeddings_find(m, EMBEDDINGS_MAX, embedding, &n_embedding) : LW_E_MEMORY;
+    lw_status s = embedding ? lw_embeddings_find(m, axes, EMBEDDINGS_MAX, embedding, &n_embedding) : LW_E_MEMORY;
     l->planar = s == LW_OK;
     if (s == LW_OK)
         s = lay_out(m, embedding, n_embedding, l);
     free(embedding);
     if (s == LW_NOTHING)
-        s = lay_out_nonplanar(m, l);
+        s = lay_out_nonplanar(m, axes, l);
     if (s == LW_OK)
         lw_chain_layout_measure(m, l);
     return s == LW_OK ? LW_OK : lw_error_set(e, s, "out of memory for the picture of a chain");

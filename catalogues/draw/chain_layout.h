@@ -27,6 +27,7 @@ typedef struct lw_chain_layout {
     int     first[LW_LINK_MAX + 1];      /* link i has the joints ring[first[i]] .. ring[first[i+1]-1], */
     uint8_t ring[2*LW_JOINT_MAX];        /* in the order of its outline; ground: from left to right     */
     lw_vec2 end[LW_LINK_MAX];            /* free end of a link with a single joint                      */
+    uint32_t axes;                       /* bits of links that are axes of multiple joints: one point each */
     bool    planar;                      /* the graph is planar                                         */
     int     n_cross;                     /* pairs of links that cross or overlap; 0 when planar         */
     int     symmetry;                    /* order of the symmetry group of the picture; 1: no symmetry */
@@ -37,6 +38,10 @@ typedef struct lw_chain_layout {
 /* m: any topology; the joints of its ground, if any, stand on a line.  LW_E_ARG with a text: not connected, fewer
  * than two links. */
 lw_status lw_chain_layout_make(const lw_mechanism *m, lw_chain_layout *l, lw_error *e);
+
+/* The same for a chain with multiple joints: m and axes from lw_multiple_mechanism.  All joints of an axis have one
+ * place, and its ring tells the order of the links around it. */
+lw_status lw_axes_layout_make(const lw_mechanism *m, uint32_t axes, lw_chain_layout *l, lw_error *e);
 
 /* Compute n_cross, least_angle and least_gap of the places in l. */
 void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l);

@@ -14,6 +14,7 @@
  * other side is dart ^ 1.  after[d]: the dart that follows d around its link. */
 typedef struct lw_rings {
     int     n_link, n_dart;
+    uint32_t axes;                   /* bits of links that are axes of multiple joints: points, all their joints in one */
     uint8_t link[LW_DART_MAX];
     uint8_t after[LW_DART_MAX];
 } lw_rings;
@@ -32,9 +33,9 @@ typedef struct lw_embedding {
     double   promise;                /* smaller values are tried first */
 } lw_embedding;
 
-/* Find the embeddings of the planar chain m with their outer loops, each once up to symmetry, the most promising first;
+/* Find the embeddings of the planar chain m (axes: as in lw_rings) with their outer loops, each once up to symmetry, the most promising first;
  * *n_embedding of them, at most `capacity`.  LW_NOTHING: the graph is not planar. */
-lw_status lw_embeddings_find(const lw_mechanism *m, int capacity, lw_embedding *embedding, int *n_embedding);
+lw_status lw_embeddings_find(const lw_mechanism *m, uint32_t axes, int capacity, lw_embedding *embedding, int *n_embedding);
 
 /* The automorphisms of the map that keep its outer loop: to[g][dart]; mirror[g] when they turn it over;
  * the first is the identity; n of them, at most LW_WEB_GROUP. */

@@ -24,9 +24,9 @@ static bool share_joint(const lw_mechanism *m, int i, int k)
     return lw_mechanism_joint(m, i, k) != LW_NONE;
 }
 
-/* Find binary links with a pin and a slider: they are drawn as one point, so their joints are merged in pairs. At most
- * one such link in a loop of four, where otherwise two bars would cover each other. */
-static void merge_blocks(const lw_mechanism *m, uint8_t *same_as)
+/* Find the joints that are one point: those of an axis, and in pairs those of a binary link with a pin and a slider.  At
+ * most one such link in a loop of four, where otherwise two bars would cover each other. */
+static void merge_joints(const lw_mechanism *m, uint32_t axes, uint8_t *same_as)
 {
     int n_joint[LW_LINK_MAX] = { 0 }, joint[LW_LINK_MAX][2], beside[LW_LINK_MAX][2], n_done = 0;
     for (int j = 0; j < m->n_joint; j++) {
@@ -35,6 +35,8 @@ static void merge_blocks(const lw_mechanism *m, uint8_t *same_as)
             int i = m->link[j][side];
             if (n_joint[i]++ < 2)
                 joint[i][n_joint[i] - 1] = j;
+            if (axes >> i & 1)
+                same_as[j] = (uint8_t)joint[i][0];
         }
     }
     for (int i = 0; i < m->n_link; i++) {
@@ -92,7 +94,7 @@ static void add_links(const lw_mechanism *m, const lw_rings *r, lw_web *w)
     for (int i = 0; i < m->n_link; i++) {
         uint8_t v[LW_LINK_MAX];
         int n = outline(r, w, first[i], v);
-        if (i == m->ground)
+        if (i == m->ground || r->axes >> i & 1)
             continue;
         for (int k = 0; k < (n == 2 ? 1 : n); k++)
             add_edge(w, v[k], v[(k + 1) % n], i);
@@ -183,7 +185,7 @@ void lw_web_make(const lw_mechanism *m, const lw_embedding *embedding, lw_web *w
     uint8_t same_as[LW_JOINT_MAX];
     int place[LW_DART_MAX];
     memset(w, 0, sizeof *w);
-    merge_blocks(m, same_as);
+    merge_joints(m, embedding->rings.axes, same_as);
     for (int j = 0; j < m->n_joint; j++)
         if (same_as[j] == j)
             w->vertex_of[j] = (uint8_t)w->n_vertex++;

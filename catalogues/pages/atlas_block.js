@@ -18,8 +18,8 @@ const atlasBlocks = (function () {
     return s > 0.02 && s < 0.98 && t > 0.02 && t < 0.98 ? s : -1;
   }
 
-  // places: x and y of the joints in 1/100 of a bar, y down; rings: the joints of each link in order; ground: the index of
-  // the frame or -1; numbers: write the numbers of the links.
+  // places: x and y of the pins in 1/100 of a bar, y down; rings: the pins of each link in order; ground: the index of
+  // the frame or -1; numbers: write the numbers of the links.  A pin of more than two links is two circles.
   function picture(places, rings, ground, numbers) {
     const svg = document.createElementNS(NS, "svg"), at = (j) => [places[2 * j], places[2 * j + 1]];
     const xs = places.filter((_, i) => i % 2 === 0), ys = places.filter((_, i) => i % 2 === 1), edge = numbers ? 26 : 16;
@@ -47,7 +47,11 @@ const atlasBlocks = (function () {
       if (ring.length > 2) shape(svg, "polygon", { points, class: "f-link s-link" });
       else shape(svg, "polyline", { points, class: "s-link" });
     });
-    for (let j = 0; j < xs.length; j++) shape(svg, "circle", { cx: xs[j], cy: ys[j], r: 8, class: "f-paper s-ground" });
+    xs.forEach((cx, j) => {
+      const multiple = rings.filter((ring) => ring.includes(j)).length > 2;
+      if (multiple) shape(svg, "circle", { cx, cy: ys[j], r: 12, class: "f-paper s-ground" });
+      shape(svg, "circle", { cx, cy: ys[j], r: multiple ? 6 : 8, class: "f-paper s-ground" });
+    });
     if (numbers)
       rings.forEach((ring, i) => {
         const [a, b] = [at(ring[0]), at(ring[ring.length - 1])], n = ring.length, length = Math.hypot(b[0] - a[0], b[1] - a[1]);
@@ -58,9 +62,10 @@ const atlasBlocks = (function () {
     return svg;
   }
 
-  // Calls then(chain, of) with the chain's data when its block is there; fail() if the block cannot be loaded.
-  function load(links, dof, number, then, fail) {
-    const family = `${links}-${dof}`, k = Math.floor((number - 1) / SIZE), key = `${family}-${k}`;
+  // Calls then(chain, of) with the data of the chain `name` (8-1-3, 8-1-m3) when its block is there; fail() if the block
+  // cannot be loaded.
+  function load(name, then, fail) {
+    const [, family, number] = /^(\d+-\d+-m?)(\d+)$/.exec(name), key = family + Math.floor((number - 1) / SIZE);
     const give = () => {
       const { of, chains } = blocks.get(key), chain = chains[(number - 1) % SIZE];
       if (chain) then(chain, of);
@@ -82,8 +87,7 @@ const atlasBlocks = (function () {
   }
 
   // Called by the blocks.
-  function take(family, k, of, chains) {
-    const key = `${family}-${k}`;
+  function take(key, of, chains) {
     blocks.set(key, { of, chains });
     (waiting.get(key) || []).forEach((w) => w.give());
     waiting.delete(key);

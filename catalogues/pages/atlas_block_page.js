@@ -42,13 +42,14 @@
     }
   }
 
-  function show(links, dof, number, chain, of) {
-    const [linkages, places, rings, facts, notations, ground] = chain, family = `${links} links, F = ${dof}`;
+  function show(links, dof, multiple, number, chain, of) {
+    const [linkages, places, rings, facts, notations, ground] = chain;
+    const family = `${links} links, F = ${dof}${multiple ? ", multiple joints" : ""}`;
     title.textContent = `Chain ${number} of ${of}: ${family}`;
     document.title = title.textContent;
-    step(family, `index.html#links=${links}&dof=${dof}`);
-    if (number > 1) step("Previous", `#${links}-${dof}-${number - 1}`, "prev");
-    if (number < of) step("Next", `#${links}-${dof}-${number + 1}`, "next");
+    step(family, `index.html#links=${links}&dof=${dof}${multiple ? "&joints=multiple" : ""}`);
+    if (number > 1) step("Previous", `#${links}-${dof}-${multiple}${number - 1}`, "prev");
+    if (number < of) step("Next", `#${links}-${dof}-${multiple}${number + 1}`, "next");
     const first = add(home, "div", "", { class: "first" });
     figure(first, places, rings, -1, true).setAttribute("aria-label", "The chain, its links numbered");
     const table = add(first, "table", "", { class: "facts" });
@@ -72,15 +73,15 @@
   }
 
   function open() {
-    const match = /^#(\d+)-(\d+)-(\d+)$/.exec(window.location.hash), [links, dof, number] = match ? match.slice(1).map(Number) : [];
+    const match = /^#(\d+)-(\d+)-(m?)(\d+)$/.exec(window.location.hash);
     home.replaceChildren();
     while (steps.children.length > 1) steps.lastChild.remove();
     document.title = atlas;
     title.textContent = "A chain";
     const none = () => add(home, "p", match ? `There is no chain ${match[0].slice(1)} in this atlas.` : "Choose a chain in the overview.");
     if (!match) none();
-    else atlasBlocks.load(links, dof, number, (chain, of) => {
-      if (window.location.hash === match[0]) show(links, dof, number, chain, of);
+    else atlasBlocks.load(match[0].slice(1), (chain, of) => {
+      if (window.location.hash === match[0]) show(match[1], match[2], match[3], Number(match[4]), chain, of);
     }, none);
   }
 

@@ -1,7 +1,7 @@
 "use strict";
 // Chains from what people paste and type: a topology in any notation, the name of a machine, words such as "10 links planar".
-// A chain is { n, edges: [[a, b], ...] } with links 0 .. n-1.  Pins that join several links are sets of links; then several
-// chains with simple joints stand for the machine.
+// A chain is { n, links, joints, edges: [[a, b], ...] } with links 0 .. links-1; a pin of more than two links is one more
+// vertex, joined to each of them.  Several chains with simple joints may stand for it.
 const atlasFind = (function () {
   const MOST = 64, TREES = 2000;
 
@@ -29,22 +29,30 @@ const atlasFind = (function () {
 
   // ---- chains -----------------------------------------------------------------------------------------------
 
-  // The chain of pairs of labels; { error } if a pair comes twice or joins a link to itself.
-  function fromPairs(pairs) {
+  // The chain of the labels on each pin; { error } if a link is twice on a pin, or two links share two pins.
+  function fromPins(pins) {
     const labels = new Map(), seen = new Set(), edges = [];
     const id = (label) => {
       if (!labels.has(label)) labels.set(label, labels.size);
       return labels.get(label);
     };
-    for (const [p, q] of pairs) {
-      const a = id(String(p)), b = id(String(q)), key = a < b ? `${a} ${b}` : `${b} ${a}`;
-      if (a === b) return { error: `link ${p} is joined to itself` };
-      if (seen.has(key)) return { error: `links ${p} and ${q} share two joints` };
-      seen.add(key);
-      edges.push([a, b]);
+    for (const pin of pins)
+      for (const [i, p] of pin.entries())
+        for (const q of pin.slice(0, i)) {
+          const a = id(String(q)), b = id(String(p)), key = a < b ? `${a} ${b}` : `${b} ${a}`;
+          if (a === b) return { error: `link ${p} is joined to itself` };
+          if (seen.has(key)) return { error: `links ${q} and ${p} share two joints` };
+          seen.add(key);
+        }
+    const links = labels.size;
+    let n = links;
+    for (const pin of pins) {
+      if (pin.length === 2) edges.push(pin.map((p) => labels.get(String(p))));
+      else edges.push(...pin.map((p) => [labels.get(String(p)), n]));
+      n += pin.length > 2;
     }
-    if (labels.size > MOST) return { error: `more than ${MOST} links` };
-    return { n: labels.size, edges };
+    if (n > MOST) return { error: `more than ${MOST} links` };
+    return { n, links, joints: pins.reduce((sum, pin) => sum + pin.length - 1, 0), edges };
   }
 
   function neighbours(chain) {
@@ -57,8 +65,8 @@ const atlasFind = (function () {
   }
 
   // Colours of the links that do not depend on their numbers: equal for links that a symmetry exchanges.
-  function colours(at) {
-    let colour = at.map((to) => to.length);
+  function colours(at, links) {
+    let colour = at.map((to, i) => to.length + (i < links ? 0 : 100));
     for (let round = 0; round < 5; round++) {
       colour = at.map((to, i) => {
         let h = (colour[i] * 0x9e3779b1) >>> 0;
@@ -72,7 +80,7 @@ const atlasFind = (function () {
   function prepared(chain) {
     if (!chain.at) {
       chain.at = neighbours(chain);
-      chain.colour = colours(chain.at);
+      chain.colour = colours(chain.at, chain.links);
       chain.key = `${chain.n} ${chain.edges.length} ${chain.colour.slice().sort((a, b) => a - b).join(" ")}`;
     }
     return chain;
@@ -136,7 +144,7 @@ const atlasFind = (function () {
     if (total > TREES) return { error: "too many links on one pin" };
     for (let i = 0; i < total; i++) {
       let rest = i;
-      const chain = fromPairs(choices.flatMap((c) => {
+      const chain = fromPins(choices.flatMap((c) => {
         const edges = c[rest % c.length];
         rest = Math.floor(rest / c.length);
         return edges;
@@ -157,7 +165,7 @@ const atlasFind = (function () {
     for (let j = 1; j < n; j++)
       for (let i = 0; i < j; i++, bit++)
         if (((word.charCodeAt(1 + Math.floor(bit / 6)) - 63) >> (5 - (bit % 6))) & 1) pairs.push([i, j]);
-    const chain = fromPairs(pairs);
+    const chain = fromPins(pairs);
     return chain.n === n ? chain : null;
   }
 
@@ -183,14 +191,14 @@ const atlasFind = (function () {
         if (value(i, j) !== 0) pairs.push([i + 1, j + 1]);
       }
     }
-    return fromPairs(pairs);
+    return fromPins(pairs);
   }
 
   function readEdges(text) {
     const plain = text.replace(/[@>]\s*\d+/g, " ").trim();
     const words = plain.split(/[\s,;]+/).filter(Boolean);
-    if (words.length < 3 || !words.every((w) => /^\d+[-\u2013]\d+(:[rtpg])?!?$/.test(w))) return null;
-    return fromPairs(words.map((w) => w.match(/\d+/g).slice(0, 2)));
+    if (words.length < 3 || !words.every((w) => /^\d+([-\u2013]\d+)+(:[rtpg])?!?$/.test(w))) return null;
+    return fromPins(words.map((w) => w.match(/\d+/g)));
   }
 
   function readSentence(text) {
@@ -207,7 +215,7 @@ const atlasFind = (function () {
         pairs.set([p, q].sort().join(" "), [p, q]);
       });
     }
-    return fromPairs([...pairs.values()]);
+    return fromPins([...pairs.values()]);
   }
 
   function readFranke(text) {
@@ -233,7 +241,7 @@ const atlasFind = (function () {
     }
     const wrong = degree.findIndex((d, i) => d !== met[i]);
     if (wrong >= 0) return { error: `circle ${wrong + 1} has ${met[wrong]} joints, not ${degree[wrong]}` };
-    return fromPairs(pairs);
+    return fromPins(pairs);
   }
 
   function readDrawnGraph(text) {
@@ -241,7 +249,7 @@ const atlasFind = (function () {
       ? Array.from(text.matchAll(/<edge\b[^>]*>/gi), ([e]) => [/source="([^"]*)"/.exec(e), /target="([^"]*)"/.exec(e)])
         .filter(([a, b]) => a && b).map(([a, b]) => [a[1], b[1]])
       : Array.from(text.matchAll(/([\w.]+)\s*--\s*(?=([\w.]+))/g), (m) => [m[1], m[2]]);
-    return pairs.length > 2 ? fromPairs(pairs) : null;
+    return pairs.length > 2 ? fromPins(pairs) : null;
   }
 
   // A chain from text in any notation, with the name of the notation; { error } if it is one, but wrong; null if it is none.
@@ -250,7 +258,7 @@ const atlasFind = (function () {
       ["list of joints", readEdges], ["matrix", readMatrix], ["graph6", readGraph6]];
     for (const [notation, reader] of readers) {
       const chain = reader(text.trim());
-      if (chain) return { ...chain, notation };
+      if (chain) return { ...chain, notation, slides: /\dt|\bt\b/.test(text) && notation !== "graph6" };
     }
     return null;
   }
@@ -270,8 +278,9 @@ const atlasFind = (function () {
     };
     if (reach(-1) < chain.n) return "it falls apart into separate pieces";
     if (at.some((to) => to.length < 2)) return "a link has fewer than two joints";
-    for (let i = 0; i < chain.n; i++) if (reach(i) < chain.n - 1) return "it falls apart where one link is taken out";
-    const freedom = 3 * (chain.n - 1) - 2 * chain.edges.length;
+    for (let i = 0; i < chain.n; i++)
+      if (reach(i) < chain.n - 1) return `it falls apart where one ${i < chain.links ? "link" : "pin"} is taken out`;
+    const freedom = 3 * (chain.links - 1) - 2 * chain.joints;
     if (freedom < 1) return "it cannot move";
     return "";
   }
@@ -297,7 +306,14 @@ const atlasFind = (function () {
         return " ";
       });
     };
-    take(/\b(\d+)-(\d+)-(\d+)\b/g, (m) => (c) => c.name === `${m[1]}-${m[2]}-${m[3]}`);
+    take(/\b(\d+-\d+-m?\d+)\b/g, (m) => (c) => c.name === m[1]);
+    take(/\b(?:no multiple|simple) joints?\b/g, () => (c) => !c.multiple);
+    take(/\bmultiple(?: joints?)?\b/g, () => (c) => c.multiple);
+    let sliders = false;
+    take(/\bsliders?\b/g, () => {
+      sliders = true;
+      return (c) => c.sliders > 0;
+    });
     take(/\b(\d+(?:\+\d+)+)\b/g, (m) => (c) => c.assortment === m[1].replace(/\+/g, " "));
     take(/\b(?:not[- ]planar|non-?planar)\b/g, () => (c) => !c.planar);
     take(/\bplanar\b/g, () => (c) => c.planar);
@@ -310,8 +326,8 @@ const atlasFind = (function () {
       (m) => (c) => c.dof === Number(m[1] || m[2]));
     take(/\bwith linkages?\b/g, () => (c) => c.linkages > 0);
     take(/\b(?:chains?|and|with)\b|,/g, () => () => true);
-    return { test: (c) => tests.every((t) => t(c)), rest: rest.trim().split(/\s+/).filter(Boolean), n: tests.length };
+    return { test: (c) => tests.every((t) => t(c)), rest: rest.trim().split(/\s+/).filter(Boolean), sliders };
   }
 
-  return { read, same, expand, fault, machines, words };
+  return { read, same, fromPins, expand, fault, machines, words };
 })();

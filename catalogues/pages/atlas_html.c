@@ -18,6 +18,7 @@
 #include "catalogues/pages/page_head.h"
 #include "grammar/edges.h"
 #include "grammar/linkage.h"
+#include "grammar/multiple.h"
 #include "grammar/notation.h"
 
 /* The texts of a chain, one after the other in one block of memory. */
@@ -31,7 +32,9 @@ typedef struct leaf {                       /* a chain of the atlas */
     int             n_slider;                  /* mechanisms with sliders, known when its page is written   */
     int             links, dof, joints, loops, grounds, planar;
     bool            in_block;                  /* its family is written in blocks                           */
-    int             number, of;               /* number among the `of` chains with as many links and freedoms, from 1 */
+    bool            multiple;                  /* it has multiple joints: LEAF_LABEL is the links on each pin */
+    uint32_t        axes;                      /* of `chain`: grammar/multiple.h                            */
+    int             number, of;               /* number among the `of` chains of its family, from 1         */
     char           *text[LEAF_TEXTS];       /* "" if there is none                                       */
     lw_mechanism    chain;
     lw_chain_layout layout;
@@ -49,6 +52,7 @@ typedef struct atlas {
     lw_bytes        style, chain_script, index_script, block_script;
     bool            has_blocks;                /* some family is written in blocks                          */
     bool            has_linkages;              /* the catalogue has a table of linkages                     */
+    size_t          n_multiple;                /* chains with multiple joints                               */
     long long       n_other;                   /* linkages of chains that are not in the atlas              */
     size_t          n_page, n_byte;
 } atlas;
@@ -58,12 +62,13 @@ typedef struct atlas {
 static void page_file(const leaf *l, const char *kind, char file[LEAF_FILE])
 {
     bool in_block = l->in_block && strcmp(kind, "chain") == 0;
-    snprintf(file, LEAF_FILE, in_block ? "%s.html#%d-%d-%d" : "%s-%d-%d-%d.html", kind, l->links, l->dof, l->number);
+    snprintf(file, LEAF_FILE, in_block ? "%s.html#%d-%d-%s%d" : "%s-%d-%d-%s%d.html", kind, l->links, l->dof,
+             l->multiple ? "m" : "", l->number);
 }
 
 static void family_name(const leaf *l, char *out, size_t size)
 {
-    snprintf(out, size, "%d links, F = %d", l->links, l->dof);
+    snprintf(out, size, "%d links, F = %d%s", l->links, l->dof, l->multiple ? ", multiple joints" : "");
 }
 
 static const char *text_of_value(const lw_value *v)
@@ -117,7 +122,7 @@ static void count_assortment(family *f, const char *text)
     f->n_with[i]++;
 }
 
-/* The chains from `first` on that have its number of links and freedoms. */
+/* The chains from `first` on that have its number of links and freedoms, and multiple joints or not, as it has. */
 static family family_from(const atlas *a, size_t first)
 {
     family f = { .first = first };
@@ -138,11 +143,17 @@ static void cell_number(lw_bytes *b, const char *label, long long n)
     lw_bytes_text(b, "</td>");
 }
 
+/* The part of an address that chooses chains with or without multiple joints; "" if the atlas has no such chains. */
+static const char *joints_filter(const atlas *a, const leaf *l)
+{
+    return a->n_multiple == 0 ? "" : l->multiple ? "&amp;joints=multiple" : "&amp;joints=simple";
+}
+
 static void write_family(lw_bytes *b, const atlas *a, const family *f)
 {
     const leaf *l = &a->leaf[f->first];
     char text[128], link[160];
-    snprintf(link, sizeof link, "#links=%d&amp;dof=%d", l->links, l->dof);
+    snprintf(link, sizeof link, "#links=%d&amp;dof=%d%s", l->links, l->dof, joints_filter(a, l));
     lw_bytes_text(b, "<tr><th scope=\"row\"><a href=\"");
     lw_bytes_text(b, link);
     family_name(l, text, sizeof text);
@@ -200,6 +211,8 @@ static void controls(lw_bytes *b)
         "<label>Assortment <select id=\"assortment\"><option value=\"\">all</option></select></label>\n"
         "<label>Graph <select id=\"planar\"><option value=\"\">all</option><option value=\"1\">planar</option>"
         "<option value=\"0\">not planar</option></select></label>\n"
+        "<label>Joints <select id=\"joints\"><option value=\"\">all</option><option value=\"simple\">simple</option>"
+        "<option value=\"multiple\">multiple</option></select></label>\n"
         "<label>Order <select id=\"order\"><option value=\"\">by number</option>"
         "<option value=\"symmetry\">most symmetric first</option>"
         "<option value=\"grounds\">fewest ground links first</option></select></label>\n"
@@ -224,7 +237,8 @@ static void plain_list(lw_bytes *b, const atlas *a)
         if (l->in_block)
             continue;
         page_file(l, "chain", file);
-        snprintf(name, sizeof name, "%d links, F = %d, chain %d", l->links, l->dof, l->number);
+        snprintf(name, sizeof name, "%d links, F = %d, %s %d", l->links, l->dof,
+                 l->multiple ? "multiple joints, chain" : "chain", l->number);
         lw_page_text(b, "<li><a href=\"", file, "\">");
         lw_page_text(b, "", name, "</a></li>\n");
     }
@@ -256,11 +270,21 @@ static void json_number(lw_bytes *b, long n)
     lw_bytes_integer(b, n);
 }
 
-/* Places of joints in 1/100 of a bar (y down), then the joints of each link in order, as atlas_block.js reads them. */
+/* Places of pins in 1/100 of a bar (y down), then the pins of each link in order, as atlas_block.js reads them.  Joints
+ * of an axis are one pin. */
 static void json_layout(lw_bytes *b, const lw_chain_layout *layout, int n_link)
 {
+    int pin[LW_JOINT_MAX], n_pin = 0, same[LW_JOINT_MAX];
+    for (int j = 0; j < layout->n_joint; j++)
+        same[j] = j;
+    for (int i = n_link; i < LW_LINK_MAX && layout->axes >> i & 1; i++)
+        for (int k = layout->first[i]; k < layout->first[i + 1]; k++)
+            same[layout->ring[k]] = layout->ring[layout->first[i]];
     for (int j = 0; j < layout->n_joint; j++) {
-        lw_bytes_text(b, j ? "," : "[");
+        if (same[j] != j)
+            continue;
+        pin[j] = n_pin++;
+        lw_bytes_text(b, n_pin > 1 ? "," : "[");
         lw_bytes_integer(b, lround(100*layout->at[j].x));
         json_number(b, -lround(100*layout->at[j].y));
     }
@@ -268,7 +292,7 @@ static void json_layout(lw_bytes *b, const lw_chain_layout *layout, int n_link)
         lw_bytes_text(b, i ? "],[" : "],[[");
         for (int k = layout->first[i]; k < layout->first[i + 1]; k++) {
             lw_bytes_text(b, k > layout->first[i] ? "," : "");
-            lw_bytes_integer(b, layout->ring[k]);
+            lw_bytes_integer(b, pin[same[layout->ring[k]]]);
         }
     }
     lw_bytes_text(b, "]]");
@@ -277,7 +301,7 @@ static void json_layout(lw_bytes *b, const lw_chain_layout *layout, int n_link)
 /* Write the data of a chain as atlas_html.js reads it: numbers, texts, and the picture unless it stands in a block. */
 static void json_leaf(lw_bytes *b, const leaf *l)
 {
-    static const leaf_text texts[] = { LEAF_ASSORTMENT, LEAF_GRAPH6, LEAF_FORM };
+    const leaf_text texts[] = { LEAF_ASSORTMENT, l->multiple ? LEAF_LABEL : LEAF_GRAPH6, LEAF_FORM };
     lw_bytes_text(b, "[");
     lw_bytes_integer(b, l->links);
     json_number(b, l->dof);
@@ -286,6 +310,7 @@ static void json_leaf(lw_bytes *b, const leaf *l)
     json_number(b, (long)l->symmetry);
     json_number(b, l->grounds);
     json_number(b, (long)l->n_linkage);
+    json_number(b, l->n_slider);
     for (size_t i = 0; i < sizeof texts/sizeof *texts; i++) {
         lw_bytes_text(b, ",");
         json_text(b, l->text[texts[i]]);
@@ -299,10 +324,13 @@ static void json_leaf(lw_bytes *b, const leaf *l)
 
 static void index_page(const atlas *a, lw_bytes *b)
 {
-    char about[96];
+    char about[128];
+    int n;
     lw_page_head(b, a->options->title, &a->style, &a->index_script, a->has_blocks);
     lw_page_text(b, "<header>\n<h1>", a->options->title, "</h1>\n");
-    snprintf(about, sizeof about, a->n == 1 ? "%zu kinematic chain" : "%zu kinematic chains", a->n);
+    n = snprintf(about, sizeof about, a->n == 1 ? "%zu kinematic chain" : "%zu kinematic chains", a->n);
+    if (a->n_multiple > 0)
+        snprintf(about + n, sizeof about - (size_t)n, ", %zu of them with multiple joints", a->n_multiple);
     lw_page_text(b, "<p class=\"about\">", about, "</p>\n</header>\n<main>\n");
     controls(b);
     plain_list(b, a);
@@ -361,7 +389,7 @@ static void head(lw_bytes *b, const atlas *a, size_t i)
     lw_page_head(b, title, &a->style, &a->chain_script, false);
     lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul>\n<li><a rel=\"up\" href=\"index.html\">",
                  a->options->title, "</a></li>\n");
-    snprintf(link, sizeof link, "<li><a href=\"index.html#links=%d&amp;dof=%d\">", l->links, l->dof);
+    snprintf(link, sizeof link, "<li><a href=\"index.html#links=%d&amp;dof=%d%s\">", l->links, l->dof, joints_filter(a, l));
     lw_page_text(b, link, name, "</a></li>\n");
     lw_page_text(b, "<li><a href=\"index.html#assortment=", l->text[LEAF_ASSORTMENT], "\">");
     lw_page_text(b, "assortment ", l->text[LEAF_ASSORTMENT], "</a></li>\n");
@@ -373,7 +401,7 @@ static void head(lw_bytes *b, const atlas *a, size_t i)
 /* Names and texts of a chain's page. */
 typedef struct pairs {
     int  n;
-    char number[6][24], graph[64], edges[LW_EDGES_SIZE];
+    char number[6][24], graph[64], edges[LW_EDGES_SIZE], axes[LW_LINK_MAX*8];
     struct { const char *name, *text; } at[12];
 } pairs;
 
@@ -393,7 +421,13 @@ static void properties(const leaf *l, pairs *p)
     p->n = 0;
     for (int i = 0; i < 6; i++) {
         if (i == 4) {
-            pair_text(p, "Links of 2, 3, \xe2\x80\xa6 joints", l->text[LEAF_ASSORTMENT]);
+            size_t n = 0;
+            for (int axis = l->links; axis < LW_LINK_MAX && l->axes >> axis & 1; axis++)
+                n += (size_t)snprintf(p->axes + n, sizeof p->axes - n, "%s%d", n ? ", " : "",
+                                      l->layout.first[axis + 1] - l->layout.first[axis]);
+            pair_text(p, l->multiple ? "Links of 2, 3, \xe2\x80\xa6 pins" : "Links of 2, 3, \xe2\x80\xa6 joints",
+                      l->text[LEAF_ASSORTMENT]);
+            pair_text(p, "Links on each multiple joint", l->multiple ? p->axes : "");
             pair_text(p, "Structure", l->text[LEAF_FORM]);
             pair_text(p, "Derivation", l->text[LEAF_DERIVATION]);
         }
@@ -409,6 +443,10 @@ static void properties(const leaf *l, pairs *p)
 static void notations(const leaf *l, pairs *p)
 {
     p->n = 0;
+    if (l->multiple) {
+        pair_text(p, "pins", l->text[LEAF_LABEL]);
+        return;
+    }
     lw_edges_print(&l->chain, p->edges, sizeof p->edges);
     pair_text(p, "graph6", l->text[LEAF_GRAPH6]);
     pair_text(p, "canonical label", l->text[LEAF_LABEL]);
@@ -505,7 +543,7 @@ static lw_status inversions(atlas *a, const leaf *l, lw_bytes *b, lw_error *e)
         lw_page_text(b, "<article>\n<h3>", text, "</h3>\n<figure>");
         s = picture(l, i, (lw_chain_style){ .width = 240, .height = 180 }, text, b, e);
         lw_bytes_text(b, "</figure>\n");
-        if (s == LW_OK)
+        if (s == LW_OK && !l->multiple)
             s = mechanisms(a, l, l->ground[i], b, e);
         lw_bytes_text(b, "</article>\n");
     }
@@ -676,7 +714,7 @@ static lw_status json_chain(atlas *a, const leaf *l, lw_bytes *b, lw_error *e)
         lw_bytes_text(b, ",");
         json_layout(b, &l->grounded[i], l->links);
         lw_bytes_text(b, ",[");
-        s = ask_mechanisms(a, l, l->ground[i], json_mechanism, &r, e);
+        s = l->multiple ? LW_OK : ask_mechanisms(a, l, l->ground[i], json_mechanism, &r, e);
         lw_bytes_text(b, "]");
         json_number(b, r.n);
         lw_bytes_text(b, "]");
@@ -805,18 +843,34 @@ static const char chain_sql[] =
     " c.assortment, c.franke, c.sentence, c.matrix, s.form, s.derivation"
     " FROM chain c LEFT JOIN structure s ON s.id = c.structure WHERE ?1 = 0 OR c.links = ?1"
     " ORDER BY c.dof, c.links, c.id LIMIT ?2";
+/* The ground links stand where chains have their graph6. */
+static const char multiple_sql[] =
+    "SELECT id, links, dof, joints, loops, symmetry, grounds, planar, pins, ground_links, assortment, '', '', '', '', ''"
+    " FROM multiple WHERE ?1 = 0 OR links = ?1 ORDER BY dof, links, id LIMIT ?2";
 static const char size_sql[] =
     "SELECT count(*), total(grounds) FROM (SELECT dof, links, grounds FROM chain WHERE ?1 = 0 OR links = ?1"
     " ORDER BY dof, links, id LIMIT ?2) GROUP BY dof, links";
+static const char multiple_size_sql[] =
+    "SELECT count(*), total(grounds) FROM (SELECT dof, links, grounds FROM multiple WHERE ?1 = 0 OR links = ?1"
+    " ORDER BY dof, links, id LIMIT ?2) GROUP BY dof, links";
 
-/* Ask the store about the chains that are shown. */
-static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, const char *sql,
+/* Ask the store about the chains that are shown: those with simple joints, then, if the file has them, those with multiple
+ * joints.  *n: counts them; it is what `row` has counted when the first question is answered. */
+static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, const char *simple, const char *multiple,
                             lw_status (*row)(void *, int, const char *const *, const lw_value *), void *context,
-                            lw_error *e)
+                            const size_t *n, lw_error *e)
 {
-    const lw_value v[] = { value_of_integer(o->links), value_of_integer(o->limit > 0 ? o->limit : -1) };
-    lw_store_query q = { .sql = sql, .value = v, .n_value = 2, .row = row, .context = context };
+    lw_value v[] = { value_of_integer(o->links), value_of_integer(o->limit > 0 ? o->limit : -1) };
+    lw_store_query q = { .sql = simple, .value = v, .n_value = 2, .row = row, .context = context };
+    bool has = false;
     lw_status s = lw_store_ask(store, &q, e);
+    if (s == LW_OK)
+        s = lw_store_has_table(store, "multiple", &has, e);
+    if (o->limit > 0)
+        v[1].integer = o->limit - (long long)*n;
+    q.sql = multiple;
+    if (s == LW_OK && has && v[1].integer != 0)
+        s = lw_store_ask(store, &q, e);
     return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory for the pages of the atlas") : s;
 }
 
@@ -837,7 +891,7 @@ lw_status lw_atlas_html_expect(lw_store *store, const lw_atlas_html_options *o, 
                                lw_error *e)
 {
     struct expected x = { .single_pages = o->single_pages };
-    lw_status s = ask_chains(store, o, size_sql, take_size, &x, e);
+    lw_status s = ask_chains(store, o, size_sql, multiple_size_sql, take_size, &x, &x.n_chain, e);
     *n_chain = x.n_chain;
     *n_byte = x.n_byte;
     return s;
@@ -872,41 +926,46 @@ static lw_status add_leaf(void *context, int n, const char *const *name, const l
     *l = (leaf){ .id = v[0].integer, .links = (int)v[1].integer, .dof = (int)v[2].integer,
                     .joints = (int)v[3].integer, .loops = (int)v[4].integer, .symmetry = v[5].integer,
                     .grounds = (int)v[6].integer, .planar = (int)v[7].integer };
-    l->number = before && before->links == l->links && before->dof == l->dof ? before->number + 1 : 1;
+    l->multiple = strchr(text_of_value(&v[8]), '-');              /* the links on a pin; graph6 has no '-' */
+    l->number = before && before->links == l->links && before->dof == l->dof && before->multiple == l->multiple
+              ? before->number + 1 : 1;
     if (!copy_texts(l, v + 8))
         return LW_E_MEMORY;
     a->n++;
+    a->n_multiple += l->multiple;
     return LW_OK;
+}
+
+/* The chain of a leaf from its texts; of one with multiple joints its ground links, too: "1:2 3:1". */
+static lw_status read_chain(leaf *l, lw_error *e)
+{
+    const char *text = l->text[LEAF_GRAPH6], *pins = l->text[LEAF_LABEL];
+    lw_multiple m;
+    int used = 0;
+    if (!l->multiple)
+        return lw_notation_find("graph6")->read(text, strlen(text), "graph6 of a chain", &l->chain, e);
+    for (; l->n_ground < LW_LINK_MAX
+         && sscanf(text, "%d:%d%n", &l->ground[l->n_ground], &l->alike[l->n_ground], &used) == 2; text += used)
+        if (l->ground[l->n_ground] >= 1 && l->ground[l->n_ground] <= l->links)
+            l->n_ground++;
+    lw_status s = lw_multiple_read(pins, strlen(pins), "pins of a chain", &m, e);
+    return s == LW_OK ? lw_multiple_mechanism(&m, &l->chain, &l->axes) : s;
 }
 
 static lw_status read_leaves(atlas *a, lw_error *e)
 {
-    const lw_notation *graph6 = lw_notation_find("graph6");
-    lw_status s = ask_chains(a->store, a->options, chain_sql, add_leaf, a, e);
+    lw_status s = ask_chains(a->store, a->options, chain_sql, multiple_sql, add_leaf, a, &a->n, e);
     for (size_t i = a->n; i-- > 0;) {
         bool last = i + 1 == a->n || a->leaf[i + 1].number == 1;
         a->leaf[i].of = last ? a->leaf[i].number : a->leaf[i + 1].of;
         a->leaf[i].in_block = a->leaf[i].of > a->options->single_pages;
         a->has_blocks = a->has_blocks || a->leaf[i].in_block;
     }
-    for (size_t i = 0; s == LW_OK && i < a->n; i++) {
-        const char *text = a->leaf[i].text[LEAF_GRAPH6];
-        s = graph6->read(text, strlen(text), "graph6 of a chain", &a->leaf[i].chain, e);
-    }
+    for (size_t i = 0; s == LW_OK && i < a->n; i++)
+        s = read_chain(&a->leaf[i], e);
     if (s == LW_OK && a->n == 0)
         s = lw_error_set(e, LW_NOTHING, "there is no chain in the catalogue to show: 'linkwright catalogue build' "
                          "makes them");
-    return s;
-}
-
-/* Files of older versions have no table of linkages. */
-static lw_status look_for_linkages(atlas *a, lw_error *e)
-{
-    long long n = 0;
-    lw_status s = lw_store_number(a->store,
-                                  "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'linkage'",
-                                  NULL, 0, &n, e);
-    a->has_linkages = n > 0;
     return s;
 }
 
@@ -954,10 +1013,10 @@ static lw_status write_chain(atlas *a, size_t i, lw_error *e)
     leaf *l = &a->leaf[i];
     if (l->status != LW_OK)
         return lw_error_set(e, l->status, "chain %s cannot be drawn", l->text[LEAF_GRAPH6]);
-    lw_status s = write_linkages(a, l, e);
+    lw_status s = l->multiple ? LW_OK : write_linkages(a, l, e);
     if (s == LW_OK && l->in_block)
         return LW_OK;
-    if (s == LW_OK)
+    if (s == LW_OK && !l->multiple)
         s = slider_page(a, l, &b, &l->n_slider, e);
     page_file(l, "sliders", file);
     if (s == LW_OK && l->n_slider > 0)
@@ -990,10 +1049,10 @@ static void place_joints(void *context, size_t job, int thread)
     (void)thread;
     leaf *l = (leaf *)context + job;
     lw_mechanism m = l->chain;
-    l->status = lw_chain_layout_make(&m, &l->layout, NULL);
+    l->status = lw_axes_layout_make(&m, l->axes, &l->layout, NULL);
     for (int i = 0; l->status == LW_OK && i < l->n_ground; i++) {
         m.ground = l->ground[i] - 1;
-        l->status = lw_chain_layout_make(&m, &l->grounded[i], NULL);
+        l->status = lw_axes_layout_make(&m, l->axes, &l->grounded[i], NULL);
     }
 }
 
@@ -1004,7 +1063,8 @@ static lw_status prepare_block(atlas *a, size_t first, size_t n, lw_error *e)
     for (size_t i = first; s == LW_OK && i < first + n; i++) {
         leaf *l = &a->leaf[i];
         const lw_value chain = value_of_integer(l->id);
-        s = ask_one(a, "SELECT link, alike FROM ground WHERE chain = ?1 ORDER BY link", &chain, add_ground, l, e);
+        if (!l->multiple)
+            s = ask_one(a, "SELECT link, alike FROM ground WHERE chain = ?1 ORDER BY link", &chain, add_ground, l, e);
         l->grounded = malloc((size_t)(l->n_ground + 1)*sizeof *l->grounded);
         if (s == LW_OK && !l->grounded)
             s = lw_error_set(e, LW_E_MEMORY, "out of memory for pictures");
@@ -1019,9 +1079,9 @@ static lw_status write_script(atlas *a, size_t first, size_t n, lw_error *e)
     const leaf *l = &a->leaf[first];
     lw_status s = LW_OK;
     lw_bytes b = { 0 };
-    snprintf(file, sizeof file, "chains-%d-%d-%d.js", l->links, l->dof, (l->number - 1)/BLOCK);
-    snprintf(text, sizeof text, "\"use strict\";\natlasBlocks.take(\"%d-%d\",%d,%d,[\n", l->links, l->dof,
-             (l->number - 1)/BLOCK, l->of);
+    snprintf(file, sizeof file, "chains-%d-%d-%s%d.js", l->links, l->dof, l->multiple ? "m" : "", (l->number - 1)/BLOCK);
+    snprintf(text, sizeof text, "\"use strict\";\natlasBlocks.take(\"%d-%d-%s%d\",%d,[\n", l->links, l->dof,
+             l->multiple ? "m" : "", (l->number - 1)/BLOCK, l->of);
     lw_bytes_text(&b, text);
     for (size_t i = first; s == LW_OK && i < first + n; i++) {
         lw_bytes_text(&b, i > first ? ",\n" : "");
@@ -1089,7 +1149,7 @@ lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_h
     lw_page_script(&a.block_script, lw_atlas_html_chain_js);
     lw_page_script(&a.index_script, lw_atlas_html_js);
     lw_status s = a.style.failed || a.chain_script.failed || a.index_script.failed || a.block_script.failed
-                ? lw_error_set(e, LW_E_MEMORY, "out of memory") : look_for_linkages(&a, e);
+                ? lw_error_set(e, LW_E_MEMORY, "out of memory") : lw_store_has_table(store, "linkage", &a.has_linkages, e);
     if (s == LW_OK)
         s = read_leaves(&a, e);
     if (s == LW_OK)

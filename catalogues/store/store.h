@@ -100,6 +100,19 @@ typedef struct lw_store_chain {
 lw_status lw_store_put_structure(lw_store *s, const lw_store_structure *t, lw_error *e);
 lw_status lw_store_put_chain(lw_store *s, const lw_store_chain *c, lw_error *e);
 
+/* A chain with multiple joints (grammar/multiple.h). */
+typedef struct lw_store_multiple {
+    const char *pins;                        /* canonical: the links on each pin                    */
+    int         links, dof, joints, loops;
+    const char *assortment;                  /* "6 2": links with 2, 3, ... pins                    */
+    uint64_t    symmetry;
+    bool        planar;                      /* it can be drawn without crossings                   */
+    int         n_ground;
+    const char *ground_links;                /* "1:2 3:1": link from 1, number of links alike       */
+} lw_store_multiple;
+
+lw_status lw_store_put_multiple(lw_store *s, const lw_store_multiple *m, lw_error *e);       /* as the two above */
+
 /* ---- linkages that were found -------------------------------------------------------------------- */
 
 /* NULL texts and numbers that are not finite (or -1 for crank, circuits, closed) are unknown. */
@@ -150,6 +163,9 @@ lw_status lw_store_ask(lw_store *s, const lw_store_query *q, lw_error *e);
 /* The number that a SELECT of one number gives; 0 when it gives no row. */
 lw_status lw_store_number(lw_store *s, const char *sql, const lw_value *value, int n_value, long long *number,
                           lw_error *e);
+
+/* Has the file this table?  Files of older versions lack some. */
+lw_status lw_store_has_table(lw_store *s, const char *table, bool *has, lw_error *e);
 
 /* Let SQLite check every page, index and reference.  LW_E_NOTATION with the first fault. */
 lw_status lw_store_verify(lw_store *s, lw_error *e);

@@ -198,3 +198,12 @@ lw_status lw_store_verify(lw_store *s, lw_error *e)
     }
     return LW_OK;
 }
+
+lw_status lw_store_has_table(lw_store *s, const char *table, bool *has, lw_error *e)
+{
+    long long n = 0;
+    lw_value v = { .kind = LW_VALUE_TEXT, .text = table, .size = strlen(table) };
+    lw_status status = lw_store_number(s, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = ?1", &v, 1, &n, e);
+    *has = n > 0;
+    return status;
+}

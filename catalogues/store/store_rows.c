@@ -77,6 +77,15 @@ lw_status lw_store_put_chain(lw_store *s, const lw_store_chain *c, lw_error *e)
     return status;
 }
 
+lw_status lw_store_put_multiple(lw_store *s, const lw_store_multiple *m, lw_error *e)
+{
+    return lw_store_do(s, "INSERT OR IGNORE INTO multiple(pins, links, dof, joints, loops, assortment, symmetry, planar, "
+                          "grounds, ground_links, run) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)", e,
+                       "tiiiitiiiti", m->pins, (long long)m->links, (long long)m->dof, (long long)m->joints,
+                       (long long)m->loops, m->assortment, (long long)m->symmetry, (long long)m->planar,
+                       (long long)m->n_ground, m->ground_links, (long long)s->run);
+}
+
 lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)
 {
     bool any;

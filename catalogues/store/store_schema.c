@@ -69,5 +69,13 @@ static const char version_3[] =
 /* Parts of a sequence of curves: number of segments before those in the file. */
 static const char version_4[] = "ALTER TABLE sweep ADD COLUMN first INTEGER NOT NULL DEFAULT 0;";
 
-const char *const lw_store_steps[] = { version_1, version_2, version_3, version_4 };
+/* Chains with multiple joints. */
+static const char version_5[] =
+    "CREATE TABLE multiple("
+    " id INTEGER PRIMARY KEY, pins TEXT NOT NULL UNIQUE, links INTEGER NOT NULL, dof INTEGER NOT NULL,"
+    " joints INTEGER NOT NULL, loops INTEGER NOT NULL, assortment TEXT NOT NULL, symmetry INTEGER NOT NULL,"
+    " planar INTEGER NOT NULL, grounds INTEGER NOT NULL, ground_links TEXT NOT NULL,"
+    " run INTEGER NOT NULL REFERENCES run(id));";
+
+const char *const lw_store_steps[] = { version_1, version_2, version_3, version_4, version_5 };
 const int lw_store_step_count = sizeof lw_store_steps/sizeof *lw_store_steps;

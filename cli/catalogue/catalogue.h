@@ -9,7 +9,7 @@
 
 typedef struct cli_catalogue_settings {
     double      time, wait, commit, min_transmission, length_range[2];
-    bool        mpi, full_turn, disagreeing, no_pictures, sql, fields;
+    bool        mpi, multiple, full_turn, disagreeing, no_pictures, sql, fields;
     int         links, dof, input, samples, curves, results, shape, list, format;
     const char *joints, *types, *columns, *sort, *part;
 } cli_catalogue_settings;

@@ -45,7 +45,7 @@ int cli_catalogue_build(const cli_call *call)
                                  .pictures = !s->no_pictures };
     lw_store *store = NULL;
     lw_chains *chains = NULL;
-    lw_build_counts n = { 0 };
+    lw_build_counts n = { 0 }, multiple = { 0 };
     lw_error e = { 0 };
     if (s->links == 0)
         return cli_usage(call, "how many links? give --links P");
@@ -59,6 +59,8 @@ int cli_catalogue_build(const cli_call *call)
         status = cli_catalogue_open(call, true, &store, &e);
     if (status == LW_OK)
         status = lw_build_chains(store, chains, &what, &control, &n, &e);
+    if (status == LW_OK && s->multiple)
+        status = lw_build_multiple(store, s->links, s->dof, &control, &multiple, &e);
     int code = cli_catalogue_watch_end(&w, status < 0 ? cli_fail(call, &e) : CLI_DONE);
     if (status >= 0 && n.was_complete) {
         cli_note(call, "it is complete already: %llu chains", (unsigned long long)n.done);
@@ -68,6 +70,8 @@ int cli_catalogue_build(const cli_call *call)
         cli_note(call, "%llu of %llu chains in %.2f s%s", (unsigned long long)n.done, (unsigned long long)n.total,
                  lw_clock_wall() - start, status == LW_OK ? "" : CONTINUE);
     }
+    if (status == LW_OK && s->multiple)
+        cli_note(call, "%llu chains with multiple joints", (unsigned long long)multiple.done);
     lw_store_close(store);
     lw_chains_free(chains);
     return code;

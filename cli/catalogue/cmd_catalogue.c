@@ -16,6 +16,8 @@ static const cli_option options[] = {
       0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground",
       "build: which joints may be driven, those at the ground or all", 0, 0, NULL, NULL },
+    { "multiple-joints", 0, CLI_FLAG, PLACE(multiple), NULL, NULL,
+      "build: also the chains with multiple joints (several links on one pin)", 0, 0, NULL, NULL },
     { "no-pictures", 0, CLI_FLAG, PLACE(no_pictures), NULL, NULL,
       "build: do not compute and store positions for drawing the chains", 0, 0, NULL, NULL },
     { "samples", 0, CLI_INT, PLACE(samples), "N", NULL, "curves: number of coupler curves to add", 1, 2e9, NULL, NULL },
@@ -68,7 +70,7 @@ static const cli_action actions[] = {
     { "build", "FILE --links P",
       "Adds every chain with P links and F degrees of freedom: its structure and derivation, canonical label,\n"
       "symmetry, planarity and notations, and its mechanisms: ground links up to symmetry, driven joints and\n"
-      "Assur groups. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
+      "Assur groups. --multiple-joints adds the chains with several links on one pin. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
       "same command is given again.\n",
       1, 1, cli_catalogue_build, CLI_CATALOGUE },
     { "add", "FILE RESULTS.json or PART.db",
@@ -125,7 +127,7 @@ const cli_command cli_catalogue_command = {
     .title = "a database of mechanisms and coupler curves; published counts, counted again",
     .examples =
         "  linkwright catalogue build atlas.db --links 8        all mechanisms with eight links\n"
-        "  linkwright catalogue build atlas.db --links 6 --joints r,t\n"
+        "  linkwright catalogue build atlas.db --links 6 --joints r,t --multiple-joints\n"
         "  linkwright catalogue add atlas.db results.jsonl      results of fit --json, or linkages\n"
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue curves atlas.db --links 6 --joints r,t --samples 1000000\n"

@@ -20,7 +20,8 @@ if [ $# -lt 2 ]; then
 fi
 real=$build/browser/real
 rm -rf "$real" "$real.db"
-for links in 4 6 8; do "$build/linkwright" catalogue build "$real.db" --links $links --quiet; done
+for links in 4 6 8; do "$build/linkwright" catalogue build "$real.db" --links $links --multiple-joints --quiet; done
+"$build/linkwright" catalogue build "$real.db" --links 6 --joints r,t --quiet
 "$build/linkwright" draw examples/space/bricard.json -o "$build/browser/bricard.html" --force --quiet
 "$build/linkwright" catalogue html "$real.db" -o "$real" --quiet
 blocks=$folder-blocks
