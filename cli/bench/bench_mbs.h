@@ -6,6 +6,7 @@
 #include "cli/program/output.h"
 
 struct lw_model;
+struct lw_spatial;
 
 /* Result of one solver at one tolerance (other programs: accuracy, or step size in s). */
 typedef struct cli_mbs_row {
@@ -67,6 +68,10 @@ lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
  * so. LW_E_KIND: the model has elements that cannot be passed to other programs. */
 lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
                         lw_error *e);
+
+/* The same for a problem in space; answers are places of its first tracer. */
+lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const struct lw_spatial *m, const cli_mbs_reference *r,
+                              lw_error *e);
 
 /* Add the rows of a problem in space; n_loop > 0: a chain of so many bars instead of a model of the data. */
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e);

@@ -16,7 +16,8 @@
 
 #include "base/clock.h"
 #include "catalogues/exchange/export.h"
-#include "mbs/dynamics/dynamics.h"
+#include "catalogues/exchange/export_space.h"
+#include "mbs/dynamics/dynamics_space.h"
 
 enum { ANSWER_MAX = 64 << 20 };
 
@@ -283,22 +284,97 @@ static lw_status run_peer(cli_mbs *b, const cli_mbs_problem *p, const char *path
     return LW_OK;
 }
 
+/* Run all programs on the scene that `st` says is written; answers have n_body places a moment. */
+static lw_status run_peers(cli_mbs *b, const cli_mbs_problem *p, FILE *scene, int n_body, const cli_mbs_reference *r,
+                           lw_status st, lw_error *e)
+{
+    cli_mbs_motion motion = { .n_moment = r->n_row, .n_body = n_body,
+                              .place = malloc(sizeof(double)*3*(size_t)(r->n_row*n_body)) };
+    if (st == LW_OK && (!motion.place || fflush(scene) != 0))
+        st = lw_error_set(e, LW_E_IO, "the scene for other programs cannot be written: %s", strerror(errno));
+    for (int i = 0; i < b->n_peer && st == LW_OK && !cli_interrupted(); i++)
+        st = run_peer(b, p, b->peer[i], scene, r, &motion, e);
+    fclose(scene);
+    free(motion.place);
+    return st;
+}
+
+static FILE *open_scene(lw_error *e)
+{
+    FILE *scene = tmpfile();
+    if (!scene)
+        lw_error_set(e, LW_E_IO, "no temporary file for the scene of other programs: %s", strerror(errno));
+    return scene;
+}
+
 lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, const cli_mbs_reference *r,
                         lw_error *e)
 {
-    cli_mbs_motion motion = { .n_moment = r->n_row, .n_body = m->linkage.n_link - 1 };
-    if (b->n_peer == 0)
-        return LW_OK;
-    motion.place = malloc(sizeof(double)*3*(size_t)(motion.n_moment*motion.n_body));
-    FILE *scene = tmpfile();
-    lw_status st = motion.place && scene ? write_scene(b, p, m, r->n_row, scene, e)
-                 : lw_error_set(e, LW_E_IO, "no memory, or no temporary file, for the scene");
-    if (st == LW_OK && fflush(scene) != 0)
-        st = lw_error_set(e, LW_E_IO, "the scene cannot be written: %s", strerror(errno));
-    for (int i = 0; i < b->n_peer && st == LW_OK && !cli_interrupted(); i++)
-        st = run_peer(b, p, b->peer[i], scene, r, &motion, e);
-    if (scene)
-        fclose(scene);
-    free(motion.place);
+    FILE *scene = b->n_peer ? open_scene(e) : NULL;
+    return scene ? run_peers(b, p, scene, m->linkage.n_link - 1, r, write_scene(b, p, m, r->n_row, scene, e), e)
+         : b->n_peer ? LW_E_IO : LW_OK;
+}
+
+/* ---- in space --------------------------------------------------------------------------------------------------- */
+
+static void write_vec(lw_vec3 v, FILE *f) { fprintf(f, " %.17g %.17g %.17g", v.x, v.y, v.z); }
+
+static lw_status write_space(const cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, int n_moment, FILE *f, lw_error *e)
+{
+    lw_dynamics *d;
+    lw_dynamics_options o = { .formulation = LW_FORMULATION_INDEX1, .to = p->to, .relative = 1e-10, .absolute = 1e-10 };
+    lw_bytes mjcf = { 0 };
+    double *q = NULL;
+    lw_status st = lw_export_space_mjcf(m, &mjcf, e);
+    if (st == LW_OK)
+        st = lw_dynamics_make_spatial(m, &o, &d, e);
+    if (st != LW_OK)
+        return lw_bytes_free(&mjcf), st;
+    const lw_space *s = lw_dynamics_space(d);
+    lw_space_frame *frame = malloc(((size_t)s->n_body + 1)*sizeof *frame);
+    q = malloc((size_t)(s->n_q + s->n_v)*sizeof *q);
+    if (q && frame) {
+        lw_dynamics_start(d, q, q + s->n_q);
+        lw_space_place(s, q, frame);
+        fputs("gravity3", f);
+        write_vec(m->gravity, f);
+        for (int i = 0; i < s->n_body; i++) {
+            const lw_spatial_body *body = &m->body[s->link_of[i]];
+            fprintf(f, "\nbody3 %.17g", body->mass);
+            for (int k = 0; k < 6; k++)
+                fprintf(f, " %.17g", body->inertia[k]);
+            write_vec(body->centre, f);
+            write_vec(lw_space_point_velocity(s, frame, (lw_space_point){ .body = i }, q + s->n_q), f);
+            write_vec(lw_space_omega(frame, i, q + s->n_q), f);
+        }
+        for (int j = 0; j < m->n_joint; j++) {
+            const lw_spatial_joint *t = &m->joint[j];
+            fprintf(f, "\njoint3 %c %d %d", lw_spatial_kind_of(t->kind)->letter, s->body_of[t->link[0]] + 1, s->body_of[t->link[1]] + 1);
+            write_vec(t->at, f);
+            write_vec(t->axis, f);
+            write_vec(t->second, f);
+        }
+        for (int k = 0; k < m->n_spring; k++) {
+            const lw_spatial_spring *t = &m->spring[k];
+            fprintf(f, "\nspring3 %d %d", s->body_of[t->link[0]] + 1, s->body_of[t->link[1]] + 1);
+            write_vec(t->at[0], f);
+            write_vec(t->at[1], f);
+            fprintf(f, " %.17g %.17g %.17g", t->stiffness, t->damping, t->free);
+        }
+        fprintf(f, "\npoint %d", s->body_of[m->tracer[0].link] + 1);
+        write_vec(m->tracer[0].at, f);
+        fprintf(f, " %s\nrun %.17g %d %.17g %.17g\nmjcf\n%s", m->tracer[0].name, p->to, n_moment, b->time, CLI_MBS_TOO_SLOW,
+                mjcf.data);
+    } else
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    free(q), free(frame);
+    lw_dynamics_free(d);
+    lw_bytes_free(&mjcf);
     return st;
+}
+
+lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, const cli_mbs_reference *r, lw_error *e)
+{
+    FILE *scene = b->n_peer ? open_scene(e) : NULL;
+    return scene ? run_peers(b, p, scene, 1, r, write_space(b, p, m, r->n_row, scene, e), e) : b->n_peer ? LW_E_IO : LW_OK;
 }

@@ -49,6 +49,18 @@ static double four_bars_error(const cli_mbs_motion *m, const cli_mbs_reference *
     return worst;
 }
 
+/* Error of the place of the tracer. */
+static double space_error(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off)
+{
+    double worst = 0;
+    for (int k = 0; k < m->n_moment; k++) {
+        const double *at = place(m, k, 0), *expected = r->value + k*r->n_column;
+        worst = fmax(worst, hypot(hypot(at[0] - expected[0], at[1] - expected[1]), at[2] - expected[2]));
+    }
+    *off = NAN;
+    return worst;
+}
+
 /* Error in the angles of the crank and of the links that pivot on the ground. */
 static double andrews_error(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off)
 {
@@ -80,13 +92,15 @@ const cli_mbs_problem cli_mbs_problems[] = {
       four_bars_error, 400 },
     { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], every ms", "andrews", 0.03, 12, andrews_error, 0 },
     { "space-slider-crank", "spatial slider-crank (IFToMM), 1 s", "place of the slider [m], every 0.05 s", NULL, 1, 12,
-      NULL, 0 },
-    { "space-bricard", "Bricard's six-bar (A04), 10 s", "place of P3 [m], every 0.5 s", NULL, 10, 12, NULL, 0 },
+      space_error, 0 },
+    { "space-bricard", "Bricard's six-bar (A04), 10 s", "place of P3 [m], every 0.5 s", NULL, 10, 12, space_error, 0 },
     { "space-governor", "flyball governor (A05), stiff dampers, 1 s", "place of the slider [m], every 0.05 s", NULL, 1,
-      10, NULL,
+      10, space_error, 0 },
+    { "space-chain", "chain of 100 bars in space, 0.2 s", "place of its end [m], every 0.01 s", NULL, 0.2, 12,
+      space_error, 100 },
+    { "space-arm", "arm with seven joints, falling, 1 s", "place of its tool [m], every 0.05 s", NULL, 1, 12, space_error, 0 },
+    { "space-stewart", "Stewart platform on springs, 1 s", "place of its tool [m], every 0.05 s", NULL, 1, 12, space_error,
       0 },
-    { "space-chain", "chain of 100 bars in space, 0.2 s", "place of its end [m], every 0.01 s", NULL, 0.2, 12, NULL,
-      100 },
     { "flexible-crank", "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL,
       0 },
     { "clearance", "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13,

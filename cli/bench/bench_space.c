@@ -119,7 +119,7 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial 
 
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
-    static const lw_formulation every[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_RADAU };
+    static const lw_formulation every[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_RADAU };
     lw_spatial m;
     places exact;
     lw_status st = p->n_loop > 0 ? make_chain(p->n_loop, &m, e) : read_model(p->name, &m, e);
@@ -128,12 +128,16 @@ lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
     lw_dynamics_options o = { .formulation = LW_FORMULATION_INDEX1, .to = p->to, .intervals = MOMENTS, .stop = cli_stop_flag() };
     o.relative = o.absolute = p->n_loop ? 1e-13 : 1e-14;
     st = run_once(&m, &o, &exact, NULL, e);
-    for (int f = 0; f < 3 && st == LW_OK; f++) {
+    for (int f = 0; f < 4 && st == LW_OK; f++) {
         bool slow = false;
         for (int k = b->loosest; k <= b->tightest && k <= p->implicit && !slow && st == LW_OK
              && !cli_interrupted(); k++)
             st = one_row(b, p, &m, every[f], pow(10, -k), &exact, &slow);
     }
+    cli_mbs_reference r = { MOMENTS + 1, 3, &exact.at[0].x };
+    _Static_assert(sizeof exact.at[0] == 3*sizeof(double), "places are three numbers each");
+    if (st == LW_OK)
+        st = cli_mbs_peers_space(b, p, &m, &r, e);
     lw_spatial_free(&m);
     return st;
 }

@@ -29,6 +29,8 @@ typedef enum lw_analysis {
  *                 set-valued
  *     radau       M v' + J^T l = Q with Phi = 0 by Radau IIA of order 5 or 9 with sparse derivatives
  *     capture     impacts and contact forces together in steps of time (Moreau, Jean)
+ *     recursive   M(x) u' + J^T l = Q in the coordinates of the joints of a spatial model: accelerations in one pass in and
+ *                 one out, J of the loops alone; explicit method of order 8
  *     index1      M a + J^T l = Q with J a = c solved in every evaluation, explicit method of order 8, the state put
  *                 back on the constraints after every step
  *     cvode       the same equations by an implicit method
@@ -39,6 +41,7 @@ typedef enum lw_analysis {
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
     X(RADAU, radau, "implicit Runge-Kutta method of order 5 or 9, for elastic links and stiff dampers") \
     X(CAPTURE, capture, "many rigid contacts: captured in steps, first order; impacts are not located") \
+    X(RECURSIVE, recursive, "models in space: coordinates of the joints, loops cut; explicit method") \
     X(INDEX1, index1, "any model: coordinates of all bodies, explicit method") \
     X(CVODE, cvode, "the same by an implicit method, for smooth friction") \
     X(GGL, ggl, "differential-algebraic equations of index 2, for stiff dampers; no rigid stops")

@@ -12,26 +12,31 @@
 
 static const double hold_most = 30;          /* greatest correction of velocities, over the error allowed in a step */
 
-/* Project y after an explicit step.  The energy of a conservative model is corrected too, by a change of all
- * velocities in proportion, which constraints at rest allow, where the correction is as small as the error allowed
- * in a step. */
+double lw_run_held(lw_run *run, const double *q, const double *v)
+{
+    lw_dynamics *d = run->d;
+    double fastest = 0;
+    if (run->has_work)
+        return 0;
+    double kinetic = d->eq.kinetic(d->eq.context, v), off = kinetic + d->eq.potential(d->eq.context, q) - run->energy0;
+    for (int i = 0; i < d->n_v; i++)
+        fastest = fmax(fastest, fabs(v[i]));
+    if (!(kinetic > 0) || !(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))
+        return 0;
+    run->r->energy_held += fabs(off);
+    return off/(2*kinetic);
+}
+
+/* Project y after an explicit step, and hold its energy. */
 static lw_status project_and_hold_energy(void *context, double t, double *y)
 {
     lw_run *run = context;
     lw_dynamics *d = run->d;
-    double *v = y + d->n_q, fastest = 0;
     lw_status s = lw_run_project(run, t, y);
-    if (s != LW_OK || run->has_work)
-        return s;
-    double kinetic = d->eq.kinetic(d->eq.context, v), off = kinetic + d->eq.potential(d->eq.context, y) - run->energy0;
+    double *v = y + d->n_q, held = s == LW_OK ? lw_run_held(run, y, v) : 0;
     for (int i = 0; i < d->n_v; i++)
-        fastest = fmax(fastest, fabs(v[i]));
-    if (!(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))
-        return LW_OK;
-    for (int i = 0; kinetic > 0 && i < d->n_v; i++)
-        v[i] -= v[i]*(off/(2*kinetic));
-    run->r->energy_held += fabs(off);
-    return LW_OK;
+        v[i] -= v[i]*held;
+    return s;
 }
 
 /* ---- one solver or the other ---------------------------------------------------------------------- */

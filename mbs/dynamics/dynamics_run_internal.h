@@ -66,6 +66,10 @@ void lw_run_watch(lw_run *run, const double *y);
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);
 
+/* The part of all velocities to take away after an explicit step to (q, v) for a conservative model to keep its energy, which
+ * constraints at rest allow; 0 where the correction is greater than the error allowed in a step. */
+double lw_run_held(lw_run *run, const double *q, const double *v);
+
 /* LW_STOPPED when a limit or the caller ends the run: after a step, with `steps` more than the report has; and in
  * every right-hand side, because one step may be tried for long. */
 lw_status lw_run_limits(lw_run *run, double t, long steps);

@@ -67,6 +67,9 @@ void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2]);
 void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, double *jac);
 /* What J a of the joints' rows has to be because of velocities (n_row). */
 void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out);
+/* Those of one joint. */
+void lw_space_joint_rows(const lw_space *s, int joint, const lw_space_frame *frame, double *phi, double *jac);
+void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *frame, const double *v, double *out);
 
 /* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to
  * `near`. */

@@ -94,9 +94,9 @@ static int line_rows(const lw_space_joint *j, const ends *n, double scale, doubl
     return 2;
 }
 
-static void joint_rows(const lw_space *s, const lw_space_joint *j, const lw_space_frame *frame, double *phi,
-                       double *jac)
+void lw_space_joint_rows(const lw_space *s, int joint, const lw_space_frame *frame, double *phi, double *jac)
 {
+    const lw_space_joint *j = &s->joint[joint];
     ends n = ends_of(s, j, frame);
     double scale = 1/s->unit;
     int r = 0;
@@ -144,10 +144,8 @@ static void joint_rows(const lw_space *s, const lw_space_joint *j, const lw_spac
 
 void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, double *jac)
 {
-    for (int i = 0; i < s->n_joint; i++) {
-        const lw_space_joint *j = &s->joint[i];
-        joint_rows(s, j, frame, phi + j->row, jac + j->row*LW_SPACE_ROW);
-    }
+    for (int i = 0; i < s->n_joint; i++)
+        lw_space_joint_rows(s, i, frame, phi + s->joint[i].row, jac + s->joint[i].row*LW_SPACE_ROW);
 }
 
 /* ---- what velocities add ------------------------------------------------------------------------------- */
@@ -189,42 +187,44 @@ static double angle_bias(const lw_space_joint *j, const rates *z, const ends *n)
     return lw_v3_dot(lw_v3_cross(z->omega[0], axis), lw_v3_sub(z->omega[1], z->omega[0]));
 }
 
-void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out)
+void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *frame, const double *v, double *to)
 {
     double scale = 1/s->unit;
-    for (int i = 0; i < s->n_joint; i++) {
-        const lw_space_joint *j = &s->joint[i];
-        double *to = out + j->row;
-        ends n = ends_of(s, j, frame);
-        rates z = rates_of(j, &n, frame, v);
-        lw_vec3 x0 = lw_m3_apply(n.turn[0], j->x[0]), y0 = lw_m3_apply(n.turn[0], j->y[0]);
-        lw_vec3 z0 = lw_m3_apply(n.turn[0], j->z[0]), z1 = lw_m3_apply(n.turn[1], j->z[1]);
-        lw_spatial_kind k = j->kind;
-        if (k == LW_SPATIAL_FREE)
-            continue;
-        if (k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_UNIVERSAL || k ==
-            LW_SPATIAL_FIXED) {
-            to[0] = -scale*z.rest.x, to[1] = -scale*z.rest.y, to[2] = -scale*z.rest.z;
-            to += 3;
-        } else if (k == LW_SPATIAL_PLANAR)
-            *to++ = -scale*line_bias(&z, &n, z0);
-        else {
-            *to++ = -scale*line_bias(&z, &n, x0);
-            *to++ = -scale*line_bias(&z, &n, y0);
-        }
-        if (k == LW_SPATIAL_SPHERICAL)
-            continue;
-        if (k == LW_SPATIAL_UNIVERSAL) {
-            *to = -turn_bias(&z, x0, lw_m3_apply(n.turn[1], j->x[1]));
-            continue;
-        }
-        *to++ = -turn_bias(&z, x0, z1);
-        *to++ = -turn_bias(&z, y0, z1);
-        if (k == LW_SPATIAL_FIXED || k == LW_SPATIAL_PRISMATIC)
-            *to = -turn_bias(&z, y0, lw_m3_apply(n.turn[1], j->x[1]));
-        if (k == LW_SPATIAL_SCREW)
-            *to = -scale*(line_bias(&z, &n, z0) - j->pitch*angle_bias(j, &z, &n));
+    const lw_space_joint *j = &s->joint[joint];
+    lw_spatial_kind k = j->kind;
+    if (k == LW_SPATIAL_FREE)
+        return;
+    ends n = ends_of(s, j, frame);
+    rates z = rates_of(j, &n, frame, v);
+    lw_vec3 x0 = lw_m3_apply(n.turn[0], j->x[0]), y0 = lw_m3_apply(n.turn[0], j->y[0]);
+    lw_vec3 z0 = lw_m3_apply(n.turn[0], j->z[0]), z1 = lw_m3_apply(n.turn[1], j->z[1]);
+    if (k == LW_SPATIAL_SPHERICAL || k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_UNIVERSAL || k == LW_SPATIAL_FIXED) {
+        to[0] = -scale*z.rest.x, to[1] = -scale*z.rest.y, to[2] = -scale*z.rest.z;
+        to += 3;
+    } else if (k == LW_SPATIAL_PLANAR)
+        *to++ = -scale*line_bias(&z, &n, z0);
+    else {
+        *to++ = -scale*line_bias(&z, &n, x0);
+        *to++ = -scale*line_bias(&z, &n, y0);
     }
+    if (k == LW_SPATIAL_SPHERICAL)
+        return;
+    if (k == LW_SPATIAL_UNIVERSAL) {
+        *to = -turn_bias(&z, x0, lw_m3_apply(n.turn[1], j->x[1]));
+        return;
+    }
+    *to++ = -turn_bias(&z, x0, z1);
+    *to++ = -turn_bias(&z, y0, z1);
+    if (k == LW_SPATIAL_FIXED || k == LW_SPATIAL_PRISMATIC)
+        *to = -turn_bias(&z, y0, lw_m3_apply(n.turn[1], j->x[1]));
+    if (k == LW_SPATIAL_SCREW)
+        *to = -scale*(line_bias(&z, &n, z0) - j->pitch*angle_bias(j, &z, &n));
+}
+
+void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out)
+{
+    for (int i = 0; i < s->n_joint; i++)
+        lw_space_joint_bias(s, i, frame, v, out + s->joint[i].row);
 }
 
 /* ---- measures ---------------------------------------------------------------------------------------------- */

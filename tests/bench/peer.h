@@ -7,9 +7,15 @@
  *     pin A B X Y
  *     spring A B AX AY BX BY STIFFNESS FREE          between a point of A and a point of B
  *     torque BODY N                                  constant, on a link
+ *     gravity3 X Y Z                                 a scene in space has these lines instead:
+ *     body3 MASS XX YY ZZ XY XZ YZ X Y Z VX VY VZ WX WY WZ        inertia about the centre; velocities of the start
+ *     joint3 KIND A B X Y Z AX AY AZ BX BY BZ        letter of the kind (docs/notation.md), axis, second axis
+ *     spring3 A B AX AY AZ BX BY BZ STIFFNESS DAMPING FREE
+ *     point BODY X Y Z NAME                          the answer is the place of this point, X Y Z a line
  *     run END MOMENTS REPEAT LONGEST                 seconds of motion; moments from 0 to END; seconds for the repeats
  *                                                    of a row; seconds of a run after which nothing tighter is tried
- *     mjcf                                           all that follows: the linkage as a model of MuJoCo, without masses
+ *     mjcf                                           all that follows: the linkage as a model of MuJoCo, without masses;
+ *                                                    in space the whole model
  *
  * Standard output, for each solver and tolerance (accuracy, or length of the step):
  *
@@ -29,12 +35,16 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PEER_MAX = 64, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50 };
+enum { PEER_MAX = 128, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50 };
 
 typedef struct peer_body { double mass, inertia, x, y, omega; char name[PEER_NAME]; } peer_body;
 typedef struct peer_pin { int a, b; double x, y; } peer_pin;
 typedef struct peer_spring { int a, b; double ax, ay, bx, by, stiffness, free; } peer_spring;
 typedef struct peer_torque { int body; double value; } peer_torque;
+
+typedef struct peer_body3 { double mass, inertia[6], at[3], v[3], omega[3]; } peer_body3;
+typedef struct peer_joint3 { char kind; int a, b; double at[3], axis[3], second[3]; } peer_joint3;
+typedef struct peer_spring3 { int a, b; double at[2][3], stiffness, damping, free; } peer_spring3;
 
 typedef struct peer_scene {
     double      gx, gy, end, repeat, longest;
@@ -43,8 +53,43 @@ typedef struct peer_scene {
     peer_pin    pin[PEER_MAX];
     peer_spring spring[PEER_MAX];
     peer_torque torque[PEER_MAX];
+    bool         space;
+    double       gravity[3];
+    int          n_body3, n_joint3, n_spring3;
+    peer_body3   body3[PEER_MAX];
+    peer_joint3  joint3[PEER_MAX];
+    peer_spring3 spring3[PEER_MAX];
+    int          point_body;
+    double       point[3];
+    char         point_name[PEER_NAME];
     char        xml[PEER_XML];
 } peer_scene;
+
+/* The lines of a scene in space. */
+static inline bool peer_line3(peer_scene *s, const char *line)
+{
+    peer_body3 *b = &s->body3[s->n_body3];
+    peer_joint3 *j = &s->joint3[s->n_joint3];
+    peer_spring3 *k = &s->spring3[s->n_spring3];
+    if (s->n_body3 == PEER_MAX - 1 || s->n_joint3 == PEER_MAX - 1 || s->n_spring3 == PEER_MAX - 1)
+        return false;
+    if (sscanf(line, "body3 %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf", &b->mass, &b->inertia[0],
+               &b->inertia[1], &b->inertia[2], &b->inertia[3], &b->inertia[4], &b->inertia[5], &b->at[0], &b->at[1],
+               &b->at[2], &b->v[0], &b->v[1], &b->v[2], &b->omega[0], &b->omega[1], &b->omega[2]) == 16)
+        return ++s->n_body3 > 0;
+    if (sscanf(line, "joint3 %c %d %d %lf %lf %lf %lf %lf %lf %lf %lf %lf", &j->kind, &j->a, &j->b, &j->at[0], &j->at[1],
+               &j->at[2], &j->axis[0], &j->axis[1], &j->axis[2], &j->second[0], &j->second[1], &j->second[2]) == 12)
+        return ++s->n_joint3 > 0;
+    if (sscanf(line, "spring3 %d %d %lf %lf %lf %lf %lf %lf %lf %lf %lf", &k->a, &k->b, &k->at[0][0], &k->at[0][1],
+               &k->at[0][2], &k->at[1][0], &k->at[1][1], &k->at[1][2], &k->stiffness, &k->damping, &k->free) == 11)
+        return ++s->n_spring3 > 0;
+    if (sscanf(line, "point %d %lf %lf %lf %127[^\n]", &s->point_body, &s->point[0], &s->point[1], &s->point[2],
+               s->point_name) == 5)
+        return true;
+    bool begins = sscanf(line, "gravity3 %lf %lf %lf", &s->gravity[0], &s->gravity[1], &s->gravity[2]) == 3;
+    s->space = s->space || begins;
+    return begins;
+}
 
 /* Does a line say what its first word promises? */
 static inline bool peer_line(peer_scene *s, const char *line)
@@ -56,6 +101,8 @@ static inline bool peer_line(peer_scene *s, const char *line)
     const int last = PEER_MAX - 1;
     if (s->n_body == last || s->n_pin == last || s->n_spring == last || s->n_torque == last)
         return false;
+    if (peer_line3(s, line))
+        return true;
     if (sscanf(line, "body %lf %lf %lf %lf %lf %127[^\n]", &b->mass, &b->inertia, &b->x, &b->y, &b->omega,
                b->name) == 6)
         return ++s->n_body > 0;
@@ -85,7 +132,7 @@ static inline peer_scene *peer_read(void)
             exit(3);
         }
     }
-    if (scene.moments < 2 || scene.n_body == 0) {
+    if (scene.moments < 2 || scene.n_body + scene.n_body3 == 0) {
         fputs("peer: no scene on standard input; run by `linkwright bench mbs`\n", stderr);
         exit(3);
     }

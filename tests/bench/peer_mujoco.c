@@ -69,10 +69,23 @@ static void end_of(const mjData *d, int link, double x, double y, double *out)
     out[2] = 0;
 }
 
-/* Compiled twice: the first time tells where the frames of the bodies are. */
+static void set_options(mjModel *m)
+{
+    m->opt.solver = mjSOL_NEWTON;
+    memset(m->dof_armature, 0, (size_t)m->nv*sizeof *m->dof_armature);      /* of drives, which are off */
+    m->opt.tolerance = 1e-14;
+    m->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_FRICTIONLOSS | mjDSBL_ACTUATION | mjDSBL_SENSOR
+                         | mjDSBL_REFSAFE;
+}
+
+/* Compiled twice: the first time tells where the frames of the bodies are.  A model in space has its masses. */
 static mjModel *make_model(void)
 {
     mjModel *m = load(scene->xml);
+    if (scene->space) {
+        set_options(m);
+        return m;
+    }
     mjData *d = mj_makeData(m);
     mj_kinematics(m, d);
     for (int k = 1; k <= scene->n_body; k++) {
@@ -89,11 +102,7 @@ static mjModel *make_model(void)
     m = load(scene->xml);
     m->opt.gravity[0] = scene->gx;
     m->opt.gravity[1] = scene->gy;
-    m->opt.solver = mjSOL_NEWTON;
-    memset(m->dof_armature, 0, (size_t)m->nv*sizeof *m->dof_armature);      /* of drives, which are off */
-    m->opt.tolerance = 1e-14;
-    m->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_FRICTIONLOSS | mjDSBL_ACTUATION | mjDSBL_SENSOR
-                         | mjDSBL_REFSAFE;
+    set_options(m);
     return m;
 }
 
@@ -132,7 +141,9 @@ static double sign_of(const mjModel *m, int joint) { return m->jnt_axis[3*joint 
 static void start(const mjModel *m, mjData *d)
 {
     mj_resetData(m, d);
-    for (int j = 0; j < m->njnt; j++) {
+    if (scene->space && m->nkey > 0)
+        mj_resetDataKeyframe(m, d, 0);
+    for (int j = 0; !scene->space && j < m->njnt; j++) {
         int b = m->jnt_bodyid[j];
         d->qvel[m->jnt_dofadr[j]] = sign_of(m, j)*(omega_of(b) - omega_of(m->body_parentid[b]));
     }
@@ -152,6 +163,10 @@ static double turn(const mjModel *m, const mjData *d, int body)
 static void print(const mjModel *m, mjData *d)
 {
     mj_kinematics(m, d);
+    if (scene->space) {
+        const double *x = d->site_xpos + 3*mj_name2id(m, mjOBJ_SITE, scene->point_name);
+        printf("%.17g %.17g %.17g\n", x[0], x[1], x[2]);
+    }
     for (int k = 1; k <= scene->n_body; k++) {
         const double *x = d->xipos + 3*body_of[k];
         printf("%.17g %.17g %.17g%c", x[0], x[1], turn(m, d, body_of[k]), k == scene->n_body ? '\n' : ' ');
@@ -232,7 +247,7 @@ int main(void)
     double begun = peer_clock();
     mjModel *m = make_model();
     double set_up = peer_clock() - begun;
-    mjcb_passive = springs;
+    mjcb_passive = scene->space ? NULL : springs;
     rows(m, mjINT_RK4, "RK4", set_up);
     rows(m, mjINT_EULER, "Euler", set_up);
     mj_deleteModel(m);

@@ -11,6 +11,9 @@
 
 using namespace SimTK;
 
+/* A rotation whose column `k` is z. */
+static Rotation along(const Vec3 &z, CoordinateAxis k) { return z.norm() > 0 ? Rotation(UnitVec3(z), k) : Rotation(); }
+
 /* Frames of all bodies are parallel to the ground's in the posture, with their origins in the centres of mass. */
 struct Model {
     const peer_scene &scene;
@@ -34,12 +37,106 @@ struct Model {
         parent[to] = from;
     }
 
-    explicit Model(const peer_scene &s) : scene(s), body(s.n_body + 1), parent(s.n_body + 1, -1)
+    /* ---- in space ---- */
+
+    std::vector<int> tree;                 /* joint from the parent to a body of a model in space */
+    std::vector<bool> turned;              /* its first link is the child */
+
+    static Vec3 vec(const double *x) { return Vec3(x[0], x[1], x[2]); }
+    Vec3 at(int link, const double *x) const { return link ? vec(x) - vec(scene.body3[link - 1].at) : vec(x); }
+
+    void hang3(int j, int from, int to)
     {
-        std::vector<bool> used(s.n_pin, false);
-        Force::UniformGravity(forces, matter, Vec3(s.gx, s.gy, 0));
+        const peer_joint3 &p = scene.joint3[j];
+        const peer_body3 &b = scene.body3[to - 1];
+        const double *i = b.inertia;
+        Body::Rigid mass(MassProperties(b.mass, Vec3(0), Inertia(i[0], i[1], i[2], i[3], i[4], i[5])));
+        Rotation r = p.kind == 't' ? along(vec(p.axis), XAxis) : along(vec(p.axis), ZAxis);
+        bool back = p.a == to;
+        if (p.kind == 'u')
+            r = Rotation(UnitVec3(vec(p.axis)), XAxis, vec(p.second), YAxis);
+        Transform f(r, at(from, p.at)), m(r, at(to, p.at));
+        auto way = back ? MobilizedBody::Reverse : MobilizedBody::Forward;
+        body[to] = p.kind == 'r' ? MobilizedBody(MobilizedBody::Pin(body[from], f, mass, m, way))
+                 : p.kind == 't' ? MobilizedBody(MobilizedBody::Slider(body[from], f, mass, m, way))
+                 : p.kind == 'b' ? MobilizedBody(MobilizedBody::Ball(body[from], f, mass, m, way))
+                 : p.kind == 'u' ? MobilizedBody(MobilizedBody::Universal(body[from], f, mass, m, way))
+                 : p.kind == 'c' ? MobilizedBody(MobilizedBody::Cylinder(body[from], f, mass, m, way))
+                                 : MobilizedBody(MobilizedBody::Weld(body[from], f, mass, m));
+        parent[to] = from;
+        tree[to] = j;
+        turned[to] = back;
+    }
+
+    /* Joints are taken into the tree in this order; those left close loops. */
+    void make3()
+    {
+        static const char *const order = "ftrcub";
+        const peer_scene &s = scene;
+        std::vector<bool> used(s.n_joint3, false);
+        tree.resize(s.n_body3 + 1);
+        turned.resize(s.n_body3 + 1);
+        Force::UniformGravity(forces, matter, vec(s.gravity));
+        for (bool more = true; more;) {
+            more = false;
+            for (const char *k = order; *k && !more; k++)
+                for (int j = 0; j < s.n_joint3; j++) {
+                    const peer_joint3 &p = s.joint3[j];
+                    if (p.kind != *k || used[j] || (parent[p.a] < 0) == (parent[p.b] < 0))
+                        continue;
+                    hang3(j, parent[p.a] < 0 ? p.b : p.a, parent[p.a] < 0 ? p.a : p.b);
+                    used[j] = more = true;
+                }
+        }
+        for (int j = 0; j < s.n_joint3; j++) {
+            const peer_joint3 &p = s.joint3[j];
+            if (used[j])
+                continue;
+            Constraint::Ball(body[p.a], at(p.a, p.at), body[p.b], at(p.b, p.at));
+            if (p.kind == 'b')
+                continue;
+            if (p.kind != 'r')
+                throw std::runtime_error("a loop is closed by a joint that is neither ball nor hinge");
+            UnitVec3 axis(vec(p.axis));
+            UnitVec3 x = axis.perp(), y(axis % x);
+            Constraint::ConstantAngle(body[p.a], x, body[p.b], axis);
+            Constraint::ConstantAngle(body[p.a], y, body[p.b], axis);
+        }
+        for (int k = 0; k < s.n_spring3; k++) {
+            const peer_spring3 &c = s.spring3[k];
+            Force::TwoPointLinearSpring(forces, body[c.a], at(c.a, c.at[0]), body[c.b], at(c.b, c.at[1]), c.stiffness,
+                                        c.free);
+            if (c.damping > 0)
+                Force::TwoPointLinearDamper(forces, body[c.a], at(c.a, c.at[0]), body[c.b], at(c.b, c.at[1]), c.damping);
+        }
+    }
+
+    void start3(State &state)
+    {
+        for (int b = 1; b <= scene.n_body3; b++) {
+            const peer_joint3 &p = scene.joint3[tree[b]];
+            Vec3 v[2], w[2];
+            for (int k = 0; k < 2; k++) {
+                int link = k ? b : parent[b];
+                const peer_body3 *own = link ? &scene.body3[link - 1] : nullptr;
+                w[k] = own ? vec(own->omega) : Vec3(0);
+                v[k] = own ? vec(own->v) + w[k] % at(link, p.at) : Vec3(0);
+            }
+            Rotation r = body[b].getDefaultInboardFrame().R();
+            body[b].setUToFitVelocity(state, SpatialVec(~r*(w[1] - w[0]), ~r*(v[1] - v[0])));
+        }
+    }
+
+    explicit Model(const peer_scene &s) : scene(s), body(s.n_body + s.n_body3 + 1), parent(s.n_body + s.n_body3 + 1, -1)
+    {
         body[0] = matter.Ground();
         parent[0] = 0;
+        if (s.space) {
+            make3();
+            return;
+        }
+        std::vector<bool> used(s.n_pin, false);
+        Force::UniformGravity(forces, matter, Vec3(s.gx, s.gy, 0));
         for (bool more = true; more;) {
             more = false;
             for (int j = 0; j < s.n_pin; j++) {
@@ -70,6 +167,8 @@ struct Model {
         system.realize(state, Stage::Position);
         for (int b = 1; b <= scene.n_body; b++)
             body[b].setOneU(state, 0, scene.body[b - 1].omega - (parent[b] ? scene.body[parent[b] - 1].omega : 0));
+        if (scene.space)
+            start3(state);
         system.realize(state, Stage::Velocity);
         return state;
     }
@@ -78,6 +177,10 @@ struct Model {
     void print(const State &state) const
     {
         system.realize(state, Stage::Position);
+        if (scene.space) {
+            Vec3 x = body[scene.point_body].findStationLocationInGround(state, at(scene.point_body, scene.point));
+            std::printf("%.17g %.17g %.17g\n", x[0], x[1], x[2]);
+        }
         for (int b = 1; b <= scene.n_body; b++) {
             Vec3 x = body[b].getBodyOriginLocation(state);
             double turn = 0;

@@ -1,0 +1,360 @@
+/* mbs/dynamics/dynamics_recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
+ * by an explicit method of order 8.  Open chains have no constraints left; loops are closed after every step.  Near singular
+ * postures of the loops the run goes on in the coordinates of the bodies. */
+#include "base/real.h"
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/ode/integrate.h"
+#include "mbs/space/recursive.h"
+
+static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start */
+static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
+enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the coordinates of all bodies */
+
+typedef struct motion {
+    lw_run *run;
+    lw_recursive r;
+    lw_space_extra *extra;
+    double (*wanted)[3], *near;              /* (extra) */
+    double *body, *shown, *free;             /* states of the bodies (run->n), the second after steps; scratch (n_u) */
+    double least, first;                     /* least pivot of the loops in the last step, at the start */
+} motion;
+
+/* ---- rows of loops ---------------------------------------------------------------------------------------------- */
+
+static lw_status place(motion *m, double t, const double *x, const double *u, double *q, double *v)
+{
+    lw_dynamics *d = m->run->d;
+    lw_recursive_place(&m->r, x, q);
+    lw_recursive_velocities(&m->r, u, v);
+    for (int i = 0, k = d->space->n_idle; i < d->n_driven; i++, k++) {
+        lw_spatial_measure of = m->extra[k].measure;
+        m->near[k] = of.of == LW_OF_TURN ? d->space->f.turn[of.index] : 0;
+        if (lw_mbs_motion(d, i, t, m->wanted[k]) != LW_OK)
+            return lw_error_set(m->run->e, LW_E_NUMERIC, "the motion of input \"%s\" is not a number at t = %.9g s",
+                                d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
+    }
+    return LW_OK;
+}
+
+static lw_status factor(motion *m)
+{
+    lw_status s = lw_recursive_factor(&m->r);
+    m->least = fmin(m->least, s == LW_OK ? m->r.weak : 0);
+    return s == LW_OK ? LW_OK : LW_OPEN;
+}
+
+/* Rates of the loops' rows that are missing, into r.l; the greatest. */
+static double missing_rates(motion *m, const double *v)
+{
+    double most = 0;
+    for (int i = 0; i < m->r.n_row; i++) {
+        const lw_recursive_row *row = &m->r.row[i];
+        int extra = i - (m->r.n_row - m->r.n_extra);
+        double rate = extra >= 0 ? m->wanted[extra][1] : 0;
+        for (int k = 0; k < LW_SPACE_ROW; k++)
+            rate -= row->body[k/6] < 0 ? 0 : row->jac[k]*v[6*row->body[k/6] + k%6];
+        m->r.l[i] = rate;
+        most = fmax(most, fabs(rate));
+    }
+    return most;
+}
+
+static lw_status close_loops(motion *m, double t, double *x, double *u, double *q, double *v)
+{
+    double before = INFINITY, most = 0;
+    for (int pass = 0; pass < 12; pass++) {
+        double off = 0;
+        lw_status s = place(m, t, x, u, q, v);
+        if (s != LW_OK || m->r.n_row == 0)
+            return s;
+        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, NULL);
+        for (int i = 0; i < m->r.n_row; i++)
+            off = fmax(off, fabs(m->r.row[i].phi));
+        if (!(off < 0.1))
+            return LW_OPEN;
+        if ((pass == 0 || off > 1e-7) && (s = factor(m)) != LW_OK)
+            return s;
+        if (off <= 4e-16*(m->r.n_u + 4) || (off < 1e-12 && off >= 0.5*before))
+            break;
+        before = off;
+        lw_recursive_solve(&m->r, NULL, LW_WANT_CLOSED, m->free);
+        lw_recursive_move(&m->r, x, m->free);
+    }
+    for (int i = 0; i < m->run->d->n_v; i++)
+        most = fmax(most, fabs(v[i]));
+    for (int pass = 0; pass < 6 && missing_rates(m, v) > 4e-16*most; pass++) {
+        lw_recursive_solve(&m->r, NULL, LW_WANT_GIVEN, m->free);
+        for (int k = 0; k < m->r.n_u; k++)
+            u[k] += m->free[k];
+        lw_recursive_velocities(&m->r, u, v);
+    }
+    return LW_OK;
+}
+
+/* ---- the solver's functions ---------------------------------------------------------------------------------- */
+
+static lw_status rate(void *context, double t, const double *y, double *dy)
+{
+    motion *m = context;
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    int n = m->r.n_x + m->r.n_u, tail = n + run->has_work;
+    double *q = m->body, *v = q + d->n_q, power = 0;
+    lw_status s = lw_run_busy(run, t);
+    if (s == LW_OK)
+        s = place(m, t, y, y + m->r.n_x, q, v);
+    if (s != LW_OK)
+        return s;
+    d->eq.place_states(d->eq.context, y + tail);
+    d->eq.forces(d->eq.context, t, q, v, d->force, run->has_work ? &power : NULL);
+    for (int i = 0; i < d->n_v; i++)
+        if (!isfinite(d->force[i]))
+            return lw_error_set(run->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
+                                d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t);
+    if (m->r.n_row)
+        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, v);
+    if ((s = factor(m)) != LW_OK)
+        return s;
+    lw_recursive_solve(&m->r, d->force, LW_WANT_MOTION, dy + m->r.n_x);
+    lw_recursive_rates(&m->r, y, y + m->r.n_x, dy);
+    for (int i = 0; i < d->n_driven; i++)
+        power -= m->r.l[m->r.n_row - d->n_driven + i]*m->wanted[d->space->n_idle + i][1];
+    if (run->has_work)
+        dy[n] = power;
+    return d->eq.n_z ? lw_mbs_state_rates(d, t, q, v, dy + tail) : LW_OK;
+}
+
+static lw_status project(void *context, double t, double *y)
+{
+    motion *m = context;
+    lw_dynamics *d = m->run->d;
+    double *q = m->body, *v = q + d->n_q, *u = y + m->r.n_x;
+    lw_recursive_normalise(&m->r, y);
+    lw_status s = close_loops(m, t, y, u, q, v);
+    if (s != LW_OK)
+        return s;
+    d->eq.accept(d->eq.context, q);
+    double held = lw_run_held(m->run, q, v);
+    for (int k = 0; k < m->r.n_u; k++)
+        u[k] -= u[k]*held;
+    return LW_OK;
+}
+
+/* The state of the bodies at a state of the tree. */
+static lw_status to_bodies(motion *m, double t, const double *y, double *out)
+{
+    lw_dynamics *d = m->run->d;
+    int n = m->r.n_x + m->r.n_u;
+    lw_status s = place(m, t, y, y + m->r.n_x, out, out + d->n_q);
+    memcpy(out + d->n_q + d->n_v, y + n, (size_t)(m->run->has_work + d->eq.n_z)*sizeof *y);
+    return s;
+}
+
+typedef struct sampler { motion *m; lw_integrator *w; double *y; } sampler;
+
+static lw_status state_at(void *context, double t, double *out)
+{
+    sampler *p = context;
+    motion *m = p->m;
+    double *q = m->body;
+    if (t == p->w->t)
+        memcpy(p->y, p->w->y, (size_t)p->w->ode->n*sizeof *p->y);
+    else {
+        lw_status s = lw_integrate_dense(p->w, t, p->y);
+        if (s == LW_OK)
+            s = close_loops(m, t, p->y, p->y + m->r.n_x, q, q + m->run->d->n_q);
+        if (s != LW_OK)
+            return LW_E_NUMERIC;
+    }
+    return to_bodies(m, t, p->y, out);
+}
+
+/* ---- the run ------------------------------------------------------------------------------------------------------ */
+
+/* LW_OPEN: *t and out are the last good state, from which bodies' coordinates have to go on. */
+static lw_status run_steps(motion *m, lw_integrator *w, sampler *p, double *t, double *out)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    *t = w->t;
+    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        m->least = 1;
+        s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
+        if (s == LW_STOPPED || s == LW_E_MEMORY)
+            break;
+        if (s != LW_OK || m->least < near_singular*m->first) {
+            s = m->r.n_row ? LW_OPEN : s;
+            break;
+        }
+        s = to_bodies(m, w->t, w->y, out);
+        *t = run->r->t = w->t;
+        stop = w->t >= d->o.to ? LW_ODE_END : stop;
+        if (s == LW_OK)
+            lw_run_watch(run, out);
+        if (s == LW_OK)
+            s = lw_run_samples(run, w->t, state_at, p);
+        if (s == LW_OK && lw_run_at_kink(run, w->t)) {
+            s = lw_run_pass_kink(run, &w->t, state_at, p);
+            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            if (s == LW_OK && stop != LW_ODE_END)
+                s = lw_integrate_restart(w, NULL, run->e);
+        }
+        if (s == LW_OK && stop != LW_ODE_END && lw_recursive_wrap(&m->r, w->y))    /* samples are done with the old angles */
+            s = lw_integrate_restart(w, NULL, run->e);
+        if (s == LW_OK)
+            s = lw_run_limits(run, w->t, k);
+    }
+    run->r->steps += w->n_step;
+    run->r->refused += w->n_refused;
+    run->r->rates += w->n_rate;
+    return s;
+}
+
+static lw_status start(motion *m, double *y, double *out)
+{
+    lw_dynamics *d = m->run->d;
+    double *x = y, *u = y + m->r.n_x, *q = m->body, *v = q + d->n_q;
+    lw_dynamics_start(d, q, v);
+    memcpy(out, q, (size_t)(d->n_q + d->n_v)*sizeof *out);
+    lw_recursive_of_bodies(&m->r, q, v, x, u);
+    lw_status s = close_loops(m, d->o.from, x, u, q, v);
+    for (int i = 0; s == LW_OK && i < d->n_v; i++)
+        s = fabs(v[i] - out[d->n_q + i]) <= same_posture*(1 + fabs(v[i])) ? LW_OK : LW_OPEN;
+    m->first = m->r.weak;
+    memcpy(u + m->r.n_u + m->run->has_work, d->start_z, (size_t)d->eq.n_z*sizeof *y);
+    d->eq.place_states(d->eq.context, d->start_z);
+    return s;
+}
+
+static lw_status run_one(motion *m, double *y, double *work)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    lw_ode ode = { .n = m->r.n_x + m->r.n_u + run->has_work + d->eq.n_z, .context = m, .rate = rate, .project = project };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w = { .n_step = 0 };
+    double *out = m->shown, *each = NULL, t = d->o.from;
+    sampler p = { m, &w, y + ode.n };
+    o.relative = d->o.relative;
+    o.absolute = d->o.absolute;
+    o.max_step = d->o.max_step;
+    o.smooth = d->eq.smooth;
+    lw_status s = start(m, y, out);
+    if (s == LW_OK)
+        s = to_bodies(m, t, y, out);
+    if (s == LW_OK && d->eq.n_z) {           /* states have sizes of their own */
+        int first = ode.n - d->eq.n_z;
+        each = malloc((size_t)ode.n*sizeof *each);
+        s = each ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+        for (int i = 0; each && i < ode.n; i++)
+            each[i] = d->o.absolute*(i < first ? 1 : d->eq.state_scale(d->eq.context, i - first));
+        o.absolute_each = each;
+    }
+    if (s == LW_OK)
+        s = lw_run_begin(run, out);
+    if (s == LW_OK)
+        s = lw_integrate_start(&w, &ode, &o, work, t, y, run->e);
+    if (s == LW_OK && t < d->o.to)
+        s = run_steps(m, &w, &p, &t, out);
+    if (s == LW_OPEN || (s == LW_E_NUMERIC && m->r.n_row)) {
+        run->r->t = t;
+        s = lw_run_go_on(run, out);
+    }
+    free(each);
+    return s;
+}
+
+/* Rows beside the joints': spins that are held, inputs with a motion. */
+static lw_status make(motion *m, lw_dynamics *d, lw_error *e)
+{
+    const lw_spatial_scene *c = d->space;
+    int n = c->n_idle + d->n_driven;
+    m->extra = calloc((size_t)n + 1, sizeof *m->extra);
+    m->wanted = calloc((size_t)n + 1, sizeof *m->wanted);
+    m->near = calloc((size_t)n + 1, sizeof *m->near);
+    if (!m->extra || !m->wanted || !m->near)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    memcpy(m->extra, c->idle, (size_t)c->n_idle*sizeof *m->extra);
+    for (int i = 0; i < d->n_driven; i++)
+        m->extra[c->n_idle + i] = (lw_space_extra){ .measure = lw_spatial_numbered(c, d->driven_measure[i]) };
+    lw_status s = lw_recursive_make(&c->s, d->eq.mass, m->extra, n, &m->r, e);
+    m->r.rank = d->rank - (6*c->s.n_body - m->r.n_u);    /* rows of the tree are independent */
+    return s;
+}
+
+static void unmake(motion *m)
+{
+    lw_recursive_free(&m->r);
+    free(m->extra);
+    free(m->wanted);
+    free(m->near);
+}
+
+static lw_status run_recursive(lw_run *run)
+{
+    motion m = { .run = run, .least = 1, .first = 1 };
+    lw_status s = make(&m, run->d, run->e);
+    if (s == LW_OK) {
+        int n = m.r.n_x + m.r.n_u + run->has_work + run->d->eq.n_z;
+        double *y = calloc(2*(size_t)n + lw_integrate_work(n, 0) + 3*(size_t)run->n + 2*(size_t)m.r.n_u + 1, sizeof *y);
+        s = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+        if (y) {
+            m.body = y + 2*n + lw_integrate_work(n, 0);
+            m.shown = m.body + run->n;
+            run->y = m.shown + run->n;
+            m.free = run->y + run->n;
+            s = run_one(&m, y, y + 2*n);
+        }
+        free(y);
+    }
+    unmake(&m);
+    return s;
+}
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    char why[sizeof r->why];
+    if (!d->space)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it is for models in space");
+    if (d->touch || d->n_friction || d->n_stop || d->has_zero_mass || d->elastic)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops, friction, massless or elastic links");
+    if (!asked && lw_mbs_is_stiff(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
+    motion m = { .least = 1 };
+    lw_error e;
+    lw_status s = make(&m, d, &e);
+    int rows = m.r.n_row, n = m.r.n_x + m.r.n_u;
+    if (s == LW_OK && m.r.n_u > 0 && rows <= MOST_ROWS) {     /* has every motion a mass, and are the loops as counted? */
+        double *x = calloc((size_t)(n + m.r.n_u + d->n_q + d->n_v), sizeof *x);
+        s = x ? LW_OK : LW_E_MEMORY;
+        if (x) {
+            double *u = x + m.r.n_x;
+            m.run = &(lw_run){ .d = d, .e = &e };
+            m.free = u + m.r.n_u;
+            lw_recursive_of_bodies(&m.r, d->start_q, d->start_v, x, u);
+            s = close_loops(&m, d->o.from, x, u, m.free + m.r.n_u, m.free + m.r.n_u + d->n_q);
+            if (s == LW_OK && rows == 0)
+                s = factor(&m);
+        }
+        free(x);
+    }
+    snprintf(why, sizeof why, rows ? "%scoordinates of %d joints, recursive; %d joint%s cut, %d rows" : "%scoordinates of %d joints, "
+             "recursive: an open chain", asked ? "asked for; " : "", d->space->s.n_body, m.r.n_cut, m.r.n_cut == 1 ? "" : "s", rows);
+    bool none = m.r.n_u == 0;
+    unmake(&m);
+    if (s == LW_E_MEMORY)
+        return s;
+    if (rows > MOST_ROWS || none)
+        return lw_formulation_say(r, LW_E_KIND, 0, none ? "no joint moves" : "too many rows close its loops");
+    if (s != LW_OK)
+        return lw_formulation_say(r, LW_E_KIND, 0, "in its first posture a joint moves no mass, or the loops are singular");
+    return lw_formulation_say(r, LW_OK, n, strncat(why, asked ? "" : lw_mbs_is_planar(d), sizeof why - strlen(why) - 1));
+}
+
+const lw_formulation_row lw_formulation_recursive = { able, run_recursive };
