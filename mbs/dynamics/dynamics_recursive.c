@@ -216,6 +216,7 @@ static lw_status run_steps(motion *m, lw_integrator *w, sampler *p, double *t, d
     return s;
 }
 
+/* out: the start to the bit, from which a run that is saved there goes on. */
 static lw_status start(motion *m, double *y, double *out)
 {
     lw_dynamics *d = m->run->d;
@@ -228,6 +229,7 @@ static lw_status start(motion *m, double *y, double *out)
         s = fabs(v[i] - out[d->n_q + i]) <= same_posture*(1 + fabs(v[i])) ? LW_OK : LW_OPEN;
     m->first = m->r.weak;
     memcpy(u + m->r.n_u + m->run->has_work, d->start_z, (size_t)d->eq.n_z*sizeof *y);
+    memcpy(out + d->n_q + d->n_v + m->run->has_work, d->start_z, (size_t)d->eq.n_z*sizeof *y);
     d->eq.place_states(d->eq.context, d->start_z);
     return s;
 }
@@ -246,8 +248,6 @@ static lw_status run_one(motion *m, double *y, double *work)
     o.max_step = d->o.max_step;
     o.smooth = d->eq.smooth;
     lw_status s = start(m, y, out);
-    if (s == LW_OK)
-        s = to_bodies(m, t, y, out);
     if (s == LW_OK && d->eq.n_z) {           /* states have sizes of their own */
         int first = ode.n - d->eq.n_z;
         each = malloc((size_t)ode.n*sizeof *each);
