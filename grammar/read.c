@@ -191,6 +191,46 @@ lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, 
     return s;
 }
 
+static lw_status read_clearance_model(const lw_json_node *n, lw_clearance *c, lw_error *e)
+{
+    static const char *const names[] = { "zero", "link", "mlsd", "impact", "hunt-crossley",
+                                         "lankarani-nikravesh" };
+    int which;
+    lw_json_node model;
+    lw_status s = lw_read_need(n, "model", &model, e);
+    if (s == LW_OK)
+        s = lw_read_look_up(&model, "model of clearance", names, COUNT(names), &which, e);
+    if (s == LW_OK)
+        c->model = (lw_clearance_model)(LW_CLEARANCE_ZERO + which);
+    return s;
+}
+
+lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c, lw_error *e)
+{
+    static const char *const known[] = { "model", "gap", "stiffness", "exponent", "damping", "depth",
+                                         "restitution", "friction", "friction_speed" };
+    bool stiff = false;
+    const lw_number_key numbers[] = {
+        { "gap", metre, LW_POSITIVE, &c->gap, NULL },
+        { "stiffness", 1, LW_POSITIVE, &c->stiffness, &stiff },
+        { "exponent", 1, 1, 10, &c->exponent, NULL },
+        { "damping", 1, 0, INFINITY, &c->damping, NULL },
+        { "depth", metre, 0, INFINITY, &c->depth, NULL },
+        { "restitution", 1, 0, 1, &c->restitution, NULL },
+        { "friction", 1, 0, INFINITY, &c->friction, NULL },
+        { "friction_speed", 1, LW_POSITIVE, &c->friction_speed, NULL },
+    };
+    lw_json_node at;
+    *c = (lw_clearance){ .exponent = 1, .restitution = 1, .friction_speed = 0.001 };
+    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
+        (s = read_clearance_model(n, c, e)) == LW_OK && (s = lw_read_need(n, "gap", &at, e)) == LW_OK)
+        s = lw_read_numbers(n, numbers, COUNT(numbers), e);
+    if (s == LW_OK && c->model >= LW_CLEARANCE_MLSD && !stiff)
+        s = lw_read_need(n, "stiffness", &at, e);
+    return s;
+}
+
 int lw_read_find(const char *name, const char *first, size_t stride, int n)
 {
     for (int i = 0; i < n; i++)

@@ -40,6 +40,9 @@ lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want,
  * damping. */
 lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, lw_error *e);
 
+/* The clearance of a joint; its lengths are in units of `metre`. */
+lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c, lw_error *e);
+
 /* Place of a name among n names `stride` bytes apart; -1: it is not there. */
 int lw_read_find(const char *name, const char *first, size_t stride, int n);
 

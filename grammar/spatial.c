@@ -40,6 +40,31 @@ void lw_spatial_free(lw_spatial *m)
     memset(m, 0, sizeof *m);
 }
 
+bool lw_spatial_has_clearance(const lw_spatial_joint *j) { return j->clearance.model > LW_CLEARANCE_ZERO; }
+
+lw_status lw_spatial_open(const lw_spatial *m, lw_spatial *open, lw_error *e)
+{
+    *open = *m;
+    open->joint = malloc(((size_t)m->n_joint + 1)*sizeof *open->joint);
+    open->contact = malloc(((size_t)m->n_joint + 1)*sizeof *open->contact);
+    if (!open->joint || !open->contact)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    memcpy(open->joint, m->joint, (size_t)m->n_joint*sizeof *m->joint);
+    for (int j = 0; j < m->n_joint; j++)
+        if ((open->joint[j].opened = lw_spatial_has_clearance(&m->joint[j]))) {
+            open->joint[j].kind = m->joint[j].kind == LW_SPATIAL_SPHERICAL ? LW_SPATIAL_FREE : LW_SPATIAL_PLANAR;
+            open->contact[open->n_contact++] = j;
+        }
+    return LW_OK;
+}
+
+void lw_spatial_open_free(lw_spatial *open)
+{
+    free(open->joint);
+    free(open->contact);
+    memset(open, 0, sizeof *open);
+}
+
 static int time_alone(void *context, const char *word, const char *name, char *why)
 {
     (void)context, (void)why;
@@ -70,7 +95,7 @@ static bool place_of(const lw_spatial *m, int k, lw_vec3 *out)
 {
     *out = k < m->n_joint ? m->joint[k].at : k < m->n_joint + m->n_tracer ? m->tracer[k - m->n_joint].at
          : m->body[k - m->n_joint - m->n_tracer].centre;
-    return k < m->n_joint ? lw_spatial_kind_of(m->joint[k].kind)->rows > 0
+    return k < m->n_joint ? lw_spatial_kind_of(lw_spatial_kind_given(&m->joint[k]))->rows > 0
          : k < m->n_joint + m->n_tracer || m->body[k - m->n_joint - m->n_tracer].mass > 0;
 }
 

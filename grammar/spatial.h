@@ -54,6 +54,8 @@ typedef struct lw_spatial_joint {
     double  cone;                /* spherical, universal: greatest angle of tilt from the posture [rad]; not enforced */
     lw_vec3 cone_axis;           /* unit, the axis of link[1] whose tilt counts                        */
     lw_joint_stop stop;          /* of the turn, or the slide of a prismatic joint, from the posture   */
+    lw_clearance clearance;      /* spherical, revolute: between the centres; link[1] has the pin or the ball */
+    bool    opened;              /* its kind is what the clearance leaves of it (lw_spatial_open)       */
 } lw_spatial_joint;
 
 typedef struct lw_spatial_tracer {
@@ -154,6 +156,7 @@ typedef struct lw_spatial {
     lw_spatial_beam         *beam;
     int      n_super;                    /* a file has none                                            */
     lw_superelement         *super;
+    int      n_contact, *contact;        /* joints whose clearance is opened; a file has none          */
     lw_vec3  gravity;                    /* [m/s^2]                                                    */
     lw_units units;
 } lw_spatial;
@@ -164,6 +167,21 @@ bool lw_spatial_text(const char *text, size_t size);
 /* Read a model.  LW_E_NOTATION with line and column, also for errors of meaning; m is then empty. */
 lw_status lw_spatial_read(const char *text, size_t size, const char *file, lw_spatial *m, lw_error *e);
 void      lw_spatial_free(lw_spatial *m);
+
+/* The kind that the file gives a joint, opened or not. */
+static inline lw_spatial_kind lw_spatial_kind_given(const lw_spatial_joint *j)
+{
+    return !j->opened ? j->kind : j->kind == LW_SPATIAL_FREE ? LW_SPATIAL_SPHERICAL : LW_SPATIAL_REVOLUTE;
+}
+
+/* Does a joint have a clearance that lw_spatial_open opens? */
+bool lw_spatial_has_clearance(const lw_spatial_joint *j);
+
+/* The same model with its clearances opened: a spherical joint becomes a free one, a revolute joint a planar one, which keeps
+ * tilt and axial place.  It shares what it does not change with m, which must outlive it.  LW_E_MEMORY.  *open needs
+ * lw_spatial_open_free, after a failure too. */
+lw_status lw_spatial_open(const lw_spatial *m, lw_spatial *open, lw_error *e);
+void      lw_spatial_open_free(lw_spatial *open);
 
 /* Move input i by an expression of t, "0.5 + 10*t" [rad] or [m]. */
 lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_error *e);

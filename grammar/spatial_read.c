@@ -360,6 +360,23 @@ static lw_status read_cone(const lw_json_node *joint, const lw_spatial *m, lw_sp
     return s;
 }
 
+/* What lw_spatial_open knows to open. */
+static lw_status read_clearance(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    lw_json_node n;
+    if (!lw_json_member(joint, "clearance", &n))
+        return LW_OK;
+    if (j->kind != LW_SPATIAL_SPHERICAL && j->kind != LW_SPATIAL_REVOLUTE)
+        return lw_json_fault(&n, e, "in space only spherical and revolute joints have a \"clearance\"");
+    lw_status s = lw_read_clearance(&n, m->units.metre, &j->clearance, e);
+    if (s == LW_OK && j->clearance.model == LW_CLEARANCE_LINK)
+        s = lw_json_fault(&n, e, "the model \"link\" is known in the plane only; in space take \"impact\", \"mlsd\", "
+                                 "\"hunt-crossley\", \"lankarani-nikravesh\", or \"zero\" for a joint without clearance");
+    if (s == LW_OK && j->clearance.friction > 0)
+        s = lw_json_fault(&n, e, "friction between pin and bush is known in the plane only; leave \"friction\" out");
+    return s;
+}
+
 static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "kind", "links", "at", "axis", "second_axis", "lead", "stop", "cone",
@@ -370,7 +387,7 @@ static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *
     if (s == LW_OK && (s = lw_json_known_keys(joint, known, COUNT(known), e)) == LW_OK &&
         (s = read_new_name(joint, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), j->name, e)) == LW_OK)
         s = read_kind(joint, &j->kind, e);
-    if (s == LW_OK && (lw_json_member(joint, "friction", &n) || lw_json_member(joint, "clearance", &n)))
+    if (s == LW_OK && lw_json_member(joint, "friction", &n))
         s = lw_json_fault(&n, e, "%s is known in planar models only; leave it out", n.key);
     if (s == LW_OK && (s = lw_read_need(joint, "links", &links, e)) == LW_OK)
         s = lw_read_list(&links, 2, 2, e);
@@ -386,8 +403,9 @@ static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *
         s = lw_read_triple(&n, m->units.metre, &j->at, e);
     if (s == LW_OK && !placed)               /* anywhere: at the mass, which keeps the size of the scene */
         j->at = m->body[j->link[1]].centre;
-    if (s == LW_OK && (s = read_axes(joint, m, j, e)) == LW_OK && (s = read_stop(joint, m, j, e)) == LW_OK)
-        s = read_cone(joint, m, j, e);
+    if (s == LW_OK && (s = read_axes(joint, m, j, e)) == LW_OK && (s = read_stop(joint, m, j, e)) == LW_OK &&
+        (s = read_cone(joint, m, j, e)) == LW_OK)
+        s = read_clearance(joint, m, j, e);
     m->n_joint++;
     return s;
 }

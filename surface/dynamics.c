@@ -7,7 +7,7 @@
 #include "base/clock.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/clearance_sweep.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 #include "mbs/dynamics/counterweights.h"
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/modes.h"

@@ -1,7 +1,7 @@
 /* tests/test_clearance_scenes.c - clearance together with friction, stops, sliders and further loops; laws of contact
  * against one another where they must agree. */
 #include "mbs/dynamics/clearance.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 #include "tests/clearance_models.h"
 #include "tests/dynamics_run.h"
 

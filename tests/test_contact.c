@@ -1,5 +1,5 @@
 /* tests/test_contact.c - laws of contact: values by hand, pieces that meet, energy, friction, names. */
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 #include "tests/check.h"
 
 static lw_clearance law(lw_clearance_model m)

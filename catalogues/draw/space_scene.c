@@ -269,7 +269,7 @@ static void add_joint(const lw_spatial *m, int item, lw_space_scene *s)
     double pin = 0.035*s->radius;
     bool grounded = j->link[0] == m->ground || j->link[1] == m->ground;
     int first = j->link[0], second = j->link[1];
-    switch (j->kind) {
+    switch (lw_spatial_kind_given(j)) {
     case LW_SPATIAL_REVOLUTE:    add_axis(s, LW_SPACE_PIN, j, item, first, j->axis, pin, grounded); break;
     case LW_SPATIAL_CYLINDRICAL:
     case LW_SPATIAL_SCREW:
@@ -323,7 +323,7 @@ static void make_shapes(const lw_spatial *m, lw_space_scene *s)
 static lw_vec3 origin_of(const lw_spatial *m, int link)
 {
     for (int i = 0; i < m->n_joint; i++)
-        if (m->joint[i].kind != LW_SPATIAL_FREE && (m->joint[i].link[0] == link || m->joint[i].link[1] == link))
+        if (lw_spatial_kind_given(&m->joint[i]) != LW_SPATIAL_FREE && (m->joint[i].link[0] == link || m->joint[i].link[1] == link))
             return m->joint[i].at;
     return m->body[link].centre;
 }

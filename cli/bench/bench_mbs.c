@@ -13,7 +13,7 @@
 #include "cli/program/data.h"
 #include "cli/program/progress.h"
 #include "mbs/dynamics/clearance.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 #include "mbs/dynamics/dynamics.h"
 #include "cli/bench/flexible_crank.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 #include "base/real.h"
 #include "base/suggest.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 
 /* ---- lists --------------------------------------------------------------------------------------- */
 

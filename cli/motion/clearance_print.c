@@ -6,7 +6,7 @@
 #include "catalogues/pages/draw.h"
 #include "cli/motion/clearance.h"
 #include "cli/program/json.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 
 static const char *joint_name(const cli_clearance *c, int joint) { return c->model->linkage.joint[joint].name; }
 

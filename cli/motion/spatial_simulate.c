@@ -138,6 +138,10 @@ static void make_columns(run *r)
         add_vector(r, m->joint[j].name, "f", "N", 1);
         add_vector(r, m->joint[j].name, "m", "N m", 1);
     }
+    for (int i = 0; i < m->n_contact; i++) {
+        add(r, m->joint[m->contact[i]].name, "distance", length, 1/m->units.metre);
+        add(r, m->joint[m->contact[i]].name, "contact", "N", 1);
+    }
     add_inner(r);
     for (int i = 0; i < m->states.n_state; i++)
         add(r, m->states.state[i].name, "", m->states.state[i].unit, 1);
@@ -259,6 +263,10 @@ static lw_status put_row(void *context, const lw_moment *moment)
         to = put_body(to, &r->link[s->link_of[b]]);
     for (int j = 0; j < m->n_joint; j++)
         to = put(put(to, o->joint[j].force), o->joint[j].moment);
+    for (int i = 0; i < m->n_contact; i++) {
+        lw_space_touch touch = lw_dynamics_space_touch(r->d, i, o);
+        *to++ = touch.distance, *to++ = touch.force;
+    }
     to = put_inner(r, o, to);
     for (int i = 0; i < m->states.n_state; i++)
         *to++ = moment->z[i];
@@ -350,6 +358,17 @@ static lw_status prepare(run *r, lw_spatial *m, const lw_dynamics_options *o, co
     return r->no_memory || !r->row || !r->tracer || !r->link ? lw_error_set(r->e, LW_E_MEMORY, "out of memory") : LW_OK;
 }
 
+/* What joints with clearance did in a run that reached time t. */
+static void note_contacts(const cli_call *call, const run *r, double from, double t)
+{
+    for (int i = 0; i < r->m->n_contact; i++) {
+        const lw_space_contact *p = lw_dynamics_space_contact(r->d, i);
+        cli_note(call, "clearance of joint \"%s\": apart for %.3g %% of the time, contact lost %ld time%s, greatest force %.4g N, "
+                 "greatest distance of the centres %.4g m", r->m->joint[p->joint].name, t > from ? 100*p->apart/(t - from) : 0,
+                 p->losses, p->losses == 1 ? "" : "s", p->force_most, p->distance_most);
+    }
+}
+
 static void end(run *r)
 {
     free(r->row), free(r->tracer), free(r->link), free(r->inner), free(r->column), free(r->pose), free(r->path);
@@ -438,6 +457,8 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         else
             cli_dynamics_remarks(r.f, &r.report, st, &e);
         cli_dynamics_notes(call, r.d, &r.report);
+        if (explain)
+            note_contacts(call, &r, o->from, r.report.t);
         if (r.report.formulation == LW_FORMULATION_AUTO && r.report.samples > 0)
             cli_note(call, "at rest after %d iterations, %s", r.rest.iterations, r.rest.stable ? "stable" : "not stable");
         bool limit = st == LW_STOPPED && r.report.samples > 0;

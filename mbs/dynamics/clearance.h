@@ -1,6 +1,6 @@
 /* mbs/dynamics/clearance.h - a linkage with clearance in some of its pins (Makkonen 1999, section 5.2 and paper C).
  *
- * link[0] of the joint carries the bush, link[1] the pin.  A force between the two centres (mbs/dynamics/contact.h)
+ * link[0] of the joint carries the bush, link[1] the pin.  A force between the two centres (mbs/elastic/contact.h)
  * replaces the two rows of the joint.  The model `link` keeps the distance of the centres; `zero` keeps the joint and
  * judges its reaction.  The motion is found in the coordinates of a tree of the other joints, by the explicit method of
  * order 8; contact made and lost is located as events.

@@ -5,7 +5,7 @@
 #include "base/rank.h"
 #include "mbs/dynamics/clearance.h"
 #include "mbs/dynamics/clearance_tree_internal.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 #include "mbs/dynamics/forces.h"
 #include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/rigid_stops_internal.h"

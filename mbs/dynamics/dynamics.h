@@ -68,6 +68,7 @@ typedef struct lw_dynamics_options {
     bool pieces;                 /* no formulation that looks beyond the end, or back to the posture of the file */
     bool           hold_inputs;  /* keep inputs without a motion where they are */
     bool           rigid;        /* take elastic links as rigid bars of the same mass */
+    bool           closed;       /* spatial: take joints with clearance as ideal ones; so do analyses that are not of time */
 } lw_dynamics_options;
 
 /* transient, auto, 0 to 1 s, 100 intervals, 1e-10 */

@@ -66,7 +66,7 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
         return s;
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
                        .project = w->implicit ? lw_run_project : project_and_hold_energy,
-                       .n_event = run->d->touch ? LW_TOUCH_EVENTS : run->d->n_stop,
+                       .n_event = run->d->touch ? LW_TOUCH_EVENTS : run->d->n_stop + (run->d->eq.piece_left != NULL),
                        .event = run->d->touch ? lw_run_touch_events : lw_run_stop_events };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)
@@ -271,6 +271,10 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         s = lw_run_samples(run, time_of(w), state_at, w);
         if (s == LW_OK && stop == LW_ODE_EVENT) {
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
+            if (d->eq.next_piece) {
+                d->eq.next_piece(d->eq.context, y, y + d->n_q, false);
+                d->eq.watch(d->eq.context, time_of(w), y, y + d->n_q, false);
+            }
             s = d->touch ? lw_run_touch(run, time_of(w), y, w->explicit_one.events)
                          : lw_run_strike(run, time_of(w), y, &changed);
             if (s == LW_OK)
@@ -370,7 +374,7 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 
 static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
-    if (d->touch)
+    if (d->touch || d->eq.next_piece)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (!asked && lw_ggl_suits(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "ggl solves stiff dampers in fewer steps");

@@ -34,6 +34,7 @@ struct lw_dynamics {
     lw_model             rigid;               /* elastic links as rigid bars */
     lw_spatial_expansion spatial_expansion;   /* the same in space */
     lw_spatial           spatial_rigid;
+    lw_spatial           spatial_open;        /* with its clearances opened */
     bool                 elastic;
     lw_dynamics_options  o;
     lw_system            s;

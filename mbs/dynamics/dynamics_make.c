@@ -135,6 +135,7 @@ void lw_dynamics_free(lw_dynamics *d)
     lw_elastic_rigid_free(&d->rigid);
     lw_spatial_expansion_free(&d->spatial_expansion);
     lw_spatial_rigid_free(&d->spatial_rigid);
+    lw_spatial_open_free(&d->spatial_open);
     if (d->space)
         lw_spatial_scene_free(d->space);
     free(d->space);

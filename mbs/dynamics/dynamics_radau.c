@@ -267,7 +267,8 @@ static double tolerance(const stages *g)
 static lw_status solve_stages(stages *g)
 {
     lw_dynamics *d = g->run->d;
-    double before = 0, wanted = 0.02*tolerance(g);
+    /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
+    double before = 0, wanted = 0.02*tolerance(g), far = d->eq.next_piece ? 0.3 : 1e3;
     lw_status s = lw_mbs_rows(d, g->t, g->q);
     d->eq.place_states(d->eq.context, g->x);
     for (int k = 0; s == LW_OK && k <= g->s/2; k++) {
@@ -288,7 +289,7 @@ static lw_status solve_stages(stages *g)
         if (s != LW_OK)
             return s == LW_E_NUMERIC ? LW_OPEN : s;
         double change = newton_step(g);
-        if (!(change < 1e3) || (pass > 1 && change > 2*before))
+        if (!(change < far) || (pass > 1 && change > 2*before))
             return LW_OPEN;
         double ratio = pass ? change/fmax(before, 1e-300) : 1;
         g->contraction = fmax(g->contraction, pass ? ratio : 0);
@@ -332,11 +333,54 @@ static double error_of(stages *g)
     return most/tolerance(g);
 }
 
+/* Posture of the polynomial through the stages at a part of the step, in g->qi. */
+static void place_within(stages *g, double part)
+{
+    double *by = g->e;
+    for (int i = 0; i < g->n; i++)
+        by[i] = 0;
+    for (int j = 0; j < g->s; j++) {
+        double basis = part/g->at[j];
+        for (int i = 0; i < g->s; i++)
+            basis *= i == j ? 1 : (part - g->at[i])/(g->at[j] - g->at[i]);
+        for (int i = 0; i < g->n; i++)
+            by[i] += basis*g->z[j*g->n + i];
+    }
+    memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
+    g->run->d->eq.move(g->run->d->eq.context, g->qi, by);
+}
+
+static double piece_left_within(stages *g, double part)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    place_within(g, part);
+    return eq->piece_left(eq->context, g->qi);
+}
+
+/* The part of the step at which a piece of the forces ends, just beyond its end; 1: none does before the end of the step. */
+static double piece_end(stages *g)
+{
+    double low = 0, high = 1;
+    bool ends = false;
+    for (int k = 0; k < g->s && !ends; k++) {
+        high = g->at[k];
+        ends = piece_left_within(g, high) < 0;
+        low = ends ? low : high;
+    }
+    for (int pass = 0; ends && pass < 60 && high - low > 1e-12; pass++) {
+        double middle = 0.5*(low + high);
+        *(piece_left_within(g, middle) < 0 ? &high : &low) = middle;
+    }
+    return ends ? high : 1;
+}
+
 /* Take the stages as the step to t + h. */
 static lw_status accept(stages *g, double t)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
+    if (d->eq.next_piece && residuals(g) != LW_OK)       /* the power of stiff contacts, at the last iterate */
+        return LW_E_NUMERIC;
     d->eq.move(d->eq.context, g->q, g->z + (g->s - 1)*n);
     for (int i = 0; i < n; i++) {
         g->v[i] = g->vi[(g->s - 1)*n + i];
@@ -395,20 +439,27 @@ static double next_step(const stages *g, double h, double *end)
     return left < 2*h ? 0.5*left : h;
 }
 
+/* A step to the end of a piece may end so far beyond it (equations.h, piece_left), and is not shorter than this part of an
+ * ordinary one, because differences of places over the length of a step are velocities. */
+static const double beyond_most = 1e-3, least_part = 1e-3;
+
 static lw_status run_steps(stages *g)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
-    double h = 1e-4*(d->o.to - d->o.from), end, error_old = 1;
+    double h = 1e-4*(d->o.to - d->o.from), end, error_old = 1, to_piece = 0;      /* step to the end of a piece; 0: none */
     lw_status s = LW_OK;
     for (long k = 1; s == LW_OK && run->next <= d->o.intervals; k++) {
         g->h = next_step(g, h, &end);
+        if (to_piece > 0)
+            g->h = to_piece, end = 0;
         if (!(g->h > 1e-14*fmax(fabs(g->t), d->o.to - d->o.from)))
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, or an "
                                 "elastic link buckles", g->t);
         s = solve_stages(g);
         if (s == LW_OPEN) {
             h = 0.3*g->h;
+            to_piece = 0;
             run->r->refused++;
             g->since = 0;
             s = LW_OK;
@@ -419,9 +470,17 @@ static lw_status run_steps(stages *g)
         double error = fmax(error_of(g), 1e-6), root = -1.0/(g->s + 1), factor = 0.9*pow(error, root);
         if (error > 1) {
             h = g->h*fmax(factor, 0.2);
+            to_piece = 0;
             run->r->refused++;
             continue;
         }
+        double part = d->eq.piece_left ? piece_end(g) : 1;
+        if (part < 1 && !(to_piece > 0 && (piece_left_within(g, 1) > -beyond_most || to_piece <= least_part*h))) {
+            to_piece = fmax(part*g->h, least_part*h);    /* once more, to where a piece of the forces ends */
+            continue;
+        }
+        bool switches = to_piece > 0;
+        to_piece = 0;
         if (g->since)                        /* Gustafsson's control */
             factor = fmin(factor, factor*g->h/g->h_old*pow(error/error_old, root));
         error_old = fmax(error, 1e-2);
@@ -431,6 +490,8 @@ static lw_status run_steps(stages *g)
         double next = g->h_old*fmin(fmax(factor, 0.2), g->contraction > 0.3 ? 1 : 8);
         h = cut ? fmax(h, next) : next;
         run->r->t = g->t;
+        if (switches)
+            d->eq.next_piece(d->eq.context, g->q, g->v, false);
         if (s == LW_OK) {
             lw_run_watch(run, state(g, run->y));
             s = end > 0 ? show(g) : LW_OK;
@@ -486,11 +547,13 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->n_friction || d->n_stop || d->has_zero_mass)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops or massless links");
-    if (!asked && !d->elastic && !(d->space ? lw_mbs_is_stiff(d) : lw_mbs_is_damped_tree(d)))
+    if (!asked && !d->elastic && !d->eq.next_piece && !(d->space ? lw_mbs_is_stiff(d) : lw_mbs_is_damped_tree(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
                               ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "
                                 "than its steps"
+                              : d->eq.next_piece ? "contact in clearances is stiff: an implicit method whose steps end where contact "
+                                "begins and ends"
                               : "dampers make the equations stiff: an implicit method with exact derivatives");
 }
 

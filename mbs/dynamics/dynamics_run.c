@@ -24,6 +24,8 @@ void lw_run_watch(lw_run *run, const double *y)
     double work = run->has_work ? y[d->n_q + d->n_v] : 0;
     r->energy_error = fmax(r->energy_error, fabs(kinetic + potential - run->energy0 - work));
     r->energy_scale = fmax(r->energy_scale, fmax(kinetic, fabs(potential - run->potential0)));
+    if (d->eq.watch)
+        d->eq.watch(d->eq.context, r->t, y, y + d->n_q, run->next == 0);
     if (r->momentum_scale > 0) {
         double size, now = d->eq.momentum(d->eq.context, y, y + d->n_q, &size);
         r->momentum_error = fmax(r->momentum_error, fabs(now - run->momentum0));
@@ -168,6 +170,7 @@ static void note_start(lw_run *run, const double *y)
     double size = 0;
     run->momentum0 = d->eq.momentum ? d->eq.momentum(d->eq.context, y, y + d->n_q, &size) : 0;
     run->r->momentum_scale = d->eq.momentum ? fmax(size, 1e-300) : 0;
+    run->next = 0;
     lw_run_watch(run, y);
     run->next = 1;
     run->kink = d->o.from;

@@ -91,7 +91,8 @@ lw_status lw_run_project(void *context, double t, double *y);
 
 /* ---- dynamics_stops.c: rigid stops ------------------------------------------------------------------ */
 
-/* Event functions (n_stop): the gap of each stop, the pressure of one that is rested on. */
+/* Event functions (n_stop): the gap of each stop, the pressure of one that is rested on; behind them the distance to the end of
+ * the forces' smooth piece, where they have pieces. */
 lw_status lw_run_stop_events(void *context, double t, const double *y, double *g);
 
 /* Apply the impacts, rests and departures at t; *changed is set if y or the rows changed. */

@@ -291,7 +291,7 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, double *
 /* ---- moments -------------------------------------------------------------------------------------------------- */
 
 /* Forces of the joints on their second links for multipliers l. */
-static void find_reactions(lw_spatial_scene *c, const double *l, double *phi, double *all)
+static void find_reactions(lw_spatial_scene *c, const double *v, const double *l, double *phi, double *all)
 {
     const lw_space *s = &c->s;
     lw_space_rows(s, c->frame, phi, all);
@@ -311,6 +311,13 @@ static void find_reactions(lw_spatial_scene *c, const double *l, double *phi, do
         about = lw_v3_add(about, lw_v3_cross(lw_v3_sub(c->frame[j->body[end] + 1].at, p[1]), load));
         c->joint[i].force = lw_v3_scale(load, end == 1 ? 1 : -1);
         c->joint[i].moment = lw_v3_scale(about, end == 1 ? 1 : -1);
+    }
+    for (int i = 0; i < c->model->n_contact; i++) {
+        const lw_space_contact *p = &c->f.contact[i];
+        lw_vec3 d = lw_v3_sub(lw_space_point_at(c->frame, p->end[1]), lw_space_point_at(c->frame, p->end[0]));
+        lw_space_touch at = lw_space_touch_of(&c->f, c->frame, v, i);
+        lw_vec3 *to = &c->joint[p->joint].force;
+        *to = lw_v3_sub(*to, lw_v3_scale(d, at.distance > 0 ? at.force/at.distance : 0));
     }
 }
 
@@ -345,7 +352,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
         lw_space_measured(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, m->v, &input[i], &rate[i]);
         input[i] += lw_spatial_offset(&model->input[i]);
     }
-    find_reactions(c, l, none, none + c->s.n_row);
+    find_reactions(c, m->v, l, none, none + c->s.n_row);
     return st;
 }
 
@@ -395,6 +402,13 @@ double lw_dynamics_space_signal(const lw_dynamics *d, int i, const lw_space_mome
 {
     return lw_space_signal(&d->space->f, i, m->t, m->frame, m->v);
 }
+
+lw_space_touch lw_dynamics_space_touch(const lw_dynamics *d, int i, const lw_space_moment *m)
+{
+    return lw_space_touch_of(&d->space->f, m->frame, m->v, i);
+}
+
+const lw_space_contact *lw_dynamics_space_contact(const lw_dynamics *d, int i) { return &d->space->f.contact[i]; }
 
 /* ---- driven runs ------------------------------------------------------------------------------------------------ */
 
@@ -458,6 +472,28 @@ static lw_status expand(lw_dynamics *d, const lw_spatial **m, lw_error *e)
     return st;
 }
 
+/* Does this run open the clearances of the model? */
+static bool opens(const lw_dynamics *d, const lw_spatial *m)
+{
+    bool any = false, time = d->o.analysis == LW_ANALYSIS_TRANSIENT || d->o.analysis == LW_ANALYSIS_DYNAMIC;
+    for (int j = 0; j < m->n_joint; j++)
+        any = any || lw_spatial_has_clearance(&m->joint[j]);
+    return any && time && !d->o.closed;
+}
+
+/* Errors of a step are small beside clearances: parts of the gap, and of the depth over which damping grows. */
+static const double finest_gap = 2e-3, finest_depth = 0.1;
+
+static void bound_tolerance(lw_dynamics *d)
+{
+    const lw_space_forces *f = &d->space->f;
+    for (int i = 0; i < d->space->model->n_contact; i++) {
+        const lw_clearance *c = f->contact[i].law;
+        double most = fmin(finest_gap*c->gap, lw_contact_rises(c) ? finest_depth*c->depth : INFINITY)/d->space->s.unit;
+        d->o.relative = fmin(d->o.relative, most), d->o.absolute = fmin(d->o.absolute, most);
+    }
+}
+
 /* Elastic bars between ball joints spin about their line as rigid ones do: hold these spins at their first nodes. */
 static lw_status hold_spins(lw_dynamics *d, const lw_spatial *given, lw_error *e)
 {
@@ -508,14 +544,15 @@ static void place_on_rigid(const lw_dynamics *d, const lw_space *rigid, const lw
     v[0] = rate.x, v[1] = rate.y, v[2] = rate.z, v[3] = omega.x, v[4] = omega.y, v[5] = omega.z;
 }
 
-/* Start elastic links undeformed, with the posture and the velocities of the same model with rigid links. */
+/* Start elastic links undeformed, pins in the middle of their bushes, with the posture and the velocities of the same model with
+ * rigid links and joints without clearance. */
 static lw_status start_as_rigid(lw_dynamics *d, const lw_spatial *given, lw_error *e)
 {
     lw_dynamics *r = calloc(1, sizeof *r);
     if (!r)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     r->o = d->o;
-    r->o.rigid = true;
+    r->o.rigid = r->o.closed = true;
     lw_status st = lw_dynamics_prepare_spatial(r, given, e);
     if (st == LW_OK)
         lw_space_place(&r->space->s, r->start_q, r->space->frame);
@@ -565,6 +602,11 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
     if (!d->space)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_status st = expand(d, &m, e);
+    bool open = st == LW_OK && opens(d, given);
+    if (open) {
+        st = lw_spatial_open(m, &d->spatial_open, e);
+        m = &d->spatial_open;
+    }
     if (st == LW_OK)
         st = lw_spatial_scene_make(m, d->space, e);
     if (st == LW_OK && d->elastic)
@@ -593,7 +635,9 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         st = lw_mbs_reserve(d, e);
     if (st == LW_OK && rest)
         weigh_alike(d);
-    if (st == LW_OK && d->elastic)
+    if (open)
+        bound_tolerance(d);
+    if (st == LW_OK && (d->elastic || open))
         st = start_as_rigid(d, given, e);
     else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && d->freedom > 0 && !rest)
         st = find_velocities(d, e);

@@ -43,6 +43,10 @@ typedef struct lw_space_inner { double normal, shear[2], torque, bending[2], str
 /* out (n_node of the chain). */
 void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int chain, lw_space_inner *out);
 
+/* Contact i of the model solved (n_contact): at a moment, and over the run so far. */
+lw_space_touch          lw_dynamics_space_touch(const lw_dynamics *d, int i, const lw_space_moment *m);
+const lw_space_contact *lw_dynamics_space_contact(const lw_dynamics *d, int i);
+
 /* Signal i of the model: the output of a controller, the voltage of a motor, the opening of a valve. */
 double lw_dynamics_space_signal(const lw_dynamics *d, int i, const lw_space_moment *m);
 

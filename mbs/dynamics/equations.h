@@ -88,6 +88,11 @@ typedef struct lw_equations {
     double (*damper)(void *context, int k, const double *q, const double *v, double *g);
     /* The next time after t at which forces or motions have a kink.  NULL: never. */
     double (*next_kink)(void *context, double t);
+    /* Forces have smooth pieces, such as contacts that are open or closed.  How far a posture is from the end of its piece,
+     * < 0 beyond it; take the piece that begins at (q, v), or at the start of a run.  NULL: there is one piece only. */
+    double (*piece_left)(void *context, const double *q);
+    void   (*next_piece)(void *context, const double *q, const double *v, bool start);
+    void   (*watch)(void *context, double t, const double *q, const double *v, bool first);     /* after each step */
     /* Take z (n_z); its rates; its values at the start; the size of state i against which its error counts. */
     void   (*place_states)(void *context, const double *z);
     void   (*state_rates)(void *context, double t, const double *q, const double *v, double *rate);

@@ -311,6 +311,27 @@ static double next_kink(void *context, double t)
     return fmin(next, lw_states_next_kink(&m->states, t));
 }
 
+static double piece_left(void *context, const double *q)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    return lw_space_piece_left(&c->f, c->frame);
+}
+
+static void next_piece(void *context, const double *q, const double *v, bool start)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_next_piece(&c->f, c->frame, v, start);
+}
+
+static void watch(void *context, double t, const double *q, const double *v, bool first)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_watch_contacts(&c->f, c->frame, v, t, first);
+}
+
 static void place_states(void *context, const double *z)
 {
     const lw_spatial_scene *c = context;
@@ -398,6 +419,8 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,
-                           .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
+                           .piece_left = c->model->n_contact ? piece_left : NULL,
+                           .next_piece = c->model->n_contact ? next_piece : NULL,
+                           .watch = c->model->n_contact ? watch : NULL, .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
                            .potential = potential, .move = move, .along = along, .rates = rates, .accept = accept };
 }

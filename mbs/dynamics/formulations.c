@@ -187,6 +187,8 @@ static lw_status run_one(lw_run *run)
     d->least_determinant = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
                          r->formulation != LW_FORMULATION_REDUCED;
+    if (d->eq.next_piece)
+        d->eq.next_piece(d->eq.context, d->start_q, d->start_v, true);
     bool equilibria = d->elastic && d->o.analysis == LW_ANALYSIS_QUASISTATIC;
     lw_status s = equilibria ? lw_statics_run_large(run) : table[r->formulation]->run(run);
     free(run->behind);

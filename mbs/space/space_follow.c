@@ -29,7 +29,7 @@ static bool line_of_balls(const lw_space *s, int b, lw_vec3 *at, lw_vec3 *axis)
             const lw_space_joint *p = &s->joint[j];
             if (p->body[k] != b)
                 continue;
-            if (p->kind != LW_SPATIAL_SPHERICAL)
+            if (lw_spatial_kind_given(&s->model->joint[j]) != LW_SPATIAL_SPHERICAL)
                 return false;
             lw_vec3 d = lw_v3_sub(p->arm[k], *at);
             double far = lw_v3_norm(d);

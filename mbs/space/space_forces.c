@@ -43,16 +43,17 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
 {
     const lw_spatial *m = s->model;
     size_t springs = (size_t)m->n_spring, forces = (size_t)m->n_force, joints = (size_t)m->n_joint, v = (size_t)s->n_v,
-           beams = (size_t)m->n_beam;
+           beams = (size_t)m->n_beam, contacts = (size_t)m->n_contact;
     *f = (lw_space_forces){ .s = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
     size_t bytes = springs*sizeof *f->spring_end + forces*sizeof *f->force_at + (joints + v + (size_t)m->states.n_state)*sizeof *f->turn +
-                   beams*sizeof *f->beam + 1;
+                   beams*sizeof *f->beam + contacts*sizeof *f->contact + 1;
     char *at = f->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     f->spring_end = (lw_space_point (*)[2])(void *)at, at += springs*sizeof *f->spring_end;
     f->force_at = (lw_space_point *)(void *)at, at += forces*sizeof *f->force_at;
     f->beam = (lw_beam_space *)(void *)at, at += beams*sizeof *f->beam;
+    f->contact = (lw_space_contact *)(void *)at, at += contacts*sizeof *f->contact;
     f->weight = (double *)(void *)at, at += v*sizeof *f->weight;
     f->turn = (double *)(void *)at;
     f->z = f->turn + joints;
@@ -71,6 +72,14 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
         make_beam(s, &m->beam[i], &f->beam[i]);
     for (int i = 0; i < m->n_beam; i++)
         f->conservative = f->conservative && m->beam[i].damping == 0;
+    for (int i = 0; i < m->n_contact; i++) {
+        const lw_spatial_joint *j = &m->joint[m->contact[i]];
+        f->contact[i] = (lw_space_contact){ .joint = m->contact[i], .law = &j->clearance };
+        for (int k = 0; k < 2; k++)
+            f->contact[i].end[k] = lw_space_point_of(s, j->link[k], j->at);
+        bool impact = j->clearance.model == LW_CLEARANCE_IMPACT || j->clearance.model == LW_CLEARANCE_MLSD;
+        f->conservative = f->conservative && (impact ? j->clearance.damping == 0 : j->clearance.restitution == 1);
+    }
     const double g[] = { m->gravity.x, m->gravity.y, m->gravity.z };
     for (int i = 0; i < s->n_v; i++)
         f->weight[i] = i%6 < 3 ? (s->mass[i] - s->rotor[i/6])*g[i%6]/s->unit : 0;
@@ -339,6 +348,75 @@ lw_spatial_measure lw_space_stop_measure(const lw_space *s, int joint)
     return (lw_spatial_measure){ lw_spatial_kind_of(s->joint[joint].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
 }
 
+/* The force of pin and bush along the distance of their centres. */
+static void push_contact(sum *s, int i)
+{
+    const lw_space_contact *p = &s->f->contact[i];
+    double by_depth, by_rate;
+    measure at;
+    if (p->phase == LW_CONTACT_APART)
+        return;
+    length_of(s->f, s->frame, p->end, s->v, s->sink != NULL, &at);
+    double depth = at.value - p->law->gap, load = lw_contact_gradient(p->law, p->phase, depth, at.rate, p->struck, &by_depth, &by_rate);
+    push(s, &at, -load, -by_depth, -by_rate);
+    s->power -= (load - lw_contact_spring(p->law, depth))*at.rate;
+}
+
+lw_space_touch lw_space_touch_of(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i)
+{
+    const lw_space_contact *p = &f->contact[i];
+    measure at = { .rate = 0 };
+    length_of(f, frame, p->end, v, false, &at);
+    return (lw_space_touch){ at.value, at.rate, lw_contact_force(p->law, p->phase, at.value - p->law->gap, at.rate, p->struck) };
+}
+
+/* So far beyond its end a piece ends, over the clearance: rounding of lengths is less. */
+static const double late = 1e-9;
+
+double lw_space_piece_left(const lw_space_forces *f, const lw_space_frame *frame)
+{
+    double left = 1;
+    for (int i = 0; i < f->s->model->n_contact; i++) {
+        const lw_space_contact *p = &f->contact[i];
+        double d = lw_v3_norm(lw_v3_sub(lw_space_point_at(frame, p->end[1]), lw_space_point_at(frame, p->end[0])));
+        left = fmin(left, lw_contact_within(p->law, p->phase, d - p->law->gap)/p->law->gap + late);
+    }
+    return left;
+}
+
+void lw_space_next_piece(lw_space_forces *f, const lw_space_frame *frame, const double *v, bool start)
+{
+    for (int i = 0; i < f->s->model->n_contact; i++) {
+        lw_space_contact *p = &f->contact[i];
+        lw_space_touch at = lw_space_touch_of(f, frame, v, i);
+        double depth = at.distance - p->law->gap;
+        bool apart = p->phase == LW_CONTACT_APART;
+        if (start)
+            p->phase = lw_contact_phase_at(p->law, depth);
+        for (int k = 0; k < 2 && lw_contact_within(p->law, p->phase, depth) < -0.5*late*p->law->gap; k++)
+            p->phase = lw_contact_next(p->law, p->phase, depth);
+        if (apart && p->phase != LW_CONTACT_APART)
+            p->struck = fabs(at.rate);
+    }
+}
+
+void lw_space_watch_contacts(lw_space_forces *f, const lw_space_frame *frame, const double *v, double t, bool first)
+{
+    for (int i = 0; i < f->s->model->n_contact; i++) {
+        lw_space_contact *p = &f->contact[i];
+        lw_space_touch at = lw_space_touch_of(f, frame, v, i);
+        bool open = p->law->model == LW_CLEARANCE_MLSD ? at.distance < p->law->gap : p->phase == LW_CONTACT_APART;
+        if (first)
+            p->apart = p->force_most = p->distance_most = 0, p->losses = 0;
+        else {
+            p->apart += p->open ? t - p->last : 0;
+            p->losses += open && !p->open;
+        }
+        p->open = open, p->last = t;
+        p->force_most = fmax(p->force_most, at.force), p->distance_most = fmax(p->distance_most, at.distance);
+    }
+}
+
 /* One component of an applied force or torque, along a unit vector `e`. */
 static void push_component(sum *s, int i, int k, bool torque, lw_vec3 e)
 {
@@ -571,6 +649,8 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
         push(&s, &at, -(p->stiffness*depth + p->damping*at.rate), -p->stiffness, -p->damping);
         s.power -= p->damping*at.rate*at.rate;
     }
+    for (int i = 0; i < m->n_contact; i++)
+        push_contact(&s, i);
     for (int i = 0; i < m->n_beam; i++)
         push_beam(&s, i);
     for (int i = 0; i < m->n_super; i++)
@@ -711,6 +791,8 @@ void lw_space_forces_pattern(const lw_space_forces *f, const lw_space_sink *sink
     for (int i = 0; i < m->n_joint; i++)
         if (elastic_stop(&m->joint[i].stop))
             list(sink, s->joint[i].body, s->joint[i].body);
+    for (int i = 0; i < m->n_contact; i++)
+        list(sink, s->joint[m->contact[i]].body, s->joint[m->contact[i]].body);
     for (int i = 0; i < m->n_beam; i++) {
         body[0] = s->body_of[m->beam[i].link[0]], body[1] = s->body_of[m->beam[i].link[1]];
         list(sink, body, body);
@@ -774,6 +856,9 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
             x = beyond(&m->joint[i].stop, at.value);
             all += m->joint[i].stop.stiffness*x*x/2;
         }
+    for (int i = 0; i < m->n_contact; i++)
+        all += lw_contact_energy(f->contact[i].law, f->contact[i].phase,
+                                 lw_space_touch_of(f, frame, NULL, i).distance - f->contact[i].law->gap);
     for (int i = 0; i < m->n_beam; i++) {
         lw_beam_node node[2];
         for (int k = 0; k < 2; k++) {

@@ -7,14 +7,33 @@
 #ifndef LW_MBS_SPACE_SPACE_FORCES_H
 #define LW_MBS_SPACE_SPACE_FORCES_H
 
+#include "mbs/elastic/contact.h"
 #include "mbs/elastic/superelement.h"
 #include "mbs/space/space.h"
+
+/* Pin and bush, or ball and socket, of an opened clearance. */
+typedef struct lw_space_contact {
+    int     joint;
+    const lw_clearance *law;
+    lw_space_point end[2];               /* centres of the bush and of the pin                                    */
+    lw_contact_phase phase;
+    double  struck;                      /* rate at which contact began [m/s]                                     */
+    /* of a run, after each step (lw_space_watch_contacts) */
+    bool    open;                        /* apart after the last step                                             */
+    double  last, apart;                 /* time of the last step; apart for so long [s]                          */
+    double  force_most, distance_most;   /* [N] [m]                                                               */
+    long    losses;                      /* times at which contact was lost                                       */
+} lw_space_contact;
+
+/* At one moment: the distance of the centres and its rate, the force that presses pin and bush together [N]. */
+typedef struct lw_space_touch { double distance, rate, force; } lw_space_touch;
 
 typedef struct lw_space_forces {
     const lw_space *s;
     lw_space_point (*spring_end)[2];     /* (n_spring) */
     lw_space_point  *force_at;           /* (n_force) */
     lw_beam_space   *beam;               /* (n_beam) */
+    lw_space_contact *contact;           /* (n_contact) */
     int              n_super;
     lw_super        *super;              /* (n_super) */
     double          *super_work;         /* scratch of the largest: force, by_x, by_v, nodes */
@@ -45,6 +64,18 @@ void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame);
  * to the sink, unless NULL. */
 void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v,
                            double *force, double *power, const lw_space_sink *sink);
+
+/* Contact i of pin and bush; v NULL: at rest. */
+lw_space_touch lw_space_touch_of(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i);
+
+/* Laws of contact have smooth pieces.  How far the posture is from the end of one, over its clearance, the least of all
+ * contacts; < 0 beyond it, 1 without contacts.  Take the pieces that begin at this posture and these velocities; start: from
+ * the posture alone. */
+double lw_space_piece_left(const lw_space_forces *f, const lw_space_frame *frame);
+void   lw_space_next_piece(lw_space_forces *f, const lw_space_frame *frame, const double *v, bool start);
+
+/* Count what contacts do, after a step to time t; the first call of a run begins. */
+void lw_space_watch_contacts(lw_space_forces *f, const lw_space_frame *frame, const double *v, double t, bool first);
 
 /* Rates of the states f->z; values of all states at the start; signal i. */
 void   lw_space_state_rates(const lw_space_forces *f, double t, const lw_space_frame *frame, const double *v, double *rate);

@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "mbs/dynamics/clearance.h"
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 
 static const double rpm = 2.0*LW_PI/60.0;
 

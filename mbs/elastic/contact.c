@@ -1,4 +1,4 @@
-#include "mbs/dynamics/contact.h"
+#include "mbs/elastic/contact.h"
 
 #include <string.h>
 #include "base/real.h"
@@ -42,6 +42,65 @@ double lw_contact_force(const lw_clearance *c, lw_contact_phase phase, double de
     default:
         return 0.0;
     }
+}
+
+/* Derivative of depth^e */
+static double power_slope(double depth, double e)
+{
+    return e == 1.0 ? 1.0 : depth > 0.0 ? e*pow(depth, e - 1.0) : 0.0;
+}
+
+double lw_contact_spring(const lw_clearance *c, double depth)
+{
+    return c->stiffness*(c->model == LW_CLEARANCE_MLSD ? depth : power(depth, c->exponent));
+}
+
+double lw_contact_gradient(const lw_clearance *c, lw_contact_phase phase, double depth, double rate, double struck,
+                           double *by_depth, double *by_rate)
+{
+    *by_depth = *by_rate = 0.0;
+    if (phase == LW_CONTACT_APART)
+        return 0.0;
+    double v = fmax(struck, LW_CONTACT_SLOWEST), s = c->restitution, f = c->stiffness*power(depth, c->exponent);
+    double slope = c->stiffness*power_slope(depth, c->exponent), part;
+    switch (c->model) {
+    case LW_CLEARANCE_MLSD:
+        *by_depth = c->stiffness, *by_rate = c->damping;
+        break;
+    case LW_CLEARANCE_IMPACT:
+        part = phase == LW_CONTACT_RISING ? fmax(depth, 0.0)/c->depth : 1.0;
+        *by_rate = part*part*part*c->damping;
+        *by_depth = slope + (phase == LW_CONTACT_RISING ? 3.0*part*part/c->depth*c->damping*rate : 0.0);
+        break;
+    case LW_CLEARANCE_HUNT_CROSSLEY:
+    case LW_CLEARANCE_LANKARANI:
+        part = (c->model == LW_CLEARANCE_LANKARANI ? 0.75*(1.0 - s*s) : 1.5*(1.0 - s))/v;
+        *by_rate = part*f;
+        *by_depth = slope*(1.0 + part*rate);
+        break;
+    default:
+        break;
+    }
+    return lw_contact_force(c, phase, depth, rate, struck);
+}
+
+double lw_contact_within(const lw_clearance *c, lw_contact_phase phase, double depth)
+{
+    if (c->model == LW_CLEARANCE_MLSD)
+        return INFINITY;
+    if (phase == LW_CONTACT_APART)
+        return -depth;
+    return phase == LW_CONTACT_RISING ? fmin(depth, c->depth - depth) : lw_contact_rises(c) ? depth - c->depth : depth;
+}
+
+lw_contact_phase lw_contact_next(const lw_clearance *c, lw_contact_phase phase, double depth)
+{
+    bool rises = lw_contact_rises(c);
+    if (phase == LW_CONTACT_APART)
+        return rises ? LW_CONTACT_RISING : LW_CONTACT_FULL;
+    if (phase == LW_CONTACT_RISING)
+        return depth > 0.5*c->depth ? LW_CONTACT_FULL : LW_CONTACT_APART;
+    return rises ? LW_CONTACT_RISING : LW_CONTACT_APART;
 }
 
 double lw_contact_energy(const lw_clearance *c, lw_contact_phase phase, double depth)

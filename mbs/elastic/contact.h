@@ -1,4 +1,4 @@
-/* mbs/dynamics/contact.h - laws of contact between pin and bush of a revolute joint with clearance.
+/* mbs/elastic/contact.h - laws of contact between pin and bush of a revolute joint with clearance.
  *
  * The centre of the pin is at the distance r from that of the bush; depth = r - gap, rate = dr/dt.  The force F(depth,
  * rate) pulls the pin back to the middle:
@@ -14,8 +14,8 @@
  * Each law has a few smooth pieces (phases); the change from one to the next is an event, not a kink inside a step.
  * The source does not cut off pulling forces (the damping of a pin that leaves fast), and neither do we for
  * `impact`. */
-#ifndef LW_MBS_DYNAMICS_CONTACT_H
-#define LW_MBS_DYNAMICS_CONTACT_H
+#ifndef LW_MBS_ELASTIC_CONTACT_H
+#define LW_MBS_ELASTIC_CONTACT_H
 
 #include "grammar/model.h"
 
@@ -37,7 +37,16 @@ lw_contact_phase lw_contact_phase_at(const lw_clearance *c, double depth);
 /* F [N] in a phase; also beyond its ends, where it continues smoothly.  struck: v above [m/s]. */
 double lw_contact_force(const lw_clearance *c, lw_contact_phase phase, double depth, double rate, double struck);
 
-/* Energy of the spring [J]. */
+/* The same with its derivatives by depth [N/m] and rate [N s/m]. */
+double lw_contact_gradient(const lw_clearance *c, lw_contact_phase phase, double depth, double rate, double struck,
+                           double *by_depth, double *by_rate);
+
+/* How far the depth lies within a phase: from the nearer end [m], < 0 beyond it.  The phase beyond that end. */
+double           lw_contact_within(const lw_clearance *c, lw_contact_phase phase, double depth);
+lw_contact_phase lw_contact_next(const lw_clearance *c, lw_contact_phase phase, double depth);
+
+/* The part of the force that is the spring's, in contact [N], and its energy [J]. */
+double lw_contact_spring(const lw_clearance *c, double depth);
 double lw_contact_energy(const lw_clearance *c, lw_contact_phase phase, double depth);
 
 /* Depth at which the law without damping gives the force f [N]. */

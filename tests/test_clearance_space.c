@@ -1,0 +1,321 @@
+/* Spherical and revolute joints with clearance in space: closed forms of a bouncing ball and of the contact laws, the
+ * limits of no clearance and of a stiff contact, the same linkage in the plane, a pretensioned joint, a DELTA robot. */
+#include "base/rng.h"
+#include "mbs/dynamics/clearance.h"
+#include "mbs/dynamics/dynamics_space.h"
+#include "tests/clearance_models.h"
+#include "tests/spatial_models.h"
+
+typedef struct sample { double t, energy, distance, force, turn; lw_vec3 tracer; } sample;
+typedef struct kept { lw_dynamics *d; int n; sample at[512]; lw_space_contact contact[12]; } kept;
+
+static kept k;
+
+static lw_status keep_moment(void *context, const lw_moment *moment)
+{
+    kept *to = context;
+    lw_space_moment o;
+    lw_error e;
+    lw_status st = lw_dynamics_space_moment(to->d, moment, &o, &e);
+    const lw_space *s = lw_dynamics_space(to->d);
+    sample *p = &to->at[to->n++];
+    *p = (sample){ .t = o.t, .energy = o.kinetic + o.potential - o.work };
+    if (s->model->n_contact) {
+        lw_space_touch touch = lw_dynamics_space_touch(to->d, 0, &o);
+        p->distance = touch.distance, p->force = touch.force;
+    }
+    if (s->model->n_tracer)
+        p->tracer = lw_space_point_at(o.frame, s->tracer[0]);
+    p->turn = s->model->n_input ? o.input[0] : 0;
+    return st;
+}
+
+static lw_dynamics_report run(const lw_spatial *m, lw_formulation f, double to, int intervals, double tolerance, bool closed)
+{
+    lw_error e = { 0 };
+    lw_dynamics_report r = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.formulation = f, o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance;
+    o.rigid = true, o.closed = closed;
+    k.n = 0;
+    if (lw_dynamics_make_spatial(m, &o, &k.d, &e) != LW_OK || lw_dynamics_run(k.d, keep_moment, &k, &r, &e) != LW_OK) {
+        fprintf(stderr, "%s\n", e.text);
+        CHECK(false);
+        return r;
+    }
+    for (int i = 0; i < lw_dynamics_space(k.d)->model->n_contact && i < 12; i++)
+        k.contact[i] = *lw_dynamics_space_contact(k.d, i);
+    lw_dynamics_free(k.d);
+    return r;
+}
+
+/* A ball of mass 2 kg in a socket at the origin. */
+static void read_ball(const char *clearance, const char *rest, lw_spatial *m)
+{
+    char text[2048];
+    int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"ball\", \"mass\": 2, \"centre\": "
+                     "[0, 0, 0], \"inertia\": [0.01, 0.01, 0.01]%s}], \"joints\": [{\"name\": \"S\", \"kind\": \"spherical\", "
+                     "\"links\": [\"ground\", \"ball\"], \"at\": [0, 0, 0], \"clearance\": {%s}}], \"tracers\": [{\"name\": \"P\", "
+                     "\"link\": \"ball\", \"at\": [0, 0, 0]}]}", rest, clearance);
+    read_spatial(text, (size_t)n, "ball", m);
+}
+
+static lw_vec3 random_direction(lw_rng *r)
+{
+    lw_vec3 v;
+    do
+        v = lw_v3(lw_rng_range(r, -1, 1), lw_rng_range(r, -1, 1), lw_rng_range(r, -1, 1));
+    while (!(lw_v3_norm(v) > 0.1));
+    return lw_v3_scale(v, 1/lw_v3_norm(v));
+}
+
+/* Free fall over the gap, half an oscillation in contact, and back: m x'' = m g - K x from x = 0, x' = v lasts
+ * 2 (pi - atan(v w/g))/w. */
+TEST(a_ball_bounces)
+{
+    static const lw_formulation how[] = { LW_FORMULATION_RADAU, LW_FORMULATION_INDEX1 };
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 0);
+    for (int trial = 0; trial < 4; trial++) {
+        lw_spatial m;
+        double gap = 1e-3, K = 1e6, g = 9.81, w = sqrt(K/2), v = sqrt(2*g*gap), fall = sqrt(2*gap/g);
+        double contact = 2*(LW_PI - atan(v*w/g))/w, period = 2*fall + contact;
+        read_ball("\"model\": \"impact\", \"gap\": 0.001, \"stiffness\": 1e6", "", &m);
+        lw_vec3 down = random_direction(&r);
+        m.gravity = lw_v3_scale(down, g);
+        lw_dynamics_report q = run(&m, how[trial%2], 5*period, 20, 1e-12, false);
+        for (int i = 0; i < k.n; i++) {
+            double t = fmod(k.at[i].t + 1e-12, period) - 1e-12, depth = g/(w*w)*(1 - cos(w*(t - fall))) + v/w*sin(w*(t - fall));
+            double want = t < fall ? g*t*t/2 : t < fall + contact ? gap + depth : g*(period - t)*(period - t)/2;
+            CHECK_NEAR(lw_v3_dot(k.at[i].tracer, down), want, 2e-9, 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_cross(k.at[i].tracer, down)), 0, 1e-11, 0);
+        }
+        CHECK(q.energy_error < 1e-9*q.energy_scale);
+        CHECK_INT(k.contact[0].losses, 5);
+        CHECK_NEAR(k.contact[0].apart, 5*2*fall, 1e-8, 0);
+        CHECK_NEAR(k.contact[0].distance_most, gap + g/(w*w) + sqrt(g*g/(w*w*w*w) + v*v/(w*w)), 0, 2e-2);
+        lw_spatial_free(&m);
+    }
+}
+
+/* m x'' = m g - K x^1.5 (1 + D x') by the classical Runge-Kutta method from x = 0, x' = v until x = 0 again; returns its
+ * duration, *v becomes the speed then. */
+static double rebound(double m, double g, double K, double D, double *v)
+{
+    double x = 0, u = *v, t = 0, h = 1e-7;
+    while (x >= 0) {
+        double kx[5] = { 0 }, ku[5] = { 0 };
+        for (int i = 0; i < 4; i++) {
+            double c = i == 0 ? 0 : i == 3 ? 1 : 0.5, at = x + c*h*kx[i], w = u + c*h*ku[i];
+            kx[i + 1] = w, ku[i + 1] = g - K/m*pow(fmax(at, 0), 1.5)*(1 + D*w);
+        }
+        double dx = h*(kx[1] + 2*kx[2] + 2*kx[3] + kx[4])/6, du = h*(ku[1] + 2*ku[2] + 2*ku[3] + ku[4])/6;
+        if (x + dx < 0) {                        /* back at x = 0: the force is nothing there */
+            *v = fabs(u);
+            return t + x/fabs(u);
+        }
+        x += dx, u += du, t += h;
+    }
+    return t;
+}
+
+/* The highest point after one bounce. */
+TEST(rebound_of_damped_laws)
+{
+    static const char *const law[] = { "hunt-crossley", "lankarani-nikravesh" };
+    for (int i = 0; i < 4; i++) {
+        char text[160];
+        lw_spatial m;
+        double e = i < 2 ? 0.9 : 0.5, g = 9.81, v = sqrt(2*g*1e-3), D = i%2 ? 0.75*(1 - e*e)/v : 1.5*(1 - e)/v, back = v;
+        double t = v/g + rebound(2, g, 1e9, D, &back) + back/g;
+        snprintf(text, sizeof text, "\"model\": \"%s\", \"gap\": 0.001, \"stiffness\": 1e9, \"exponent\": 1.5, \"restitution\": %g",
+                 law[i%2], e);
+        read_ball(text, "", &m);
+        m.gravity = lw_v3(0.6*g, 0, -0.8*g);
+        run(&m, LW_FORMULATION_AUTO, t, 1, 1e-12, false);
+        CHECK_NEAR(k.at[1].distance, 1e-3 - back*back/(2*g), 1e-8, 0);
+        lw_spatial_free(&m);
+    }
+}
+
+/* The laws' derivatives beside differences, in all phases. */
+TEST(derivatives_of_laws)
+{
+    static const lw_clearance_model model[] = { LW_CLEARANCE_MLSD, LW_CLEARANCE_IMPACT, LW_CLEARANCE_HUNT_CROSSLEY,
+                                                LW_CLEARANCE_LANKARANI };
+    for (int i = 0; i < 8; i++) {
+        lw_clearance c = { .model = model[i%4], .gap = 1e-4, .stiffness = 1e7, .exponent = i < 4 ? 1 : 1.5, .damping = 300,
+                           .depth = 1e-5, .restitution = 0.7 };
+        for (int phase = LW_CONTACT_APART; phase <= LW_CONTACT_FULL; phase++) {
+            double x = phase == LW_CONTACT_FULL ? 3e-5 : 5e-6, u = 0.2, h = 1e-5, by_x, by_u, none[2];
+            double f = lw_contact_gradient(&c, (lw_contact_phase)phase, x, u, 0.3, &by_x, &by_u);
+            double up = lw_contact_gradient(&c, (lw_contact_phase)phase, x*(1 + h), u, 0.3, &none[0], &none[1]);
+            double down = lw_contact_gradient(&c, (lw_contact_phase)phase, x*(1 - h), u, 0.3, &none[0], &none[1]);
+            CHECK_NEAR((up - down)/(2*h*x), by_x, 1e-3, 1e-7);
+            up = lw_contact_force(&c, (lw_contact_phase)phase, x, u*(1 + h), 0.3);
+            down = lw_contact_force(&c, (lw_contact_phase)phase, x, u*(1 - h), 0.3);
+            CHECK_NEAR((up - down)/(2*h*u), by_u, 1e-6, 1e-7);
+            CHECK_NEAR(f, lw_contact_force(&c, (lw_contact_phase)phase, x, u, 0.3), 0, 0);
+        }
+    }
+}
+
+/* At rest the centres are apart by the gap and the deflection of the contact. */
+TEST(a_ball_comes_to_rest)
+{
+    for (int stiff = 0; stiff < 3; stiff++) {
+        char text[160];
+        lw_spatial m;
+        double K = pow(10, 5 + stiff), c = sqrt(2*2*K);
+        snprintf(text, sizeof text, "\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": %g, \"damping\": %.17g, \"depth\": 1e-6",
+                 K, c);
+        read_ball(text, "", &m);
+        m.gravity = lw_v3(0, 6, -8);
+        run(&m, LW_FORMULATION_AUTO, 0.5, 2, 1e-10, false);
+        CHECK_NEAR(k.at[k.n - 1].distance, 1e-4 + 2*10/K, 1e-10, 0);
+        CHECK_NEAR(k.at[k.n - 1].force, 20, 0, 1e-5);
+        lw_spatial_free(&m);
+    }
+}
+
+typedef struct plane_run { int n; lw_clearance_sample at[16]; } plane_run;
+
+static lw_status keep_plane(void *context, const lw_clearance_sample *s)
+{
+    plane_run *p = context;
+    p->at[p->n++] = *s;
+    return LW_OK;
+}
+
+/* The four-bar of the source in the plane by mbs/dynamics/clearance.h and in space. */
+TEST(as_in_the_plane)
+{
+    static const double seconds = 0.06;
+    lw_model p;
+    char text[4096];
+    size_t n = 0;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &p, &e), LW_OK);
+    int joint = 2;
+    const lw_assembly *a = &p.linkage;
+    n += (size_t)snprintf(text + n, sizeof text - n, "{\"linkwright\": 1, \"ground\": \"%s\", \"gravity\": [%.17g, 0, %.17g], \"links\": [",
+                          a->link_name[a->ground], p.gravity.x, p.gravity.y);
+    for (int i = 0; i < a->n_link; i++)
+        if (i == a->ground)
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s\"%s\"", i ? "," : "", a->link_name[i]);
+        else
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s{\"name\": \"%s\", \"mass\": %.17g, \"centre\": [%.17g, 0, %.17g], "
+                                  "\"inertia\": [%.17g, %.17g, %.17g]}", i ? "," : "", a->link_name[i], p.body[i].mass,
+                                  p.body[i].centre.x, p.body[i].centre.y, p.body[i].inertia, p.body[i].inertia, p.body[i].inertia);
+    n += (size_t)snprintf(text + n, sizeof text - n, "], \"joints\": [");
+    for (int j = 0; j < a->n_joint; j++) {
+        const lw_clearance *c = &p.clearance[j];
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s{\"name\": \"%s\", \"kind\": \"r\", \"links\": [\"%s\", \"%s\"], \"at\": "
+                              "[%.17g, 0, %.17g], \"axis\": [0, -1, 0]", j ? "," : "", a->joint[j].name,
+                              a->link_name[a->joint[j].link[0]], a->link_name[a->joint[j].link[1]], a->joint[j].at.x, a->joint[j].at.y);
+        if (j == joint)
+            n += (size_t)snprintf(text + n, sizeof text - n, ", \"clearance\": {\"model\": \"impact\", \"gap\": %.17g, \"stiffness\": "
+                                  "%.17g, \"exponent\": %.17g, \"damping\": %.17g, \"depth\": %.17g}", c->gap, c->stiffness, c->exponent,
+                                  c->damping, c->depth);
+        n += (size_t)snprintf(text + n, sizeof text - n, "}");
+    }
+    snprintf(text + n, sizeof text - n, "], \"inputs\": [{\"joint\": \"%s\", \"value\": %.17g, \"speed\": %.17g}]}",
+             a->joint[a->input[0].joint].name, a->input[0].value, 9.0);
+    lw_spatial m;
+    read_spatial(text, strlen(text), "four-bar", &m);
+    run(&m, LW_FORMULATION_AUTO, seconds, 10, 1e-11, false);
+    lw_clearance_scene *scene;
+    lw_clearance_result r;
+    lw_clearance_options o = lw_clearance_options_default();
+    CHECK_INT(lw_clearance_make(&p, &scene, &e), LW_OK);
+    plane_run plane = { 0 };
+    o.time = seconds, o.settle = 0, o.tolerance = 1e-12, o.speed = 9, o.every = seconds/10, o.sink = keep_plane, o.context = &plane;
+    CHECK_INT(lw_clearance_run(scene, &o, &r, &e), LW_OK);
+    for (int i = 0; i < plane.n && i < k.n; i++) {
+        CHECK_NEAR(k.at[i].turn, plane.at[i].input, 1e-8, 0);
+        CHECK_NEAR(k.at[i].distance, lw_v2_norm(plane.at[i].point[0].pin), 1e-8, 0);
+    }
+    CHECK_INT(plane.n, k.n);
+    CHECK_INT(k.contact[0].losses, r.joint[0].losses);
+    CHECK_NEAR(k.contact[0].apart/seconds, r.joint[0].apart, 1e-5, 0);   /* contact begins to a thousandth of the gap */
+    CHECK_NEAR(k.contact[0].distance_most, r.joint[0].distance_most, 1e-7, 0);
+    lw_clearance_free(scene);
+    lw_model_free(&p);
+    lw_spatial_free(&m);
+}
+
+/* A spring presses the ball down with 100 N; a load lifts it more and more.  Contact holds until the load exceeds the spring. */
+TEST(pretension)
+{
+    lw_spatial m;
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"ball\", \"mass\": 2, \"centre\": [0, 0, 0], "
+        "\"inertia\": [0.01, 0.01, 0.01]}], \"joints\": [{\"name\": \"S\", \"kind\": \"spherical\", \"links\": [\"ground\", \"ball\"], "
+        "\"at\": [0, 0, 0], \"clearance\": {\"model\": \"impact\", \"gap\": 5e-5, \"stiffness\": 1e7, \"damping\": 2e4, \"depth\": 1e-6}}], "
+        "\"springs\": [{\"name\": \"P\", \"links\": [\"ground\", \"ball\"], \"at\": [[0, 0, -1], [0, 0, 0]], \"stiffness\": 100, "
+        "\"free\": 0}], \"forces\": [{\"link\": \"ball\", \"at\": [0, 0, 0], \"fz\": \"200*t\"}]}";
+    read_spatial(text, sizeof text - 1, "pretension", &m);
+    run(&m, LW_FORMULATION_AUTO, 1, 100, 1e-9, false);
+    for (int i = 2; i < k.n; i++)
+        if (k.at[i].t < 0.495)
+            CHECK_NEAR(k.at[i].force, 100 - 200*k.at[i].t, 0.05, 0);
+        else if (k.at[i].t > 0.52)               /* lifted to the other side of its socket */
+            CHECK_NEAR(k.at[i].force, 200*k.at[i].t - 100, 0.2, 0);
+    lw_spatial_free(&m);
+}
+
+/* The error of the tool grows like the gap, and contact is kept longer the smaller it is.  The first 20 ms. */
+TEST(a_delta_with_clearance)
+{
+    lw_spatial m;
+    double off[2], apart[2], worst = 0;
+    lw_vec3 ideal[8];
+    load_spatial("delta-clearance", &m);
+    run(&m, LW_FORMULATION_AUTO, 0.02, 4, 1e-9, true);
+    for (int i = 0; i < k.n; i++)
+        ideal[i] = k.at[i].tracer;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int j = 0; j < m.n_joint; j++)
+            if (lw_spatial_has_clearance(&m.joint[j])) {
+                m.joint[j].clearance.gap = pass ? 1e-5 : 1e-4;
+                m.joint[j].clearance.depth = m.joint[j].clearance.gap/5;
+                m.joint[j].clearance.stiffness = 1e8;
+            }
+        lw_dynamics_report q = run(&m, LW_FORMULATION_AUTO, 0.02, 4, 1e-7, false);
+        CHECK_INT(q.formulation, LW_FORMULATION_RADAU);
+        CHECK(q.energy_error < 1e-3*q.energy_scale);
+        off[pass] = apart[pass] = 0;
+        for (int i = 0; i < k.n; i++)
+            off[pass] = fmax(off[pass], lw_v3_norm(lw_v3_sub(k.at[i].tracer, ideal[i])));
+        for (int i = 0; i < 12; i++) {
+            apart[pass] += k.contact[i].apart/12;
+            worst = fmax(worst, k.contact[i].distance_most/m.joint[k.contact[i].joint].clearance.gap);
+        }
+    }
+    CHECK_NEAR(log10(off[0]/off[1]), 1, 0.1, 0);
+    CHECK(apart[1] < 0.6*apart[0]);
+    CHECK(worst < 1.5);
+    lw_spatial_free(&m);
+}
+
+TEST(refused)
+{
+    static const struct { const char *joint, *why; } bad[] = {
+        { "\"kind\": \"prismatic\", \"axis\": [0, 0, 1], \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6}",
+          "only spherical and revolute joints" },
+        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"link\", \"gap\": 1e-4}", "known in the plane only" },
+        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4}", "stiffness" },
+        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 0, \"stiffness\": 1e6}", "greater than 0" },
+        { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6, \"friction\": 0.1}",
+          "friction between pin and bush" },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        char text[1024];
+        lw_spatial m;
+        lw_error e = { 0 };
+        int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 1, \"centre\": "
+                         "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": "
+                         "[0, 0, 0], %s}]}", bad[i].joint);
+        CHECK_INT(lw_spatial_read(text, (size_t)n, "bad", &m, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, bad[i].why);
+    }
+}
