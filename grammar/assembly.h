@@ -33,7 +33,6 @@ lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *linkage, lw_erro
 lw_status lw_assembly_copy(const lw_assembly *from, lw_assembly *to);
 
 /* As the functions of a linkage (grammar/linkage.h). */
-int       lw_assembly_mobility(const lw_assembly *a);
 int       lw_assembly_free_inputs(const lw_assembly *a);
 double    lw_assembly_tied_input(const lw_assembly *a, int i, double first);
 double    lw_assembly_tie_unit(const lw_assembly *a, int i, double metre);

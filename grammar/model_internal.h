@@ -43,9 +43,6 @@ lw_status lw_read_expression(const lw_json_node *object, const char *key, const 
 
 /* ---- model_states.c: what has first-order states --------------------------------------------------------- */
 
-/* A new state; its number, -1: out of memory. */
-int lw_states_add(lw_states *z, const char *name, const char *unit, double scale);
-
 /* Names of the states of the lists "states", "motors", "cylinders", which expressions may use. */
 lw_status lw_states_name(const lw_json_node *root, lw_states *z, lw_error *e);
 

@@ -14,7 +14,8 @@
 
 /* ---- states and signals --------------------------------------------------------------------------------- */
 
-int lw_states_add(lw_states *z, const char *name, const char *unit, double scale)
+/* A new state; its number, -1: out of memory. */
+static int add_state(lw_states *z, const char *name, const char *unit, double scale)
 {
     lw_state *more = realloc(z->state, ((size_t)z->n_state + 1)*sizeof *more);
     if (!more)
@@ -153,7 +154,7 @@ static int integrate(void *context, lw_expression *x, double lag, double start)
     for (int i = 0; i < all->n_state; i++)
         n += strncmp(all->state[i].name, lag > 0 ? "lag " : "integral ", lag > 0 ? 4 : 9) == 0;
     snprintf(name, sizeof name, "%s %d", lag > 0 ? "lag" : "integral", n);
-    int i = lw_states_add(all, name, "1", 1);
+    int i = add_state(all, name, "1", 1);
     if (i < 0) {
         lw_expression_free(x);
         return -1;
@@ -237,7 +238,7 @@ static lw_status name_state(const lw_json_node *object, lw_states *z, const char
     snprintf(all, sizeof all, what ? "%s.%s" : "%s", name, what);
     if (find_state(z, all, NULL) >= 0)
         return lw_json_fault(object, e, "there are two states with the name \"%s\"", all);
-    return lw_states_add(z, all, unit, scale) < 0 ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
+    return add_state(z, all, unit, scale) < 0 ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
 }
 
 static bool is_electrical(const lw_json_node *object)

@@ -90,7 +90,6 @@ lw_status lw_build_sweep_make(const lw_curve_maker *maker, lw_atlas_kinds kinds,
                               const lw_build_control *control, lw_build_sweep *b, lw_error *e);
 lw_status lw_build_sweep_begin(lw_build_sweep *b, lw_store *s, const char *about, const lw_build_control *control,
                                lw_build_counts *counts, lw_error *e);
-size_t    lw_build_sweep_samples(const lw_build_sweep *b, size_t segment);
 lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, int jobs, lw_atlas_tree tree[2]);
 lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts,
                              lw_error *e);

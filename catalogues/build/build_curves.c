@@ -46,7 +46,7 @@ lw_status lw_build_sweep_begin(lw_build_sweep *b, lw_store *s, const char *about
     return LW_OK;
 }
 
-size_t lw_build_sweep_samples(const lw_build_sweep *b, size_t segment)
+static size_t samples_of_segment(const lw_build_sweep *b, size_t segment)
 {
     uint64_t at = b->sweep.samples + (segment - b->sweep.segments)*b->size, left = b->n_sample - at;
     return left < b->size ? (size_t)left : b->size;
@@ -54,13 +54,13 @@ size_t lw_build_sweep_samples(const lw_build_sweep *b, size_t segment)
 
 lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, int jobs, lw_atlas_tree tree[2])
 {
-    return lw_atlas_segment(b->maker, b->sweep.seed, b->sweep.first + segment, lw_build_sweep_samples(b, segment),
+    return lw_atlas_segment(b->maker, b->sweep.seed, b->sweep.first + segment, samples_of_segment(b, segment),
                             b->sweep.kinds, jobs, tree);
 }
 
 lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts, lw_error *e)
 {
-    size_t n = lw_build_sweep_samples(b, b->sweep.segments);
+    size_t n = samples_of_segment(b, b->sweep.segments);
     lw_status status = lw_store_begin(s, e);
     if (status == LW_OK)
         status = lw_store_put_segment(s, tree, n, e);

@@ -119,7 +119,8 @@ static double least_gap2(const lw_chain_layout *l, const lw_vec2 *p, int n)
     return least;
 }
 
-void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l)
+/* Compute n_cross, least_angle and least_gap of the places in l. */
+static void measure_layout(const lw_mechanism *m, lw_chain_layout *l)
 {
     lw_vec2 p[LW_LINK_MAX + 1], q[LW_LINK_MAX + 1];
     double length = 0;
@@ -380,7 +381,7 @@ static void judge(contest *c)
 {
     lw_chain_layout l = { .n_joint = c->m->n_joint };
     copy_places(c->now, &l);
-    lw_chain_layout_measure(c->m, &l);
+    measure_layout(c->m, &l);
     l.n_cross += l.least_gap < 1e-3;                  /* a joint on a bar: nothing would push it away */
     bool better = c->n_cross < 0 || l.n_cross < c->n_cross
                || (l.n_cross == c->n_cross && c->now->energy < c->best->energy);
@@ -614,6 +615,6 @@ lw_status lw_axes_layout_make(const lw_mechanism *m, uint32_t axes, lw_chain_lay
     if (s == LW_NOTHING)
         s = lay_out_nonplanar(m, axes, l);
     if (s == LW_OK)
-        lw_chain_layout_measure(m, l);
+        measure_layout(m, l);
     return s == LW_OK ? LW_OK : lw_error_set(e, s, "out of memory for the picture of a chain");
 }

@@ -43,7 +43,4 @@ lw_status lw_chain_layout_make(const lw_mechanism *m, lw_chain_layout *l, lw_err
  * place, and its ring tells the order of the links around it. */
 lw_status lw_axes_layout_make(const lw_mechanism *m, uint32_t axes, lw_chain_layout *l, lw_error *e);
 
-/* Compute n_cross, least_angle and least_gap of the places in l. */
-void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l);
-
 #endif

@@ -107,7 +107,7 @@ void lw_walk_restrict(lw_walk *w, double first, double last)
     w->loops = w->turns = false;
 }
 
-double lw_walk_input(const lw_walk *w, double t)
+static double input_at(const lw_walk *w, double t)
 {
     int i = (int)fmin(fmax(floor(t), 0), w->n_stage - 1);
     const lw_walk_stage *s = &w->stage[i];
@@ -127,5 +127,5 @@ double lw_walk_time(const lw_walk *w, double input)
 void lw_walk_posture(const lw_walk *w, double t, lw_posture *posture)
 {
     int i = (int)fmin(fmax(floor(t), 0), w->n_stage - 1);
-    lw_posture_solve(w->plan, w->dim, w->stage[i].mode, lw_walk_input(w, t), 0, posture);
+    lw_posture_solve(w->plan, w->dim, w->stage[i].mode, input_at(w, t), 0, posture);
 }

@@ -33,15 +33,14 @@ void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, in
 /* Keep only first <= input <= last of the first stage, from first to last: there and back. */
 void lw_walk_restrict(lw_walk *w, double first, double last);
 
-/* Input at t, 0 to n_stage. Within a stage the input follows a cosine: slow near the ends, where the linkage moves
- * fast. In a full turn it is even. */
-double lw_walk_input(const lw_walk *w, double t);
-double lw_walk_time(const lw_walk *w, double input);    /* the t of an input of the first stage   */
-
 /* Greatest distance of a joint or tracer between two postures [m]. */
 double lw_plan_posture_distance(const lw_plan *plan, const lw_posture *a, const lw_posture *b);
 
-/* The posture there.  At a limit, where rounding decides whether the linkage closes, the nearest posture. */
+/* The t, 0 to n_stage, of an input of the first stage.  Within a stage the input follows a cosine: slow near the ends,
+ * where the linkage moves fast.  In a full turn it is even. */
+double lw_walk_time(const lw_walk *w, double input);
+
+/* The posture at t.  At a limit, where rounding decides whether the linkage closes, the nearest posture. */
 void   lw_walk_posture(const lw_walk *w, double t, lw_posture *posture);
 
 #endif

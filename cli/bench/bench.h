@@ -83,9 +83,6 @@ typedef struct cli_bench {
     char               machine[256];     /* compiler | processor | version                          */
 } cli_bench;
 
-/* The error with which a problem is compared: the reachable one, else the least error in this benchmark. */
-double cli_bench_figure(const cli_bench *b, const cli_bench_problem *p);
-
 void      cli_bench_machine(char *text, size_t size);
 void      cli_bench_tables(const cli_bench *b, FILE *f);                       /* Markdown          */
 /* Save curves.csv, reach.csv and a plot for each problem. */

@@ -28,7 +28,8 @@ void cli_bench_machine(char *text, size_t size)
     snprintf(text, size, "%s | %s, %d cores | linkwright %s", COMPILER, cpu, lw_core_count(), LW_VERSION);
 }
 
-double cli_bench_figure(const cli_bench *b, const cli_bench_problem *p)
+/* The error with which a problem is compared: the reachable one, else the least error in this benchmark. */
+static double compared_error(const cli_bench *b, const cli_bench_problem *p)
 {
     double least = INFINITY;
     for (int i = 0; i < b->n_curve; i++)
@@ -123,7 +124,7 @@ static const cli_bench_curve *find_curve(const cli_bench *b, const char *solver,
 
 static void curve_cell(const cli_bench *b, const cli_bench_curve *c, FILE *f)
 {
-    double when = c ? cli_bench_when(c, CLI_WITHIN*cli_bench_figure(b, c->problem)) : NAN;
+    double when = c ? cli_bench_when(c, CLI_WITHIN*compared_error(b, c->problem)) : NAN;
     if (isfinite(when))
         fprintf(f, " %.2g s |", when);
     else if (c && c->n)
@@ -219,7 +220,7 @@ typedef struct range { double top, decades; } range;
 static range range_of(const cli_bench *b, const cli_bench_problem *p)
 {
     const cli_bench_figures *k = p->known;
-    double figure = cli_bench_figure(b, p), least = figure;
+    double figure = compared_error(b, p), least = figure;
     for (int i = 0; i < b->n_curve; i++)
         if (b->curve[i].problem == p)
             least = fmin(least, cli_bench_error(&b->curve[i]));

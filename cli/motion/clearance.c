@@ -58,7 +58,8 @@ static lw_status add_item(double **list, int *n, char *item, const char *name, l
     return parts == 1 ? add(list, n, v[0], name, e) : add_range(list, n, v, name, whole, e);
 }
 
-lw_status cli_clearance_list(const char *name, const char *text, double **list, int *n, lw_error *e)
+/* Read a list: "80:400:2" (from, to, step), "1e6,1e7", or both mixed. Free with free(). LW_E_ARG with a text. */
+static lw_status read_list(const char *name, const char *text, double **list, int *n, lw_error *e)
 {
     lw_status s = LW_OK;
     char *copy = strdup(text), *p = copy;
@@ -120,7 +121,7 @@ static lw_status option_list(const char *name, const char *text, bool zero, doub
     *list = NULL;
     if (!text)
         return LW_OK;
-    lw_status s = cli_clearance_list(name, text, list, n, e);
+    lw_status s = read_list(name, text, list, n, e);
     return s == LW_OK ? positive(*list, *n, zero, name, e) : s;
 }
 
@@ -134,7 +135,7 @@ lw_status cli_clearance_make(cli_clearance *c, const char *models, const char *s
     if (s == LW_OK)
         s = option_list("damping", damping, true, &c->damping, &o->n_damping, e);
     if (s == LW_OK && speeds)
-        s = cli_clearance_list("speed", speeds, &c->speed, &o->n_speed, e);
+        s = read_list("speed", speeds, &c->speed, &o->n_speed, e);
     else if (s == LW_OK)
         s = add(&c->speed, &o->n_speed, c->model->has_speed[0] ? c->model->speed[0]/o->unit : 0, "speed", e);
     o->model = c->models;

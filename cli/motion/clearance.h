@@ -8,9 +8,6 @@
 
 #define CLI_CLEARANCE_LIST_MAX 10000
 
-/* Read a list: "80:400:2" (from, to, step), "1e6,1e7", or both mixed. Free with free(). LW_E_ARG with a text. */
-lw_status cli_clearance_list(const char *name, const char *text, double **list, int *n, lw_error *e);
-
 typedef struct cli_clearance {
     const cli_call *call;
     const char *unit;                     /* of the speeds: "rpm", "rad/s", "m/s"                       */

@@ -26,8 +26,6 @@ lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, struc
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
 
 /* The same from text in memory. */
-lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
-                           lw_error *e);
 lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
                                struct lw_spatial **spatial, lw_error *e);
 

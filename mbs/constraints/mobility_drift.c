@@ -59,7 +59,9 @@ static double distance(const double *a, const double *b, int n)
     return sqrt(sum);
 }
 
-int lw_drift_independent(int n, int k, double *v, double zero)
+/* Pivoted Gram-Schmidt: of k vectors v[i*n ..], an orthonormal basis comes first; components shorter than `zero` are
+ * dropped.  Returns the number of basis vectors. */
+static int independent_vectors(int n, int k, double *v, double zero)
 {
     for (int i = 0; i < k; i++) {
         int best = i;
@@ -92,7 +94,7 @@ void lw_drift_null(const lw_drift *d, double *null)
         null[i*n + d->rank.column[d->rank.rank + i]] = 1;
         lw_rank_null_part(&d->rank, null + i*n);
     }
-    lw_drift_independent(n, loose, null, 0);
+    independent_vectors(n, loose, null, 0);
 }
 
 int lw_drift_rank(lw_drift *d, const double *q, double zero)
@@ -216,7 +218,7 @@ static void probe(lw_drift *d, lw_mobility_posture *t)
                 column[l] += share*basis[j*n + l];
         }
     }
-    t->freedom = lw_drift_independent(n, k, t->motion, 0.1);
+    t->freedom = independent_vectors(n, k, t->motion, 0.1);
 }
 
 void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_posture *t)

@@ -34,10 +34,6 @@ int  lw_drift_factor(lw_drift *d, int m, int n, const double *a, double zero);
 /* An orthonormal basis of the null space of the matrix factored last: null[i*n ..]. */
 void lw_drift_null(const lw_drift *d, double *null);
 
-/* Pivoted Gram-Schmidt: of k vectors v[i*n ..], an orthonormal basis comes first; components shorter than `zero` are
- * dropped.  Returns the number of basis vectors. */
-int  lw_drift_independent(int n, int k, double *v, double zero);
-
 /* Rank and null space (d->null) of the rows at q; pivots below `zero` count as 0. */
 int lw_drift_rank(lw_drift *d, const double *q, double zero);
 

@@ -33,11 +33,6 @@ void lw_servo_rates(const lw_servo_axis *a, double t, const double *y, double *d
 /* Wanted current and voltage at (t, y). */
 void lw_servo_outputs(const lw_servo_axis *a, double t, const double *y, double *current, double *voltage, bool limited[2]);
 
-/* The next time at which a controller samples or its output changes, from n_sample and pending; infinite: none.  And
- * what happens at t: outputs that are due, then samples unless `last`. */
-double lw_servo_next_event(const lw_servo_axis *a);
-void   lw_servo_events(lw_servo_axis *a, double t, const double *y, bool last);
-
 /* Integrate from t to `end`, events included. */
 typedef lw_status lw_servo_seen(void *context, lw_integrator *w);     /* after each step */
 lw_status lw_servo_integrate(lw_servo_axis *a, double t, double end, double tolerance, double *y, lw_servo_seen *seen,

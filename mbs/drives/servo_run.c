@@ -176,7 +176,8 @@ static double next_sample(const lw_servo_axis *a, int k)
     return is_sampled(a->s, k) ? a->n_sample[k]*loop_of(a->s, k)->sample : INFINITY;
 }
 
-double lw_servo_next_event(const lw_servo_axis *a)
+/* The next time at which a controller samples or its output changes, from n_sample and pending; infinite: none. */
+static double next_event(const lw_servo_axis *a)
 {
     double t = INFINITY;
     for (int k = 0; k < 3; k++) {
@@ -212,7 +213,8 @@ static void sample(lw_servo_axis *a, int k, double t, const double *y)
 /* Times that differ by rounding are one. */
 static double same(double t) { return 1e-12*(fabs(t) + 1e-6); }
 
-void lw_servo_events(lw_servo_axis *a, double t, const double *y, bool last)
+/* Outputs that are due at t, then samples unless `last`. */
+static void pass_events(lw_servo_axis *a, double t, const double *y, bool last)
 {
     double now = t + same(t);
     for (int k = 0; k < 3; k++)
@@ -248,10 +250,10 @@ lw_status lw_servo_integrate(lw_servo_axis *a, double t, double end, double tole
     o.relative = tolerance;
     o.absolute = 1e-3*tolerance;                          /* ways are fractions of a metre */
     o.max_step = 0;
-    lw_servo_events(a, t, y, false);
+    pass_events(a, t, y, false);
     lw_status s = lw_integrate_start(&w, &ode, &o, work, t, y, e);
     while (s == LW_OK && w.t < end) {
-        double kink = a->linear ? INFINITY : lw_servo_next_kink(a->s, w.t + same(w.t)), event = lw_servo_next_event(a);
+        double kink = a->linear ? INFINITY : lw_servo_next_kink(a->s, w.t + same(w.t)), event = next_event(a);
         double until = fmin(kink, event);
         until = until > end - same(end) ? end : until;
         lw_ode_stop stop = LW_ODE_STEP;
@@ -262,12 +264,12 @@ lw_status lw_servo_integrate(lw_servo_axis *a, double t, double end, double tole
         }
         if (s != LW_OK || !(until < end))
             break;
-        lw_servo_events(a, until, w.y, false);
+        pass_events(a, until, w.y, false);
         s = lw_integrate_restart(&w, NULL, e);
     }
     if (s == LW_OK) {
         memcpy(y, w.y, LW_SERVO_N*sizeof *y);
-        lw_servo_events(a, end, y, true);
+        pass_events(a, end, y, true);
     }
     *steps += w.n_step;
     free(work);
@@ -383,7 +385,7 @@ lw_status lw_servo_run(const lw_servo *s, const lw_servo_options *o, lw_servo_ca
     a.held[LW_HELD_POSITION] = measured_position(&a, y);
     double before = stored(&a, y);
     lw_servo_axis first = a;                               /* the row of t = 0 is after the first samples */
-    lw_servo_events(&first, 0, y, false);
+    pass_events(&first, 0, y, false);
     lw_servo_row row = row_at(&first, 0, y);
     w.last_size = fabs(row.error);
     lw_status status = sink ? sink(context, &row) : LW_OK;

@@ -111,8 +111,6 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e);
 
 /* Values of the first-order states at the start.  LW_E_NUMERIC: one is not a number. */
 lw_status lw_mbs_start_states(lw_dynamics *d, lw_error *e);
-lw_status lw_mbs_rank_nearby(lw_dynamics *d, double t, const double *q, const double *v);
-lw_status lw_mbs_rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v);
 
 /* Value, rate and second rate at t that the motion of driven input i prescribes for its row, scaled. */
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);

@@ -146,7 +146,7 @@ void lw_dynamics_free(lw_dynamics *d)
 
 /* Is the start singular?  Compare its rank with that of a posture near by: along the velocities or, at rest, along
  * some motion. */
-lw_status lw_mbs_rank_nearby(lw_dynamics *d, double t, const double *q, const double *v)
+static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const double *v)
 {
     double *dir = d->a, size = 0;
     if (lw_mbs_rows(d, t, q) != LW_OK)
@@ -184,7 +184,7 @@ lw_status lw_mbs_rank_nearby(lw_dynamics *d, double t, const double *q, const do
 
 /* The same for a large model: are the rows that were left out as dependent satisfied in a posture near by, to which the
  * others lead? */
-lw_status lw_mbs_rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v)
+static lw_status rank_nearby_large(lw_dynamics *d, double t, const double *q, const double *v)
 {
     double size = 0;
     if (d->n_kept == d->n_c)
@@ -564,7 +564,7 @@ static lw_status start_as_rigid(lw_dynamics *d, const lw_model *given)
     if (s == LW_OK)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
     if (s == LW_OK && d->n_kept != d->n_c)
-        s = lw_mbs_rank_nearby_large(d, d->o.from, d->start_q, d->start_v);
+        s = rank_nearby_large(d, d->o.from, d->start_q, d->start_v);
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : s == LW_OPEN ? LW_NOTHING : s;
 }
 
@@ -623,8 +623,8 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
     if (s == LW_OK)
         s = d->large ? find_velocities_large(d, e) : find_velocities(d, e);
     if (s == LW_OK)
-        s = d->large ? lw_mbs_rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
-                     : lw_mbs_rank_nearby(d, d->o.from, d->start_q, d->start_v);
+        s = d->large ? rank_nearby_large(d, d->o.from, d->start_q, d->start_v)
+                     : rank_nearby(d, d->o.from, d->start_q, d->start_v);
     if (s == LW_OK)
         s = lw_mbs_start_states(d, e);
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, d->start_q) : s;

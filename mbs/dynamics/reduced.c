@@ -73,7 +73,7 @@ void lw_reduced_count_turns(lw_reduced *r)
     r->count.at = s;
 }
 
-double lw_reduced_joint_value(const lw_reduced *r, int joint, double s)
+static double joint_value(const lw_reduced *r, int joint, double s)
 {
     const lw_reduced_joint *j = &r->joint[joint];
     if (joint == r->linkage.input[0].joint)
@@ -109,7 +109,7 @@ static double at_joints(lw_reduced *r, double t, double s, double ds, double *po
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
         double by = lw_reduced_joint_rate(r, p->joint), v = by*ds;
-        double x = p->law || p->stiffness != 0 ? lw_reduced_joint_value(r, p->joint, s) : 0;
+        double x = p->law || p->stiffness != 0 ? joint_value(r, p->joint, s) : 0;
         double loss = p->law ? spring_law(p->law, x, v, t) : -p->damping*v;
         double force = loss - (p->law ? 0 : p->stiffness*(x - p->free));
         q += force*by;
@@ -264,7 +264,7 @@ double lw_reduced_potential(const lw_reduced *r, double s)
     }
     for (int i = 0; i < r->model->n_joint_spring; i++) {
         const lw_joint_spring *p = &r->model->joint_spring[i];
-        double x = p->law || p->stiffness == 0 ? 0 : lw_reduced_joint_value(r, p->joint, s) - p->free;
+        double x = p->law || p->stiffness == 0 ? 0 : joint_value(r, p->joint, s) - p->free;
         energy += p->law ? 0 : 0.5*p->stiffness*x*x;
     }
     return energy;

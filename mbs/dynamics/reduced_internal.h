@@ -154,7 +154,6 @@ double lw_reduced_potential(const lw_reduced *r, double s);
 void lw_reduced_count_turns(lw_reduced *r);
 
 /* Value of a joint's measure at the registers, and its rate by the input [rad] or [m]. */
-double lw_reduced_joint_value(const lw_reduced *r, int joint, double s);
 double lw_reduced_joint_rate(const lw_reduced *r, int joint);
 
 /* System coordinates and velocities of every body at the registers and s'; turns are taken near those in q. */

@@ -24,7 +24,8 @@
 
 static bool is_whole(double a) { return fabs(a - round(a)) <= WHOLE*fmax(1, fabs(a)); }
 
-bool lw_plan_fraction(double ratio, int *p, int *q)
+/* Write a ratio as p/q in lowest terms within the limits of mbs/plan/plan.h; false when it is no such fraction. */
+static bool as_fraction(double ratio, int *p, int *q)
 {
     for (*q = 1; *q <= LW_INPUT_TURNS_PER_PERIOD_MAX; ++*q)
         if (is_whole(*q*ratio) && fabs(*q*ratio) <= LW_POWER_MAX) {
@@ -54,7 +55,7 @@ lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
             return lw_error_set(e, LW_E_KIND,
                                 "gear \"%s\": both its links slide on \"%s\"; plans take a rack with a pinion",
                                 k->joint[j].name, k->link_name[g->carrier]);
-        if (g->slider[0] < 0 && g->slider[1] < 0 && !lw_plan_fraction(k->joint[j].ratio, &p, &q))
+        if (g->slider[0] < 0 && g->slider[1] < 0 && !as_fraction(k->joint[j].ratio, &p, &q))
             return lw_error_set(e, LW_E_KIND,
                                 "gear \"%s\": plans take ratios of whole numbers up to %d over up to %d, not %g",
                                 k->joint[j].name, LW_POWER_MAX, LW_INPUT_TURNS_PER_PERIOD_MAX, k->joint[j].ratio);
@@ -168,7 +169,7 @@ static int turns_of(const lw_topology *t, const lw_cluster *c, int joint)
 {
     const lw_joint *j = &t->k->joint[joint];
     int p, q, turns = 1;
-    if (t->gear[joint].slider[0] >= 0 || t->gear[joint].slider[1] >= 0 || !lw_plan_fraction(j->ratio, &p, &q))
+    if (t->gear[joint].slider[0] >= 0 || t->gear[joint].slider[1] >= 0 || !as_fraction(j->ratio, &p, &q))
         return 1;
     if (c->links >> j->link[1] & 1)
         turns = q;
@@ -328,7 +329,7 @@ lw_higher_gear lw_build_gear_row(lw_builder *b, int joint, const int *dir, int d
         g.middle = (short)lw_build_dim(b, LW_ROLE_MIDDLE, j->link[!pinion], joint, 0);
         return g;
     }
-    lw_plan_fraction(j->ratio, &p, &q);
+    as_fraction(j->ratio, &p, &q);
     add_term(&g, dir[1], j->link[1], q);
     add_term(&g, dir[0], j->link[0], -p);
     add_term(&g, dir[2], gear->carrier, p - q);

@@ -71,9 +71,6 @@ lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e
 lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e);
 lw_status lw_plan_check_gears(const lw_topology *t, lw_error *e);
 
-/* Write a ratio as p/q in lowest terms within the limits of mbs/plan/plan.h; false when it is no such fraction. */
-bool lw_plan_fraction(double ratio, int *p, int *q);
-
 static inline bool lw_plan_group_is_gear(const lw_plan_group *g)
 {
     return g->kind == LW_STEP_GEAR || g->kind == LW_STEP_ROLL || g->kind == LW_STEP_RACK;

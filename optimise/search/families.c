@@ -2,7 +2,8 @@
 
 #include <stdio.h>
 
-void lw_family_copy(const lw_family *f, lw_family_made *made)
+/* Copy f, its linkage and its name. */
+static void copy_family(const lw_family *f, lw_family_made *made)
 {
     made->family = *f;
     made->linkage = *f->linkage;
@@ -13,7 +14,7 @@ void lw_family_copy(const lw_family *f, lw_family_made *made)
 
 static lw_status make_of_array(const void *of, int i, lw_family_made *made)
 {
-    lw_family_copy((const lw_family *)of + i, made);
+    copy_family((const lw_family *)of + i, made);
     return LW_OK;
 }
 

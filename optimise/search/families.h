@@ -34,7 +34,4 @@ lw_families lw_families_of(const lw_family *family, int n);
 typedef struct lw_families_pair { lw_families first, second; } lw_families_pair;
 lw_families lw_families_join(const lw_families_pair *pair);
 
-/* Copy f, its linkage and its name. */
-void lw_family_copy(const lw_family *f, lw_family_made *made);
-
 #endif

@@ -39,7 +39,8 @@ void lw_record_close(lw_record *r)
     r->g = r->j = NULL;
 }
 
-void lw_record_stop(lw_record *r, lw_stop why)
+/* Stop; the first reason counts. */
+static void stop_because(lw_record *r, lw_stop why)
 {
     if (!r->stopped) {
         r->stopped = true;
@@ -52,11 +53,11 @@ bool lw_record_must_stop(lw_record *r)
     if (r->stopped)
         return true;
     if (r->o->interrupt && *r->o->interrupt)
-        lw_record_stop(r, LW_STOP_USER);
+        stop_because(r, LW_STOP_USER);
     else if (r->o->max_seconds > 0.0 && lw_clock_wall() - r->started >= r->o->max_seconds)
-        lw_record_stop(r, LW_STOP_TIME);
+        stop_because(r, LW_STOP_TIME);
     else if (r->evals >= r->limit)
-        lw_record_stop(r, LW_STOP_EVALS);
+        stop_because(r, LW_STOP_EVALS);
     return r->stopped;
 }
 
@@ -118,7 +119,7 @@ static void improve(lw_record *r, const double *x, double f)
     if (r->o->improved)
         r->o->improved(r->o->context, r->evals, lw_clock_wall() - r->started, f);
     if (f <= r->o->f_target)
-        lw_record_stop(r, LW_STOP_F_TARGET);
+        stop_because(r, LW_STOP_F_TARGET);
 }
 
 static void offer(lw_record *r, const double *x, double f)

@@ -62,9 +62,6 @@ const double *lw_record_conditions(lw_record *r, const double *x, bool want_j);
 /* Largest violation of bounds and conditions at x; 0: x is inside. */
 double lw_record_violation(lw_record *r, const double *x);
 
-/* Stop; the first reason counts. */
-void lw_record_stop(lw_record *r, lw_stop why);
-
 /* Check time and interrupt. Every evaluation calls this, and so do methods in loops without an evaluation. */
 bool lw_record_must_stop(lw_record *r);
 
