@@ -241,6 +241,20 @@ static char *shell_line(int argc, char **argv)
     return NULL;
 }
 
+/* Report an option of other actions, and name these. */
+static int foreign_option(const cli_call *call, const cli_option *o, const cli_action *given)
+{
+    const cli_command *c = call->command;
+    char owners[256] = "";
+    for (const cli_action *a = c->actions; a->name; a++) {
+        size_t n = strlen(owners);
+        if (belongs_to(o, c, a))
+            snprintf(owners + n, sizeof owners - n, "%s'%s %s'", n ? ", " : "", c->name, a->name);
+    }
+    return cli_usage(call, "--%s is no option of '%s %s' but of %s; 'linkwright help %s %s' lists those of %s", o->name, c->name,
+                     given->name, owners, c->name, given->name, given->name);
+}
+
 /* Check the number of words that the command, or its action, takes. *run: the function that runs it. */
 static int check_words(const cli_call *call, int (**run)(const cli_call *call))
 {
@@ -258,8 +272,7 @@ static int check_words(const cli_call *call, int (**run)(const cli_call *call))
         *run = a ? a->run : NULL;
         for (const cli_option *o = c->options; a && o && o->name; o++)
             if (cli_given(&call->parsed, o->name) && !belongs_to(o, c, a))
-                return cli_usage(call, "--%s is no option of '%s %s'; 'linkwright help %s %s' lists them", o->name, c->name, a->name,
-                                 c->name, a->name);
+                return foreign_option(call, o, a);
         if (a)
             snprintf(usage, sizeof usage, "linkwright %s %s %s", c->name, a->name, a->words);
     }

@@ -73,6 +73,28 @@ static inline void expect(const char *command, int code, const char *out_has, co
     ran_free(&r);
 }
 
+/* Every command and action that the program knows, as "fit" or "catalogue build", from its completion; returns their number. */
+static inline int all_commands(char (*words)[48], int most)
+{
+    ran r = run("$P help --completion bash");
+    int n = 0;
+    char command[20] = "", action[20];
+    for (char *line = r.out; line && n < most; line = strchr(line, '\n'), line += line != NULL) {
+        char *actions = strstr(line, "-eq 2 ] && words=\""), *end = strchr(line, '\n');
+        if (sscanf(line, "    %19[a-z]) case", command) == 1 && strncmp(line, "    ", 4) == 0 && line[4] != ' ')
+            snprintf(words[n++], sizeof *words, "%s", command);
+        if (!actions || !end || actions > end || n == 0)
+            continue;
+        n--;                                     /* the command runs by its actions only */
+        actions += strlen("-eq 2 ] && words=\"");
+        for (int used; n < most && sscanf(actions, "%19[a-z] %n", action, &used) == 1; actions += used)
+            snprintf(words[n++], sizeof *words, "%s %s", command, action);
+    }
+    ran_free(&r);
+    CHECK(n > 20);
+    return n;
+}
+
 /* ---- tables -------------------------------------------------------------------------------------------------- */
 
 enum { CELLS = 64 };

@@ -96,6 +96,21 @@ static const char *const rows[] = {
     "$D/bin/linkwright gallery klann",
 };
 
+TEST(every_command_has_its_row)
+{
+    char words[64][48], part[2][64];
+    for (int i = 0, n = all_commands(words, 64); i < n; i++) {
+        int found = 0;
+        snprintf(part[0], sizeof part[0], "$C %.47s ", words[i]);
+        snprintf(part[1], sizeof part[1], "bin/linkwright %.47s ", words[i]);
+        for (size_t k = 0; k < sizeof rows/sizeof *rows; k++)
+            found += strstr(rows[k], part[0]) || strstr(rows[k], part[1]);
+        if (!found)
+            fprintf(stderr, "'%s' has no row\n", words[i]);
+        CHECK(found);
+    }
+}
+
 static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
 
 static ran run_once(const char *command, char **file)

@@ -82,6 +82,36 @@ TEST(names_and_letters)
     CHECK_INT(n_bad, 0);
 }
 
+/* An option that its help text gives to no action is accepted by all of them.  Those of which that is true stand here. */
+TEST(options_name_their_actions)
+{
+    static const char *const of_all = " bench --output bench --time catalogue --time family --set family --view robot --tool "
+                                      "robot --tool-at ";
+    char words[64][48], command[20], action[20], line[900], key[80];
+    int n = all_commands(words, 64);
+    for (int i = 0, k; i < n; i = k) {
+        size_t size = strcspn(words[i], " ");
+        for (k = i + 1; k < n && strncmp(words[k], words[i], size + 1) == 0;)
+            k++;
+        if (sscanf(words[i], "%19s %19s", command, action) != 2)
+            continue;
+        size = (size_t)snprintf(line, sizeof line, "{ ");
+        for (int a = i; a < k; a++)
+            size += (size_t)snprintf(line + size, sizeof line - size, "$P help %s; ", words[a]);
+        snprintf(line + size, sizeof line - size, "} | sed '/^Options of every/,/^linkwright/d' | grep -oE '^ +(-., )?--[a-z-]+' | "
+                 "sed 's/.*--/--/' | sort | uniq -c | sed -n 's/^ *%d //p'", k - i);
+        ran r = run(line);
+        char *save = NULL;
+        for (char *name = strtok_r(r.out, "\n", &save); name; name = strtok_r(NULL, "\n", &save)) {
+            snprintf(key, sizeof key, " %s %.40s ", command, name);
+            if (!strstr(of_all, key))
+                fprintf(stderr, "%s of '%s' names no action\n", name, command);
+            CHECK(strstr(of_all, key));
+        }
+        ran_free(&r);
+    }
+}
+
 /* help COMMAND ACTION shows only what concerns the action. */
 TEST(actions)
 {
@@ -94,6 +124,10 @@ TEST(actions)
     ran_free(&r);
     expect("$P catalogue build --help | grep Usage", 0, "catalogue build FILE", "");
     expect("$P help grammar derive", 0, "--sentence", "");
+    expect("$P grammar explain --format lam", 2, "", "--format is no option of 'grammar explain' but of 'grammar parse', "
+           "'grammar print', 'grammar derive'");
+    expect("$P family sweep examples/families/loader.json --vary reach=2:3:3 --minimise boom_mass", 2, "",
+           "but of 'family optimise'");
     expect("$P help bench mbs", 0, "--tolerance-range", "");
     expect("$P help catalogue bild", 2, "", "did you mean 'build'?");
     expect("$P grammar", 2, "", "a word is missing");

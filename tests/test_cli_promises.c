@@ -361,6 +361,23 @@ TEST(bad_outputs)
     expect("$P chains --links 10 | head -n 1 > $D/rows; test -s $D/rows", 0, "", NULL);
 }
 
+/* No command and no action is missing from the tables; bench and studio have tests of their own kind. */
+TEST(every_command_has_its_row)
+{
+    char words[64][48];
+    for (int i = 0, n = all_commands(words, 64); i < n; i++) {
+        int found = strcmp(words[i], "studio") == 0;         /* tests/test_cli_studio.c */
+        size_t size = strlen(words[i]);
+        for (int k = 0; k < N_ROW; k++)
+            found += strncmp(rows[k].small, words[i], size) == 0 && rows[k].small[size] == ' ';
+        for (size_t k = 0; k < sizeof long_runs/sizeof *long_runs; k++)
+            found += strncmp(long_runs[k].slow, words[i], size) == 0 && long_runs[k].slow[size] == ' ';
+        if (!found)
+            fprintf(stderr, "'%s' has no row\n", words[i]);
+        CHECK(found);
+    }
+}
+
 static void prepare(void)
 {
     demand("$P chains --links 6 -o $D/six.g6 && $P catalogue build $D/six.db --links 6 -q && "

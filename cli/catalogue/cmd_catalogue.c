@@ -54,10 +54,10 @@ static const cli_option options[] = {
     { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL,
       "query: list the names of all fields and end", 0, 0, NULL, "sql" },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5",
-      "how long to wait while another program writes to the catalogue", 0, 1e6, NULL, NULL },
+      "build, add, curves, nearest, query, export, check, html: how long to wait while another program writes to the catalogue", 0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
-      "how often new rows are made permanent; if the program is killed, no more work than this is lost",
-      0, 1e6, NULL, NULL },
+      "build, add, curves, release: how often new rows are made permanent; if the program is killed, no more work than this is lost", 0, 1e6,
+      NULL, NULL },
     { "time", 0, CLI_REAL, PLACE(time), "SECONDS", "60",
       "stop after this time and keep what was found; check of a table leaves out rows that would take longer, the "
       "other actions have no limit without this option", 0, 1e9, NULL, NULL },

@@ -12,7 +12,7 @@
 
 static const cli_option options[] = {
     { "configuration", 0, CLI_TEXT, PLACE(configuration), "NAME", NULL,
-      "the values of this configuration of the master", 0, 0, NULL, NULL },
+      "expand, check, sweep, optimise: the values of this configuration of the master", 0, 0, NULL, NULL },
     { "set", 0, CLI_TEXT, PLACE(set), "NAME=VALUE,...", NULL,
       "set parameters, in their own unit or in another: \"reach=3,wall=8 mm\"", 0, 0, NULL, NULL },
     { "view", 0, CLI_TEXT, PLACE(view), "NAME", NULL,

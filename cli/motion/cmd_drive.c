@@ -4,14 +4,14 @@
 #define PLACE(member) offsetof(cli_drive_settings, member)
 
 static const cli_option options[] = {
-    { "from", 0, CLI_REAL, PLACE(from), "T", "0", "start of the cycle [s]", 0, 0, NULL, NULL },
+    { "from", 0, CLI_REAL, PLACE(from), "T", "0", "load, select: start of the cycle [s]", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, PLACE(to), "T", "1",
-      "end of the cycle [s]; simulate: of the run, without it half as long again as the motion", 0, 0, NULL, NULL },
+      "load, select: end of the cycle [s]; simulate: of the run, without it half as long again as the motion", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, PLACE(steps), "N", "1000",
-      "number of time intervals of the cycle; simulate: print N + 1 rows instead of the figures", 1, 10000000, NULL, NULL },
+      "load, select: number of time intervals of the cycle; simulate: print N + 1 rows instead of the figures", 1, 10000000, NULL, NULL },
     { "speed", 's', CLI_TEXT, PLACE(speed), "W", NULL,
-      "drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0, NULL,
-      NULL },
+      "load, select: drive the inputs without a motion at this constant speed [rad/s] or [m/s], or with a unit: \"60 rpm\"", 0, 0,
+      NULL, NULL },
     { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "load: draw torque over speed of each drive; select: with the limits of the first choice; simulate: the run over time; as "
       "SVG, PDF or PNG", 0, 0, NULL,

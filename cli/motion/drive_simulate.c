@@ -477,8 +477,6 @@ int cli_drive_simulate(const cli_call *call)
     lw_error e = { 0 };
     lw_output o;
     bool rows = cli_given(&call->parsed, "steps");
-    if (cli_given(&call->parsed, "speed") || cli_given(&call->parsed, "from"))
-        return cli_usage(call, "--speed and --from are options of 'drive load'");
     if (cli_given(&call->parsed, "to") && !(s->to > 0))
         return cli_usage(call, "--to must be greater than 0");
     int folder = s->folder ? check_folder(call, s->folder) : CLI_DONE;

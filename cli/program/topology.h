@@ -10,9 +10,9 @@
 
 /* A row of an option table for a CLI_CHOICE member that chooses the notation; the choices are the rows of lw_notations,
  * in their order. */
-#define CLI_FORMAT_ROW(settings, member, fallback) \
+#define CLI_FORMAT_ROW(settings, member, fallback, actions) \
     { "format", 'f', CLI_CHOICE, offsetof(settings, member), \
-      "graph6|lam|sentence|franke|edges|json|dot|graphml", fallback, "notation of the topologies that are printed", \
+      "graph6|lam|sentence|franke|edges|json|dot|graphml", fallback, actions "notation of the topologies that are printed", \
       0, 0, NULL, NULL }
 
 /* Ctrl-C, --time and the progress line of a listing. */

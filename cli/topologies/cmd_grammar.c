@@ -15,7 +15,7 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    CLI_FORMAT_ROW(settings, format, NULL),
+    CLI_FORMAT_ROW(settings, format, NULL, "parse, print, derive: "),
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
       "parse, print, explain: after an error in the input continue with the next topology", 0, 0, NULL, NULL },
     { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,

@@ -20,7 +20,7 @@ typedef struct settings {
 enum { FORMAT_JSON = 5 };                                  /* rows of lw_notations */
 
 static const cli_option options[] = {
-    CLI_FORMAT_ROW(settings, format, "json"),
+    CLI_FORMAT_ROW(settings, format, "json", ""),
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "use all chains with P links, instead of reading chains", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
