@@ -81,7 +81,8 @@ static inline int all_commands(char (*words)[48], int most)
     char command[20] = "", action[20];
     for (char *line = r.out; line && n < most; line = strchr(line, '\n'), line += line != NULL) {
         char *actions = strstr(line, "-eq 2 ] && words=\""), *end = strchr(line, '\n');
-        if (sscanf(line, "    %19[a-z]) case", command) == 1 && strncmp(line, "    ", 4) == 0 && line[4] != ' ')
+        int head = 0;
+        if (strncmp(line, "    ", 4) == 0 && sscanf(line + 4, "%19[a-z]) case%n", command, &head) == 1 && head)
             snprintf(words[n++], sizeof *words, "%s", command);
         if (!actions || !end || actions > end || n == 0)
             continue;

@@ -678,12 +678,14 @@ static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
     }
     if (!s->save)
         return code;
-    for (int i = 0; i < n; i++)
-        if (cli_fit_save(&set[i], s->save, &e) != LW_OK)
-            return cli_fail(call, &e);
-    if (cli_fit_page(set, n, s->save, &e) < 0)
-        return cli_fail(call, &e);
-    return code;
+    lw_status st = LW_OK;
+    for (int i = 0; i < n && st == LW_OK; i++)
+        st = cli_fit_save(&set[i], s->save, true, &e);
+    if (st == LW_OK)
+        st = cli_fit_page(set, n, s->save, &e);
+    for (int i = 0; i < n && st >= 0; i++)
+        st = cli_fit_save(&set[i], s->save, false, &e);
+    return st < 0 ? cli_fail(call, &e) : code;
 }
 
 static int list_solvers(void)
@@ -724,11 +726,13 @@ static int check(const cli_call *call)
 }
 
 /* Fit every target; report those that fail and go on. The targets share --time: each gets an equal part of what the
- * targets before it have left. Returns the exit code. */
+ * targets before it have left and pictures do not need. Returns the exit code. */
 static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit_set *set, int *done)
 {
     int code = CLI_DONE, n = call->parsed.n_word;
-    double end = lw_clock_wall() + call->common.time;
+    const settings *s = call->settings;
+    double pictures = s->save || s->plot ? fmin(0.5, 0.1*call->common.time) : 0;
+    double end = lw_clock_wall() + call->common.time - pictures;
     for (int i = 0; i < n && !together->stop && (together->mpi || !cli_interrupted()); i++) {
         lw_error e = { 0 };
         cli_fit_set *now = &set[*done];
@@ -762,12 +766,15 @@ static int fit_all(const cli_call *call, cli_side_by_side *together)
         return cli_fail(call, &e);
     }
     code = fit_targets(call, together, set, &done);
-    cli_finish();                                      /* --time no longer ends the program: results are written in full */
+    cli_hold();
     print(call, set, done, &o);
     if (wants_json(call) && done > 0)
         code = cli_close_marked(call, &o, code);
     else if (wants_json(call))
         lw_output_abandon(&o);
+    else
+        fflush(stdout);
+    cli_go_on();
     if (done > 0)
         code = save(call, set, done, code);
     for (int i = 0; i < done; i++)

@@ -52,8 +52,9 @@ void cli_fit_name(const char *path, char *name, size_t size);
  * that it may be written. Returns the exit code, CLI_DONE if all is well. */
 int cli_fit_check_folder(const cli_call *call, const char *folder, int results);
 
-/* Write pictures of the best result and the linkages of all results into a folder; and one page for all targets. */
-lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
+/* Write the linkages of all results and a drawing of the best one into a folder (quick), then its PNG and animation, which
+ * take longer; and one page for all targets. */
+lw_status cli_fit_save(const cli_fit_set *s, const char *folder, bool quick, lw_error *e);
 lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
 
 /* Draw what is wanted and what the best results reach (fit_plot.c): of a function output over input, else paths. */

@@ -31,7 +31,8 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
 {
     const lw_fit *fit = &s->search.found.fit;
     lw_fit_results *r = &s->search.results;
-    lw_status st = lw_fit_results_make(&s->target, &s->spec, fit, fit->n, s->exact.defect, NULL, r, e);
+    const lw_results_effort effort = { .jobs = call->common.jobs, .interrupt = cli_stop_flag() };
+    lw_status st = lw_fit_results_make(&s->target, &s->spec, fit, fit->n, s->exact.defect, &effort, r, e);
     if (st != LW_OK)
         return st;
     for (int i = 0; i < r->n_left_out; i++)

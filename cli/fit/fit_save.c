@@ -61,13 +61,13 @@ static lw_status save_linkage(const cli_fit_set *s, int i, const char *folder, l
     return st;
 }
 
-lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
+lw_status cli_fit_save(const cli_fit_set *s, const char *folder, bool quick, lw_error *e)
 {
-    static const struct { lw_draw_kind kind; const char *end; } kinds[] = {
-        { LW_DRAW_SVG, "svg" }, { LW_DRAW_PNG, "png" }, { LW_DRAW_GIF, "gif" }
+    static const struct { lw_draw_kind kind; const char *end; bool quick; } kinds[] = {
+        { LW_DRAW_SVG, "svg", true }, { LW_DRAW_PNG, "png", false }, { LW_DRAW_GIF, "gif", false }
     };
     lw_status st = LW_OK;
-    for (int i = 0; i < s->search.results.n && st == LW_OK; i++)
+    for (int i = 0; i < s->search.results.n && st == LW_OK && quick; i++)
         st = save_linkage(s, i, folder, e);
     if (st != LW_OK || s->search.results.n == 0)
         return st;
@@ -78,12 +78,13 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
     for (size_t k = 0; k < sizeof kinds/sizeof *kinds && st == LW_OK; k++) {
         char path[CLI_PATH_SIZE];
         snprintf(path, sizeof path, "%s/%s.%s", folder, s->name, kinds[k].end);
-        st = lw_draw_save(scene, kinds[k].kind, path, 0, 0, e);
+        if (kinds[k].quick == quick)
+            st = lw_draw_save(scene, kinds[k].kind, path, 0, 0, e);
     }
     lw_scene_free(scene);
     free(scene);
     lw_drawing d;
-    if (st == LW_OK && (st = cli_fit_curves(s, &d, e)) == LW_OK) {
+    if (st == LW_OK && quick && (st = cli_fit_curves(s, &d, e)) == LW_OK) {
         char path[CLI_PATH_SIZE];
         snprintf(path, sizeof path, "%s/%s-curve.svg", folder, s->name);
         st = lw_draw_drawing(&d, path, e);

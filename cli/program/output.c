@@ -82,9 +82,14 @@ void cli_note(const cli_call *call, const char *format, ...)
     va_end(arg);
 }
 
-static volatile sig_atomic_t finishing;          /* a file is committed: the program is not ended by force */
+/* The only state that a signal handler changes: the first signal, and when the program is ended by force. */
+static volatile sig_atomic_t interrupted;
+static struct timespec       forced_end;
+
+static volatile sig_atomic_t finishing;          /* > 0: a file is committed, the program is not ended by force */
 static timer_t               timer;
 static bool                  timed;              /* the timer was made                               */
+static struct itimerspec     left;               /* what is left of --time meanwhile                 */
 
 /* The temporary files of -o and, after it, of pictures, which a forced end removes; "" for none. */
 enum { TEMPORARY_MAX = 8 };
@@ -114,22 +119,32 @@ lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
     return open_path(call->common.output ? call->common.output : picture && !call->common.json ? "/dev/null" : "-", o, e);
 }
 
-/* Commit the file: nothing ends the program by force meanwhile.  --time goes on afterwards, for pictures. */
+void cli_hold(void)
+{
+    if (finishing++ == 0 && timed)
+        timer_settime(timer, 0, &(struct itimerspec){ 0 }, &left);
+}
+
+void cli_go_on(void)
+{
+    if (--finishing > 0 || !timed)
+        return;
+    if (interrupted)
+        timer_settime(timer, TIMER_ABSTIME, &(struct itimerspec){ .it_value = forced_end }, NULL);
+    else if (left.it_value.tv_sec || left.it_value.tv_nsec)
+        timer_settime(timer, 0, &left, NULL);
+}
+
+/* Commit the file: nothing ends the program by force meanwhile. */
 static lw_status commit(lw_output *o, bool partial, lw_error *e)
 {
-    struct itimerspec left = { 0 };
     bool file = temporary[0][0];                 /* a pipe that nobody reads may hold the program up */
-    if (file) {
-        finishing = 1;
-        if (timed)
-            timer_settime(timer, 0, &(struct itimerspec){ 0 }, &left);
-    }
+    if (file)
+        cli_hold();
     lw_status s = (partial ? lw_output_commit_partial : lw_output_commit)(o, e);
     if (file) {
         temporary[0][0] = 0;
-        finishing = 0;
-        if (timed && (left.it_value.tv_sec || left.it_value.tv_nsec))
-            timer_settime(timer, 0, &left, NULL);
+        cli_go_on();
     }
     return s;
 }
@@ -419,11 +434,7 @@ int cli_make_folder(const cli_call *call, const char *folder)
 
 /* ---- the end: Ctrl-C, signals and --time ---------------------------------------------------------- */
 
-#define GRACE 0.65            /* [s] how long a command may take to stop in order                    */
-
-/* The only state that a signal handler changes. */
-static volatile sig_atomic_t interrupted;
-
+#define GRACE 0.8             /* [s] how long a command may take to stop in order                    */
 
 static void set_timer(double seconds)
 {
@@ -449,6 +460,10 @@ static void on_signal(int number)
     int was = errno;
     if (interrupted == 0) {
         int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+        clock_gettime(CLOCK_MONOTONIC, &forced_end);
+        long end = forced_end.tv_nsec + (long)(1e9*GRACE);
+        forced_end.tv_sec += end/1000000000;
+        forced_end.tv_nsec = end%1000000000;
         interrupted = number;
         if (number != SIGALRM)
             signal(number, SIG_DFL);
@@ -456,7 +471,8 @@ static void on_signal(int number)
             dup2(nothing, STDIN_FILENO);         /* a waiting read is restarted and meets the end */
             close(nothing);
         }
-        set_timer(GRACE);
+        if (timed && !finishing)
+            timer_settime(timer, TIMER_ABSTIME, &(struct itimerspec){ .it_value = forced_end }, NULL);
     } else if (number == SIGALRM && !finishing) {
         end_now();
     }
@@ -482,8 +498,6 @@ void cli_limit_time(double seconds)
         set_timer(seconds);
     limited = limited || seconds > 0;
 }
-
-void cli_finish(void) { set_timer(0); }
 
 const volatile sig_atomic_t *cli_stop_flag(void)
 {

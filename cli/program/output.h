@@ -69,7 +69,8 @@ int cli_close_marked(const cli_call *call, lw_output *o, int code);
  * less than a second later, except while the file of -o is committed; temporary files are then removed. */
 void cli_watch_signals(void);
 void cli_limit_time(double seconds);         /* from now on; only the first call with seconds > 0 counts */
-void cli_finish(void);                       /* the work is over: its results are written in full, however long it takes */
+void cli_hold(void);                         /* results are written: nothing ends the program by force ... */
+void cli_go_on(void);                        /* ... until this; the limits hold again, for pictures */
 const volatile sig_atomic_t *cli_stop_flag(void);
 #define cli_interrupted() (*cli_stop_flag() != 0)
 #define cli_timed_out()   (*cli_stop_flag() == SIGALRM)

@@ -157,25 +157,68 @@ lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n
     return LW_OK;
 }
 
-static double distance_to(const lw_vec2 *line, size_t n, bool closed, lw_vec2 p)
+/* Runs of segments of a polyline, with a box around each: of most runs it says enough. */
+typedef struct runs {
+    const lw_vec2 *line;
+    size_t n, n_segment, size, n_run;
+    size_t near;                   /* the run that was nearest to the last point                        */
+    struct { lw_vec2 low, high; } *box;
+} runs;
+
+static bool make_runs(const lw_vec2 *line, size_t n, bool closed, runs *r)
 {
-    double least = INFINITY;
-    for (size_t j = 0; j + !closed < n; j++)
-        least = fmin(least, lw_v2_segment_distance(p, line[j], line[(j + 1) % n]));
-    return least;
+    *r = (runs){ .line = line, .n = n, .n_segment = n - !closed, .size = 1 + (size_t)sqrt((double)n) };
+    r->n_run = (r->n_segment + r->size - 1)/r->size;
+    r->box = malloc(sizeof *r->box*(r->n_run + 1));
+    for (size_t j = 0; r->box && j <= r->n_segment; j++) {       /* the end of a run is the start of the next */
+        lw_vec2 p = line[j % n];
+        size_t k = j/r->size, first = j % r->size == 0;
+        for (size_t b = k - (first && k > 0); b <= k && b < r->n_run; b++) {
+            bool fresh = j == b*r->size;
+            r->box[b].low = fresh ? p : lw_v2(fmin(r->box[b].low.x, p.x), fmin(r->box[b].low.y, p.y));
+            r->box[b].high = fresh ? p : lw_v2(fmax(r->box[b].high.x, p.x), fmax(r->box[b].high.y, p.y));
+        }
+    }
+    return r->box;
+}
+
+/* The greatest distance from n points to the polyline, or `most` if that is greater. */
+static double farthest(runs *r, const lw_vec2 *p, size_t n, double most)
+{
+    for (size_t i = 0; i < n; i++) {
+        double least = INFINITY;
+        for (size_t k = 0, first = r->near; k < r->n_run && least > most; k++) {
+            size_t b = (first + k) % r->n_run;
+            double dx = fmax(fmax(r->box[b].low.x - p[i].x, p[i].x - r->box[b].high.x), 0);
+            double dy = fmax(fmax(r->box[b].low.y - p[i].y, p[i].y - r->box[b].high.y), 0);
+            size_t end = (b + 1)*r->size;
+            if ((1 - 1e-12)*(dx*dx + dy*dy) >= least*least)
+                continue;
+            double before = least;
+            for (size_t j = b*r->size; j < end && j < r->n_segment; j++)
+                least = fmin(least, lw_v2_segment_distance(p[i], r->line[j], r->line[(j + 1) % r->n]));
+            r->near = least < before ? b : r->near;
+        }
+        most = fmax(most, least);
+    }
+    return most;
 }
 
 lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n)
 {
-    lw_stray stray = { 0, 0 };
+    lw_stray stray = { NAN, NAN };
     size_t n_drawn;
     lw_vec2 *drawn = curve_of(t, &n_drawn);
-    if (!drawn)
-        return (lw_stray){ NAN, NAN };
-    for (size_t i = 0; i < t->n; i++)
-        stray.to_curve = fmax(stray.to_curve, distance_to(curve, n, t->closed, station(t, i)));
-    for (size_t i = 0; i < n; i++)
-        stray.to_target = fmax(stray.to_target, distance_to(drawn, n_drawn, t->closed, curve[i]));
+    runs found = { 0 }, wanted = { 0 };
+    if (drawn && make_runs(curve, n, t->closed, &found) && make_runs(drawn, n_drawn, t->closed, &wanted)) {
+        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0) };
+        for (size_t i = 0; i < t->n; i++) {
+            lw_vec2 p = station(t, i);
+            stray.to_curve = farthest(&found, &p, 1, stray.to_curve);
+        }
+    }
+    free(found.box);
+    free(wanted.box);
     free(drawn);
     return stray;
 }

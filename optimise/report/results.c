@@ -243,7 +243,7 @@ typedef struct reports {
     const lw_fit_spec *s;
     const lw_fit      *fit;
     const unsigned    *may_fail;
-    double             until;
+    const lw_results_effort *effort;
     lw_fit_report     *report;
     bool              *made, *usable;
     lw_status         *status;
@@ -255,7 +255,8 @@ static void make_report(void *context, size_t i, int thread)
     (void)thread;
     reports *c = context;
     lw_fit_report *r = &c->report[i];
-    if (c->until > 0 && c->any && lw_clock_wall() > c->until)
+    const lw_results_effort *o = c->effort;
+    if (c->any && ((o->interrupt && *o->interrupt) || (o->until > 0 && lw_clock_wall() > o->until)))
         return;
     c->status[i] = lw_fit_report_make(c->t, c->s, &c->fit->candidate[i], r, NULL);
     c->made[i] = c->status[i] == LW_OK;
@@ -286,17 +287,21 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
     lw_status *status = calloc(n, sizeof *status);
     lw_status st = out->candidate && out->report && out->left_out && all && fit_for_use && status
                  ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for %d results", fit->n);
-    reports work = { .t = t, .s = s, .fit = fit, .may_fail = may_fail, .until = effort ? effort->until : 0, .report = all,
+    static const lw_results_effort whole = { .jobs = 1 };
+    effort = effort ? effort : &whole;
+    reports work = { .t = t, .s = s, .fit = fit, .may_fail = may_fail, .effort = effort, .report = all,
                      .made = fit_for_use + n, .usable = fit_for_use, .status = status };
     if (st == LW_OK) {
-        lw_parallel(!effort ? 1 : effort->jobs > 0 ? effort->jobs : lw_core_count(), (size_t)fit->n, make_report, &work);
+        lw_parallel(effort->jobs > 0 ? effort->jobs : lw_core_count(), (size_t)fit->n, make_report, &work);
         st = first_fault(&work, e);
     }
     free(status);
     for (int i = 0; i < fit->n && st == LW_OK; i++) {
         const lw_fit_report *r = &all[i];
-        if (!work.made[i])
+        if (!work.made[i]) {
+            out->n_unseen++;
             continue;
+        }
         if (!fit_for_use[i])
             leave_out(out, i, r->verified || (may_fail && may_fail[i] && r->meets) ? r->broken_text : r->fault);
         else if (!any || bits(r->broken) < bits(out->broken))

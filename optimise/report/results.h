@@ -21,6 +21,7 @@ typedef struct lw_fit_results {
     int            n_within;       /* results within the tolerance; 0: none is, or none was asked for */
     int            n_unfit;        /* candidates left out because they break a limit that results keep, ... */
     int            unfit_by[LW_LIMITS];  /* ... and of these, how many break limit 1 << i           (LW_LIMITS) */
+    int            n_unseen;       /* candidates without a report, since the time was over          */
     int            n_left_out;
     lw_left_out   *left_out;       /*                                                 (n_left_out)  */
 } lw_fit_results;
@@ -28,13 +29,15 @@ typedef struct lw_fit_results {
 /* How much work the reports may be. */
 typedef struct lw_results_effort {
     int    jobs;                   /* threads; < 1: one per core                                    */
-    double until;                  /* wall clock (base/clock.h) after which no further report is begun once there is one
-                                    * to keep; 0: no limit                                          */
+    double until;                  /* wall clock (base/clock.h); 0: no limit                        */
+    const volatile int *interrupt; /* may be NULL.  After `until`, or when this becomes nonzero, no further report is begun
+                                    * once there is one to keep                                     */
 } lw_results_effort;
 
 /* Report on every candidate of `fit` and keep those that are verified: the first `most`, and beyond these the first
  * of each number of links.  may_fail (fit->n, or NULL): candidates with a nonzero entry need not pass the second
- * simulation if they meet the conditions; effort: NULL for one thread without limit; a linkage that must be taken apart between two stations cannot pass it.
+ * simulation if they meet the conditions; a linkage that must be taken apart between two stations cannot pass it.
+ * effort: NULL for one thread without limit.
  * LW_E_MEMORY; then nothing is left to free. */
 lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw_fit *fit, int most,
                               const unsigned *may_fail, const lw_results_effort *effort, lw_fit_results *out,

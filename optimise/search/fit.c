@@ -50,11 +50,15 @@ void lw_fit_free(lw_fit *f)
 /* Time kept back for the last polish [s], and at most this part of a time limit. */
 #define POLISH_TIME 0.5
 #define POLISH_PART 0.1
+/* For the last polish when the user stops the search [s]: who stops it does not want to wait. */
+#define LAST_POLISH 0.1
 /* And for the front. */
 #define WIDEN_PART  0.2
 
 double lw_search_grace(const lw_search *s)
 {
+    if (s->o->interrupt && *s->o->interrupt)
+        return LAST_POLISH;
     return s->o->max_seconds > 0 ? fmin(POLISH_TIME, POLISH_PART*s->o->max_seconds) : POLISH_TIME;
 }
 

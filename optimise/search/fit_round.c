@@ -1,5 +1,6 @@
 /* optimise/search/fit_round.c - one round of the search: draw low-discrepancy starts, improve the better ones, polish
  * the best. */
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -108,15 +109,14 @@ static int search_around(const lw_best_starts *finds, const lw_effort *a, lw_pro
 }
 
 /* Improve c by the solver of the user's choice. */
-static void run_solver(lw_search *s, const lw_solver *solver, const lw_problem *p, long evals, double until,
-                       lw_found *c)
+static void run_solver(lw_search *s, const lw_solver *solver, const lw_problem *p, const lw_lm_options *lm, lw_found *c)
 {
     lw_solver_options o = lw_solver_options_default();
     lw_solver_result r;
     o.seed = s->o->seed;
-    o.max_evals = evals;
-    o.interrupt = s->o->interrupt;
-    o.max_seconds = until > 0 ? fmax(1e-3, until - lw_clock_wall()) : 0;
+    o.max_evals = 10L*lm->max_steps;
+    o.interrupt = lm->interrupt;
+    o.max_seconds = lm->until > 0 ? fmax(1e-3, lm->until - lw_clock_wall()) : 0;
     lw_status st = solver->run(solver, p, &o, c->x, &r);
     if (st == LW_E_MEMORY)
         s->no_memory = true;
@@ -132,7 +132,7 @@ static void improve(lw_search *s, const lw_problem *p, const lw_lm_options *o, b
 {
     const lw_solver *mine = s->o->solver;
     if (mine && mine->run != lw_lm_run) {
-        run_solver(s, mine, p, 10L*o->max_steps, o->until, c);
+        run_solver(s, mine, p, o, c);
         return;
     }
     c->f = conditions ? lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop)
@@ -257,6 +257,8 @@ typedef struct polish_list {
     lw_search *s;
     int n;
     double until;                            /* wall clock; 0: no limit                           */
+    const volatile int *interrupt;           /* NULL if the search was asked to stop before: until says when   */
+    atomic_bool any;                         /* there is a result: none is begun any more after `until`        */
     polish item[LW_POOL_MAX];
 } polish_list;
 
@@ -264,8 +266,10 @@ typedef struct polish_list {
 static polish_list *new_list(lw_search *s)
 {
     polish_list *list = calloc(1, sizeof *list);
-    if (list)
+    if (list) {
         list->s = s;
+        list->interrupt = s->o->interrupt && *s->o->interrupt ? NULL : s->o->interrupt;
+    }
     return list;
 }
 
@@ -296,7 +300,7 @@ static double strays(const lw_search *s, const lw_problem *p, const double *x, l
     lw_timing_sample(p, x, w);
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
         double least = INFINITY;
-        for (size_t k = 0, to = p->n - 1; k < p->n; to = k++)
+        for (size_t k = 0, to = p->n - 1; k < p->n && least > most; to = k++)
             least = fmin(least, lw_v2_segment_distance(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]),
                                                        lw_v2(p->x[k], p->y[k])));
         most = fmax(most, least);
@@ -333,11 +337,14 @@ static void polish_one(void *context, size_t job, int thread)
     const lw_problem *searched = p ? lw_search_made(s, thread, c->candidate, true, &l->status) : NULL;
     void *work = s->bench[thread].work;
     lw_lm_options o = lw_lm_options_default();
-    if (!searched)
+    if (list->any && ((list->interrupt && *list->interrupt) || (list->until > 0 && lw_clock_wall() > list->until)))
+        c->f = INFINITY;
+    if (!searched || !isfinite(c->f))
         return;
     o.max_steps = POLISH_STEPS;
     o.f_tol = 1e-12;
     o.until = list->until;
+    o.interrupt = list->interrupt;
     l->of = lw_pool_variables(p);
     if (s->thin.n > 0)
         refine_variables(searched, p, c->x);
@@ -349,6 +356,8 @@ static void polish_one(void *context, size_t job, int thread)
     l->spent += c->evals;
     l->spent *= lw_search_effort(s, p).cost;
     judge(s, p, work, c);
+    if (isfinite(c->f))
+        list->any = true;
 }
 
 /* Count how often the search found its best, which decides when it ends. */
@@ -470,6 +479,7 @@ static lw_status polish_round(lw_search *s, polish_list *list, lw_error *e)
     pick(s, list);
     if (s->o->max_seconds > 0 || lw_search_stopped(s))
         list->until = (lw_search_stopped(s) ? lw_clock_wall() : lw_search_end(s)) + lw_search_grace(s);
+    list->any = s->pool.n > 0;
     lw_status st = run_list(s, list, polish_one);
     if (st != LW_OK)
         return lw_error_set(e, st, "%s", lw_status_text(st));
@@ -610,11 +620,12 @@ static void fit_variant(void *context, size_t job, int thread)
     int k = (int)job % variants_of(s);
     double f = l->find.f;
     l->find.f = INFINITY;
-    if (!p || (s->o->max_seconds > 0 && lw_clock_wall() > list->until))
+    if (!p || (s->o->max_seconds > 0 && lw_clock_wall() > list->until) || (list->interrupt && *list->interrupt))
         return;
     o.max_steps = POLISH_STEPS;
     o.f_tol = 1e-9;
     o.until = list->until;
+    o.interrupt = list->interrupt;
     l->of = lw_pool_variables(p);
     p->intended = l->find.intended;
     p->transmission_is_soft = false;

@@ -275,13 +275,17 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
     plan *p = calloc(1, sizeof *p);
     if (!p)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
-    const lw_results_effort effort = { .jobs = o->fit.jobs, .until = o->fit.max_seconds > 0 ? lw_clock_wall() + o->fit.max_seconds
-                                                                                        : 0 };
+    const lw_results_effort effort = { .jobs = o->fit.jobs, .interrupt = o->fit.interrupt,
+                                       .until = o->fit.max_seconds > 0 ? lw_clock_wall() + o->fit.max_seconds : 0 };
     lw_status st = make_plan(t, o, p, e), kept = LW_OK;
     if (st == LW_OK)
         st = run_stages(t, &o->fit, p, &out->found, e);
     if (st == LW_OK || st == LW_STOPPED)
         kept = lw_fit_results_make(t, &o->fit.spec, &out->found.fit, o->fit.n_result, NULL, &effort, &out->results, e);
+    if (kept == LW_OK && st == LW_OK && out->results.n_unseen > 0) {
+        st = LW_STOPPED;
+        out->found.fit.stop = o->fit.interrupt && *o->fit.interrupt ? LW_STOP_USER : LW_STOP_TIME;
+    }
     st = kept == LW_OK ? st : kept;
     if (st == LW_OK || st == LW_STOPPED) {
         out->freedoms = o->freedoms;
