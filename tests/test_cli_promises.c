@@ -90,6 +90,7 @@ static const row rows[] = {
       "catalogue query $D/six.db 'WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n+1 FROM x) SELECT n FROM x' --sql",
       "$D/six.db", false },
     { "catalogue export $D/six.db links=6", NULL, "$D/six.db", false },
+    { "catalogue nearest $D/curves.db examples/ellipse.csv", NULL, "examples/ellipse.csv", false },
     { "catalogue check $D/six.db", "catalogue check $D/builds.db", "$D/six.db", false },
     { "fit examples/ellipse.csv --starts 20 --rounds 1 --json", "fit examples/walking-foot.csv --links 8",
       "examples/ellipse.csv", true },
@@ -166,6 +167,7 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "fit $D/nine.csv --exact -q", NULL },
     { "catalogue curves $D/x --links 6 --samples 1e6 -q", "test ! -e $D/x || $P catalogue check $D/x" },
     { "catalogue build $D/x --links 16 -q", "test ! -e $D/x || $P catalogue check $D/x" },
+    { "catalogue add $D/x $D/many.json -q", "test ! -e $D/x || $P catalogue check $D/x" },
     { "catalogue html $D/endless.db -o $D/x -q", NULL },
     { "catalogue release -o $D/x --links 14 -q", NULL },
     { "simulate $D/pile.json --to 10", NULL },
@@ -390,7 +392,7 @@ static void prepare(void)
            "");
     /* an eight-bar with a higher group */
     demand("cp tests/data/linkages/triad-eight-bar.json $D/group.json", "");
-    /* a pile of 300 boxes, a chain of 1000 bodies in space, tables of many motors and gears */
+    /* a pile of 300 boxes, a chain of 1000 bodies in space, many linkages, tables of many motors and gears */
     demand("python3 - $D << 'END'\n"
            "import json, sys\n"
            "def write(name, **model): json.dump({'linkwright': 1, 'gravity': [0, -9.81], **model}, open(sys.argv[1] + name, 'w'))\n"
@@ -408,6 +410,10 @@ static void prepare(void)
            "    joints.append({'name': 'J%d' % i, 'kind': 'revolute', 'links': ['b%d' % (i - 1) if i else 'ground', 'b%d' % i],\n"
            "                   'at': [i, 0, 0], 'axis': [0, i%2, 1 - i%2]})\n"
            "write('/snake.json', links=links, joints=joints, gravity=[0, 0, -9.81])\n"
+           "model, f = json.load(open('examples/chebyshev.json')), open(sys.argv[1] + '/many.json', 'w')\n"
+           "for i in range(10000):\n"
+           "    for joint in model['joints']: joint['at'][0] *= 1.0001\n"
+           "    print(json.dumps(model), file=f)\n"
            "for name in 'motors.csv', 'gears.csv':\n"
            "    head, rows = [], []\n"
            "    for line in open('examples/drives/' + name):\n"

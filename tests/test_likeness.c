@@ -140,3 +140,28 @@ TEST(scale_and_place_do_not_matter)
         lw_target_free(&t);
     }
 }
+
+/* The greatest distance of the stations from wild polylines of several lengths, compared with a look at every segment. */
+TEST(stray_looks_at_every_segment)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int trial = 0; trial < 20; trial++) {
+        lw_vec2 a[N], b[N];
+        lw_target t;
+        int n = trial < 4 ? 2 + trial : (int)(2 + lw_rng_uniform(&rng)*(N - 2)), closed = trial % 2;
+        circle(2, lw_v2(0, 0), 0, 1, a);
+        for (int i = 0; i < n; i++)
+            b[i] = lw_v2(3*lw_rng_normal(&rng), lw_rng_normal(&rng));
+        make(a, closed, &t);
+        double most = 0;
+        for (int i = 0; i < N; i++) {
+            double least = INFINITY;
+            for (int j = 0; j + !closed < n; j++)
+                least = fmin(least, lw_v2_segment_distance(a[i], b[j], b[(j + 1) % n]));
+            most = fmax(most, least);
+        }
+        CHECK(lw_likeness_stray(&t, b, (size_t)n).to_curve == most);
+        lw_target_free(&t);
+    }
+}

@@ -143,6 +143,9 @@ TEST(progress_is_told_and_the_stop_flag_honoured)
     CHECK(w.calls > 0 && w.in_range);
     CHECK_INT(s.found.fit.stop, LW_STOP_USER);
     CHECK(s.found.fit.n > 0);                                      /* what the first round found is kept */
+    CHECK(s.results.n > 0);                                        /* and simulated until one can be shown  */
+    CHECK_INT(s.results.n_unseen, s.found.fit.n - s.results.n_left_out - s.results.n);
+    CHECK(s.results.n_unseen > 0);
     lw_topology_search_free(&s);
     lw_target_free(&t);
 }

@@ -667,6 +667,9 @@ static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
     const settings *s = call->settings;
     lw_error e = { 0 };
     lw_drawing d;
+    if (!s->plot && !s->save)
+        return code;
+    cli_go_on();
     if (s->plot && set->search.results.n > 0) {
         lw_status st = cli_fit_curves(set, &d, &e);
         if (st == LW_OK) {
@@ -772,9 +775,7 @@ static int fit_all(const cli_call *call, cli_side_by_side *together)
         code = cli_close_marked(call, &o, code);
     else if (wants_json(call))
         lw_output_abandon(&o);
-    else
-        fflush(stdout);
-    cli_go_on();
+    fflush(stdout);
     if (done > 0)
         code = save(call, set, done, code);
     for (int i = 0; i < done; i++)

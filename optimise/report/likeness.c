@@ -120,7 +120,7 @@ static double nearest(const lw_vec2 a[N], const lw_vec2 b[N], bool closed)
     for (int i = 0; i < N; i++) {
         double least = INFINITY;
         for (int j = 0; j < (closed ? N : N - 1); j++)
-            least = fmin(least, lw_v2_segment_distance(a[i], b[j], b[(j + 1) % N]));
+            least = lw_likeness_nearer(a[i], b[j], b[(j + 1) % N], least);
         sum += least;
     }
     return sum/N;
@@ -196,7 +196,7 @@ static double farthest(runs *r, const lw_vec2 *p, size_t n, double most)
                 continue;
             double before = least;
             for (size_t j = b*r->size; j < end && j < r->n_segment; j++)
-                least = fmin(least, lw_v2_segment_distance(p[i], r->line[j], r->line[(j + 1) % r->n]));
+                least = lw_likeness_nearer(p[i], r->line[j], r->line[(j + 1) % r->n], least);
             r->near = least < before ? b : r->near;
         }
         most = fmax(most, least);
