@@ -150,3 +150,116 @@ bool lw_spatial_is_planar(const lw_spatial *m, lw_vec3 *normal)
             return false;
     return known;
 }
+
+/* ---- planar models in space -------------------------------------------------------------------------------------- */
+
+static lw_vec3 in_plane(lw_vec2 a) { return lw_v3(a.x, a.y, 0); }
+
+static lw_status add_joint(const lw_model *p, int j, lw_spatial *m, lw_error *e)
+{
+    static const lw_vec3 z = { 0, 0, 1 };
+    const lw_joint *from = &p->linkage.joint[j];
+    lw_spatial_joint to = { .kind = LW_SPATIAL_REVOLUTE, .link = { from->link[0], from->link[1] }, .at = in_plane(from->at), .axis = z };
+    memcpy(to.name, from->name, sizeof to.name);
+    to.stop = p->stop[j];
+    if (from->kind == LW_JOINT_SLOT) {                   /* a slide on link 0 that carries the pin */
+        lw_spatial_joint slide = to;
+        lw_spatial_body *body = &m->body[m->n_link];
+        slide.kind = LW_SPATIAL_PRISMATIC;
+        slide.axis = in_plane(from->along);
+        slide.link[1] = to.link[0] = m->n_link++;
+        snprintf(body->name, sizeof body->name, "%.20s runner", from->name);
+        to.stop = (lw_joint_stop){ .has_least = false };
+        snprintf(to.name, sizeof to.name, "%.24s pin", from->name);
+        m->joint[m->n_joint++] = to;                     /* behind those that the file has */
+        to = slide;
+    } else if (from->kind == LW_JOINT_SLIDER)
+        to.kind = LW_SPATIAL_PRISMATIC, to.axis = in_plane(from->along);
+    else if (from->kind == LW_JOINT_FIXED)
+        to.kind = LW_SPATIAL_FIXED, to.axis = lw_v3(0, 0, 0);
+    else if (from->kind != LW_JOINT_REVOLUTE)
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a %s: models with such joints stay in the plane", from->name,
+                            lw_joint_word(from->kind));
+    m->joint[j] = to;
+    return LW_OK;
+}
+
+/* A pin between a link and the ground turns as the link does, whichever is named first. */
+static bool is_turned(const lw_model *p, int j)
+{
+    return p->linkage.joint[j].kind == LW_JOINT_REVOLUTE && p->linkage.joint[j].link[1] == p->linkage.ground;
+}
+
+lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
+{
+    const lw_assembly *k = &p->linkage;
+    size_t joints = 2*(size_t)k->n_joint + 1, links = (size_t)(k->n_link + k->n_joint) + 1;
+    lw_status s = LW_OK;
+    *m = (lw_spatial){ .n_link = k->n_link, .ground = k->ground, .gravity = in_plane(p->gravity), .units = k->units };
+    memcpy(m->name, k->name, sizeof m->name);
+    m->body = calloc(links, sizeof *m->body);
+    m->joint = calloc(joints, sizeof *m->joint);
+    m->input = calloc((size_t)k->n_input + 1, sizeof *m->input);
+    m->tracer = calloc((size_t)k->n_tracer + 1, sizeof *m->tracer);
+    m->spring = calloc((size_t)p->n_spring + 1, sizeof *m->spring);
+    m->joint_spring = calloc((size_t)p->n_joint_spring + 1, sizeof *m->joint_spring);
+    m->elastic = calloc(links, sizeof *m->elastic);
+    if (!m->body || !m->joint || !m->input || !m->tracer || !m->spring || !m->joint_spring || !m->elastic)
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK && p->n_elastic)
+        s = lw_error_set(e, LW_E_KIND, "a planar model with elastic links stays in the plane: write its places with three numbers");
+    for (int i = 0; s == LW_OK && i < k->n_link; i++) {
+        const lw_body *b = &p->body[i];
+        lw_spatial_body *to = &m->body[i];
+        *to = (lw_spatial_body){ .given = b->given, .mass = b->mass, .centre = in_plane(b->centre),
+                                 .inertia = { 0.5*b->inertia, 0.5*b->inertia, b->inertia } };
+        memcpy(to->name, k->link_name[i], sizeof to->name);
+    }
+    m->n_joint = k->n_joint;
+    for (int j = 0; s == LW_OK && j < k->n_joint; j++)
+        s = add_joint(p, j, m, e);
+    for (int j = 0; s == LW_OK && j < k->n_joint; j++)
+        if (is_turned(p, j)) {
+            lw_spatial_joint *to = &m->joint[j];
+            lw_joint_stop stop = to->stop;
+            to->link[0] = k->joint[j].link[1], to->link[1] = k->joint[j].link[0];
+            to->stop.has_least = stop.has_greatest, to->stop.least = -stop.greatest;
+            to->stop.has_greatest = stop.has_least, to->stop.greatest = -stop.least;
+        }
+    for (int i = 0; s == LW_OK && i < k->n_input; i++) {
+        const lw_input *in = &k->input[i];
+        if (in->ratio != 0)
+            s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to another one: such models stay in the plane",
+                             k->joint[in->joint].name);
+        m->input[m->n_input++] = (lw_spatial_input){ .measure = { lw_joint_slides(k->joint[in->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN,
+            in->joint }, .value = in->value, .has_range = in->first != in->last, .first = in->first, .last = in->last };
+    }
+    for (int i = 0; s == LW_OK && i < k->n_tracer; i++) {
+        lw_spatial_tracer *to = &m->tracer[m->n_tracer++];
+        *to = (lw_spatial_tracer){ .link = k->tracer[i].link, .at = in_plane(k->tracer[i].at),
+                                   .frame = lw_quaternion_of_vector(lw_v3(0, 0, k->tracer[i].angle)) };
+        memcpy(to->name, k->tracer[i].name, sizeof to->name);
+    }
+    for (int i = 0; s == LW_OK && i < p->n_spring; i++) {
+        const lw_spring *c = &p->spring[i];
+        m->spring[i] = (lw_spatial_spring){ .link = { c->link[0], c->link[1] }, .at = { in_plane(c->at[0]), in_plane(c->at[1]) },
+                                            .stiffness = c->stiffness, .damping = c->damping, .free = c->free };
+        memcpy(m->spring[i].name, c->name, sizeof c->name);
+        m->n_spring++;
+        if (c->law)
+            s = lw_error_set(e, LW_E_KIND, "spring \"%s\" has a law: such models stay in the plane", c->name);
+    }
+    for (int i = 0; s == LW_OK && i < p->n_joint_spring; i++) {
+        const lw_joint_spring *c = &p->joint_spring[i];
+        lw_spatial_measure of = { lw_joint_slides(k->joint[c->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN, c->joint };
+        m->joint_spring[i] = (lw_spatial_joint_spring){ .measure = of, .stiffness = c->stiffness, .damping = c->damping,
+                                                        .free = is_turned(p, c->joint) ? -c->free : c->free };
+        memcpy(m->joint_spring[i].name, c->name, sizeof c->name);
+        m->n_joint_spring++;
+        if (c->law)
+            s = lw_error_set(e, LW_E_KIND, "spring \"%s\" has a law: such models stay in the plane", c->name);
+    }
+    if (s != LW_OK)
+        lw_spatial_free(m);
+    return s;
+}

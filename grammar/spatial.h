@@ -196,4 +196,9 @@ void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *t
 /* Are all axes parallel, and every load across them, so that the motion is planar?  *normal: the axis. */
 bool lw_spatial_is_planar(const lw_spatial *m, lw_vec3 *normal);
 
+/* A planar model as one in space, in the plane z = 0, for what knows only space: links, joints, inputs without their motions,
+ * tracers, masses, springs and stops; no other loads.  A pin in a slot becomes a slide and a pin.  m needs lw_spatial_free.
+ * LW_E_KIND: gears, tied inputs, elastic links, springs with a law; m is then empty. */
+lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e);
+
 #endif

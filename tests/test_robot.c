@@ -281,6 +281,124 @@ TEST(bad_robots)
     lw_spatial_free(&m);
 }
 
+/* ---- planar robots --------------------------------------------------------------------------------------- */
+
+static bool make_planar(const char *file, lw_spatial *m, lw_robot *r)
+{
+    char *text;
+    size_t size;
+    lw_error e = { 0 };
+    lw_model p;
+    if (lw_file_read(file, &text, &size, &e) != LW_OK || lw_model_read(text, size, file, &p, &e) != LW_OK)
+        return false;
+    lw_status s = lw_spatial_of_planar(&p, m, &e);
+    free(text);
+    lw_model_free(&p);
+    return s == LW_OK && lw_robot_make(m, NULL, r, &e) == LW_OK;
+}
+
+/* 3-RRR, arms 0.25, rods 0.3, radii 0.4 and 0.1: the angle of an arm in closed form; a rod keeps its length, so the velocities of
+ * its ends have the same part along it.  Straight down from the middle the first leg is stretched at 0.25. */
+TEST(three_rrr)
+{
+    lw_rng rng;
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    lw_rng_seed(&rng, check_seed(), 1);
+    bool good = make_planar("examples/3-rrr.json", &m, &r);
+    CHECK(good);
+    for (int trial = 0; good && trial < 20; trial++) {
+        lw_vec3 at = lw_v3(lw_rng_range(&rng, -0.1, 0.1), lw_rng_range(&rng, -0.1, 0.1), 0);
+        CHECK_INT(lw_robot_move(&r, at, NULL, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-8, 0);
+        CHECK_NEAR(p.turn.z, 0, 1e-8, 0);
+        for (int i = 0; i < 3; i++) {
+            double a = LW_PI/2 + 2*LW_PI*i/3;
+            lw_vec3 c = lw_v3(0.1*cos(a), 0.1*sin(a), 0), base = lw_v3(0.4*cos(a), 0.4*sin(a), 0);
+            lw_vec3 d = lw_v3_sub(lw_v3_add(p.place, c), base);
+            double far = lw_v3_norm(d), angle = atan2(d.y, d.x) + acos((0.25*0.25 + far*far - 0.3*0.3)/(2*0.25*far));
+            CHECK_NEAR(remainder(p.drive[i] - angle, 2*LW_PI), 0, 1e-7, 0);
+            lw_vec3 crank = lw_v3(0.25*cos(angle), 0.25*sin(angle), 0), rod = lw_v3_sub(d, crank);
+            for (int j = 0; j < 3; j++) {
+                lw_vec3 v = lw_v3_add(lw_v3(p.jacobian[0][j], p.jacobian[1][j], 0), lw_v3_cross(lw_v3(0, 0, p.jacobian[5][j]), c));
+                double knee = i == j ? lw_v3_dot(rod, lw_v3_cross(lw_v3(0, 0, 1), crank)) : 0;
+                CHECK_NEAR(lw_v3_dot(rod, v), knee, 1e-8, 0);
+            }
+        }
+    }
+    double far;
+    CHECK_INT(lw_robot_move(&r, lw_v3(0, 0, 0), NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_reach(&r, lw_v3(0, -1, 0), 1, &far, &e), LW_OK);
+    CHECK_NEAR(far, 0.25, 0, 1e-6);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* A SCARA arm keeps the direction of its hand; its Jacobian is made of the arms from the joints to the tool. */
+TEST(scara)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    bool good = make_planar("examples/scara.json", &m, &r);
+    CHECK(good);
+    if (!good)
+        return;
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.2, 0.35, 0), NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(2*atan2(p.turn.z, p.turn.w), 1, 1e-8, 0);
+    /* an input is the angle of the first link from x, then of the next against the one before */
+    double drawn[3] = { 0.3, 1.2, -0.5 }, length[3] = { 0.4, 0.3, 0.1 }, turn = 0;
+    lw_vec3 joint[4] = { { 0, 0, 0 } };
+    lw_robot_pose begin;
+    lw_robot_reset(&r);
+    CHECK_INT(lw_robot_measure(&r, &begin, &e), LW_OK);
+    for (int k = 0; k < 3; k++) {
+        turn += drawn[k] + p.drive[k] - begin.drive[k];
+        joint[k + 1] = lw_v3_add(joint[k], lw_v3(length[k]*cos(turn), length[k]*sin(turn), 0));
+    }
+    CHECK_NEAR(turn, 1, 1e-7, 0);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(joint[3], lw_v3(0.2, 0.35, 0))), 0, 1e-7, 0);
+    for (int k = 0; k < 3; k++) {
+        CHECK_NEAR(p.jacobian[0][k], -(joint[3].y - joint[k].y), 1e-7, 0);
+        CHECK_NEAR(p.jacobian[1][k], joint[3].x - joint[k].x, 1e-7, 0);
+        CHECK_NEAR(p.jacobian[5][k], 1, 1e-12, 0);
+    }
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* Pins in slots become a slide and a pin: a Scotch yoke of any crank moves as the cosine of its angle. */
+TEST(slots_in_space)
+{
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    bool good = make_planar("examples/gallery/scotch-yoke.json", &m, &r);
+    CHECK(good);
+    if (!good)
+        return;
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    double first = p.place.x, from = p.drive[0], at[3];
+    for (int k = 0; k < 3; k++) {
+        double value = from + 0.4*(k + 1);
+        CHECK_INT(lw_robot_drive(&r, &value, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        at[k] = p.place.x - first;
+    }
+    /* x = c cos(from + s) + d: the second differences of equal steps are in the ratio of the cosines */
+    double one = at[1] - 2*at[0], two = at[2] - 2*at[1] + at[0];
+    CHECK_NEAR(one*cos(from + 0.8) - two*cos(from + 0.4), 0, 1e-9*m.units.metre + 1e-9*fabs(one), 0);
+    CHECK(fabs(one) > 1e-6);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
 /* ---- the lowest eigenfrequency over the workspace ------------------------------------------------------- */
 
 static double lowest(lw_held *h, lw_robot *r, double radius, double angle)

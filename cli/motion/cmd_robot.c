@@ -45,6 +45,7 @@ typedef struct job {
     const cli_call   *call;
     const settings   *s;
     lw_spatial       *m;
+    bool              flat;                  /* read from a planar model                             */
     lw_robot          r;
     const char       *unit;
     double            metre;
@@ -56,14 +57,18 @@ typedef struct job {
 
 static lw_status read_place(const job *j, const char *text, lw_vec3 *p, lw_error *e)
 {
-    double v[3];
+    double v[3] = { 0 };
     const char *at = text;
     for (int i = 0; i < 3; i++) {
         char *end;
         v[i] = strtod(at, &end);
-        if (end == at || !isfinite(v[i]) || *end != (i < 2 ? ',' : 0))
-            return lw_error_set(e, LW_E_ARG, "--tool-at takes three numbers, such as 0.2,0,-0.65 [%s], not '%.60s'", j->unit, text);
+        bool last = *end == 0 && (i == 2 || (i == 1 && j->flat));
+        if (end == at || !isfinite(v[i]) || !(last || (*end == ',' && i < 2)))
+            return lw_error_set(e, LW_E_ARG, "--tool-at takes %s numbers, such as %s [%s], not '%.60s'", j->flat ? "two" : "three",
+                                j->flat ? "0.2,0.1" : "0.2,0,-0.65", j->unit, text);
         at = end + 1;
+        if (last)
+            break;
     }
     *p = lw_v3_scale(lw_v3(v[0], v[1], v[2]), j->metre);
     return LW_OK;
@@ -76,9 +81,13 @@ static int begin(const cli_call *call, job *j)
     *j = (job){ .call = call, .s = call->settings };
     lw_status st = cli_read_any_model(call->parsed.word[1], 0, &planar, &j->m, &j->e);
     if (st == LW_OK && planar) {
+        lw_error e;
+        j->flat = true;
+        j->m = calloc(1, sizeof *j->m);
+        st = j->m ? lw_spatial_of_planar(planar, j->m, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
         cli_free_model(planar);
-        st = lw_error_at(&j->e, LW_E_KIND, call->parsed.word[1], 0, 0, "this model is planar, and robot needs one in space: "
-                         "give its places a third number, 0, and its pins \"axis\": [0, 0, 1]");
+        if (st != LW_OK)
+            lw_error_at(&j->e, st, call->parsed.word[1], 0, 0, "%s", e.text);
     }
     if (st != LW_OK)
         return cli_fail(call, &j->e);
@@ -87,7 +96,8 @@ static int begin(const cli_call *call, job *j)
     st = lw_robot_make(j->m, j->s->tool, &j->r, &j->e);
     if (st == LW_OK) {
         double g = lw_v3_norm(j->m->gravity);
-        j->up = g > 0 ? lw_v3_scale(j->m->gravity, -1/g) : lw_v3(0, 0, 1);
+        if (!lw_spatial_is_planar(j->m, &j->up))
+            j->up = g > 0 ? lw_v3_scale(j->m->gravity, -1/g) : lw_v3(0, 0, 1);
         j->right = fabs(j->up.x) < 0.9 ? lw_v3(1, 0, 0) : lw_v3(0, 1, 0);
         j->right = lw_v3_sub(j->right, lw_v3_scale(j->up, lw_v3_dot(j->right, j->up)));
         j->right = lw_v3_scale(j->right, 1/lw_v3_norm(j->right));
@@ -463,18 +473,19 @@ static const cli_action actions[] = {
 const cli_command cli_robot_command = {
     .name = "robot",
     .words = "ACTION MODEL.json",
-    .title = "a model in space as a robot: Jacobian, workspace, condition number, lowest frequency",
+    .title = "a model as a robot: Jacobian, workspace, condition number, lowest frequency",
     .examples =
         "  linkwright robot jacobian examples/space/delta.json                    in the posture of the file\n"
         "  linkwright robot jacobian examples/space/delta.json --tool-at 0.2,0,-0.65   elsewhere, with the drives' values\n"
         "  linkwright robot workspace examples/space/delta.json --tool-at 0,0,-0.65 --max-condition 5 --plot edge.svg\n"
         "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --plot map.svg\n"
         "  linkwright robot map examples/space/delta-elastic.json --eigenfrequency --plot hertz.svg   stiff and soft places\n"
-        "  linkwright robot jacobian examples/space/stewart.json --json\n",
+        "  linkwright robot jacobian examples/space/stewart.json --json\n"
+        "  linkwright robot workspace examples/3-rrr.json --plot edge.svg         planar robots, too\n",
     .about =
-        "MODEL is a spatial model (docs/notation.md). Its drives are \"drives\", or its inputs, and leave no freedom; its tool\n"
-        "is a tracer. A robot with six drives or more keeps the tool's orientation when it moves. The level plane is across\n"
-        "gravity, or across z without gravity.\n",
+        "MODEL is a planar or a spatial model (docs/notation.md). Its drives are \"drives\", or its inputs, and leave no freedom; its\n"
+        "tool is a tracer. A robot with six drives or more, in the plane three, keeps the tool's orientation when it moves. The\n"
+        "level plane is across gravity, or across z without gravity; of a planar robot it is the plane of its motion.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .actions = actions

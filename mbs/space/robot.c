@@ -47,7 +47,8 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
                             LW_ROBOT_DRIVES);
     for (int i = 0; i < r->n_drive; i++)
         drive[i] = m->n_drive ? m->drive[i] : m->input[i].measure;
-    r->turns = r->n_drive >= 6;
+    lw_vec3 normal;
+    r->turns = r->n_drive >= (lw_spatial_is_planar(m, &normal) ? 3 : 6);
     s = lw_space_make(m, &r->space, e);
     if (s != LW_OK)
         return s;

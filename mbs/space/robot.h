@@ -17,7 +17,7 @@ typedef struct lw_robot {
     const lw_spatial *model;
     int    tool;                                 /* tracer                                              */
     int    n_drive;
-    bool   turns;                                /* six freedoms or more: the tool's turn is a part of its pose */
+    bool   turns;                                /* six freedoms or more, in the plane three: the tool's turn is a part of its pose */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
     lw_space_follow by_tool;                     /* three freedoms: the tool's place as inputs; memory NULL: none */
@@ -62,7 +62,7 @@ lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e);
 lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e);
 
 /* Inverse kinematics: move the tool to a place along a straight line, with an even turn (turn NULL: as it comes; a robot
- * with six freedoms keeps its turn).  LW_OPEN with a text: a limit of the workspace, of a stop, a cone or the condition lies
+ * with six freedoms, in the plane three, keeps its turn).  LW_OPEN with a text: a limit of the workspace, of a stop, a cone or the condition lies
  * before; the robot is at it, to 1e-8 of its size.  LW_E_MEMORY, LW_E_NUMERIC. */
 lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e);
 
