@@ -24,9 +24,9 @@ TEST(inputs)
     expect("$P simulate $D/model.json --speed 1 --force --plot $D/model.json", 2, "", "an input of this command");
     /* the target of a task file, by a table or by a curve of a drawing */
     expect("mkdir -p $D/save && echo '<svg xmlns=\"http://www.w3.org/2000/svg\"><path id=\"a\" d=\"M0 0L9 0L9 9Z\"/></svg>' > "
-           "$D/save/task.svg", 0, NULL, NULL);
-    expect("echo '{ \"linkwright-task\": 1, \"target\": \"target.csv\" }' > $D/task.json && $P fit $D/task.json --force "
-           "-o $D/target.csv", 2, "", "an input of this command");
+           "$D/save/task.svg && cp $D/target.csv $D/points", 0, NULL, NULL);
+    expect("echo '{ \"linkwright-task\": 1, \"target\": \"points\" }' > $D/task.json && $P fit $D/task.json --force "
+           "-o $D/points", 2, "", "an input of this command");
     expect("echo '{ \"linkwright-task\": 1, \"target\": \"save/task.svg#a\" }' > $D/task.json && $P fit $D/task.json --force "
            "--save $D/save", 2, "", "an input of this command");
     expect("cmp $D/model.json examples/hoeken.json && cmp $D/target.csv examples/ellipse.csv", 0, "", "");
@@ -54,6 +54,24 @@ TEST(changed)
     ran_free(&r);
     if (keeps)
         expect("echo note >> $D/p.png; $P draw $D/model.json -o $D/p.png", 2, "", "changed since");
+}
+
+/* The end of a name promises the kind of data: told before the work. */
+TEST(kinds_of_data)
+{
+    static const char *const texts[] = { "numbers --dof 1 --loops 2", "structures --loops 2", "chains --links 6", "mechanisms --links 4",
+        "grammar parse", "mobility examples/hoeken.json", "gallery", "robot jacobian examples/space/delta.json",
+        "family table examples/families/loader.json", "family check examples/families/loader.json" };
+    char line[512];
+    for (size_t i = 0; i < sizeof texts/sizeof *texts; i++) {
+        snprintf(line, sizeof line, "$P %s -o $D/table.csv < /dev/null", texts[i]);
+        expect(line, 2, "", "this command writes text; end the name in .json for JSON, or in .txt");
+    }
+    expect("$P fit examples/ellipse.csv -o $D/found.txt", 2, "", "this command writes JSON; end the name in .json");
+    expect("$P fit examples/ellipse.csv -o $D/found.csv", 2, "", "this command writes JSON; end the name in .json");
+    expect("$P family expand examples/families/loader.json -o $D/loader.csv", 2, "", "this command writes JSON");
+    expect("$P trace examples/hoeken.json -o $D/t.svg", 2, "", "--plot FILE draws them");
+    expect("ls $D/table.csv $D/found.* $D/loader.csv $D/t.svg", 2, "", "No such file");
 }
 
 TEST(two_outputs)

@@ -14,6 +14,12 @@ TEST(traces)
     expect("$P trace examples/space/delta.json --time-range 0:0.1:0.05 --json", 0, "\"complete\": true", NULL);
     expect("$P trace examples/space/stewart.json --input-range 0:0.05 -n 2", 0, NULL, "the others stand still");
     expect("$P trace examples/space/sarrus.json --speed '60 rpm' -n 2", 0, "m/s", NULL);
+    /* the joint of a link on a fixed pin draws a circle of radius 1 about it; a slide does not turn */
+    expect("$P trace examples/space/bennett.json --geometry -n 7 | awk -F, 'NR > 2 && ($24 - 1)^2 < 1e-20 {n++} END {print n, $24}'",
+           0, "8 ", NULL);
+    expect("$P trace examples/space/sarrus.json --geometry -n 2 | tail -1 | grep -c ',,,$'", 0, "1", NULL);
+    expect("$P trace examples/space/delta.json --time-range 0:0.2:0.02 --geometry --plot $D/space.svg && grep -c 'time \\[s\\]\\|place "
+           "\\[m\\]\\|velocity \\[m/s\\]\\|curvature \\[1/m\\]' $D/space.svg", 0, "4", NULL);
     expect("$P trace examples/space/slider-crank.json --tracer Q", 3, NULL, "there is no tracer \"Q\"");
     expect("sed 's/\"motion\": -0.65/\"motion\": \"-0.65 - t\"/' examples/space/delta.json > $D/deep.json", 0, NULL, NULL);
     expect("$P trace $D/deep.json --time-range 0:1:0.1", 4, NULL, "open");

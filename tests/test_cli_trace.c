@@ -303,7 +303,6 @@ TEST(geometry_of_the_path)
            "1", NULL);                                                        /* it only shifts: no instant centre */
     expect("$P trace examples/hoeken.json --geometry --mode file --plot $D/g.svg --quiet && grep -c '>curvature .1/mm.<' $D/g.svg", 0,
            "1", NULL);
-    expect("$P trace examples/space/bricard.json --geometry", 2, NULL, "planar models");
     /* the coupler's centre lies on the line of the crank through O (0, 0), and turns with the angular velocity it tells */
     expect("$P trace examples/hoeken.json --geometry --mode file --quiet | grep '^1,+' | awk -F, '$17 != \"\" { u = $3*3.14159265358979/180; "
            "d = $18*cos(u) - $17*sin(u); if (d*d > 1e-16*($17*$17 + $18*$18)) bad++; v = $6 + $13*($5 - $18); "

@@ -408,13 +408,13 @@ static const cli_action actions[] = {
       "fit', global solvers search the whole box of bounds. With -o, curves.csv holds every improvement,\n"
       "reach.csv every fit. Errors and numbers of evaluations depend on the seed only; times depend on the\n"
       "machine. --keep FILE survives interruptions; several machines each do --part R/M, or share the runs\n"
-      "under mpirun with --mpi (docs/cluster.md).\n", 0, 0, run_fit, 0 },
+      "under mpirun with --mpi (docs/cluster.md).\n", 0, 0, run_fit, 0, NULL },
     { "mbs", "",
       "Solves reference problems of multibody dynamics with every formulation and every tolerance. A row gives\n"
       "the error against an exact solution, or against a solution with more digits, and the shortest processor\n"
       "time of several runs. A solver that needs more than a second, or fails twice, is not run with smaller\n"
       "tolerances. Other programs (--peers) get the same models and are measured in the same way. With -o, the\n"
-      "rows go to mbs.csv.\n", 0, 0, run_mbs, 0 },
+      "rows go to mbs.csv.\n", 0, 0, run_mbs, 0, NULL },
     { .name = NULL }
 };
 

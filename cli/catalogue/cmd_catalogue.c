@@ -72,52 +72,52 @@ static const cli_action actions[] = {
       "symmetry, planarity and notations, and its mechanisms: ground links up to symmetry, driven joints and\n"
       "Assur groups. --multiple-joints adds the chains with several links on one pin. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
       "same command is given again.\n",
-      1, 1, cli_catalogue_build, CLI_CATALOGUE },
+      1, 1, cli_catalogue_build, CLI_CATALOGUE, NULL },
     { "add", "FILE RESULTS.json or PART.db",
       "Adds linkages with their errors from the output of 'linkwright fit --json', or linkage files. Several\n"
       "results may follow one another; - is standard input. Linkages that the catalogue already holds are\n"
       "skipped. Curves of another catalogue, made with --part, are added too: the parts in order, 1, 2, 3, ...\n"
       "A table of motors, gears or amplifiers (CSV, docs/drive.md) is added for 'linkwright drive select'.\n",
-      2, 2, cli_catalogue_add, CLI_CATALOGUE | CLI_LINKAGE | CLI_RESULTS },
+      2, 2, cli_catalogue_add, CLI_CATALOGUE | CLI_LINKAGE | CLI_RESULTS, NULL },
     { "curves", "FILE --samples N",
       "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes\n"
       "of the linkages; with --links 6 or 8 curves of all mechanisms of pins, with --links 6 --joints r,t of all with\n"
       "sliders too, that dyads solve and that fewer links cannot replace.\n"
       "Several machines each draw --part R/M into a file of their own, or share the work under mpirun with --mpi;\n"
       "the catalogue is the same (docs/cluster.md).\n",
-      1, 1, cli_catalogue_curves, CLI_CATALOGUE },
+      1, 1, cli_catalogue_curves, CLI_CATALOGUE, NULL },
     { "nearest", "FILE TARGET.csv",
       "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction\n"
       "and mirrored, and prints their linkages, moved and scaled onto the target, nearest first. The answer is exact:\n"
       "no curve of the catalogue that meets the conditions is nearer. T is the least transmission angle; 'turns' says\n"
       "that the input turns fully. The linkage of an open curve has the range of its input that traces the target.\n",
-      2, 2, cli_catalogue_nearest, CLI_CATALOGUE | CLI_TARGET | CLI_DRAWING },
+      2, 2, cli_catalogue_nearest, CLI_CATALOGUE | CLI_TARGET | CLI_DRAWING, NULL },
     { "query", "FILE ['QUERY']",
       "Prints the rows that match a query. A query compares fields with = != < <= > >= ~ (pattern), with a list, as\n"
       "in (a, b), or with a range, as 4..8. It joins comparisons by and, or, not and parentheses.\n"
       "'query FILE --fields' lists the fields.\n",
-      1, 2, cli_catalogue_query, CLI_CATALOGUE },
+      1, 2, cli_catalogue_query, CLI_CATALOGUE, NULL },
     { "export", "FILE ['QUERY']",
       "Writes the chains or mechanisms that match a query, one per line in a notation; linkages in the form that\n"
       "'add' reads.\n",
-      1, 2, cli_catalogue_export, CLI_CATALOGUE },
+      1, 2, cli_catalogue_export, CLI_CATALOGUE, NULL },
     { "check", "[FILE or TABLE.csv]",
       "With a catalogue: checks every page and reference of the database, every label, and all published counts.\n"
       "Otherwise: counts each row of the table of published counts again, as far as --time allows, and prints the\n"
       "published number, the number counted, whether they agree, what was counted, and the source. A published\n"
       "number that is known to be wrong is called a known erratum. Any other disagreement makes the exit code 4.\n",
-      0, 1, cli_catalogue_check, CLI_CATALOGUE },
+      0, 1, cli_catalogue_check, CLI_CATALOGUE, NULL },
     { "html", "FILE -o FOLDER",
       "Writes web pages that need no server: an overview with search, a page for each chain with its picture, its\n"
       "notations and its ground links, and pages of moving linkages. More than 200 MB of pages are made only with\n"
       "--results.\n",
-      1, 1, cli_catalogue_html, CLI_CATALOGUE },
+      1, 1, cli_catalogue_html, CLI_CATALOGUE, NULL },
     { "release", "-o FOLDER",
       "Writes a data set that others can cite and check: all chains up to 14 links and 10 degrees of freedom (graph6),\n"
       "their mechanisms up to 10 links, all Assur groups up to 12 links, a catalogue, the counts, checksums, a licence\n"
       "and how to cite it. The same version of linkwright writes the same bytes. --links P: chains up to P links,\n"
       "mechanisms up to P - 4 and Assur groups up to P - 2.\n",
-      0, 0, cli_catalogue_release, CLI_UNKNOWN },
+      0, 0, cli_catalogue_release, CLI_UNKNOWN, NULL },
     { .name = NULL }
 };
 

@@ -113,5 +113,6 @@ const cli_command cli_gallery_command = {
     .options = options,
     .settings_size = 1,
     .most_words = 1,
-    .run = run
+    .run = run,
+    .writes = "text",
 };

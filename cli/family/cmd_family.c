@@ -65,15 +65,15 @@ static const cli_action actions[] = {
       "Writes the model of the chosen parameters as an ordinary model file. The model is read back first, and all "
       "checks of\n"
       "the master must hold; errors name the line and column of the master.\n",
-      1, 1, cli_family_expand, CLI_MASTER },
+      1, 1, cli_family_expand, CLI_MASTER, "JSON" },
     { "table", "MASTER.json",
       "Prints the parameters, derived values and checks of all configurations, one column each.\n",
-      1, 1, cli_family_table, CLI_MASTER },
+      1, 1, cli_family_table, CLI_MASTER, "text" },
     { "check", "MASTER.json",
       "Makes every configuration in every view, reads each model back, and works out all checks. Exit code 1: "
       "something\n"
       "fails.\n",
-      1, 1, cli_family_check, CLI_MASTER },
+      1, 1, cli_family_check, CLI_MASTER, "text" },
     { "sweep", "MASTER.json --vary NAME=FROM:TO:N",
       "Varies parameters over a grid or an even design, or about the chosen variant, and prints figures of each "
       "model. A figure is\n"
@@ -83,12 +83,12 @@ static const cli_action actions[] = {
       "frequency(K) is the K-th natural frequency, condition(TOOL) the greatest condition number of a robot, arc(range) and\n"
       "arc(transmission) what 'linkwright trace' says of a linkage with one input (docs/family.md). Any other figure is\n"
       "a formula over parameters and derived values. A variant that fails has empty figures and the reason.\n",
-      1, 1, cli_family_sweep, CLI_MASTER },
+      1, 1, cli_family_sweep, CLI_MASTER, NULL },
     { "optimise", "MASTER.json --vary NAME,... --minimise FIGURE",
       "Finds the parameters within their ranges that make a figure least or greatest, under the checks of the master "
       "and\n"
       "--require. A local method starts from the chosen variant.\n",
-      1, 1, cli_family_optimise, CLI_MASTER },
+      1, 1, cli_family_optimise, CLI_MASTER, NULL },
     { .name = NULL }
 };
 

@@ -874,4 +874,5 @@ const cli_command cli_fit_command = {
     .most_words = 1000,
     .run = run,
     .reads = CLI_TARGET | CLI_DRAWING | CLI_TASK | CLI_LINKAGE | CLI_RESULTS,
+    .writes = "JSON",
 };

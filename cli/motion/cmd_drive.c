@@ -48,24 +48,24 @@ static const cli_action actions[] = {
       "Moves the model as its inputs prescribe and prints for each drive what the cycle asks of it: greatest and\n"
       "root-mean-square torque (of a slider force), greatest speed, greatest power, mean power, and the energy that the\n"
       "load gives to the drive and takes from it. Every degree of freedom of the model must be driven.\n",
-      1, 1, cli_drive_load, CLI_LINKAGE | CLI_RESULTS },
+      1, 1, cli_drive_load, CLI_LINKAGE | CLI_RESULTS, NULL },
     { "simulate", "SERVO.json",
       "Simulates the loop of a servo axis (docs/drive.md, \"Loop\"): motor, amplifier, elastic transmission with play,\n"
       "friction, encoder and sampled controllers. Prints the error, settling, overshoot, currents, voltages, heat and the\n"
       "energy balance; crossover and margins of each loop; the poles of the whole. -n prints rows over time.\n",
-      1, 1, cli_drive_simulate, 0 },
+      1, 1, cli_drive_simulate, 0, NULL },
     { "select", "MODEL.json --motors FILE",
       "Tries every motor with every gear and amplifier on each drive of the model over the cycle: speed, peak and\n"
       "root-mean-square torque of motor and gear, voltage, current and i^2 t of the amplifier, inertia ratio. It prints the\n"
       "choices that can do the cycle, the cheapest first (by price, else by mass, else by rated power), and how many percent\n"
       "of each limit they use. * marks a choice if no choice that is as cheap stays farther below its limits. If no choice\n"
       "can do the cycle, it prints the nearest ones and ends with exit code 1. --plot draws the load and the limits of the first choice of each drive.\n",
-      1, 1, cli_drive_select, CLI_LINKAGE | CLI_RESULTS },
+      1, 1, cli_drive_select, CLI_LINKAGE | CLI_RESULTS, NULL },
     { "radius", "MOTORS.csv --mass M --way S",
       "Prints the radius of the wheel on which each motor moves a mass over a distance, by the formulas of Makkonen 1999,\n"
       "beside what the axis truly does with it: acceleration, time of the way, and whether the wanted acceleration can be had\n"
       "with any radius.\n",
-      1, 1, cli_drive_radius, 0 },
+      1, 1, cli_drive_radius, 0, NULL },
     { .name = NULL }
 };
 

@@ -348,4 +348,5 @@ const cli_command cli_mobility_command = {
     .least_words = 1,
     .most_words = 1,
     .run = run,
+    .writes = "text",
 };

@@ -456,17 +456,17 @@ static const cli_action actions[] = {
     { "jacobian", "MODEL.json",
       "Prints where the tool is, the values of the drives, the Jacobian, its singular values and condition number, and the\n"
       "mass that a force on the tool moves in each direction.\n",
-      1, 1, run_jacobian, CLI_LINKAGE },
+      1, 1, run_jacobian, CLI_LINKAGE, "text" },
     { "workspace", "MODEL.json",
       "Moves the tool from where it is outwards in the level plane, in each of --rays directions, and prints how far it gets\n"
       "and what stops it: the links, a stop or a cone of a joint, a posture in which the drives lose the tool, or\n"
       "--max-condition. The area is that of the polygon of these ends.\n",
-      1, 1, run_workspace, CLI_LINKAGE },
+      1, 1, run_workspace, CLI_LINKAGE, NULL },
     { "map", "MODEL.json",
       "Prints condition number, singular values and manipulability over a grid in the level plane of the tool, at the places\n"
       "that it reaches on a straight way. --eigenfrequency adds the lowest eigenfrequency of its elastic links while the drives are\n"
       "held, without gravity and loads.\n",
-      1, 1, run_map, CLI_LINKAGE },
+      1, 1, run_map, CLI_LINKAGE, NULL },
     { .name = NULL }
 };
 

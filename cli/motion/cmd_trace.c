@@ -59,7 +59,8 @@ static const cli_option options[] = {
     { "geometry", 0, CLI_FLAG, offsetof(settings, geometry), NULL, NULL,
       "more columns: curvature of the path; instant centre of the tracer's link at the ground (pole_x, pole_y: fixed "
       "centrode), the same on the link (pole_u, pole_v from the tracer along the tool: moving centrode); far end of the "
-      "inflection circle's diameter; and the double points of the path; with --plot panels of them", 0, 0, NULL, NULL },
+      "inflection circle's diameter; and the double points of the path; with --plot panels of them. In space: curvature, "
+      "a point of the screw axis (along w) about which the link moves, and its pitch", 0, 0, NULL, NULL },
     { "cycle", 0, CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
       "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
       "distances", 0, 0, NULL, "input-range" },
@@ -554,12 +555,11 @@ static int run_large(const job *j)
 
 static int run_spatial(const cli_call *call, const lw_spatial *m)
 {
-    static const char *const planar[] = { "result", "mode", "plot", "cycle", "geometry", "all-assemblies", "explain",
-                                          NULL };
+    static const char *const planar[] = { "result", "mode", "cycle", "all-assemblies", "explain", NULL };
     const settings *s = call->settings;
     double range[3];
     lw_error e = { 0 };
-    cli_spatial_trace o = { .steps = s->steps, .tracer = s->tracer, .speed = s->speed,
+    cli_spatial_trace o = { .steps = s->steps, .tracer = s->tracer, .speed = s->speed, .plot = s->plot, .geometry = s->geometry,
                             .input_range = cli_given(&call->parsed, "input-range") ? s->input_range : NULL };
     int code = cli_spatial_refuse(call, planar);
     if (code != CLI_DONE)

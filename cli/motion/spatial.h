@@ -11,6 +11,8 @@ typedef struct cli_spatial_trace {
     const char *tracer;                  /* NULL: all                                      */
     const char *speed;                   /* NULL: rates by the input                       */
     const double *input_range, *time_range;      /* (2) unit of the file, (3) s; NULL: none */
+    const char *plot;                    /* a picture; NULL: none                          */
+    bool        geometry;                /* curvature and screw axis too                   */
 } cli_spatial_trace;
 
 /* Refuse the options that are given among `names` (NULL ends them): CLI_USAGE after a message; else CLI_DONE. */

@@ -36,6 +36,7 @@ typedef struct cli_action {
     int         least, most;                /* words after the name                                */
     int       (*run)(const cli_call *call); /* word[0] is the name; returns an exit code           */
     unsigned    reads;                      /* kinds of files among its words; 0: any              */
+    const char *writes;                     /* as below                                            */
 } cli_action;
 
 typedef struct cli_command {
@@ -51,6 +52,7 @@ typedef struct cli_command {
     int             (*run)(const cli_call *call);   /* returns an exit code                        */
     unsigned          reads;                /* kinds of files among its words; 0: any              */
     bool              pictures;             /* -o takes pictures and files of other programs too   */
+    const char       *writes;               /* kinds of data to -o: "text", "JSON"; NULL: tables (CSV) */
 } cli_command;
 
 extern const cli_command cli_simulate_command, cli_clearance_command, cli_fit_command, cli_classify_command,

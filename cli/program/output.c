@@ -31,13 +31,20 @@ int cli_exit_code(lw_status s)
     return CLI_NUMERIC;
 }
 
-/* Kinds of files that the command, or its action, reads. */
-static unsigned kinds_read(const cli_call *call)
+/* The action among the words of the call; NULL: the command has none. */
+static const cli_action *action_of(const cli_call *call)
 {
     for (const cli_action *a = call->command->actions; a && a->name && call->parsed.n_word > 0; a++)
         if (strcmp(a->name, call->parsed.word[0]) == 0)
-            return a->reads;
-    return call->command->reads;
+            return a;
+    return NULL;
+}
+
+/* Kinds of files that the command, or its action, reads. */
+static unsigned kinds_read(const cli_call *call)
+{
+    const cli_action *a = action_of(call);
+    return a ? a->reads : call->command->reads;
 }
 
 int cli_fail(const cli_call *call, const lw_error *e)
@@ -380,6 +387,11 @@ static int check_ends(const cli_call *call)
                          "help draw' or 'linkwright help convert'", plot ? plot : "", plot ? " draws them" : "");
     if (cli_given(&call->parsed, "json") && cli_ends_in(path, "csv"))
         return cli_usage(call, "-o %s: --json writes JSON; end the name in .json, or leave out --json", path);
+    const cli_action *a = action_of(call);
+    const char *writes = a && a->writes ? a->writes : call->command->writes;
+    if (writes && cli_ends_in(path, *writes == 'J' ? "csv tsv txt" : "csv tsv"))
+        return cli_usage(call, "-o %s: this command writes %s; end the name in .json%s", path, writes,
+                         *writes == 'J' ? "" : " for JSON, or in .txt");
     return CLI_DONE;
 }
 

@@ -668,4 +668,5 @@ const cli_command cli_chains_command = {
     .settings_size = sizeof(settings),
     .most_words = 0,
     .run = run,
+    .writes = "text",
 };

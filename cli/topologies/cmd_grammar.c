@@ -352,18 +352,18 @@ static int run_coverage(const cli_call *call)
 static const cli_action actions[] = {
     { "parse", "[FILE]", "Reads topologies in any notation and prints them as lists of joints, or as --format says.\n",
       0, 1,
-      run_parse, CLI_TOPOLOGIES },
+      run_parse, CLI_TOPOLOGIES, NULL },
     { "print", "[FILE]", "Reads topologies in any notation and prints them as sentences, or as --format says.\n", 0, 1,
-      run_print, CLI_TOPOLOGIES },
+      run_print, CLI_TOPOLOGIES, NULL },
     { "explain", "[FILE]",
       "Prints a derivation of each chain, sentence by sentence, or the reason why rules 1 to 4 cannot make it. To\n"
-      "find a derivation, strings of links are removed one after the other.\n", 0, 1, run_explain, CLI_TOPOLOGIES },
+      "find a derivation, strings of links are removed one after the other.\n", 0, 1, run_explain, CLI_TOPOLOGIES, NULL },
     { "derive", "--rule N | --links P",
       "Applies one rule to a sentence, or all rules as often as P links allow; each result is printed once.\n", 0, 0,
-      run_derive, 0 },
+      run_derive, 0, NULL },
     { "coverage", "--links P",
       "Counts the chains of pins with one degree of freedom: all, those with a planar graph, and those that the\n"
-      "rules can make, with and without the condition that X and Y lie at the same region.\n", 0, 0, run_coverage, 0 },
+      "rules can make, with and without the condition that X and Y lie at the same region.\n", 0, 0, run_coverage, 0, NULL },
     { .name = NULL }
 };
 
@@ -386,4 +386,5 @@ const cli_command cli_grammar_command = {
     .options = options,
     .settings_size = sizeof(settings),
     .actions = actions,
+    .writes = "text",
 };

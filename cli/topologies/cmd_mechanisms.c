@@ -388,4 +388,5 @@ const cli_command cli_mechanisms_command = {
     .most_words = 1,
     .run = run,
     .reads = CLI_TOPOLOGIES,
+    .writes = "text",
 };

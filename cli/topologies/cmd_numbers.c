@@ -89,4 +89,5 @@ const cli_command cli_numbers_command = {
     .settings_size = sizeof(settings),
     .most_words = 0,
     .run = run,
+    .writes = "text",
 };

@@ -225,4 +225,5 @@ const cli_command cli_structures_command = {
     .settings_size = sizeof(settings),
     .most_words = 0,
     .run = run,
+    .writes = "text",
 };
