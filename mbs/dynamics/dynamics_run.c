@@ -248,12 +248,21 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     return d->eq.n_z ? lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run)) : LW_OK;
 }
 
+/* Velocities that each step halves, as of bodies at rest on each other, are 0 below this [1/s]: denormal numbers make
+ * every operation a hundred times slower. */
+static const double at_rest = 1e-200;
+
 lw_status lw_run_project(void *context, double t, double *y)
 {
     lw_dynamics *d = ((lw_run *)context)->d;
+    double *v = y + d->n_q;
     if (d->eq.accept)
         d->eq.accept(d->eq.context, y);
-    return lw_mbs_settle(d, t, y, y + d->n_q);
+    lw_status s = lw_mbs_settle(d, t, y, v);
+    for (int i = 0; i < d->n_v; i++)
+        if (fabs(v[i]) < at_rest)
+            v[i] = 0;
+    return s;
 }
 
 lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why)
