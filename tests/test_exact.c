@@ -83,7 +83,7 @@ TEST(guides_of_random_linkages)
         CHECK_NEAR(nearest(g, n, a0, s.a), 0, 1e-6, 0);         /* poses in 16 digits hold no more in bad cases */
         CHECK_NEAR(nearest(g, n, b0, s.b), 0, 1e-6, 0);
         for (int i = 0; i < n; i++)
-            CHECK_NEAR(lw_guide_error(&g[i], &at), 0, 1e-12*(1 + lw_v2_norm(g[i].point)), 0);
+            CHECK_NEAR(lw_guide_error(&g[i], &at), 0, 1e-12*(1 + lw_v2_norm(g[i].point) + lw_v2_norm(g[i].centre)), 0);
     }
     CHECK(four > 50);
 }

@@ -375,6 +375,7 @@ TEST(stations_in_two_circuits_are_refused)
         for (size_t i = 0; i < 9; i++)
             k.mode[i] = i < 5 ? 1 : -1;
         k.c.mode_of = k.mode;
+        k.c.n_dyad = 1;
         k.c.objective = eq17(&k);
         lw_fit_report r = report_of(&k);
         CHECK(!r.verified);

@@ -27,13 +27,28 @@ typedef struct replay {
     int                 n_placed;
 } replay;
 
+/* Do the stations change the assembly mode, or the sense of the input?  Else a motion without limits joins them. */
+static bool turns_back(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c)
+{
+    size_t dyads = (size_t)c->n_dyad, n = t->n + (size_t)c->n_sample;
+    int up = 0, down = 0;
+    for (size_t i = dyads; c->mode_of && i < n*dyads; i++)
+        if (c->mode_of[i] != c->mode_of[i - dyads])
+            return true;
+    for (size_t i = 1; i < t->n && s->timing == LW_TIMING_FREE; i++) {
+        up += c->input[i] > c->input[i - 1];
+        down += c->input[i] < c->input[i - 1];
+    }
+    return up > 0 && down > 0;
+}
+
 /* Write the first posture as the text of a file and read it back. */
 static bool open_file(replay *v, lw_status *status)
 {
     lw_error why = { .text = "" };
     char *text = lw_linkage_write(&v->r->linkage, 0);
     bool ok = text && lw_linkage_read(text, strlen(text), "result", &v->k, &why) == LW_OK;
-    if (ok && v->c->mode_of)
+    if (ok && v->c->mode_of && turns_back(v->t, v->s, v->c))
         ok = lw_system_make(&v->k, NULL, 0, &v->system, &why) == LW_OK
           && lw_motion_curve_create(&v->system, NULL, &(lw_motion_curve_options){ .input = 0 }, &v->curve, &why)
              == LW_OK;
@@ -176,8 +191,10 @@ static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
         distance_at(v, v->place, at, i);
         return in_order(v, i);
     }
-    snprintf(v->r->fault, sizeof v->r->fault,
-             "station %zu lies on another branch than the one before: no limit of motion joins them", i + 1);
+    bool whole = lw_motion_curve_ended(v->curve) != LW_MOTION_CURVE_STOPPED;
+    snprintf(v->r->fault, sizeof v->r->fault, whole
+             ? "station %zu lies on another branch than the one before: no limit of motion joins them"
+             : "the second simulation ends before station %zu: links of so different lengths take too many steps", i + 1);
     return false;
 }
 

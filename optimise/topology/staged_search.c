@@ -197,11 +197,12 @@ static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *
 static bool can_be_compact(const lw_fit_options *o)
 {
     unsigned limit = lw_task_has_place(o->spec.task) ? LW_LIMIT_SIZE : LW_LIMIT_RATIO;
-    return !o->families && o->spec.by_default & limit;
+    return o->spec.by_default & limit;
 }
 
-/* Run the searches of a stage: of four-link types the cranks, the others, and small cranks; then once more if the best curve
- * strays.  Each gets an equal part of the time that is left. */
+/* Run the searches of a stage: of four-link types the cranks, then the others; small cranks; then once more if the best
+ * curve strays.  Each gets an equal part of the time that is left; of families, if small cranks are searched, half of the
+ * budget. */
 static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, int n_start, double seconds,
                               lw_stage_result *r, lw_staged_search *out, lw_error *e)
 {
@@ -210,6 +211,8 @@ static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, 
     bool whole = o->families || o->spec.exclude_drag_link, stopped = false, any = false, again = false;
     const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec) };
     lw_status st = LW_OK;
+    if (o->families && wanted[COMPACT])
+        o->budget = (o->budget + 1)/2;
     for (int i = CRANKS; i < SEARCHES; i++) {
         static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_WHOLE };
         lw_fit fit;
