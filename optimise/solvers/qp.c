@@ -234,7 +234,10 @@ bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a
             settle(&w, l, a, b, p);
             return true;
         }
-        if (!bring_in(&w, j, gap, l, a, p))
+        if (bring_in(&w, j, gap, l, a, p))
+            continue;
+        settle(&w, l, a, b, p);                              /* what is left of a row that depends on active ones? */
+        if (gap_of(n, j, a, b, p) < -rounding(&w, j, l, a, b, p))
             return false;
     }
     return false;
