@@ -583,6 +583,31 @@ TEST(made_from_arrays)
     CHECK(t.store == NULL);
 }
 
+TEST(circles_are_recognised)
+{
+    double x[12], y[12], r;
+    lw_vec2 c;
+    for (int line = 0; line < 2; line++)
+        for (size_t n = 5; n < 13; n += 7) {
+            lw_target t;
+            for (size_t i = 0; i < n; i++) {                  /* an arc of 80 degrees, shaken by 0.01    */
+                lw_vec2 p = lw_v2_polar(900 + (i%2 ? 0.01 : -0.01), 0.3 + 1.4*(double)i/(double)n);
+                x[i] = line ? (double)i : 5 + p.x;
+                y[i] = line ? 3*(double)i : p.y - 7;
+            }
+            CHECK_INT(lw_target_make(n, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+            double off = lw_target_circle(&t, &c, &r);
+            if (line || n == 5)
+                CHECK(isinf(off));
+            else {
+                CHECK(off > 0.009 && off < 0.015);
+                CHECK_NEAR(lw_v2_norm(lw_v2_sub(c, lw_v2(5, -7))), 0, 0.05, 0);
+                CHECK_NEAR(r, 900, 0.05, 0);
+            }
+            lw_target_free(&t);
+        }
+}
+
 /* No cut and no changed byte may do more harm than an error. */
 TEST(any_bytes_are_survived)
 {

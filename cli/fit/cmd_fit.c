@@ -500,6 +500,19 @@ static void note_left_out(const cli_call *call, const cli_fit_set *set)
     }
 }
 
+/* A single link draws a circle. */
+static void note_circle(const cli_call *call, const cli_fit_set *set)
+{
+    const lw_target *t = &set->target;
+    const char *unit = t->units.length[0] ? t->units.length : "units";
+    lw_vec2 c;
+    double r, off = lw_target_circle(t, &c, &r), m = t->units.metre;
+    bool alone = set->spec.task == LW_TASK_PATH && set->spec.timing != LW_TIMING_PRESCRIBED && t->n_also == 0;
+    if (alone && off <= LW_EXACT_ENOUGH*t->extent && r < LW_DEFAULT_MAX_SIZE*t->extent)
+        cli_note(call, "%s: a link of %.6g %s that turns about (%.6g, %.6g) draws this path alone, within %.2g %s", set->path,
+                 r/m, unit, c.x/m, c.y/m, off/m, unit);
+}
+
 static void warn(const cli_call *call, const cli_fit_set *set)
 {
     const lw_fit_results *found = &set->search.results;
@@ -508,6 +521,7 @@ static void warn(const cli_call *call, const cli_fit_set *set)
     for (int i = 0; i < found->n; i++)
         least = fmin(least, lw_fit_report_stray(&found->report[i]));
     note_left_out(call, set);
+    note_circle(call, set);
     if (set->search.found.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
     if (found->n == 0 && found->n_left_out == 0)
@@ -862,7 +876,7 @@ const cli_command cli_fit_command = {
         "only; --unlimited switches all off. The rows are a front: none is worse than another in error, size, transmission\n"
         "angle and number of links. The first row weighs them: half the error counts as much as 0.45 of the size (beyond 1.5\n"
         "diagonals of the target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. An error\n"
-        "below 1/500 of the target counts as none, one above 1/50 more. Of a function the ratio of the longest to the shortest\n"
+        "below 1/1000 of the target counts as none, one above 1/50 more. Of a function the ratio of the longest to the shortest\n"
         "length stands for the size, 4 for a diagonal. --tolerance says instead how much error is as good as none.\n"
         "\n"
         "Every result is simulated a second time by independent code before it is printed. The table of results\n"

@@ -139,7 +139,6 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 }
 
 /* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
-#define EXACT_ENOUGH 2e-3          /* an error of this part of the target is as good as none: play and tolerances are more */
 #define COMPACT      1.5           /* a link no longer than this many targets costs nothing; ...                    */
 #define PER_SIZE     0.85          /* ... beyond that twice the length counts as 1.8 times the error, ...           */
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
@@ -164,7 +163,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
     double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
         error = (distance_of(t, c, r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
-    return log(error + EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
+    return log(error + LW_EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + PER_SIZE*(log(fmax(1, bulk/COMPACT)) + log(fmax(1, bulk/BULKY))) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/linalg.h"
+
 double *lw_target_array(const lw_target *t, lw_target_field role)
 {
     switch (role) {
@@ -224,4 +226,29 @@ double lw_target_distance(const lw_target *t, lw_vec2 p)
         least = fmin(least, lw_v2_segment_distance(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k])));
     }
     return least;
+}
+
+double lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius)
+{
+    size_t n = t->x ? t->n : 0;
+    double *a = n >= 6 ? malloc(sizeof *a*4*n) : NULL, *b = a + 3*n, diag[3], most = 0;
+    if (!a)
+        return INFINITY;
+    for (size_t i = 0; i < n; i++) {                 /* 2 c . p + (r^2 - c^2) = p^2, from the first point, in sizes */
+        double x = (t->x[i] - t->x[0])/t->size, y = (t->y[i] - t->y[0])/t->size;
+        a[i] = 2*x;
+        a[n + i] = 2*y;
+        a[2*n + i] = 1;
+        b[i] = x*x + y*y;
+    }
+    bool round = lw_qr_factor((int)n, 3, a, diag) > 1e-4;
+    if (round) {
+        lw_qr_solve((int)n, 3, a, diag, b);
+        *radius = t->size*sqrt(fmax(b[2] + b[0]*b[0] + b[1]*b[1], 0));
+        *centre = lw_v2(t->x[0] + t->size*b[0], t->y[0] + t->size*b[1]);
+    }
+    for (size_t i = 0; round && i < n; i++)
+        most = fmax(most, fabs(hypot(t->x[i] - centre->x, t->y[i] - centre->y) - *radius));
+    free(a);
+    return round ? most : INFINITY;
 }

@@ -75,4 +75,8 @@ void      lw_target_free(lw_target *t);
 /* Distance of a place from the polygon of the stations [m]. */
 double lw_target_distance(const lw_target *t, lw_vec2 place);
 
+/* The circle of least squares through the points of the path.  Returns their greatest distance from it [m]; INFINITY: fewer
+ * than 6 points, or a straight line. */
+double    lw_target_circle(const lw_target *t, lw_vec2 *centre, double *radius);
+
 #endif

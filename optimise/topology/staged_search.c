@@ -225,7 +225,7 @@ static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, 
         for (int k = i; k < SEARCHES; k++)
             to_come += wanted[k];
         o->part = whole && i == OTHERS ? LW_FIT_WHOLE : part[i];
-        o->both_ways = i == BOTH_WAYS;
+        o->both_ways = i == BOTH_WAYS || (i == COMPACT && o->families && wanted[BOTH_WAYS]);
         o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/to_come) : 0;
         st = lw_fit_run(t, o, &fit, &why);
         if (st == LW_E_ARG && i == OTHERS && !whole && !any) {   /* no type can turn: this says it, or gives way */

@@ -2,6 +2,7 @@
 """What `linkwright fit TARGET` puts first, before and after a change, as the table of docs/benchmarks.md.
 
     tests/bench/first_answers.py [--before PROGRAM] [--time S] PROGRAM TARGET... > table.md
+    tests/bench/first_answers.py --shapes FOLDER           writes targets that docs/benchmarks.md names
 
 Each program fits each target with its defaults.  Stray is the greatest distance between curve and target [mm], both ways
 where the program tells it; sizes are measured here, in the linkage: the longest distance of two joints, or of a joint and
@@ -61,13 +62,53 @@ def cell(result, diagonal_mm):
     return ", ".join(text)
 
 
+def shapes(folder):
+    """Targets by formula, in mm and degrees."""
+    def turn(n):
+        return (2*math.pi*k/n for k in range(n))
+
+    def corner(k, t):
+        return (80*(1 if k in (0, 3) else -1) + 20*math.cos(t), 10*(1 if k < 2 else -1) + 20*math.sin(t))
+    arc = [math.radians(30 + 120*k/17) for k in range(18)]
+    targets = {
+        "dee": [(-100 + 12.5*k, 0) for k in range(17)] + [(100*math.cos(math.pi*k/16), 60*math.sin(math.pi*k/16))
+                                                         for k in range(1, 16)],
+        "roundrect": [corner(k, math.radians(90*k + 18*i)) for k in range(4) for i in range(6)],
+        "banana": [(120*math.cos(t), 120*math.sin(t)) for t in arc]
+                  + [((120 - 35*math.sin(math.pi*k/17))*math.cos(arc[17 - k]),
+                      (120 - 35*math.sin(math.pi*k/17))*math.sin(arc[17 - k])) for k in range(1, 17)],
+        "teardrop": [(80*math.cos(t), 40*math.sin(t)*math.sin(t/2)**1.5) for t in turn(36)],
+        "circle": [(40*math.cos(t), 40*math.sin(t)) for t in turn(24)],
+        "trainer": [(200*math.cos(t)*math.cos(.2) - 70*math.sin(t)*math.sin(.2)*(1 + .3*math.cos(t)),
+                     200*math.cos(t)*math.sin(.2) + 70*math.sin(t)*math.cos(.2)*(1 + .3*math.cos(t))) for t in turn(36)],
+        "triangle": [(60*math.cos(t) + 14*math.cos(2*t), 60*math.sin(t) - 14*math.sin(2*t)) for t in turn(36)],
+        "takeup": [(30*math.sin(t) + 6*math.sin(2*t), 60*math.cos(t) - 10*math.cos(2*t)) for t in turn(24)],
+        "lift": [(0, 12.5*k) for k in range(8)]
+                + [(50 - 50*math.cos(math.pi*k/12), 100 + 50*math.sin(math.pi*k/12)) for k in range(7)]
+                + [(50 + 100*k/6, 150) for k in range(1, 7)],
+        "rake": [(-150 + 300*k/14, 0) for k in range(15)]
+                + [(150 + 30*math.sin(math.pi*k/8), 30 - 30*math.cos(math.pi*k/8)) for k in range(1, 5)],
+        "flap": [(0, 0, 0), (60, 40, -20), (120, 120, -45), (130, 220, -75), (110, 300, -95)],
+        "garage": [(0, 0, 90), (100, 500, 72), (220, 1100, 50), (320, 1600, 28), (350, 1950, 8), (300, 2080, 0)],
+    }
+    for name, rows in targets.items():
+        with open(os.path.join(folder, name + ".csv"), "w") as f:
+            f.write("# units: mm deg\n# closed: %s\nx,y%s\n" % ("no" if name in ("lift", "rake", "flap", "garage") else "yes",
+                                                               ",theta" if len(rows[0]) > 2 else ""))
+            for row in rows:
+                f.write(",".join("%.5g" % v for v in row) + "\n")
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--before", help="an older program")
     options.add_argument("--time", type=float, default=30, help="limit of each fit [s]")
-    options.add_argument("program")
-    options.add_argument("target", nargs="+")
+    options.add_argument("--shapes", metavar="FOLDER", help="write targets into this folder")
+    options.add_argument("program", nargs="?")
+    options.add_argument("target", nargs="*")
     o = options.parse_args()
+    if o.shapes:
+        return shapes(o.shapes)
     print("| target | " + ("before: stray [mm] or angle, input, transmission, size | s | " if o.before else "")
           + "stray [mm] or angle, input, transmission, size | s |\n|---|---|---|" + ("---|---|" if o.before else ""))
     for target in o.target:
