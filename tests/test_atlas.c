@@ -192,9 +192,10 @@ static void finds_itself(const lw_atlas_tree *t, size_t which, lw_store *s)
     lw_atlas_search count;
     lw_error e = { 0 };
     int n;
-    void *work = aligned_alloc(64, lw_curve_work_size(maker));
+    lw_curve_work *work = NULL;
+    CHECK_INT(lw_curve_work_create(maker, &work), LW_OK);
     CHECK_INT(lw_curve_points(maker, &t->row[which], t->closed, work, p, NULL), LW_OK);
-    free(work);
+    lw_curve_work_free(work);
     for (int i = 0; i < LW_CURVE_POINTS; i++)
         p[i] = lw_v2_add(lw_v2(100, -50), lw_v2_turn(lw_v2(p[i].x, which%2 ? -p[i].y : p[i].y), lw_v2_polar(3, 0.5)));
     CHECK_INT(lw_store_nearest(s, p, LW_CURVE_POINTS, t->closed, NULL, 5, hit, &n, &count, &e), LW_OK);
@@ -270,7 +271,8 @@ static void disguise(lw_rng *rng, bool closed, const lw_vec2 *p, lw_vec2 *q)
 /* The distances of all curves, each drawn again, from the target. */
 static double *all_distances(const lw_atlas_tree *t, const lw_vec2 *target)
 {
-    void *work = aligned_alloc(64, lw_curve_work_size(maker));
+    lw_curve_work *work = NULL;
+    CHECK_INT(lw_curve_work_create(maker, &work), LW_OK);
     double *d = malloc(t->n*sizeof *d);
     lw_descriptor a, b;
     CHECK_INT(lw_descriptor_make(target, 200, t->closed, &a), LW_OK);
@@ -283,7 +285,7 @@ static double *all_distances(const lw_atlas_tree *t, const lw_vec2 *target)
         d[i] = m.distance;
     }
     qsort(d, t->n, sizeof *d, rising);
-    free(work);
+    lw_curve_work_free(work);
     return d;
 }
 

@@ -10,6 +10,7 @@
 
 #define CHUNK 512                      /* samples per job */
 #define TRIES 5
+#define FAILED 3                       /* memory ran out for a sample */
 #define GOOD_TRANSMISSION (LW_PI/6)    /* the transmission angle that textbooks ask for at least [rad] */
 
 /* The same layout as in the file, docs/catalogue.md. */
@@ -19,24 +20,27 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "catalogues are little
 typedef struct job {
     const lw_curve_maker *maker;
     lw_atlas_kinds        kinds;
-    size_t                n, work_size;
+    size_t                n;
     const double         *u;           /* (n*LW_CURVE_DRAWS)              */
-    unsigned char        *work;        /* one piece per thread            */
-    unsigned char        *good;        /* (n) 0: no curve, 1: closed, 2: open */
+    lw_curve_work       **work;        /* one per thread                  */
+    unsigned char        *good;        /* (n) 0: no curve, 1: closed, 2: open, FAILED */
     lw_packed            *terms;       /* (n)                             */
     lw_curve_row         *row;         /* (n)                             */
 } job;
 
 /* Draw sample i at u. False: no curve. */
-static bool draw_one(job *j, size_t i, const double *u, bool closed, void *work, lw_curve_traits *traits)
+static bool draw_one(job *j, size_t i, const double *u, bool closed, lw_curve_work *work, lw_curve_traits *traits)
 {
     lw_vec2 p[LW_CURVE_POINTS];
     lw_descriptor d;
     lw_curve_row row;
     lw_curve_traits t;
-    if (lw_curve_draw(j->maker, u, closed, work, &row) != LW_OK
-        || lw_curve_points(j->maker, &row, closed, work, p, &t) != LW_OK
-        || lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
+    lw_status status = lw_curve_draw(j->maker, u, closed, work, &row);
+    if (status == LW_OK)
+        status = lw_curve_points(j->maker, &row, closed, work, p, &t);
+    if (status < 0)
+        j->good[i] = FAILED;
+    if (status != LW_OK || j->good[i] == FAILED || lw_descriptor_make(p, LW_CURVE_POINTS, closed, &d) != LW_OK)
         return false;
     j->good[i] = closed ? 1 : 2;
     j->row[i] = row;
@@ -51,7 +55,7 @@ static bool draw_one(job *j, size_t i, const double *u, bool closed, void *work,
 static void draw_chunk(void *context, size_t chunk, int thread)
 {
     job *j = context;
-    void *work = j->work + j->work_size*(size_t)thread;
+    lw_curve_work *work = j->work[thread];
     for (size_t i = chunk*CHUNK; i < j->n && i < (chunk + 1)*CHUNK; i++) {
         bool closed = j->kinds == LW_ATLAS_CLOSED || (j->kinds == LW_ATLAS_BOTH && i%2 == 0);
         lw_curve_traits traits = { 0 };
@@ -219,19 +223,25 @@ lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t nu
     tree[0] = tree[1] = (lw_atlas_tree){ 0 };
     if (!j)
         return LW_E_MEMORY;
-    *j = (job){ .maker = maker, .kinds = kinds, .n = n, .work_size = lw_curve_work_size(maker) };
+    *j = (job){ .maker = maker, .kinds = kinds, .n = n };
     double *u = malloc((n*LW_CURVE_DRAWS + 1)*sizeof *u);
     j->u = u;
-    j->work = aligned_alloc(64, j->work_size*(size_t)n_thread);
+    j->work = calloc((size_t)n_thread, sizeof *j->work);
+    bool good = j->work;
+    for (int i = 0; i < n_thread && good; i++)
+        good = lw_curve_work_create(maker, &j->work[i]) == LW_OK;
     j->good = malloc(n + 1);
     j->terms = malloc((n + 1)*sizeof *j->terms);
     j->row = malloc((n + 1)*sizeof *j->row);
     pair p = { j, tree, { LW_E_MEMORY, LW_E_MEMORY } };
     lw_rng_seed(&rng, seed, 0x61746c61u + number);             /* each segment uses its own random numbers */
-    if (u && j->work && j->good && j->terms && j->row && lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u)) {
+    if (u && good && j->good && j->terms && j->row && lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u)) {
         lw_parallel(n_thread, (n + CHUNK - 1)/CHUNK, draw_chunk, j);
-        lw_parallel(n_thread, 2, make_trees, &p);
+        if (!memchr(j->good, FAILED, n))
+            lw_parallel(n_thread, 2, make_trees, &p);
     }
+    for (int i = 0; j->work && i < n_thread; i++)
+        lw_curve_work_free(j->work[i]);
     free(u);
     free(j->work);
     free(j->good);

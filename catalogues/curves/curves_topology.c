@@ -7,6 +7,7 @@
 #include "base/rng.h"
 #include "catalogues/curves/curves_internal.h"
 #include "grammar/sketch.h"
+#include "mbs/batch/batch.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/topology/mechanism_set.h"
 
@@ -53,7 +54,7 @@ static bool read_joints(const char *text, lw_mechanism *m, const char **rest)
     return m->n_joint == n;
 }
 
-static bool read_topology(const char *text, char name[64], lw_mechanism *m)
+bool lw_curve_topology_read(const char *text, char name[64], lw_mechanism *m)
 {
     const char *end = strchr(text, '='), *rest;
     int ground, input, tracer, used = 0;
@@ -72,6 +73,8 @@ static bool read_topology(const char *text, char name[64], lw_mechanism *m)
     m->input[0] = (uint8_t)(input - 1);
     return true;
 }
+
+static size_t rounded(size_t size) { return (size + 63)/64*64; }
 
 /* ---- making ------------------------------------------------------------------------------------------- */
 
@@ -106,7 +109,7 @@ lw_status lw_curve_topology_make(const char *text, lw_curve_topology **topology,
     if (!t)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_rng_seed(&rng, 1, 0x6c6f706f74u);
-    lw_status s = read_topology(text, t->name, &m) && lw_linkage_sketch(&m, &rng, &t->linkage) == LW_OK ? LW_OK
+    lw_status s = lw_curve_topology_read(text, t->name, &m) && lw_linkage_sketch(&m, &rng, &t->linkage) == LW_OK ? LW_OK
                 : lw_error_set(e, LW_E_NOTATION, "there is no family '%.60s' in this program", text);
     if (s == LW_OK)
         s = make_problem(t, e);
@@ -114,25 +117,29 @@ lw_status lw_curve_topology_make(const char *text, lw_curve_topology **topology,
         free(t);
         return s;
     }
+    for (int j = 0; j < t->linkage.n_joint; j++)
+        t->slides |= lw_joint_slides(t->linkage.joint[j].kind);
+    t->work = aligned_alloc(64, rounded(sizeof(lw_problem)) + rounded(lw_problem_work_size(&t->problem)));
+    t->batch = aligned_alloc(64, rounded(lw_batch_work_size(&t->problem.plan)));
+    if (!t->work || !t->batch) {
+        lw_curve_topology_free(t);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
     *topology = t;
     return LW_OK;
 }
 
 void lw_curve_topology_free(lw_curve_topology *t)
 {
-    if (t)
-        lw_problem_free(&t->problem);
+    if (!t)
+        return;
+    lw_problem_free(&t->problem);
+    free(t->work);
+    free(t->batch);
     free(t);
 }
 
 /* ---- drawing ------------------------------------------------------------------------------------------ */
-
-static size_t rounded(size_t size) { return (size + 63)/64*64; }
-
-size_t lw_curve_topology_work_size(const lw_curve_topology *t)
-{
-    return rounded(sizeof(lw_problem)) + rounded(lw_problem_work_size(&t->problem));
-}
 
 /* Distance of the link's first two pins; 1 if it has no such dimension. */
 static double link_length(const lw_plan *plan, int link, const double *dim)
@@ -143,11 +150,11 @@ static double link_length(const lw_plan *plan, int link, const double *dim)
     return 1;
 }
 
-bool lw_curve_topology_draw(const lw_curve_topology *t, const uint32_t key[2], bool turns, void *work, double *dim,
-                            double *mode, lw_range *range)
+bool lw_curve_topology_draw(lw_curve_topology *t, const uint32_t key[2], bool turns, double *dim, double *mode,
+                            lw_range *range)
 {
-    lw_problem *p = work;
-    void *own = (unsigned char *)work + rounded(sizeof *p);
+    lw_problem *p = t->work;
+    void *own = (unsigned char *)t->work + rounded(sizeof *p);
     const lw_plan *plan = &t->problem.plan;
     double u[LW_RANDOM_LINKAGE_DRAW_MAX + 2];
     lw_rng rng;

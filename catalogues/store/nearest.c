@@ -13,7 +13,7 @@
  * (sqrt 32 numbers by half a unit are 0.9e-4; earlier versions computed the terms from 128 samples). */
 #define ROUNDING 2e-4
 
-typedef struct source { long long sweep; lw_curve_maker *maker; void *work; } source;
+typedef struct source { long long sweep; lw_curve_maker *maker; lw_curve_work *work; } source;
 typedef struct block  { float bound; uint32_t n; long long id; int source; } block;
 
 /* A curve that may be among the nearest: from a block, or (source -1) a linkage that was added. */
@@ -68,8 +68,9 @@ static lw_status find_source(search *s, long long sweep, const lw_value *familie
     if (status != LW_OK)
         return status;
     more[s->n_source].sweep = sweep;
-    more[s->n_source].work = aligned_alloc(64, lw_curve_work_size(more[s->n_source].maker));
-    return more[s->n_source++].work ? LW_OK : LW_E_MEMORY;
+    status = lw_curve_work_create(more[s->n_source].maker, &more[s->n_source].work);
+    s->n_source++;
+    return status;
 }
 
 static lw_status take_segment(void *context, int n_column, const char *const *name, const lw_value *v)
@@ -164,14 +165,20 @@ static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_de
     lw_status status = load_rows(s, f);
     if (status != LW_OK)
         return status;
-    *good = lw_curve_points(from->maker, row, s->closed, from->work, p, &traits) == LW_OK
-         && lw_curve_linkage(from->maker, row, s->closed, &hit->linkage) == LW_OK
-         && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
-    if (!*good)
+    status = lw_curve_points(from->maker, row, s->closed, from->work, p, &traits);
+    if (status == LW_OK)
+        status = lw_curve_linkage(from->maker, row, s->closed, from->work, &hit->linkage);
+    if (status == LW_E_NOTATION || status == LW_E_KIND)
+        return lw_error_set(s->e, LW_E_NOTATION, "the catalogue is damaged: a family of curves is no family");
+    if (status < 0)
+        return status;
+    *good = status == LW_OK && lw_descriptor_make(p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
+    const char *type = NULL;
+    char family[64];
+    if (!*good || !lw_curve_family(from->maker, row, family, &type))
         return LW_OK;
-    const lw_family *family = lw_curve_family(from->maker, row);
-    snprintf(hit->family, sizeof hit->family, "%s", family->name);
-    snprintf(hit->type, sizeof hit->type, "%s", family->type ? family->type : "");
+    snprintf(hit->family, sizeof hit->family, "%.31s", family);
+    snprintf(hit->type, sizeof hit->type, "%s", type ? type : "");
     hit->turns = traits.turns;
     hit->transmission = traits.transmission;
     return LW_OK;
@@ -453,7 +460,7 @@ lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool clo
         *count = s->count;
     for (int i = 0; i < s->n_source; i++) {
         lw_curve_maker_free(s->source[i].maker);
-        free(s->source[i].work);
+        lw_curve_work_free(s->source[i].work);
     }
     free(s->source);
     free(s->block);

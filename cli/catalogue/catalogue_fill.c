@@ -1,4 +1,5 @@
 /* linkwright catalogue build, add, curves - fill a catalogue. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -277,8 +278,9 @@ static int draw_curves(const cli_call *call, lw_build_control *control, cli_cata
 {
     const cli_catalogue_settings *s = call->settings;
     bool sliders = s->links > 4 && strcmp(read_kinds(s->joints), "rt") == 0;
-    const char *about = s->links == 8 ? "eight links" : s->links == 6 ? sliders ? "six links with sliders" : "six links"
-                      : s->types;
+    char more[64];
+    snprintf(more, sizeof more, "%s links%s", s->links == 8 ? "eight" : "six", sliders ? " with sliders" : "");
+    const char *about = s->links > 4 ? more : s->types;
     uint64_t n_sample = (uint64_t)s->samples;
     lw_store *store = NULL;
     lw_build_counts n = { 0 };
@@ -313,9 +315,9 @@ int cli_catalogue_curves(const cli_call *call)
         return cli_usage(call, "curves are drawn for four, six or eight links: --links 4, 6 or 8, not %d", s->links);
     if (s->links > 4 && cli_given(&call->parsed, "type"))
         return cli_usage(call, "--type is for four links; with more links all chains, ground links and tracer links are drawn");
-    if (!kinds || (strcmp(kinds, "r") != 0 && (strcmp(kinds, "rt") != 0 || s->links != 6)))
-        return cli_usage(call, "curves with sliders are drawn of four links, by --type, and of six, by --joints r,t, not by "
-                         "--joints %s%s", s->joints, s->links == 8 ? " with --links 8: there are 11675 such mechanisms" : "");
+    if (!kinds || (strcmp(kinds, "r") != 0 && (strcmp(kinds, "rt") != 0 || s->links < 6)))
+        return cli_usage(call, "curves with sliders are drawn of four links, by --type, and of six or eight, by --joints r,t, not by "
+                         "--joints %s", s->joints);
     if (s->samples == 0)
         return cli_usage(call, "how many curves? give --samples N");
     int part = 0, n_part = 0;

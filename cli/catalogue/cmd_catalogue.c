@@ -12,7 +12,7 @@ static const cli_option options[] = {
     { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
     { "joints", 0, CLI_TEXT, PLACE(joints), "KINDS", "r",
       "build: kinds of joints: r pins; r,t pins and sliders, in all combinations that have F degrees of freedom; curves: the "
-      "same, with --links 6",
+      "same, with --links 6 or 8",
       0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground",
       "build: which joints may be driven, those at the ground or all", 0, 0, NULL, NULL },
@@ -81,7 +81,7 @@ static const cli_action actions[] = {
       2, 2, cli_catalogue_add, CLI_CATALOGUE | CLI_LINKAGE | CLI_RESULTS, NULL },
     { "curves", "FILE --samples N",
       "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes\n"
-      "of the linkages; with --links 6 or 8 curves of all mechanisms of pins, with --links 6 --joints r,t of all with\n"
+      "of the linkages; with --links 6 or 8 curves of all mechanisms of pins, with --joints r,t of all with\n"
       "sliders too, that dyads solve and that fewer links cannot replace.\n"
       "Several machines each draw --part R/M into a file of their own, or share the work under mpirun with --mpi;\n"
       "the catalogue is the same (docs/cluster.md).\n",
@@ -131,7 +131,7 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue add atlas.db results.jsonl      results of fit --json, or linkages\n"
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue curves atlas.db --links 6 --joints r,t --samples 1000000\n"
-        "  linkwright catalogue curves atlas.db --links 8 --samples 1000000\n"
+        "  linkwright catalogue curves atlas.db --links 8 --joints r,t --samples 1000000\n"
         "  linkwright catalogue curves part-3.db --links 6 --samples 10000000 --part 3/20\n"
         "  linkwright catalogue nearest atlas.db target.csv --results 20\n"
         "  linkwright catalogue nearest atlas.db target.csv --full-turn --min-transmission-angle 35 --length-range 5:80\n"

@@ -19,17 +19,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             abort();
         return 0;
     }
-    void *work = aligned_alloc(64, lw_curve_work_size(m));
-    for (int closed = 0; closed < 2 && work && lw_curve_family(m, &(lw_curve_row){ .family = 0 }); closed++) {
+    lw_curve_work *work = NULL;
+    (void)lw_curve_work_create(m, &work);
+    for (int closed = 0; closed < 2 && work && *lw_curve_maker_families(m); closed++) {
         lw_vec2 p[LW_CURVE_POINTS];
-        if (lw_curve_draw(m, u, closed, work, &row) == LW_OK && lw_curve_linkage(m, &row, closed, &k) == LW_OK
+        if (lw_curve_draw(m, u, closed, work, &row) == LW_OK && lw_curve_linkage(m, &row, closed, work, &k) == LW_OK
             && (lw_linkage_check(&k, &e) != LW_OK || lw_curve_points(m, &row, closed, work, p, NULL) != LW_OK))
             abort();
     }
     if (lw_curve_maker_of(lw_curve_maker_families(m), &again, &e) != LW_OK
         || strcmp(lw_curve_maker_families(m), lw_curve_maker_families(again)) != 0)
         abort();
-    free(work);
+    lw_curve_work_free(work);
     lw_curve_maker_free(m);
     lw_curve_maker_free(again);
     return 0;
