@@ -25,6 +25,7 @@ void lw_assembly_free(lw_assembly *a);
 
 /* A view of the linkage, which must outlive it. */
 lw_assembly lw_linkage_view(const lw_linkage *linkage);
+#define LW_VIEW(linkage) ((lw_assembly[1]){ lw_linkage_view(linkage) })      /* as an argument */
 
 /* Copy a to linkage.  LW_E_KIND: it has more parts than a linkage holds; the text says how many. */
 lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *linkage, lw_error *e);
@@ -33,9 +34,11 @@ lw_status lw_assembly_linkage(const lw_assembly *a, lw_linkage *linkage, lw_erro
 lw_status lw_assembly_copy(const lw_assembly *from, lw_assembly *to);
 
 /* As the functions of a linkage (grammar/linkage.h). */
+int       lw_assembly_mobility(const lw_assembly *a);
 int       lw_assembly_free_inputs(const lw_assembly *a);
 double    lw_assembly_tied_input(const lw_assembly *a, int i, double first);
 double    lw_assembly_tie_unit(const lw_assembly *a, int i, double metre);
+char     *lw_assembly_write(const lw_assembly *a, int indent);      /* as lw_linkage_write */
 double    lw_assembly_posture_input(const lw_assembly *a, int joint);
 lw_status lw_assembly_check(const lw_assembly *a, lw_error *e);
 

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-static int mobility_of(const lw_assembly *assembly)
+int lw_assembly_mobility(const lw_assembly *assembly)
 {
     int freedom = 3*(assembly->n_link - 1);
     for (int i = 0; i < assembly->n_joint; i++)
@@ -83,7 +83,7 @@ double lw_assembly_posture_input(const lw_assembly *assembly, int joint)
 int lw_linkage_mobility(const lw_linkage *linkage)
 {
     lw_assembly a = lw_linkage_view(linkage);
-    return mobility_of(&a);
+    return lw_assembly_mobility(&a);
 }
 
 int lw_linkage_free_inputs(const lw_linkage *linkage)

@@ -1,6 +1,6 @@
 /* grammar/linkage_write.c - a linkage as JSON text: one joint or tracer on each line, each number in the shortest
  * form that reads back the same. */
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -63,14 +63,14 @@ static void put_pair(const writer *w, const char *key, lw_vec2 p, double unit)
     fputc(']', w->f);
 }
 
-static double ratio_unit(const writer *w, const lw_linkage *linkage, const lw_joint *j)
+static double ratio_unit(const writer *w, const lw_assembly *linkage, const lw_joint *j)
 {
     lw_gear gear;
-    bool carried = lw_linkage_gear(linkage, (int)(j - linkage->joint), &gear, NULL) == LW_OK;
+    bool carried = lw_assembly_gear(linkage, (int)(j - linkage->joint), &gear, NULL, NULL) == LW_OK;
     return carried ? lw_linkage_gear_unit(&gear, w->units->metre) : 1.0;
 }
 
-static void put_joint(const writer *w, const lw_linkage *linkage, const lw_joint *j)
+static void put_joint(const writer *w, const lw_assembly *linkage, const lw_joint *j)
 {
     fputc('{', w->f);
     put_text(w, "name", j->name);
@@ -89,7 +89,7 @@ static void put_joint(const writer *w, const lw_linkage *linkage, const lw_joint
     fputc('}', w->f);
 }
 
-static void put_input(const writer *w, const lw_linkage *linkage, const lw_input *in)
+static void put_input(const writer *w, const lw_assembly *linkage, const lw_input *in)
 {
     const lw_joint *j = &linkage->joint[in->joint];
     double unit = lw_joint_slides(j->kind) ? w->units->metre : w->units->radian;
@@ -105,12 +105,12 @@ static void put_input(const writer *w, const lw_linkage *linkage, const lw_input
     }
     if (in->ratio != 0) {
         fputs(", \"ratio\": ", w->f);
-        put_number(w, in->ratio, lw_linkage_tie_unit(linkage, (int)(in - linkage->input), w->units->metre));
+        put_number(w, in->ratio, lw_assembly_tie_unit(linkage, (int)(in - linkage->input), w->units->metre));
     }
     fputc('}', w->f);
 }
 
-static void put_tracer(const writer *w, const lw_linkage *linkage, const lw_tracer *t)
+static void put_tracer(const writer *w, const lw_assembly *linkage, const lw_tracer *t)
 {
     fputc('{', w->f);
     put_text(w, "name", t->name);
@@ -122,7 +122,7 @@ static void put_tracer(const writer *w, const lw_linkage *linkage, const lw_trac
     fputc('}', w->f);
 }
 
-static void put_head(const writer *w, const lw_linkage *linkage)
+static void put_head(const writer *w, const lw_assembly *linkage)
 {
     put_line(w, 1);
     fputs("\"linkwright\": 1", w->f);
@@ -147,7 +147,7 @@ static void put_head(const writer *w, const lw_linkage *linkage)
     put_text(w, "ground", linkage->link_name[linkage->ground]);
 }
 
-static void put_inputs(const writer *w, const lw_linkage *linkage)
+static void put_inputs(const writer *w, const lw_assembly *linkage)
 {
     if (linkage->n_input == 0)
         return;
@@ -164,7 +164,7 @@ static void put_inputs(const writer *w, const lw_linkage *linkage)
     }
 }
 
-static void put_linkage(const writer *w, const lw_linkage *linkage)
+static void put_linkage(const writer *w, const lw_assembly *linkage)
 {
     fputc('{', w->f);
     put_head(w, linkage);
@@ -191,7 +191,7 @@ static void put_linkage(const writer *w, const lw_linkage *linkage)
     fputs(w->indent > 0 ? "}\n" : "}", w->f);
 }
 
-char *lw_linkage_write(const lw_linkage *linkage, int indent)
+char *lw_assembly_write(const lw_assembly *linkage, int indent)
 {
     char *text = NULL;
     size_t size = 0;
@@ -206,3 +206,5 @@ char *lw_linkage_write(const lw_linkage *linkage, int indent)
     }
     return text;
 }
+
+char *lw_linkage_write(const lw_linkage *linkage, int indent) { return lw_assembly_write(LW_VIEW(linkage), indent); }

@@ -14,7 +14,7 @@
 
 /* ---- postures and curves ----------------------------------------------------------------------------------------- */
 
-static void put_joints(lw_bytes *b, const lw_linkage *k)
+static void put_joints(lw_bytes *b, const lw_assembly *k)
 {
     double u = k->units.metre;
     studio_put_key(b, "joints");
@@ -98,7 +98,7 @@ static void put_dimensions(lw_bytes *b, const lw_scene *s)
 
 static void put_motion(lw_bytes *b, const lw_scene *s)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     lw_bytes_text(b, "{");
     studio_put_text(b, "name", k->name);
     studio_put_text(b, "unit", k->units.length[0] ? k->units.length : "m");
@@ -114,7 +114,7 @@ static void put_motion(lw_bytes *b, const lw_scene *s)
     put_curves(b, s);
     put_dimensions(b, s);
     studio_put_text(b, "note", s->note);
-    studio_put_real(b, "mobility", lw_linkage_mobility(k));
+    studio_put_real(b, "mobility", lw_assembly_mobility(k));
 }
 
 /* { linkage, points, frames, others, draft }: everything to show of its motion; draft: quickly, while it is dragged. */
@@ -235,7 +235,7 @@ typedef struct moment { lw_vec2 joint[LW_JOINT_MAX][3], tracer[LW_TRACER_MAX][3]
 
 static void find_moment(const lw_kinematics *m, const lw_scene *s, size_t frame, moment *out)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     double size = 0;
     lw_status st = lw_kinematics_posture(m, s->input[frame], 2, out->joint[0], NULL, out->tracer[0], &out->margin);
     out->valid = st == LW_OK;
@@ -307,7 +307,7 @@ static void put_centre(lw_bytes *b, const lw_kinematics *kin, const lw_scene *s,
 
 static void put_centres(lw_bytes *b, const lw_kinematics *kin, const lw_scene *s, const moment *m)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     studio_put_key(b, "centres");
     lw_bytes_text(b, "[");
     for (int i = 0; i < k->n_link && k->n_link <= 10; i++)

@@ -151,7 +151,7 @@ void      lw_linkage_destroy(lw_linkage *linkage) { free(linkage); }
 
 static lw_status export_bytes(const lw_linkage *linkage, const lw_format *f, lw_bytes *b, lw_error *e)
 {
-    lw_status s = lw_format_write(f, linkage, NULL, b, e);
+    lw_status s = lw_format_write(f, LW_VIEW(linkage), NULL, b, e);
     if (s != LW_OK)
         lw_bytes_free(b);
     return s;
@@ -181,7 +181,7 @@ lw_status lw_model_export(const lw_model *model, const char *format, const lw_pl
     if (!f || !f->write)
         return lw_error_set(error, LW_E_ARG, "there is no format '%s' to write", format);
     lw_status s = lw_model_small(model, &k, error);
-    if (s == LW_OK && (s = lw_format_write(f, k, &o, &b, error)) != LW_OK)
+    if (s == LW_OK && (s = lw_format_write(f, LW_VIEW(k), &o, &b, error)) != LW_OK)
         lw_bytes_free(&b);
     return s == LW_OK ? lw_surface_give(&b, out, size, error) : s;
 }

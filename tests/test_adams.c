@@ -11,7 +11,7 @@ static lw_bytes dataset(const lw_linkage *k)
 {
     lw_bytes b = { 0 };
     lw_error e = { 0 };
-    CHECK_INT(lw_export_adams(k, NULL, &b, &e), LW_OK);
+    CHECK_INT(lw_export_adams(LW_VIEW(k), NULL, &b, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     return b;
 }
@@ -117,12 +117,12 @@ static void move_alike(const lw_linkage *a, const lw_linkage *b)
     CHECK_INT(lw_newton_create(a, &s[0], &e), LW_OK);
     CHECK_INT(lw_newton_create(b, &s[1], &e), LW_OK);
     for (int i = 0; s[0] && s[1] && i <= 10; i++) {
-        double way = (a->joint[a->input[0].joint].kind == LW_JOINT_SLIDER ? 0.01*lw_export_size(a) : 0.05)*i;
+        double way = (a->joint[a->input[0].joint].kind == LW_JOINT_SLIDER ? 0.01*lw_export_size(LW_VIEW(a)) : 0.05)*i;
         CHECK_INT(lw_newton_move(s[0], a->input[0].value + way, NULL), LW_OK);
         CHECK_INT(lw_newton_move(s[1], b->input[0].value + way, NULL), LW_OK);
         for (int t = 0; t < a->n_tracer; t++)
             CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_newton_tracer(s[0], t), lw_newton_tracer(s[1], t))), 0,
-                       1e-9*lw_export_size(a), 0);
+                       1e-9*lw_export_size(LW_VIEW(a)), 0);
     }
     lw_newton_free(s[0]);
     lw_newton_free(s[1]);
@@ -185,7 +185,7 @@ TEST(as_plasma_writes)
     CHECK_HAS(b.data, "JOINT/01, REVOLUTE, I = 0201, J = 0101\n");
     CHECK_HAS(b.data, "FUNCTION = 2*PI*TIME\n");
     lw_bytes_free(&b);
-    CHECK_INT(lw_export_adams_commands(&k, NULL, &b, NULL), LW_OK);
+    CHECK_INT(lw_export_adams_commands(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
     CHECK_HAS(b.data, "Hoeken_straight_line_linkage.adm\n");
     CHECK_HAS(b.data, "SIMULATE/KINEMATICS, END = 1.0, STEPS = 100\n");
     lw_bytes_free(&b);
@@ -272,7 +272,7 @@ TEST(loads_are_written)
         memset(&d, 0, sizeof d);
         drun_read_format(&d, loaded[i], 0, 0);
         lw_export_options o = { .model = &d.model, .clearance = -1 };
-        CHECK_INT(lw_export_adams(d.model.small, &o, &b, &e), LW_OK);
+        CHECK_INT(lw_export_adams(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         for (int n = 0; n < 12 && has[i][n]; n++)
             CHECK_HAS(b.data, has[i][n]);
@@ -283,7 +283,7 @@ TEST(loads_are_written)
         CHECK_INT(back.n_joint, d.model.small->n_joint);
         CHECK_INT(back.n_tracer, 1);
         lw_bytes_free(&b);
-        CHECK_INT(lw_export_adams_commands(d.model.small, &o, &b, &e), LW_OK);
+        CHECK_INT(lw_export_adams_commands(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
         CHECK_HAS(b.data, "SIMULATE/DYNAMICS");
         lw_bytes_free(&b);
         lw_model_free(&d.model);

@@ -47,7 +47,7 @@ static void check_mesh(const lw_scene *s, int joint)
     CHECK_NEAR(w[0].pitch, w[1].pitch, 0, 1e-9);
     lw_vec2 contact = lw_v2_add(w[0].centre, lw_v2_scale(w[0].along, w[0].radius));
     lw_gear g;
-    CHECK_INT(lw_linkage_gear(&s->linkage, joint, &g, NULL), LW_OK);
+    CHECK_INT(lw_assembly_gear(&s->linkage, joint, &g, NULL, NULL), LW_OK);
     for (size_t f = 0; f < s->n_frame; f++) {
         double way[2];
         for (int i = 0; i < 2; i++) {                                 /* the pitch point turns with the carrier */
@@ -105,7 +105,7 @@ TEST(racks_are_long_enough)
 static bool has_node(const lw_scene *s, int link, lw_vec2 at)
 {
     lw_shape_node node[LW_NODE_MAX];
-    int n = lw_body_shapes_nodes(s, link, node);
+    int n = lw_body_shapes_nodes(s, link, node, LW_NODE_MAX);
     for (int i = 0; i < n; i++)
         if (lw_v2_norm(lw_v2_sub(node[i].at, at)) < 1e-12)
             return true;

@@ -70,7 +70,7 @@ static void check_motion(const char *text, const char *model)
     CHECK_INT(lw_adams_read(r.out, strlen(r.out), "t", &k, &e), LW_OK);
     CHECK_INT(lw_newton_create(&k, &s, &e), LW_OK);
     lw_export_law law;
-    CHECK_INT(lw_export_law_of(&k, 0, &law), LW_OK);
+    CHECK_INT(lw_export_law_of(LW_VIEW(&k), NULL, 0, &law), LW_OK);
     for (int i = 0; s && i < 401; i += 8) {
         double a = 2*LW_PI*rows[i].t;
         double u = law.turns ? a : law.half*(sin(a + law.phase) - sin(law.phase));

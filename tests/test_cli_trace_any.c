@@ -84,6 +84,27 @@ TEST(any_number_of_links)
     expect(line, 0, "driven          1 of 1 freedom by 1 input", NULL);
     snprintf(line, sizeof line, "$P simulate %s --to 1 -n 2", path);
     expect(line, 0, "P.x", NULL);
+    static const char *const kinds[] = { "svg", "pdf", "gif", "html" }, *const formats[] = { "mjcf", "adams", "urdf", "svg", "poses" };
+    for (size_t i = 0; i < sizeof kinds/sizeof *kinds; i++) {
+        snprintf(line, sizeof line, "$P draw %s --format %s -n 6 | wc -c", path, kinds[i]);
+        ran r = run(line);
+        CHECK(atoi(r.out) > 3000 && !r.err[0]);
+        ran_free(&r);
+    }
+    for (size_t i = 0; i < sizeof formats/sizeof *formats; i++) {
+        snprintf(line, sizeof line, "$P convert %s --format %s | wc -c", path, formats[i]);
+        ran r = run(line);
+        CHECK(atoi(r.out) > 3000 && !r.err[0]);
+        ran_free(&r);
+    }
+    snprintf(line, sizeof line, "$P convert %s --format json > %s.json && $P convert %s.json --format json | cmp - %s.json", path, path,
+             path, path);
+    expect(line, 0, NULL, NULL);
+    snprintf(line, sizeof line, "%s.json -n 7", path);
+    CHECK_INT(trace(line, v), 8);
+    CHECK_NEAR(v[2], 1, 1e-10, 0);
+    snprintf(line, sizeof line, "rm %s.json; $P convert %s --format dxf", path, path);
+    expect(line, 3, NULL, "plates are cut for linkages of at most 32 links");
     snprintf(line, sizeof line, "$P trace %s --cycle", path);
     expect(line, 2, NULL, "--cycle is for linkages of at most 32 links");
     remove(path);

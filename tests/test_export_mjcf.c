@@ -13,7 +13,7 @@ static lw_bytes mjcf(const lw_linkage *k)
 {
     lw_bytes b = { 0 };
     lw_error e = { 0 };
-    lw_status s = lw_export_mjcf(k, NULL, &b, &e);
+    lw_status s = lw_export_mjcf(LW_VIEW(k), NULL, &b, &e);
     if (s != LW_OK)
         fprintf(stderr, "    %s: %s\n", k->name, e.text);
     CHECK_INT(s, LW_OK);
@@ -59,7 +59,7 @@ static void sdf_has_all_joints(void)
         lw_bytes b = { 0 };
         lw_error e = { 0 };
         int links = 0, joints = 0;
-        CHECK_INT(lw_export_sdf(&k, NULL, &b, &e), LW_OK);
+        CHECK_INT(lw_export_sdf(LW_VIEW(&k), NULL, &b, &e), LW_OK);
         for (const char *c = b.data; (c = strstr(c, "<link name=")); c++)
             links++;
         for (const char *c = b.data; (c = strstr(c, "<joint name=")); c++)
@@ -83,7 +83,7 @@ static void refusals(void)
     k.joint[1].kind = LW_JOINT_SLOT;
     add_gear(&k, 1, 2, lw_v2(0.5, 0.5), 2);
     add_input(&k, 0, 0);
-    CHECK_INT(lw_export_mjcf(&k, NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_mjcf(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
     CHECK(e.text[0] != 0);
     CHECK(b.data == NULL);
 }
@@ -187,7 +187,7 @@ static double apart(const lw_linkage *k, double way, int n)
         if (lw_newton_move(s, at, NULL) != LW_OK)
             break;
         r.d->qpos[drive] = at;
-        CHECK(close_loops(&r) < 1e-9*fmax(lw_export_size(k), 1e-3));
+        CHECK(close_loops(&r) < 1e-9*fmax(lw_export_size(LW_VIEW(k)), 1e-3));
         for (int t = 0; t < k->n_tracer; t++) {
             const double *p = r.d->site_xpos + 3*mj.find(m, mjOBJ_SITE, k->tracer[t].name);
             worst = fmax(worst, lw_v2_norm(lw_v2_sub(lw_v2(p[0], p[1]), lw_newton_tracer(s, t))));
@@ -198,7 +198,7 @@ static double apart(const lw_linkage *k, double way, int n)
     lw_newton_free(s);
     mj.free_data(r.d);
     mj.free_model(m);
-    return worst/lw_export_size(k);
+    return worst/lw_export_size(LW_VIEW(k));
 }
 
 static void examples_move_alike(void)
@@ -248,7 +248,7 @@ static double follows(const lw_linkage *k, double way)
     lw_newton_free(s);
     mj.free_data(d);
     mj.free_model(m);
-    return worst/lw_export_size(k);
+    return worst/lw_export_size(LW_VIEW(k));
 }
 
 static void examples_are_stable(void)
@@ -279,7 +279,7 @@ static void loads_act_alike(void)
         lw_bytes b = { 0 };
         lw_error e = { 0 };
         lw_export_options o = { .model = &d.model, .clearance = -1 };
-        CHECK_INT(lw_export_mjcf(d.model.small, &o, &b, &e), LW_OK);
+        CHECK_INT(lw_export_mjcf(LW_VIEW(d.model.small), &o, &b, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         mjModel *m = load_bytes(d.model.small, b);
         if (!m)
@@ -299,9 +299,9 @@ static void loads_act_alike(void)
             worst = fmax(worst, hypot(p[0] - want.x, p[1] - want.y));
             moved = fmax(moved, lw_v2_norm(lw_v2_sub(want, d.tracer[0])));
         }
-        CHECK(worst < 1e-3*lw_export_size(d.model.small));
-        CHECK(moved > 0.1*lw_export_size(d.model.small));
-        if (!(worst < 1e-3*lw_export_size(d.model.small)))
+        CHECK(worst < 1e-3*lw_export_size(LW_VIEW(d.model.small)));
+        CHECK(moved > 0.1*lw_export_size(LW_VIEW(d.model.small)));
+        if (!(worst < 1e-3*lw_export_size(LW_VIEW(d.model.small))))
             fprintf(stderr, "    model %zu: %g, moved %g\n", i, worst, moved);
         mj.free_data(s);
         mj.free_model(m);
@@ -321,7 +321,7 @@ static void urdf_moves_alike(void)
         lw_linkage k = strcmp(names[i], "yoke") == 0 ? scotch_yoke(1) : example(names[i]);
         lw_bytes b = { 0 };
         lw_error e = { 0 };
-        CHECK_INT(lw_export_urdf(&k, NULL, &b, &e), LW_OK);
+        CHECK_INT(lw_export_urdf(LW_VIEW(&k), NULL, &b, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         CHECK((strstr(b.data, "close a loop") != NULL) == (k.n_joint >= k.n_link));
         mjModel *m[2] = { load(&k), load_bytes(&k, b) };
@@ -349,7 +349,7 @@ static void urdf_moves_alike(void)
             CHECK(p > 0 && q > 0);
             for (int c = 0; c < 9 && p > 0 && q > 0; c++) {
                 CHECK_NEAR(d[0]->xmat[9*p + c], d[1]->xmat[9*q + c], 1e-9, 0);
-                CHECK_NEAR(d[0]->xpos[3*p + c/3], d[1]->xpos[3*q + c/3], 1e-9*lw_export_size(&k), 0);
+                CHECK_NEAR(d[0]->xpos[3*p + c/3], d[1]->xpos[3*q + c/3], 1e-9*lw_export_size(LW_VIEW(&k)), 0);
             }
             CHECK_NEAR(m[0]->body_mass[p], m[1]->body_mass[q], 0, 0.2);       /* capsules and balls against rods */
         }

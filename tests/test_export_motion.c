@@ -15,7 +15,7 @@ TEST(a_curve_comes_back_as_target)
         lw_scene s;
         lw_target t;
         lw_error e = { 0 };
-        CHECK_INT(lw_export_svg(&k, NULL, &b, &e), LW_OK);
+        CHECK_INT(lw_export_svg(LW_VIEW(&k), NULL, &b, &e), LW_OK);
         lw_target_options drawn = { .closed = -1, .curve = "1", .stations = -1 };
         CHECK_INT(lw_target_read_svg(b.data, b.size, "t", &drawn, &t, &e), LW_OK);
         CHECK_TEXT(e.text, "");
@@ -23,8 +23,8 @@ TEST(a_curve_comes_back_as_target)
         CHECK_INT(t.n, s.curve[0].n);
         CHECK_INT(t.closed, s.curve[0].closed);
         for (size_t n = 0; n < t.n && n < s.curve[0].n; n++) {
-            CHECK_NEAR(t.x[n], s.curve[0].p[n].x, 1e-11*lw_export_size(&k), 0);
-            CHECK_NEAR(t.y[n], s.curve[0].p[n].y, 1e-11*lw_export_size(&k), 0);
+            CHECK_NEAR(t.x[n], s.curve[0].p[n].x, 1e-11*lw_export_size(LW_VIEW(&k)), 0);
+            CHECK_NEAR(t.y[n], s.curve[0].p[n].y, 1e-11*lw_export_size(LW_VIEW(&k)), 0);
         }
         lw_target_free(&t);
         lw_scene_free(&s);
@@ -39,7 +39,7 @@ TEST(poses_keep_pins_together)
     lw_linkage k = example("klann");
     lw_bytes b = { 0 };
     lw_scene s;
-    CHECK_INT(lw_export_poses(&k, NULL, &b, NULL), LW_OK);
+    CHECK_INT(lw_export_poses(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, NULL), LW_OK);
     CHECK_HAS(b.data, "# units: m deg\nframe,input,link,x,y,turn\n0,");
     char *row = strstr(b.data, "\n0,") + 1;
@@ -77,7 +77,7 @@ TEST(joints_as_json)
     lw_bytes b = { 0 };
     lw_error e = { 0 };
     snprintf(k.link_name[1], LW_NAME_SIZE, "a\"b\\");
-    CHECK_INT(lw_export_joints(&k, NULL, &b, &e), LW_OK);
+    CHECK_INT(lw_export_joints(LW_VIEW(&k), NULL, &b, &e), LW_OK);
     CHECK_HAS(b.data, "\"type\": \"prismatic\", \"coord\": [96.7654746701, 10], \"angle\": 0, \"ground\": true}");
     CHECK_HAS(b.data, "{\"name\": \"a\\\"b\\\\\", \"ground\": false, \"joints\": [0, 1]}");
     CHECK_HAS(b.data, "\"actuators\": [0]");
@@ -85,9 +85,9 @@ TEST(joints_as_json)
     lw_bytes_free(&b);
     k = example("hoeken");
     k.n_input = 0;
-    CHECK_INT(lw_export_joints(&k, NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_joints(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
     CHECK_HAS(e.text, "the motion is not known");
     k = example("slider-crank");
     k.n_tracer = 0;
-    CHECK_INT(lw_export_svg(&k, NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_svg(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
 }

@@ -73,7 +73,7 @@ static void constraints_hold(const lw_linkage *k)
     read_sketch(b.data, &s);
     for (const char *at = b.data; (at = strstr(at, "Constraint.h.v=")); at++, n++) {
         int own;
-        CHECK_NEAR(off_by(&s, at, strstr(at, "AddConstraint"), &own), 0, 1e-9*1000*lw_export_size(k), 0);
+        CHECK_NEAR(off_by(&s, at, strstr(at, "AddConstraint"), &own), 0, 1e-9*1000*lw_export_size(LW_VIEW(k)), 0);
         rows += own;
     }
     CHECK(n > k->n_joint);

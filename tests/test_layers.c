@@ -162,10 +162,10 @@ TEST(room_of_random_linkages)
         lw_linkage k = example(name[i % 5]);
         for (int j = 0; j < k.n_joint; j++)
             if (k.joint[j].kind == LW_JOINT_REVOLUTE && i % 5 < 3)
-                k.joint[j].at = lw_v2_add(k.joint[j].at, lw_v2_polar(0.1*lw_export_size(&k)*lw_rng_uniform(&rng),
+                k.joint[j].at = lw_v2_add(k.joint[j].at, lw_v2_polar(0.1*lw_export_size(LW_VIEW(&k))*lw_rng_uniform(&rng),
                                                                      2*LW_PI*lw_rng_uniform(&rng)));
             else if (k.joint[j].kind == LW_JOINT_REVOLUTE)
-                k.joint[j].at.x += 0.1*lw_export_size(&k)*lw_rng_uniform(&rng);
+                k.joint[j].at.x += 0.1*lw_export_size(LW_VIEW(&k))*lw_rng_uniform(&rng);
         lw_scene s = scene_of(&k, 60), fine = scene_of(&k, 1201);
         if (s.n_frame > 2 && lw_layers_find(&s, NULL, &l, NULL) == LW_OK) {
             double seen = room_seen(&fine, &l);
@@ -242,7 +242,7 @@ TEST(outlines_are_closed)
     for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
         lw_linkage k = example(names[i]);
         lw_bytes b = { 0 };
-        CHECK_INT(lw_export_dxf(&k, NULL, &b, NULL), LW_OK);
+        CHECK_INT(lw_export_dxf(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
         ends w = read_ends(b.data);
         CHECK(w.n >= 4*k.n_link - 4 && w.circles >= k.n_joint);
         for (int a = 0; a < w.n; a++) {
@@ -263,7 +263,7 @@ TEST(openscad_is_balanced)
     static const char brackets[] = "()[]{}";
     int depth[3] = { 0 };
     snprintf(k.link_name[1], LW_NAME_SIZE, "x\ncube(9);");
-    CHECK_INT(lw_export_openscad(&k, NULL, &b, NULL), LW_OK);
+    CHECK_INT(lw_export_openscad(LW_VIEW(&k), NULL, &b, NULL), LW_OK);
     for (const char *c = b.data; *c; c++) {
         const char *in = strchr(brackets, *c);
         if (in)

@@ -14,7 +14,7 @@ static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)
 /* Every pin is at one place whichever of its two links carries it; sliders stay on their lines. */
 static void check_joined(const lw_scene *s, double size, double share)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     for (size_t f = 0; f < s->n_frame; f++)
         for (int i = 0; i < k->n_joint; i++) {
             const lw_joint *j = &k->joint[i];

@@ -56,9 +56,9 @@ static void meshes(void)
         lw_bytes b = { 0 };
         lw_plates *w;
         lw_error e = { 0 };
-        CHECK_INT(lw_export_stl(&k, NULL, &b, &e), LW_OK);
+        CHECK_INT(lw_export_stl(LW_VIEW(&k), NULL, &b, &e), LW_OK);
         CHECK_TEXT(e.text, "");
-        if (lw_plates_make(&k, NULL, &w, &e) != LW_OK)
+        if (lw_plates_make(LW_VIEW(&k), NULL, &w, &e) != LW_OK)
             continue;
         int solid = 0;
         char *at = b.data;
@@ -109,7 +109,7 @@ static void instances(void)
         static int way[60000], kind[60000];
         memset(way, 0, sizeof way);
         memset(kind, 0, sizeof kind);
-        CHECK_INT(lw_export_step(&k, NULL, &b, &e), LW_OK);
+        CHECK_INT(lw_export_step(LW_VIEW(&k), NULL, &b, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         if (!b.data)
             continue;
@@ -141,9 +141,9 @@ static void independent_reader(void)
         lw_bytes b = { 0 };
         lw_plates *w;
         lw_error e = { 0 };
-        lw_export_options o = { .width = 0.01*lw_export_size(&k), .clearance = 0.0005*lw_export_size(&k) };
+        lw_export_options o = { .width = 0.01*lw_export_size(LW_VIEW(&k)), .clearance = 0.0005*lw_export_size(LW_VIEW(&k)) };
         char path[300], line[1200];
-        if (lw_plates_make(&k, &o, &w, &e) != LW_OK || lw_export_step(&k, &o, &b, &e) != LW_OK) {
+        if (lw_plates_make(LW_VIEW(&k), &o, &w, &e) != LW_OK || lw_export_step(LW_VIEW(&k), &o, &b, &e) != LW_OK) {
             CHECK_TEXT(e.text, "");
             continue;
         }
@@ -179,23 +179,23 @@ static void sizes(void)
     lw_error e = { 0 };
     lw_plates *w;
     lw_export_options o = { .width = 0.008, .thickness = 0.003, .hole = 0.004, .clearance = 0.0002 };
-    CHECK_INT(lw_plates_make(&k, &o, &w, &e), LW_OK);
+    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &e), LW_OK);
     CHECK_NEAR(w->layers.radius, 0.004, 1e-15, 0);
     CHECK_NEAR(w->layers.bore, 0.002, 1e-15, 0);
     CHECK_NEAR(w->layers.pin_radius, 0.0019, 1e-15, 0);
     CHECK_NEAR(w->layers.thickness, 0.003, 1e-15, 0);
     lw_plates_free(w);
     o.hole = 0.009;
-    CHECK_INT(lw_plates_make(&k, &o, &w, &e), LW_E_ARG);
+    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &e), LW_E_ARG);
     CHECK_HAS(e.text, "plates 8 mm wide, holes of 9 mm");
     lw_bytes b = { 0 };
     k = example("trammel");                              /* its slots cross */
-    CHECK_INT(lw_export_step(&k, NULL, &b, &e), LW_E_KIND);
-    CHECK_INT(lw_export_stl(&k, NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_step(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_stl(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
     CHECK(b.data == NULL);
     k = example("hoeken");
     o = (lw_export_options){ .hole = 0.001, .clearance = 0.001 };
-    CHECK_INT(lw_plates_make(&k, &o, &w, &e), LW_E_ARG);
+    CHECK_INT(lw_plates_make(LW_VIEW(&k), &o, &w, &e), LW_E_ARG);
 }
 
 int main(void)

@@ -421,11 +421,11 @@ TEST(shown_and_exported)
         CHECK_NEAR(both.y, 0, 1e-9, 0);
     }
     lw_scene_free(&s);
-    CHECK_INT(lw_export_adams(&k, NULL, &out, &e), LW_OK);
+    CHECK_INT(lw_export_adams(LW_VIEW(&k), NULL, &out, &e), LW_OK);
     CHECK_HAS(out.data, "COUPLER/06, JOINTS = 01, 02, SCALES = -1, -1");
     CHECK(!strstr(out.data, "MOTION/02"));
     lw_bytes_free(&out);
-    CHECK_INT(lw_export_mjcf(&k, NULL, &out, &e), LW_OK);
+    CHECK_INT(lw_export_mjcf(LW_VIEW(&k), NULL, &out, &e), LW_OK);
     CHECK_HAS(out.data, "joint1=\"J2\" joint2=\"J1\" polycoef=\"0 -1 0 0 0\"");
     CHECK(!strstr(out.data, "J2 drive"));
     lw_bytes_free(&out);

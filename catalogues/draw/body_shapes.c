@@ -13,7 +13,7 @@ static bool is_welded(const lw_joint *j, int link)
     return lw_joint_freedoms(j->kind) == 0 && (j->link[0] == link || j->link[1] == link);
 }
 
-static bool has_tracer(const lw_linkage *linkage, int link)
+static bool has_tracer(const lw_assembly *linkage, int link)
 {
     for (int i = 0; i < linkage->n_tracer; i++)
         if (linkage->tracer[i].link == link)
@@ -27,7 +27,7 @@ static double distance_from_line(const lw_joint *line, lw_vec2 p)
 }
 
 /* The pin of a link nearest to the line of a slider or slot; -1: the link has no pin. */
-static int nearest_pin(const lw_linkage *linkage, int link, const lw_joint *line)
+static int nearest_pin(const lw_assembly *linkage, int link, const lw_joint *line)
 {
     int best = -1;
     for (int i = 0; i < linkage->n_joint; i++)
@@ -38,14 +38,14 @@ static int nearest_pin(const lw_linkage *linkage, int link, const lw_joint *line
     return best;
 }
 
-static double pin_distance(const lw_linkage *linkage, int link, const lw_joint *line)
+static double pin_distance(const lw_assembly *linkage, int link, const lw_joint *line)
 {
     int pin = nearest_pin(linkage, link, line);
     return pin < 0 ? 0 : distance_from_line(line, linkage->joint[pin].at);
 }
 
 /* Greatest distance of a joint from the point of a line. */
-static double spread(const lw_linkage *linkage, const lw_joint *line)
+static double spread(const lw_assembly *linkage, const lw_joint *line)
 {
     double d = 0;
     for (int i = 0; i < linkage->n_joint; i++)
@@ -53,7 +53,7 @@ static double spread(const lw_linkage *linkage, const lw_joint *line)
     return d;
 }
 
-static int choose_guide(const lw_linkage *linkage, const lw_joint *j)
+static int choose_guide(const lw_assembly *linkage, const lw_joint *j)
 {
     if (lw_joint_has_slot(j->kind) || j->link[0] == linkage->ground)
         return 0;
@@ -81,7 +81,7 @@ static lw_vec2 crossing(const lw_joint *a, const lw_joint *b)
     return lw_v2_add(a->at, lw_v2_scale(a->along, t));
 }
 
-static lw_vec2 block_place(const lw_linkage *linkage, int j, int block)
+static lw_vec2 block_place(const lw_assembly *linkage, int j, int block)
 {
     const lw_joint *line = &linkage->joint[j];
     int pin = lw_joint_has_slot(line->kind) ? j : nearest_pin(linkage, block, line);
@@ -114,7 +114,7 @@ static void travel(const lw_scene *s, int base, int moving, lw_vec2 p, lw_vec2 a
 
 lw_slide lw_body_shapes_slide(const lw_scene *s, int j)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     const lw_joint *line = &k->joint[j];
     int g = choose_guide(k, line);
     lw_slide w = { .guide = line->link[g], .block = line->link[1 - g], .along = line->along };
@@ -130,7 +130,7 @@ lw_slide lw_body_shapes_slide(const lw_scene *s, int j)
 
 bool lw_body_shapes_cylinder(const lw_scene *s, int j, lw_cylinder *c)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     const lw_joint *line = &k->joint[j];
     bool input = false;
     for (int i = 0; i < k->n_input; i++)
@@ -174,7 +174,7 @@ static void choose_teeth(double lesser, double greater, int teeth[2])
 
 static bool set_wheel(const lw_scene *s, const lw_gear *g, int side, int link, lw_vec2 contact, lw_wheel *w)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     *w = (lw_wheel){ .link = link, .rack = g->slider[side] >= 0, .centre = g->centre[side] };
     if (w->rack) {
         w->centre = contact;
@@ -190,12 +190,12 @@ static bool set_wheel(const lw_scene *s, const lw_gear *g, int side, int link, l
 
 bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel w[2])
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     lw_gear g;
     int teeth[2];
-    if (lw_linkage_gear(k, j, &g, NULL) != LW_OK)
+    lw_vec2 contact;
+    if (lw_assembly_gear(k, j, &g, &contact, NULL) != LW_OK)
         return false;
-    lw_vec2 contact = lw_linkage_contact(k, j, &g);
     for (int i = 0; i < 2; i++)
         if (!set_wheel(s, &g, i, k->joint[j].link[i], contact, &w[i]))
             return false;
@@ -222,24 +222,24 @@ bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel w[2])
 /* ---- links -------------------------------------------------------------------------------------- */
 
 /* Add a node unless one is already there, within rounding of the coordinates. */
-static int add_node(lw_shape_node *node, int n, lw_vec2 at, int joint, int tracer)
+static int add_node(lw_shape_node *node, int room, int n, lw_vec2 at, int joint, int tracer)
 {
     for (int i = 0; i < n; i++)
         if (lw_v2_norm(lw_v2_sub(node[i].at, at)) <= 1e-12*(fabs(at.x) + fabs(at.y)))
             return n;
-    if (n == LW_NODE_MAX)
+    if (n == room)
         return n;
     node[n] = (lw_shape_node){ at, joint, tracer };
     return n + 1;
 }
 
-int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE_MAX])
+int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node *node, int room)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     int n = 0;
     for (int i = 0; i < k->n_joint; i++)
         if (has_pin(&k->joint[i], link) || is_welded(&k->joint[i], link))
-            n = add_node(node, n, k->joint[i].at, i, -1);
+            n = add_node(node, room, n, k->joint[i].at, i, -1);
     int n_pin = n;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *line = &k->joint[j];
@@ -248,17 +248,17 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE
             continue;
         lw_slide w = lw_body_shapes_slide(s, j);
         if (w.block == link)
-            n = add_node(node, n, w.at, -1, -1);
+            n = add_node(node, room, n, w.at, -1, -1);
         else
             for (int i = 0; i < n_pin; i++)
-                n = add_node(node, n, foot(line, node[i].at), -1, -1);
+                n = add_node(node, room, n, foot(line, node[i].at), -1, -1);
         if (w.guide == link && n_pin == 0 && link != k->ground)       /* a yoke: only slides hold it */
-            n = add_node(node, n, w.at, -1, -1);
+            n = add_node(node, room, n, w.at, -1, -1);
     }
     for (int i = 0; i < k->n_tracer; i++)
         if (k->tracer[i].link == link)
-            n = add_node(node, n, k->tracer[i].at, -1, i);
+            n = add_node(node, room, n, k->tracer[i].at, -1, i);
     if (n == 1 && link != k->ground && s->model && s->model->body[link].mass > 0)     /* a pendulum reaches to its mass */
-        n = add_node(node, n, s->model->body[link].centre, -1, -1);
+        n = add_node(node, room, n, s->model->body[link].centre, -1, -1);
     return n;
 }

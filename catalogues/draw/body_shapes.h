@@ -6,7 +6,7 @@
 
 #include "catalogues/draw/scene.h"
 
-#define LW_NODE_MAX (LW_JOINT_MAX + LW_TRACER_MAX)
+#define LW_NODE_MAX (LW_JOINT_MAX + LW_TRACER_MAX)    /* of a link of a linkage */
 
 typedef struct lw_slide {
     int     guide, block;      /* links                                                            */
@@ -51,8 +51,8 @@ bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
 
 typedef struct lw_shape_node { lw_vec2 at; int joint, tracer; } lw_shape_node;   /* -1: not that */
 
-/* The points that a link's body must reach: its pins and welds (several at one place count once), tracers, blocks,
+/* The points that a link's body must reach, at most `room`: its pins and welds (several at one place count once), tracers, blocks,
  * and for a guide the feet of its pins on the line. Returns their number. */
-int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE_MAX]);
+int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node *node, int room);
 
 #endif

@@ -20,6 +20,10 @@ typedef struct sketch {
     lw_drawing *d;
     lw_label_map map;
     double u;                  /* size of signs and letters: 1 for a page of 1000 by 750           */
+    double signs;              /* factor on those of links and joints                              */
+    int    room;               /* for the points of a link, in metres and on the page              */
+    lw_shape_node *node;
+    lw_vec2 *corner;
 } sketch;
 
 static lw_vec2 pixel_of(const sketch *k, int panel, lw_vec2 p);
@@ -34,18 +38,18 @@ static lw_box view_box(const lw_view *v);              /* where labels may stand
 #define LABEL_SIZE 14.5
 #define LENGTH_SIZE 12.5
 
-static const lw_linkage *linkage(const sketch *k)
+static const lw_assembly *linkage(const sketch *k)
 {
     return &k->s->linkage;
 }
 
 /* The link that the input moves, relative to the other link of the joint. */
-static int driven_link(const lw_linkage *linkage, const lw_joint *j)
+static int driven_link(const lw_assembly *linkage, const lw_joint *j)
 {
     return j->link[1] == linkage->ground ? j->link[0] : j->link[1];
 }
 
-static lw_ink link_ink(const lw_linkage *linkage, int link)
+static lw_ink link_ink(const lw_assembly *linkage, int link)
 {
     for (int i = 0; i < linkage->n_input; i++)
         if (driven_link(linkage, &linkage->joint[linkage->input[i].joint]) == link)
@@ -56,7 +60,7 @@ static lw_ink link_ink(const lw_linkage *linkage, int link)
     return LW_INK_LINK;
 }
 
-static lw_bearer bearer(const lw_linkage *linkage, int item, int link)
+static lw_bearer bearer(const lw_assembly *linkage, int item, int link)
 {
     return (lw_bearer){ item, link == linkage->ground ? -1 : link, 0 };
 }
@@ -66,7 +70,7 @@ static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint);
 
 static void draw_guide(sketch *k, int joint)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     lw_cylinder c;
     if (lw_body_shapes_cylinder(k->s, joint, &c)) {
         draw_cylinder(k, &c, joint);
@@ -121,7 +125,7 @@ static void draw_block(sketch *k, int joint)
 /* Draw tube and piston of a hydraulic cylinder, below everything else. */
 static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     double scale = k->d->view[0].scale;
     lw_vec2 pin[2] = { pixel_of(k, 0, c->pin[0]), pixel_of(k, 0, c->pin[1]) };
     lw_vec2 along = lw_v2(c->along.x, -c->along.y);
@@ -149,7 +153,7 @@ static bool is_drawn(const sketch *k, int joint, const lw_wheel *w)
 /* away: direction of a rack's teeth, towards its pinion. */
 static void draw_wheel(sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     double scale = k->d->view[0].scale, u = k->u;
     lw_vec2 at = pixel_of(k, 0, w->centre), along = lw_v2(w->along.x, -w->along.y);
     lw_bearer carrier = bearer(l, joint, w->link);
@@ -180,9 +184,9 @@ static void draw_gear(sketch *k, int joint)
 /* Direction on the page from a point of a link to the centre of its other nodes; (0, 0) if there are no others. */
 static lw_vec2 inwards(const sketch *k, int link, lw_vec2 from)
 {
-    lw_shape_node node[LW_NODE_MAX];
+    const lw_shape_node *node = k->node;
     lw_vec2 sum = { 0, 0 };
-    int n = lw_body_shapes_nodes(k->s, link, node);
+    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++)
         sum = lw_v2_add(sum, lw_v2_sub(node[i].at, from));
     double length = lw_v2_norm(sum);
@@ -200,9 +204,9 @@ static void draw_weld(sketch *k, int joint)
 
 static void draw_link(sketch *k, int link)
 {
-    lw_shape_node node[LW_NODE_MAX];
-    lw_vec2 p[LW_NODE_MAX];
-    int n = lw_body_shapes_nodes(k->s, link, node);
+    const lw_shape_node *node = k->node;
+    lw_vec2 *p = k->corner;
+    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++) {
         p[i] = pixel_of(k, 0, node[i].at);
         for (int j = 0; j < i; j++)
@@ -211,7 +215,7 @@ static void draw_link(sketch *k, int link)
     lw_symbol_link(k->d, bearer(linkage(k), link, link), p, n, link_ink(linkage(k), link), k->u);
 }
 
-static bool on_ground(const lw_linkage *linkage, const lw_joint *j)
+static bool on_ground(const lw_assembly *linkage, const lw_joint *j)
 {
     return j->link[0] == linkage->ground || j->link[1] == linkage->ground;
 }
@@ -219,7 +223,7 @@ static bool on_ground(const lw_linkage *linkage, const lw_joint *j)
 /* Draw the line between the ground pins; the label of the frame's length stands beside it. */
 static void draw_frame_line(sketch *k)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     int last = -1;
     for (int i = 0; i < l->n_joint; i++) {
         if (!lw_joint_turns(l->joint[i].kind) || !on_ground(l, &l->joint[i]))
@@ -240,7 +244,7 @@ static void draw_frame_line(sketch *k)
 
 static void draw_pivots(sketch *k)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     for (int i = 0; i < l->n_joint; i++) {
         if (!lw_joint_turns(l->joint[i].kind) || !on_ground(l, &l->joint[i]))
             continue;
@@ -252,7 +256,7 @@ static void draw_pivots(sketch *k)
 
 static void draw_pins(sketch *k)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
         if (!lw_joint_turns(j->kind) && !lw_joint_has_slot(j->kind))
@@ -271,9 +275,9 @@ static void draw_pins(sketch *k)
 /* Direction from the input pin to the centre of the driven link's other nodes [rad, page with y up]. */
 static double driven_direction(const sketch *k, int link, lw_vec2 pin)
 {
-    lw_shape_node node[LW_NODE_MAX];
+    const lw_shape_node *node = k->node;
     lw_vec2 sum = { 0, 0 };
-    int n = lw_body_shapes_nodes(k->s, link, node);
+    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++)
         sum = lw_v2_add(sum, lw_v2_sub(node[i].at, pin));
     return atan2(sum.y, sum.x);
@@ -281,7 +285,7 @@ static double driven_direction(const sketch *k, int link, lw_vec2 pin)
 
 static void draw_input(sketch *k, int input)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     int joint = l->input[input].joint;
     bool back = l->input[input].ratio < 0;               /* coupled to the first input, in the opposite sense */
     const lw_joint *j = &l->joint[joint];
@@ -309,7 +313,7 @@ static void draw_input(sketch *k, int input)
 /* The outline of a link that can touch others: shaded; a line of the ground is hatched. */
 static void draw_contour(sketch *k, const lw_contour *c)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     double scale = k->d->view[0].scale, u = k->u;
     lw_vec2 a = pixel_of(k, 0, c->at[0]), b = pixel_of(k, 0, c->at[c->n > 1]), *p;
     lw_bearer carrier = bearer(l, c->link, c->link);
@@ -370,7 +374,7 @@ static void draw_tie(sketch *k, const int link[2], const lw_vec2 end[2], bool sp
 
 static void sketch_linkage(sketch *k)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     const lw_model *m = k->s->model;
     for (int i = 0; m && i < m->n_shape; i++)
         draw_contour(k, &m->shape[i]);
@@ -420,7 +424,7 @@ static void label(sketch *k, lw_role role, int item, int link, const char *text,
 
 static void label_points(sketch *k)
 {
-    const lw_linkage *l = linkage(k);
+    const lw_assembly *l = linkage(k);
     double u = k->u;
     for (int i = 0; i < l->n_tracer; i++) {
         lw_vec2 at = pixel_of(k, 0, l->tracer[i].at);
@@ -446,10 +450,10 @@ static void label_points(sketch *k)
 }
 
 /* Find the two nodes of a link whose distance is `length`: the label of dimension "r<k>" stands between them. */
-static bool find_length(const lw_scene *s, int link, double length, lw_vec2 *a, lw_vec2 *b)
+static bool find_length(const sketch *k, int link, double length, lw_vec2 *a, lw_vec2 *b)
 {
-    lw_shape_node node[LW_NODE_MAX];
-    int n = lw_body_shapes_nodes(s, link, node);
+    const lw_shape_node *node = k->node;
+    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++)
         for (int j = i + 1; j < n; j++)
             if (fabs(lw_v2_norm(lw_v2_sub(node[i].at, node[j].at)) - length) <= 1e-6*length) {
@@ -476,11 +480,11 @@ static void label_lengths(sketch *k)
     lw_vec2 a, b;
     for (int i = 0; i < s->n_dim; i++)
         if (s->dim_kind[i] == LW_DIM_LENGTH
-            && find_length(s, s->dim_link[i], s->dim[i], &a, &b))
+            && find_length(k, s->dim_link[i], s->dim[i], &a, &b))
             label_length(k, s->dim_link[i], s->dim_name[i], s->dim[i], a, b);
     for (int link = 0; s->n_dim == 0 && link < s->linkage.n_link; link++) {
-        lw_shape_node node[LW_NODE_MAX];
-        if (link != s->linkage.ground && lw_body_shapes_nodes(s, link, node) == 2)
+        const lw_shape_node *node = k->node;
+        if (link != s->linkage.ground && lw_body_shapes_nodes(s, link, k->node, k->room) == 2)
             label_length(k, link, "", lw_v2_norm(lw_v2_sub(node[0].at, node[1].at)), node[0].at,
                          node[1].at);
     }
@@ -910,8 +914,11 @@ static void describe(sketch *k)
 
 static void draw_all(sketch *k, lw_box path)
 {
+    double u = k->u;
     draw_curves(k, 0);
+    k->u *= k->signs;
     sketch_linkage(k);
+    k->u = u;
     if (k->d->n_view == 1)
         draw_stations(k, 0);
     else
@@ -921,6 +928,26 @@ static void draw_all(sketch *k, lw_box path)
         label_linkage(k);
         label_stations(k, k->d->n_view - 1);
     }
+}
+
+/* Factor on the signs of a model with more parts than a linkage: a link stays several times as long as a pin is wide. */
+static double crowded(const lw_scene *s, double width, double u)
+{
+    const lw_assembly *a = &s->linkage;
+    double size = 0, sum = 0;
+    int n = 0;
+    if (a->n_link <= LW_LINK_MAX && a->n_joint <= LW_JOINT_MAX)
+        return 1;
+    for (int j = 0; j < a->n_joint; j++)
+        for (int end = 0; end < 2; end++) {
+            double far = lw_v2_norm(lw_v2_sub(a->joint[j].at, s->origin[a->joint[j].link[end]]));
+            size = fmax(size, lw_v2_norm(lw_v2_sub(a->joint[j].at, a->joint[0].at)));
+            if (a->joint[j].link[end] == a->ground || !(far > 0))
+                continue;
+            sum += far;
+            n++;
+        }
+    return n && size > 0 ? fmin(1, fmax(0.15, sum/n/size*0.5*width/(40*u))) : 1;
 }
 
 lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d,
@@ -936,8 +963,19 @@ lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_dra
     sketch k = { .s = s, .o = o, .d = d };
     double size = fmin(o->width/1000, o->height/750);
     k.u = o->zoom*(size < 1 ? sqrt(size) : size);   /* letters stay legible in small pictures */
+    lw_diagram_options plain = *o;
+    double fewer = crowded(s, o->width, k.u);
+    k.signs = fewer;
+    plain.labels = o->labels && fewer > 0.6;
+    k.o = &plain;
     lw_box path;
     lw_status status = lw_label_map_make(&k.map, o->width, o->height, e);
+    int nodes = 2*(s->linkage.n_joint + s->linkage.n_tracer);
+    k.room = nodes > LW_NODE_MAX ? nodes : LW_NODE_MAX;
+    k.node = malloc((size_t)k.room*sizeof *k.node);
+    k.corner = malloc((size_t)k.room*sizeof *k.corner);
+    if (status == LW_OK && (!k.node || !k.corner))
+        status = lw_error_set(e, LW_E_MEMORY, "not enough memory for the picture");
     if (status == LW_OK) {
         double top = sketch_header(&k);
         status = make_views(&k, top, &path, e);
@@ -947,6 +985,7 @@ lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_dra
         draw_all(&k, path);
     }
     lw_label_map_free(&k.map);
+    free(k.node), free(k.corner);
     if (status != LW_OK) {
         lw_drawing_free(d);
         return status;

@@ -103,6 +103,8 @@ static lw_box beside(lw_vec2 from, lw_vec2 u, double gap, double w, double h)
 bool lw_label_map_place(lw_label_map *m, const char *text, double size, lw_vec2 a, lw_vec2 b,
                         double gap, lw_box within, lw_vec2 *at)
 {
+    if (m->n_taken == LW_LABEL_MAX)                      /* others would not know of it */
+        return false;
     enum { DIRECTIONS = 16, RINGS = 6 };
     static const double along[] = { 0.5, 0.38, 0.62, 0.25, 0.75 };
     bool point = a.x == b.x && a.y == b.y;

@@ -1,6 +1,7 @@
 /* catalogues/draw/scene.c - see scene.h */
 #include "catalogues/draw/scene.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,12 +13,14 @@
 #include "grammar/model.h"
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/newton.h"
+#include "mbs/dynamics/follow.h"
 
 /* What the steps of lw_scene_make share. */
 #define POINTS_MAX 50000        /* of a curve: beyond, its steps are no longer halved */
 
 typedef struct lw_work {
     lw_scene  *s;
+    const lw_linkage *given;
     lw_linkage linkage;                    /* with an extra tracer for every link without a pin    */
     lw_plan    plan;
     double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
@@ -45,10 +48,15 @@ void lw_scene_free(lw_scene *s)
 {
     for (int i = 0; i < s->n_curve; i++)
         free(s->curve[i].p);
+    free(s->curve);
+    free(s->origin);
     free(s->station);
     free(s->place);
     free(s->input);
+    lw_assembly_free(&s->linkage);
     s->n_curve = 0;
+    s->curve = NULL;
+    s->origin = NULL;
     s->station = NULL;
     s->place = NULL;
     s->input = NULL;
@@ -68,9 +76,8 @@ static bool take_copy(lw_scene *s, lw_curve c)
 }
 
 /* The line through the joints and tracers of a link, around their middle. */
-static size_t outline_of(const lw_linkage *linkage, int link, lw_vec2 p[LW_JOINT_MAX + LW_TRACER_MAX])
+static size_t outline_of(const lw_assembly *linkage, int link, lw_vec2 *p, double *angle)
 {
-    double angle[LW_JOINT_MAX + LW_TRACER_MAX];
     lw_vec2 middle = { 0, 0 };
     size_t n = 0;
     for (int j = 0; j < linkage->n_joint; j++)
@@ -96,16 +103,18 @@ static size_t outline_of(const lw_linkage *linkage, int link, lw_vec2 p[LW_JOINT
 
 lw_status lw_scene_compare(lw_scene *s, const lw_scene *other, lw_error *e)
 {
-    lw_vec2 p[LW_JOINT_MAX + LW_TRACER_MAX];
-    bool good = true;
-    for (int link = 0; link < other->linkage.n_link && good && s->n_curve < LW_CURVE_MAX; link++) {
-        size_t n = link == other->linkage.ground ? 0 : outline_of(&other->linkage, link, p);
+    size_t most = (size_t)(other->linkage.n_joint + other->linkage.n_tracer) + 1;
+    lw_vec2 *p = malloc(most*(sizeof *p + sizeof(double)));
+    bool good = p != NULL;
+    for (int link = 0; link < other->linkage.n_link && good && s->n_curve < s->max_curve; link++) {
+        size_t n = link == other->linkage.ground ? 0 : outline_of(&other->linkage, link, p, (double *)(void *)(p + most));
         if (n > 1)
             good = take_copy(s, (lw_curve){ .outline = true, .closed = n > 2, .n = n, .p = p });
     }
-    for (int i = 0; i < other->n_curve && good && s->n_curve < LW_CURVE_MAX; i++)
+    for (int i = 0; i < other->n_curve && good && s->n_curve < s->max_curve; i++)
         if (other->curve[i].shown_branch && !other->curve[i].compared)
             good = take_copy(s, other->curve[i]);
+    free(p);
     return good ? LW_OK : lw_error_set(e, LW_E_MEMORY, "not enough memory for the picture");
 }
 
@@ -211,7 +220,7 @@ static bool prepare(lw_work *w)
 }
 
 /* Size of the linkage: diagonal of the box around its joints, in the posture shown. */
-static double span(const lw_linkage *linkage)
+static double span(const lw_assembly *linkage)
 {
     double d = 0;
     for (int i = 0; i < linkage->n_joint; i++)
@@ -519,7 +528,7 @@ static lw_status draft_curves(lw_scene *s, size_t n)
     size_t frames = s->n_frame, parts = s->loops ? frames : frames - 1, each = (n + parts - 1)/parts;
     if (frames < 2)
         return LW_OK;
-    for (int t = 0; t < s->linkage.n_tracer && s->n_curve < LW_CURVE_MAX; t++) {
+    for (int t = 0; t < s->linkage.n_tracer && s->n_curve < s->max_curve; t++) {
         const lw_tracer *tracer = &s->linkage.tracer[t];
         lw_curve c = { .tracer = t, .shown_branch = true, .closed = s->loops, .n = parts*each + !s->loops };
         if (!(c.p = malloc(c.n*sizeof *c.p)))
@@ -608,7 +617,7 @@ static int mode_beyond(lw_work *w, const double *mode, double limit, double *nex
         next[i] = -next[i];
         lw_posture_solve(&w->plan, w->dim, next, limit, 0, &there);
         next[i] = -next[i];
-        if (has_mode(&w->plan, i) && lw_plan_posture_distance(&w->plan, &here, &there) < 1e-4*span(&w->linkage)) {
+        if (has_mode(&w->plan, i) && lw_plan_posture_distance(&w->plan, &here, &there) < 1e-4*span(&w->s->linkage)) {
             n++;
             flips = i;
         }
@@ -622,7 +631,7 @@ static int mode_beyond(lw_work *w, const double *mode, double limit, double *nex
 static bool draft_walk(lw_work *w)
 {
     bool slides = w->plan.input_is_slider;
-    double least = 1, none = 1, way = slides ? 8*span(&w->linkage) : 2*LW_PI;
+    double least = 1, none = 1, way = slides ? 8*span(&w->s->linkage) : 2*LW_PI;
     double last = plan_end(w, w->mode, w->input, w->input + way, DRAFT_STEPS, &least);
     bool turns = !slides && last == w->input + way;
     double first = turns ? w->input : plan_end(w, w->mode, w->input, w->input - way, DRAFT_STEPS, &none);
@@ -774,7 +783,7 @@ static bool draft_frames(lw_scene *s, const draft_nodes *d, lw_newton *m, double
 static bool draft_lines(lw_scene *s, const draft_nodes *d, lw_newton *m, size_t n)
 {
     size_t parts = d->n - 1, each = (n + parts - 1)/parts, first = (size_t)s->n_curve;
-    for (int t = 0; t < s->linkage.n_tracer && s->n_curve < LW_CURVE_MAX; t++) {
+    for (int t = 0; t < s->linkage.n_tracer && s->n_curve < s->max_curve; t++) {
         lw_curve *c = &s->curve[s->n_curve];
         *c = (lw_curve){ .tracer = t, .shown_branch = true, .closed = s->loops, .n = parts*each + !s->loops };
         if (!(c->p = malloc((parts*each + 1)*sizeof *c->p)))
@@ -793,12 +802,12 @@ static bool draft_lines(lw_scene *s, const draft_nodes *d, lw_newton *m, size_t 
 
 /* The draft of any linkage by steps.  LW_E_MEMORY, LW_E_ARG: as lw_newton_create, without a scene.  Other faults of
  * lw_newton_create give a scene that does not move. */
-static lw_status draft_by_steps(lw_scene *s, const double *range, const lw_scene_options *o)
+static lw_status draft_by_steps(lw_scene *s, const lw_linkage *linkage, const double *range, const lw_scene_options *o)
 {
     lw_newton *m = NULL;
     lw_error e = { 0 };
     bool lost = false;
-    lw_status st = lw_newton_create(&s->linkage, &m, &e);
+    lw_status st = lw_newton_create(linkage, &m, &e);
     draft_nodes d = { .size = m ? lw_newton_node_size(m) : 0 };
     double now = m ? lw_newton_input(m) : 0;
     if (st == LW_OK)
@@ -823,12 +832,12 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
     lw_scene *s = w->s;
     size_t n = o->n_curve_point;
     const lw_input *in = &w->linkage.input[0];
-    w->linkage = s->linkage;                                      /* without added tracers */
+    w->linkage = *w->given;                                       /* without added tracers */
     w->by_path = true;
     bool motions;
     if (o->draft && w->linkage.n_input > 0 && !move_together(&w->linkage, o, &motions)) {
         double range[2] = { fmin(in->first, in->last), fmax(in->first, in->last) };
-        lw_status drafted = draft_by_steps(s, is_restricted(w) ? range : NULL, o);
+        lw_status drafted = draft_by_steps(s, w->given, is_restricted(w) ? range : NULL, o);
         if (drafted != LW_E_ARG)
             return drafted == LW_OK;
     }
@@ -873,6 +882,22 @@ static bool show_motion(lw_work *w, const lw_scene_options *o)
     return walks ? show_walk(w, o) : show_course(w, o);
 }
 
+/* Title, parts, target and room of a scene. */
+static bool begin(lw_scene *s, const lw_assembly *parts, const lw_target *t, const lw_scene_options *o)
+{
+    lw_text_clean(s->title, sizeof s->title, o->title ? o->title : parts->name);
+    s->model = o->model;
+    s->max_curve = LW_CURVE_MAX + (parts->n_tracer > LW_TRACER_MAX ? parts->n_tracer : 0);
+    s->curve = calloc((size_t)s->max_curve, sizeof *s->curve);
+    s->origin = calloc((size_t)parts->n_link + 1, sizeof *s->origin);
+    if (!s->curve || !s->origin || lw_assembly_copy(parts, &s->linkage) != LW_OK)
+        return false;
+    for (int j = 0; j < parts->n_joint; j++)
+        for (int end = 0; end < 2; end++)
+            s->origin[parts->joint[j].link[end]] = parts->joint[j].at;
+    return copy_target(s, t);
+}
+
 lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e)
 {
@@ -882,17 +907,12 @@ lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_
     lw_status st = lw_linkage_check(linkage, e);
     if (st != LW_OK)
         return st;
-    lw_text_clean(s->title, sizeof s->title, o->title ? o->title : linkage->name);
-    s->linkage = *linkage;
-    s->model = o->model;
-    for (int i = 0; i < linkage->n_link; i++)
-        for (int j = 0; j < linkage->n_joint; j++)
-            if (linkage->joint[j].link[0] == i || linkage->joint[j].link[1] == i)
-                s->origin[i] = linkage->joint[j].at;
+    lw_assembly parts = lw_linkage_view(linkage);
     lw_work *w = calloc(1, sizeof *w);
-    bool ok = w && copy_target(s, t);
+    bool ok = w && begin(s, &parts, t, o);
     if (ok) {
         w->s = s;
+        w->given = linkage;
         w->linkage = *linkage;
         ok = show_motion(w, o);
         lw_motion_path_free(&w->path);
@@ -902,4 +922,138 @@ lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_
         return LW_OK;
     lw_scene_free(s);
     return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
+}
+
+/* ---- models of any size ------------------------------------------------------------------------- */
+
+/* The first input is t, the others stand still. */
+static void first_alone(void *model, double t, int order, double *u)
+{
+    const lw_assembly *a = &((const lw_model *)model)->linkage;
+    for (int i = 0; i < lw_assembly_free_inputs(a); i++)
+        for (int k = 0; k <= order; k++)
+            u[i*(order + 1) + k] = k == 0 ? (i == 0 ? t : a->input[i].value) : i == 0 && k == 1;
+}
+
+/* Frames first, first + step .. before last, from where f is, at time[k]. */
+static lw_status large_frames(lw_scene *s, lw_follow *f, size_t first, size_t last, int step, const double *time, lw_error *why)
+{
+    const lw_system *sys = lw_follow_system(f);
+    size_t n_link = (size_t)s->linkage.n_link;
+    for (size_t k = first; k != last; k = (size_t)((long)k + step)) {
+        lw_status st = lw_follow_to(f, time[k], why);
+        if (st == LW_OPEN)
+            lw_error_set(why, st, "the motion meets a limit where none was before, at %.9g", lw_follow_time(f));
+        if (st != LW_OK)
+            return st;
+        const double *q = lw_follow_series(f);
+        for (size_t i = 0; i < n_link; i++) {
+            int body = sys->body[i];
+            if (body >= 0)
+                s->place[k*n_link + i] = (lw_place){ lw_system_point(sys, body, lw_system_arm(sys, body, s->origin[i]), q),
+                                                     lw_v2_polar(1, q[3*body + 2]) };
+        }
+        s->input[k] = time[k];
+    }
+    return LW_OK;
+}
+
+static lw_status large_motion(const lw_model *m, const lw_scene_options *o, lw_scene *s, lw_error *why)
+{
+    const lw_assembly *a = &m->linkage;
+    size_t n = o->n_frame < 2 ? 2 : 2*o->n_frame;             /* thinned by half at the end */
+    bool timed = false;
+    for (int i = 0; i < a->n_input; i++)
+        timed = timed || m->motion[i];
+    if (a->n_input == 0)
+        return lw_error_set(why, LW_E_ARG, "it has no input");
+    const lw_input *in = &a->input[0];
+    bool slides = lw_joint_slides(a->joint[in->joint].kind), ranged = in->first != in->last;
+    double now = timed ? 0 : in->value, ends[2] = { now, now + (timed ? o->until > 0 ? o->until : duration(m) : 2*LW_PI) };
+    if (!timed && ranged)
+        ends[0] = fmin(in->first, in->last), ends[1] = fmax(in->first, in->last);
+    else if (!timed && slides)
+        ends[0] = now - span(a), ends[1] = now + span(a);
+    lw_follow *f;
+    lw_input_function *motion = timed ? lw_prescribed_motion_of_model : first_alone;
+    lw_status st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, NULL, &f, why);
+    if (st != LW_OK)
+        return st;
+    lw_error ignored = { 0 };
+    bool open[2] = { false, false };
+    for (int side = 1; side >= 0; side--) {                   /* how far it goes; a whole turn from below too where above is a limit */
+        if (side == 0 && open[1] && !timed && !ranged && !slides)
+            ends[0] = now - 2*LW_PI;
+        if (ends[side] == now)
+            continue;
+        st = lw_follow_to(f, ends[side], &ignored);
+        open[side] = st == LW_OPEN;
+        if (open[side])
+            ends[side] = now + (lw_follow_time(f) - now)*(1 - 1e-6);
+        lw_follow_free(f);
+        if ((st != LW_OK && st != LW_OPEN) || (st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, NULL, &f, why)) != LW_OK)
+            return st < 0 && !why->text[0] ? lw_error_set(why, st, "%.200s", ignored.text) : st;
+    }
+    if (timed && open[1])
+        snprintf(s->note, sizeof s->note, "Shown in part: the motions lead beyond a limit of the linkage at t = %.6g s", ends[1]);
+    s->loops = !timed && !open[0] && !open[1] && !ranged && !slides;
+    double span_of = ends[1] - ends[0], share = span_of > 0 ? fmin(fmax((now - ends[0])/span_of, 0), 1) : 0;
+    size_t start = (size_t)round(share*(double)(n - 1));
+    start -= start % 2;                                       /* it stays when the frames are thinned */
+    double *time = malloc(n*sizeof *time);
+    if (!time || !make_frames(s, n))
+        st = lw_error_set(why, LW_E_MEMORY, "out of memory");
+    s->first_frame = start;
+    for (size_t k = 0; time && k < n; k++)                    /* the posture of the file is a frame */
+        time[k] = s->loops ? ends[0] + span_of*(double)k/(double)n
+                : k < start ? ends[0] + (now - ends[0])*(double)k/(double)start
+                : now + (ends[1] - now)*(double)(k - start)/(double)(n - 1 - start + (start == n - 1));
+    if (st == LW_OK && start > 0)
+        st = large_frames(s, f, start, (size_t)-1, -1, time, why);
+    if (st == LW_OK)
+        st = large_frames(s, f, start, n, 1, time, why);
+    lw_follow_free(f);
+    free(time);
+    if (st != LW_OK && st != LW_E_MEMORY) {
+        free(s->place);
+        free(s->input);
+        s->place = NULL, s->input = NULL, s->n_frame = 0, s->first_frame = 0, s->loops = false;
+    }
+    return st;
+}
+
+lw_status lw_scene_make_large(const lw_model *m, const lw_target *t, const lw_scene_options *o, lw_scene *s, lw_error *e)
+{
+    lw_scene_options standard = lw_scene_options_default();
+    lw_error why = { 0 };
+    o = o ? o : &standard;
+    *s = (lw_scene){ .n_frame = 0 };
+    bool ok = begin(s, &m->linkage, t, o);
+    lw_status st = ok ? large_motion(m, o, s, &why) : LW_E_MEMORY;
+    ok = ok && st != LW_E_MEMORY;
+    if (ok && st == LW_OK)
+        ok = draft_curves(s, o->n_curve_point) == LW_OK;
+    if (ok && st == LW_OK)
+        draft_thin(s);
+    else if (ok) {
+        snprintf(s->note, sizeof s->note, "Shown without motion: %.200s", why.text[0] ? why.text : lw_status_text(st));
+        ok = make_frames(s, 1);
+    }
+    if (ok)
+        return LW_OK;
+    lw_scene_free(s);
+    return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the model");
+}
+
+lw_status lw_scene_make_any(const lw_assembly *parts, const lw_model *m, const lw_target *t, const lw_scene_options *o,
+                            lw_scene *s, lw_error *e)
+{
+    lw_linkage *k = malloc(sizeof *k);
+    *s = (lw_scene){ .n_frame = 0 };
+    if (!k)
+        return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
+    lw_status st = lw_assembly_linkage(parts, k, m ? NULL : e);
+    st = st == LW_OK ? lw_scene_make(k, t, o, s, e) : m ? lw_scene_make_large(m, t, o, s, e) : st;
+    free(k);
+    return st;
 }

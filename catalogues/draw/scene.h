@@ -12,11 +12,11 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include "grammar/linkage.h"
+#include "grammar/assembly.h"
 #include "mbs/plan/plan.h"
 #include "optimise/task/target.h"
 
-#define LW_CURVE_MAX 64
+#define LW_CURVE_MAX 64            /* room for curves, besides one for each tracer */
 
 struct lw_model;                  /* grammar/model.h */
 
@@ -40,15 +40,15 @@ typedef struct lw_bent_bar { int link, n; lw_vec2 *p; } lw_bent_bar;
 
 typedef struct lw_scene {
     char       title[128];
-    lw_linkage linkage;                       /* in the posture shown                                */
-    lw_vec2    origin[LW_LINK_MAX];           /* reference point of each link in that posture [m]    */
+    lw_assembly linkage;                      /* in the posture shown                                */
+    lw_vec2   *origin;                        /* reference point of each link in that posture [m] (n_link) */
     size_t     n_station;
     lw_vec2   *station;                       /* target points [m]; none for a function (n_station)  */
     size_t     n_each;                        /* points for each tracer that has a target, tracer after
                                                * tracer; 0: all points belong to one tracer         */
     bool       station_closed;
-    int        n_curve;
-    lw_curve   curve[LW_CURVE_MAX];
+    int        n_curve, max_curve;            /* max_curve: room for so many, LW_CURVE_MAX or more    */
+    lw_curve  *curve;
     size_t     n_frame;                       /* postures of the motion; 1: it does not move         */
     size_t     first_frame;                   /* the frame of the posture shown                      */
     bool       loops;                         /* true: the first frame follows the last; false: the
@@ -88,6 +88,13 @@ lw_scene_options lw_scene_options_default(void);
  * lw_scene_free, also after a failure. */
 lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e);
+/* The same of a model with more parts than a linkage holds (mbs/dynamics/follow.h): through a whole turn of its first input or
+ * between its limits, or in time by the motions of all inputs. */
+lw_status lw_scene_make_large(const struct lw_model *m, const lw_target *t, const lw_scene_options *o, lw_scene *s,
+                              lw_error *e);
+/* Either, by the size of the parts; m (NULL: LW_E_KIND where it is needed) is their model. */
+lw_status lw_scene_make_any(const lw_assembly *parts, const struct lw_model *m, const lw_target *t, const lw_scene_options *o,
+                            lw_scene *s, lw_error *e);
 void      lw_scene_free(lw_scene *s);
 
 /* Show another linkage in the same picture: the curves of its tracers and the outlines of its links, in the posture of

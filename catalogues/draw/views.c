@@ -109,7 +109,7 @@ static void add_parts(lw_box *b, const lw_scene *s, size_t frame)
 /* Add pins, blocks and tracers; if `guides`, also the travel of guides, and gears. */
 static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     add_parts(b, s, frame);
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];

@@ -502,7 +502,7 @@ static lw_status add_gear(reader *r, int n)
         return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "the coupled joints share no carrier");
     k->n_joint++;
     lw_error why = { 0 };
-    if (lw_export_gear(k, k->n_joint - 1, found, sign, &why) != LW_OK || found[0] != joint[0] || found[1] != joint[1])
+    if (lw_export_gear(LW_VIEW(k), k->n_joint - 1, found, sign, &why) != LW_OK || found[0] != joint[0] || found[1] != joint[1])
         return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "these joints make no gear pair on one "
                            "carrier%s%s", why.text[0] ? ": " : "", why.text);
     p->ratio = -r->coupler[n].scale[0]/r->coupler[n].scale[1]*sign[1]/sign[0];

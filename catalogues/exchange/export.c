@@ -2,7 +2,7 @@
 #include "catalogues/exchange/export.h"
 #include "base/real.h"
 
-double lw_export_size(const lw_linkage *linkage)
+double lw_export_size(const lw_assembly *linkage)
 {
     double d = 0;
     for (int j = 1; j < linkage->n_joint; j++)
@@ -13,7 +13,7 @@ double lw_export_size(const lw_linkage *linkage)
 }
 
 /* The pin of a link with the carrier at the centre; -1: none. */
-static int pin_on_carrier(const lw_linkage *linkage, int link, int carrier, lw_vec2 centre)
+static int pin_on_carrier(const lw_assembly *linkage, int link, int carrier, lw_vec2 centre)
 {
     for (int j = 0; j < linkage->n_joint; j++) {
         const lw_joint *p = &linkage->joint[j];
@@ -24,10 +24,10 @@ static int pin_on_carrier(const lw_linkage *linkage, int link, int carrier, lw_v
     return -1;
 }
 
-lw_status lw_export_gear(const lw_linkage *linkage, int gear, int joint[2], double sign[2], lw_error *e)
+lw_status lw_export_gear(const lw_assembly *linkage, int gear, int joint[2], double sign[2], lw_error *e)
 {
     lw_gear g;
-    lw_status s = lw_linkage_gear(linkage, gear, &g, e);
+    lw_status s = lw_assembly_gear(linkage, gear, &g, NULL, e);
     for (int i = 0; s == LW_OK && i < 2; i++) {
         int link = linkage->joint[gear].link[i];
         joint[i] = g.slider[i] >= 0 ? g.slider[i] : pin_on_carrier(linkage, link, g.carrier, g.centre[i]);

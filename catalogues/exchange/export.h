@@ -24,39 +24,40 @@ typedef struct lw_export_options {
  * a model the file holds masses, gravity, springs and dampers, motors, constant forces and stops, and inputs without a
  * motion run freely from rest. Drives, loops and the step of time are chosen so that the file is stable when stepped.
  * LW_E_KIND, naming it: a load that MJCF cannot hold. */
-lw_status lw_export_mjcf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* Robot descriptions. URDF: a tree of bodies; joints that close a loop are named in a comment and left out. SDF 1.7: a
  * model in which these are joints too; the engine must support loops. Bodies are steel rods, or have the masses of the
  * model with dampers (SDF: and springs) at joints. LW_E_KIND: gears, other loads. */
-lw_status lw_export_urdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
-lw_status lw_export_sdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_urdf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_sdf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
  * REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. Without masses the
  * file is for kinematics. With a model it holds masses, gravity, springs and dampers, motors at pins and constant
  * forces, and inputs without a motion run freely from rest; LW_E_KIND, naming it: another load. _commands: the command
  * file (.acf) that runs <name>.adm for a second. */
-lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
-lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
  * range; it starts from the posture, where time and displacement u are 0.
  *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
+/* m: the model of a linkage too large for an lw_linkage; else it may be NULL. */
 typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
-lw_status lw_export_law_of(const lw_linkage *linkage, int input, lw_export_law *law);        /* LW_E_MEMORY */
+lw_status lw_export_law_of(const lw_assembly *linkage, const lw_model *m, int input, lw_export_law *law);     /* LW_E_MEMORY */
 
 /* Plates in millimetres, in layers in which they pass each other over the whole motion; failures as in layers.h. DXF
  * R12 for a cutter: outlines of lines and arcs, holes, slots, side by side, one DXF layer for each link. OpenSCAD:
  * the plates in their layers, on pins, moving with $t. */
-lw_status lw_export_dxf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
-lw_status lw_export_openscad(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_dxf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_openscad(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The same plates and pins as solids in the posture, in millimetres. STEP AP214: an assembly of one product for each
  * plate and pin, with planes and cylinders. STL: a closed mesh for each, circles with 48 sides. LW_E_KIND: holes of a
  * plate that meet. */
-lw_status lw_export_step(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
-lw_status lw_export_stl(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_step(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_stl(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* A sketch of SolveSpace in millimetres: points and lines of each link, and constraints; it can be dragged as the
  * linkage moves. LW_E_KIND: gears, welds. */
@@ -67,17 +68,17 @@ lw_status lw_export_solvespace(const lw_linkage *linkage, const lw_export_option
  * down. JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator, tracers
  * with their curves. LW_E_KIND: no motion is known. */
 #define LW_EXPORT_FRAMES 180
-lw_status lw_export_poses(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
-lw_status lw_export_svg(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
-lw_status lw_export_joints(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_poses(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_svg(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_joints(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The two joints that a gear joint couples: pin or slider of side i on the carrier, and the sign with which the
  * joint's count enters the movement of side i against the carrier, so that
  *     sign[1] count(joint[1]) = ratio sign[0] count(joint[0]).
  * LW_E_KIND: a side is not itself joined to the carrier; failures of lw_linkage_gear. */
-lw_status lw_export_gear(const lw_linkage *linkage, int gear, int joint[2], double sign[2], lw_error *e);
+lw_status lw_export_gear(const lw_assembly *linkage, int gear, int joint[2], double sign[2], lw_error *e);
 
 /* Size of the linkage: the greatest distance of a joint or tracer from the first joint [m]. */
-double lw_export_size(const lw_linkage *linkage);
+double lw_export_size(const lw_assembly *linkage);
 
 #endif

@@ -14,13 +14,15 @@
 #define DIGITS 15
 
 typedef struct writer {
-    const lw_linkage *k;
+    const lw_assembly *k;
     const lw_model   *m;                       /* NULL: no masses, no loads                              */
+    const lw_model   *given;                   /* the same, or NULL                                      */
     bool              weighed;                 /* the model has masses                                   */
     lw_bytes         *out;
-    int               n_marker[LW_LINK_MAX];
-    int               at[LW_JOINT_MAX][2];     /* markers of a joint on its two links                    */
-    int               tracer[LW_TRACER_MAX];
+    int              *n_marker;                /* (n_link)                                               */
+    int             (*at)[2];                  /* (n_joint) markers of a joint on its two links          */
+    int              *tracer;                  /* (n_tracer)                                             */
+    int               stride;                  /* between the first markers of two links                 */
     int               origin;                  /* marker of the ground's origin                          */
 } writer;
 
@@ -59,7 +61,7 @@ static void put_name(writer *w, const char *name, const char *more)
  * then by 90 about x. */
 static int put_marker(writer *w, int link, lw_vec2 at, const lw_vec2 *z, double turn, const char *name)
 {
-    int id = 100*(link + 1) + ++w->n_marker[link];
+    int id = w->stride*(link + 1) + ++w->n_marker[link];
     put_name(w, name, "");
     put_id(w, "MARKER/", id, 4);
     put_id(w, ", PART = ", link + 1, 2);
@@ -91,7 +93,7 @@ static void put_joint_marker(writer *w, int j, int side)
 
 static void put_parts(writer *w)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     for (int link = 0; link < k->n_link; link++) {
         put(w, "!\n");
         put_name(w, k->link_name[link], "");
@@ -318,7 +320,7 @@ static void put_loads(writer *w)
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
 /* How far the input can move to either side of the posture; *turns: a full turn.  LW_OK or LW_E_MEMORY. */
-static lw_status input_way(const lw_linkage *linkage, int input, double *down, double *up, bool *turns)
+static lw_status input_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns)
 {
     const lw_input *in = &linkage->input[input];
     bool slider = lw_joint_slides(linkage->joint[in->joint].kind);
@@ -331,9 +333,9 @@ static lw_status input_way(const lw_linkage *linkage, int input, double *down, d
         return LW_OK;
     }
     const lw_scene_options o = { .n_frame = 181, .n_curve_point = 8 };
-    if (lw_linkage_free_inputs(linkage) != 1)
+    if (lw_assembly_free_inputs(linkage) != 1)
         return LW_OK;
-    lw_status s = lw_scene_make(linkage, NULL, &o, &scene, NULL);
+    lw_status s = lw_scene_make_any(linkage, m, NULL, &o, &scene, NULL);
     if (s != LW_OK)
         return s == LW_E_MEMORY ? s : LW_OK;
     double here = scene.input[scene.first_frame], least = here, most = here;
@@ -350,11 +352,11 @@ static lw_status input_way(const lw_linkage *linkage, int input, double *down, d
     return LW_OK;
 }
 
-lw_status lw_export_law_of(const lw_linkage *linkage, int input, lw_export_law *law)
+lw_status lw_export_law_of(const lw_assembly *linkage, const lw_model *m, int input, lw_export_law *law)
 {
     double down, up;
     *law = (lw_export_law){ .turns = false };
-    lw_status s = input_way(linkage, input, &down, &up, &law->turns);
+    lw_status s = input_way(linkage, m, input, &down, &up, &law->turns);
     if (s != LW_OK || law->turns)
         return s;
     double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);
@@ -368,7 +370,7 @@ static void put_motion(writer *w, int input)
     const lw_input *in = &w->k->input[input];
     bool slider = lw_joint_slides(w->k->joint[in->joint].kind);
     lw_export_law law;
-    w->out->failed |= lw_export_law_of(w->k, input, &law) != LW_OK;
+    w->out->failed |= lw_export_law_of(w->k, w->given, input, &law) != LW_OK;
     put_name(w, w->k->joint[in->joint].name, " motion");
     put_id(w, "MOTION/", input + 1, 2);
     put_id(w, ", JOINT = ", in->joint + 1, 2);
@@ -416,16 +418,27 @@ static void put_requests(writer *w)
 
 /* ---- the whole -------------------------------------------------------------------------------------- */
 
-lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer *w = calloc(1, sizeof *w);
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
     w->k = linkage;
-    w->m = o ? o->model : NULL;
+    w->m = w->given = o ? o->model : NULL;
+    w->n_marker = calloc((size_t)linkage->n_link + (size_t)linkage->n_tracer + 1, sizeof *w->n_marker);
+    w->at = calloc((size_t)linkage->n_joint + 1, sizeof *w->at);
+    if (!w->n_marker || !w->at) {
+        free(w->n_marker), free(w->at), free(w);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
+    }
+    w->tracer = w->n_marker + linkage->n_link;
+    w->stride = 100;
+    for (int most = linkage->n_joint + linkage->n_tracer + (w->m ? w->m->n_spring + w->m->n_force : 0);
+         linkage->n_joint > LW_JOINT_MAX && w->stride < 2*most;)
+        w->stride *= 10;
     w->weighed = lw_export_weighed(linkage, w->m);
     w->out = out;
-    lw_status s = lw_linkage_check(linkage, e);
+    lw_status s = lw_assembly_check(linkage, e);
     if (s == LW_OK)
         s = check_loads(w, e);
     if (s == LW_OK) {
@@ -449,7 +462,7 @@ lw_status lw_export_adams(const lw_linkage *linkage, const lw_export_options *o,
     } else {
         lw_bytes_free(out);
     }
-    free(w);
+    free(w->n_marker), free(w->at), free(w);
     return s;
 }
 
@@ -482,7 +495,7 @@ static lw_status put_commands(const char *title, bool weighed, lw_bytes *out, lw
     return lw_bytes_end(out, e);
 }
 
-lw_status lw_export_adams_commands(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     return put_commands(linkage->name, lw_export_weighed(linkage, o ? o->model : NULL), out, e);
 }

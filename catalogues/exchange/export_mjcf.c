@@ -5,6 +5,7 @@
 #include "catalogues/exchange/tree.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DIGITS 15
@@ -12,16 +13,18 @@
 #define STEEL  7850.0                         /* [kg/m^3]                                                 */
 #define STEP   5e-4                           /* of time, unless springs need a smaller one [s]           */
 #define DRIVE  0.3                            /* angular frequency of a drive, times the step             */
+#define DEEPEST 40                            /* greatest indentation                                     */
 #define RATIO  0.3                            /* of its damping to the critical one                       */
 
 typedef struct writer {
-    const lw_linkage *k;
+    const lw_assembly *k;
     const lw_model   *m;                      /* NULL: no masses, no loads                                */
     lw_bytes         *out;
     double            size;
     bool              weighed;                /* the model has masses                                     */
     double            mass, rods, step;       /* of all bodies, of the rods drawn so far [kg]; of time [s] */
     lw_export_tree    tree;
+    int              *next;                   /* (n_link) scratch                                         */
 } writer;
 
 /* ---- text --------------------------------------------------------------------------------------- */
@@ -41,7 +44,7 @@ static void put_vec(writer *w, lw_vec2 v)
 static void put_indent(writer *w, int depth)
 {
     put(w, "\n");
-    while (depth-- > 0)
+    for (int i = 0; i < depth && i < DEEPEST; i++)
         put(w, "  ");
 }
 
@@ -88,7 +91,7 @@ static void put_attribute(writer *w, const char *attribute, double v)
 }
 
 /* Coordinate of a joint in the posture. */
-static double reference_of(const lw_linkage *linkage, int joint)
+static double reference_of(const lw_assembly *linkage, int joint)
 {
     for (int i = 0; i < linkage->n_input; i++)
         if (linkage->input[i].joint == joint)
@@ -102,7 +105,7 @@ static double reference_of(const lw_linkage *linkage, int joint)
  * itself does not depend on it. */
 static void put_reference(writer *w, int joint)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     double at = reference_of(k, joint), stiffness = 0, damping = 0, pull = 0;
     if (lw_export_is_input(k, joint))
         put_attribute(w, "ref", at);
@@ -129,7 +132,7 @@ static void put_reference(writer *w, int joint)
         put_number(w, at + b);
         put(w, "\"");
     }
-    for (int i = 0; i < lw_linkage_free_inputs(k); i++)
+    for (int i = 0; i < lw_assembly_free_inputs(k); i++)
         if (k->input[i].joint == joint && is_driven(w, i))
             put_attribute(w, "armature", drive_inertia(w, joint));
 }
@@ -150,7 +153,7 @@ static void put_slide(writer *w, int depth, int joint, double sign, const char *
  * the pin: seen from the pin's link, it turns first. */
 static void put_joint(writer *w, int depth, int child)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     int j = w->tree.joint[child];
     const lw_joint *p = &k->joint[j];
     double sign = lw_export_count_sign(k, j, child);
@@ -208,7 +211,7 @@ static void put_inertia(writer *w, int depth, double mass, lw_vec2 centre, doubl
 /* Write rods from the frame's origin to the other points of the link, or a ball if there are none. */
 static void put_shape(writer *w, int depth, int link)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     bool any = false;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
@@ -233,7 +236,7 @@ static void put_shape(writer *w, int depth, int link)
 
 static void put_sites(writer *w, int depth, int link)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     for (int t = 0; t < k->n_tracer; t++) {
         if (k->tracer[t].link != link)
             continue;
@@ -277,7 +280,7 @@ static void put_load_sites(writer *w, int depth, int link)
 /* Write a body that slides on a line of link[0], for each loop that is closed by a slider or a slot. */
 static void put_runners(writer *w, int depth, int link)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         if (w->tree.in_tree[j] || p->link[0] != link || !lw_joint_slides(p->kind))
@@ -297,10 +300,10 @@ static void put_runners(writer *w, int depth, int link)
     }
 }
 
-/* Write a link and its subtree; recursion as deep as the tree, at most LW_LINK_MAX. */
+/* Begin the body of a link: everything but the bodies inside it. */
 static void put_body(writer *w, int depth, int link)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     bool ground = link == k->ground;
     if (!ground) {
         put_indent(w, depth);
@@ -320,12 +323,29 @@ static void put_body(writer *w, int depth, int link)
     put_sites(w, depth + 1, link);
     put_load_sites(w, depth + 1, link);
     put_runners(w, depth + 1, link);
-    for (int i = 0; i < k->n_link; i++)
-        if (i != k->ground && w->tree.parent[i] == link)
-            put_body(w, depth + 1, i);
-    if (!ground) {
-        put_indent(w, depth);
-        put(w, "</body>");
+}
+
+/* Write all links, each inside its parent.  next: (n_link) scratch, the first link that may be the next child. */
+static void put_bodies(writer *w, int *next)
+{
+    const lw_assembly *k = w->k;
+    int depth = 1, link = k->ground;
+    memset(next, 0, (size_t)k->n_link*sizeof *next);
+    put_body(w, depth, link);
+    for (;;) {
+        int *i = &next[link];
+        while (*i < k->n_link && (*i == k->ground || w->tree.parent[*i] != link))
+            ++*i;
+        if (*i < k->n_link) {
+            link = (*i)++;
+            put_body(w, ++depth, link);
+        } else if (link == k->ground)
+            return;
+        else {
+            put_indent(w, depth--);
+            put(w, "</body>");
+            link = w->tree.parent[link];
+        }
     }
 }
 
@@ -334,7 +354,7 @@ static void put_body(writer *w, int depth, int link)
 /* body1 must be a body: the ground is the world, so it is second and is left out. */
 static void put_pair(writer *w, const char *kind, int joint, bool runner, bool anchor)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     const lw_joint *p = &k->joint[joint];
     int first = p->link[0] == k->ground || runner ? 1 : 0, a = p->link[first], b = p->link[1 - first];
     if (a == k->ground) {              /* the runner on a line of a moving link, connected to the ground */
@@ -360,7 +380,7 @@ static void put_pair(writer *w, const char *kind, int joint, bool runner, bool a
 
 static lw_status put_gear(writer *w, int gear, lw_error *e)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     int joint[2];
     double sign[2];
     lw_status s = lw_export_gear(k, gear, joint, sign, e);
@@ -407,7 +427,7 @@ static lw_status put_closures(writer *w, lw_error *e)
         case LW_JOINT_FREE:     break;
         }
     }
-    for (int i = lw_linkage_free_inputs(w->k); s == LW_OK && i < w->k->n_input; i++)
+    for (int i = lw_assembly_free_inputs(w->k); s == LW_OK && i < w->k->n_input; i++)
         put_tie(w, i);
     put(w, "\n  </equality>");
     return s;
@@ -427,7 +447,7 @@ static bool varies(const lw_expression *x)
 static lw_status check_loads(const writer *w, lw_error *e)
 {
     const lw_model *m = w->m;
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     for (int i = 0; m && i < m->n_spring; i++)
         if (m->spring[i].law)
             return lw_error_set(e, LW_E_KIND, "spring '%s' has a law of its own, which has no form in MJCF",
@@ -551,9 +571,9 @@ static double choose_step(const writer *w)
  * */
 static void put_drives(writer *w)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     put(w, "\n  <actuator>");
-    for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
+    for (int i = 0; i < lw_assembly_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
         double omega = DRIVE/w->step, kp = drive_inertia(w, in->joint)*omega*omega, kv = 2*RATIO*kp/omega;
         if (!is_driven(w, i))
@@ -585,7 +605,7 @@ static void put_drives(writer *w)
     }
     put(w, "\n  </sensor>");
     int n = 0;
-    for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
+    for (int i = 0; i < lw_assembly_free_inputs(k); i++) {
         if (!is_driven(w, i))
             continue;
         put(w, n++ > 0 ? " " : "\n  <keyframe>\n    <key name=\"posture\" ctrl=\"");
@@ -641,17 +661,17 @@ static double mass_of(writer *w)
         mass += i == w->k->ground ? 0 : w->m->body[i].mass;
     w->out = &scratch;
     if (!w->weighed)
-        put_body(w, 1, w->k->ground);
+        put_bodies(w, w->next);
     mass = w->weighed ? mass : w->rods;
     lw_bytes_free(&scratch);
     w->out = out;
     return mass;
 }
 
-lw_status lw_export_mjcf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage) };
-    lw_status s = lw_linkage_check(linkage, e);
+    lw_status s = lw_assembly_check(linkage, e);
     w.weighed = lw_export_weighed(linkage, w.m);
     if (s == LW_OK)
         s = lw_export_span(linkage, w.m, &w.tree, e);
@@ -659,20 +679,26 @@ lw_status lw_export_mjcf(const lw_linkage *linkage, const lw_export_options *o, 
         s = check_drives(&w, e);
     if (s == LW_OK)
         s = check_loads(&w, e);
+    if (s == LW_OK && !(w.next = calloc((size_t)linkage->n_link + 1, sizeof *w.next)))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         w.mass = mass_of(&w);
         w.step = choose_step(&w);
         put_head(&w);
-        put_body(&w, 1, linkage->ground);
+        put_bodies(&w, w.next);
         put(&w, "\n  </worldbody>");
         s = put_closures(&w, e);
     }
+    if (s == LW_OK) {
+        put_springs(&w);
+        put_drives(&w);
+        put(&w, "\n</mujoco>\n");
+    }
+    lw_export_tree_free(&w.tree);
+    free(w.next);
     if (s != LW_OK) {
         lw_bytes_free(out);
         return s;
     }
-    put_springs(&w);
-    put_drives(&w);
-    put(&w, "\n</mujoco>\n");
     return lw_bytes_end(out, e);
 }

@@ -8,10 +8,10 @@
 
 #define DIGITS 12
 
-static lw_status make(const lw_linkage *linkage, lw_scene *s, lw_error *e)
+static lw_status make(const lw_assembly *linkage, const lw_export_options *given, lw_scene *s, lw_error *e)
 {
     lw_scene_options o = { .n_frame = LW_EXPORT_FRAMES, .n_curve_point = 360 };
-    lw_status st = lw_scene_make(linkage, NULL, &o, s, e);
+    lw_status st = lw_scene_make_any(linkage, given ? given->model : NULL, NULL, &o, s, e);
     if (st != LW_OK || s->n_frame > 1)
         return st;
     char note[sizeof s->note];
@@ -41,11 +41,10 @@ static void put_field(lw_bytes *out, const char *text)
     lw_bytes_text(out, "\"");
 }
 
-lw_status lw_export_poses(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_poses(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
     lw_scene s;
-    lw_status st = make(linkage, &s, e);
+    lw_status st = make(linkage, o, &s, e);
     if (st != LW_OK)
         return st;
     double metre = linkage->units.metre, radian = linkage->units.radian;
@@ -109,14 +108,13 @@ static void grow_box(const lw_scene *s, lw_vec2 *lo, lw_vec2 *hi)
     *hi = lw_v2_add(*hi, lw_v2(edge, edge));
 }
 
-lw_status lw_export_svg(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_svg(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
     lw_scene s;
     lw_vec2 lo, hi;
     if (linkage->n_tracer == 0)
         return lw_error_set(e, LW_E_KIND, "the linkage has no tracer, whose curve could be drawn");
-    lw_status st = make(linkage, &s, e);
+    lw_status st = make(linkage, o, &s, e);
     if (st != LW_OK)
         return st;
     grow_box(&s, &lo, &hi);
@@ -161,7 +159,7 @@ static void put_pair(lw_bytes *out, lw_vec2 p, double unit)
     lw_bytes_text(out, "]");
 }
 
-static void put_joints(const lw_linkage *linkage, lw_bytes *out)
+static void put_joints(const lw_assembly *linkage, lw_bytes *out)
 {
     for (int j = 0; j < linkage->n_joint; j++) {
         const lw_joint *p = &linkage->joint[j];
@@ -182,7 +180,7 @@ static void put_joints(const lw_linkage *linkage, lw_bytes *out)
     }
 }
 
-static void put_links(const lw_linkage *linkage, lw_bytes *out)
+static void put_links(const lw_assembly *linkage, lw_bytes *out)
 {
     for (int link = 0; link < linkage->n_link; link++) {
         bool first = true;
@@ -217,7 +215,7 @@ static void put_curve(const lw_curve *c, double unit, lw_bytes *out)
 
 static void put_tracers(const lw_scene *s, lw_bytes *out)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     for (int t = 0; t < k->n_tracer; t++) {
         lw_bytes_text(out, t ? ",\n    {\"name\": " : "\n    {\"name\": ");
         put_string(out, k->tracer[t].name);
@@ -234,11 +232,10 @@ static void put_tracers(const lw_scene *s, lw_bytes *out)
     }
 }
 
-lw_status lw_export_joints(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_joints(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
-    (void)o;
     lw_scene s;
-    lw_status st = make(linkage, &s, e);
+    lw_status st = make(linkage, o, &s, e);
     if (st != LW_OK)
         return st;
     lw_bytes_text(out, "{\n  \"name\": ");

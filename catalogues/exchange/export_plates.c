@@ -144,7 +144,7 @@ static void put_tables(const lw_plates *w, lw_bytes *out)
     put_code(out, 0, "ENDSEC");
 }
 
-lw_status lw_export_dxf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_dxf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     lw_plates *w;
     char note[120];
@@ -271,7 +271,7 @@ static void put_assembly(const lw_plates *w, lw_bytes *out)
     }
 }
 
-lw_status lw_export_openscad(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_openscad(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     lw_plates *w;
     char note[120];

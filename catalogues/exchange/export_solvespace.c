@@ -271,7 +271,7 @@ lw_status lw_export_solvespace(const lw_linkage *linkage, const lw_export_option
         return s == LW_OK ? lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch") : s;
     w->k = linkage;
     w->out = out;
-    w->size = MM*lw_export_size(linkage);
+    w->size = MM*lw_export_size(LW_VIEW(linkage));
     collect(w);
     put_head(w);
     for (int link = 0; link < linkage->n_link; link++)

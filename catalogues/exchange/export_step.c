@@ -269,7 +269,7 @@ static void put_head(writer *w, const char *name, const char *note)
         "GLOBAL_UNIT_ASSIGNED_CONTEXT((#5,#6,#7))REPRESENTATION_CONTEXT('',''))");
 }
 
-lw_status lw_export_step(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_step(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer w = { .out = out };
     lw_plates *plates;

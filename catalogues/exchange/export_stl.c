@@ -200,7 +200,7 @@ static lw_status put_slab(const lw_slab *s, lw_bytes *out, lw_error *e)
     return st;
 }
 
-lw_status lw_export_stl(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_stl(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     lw_plates *plates;
     lw_status s = lw_plates_make(linkage, o, &plates, e);

@@ -3,6 +3,7 @@
  *
  * All frames are parallel to the world in the drawn posture, and all coordinates are 0 there. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/real.h"
@@ -13,10 +14,11 @@
 #define STEEL  7850.0                          /* [kg/m^3]                                                */
 
 typedef struct writer {
-    const lw_linkage *k;
+    const lw_assembly *k;
     const lw_model   *m;
     lw_bytes         *out;
     lw_export_tree    tree;
+    lw_vec2          *rod;                     /* (n_joint + n_tracer) scratch                            */
     double            size;
     bool              sdf, weighed;
 } writer;
@@ -59,7 +61,7 @@ static void put_place(writer *w, const char *indent, lw_vec2 p, double pitch, do
 
 /* The rods from the frame's origin of a link to its other points: shapes, and mass, centre and inertia of steel rods.
  * */
-typedef struct rods { int n; lw_vec2 to[LW_JOINT_MAX + LW_TRACER_MAX]; double mass, inertia; lw_vec2 centre; } rods;
+typedef struct rods { int n; lw_vec2 *to; double mass, inertia; lw_vec2 centre; } rods;
 
 static void add_rod(const writer *w, rods *r, int link, lw_vec2 at)
 {
@@ -70,10 +72,11 @@ static void add_rod(const writer *w, rods *r, int link, lw_vec2 at)
 
 static void find_rods(const writer *w, int link, rods *r)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     double radius = 0.01*w->size, area = LW_PI*radius*radius;
     lw_vec2 sum = { 0, 0 };
     r->n = 0;
+    r->to = w->rod;
     for (int j = 0; j < k->n_joint; j++)
         if (k->joint[j].link[0] == link || k->joint[j].link[1] == link)
             add_rod(w, r, link, k->joint[j].at);
@@ -115,7 +118,7 @@ static void put_inertia(writer *w, double mass, lw_vec2 centre, double inertia)
 
 static void put_visual(writer *w, int number, lw_vec2 to)
 {
-    char name[32];
+    char name[48];
     double radius = 0.01*w->size, length = lw_v2_norm(to);
     snprintf(name, sizeof name, "    <visual name=\"rod %d\">\n", number);
     put(w, name);
@@ -149,7 +152,7 @@ static void put_link(writer *w, int link)
 
 /* ---- joints --------------------------------------------------------------------------------------- */
 
-static const lw_input *input_of(const lw_linkage *linkage, int joint)
+static const lw_input *input_of(const lw_assembly *linkage, int joint)
 {
     for (int i = 0; i < linkage->n_input; i++)
         if (linkage->input[i].joint == joint)
@@ -296,18 +299,22 @@ static void put_note(writer *w, int loops)
     put(w, " -->\n");
 }
 
-static lw_status write_robot(const lw_linkage *linkage, const lw_export_options *o, bool sdf, lw_bytes *out,
+static lw_status write_robot(const lw_assembly *linkage, const lw_export_options *o, bool sdf, lw_bytes *out,
                              lw_error *e)
 {
     writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage), .sdf = sdf };
-    lw_status s = lw_linkage_check(linkage, e);
+    lw_status s = lw_assembly_check(linkage, e);
     w.weighed = lw_export_weighed(linkage, w.m);
     if (s == LW_OK)
         s = lw_export_span(linkage, w.m, &w.tree, e);
     if (s == LW_OK)
         s = check(&w, e);
-    if (s != LW_OK)
+    if (s == LW_OK && !(w.rod = malloc(((size_t)linkage->n_joint + (size_t)linkage->n_tracer + 1)*sizeof *w.rod)))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s != LW_OK) {
+        lw_export_tree_free(&w.tree);
         return s;
+    }
     int loops = 0;
     for (int j = 0; j < linkage->n_joint; j++)
         loops += !w.tree.in_tree[j];
@@ -329,15 +336,17 @@ static lw_status write_robot(const lw_linkage *linkage, const lw_export_options 
             put_pair(&w, j, linkage->joint[j].link[turned], linkage->joint[j].link[!turned]);
     }
     put(&w, sdf ? "</model>\n</sdf>\n" : "</robot>\n");
+    lw_export_tree_free(&w.tree);
+    free(w.rod);
     return lw_bytes_end(out, e);
 }
 
-lw_status lw_export_urdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_urdf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     return write_robot(linkage, o, false, out, e);
 }
 
-lw_status lw_export_sdf(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_sdf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     return write_robot(linkage, o, true, out, e);
 }

@@ -253,7 +253,7 @@ static bool in_hole(const lw_layers *l, int link, lw_vec2 at)
 
 static void make_plates(const lw_scene *s, lw_layers *l)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         if (!lw_joint_turns(p->kind)) {
@@ -282,7 +282,7 @@ static void make_plates(const lw_scene *s, lw_layers *l)
 }
 
 /* A third of the shortest distance between two pins of one link, at most 1/25 of the size. */
-static double usual_radius(const lw_linkage *linkage)
+static double usual_radius(const lw_assembly *linkage)
 {
     double least = INFINITY, size = 0;
     for (int i = 0; i < linkage->n_joint; i++)
@@ -344,7 +344,7 @@ static int look_at_pairs(work *w, const lw_scene *s, const plate_body *body)
  * layer. */
 static void settle_joints(work *w)
 {
-    const lw_linkage *k = &w->s->linkage;
+    const lw_assembly *k = &w->s->linkage;
     int n = k->n_link;
     for (int p = 0; p < w->l->n_pin; p++)
         for (int a = 0; a < n; a++) {
@@ -374,7 +374,7 @@ static void settle_joints(work *w)
  * that stay OPEN count as meeting. */
 static lw_status find_conflicts(work *w)
 {
-    const lw_linkage *k = &w->s->linkage;
+    const lw_assembly *k = &w->s->linkage;
     lw_scene fine = { 0 };
     lw_status st = LW_OK;
     int n = k->n_link, n_open = 1;
@@ -384,7 +384,7 @@ static lw_status find_conflicts(work *w)
         plate_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
         size_t wanted = w->s->n_frame << 2*level;
         if (level)
-            st = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
+            st = lw_scene_make_any(k, w->s->model, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
         if (st == LW_OK && s->n_frame >= wanted)
             st = move_all(w, s, body);
         if (st == LW_OK && s->n_frame >= wanted)
@@ -490,7 +490,7 @@ static bool place(work *w, int left)
 
 static lw_status find_layers(work *w, lw_error *e)
 {
-    const lw_linkage *k = &w->s->linkage;
+    const lw_assembly *k = &w->s->linkage;
     for (w->n_layer = 2; w->n_layer <= k->n_link; w->n_layer++) {
         for (int i = 0; i < k->n_link; i++)
             w->l->layer[i] = i == k->ground ? 0 : -1;
@@ -511,10 +511,13 @@ static lw_status find_layers(work *w, lw_error *e)
 
 static lw_status check(const lw_scene *s, lw_error *e)
 {
-    const lw_linkage *k = &s->linkage;
+    const lw_assembly *k = &s->linkage;
     for (int j = 0; j < k->n_joint; j++)
         if (!lw_joint_has_position(k->joint[j].kind))
             return lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds are not cut from plates", k->joint[j].name);
+    if (k->n_link > LW_LINK_MAX || k->n_joint > LW_JOINT_MAX)
+        return lw_error_set(e, LW_E_KIND, "plates are cut for linkages of at most %d links and %d joints; this one has %d and %d",
+                            LW_LINK_MAX, LW_JOINT_MAX, k->n_link, k->n_joint);
     if (s->n_frame < 2)
         return lw_error_set(e, LW_E_KIND, "plates need the motion. %s", s->note);
     return LW_OK;

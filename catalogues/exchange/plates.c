@@ -7,13 +7,13 @@
 #define MM  1000.0
 #define GAP 0.1                            /* between layers, of the thickness                         */
 
-lw_status lw_plates_make(const lw_linkage *linkage, const lw_export_options *o, lw_plates **out, lw_error *e)
+lw_status lw_plates_make(const lw_assembly *linkage, const lw_export_options *o, lw_plates **out, lw_error *e)
 {
     lw_plates *w = calloc(1, sizeof *w);
     lw_plate_size size = { o ? o->width/2 : 0, o ? o->hole/2 : 0, o ? o->thickness : 0, o ? o->clearance : -1 };
     if (!w)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for plates");
-    lw_status s = lw_scene_make(linkage, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 },
+    lw_status s = lw_scene_make_any(linkage, o ? o->model : NULL, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 },
                                 &w->scene,
                                 e);
     if (s == LW_OK) {

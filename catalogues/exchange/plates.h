@@ -11,7 +11,7 @@
 typedef struct lw_plates { lw_scene scene; lw_layers layers; } lw_plates;
 
 /* Find the layers. Free it with lw_plates_free. LW_E_ARG: sizes that do not fit together; failures as in layers.h. */
-lw_status lw_plates_make(const lw_linkage *linkage, const lw_export_options *o, lw_plates **out, lw_error *e);
+lw_status lw_plates_make(const lw_assembly *linkage, const lw_export_options *o, lw_plates **out, lw_error *e);
 void      lw_plates_free(lw_plates *w);
 
 /* LW_E_KIND with a text: two holes of a plate meet, so that the plate is no solid with round holes and slots. */

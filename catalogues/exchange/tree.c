@@ -1,9 +1,10 @@
 #include "catalogues/exchange/tree.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include "catalogues/exchange/export.h"
 
-bool lw_export_is_input(const lw_linkage *linkage, int joint)
+bool lw_export_is_input(const lw_assembly *linkage, int joint)
 {
     for (int i = 0; i < linkage->n_input; i++)
         if (linkage->input[i].joint == joint)
@@ -24,7 +25,7 @@ static bool is_loaded(const lw_model *m, int joint)
 
 /* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots;
  * pins last, because a loop is closed most simply at a pin. -1: never. */
-static int rank_of(const lw_linkage *linkage, const lw_model *m, int joint, const bool *at_gear)
+static int rank_of(const lw_assembly *linkage, const lw_model *m, int joint, const bool *at_gear)
 {
     lw_joint_kind kind = linkage->joint[joint].kind;
     return lw_joint_has_ratio(kind) ? -1 : lw_export_is_input(linkage, joint) || is_loaded(m, joint) ? 0
@@ -32,7 +33,7 @@ static int rank_of(const lw_linkage *linkage, const lw_model *m, int joint, cons
          : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 
-static lw_status mark_gears(const lw_linkage *linkage, bool *at_gear, lw_error *e)
+static lw_status mark_gears(const lw_assembly *linkage, bool *at_gear, lw_error *e)
 {
     for (int j = 0; j < linkage->n_joint; j++) {
         int joint[2];
@@ -80,36 +81,44 @@ bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_lin
     return reached == n_link;
 }
 
-lw_status lw_export_span(const lw_linkage *linkage, const lw_model *m, lw_export_tree *t, lw_error *e)
+lw_status lw_export_span(const lw_assembly *linkage, const lw_model *m, lw_export_tree *t, lw_error *e)
 {
-    bool at_gear[LW_JOINT_MAX] = { false };
-    memset(t, 0, sizeof *t);
-    lw_status s = mark_gears(linkage, at_gear, e);
-    if (s != LW_OK)
-        return s;
-    int link[LW_JOINT_MAX][2], rank[LW_JOINT_MAX], group[LW_LINK_MAX];
-    for (int j = 0; j < linkage->n_joint; j++) {
+    size_t joints = (size_t)linkage->n_joint + 1, links = (size_t)linkage->n_link + 1;
+    bool *at_gear = calloc(joints, sizeof *at_gear);
+    int (*link)[2] = calloc(joints, sizeof *link), *rank = calloc(joints + links, sizeof *rank);
+    *t = (lw_export_tree){ calloc(joints, sizeof *t->in_tree), calloc(links, sizeof *t->parent), calloc(links, sizeof *t->joint),
+                           calloc(links, sizeof *t->origin) };
+    bool room = at_gear && link && rank && t->in_tree && t->parent && t->joint && t->origin;
+    lw_status s = room ? mark_gears(linkage, at_gear, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int j = 0; s == LW_OK && j < linkage->n_joint; j++) {
         rank[j] = rank_of(linkage, m, j, at_gear);
         for (int side = 0; side < 2; side++)
             link[j][side] = linkage->joint[j].link[side];
     }
-    if (!lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, group, t->in_tree, t->parent,
-                 t->joint))
-        return lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in a tree of bodies");
-    for (int i = 0; i < linkage->n_link; i++)
+    if (s == LW_OK && !lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, rank + joints, t->in_tree, t->parent,
+                               t->joint))
+        s = lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in a tree of bodies");
+    for (int i = 0; s == LW_OK && i < linkage->n_link; i++)
         if (t->joint[i] >= 0)
             t->origin[i] = linkage->joint[t->joint[i]].at;
-    return LW_OK;
+    free(at_gear), free(link), free(rank);
+    return s;
 }
 
-double lw_export_count_sign(const lw_linkage *linkage, int joint, int child)
+void lw_export_tree_free(lw_export_tree *t)
+{
+    free(t->in_tree), free(t->parent), free(t->joint), free(t->origin);
+    memset(t, 0, sizeof *t);
+}
+
+double lw_export_count_sign(const lw_assembly *linkage, int joint, int child)
 {
     const lw_joint *p = &linkage->joint[joint];
     bool turned = lw_joint_turns(p->kind) && p->link[1] == linkage->ground;
     return (p->link[turned ? 0 : 1] == child) ? 1 : -1;
 }
 
-bool lw_export_weighed(const lw_linkage *linkage, const lw_model *m)
+bool lw_export_weighed(const lw_assembly *linkage, const lw_model *m)
 {
     for (int i = 0; m && i < linkage->n_link; i++)
         if (i != linkage->ground && m->body[i].mass > 0)

@@ -131,7 +131,7 @@ static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const l
     if (st == LW_OK)
         st = lw_model_small(m, &k, e);
     if (st == LW_OK)
-        st = lw_export_mjcf(k, NULL, &mjcf, e);
+        st = lw_export_mjcf(LW_VIEW(k), NULL, &mjcf, e);
     if (st == LW_OK)
         st = lw_dynamics_make(m, &o, &d, e);
     if (st == LW_OK) {

@@ -136,24 +136,33 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
         status = cli_read_file(path, "a linkage", &text, &size, e);
     if (status == LW_OK && !f)
         f = format_of_text(text);
-    if (status == LW_OK && strcmp(f->name, "json") == 0)              /* a result of fit is written too */
-        status = cli_any_linkage_text(path, s->result, text, size, linkage, space, e);
-    else if (status == LW_OK)
-        status = f->read(text, size, path, &units, linkage, e);
-    if (status == LW_OK && *space) {
-        free(text);
-        return s->unit || s->input ? lw_error_set(e, LW_E_ARG,
-                                                  "--%s goes with planar linkages, and this model is spatial",
-                                                  s->unit ? "length-unit" : "input-joint") : LW_OK;
-    }
-    if (status == LW_OK && loads && strcmp(f->name, "json") == 0) {
-        *m = calloc(1, sizeof **m);
-        status = *m ? lw_model_read_result(text, size, path, s->result, *m, e) : lw_error_set(e, LW_E_MEMORY,
-            "out of memory");
-        if (status != LW_OK) {
-            free(*m);
+    bool json = status == LW_OK && strcmp(f->name, "json") == 0;
+    lw_error first = { 0 };
+    if (json && (loads || lw_linkage_read_result(text, size, path, s->result, linkage, NULL) != LW_OK)) {
+        status = cli_any_model_text(text, size, path, s->result, m, space, &first);
+        if (status == LW_OK && *m && (*m)->small && !loads) {
+            cli_free_model(*m);
             *m = NULL;
-        }
+        } else if (status != LW_OK && (loads || status == LW_E_MEMORY))
+            *e = first;
+        else
+            status = LW_OK;
+    }
+    if (status == LW_OK && json && !*m && !*space)                    /* a result of fit is written too */
+        status = cli_any_linkage_text(path, s->result, text, size, linkage, space, e);
+    else if (status == LW_OK && !json)
+        status = f->read(text, size, path, &units, linkage, e);
+    else if (status == LW_OK && *m && (*m)->small)
+        *linkage = *(*m)->small;
+    bool large = status == LW_OK && *m && !(*m)->small;
+    if (status == LW_OK && (*space || large)) {
+        free(text);
+        if (s->input)
+            return lw_error_set(e, LW_E_ARG, "--input-joint goes with planar linkages of at most %d links and %d joints", LW_LINK_MAX,
+                                LW_JOINT_MAX);
+        if (*space)
+            return s->unit ? lw_error_set(e, LW_E_ARG, "--length-unit goes with planar linkages, and this model is spatial") : LW_OK;
+        return s->unit ? set_unit(s->unit, &(*m)->linkage.units, e) : LW_OK;
     }
     if (status == LW_OK && s->unit)
         status = set_unit(s->unit, &linkage->units, e);
@@ -167,7 +176,7 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
 }
 
 /* Plates are made in millimetres: say what a linkage without a unit is taken for. */
-static void tell_unit(const cli_call *call, const lw_format *to, const lw_linkage *k)
+static void tell_unit(const cli_call *call, const lw_format *to, const lw_assembly *k)
 {
     static const char *const made[] = { "dxf", "scad", "step", "stl" };
     for (size_t i = 0; i < sizeof made/sizeof *made && !k->units.length[0]; i++)
@@ -193,11 +202,12 @@ static int run(const cli_call *call)
         cli_free_spatial(space);
         return cli_fail(call, &e);
     }
+    lw_assembly parts = m && !m->small ? m->linkage : lw_linkage_view(&k);
     if (!space)
-        tell_unit(call, to, &k);
+        tell_unit(call, to, &parts);
     lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
                             .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
-    lw_status st = space ? lw_format_write_space(to, space, &b, &e) : lw_format_write(to, &k, &o, &b, &e);
+    lw_status st = space ? lw_format_write_space(to, space, &b, &e) : lw_format_write(to, &parts, &o, &b, &e);
     cli_free_model(m);
     cli_free_spatial(space);
     if (st != LW_OK) {

@@ -247,7 +247,7 @@ static lw_status first_dimensions(job *b, double *objective, lw_error *e)
 static lw_status print_dataset(const lw_linkage *linkage, FILE *f, lw_error *e)
 {
     lw_bytes b = { 0 };
-    lw_status st = lw_export_adams(linkage, NULL, &b, e);
+    lw_status st = lw_export_adams(LW_VIEW(linkage), NULL, &b, e);
     if (st == LW_OK)
         fprintf(f, "MSA-program Data Set File:\n\n%s\n", b.data);
     lw_bytes_free(&b);
@@ -268,9 +268,9 @@ static lw_status save(const job *b, const lw_linkage *linkage, const char *name,
     if (!b->s->save)
         return LW_OK;
     snprintf(named.name, sizeof named.name, "%s", name);
-    lw_status st = lw_export_adams(&named, NULL, &bytes[0], e);
+    lw_status st = lw_export_adams(LW_VIEW(&named), NULL, &bytes[0], e);
     if (st == LW_OK)
-        st = lw_export_adams_commands(&named, NULL, &bytes[1], e);
+        st = lw_export_adams_commands(LW_VIEW(&named), NULL, &bytes[1], e);
     if (st == LW_OK)
         st = save_bytes(b, name, ".adm", &bytes[0], e);
     if (st == LW_OK)

@@ -143,7 +143,7 @@ lw_status cli_plasma_path(const lw_linkage *linkage, int points, FILE *f, lw_err
 {
     moved *m = NULL;
     lw_export_law law;
-    lw_status s = lw_export_law_of(linkage, 0, &law);
+    lw_status s = lw_export_law_of(LW_VIEW(linkage), NULL, 0, &law);
     if (s != LW_OK)
         return lw_error_set(e, s, "out of memory");
     s = make(linkage, &m, e);

@@ -130,10 +130,10 @@ static lw_place place_of(const cli_simulate *s, int link, const double *q)
 static bool take_paths(const cli_simulate *s, lw_scene *scene)
 {
     size_t first = 1 + 3*(size_t)s->model->linkage.n_input, columns = (size_t)s->n_column;
-    const lw_linkage *k = &scene->linkage;
+    const lw_assembly *k = &scene->linkage;
     while (scene->n_curve > 0)
         free(scene->curve[--scene->n_curve].p);
-    for (int t = 0; t < k->n_tracer && t < LW_CURVE_MAX; t++) {
+    for (int t = 0; t < k->n_tracer && scene->n_curve < scene->max_curve; t++) {
         lw_vec2 *p = calloc(scene->n_frame + 1, sizeof *p);
         if (!p)
             return false;
@@ -221,11 +221,8 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
     lw_bytes bytes = { 0 };
     double seconds = s->n_row > 1 ? s->row[(s->n_row - 1)*(size_t)s->n_column] - s->row[0] : 0;
     lw_gif_options o = lw_gif_options_in_time(s->n_row, seconds, NULL);
-    const lw_linkage *k;
-    lw_status st = lw_model_small(s->model, &k, e);
-    if (st != LW_OK)
-        return st;
-    st = lw_scene_make(k, NULL, NULL, &scene, e);
+    lw_status st = s->model->small ? lw_scene_make(s->model->small, NULL, NULL, &scene, e)
+                                   : lw_scene_make_large(s->model, NULL, NULL, &scene, e);
     if (st == LW_OK)
         st = set_frames(s, &scene, e);
     lw_bent_bar *bend = NULL;

@@ -14,7 +14,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     k.n_input = 0;                         /* else the writer searches the range of the input */
-    if (lw_export_adams(&k, NULL, &b, &e) != LW_OK)
+    if (lw_export_adams(LW_VIEW(&k), NULL, &b, &e) != LW_OK)
         abort();
     if (lw_adams_read(b.data, b.size, "again", &back, &e) != LW_OK || back.n_joint != k.n_joint
         || back.n_link != k.n_link || back.n_tracer != k.n_tracer)
