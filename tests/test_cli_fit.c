@@ -206,6 +206,9 @@ TEST(lines_of_lengths_are_classified)
     expect("$P classify - < $D/lengths.csv | wc -l", 0, "4", NULL);
     expect("$P classify - --json < $D/lengths.csv | head -n 1 | grep -c GCRR", 0, "1", NULL);
     expect("printf '1,2,3\\n' | $P classify -", 3, "", "standard input:1: a line has four lengths");
+    expect("printf 'a;b;c;d\\n10,5;20,25;30;40\\n' | $P classify -", 0, "10.5,20.25,30,40,8,", NULL);
+    expect("printf 'x;y\\n1,2;3,4\\n' > $D/target.csv; $P classify $D/target.csv", 3, "", "this is a target, not a table of lengths");
+    expect("printf 'x,y,z\\n1,2,3\\n' | $P classify -", 3, "", ":1: a line has four lengths");
     expect("$P classify 5 2 4", 2, "", "L1 L2 L3 L4");
 }
 

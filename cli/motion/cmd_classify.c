@@ -1,5 +1,4 @@
 /* linkwright classify - classify the motion of a four-bar by its four lengths. */
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -126,25 +125,28 @@ static lw_status read_lengths(const cli_call *call, double r[4], lw_error *e)
 
 /* ---- a table ------------------------------------------------------------------------------------ */
 
-/* Read four lengths from a line that ends at `end`, with commas, semicolons or blanks between them. */
-static bool read_line(const char *at, const char *end, double r[4])
+/* Read the columns of a line that ends at `end` as numbers, as far as they are.  Columns have semicolons or tabs between
+ * them, and then decimal points or commas, else commas or blanks.  Returns the number of columns; *numbers: how many of
+ * the first four are numbers. */
+static int read_line(const char *at, const char *end, double r[4], int *numbers)
 {
     static const cli_option row = { .kind = CLI_REAL };
+    size_t length = (size_t)(end - at);
+    const char *between = memchr(at, ';', length) ? " \t\r;" : memchr(at, '\t', length) ? " \t\r" : " \r,";
     int n = 0;
-    while (true) {
+    *numbers = 0;
+    while ((at += strspn(at, between)) < end) {
         char word[64];
-        at += strspn(at, " \t\r,;");
-        if (at >= end)
-            return n == 4;
-        size_t size = strcspn(at, " \t\r,;\n");
-        if (n == 4 || size >= sizeof word)
-            return false;
-        memcpy(word, at, size);
-        word[size] = 0;
-        if (cli_value(&row, "length", word, &r[n++], NULL) != LW_OK)
-            return false;
+        size_t size = strcspn(at, between), line = (size_t)(end - at);
+        size = size < line ? size : line;
+        snprintf(word, sizeof word, "%.*s", (int)(size < sizeof word ? size : sizeof word - 1), at);
+        if (strchr(word, ','))
+            *strchr(word, ',') = '.';
+        *numbers += n < 4 && size < sizeof word && cli_value(&row, "length", word, &r[n], NULL) == LW_OK;
+        n++;
         at += size;
     }
+    return n;
 }
 
 static void write_row(FILE *f, const double r[4], const lw_fourbar_class *c, unit u)
@@ -158,7 +160,7 @@ static void write_row(FILE *f, const double r[4], const lw_fourbar_class *c, uni
                 c->transmission[1]/u.radian);
 }
 
-/* Lines of four lengths; a first line of names, empty lines and lines with # are passed over. */
+/* Lines of four lengths; a first line of four names, empty lines and lines with # are passed over. */
 static lw_status write_table(const cli_call *call, FILE *f, const char *file, const char *text, size_t size, lw_error *e)
 {
     const settings *s = call->settings;
@@ -173,12 +175,15 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
         text = *end ? end + 1 : end;
         if (at >= end || *at == '#')
             continue;
-        if (!read_line(at, end, r)) {
-            if (!first || !isalpha((unsigned char)*at))
-                return lw_error_at(e, LW_E_NOTATION, file, line, 0, "a line has four lengths, as 4,2,5,3");
+        int numbers, columns = read_line(at, end, r, &numbers);
+        if (first && numbers == 0 && columns == 4) {
             first = false;
             continue;
         }
+        if (numbers != 4 || columns != 4)
+            return lw_error_at(e, LW_E_NOTATION, file, line, 0, "a line has four lengths, as 4,2,5,3; here %s %d %s of "
+                               "them %d number%s", columns == 1 ? "is" : "are", columns, columns == 1 ? "column,"
+                               : "columns,", numbers, numbers == 1 ? "" : "s");
         first = false;
         if (!headed)
             fprintf(f, "l1,l2,l3,l4,class,symbol,name,grashof,input_turns,output_turns,circuits,change_point_margin,"
