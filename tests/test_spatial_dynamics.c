@@ -189,6 +189,9 @@ TEST(governor)
     CHECK_NEAR(k.at[1].input_rate, 6.271125742, 1e-9, 0);
     CHECK(q.energy_error < 1e-9*q.energy_scale);
     CHECK_NEAR(k.at[1].angular.z, k.at[0].angular.z, 1e-11, 0);
+    q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 1, 1e-6);      /* by BDF methods in the coordinates of the joints */
+    CHECK(q.formulation == LW_FORMULATION_RECURSIVE && q.steps < 400);
+    CHECK_NEAR(k.at[1].tracer.z, .501420922, 1e-4, 0);
     formulation = LW_FORMULATION_RADAU;
     run(&m, LW_ANALYSIS_TRANSIENT, 10, 2, 1e-13);
     CHECK_NEAR(k.at[1].tracer.z, .535563104, 1e-9, 0);

@@ -1,5 +1,5 @@
 /* mbs/dynamics/dynamics_recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
- * by an explicit method of order 8.  Open chains have no constraints left; loops are closed after every step.  Near singular
+ * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short.  Open chains have no constraints left; loops are closed after every step.  Near singular
  * postures of the loops the run goes on in the coordinates of the bodies. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
@@ -7,12 +7,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/ode/cvode.h"
 #include "mbs/ode/integrate.h"
 #include "mbs/space/recursive.h"
 
 static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start */
 static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
 enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the coordinates of all bodies */
+
+/* BDF methods are taken where the explicit one needs more steps for stability than they do for accuracy: about decay/6 a second
+ * against powers of the tolerance; their derivatives by differences cost an evaluation for each coordinate. */
+static const double most_accurate = 0.9e-7;    /* tolerance */
+static const double damped = 1e3;            /* decay [1/s] times the length of the run */
+enum { MOST_DIFFERENCES = 40 };
 
 typedef struct motion {
     lw_run *run;
@@ -154,17 +161,26 @@ static lw_status to_bodies(motion *m, double t, const double *y, double *out)
     return s;
 }
 
-typedef struct sampler { motion *m; lw_integrator *w; double *y; } sampler;
+/* One solver or the other. */
+typedef struct stepper { motion *m; bool implicit; lw_integrator explicit_one; lw_sundials implicit_one; lw_ode ode; double *y; } stepper;
+
+static double time_of(const stepper *w) { return w->implicit ? w->implicit_one.t : w->explicit_one.t; }
+static const double *now(const stepper *w) { return w->implicit ? w->implicit_one.y : w->explicit_one.y; }
+
+static lw_status restart(stepper *w, const double *y)
+{
+    return w->implicit ? lw_cvode_restart(&w->implicit_one, y, 0, w->m->run->e) : lw_integrate_restart(&w->explicit_one, y, w->m->run->e);
+}
 
 static lw_status state_at(void *context, double t, double *out)
 {
-    sampler *p = context;
+    stepper *p = context;
     motion *m = p->m;
     double *q = m->body;
-    if (t == p->w->t)
-        memcpy(p->y, p->w->y, (size_t)p->w->ode->n*sizeof *p->y);
+    if (t == time_of(p))
+        memcpy(p->y, now(p), (size_t)p->ode.n*sizeof *p->y);
     else {
-        lw_status s = lw_integrate_dense(p->w, t, p->y);
+        lw_status s = p->implicit ? lw_sundials_dense(&p->implicit_one, t, p->y) : lw_integrate_dense(&p->explicit_one, t, p->y);
         if (s == LW_OK)
             s = close_loops(m, t, p->y, p->y + m->r.n_x, q, q + m->run->d->n_q);
         if (s != LW_OK)
@@ -176,44 +192,56 @@ static lw_status state_at(void *context, double t, double *out)
 /* ---- the run ------------------------------------------------------------------------------------------------------ */
 
 /* LW_OPEN: *t and out are the last good state, from which bodies' coordinates have to go on. */
-static lw_status run_steps(motion *m, lw_integrator *w, sampler *p, double *t, double *out)
+static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
-    *t = w->t;
+    *t = time_of(w);
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
         m->least = 1;
-        s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
+        double end = lw_run_end(run, time_of(w));
+        s = w->implicit ? lw_sundials_step(&w->implicit_one, end, &stop, run->e) : lw_integrate_step(&w->explicit_one, end, &stop, run->e);
         if (s == LW_STOPPED || s == LW_E_MEMORY)
             break;
         if (s != LW_OK || m->least < near_singular*m->first) {
             s = m->r.n_row ? LW_OPEN : s;
             break;
         }
-        s = to_bodies(m, w->t, w->y, out);
-        *t = run->r->t = w->t;
-        stop = w->t >= d->o.to ? LW_ODE_END : stop;
+        s = to_bodies(m, time_of(w), now(w), out);
+        *t = run->r->t = time_of(w);
+        stop = *t >= d->o.to ? LW_ODE_END : stop;
+        if (s == LW_OK && w->implicit)
+            d->eq.accept(d->eq.context, out);
         if (s == LW_OK)
             lw_run_watch(run, out);
         if (s == LW_OK)
-            s = lw_run_samples(run, w->t, state_at, p);
-        if (s == LW_OK && lw_run_at_kink(run, w->t)) {
-            s = lw_run_pass_kink(run, &w->t, state_at, p);
-            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            s = lw_run_samples(run, *t, state_at, w);
+        memcpy(w->y, now(w), (size_t)w->ode.n*sizeof *w->y);
+        if (s == LW_OK && lw_run_at_kink(run, *t)) {
+            s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
+            stop = time_of(w) >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
             if (s == LW_OK && stop != LW_ODE_END)
-                s = lw_integrate_restart(w, NULL, run->e);
+                s = restart(w, w->y);
         }
-        if (s == LW_OK && stop != LW_ODE_END && lw_recursive_wrap(&m->r, w->y))    /* samples are done with the old angles */
-            s = lw_integrate_restart(w, NULL, run->e);
+        if (s == LW_OK && stop != LW_ODE_END && !w->implicit && lw_recursive_wrap(&m->r, w->y))
+            s = restart(w, w->y);            /* samples are done with the old angles */
         if (s == LW_OK)
-            s = lw_run_limits(run, w->t, k);
+            s = lw_run_limits(run, *t, k);
     }
-    run->r->steps += w->n_step;
-    run->r->refused += w->n_refused;
-    run->r->rates += w->n_rate;
+    run->r->steps += w->implicit ? w->implicit_one.n_step : w->explicit_one.n_step;
+    run->r->refused += w->implicit ? w->implicit_one.n_refused : w->explicit_one.n_refused;
+    run->r->rates += w->implicit ? w->implicit_one.n_rate : w->explicit_one.n_rate;
     return s;
+}
+
+static bool takes_implicit(const motion *m)
+{
+    const lw_dynamics *d = m->run->d;
+    double tolerance = fmax(d->o.relative, d->o.absolute);
+    return d->decay_known && m->r.n_row == 0 && m->r.n_u + d->eq.n_z <= MOST_DIFFERENCES && tolerance >= most_accurate
+        && d->decay*(d->o.to - d->o.from) > damped;
 }
 
 /* out: the start to the bit, from which a run that is saved there goes on. */
@@ -238,30 +266,38 @@ static lw_status run_one(motion *m, double *y, double *work)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
-    lw_ode ode = { .n = m->r.n_x + m->r.n_u + run->has_work + d->eq.n_z, .context = m, .rate = rate, .project = project };
+    stepper w = { .m = m, .ode = { .n = m->r.n_x + m->r.n_u + run->has_work + d->eq.n_z, .context = m, .rate = rate } };
+    const lw_ode *ode = &w.ode;
     lw_ode_options o = lw_ode_options_default();
-    lw_integrator w = { .n_step = 0 };
     double *out = m->shown, *each = NULL, t = d->o.from;
-    sampler p = { m, &w, y + ode.n };
+    lw_mbs_is_stiff(d);                      /* for its decay */
+    w.implicit = takes_implicit(m);
+    w.ode.project = w.implicit ? NULL : project;
+    w.y = y + ode->n;
     o.relative = d->o.relative;
     o.absolute = d->o.absolute;
     o.max_step = d->o.max_step;
     o.smooth = d->eq.smooth;
     lw_status s = start(m, y, out);
     if (s == LW_OK && d->eq.n_z) {           /* states have sizes of their own */
-        int first = ode.n - d->eq.n_z;
-        each = malloc((size_t)ode.n*sizeof *each);
+        int first = ode->n - d->eq.n_z;
+        each = malloc((size_t)ode->n*sizeof *each);
         s = each ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-        for (int i = 0; each && i < ode.n; i++)
+        for (int i = 0; each && i < ode->n; i++)
             each[i] = d->o.absolute*(i < first ? 1 : d->eq.state_scale(d->eq.context, i - first));
         o.absolute_each = each;
     }
     if (s == LW_OK)
         s = lw_run_begin(run, out);
     if (s == LW_OK)
-        s = lw_integrate_start(&w, &ode, &o, work, t, y, run->e);
-    if (s == LW_OK && t < d->o.to)
-        s = run_steps(m, &w, &p, &t, out);
+        s = w.implicit ? lw_cvode_make(&w.implicit_one, ode, &o, LW_CVODE_BDF, t, y, run->e)
+                       : lw_integrate_start(&w.explicit_one, ode, &o, work, t, y, run->e);
+    if (s == LW_OK) {
+        if (t < d->o.to)
+            s = run_steps(m, &w, &t, out);
+        if (w.implicit)
+            lw_sundials_free(&w.implicit_one);
+    }
     if (s == LW_OPEN || (s == LW_E_NUMERIC && m->r.n_row)) {
         run->r->t = t;
         s = lw_run_go_on(run, out);

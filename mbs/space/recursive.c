@@ -197,7 +197,7 @@ void lw_recursive_place(lw_recursive *r, const double *x, double *q)
         base b = base_of(r, p->parent);
         lw_vec3 slide;
         lw_quaternion t = relative(r, p, x + p->x, &slide);
-        p->turn = lw_quaternion_unit(lw_quaternion_times(b.turn, p->back ? lw_quaternion_inverse(t) : t));
+        p->turn = lw_quaternion_times(b.turn, p->back ? lw_quaternion_inverse(t) : t);
         p->axes = lw_quaternion_matrix(p->turn);
         if (p->back)
             p->from_parent = lw_v3_sub(lw_m3_apply(&b.axes, p->arm[1]), lw_m3_apply(&p->axes, lw_v3_add(p->arm[0], slide)));
