@@ -1,6 +1,14 @@
 /* test_cli_draw.c - `linkwright draw` on the models of examples/. */
 #include "tests/cli_run.h"
 
+/* Ropes and springs are on the page, with the two links that hold them, and both links have motions. */
+TEST(ties_of_pages)
+{
+    expect("$P draw examples/andrews.json -o $D/ties.html && grep -c 'data-ends=\"-1 3\" data-panel=\"0\"' $D/ties.html && "
+           "grep -c '^.3,0,\\|\\[3,0,' $D/ties.html", 0, "1\n1", NULL);
+    expect("$P draw examples/dynamics/rope.json -o $D/rope.html -q && grep -c 'data-ends=\"' $D/rope.html", 0, "1", NULL);
+}
+
 TEST(pictures)
 {
     static const struct { const char *name, *head; } kind[] = {

@@ -396,12 +396,10 @@ static void sketch_linkage(sketch *k)
         }
     for (int i = 0; i < l->n_input; i++)
         draw_input(k, i);
-    if (m && k->o->ties) {
-        for (int i = 0; i < m->n_rope; i++)
-            draw_tie(k, m->rope[i].link, m->rope[i].at, false);
-        for (int i = 0; i < m->n_spring; i++)
-            draw_tie(k, m->spring[i].link, m->spring[i].at, true);
-    }
+    for (int i = 0; m && i < m->n_rope; i++)
+        draw_tie(k, m->rope[i].link, m->rope[i].at, false);
+    for (int i = 0; m && i < m->n_spring; i++)
+        draw_tie(k, m->spring[i].link, m->spring[i].at, true);
     draw_pins(k);
 }
 
@@ -692,7 +690,7 @@ lw_diagram_options lw_diagram_options_default(void)
 {
     return (lw_diagram_options){ .width = 1000, .height = 750, .zoom = 1, .title = true,
                                  .labels = true, .length_labels = true, .length_values = true,
-                                 .dimensions = true, .ties = true };
+                                 .dimensions = true };
 }
 
 lw_page_motion lw_diagram_motion(const lw_scene *s, const lw_view *v, size_t frame, int link)

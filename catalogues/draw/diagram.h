@@ -20,7 +20,6 @@ typedef struct lw_diagram_options {
     bool   length_values;      /* and their values                                         (true) */
     bool   whole_motion;       /* the view holds every posture, for animation              (false) */
     bool   dimensions;         /* the list of dimensions below the title                   (true) */
-    bool   ties;               /* ropes and springs, whose ends move with two links        (true) */
 } lw_diagram_options;
 
 lw_diagram_options lw_diagram_options_default(void);

@@ -41,7 +41,10 @@ static void common(lw_bytes *b, const lw_shape *s, bool by_class)
     lw_bytes_text(b, "\"");
     if (s->item >= 0 && (snprintf(t, sizeof t, " data-item=\"%d\"", s->item), true))
         lw_bytes_text(b, t);
-    if (s->link >= 0) {
+    if (s->tie >= 0) {
+        snprintf(t, sizeof t, " data-ends=\"%d %d\" data-panel=\"%d\"", s->link, s->tie, s->panel);
+        lw_bytes_text(b, t);
+    } else if (s->link >= 0) {
         snprintf(t, sizeof t, " data-link=\"%d\" data-panel=\"%d\"", s->link, s->panel);
         lw_bytes_text(b, t);
         if (s->upright) {

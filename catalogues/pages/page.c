@@ -191,7 +191,7 @@ static lw_vec2 pole(const lw_scene *s, int link, int panel)
 static bool moves_in(const lw_drawing *d, int link, int panel)
 {
     for (size_t i = 0; i < d->n_shape; i++)
-        if (d->shape[i].link == link && d->shape[i].panel == panel)
+        if ((d->shape[i].link == link || d->shape[i].tie == link) && d->shape[i].panel == panel)
             return true;
     return false;
 }
@@ -243,7 +243,7 @@ static void write_motions(lw_bytes *b, const lw_scene *s, const lw_drawing *d)
     const char *comma = "";
     for (int link = 0; link < s->linkage.n_link; link++)
         for (int panel = 0; panel < d->n_view; panel++)
-            if (moves_in(d, link, panel)) {
+            if (link != s->linkage.ground && moves_in(d, link, panel)) {
                 lw_bytes_text(b, comma);
                 motion_of(b, s, &d->view[panel], link, panel);
                 comma = ",\n";
@@ -304,7 +304,6 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
     o.zoom = 1.25;
     o.title = o.dimensions = o.length_values = false;             /* the table shows them */
     o.whole_motion = true;
-    o.ties = false;                      /* the script moves links only */
     lw_drawing d;
     lw_status st = lw_diagram_draw(r->scene, &o, &d, e);
     if (st != LW_OK)

@@ -32,6 +32,7 @@
         const chosen = `[data-link="${link.link}"][data-panel="${link.panel}"]`;
         link.elements = Array.from(figure.querySelectorAll(chosen));
       }
+      this.ties = Array.from(figure.querySelectorAll("[data-ends]"), (element) => new Tie(element, this.links));
     }
 
     // Length of a round in frames: back and forth when the motion does not loop.
@@ -46,6 +47,30 @@
       const i = Math.min(Math.floor(t), this.count - 1);
       const j = this.loops ? (i + 1) % this.count : Math.min(i + 1, this.count - 1);
       for (const link of this.links) move(link, link.frames[i], link.frames[j], t - i);
+      for (const tie of this.ties) tie.move();
+    }
+  }
+
+  // A rope or a spring: its ends move with two links, the points between stay in proportion along it, and as far aside.
+  class Tie {
+    constructor(element, links) {
+      this.element = element;
+      const n = element.getAttribute("points").split(/[ ,]+/).map(Number);
+      this.points = Array.from({ length: n.length / 2 }, (_, i) => [n[2 * i], n[2 * i + 1]]);
+      this.ends = element.dataset.ends.split(" ").map((l) =>
+        links.find((k) => k.link === Number(l) && k.panel === Number(element.dataset.panel)));
+    }
+
+    move() {
+      const old = [this.points[0], this.points[this.points.length - 1]];
+      const [a, b] = this.ends.map((link, i) => (link && link.now ? link.now(old[i]) : old[i]));
+      const wx = old[1][0] - old[0][0], wy = old[1][1] - old[0][1], was = Math.max(Math.hypot(wx, wy), 1e-9);
+      const x = b[0] - a[0], y = b[1] - a[1], is = Math.max(Math.hypot(x, y), 1e-9);
+      this.element.setAttribute("points", this.points.map((p) => {
+        const dx = p[0] - old[0][0], dy = p[1] - old[0][1];
+        const along = (dx * wx + dy * wy) / (was * was), aside = (wx * dy - wy * dx) / was / is;
+        return `${(a[0] + along * x - aside * y).toFixed(2)},${(a[1] + along * y + aside * x).toFixed(2)}`;
+      }).join(" "));
     }
   }
 
@@ -58,6 +83,7 @@
     const c = Math.cos(angle), s = Math.sin(angle);
     const e = x - c * link.fromX + s * link.fromY, f = y - s * link.fromX - c * link.fromY;
     const turned = `matrix(${c} ${s} ${-s} ${c} ${e} ${f})`;
+    link.now = (p) => [c * p[0] - s * p[1] + e, s * p[0] + c * p[1] + f];
     for (const element of link.elements) {
       if (!element.dataset.hold) {
         element.setAttribute("transform", turned);

@@ -187,5 +187,5 @@ const cli_command cli_studio_command = {
     "The address is printed on standard output. The server ends with Ctrl-C or --time. If it is started again, its pages go\n"
     "on where they were.\n",
     options, sizeof(settings), NULL, 0, 1, run,
-    CLI_LINKAGE | CLI_RESULTS | CLI_TARGET | CLI_DRAWING | CLI_TASK | CLI_FOREIGN, false
+    CLI_LINKAGE | CLI_RESULTS | CLI_TARGET | CLI_DRAWING | CLI_TASK | CLI_FOREIGN, false, NULL
 };

@@ -207,6 +207,8 @@ if (!firefox) await test("a phone: nothing is wider than the screen, everything 
   const old = page(), phone = await browser.page({ width: 360, height: 740, deviceScaleFactor: 2, mobile: true });
   await phone.go(server().address);
   await phone.until("studio.motion");
+  const speed = await phone.run("(() => { const b = document.getElementById('speed').getBoundingClientRect(); return b.width > 50 && b.right < 360; })()");
+  check("the speed of the motion can be set", speed && (await phone.run("document.getElementById('rpm').textContent")).endsWith("rpm"));
   check("wider than the screen", !(await phone.run("document.documentElement.scrollWidth > 361")));
   const beyond = await phone.run("[...document.querySelectorAll('header button, header select')].filter((e) => e.getBoundingClientRect().right > 360).map((e) => e.id)");
   check(`beyond the right edge of the top bar: ${beyond}`, beyond.length === 0);
