@@ -154,26 +154,9 @@ static lw_status need_kind(const lw_json_node *n, const lw_model *m, int joint, 
 
 static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
 {
-    static const char *const known[] = { "coefficient", "radius", "speed" };
-    lw_friction *f = &m->friction[joint];
-    bool radius = false;
-    const lw_number_key numbers[] = {
-        { "coefficient", 1, 0, INFINITY, &f->coefficient, NULL },
-        { "radius", m->linkage.units.metre, LW_POSITIVE, &f->radius, &radius },
-        { "speed", 1, LW_POSITIVE, &f->speed, NULL },
-    };
-    lw_json_node at;
-    f->speed = 0;
-    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e)) == LW_OK &&
-        (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
-        s = lw_read_numbers(n, numbers, COUNT(numbers), e);
-    if (s == LW_OK && lw_joint_turns(m->linkage.joint[joint].kind) && !radius)
-        s = lw_json_fault(n, e, "friction of a pin needs its \"radius\"");
-    if (s == LW_OK && !lw_joint_turns(m->linkage.joint[joint].kind) && radius)
-        s = lw_json_fault(n, e, "only pins have a \"radius\"");
-    return s;
+    lw_status s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e);
+    return s == LW_OK ? lw_read_friction(n, m->linkage.units.metre, lw_joint_turns(m->linkage.joint[joint].kind),
+                                         &m->friction[joint], e) : s;
 }
 
 static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_error *e)

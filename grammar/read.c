@@ -191,6 +191,28 @@ lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, 
     return s;
 }
 
+lw_status lw_read_friction(const lw_json_node *n, double metre, bool radius, lw_friction *f, lw_error *e)
+{
+    static const char *const known[] = { "coefficient", "radius", "speed" };
+    bool given = false;
+    const lw_number_key numbers[] = {
+        { "coefficient", 1, 0, INFINITY, &f->coefficient, NULL },
+        { "radius", metre, LW_POSITIVE, &f->radius, &given },
+        { "speed", 1, LW_POSITIVE, &f->speed, NULL },
+    };
+    lw_json_node at;
+    f->speed = 0;
+    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
+        s = lw_read_numbers(n, numbers, COUNT(numbers), e);
+    if (s == LW_OK && radius && !given)
+        s = lw_json_fault(n, e, "friction of a joint that turns needs the \"radius\" of its pin or ball");
+    if (s == LW_OK && !radius && given)
+        s = lw_json_fault(n, e, "only joints that turn have a \"radius\"");
+    return s;
+}
+
 static lw_status read_clearance_model(const lw_json_node *n, lw_clearance *c, lw_error *e)
 {
     static const char *const names[] = { "zero", "link", "mlsd", "impact", "hunt-crossley",

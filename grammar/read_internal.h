@@ -40,6 +40,9 @@ lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want,
  * damping. */
 lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, lw_error *e);
 
+/* Friction of a joint; radius: does it turn, so that a "radius" is needed?  Its lengths are in units of `metre`. */
+lw_status lw_read_friction(const lw_json_node *n, double metre, bool radius, lw_friction *f, lw_error *e);
+
 /* The clearance of a joint; its lengths are in units of `metre`. */
 lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c, lw_error *e);
 

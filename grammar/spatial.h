@@ -54,6 +54,7 @@ typedef struct lw_spatial_joint {
     double  cone;                /* spherical, universal: greatest angle of tilt from the posture [rad]; not enforced */
     lw_vec3 cone_axis;           /* unit, the axis of link[1] whose tilt counts                        */
     lw_joint_stop stop;          /* of the turn, or the slide of a prismatic joint, from the posture   */
+    lw_friction friction;        /* coefficient 0: none                                                */
     lw_clearance clearance;      /* spherical, revolute: between the centres; link[1] has the pin or the ball */
     bool    opened;              /* its kind is what the clearance leaves of it (lw_spatial_open)       */
 } lw_spatial_joint;

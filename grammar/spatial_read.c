@@ -377,6 +377,17 @@ static lw_status read_clearance(const lw_json_node *joint, const lw_spatial *m, 
     return s;
 }
 
+static lw_status read_friction(const lw_json_node *n, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    bool known = j->kind <= LW_SPATIAL_UNIVERSAL;
+    if (!known)
+        return lw_json_fault(n, e, "a %s joint has no friction here; revolute, prismatic, cylindrical, spherical and universal joints "
+                                   "have", lw_spatial_kind_of(j->kind)->word);
+    if (lw_spatial_has_clearance(j))
+        return lw_json_fault(n, e, "a joint with clearance has no friction in space; keep one of the two");
+    return lw_read_friction(n, m->units.metre, j->kind != LW_SPATIAL_PRISMATIC, &j->friction, e);
+}
+
 static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "kind", "links", "at", "axis", "second_axis", "lead", "stop", "cone",
@@ -387,8 +398,6 @@ static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *
     if (s == LW_OK && (s = lw_json_known_keys(joint, known, COUNT(known), e)) == LW_OK &&
         (s = read_new_name(joint, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), j->name, e)) == LW_OK)
         s = read_kind(joint, &j->kind, e);
-    if (s == LW_OK && lw_json_member(joint, "friction", &n))
-        s = lw_json_fault(&n, e, "%s is known in planar models only; leave it out", n.key);
     if (s == LW_OK && (s = lw_read_need(joint, "links", &links, e)) == LW_OK)
         s = lw_read_list(&links, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
@@ -406,6 +415,8 @@ static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *
     if (s == LW_OK && (s = read_axes(joint, m, j, e)) == LW_OK && (s = read_stop(joint, m, j, e)) == LW_OK &&
         (s = read_cone(joint, m, j, e)) == LW_OK)
         s = read_clearance(joint, m, j, e);
+    if (s == LW_OK && lw_json_member(joint, "friction", &n))
+        s = read_friction(&n, m, j, e);
     m->n_joint++;
     return s;
 }

@@ -39,7 +39,7 @@ TEST(refuses_what_no_model_has)
         { "}, {\"name\": \"b\"", ", \"axis\": [0, 0, 1]", "", "connects link \"b\"", 3 },
         { "", ", \"axis\": [0, 0, 1]", ",\n\"input\": {\"tracer\": \"P\", \"coordinate\": \"x\"}", "no tracer", 4 },
         { "", ", \"kind\": \"b\"", ",\n\"input\": {\"joint\": \"A\"}", "no single coordinate", 4 },
-        { "", ", \"axis\": [0, 0, 1], \"friction\": {}", "", "planar models only", 3 },
+        { "", ", \"axis\": [0, 0, 1], \"friction\": {}", "", "\"coefficient\"", 3 },
         { "", ", \"axis\": [0, 0, 1, 4]", "", "list of 3", 3 },
         { "", ", \"axis\": [0, 0, 1]", ",\n\"gravity\": [0, -9.81]", "list of 3", 4 },
     };

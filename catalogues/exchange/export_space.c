@@ -28,9 +28,10 @@ lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_erro
             return lw_error_set(e, LW_E_KIND, "link '%s' is elastic, which is not written to %s: give it a mass "
                                 "instead in a copy of the file to export the rest", m->body[i].name, format);
     for (int j = 0; j < m->n_joint; j++)
-        if (lw_spatial_has_clearance(&m->joint[j]))
-            return lw_error_set(e, LW_E_KIND, "joint '%s' has a clearance, which is not written to %s: take it out of a copy "
-                                "of the file to export the rest", m->joint[j].name, format);
+        if (lw_spatial_has_clearance(&m->joint[j]) || m->joint[j].friction.coefficient > 0)
+            return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to %s: take it out of a copy of the file to "
+                                "export the rest", m->joint[j].name, lw_spatial_has_clearance(&m->joint[j]) ? "a clearance" : "friction",
+                                format);
     if (m->states.n_state + m->states.n_signal + m->states.n_rotor > 0)
         return lw_error_set(e, LW_E_KIND, "the model has states, which are not written to %s: take them out of a copy "
                             "of the file to export the rest", format);

@@ -107,8 +107,8 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
         cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
                  "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
     if (r->smooth_friction)
-        cli_note(c, "friction without a \"speed\" sticks only in linkages of one freedom that are solved in closed form; here "
-                 "it is regularised by 0.001 m/s, and a joint at rest under load creeps");
+        cli_note(c, "friction without a \"speed\" sticks only in planar linkages of one freedom that are solved in closed form, and at pins and sliders "
+                 "in space; here it is regularised by 0.001 m/s, and a joint at rest under load creeps");
     if (r->captured_step > 0)
         cli_note(c, "contacts are captured in steps of up to %.2g s: impacts are that late, and overlaps within a step reach %.2g m; the error is "
                  "of first order (--formulation index1 locates each event)", r->captured_step, r->overlap);

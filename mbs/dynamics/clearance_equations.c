@@ -460,6 +460,19 @@ static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
 
 /* ---- friction of joints without clearance ----------------------------------------------------------- */
 
+static void reaction_of(const void *context, int j, const double *multiplier, double *out)
+{
+    const lw_clearance_work *w = context;
+    lw_vec2 f = lw_friction_reaction(&w->c->s, w->c->friction[j].joint, multiplier + w->friction_row[j]);
+    out[0] = f.x, out[1] = f.y;
+}
+
+static const char *name_of(const void *context, int j)
+{
+    const lw_clearance_scene *c = ((const lw_clearance_work *)context)->c;
+    return c->m->linkage.joint[c->friction[j].joint].name;
+}
+
 /* Change ddu and the multipliers, found without friction, to those with it. */
 static lw_status add_friction(lw_clearance_work *w, double t, const double *du, double *ddu)
 {
@@ -473,8 +486,8 @@ static lw_status add_friction(lw_clearance_work *w, double t, const double *du, 
         lw_clearance_through_tree(w, force, b);
         solve_again(w, b, w->response + k*all);
     }
-    return lw_friction_add(c->m, &c->s, c->n_friction, c->friction, w->friction_row, w->response, t, w->n_u, ddu,
-                           w->n_c, w->lambda, size, NULL, &w->undetermined);
+    return lw_friction_add(&(lw_friction_scene){ w, 2, reaction_of, name_of }, c->n_friction, c->friction, w->response, t, w->n_u,
+                           ddu, w->n_c, w->lambda, size, NULL, &w->undetermined);
 }
 
 /* ---- accelerations ------------------------------------------------------------------------------- */

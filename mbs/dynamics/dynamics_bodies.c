@@ -43,7 +43,7 @@ static lw_status project_and_hold_energy(void *context, double t, double *y)
 
 typedef struct stepper {
     lw_run       *run;
-    bool          implicit;
+    bool          implicit, sticks;          /* sticks: friction of joints is set-valued */
     lw_ode        ode;
     lw_integrator explicit_one;
     lw_sundials   implicit_one;
@@ -66,8 +66,9 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
         return s;
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
                        .project = w->implicit ? lw_run_project : project_and_hold_energy,
-                       .n_event = run->d->touch ? LW_TOUCH_EVENTS : run->d->n_stop + (run->d->eq.piece_left != NULL),
-                       .event = run->d->touch ? lw_run_touch_events : lw_run_stop_events };
+                       .n_event = run->d->touch ? LW_TOUCH_EVENTS : w->sticks ? run->d->n_friction
+                                : run->d->n_stop + (run->d->eq.piece_left != NULL),
+                       .event = run->d->touch ? lw_run_touch_events : w->sticks ? lw_run_stick_events : lw_run_stop_events };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)
         return lw_cvode_make(&w->implicit_one, &w->ode, &each, LW_CVODE_BDF, t, y, run->e);
@@ -137,7 +138,7 @@ static const double beside = 1e-4;           /* least pivot near a singular post
 /* Does the solver take ever shorter steps towards a singular posture? */
 static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f, lw_status s)
 {
-    if (s == LW_STOPPED || w->implicit || d->n_stop || d->touch || !(f->h > 0) || d->weak > beside)
+    if (s == LW_STOPPED || w->implicit || d->n_stop || d->touch || w->sticks || d->eq.next_piece || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }
@@ -185,7 +186,7 @@ static lw_status check_progress(const lw_run *run, const stepper *w, long *n)
 static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 {
     double t = time_of(w);
-    if (run->d->large || run->d->touch)      /* step_over_singular and take_back see to its singular postures */
+    if (run->d->large || run->d->touch || w->sticks)     /* step_over_singular and take_back see to its singular postures */
         return LW_OK;
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);
@@ -241,6 +242,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     if (s == LW_OK && d->touch)
         s = watch_touch(w, y);
+    if (s == LW_OK && w->sticks)
+        memset(w->explicit_one.side, 1, (size_t)d->n_friction);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         s = step(w, lw_run_end(run, time_of(w)), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
@@ -276,9 +279,12 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
                 d->eq.watch(d->eq.context, time_of(w), y, y + d->n_q, false);
             }
             s = d->touch ? lw_run_touch(run, time_of(w), y, w->explicit_one.events)
+              : w->sticks ? lw_run_stick(run, time_of(w), y, w->explicit_one.events)
                          : lw_run_strike(run, time_of(w), y, &changed);
             if (s == LW_OK)
                 s = restart(w, y, run->flight, run->e);
+            if (w->sticks)
+                memset(w->explicit_one.side, 1, (size_t)d->n_friction);
         }
         if (s == LW_OK && d->touch) {
             s = watch_touch(w, y);
@@ -318,7 +324,10 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     lw_dynamics_start(d, y, y + d->n_q);
     memcpy(y + lw_run_states(run), d->start_z, (size_t)d->eq.n_z*sizeof *y);
     d->eq.place_states(d->eq.context, d->start_z);
-    lw_status s = d->touch ? lw_run_touch(run, d->o.from, y, 0) : lw_run_strike(run, d->o.from, y, &changed);
+    if ((w.sticks = !implicit && lw_stick_suits(d)))
+        lw_run_stick_begin(run);
+    lw_status s = d->touch ? lw_run_touch(run, d->o.from, y, 0) : w.sticks ? lw_run_stick(run, d->o.from, y, 0)
+                : lw_run_strike(run, d->o.from, y, &changed);
     if (s == LW_OK)
         s = lw_run_begin(run, y);
     if (s == LW_OK)
@@ -362,11 +371,11 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "bodies' coordinates; contacts and ropes by complementarity");
     if (asked)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
-    if (lw_mbs_is_stiff(d) || (d->n_friction && lw_mbs_friction_is_stiff(d)))
+    if (lw_mbs_is_stiff(d) || (d->n_friction && !lw_stick_suits(d) && lw_mbs_friction_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
     if (d->space)
-        snprintf(why, sizeof why, "places and quaternions of all bodies, explicit method of order 8%s%s",
-                 d->has_zero_mass ? "; massless parts are solved by rank" : "", lw_mbs_is_planar(d));
+        snprintf(why, sizeof why, "places and quaternions of all bodies, explicit method of order 8%s%s%s",
+                 d->has_zero_mass ? "; massless parts are solved by rank" : "", d->n_friction ? "; friction sticks" : "", lw_mbs_is_planar(d));
     else
         snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
     return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, why);

@@ -279,6 +279,48 @@ lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, 
 
 /* ---- friction ------------------------------------------------------------------------------------- */
 
+/* The reaction of a joint in space that its rows transmit as a force: on link[1] from the rows' derivatives by its centre, or
+ * the same from the other side. */
+static void reaction_in_space(const lw_dynamics *d, int joint, const double *l, double *out)
+{
+    const lw_space_joint *j = &d->space->s.joint[joint];
+    int side = j->body[1] >= 0 ? 6 : 0;
+    out[0] = out[1] = out[2] = 0;
+    for (int r = j->row; r < j->row + lw_spatial_kind_of(j->kind)->rows; r++) {
+        const lw_space_slots *t = &d->space->slots[r];
+        for (int k = 0; k < t->n; k++)
+            for (int i = 0; t->from[k] == side && i < 3; i++)
+                out[i] -= l[r]*d->jac[r*LW_ROW_SIZE + LW_BLOCK*k + i]/d->eq.unit;
+    }
+}
+
+/* The same of all; of a contact its force along the normal. */
+static void reaction_of(const void *context, int j, const double *l, double *out)
+{
+    const lw_dynamics *d = context;
+    int joint = d->friction[j].joint;
+    if (d->space) {
+        reaction_in_space(d, joint, l, out);
+        return;
+    }
+    const double *own = l + d->friction_row[j];
+    lw_vec2 f = joint < 0 ? lw_v2(-own[0]/d->s.unit, 0) : lw_friction_reaction(&d->s, joint, own);
+    out[0] = f.x, out[1] = f.y;
+}
+
+static const char *rubbing(const void *context, int j)
+{
+    const lw_dynamics *d = context;
+    return d->space ? d->space->model->joint[d->friction[j].joint].name : d->model->linkage.joint[d->friction[j].joint].name;
+}
+
+double lw_mbs_reaction(const lw_dynamics *d, int j)
+{
+    double f[3];
+    reaction_of(d, j, d->l, f);
+    return d->space ? lw_v3_norm(lw_v3(f[0], f[1], f[2])) : hypot(f[0], f[1]);
+}
+
 /* a and l, found without friction, become those with it. */
 static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                               double *power)
@@ -290,13 +332,14 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
     lw_status s = LW_OK;
     for (int j = 0; s == LW_OK && j < n; j++) {
         double *to = response + j*stride;
-        unit_power[j] = j < joints ? lw_friction_force(&d->s, &d->friction[j], q, v, d->force)
+        unit_power[j] = d->space ? lw_spatial_rub(d->space, &d->friction[j], v, d->force)
+                      : j < joints ? lw_friction_force(&d->s, &d->friction[j], q, v, d->force)
                                    : lw_mbs_touch_slip(d, j - joints, v, d->force);
         s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)
-        s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, response, t, d->n_v, a, d->n_c, l,
-                            size, d->touch ? &d->touch->determinant : &d->friction_determinant, d->e);
+        s = lw_friction_add(&(lw_friction_scene){ d, d->space ? 3 : 2, reaction_of, rubbing }, n, d->friction, response, t, d->n_v, a,
+                            d->n_c, l, size, d->touch ? &d->touch->determinant : &d->friction_determinant, d->e);
     if (!d->touch && !(d->friction_determinant > d->least_determinant))
         d->least_determinant = d->friction_determinant;
     for (int j = 0; s == LW_OK && power && j < n; j++)

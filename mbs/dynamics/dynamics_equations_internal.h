@@ -140,6 +140,9 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power);
 
+/* Size of the reaction of friction joint j [N] in d->l; rows are those solved. */
+double lw_mbs_reaction(const lw_dynamics *d, int j);
+
 /* Rates of the first-order states at the z placed last.  LW_E_NUMERIC: one is not a number; it is named. */
 lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate);
 

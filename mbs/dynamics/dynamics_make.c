@@ -81,7 +81,7 @@ static void weigh_massless(lw_dynamics *d)
 /* dense: 0 for large models, which know no way by rank. */
 lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
 {
-    size_t inputs = (size_t)d->n_input, dense = d->large ? 0 : 1, q = (size_t)d->n_q, v = (size_t)d->n_v, c = (size_t)d->n_row + inputs + (d->n_stop ? LW_STOP_ROW_MAX : 0)
+    size_t inputs = (size_t)d->n_input, dense = d->large ? 0 : 1, q = (size_t)d->n_q, v = (size_t)d->n_v, c = (size_t)d->n_row + inputs + (d->n_stop || (d->space && d->n_friction) ? LW_STOP_ROW_MAX : 0)
              + (d->touch ? (size_t)d->touch->row_max : 0);
     size_t all = 0, n_int = 0, speeds = c + inputs + LW_BLOCK*(size_t)d->n_velocity;
     const piece pieces[] = {
@@ -90,7 +90,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         { &d->small, c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
         { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
         { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
-        { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 2*(size_t)d->n_friction) },
+        { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 3*(size_t)d->n_friction) },
     };
     const int_piece ints[] = { { &d->kept, c }, { &d->place, c },
                                { &d->rank_ints, dense*lw_rank_ints((int)v, (int)speeds) } };

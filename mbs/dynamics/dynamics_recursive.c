@@ -358,6 +358,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     char why[sizeof r->why];
     if (!d->space)
         return lw_formulation_say(r, LW_E_KIND, 0, "it is for models in space");
+    if (d->eq.next_piece)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     if (d->touch || d->n_friction || d->n_stop || d->has_zero_mass || d->elastic)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops, friction, massless or elastic links");
     if (!asked && lw_mbs_is_stiff(d))

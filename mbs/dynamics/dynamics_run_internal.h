@@ -98,6 +98,17 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
 /* Apply the impacts, rests and departures at t; *changed is set if y or the rows changed. */
 lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed);
 
+/* ---- dynamics_stick.c: friction of joints in space that stick ----------------------------------------- */
+
+/* Can all friction of d be set-valued: of revolute and prismatic joints in space, without rigid stops? */
+bool lw_stick_suits(const lw_dynamics *d);
+
+/* At the start of a run; then, and at each event, at (t, y): which joints stick, and where to the others slip.  events: bits of
+ * the event functions (n_friction) that crossed 0. */
+void      lw_run_stick_begin(lw_run *run);
+lw_status lw_run_stick(lw_run *run, double t, double *y, unsigned long long events);
+lw_status lw_run_stick_events(void *context, double t, const double *y, double *g);
+
 /* ---- dynamics_touch.c: contact, ropes, and the rigid stops of models that have them ------------------- */
 
 /* Event functions (LW_TOUCH_EVENTS); all are positive between events. */

@@ -30,9 +30,9 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
 {
     const lw_spatial *m = d->space->model;
     size_t inputs = (size_t)m->n_input + 1;
-    d->stop = calloc(2*(size_t)m->n_joint + 1, sizeof *d->stop);
-    d->friction = calloc(1, sizeof *d->friction);
-    d->friction_row = calloc(1, sizeof *d->friction_row);
+    d->stop = calloc(3*(size_t)m->n_joint + 1, sizeof *d->stop);
+    d->friction = calloc((size_t)m->n_joint + 1, sizeof *d->friction);
+    d->friction_row = calloc((size_t)m->n_joint + 1, sizeof *d->friction_row);
     d->driven = calloc(2*inputs, sizeof *d->driven);
     d->driven_measure = d->driven + inputs;
     d->at_rest = calloc(inputs, sizeof *d->at_rest);
@@ -55,6 +55,11 @@ static void find_special_joints(lw_dynamics *d)
         lw_spatial_measure of = lw_space_stop_measure(&c->s, j);
         int number = lw_spatial_number(c, of);
         double unit = lw_space_scale(&c->s, of);
+        if (m->joint[j].friction.coefficient > 0)
+            d->friction[d->n_friction++] = (lw_friction_joint){
+                .joint = j, .coefficient = m->joint[j].friction.coefficient, .ideal = !(m->joint[j].friction.speed > 0),
+                .speed = m->joint[j].friction.speed > 0 ? m->joint[j].friction.speed : LW_FRICTION_SPEED,
+                .lever_arm = m->joint[j].kind == LW_SPATIAL_PRISMATIC ? 1 : m->joint[j].friction.radius };
         if (p->stiffness > 0)
             continue;
         if (p->has_least)
@@ -631,6 +636,11 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         d->has_zero_mass = false;
     if (st == LW_OK && d->n_stop > LW_EVENT_MAX/2)
         st = lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
+    if (st == LW_OK && d->n_friction > LW_JOINT_MAX)
+        st = lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
+    if (st == LW_OK && d->n_friction && m->n_drive)
+        st = lw_error_set(e, LW_E_KIND, "friction depends on the forces of the inputs, and \"drives\" carry them elsewhere: make the "
+                          "drives inputs, or leave out the friction of joint \"%s\"", m->joint[d->friction[0].joint].name);
     if (st == LW_OK)
         st = lw_mbs_reserve(d, e);
     if (st == LW_OK && rest)

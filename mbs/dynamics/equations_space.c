@@ -290,6 +290,78 @@ static double damper(void *context, int k, const double *q, const double *v, dou
     return lw_space_damper(&c->f, k, c->frame, g);
 }
 
+/* ---- friction ------------------------------------------------------------------------------------------------- */
+
+/* A push along a measure; returns its power. */
+static double push_along(const lw_spatial_scene *c, lw_spatial_measure of, double push, const double *v, double *force)
+{
+    double jac[LW_SPACE_ROW], scale = lw_space_scale(&c->s, of), rate = 0;
+    int body[2];
+    lw_space_bodies(&c->s, &(lw_space_extra){ .measure = of }, body);
+    lw_space_measure(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, jac);
+    for (int a = 0; a < LW_SPACE_ROW; a++)
+        if (body[a/6] >= 0) {
+            int at = 6*body[a/6] + a%6;
+            rate += scale*jac[a]*v[at];
+            force[at] += push*scale*jac[a];
+        }
+    return push*rate;
+}
+
+/* A torque on body 1, from body 0; returns its power. */
+static double push_torque(const lw_spatial_scene *c, const int body[2], lw_vec3 torque, const double *v, double *force)
+{
+    double power = 0;
+    for (int k = 0; k < 2; k++) {
+        if (body[k] < 0)
+            continue;
+        lw_vec3 own = lw_v3_scale(lw_m3_unapply(&c->frame[body[k] + 1].turn, torque), k ? 1 : -1);
+        double *to = force + 6*body[k] + 3;
+        const double *w = v + 6*body[k] + 3;
+        to[0] += own.x, to[1] += own.y, to[2] += own.z;
+        power += own.x*w[0] + own.y*w[1] + own.z*w[2];
+    }
+    return power;
+}
+
+double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double *force)
+{
+    const lw_space_joint *j = &c->s.joint[f->joint];
+    double rate[2], value, slip, push;
+    const lw_spatial_measure of[2] = { { LW_OF_TURN, f->joint }, { LW_OF_SLIDE, f->joint } };
+    memset(force, 0, (size_t)c->s.n_v*sizeof *force);
+    lw_vec3 w = lw_v3_sub(lw_space_omega(c->frame, j->body[1], v), lw_space_omega(c->frame, j->body[0], v));
+    switch (j->kind) {
+    case LW_SPATIAL_REVOLUTE:
+    case LW_SPATIAL_PRISMATIC: {
+        const lw_spatial_measure *one = &of[j->kind == LW_SPATIAL_PRISMATIC];
+        lw_space_measured(&c->s, c->frame, *one, 0, v, &value, rate);
+        return push_along(c, *one, lw_friction_push(f, rate[0]), v, force);
+    }
+    case LW_SPATIAL_CYLINDRICAL:
+        for (int k = 0; k < 2; k++)
+            lw_space_measured(&c->s, c->frame, of[k], 0, v, &value, &rate[k]);
+        slip = hypot(f->lever_arm*rate[0], rate[1]);
+        push = -f->coefficient*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
+        return push_along(c, of[0], push*f->lever_arm*f->lever_arm*rate[0], v, force) + push_along(c, of[1], push*rate[1], v, force);
+    case LW_SPATIAL_SPHERICAL:
+        slip = f->lever_arm*lw_v3_norm(w);
+        push = -f->coefficient*f->lever_arm*f->lever_arm*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
+        return push_torque(c, j->body, lw_v3_scale(w, push), v, force);
+    case LW_SPATIAL_UNIVERSAL: {             /* rates about a and b are those along a*, b*, with a*.a = 1, a*.b = 0 */
+        lw_vec3 a = lw_m3_apply(&c->frame[j->body[0] + 1].turn, j->x[0]), b = lw_m3_apply(&c->frame[j->body[1] + 1].turn, j->x[1]);
+        double dot = lw_v3_dot(a, b), wide = 1/(1 - dot*dot);
+        lw_vec3 dual[2] = { lw_v3_scale(lw_v3_sub(a, lw_v3_scale(b, dot)), wide), lw_v3_scale(lw_v3_sub(b, lw_v3_scale(a, dot)), wide) };
+        value = 0;
+        for (int k = 0; k < 2; k++)
+            value += push_torque(c, j->body, lw_v3_scale(dual[k], lw_friction_push(f, lw_v3_dot(dual[k], w))), v, force);
+        return value;
+    }
+    default:
+        return 0;
+    }
+}
+
 static double earlier(double than, const lw_expression *x, double t)
 {
     return x ? fmin(than, lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t)) : than;

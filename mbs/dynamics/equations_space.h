@@ -3,6 +3,7 @@
 #define LW_MBS_DYNAMICS_EQUATIONS_SPACE_H
 
 #include "mbs/dynamics/equations.h"
+#include "mbs/dynamics/friction.h"
 #include "mbs/space/space_follow.h"
 #include "mbs/space/space_forces.h"
 
@@ -39,6 +40,15 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c);
 
 /* Give massless bodies masses and inertias: at rest they do not matter.  Otherwise LW_E_ARG names a link without mass. */
 lw_status lw_spatial_weigh_massless(lw_spatial_scene *c, bool at_rest, lw_error *e);
+
+/* Friction of joint f->joint for a reaction of 1 N, at the posture placed last: generalised force (n_v), which replaces force;
+ * returns its power [W].
+ *
+ *     revolute, prismatic     along the turn or the slide
+ *     cylindrical             against the slip of the pin's surface, slide and turn together
+ *     spherical               a torque against the relative angular velocity
+ *     universal               about each of the two axes for itself */
+double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double *force);
 
 /* Numbers of measures in the layer. */
 int                lw_spatial_number(const lw_spatial_scene *c, lw_spatial_measure of);

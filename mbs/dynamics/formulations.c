@@ -186,7 +186,8 @@ static lw_status run_one(lw_run *run)
     run->pivot_tried = 1;
     d->least_determinant = 1;
     r->smooth_friction = d->ideal_friction && r->formulation != LW_FORMULATION_DRIVEN &&
-                         r->formulation != LW_FORMULATION_REDUCED;
+                         r->formulation != LW_FORMULATION_REDUCED &&
+                         !(r->formulation == LW_FORMULATION_INDEX1 && lw_stick_suits(d));
     if (d->eq.next_piece)
         d->eq.next_piece(d->eq.context, d->start_q, d->start_v, true);
     bool equilibria = d->elastic && d->o.analysis == LW_ANALYSIS_QUASISTATIC;

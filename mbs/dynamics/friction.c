@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/linalg.h"
 #include "base/real.h"
+#include "base/vec3.h"
 
 static const double singular = 1e-3;         /* a determinant below this: the reactions are not determined */
 
@@ -41,30 +42,38 @@ lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multip
 }
 
 /* The size of reaction j of n, of which the last n_signed keep their sign. */
-static double size_of(lw_vec2 r, int j, int n, int n_signed) { return j < n - n_signed ? lw_v2_norm(r) : r.x; }
+static double size_of(const double *r, int dim, bool is_signed)
+{
+    return is_signed ? r[0] : dim == 2 ? hypot(r[0], r[1]) : lw_v3_norm(lw_v3(r[0], r[1], r[2]));
+}
 
-lw_status lw_friction_sizes(int n, int n_signed, const lw_vec2 *rest, const lw_vec2 *response, double *size,
+lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
                             double *determinant)
 {
     double matrix[LW_JOINT_MAX*LW_JOINT_MAX], diag[LW_JOINT_MAX], left[LW_JOINT_MAX], scale = 0;
-    assert(n > 0 && n <= LW_JOINT_MAX);
+    assert(n > 0 && n <= LW_JOINT_MAX && (dim == 2 || dim == 3));
     for (int j = 0; j < n; j++) {
-        size[j] = size_of(rest[j], j, n, n_signed);
+        size[j] = size_of(rest + dim*j, dim, j >= n - n_signed);
         scale = fmax(scale, fabs(size[j]));
     }
     for (int pass = 0; pass < 60; pass++) {
         double off = 0;
         for (int j = 0; j < n; j++) {
-            lw_vec2 r = rest[j];
+            double r[3] = { rest[dim*j], rest[dim*j + 1], dim == 3 ? rest[dim*j + 2] : 0 };
             for (int k = 0; k < n; k++)
-                r = lw_v2_add(r, lw_v2_scale(response[j + n*k], size[k]));
-            double norm = size_of(r, j, n, n_signed);
+                for (int x = 0; x < dim; x++)
+                    r[x] += size[k]*response[dim*(j + n*k) + x];
             bool is_signed = j >= n - n_signed;
+            double norm = size_of(r, dim, is_signed);
             left[j] = norm - size[j];
             off = fmax(off, fabs(left[j]));
-            for (int k = 0; k < n; k++)
-                matrix[j + n*k] = (j == k) - (is_signed ? response[j + n*k].x
-                                              : norm > 0 ? lw_v2_dot(r, response[j + n*k])/norm : 0);
+            for (int k = 0; k < n; k++) {
+                const double *by = response + dim*(j + n*k);
+                double dot = r[0]*by[0] + r[1]*by[1];
+                for (int x = 2; x < dim; x++)
+                    dot += r[x]*by[x];
+                matrix[j + n*k] = (j == k) - (is_signed ? by[0] : norm > 0 ? dot/norm : 0);
+            }
         }
         if (off <= 1e-13*scale && !(determinant && pass == 0))
             return LW_OK;
@@ -85,34 +94,26 @@ lw_status lw_friction_sizes(int n, int n_signed, const lw_vec2 *rest, const lw_v
     return LW_E_NUMERIC;
 }
 
-/* The same of a contact: its force along the normal. */
-static lw_vec2 reaction_of(const lw_system *s, int joint, const double *multiplier)
+lw_status lw_friction_add(const lw_friction_scene *scene, int n, const lw_friction_joint *joint, double *response, double t,
+                          int n_a, double *a, int n_l, double *l, double *size, double *determinant, lw_error *e)
 {
-    return joint < 0 ? lw_v2(-multiplier[0]/s->unit, 0) : lw_friction_reaction(s, joint, multiplier);
-}
-
-lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
-                          double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
-                          double *determinant, lw_error *e)
-{
-    const int stride = n_a + n_l;
+    const int stride = n_a + n_l, dim = scene->dim;
     int n_signed = 0;
     assert(n > 0 && n <= LW_JOINT_MAX);
-    lw_vec2 rest[LW_JOINT_MAX], *change = (lw_vec2 *)(response + n*stride);
+    double rest[3*LW_JOINT_MAX], *change = response + n*stride;
     for (int j = 0; j < n; j++) {
         n_signed += joint[j].joint < 0;
-        rest[j] = reaction_of(s, joint[j].joint, l + row[j]);
+        scene->reaction(scene->context, j, l, rest + dim*j);
         for (int k = 0; k < n; k++)
-            change[j + n*k] = reaction_of(s, joint[j].joint, response + k*stride + n_a + row[j]);
+            scene->reaction(scene->context, j, response + k*stride + n_a, change + dim*(j + n*k));
     }
-    lw_status found = lw_friction_sizes(n, n_signed, rest, change, size, determinant);
+    lw_status found = lw_friction_sizes(n, n_signed, dim, rest, change, size, determinant);
     if (found != LW_OK && n_signed > 0)      /* the caller of contacts knows what follows */
         return LW_OPEN;
     if (found != LW_OK)
         return lw_error_set(e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
                             "links (Painleve's paradox) at t = %.9g s; lower the coefficient or give the joint "
-                            "compliance",
-                            m->linkage.joint[joint[0].joint].name, t);
+                            "compliance", scene->name(scene->context, 0), t);
     for (int k = 0; k < n; k++) {
         const double *from = response + k*stride;
         for (int i = 0; i < n_a; i++)

@@ -38,19 +38,25 @@ double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const d
 /* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
 lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);
 
-/* Sizes N of n reactions, n <= LW_JOINT_MAX.  The last n_signed are forces along one direction, R.x, which keep their sign.
- * rest (n): R0; response[j + n*k]: R_jk; size (n): N.  *determinant, unless NULL: 1 without friction.
- * LW_E_NUMERIC: they are not determined. */
-lw_status lw_friction_sizes(int n, int n_signed, const lw_vec2 *rest, const lw_vec2 *response, double *size,
+/* Sizes N of n reactions of `dim` numbers, 2 in the plane, 3 in space; n <= LW_JOINT_MAX.  The last n_signed are forces along one
+ * direction, the first number, which keep their sign.  rest (n x dim): R0; response[dim*(j + n*k)]: R_jk; size (n): N.
+ * *determinant, unless NULL: 1 without friction.  LW_E_NUMERIC: they are not determined. */
+lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
                             double *determinant);
 
-/* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.
- * row[j]: first multiplier of the reaction of joint j; the row of the gap of a contact.  response: n times (n_a + n_l),
- * the a and l that the friction of each joint causes for a reaction of 1 N; behind them 2*n*n doubles of scratch.
- * size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the error names the first joint.  LW_OPEN: the
- * same, with a contact among them. */
-lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
-                          double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
-                          double *determinant, lw_error *e);
+/* The scene of joints with friction: the reaction [N] of joint j of them in multipliers, out (dim); its name. */
+typedef struct lw_friction_scene {
+    const void *context;
+    int  dim;
+    void (*reaction)(const void *context, int j, const double *multiplier, double *out);
+    const char *(*name)(const void *context, int j);
+} lw_friction_scene;
+
+/* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.  response: n times
+ * (n_a + n_l), the a and l that the friction of each joint causes for a reaction of 1 N; behind them dim*n*n doubles of
+ * scratch.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the error names the first joint.
+ * LW_OPEN: the same, with a contact among them. */
+lw_status lw_friction_add(const lw_friction_scene *scene, int n, const lw_friction_joint *joint, double *response, double t,
+                          int n_a, double *a, int n_l, double *l, double *size, double *determinant, lw_error *e);
 
 #endif

@@ -1,0 +1,223 @@
+/* Coulomb friction of joints in space against closed forms: a block on a slope, two blocks on each other, pins, guides and balls
+ * that come to rest; and against the plane. */
+#include "base/rng.h"
+#include "mbs/dynamics/dynamics_space.h"
+#include "tests/spatial_models.h"
+
+typedef struct kept { lw_dynamics *d; int n; double t[512], turn[512], v[512]; lw_vec3 tracer[512][2]; lw_dynamics_report r; } kept;
+
+static kept k;
+
+static lw_status keep_moment(void *context, const lw_moment *moment)
+{
+    kept *to = context;
+    lw_space_moment o;
+    lw_error e;
+    lw_status st = lw_dynamics_space_moment(to->d, moment, &o, &e);
+    const lw_space *s = lw_dynamics_space(to->d);
+    int i = to->n++;
+    to->t[i] = o.t;
+    to->turn[i] = s->model->n_input ? o.input[0] : 0;
+    to->v[i] = lw_v3_norm(lw_space_omega(o.frame, 0, o.v));
+    for (int j = 0; j < 2 && j < s->model->n_tracer; j++)
+        to->tracer[i][j] = lw_space_point_at(o.frame, s->tracer[j]);
+    return st;
+}
+
+static void run(const char *text, lw_formulation wanted, double to, int intervals, double tolerance)
+{
+    lw_spatial m;
+    lw_error e = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance;
+    k.n = 0;
+    read_spatial(text, strlen(text), "friction", &m);
+    if (lw_dynamics_make_spatial(&m, &o, &k.d, &e) != LW_OK || lw_dynamics_run(k.d, keep_moment, &k, &k.r, &e) != LW_OK) {
+        fprintf(stderr, "%s\n", e.text);
+        CHECK(false);
+    }
+    CHECK_INT(k.r.formulation, wanted);
+    lw_dynamics_free(k.d);
+    lw_spatial_free(&m);
+}
+
+/* A slope of 3 in 4; pushed up with 2 m/s the block stops after 2^2/(2 g (0.6 + 0.8 mu)) and, with a coefficient above 3/4,
+ * stays; else it slides back. */
+TEST(a_block_on_a_slope)
+{
+    static const double mu[] = { 0.3, 0.8 };
+    for (int i = 0; i < 4; i++) {
+        char text[1024];
+        double u = i/2 ? 2 : 0, g = 9.81, f = mu[i%2], stop = u/(g*(0.6 + 0.8*f)), high = u*stop/2;
+        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"block\", \"mass\": 2, \"centre\": [0, 0, 0], "
+                 "\"inertia\": [0.01, 0.02, 0.03], \"velocity\": [%g, %g, %g]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", "
+                 "\"links\": [\"ground\", \"block\"], \"at\": [0, 0, 0], \"axis\": [0.48, 0.64, 0.6], \"friction\": {\"coefficient\": %g}}], "
+                 "\"gravity\": [0, 0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"block\", \"at\": [0, 0, 0]}]}", 0.48*u, 0.64*u,
+                 0.6*u, f);
+        run(text, LW_FORMULATION_INDEX1, 1, 40, 1e-11);
+        CHECK(!k.r.smooth_friction);
+        for (int s = 0; s < k.n; s++) {
+            double t = k.t[s], back = f < 0.75 ? g*(0.6 - 0.8*f)*(t - stop)*(t - stop)/2 : 0;
+            double want = t < stop ? u*t - u/stop*t*t/2 : high - back;
+            CHECK_NEAR(lw_v3_dot(k.tracer[s][0], lw_v3(0.48, 0.64, 0.6)), want, 1e-11, 0);
+        }
+    }
+}
+
+/* 1 kg on 2 kg on the ground, g = 10, coefficients 0.5 and 0.1, pulled by 10 t N at the upper one: nothing moves until 3 N, both
+ * together until 6 N, then the lower one with 1 m/s^2, the upper one with (10 t - 5) m/s^2. */
+TEST(blocks_on_each_other)
+{
+    run("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1]}, "
+        "{\"name\": \"B\", \"mass\": 1, \"centre\": [0, 0, 0.1], \"inertia\": [1, 1, 1]}], \"joints\": ["
+        "{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0], "
+        "\"friction\": {\"coefficient\": 0.1}}, {\"name\": \"T\", \"kind\": \"prismatic\", \"links\": [\"A\", \"B\"], \"at\": [0, 0, 0.1], "
+        "\"axis\": [0, 1, 0], \"friction\": {\"coefficient\": 0.5}}], \"gravity\": [0, 0, -10], \"forces\": [{\"link\": \"B\", \"at\": "
+        "[0, 0, 0.1], \"fy\": \"10*t\"}], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0, 0, 0]}, {\"name\": \"Q\", \"link\": "
+        "\"B\", \"at\": [0, 0, 0.1]}]}", LW_FORMULATION_INDEX1, 1, 20, 1e-11);
+    for (int i = 0; i < k.n; i++) {
+        double t = k.t[i], s = fmax(0, fmin(t, 0.6) - 0.3), x = 10*s*s*s/18, v = 10*s*s/6, r = fmax(0, t - 0.6);
+        CHECK_NEAR(k.tracer[i][0].y, x + v*r + r*r/2, 1e-10, 0);
+        CHECK_NEAR(k.tracer[i][1].y, x + v*r + r*r/2 + 10*r*r*r/6, 1e-10, 0);
+    }
+}
+
+/* A body of 1 kg on a pin of radius r: each half swing is smaller by 2 mu r/l, if angles and friction are small; then it sticks
+ * where the weight cannot turn it. */
+TEST(a_pendulum_comes_to_rest)
+{
+    const double mu = 0.2, r = 0.002, l = 0.5, begin = 0.01;
+    char text[1024];
+    snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 1, \"centre\": [%.17g, 0, %.17g], "
+             "\"inertia\": [1e-3, 1e-3, 1e-3]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": "
+             "[0, -1, 0], \"friction\": {\"coefficient\": %g, \"radius\": %g}}], \"gravity\": [0, 0, -9.81], \"inputs\": [{\"joint\": \"O\", "
+             "\"value\": %g}]}", l*sin(begin), -l*cos(begin), mu, r, begin);
+    double half = LW_PI*sqrt((l*l + 1e-3)/(9.81*l)), fall = 2*mu*r/l;
+    run(text, LW_FORMULATION_INDEX1, 10*half, 10, 1e-11);
+    for (int i = 0; i < k.n; i++) {
+        double left = begin - i*fall;
+        CHECK_NEAR(fabs(k.turn[i]), left > fall/2 ? left : fabs(k.turn[k.n - 1]), 1e-6, 0);
+    }
+    CHECK(fabs(k.turn[k.n - 1]) <= fall/2);
+    CHECK_NEAR(k.turn[k.n - 2], k.turn[k.n - 1], 1e-12, 0);
+}
+
+/* Slip of constant direction where I = m r^2: it falls by mu g. */
+TEST(guides_and_balls)
+{
+    static const struct { const char *joint, *velocity; double rate, axis; } row[] = {
+        /* mu m g r/I = 0.2*2*10*0.1/0.02 = 20 rad/s^2 */
+        { "\"kind\": \"spherical\"", "\"angular_velocity\": [3, 4, 0]", 20, 5 },
+        { "\"kind\": \"universal\", \"axis\": [1, 0, 0], \"second_axis\": [0, 1, 0]", "\"angular_velocity\": [0, 5, 0]", 20, 5 },
+        { "\"kind\": \"revolute\", \"axis\": [0.6, 0.8, 0]", "\"angular_velocity\": [3, 4, 0]", 20, 5 },
+        /* slip 0.3 m/s along, 0.4 m/s around: 2 m/s^2 against it, 4/5 of which turn the pin */
+        { "\"kind\": \"cylindrical\", \"axis\": [1, 0, 0]", "\"velocity\": [0.3, 0, 0], \"angular_velocity\": [4, 0, 0]", 16, 4 },
+    };
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++)
+        for (int ideal = 0; ideal < 2; ideal++) {
+            char text[1024];
+            snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], "
+                     "\"inertia\": [0.02, 0.02, 0.02], %s}], \"joints\": [{\"name\": \"J\", %s, \"links\": [\"ground\", \"A\"], \"at\": "
+                     "[0, 0, 0], \"friction\": {\"coefficient\": 0.2, \"radius\": 0.1%s}}], \"gravity\": [0, 0, -10], \"tracers\": "
+                     "[{\"name\": \"P\", \"link\": \"A\", \"at\": [0, 0, 0]}]}", row[i].velocity, row[i].joint, ideal ? "" :
+                     ", \"speed\": 1e-4");
+            bool sticks = ideal && i == 2;
+            run(text, sticks ? LW_FORMULATION_INDEX1 : LW_FORMULATION_CVODE, 0.4, 16, 1e-9);
+            CHECK_INT(k.r.smooth_friction, ideal && !sticks);
+            for (int s = 0; s < k.n; s++)
+                CHECK_NEAR(k.v[s], fmax(0, row[i].axis - row[i].rate*k.t[s]), sticks ? 1e-9 : ideal ? 5e-2 : 5e-3, 0);
+            if (i == 3)
+                CHECK_NEAR(k.tracer[k.n - 1][0].x, 0.3*0.25/2, ideal ? 1e-3 : 1e-4, 0);
+        }
+}
+
+/* A four-bar with friction in all pins, turned into any plane of space, beside the planar program. */
+static int n_plane;
+static double plane[64];
+
+static lw_status keep_plane(void *context, const lw_moment *m)
+{
+    const lw_dynamics *d = context;
+    double row[64] = { 0 };
+    plane[n_plane++] = lw_system_measure(lw_dynamics_system(d), 0, m->q, row);
+    return LW_OK;
+}
+
+static lw_vec3 turned(const lw_mat3 *t, double x, double y) { return lw_m3_apply(t, lw_v3(x, y, 0)); }
+
+TEST(as_in_the_plane)
+{
+    static const struct { const char *a, *b; double x, y; } joint[] = {
+        { "ground", "crank", 0, 0 }, { "crank", "coupler", 0.1, 0.2 }, { "coupler", "rocker", 0.6, 0.5 }, { "ground", "rocker", 0.7, 0 } };
+    static const struct { const char *name; double m, x, y, i; } body[] = {
+        { "crank", 1, 0.05, 0.1, 0.01 }, { "coupler", 2, 0.3, 0.4, 0.05 }, { "rocker", 1.5, 0.65, 0.3, 0.03 } };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 3);
+    for (int trial = 0; trial < 2; trial++) {
+        char flat[2048], deep[4096];
+        int n = 0, d = 0;
+        double mu = trial ? 0.5 : 0.1;
+        lw_mat3 t = lw_quaternion_matrix(lw_quaternion_unit((lw_quaternion){ lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1),
+                                                                           lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1) }));
+        lw_vec3 axis = lw_m3_column(&t, 2), g = turned(&t, 0, -9.81);
+        n += snprintf(flat + n, sizeof flat - (size_t)n, "{\"linkwright\": 1, \"links\": [\"ground\"");
+        d += snprintf(deep + d, sizeof deep - (size_t)d, "{\"linkwright\": 1, \"links\": [\"ground\"");
+        for (int i = 0; i < 3; i++) {
+            lw_vec3 c = turned(&t, body[i].x, body[i].y);
+            n += snprintf(flat + n, sizeof flat - (size_t)n, ", {\"name\": \"%s\", \"mass\": %g, \"centre\": [%g, %g], \"inertia\": %g}",
+                          body[i].name, body[i].m, body[i].x, body[i].y, body[i].i);
+            d += snprintf(deep + d, sizeof deep - (size_t)d, ", {\"name\": \"%s\", \"mass\": %g, \"centre\": [%.17g, %.17g, %.17g], "
+                          "\"inertia\": [%g, %g, %g]}", body[i].name, body[i].m, c.x, c.y, c.z, body[i].i, body[i].i, body[i].i);
+        }
+        for (int i = 0; i < 4; i++) {
+            lw_vec3 at = turned(&t, joint[i].x, joint[i].y);
+            n += snprintf(flat + n, sizeof flat - (size_t)n, "%s{\"name\": \"J%d\", \"links\": [\"%s\", \"%s\"], \"at\": [%g, %g], "
+                          "\"friction\": {\"coefficient\": %g, \"radius\": 0.02}}", i ? ", " : "], \"joints\": [", i, joint[i].a, joint[i].b,
+                          joint[i].x, joint[i].y, mu);
+            d += snprintf(deep + d, sizeof deep - (size_t)d, "%s{\"name\": \"J%d\", \"links\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g, "
+                          "%.17g], \"axis\": [%.17g, %.17g, %.17g], \"friction\": {\"coefficient\": %g, \"radius\": 0.02}}", i ? ", " :
+                          "], \"joints\": [", i, joint[i].a, joint[i].b, at.x, at.y, at.z, axis.x, axis.y, axis.z, mu);
+        }
+        snprintf(flat + n, sizeof flat - (size_t)n, "], \"input\": {\"joint\": \"J0\", \"speed\": 3}, \"gravity\": [0, -9.81]}");
+        snprintf(deep + d, sizeof deep - (size_t)d, "], \"input\": {\"joint\": \"J0\", \"speed\": 3}, \"gravity\": [%.17g, %.17g, %.17g]}",
+                 g.x, g.y, g.z);
+        lw_model m;
+        lw_error e = { 0 };
+        lw_dynamics *p;
+        lw_dynamics_report r;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        o.intervals = 20, o.to = 2, o.relative = o.absolute = 1e-11;
+        CHECK_INT(lw_model_read(flat, strlen(flat), "plane", &m, &e), LW_OK);
+        n_plane = 0;
+        CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
+        CHECK_INT(lw_dynamics_run(p, keep_plane, p, &r, &e), LW_OK);
+        CHECK_INT(r.formulation, LW_FORMULATION_REDUCED);
+        lw_dynamics_free(p);
+        lw_model_free(&m);
+        run(deep, LW_FORMULATION_INDEX1, 2, 20, 1e-11);
+        CHECK_INT(k.n, n_plane);
+        for (int i = 0; i < k.n && i < n_plane; i++)
+            CHECK_NEAR(k.turn[i], plane[i], 1e-7, 0);
+    }
+}
+
+TEST(refused)
+{
+    static const struct { const char *joint, *why; } bad[] = {
+        { "\"kind\": \"planar\", \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.1}", "has no friction here" },
+        { "\"kind\": \"spherical\", \"friction\": {\"coefficient\": 0.1}", "needs the \"radius\"" },
+        { "\"kind\": \"prismatic\", \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.1, \"radius\": 1}", "only joints that turn" },
+        { "\"kind\": \"spherical\", \"friction\": {\"coefficient\": 0.1, \"radius\": 1}, \"clearance\": {\"model\": \"impact\", \"gap\": "
+          "1e-4, \"stiffness\": 1e6}", "keep one of the two" },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        char text[1024];
+        lw_spatial m;
+        lw_error e = { 0 };
+        int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 1, \"centre\": "
+                         "[0, 0, 0], \"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": "
+                         "[0, 0, 0], %s}]}", bad[i].joint);
+        CHECK_INT(lw_spatial_read(text, (size_t)n, "bad", &m, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, bad[i].why);
+    }
+}
