@@ -213,7 +213,7 @@ run-threads: $(THREADED:%=$B/tests/test_%)
 coverage:
 	$(MAKE) B=$B/cov CFLAGS="-O0 -g --coverage -fprofile-update=atomic" KERNEL_CFLAGS="-O1 -g" test
 	@tests/coverage.sh $B/cov > $B/coverage.txt && tail -n 12 $B/coverage.txt
-browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the studio in Chromium; skipped without
+browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the studio in Chromium and Firefox; skipped without
 	@tests/browser/run.sh $B
 	@tests/browser/studio.sh $B/linkwright long
 fuzz:      # FUZZ_SECONDS=60 for each target
