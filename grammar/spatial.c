@@ -217,7 +217,8 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
     }
     m->n_joint = k->n_joint;
     for (int j = 0; s == LW_OK && j < k->n_joint; j++)
-        s = add_joint(p, j, m, e);
+        if ((s = add_joint(p, j, m, e)) == LW_OK && m->joint[j].kind == LW_SPATIAL_REVOLUTE)
+            m->joint[j].clearance = p->clearance[j];
     for (int j = 0; s == LW_OK && j < k->n_joint; j++)
         if (is_turned(p, j)) {
             lw_spatial_joint *to = &m->joint[j];

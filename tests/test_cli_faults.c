@@ -72,6 +72,7 @@ static const char *const rows[] = {
     "$C family sweep examples/families/loader.json --vary reach=2:3:3 -n 10 -j 2",
     "$C family optimise examples/families/loader.json --vary reach=2:3 --minimise boom_mass --max-evaluations 20",
     "$C robot jacobian examples/space/stewart.json",
+    "$C robot budget examples/space/delta-clearance.json",
     "$C robot workspace examples/space/delta.json --rays 3 -o $D/o",
     "$C robot map examples/space/delta.json --places 3",
     "$C robot map examples/space/delta-elastic.json --eigenfrequency --places 3 --plot $D/o.svg --force",

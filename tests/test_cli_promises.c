@@ -40,6 +40,7 @@ static const row rows[] = {
     { "gallery klann", NULL, NULL, false },
     { "profile 1 --acceleration-limit 20 --jerk-limit 400", NULL, NULL, false },
     { "robot jacobian examples/space/stewart.json", NULL, "examples/space/stewart.json", false },
+    { "robot budget examples/space/delta-clearance.json", NULL, "examples/space/delta-clearance.json", false },
     { "robot workspace examples/space/delta.json --rays 6", "robot workspace examples/space/delta.json --rays 100000",
       "examples/space/delta.json", false },
     { "robot map examples/space/delta.json --places 4", "robot map examples/space/delta.json --places 1000",

@@ -11,13 +11,14 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
+#include "mbs/dynamics/budget.h"
 #include "mbs/dynamics/held.h"
 
 typedef struct settings {
-    const char *tool, *at, *plot;
-    double      max_condition;
+    const char *tool, *at, *plot, *force;
+    double      max_condition, gap, play, slide_play;
     int         rays, grid;
-    bool        links_only, frequency;
+    bool        links_only, frequency, budget;
 } settings;
 
 #define PLACE(member) offsetof(settings, member)
@@ -36,6 +37,15 @@ static const cli_option options[] = {
     { "places", 0, CLI_INT, PLACE(grid), "N", "25", "map: number of places across the workspace", 2, 1000, NULL, NULL },
     { "eigenfrequency", 0, CLI_FLAG, PLACE(frequency), NULL, NULL,
       "map: the lowest eigenfrequency of a robot with elastic links, its drives held, too", 0, 0, NULL, NULL },
+    { "joint-gap", 0, CLI_REAL, PLACE(gap), "G", "0",
+      "budget, map: radial clearance of ball joints and pins that have none in the file, in its unit", 0, 1e9, NULL, NULL },
+    { "gear-play", 0, CLI_REAL, PLACE(play), "DEG", "0", "budget, map: play of drives that turn, from end to end [deg]", 0, 360, NULL, NULL },
+    { "slide-play", 0, CLI_REAL, PLACE(slide_play), "P", "0",
+      "budget, map: play of drives that slide, from end to end, in the unit of the file", 0, 1e9, NULL, NULL },
+    { "tool-force", 0, CLI_TEXT, PLACE(force), "FX,FY,FZ", NULL,
+      "budget, map: force on the tool [N], which bends elastic links besides their weight", 0, 0, NULL, NULL },
+    { "errors", 0, CLI_FLAG, PLACE(budget), NULL, NULL, "map: the error budget, too: worst case, rms and greatest contributor", 0, 0,
+      NULL, NULL },
     { "plot", 'p', CLI_PLOT, PLACE(plot), "FILE", NULL,
       "workspace: draw its edge; map: draw the condition numbers, or frequencies (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -55,7 +65,8 @@ typedef struct job {
 
 /* ---- beginning ------------------------------------------------------------------------------------------- */
 
-static lw_status read_place(const job *j, const char *text, lw_vec3 *p, lw_error *e)
+/* Three numbers, or two of a planar model. */
+static lw_status read_numbers(const job *j, const char *option, const char *unit, const char *text, lw_vec3 *p, lw_error *e)
 {
     double v[3] = { 0 };
     const char *at = text;
@@ -64,13 +75,13 @@ static lw_status read_place(const job *j, const char *text, lw_vec3 *p, lw_error
         v[i] = strtod(at, &end);
         bool last = *end == 0 && (i == 2 || (i == 1 && j->flat));
         if (end == at || !isfinite(v[i]) || !(last || (*end == ',' && i < 2)))
-            return lw_error_set(e, LW_E_ARG, "--tool-at takes %s numbers, such as %s [%s], not '%.60s'", j->flat ? "two" : "three",
-                                j->flat ? "0.2,0.1" : "0.2,0,-0.65", j->unit, text);
+            return lw_error_set(e, LW_E_ARG, "%s takes %s numbers, such as %s [%s], not '%.60s'", option, j->flat ? "two" : "three",
+                                j->flat ? "0.2,0.1" : "0.2,0,-0.65", unit, text);
         at = end + 1;
         if (last)
             break;
     }
-    *p = lw_v3_scale(lw_v3(v[0], v[1], v[2]), j->metre);
+    *p = lw_v3(v[0], v[1], v[2]);
     return LW_OK;
 }
 
@@ -104,8 +115,8 @@ static int begin(const cli_call *call, job *j)
         j->ahead = lw_v3_cross(j->up, j->right);
         j->r.free = j->s->links_only;
         j->r.condition_limit = cli_given(&call->parsed, "max-condition") ? j->s->max_condition : 0;
-        if (j->s->at && (st = read_place(j, j->s->at, &place, &j->e)) == LW_OK)
-            st = lw_robot_move(&j->r, place, NULL, &j->e);
+        if (j->s->at && (st = read_numbers(j, "--tool-at", j->unit, j->s->at, &place, &j->e)) == LW_OK)
+            st = lw_robot_move(&j->r, lw_v3_scale(place, j->metre), NULL, &j->e);
     }
     return st == LW_OK ? CLI_DONE : cli_fail(call, &j->e);
 }
@@ -218,6 +229,92 @@ static int run_jacobian(const cli_call *call)
     return code;
 }
 
+/* ---- budget ---------------------------------------------------------------------------------------------- */
+
+static lw_status budget_options(const job *j, lw_budget_options *o, lw_error *e)
+{
+    const settings *s = j->s;
+    *o = (lw_budget_options){ .clearance = s->gap*j->metre, .play = { s->play*LW_PI/360, s->slide_play*j->metre/2 }, .weight = true };
+    lw_status st = s->force ? read_numbers(j, "--tool-force", "N", s->force, &o->load, e) : LW_OK;
+    bool any = j->m->n_elastic > 0 || s->gap > 0 || s->play > 0 || s->slide_play > 0;
+    for (int i = 0; i < j->m->n_joint; i++)
+        any = any || j->m->joint[i].clearance.model > LW_CLEARANCE_NONE;
+    return st != LW_OK || any ? st
+         : lw_error_set(e, LW_E_ARG, "nothing lets the tool stray: no joint has a \"clearance\" and no link is elastic; give "
+                        "--joint-gap, --gear-play or --slide-play");
+}
+
+/* "clearance of P1a" */
+static const char *source_name(const lw_budget_source *s, char *text, size_t size)
+{
+    static const char *const of[] = { "clearance of", "play of", "bending of" };
+    snprintf(text, size, "%s %s", of[s->kind], s->name);
+    return text;
+}
+
+static void print_budget(const job *j, FILE *f, const lw_robot_pose *p, const lw_budget *b)
+{
+    char name[96];
+    double u = j->metre, size = j->r.space.unit;
+    fprintf(f, "tool '%s' at (%.9g, %.9g, %.9g) %s\n%-40s %12s %12s  %s\n", j->m->tracer[j->r.tool].name, clean(p->place.x, size)/u,
+            clean(p->place.y, size)/u, clean(p->place.z, size)/u, j->unit, "source", "worst", "rms", "share of rms^2");
+    for (int i = 0; i < b->n; i++) {
+        const lw_budget_source *s = &b->source[i];
+        fprintf(f, "%-40s %12.5g %12.5g  %.1f %%\n", source_name(s, name, sizeof name), s->worst/u, s->rms/u,
+                b->rms > 0 ? 100*s->rms*s->rms/(b->rms*b->rms) : 0);
+    }
+    fprintf(f, "%-40s %12.5g %12.5g  [%s]\nworst towards ", "all together", b->worst/u, b->rms/u, j->unit);
+    print_direction(f, b->direction);
+    fprintf(f, "; greatest contributor: %s\n", b->n ? source_name(&b->source[0], name, sizeof name) : "none");
+}
+
+static void json_budget(const job *j, FILE *f, const lw_robot_pose *p, const lw_budget *b)
+{
+    static const char *const kind[] = { "clearance", "play", "elastic" };
+    cli_json w = cli_json_begin(f, 2);
+    cli_json_head(&w, j->call->line);
+    cli_json_text(&w, "length_unit", "m");
+    cli_json_reals(&w, "place", (double[]){ p->place.x, p->place.y, p->place.z }, 3);
+    cli_json_array(&w, "sources");
+    for (int i = 0; i < b->n; i++) {
+        cli_json_object(&w, NULL);
+        cli_json_text(&w, "kind", kind[b->source[i].kind]);
+        cli_json_text(&w, "name", b->source[i].name);
+        cli_json_real(&w, "worst", b->source[i].worst);
+        cli_json_real(&w, "rms", b->source[i].rms);
+        cli_json_end(&w);
+    }
+    cli_json_end(&w);
+    cli_json_real(&w, "worst", b->worst);
+    cli_json_real(&w, "rms", b->rms);
+    cli_json_reals(&w, "direction", (double[]){ b->direction.x, b->direction.y, b->direction.z }, 3);
+    cli_json_reals(&w, "bent", (double[]){ b->bent.x, b->bent.y, b->bent.z }, 3);
+    cli_json_end(&w);
+}
+
+static int run_budget(const cli_call *call)
+{
+    job j;
+    lw_robot_pose p;
+    lw_output o;
+    lw_budget_options how;
+    lw_budget_stiffness stiff = { 0 };
+    lw_budget b = { 0 };
+    int code = begin(call, &j);
+    if (code == CLI_DONE && (budget_options(&j, &how, &j.e) != LW_OK || lw_robot_measure(&j.r, &p, &j.e) != LW_OK ||
+                             lw_budget_stiffness_make(j.m, &how, &stiff, &j.e) != LW_OK ||
+                             lw_budget_make(&j.r, &stiff, &how, &b, &j.e) != LW_OK || cli_open(call, &o, &j.e) != LW_OK))
+        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE) {
+        (call->common.json ? json_budget : print_budget)(&j, o.f, &p, &b);
+        code = cli_close(call, &o, CLI_DONE);
+    }
+    lw_budget_free(&b);
+    lw_budget_stiffness_free(&stiff);
+    end(&j);
+    return code;
+}
+
 /* ---- workspace ------------------------------------------------------------------------------------------- */
 
 static lw_vec3 direction(const job *j, double angle)
@@ -323,7 +420,7 @@ static int run_workspace(const cli_call *call)
 
 #define BANDS 6
 
-typedef struct map { double *x, *y, *value; int n; bool frequency; } map;
+typedef struct map { double *x, *y, *value; int n; bool frequency, budget; } map;
 
 /* Edges of bands for frequencies: even steps of 1, 2, 2.5 or 5 times a power of ten. */
 static void even_edges(const map *m, double edge[BANDS + 1])
@@ -338,13 +435,30 @@ static void even_edges(const map *m, double edge[BANDS + 1])
 }
 
 /* Points by bands of the value. */
+/* Edges of bands for errors, which grow much towards the edge of the workspace: 1, 2, 5, 10, ... times a power of ten. */
+static void rising_edges(const map *m, double edge[BANDS + 1])
+{
+    static const double step[] = { 1, 2, 5 };
+    double least = INFINITY;
+    for (int i = 0; i < m->n; i++)
+        least = fmin(least, m->value[i]);
+    double ten = least > 0 ? pow(10, floor(log10(least)*(1 + 1e-12))) : 1;
+    int first = least >= 5*ten ? 2 : least >= 2*ten ? 1 : 0;
+    for (int b = 0; b < BANDS; b++)
+        edge[b] = step[(first + b)%3]*ten*pow(10, (first + b)/3);
+    edge[0] = fmin(edge[0], least);
+    edge[BANDS] = INFINITY;
+}
+
 static int draw_map(const job *j, const map *m, const char *path, int code)
 {
     lw_series series[BANDS];
     char name[BANDS][40], label[2][40];
     lw_error e;
     double edge[BANDS + 1] = { 1, 1.5, 2, 3, 5, 10, INFINITY };
-    if (m->frequency)
+    if (m->budget)
+        rising_edges(m, edge);
+    else if (m->frequency)
         even_edges(m, edge);
     double *xy = malloc(2*(size_t)m->n*sizeof *xy + 1);
     int used = 0, n_series = 0;
@@ -358,7 +472,7 @@ static int draw_map(const job *j, const map *m, const char *path, int code)
                 xy[m->n + used++] = m->y[i];
             }
         if (isfinite(edge[b + 1]))
-            snprintf(name[b], sizeof name[b], "%g to %g%s", edge[b], edge[b + 1], m->frequency ? " Hz" : "");
+            snprintf(name[b], sizeof name[b], "%g to %g%s", edge[b], edge[b + 1], m->budget || !m->frequency ? "" : " Hz");
         else
             snprintf(name[b], sizeof name[b], "above %g", edge[b]);
         if (used > first)
@@ -367,7 +481,7 @@ static int draw_map(const job *j, const map *m, const char *path, int code)
     }
     snprintf(label[0], sizeof label[0], "to the right [%s]", j->unit);
     snprintf(label[1], sizeof label[1], "ahead [%s]", j->unit);
-    lw_plot plot = { .title = m->frequency ? "Lowest eigenfrequency, drives held" : "Condition number of the Jacobian",
+    lw_plot plot = { .title = m->budget ? "Greatest error of the tool" : m->frequency ? "Lowest eigenfrequency, drives held" : "Condition number of the Jacobian",
                      .x_label = label[0], .y_label = label[1], .n_series = n_series, .series = series, .equal = true, .width = 760, .height = 640 };
     lw_status st = lw_draw_plot(&plot, path, &e);
     free(xy);
@@ -385,14 +499,23 @@ static int run_map(const cli_call *call)
     size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_extra : 0;
     size_t most = (size_t)n*(size_t)n;
     double *q = malloc((n_q + n_near + 3*most + 1)*sizeof *q), *near = q + n_q, reach = 0;
-    map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0, j.s->frequency };
+    map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0, j.s->frequency, j.s->budget };
     lw_held held = { .q = NULL };
-    double frequency = 0;
+    lw_budget_options how;
+    lw_budget_stiffness stiff = { 0 };
+    lw_budget budget = { 0 };
+    double frequency = 0, worst = 0;
+    lw_vec3 worst_at = { 0, 0, 0 };
+    char name[96], worst_by[96] = "";
     if (code == CLI_DONE && m.frequency && lw_held_make(j.m, &held, &j.e) != LW_OK)
+        code = cli_fail(call, &j.e);
+    if (code == CLI_DONE && j.s->budget && (budget_options(&j, &how, &j.e) != LW_OK ||
+                                            lw_budget_stiffness_make(j.m, &how, &stiff, &j.e) != LW_OK))
         code = cli_fail(call, &j.e);
     if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
         code = cli_fail(call, &j.e);
     if (code != CLI_DONE) {
+        lw_budget_stiffness_free(&stiff);
         lw_held_free(&held);
         free(q);
         end(&j);
@@ -407,8 +530,9 @@ static int run_map(const cli_call *call)
     }
     reach *= 1.02;
     cli_progress progress = cli_progress_begin(call, "map", "places");
-    fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s\nx,y,z,condition,greatest,least,manipulability%s\n", j.unit,
-            m.frequency ? "; frequency Hz" : "", m.frequency ? ",frequency" : "");
+    fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s%s%s\nx,y,z,condition,greatest,least,manipulability%s%s\n", j.unit,
+            m.frequency ? "; frequency Hz" : "", j.s->budget ? "; error_worst error_rms " : "", j.s->budget ? j.unit : "",
+            m.frequency ? ",frequency" : "", j.s->budget ? ",error_worst,error_rms,contributor" : "");
     for (int i = 0; i < n*n && !cli_interrupted(); i++) {
         double a = reach*(2.0*(i % n)/(n - 1) - 1), b = reach*(2.0*(i/n)/(n - 1) - 1);
         lw_vec3 to = lw_v3_add(p.place, lw_v3_add(lw_v3_scale(j.right, a), lw_v3_scale(j.ahead, b)));
@@ -419,6 +543,10 @@ static int run_map(const cli_call *call)
             st = lw_robot_measure(&j.r, &here, &j.e);
         if (st == LW_OK && m.frequency && (st = lw_held_frequency(&held, &j.r, &frequency, &j.e)) == LW_OPEN)
             st = LW_E_NUMERIC;
+        if (st == LW_OK && j.s->budget) {
+            lw_budget_free(&budget);
+            st = lw_budget_make(&j.r, &stiff, &how, &budget, &j.e);
+        }
         if (st == LW_OPEN) {
             lost++;
             continue;
@@ -431,19 +559,32 @@ static int run_map(const cli_call *call)
                 here.condition, here.singular[0], here.singular[here.rank - 1], here.manipulability);
         if (m.frequency)
             fprintf(o.f, ",%.9g", frequency);
+        if (j.s->budget) {
+            const char *by = budget.n ? source_name(&budget.source[0], name, sizeof name) : "";
+            fprintf(o.f, ",%.9g,%.9g,%s", budget.worst/j.metre, budget.rms/j.metre, by);
+            if (budget.worst > worst) {
+                worst = budget.worst, worst_at = to;
+                snprintf(worst_by, sizeof worst_by, "%s", by);
+            }
+        }
         fputc('\n', o.f);
         m.x[m.n] = a/j.metre;
         m.y[m.n] = b/j.metre;
-        m.value[m.n++] = m.frequency ? frequency : here.condition;
+        m.value[m.n++] = j.s->budget ? budget.worst/j.metre : m.frequency ? frequency : here.condition;
         cli_progress_show(&progress, i, (double)n*n, NULL);
     }
     cli_progress_end(&progress);
     cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
+    if (worst > 0)
+        cli_note(call, "error of the tool at most %.4g %s, at (%.6g, %.6g, %.6g) %s, where the greatest contributor is the %s", worst/j.metre,
+                 j.unit, worst_at.x/j.metre, worst_at.y/j.metre, worst_at.z/j.metre, j.unit, worst_by);
     code = cli_close(call, &o, code == CLI_DONE && m.n == 0 ? CLI_NOTHING : code);
     char partial[LW_PATH_SIZE + 16];
     const char *to = j.s->plot && m.n > 0 ? cli_picture_path(call, j.s->plot, code, partial) : NULL;
     if (to)
         code = draw_map(&j, &m, to, code);
+    lw_budget_free(&budget);
+    lw_budget_stiffness_free(&stiff);
     lw_held_free(&held);
     free(q);
     end(&j);
@@ -457,6 +598,11 @@ static const cli_action actions[] = {
       "Prints where the tool is, the values of the drives, the Jacobian, its singular values and condition number, and the\n"
       "mass that a force on the tool moves in each direction.\n",
       1, 1, run_jacobian, CLI_LINKAGE, "text" },
+    { "budget", "MODEL.json",
+      "Prints how far the tool can stray from where its drives should hold it: by the clearance of joints (in the file, or\n"
+      "--joint-gap), the play of gears (--gear-play, --slide-play), and elastic links under their weight and --tool-force. By\n"
+      "source and all together: worst case, and rms for gaps and play in any direction. `map --errors` does it over a grid.\n",
+      1, 1, run_budget, CLI_LINKAGE, "text" },
     { "workspace", "MODEL.json",
       "Moves the tool from where it is outwards in the level plane, in each of --rays directions, and prints how far it gets\n"
       "and what stops it: the links, a stop or a cone of a joint, a posture in which the drives lose the tool, or\n"
@@ -473,7 +619,7 @@ static const cli_action actions[] = {
 const cli_command cli_robot_command = {
     .name = "robot",
     .words = "ACTION MODEL.json",
-    .title = "a model as a robot: Jacobian, workspace, condition number, lowest frequency",
+    .title = "a model as a robot: Jacobian, workspace, condition number, lowest frequency, error budget",
     .examples =
         "  linkwright robot jacobian examples/space/delta.json                    in the posture of the file\n"
         "  linkwright robot jacobian examples/space/delta.json --tool-at 0.2,0,-0.65   elsewhere, with the drives' values\n"
@@ -481,7 +627,9 @@ const cli_command cli_robot_command = {
         "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --plot map.svg\n"
         "  linkwright robot map examples/space/delta-elastic.json --eigenfrequency --plot hertz.svg   stiff and soft places\n"
         "  linkwright robot jacobian examples/space/stewart.json --json\n"
-        "  linkwright robot workspace examples/3-rrr.json --plot edge.svg         planar robots, too\n",
+        "  linkwright robot workspace examples/3-rrr.json --plot edge.svg         planar robots, too\n"
+        "  linkwright robot budget examples/space/delta-clearance.json --gear-play 0.02 --tool-force 0,0,-50   error of the tool\n"
+        "  linkwright robot map examples/space/delta.json --tool-at 0,0,-0.65 --joint-gap 50e-6 --errors --plot error.svg\n",
     .about =
         "MODEL is a planar or a spatial model (docs/notation.md). Its drives are \"drives\", or its inputs, and leave no freedom; its\n"
         "tool is a tracer. A robot with six drives or more, in the plane three, keeps the tool's orientation when it moves. The\n"
