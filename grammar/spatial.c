@@ -221,11 +221,8 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
             m->joint[j].clearance = p->clearance[j];
     for (int j = 0; s == LW_OK && j < k->n_joint; j++)
         if (is_turned(p, j)) {
-            lw_spatial_joint *to = &m->joint[j];
-            lw_joint_stop stop = to->stop;
-            to->link[0] = k->joint[j].link[1], to->link[1] = k->joint[j].link[0];
-            to->stop.has_least = stop.has_greatest, to->stop.least = -stop.greatest;
-            to->stop.has_greatest = stop.has_least, to->stop.greatest = -stop.least;
+            m->joint[j].link[0] = k->joint[j].link[1];
+            m->joint[j].link[1] = k->joint[j].link[0];
         }
     for (int i = 0; s == LW_OK && i < k->n_input; i++) {
         const lw_input *in = &k->input[i];
@@ -254,7 +251,7 @@ lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e)
         const lw_joint_spring *c = &p->joint_spring[i];
         lw_spatial_measure of = { lw_joint_slides(k->joint[c->joint].kind) ? LW_OF_SLIDE : LW_OF_TURN, c->joint };
         m->joint_spring[i] = (lw_spatial_joint_spring){ .measure = of, .stiffness = c->stiffness, .damping = c->damping,
-                                                        .free = is_turned(p, c->joint) ? -c->free : c->free };
+                                                        .free = c->free };
         memcpy(m->joint_spring[i].name, c->name, sizeof c->name);
         m->n_joint_spring++;
         if (c->law)

@@ -202,4 +202,8 @@ bool lw_spatial_is_planar(const lw_spatial *m, lw_vec3 *normal);
  * LW_E_KIND: gears, tied inputs, elastic links, springs with a law; m is then empty. */
 lw_status lw_spatial_of_planar(const lw_model *p, lw_spatial *m, lw_error *e);
 
+/* The planar model that moves as m, whose motion is planar: axes of the plane are x, y across the normal z (y, z across x; z, x
+ * across y), in metres and radians.  p needs lw_model_free.  LW_E_KIND: it is not planar, or has loads that are not taken over. */
+lw_status lw_spatial_in_plane(const lw_spatial *m, lw_model *p, lw_error *e);
+
 #endif

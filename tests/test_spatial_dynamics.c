@@ -328,6 +328,33 @@ TEST(a_planar_four_bar_in_space)
         CHECK_NEAR(remainder(k.at[i].input - (planar_angle[i] - planar_angle[0]), 2*LW_PI), 0, 1e-12, 0);
     lw_dynamics_free(d);
     lw_model_free(&p);
+    /* the same from the spatial model, in its plane; then turned so that the plane is y, z, with a hinge the other way round */
+    for (int turned = 0; turned < 2; turned++) {
+        for (int i = 0; turned && i < m.n_link; i++) {
+            double *t = m.body[i].inertia, yy = t[0], zz = t[1];
+            t[0] = t[2], t[1] = yy, t[2] = zz;
+            m.body[i].centre = lw_v3(0.3, m.body[i].centre.x, m.body[i].centre.y);
+        }
+        for (int j = 0; turned && j < m.n_joint; j++) {
+            m.joint[j].at = lw_v3(0.1*j, m.joint[j].at.x, m.joint[j].at.y);
+            m.joint[j].axis = lw_v3(j == 2 ? -1 : 1, 0, 0);
+        }
+        m.gravity = turned ? lw_v3(2, 0, -9.81) : m.gravity;
+        planar_n = 0;
+        CHECK_INT(lw_spatial_in_plane(&m, &p, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_INT(lw_dynamics_make(&p, &o, &d, &e), LW_OK);
+        CHECK_INT(lw_dynamics_run(d, keep_planar, NULL, &report, &e), LW_OK);
+        CHECK_INT(planar_n, 11);
+        for (int i = 0; i < k.n && i < planar_n; i++)
+            CHECK_NEAR(remainder(k.at[i].input - (planar_angle[i] - planar_angle[0]), 2*LW_PI), 0, 1e-12, 0);
+        lw_dynamics_free(d);
+        lw_model_free(&p);
+    }
+    lw_spatial_free(&m);
+    load_spatial("bricard", &m);
+    CHECK_INT(lw_spatial_in_plane(&m, &p, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "parallel");
     lw_spatial_free(&m);
 }
 

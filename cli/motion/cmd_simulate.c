@@ -16,7 +16,7 @@
 typedef struct settings {
     int         analysis, formulation, steps, max_steps;
     double      from, to, tolerance;
-    bool        explain, balance;
+    bool        explain, balance, planar;
     const char *speed, *plot, *columns, *gif;
     cli_linear  linear;
 } settings;
@@ -50,6 +50,8 @@ static const cli_option options[] = {
       "greatest number of steps of the integration", 1, 2e9, NULL, NULL },
     { "rigid", 0, CLI_FLAG, offsetof(settings, linear.rigid), NULL, NULL,
       "take elastic links as rigid bars of the same mass", 0, 0, NULL, NULL },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
+      "solve a model in space whose axes are all parallel as a planar one; reactions across the plane are left out", 0, 0, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
       "print counterweights that cancel the static shaking force, as JSON", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_PLOT, offsetof(settings, plot), "FILE", NULL,
@@ -193,7 +195,17 @@ static int run(const cli_call *call)
         return cli_usage(call, "--from must be less than --to");
     if (cli_read_any_model(call->parsed.word[0], 0, &m, &spatial, &e) != LW_OK)
         return cli_fail(call, &e);
-    if (spatial) {
+    if (spatial && s->planar) {
+        lw_error why = { 0 };
+        m = calloc(1, sizeof *m);
+        lw_status in_plane = m ? lw_spatial_in_plane(spatial, m, &why) : lw_error_set(&why, LW_E_MEMORY, "out of memory");
+        cli_free_spatial(spatial);
+        if (in_plane != LW_OK) {
+            free(m);
+            lw_error_at(&e, in_plane, call->parsed.word[0], 0, 0, "%s", why.text);
+            return cli_fail(call, &e);
+        }
+    } else if (spatial) {
         int code = run_spatial(call, spatial);
         cli_free_spatial(spatial);
         return code;

@@ -382,8 +382,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         }
         free(x);
     }
-    snprintf(why, sizeof why, rows ? "%scoordinates of %d joints, recursive; %d joint%s cut, %d rows" : "%scoordinates of %d joints, "
-             "recursive: an open chain", asked ? "asked for; " : "", d->space->s.n_body, m.r.n_cut, m.r.n_cut == 1 ? "" : "s", rows);
+    snprintf(why, sizeof why, rows ? "%scoordinates of %d joints; %d joint%s cut, %d rows of loops" : "%scoordinates of %d joints, "
+             "an open chain", asked ? "asked for; " : "", d->space->s.n_body, m.r.n_cut, m.r.n_cut == 1 ? "" : "s", rows);
     bool none = m.r.n_u == 0;
     unmake(&m);
     if (s == LW_E_MEMORY)

@@ -16,7 +16,7 @@ const char *lw_mbs_is_planar(const lw_dynamics *d)
 {
     lw_vec3 normal;
     return lw_spatial_is_planar(d->space->model, &normal)
-         ? "; all axes are parallel: written with two numbers a place, the model is planar and runs faster" : "";
+         ? "; all axes are parallel: the motion is planar (--planar solves it so)" : "";
 }
 
 const char *lw_dynamics_massless(const lw_dynamics *d)
