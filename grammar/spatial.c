@@ -162,6 +162,8 @@ static lw_status add_joint(const lw_model *p, int j, lw_spatial *m, lw_error *e)
     lw_spatial_joint to = { .kind = LW_SPATIAL_REVOLUTE, .link = { from->link[0], from->link[1] }, .at = in_plane(from->at), .axis = z };
     memcpy(to.name, from->name, sizeof to.name);
     to.stop = p->stop[j];
+    to.friction = p->friction[j];
+    to.clearance = p->clearance[j];
     if (from->kind == LW_JOINT_SLOT) {                   /* a slide on link 0 that carries the pin */
         lw_spatial_joint slide = to;
         lw_spatial_body *body = &m->body[m->n_link];

@@ -60,6 +60,8 @@ static const char *beyond(const plane *w, double flat)
         const lw_joint_stop *p = &m->joint[j].stop;
         if (m->joint[j].kind != LW_SPATIAL_REVOLUTE && m->joint[j].kind != LW_SPATIAL_PRISMATIC && m->joint[j].kind != LW_SPATIAL_FIXED)
             return "joints other than hinges, slides and welds";
+        if (m->joint[j].friction.coefficient > 0 || m->joint[j].clearance.model != LW_CLEARANCE_NONE)
+            return "friction or clearance";
         if (counts_backwards(w, j) && (p->has_least || p->has_greatest))
             return "a stop at a hinge whose second link is the ground";
     }
