@@ -535,3 +535,43 @@ TEST(refused)
     CHECK(strstr(e.text, "along its axis") != NULL);
     lw_spatial_free(&m);
 }
+
+/* A strut in any direction under a load along it: the square of its first frequency falls to 0 at Euler's load pi^2 EI/(4 L^2), less
+ * by the shear (1 in 1e4); beyond it there is no equilibrium that is straight. */
+TEST(a_strut_buckles)
+{
+    static const double part[] = { 0.9, 0.99, 1.05 };
+    const double d = 0.02, euler = LW_PI*LW_PI*210e9*LW_PI*d*d*d*d/64/4;
+    double square[2];
+    for (int i = 0; i < 3; i++) {
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        lw_dynamics *p;
+        lw_modes modes = { 0 };
+        double load = -part[i]*euler;
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'c', 'elastic': {'section': {'shape': 'round', "
+                            "'diameter': %g}, 'material': {'E': 210e9, 'G': 81e9, 'density': 7850}, 'axis': [[0, 0, 0], [0.48, 0.64, 0.6]], "
+                            "'segments': 16}}], 'joints': [{'name': 'W', 'kind': 'fixed', 'links': ['ground', 'c'], 'at': [0, 0, 0]}], "
+                            "'tracers': [{'name': 'T', 'link': 'c', 'at': [0.48, 0.64, 0.6]}], 'forces': [{'link': 'c', 'at': [0.48, 0.64, "
+                            "0.6], 'fx': %.17g, 'fy': %.17g, 'fz': %.17g}]}", d, 0.48*load, 0.64*load, 0.6*load), LW_OK);
+        o.analysis = LW_ANALYSIS_STATIC;
+        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &p, &e), LW_OK);
+        double *q = calloc((size_t)lw_dynamics_space(p)->n_q + (size_t)lw_dynamics_space(p)->n_v, sizeof *q);
+        lw_dynamics_start(p, q, q + lw_dynamics_space(p)->n_q);
+        lw_status s = lw_modes_find_large(p, &(lw_modes_options){ .rest = true }, 2, 0, q, &modes, &e);
+        if (i < 2) {
+            CHECK_INT(s, LW_OK);
+            square[i] = modes.mode[0].frequency*modes.mode[0].frequency;
+            CHECK_NEAR(modes.mode[1].frequency, modes.mode[0].frequency, 0, 1e-6);
+        } else {
+            CHECK(s != LW_OK);
+            CHECK_HAS(e.text, "buckles");
+        }
+        free(q);
+        lw_modes_free(&modes);
+        lw_dynamics_free(p);
+        lw_spatial_free(&m);
+    }
+    CHECK_NEAR(part[1] + square[1]*(part[1] - part[0])/(square[0] - square[1]), 1, 2e-3, 0);
+}

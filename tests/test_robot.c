@@ -491,3 +491,31 @@ TEST(elastic_links_as_rigid_bars)
     for (int i = 0; i < 3; i++)
         CHECK_NEAR(pose[1].mass[i], pose[0].mass[i], 0, 3e-3);
 }
+
+/* A stretched arm of two links in its plane: no motion along the arm, whether the file or a move brings it there. */
+TEST(a_straight_arm_is_singular)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": "
+        "[{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"E\", \"links\": "
+        "[\"a\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"E\"}], \"tracers\": "
+        "[{\"name\": \"T\", \"link\": \"b\", \"at\": [2, 0, 0]}]}";
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "arm", &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    for (int i = 0; i < 2; i++) {
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_INT(p.rank, 2);
+        CHECK(isinf(p.condition) && p.manipulability == 0);
+        CHECK_NEAR(p.singular[0], sqrt(5), 1e-14, 0);
+        CHECK_INT(lw_robot_drive(&r, (const double[]){ 0.3, 0.5 }, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(p.manipulability, sin(0.5), 1e-12, 0);
+        CHECK_INT(lw_robot_drive(&r, (const double[]){ 0, 0 }, &e), LW_OK);
+    }
+    CHECK_INT(lw_robot_move(&r, lw_v3(2.1, 0, 0), NULL, &e), LW_OPEN);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}

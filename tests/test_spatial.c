@@ -41,6 +41,8 @@ TEST(refuses_what_no_model_has)
         { "", ", \"kind\": \"b\"", ",\n\"input\": {\"joint\": \"A\"}", "no single coordinate", 4 },
         { "", ", \"axis\": [0, 0, 1], \"friction\": {}", "", "\"coefficient\"", 3 },
         { "", ", \"axis\": [0, 0, 1, 4]", "", "list of 3", 3 },
+        { ", \"elastic\": {\"section\": {\"shape\": \"round\", \"diameter\": 0.1}, \"material\": \"steel\", \"axis\": [[0, 0, 0], [0, 0, 0]]}",
+          ", \"axis\": [0, 0, 1]", "", "length 0", 2 },
         { "", ", \"axis\": [0, 0, 1]", ",\n\"gravity\": [0, -9.81]", "list of 3", 4 },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {

@@ -969,3 +969,24 @@ TEST(implicit_steps_turn_in_space)
     CHECK(q.rates < 5000);
     lw_spatial_free(&m);
 }
+
+/* A tool driven beyond what the loops reach: how far they stay open, and where. */
+TEST(loops_that_do_not_close)
+{
+    lw_spatial m;
+    lw_error e = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_dynamics *d;
+    lw_dynamics_report r;
+    o.intervals = 4;
+    load_spatial("delta", &m);
+    CHECK_INT(lw_spatial_set_motion(&m, 0, "0", &e), LW_OK);
+    CHECK_INT(lw_spatial_set_motion(&m, 1, "0", &e), LW_OK);
+    CHECK_INT(lw_spatial_set_motion(&m, 2, "-0.65 - t", &e), LW_OK);
+    CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+    CHECK_INT(lw_dynamics_run(d, NULL, NULL, &r, &e), LW_E_NUMERIC);
+    CHECK_HAS(e.text, "z of tool = -1.08972473 m");       /* the lowest place, by closed form */
+    CHECK_HAS(e.text, "m open");
+    lw_dynamics_free(d);
+    lw_spatial_free(&m);
+}

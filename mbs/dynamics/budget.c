@@ -206,8 +206,8 @@ static void find_worst(lw_budget *b)
         for (int pass = 0; pass < passes; pass++) {
             furthest(b, u, &end);
             double size = lw_v3_norm(end);
-            if (!(size > 0))
-                return;
+            if (!(size > 0))                         /* nothing moves the tool that way */
+                break;
             u = lw_v3_scale(end, 1/size);
         }
         double size = lw_v3_norm(end);

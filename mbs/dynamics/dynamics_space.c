@@ -447,8 +447,10 @@ lw_status lw_run_driven_spatial(lw_run *run)
     for (int k = 0; st == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
         if ((st = lw_limits_check(d->o.stop, d->o.until, true, t, run->e)) != LW_OK ||
-            (st = lw_space_follow_to(f, motions, d, t, run->e)) != LW_OK)
+            (st = lw_space_follow_to(f, motions, d, t, run->e)) != LW_OK) {
+            st = st == LW_OPEN ? LW_E_NUMERIC : st;      /* its text says where and why */
             break;
+        }
         run->r->t = t;
         memcpy(y, f->q, (size_t)d->n_q*sizeof *y);
         d->eq.accept(d->eq.context, y);

@@ -33,6 +33,27 @@ static lw_status find_tool(const lw_spatial *m, const char *name, int *tool, lw_
                         near ? near : "", near ? "\"?" : "");
 }
 
+static bool drive_turns(const lw_robot *r, int i)
+{
+    return (r->model->n_drive ? r->model->drive[i] : r->model->input[i].measure).of == LW_OF_TURN;
+}
+
+/* The posture of the file may be singular: look nearby, too. */
+static void find_rank(lw_robot *r)
+{
+    static const double step = 0.01;         /* rad, or of the size */
+    lw_robot_pose here, near;
+    lw_error e;
+    if (lw_robot_measure(r, &here, &e) != LW_OK)
+        return;
+    for (int i = 0; i < r->n_drive; i++)
+        near.drive[i] = here.drive[i] + step*(1 + 0.1*i)*(drive_turns(r, i) ? 1 : r->space.unit);
+    lw_robot_drive(r, near.drive, &e);
+    int rank = lw_robot_measure(r, &near, &e) == LW_OK ? near.rank : 0;
+    lw_robot_reset(r);
+    r->rank = here.rank > rank ? here.rank : rank;
+}
+
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
 {
     lw_spatial_measure drive[LW_ROBOT_DRIVES];
@@ -71,6 +92,7 @@ lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_e
     r->start = r->column + (size_t)r->n_drive*n_v;
     memcpy(r->start, r->follow.q, n_q*sizeof *r->start);
     lw_space_follow_values(&r->follow, r->drive);
+    find_rank(r);
     return LW_OK;
 }
 
@@ -235,6 +257,11 @@ lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
         }
     }
     fill_masses(r, out);
+    if (out->rank < r->rank) {
+        out->rank = r->rank;
+        out->manipulability = 0;
+        out->condition = INFINITY;
+    }
     return LW_OK;
 }
 

@@ -17,6 +17,7 @@ typedef struct lw_robot {
     const lw_spatial *model;
     int    tool;                                 /* tracer                                              */
     int    n_drive;
+    int    rank;                                 /* of the tool's velocity, where it is not singular: 2 in a plane */
     bool   turns;                                /* six freedoms or more, in the plane three: the tool's turn is a part of its pose */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
@@ -37,8 +38,8 @@ typedef struct lw_robot_pose {
     double  drive[LW_ROBOT_DRIVES];              /* as the model counts them [rad] or [m]               */
     double  jacobian[6][LW_ROBOT_DRIVES];        /* [m/rad], [m/m]; below [rad/rad], [rad/m]            */
     double  singular[3];                         /* singular values of the upper three rows, the greatest first */
-    int     rank;                                /* of those rows: 2 where the tool moves in a plane    */
-    double  condition;                           /* greatest over least of `rank` singular values       */
+    int     rank;                                /* of those rows, where they are not singular: 2 where the tool moves in a plane */
+    double  condition;                           /* greatest over least of `rank` singular values; infinite in a singular posture */
     double  manipulability;                      /* their product (Yoshikawa 1985)                      */
     lw_mat3 axes;                                /* columns: directions that belong to them             */
     double  mass[3];                             /* principal values of (J M^-1 J^T)^-1, M the mass matrix of the drives:
