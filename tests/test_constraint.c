@@ -223,7 +223,7 @@ TEST(conditions_are_those_of_single_postures)
 TEST(extremes_between_samples_are_found)
 {
     lw_rng rng;
-    int n_off = 0;
+    int n_off = 0, n_far = 0;
     lw_rng_seed(&rng, check_seed(), 7);
     for (int trial = 0; trial < 40; trial++) {
         enum { FINE = 5000 };
@@ -239,12 +239,17 @@ TEST(extremes_between_samples_are_found)
         }
         for (size_t k = 0; k < LW_CURVE_SAMPLES; k++)
             least = fmin(least, g[(size_t)p.n_linear + k]);
-        n_off += !(fabs(least - want) <= 2e-4*(1 + fabs(want)));         /* as near as 5000 postures come */
-        CHECK_NEAR(least, want, 0.05, 0.05);                     /* of two peaks between samples it may be the lower */
         free(g);
         lw_problem_free(&p);
+        if (want > 0.5) {                                        /* far from the limit: samples are enough      */
+            n_far++;
+            CHECK_NEAR(least, want, 0.1, 0);
+            continue;
+        }
+        n_off += !(fabs(least - want) <= 2e-4*(1 + fabs(want)));         /* as near as 5000 postures come */
+        CHECK_NEAR(least, want, 0.05, 0.05);                     /* of two peaks between samples it may be the lower */
     }
-    CHECK(n_off <= 2);
+    CHECK(n_off <= 2 && n_far < 30);
 }
 
 /* Every kind of condition: transmission, acceleration, pivots in a box and on a line, zones on the path, lengths. */

@@ -241,10 +241,10 @@ static void sample(const lw_problem *p, lw_work *w, const motion *m, size_t n)
 static void jacobians(const lw_problem *p, const double *x, lw_work *w, int n_which, const int *which, const double *c,
                       const double *s, size_t n, const lw_jacobian *out)
 {
+    bool modes = lw_problem_has_modes(p);
     for (size_t first = 0, next; first < n; first = next) {
         lw_jacobian part[LW_PLACE_MAX];
-        for (next = first + 1; next < n && (!lw_problem_has_modes(p)
-                                            || w->check_at[next].leg == w->check_at[first].leg); next++)
+        for (next = modes ? first + 1 : n; next < n && w->check_at[next].leg == w->check_at[first].leg; next++)
             ;
         for (int k = 0; k < n_which; k++) {
             lw_jacobian *j = &part[k];
@@ -256,7 +256,7 @@ static void jacobians(const lw_problem *p, const double *x, lw_work *w, int n_wh
                     *each[i] += first;
         }
         lw_lanes in = { .n = next - first, .c = c + first, .s = s + first, .dim = x, .mode = p->intended.mode };
-        if (lw_problem_has_modes(p))
+        if (modes)
             in.mode = w->swing.stroke[w->check_at[first].leg].mode;
         lw_batch_jacobians(&p->plan, &in, n_which, which, w->batch, part);
     }
@@ -332,28 +332,26 @@ static double acceleration_condition(const lw_problem *p, const acceleration *a)
     return 1 - (a->x*a->x + a->y*a->y - turn2)/(p->max_acceleration*p->max_acceleration);
 }
 
-/* Derivatives of P' and P'' by dimensions and input: differences, of fourth order in the input, of the exact Jacobian.
+/* Derivatives of P' and P'' by dimensions and input: central differences by the input of the exact Jacobian.
  * w->slope[0 .. 3] become those of P'' (x, y) and of P' (x, y). */
 static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w)
 {
-    static const double first[5] = { 1, -8, 0, 8, -1 }, second[5] = { -1, 16, -30, 16, -1 };
-    const double h = 2e-3;
+    const double h = 2e-4;
     size_t ld = w->posture.ld, rows = (size_t)p->n_dim + 1;
-    for (int i = 0; i < 4; i++)
+    int parts = lw_task_has_place(p->task) ? 2 : 4;          /* a path needs P'' alone                 */
+    for (int i = 0; i < parts; i++)
         memset(w->slope[i], 0, sizeof(double)*rows*ld);
-    for (int i = 0; i < 5; i++) {
-        double a = second[i]/(12*h*h), v = first[i]/(12*h);
-        shifted(p, x, w, POSTURES, (i - 2)*h, w->posture_u, w->posture_v);
-        for (size_t d = 0; d < rows; d++) {
-            const double *jx = d + 1 < rows ? w->posture.jx + d*ld : w->posture_u;
-            const double *jy = d + 1 < rows ? w->posture.jy + d*ld : w->posture_v;
-            for (size_t k = 0; k < POSTURES; k++) {
-                w->slope[0][d*ld + k] += a*jx[k];
-                w->slope[1][d*ld + k] += a*jy[k];
-                w->slope[2][d*ld + k] += v*jx[k];
-                w->slope[3][d*ld + k] += v*jy[k];
+    for (int i = -1; i <= 1; i++) {
+        double a = (i == 0 ? -2 : 1)/(h*h), v = i/(2*h);
+        shifted(p, x, w, POSTURES, i*h, w->posture_u, w->posture_v);
+        for (size_t d = 0; d < rows; d++)
+            for (int part = 0; part < parts; part++) {
+                const double *restrict from = part % 2 == 0 ? (d + 1 < rows ? w->posture.jx + d*ld : w->posture_u)
+                                                            : (d + 1 < rows ? w->posture.jy + d*ld : w->posture_v);
+                double *restrict to = w->slope[part] + d*ld, by = part < 2 ? a : v;
+                for (size_t k = 0; k < POSTURES; k++)
+                    to[k] += by*from[k];
             }
-        }
     }
 }
 
@@ -391,6 +389,32 @@ static void move_posture(const lw_problem *p, lw_work *w, const motion *m, size_
     w->check_s[i] = w->check_at[i].s;
 }
 
+/* Move posture q*i + k to best[i] + h*net[k], for each of n places. */
+static void spread_net(const lw_problem *p, lw_work *w, const motion *m, size_t n, const double *best, double h,
+                       size_t q, const double *net)
+{
+    double c[6], s[6];
+    for (size_t k = 0; k < q && p->intended.turns; k++) {
+        c[k] = cos(2*LW_PI*h*net[k]/POSTURES);
+        s[k] = sin(2*LW_PI*h*net[k]/POSTURES);
+    }
+    for (size_t i = 0; i < n; i++) {
+        double middle = 2*LW_PI*best[i]/POSTURES;
+        double c0 = p->intended.turns ? cos(middle) : 0, s0 = p->intended.turns ? sin(middle) : 0;
+        for (size_t k = 0; k < q; k++) {
+            lw_cycle_point *at = &w->check_at[q*i + k];
+            if (!p->intended.turns) {
+                move_posture(p, w, m, q*i + k, best[i] + h*net[k]);
+                continue;
+            }
+            *at = (lw_cycle_point){ .c = c0*c[k] - s0*s[k], .s = s0*c[k] + c0*s[k],
+                                    .input = middle + 2*LW_PI*h*net[k]/POSTURES, .rate = 1 };
+            w->check_c[q*i + k] = at->c;
+            w->check_s[q*i + k] = at->s;
+        }
+    }
+}
+
 /* Vertex of the parabola through the values before, now, after at -1, 0, 1; *least: its value. */
 static double vertex(double before, double now, double after, double *least)
 {
@@ -400,9 +424,10 @@ static double vertex(double before, double now, double after, double *least)
 }
 
 /* Move each sample that is less than both neighbours to the extreme between them, whose value g becomes: two nets, each
- * of a quarter of the spacing before, then parabolas.  The posture of sample k is then at place[k].  Only the least of many. */
-static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, const motion *m, condition *of, double *g,
-                          double *place)
+ * of a quarter of the spacing before, then parabolas.  The posture of sample k is then at place[k].  Only the
+ * least of many; not those that would stay above `enough` if the bend of the three samples went on. */
+static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, const motion *m, condition *of,
+                          double enough, double *g, double *place)
 {
     enum { MOST = POSTURES/6 };
     size_t at[MOST], n = 0;
@@ -412,7 +437,8 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
         place[k] = (double)k;
     for (size_t k = round ? 0 : 1; k < (round ? POSTURES : POSTURES - 1); k++) {
         double before = g[(k + POSTURES - 1) % POSTURES], after = g[(k + 1) % POSTURES];
-        if (!(g[k] < before && g[k] <= after) || (k > 0 && changes(p, w, k - 1)) || changes(p, w, k))
+        if (!(g[k] < before && g[k] <= after) || g[k] - (before + after - 2*g[k]) > enough
+            || (k > 0 && changes(p, w, k - 1)) || changes(p, w, k))
             continue;
         size_t i = n < MOST ? n++ : n;
         for (; i > 0 && g[at[i - 1]] > g[k]; i--)
@@ -423,12 +449,13 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
     }
     if (n == 0)
         return;
+    lw_cycle_point sample[6*MOST];
+    memcpy(sample, w->check_at, sizeof *sample*6*n);
     for (size_t i = 0; i < n; i++)
         best[i] = (double)at[i];
     for (double h = 0.25; h > 0.01; h *= 0.25) {
         static const double net[6] = { -3, -2, -1, 1, 2, 3 };
-        for (size_t i = 0; i < 6*n; i++)
-            move_posture(p, w, m, i, best[i/6] + h*net[i % 6]);
+        spread_net(p, w, m, n, best, h, 6, net);
         of(p, x, w, 6*n, value);
         for (size_t i = 0; i < n; i++) {
             double from = best[i];
@@ -440,14 +467,16 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
         }
     }
     for (double h = 1.0/16; h > 5e-4; h *= 0.2) {
-        for (size_t i = 0; i < 3*n; i++)
-            move_posture(p, w, m, i, best[i/3] + h*((double)(i % 3) - 1));
+        spread_net(p, w, m, n, best, h, 3, (const double[]){ -1, 0, 1 });
         of(p, x, w, 3*n, value);
         for (size_t i = 0; i < n; i++)
             best[i] += h*vertex(value[3*i], value[3*i + 1], value[3*i + 2], &g[at[i]]);
     }
-    for (size_t k = 0; k < POSTURES; k++)
-        move_posture(p, w, m, k, place[k]);
+    memcpy(w->check_at, sample, sizeof *sample*6*n);
+    for (size_t k = 0; k < 6*n; k++) {
+        w->check_c[k] = sample[k].c;
+        w->check_s[k] = sample[k].s;
+    }
     for (size_t i = 0; i < n; i++)
         move_posture(p, w, m, at[i], place[at[i]] = best[i]);
 }
@@ -487,7 +516,7 @@ static void transmissions(const lw_problem *p, const double *x, lw_work *w, cons
     size_t n = lw_problem_transmission_postures(p);
     if (n == POSTURES) {                                      /* else the postures are those of the extremes */
         margins(p, x, w, n, g);
-        seek_extremes(p, x, w, m, margins, g, place);
+        seek_extremes(p, x, w, m, margins, INFINITY, g, place);
     }
     if (n < POSTURES || j)
         margins_at(p, x, w, w->check_c, w->check_s, n, g, j ? w->slope[0] : NULL);
@@ -501,6 +530,8 @@ static void transmissions(const lw_problem *p, const double *x, lw_work *w, cons
         g[k] -= sine*sine;
 }
 
+#define FAR_FROM_LIMIT 0.5          /* |P''| below 0.7 of its limit: peaks between samples do not matter  */
+
 /* The same for accelerations. */
 static void accelerations(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
 {
@@ -508,7 +539,7 @@ static void accelerations(const lw_problem *p, const double *x, lw_work *w, cons
     acceleration of[POSTURES];
     double place[POSTURES], unused[POSTURES];
     acceleration_conditions(p, x, w, POSTURES, g);
-    seek_extremes(p, x, w, m, acceleration_conditions, g, place);
+    seek_extremes(p, x, w, m, acceleration_conditions, FAR_FROM_LIMIT, g, place);
     if (j) {
         find_accelerations(p, x, w, POSTURES, of, unused);
         acceleration_slopes(p, x, w);
