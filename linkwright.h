@@ -1154,12 +1154,14 @@ LW_API void      lw_target_stations(const lw_target *target, const double **x, c
 
 typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;    /* of a dimension [m] or [rad]            */
 
-/* Where something must or must not be: boxes, circles, lines. */
+/* Where something must or must not be: boxes, circles, lines, convex polygons. */
+#define LW_ZONE_CORNERS 16
 typedef enum lw_zone_kind {
     LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
     LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
     LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
-    LW_ZONE_NO_CIRCLE
+    LW_ZONE_NO_CIRCLE,
+    LW_ZONE_PIVOTS_POLYGON, LW_ZONE_NO_POLYGON
 } lw_zone_kind;
 
 typedef struct lw_zone {
@@ -1167,6 +1169,8 @@ typedef struct lw_zone {
     lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
     lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
     double  reach;        /* circle: radius; line: how far off [m]                                  */
+    int     n_corner;     /* polygon: 3 to LW_ZONE_CORNERS, in either order; no corner points inwards */
+    lw_vec2 corner[LW_ZONE_CORNERS];    /* [m] (n_corner)                                           */
 } lw_zone;
 
 /* Called when a search found a better linkage: in the posture of the first station, tracer 0 draws the curve.  Calls

@@ -3,7 +3,7 @@ import { app, accept, blank, change, changed, emit, later, on, recall, redo, und
 import { ask, latest, onConnection, Refused } from "./api.js";
 import { Layer, View, drawMechanism } from "./view.js";
 import { clone, complete, distance, inputOf, placed, rebase, turned } from "./mechanism.js";
-import { csv, outline } from "./path.js";
+import { csv, outline, zoneCorners, zoneOf, zoneScaled } from "./path.js";
 import { nudge, removePicked, select, tools } from "./tools.js";
 import { makePanels } from "./panels.js";
 
@@ -66,8 +66,10 @@ function drawZones() {
   const l = layers.zones, v = app.view, t = app.doc.task;
   l.begin();
   const put = (key, z, c, text) => {
-    l.put(key, "rect", { class: c, x: v.X(z), y: v.Y([0, z[3]]), width: (z[2] - z[0]) * v.scale, height: (z[3] - z[1]) * v.scale, rx: 3 });
-    l.put(`${key}.text`, "text", { x: v.X(z) + 6, y: v.Y([0, z[3]]) + 16 }, text);
+    const p = zoneCorners(z), box = p === z ? null : z, x = p.map((q) => q[0]), y = p.map((q) => q[1]);
+    l.put(key, "path", { class: c, d: v.line(p, true), "stroke-linejoin": "round" });
+    l.put(`${key}.text`, "text", box ? { x: v.X(z) + 6, y: v.Y([0, z[3]]) + 16 }
+      : { x: v.X([(Math.min(...x) + Math.max(...x)) / 2, 0]), y: v.Y([0, (Math.min(...y) + Math.max(...y)) / 2]), "text-anchor": "middle" }, text);
   };
   if (t.pivots) put("pivots", t.pivots, "box-pivots", "fixed pivots");
   t.forbidden.forEach((z, i) => put(`forbidden${i}`, z, "box-forbidden", "forbidden"));
@@ -169,7 +171,7 @@ app.fit = () => {
     for (const l of k.links) for (const s of l.shapes || []) for (const p of s.circle ? [s.circle] : s.polygon || s.segment || []) points.push(where(p, l.name));
     if (app.motion) for (const c of app.motion.curves) if (c.shown) for (let i = 0; i < c.x.length; i += 9) points.push([c.x[i], c.y[i]]);
   }
-  for (const z of [app.doc.task.pivots, ...app.doc.task.forbidden]) if (z) points.push([z[0], z[1]], [z[2], z[3]]);
+  for (const z of [app.doc.task.pivots, ...app.doc.task.forbidden]) if (z) points.push(...zoneCorners(z));
   if (app.doc.photo && !points.length) points.push([app.doc.photo.x, app.doc.photo.y], [app.doc.photo.x + app.doc.photo.w, app.doc.photo.y - app.doc.photo.h]);
   app.view.show(points);
   app.fitAgain = Boolean(k) && !app.fresh();      // the curves are not there yet
@@ -532,8 +534,8 @@ function setUnit(unit) {
     d.unit = unit;
     d.path.anchors = d.path.anchors.map((p) => [...scaled(p.slice(0, 2)), ...p.slice(2)]);
     const t = d.task;
-    if (t.pivots) t.pivots = scaled(t.pivots);
-    t.forbidden = t.forbidden.map(scaled);
+    if (t.pivots) t.pivots = zoneScaled(t.pivots, f);
+    t.forbidden = t.forbidden.map((z) => zoneScaled(z, f));
     for (const key of ["least", "most", "acceleration"]) if (t[key] !== null) t[key] = +(t[key] * f).toPrecision(12);
     if (d.photo) d.photo = { ...d.photo, x: d.photo.x * f, y: d.photo.y * f, w: d.photo.w * f, h: d.photo.h * f };
     if (d.linkage) d.linkage = inUnit(d.linkage, unit);
@@ -626,8 +628,9 @@ function openTask(t) {
     d.path = { ...blank().path, mode: "points", closed: !!t.closed, anchors: a };
     const n = { ...blank().task, links: t.links || 4, turn: t.crank ? "full" : "auto", timing: t.timing || "auto",
       transmission: t.transmission ?? null, ...(t.lengths || {}) };
-    if (t.pivots && t.pivots.box) n.pivots = t.pivots.box.flat();
-    n.forbidden = (t.forbidden || []).filter((z) => z.box).map((z) => z.box.flat());
+    n.pivots = t.pivots ? zoneOf(t.pivots) : null;
+    n.forbidden = (t.forbidden || []).map(zoneOf);
+    if (t.pivots && !n.pivots) later(() => app.say("The task wants the pivots on a line; the studio leaves this out.", true), 500);
     d.task = n;
   });
 }

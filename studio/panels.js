@@ -199,7 +199,7 @@ const conditions = () => {
   list.push(["transmission", `transmission angle at least ${t.transmission ?? 20}°`, { transmission: 0.01 }]);
   if (t.maxSize !== null) list.push(["maxSize", `at most ${t.maxSize} diagonals large`, { maxSize: null }]);
   if (t.least !== null || t.most !== null || t.ratio !== null) list.push(["lengths", "limits of lengths", { least: null, most: null, ratio: null }]);
-  if (t.pivots) list.push(["pivots", "box for pivots", { pivots: null }]);
+  if (t.pivots) list.push(["pivots", "zone for pivots", { pivots: null }]);
   t.forbidden.forEach((z, i) => list.push([`forbidden${i}`, `forbidden zone ${i + 1}`, { forbidden: t.forbidden.filter((y, k) => k !== i) }]));
   if (t.acceleration !== null) list.push(["acceleration", "acceleration", { acceleration: null }]);
   if (t.links === 4) list.push(["links", "four links only", { links: 6 }]);
@@ -214,7 +214,7 @@ function searchPanel(panel) {
 
   const render = soon(() => {
     const t = app.doc.task, u = app.doc.unit, set = (key) => (v) => change("task", (d) => { d.task[key] = v; });
-    const box4 = (label, z, away) => row(make("span", { class: "label" }, `${label} ${z.map((x) => round(x)).join(", ")}`), make("button", { class: "plain", "aria-label": `Take ${label} away`, onclick: away }, "✕"));
+    const box4 = (label, z, away) => row(make("span", { class: "label" }, Array.isArray(z[0]) ? `${label} a polygon of ${z.length} corners` : `${label} ${z.map((x) => round(x)).join(", ")}`), make("button", { class: "plain", "aria-label": `Take ${label} away`, onclick: away }, "✕"));
     const cost = (key) => {
       const c = s.costs[key];
       return c ? make("p", { class: `cost${c.gain > 0.02 ? " active" : ""}`, "data-cost": key }, c.text) : "";
@@ -234,7 +234,7 @@ function searchPanel(panel) {
       number("Most acceleration of the point", t.acceleration, `${u}/s²`, set("acceleration"), { min: 0 }), cost("acceleration"),
       t.pivots ? box4("Pivots in", t.pivots, () => set("pivots")(null)) : "", cost("pivots"),
       ...t.forbidden.flatMap((z, i) => [box4("Nothing in", z, () => change("task", (d) => { d.task.forbidden.splice(i, 1); })), cost(`forbidden${i}`)]),
-      hint("Boxes for pivots (B) and forbidden zones (F) are drawn on the left."),
+      hint("Zones for pivots (B) and forbidden zones (F): choose the tool, drag a box or draw round the zone."),
       row(make("button", { id: "search", class: "main", disabled: going || n < 3, onclick: () => start() }, "Search"),
         make("button", { id: "improve", disabled: going || n < 3 || !app.doc.linkage, title: "Search from the mechanism on the drawing", onclick: () => start(true) }, "Improve from here"),
         make("button", { id: "stop", disabled: !going, onclick: () => ask("stop", { id: s.id }).catch(() => {}) }, "Stop")),

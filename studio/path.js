@@ -38,6 +38,35 @@ export function simplify(points, reach) {
   return [...simplify(points.slice(0, at + 1), reach).slice(0, -1), ...simplify(points.slice(at), reach)];
 }
 
+// A zone is a box [x, y, x, y] or a polygon [[x, y], ...] without corners that point inwards.
+export const zoneCorners = (z) => (Array.isArray(z[0]) ? z : [[z[0], z[1]], [z[2], z[1]], [z[2], z[3]], [z[0], z[3]]]);
+export const zoneScaled = (z, f) => (Array.isArray(z[0]) ? z.map((p) => p.map((x) => x * f)) : z.map((x) => x * f));
+const zoneTask = (z) => (Array.isArray(z[0]) ? { polygon: z } : { box: [[z[0], z[1]], [z[2], z[3]]] });
+// A circle of a task becomes the polygon round it.
+export const zoneOf = (z) => (z.polygon ? z.polygon : z.box ? z.box.flat() : z.circle ? Array.from({ length: 16 }, (_, i) => {
+  const [[x, y], r] = z.circle, a = (2 * i + 1) * Math.PI / 16;
+  return [x + r / Math.cos(Math.PI / 16) * Math.cos(a), y + r / Math.cos(Math.PI / 16) * Math.sin(a)];
+}) : null);
+
+// The polygon without inward corners round all points, with 16 corners at most (of the hull those that matter least go).
+export function hull(points) {
+  const cross = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]), half = (list) => {
+    const out = [];
+    for (const p of list) {
+      while (out.length > 1 && cross(out[out.length - 2], out[out.length - 1], p) <= 0) out.pop();
+      out.push(p);
+    }
+    return out.slice(0, -1);
+  };
+  const all = [...half(sorted), ...half(sorted.reverse())], n = () => all.length;
+  while (n() > 16) {
+    const lost = all.map((p, i) => cross(all[(i + n() - 1) % n()], p, all[(i + 1) % n()]));
+    all.splice(lost.indexOf(Math.min(...lost)), 1);
+  }
+  return all;
+}
+
 // The task file (docs/notation.md, "Task") of a document with stations, and the options beside it.
 export function taskOf(doc, stations, without) {
   const t = without ? { ...doc.task, ...without } : doc.task, task = { "linkwright-task": 1, units: { length: doc.unit, angle: "deg" } };
@@ -51,8 +80,8 @@ export function taskOf(doc, stations, without) {
   const lengths = {};
   for (const key of ["least", "most", "ratio"]) if (t[key] !== null) lengths[key] = t[key];
   if (Object.keys(lengths).length) task.lengths = lengths;
-  if (t.pivots) task.pivots = { box: [[t.pivots[0], t.pivots[1]], [t.pivots[2], t.pivots[3]]] };
-  if (t.forbidden.length) task.forbidden = t.forbidden.map((z) => ({ box: [[z[0], z[1]], [z[2], z[3]]] }));
+  if (t.pivots) task.pivots = zoneTask(t.pivots);
+  if (t.forbidden.length) task.forbidden = t.forbidden.map(zoneTask);
   if (t.acceleration !== null) task.acceleration = t.acceleration / (t.rpm * Math.PI / 30) ** 2;
   return task;
 }

@@ -2,7 +2,7 @@
 // touched.
 import { app, begin, change, changed } from "./state.js";
 import { alike, clone, distance, drag, rebase, addLink, addGround, addTracer, addGear, empty, hit, remove } from "./mechanism.js";
-import { simplify } from "./path.js";
+import { hull, simplify, zoneCorners } from "./path.js";
 
 const icon = (d) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${d}"/></svg>`;
 
@@ -85,24 +85,33 @@ const drawing = (mode, name, key, d, title) => ({
   cancel() { this.stroke = null; this.moving = null; this.free = false; app.rubber(null); },
 });
 
-// ---- boxes
+// ---- zones: a drag from corner to corner gives a box, a drag round the zone a polygon
 
-const box = (name, key, d, title, put) => ({
+const zoneTool = (name, key, d, title, put) => ({
   name, key, icon: icon(d), title, group: "Conditions", cursor: "crosshair",
-  down(p) { this.from = snapped(p); },
-  move(p) { if (this.from) app.rubber(corners(this.from, snapped(p)), true); },
+  down(p) { this.way = [p]; },
+  shape(p) {
+    const [a, b] = [this.way[0], p], far = Math.max(...this.way.map((q) => distance(a, q)));
+    if (this.way.length > 8 && distance(a, b) < 0.5 * far) return hull(this.way);
+    const [c, e] = [snapped(a), snapped(b)];
+    return [Math.min(c[0], e[0]), Math.min(c[1], e[1]), Math.max(c[0], e[0]), Math.max(c[1], e[1])];
+  },
+  move(p) {
+    if (!this.way) return;
+    this.way.push(p);
+    app.rubber(zoneCorners(this.shape(p)), true);
+  },
   up(p) {
-    const [a, b] = [this.from, snapped(p)];
-    this.from = null;
-    app.rubber(null);
-    if (!a || Math.abs(a[0] - b[0]) * app.view.scale < 6 || Math.abs(a[1] - b[1]) * app.view.scale < 6) return;
-    const z = [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[0], b[0]), Math.max(a[1], b[1])];
+    const z = this.way && this.shape(p);
+    this.cancel();
+    if (!z) return;
+    const x = zoneCorners(z).map((q) => q[0]), y = zoneCorners(z).map((q) => q[1]);
+    if (x.length < 3 || Math.min(Math.max(...x) - Math.min(...x), Math.max(...y) - Math.min(...y)) * app.view.scale < 6) return;
     change("task", (doc) => put(doc.task, z));
     app.show("search");
   },
-  cancel() { this.from = null; app.rubber(null); },
+  cancel() { this.way = null; app.rubber(null); },
 });
-const corners = (a, b) => [a, [b[0], a[1]], b, [a[0], b[1]]];
 
 // ---- mechanisms
 
@@ -261,8 +270,8 @@ export const tools = [
   drawing("lines", "Lines", "l", "M3 19L8 6l7 9 6-10", "Straight lines from corner to corner"),
   drawing("points", "Points", "p", "M5 17h.01M10 8h.01M16 13h.01M20 5h.01", "Points to pass through, in order"),
   scale,
-  box("Pivots", "b", "M4 4h16v16H4zM12 14l-3 4h6zM12 11v3", "Box for the fixed pivots", (t, z) => { t.pivots = z; }),
-  box("Forbid", "f", "M4 4h16v16H4zM7 7l10 10M17 7L7 17", "Zone that nothing may enter", (t, z) => { if (t.forbidden.length < 7) t.forbidden.push(z); }),
+  zoneTool("Pivots", "b", "M4 4h16v16H4zM12 14l-3 4h6zM12 11v3", "Where the fixed pivots are: drag a box, or draw round it", (t, z) => { t.pivots = z; }),
+  zoneTool("Forbid", "f", "M4 4h16v16H4zM7 7l10 10M17 7L7 17", "Zone that nothing may enter: drag a box, or draw round it", (t, z) => { if (t.forbidden.length < 7) t.forbidden.push(z); }),
   builder("Link", "k", "M6 18L18 6M6 18h.01M18 6h.01M4 18a2 2 0 1 0 4 0 2 2 0 1 0-4 0M16 6a2 2 0 1 0 4 0 2 2 0 1 0-4 0",
     "Link: drag from end to end; ends on links and points are pinned", "Drag from one end of the link to the other.",
     (k, a, b) => { addLink(k, a, b, reach()); }),

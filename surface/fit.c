@@ -219,6 +219,9 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
         memcpy(spec->bound, r->bound, (size_t)r->n_bound*sizeof *r->bound);
     if (r->n_zone > 0)
         memcpy(spec->zone, r->zone, (size_t)r->n_zone*sizeof *r->zone);
+    for (int i = 0; i < r->n_zone; i++)
+        if (lw_zone_settle(&spec->zone[i], e) != LW_OK)
+            return LW_E_ARG;
     return LW_OK;
 }
 

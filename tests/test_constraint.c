@@ -260,11 +260,16 @@ static void ask_for_everything(const stations *st, lw_fit_spec *s)
     s->max_acceleration = s->max_slide_acceleration = 2;
     s->length_lo = 0.5;
     s->length_hi = 2;
-    s->n_zone = 4;
-    s->zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { -1, -1 }, { 1, 2 }, 0 };
-    s->zone[1] = (lw_zone){ LW_ZONE_PIVOTS_LINE, { 0, 1 }, { 0.8, 0.6 }, 0.5 };
-    s->zone[2] = (lw_zone){ LW_ZONE_NO_CIRCLE, { x + 0.3, y + 0.1 }, { 0, 0 }, 0.2 };
-    s->zone[3] = (lw_zone){ LW_ZONE_NO_BOX, { x - 1.3, y - 0.7 }, { x - 0.8, y - 0.1 }, 0 };
+    s->n_zone = 6;
+    s->zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { -1, -1 }, .to = { 1, 2 }, .reach = 0 };
+    s->zone[1] = (lw_zone){ .kind = LW_ZONE_PIVOTS_LINE, .at = { 0, 1 }, .to = { 0.8, 0.6 }, .reach = 0.5 };
+    s->zone[2] = (lw_zone){ .kind = LW_ZONE_NO_CIRCLE, .at = { x + 0.3, y + 0.1 }, .to = { 0, 0 }, .reach = 0.2 };
+    s->zone[3] = (lw_zone){ .kind = LW_ZONE_NO_BOX, .at = { x - 1.3, y - 0.7 }, .to = { x - 0.8, y - 0.1 }, .reach = 0 };
+    s->zone[4] = (lw_zone){ .kind = LW_ZONE_PIVOTS_POLYGON, .n_corner = 3, .corner = { { -2, -1 }, { 2.5, -1.5 }, { 0, 3 } } };
+    s->zone[5] = (lw_zone){ .kind = LW_ZONE_NO_POLYGON, .n_corner = 5, .corner = { { x - 0.9, y + 0.6 }, { x - 0.2, y + 0.2 },
+                            { x + 0.3, y + 0.5 }, { x + 0.1, y + 1 }, { x - 0.5, y + 1.1 } } };
+    for (int i = 4; i < 6; i++)
+        CHECK_INT(lw_zone_settle(&s->zone[i], NULL), LW_OK);
 }
 
 /* Is row i an acceleration beside a posture near a dead point, where it grows beyond all bounds? */

@@ -324,7 +324,7 @@ TEST(conditions_leave_linkages_out)
         lengths.length_ratio = 4;
         quick.max_acceleration = 1.5*t.size;
         zone.n_zone = 1;
-        zone.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { -3, -3 }, { 3, 3 }, 0 };
+        zone.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { -3, -3 }, .to = { 3, 3 }, .reach = 0 };
         lw_exact x = solve_with(&t, &all), by_length = solve_with(&t, &lengths), by_zone = solve_with(&t, &zone);
         lw_exact by_speed = solve_with(&t, &quick);
         int n_length = 0, n_zone = 0, n_quick = 0;

@@ -24,7 +24,7 @@ TEST(a_turn_is_that_of_its_postures)
         draw_member("crank-rocker", 1, false, &rng, &m);
         CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, 1, 0, &posture), LW_OK);
         s.n_zone = 1;
-        s.zone[0] = (lw_zone){ LW_ZONE_NO_CIRCLE, lw_v2_add(posture.tracer[0][0], lw_v2(0.2, 0)), { 0, 0 }, 0.3 };
+        s.zone[0] = (lw_zone){ .kind = LW_ZONE_NO_CIRCLE, .at = lw_v2_add(posture.tracer[0][0], lw_v2(0.2, 0)), .to = { 0, 0 }, .reach = 0.3 };
         for (int k = 0; k <= LOOKS; k++) {
             lw_posture a, b;
             const double h = 1e-4;
@@ -105,7 +105,7 @@ TEST(every_condition_is_asked)
     s.min_transmission = asin(sqrt(0.5)) - 1e-6;
     s.max_acceleration = 2;
     s.n_zone = 1;
-    s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { 0, 0 }, { 3, 2 }, 0 };
+    s.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { 0, 0 }, .to = { 3, 2 }, .reach = 0 };
     CHECK(lw_motion_limits_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
     lw_motion_limits bad[3] = { good, good, good };
     bad[0].margin_least = 0.4;
@@ -118,7 +118,7 @@ TEST(every_condition_is_asked)
     }
     s.zone[0].to.x = 2.9;
     CHECK(!lw_motion_limits_meets(&good, &s, &k, 1, why, sizeof why) && strstr(why, "pivot"));
-    s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_LINE, { 0, 1 }, { 1, 0 }, 0.5 };
+    s.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_LINE, .at = { 0, 1 }, .to = { 1, 0 }, .reach = 0.5 };
     CHECK(lw_motion_limits_meets(&good, &s, &k, 1, NULL, 0));
     s.zone[0].reach = 0.4;
     CHECK(!lw_motion_limits_meets(&good, &s, &k, 1, NULL, 0));

@@ -66,6 +66,12 @@ TEST(faults_have_a_place)
         { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":4}", 1, 41, "3" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"transmission\":2}", 1, 50, "between" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[1,1],[0,2]]}}", 1, 51, "holds nothing" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[4,0],[2,1],[2,4]]}]}", 1, 59, "corner 3" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[2,4],[2,1],[4,0]]}]}", 1, 59, "corner 3" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[4,3],[0,4],[5,1],[3,5]]}]}", 1, 59, "" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"forbidden\":[{\"polygon\":[[0,0],[4,0]]}]}", 1, 59, "3" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
+          "[{\"polygon\":[[-1,-1],[-1,3],[3,3],[3,-1]]}]}", 1, 78, "whole box" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
           "[{\"circle\":[[0,0],2]}]}", 1, 78, "no linkage can do both" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"

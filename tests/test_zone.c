@@ -45,14 +45,14 @@ TEST(pivots_in_a_box_and_on_a_line)
     lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     s.n_zone = 1;
-    s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { -2, -4 }, { 5, -1 }, 0 };
+    s.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { -2, -4 }, .to = { 5, -1 }, .reach = 0 };
     if (best(&s, r))
         for (int j = 0; j < r->linkage.n_joint; j++)
             if (is_fixed(&r->linkage, j)) {
                 lw_vec2 p = r->linkage.joint[j].at;
                 CHECK(p.x >= -2 - 1e-6 && p.x <= 5 + 1e-6 && p.y >= -4 - 1e-6 && p.y <= -1 + 1e-6);
             }
-    s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_LINE, { 0, -1.5 }, { 1, 0 }, 0.01 };
+    s.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_LINE, .at = { 0, -1.5 }, .to = { 1, 0 }, .reach = 0.01 };
     if (best(&s, r))
         for (int j = 0; j < r->linkage.n_joint; j++)
             if (is_fixed(&r->linkage, j))
@@ -66,7 +66,7 @@ TEST(nothing_enters_a_circle)
     lw_fit_spec s = cranks();
     lw_newton *n;
     s.n_zone = 1;
-    s.zone[0] = (lw_zone){ LW_ZONE_NO_CIRCLE, { 1.6, 0.9 }, { 0, 0 }, 0.5 };
+    s.zone[0] = (lw_zone){ .kind = LW_ZONE_NO_CIRCLE, .at = { 1.6, 0.9 }, .to = { 0, 0 }, .reach = 0.5 };
     if (best(&s, r) && lw_newton_create(&r->linkage, &n, NULL) == LW_OK) {
         double start = lw_newton_input(n), least = INFINITY;
         for (int k = 0; k <= 360; k++) {
@@ -97,10 +97,16 @@ TEST(a_small_zone_is_not_stepped_over)
         lw_posture posture;
         CHECK_INT(lw_posture_solve(&m.plan, m.dim, &m.mode, m.first + 2*LW_PI*(k + 0.3)/60, 0, &posture), LW_OK);
         lw_vec2 at = posture.tracer[0][0];
-        bool box = k & 1;
+        bool box = k & 1, polygon = k % 4 > 1;              /* the box as a polygon; a thin triangle round the point */
         s.n_zone = 1;
-        s.zone[0] = box ? (lw_zone){ LW_ZONE_NO_BOX, { at.x - 0.02, at.y - 0.02 }, { at.x + 0.02, at.y + 0.02 }, 0 }
-                        : (lw_zone){ LW_ZONE_NO_CIRCLE, at, { 0, 0 }, 0.02 };
+        s.zone[0] = box ? (lw_zone){ .kind = LW_ZONE_NO_BOX, .at = { at.x - 0.02, at.y - 0.02 }, .to = { at.x + 0.02, at.y + 0.02 }, .reach = 0 }
+                        : (lw_zone){ .kind = LW_ZONE_NO_CIRCLE, .at = at, .to = { 0, 0 }, .reach = 0.02 };
+        if (polygon)
+            s.zone[0] = box ? (lw_zone){ .kind = LW_ZONE_NO_POLYGON, .n_corner = 4, .corner = { { at.x - 0.02, at.y - 0.02 },
+                                         { at.x - 0.02, at.y + 0.02 }, { at.x + 0.02, at.y + 0.02 }, { at.x + 0.02, at.y - 0.02 } } }
+                            : (lw_zone){ .kind = LW_ZONE_NO_POLYGON, .n_corner = 3, .corner = { { at.x - 0.02, at.y - 0.01 },
+                                         { at.x + 0.02, at.y - 0.01 }, { at.x, at.y + 0.02 } } };
+        CHECK_INT(lw_zone_settle(&s.zone[0], NULL), LW_OK);
         for (int far = 0; far < 2; far++) {
             double least = INFINITY;
             target_of(&st, &s, &t);
@@ -115,6 +121,8 @@ TEST(a_small_zone_is_not_stepped_over)
             CHECK(far ? least > 0 : least < 0);
             s.zone[0].at = lw_v2_add(s.zone[0].at, lw_v2(100, 0));           /* and the same, far away      */
             s.zone[0].to = lw_v2_add(s.zone[0].to, lw_v2(100, 0));
+            for (int c = 0; c < s.zone[0].n_corner; c++)
+                s.zone[0].corner[c] = lw_v2_add(s.zone[0].corner[c], lw_v2(100, 0));
             free(work);
             lw_problem_free(&p);
             lw_target_free(&t);
@@ -132,7 +140,7 @@ TEST(nothing_meets_a_contradiction)
     o.spec.position_lo = 0;
     o.spec.position_hi = 1;
     o.spec.n_zone = 1;
-    o.spec.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { 5, 5 }, { 6, 6 }, 0 };
+    o.spec.zone[0] = (lw_zone){ .kind = LW_ZONE_PIVOTS_BOX, .at = { 5, 5 }, .to = { 6, 6 }, .reach = 0 };
     o.max_rounds = 1;
     o.starts = 8;
     CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);

@@ -614,11 +614,11 @@ static void pivot_conditions(const lw_problem *p, const lw_zone *z, const lw_piv
     lw_vec2 turn = lw_v2_polar(1, x[p->plan.i_theta0]), base = lw_v2(x[p->plan.i_x0], x[p->plan.i_y0]);
     for (int k = 0; k < v->n; k++) {
         lw_vec2 at = lw_v2_add(base, lw_v2_turn(v->at[k], turn)), across = lw_v2(-z->to.y, z->to.x);
-        bool in_box = z->kind == LW_ZONE_PIVOTS_BOX;
-        for (int i = 0; i < (in_box ? 4 : 2); i++, g++) {
-            lw_vec2 n = in_box ? box[i] : lw_v2_scale(across, i ? 1 : -1);
-            lw_vec2 from = in_box && i % 2 ? z->to : z->at;
-            *g = lw_v2_dot(n, lw_v2_sub(at, from)) + (in_box ? 0 : z->reach);
+        bool in_box = z->kind == LW_ZONE_PIVOTS_BOX, in_polygon = lw_zone_is_polygon(z);
+        for (int i = 0; i < lw_zone_sides(z); i++, g++) {
+            lw_vec2 n = in_polygon ? lw_v2_scale(lw_zone_normal(z, i), -1) : in_box ? box[i] : lw_v2_scale(across, i ? 1 : -1);
+            lw_vec2 from = in_polygon ? z->corner[i] : in_box && i % 2 ? z->to : z->at;
+            *g = lw_v2_dot(n, lw_v2_sub(at, from)) + (z->kind == LW_ZONE_PIVOTS_LINE ? z->reach : 0);
             for (int d = 0; j && d < p->n_var; d++)
                 *j++ = lw_v2_dot(n, pivot_slope(p, v, turn, k, d));
         }
@@ -628,6 +628,50 @@ static void pivot_conditions(const lw_problem *p, const lw_zone *z, const lw_piv
 /* Lengths are scaled, so hypot, which avoids overflow, is not needed: it costs a fifth of the time here. */
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 
+/* outside_between of a polygon; least: at the ends.  Inside, the distance is the greatest of those from the sides, which are
+ * linear along the line: its least is where two of them cross.  Outside, it is least beside a corner. */
+static double outside_of_polygon(const lw_zone *z, lw_vec2 a, lw_vec2 line, double least, double *where)
+{
+    double base[LW_ZONE_CORNERS], slope[LW_ZONE_CORNERS], lo[2] = { -INFINITY, 0 }, hi[2] = { -INFINITY, 0 };
+    int n = z->n_corner;
+    for (int i = 0; i < n; i++) {
+        lw_vec2 normal = lw_zone_normal(z, i);
+        base[i] = lw_v2_dot(normal, lw_v2_sub(a, z->corner[i]));
+        slope[i] = lw_v2_dot(normal, line);
+        if (base[i] > lo[0])
+            lo[0] = base[i], lo[1] = slope[i];
+        if (base[i] + slope[i] > hi[0])
+            hi[0] = base[i] + slope[i], hi[1] = slope[i];
+    }
+    double deepest = fmin(lo[0], hi[0]), at = lo[0] <= hi[0] ? 0 : 1;
+    for (int step = 0; step <= n && lo[1] < 0 && hi[1] > 0; step++) {
+        double t = (hi[0] - hi[1] - lo[0])/(lo[1] - hi[1]), top = -INFINITY, steep = 0;
+        double crossing = lo[0] + lo[1]*t;
+        for (int i = 0; i < n; i++)
+            if (base[i] + slope[i]*t > top)
+                top = base[i] + slope[i]*t, steep = slope[i];
+        deepest = top;
+        at = t;
+        if (top <= crossing + 1e-14*(1 + fabs(crossing)))
+            break;
+        if (steep < 0)
+            lo[0] = top - steep*t, lo[1] = steep;
+        else
+            hi[0] = top + steep*(1 - t), hi[1] = steep;
+    }
+    if (deepest <= 0) {
+        *where = deepest < least ? at : *where;
+        return fmin(deepest, least);
+    }
+    for (int i = 0; i < n; i++) {
+        double t = lw_v2_dot(lw_v2_sub(z->corner[i], a), line)/lw_v2_dot(line, line);
+        double d = t > 0 && t < 1 ? length_of(lw_v2_sub(lw_v2_add(a, lw_v2_scale(line, t)), z->corner[i])) : INFINITY;
+        if (d < least)
+            least = d, *where = t;
+    }
+    return least;
+}
+
 /* The least distance to a zone along the straight line from a to b, and where on it, 0 .. 1. The distance is convex
  * along a line and changes by at most the length of the line; no more is found out if it is at least `enough`.  To a
  * box it is least at an end, beside a corner, or where the nearest side changes: on an axis of the box, or where two
@@ -635,6 +679,13 @@ static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough, double *where)
 {
     lw_vec2 line = lw_v2_sub(b, a);
+    *where = 0;
+    if (lw_zone_is_polygon(z)) {                            /* far from its bounding box: cheaper than its sides */
+        double gap = fmax(fmax(z->at.x - fmax(a.x, b.x), fmin(a.x, b.x) - z->to.x),
+                          fmax(z->at.y - fmax(a.y, b.y), fmin(a.y, b.y) - z->to.y));
+        if (gap > 0 && gap >= enough)
+            return gap;
+    }
     double from = lw_zone_outside(z, a), to = lw_zone_outside(z, b), least = fmin(from, to);
     double length = length_of(line);
     *where = from <= to ? 0 : 1;
@@ -644,6 +695,8 @@ static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double eno
         *where = fmax(0, fmin(1, lw_v2_dot(lw_v2_sub(z->at, a), line)/(length*length)));
         return lw_v2_segment_distance(z->at, a, b) - z->reach;
     }
+    if (lw_zone_is_polygon(z))
+        return outside_of_polygon(z, a, line, least, where);
     lw_vec2 off = lw_v2_sub(a, lw_v2_scale(lw_v2_add(z->at, z->to), 0.5));
     lw_vec2 half = lw_v2_scale(lw_v2_sub(z->to, z->at), 0.5);
     double at[10] = { -off.x/line.x, -off.y/line.y };      /* divisions by 0 give no number in (0, 1) */
@@ -730,6 +783,31 @@ static double least_between(const lw_work *w, const places *all, const lw_zone *
 
 #define KINK 1e-10      /* sides of a box this close together are equally far */
 
+/* The same as outwards: beyond a corner away from it, else across the farthest side, or the mean of the two farthest. */
+static lw_vec2 outwards_of_polygon(const lw_zone *z, lw_vec2 at, lw_vec2 line)
+{
+    double far[2] = { -INFINITY, -INFINITY }, least = INFINITY;
+    lw_vec2 normal[2] = { { 0, 0 }, { 0, 0 } }, edge = at;
+    for (int i = 0; i < z->n_corner; i++) {
+        lw_vec2 a = z->corner[i], side = lw_v2_sub(z->corner[(i + 1) % z->n_corner], a), n = lw_zone_normal(z, i);
+        lw_vec2 foot = lw_v2_add(a, lw_v2_scale(side, fmin(fmax(lw_v2_dot(lw_v2_sub(at, a), side)/lw_v2_dot(side, side), 0), 1)));
+        double d = lw_v2_dot(n, lw_v2_sub(at, a)), away = length_of(lw_v2_sub(at, foot));
+        if (away < least)
+            least = away, edge = foot;
+        int k = d > far[0] ? 0 : 1;
+        if (k == 0)
+            far[1] = far[0], normal[1] = normal[0];
+        if (d > far[k])
+            far[k] = d, normal[k] = n;
+    }
+    if (far[0] > 1e-9)
+        return lw_v2_scale(lw_v2_sub(at, edge), 1/fmax(least, 1e-300));
+    double s = lw_v2_dot(normal[0], line), t = lw_v2_dot(normal[1], line);
+    if (far[0] - far[1] < 1e3*KINK && s*t < 0)
+        return lw_v2_add(lw_v2_scale(normal[0], t/(t - s)), lw_v2_scale(normal[1], -s/(t - s)));
+    return normal[0];
+}
+
 /* Gradient of lw_zone_outside at a point where it is least along `line`, which may be 0.  Where the nearest side
  * changes there, it is the mean of the gradients to both sides that is normal to the line. */
 static lw_vec2 outwards(const lw_zone *z, lw_vec2 at, lw_vec2 line)
@@ -737,6 +815,8 @@ static lw_vec2 outwards(const lw_zone *z, lw_vec2 at, lw_vec2 line)
     lw_vec2 off = lw_v2_sub(at, z->at);
     if (z->kind == LW_ZONE_NO_CIRCLE)
         return lw_v2_scale(off, 1/fmax(length_of(off), 1e-300));
+    if (lw_zone_is_polygon(z))
+        return outwards_of_polygon(z, at, line);
     bool left = z->at.x - at.x > at.x - z->to.x, below = z->at.y - at.y > at.y - z->to.y;
     lw_vec2 beyond = lw_v2(left ? z->at.x - at.x : at.x - z->to.x, below ? z->at.y - at.y : at.y - z->to.y);
     lw_vec2 sign = lw_v2(left ? -1 : 1, below ? -1 : 1);
@@ -826,7 +906,7 @@ static void zones(const lw_problem *p, const double *x, lw_work *w, const motion
     lw_problem_fixed_pivots(p, x, &v);
     for (int i = 0; i < p->n_zone; i++) {
         const lw_zone *z = &p->zone[i];
-        size_t n = lw_zone_forbids(z) ? LW_ZONE_SAMPLES : (size_t)v.n*(z->kind == LW_ZONE_PIVOTS_BOX ? 4 : 2);
+        size_t n = lw_zone_forbids(z) ? LW_ZONE_SAMPLES : (size_t)(v.n*lw_zone_sides(z));
         if (lw_zone_forbids(z)) {
             of[i] = g;
             row[i] = j;

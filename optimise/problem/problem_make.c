@@ -378,16 +378,17 @@ static void scale_zones(const lw_fit_spec *s, lw_problem *p)
         lw_zone *z = &p->zone[i];
         *z = s->zone[i];
         z->at = lw_v2_scale(lw_v2_sub(z->at, p->origin), 1/p->unit);
-        if (z->kind == LW_ZONE_PIVOTS_BOX || z->kind == LW_ZONE_NO_BOX)
+        if (z->kind != LW_ZONE_PIVOTS_LINE)
             z->to = lw_v2_scale(lw_v2_sub(z->to, p->origin), 1/p->unit);
         z->reach /= p->unit;
+        for (int k = 0; k < z->n_corner && lw_zone_is_polygon(z); k++)
+            z->corner[k] = lw_v2_scale(lw_v2_sub(z->corner[k], p->origin), 1/p->unit);
     }
     double x[LW_VAR_MAX] = { 0 };
     lw_pivots v;
     lw_problem_fixed_pivots(p, x, &v);
     for (int i = 0; i < s->n_zone; i++)
-        p->n_zone_condition += lw_zone_forbids(&s->zone[i]) ? LW_ZONE_SAMPLES
-                             : (size_t)v.n*(s->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4 : 2);
+        p->n_zone_condition += lw_zone_forbids(&s->zone[i]) ? LW_ZONE_SAMPLES : (size_t)(v.n*lw_zone_sides(&s->zone[i]));
 }
 
 /* Set scale and weights: f is in units of the scaled target; the user's objective is scale * f. */

@@ -48,7 +48,7 @@ void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const doubl
 /* Distance of a fixed pivot from its zone. */
 static double astray(const lw_zone *z, lw_vec2 at)
 {
-    if (z->kind == LW_ZONE_PIVOTS_BOX)
+    if (z->kind != LW_ZONE_PIVOTS_LINE)
         return lw_zone_outside(z, at);
     return fabs(lw_v2_cross(z->to, lw_v2_sub(at, z->at))) - z->reach;
 }

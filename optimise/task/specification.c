@@ -48,11 +48,45 @@ void lw_fit_spec_set_limits(lw_fit_spec *s, const lw_target *t, unsigned given)
     }
 }
 
+lw_status lw_zone_settle(lw_zone *z, lw_error *e)
+{
+    double area = 0, turned = 0;
+    int n = z->n_corner;
+    if (!lw_zone_is_polygon(z))
+        return LW_OK;
+    if (n < 3 || n > LW_ZONE_CORNERS)
+        return lw_error_set(e, LW_E_ARG, "a polygon of a zone has 3 to %d corners, not %d", LW_ZONE_CORNERS, n);
+    z->at = z->to = z->corner[0];
+    for (int i = 0; i < n; i++) {
+        lw_vec2 a = z->corner[i];
+        area += lw_v2_cross(lw_v2_sub(a, z->corner[0]), lw_v2_sub(z->corner[(i + 1) % n], z->corner[0]));
+        z->at = lw_v2(fmin(z->at.x, a.x), fmin(z->at.y, a.y));
+        z->to = lw_v2(fmax(z->to.x, a.x), fmax(z->to.y, a.y));
+    }
+    for (int i = 0; i < n/2 && area < 0; i++) {
+        lw_vec2 a = z->corner[i];
+        z->corner[i] = z->corner[n - 1 - i];
+        z->corner[n - 1 - i] = a;
+    }
+    for (int i = 0; i < n; i++) {
+        lw_vec2 in = lw_v2_sub(z->corner[(i + 1) % n], z->corner[i]), out = lw_v2_sub(z->corner[(i + 2) % n], z->corner[(i + 1) % n]);
+        double turn = atan2(lw_v2_cross(in, out), lw_v2_dot(in, out));
+        turned += turn;
+        if (!(turn > -1e-12) || !(lw_v2_dot(in, in) > 0))
+            return lw_error_set(e, LW_E_ARG, "corner %d of the polygon points inwards or stands on the next; cut the zone into "
+                                "polygons without such corners", (area < 0 ? n - 1 - (i + 1) % n : (i + 1) % n) + 1);
+    }
+    return fabs(turned - 2*LW_PI) < 1e-6 && area != 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the sides of the polygon cross");
+}
+
 enum { EDGES = 2 + 2*LW_ZONE_MAX };
 
 /* Does a forbidden zone contain a whole box? */
 static bool swallows(const lw_zone *no, lw_vec2 lower, lw_vec2 upper)
 {
+    if (no->kind == LW_ZONE_NO_POLYGON)
+        return lw_zone_outside(no, lower) <= 0 && lw_zone_outside(no, upper) <= 0
+            && lw_zone_outside(no, lw_v2(lower.x, upper.y)) <= 0 && lw_zone_outside(no, lw_v2(upper.x, lower.y)) <= 0;
     if (no->kind == LW_ZONE_NO_BOX)
         return no->at.x <= lower.x && no->at.y <= lower.y && no->to.x >= upper.x && no->to.y >= upper.y;
     lw_vec2 far = lw_v2(fmax(fabs(lower.x - no->at.x), fabs(upper.x - no->at.x)),
@@ -71,8 +105,8 @@ static int cuts(const lw_fit_spec *s, const lw_zone *box, bool y, double edge[ED
     edge[n++] = hi;
     for (int i = 0; i < s->n_zone; i++) {
         const lw_zone *z = &s->zone[i];
-        double side[2] = { along(z->at, y) - z->reach, z->kind == LW_ZONE_NO_BOX ? along(z->to, y)
-                                                                                : along(z->at, y) + z->reach };
+        double side[2] = { along(z->at, y) - z->reach, z->kind == LW_ZONE_NO_CIRCLE ? along(z->at, y) + z->reach
+                                                                                  : along(z->to, y) };
         for (int k = 0; k < 2 && lw_zone_forbids(z); k++)
             if (side[k] > lo && side[k] < hi)
                 edge[n++] = side[k];
@@ -108,7 +142,7 @@ static bool all_forbidden(const lw_fit_spec *s, const lw_zone *box)
 static bool out_of_range(const lw_fit_spec *s, const lw_zone *z)
 {
     double lo = s->position_lo, hi = s->position_hi, least = INFINITY, most = -INFINITY;
-    if (z->kind == LW_ZONE_PIVOTS_BOX)
+    if (z->kind != LW_ZONE_PIVOTS_LINE)
         return z->at.x > hi || z->at.y > hi || z->to.x < lo || z->to.y < lo;
     for (int i = 0; i < 4; i++) {
         double off = lw_v2_cross(z->to, lw_v2_sub(lw_v2(i & 1 ? lo : hi, i & 2 ? lo : hi), z->at));

@@ -138,6 +138,19 @@ static lw_status read_circle(const lw_json_node *n, double metre, lw_zone *z, lw
     return s == LW_OK && !(z->reach > 0) ? lw_json_fault(&radius, e, "a radius is greater than 0") : s;
 }
 
+/* Read [[x, y], [x, y], [x, y], ...]. */
+static lw_status read_polygon(const lw_json_node *n, double metre, lw_zone *z, lw_error *e)
+{
+    lw_status s = lw_read_list(n, 3, LW_ZONE_CORNERS, e);
+    lw_error why = { 0 };
+    z->n_corner = s == LW_OK ? (int)lw_json_count(n) : 0;
+    for (int i = 0; i < z->n_corner && s == LW_OK; i++) {
+        lw_json_node corner = lw_json_element(n, (size_t)i);
+        s = lw_read_pair(&corner, metre, &z->corner[i], e);
+    }
+    return s == LW_OK && lw_zone_settle(z, &why) != LW_OK ? lw_json_fault(n, e, "%s", why.text) : s;
+}
+
 static lw_status add_zone(const lw_json_node *n, lw_task_file *b, lw_zone z, lw_error *e)
 {
     if (b->spec.n_zone == LW_ZONE_MAX)
@@ -146,10 +159,10 @@ static lw_status add_zone(const lw_json_node *n, lw_task_file *b, lw_zone z, lw_
     return LW_OK;
 }
 
-/* Read {"box": ...}; or, if forbidden, {"circle": ...}; or, for pivots, {"line": ..., "within": ...}. */
+/* Read {"box": ...} or {"polygon": ...}; or, if forbidden, {"circle": ...}; or, for pivots, {"line": ..., "within": ...}. */
 static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_task_file *b, lw_error *e)
 {
-    static const char *const known[] = { "box", "circle", "line", "within" };
+    static const char *const known[] = { "box", "circle", "line", "polygon", "within" };
     lw_zone z = { .kind = forbidden ? LW_ZONE_NO_BOX : LW_ZONE_PIVOTS_BOX };
     lw_json_node shape;
     double m = b->units.metre;
@@ -161,12 +174,15 @@ static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_task_file *
     else if (forbidden && lw_json_member(o, "circle", &shape)) {
         z.kind = LW_ZONE_NO_CIRCLE;
         s = read_circle(&shape, m, &z, e);
+    } else if (lw_json_member(o, "polygon", &shape)) {
+        z.kind = forbidden ? LW_ZONE_NO_POLYGON : LW_ZONE_PIVOTS_POLYGON;
+        s = read_polygon(&shape, m, &z, e);
     } else if (!forbidden && lw_json_member(o, "line", &shape)) {
         z.kind = LW_ZONE_PIVOTS_LINE;
         s = read_line(o, &shape, m, &z, e);
     } else
-        s = lw_json_fault(o, e, forbidden ? "a forbidden zone is a \"box\" or a \"circle\""
-                                          : "pivots lie in a \"box\" or on a \"line\"");
+        s = lw_json_fault(o, e, forbidden ? "a forbidden zone is a \"box\", a \"circle\" or a \"polygon\""
+                                          : "pivots lie in a \"box\" or a \"polygon\", or on a \"line\"");
     return s == LW_OK ? add_zone(o, b, z, e) : s;
 }
 

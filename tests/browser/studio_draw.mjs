@@ -145,10 +145,14 @@ await test("conditions: boxes by hand, numbers, what the server is asked", async
   await p.click("#tab-search");
   await p.run("(() => { studio.doc.task.rounds = 1; studio.view.show([[-150, -100], [250, 200]]); studio.redraw(); })()");
   await box("Pivots", [-100, -90], [170, 140]);
-  await box("Forbid", [180, 100], [220, 150]);
+  await p.click("[data-tool=Forbid]");                                   // a stroke round the zone: a polygon
+  const round = [];
+  for (let i = 0; i <= 24; i++) round.push(await at([200 + 22 * Math.cos(i * Math.PI / 12), 125 + 25 * Math.sin(i * Math.PI / 12)]));
+  await p.stroke(round);
   const t = (await doc()).task;
   check(`pivots ${t.pivots}`, t.pivots && Math.abs(t.pivots[0] + 100) < 4 && Math.abs(t.pivots[3] - 140) < 4);
-  check("forbidden", t.forbidden.length === 1);
+  check(`forbidden ${JSON.stringify(t.forbidden)}`, t.forbidden.length === 1 && t.forbidden[0].length > 7 && t.forbidden[0].length <= 16
+    && t.forbidden[0].every((q) => Math.abs(Math.hypot((q[0] - 200) / 22, (q[1] - 125) / 25) - 1) < 0.15));
   await p.until("document.querySelectorAll('.box-pivots, .box-forbidden').length === 2", "both are drawn");
   check("the panel lists them", (await p.run("document.getElementById('panel-search').textContent")).includes("Nothing in"));
   await p.fill("#panel-search input[placeholder='20'][max='89']", "25");
@@ -161,7 +165,7 @@ await test("search: live progress, best so far on the drawing, error plot, cards
   await p.until("document.getElementById('state')", "the state of the search");
   await p.until("document.querySelectorAll('#results .card').length > 0", "cards", 120);
   const body = JSON.parse(p.asked("search")[n].body);
-  check("task", body.task.pivots.box.length === 2 && body.task.forbidden.length === 1 && body.task.transmission === 25 && body.task.stations.length === 24);
+  check("task", body.task.pivots.box.length === 2 && body.task.forbidden[0].polygon.length > 7 && body.task.transmission === 25 && body.task.stations.length === 24);
   check("news were asked for", p.asked("news").length > 1);
   check("error plot", (await p.run("document.querySelector('#panel-search .plot path')?.getAttribute('d').length")) > 5);
   check("the best is on the drawing", (await doc()).linkage.joints.length === 4);
