@@ -1,6 +1,7 @@
 /* Overconstrained linkages drawn with rounded numbers: they are adjusted by the least change, and then move. */
 #include "base/rng.h"
 #include "mbs/constraints/adjust.h"
+#include "mbs/constraints/motion_curve.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -36,6 +37,32 @@ TEST(rounded_drawings_move)
             CHECK_INT(lw_model_drive(&d.model, 0, motion, &d.e), LW_OK);
             CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 10), LW_OK);
             CHECK(d.n_moment == 11 && d.report.worst_off < 1e-10);
+            lw_model_free(&d.model);
+        }
+}
+
+/* Three parallel bars drawn with rounded numbers go round on one curve, through both flat postures. */
+TEST(rounded_bars_go_round)
+{
+    lw_rng rng;
+    for (int seed = 1; seed <= 3; seed++)
+        for (int digits = 4; digits <= 5; digits++) {
+            lw_system s;
+            lw_motion_curve *curve;
+            double q[LW_SYSTEM_Q_MAX], by;
+            lw_motion_curve_options o = { .input = 0 };
+            lw_rng_seed(&rng, check_seed(), (uint64_t)(10*seed + digits));
+            read_rounded("examples/mobility/parallelogram.json", pow(10, -digits), &rng);
+            *d.model.small = (lw_linkage){ 0 };
+            CHECK_INT(lw_assembly_linkage(&d.model.linkage, d.model.small, &d.e), LW_OK);
+            CHECK_INT(lw_system_make(d.model.small, NULL, 0, &s, &d.e), LW_OK);
+            lw_system_posture(&s, q);
+            CHECK_INT(lw_system_adjust(&s, q, &by, &d.e), LW_OK);
+            CHECK_INT(lw_motion_curve_create(&s, q, &o, &curve, &d.e), LW_OK);
+            CHECK_INT(lw_motion_curve_ended(curve), LW_MOTION_CURVE_CLOSED);
+            CHECK_INT(abs(lw_motion_curve_turns(curve, -1)), 1);
+            lw_motion_curve_free(curve);
+            lw_system_free(&s);
             lw_model_free(&d.model);
         }
 }

@@ -1,4 +1,5 @@
 /* linkwright mobility - degrees of freedom of a linkage, counted by formula and found from its motion. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/real.h"
@@ -7,6 +8,7 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "grammar/model.h"
+#include "mbs/constraints/adjust.h"
 #include "mbs/dynamics/freedoms.h"
 
 typedef struct settings {
@@ -105,10 +107,13 @@ static void write_redundant(FILE *f, const lw_linkage *linkage, const lw_mobilit
     }
 }
 
-static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
+/* adjusted: greatest change of a dimension that made an overconstrained linkage fit [m]; 0: none. */
+static void write_text(FILE *f, const lw_linkage *linkage, const lw_mobility *m, double adjusted)
 {
     bool moves = m->kind == LW_MOBILITY_MOVES;
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
+    if (adjusted > 0)
+        fprintf(f, "%-16sjoints by up to %.3g m, so that the dimensions fit; as drawn nothing moves so far\n", "adjusted", adjusted);
     fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count,
             m->n_body, m->n_row);
     fprintf(f, "%-16s%d", "freedom", m->freedom);
@@ -258,7 +263,7 @@ static void json_redundant(cli_json *j, const lw_linkage *linkage, const lw_mobi
     cli_json_end(j);
 }
 
-static void write_json(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
+static void write_json(FILE *f, const lw_linkage *linkage, const lw_mobility *m, double adjusted)
 {
     bool moves = m->kind == LW_MOBILITY_MOVES;
     cli_json j = cli_json_begin(f, 2);
@@ -285,7 +290,29 @@ static void write_json(FILE *f, const lw_linkage *linkage, const lw_mobility *m)
     cli_json_real(&j, "residual", m->residual);
     cli_json_int(&j, "order", m->order);
     cli_json_real(&j, "misfit", moves ? NAN : m->misfit);
+    cli_json_real(&j, "adjusted", adjusted);
     cli_json_end(&j);
+}
+
+/* An overconstrained linkage that is drawn with rounded numbers is made to fit, as simulate and trace do. */
+static lw_status adjust(lw_linkage *k, double *by, lw_error *e)
+{
+    lw_system s;
+    *by = 0;
+    lw_status st = lw_system_make(k, NULL, 0, &s, e);
+    double *q = st == LW_OK ? malloc((size_t)s.n_q*sizeof *q + 1) : NULL;
+    if (st == LW_OK && !q)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK) {
+        lw_system_posture(&s, q);
+        st = lw_system_adjust(&s, q, by, e);
+        *by *= s.unit;
+    }
+    if (st == LW_OK)
+        lw_system_write(&s, q, k);
+    free(q);
+    lw_system_free(&s);
+    return st == LW_NOTHING ? LW_OK : st;
 }
 
 static int run(const cli_call *call)
@@ -314,12 +341,14 @@ static int run(const cli_call *call)
     }
     k = *model->small;
     cli_free_model(model);
-    if (lw_mobility_find(&k, &o, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
+    double adjusted = 0;
+    bool as_drawn = cli_given(&call->parsed, "tolerance");
+    if ((!as_drawn && adjust(&k, &adjusted, &e) != LW_OK) || lw_mobility_find(&k, &o, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
         return cli_fail(call, &e);
     if (call->common.json)
-        write_json(out.f, &k, &m);
+        write_json(out.f, &k, &m, adjusted);
     else
-        write_text(out.f, &k, &m);
+        write_text(out.f, &k, &m, adjusted);
     return cli_close(call, &out, CLI_DONE);
 }
 
@@ -341,6 +370,8 @@ const cli_command cli_mobility_command = {
         "names constraints that follow from those before them in the file: x and y of a pin, across and turn of a\n"
         "slider. 'idle' degrees of freedom do not move any tracer (without tracers: any other link). For a\n"
         "linkage that cannot move, 'misfit' is how far its joints must open so that it moves by 1/20 of its size.\n"
+        "An overconstrained linkage drawn with rounded numbers (up to 2e-3 of its size off) is adjusted first, by least\n"
+        "squares, as simulate and trace do; 'adjusted' says by how much. With --tolerance it is taken as drawn.\n"
         "Models of more than 32 links are analysed with sparse matrices; 'idle', 'misfit' and the order of shaky ones\n"
         "are not looked for, and 'redundant' does not name the joints that imply a constraint.\n",
     .options = options,

@@ -8,9 +8,9 @@
 
 static const double loose = 5e-3;            /* a row this near to others, relatively, may depend on them if it were exact */
 static const double strict = 1e-9;
-static const double stride = 0.25;           /* between postures, scaled */
+static const double stride = 0.4;           /* between postures, scaled */
 static const double exact = 1e-12;           /* rows that are satisfied by the dimensions given */
-static const double closed = 2e-13;          /* rows that are satisfied by the dimensions adjusted */
+static const double closed = 4e-15;          /* rows that are satisfied by the dimensions adjusted */
 static const double ease = 10;               /* a change of a posture costs less than one of a dimension by this factor */
 static const double least_pivot[2] = { 1e-12, 1e-8 };  /* of the rows, relative: the first as far as rounding allows */
 enum { POSTURES = 8, LEAST_SQUARES = 60, ROWS_MOST = 700 };
@@ -154,7 +154,7 @@ static double fill(adjuster *w, int n)
 static bool close_all(adjuster *w, double *total)
 {
     int m = w->n_posture*w->n_row, n = w->n_dim + w->n_posture*w->n_q;
-    double before = INFINITY, pivot = least_pivot[1];
+    double before = INFINITY, pivot = least_pivot[1], last = 0;
     for (int pass = 0; pass < LEAST_SQUARES; pass++) {
         double worst = fill(w, n);
         lw_rank r;
@@ -166,12 +166,14 @@ static bool close_all(adjuster *w, double *total)
         lw_rank_place(&r, n, m, w->a, w->order);        /* the rows of A, one after the other, are the columns of A^T */
         lw_rank_factor(&r, fmax(worst, pivot));
         lw_rank_solve_transposed(&r, w->right, w->step);
+        double now = lw_greatest(w->n_dim, w->step), factor = now > 0.4*last && now < 0.6*last ? 2 : 1;
+        last = factor == 1 ? now : 0;                    /* steps that halve lead to a double root, twice as far away */
         for (int d = 0; d < w->n_dim; d++) {
-            change(w, &w->dim[d], -w->step[d]);
-            total[d] -= w->step[d];
+            change(w, &w->dim[d], -factor*w->step[d]);
+            total[d] -= factor*w->step[d];
         }
         for (int k = 0; k < w->n_posture*w->n_q; k++)
-            w->q[k] -= (k < w->n_q ? 1 : ease)*w->step[w->n_dim + k];
+            w->q[k] -= factor*(k < w->n_q ? 1 : ease)*w->step[w->n_dim + k];
         if (!(lw_greatest(w->n_dim, total) <= LW_ADJUST_MOST))
             return false;
     }
