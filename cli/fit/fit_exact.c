@@ -76,7 +76,8 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
     }
     if (x->n_general > 0 && x->n_theory > LW_EXACT_FIVE_MAX)
         fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general "
-                "points %ld of %d are known\n", x->n_triple, x->n_real_triple, x->n_general, x->n_theory);
+                "points %ld of %d are known, and there are no more (Wampler, Morgan & Sommese 1992)\n", x->n_triple,
+                x->n_real_triple, x->n_general, x->n_theory);
     else if (x->n_general > 0)
         fprintf(f, "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
                 "1990); %ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);

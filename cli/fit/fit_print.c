@@ -71,8 +71,10 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
         fputs(c->intended.sense < 0 ? " <" : " ", f);
     if (s->is_exact)
         cli_fit_exact_row(s, i, f);
-    for (int d = 0; d < c->n_dim; d++)
-        fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
+    for (int d = 0; d < c->n_dim; d++) {                             /* rounding is printed as 0 */
+        double least = r->dim_kind[d] == LW_DIM_ANGLE ? 1e-13 : 1e-13*r->size;
+        fprintf(f, " %s=%.6g", r->dim_name[d], fabs(c->dim[d]) < least ? 0 : cli_fit_value(s, r, d, c->dim[d]));
+    }
     fputc('\n', f);
     limits_row(r, f);
     cli_fit_points_row(s, i, f);
