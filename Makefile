@@ -114,7 +114,7 @@ $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
-           lw_kernels_supported
+           lw_kernels_supported timer_settime
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) $(SERVER) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
@@ -206,7 +206,7 @@ sanitize:
 # data races: the tests that use threads
 THREADED = parallel pool chains mechanisms fit topology_search staged_search curves library successive_halving
 sanitize-threads:
-	$(MAKE) B=$B/tsan CFLAGS="-O1 -g -fsanitize=thread" KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" run-threads
+	$(MAKE) $(JOBS) B=$B/tsan CFLAGS="-O1 -g -fsanitize=thread" KERNEL_CFLAGS="-O1 -g -fno-sanitize=all" run-threads
 run-threads: $(THREADED:%=$B/tests/test_%)
 	@tests/run.sh $^
 # lines and branches of the library that `make test` reaches, in $B/coverage.txt
@@ -217,7 +217,7 @@ browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the stu
 	@tests/browser/run.sh $B
 	@tests/browser/studio.sh $B/linkwright long
 fuzz:      # FUZZ_SECONDS=60 for each target
-	$(MAKE) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
+	$(MAKE) $(JOBS) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
 run-fuzz: $B/liblinkwright.a $(FUZZ:=.o) $(STUDIO_OBJ)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \

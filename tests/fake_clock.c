@@ -1,7 +1,8 @@
 /* tests/fake_clock.c - replaces base/clock.c in the test build of the program, so that a time limit is a number of
  * readings of the clock, the same on every machine.
  *
- *     LW_CLOCK_STEP=0.01     each reading is 0.01 s later than the one before; without it the clock is the real one
+ *     LW_CLOCK_STEP=0.01     each reading is 0.01 s later than the one before; without it the clock is the real one. The timer
+ *                            of --time follows it: SIGALRM comes at a reading, and nothing is ended by force
  *     LW_SIGNAL=2 LW_SIGNAL_AT=100    the hundredth reading sends signal 2 to the program itself */
 #include <signal.h>
 #include <stdatomic.h>
@@ -12,7 +13,7 @@
 static double step;
 static int signal_number;
 static long signal_at;
-static atomic_long readings;
+static atomic_long readings, alarm_at;
 
 __attribute__((constructor)) static void read_environment(void)
 {
@@ -28,10 +29,28 @@ static double read_clock(clockid_t clock)
     struct timespec t;
     if (signal_number > 0 && n == signal_at)
         raise(signal_number);
+    long at = alarm_at;
+    if (at > 0 && n >= at && atomic_compare_exchange_strong(&alarm_at, &at, 0))
+        raise(SIGALRM);
     if (step > 0)
         return (double)n*step;
     clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+}
+
+int __real_timer_settime(timer_t id, int flags, const struct itimerspec *to, struct itimerspec *from);
+int __wrap_timer_settime(timer_t id, int flags, const struct itimerspec *to, struct itimerspec *from);
+int __wrap_timer_settime(timer_t id, int flags, const struct itimerspec *to, struct itimerspec *from)
+{
+    if (!(step > 0))
+        return __real_timer_settime(id, flags, to, from);
+    double seconds = (double)to->it_value.tv_sec + 1e-9*(double)to->it_value.tv_nsec;
+    long was = alarm_at, left = was > 0 ? was - readings : 0;
+    if (from)
+        *from = (struct itimerspec){ .it_value = { (time_t)((double)left*step), (long)(1e9*((double)left*step
+                                                   - (double)(time_t)((double)left*step))) } };
+    alarm_at = seconds > 0 && flags == 0 ? readings + 1 + (long)(seconds/step) : 0;
+    return 0;
 }
 
 double lw_clock_wall(void) { return read_clock(CLOCK_MONOTONIC); }

@@ -326,6 +326,8 @@ TEST(odd_streams_and_names)
     expect(": > $D/empty; for c in trace simulate fit 'family table' 'robot map' 'drive load' 'drive simulate' clearance; do "
            "$P $c $D/empty; test $? = 3 || exit 3; done; for c in classify mechanisms \"catalogue add $D/six.db\"; do $P $c $D/empty; "
            "test $? = 1 || exit 1; done", 0, NULL, NULL);
+    expect("{ head -c 300 examples/jansen.json; printf '\\000'; tail -c +301 examples/jansen.json; } > $D/nul.json; $P trace $D/nul.json", 3,
+           NULL, "nul.json:8:42");
     expect("printf '\\000' > $D/empty; $P catalogue add $D/six.db $D/empty", 3, NULL, "this is no text");
 }
 

@@ -34,12 +34,21 @@ static cli_kind_of_file kind_of_json(const char *text, size_t size)
     return kind;
 }
 
+/* Is more than a byte in twenty no part of a text?  A few such bytes are errors in a text, whose places its reader tells. */
+static bool is_binary(const char *text, size_t size)
+{
+    size_t n = size < 65536 ? size : 65536, odd = 0;
+    for (size_t i = 0; i < n; i++)
+        odd += (unsigned char)text[i] < ' ' && !strchr("\t\n\v\f\r", text[i] ? text[i] : 1);
+    return 20*odd > n;
+}
+
 static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *path)
 {
     static lw_mechanism m;
     if (size >= 15 && memcmp(text, "SQLite format 3", 15) == 0)
         return CLI_CATALOGUE;
-    if (memchr(text, 0, size) && !cli_is_target(text, size))
+    if (is_binary(text, size) && !cli_is_target(text, size))
         return CLI_BINARY;
     if (text[strspn(text, " \t\r\n")] == '{')
         return kind_of_json(text, size);
@@ -63,7 +72,7 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         { CLI_MASTER, "a master file of a product family", "family expand %s" },
         { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
         { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
-        { CLI_BINARY, "no text (a picture, a workbook or an archive)", NULL }, { CLI_LENGTHS, "a table of lengths",
+        { CLI_BINARY, "no text in UTF-8 (a picture, a workbook, an archive, another encoding)", NULL }, { CLI_LENGTHS, "a table of lengths",
             NULL }
     };
     char *text = NULL, command[600], what[160] = "";
