@@ -342,6 +342,15 @@ bool lw_file_is_own(const char *path)
     return own_text(path, text) && (size_t)n == strlen(text) && memcmp(kept, text, (size_t)n) == 0;
 }
 
+bool lw_output_keep(const char *temp, const char *path)
+{
+    struct stat st;
+    if (stat(temp, &st) != 0 || st.st_size == 0)
+        return false;
+    mark_own(temp);
+    return rename(temp, path) == 0;
+}
+
 static lw_status commit_to(lw_output *o, const char *path, lw_error *e)
 {
     if (!o->f)

@@ -23,6 +23,10 @@ lw_status lw_output_open(lw_output *o, const char *path, lw_error *e);
 lw_status lw_output_commit(lw_output *o, lw_error *e);
 void      lw_output_abandon(lw_output *o);
 
+/* For a program that a signal ends at once: what is written so far in the file `temp` of an output becomes `path`. False if
+ * that is nothing.  It takes no memory and no locks. */
+bool      lw_output_keep(const char *temp, const char *path);
+
 /* As _commit, for a result that is not complete: the file becomes path + ".partial" and path stays as it was. LW_E_IO if
  * such a file exists that lw_output_commit_partial did not write (lw_file_is_own). */
 lw_status lw_output_commit_partial(lw_output *o, lw_error *e);

@@ -176,7 +176,13 @@ static lw_status cover(void *context, const lw_chain_item *item)
     return LW_OK;
 }
 
-lw_status lw_coverage_count(int n_link, int n_thread, lw_coverage *coverage, lw_error *e)
+static bool goes_on(void *stop, double done)
+{
+    (void)done;
+    return !*(const volatile int *)stop;
+}
+
+lw_status lw_coverage_count(int n_link, int n_thread, const volatile int *stop, lw_coverage *coverage, lw_error *e)
 {
     lw_chains *chains;
     lw_chain_walk how = lw_chain_walk_default();
@@ -185,6 +191,8 @@ lw_status lw_coverage_count(int n_link, int n_thread, lw_coverage *coverage, lw_
     if (s != LW_OK)
         return s;
     how.n_thread = n_thread;
+    how.tick = stop ? goes_on : NULL;
+    how.tick_context = (void *)(uintptr_t)stop;
     s = lw_chains_each(chains, &how, cover, coverage);
     lw_chains_free(chains);
     return s;

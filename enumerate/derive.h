@@ -33,6 +33,6 @@ lw_status lw_derive_each(const lw_derive *how, lw_mechanism_visit *visit, void *
 typedef struct lw_coverage { uint64_t n_chain, n_planar, n_reached, n_reached_by_regions; } lw_coverage;
 
 /* LW_E_ARG with the equation when n_link and F = 1 do not go together; LW_E_MEMORY. */
-lw_status lw_coverage_count(int n_link, int n_thread, lw_coverage *coverage, lw_error *e);
+lw_status lw_coverage_count(int n_link, int n_thread, const volatile int *stop, lw_coverage *coverage, lw_error *e);
 
 #endif

@@ -49,7 +49,7 @@ typedef struct lw_recount lw_recount;
 lw_recount *lw_recount_create(int n_thread);
 void        lw_recount_free(lw_recount *r);
 
-/* Recount the row if the estimated time is within `seconds`.  LW_E_MEMORY. */
+/* Recount the row if the estimated time is within `seconds`; a count of chains that takes longer is given up.  LW_E_MEMORY. */
 lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds, lw_recount_result *result);
 
 #endif

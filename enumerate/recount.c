@@ -2,6 +2,7 @@
  * `wordings` or a family to `families`. */
 #include <stdlib.h>
 #include <string.h>
+#include "base/clock.h"
 #include "base/real.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
@@ -29,7 +30,7 @@ typedef struct chain_numbers {
 
 enum part { TABLE, NONPLANAR, ASYMMETRIC, FRACTIONATED };
 
-struct lw_recount { int n_thread; chain_numbers *first; };
+struct lw_recount { int n_thread; double until; chain_numbers *first; };
 
 lw_recount *lw_recount_create(int n_thread)
 {
@@ -92,11 +93,26 @@ static lw_status tally_fractionated(void *context, const lw_chain *c, int n_brid
     return s;
 }
 
-static lw_status count_filtered(lw_recount *r, chain_numbers *n, const char *filter, lw_tally *tally)
+static bool in_time(void *context, double done)
+{
+    const lw_recount *r = context;
+    (void)done;
+    return lw_clock_wall() <= r->until;
+}
+
+static lw_chain_walk walk_of(lw_recount *r)
 {
     lw_chain_walk how = lw_chain_walk_default();
-    lw_chain_table table;
     how.n_thread = r->n_thread;
+    how.tick = in_time;
+    how.tick_context = r;
+    return how;
+}
+
+static lw_status count_filtered(lw_recount *r, chain_numbers *n, const char *filter, lw_tally *tally)
+{
+    lw_chain_walk how = walk_of(r);
+    lw_chain_table table;
     how.filter = lw_filter_find(filter);
     lw_status s = lw_chains_count(n->chains, &how, &table);
     if (s == LW_OK) {
@@ -125,8 +141,7 @@ static double seconds_of(const chain_numbers *n, enum part part)
 static lw_status count_part(lw_recount *r, chain_numbers *n, enum part part)
 {
     lw_status s = LW_OK;
-    lw_chain_walk how = lw_chain_walk_default();
-    how.n_thread = r->n_thread;
+    lw_chain_walk how = walk_of(r);
     if (n->have[part])
         return LW_OK;
     if (!n->chains)
@@ -383,7 +398,7 @@ static lw_status with_sliders(job *j)
 {
     const char *what = j->row->what, *at = strpbrk(what, "0123456789");
     sliders n = { .want = at ? atoi(at) : 0 };
-    lw_chain_walk how = lw_chain_walk_default();
+    lw_chain_walk how = walk_of(j->r);
     lw_chains *chains;
     j->n = NO_WAY;
     if (j->row->links > 8)
@@ -400,24 +415,27 @@ static lw_status with_sliders(job *j)
 
 /* ---- the row ----------------------------------------------------------------------------------- */
 
-static const struct { const char *name; lw_status (*count)(job *j); } families[] = {
-    { "simple-joint", simple_chains },   { "Baranov truss", simple_chains },      { "Assur group", assur_groups },
-    { "contracted graph", structures },  { "multiple-joint", multiple_joints },
-    { "lower+higher pairs", higher_pairs },
-    { "R/P labelled", with_sliders },
+/* The estimated ones compare the time they need with the limit; the others take less than a second. */
+static const struct { const char *name; lw_status (*count)(job *j); bool estimated; } families[] = {
+    { "simple-joint", simple_chains, true },      { "Baranov truss", simple_chains, true },
+    { "Assur group", assur_groups, true },        { "contracted graph", structures, false },
+    { "multiple-joint", multiple_joints, false }, { "lower+higher pairs", higher_pairs, false },
+    { "R/P labelled", with_sliders, false },
 };
 
 lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds, lw_recount_result *result)
 {
     job j = { .r = r, .row = row, .limit = seconds, .n = NO_WAY };
     *result = (lw_recount_result){ .verdict = LW_NOT_COUNTED };
+    r->until = lw_clock_wall() + seconds;
     for (size_t k = 0; k < sizeof families/sizeof *families; k++)
         if (strcmp(row->family, families[k].name) == 0) {
-            lw_status s = families[k].count(&j);
+            j.n = TOO_LONG;
+            lw_status s = seconds > 0 || families[k].estimated ? families[k].count(&j) : LW_OK;
             if (s == LW_E_MEMORY)
                 return s;
             if (s != LW_OK)
-                j.n = NO_WAY;
+                j.n = s == LW_STOPPED ? TOO_LONG : NO_WAY;
         }
     result->seconds = j.seconds;
     if (j.n == TOO_LONG)

@@ -34,7 +34,7 @@ TEST(coverage_backwards)
 {
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_coverage c;
-        CHECK_INT(lw_coverage_count(known[i].n_link, 1, &c, NULL), LW_OK);
+        CHECK_INT(lw_coverage_count(known[i].n_link, 1, NULL, &c, NULL), LW_OK);
         CHECK_INT(c.n_chain, known[i].n_chain);
         CHECK_INT(c.n_planar, known[i].n_planar);
         CHECK_INT(c.n_reached, known[i].n_reached);
@@ -42,7 +42,7 @@ TEST(coverage_backwards)
     }
     lw_error e = { 0 };
     lw_coverage c;
-    CHECK_INT(lw_coverage_count(7, 1, &c, &e), LW_E_ARG);
+    CHECK_INT(lw_coverage_count(7, 1, NULL, &c, &e), LW_E_ARG);
     CHECK(e.text[0] != '\0');
 }
 

@@ -68,7 +68,7 @@ static lw_status check_rows(table_check *c, const lw_published_table *t, lw_reco
         fprintf(c->out.f, "%12s %12s  %-13s  what  [source]\n", "published", "counted", "verdict");
     for (size_t i = 0; i < t->n && status == LW_OK && !cli_interrupted(); i++) {
         lw_recount_result result;
-        status = lw_recount_row(r, &t->row[i], s->time - (lw_clock_wall() - start), &result);
+        status = lw_recount_row(r, &t->row[i], s->time > 0 ? s->time - (lw_clock_wall() - start) : INFINITY, &result);
         if (status != LW_OK)
             break;
         c->n[result.verdict]++;

@@ -101,13 +101,16 @@ static struct itimerspec     left;               /* what is left of --time meanw
 /* The temporary files of -o and, after it, of pictures, which a forced end removes; "" for none. */
 enum { TEMPORARY_MAX = 8 };
 static char temporary[TEMPORARY_MAX][sizeof ((lw_output *)0)->temp];
+static char partial_name[LW_PATH_SIZE + 16];     /* what the first becomes then, as far as it is written */
 
 static lw_status open_path(const char *path, lw_output *o, lw_error *e)
 {
     lw_output_clean(path);
     lw_status s = lw_output_open(o, path, e);
-    if (s == LW_OK)
+    if (s == LW_OK) {
+        snprintf(partial_name, sizeof partial_name, "%s.partial", o->path);
         strcpy(temporary[0], o->temp);
+    }
     return s;
 }
 
@@ -462,7 +465,7 @@ static void end_now(void)
     if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
         errno = 0;
     for (int i = 0; i < TEMPORARY_MAX; i++)
-        if (temporary[i][0])
+        if (temporary[i][0] && !(i == 0 && lw_output_keep(temporary[0], partial_name)))
             unlink(temporary[i]);
     _exit(cli_end_code(CLI_DONE));
 }

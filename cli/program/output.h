@@ -66,7 +66,7 @@ int cli_close_marked(const cli_call *call, lw_output *o, int code);
 /* Watch for Ctrl-C (SIGINT), SIGTERM, SIGHUP and the end of --time (SIGALRM). The first of them sets the flag to its
  * number and ends standard input, so that a command that waits for input continues at once; a second signal ends the
  * program. Functions of the library stop when the flag is set. A phase that does not stop by itself is ended by force
- * less than a second later, except while the file of -o is committed; temporary files are then removed. */
+ * less than a second later, except while the file of -o is committed; the rows that are on the disk become FILE.partial. */
 void cli_watch_signals(void);
 void cli_limit_time(double seconds);         /* from now on; only the first call with seconds > 0 counts */
 void cli_hold(void);                         /* results are written: nothing ends the program by force ... */

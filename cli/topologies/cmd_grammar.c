@@ -335,7 +335,7 @@ static int run_coverage(const cli_call *call)
         fputs("links    chains    planar   reached            by regions\n", j.out.f);
     for (int n = 4; n <= j.s->links && s == LW_OK && cli_watch_goes_on(&j.watch, n); n += 2) {
         lw_coverage c;
-        s = lw_coverage_count(n, call->common.jobs, &c, &j.e);
+        s = lw_coverage_count(n, call->common.jobs, cli_stop_flag(), &c, &j.e);
         if (s == LW_OK && call->common.json)
             coverage_json(&w, n, &c);
         else if (s == LW_OK)
@@ -344,7 +344,7 @@ static int run_coverage(const cli_call *call)
     }
     if (call->common.json)
         cli_json_end(&w);
-    return cli_close(call, &j.out, cli_watch_end(&j.watch, s == LW_OK ? CLI_DONE : cli_fail(call, &j.e)));
+    return cli_close(call, &j.out, cli_watch_end(&j.watch, s == LW_OK ? CLI_DONE : s == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &j.e)));
 }
 
 /* ---- the command ------------------------------------------------------------------------------- */

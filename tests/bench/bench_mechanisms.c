@@ -99,7 +99,7 @@ static uint64_t sentences(void) { return walk(12, (lw_mechanism_steps){ 0 }, say
 static uint64_t coverage(void)
 {
     lw_coverage c;
-    return lw_coverage_count(12, 1, &c, NULL) == LW_OK ? c.n_chain : 0;
+    return lw_coverage_count(12, 1, NULL, &c, NULL) == LW_OK ? c.n_chain : 0;
 }
 
 static uint64_t multiple(void)
