@@ -218,7 +218,7 @@ browser-test: $B/tests/test_atlas_html $B/linkwright     # the atlas and the stu
 	@tests/browser/studio.sh $B/linkwright long
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) $(JOBS) B=$B/fuzz CC=clang KERNEL_CFLAGS="-O1 -fno-sanitize=all" \
-	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
+	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all" run-fuzz
 run-fuzz: $B/liblinkwright.a $(FUZZ:=.o) $(STUDIO_OBJ)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
 	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(STUDIO_OBJ) $B/liblinkwright.a $(LIBS) $(SERVER) -o $B/$$t && mkdir -p $B/found/$$t && \

@@ -41,7 +41,7 @@ typedef enum lw_verdict {
 typedef struct lw_recount_result {
     lw_verdict verdict;
     long long  counted;                   /* of the first three                                     */
-    double     seconds;                   /* estimated, of LW_TOO_LONG                               */
+    double     seconds;                   /* estimated, of LW_TOO_LONG; 0: the time was over before  */
 } lw_recount_result;
 
 /* Counts made so far, shared by rows about the same chains.  lw_recount_create: NULL when out of memory. */

@@ -415,12 +415,11 @@ static lw_status with_sliders(job *j)
 
 /* ---- the row ----------------------------------------------------------------------------------- */
 
-/* The estimated ones compare the time they need with the limit; the others take less than a second. */
-static const struct { const char *name; lw_status (*count)(job *j); bool estimated; } families[] = {
-    { "simple-joint", simple_chains, true },      { "Baranov truss", simple_chains, true },
-    { "Assur group", assur_groups, true },        { "contracted graph", structures, false },
-    { "multiple-joint", multiple_joints, false }, { "lower+higher pairs", higher_pairs, false },
-    { "R/P labelled", with_sliders, false },
+static const struct { const char *name; lw_status (*count)(job *j); } families[] = {
+    { "simple-joint", simple_chains },   { "Baranov truss", simple_chains },      { "Assur group", assur_groups },
+    { "contracted graph", structures },  { "multiple-joint", multiple_joints },
+    { "lower+higher pairs", higher_pairs },
+    { "R/P labelled", with_sliders },
 };
 
 lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds, lw_recount_result *result)
@@ -431,7 +430,7 @@ lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds,
     for (size_t k = 0; k < sizeof families/sizeof *families; k++)
         if (strcmp(row->family, families[k].name) == 0) {
             j.n = TOO_LONG;
-            lw_status s = seconds > 0 || families[k].estimated ? families[k].count(&j) : LW_OK;
+            lw_status s = seconds > 0 ? families[k].count(&j) : LW_OK;
             if (s == LW_E_MEMORY)
                 return s;
             if (s != LW_OK)

@@ -201,10 +201,10 @@ static lw_status check_all_names(const lw_assembly *assembly, lw_linkage_place *
     const struct { lw_linkage_part part; name_list names; } list[] = {
         { LW_PART_LINK, { "link", (const char *)assembly->link_name, sizeof *assembly->link_name, assembly->n_link } },
         { LW_PART_JOINT,
-          { "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
+          { "joint", (const char *)((uintptr_t)assembly->joint + offsetof(lw_joint, name)), sizeof *assembly->joint,
             assembly->n_joint } },
         { LW_PART_TRACER,
-          { "tracer", (const char *)assembly->tracer + offsetof(lw_tracer, name), sizeof *assembly->tracer,
+          { "tracer", (const char *)((uintptr_t)assembly->tracer + offsetof(lw_tracer, name)), sizeof *assembly->tracer,
             assembly->n_tracer } },
     };
     lw_status s = LW_OK;

@@ -278,7 +278,7 @@ lw_status studio_search_start(studio *s, const json_t *ask, studio_reply *r, lw_
 
 static studio_search *find(studio *s, const json_t *ask, lw_error *e)     /* with the lock */
 {
-    int id = (int)studio_real(ask, "id", 0);
+    int id = (int)fmin(fmax(studio_real(ask, "id", 0), 0), 1e9);
     for (studio_search *q = s->search; q; q = q->next)
         if (q->id == id)
             return q;
@@ -313,7 +313,7 @@ static void put_news(lw_bytes *b, const studio_search *q)
 /* { id, after }: what happened in a search since version `after`; waits for it. */
 lw_status studio_search_news(studio *s, const json_t *ask, studio_reply *r, lw_error *e)
 {
-    long after = (long)studio_real(ask, "after", -1);
+    long after = (long)fmin(fmax(studio_real(ask, "after", -1), -1), 1e15);
     struct timespec until;
     lw_status st = LW_OK;
     clock_gettime(CLOCK_REALTIME, &until);

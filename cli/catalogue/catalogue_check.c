@@ -47,7 +47,7 @@ static void write_text(table_check *c, const lw_published *row, const lw_recount
     char counted[32] = "", links[16] = "", dof[16] = "";
     if (r->verdict <= LW_ERRATUM)
         snprintf(counted, sizeof counted, "%lld", r->counted);
-    if (r->verdict == LW_TOO_LONG)
+    if (r->verdict == LW_TOO_LONG && r->seconds > 0)
         snprintf(counted, sizeof counted, "(%.0f s)", r->seconds);
     if (row->links >= 0)
         snprintf(links, sizeof links, "P=%d ", row->links);

@@ -606,7 +606,7 @@ static lw_status join_pieces(reader *r)
             }
     lw_outlines_free(d);
     *d = joined;
-    if (!d->failed)
+    if (!d->failed && d->n > 0)
         qsort(d->curve, (size_t)d->n, sizeof *d->curve, compare_curves);
     free(ends);
     free(mate);
