@@ -133,12 +133,41 @@ static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
     return lw_output_commit(&o, e);
 }
 
-/* Save the plot of error over seconds, with a line for each solver. */
+#define LINES 8                     /* that a plot shows legibly */
+
+/* The least product of error and time among the points of a line. */
+static double merit(const lw_series *s)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < s->n; i++)
+        if (s->x[i] > 0 && s->y[i] >= 0)
+            least = fmin(least, s->x[i]*fmax(s->y[i], 1e-16));
+    return least;
+}
+
+/* Keep the best lines, in their order.  Returns how many there are. */
+static int keep_best(lw_series *series, int n)
+{
+    double of[LW_SERIES_MAX];
+    int kept = 0;
+    for (int i = 0; i < n; i++)
+        of[i] = merit(&series[i]);
+    for (int i = 0; i < n; i++) {
+        int better = 0;
+        for (int k = 0; k < n; k++)
+            better += of[k] < of[i] || (of[k] == of[i] && k < i);
+        if (better < LINES)
+            series[kept++] = series[i];
+    }
+    return kept;
+}
+
+/* Save the plot of error over seconds, with a line for each of the best solvers. */
 static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *numbers, const char *folder, lw_error *e)
 {
-    char path[CLI_PATH_SIZE], label[128];
+    char path[CLI_PATH_SIZE], label[128], title[160];
     lw_series series[LW_SERIES_MAX];
-    lw_plot plot = { .title = p->title, .x_label = "processor time [s]", .y_label = label, .log_x = true, .log_y = true,
+    lw_plot plot = { .title = title, .x_label = "processor time [s]", .y_label = label, .log_x = true, .log_y = true,
                      .series = series };
     snprintf(label, sizeof label, "greatest error: %s", p->error);
     for (int i = 0; i < b->n; i++) {
@@ -154,6 +183,9 @@ static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *n
         numbers[b->n + i] = r->error;
         series[plot.n_series - 1].n++;
     }
+    int all = plot.n_series;
+    plot.n_series = keep_best(series, all);
+    snprintf(title, sizeof title, all > LINES ? "%s, the best %d of %d solvers" : "%s", p->title, LINES, all);
     snprintf(path, sizeof path, "%s/mbs-%s.svg", folder, p->name);
     lw_status st = lw_draw_plot(&plot, path, e);
     return st == LW_NOTHING ? LW_OK : st;
