@@ -151,8 +151,11 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
                         lw_tally *tally)
 {
     const lw_filter *f = how->filter;
-    *tally = (lw_tally){ 0, 0 };
-    bool distinct = chains->structures && f && strcmp(f->name, "distinct") == 0;
+    *tally = (lw_tally){ 0, 0, 0 };
+    bool distinct = f && strcmp(f->name, "distinct") == 0, labelled = f && strcmp(f->name, "labelled") == 0;
+    int n_link = chains->numbers.n_link;
+    if (!chains->structures && labelled)                     /* a ring has the symmetries of a polygon */
+        (void)lw_labelled_forms(n_link, 2*(uint64_t)n_link, 1, &tally->n_labelled);
     if (!chains->structures || (f && !f->structure && !distinct))
         return lw_walk_structure(chains, how, k, w, tally_item, tally);
     lw_structure s;
@@ -160,7 +163,8 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
     if (f && !distinct && !f->structure(&s))
         return LW_OK;
     lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
-    return status != LW_OK ? status : distinct ? lw_distinct_count(w, tally) : lw_weighting_count(w, tally);
+    return status != LW_OK ? status : distinct ? lw_distinct_count(w, tally)
+         : labelled ? lw_weighting_count_labelled(w, tally) : lw_weighting_count(w, tally);
 }
 
 lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start)

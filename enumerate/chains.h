@@ -83,6 +83,9 @@ typedef struct lw_chain_table {
     lw_chain_row *row;                    /* (n_row) owned, see _free                                   */
 } lw_chain_table;
 
+/* A row for each assortment, all numbers 0.  LW_E_MEMORY. */
+lw_status lw_chain_table_make(const lw_numbers *numbers, lw_chain_table *table);
+
 /* Count without listing, unless the filter asks for single chains.  how->skip is not used. */
 lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_chain_table *table);
 void      lw_chain_table_free(lw_chain_table *table);

@@ -134,7 +134,7 @@ typedef struct counting {
     lw_chain_table *table;    /* rows under the crew's lock */
 } counting;
 
-static lw_status make_rows(const lw_numbers *numbers, lw_chain_table *table)
+lw_status lw_chain_table_make(const lw_numbers *numbers, lw_chain_table *table)
 {
     lw_assortment a;
     *table = (lw_chain_table){ .n_row = 0 };
@@ -185,8 +185,8 @@ static void count_job(void *context, size_t job, int thread)
             continue;
         lw_chain_row *row = row_of(all, k);
         pthread_mutex_lock(&c->lock);
-        row->n.n_chain += tally[k - first].n_chain;
-        row->n.n_ground += tally[k - first].n_ground;
+        if (lw_tally_add(&row->n, &tally[k - first]) != LW_OK)
+            c->status = LW_E_ARG;
         pthread_mutex_unlock(&c->lock);
     }
 }
@@ -194,7 +194,7 @@ static void count_job(void *context, size_t job, int thread)
 lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_chain_table *table)
 {
     counting all = { .table = table };
-    lw_status status = make_rows(&chains->numbers, table);
+    lw_status status = lw_chain_table_make(&chains->numbers, table);
     if (status != LW_OK)
         return status;
     status = crew_open(&all.crew, chains, how);
@@ -203,10 +203,9 @@ lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_
     if (status == LW_OK)
         status = all.crew.status;
     crew_close(&all.crew);
-    for (size_t k = 0; k < table->n_row; k++) {
-        table->total.n_chain += table->row[k].n.n_chain;
-        table->total.n_ground += table->row[k].n.n_ground;
-    }
+    for (size_t k = 0; k < table->n_row; k++)
+        if (lw_tally_add(&table->total, &table->row[k].n) != LW_OK)
+            status = LW_E_ARG;
     return status;
 }
 

@@ -162,7 +162,7 @@ lw_status lw_distinct_count(const lw_weighting *w, lw_tally *tally)
 {
     census c = { .w = w, .s = lw_weighting_structure(w), .tally = tally };
     size_t n_chain = 0, n_form = 0;
-    *tally = (lw_tally){ 0, 0 };
+    *tally = (lw_tally){ 0, 0, 0 };
     lw_status status = lw_weighting_each(w, add, &c);
     if (status == LW_OK)
         status = count_same(&c, &n_chain, &n_form);

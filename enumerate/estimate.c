@@ -47,7 +47,7 @@ static lw_status time_structures(const sampling *a, int loops, size_t step, uint
     double start = lw_clock_cpu();
     for (size_t k = step/2; k < lw_structures_count(a->set, loops) && status == LW_OK; k += step) {
         lw_structure s;
-        lw_tally tally = { 0, 0 };
+        lw_tally tally = { 0, 0, 0 };
         lw_structures_get(a->set, loops, k, &s);
         status = lw_weighting_prepare(w, &s, a->dof);
         if (status == LW_OK && sum)

@@ -54,6 +54,12 @@ static bool chain_every(const lw_chain *c)
     return true;
 }
 
+static bool structure_every(const lw_structure *s)
+{
+    (void)s;
+    return true;
+}
+
 const lw_filter lw_filters[] = {
     { "planar",     "the graph can be drawn without crossings", chain_planar,     structure_planar     },
     { "non-planar", "the graph cannot",                         chain_not_planar, structure_not_planar },
@@ -64,6 +70,8 @@ const lw_filter lw_filters[] = {
                                                                 chain_every,      NULL                 },
     { "distinct",   "all chains; counted one by one, each compared with all others of its structure",
                                                                 chain_every,      NULL                 },
+    { "labelled",   "all chains; counted also with their links named 1 .. P",
+                                                                chain_every,      structure_every      },
     { NULL, NULL, NULL, NULL }
 };
 

@@ -104,15 +104,17 @@ static bool read_numbers(lw_kept *k, const char *text, int *part)
         return false;
     if (*part < 1 || *part > k->head.n_part || structures != part_size(&k->head, *part - 1))
         return false;
-    lw_tally sum = { 0, 0 }, *row = k->row + (size_t)(*part - 1)*k->n_row;
+    bool labelled = strcmp(k->head.filter, "labelled") == 0;
+    lw_tally sum = { 0, 0, 0 }, *row = k->row + (size_t)(*part - 1)*k->n_row;
     const char *at = text + end;
     for (size_t i = 0; i < k->n_row; i++) {
-        lw_tally n;
+        lw_tally n = { 0, 0, 0 };
         if (sscanf(at, " %" SCNu64 ":%" SCNu64 "%n", &n.n_chain, &n.n_ground, &end) != 2)
             return false;
         at += end;
-        sum.n_chain += n.n_chain;
-        sum.n_ground += n.n_ground;
+        if (labelled && (*at != ':' || !lw_whole_read(at + 1, &at, &n.n_labelled)))
+            return false;
+        (void)lw_tally_add(&sum, &n);
         if (!k->have[*part - 1])
             row[i] = n;
     }
@@ -282,14 +284,16 @@ lw_status lw_kept_begin(lw_kept *k, const lw_chains *chains, lw_error *e)
 
 lw_status lw_kept_add(lw_kept *k, int p, const lw_chain_table *table, lw_error *e)
 {
-    char text[160];
+    char text[160], digits[LW_WHOLE_SIZE];
+    bool labelled = strcmp(k->head.filter, "labelled") == 0;
     lw_bytes b = { 0 };
     snprintf(text, sizeof text, "part %d structures %" PRIu64 " chains %" PRIu64 " ground-links %" PRIu64
              " by-assortment", p + 1, part_size(&k->head, p), table->total.n_chain, table->total.n_ground);
     lw_bytes_text(&b, text);
     for (size_t i = 0; i < table->n_row; i++) {
         const lw_tally *n = &table->row[i].n;
-        snprintf(text, sizeof text, " %" PRIu64 ":%" PRIu64, n->n_chain, n->n_ground);
+        snprintf(text, sizeof text, " %" PRIu64 ":%" PRIu64 "%s%s", n->n_chain, n->n_ground, labelled ? ":" : "",
+                 labelled ? lw_whole_print(n->n_labelled, digits) : "");
         lw_bytes_text(&b, text);
         k->row[(size_t)p*k->n_row + i] = *n;
     }
@@ -376,20 +380,12 @@ lw_status lw_kept_run(lw_kept *k, const lw_chains *chains, const lw_chain_walk *
 
 lw_status lw_kept_sum(const lw_kept *k, int r, int m, lw_chain_table *table)
 {
-    lw_assortment a;
-    size_t i = 0;
-    *table = (lw_chain_table){ .n_row = k->n_row, .row = calloc(k->n_row, sizeof *table->row) };
-    if (!table->row)
-        return LW_E_MEMORY;
-    for (bool more = lw_assortment_first(&k->numbers, &a); more; more = lw_assortment_next(&k->numbers, &a))
-        table->row[i++].links = a;
-    for (int p = r; p < k->head.n_part; p += m)
-        for (i = 0; i < k->n_row && k->have[p]; i++) {
+    lw_status status = lw_chain_table_make(&k->numbers, table);
+    for (int p = r; p < k->head.n_part && status == LW_OK; p += m)
+        for (size_t i = 0; i < k->n_row && k->have[p]; i++) {
             const lw_tally *n = &k->row[(size_t)p*k->n_row + i];
-            table->row[i].n.n_chain += n->n_chain;
-            table->row[i].n.n_ground += n->n_ground;
-            table->total.n_chain += n->n_chain;
-            table->total.n_ground += n->n_ground;
+            if (lw_tally_add(&table->row[i].n, n) != LW_OK || lw_tally_add(&table->total, n) != LW_OK)
+                return LW_E_ARG;
         }
-    return LW_OK;
+    return status;
 }

@@ -180,7 +180,7 @@ static lw_tally in_table(const chain_numbers *n, const lw_assortment *links)
     for (size_t k = 0; k < n->table.n_row; k++)
         if (memcmp(&n->table.row[k].links, links, sizeof *links) == 0)
             return n->table.row[k].n;
-    return (lw_tally){ 0, 0 };
+    return (lw_tally){ 0, 0, 0 };
 }
 
 typedef enum number { ALL, WHOLE, GROUNDS, ALL_GROUNDS, ALL_OF, WHOLE_OF, GROUNDS_OF, NONPLANAR_WHOLE, NONPLANAR_ALL,

@@ -12,6 +12,7 @@
 #define LW_ENUMERATE_WEIGHTING_H
 
 #include <stddef.h>
+#include "base/whole.h"
 #include "grammar/structure.h"
 
 /* One structure prepared for one F.  Create one for each thread and prepare it for one structure after the other.
@@ -32,13 +33,38 @@ typedef lw_status lw_weighting_visit(void *context, const uint8_t *weight);
 /* Visit every chain once, weightings in falling lexicographic order. */
 lw_status lw_weighting_each(const lw_weighting *w, lw_weighting_visit *visit, void *context);
 
-/* Chains of the structure, and ways to choose a ground link of them up to symmetry. */
-typedef struct lw_tally { uint64_t n_chain, n_ground; } lw_tally;
+/* Numbers of chains, of ways to choose a ground link of them up to symmetry, and of chains whose P links have the names 1 .. P:
+ * the sum of P!/|automorphisms| over the chains.  0 if it was not asked for. */
+typedef struct lw_tally { uint64_t n_chain, n_ground; lw_whole n_labelled; } lw_tally;
+
+/* LW_E_ARG: the labelled chains are more than 2^128 - 1, and the sum is wrong. */
+static inline lw_status lw_tally_add(lw_tally *sum, const lw_tally *n)
+{
+    sum->n_chain += n->n_chain;
+    sum->n_ground += n->n_ground;
+    return __builtin_add_overflow(sum->n_labelled, n->n_labelled, &sum->n_labelled) ? LW_E_ARG : LW_OK;
+}
+
+/* Labelled forms of a chain with n links and `order` automorphisms times `count`: count n!/order.  LW_E_ARG if it is too
+ * large. */
+static inline lw_status lw_labelled_forms(int n, uint64_t order, uint64_t count, lw_whole *labelled)
+{
+    bool fits = true;
+    *labelled = count;
+    for (int i = 2; i <= n; i++)
+        fits = fits && !__builtin_mul_overflow(*labelled, (unsigned)i, labelled);
+    *labelled /= order;
+    return fits ? LW_OK : LW_E_ARG;
+}
 
 /* Both numbers without visiting each chain, by Burnside's lemma: the mean over all automorphisms of the number of
  * weightings, and of pairs of weighting and link, that the automorphism leaves unchanged.  The last binary link is
  * counted in closed form.  LW_E_MEMORY. */
 lw_status lw_weighting_count(const lw_weighting *w, lw_tally *tally);
+
+/* The same with tally->n_labelled, P! times the number of weightings of distinguishable lines, divided by the number of
+ * automorphisms of circles and lines.  LW_E_MEMORY; LW_E_ARG: more than 2^128 - 1. */
+lw_status lw_weighting_count_labelled(const lw_weighting *w, lw_tally *tally);
 
 /* Links of the chain that are equivalent by symmetry: lowest[i] is the lowest link equivalent to link i, links
  * numbered as by lw_structure_chain.  lowest (P).  Returns the number of classes. */

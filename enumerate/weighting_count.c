@@ -104,10 +104,13 @@ static void constrained_first(const lw_weighting *w, uint8_t *order)
     }
 }
 
-static void count_fixed(const lw_weighting *w, size_t g, const uint8_t *order, tally *t)
+/* apart: parallel lines are distinguishable. */
+static void count_fixed(const lw_weighting *w, size_t g, const uint8_t *order, bool apart, tally *t)
 {
     lw_weighting_state start = { .left = w->n_binary };
     lw_search_start(&t->search, w, g, order);
+    if (apart)
+        t->search.tied = 0;
     t->identity = g == 0;
     t->n_chain = t->n_place = 0;
     if (w->n_binary > 0)
@@ -116,10 +119,11 @@ static void count_fixed(const lw_weighting *w, size_t g, const uint8_t *order, t
         t->n_chain = w->critical.n == 0;
 }
 
-lw_status lw_weighting_count(const lw_weighting *w, lw_tally *out)
+/* n_labelled gets the number of weightings of distinguishable lines. */
+static lw_status count(const lw_weighting *w, bool labelled, lw_tally *out)
 {
     tally t;
-    *out = (lw_tally){ 0, 0 };
+    *out = (lw_tally){ 0, 0, 0 };
     if (w->n_binary < 0)
         return LW_OK;
     lw_status status = lw_search_open(&t.search, w);
@@ -131,12 +135,33 @@ lw_status lw_weighting_count(const lw_weighting *w, lw_tally *out)
         uint64_t n_circle = 0;
         for (int c = 0; c < w->s.n_circle; c++)
             n_circle += w->circle[g][c] == c;
-        count_fixed(w, g, order, &t);
+        count_fixed(w, g, order, false, &t);
         out->n_chain += t.n_chain;
         out->n_ground += t.n_place + n_circle*t.n_chain;
+        if (g == 0 && labelled && t.search.tied)
+            count_fixed(w, g, order, true, &t);
+        if (g == 0)
+            out->n_labelled = t.n_chain;
     }
     lw_search_close(&t.search);
     out->n_chain /= w->n_element;
     out->n_ground /= w->n_element;
     return LW_OK;
+}
+
+lw_status lw_weighting_count(const lw_weighting *w, lw_tally *out)
+{
+    lw_status status = count(w, false, out);
+    out->n_labelled = 0;
+    return status;
+}
+
+lw_status lw_weighting_count_labelled(const lw_weighting *w, lw_tally *out)
+{
+    uint64_t order = w->n_element;
+    lw_status status = count(w, true, out);
+    for (int e = 1, alike = 1; e < w->s.n_line; e++)
+        order *= (uint64_t)(alike = w->parallel[e] ? alike + 1 : 1);
+    return status != LW_OK ? status
+         : lw_labelled_forms(w->s.n_circle + w->n_binary, order, (uint64_t)out->n_labelled, &out->n_labelled);
 }

@@ -18,7 +18,7 @@
 
 typedef struct settings {
     int         links, dof, format, by;
-    bool        count, planar, non_planar, fractionated, resume, mpi;
+    bool        count, planar, non_planar, labelled, fractionated, resume, mpi;
     const char *part, *filter, *keep, *structures;
 } settings;
 
@@ -39,6 +39,9 @@ static const cli_option options[] = {
       "only chains with a planar graph", 0, 0, NULL, "non-planar" },
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
       "only chains with a non-planar graph", 0, 0, NULL, "filter" },
+    { "labelled", 0, CLI_FLAG, offsetof(settings, labelled), NULL, NULL,
+      "also count the chains whose P links have names: the sum of P!/|symmetries|; compare with numbers --labelled",
+      0, 0, "count", "filter" },
     { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
       "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row); every, "
       "distinct: all, but --count lists them one by one (distinct: and compares them), as a second count",
@@ -117,7 +120,8 @@ static int unknown_filter(const cli_call *call, const char *name)
 static int read_settings(task *t)
 {
     const settings *s = t->s;
-    const char *filter = s->planar ? "planar" : s->non_planar ? "non-planar" : s->filter;
+    const char *filter = s->planar ? "planar" : s->non_planar ? "non-planar"
+                       : s->labelled ? "labelled" : s->filter;
     t->how = lw_chain_walk_default();
     t->how.n_thread = t->call->common.jobs;
     t->how.tick = tick;
@@ -215,8 +219,11 @@ static lw_status count_fractionated(void *context, const lw_chain *c, int n_brid
     return t->n_fractionated % 256 || tick(t, 1) ? LW_OK : LW_STOPPED;
 }
 
+static bool labelled(const task *t) { return t->how.filter && strcmp(t->how.filter->name, "labelled") == 0; }
+
 static void write_json(task *t, const lw_chain_table *table)
 {
+    char digits[LW_WHOLE_SIZE];
     int n_loop = t->n_loop;
     cli_json j = cli_json_begin(t->out.f, 0);
     cli_json_object(&j, NULL);
@@ -229,6 +236,8 @@ static void write_json(task *t, const lw_chain_table *table)
     }
     cli_json_seed(&j, "chains", table->total.n_chain);
     cli_json_seed(&j, "ground_links", table->total.n_ground);
+    if (labelled(t))
+        cli_json_text(&j, "labelled_chains", lw_whole_print(table->total.n_labelled, digits));
     if (t->s->fractionated) {
         cli_json_seed(&j, "fractionated", t->n_fractionated);
         cli_json_seed(&j, "with_bridge", t->n_bridged);
@@ -243,6 +252,8 @@ static void write_json(task *t, const lw_chain_table *table)
             cli_json_end(&j);
             cli_json_seed(&j, "chains", table->row[k].n.n_chain);
             cli_json_seed(&j, "ground_links", table->row[k].n.n_ground);
+            if (labelled(t))
+                cli_json_text(&j, "labelled_chains", lw_whole_print(table->row[k].n.n_labelled, digits));
             cli_json_end(&j);
         }
         cli_json_end(&j);
@@ -253,18 +264,20 @@ static void write_json(task *t, const lw_chain_table *table)
 static void write_table(task *t, const lw_chain_table *table)
 {
     int n_loop = t->n_loop;
-    char head[16];
+    char head[16], digits[LW_WHOLE_SIZE];
     fputc('#', t->out.f);
     for (int i = 2; i <= n_loop + 1; i++) {
         snprintf(head, sizeof head, "P%d", i);
         fprintf(t->out.f, i == 2 ? "%2s" : "%4s", head);
     }
-    fprintf(t->out.f, "%16s%20s\n", "chains", "ground links");
+    fprintf(t->out.f, "%16s%20s", "chains", "ground links");
+    fprintf(t->out.f, labelled(t) ? "%40s\n" : "\n", "labelled chains");
     for (size_t k = 0; k < table->n_row; k++) {
         for (int i = 2; i <= n_loop + 1; i++)
             fprintf(t->out.f, i == 2 ? "%3d" : "%4d", table->row[k].links.n_with[i]);
-        fprintf(t->out.f, "%16llu%20llu\n", (unsigned long long)table->row[k].n.n_chain,
+        fprintf(t->out.f, "%16llu%20llu", (unsigned long long)table->row[k].n.n_chain,
                 (unsigned long long)table->row[k].n.n_ground);
+        fprintf(t->out.f, labelled(t) ? "%40s\n" : "\n", lw_whole_print(table->row[k].n.n_labelled, digits));
     }
 }
 
@@ -283,6 +296,9 @@ static void write_counts(task *t, const lw_chain_table *table)
                 m, bridged, n + m);
     else
         fprintf(t->out.f, "%llu\n", n);
+    char digits[LW_WHOLE_SIZE];
+    if (labelled(t))
+        fprintf(t->out.f, "%s labelled\n", lw_whole_print(table->total.n_labelled, digits));
 }
 
 /* Under mpirun a task is a part of the work; its answer is the numbers in the rows of the table. */
@@ -302,19 +318,17 @@ static lw_status work_count(void *context, size_t k, lw_bytes *answer)
     return status;
 }
 
-static void add_row(lw_chain_table *table, size_t i, lw_tally n)
+static lw_status add_row(lw_chain_table *table, size_t i, const lw_tally *n)
 {
-    table->row[i].n.n_chain += n.n_chain;
-    table->row[i].n.n_ground += n.n_ground;
-    table->total.n_chain += n.n_chain;
-    table->total.n_ground += n.n_ground;
+    lw_status status = lw_tally_add(&table->row[i].n, n);
+    return status == LW_OK ? lw_tally_add(&table->total, n) : status;
 }
 
 static void clear_rows(lw_chain_table *table)
 {
     for (size_t i = 0; i < table->n_row; i++)
-        table->row[i].n = (lw_tally){ 0, 0 };
-    table->total = (lw_tally){ 0, 0 };
+        table->row[i].n = (lw_tally){ 0, 0, 0 };
+    table->total = (lw_tally){ 0, 0, 0 };
 }
 
 static lw_status take_count(void *context, size_t k, const char *answer, size_t size)
@@ -323,12 +337,12 @@ static lw_status take_count(void *context, size_t k, const char *answer, size_t 
     lw_status status = LW_OK;
     if (t->kept)
         clear_rows(&t->table);
-    for (size_t i = 0; i < size/sizeof(lw_tally); i++) {
+    for (size_t i = 0; i < size/sizeof(lw_tally) && status == LW_OK; i++) {
         lw_tally n;
         memcpy(&n, answer + i*sizeof n, sizeof n);
-        add_row(&t->table, i, n);
+        status = add_row(&t->table, i, &n);
     }
-    if (t->kept)
+    if (status == LW_OK && t->kept)
         status = lw_kept_add(t->kept, (int)k, &t->table, t->e);
     return status != LW_OK ? status : tick(t, (double)(k + 1)/(double)t->n_task) ? LW_OK : LW_STOPPED;
 }
