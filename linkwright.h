@@ -385,6 +385,10 @@ LW_API lw_status lw_enumerate_chains(const lw_enumeration *what, lw_chain_callba
  * NULL. */
 LW_API lw_status lw_enumerate_count(const lw_enumeration *what, uint64_t *chains, uint64_t *grounds, lw_error *error);
 
+/* Decimal digits (40) of the number of chains whose links have names 1 .. P, each chain P!/|symmetries| times, without making
+ * any: a check of counts, and over P! a lower bound.  LW_E_ARG for dof 0, numbers that do not fit, more than 5e36. */
+LW_API lw_status lw_enumerate_labelled(int links, int dof, char *digits, lw_error *error);
+
 /* Expected number of chains, processor time to count and to list them [s], and memory [byte]. */
 typedef struct lw_enumeration_cost { double chains, count_seconds, list_seconds, bytes; } lw_enumeration_cost;
 LW_API lw_status lw_enumerate_estimate(int links, int dof, lw_enumeration_cost *cost, lw_error *error);

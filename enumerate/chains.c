@@ -152,10 +152,10 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
 {
     const lw_filter *f = how->filter;
     *tally = (lw_tally){ 0, 0, 0 };
-    bool distinct = f && strcmp(f->name, "distinct") == 0, labelled = f && strcmp(f->name, "labelled") == 0;
-    int n_link = chains->numbers.n_link;
-    if (!chains->structures && labelled)                     /* a ring has the symmetries of a polygon */
-        (void)lw_labelled_forms(n_link, 2*(uint64_t)n_link, 1, &tally->n_labelled);
+    bool distinct = f && strcmp(f->name, "distinct") == 0, generating = f && strcmp(f->name, "generating") == 0;
+    uint64_t ring = 2*(uint64_t)chains->numbers.n_link;      /* symmetries of a polygon */
+    if (!chains->structures && generating)
+        return lw_labelled_forms(chains->numbers.n_link, ring, ring - 1, &tally->n_labelled);
     if (!chains->structures || (f && !f->structure && !distinct))
         return lw_walk_structure(chains, how, k, w, tally_item, tally);
     lw_structure s;
@@ -164,7 +164,7 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
         return LW_OK;
     lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
     return status != LW_OK ? status : distinct ? lw_distinct_count(w, tally)
-         : labelled ? lw_weighting_count_labelled(w, tally) : lw_weighting_count(w, tally);
+         : generating ? lw_weighting_excess(w, tally) : lw_weighting_count(w, tally);
 }
 
 lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start)

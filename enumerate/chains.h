@@ -86,7 +86,8 @@ typedef struct lw_chain_table {
 /* A row for each assortment, all numbers 0.  LW_E_MEMORY. */
 lw_status lw_chain_table_make(const lw_numbers *numbers, lw_chain_table *table);
 
-/* Count without listing, unless the filter asks for single chains.  how->skip is not used. */
+/* Count without listing, unless the filter asks for single chains.  how->skip is not used.  With the filter "generating"
+ * there are no ground links, and a part of several has n_labelled only (labelled.h); LW_E_ARG for F = 0. */
 lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_chain_table *table);
 void      lw_chain_table_free(lw_chain_table *table);
 

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "base/parallel.h"
 #include "enumerate/chains_internal.h"
+#include "enumerate/labelled.h"
 
 /* Data shared by the threads. */
 typedef struct crew {
@@ -181,7 +182,7 @@ static void count_job(void *context, size_t job, int thread)
     if (crew_report(c, last - first, status) != LW_OK)
         return;
     for (size_t k = first; k < last; k++) {
-        if (tally[k - first].n_chain == 0)
+        if (tally[k - first].n_chain == 0 && tally[k - first].n_labelled == 0)
             continue;
         lw_chain_row *row = row_of(all, k);
         pthread_mutex_lock(&c->lock);
@@ -206,6 +207,9 @@ lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_
     for (size_t k = 0; k < table->n_row; k++)
         if (lw_tally_add(&table->total, &table->row[k].n) != LW_OK)
             status = LW_E_ARG;
+    bool generating = how->filter && strcmp(how->filter->name, "generating") == 0;
+    if (status == LW_OK && generating && how->n_part == 1)
+        status = lw_labelled_complete(&chains->numbers, table, NULL);
     return status;
 }
 

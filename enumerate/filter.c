@@ -70,7 +70,7 @@ const lw_filter lw_filters[] = {
                                                                 chain_every,      NULL                 },
     { "distinct",   "all chains; counted one by one, each compared with all others of its structure",
                                                                 chain_every,      NULL                 },
-    { "labelled",   "all chains; counted also with their links named 1 .. P",
+    { "generating", "all chains; only those with symmetries are counted, generating functions give the others",
                                                                 chain_every,      structure_every      },
     { NULL, NULL, NULL, NULL }
 };

@@ -104,7 +104,7 @@ static bool read_numbers(lw_kept *k, const char *text, int *part)
         return false;
     if (*part < 1 || *part > k->head.n_part || structures != part_size(&k->head, *part - 1))
         return false;
-    bool labelled = strcmp(k->head.filter, "labelled") == 0;
+    bool generating = strcmp(k->head.filter, "generating") == 0;
     lw_tally sum = { 0, 0, 0 }, *row = k->row + (size_t)(*part - 1)*k->n_row;
     const char *at = text + end;
     for (size_t i = 0; i < k->n_row; i++) {
@@ -112,7 +112,7 @@ static bool read_numbers(lw_kept *k, const char *text, int *part)
         if (sscanf(at, " %" SCNu64 ":%" SCNu64 "%n", &n.n_chain, &n.n_ground, &end) != 2)
             return false;
         at += end;
-        if (labelled && (*at != ':' || !lw_whole_read(at + 1, &at, &n.n_labelled)))
+        if (generating && (*at != ':' || !lw_whole_read(at + 1, &at, &n.n_labelled)))
             return false;
         (void)lw_tally_add(&sum, &n);
         if (!k->have[*part - 1])
@@ -285,15 +285,15 @@ lw_status lw_kept_begin(lw_kept *k, const lw_chains *chains, lw_error *e)
 lw_status lw_kept_add(lw_kept *k, int p, const lw_chain_table *table, lw_error *e)
 {
     char text[160], digits[LW_WHOLE_SIZE];
-    bool labelled = strcmp(k->head.filter, "labelled") == 0;
+    bool generating = strcmp(k->head.filter, "generating") == 0;
     lw_bytes b = { 0 };
     snprintf(text, sizeof text, "part %d structures %" PRIu64 " chains %" PRIu64 " ground-links %" PRIu64
              " by-assortment", p + 1, part_size(&k->head, p), table->total.n_chain, table->total.n_ground);
     lw_bytes_text(&b, text);
     for (size_t i = 0; i < table->n_row; i++) {
         const lw_tally *n = &table->row[i].n;
-        snprintf(text, sizeof text, " %" PRIu64 ":%" PRIu64 "%s%s", n->n_chain, n->n_ground, labelled ? ":" : "",
-                 labelled ? lw_whole_print(n->n_labelled, digits) : "");
+        snprintf(text, sizeof text, " %" PRIu64 ":%" PRIu64 "%s%s", n->n_chain, n->n_ground, generating ? ":" : "",
+                 generating ? lw_whole_print(n->n_labelled, digits) : "");
         lw_bytes_text(&b, text);
         k->row[(size_t)p*k->n_row + i] = *n;
     }

@@ -520,11 +520,19 @@ static bool count_modulo(uint64_t prime, const lw_numbers *numbers, const lw_cha
     return done;
 }
 
+static lw_status too_many(const lw_numbers *n, lw_error *e)
+{
+    return lw_error_set(e, LW_E_ARG, "there are more than 5e36 labelled chains with %d links and F = %d", n->n_link,
+                        n->dof);
+}
+
 lw_status lw_labelled_chains(const lw_numbers *numbers, lw_chain_table *table, lw_error *e)
 {
     static const uint64_t prime[] = { 2305843009213693951u, 2305843009213693921u, 2305843009213693907u };
     if (numbers->dof < 1 || numbers->n2 > 0)
         return lw_error_set(e, LW_E_ARG, "labelled chains are counted for F = 1 and more, with joints of one freedom");
+    if (numbers->n_link > 31)                              /* a count of vertices fits 5 bits */
+        return too_many(numbers, e);
     lw_status status = lw_chain_table_make(numbers, table);
     uint64_t *part = malloc(3*(table->n_row + 1)*sizeof *part);
     bool done = status == LW_OK && part;
@@ -537,9 +545,30 @@ lw_status lw_labelled_chains(const lw_numbers *numbers, lw_chain_table *table, l
         uint64_t high = (uint64_t)((wide)((b + prime[1] - a % prime[1]) % prime[1])*inverse % prime[1]);
         table->row[k].n.n_labelled = a + (lw_whole)prime[0]*high;
         if (table->row[k].n.n_labelled % prime[2] != c || lw_tally_add(&table->total, &table->row[k].n) != LW_OK)
-            status = lw_error_set(e, LW_E_ARG, "there are more than 5e36 labelled chains with %d links and F = %d",
-                                  numbers->n_link, numbers->dof);
+            status = too_many(numbers, e);
     }
     free(part);
+    if (status != LW_OK)
+        lw_chain_table_free(table);
+    return status;
+}
+
+lw_status lw_labelled_complete(const lw_numbers *numbers, lw_chain_table *table, lw_error *e)
+{
+    lw_chain_table labelled;
+    lw_whole forms = 0;
+    lw_status status = lw_labelled_chains(numbers, &labelled, e);
+    if (status != LW_OK)
+        return status;
+    (void)lw_labelled_forms(numbers->n_link, 1, 1, &forms);
+    table->total.n_chain = 0;
+    for (size_t k = 0; k < table->n_row && status == LW_OK; k++) {
+        lw_whole all = labelled.row[k].n.n_labelled + table->row[k].n.n_labelled;
+        if (all % forms)
+            status = lw_error_set(e, LW_E_KIND, "symmetric chains and generating functions contradict each other");
+        table->row[k].n.n_chain = (uint64_t)(all/forms);
+        table->total.n_chain += table->row[k].n.n_chain;
+    }
+    lw_chain_table_free(&labelled);
     return status;
 }

@@ -37,4 +37,8 @@
  * are 0.  numbers->n2 = 0.  20 links of F = 1: some seconds.  LW_E_ARG: dof < 1, n2 > 0, or more than 5e36; LW_E_MEMORY. */
 lw_status lw_labelled_chains(const lw_numbers *numbers, lw_chain_table *table, lw_error *e);
 
+/* The chains of each assortment from the sum of the tables that lw_chains_count made of parts with the filter "generating":
+ * (labelled chains + n_labelled)/P!.  Fills n_chain.  LW_E_KIND if the division leaves a rest; else as above. */
+lw_status lw_labelled_complete(const lw_numbers *numbers, lw_chain_table *table, lw_error *e);
+
 #endif

@@ -142,7 +142,7 @@ lw_status lw_weighting_each(const lw_weighting *w, lw_weighting_visit *visit, vo
     lw_status status = lw_search_open(&l.search, w);
     if (status != LW_OK)
         return status;
-    lw_search_start(&l.search, w, 0, NULL);
+    lw_search_start(&l.search, w, 0, w->line[0], LW_LINE_MAX, NULL);
     if (w->n_binary > 0)
         status = list_from(&l, &start);
     else if (w->critical.n == 0)

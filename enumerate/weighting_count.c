@@ -8,7 +8,7 @@
 
 typedef struct tally {
     lw_weighting_search search;
-    bool      identity;                   /* every unknown is one line, every place fixed        */
+    bool      whole;                      /* every set has all lines of an unknown or none       */
     uint64_t  n_chain, n_place;           /* weightings; fixed places on lines, summed over them */
 } tally;
 
@@ -31,14 +31,19 @@ static void count_last(tally *t, const lw_weighting_state *s, uint64_t can, int 
     t->n_place += n*(uint64_t)(n_place + 1) - alike;
 }
 
-/* Two binary links are left, and the automorphism is the identity, so every unknown is one line.  A set that lacks one of them
- * allows two lines only if one of the two is inside; sets that lack both have limited `can`. */
+/* Two binary links are left, and every set has all lines of an unknown or none.  A set that lacks one of them allows two lines
+ * only if one of the two is inside; sets that lack both have limited `can`. */
 static void count_last_two(tally *t, const lw_weighting_state *s, uint64_t can, int n_place)
 {
     const lw_weighting_search *search = &t->search;
     uint64_t *inside = search->lacking, free_lines = can & ~search->tied, next = (uint64_t)1 << s->next;
     bool tied = search->tied & next;                 /* only the next line can be tied to one that has its number */
     int n_set = lw_weighting_lacking_one(search, s, inside);
+    uint64_t pairs = can & search->pairs;            /* unknowns of two lines, one binary link on each */
+    for (int c = 0; c < n_set; c++)
+        pairs &= inside[c];
+    t->n_chain += (uint64_t)__builtin_popcountll(pairs);
+    free_lines &= search->single;
     for (uint64_t rest = free_lines | (tied && s->before ? can & next : 0); rest; rest &= rest - 1) {
         int k = __builtin_ctzll(rest), before = tied && k == s->next ? s->before : 0;
         uint64_t partner = ~(uint64_t)0, twin = (uint64_t)2 << k & search->tied & can;
@@ -56,7 +61,7 @@ static void count_last_two(tally *t, const lw_weighting_state *s, uint64_t can, 
 static void count_from(tally *t, const lw_weighting_state *s, int n_place)
 {
     const lw_weighting_search *search = &t->search;
-    if (s->left == 2 && t->identity) {
+    if (s->left == 2 && t->whole) {
         count_last_two(t, s, lw_weighting_allowed(search, s), n_place);
         return;
     }
@@ -104,14 +109,9 @@ static void constrained_first(const lw_weighting *w, uint8_t *order)
     }
 }
 
-/* apart: parallel lines are distinguishable. */
-static void count_fixed(const lw_weighting *w, size_t g, const uint8_t *order, bool apart, tally *t)
+static void count_weightings(const lw_weighting *w, tally *t)
 {
     lw_weighting_state start = { .left = w->n_binary };
-    lw_search_start(&t->search, w, g, order);
-    if (apart)
-        t->search.tied = 0;
-    t->identity = g == 0;
     t->n_chain = t->n_place = 0;
     if (w->n_binary > 0)
         count_from(t, &start, 0);
@@ -119,8 +119,14 @@ static void count_fixed(const lw_weighting *w, size_t g, const uint8_t *order, b
         t->n_chain = w->critical.n == 0;
 }
 
-/* n_labelled gets the number of weightings of distinguishable lines. */
-static lw_status count(const lw_weighting *w, bool labelled, lw_tally *out)
+static void count_fixed(const lw_weighting *w, size_t g, const uint8_t *order, tally *t)
+{
+    lw_search_start(&t->search, w, g, w->line[g], LW_LINE_MAX, order);
+    t->whole = g == 0;
+    count_weightings(w, t);
+}
+
+lw_status lw_weighting_count(const lw_weighting *w, lw_tally *out)
 {
     tally t;
     *out = (lw_tally){ 0, 0, 0 };
@@ -135,13 +141,9 @@ static lw_status count(const lw_weighting *w, bool labelled, lw_tally *out)
         uint64_t n_circle = 0;
         for (int c = 0; c < w->s.n_circle; c++)
             n_circle += w->circle[g][c] == c;
-        count_fixed(w, g, order, false, &t);
+        count_fixed(w, g, order, &t);
         out->n_chain += t.n_chain;
         out->n_ground += t.n_place + n_circle*t.n_chain;
-        if (g == 0 && labelled && t.search.tied)
-            count_fixed(w, g, order, true, &t);
-        if (g == 0)
-            out->n_labelled = t.n_chain;
     }
     lw_search_close(&t.search);
     out->n_chain /= w->n_element;
@@ -149,19 +151,74 @@ static lw_status count(const lw_weighting *w, bool labelled, lw_tally *out)
     return LW_OK;
 }
 
-lw_status lw_weighting_count(const lw_weighting *w, lw_tally *out)
+/* ---- excess over the labelled chains ------------------------------------------------------------- */
+
+/* A set of n parallel lines, first .. first + n - 1, that a permutation exchanges. */
+typedef struct exchange {
+    const lw_weighting *w;
+    const uint8_t      *order;
+    tally              *t;
+    int                 first, n;
+    uint8_t             line[LW_LINE_MAX];
+    uint64_t            n_fixed;          /* sum over the permutations but the identity of weightings unchanged */
+} exchange;
+
+/* `done` lines are permuted, the last of them in `same` cycles of `most` lines.  Permutations with cycles of the same lengths
+ * leave as many weightings unchanged, so one of each is counted, `alike` times. */
+static void exchange_lines(exchange *x, int done, int most, int same, uint64_t alike)
 {
-    lw_status status = count(w, false, out);
-    out->n_labelled = 0;
-    return status;
+    if (done == x->n) {
+        if (x->line[x->first] == x->first)             /* cycles of one line: the identity */
+            return;
+        lw_search_start(&x->t->search, x->w, 0, x->line, x->first, x->order);
+        x->t->whole = true;
+        count_weightings(x->w, x->t);
+        x->n_fixed += alike*x->t->n_chain;
+        return;
+    }
+    for (int n = 1; n <= most && n <= x->n - done; n++) {
+        int again = n == most ? same + 1 : 1;
+        for (int i = 0; i < n; i++)
+            x->line[x->first + done + i] = (uint8_t)(x->first + done + (i + 1) % n);
+        exchange_lines(x, done + n, n, again, alike/(uint64_t)(n*again));
+    }
+    for (int i = 0; i < x->n - done; i++)
+        x->line[x->first + done + i] = (uint8_t)(x->first + done + i);
 }
 
-lw_status lw_weighting_count_labelled(const lw_weighting *w, lw_tally *out)
+/* Burnside's lemma without the identity.  For one set of parallel lines after the other: those before are taken as alike, those
+ * after as having names. */
+lw_status lw_weighting_excess(const lw_weighting *w, lw_tally *out)
 {
-    uint64_t order = w->n_element;
-    lw_status status = count(w, true, out);
-    for (int e = 1, alike = 1; e < w->s.n_line; e++)
-        order *= (uint64_t)(alike = w->parallel[e] ? alike + 1 : 1);
-    return status != LW_OK ? status
-         : lw_labelled_forms(w->s.n_circle + w->n_binary, order, (uint64_t)out->n_labelled, &out->n_labelled);
+    tally t;
+    uint8_t order[LW_LINE_MAX];
+    exchange x = { .w = w, .order = order, .t = &t };
+    uint64_t n_fixed = 0, n_exchange = 1;
+    *out = (lw_tally){ 0, 0, 0 };
+    if (w->n_binary < 0)
+        return LW_OK;
+    lw_status status = lw_search_open(&t.search, w);
+    if (status != LW_OK)
+        return status;
+    constrained_first(w, order);
+    for (int e = 0; e < w->s.n_line; e++)
+        x.line[e] = (uint8_t)e;
+    for (int e = 0; e < w->s.n_line; e += x.n) {
+        uint64_t n_order = 1, before = x.n_fixed;
+        x.n_fixed = 0;
+        x.first = e;
+        for (x.n = 1; e + x.n < w->s.n_line && w->parallel[e + x.n]; x.n++)
+            n_order *= (uint64_t)x.n + 1;
+        if (x.n > 1)
+            exchange_lines(&x, 0, x.n, 0, n_order);
+        x.n_fixed = before + x.n_fixed*n_exchange;
+        n_exchange *= n_order;
+    }
+    for (size_t g = 1; g < w->n_element; g++) {
+        count_fixed(w, g, order, &t);
+        n_fixed += t.n_chain;
+    }
+    lw_search_close(&t.search);
+    return lw_labelled_forms(w->s.n_circle + w->n_binary, n_exchange*w->n_element, x.n_fixed + n_exchange*n_fixed,
+                             &out->n_labelled);
 }

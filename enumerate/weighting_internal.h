@@ -36,7 +36,7 @@ typedef struct lw_weighting_search {
     int        most;                      /* binary links on one line                                 */
     lw_unknown x[LW_LINE_MAX];
     uint64_t   tied;                      /* unknowns not larger than the one before                  */
-    uint64_t   single;                    /* unknowns of one line                                     */
+    uint64_t   single, pairs;             /* unknowns of one line, of two                             */
     int        lines_left[LW_LINE_MAX + 1];
     lw_weighting_lanes  *column;                    /* (n_unknown) lines of the unknown in each set             */
     lw_weighting_lanes  *supply;                    /* (n_unknown + 1) most that unknowns k .. can add to each set */
@@ -48,10 +48,12 @@ typedef struct lw_weighting_search {
 /* State of the search: unknowns before `next` are set, the last of them to `before`. */
 typedef struct lw_weighting_state { int depth, next, before, left; } lw_weighting_state;
 
-/* Allocate memory for searches over w; start a search for automorphism g.  The unknowns follow the lines
- * in `order`, which keeps parallel lines together (n_line; NULL: their numbers). */
+/* Allocate memory for searches over w; start a search for automorphism g, where line e goes to line[e] (n_line), and
+ * parallel lines from number `apart` on are distinguishable.  The unknowns follow the lines in `order`, which keeps
+ * parallel lines together (n_line; NULL: their numbers). */
 lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w);
-void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *order);
+void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *line,
+                          int apart, const uint8_t *order);
 void      lw_search_close(lw_weighting_search *t);
 
 /* Unknowns from s->next on that are inside every tight set. */

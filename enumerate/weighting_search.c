@@ -22,25 +22,27 @@ lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w)
 void lw_search_close(lw_weighting_search *t) { free(t->column); }
 
 /* The cycles of lines of automorphism g, in the order of their first lines in `order`. */
-static void find_unknowns(const lw_weighting *w, size_t g, const uint8_t *order, lw_weighting_search *t)
+static void find_unknowns(const lw_weighting *w, size_t g, const uint8_t *line, int apart, const uint8_t *order,
+                          lw_weighting_search *t)
 {
     uint64_t seen = 0;
     t->n_unknown = 0;
-    t->tied = t->single = 0;
+    t->tied = t->single = t->pairs = 0;
     memset(t->column, 0, (size_t)(w->s.n_line*t->n_block)*sizeof *t->column);
     for (int i = 0; i < w->s.n_line; i++) {
         int e = order ? order[i] : i;
         if (seen >> e & 1)
             continue;
         int k = t->n_unknown++, n = 0, from = w->s.end[e][0];
-        for (int f = e; !(seen >> f & 1); f = w->line[g][f], n++) {
+        for (int f = e; !(seen >> f & 1); f = line[f], n++) {
             seen |= (uint64_t)1 << f;
             for (int c = 0; c < w->critical.n; c++)
                 t->column[k*t->n_block + c/16][c % 16] += (int8_t)(w->critical.set[c].lines >> f & 1);
         }
         t->x[k] = (lw_unknown){ n, n == 1, w->circle[g][from] != from };
-        t->tied |= (uint64_t)w->parallel[e] << k;
+        t->tied |= (uint64_t)(w->parallel[e] && e < apart) << k;
         t->single |= (uint64_t)(n == 1) << k;
+        t->pairs |= (uint64_t)(n == 2) << k;
     }
 }
 
@@ -56,9 +58,10 @@ static void find_supply(lw_weighting_search *t)
     }
 }
 
-void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *order)
+void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g, const uint8_t *line, int apart,
+                     const uint8_t *order)
 {
-    find_unknowns(w, g, order, t);
+    find_unknowns(w, g, line, apart, order, t);
     find_supply(t);
     memset(t->lack, 0, (size_t)t->n_block*sizeof *t->lack);
     for (int c = 0; c < w->critical.n; c++) {

@@ -14,6 +14,7 @@
 #include "enumerate/freedom.h"
 #include "enumerate/higher.h"
 #include "enumerate/invert.h"
+#include "enumerate/labelled.h"
 #include "enumerate/mechanisms.h"
 #include "enumerate/multiple.h"
 #include "enumerate/symmetry.h"
@@ -492,6 +493,8 @@ lw_status lw_enumerate_count(const lw_enumeration *what, uint64_t *chains, uint6
         *chains = w.n;
         return s;
     }
+    if (what->filter && strcmp(what->filter, "generating") == 0 && (grounds || what->parts > 1))
+        return lw_error_set(error, LW_E_ARG, "the filter 'generating' counts all chains, no parts and no ground links");
     lw_status s = chains_of(&w, &how, &all, error);
     if (s == LW_OK)
         s = lw_chains_count(all, &how, &table);
@@ -502,6 +505,20 @@ lw_status lw_enumerate_count(const lw_enumeration *what, uint64_t *chains, uint6
         lw_chain_table_free(&table);
     }
     lw_chains_free(all);
+    return s;
+}
+
+lw_status lw_enumerate_labelled(int links, int dof, char *digits, lw_error *error)
+{
+    lw_numbers numbers;
+    lw_chain_table table;
+    lw_status s = lw_numbers_for_links(links, dof, 0, &numbers, error);
+    if (s == LW_OK)
+        s = lw_labelled_chains(&numbers, &table, error);
+    if (s == LW_OK) {
+        (void)lw_whole_print(table.total.n_labelled, digits);
+        lw_chain_table_free(&table);
+    }
     return s;
 }
 

@@ -123,6 +123,12 @@ TEST(kept_counts)
     expect("sed -i 's/chains 4/chains 5/' $D/k2; $P chains --links 16 --count --keep $D/k2", 3, NULL,
            ": this part is damaged");
     expect("$P chains --links 14 --count --keep $D/k", 3, NULL, "16 links");
+    expect("awk '{print $1, $2, $3, $4, $5, $6, $7, $8}' $D/once > $D/a; G='chains --links 16 --count --filter generating --by "
+           "assortment'; $P $G --keep $D/g --structures $D/7.bin | awk '{print $1, $2, $3, $4, $5, $6, $7, $8}' | cmp - $D/a && "
+           "$P $G | tail -n 1; sed -i 5d $D/g; LW_CLOCK_STEP=0.01 $C $G --keep $D/g --structures $D/7.bin --time 0.01", 5, "19819281\n", "holds 4 of 5");
+    expect("$P chains --links 16 --count --filter generating --part 1/2", 2, NULL, "--keep");
+    expect("$P numbers --loops 7 --labelled | tail -n 1", 0, "1144398473330112000", NULL);
+    expect("$P numbers --dof 0 --labelled", 2, NULL, "F = 1 and more");
     expect("$P chains --links 16 --planar --count --keep $D/k", 3, NULL, "filter none");
     expect("printf hello > $D/text; $P chains --links 14 --count --keep $D/text; cat $D/text", 0, "hello", "kept count");
     expect("$P structures --loops 6 --structures $D/7.bin --count", 0, "1198", NULL);

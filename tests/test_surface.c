@@ -115,6 +115,15 @@ TEST(enumerations_stop_when_asked)
     what = lw_enumeration_default(8, 1);
     what.filter = "beautiful";
     CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_E_ARG);
+    what = lw_enumeration_default(8, 1);
+    what.filter = "generating";
+    CHECK_INT(lw_enumerate_count(&what, &chains, NULL, &e), LW_OK);
+    CHECK_INT(chains, 16);
+    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_E_ARG);
+    char digits[40];
+    CHECK_INT(lw_enumerate_labelled(8, 1, digits, &e), LW_OK);
+    CHECK_TEXT(digits, "247800");
+    CHECK_INT(lw_enumerate_labelled(9, 1, digits, &e), LW_E_ARG);
 }
 
 /* ---- motion ------------------------------------------------------------------------------------------------------ */

@@ -14,11 +14,12 @@
 #include "enumerate/estimate.h"
 #include "enumerate/fractionated.h"
 #include "enumerate/kept.h"
+#include "enumerate/labelled.h"
 #include "grammar/graph6.h"
 
 typedef struct settings {
     int         links, dof, format, by;
-    bool        count, planar, non_planar, labelled, fractionated, resume, mpi;
+    bool        count, planar, non_planar, fractionated, resume, mpi;
     const char *part, *filter, *keep, *structures;
 } settings;
 
@@ -39,12 +40,10 @@ static const cli_option options[] = {
       "only chains with a planar graph", 0, 0, NULL, "non-planar" },
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
       "only chains with a non-planar graph", 0, 0, NULL, "filter" },
-    { "labelled", 0, CLI_FLAG, offsetof(settings, labelled), NULL, NULL,
-      "also count the chains whose P links have names: the sum of P!/|symmetries|; compare with numbers --labelled",
-      0, 0, "count", "filter" },
     { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
       "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row); every, "
-      "distinct: all, but --count lists them one by one (distinct: and compares them), as a second count",
+      "distinct: all, but --count lists them one by one (distinct: and compares them), as a second count; generating: "
+      "all, but --count makes only those with symmetries and takes the rest from generating functions",
       0, 0, NULL, "planar" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
       "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete",
@@ -83,6 +82,9 @@ typedef struct task {
     bool                    served;                       /* the other processes have been served  */
 } task;
 
+/* Is the excess over the labelled chains counted, which generating functions give? */
+static bool generating(const task *t) { return t->how.filter && strcmp(t->how.filter->name, "generating") == 0; }
+
 static bool go_on(void *context)
 {
     const task *t = context;
@@ -120,8 +122,7 @@ static int unknown_filter(const cli_call *call, const char *name)
 static int read_settings(task *t)
 {
     const settings *s = t->s;
-    const char *filter = s->planar ? "planar" : s->non_planar ? "non-planar"
-                       : s->labelled ? "labelled" : s->filter;
+    const char *filter = s->planar ? "planar" : s->non_planar ? "non-planar" : s->filter;
     t->how = lw_chain_walk_default();
     t->how.n_thread = t->call->common.jobs;
     t->how.tick = tick;
@@ -134,6 +135,8 @@ static int read_settings(task *t)
         return code;
     if (filter && !(t->how.filter = lw_filter_find(filter)))
         return unknown_filter(t->call, filter);
+    if (s->count && generating(t) && s->part && !s->keep)
+        return cli_usage(t->call, "--filter generating counts nothing from a part alone; give --keep FILE");
     if (s->mpi && (code = cli_mpi_check(t->call)) != CLI_DONE)
         return code;
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
@@ -166,7 +169,7 @@ static double work_seconds(const task *t, const lw_estimate *e)
 {
     const lw_filter *f = t->how.filter;
     if (t->s->count && (!f || f->structure))
-        return e->count_seconds;
+        return generating(t) ? 0.3*e->count_seconds : e->count_seconds;
     double test = !f || f->structure ? 0 : strcmp(f->name, "asymmetric") == 0 ? 5e-6
                 : strcmp(f->name, "distinct") == 0 ? 0.45e-6 : 0.05e-6;
     return e->list_seconds + e->chains*(test + (t->s->count ? 0 : write_seconds[t->notation - lw_notations]));
@@ -219,11 +222,8 @@ static lw_status count_fractionated(void *context, const lw_chain *c, int n_brid
     return t->n_fractionated % 256 || tick(t, 1) ? LW_OK : LW_STOPPED;
 }
 
-static bool labelled(const task *t) { return t->how.filter && strcmp(t->how.filter->name, "labelled") == 0; }
-
 static void write_json(task *t, const lw_chain_table *table)
 {
-    char digits[LW_WHOLE_SIZE];
     int n_loop = t->n_loop;
     cli_json j = cli_json_begin(t->out.f, 0);
     cli_json_object(&j, NULL);
@@ -235,9 +235,8 @@ static void write_json(task *t, const lw_chain_table *table)
         cli_json_seed(&j, "structures", lw_kept_head_of(t->kept)->n_structure);
     }
     cli_json_seed(&j, "chains", table->total.n_chain);
-    cli_json_seed(&j, "ground_links", table->total.n_ground);
-    if (labelled(t))
-        cli_json_text(&j, "labelled_chains", lw_whole_print(table->total.n_labelled, digits));
+    if (!generating(t))
+        cli_json_seed(&j, "ground_links", table->total.n_ground);
     if (t->s->fractionated) {
         cli_json_seed(&j, "fractionated", t->n_fractionated);
         cli_json_seed(&j, "with_bridge", t->n_bridged);
@@ -251,9 +250,8 @@ static void write_json(task *t, const lw_chain_table *table)
                 cli_json_int(&j, NULL, table->row[k].links.n_with[i]);
             cli_json_end(&j);
             cli_json_seed(&j, "chains", table->row[k].n.n_chain);
-            cli_json_seed(&j, "ground_links", table->row[k].n.n_ground);
-            if (labelled(t))
-                cli_json_text(&j, "labelled_chains", lw_whole_print(table->row[k].n.n_labelled, digits));
+            if (!generating(t))
+                cli_json_seed(&j, "ground_links", table->row[k].n.n_ground);
             cli_json_end(&j);
         }
         cli_json_end(&j);
@@ -264,20 +262,18 @@ static void write_json(task *t, const lw_chain_table *table)
 static void write_table(task *t, const lw_chain_table *table)
 {
     int n_loop = t->n_loop;
-    char head[16], digits[LW_WHOLE_SIZE];
+    char head[16];
     fputc('#', t->out.f);
     for (int i = 2; i <= n_loop + 1; i++) {
         snprintf(head, sizeof head, "P%d", i);
         fprintf(t->out.f, i == 2 ? "%2s" : "%4s", head);
     }
-    fprintf(t->out.f, "%16s%20s", "chains", "ground links");
-    fprintf(t->out.f, labelled(t) ? "%40s\n" : "\n", "labelled chains");
+    fprintf(t->out.f, generating(t) ? "%16s\n" : "%16s%20s\n", "chains", "ground links");
     for (size_t k = 0; k < table->n_row; k++) {
         for (int i = 2; i <= n_loop + 1; i++)
             fprintf(t->out.f, i == 2 ? "%3d" : "%4d", table->row[k].links.n_with[i]);
-        fprintf(t->out.f, "%16llu%20llu", (unsigned long long)table->row[k].n.n_chain,
+        fprintf(t->out.f, generating(t) ? "%16llu\n" : "%16llu%20llu\n", (unsigned long long)table->row[k].n.n_chain,
                 (unsigned long long)table->row[k].n.n_ground);
-        fprintf(t->out.f, labelled(t) ? "%40s\n" : "\n", lw_whole_print(table->row[k].n.n_labelled, digits));
     }
 }
 
@@ -296,9 +292,6 @@ static void write_counts(task *t, const lw_chain_table *table)
                 m, bridged, n + m);
     else
         fprintf(t->out.f, "%llu\n", n);
-    char digits[LW_WHOLE_SIZE];
-    if (labelled(t))
-        fprintf(t->out.f, "%s labelled\n", lw_whole_print(table->total.n_labelled, digits));
 }
 
 /* Under mpirun a task is a part of the work; its answer is the numbers in the rows of the table. */
@@ -407,6 +400,11 @@ static lw_status count_all(task *t)
     if (status == LW_OK && t->s->fractionated)
         status = lw_fractionated_each(t->s->links, t->s->dof, count_fractionated, t, NULL);
     cli_progress_end(&t->progress);
+    if (generating(t) && (t->how.n_part > 1 || status == LW_STOPPED || (t->kept && !kept_complete(t))))
+        return status;                                        /* only all structures give a number */
+    lw_numbers numbers;
+    if (status == LW_OK && generating(t) && lw_numbers_for_links(t->s->links, t->s->dof, 0, &numbers, t->e) == LW_OK)
+        status = lw_labelled_complete(&numbers, &t->table, t->e);
     if (status == LW_OK || status == LW_STOPPED) {
         if (status == LW_STOPPED && !t->kept)
             cli_note(t->call, "stopped: the numbers count the chains found so far");
