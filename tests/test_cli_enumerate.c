@@ -128,7 +128,7 @@ TEST(kept_counts)
            "$P $G | tail -n 1; sed -i 5d $D/g; LW_CLOCK_STEP=0.01 $C $G --keep $D/g --structures $D/7.bin --time 0.01", 5, "19819281\n", "holds 4 of 5");
     expect("$P chains --links 16 --count --filter generating --part 1/2", 2, NULL, "--keep");
     expect("$P numbers --loops 7 --labelled | tail -n 1", 0, "1144398473330112000", NULL);
-    expect("$P numbers --dof 0 --labelled", 2, NULL, "F = 1 and more");
+    expect("$P numbers --dof 0 --labelled", 2, NULL, "F must be 1 or more");
     expect("$P chains --links 16 --planar --count --keep $D/k", 3, NULL, "filter none");
     expect("printf hello > $D/text; $P chains --links 14 --count --keep $D/text; cat $D/text", 0, "hello", "kept count");
     expect("$P structures --loops 6 --structures $D/7.bin --count", 0, "1198", NULL);

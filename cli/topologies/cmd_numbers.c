@@ -74,6 +74,8 @@ static int run(const cli_call *call)
     int first = s->loops ? s->loops : 1, last = s->loops ? s->loops : 4, n_row = 0;
     lw_output o;
     lw_error e = { 0 };
+    if (s->labelled && s->dof < 1)
+        return cli_usage(call, "--labelled counts chains that move; F must be 1 or more");
     if (cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     if (!call->common.json)
