@@ -269,6 +269,8 @@ static lw_status solve_stages(stages *g)
     lw_dynamics *d = g->run->d;
     /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
     double before = 0, wanted = 0.02*tolerance(g), far = d->eq.next_piece ? 0.3 : 1e3;
+    if (d->o.relative < 1e-9)                /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
+        wanted = fmax(wanted*fmin(1, g->h/g->way->real), 4e-16);
     lw_status s = lw_mbs_rows(d, g->t, g->q);
     d->eq.place_states(d->eq.context, g->x);
     for (int k = 0; s == LW_OK && k <= g->s/2; k++) {
@@ -293,7 +295,7 @@ static lw_status solve_stages(stages *g)
             return LW_OPEN;
         double ratio = pass ? change/fmax(before, 1e-300) : 1;
         g->contraction = fmax(g->contraction, pass ? ratio : 0);
-        if (change <= 1e-15 || (pass > 0 && ratio < 1 && change*ratio/(1 - ratio) <= wanted)
+        if (change <= 4e-16 || (pass > 0 && ratio < 1 && change*ratio/(1 - ratio) <= wanted)
             || (pass > 2 && change <= 1e-13 && ratio > 0.3)) {
             differentiate(g);
             return LW_OK;
