@@ -241,9 +241,9 @@ TEST(killed)
 /* A run that is ended by force keeps the rows that are on the disk, and the next run may begin. */
 TEST(ended_by_force)
 {
-    demand("rm -f $D/f*; " STREAM "$P grammar parse -o $D/f & p=$!; until test -s $D/.lw-*.tmp; do sleep 0.02; done; for i in 1 2 3 4 5 6; do "
-           "kill -ALRM $p; done 2> /dev/null; wait $p; test $? = 5 && test -s $D/f.partial && test ! -e $D/f && ! ls -A $D | grep '^[.]lw-' && "
-           "$P chains --links 6 -o $D/f && test -s $D/f", "ended by force");
+    demand("rm -f $D/forced*; " STREAM "$P grammar parse -o $D/forced & p=$!; until test -s $D/.lw-*.tmp; do sleep 0.02; done; for i in 1 2 3 4 5 6; do "
+           "kill -ALRM $p; done 2> /dev/null; wait $p; test $? = 5 && test -s $D/forced.partial && test ! -e $D/forced && ! ls -A $D | grep '^[.]lw-' && "
+           "$P chains --links 6 -o $D/forced && test -s $D/forced", "ended by force");
 }
 
 /* A stack of 256 KB is enough: threads have as much as the first one. */
