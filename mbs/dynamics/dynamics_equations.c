@@ -16,6 +16,18 @@ static const double least_share = 1e-10;    /* relative pivot below which a row 
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
+void lw_mbs_driven_inputs(void *context, double t, int order, double *u)
+{
+    const lw_dynamics *d = context;
+    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
+    for (int i = 0; i < d->n_driven; i++)
+        if (d->model->motion[d->driven[i]])
+            lw_expression_series(d->model->motion[d->driven[i]], order, at, u + i*(order + 1));
+        else                                                 /* held */
+            for (int k = 0; k <= order; k++)
+                u[i*(order + 1) + k] = k ? 0 : d->s.input_value[d->driven[i]];
+}
+
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 {
     lw_status s = d->eq.motion(d->eq.context, d->driven[i], d->settling > 0 ? d->o.from : t, out);

@@ -253,18 +253,6 @@ static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
     return s;
 }
 
-void lw_mbs_driven_inputs(void *context, double t, int order, double *u)
-{
-    const lw_dynamics *d = context;
-    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
-    for (int i = 0; i < d->n_driven; i++)
-        if (d->model->motion[d->driven[i]])
-            lw_expression_series(d->model->motion[d->driven[i]], order, at, u + i*(order + 1));
-        else                                                 /* held */
-            for (int k = 0; k <= order; k++)
-                u[i*(order + 1) + k] = k ? 0 : d->s.input_value[d->driven[i]];
-}
-
 lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e)
 {
     *out = NULL;

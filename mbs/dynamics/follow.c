@@ -25,7 +25,6 @@ typedef struct knot { double t, weak, *c; } knot;
 
 struct lw_follow {
     lw_dynamics       *d;
-    bool               own;                  /* d is freed with f */
     lw_input_function *motion;
     void              *context;
     double            *target;               /* of the straight way */
@@ -36,7 +35,10 @@ struct lw_follow {
     double            *q, *dq, *u, *phi, *sum;
     double            *memory;
     const volatile sig_atomic_t *stop;
+    void             (*free_dynamics)(lw_dynamics *);     /* NULL: d is the caller's */
 };
+
+void lw_follow_own(lw_follow *f, void (*free_dynamics)(lw_dynamics *)) { f->free_dynamics = free_dynamics; }
 
 double lw_follow_time(const lw_follow *f) { return f->t; }
 const double *lw_follow_series(const lw_follow *f) { return f->shown; }
@@ -418,35 +420,12 @@ lw_status lw_follow_ready(lw_dynamics *d, lw_input_function *motion, void *conte
     return s;
 }
 
-lw_status lw_follow_create(const lw_model *m, lw_input_function *motion, void *context, double t,
-                           const volatile sig_atomic_t *stop, lw_follow **out, lw_error *e)
-{
-    lw_dynamics_options o = lw_dynamics_options_default();
-    lw_dynamics *d;
-    o.analysis = LW_ANALYSIS_KINEMATIC;
-    o.hold_inputs = true;
-    o.rigid = true;
-    o.from = t;
-    o.to = t + 1;
-    o.stop = stop;
-    *out = NULL;
-    lw_status s = lw_dynamics_make(m, &o, &d, e);
-    if (s != LW_OK)
-        return s;
-    s = lw_follow_ready(d, motion, context, t, out, e);
-    if (s == LW_OK)
-        (*out)->own = true;
-    else
-        lw_dynamics_free(d);
-    return s;
-}
-
 void lw_follow_free(lw_follow *f)
 {
     if (!f)
         return;
-    if (f->own)
-        lw_dynamics_free(f->d);
+    if (f->free_dynamics)
+        f->free_dynamics(f->d);
     free(f->memory);
     free(f);
 }

@@ -9,4 +9,7 @@
  * uses its rows and factors. */
 lw_status lw_follow_ready(lw_dynamics *d, lw_input_function *motion, void *context, double t, lw_follow **f, lw_error *e);
 
+/* f frees its model with this function from now on. */
+void lw_follow_own(lw_follow *f, void (*free_dynamics)(lw_dynamics *));
+
 #endif
