@@ -27,7 +27,7 @@ TEST(rounded_files)
 {
     expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/mobility/focal.json > $D/r.json", 0, NULL,
            NULL);
-    expect("$P mobility $D/r.json", 0, "adjusted        joints by up to 5.5", NULL);
+    expect("$P mobility $D/r.json", 0, "adjusted        joints by up to 5.", NULL);
     expect_words("$P mobility $D/r.json", "\nfreedom 1");
     expect("$P mobility $D/r.json --tolerance 1e-12", 0, "would move if joints opened by", NULL);
     expect_words("$P mobility $D/r.json --tolerance 1e-12", "\nfreedom 0");
