@@ -141,10 +141,20 @@ static lw_status check_rigid(const lw_json_node *n, const lw_elastic *p, lw_erro
     return LW_OK;
 }
 
+/* "modes": they are the coordinates of whole nodes. */
+static lw_status read_modes(const lw_json_node *n, lw_elastic *p, lw_error *e)
+{
+    double modes = 0;
+    const lw_number_key key = { "modes", 1, 0, 60, &modes, NULL };
+    lw_status s = lw_read_numbers(n, &key, 1, e);
+    p->modes = (int)modes;
+    return s == LW_OK && (p->modes%6 || modes != p->modes) ? lw_json_fault(n, e, "\"modes\" is a multiple of 6, at most 60") : s;
+}
+
 /* {"nodes": [[x, y, z], ...], "stiffness": "K.mtx", "mass": "M.mtx"} and "damping" */
 static lw_status read_superelement(const lw_json_node *n, double metre, lw_elastic *p, lw_error *e)
 {
-    static const char *const known[] = { "nodes", "stiffness", "mass", "damping" };
+    static const char *const known[] = { "nodes", "stiffness", "mass", "damping", "modes" };
     lw_json_node nodes, at;
     lw_status s = lw_json_known_keys(n, known, COUNT(known), e);
     if (s == LW_OK && (s = lw_read_need(n, "nodes", &nodes, e)) == LW_OK)
@@ -170,6 +180,8 @@ static lw_status read_superelement(const lw_json_node *n, double metre, lw_elast
             s = lw_json_fault(n, e, "the mass matrix has %.3g on its diagonal at row %d; it is to be above 0", p->mass[i*6*p->n_node + i], i + 1);
     if (s == LW_OK && lw_json_member(n, "damping", &at))
         s = read_elastic_damping(&at, p, e);
+    if (s == LW_OK)
+        s = read_modes(n, p, e);
     p->given = s == LW_OK;
     return s;
 }
@@ -182,7 +194,7 @@ void lw_elastic_free(lw_elastic *p)
 lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e)
 {
     static const char *const known[] = { "section", "material", "segments", "frequency", "damping", "mass", "axis", "height",
-                                         "superelements" };
+                                         "superelements", "modes" };
     static const char *const masses[] = { "lumped", "consistent" };
     lw_json_node section, at;
     int mass = 0;
@@ -192,7 +204,7 @@ lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_el
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && space && (lw_json_member(n, "stiffness", &at) || lw_json_member(n, "nodes", &at)))
         return read_superelement(n, metre, p, e);
-    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - 2*!space, e)) == LW_OK &&
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known) - 3*!space, e)) == LW_OK &&
         (s = lw_read_need(n, "section", &section, e)) == LW_OK &&
         (s = lw_section_read(&section, metre, &p->section, e)) == LW_OK &&
         (s = lw_read_need(n, "material", &at, e)) == LW_OK)
@@ -210,6 +222,10 @@ lw_status lw_elastic_read(const lw_json_node *n, double metre, bool space, lw_el
     p->pieces = (int)pieces;
     if (s == LW_OK && pieces != p->pieces)
         s = lw_json_fault(n, e, "\"superelements\" is a whole number");
+    if (s == LW_OK)
+        s = read_modes(n, p, e);
+    if (s == LW_OK && p->modes && !p->pieces)
+        s = lw_json_fault(n, e, "\"modes\" are those of \"superelements\"; give their number, too");
     if (s == LW_OK && lw_json_member(n, "damping", &at))
         s = read_elastic_damping(&at, p, e);
     if (s == LW_OK && lw_json_member(n, "mass", &at))

@@ -69,7 +69,7 @@ while read -r header files; do
         bad=1
     fi
 done <<'TABLE'
-gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c mbs/dynamics/modes_eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
+gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c base/eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
 jansson grammar/json.c cli/program/file_kind.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
 cairo catalogues/draw/picture.c

@@ -380,7 +380,7 @@ TEST(condensed)
     }
     lw_spatial_expansion x;
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
+    CHECK_INT(lw_spatial_expand(&m, true, &x, &e), LW_OK);
     lw_superelement *p = x.model.super;
     char path[2][300], text[1000];
     for (int i = 0; i < 2; i++) {            /* the mass with its lumps */
@@ -420,6 +420,126 @@ TEST(condensed)
     frequencies(&m, false, 4, f[2]);
     for (int i = 0; i < 4; i++)
         CHECK_NEAR(f[2][i], f[1][i], 0, 1e-9);
+}
+
+/* Craig and Bampton's modes: the frequencies come from above to those of the whole bar, clamped and free, ever nearer with more
+ * modes, and much nearer than Guyan's; at rest the ends stay where Guyan has them; matrices of a mesh are the same. */
+TEST(craig_bampton)
+{
+    enum { PIECES = 10, ROWS = 6*(PIECES + 1), COUNT_OF = 8 };
+    static const char *const joint[] = { "fixed", "free" };
+    static double matrix[2][ROWS*ROWS];
+    double whole[COUNT_OF], f[COUNT_OF];
+    lw_spatial m;
+    lw_error e;
+    for (int free_free = 0; free_free < 2; free_free++) {
+        double before = INFINITY, guyan = 0;
+        for (int modes = -6; modes <= 48; modes = modes < 6 ? modes + 6 : 2*modes) {
+            const char *more[] = { "", ", 'superelements': 1", ", 'superelements': 1, 'modes': " };
+            int skip = 6*free_free;
+            double worst = 0, all[COUNT_OF + 6];
+            char number[20];
+            snprintf(number, sizeof number, "%d", modes);
+            CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {" BAR ", 'segments': 20%s%s}}], 'joints': "
+                                "[{'name': 'A', 'kind': '%s', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}]%s}", more[modes < 0 ? 0 : modes ? 2 : 1],
+                                modes > 0 ? number : "", joint[free_free], free_free ? "" : ", 'gravity': [0, 0, 0]"), LW_OK);
+            int n = modes == 0 ? (free_free ? 8 : 4) : skip + 5;      /* Guyan has few */
+            frequencies(&m, false, n, all);
+            for (int i = 0; i < n - skip; i++) {
+                f[i] = all[skip + i];
+                whole[i] = modes < 0 ? f[i] : whole[i];
+                worst = fmax(worst, f[i]/whole[i] - 1);
+                CHECK(f[i] > whole[i]*(1 - 1e-9));
+            }
+            if (modes < 0)
+                continue;
+            guyan = modes == 0 ? worst : guyan;
+            CHECK(worst < before && (modes < 6 || worst < 0.05*guyan));
+            before = worst;
+        }
+        CHECK(before < 1e-5);
+    }
+    for (int modes = 0; modes <= 24; modes += 12) {
+        char text[500];
+        snprintf(text, sizeof text, BAR ", 'segments': 20, 'superelements': 1, 'modes': %d", modes);
+        whole[modes/12] = sag(text, -0.1, -1);
+        CHECK_NEAR(whole[modes/12]/whole[0], 1, 1e-11, 0);
+    }
+    lw_spatial_expansion x;
+    read_bar(&m, BAR ", 'segments': 20, 'superelements': 10", 0, 0);
+    CHECK_INT(lw_spatial_expand(&m, true, &x, &e), LW_OK);
+    for (int k = 0; k < PIECES; k++)
+        for (int i = 0; i < 144; i++) {
+            int to = (6*k + i/12)*ROWS + 6*k + i%12;
+            matrix[0][to] += x.model.super[k].stiffness[i];
+            matrix[1][to] += x.model.super[k].mass[i] + (i%13 == 0 && i/13%6 < 3 ? x.model.super[k].lump[i/13/6] : 0);
+        }
+    char nodes[1000] = "", path[2][300], text[2000];
+    for (int i = 0; i <= PIECES; i++) {
+        static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+        int b = i < PIECES ? x.model.super[i].link[0] : x.model.super[i - 1].link[1];
+        for (int k = 0; k < 6; k++) {        /* what all pieces lumped there */
+            int row = 6*i + 3 + entry[k][0], column = 6*i + 3 + entry[k][1];
+            matrix[1][ROWS*row + column] += x.model.body[b].inertia[k];
+            matrix[1][ROWS*column + row] += row == column ? 0 : x.model.body[b].inertia[k];
+        }
+        snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "%s[%.17g, 0, 0]", i ? ", " : "", 2.*i/PIECES);
+    }
+    lw_spatial_expansion_free(&x);
+    frequencies(&m, false, 4, whole);
+    double before = INFINITY;
+    for (int modes = 0; modes <= 24; modes = modes ? 2*modes : 6) {
+        double worst = 0;
+        for (int i = 0; i < 2; i++) {
+            snprintf(path[i], sizeof path[i], "%s/mesh-%s.mtx", temporary_folder(), i ? "mass" : "stiffness");
+            write_matrix(path[i], ROWS, matrix[i]);
+        }
+        snprintf(text, sizeof text, "'nodes': [%s], 'stiffness': '%s', 'mass': '%s', 'modes': %d", nodes, path[0], path[1], modes);
+        read_bar(&m, text, 0, 0);
+        frequencies(&m, false, 4, f);
+        for (int i = 0; i < 4; i++)
+            worst = fmax(worst, fabs(f[i]/whole[i] - 1));
+        CHECK(modes ? worst < before : worst < 1e-9);
+        before = modes ? worst : before;
+    }
+    CHECK(before < 1e-3);
+    snprintf(text, sizeof text, "'nodes': [%s], 'stiffness': '%s', 'mass': '%s', 'modes': 60", nodes, path[0], path[1]);
+    read_bar(&m, text, 0, 0);
+    CHECK_INT(lw_spatial_expand(&m, true, &x, &e), LW_E_ARG);
+    CHECK(strstr(e.text, "9 inner nodes, which has 54") != NULL);
+    lw_spatial_expansion_free(&x);
+    lw_spatial_free(&m);
+}
+
+/* A soft bar (48 N m by its weight) falls about a hinge.  In time there are inner nodes instead of modes: the tip comes nearer to that of the whole bar with
+ * their number, and no energy is lost. */
+TEST(condensed_swing)
+{
+    static record whole, r;
+    double before = INFINITY;
+    for (int modes = -6; modes <= 24; modes = modes < 6 ? modes + 6 : 2*modes) {
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        char more[100] = "";
+        if (modes >= 0)
+            snprintf(more, sizeof more, ", 'superelements': 1, 'modes': %d", modes);
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'round', 'diameter': "
+                            "0.02}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': 20%s}}], 'joints': [{'name': 'A', 'kind': "
+                            "'revolute', 'links': ['ground', 'bar'], 'at': [0, 0, 0], 'axis': [0, 1, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', "
+                            "'at': [2, 0, 0]}], 'gravity': [0, 0, -9.81]}", more), LW_OK);
+        o.to = 0.3;
+        o.intervals = 60;
+        o.relative = o.absolute = 1e-8;
+        run(&m, o, modes < 0 ? &whole : &r);
+        double worst = 0, lost = 0;
+        for (int i = 0; modes >= 0 && i < r.n; i++) {
+            worst = fmax(worst, lw_v3_norm(lw_v3_sub(r.at[i], whole.at[i])));
+            lost = fmax(lost, fabs(r.energy[i] - r.energy[0]));
+        }
+        CHECK(modes < 0 || (worst < before && lost < 1e-5));
+        before = modes < 0 ? before : worst;
+    }
 }
 
 /* Elastica, P L^2/EI = 5: w/L .713791524; the error falls with the square of the number of pieces. */
@@ -512,6 +632,8 @@ TEST(refused)
         { "'elastic': {'nodes': [[0, 0, 0], [0, 0, 0]], 'stiffness': 'a.mtx', 'mass': 'a.mtx'}", "one place" },
         { "'elastic': {'nodes': [[0, 0, 0], [1, 0, 0]], 'stiffness': 'a.txt', 'mass': 'a.mtx'}", "NAME.mtx" },
         { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'superelements': 1.5}", "whole" },
+        { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'superelements': 1, 'modes': 4}", "multiple of 6" },
+        { "'elastic': {'section': " SQUARE ", 'material': 'steel', 'modes': 6}", "superelements" },
     };
     lw_spatial m;
     lw_error e;

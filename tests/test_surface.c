@@ -3,7 +3,7 @@
 #include <pthread.h>
 #include <unistd.h>
 #include "linkwright.h"
-#include "mbs/dynamics/modes_eigen_internal.h"      /* what no model reaches */
+#include "base/eigen.h"      /* what no model reaches */
 #include "tests/check.h"
 #include "tests/temporary.h"
 

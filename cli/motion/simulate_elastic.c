@@ -47,7 +47,10 @@ static double greatest_speed(const lw_expression *motion, double from, double to
 
 static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
 {
-    if (k->condensed)
+    if (k->condensed && k->elastic->modes)
+        cli_note(call, "elastic link \"%s\": %.4g kg; superelements with %d modes each at rest and in vibrations, with %d inner nodes each, "
+                 "whose masses are lumped, in time", name, k->mass, k->elastic->modes, k->elastic->modes/6);
+    else if (k->condensed)
         cli_note(call, "elastic link \"%s\": %.4g kg; superelements between %d nodes, whose masses are lumped in time", name, k->mass,
                  k->n_node);
     else if (k->frequency > 0)

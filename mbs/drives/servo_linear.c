@@ -4,7 +4,7 @@
 #include "base/real_complex.h"
 #include "base/vec2.h"
 #include "mbs/drives/servo_internal.h"
-#include "mbs/dynamics/modes_eigen_internal.h"
+#include "base/eigen.h"
 
 /* ---- matrices ------------------------------------------------------------------------------------------------ */
 

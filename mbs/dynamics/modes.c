@@ -7,7 +7,7 @@
 #include <string.h>
 #include "base/real.h"
 #include "base/vector.h"
-#include "mbs/dynamics/modes_eigen_internal.h"
+#include "base/eigen.h"
 #include "mbs/dynamics/statics_internal.h"
 
 #define NEGLIGIBLE 1e-13                 /* numbers below this part of the greatest are rounding */

@@ -11,7 +11,7 @@
 #include "base/real.h"
 #include "base/rng.h"
 #include "base/vector.h"
-#include "mbs/dynamics/modes_eigen_internal.h"
+#include "base/eigen.h"
 #include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
 

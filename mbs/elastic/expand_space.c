@@ -12,6 +12,8 @@ typedef struct work {
     lw_spatial_expansion *x;
     lw_elastic_axis      *axis;      /* per chain */
     lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; axis has those that are kept */
+    int                 **keep;      /* per chain with its own matrices: their nodes that are kept, ascending */
+    bool                  modes;     /* of condensed links are coordinates; otherwise as many coordinates of inner nodes */
 } work;
 
 /* Places of the link at which something acts: joints, tracers, ends of springs, forces. */
@@ -41,7 +43,8 @@ static lw_status find_places(const lw_spatial *m, int link, lw_elastic_places *p
 static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_error *e)
 {
     lw_elastic_axis *a = &w->axis[chain], *full = &w->full[chain];
-    int n = a->n_node, pieces = w->x->chain[chain].elastic->pieces;
+    const lw_elastic *p = w->x->chain[chain].elastic;
+    int n = a->n_node, pieces = p->pieces*(w->modes ? 1 : 1 + p->modes/6);
     *full = *a;
     a->node = calloc((size_t)n, sizeof *a->node);
     if (!a->node)
@@ -59,24 +62,78 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
     return LW_OK;
 }
 
+static lw_status too_many_modes(const work *w, const lw_elastic_chain *c, int inner, lw_error *e)
+{
+    return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has %d \"modes\" in a superelement of %d inner nodes, which has %d; take fewer, or "
+                        "a finer mesh", w->m->body[c->link].name, c->elastic->modes, inner, 6*inner);
+}
+
+/* The nodes of a link with its own matrices: all; or those on which something acts, two at least, and for modes one per six. */
+static lw_status plan_matrices(work *w, int chain, lw_error *e)
+{
+    lw_elastic_chain *c = &w->x->chain[chain];
+    const lw_elastic *p = c->elastic;
+    int more = p->modes/6, n = 0, *keep = w->keep[chain] = calloc((size_t)p->n_node + 1, sizeof *keep);
+    bool *kept = calloc((size_t)p->n_node, sizeof *kept);
+    lw_elastic_places at = { 0 };
+    lw_status s = keep && kept ? find_places(w->m, c->link, &at, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int k = 0; s == LW_OK && k < at.n; k++) {
+        int best = 0;
+        for (int i = 1; i < p->n_node; i++)
+            best = lw_v3_norm(lw_v3_sub(p->node[i], at.at[k])) < lw_v3_norm(lw_v3_sub(p->node[best], at.at[k])) ? i : best;
+        n += !kept[best];
+        kept[best] = true;
+    }
+    int bound = n > 2 ? n : 2, wanted = !more ? p->n_node : w->modes ? bound : bound + more;
+    if (s == LW_OK && more && bound + more > p->n_node)
+        s = too_many_modes(w, c, p->n_node - bound, e);
+    for (; s == LW_OK && n < wanted; n++) {      /* the one farthest from those that are kept */
+        double most = -1;
+        int best = 0;
+        for (int i = 0; i < p->n_node; i++) {
+            double away = INFINITY;
+            for (int k = 0; k < p->n_node; k++)
+                away = kept[k] ? fmin(away, lw_v3_norm(lw_v3_sub(p->node[i], p->node[k]))) : away;
+            if (!kept[i] && away > most)
+                most = away, best = i;
+        }
+        kept[best] = true;
+    }
+    for (int i = 0; s == LW_OK && i < p->n_node; i++)
+        if (kept[i])
+            keep[c->n_node++] = i;
+    c->n_bound = c->n_node;
+    c->n_node += s == LW_OK && w->modes ? more : 0;
+    free(kept), free(at.at);
+    c->node = s == LW_OK ? calloc((size_t)c->n_node, sizeof *c->node) : NULL;
+    return s != LW_OK || c->node ? s : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
 static lw_status plan_chain(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
     lw_elastic_axis *a = &w->axis[chain];
     lw_elastic_places at;
     c->condensed = c->elastic->pieces > 0 || c->elastic->n_node > 0;
-    if (c->elastic->n_node > 0) {
-        c->n_node = c->elastic->n_node;
-        c->node = calloc((size_t)c->n_node, sizeof *c->node);
-        return c->node ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    }
+    if (c->elastic->n_node > 0)
+        return plan_matrices(w, chain, e);
     lw_status s = find_places(w->m, c->link, &at, e);
     if (s == LW_OK)
         s = lw_elastic_axis_make(c->elastic, w->m->body[c->link].name, &at, a, e);
     if (s == LW_OK && c->condensed)
         s = keep_nodes(w, chain, &at, e);
     free(at.at);
-    return s == LW_OK ? lw_elastic_chain_take(c, a, e) : s;
+    if (s != LW_OK || (s = lw_elastic_chain_take(c, a, e)) != LW_OK)
+        return s;
+    c->n_bound = c->n_node;
+    if (w->modes && c->elastic->modes) {
+        c->n_node += (c->n_node - 1)*c->elastic->modes/6;
+        int *node = realloc(c->node, (size_t)c->n_node*sizeof *node);
+        if (!node)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        c->node = node;
+    }
+    return LW_OK;
 }
 
 /* A copy of n entries, with room for `more`; never NULL but without memory. */
@@ -136,14 +193,16 @@ static void add_inertia(lw_spatial_body *b, const lw_mat3 *axes, const double va
 }
 
 /* Nodes of a chain as links without mass, at the given places. */
-static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis *axis, lw_error *e)
+static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis *axis, const int *keep, lw_error *e)
 {
     lw_spatial *to = &w->x->model;
     for (int i = 0; i < c->n_node; i++) {
         int link = i ? to->n_link++ : c->link;
         c->node[i] = link;
-        to->body[link] = (lw_spatial_body){ .given = true, .centre = axis ? lw_elastic_axis_point(axis, axis->node[i])
-                                                                           : c->elastic->node[i] };
+        bool modal = i >= c->n_bound;        /* at the first node of its superelement */
+        int at = !modal ? i : c->elastic->n_node ? 0 : (i - c->n_bound)/(c->elastic->modes/6);
+        to->body[link] = (lw_spatial_body){ .given = true, .centre = axis ? lw_elastic_axis_point(axis, axis->node[at])
+                                                                           : c->elastic->node[keep[at]] };
         if (snprintf(to->body[link].name, LW_NAME_SIZE, "%s.%d", w->m->body[c->link].name, i) >= LW_NAME_SIZE)
             return lw_error_set(e, LW_E_ARG, "the name of the elastic link \"%s\" is too long: its nodes are called \"NAME.0\", "
                                 "\"NAME.1\", ...; at most %d bytes", w->m->body[c->link].name, LW_NAME_SIZE - 7);
@@ -158,7 +217,7 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     const lw_section *q = &p->section;
     lw_spatial *to = &w->x->model;
     c->first_beam = to->n_beam;
-    lw_status s = fill_nodes(w, c, &w->axis[chain], e);
+    lw_status s = fill_nodes(w, c, &w->axis[chain], NULL, e);
     if (s != LW_OK)
         return s;
     for (int i = 0; i + 1 < c->n_node; i++) {
@@ -217,8 +276,8 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
     return s;
 }
 
-/* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends. */
-static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, double **stiffness, double **mass)
+/* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends and modes. */
+static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, int modes, double **stiffness, double **mass)
 {
     int nodes = last - first + 1, rows = 6*nodes, keep[12];
     double *k = *stiffness = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = *mass = calloc((size_t)rows*(size_t)rows, sizeof *a);
@@ -252,7 +311,10 @@ static lw_status condense(const lw_spatial *m, int first, int last, bool consist
     }
     for (int i = 0; i < 12; i++)
         keep[i] = i < 6 ? i : rows - 12 + i;
-    return lw_super_condense(rows, k, a, 12, keep);
+    lw_status s = lw_super_condense(rows, k, a, 12, keep, modes);
+    if (s == LW_OK)
+        lw_super_modal_nodes(2, modes/6, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre }, k, a);
+    return s;
 }
 
 /* A bar of elements condensed to superelements between its nodes that are kept. */
@@ -261,12 +323,13 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain], all = *c;
     const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
     size_t n = (size_t)full->n_node + 1;
+    int modes = w->modes ? c->elastic->modes : 0, link[LW_SUPER_NODES];
     lw_spatial named = { .body = &((lw_spatial *)(uintptr_t)w->m)->body[c->link] };
     lw_spatial_expansion mesh = { .model = { .n_link = 1, .body = calloc(n, sizeof *mesh.model.body), .beam = calloc(n, sizeof *mesh.model.beam) },
                                   .chain = &all };
-    work part = { &named, &mesh, (lw_elastic_axis *)(uintptr_t)full, NULL };
-    all.link = 0, all.n_node = full->n_node, all.node = calloc(n, sizeof *all.node);
-    lw_status s = all.node && mesh.model.body && mesh.model.beam ? fill_nodes(w, c, kept, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    work part = { .m = &named, .x = &mesh, .axis = (lw_elastic_axis *)(uintptr_t)full };
+    all.link = 0, all.n_node = all.n_bound = full->n_node, all.node = calloc(n, sizeof *all.node);
+    lw_status s = all.node && mesh.model.body && mesh.model.beam ? fill_nodes(w, c, kept, NULL, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = fill_chain(&part, 0, e);
     for (int i = 0, first = 0; s == LW_OK && i + 1 < kept->n_node; i++) {
@@ -274,9 +337,15 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
         double *stiffness, *mass;
         while (full->node[last] < kept->node[i + 1])
             last++;
-        s = condense(&mesh.model, first, last, c->elastic->consistent, &stiffness, &mass);
+        if (6*(last - first - 1) < modes) {
+            s = too_many_modes(w, c, last - first - 1, e);
+            break;
+        }
+        s = condense(&mesh.model, first, last, c->elastic->consistent, modes, &stiffness, &mass);
+        for (int k = 0; k < 2 + modes/6; k++)
+            link[k] = c->node[k < 2 ? i + k : c->n_bound + i*(modes/6) + k - 2];
         if (s == LW_OK)
-            s = add_superelement(&w->x->model, 2, c->node + i, c->elastic->damping, stiffness, mass, e);
+            s = add_superelement(&w->x->model, 2 + modes/6, link, c->elastic->damping, stiffness, mass, e);
         else {
             free(stiffness), free(mass);
             lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
@@ -293,17 +362,27 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain];
     const lw_elastic *p = c->elastic;
     size_t size = 36*(size_t)p->n_node*(size_t)p->n_node*sizeof(double);
+    int modes = w->modes ? p->modes : 0, *keep = calloc(6*(size_t)c->n_bound, sizeof *keep);
+    lw_vec3 centre, *at = calloc((size_t)c->n_bound, sizeof *at);
     double *stiffness = malloc(size), *mass = malloc(size), rigid[6];
-    lw_vec3 centre;
-    lw_status s = stiffness && mass ? fill_nodes(w, c, NULL, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (s != LW_OK) {
-        free(stiffness), free(mass);
-        return s;
+    lw_status s = stiffness && mass && keep && at ? fill_nodes(w, c, NULL, w->keep[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        memcpy(stiffness, p->stiffness, size);
+        memcpy(mass, p->mass, size);
+        lw_super_rigid_mass(p->n_node, p->node, mass, &c->mass, &centre, rigid);
     }
-    memcpy(stiffness, p->stiffness, size);
-    memcpy(mass, p->mass, size);
-    lw_super_rigid_mass(p->n_node, p->node, mass, &c->mass, &centre, rigid);
-    return add_superelement(&w->x->model, p->n_node, c->node, p->damping, stiffness, mass, e);
+    for (int i = 0; s == LW_OK && i < 6*c->n_bound; i++)
+        keep[i] = 6*w->keep[chain][i/6] + i%6, at[i/6] = p->node[w->keep[chain][i/6]];
+    if (s == LW_OK && p->modes && (s = lw_super_condense(6*p->n_node, stiffness, mass, 6*c->n_bound, keep, modes)) != LW_OK)
+        lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed: its stiffness does not hold the inner nodes, or their mass is not "
+                     "positive definite", w->m->body[c->link].name);
+    if (s == LW_OK)
+        lw_super_modal_nodes(c->n_bound, modes/6, at, stiffness, mass);
+    free(keep), free(at);
+    if (s == LW_OK)
+        return add_superelement(&w->x->model, c->n_node, c->node, p->damping, stiffness, mass, e);
+    free(stiffness), free(mass);
+    return s;
 }
 
 /* The node of an elastic link nearest along the axis to `at`; other links stay. */
@@ -312,10 +391,11 @@ static int node_for(const work *w, int link, lw_vec3 at)
     for (int k = 0; k < w->x->n_chain; k++) {
         const lw_elastic_chain *c = &w->x->chain[k];
         int best = 0;
+        const lw_vec3 *node = c->elastic->node;
         if (c->link != link)
             continue;
-        for (int i = 1; i < c->elastic->n_node; i++)
-            if (lw_v3_norm(lw_v3_sub(c->elastic->node[i], at)) < lw_v3_norm(lw_v3_sub(c->elastic->node[best], at)))
+        for (int i = 1; c->elastic->n_node > 0 && i < c->n_bound; i++)
+            if (lw_v3_norm(lw_v3_sub(node[w->keep[k][i]], at)) < lw_v3_norm(lw_v3_sub(node[w->keep[k][best]], at)))
                 best = i;
         return c->node[c->elastic->n_node > 0 ? best : lw_elastic_axis_node(&w->axis[k], at)];
     }
@@ -339,13 +419,13 @@ static void attach(work *w)
             to->spring[i].link[end] = node_for(w, to->spring[i].link[end], to->spring[i].at[end]);
 }
 
-lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_error *e)
+lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansion *x, lw_error *e)
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_spatial_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full) };
+    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), modes };
     int more = 0;
-    lw_status s = x->chain && w.axis && w.full ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = x->chain && w.axis && w.full && w.keep ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->n_link; l++) {
         if (!m->elastic[l].given)
             continue;
@@ -361,9 +441,9 @@ lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_err
           : fill_chain(&w, k, e);
     if (s == LW_OK)
         attach(&w);
-    for (int k = 0; w.axis && w.full && k < m->n_elastic; k++)
-        free(w.axis[k].node), free(w.full[k].node);
-    free(w.axis), free(w.full);
+    for (int k = 0; w.axis && w.full && w.keep && k < m->n_elastic; k++)
+        free(w.axis[k].node), free(w.full[k].node), free(w.keep[k]);
+    free(w.axis), free(w.full), free(w.keep);
     return s;
 }
 
@@ -393,7 +473,7 @@ static void join(const lw_spatial_expansion *x, const lw_elastic_chain *c, lw_sp
     *b = (lw_spatial_body){ .given = true };
     memcpy(b->name, name, sizeof name);
     if (c->elastic->n_node > 0) {
-        lw_super_rigid_mass(c->n_node, c->elastic->node, c->elastic->mass, &b->mass, &b->centre, b->inertia);
+        lw_super_rigid_mass(c->elastic->n_node, c->elastic->node, c->elastic->mass, &b->mass, &b->centre, b->inertia);
         return;
     }
     for (int i = 0; i + 1 < c->n_node; i++) {
@@ -427,8 +507,8 @@ lw_status lw_spatial_rigid(const lw_spatial *m, lw_spatial *rigid, lw_error *e)
     lw_spatial bars = *m;                    /* condensed bars count as what they are condensed from */
     bars.elastic = copy(m->elastic, m->n_link, 0, sizeof *m->elastic);
     for (int i = 0; bars.elastic && i < m->n_link; i++)
-        bars.elastic[i].pieces = 0;
-    lw_status s = bars.elastic ? lw_spatial_expand(&bars, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        bars.elastic[i].pieces = bars.elastic[i].modes = 0;
+    lw_status s = bars.elastic ? lw_spatial_expand(&bars, false, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int k = 0; s == LW_OK && k < x.n_chain; k++)
         join(&x, &x.chain[k], &rigid->body[x.chain[k].link]);
     lw_spatial_expansion_free(&x);

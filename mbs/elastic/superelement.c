@@ -15,6 +15,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/eigen.h"
 #include "base/linalg.h"
 
 static lw_mat3 times(const lw_mat3 *a, const lw_mat3 *b)
@@ -220,12 +221,29 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
 
 /* ---- mass and condensation ---------------------------------------------------------------------------------------- */
 
-lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep)
+/* The lowest modes of the inner coordinates with those kept at rest: squared frequencies w, shapes x (inner x modes). */
+static lw_status inner_modes(int n, const double *k, const double *mass, int inner, const int *other, int modes, double *w, double *x)
 {
-    int inner = n - m, *other = calloc((size_t)n + 1, sizeof *other), found = 0;
-    size_t size = (size_t)inner + 1, both = (size_t)m + 1;
-    double *a = calloc(size*size + size + size*both + size, sizeof *a), *diag = a + size*size, *shape = diag + size, *b = shape + size*both;
-    lw_status s = other && a ? LW_OK : LW_E_MEMORY;
+    size_t size = (size_t)inner;
+    double *work = calloc(3*size*size + size, sizeof *work), *m = work + size*size, *all = m + size*size, *values = all + size*size;
+    for (int i = 0; work && i < inner*inner; i++)
+        work[i] = k[other[i/inner]*n + other[i%inner]], m[i] = mass[other[i/inner]*n + other[i%inner]];
+    lw_status s = work ? lw_eigen_symmetric(inner, work, m, values, all) : LW_E_MEMORY;
+    if (s == LW_OK) {
+        memcpy(w, values, (size_t)modes*sizeof *w);
+        memcpy(x, all, (size_t)modes*size*sizeof *x);
+    }
+    free(work);
+    return s;
+}
+
+lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep, int modes)
+{
+    int inner = n - m, *other = calloc((size_t)n + 1, sizeof *other), found = 0, rows = m + modes;
+    size_t size = (size_t)inner + 1, both = (size_t)rows + 1;
+    double *a = calloc(size*size + size + size*both + both, sizeof *a), *diag = a + size*size, *shape = diag + size, *w = shape + size*both;
+    double *out[2] = { calloc(both*both, sizeof(double)), calloc(both*both, sizeof(double)) };
+    lw_status s = other && a && out[0] && out[1] ? LW_OK : LW_E_MEMORY;
     for (int i = 0, kept = 0; s == LW_OK && i < n; i++)
         if (kept < m && keep[kept] == i)
             kept++;
@@ -237,37 +255,65 @@ lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *ke
     if (s == LW_OK && inner > 0 && !(lw_qr_factor(inner, inner, a, diag) > 1e-15))
         s = LW_E_NUMERIC;
     for (int j = 0; s == LW_OK && j < m; j++) {          /* motion of the others with those that are kept */
+        double *b = shape + (size_t)j*(size_t)inner;
         for (int i = 0; i < inner; i++)
             b[i] = -k[other[i]*n + keep[j]];
         if (inner > 0)
             lw_qr_solve(inner, inner, a, diag, b);
-        memcpy(shape + (size_t)j*(size_t)inner, b, (size_t)inner*sizeof *b);
     }
-    double *out[2] = { calloc(both*both, sizeof(double)), calloc(both*both, sizeof(double)) };
-    s = s == LW_OK && (!out[0] || !out[1]) ? LW_E_MEMORY : s;
-    for (int which = 0; s == LW_OK && which < 2; which++)
-        for (int j = 0; j < m; j++) {
+    if (s == LW_OK && modes > 0)
+        s = inner_modes(n, k, mass, inner, other, modes, w, shape + (size_t)m*(size_t)inner);
+    for (int which = 1; s == LW_OK && which >= 0; which--)
+        for (int j = 0; j < rows; j++) {
             const double *x = which ? mass : k, *v = shape + (size_t)j*(size_t)inner;
-            for (int i = 0; i < m; i++) {
+            for (int i = 0; i < rows; i++) {
                 const double *u = shape + (size_t)i*(size_t)inner;
-                double sum = x[keep[i]*n + keep[j]];
-                for (int l = 0; l < inner; l++)
+                double sum = i < m && j < m ? x[keep[i]*n + keep[j]] : 0;
+                for (int l = 0; i < m && l < inner; l++)
                     sum += x[keep[i]*n + other[l]]*v[l];
                 for (int r = 0; which && r < inner; r++) {
-                    double row = x[other[r]*n + keep[j]];
+                    double row = j < m ? x[other[r]*n + keep[j]] : 0;
                     for (int l = 0; l < inner; l++)
                         row += x[other[r]*n + other[l]]*v[l];
                     sum += u[r]*row;
                 }
-                out[which][i*m + j] = sum;
+                out[which][i*rows + j] = which || (i < m && j < m) ? sum : i == j ? w[i - m]*out[1][i*rows + i] : 0;
             }
         }
     for (int which = 0; s == LW_OK && which < 2; which++)
-        for (int i = 0; i < m; i++)
-            for (int j = 0; j < m; j++)
-                (which ? mass : k)[i*m + j] = 0.5*(out[which][i*m + j] + out[which][j*m + i]);
+        for (int i = 0; i < rows; i++)
+            for (int j = 0; j < rows; j++)
+                (which ? mass : k)[i*rows + j] = 0.5*(out[which][i*rows + j] + out[which][j*rows + i]);
     free(other), free(a), free(out[0]), free(out[1]);
     return s;
+}
+
+void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double *mass)
+{
+    int m = 6*n, rows = m + 6*more, b = 0;
+    double total = 0, size = 0;
+    for (int i = 0; i < n; i++) {
+        double away = lw_v3_norm(lw_v3_sub(at[i], at[0]));
+        if (away > size)
+            size = away, b = i;
+        for (int j = 0; j < n; j++)
+            total += mass[6*i*rows + 6*j];
+    }
+    for (int r = m; r < rows; r++) {         /* modal coordinate r = scale (motion r of the new node - that of the frame) */
+        int c = r%6;
+        double scale = sqrt((c < 3 ? total : 0.1*total*size*size)/mass[r*(rows + 1)]);
+        const int from[2] = { c, 6*b + c };
+        for (int i = 0; i < rows; i++) {
+            mass[i*rows + r] *= scale, k[i*rows + r] *= scale;
+            for (int end = 0; end < (c < 3 ? 1 : 2); end++)
+                mass[i*rows + from[end]] -= mass[i*rows + r]*(c < 3 ? 1 : 0.5);
+        }
+        for (int i = 0; i < rows; i++) {
+            mass[r*rows + i] *= scale, k[r*rows + i] *= scale;
+            for (int end = 0; end < (c < 3 ? 1 : 2); end++)
+                mass[from[end]*rows + i] -= mass[r*rows + i]*(c < 3 ? 1 : 0.5);
+        }
+    }
 }
 
 void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6])

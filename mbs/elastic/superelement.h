@@ -29,9 +29,14 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
 /* The frame's axes. */
 lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node);
 
-/* Guyan's condensation (1965) of matrices (n x n) to the m coordinates `keep`, ascending: k and mass become m x m.  LW_E_NUMERIC: the
- * other coordinates are not held by the stiffness. */
-lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep);
+/* Condensation of matrices (n x n) to the m coordinates `keep`, ascending, by Guyan (1965), and to the lowest `modes` of the others
+ * with those at rest (Craig & Bampton 1968): k and mass become m + modes square, the modes last.  LW_E_NUMERIC: the other coordinates
+ * are not held by the stiffness, or their mass is not positive definite. */
+lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep, int modes);
+
+/* Turn the 6 more modes that follow the coordinates of n nodes into the motions of `more` nodes, which lie at the first node and
+ * move with the frame of the superelement as long as no mode is excited.  The strains e of such a node are its modes. */
+void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double *mass);
 
 /* Mass, centre [m] and inertia about it (as in lw_spatial_body) of a mass matrix when the body moves as a rigid one. */
 void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6]);

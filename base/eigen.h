@@ -1,6 +1,6 @@
-/* mbs/dynamics/modes_eigen_internal.h - eigenvalues by GSL; internal to mbs/. */
-#ifndef LW_MBS_DYNAMICS_MODES_EIGEN_INTERNAL_H
-#define LW_MBS_DYNAMICS_MODES_EIGEN_INTERNAL_H
+/* base/eigen.h - eigenvalues by GSL. */
+#ifndef LW_BASE_EIGEN_H
+#define LW_BASE_EIGEN_H
 
 #include "base/status.h"
 

@@ -1,10 +1,10 @@
-/* mbs/dynamics/modes_eigen.c - bridge to GSL's eigenvalues. */
+/* base/eigen.c - bridge to GSL's eigenvalues. */
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <stdbool.h>
 #include "base/gsl_errors.h"
 #include "base/real.h"
-#include "mbs/dynamics/modes_eigen_internal.h"
+#include "base/eigen.h"
 
 /* Are the coefficients finite? Those that are next to nothing become zero: on subnormal numbers GSL iterates for ever. */
 static bool prepare(double *v, size_t n)
