@@ -133,6 +133,7 @@ typedef struct lw_superelement {
     double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
     double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
     double   damping;                    /* [s]                                                        */
+    lw_vec3  beside;                     /* first moment about the first node that the nodes' places do not give `first` [kg m] */
 } lw_superelement;
 
 typedef struct lw_spatial {

@@ -246,7 +246,7 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
     double total, rigid[6], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
     lw_vec3 centre;
     *p = (lw_superelement){ n, calloc((size_t)n, sizeof *p->link), calloc((size_t)n, sizeof *p->at), stiffness, mass,
-                            calloc(18*(size_t)n, sizeof *p->first), lump, damping };
+                            calloc(18*(size_t)n, sizeof *p->first), lump, damping, { 0, 0, 0 } };
     lw_status s = lump && inertia && p->link && p->at && p->first ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < n; i++)
         p->link[i] = link[i], p->at[i] = to->body[link[i]].centre;
@@ -256,6 +256,12 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
         for (int i = 0; i < 36*n*n; i++)
             if (i/(6*n)%6 < 3)
                 p->first[i/(6*n)%6*6*n + i%(6*n)] += mass[i];
+        p->beside = lw_v3_scale(lw_v3_sub(centre, p->at[0]), total);
+        for (int i = 0; i < 6*n; i++) {
+            lw_vec3 away = lw_v3_sub(p->at[i/6], p->at[0]);
+            double along = i%6 == 0 ? away.x : i%6 == 1 ? away.y : i%6 == 2 ? away.z : 0;
+            p->beside = lw_v3_sub(p->beside, lw_v3_scale(lw_v3(p->first[i], p->first[6*n + i], p->first[12*n + i]), along));
+        }
         s = total > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "the mass matrix of the elastic link \"%s\" has no mass when the body moves",
                                              to->body[link[0]].name);
     }

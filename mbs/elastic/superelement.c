@@ -9,8 +9,8 @@
  * (less their sum by r_a), h_i by t_i, and c/2 + q c x g by t_a, c/2 - q c x g by t_b.  Its change has the exact part B^T K B and
  * that of the directions at constant stress, which is small beside it and is found by central differences.
  *
- * The weight has the potential -g.(m r_a + T w), w = S (P + e), S = sum of the rows of the mass matrix along each axis: it adds
- * -S^T T^T g to the stress, -w x T^T g to c, and pulls at node a by m g. */
+ * The weight has the potential -g.(m r_a + T w), w = m C + S e, C the centre of mass in the posture against node a, S = sum of the rows
+ * of the mass matrix along each axis; w is found as S (P + e) + beside, since S P is m C for no bodies but straight ones: it adds -S^T T^T g to the stress, -w x T^T g to c, and pulls at node a by m g. */
 #include "mbs/elastic/superelement.h"
 
 #include <stdlib.h>
@@ -93,7 +93,7 @@ static void gradient(const lw_super *s, const lw_beam_node *node, const double *
 {
     lw_mid_frame z = frame_of(s, node);
     lw_vec3 all = { 0, 0, 0 }, c = { 0, 0, 0 }, down = lw_m3_unapply(&z.turn, s->gravity);
-    double w[3] = { 0 };
+    double w[3] = { s->p->beside.x, s->p->beside.y, s->p->beside.z };
     for (int i = 0; i < s->p->n; i++) {
         lw_vec3 p, g, n = vec(stress + 6*i), m = vec(stress + 6*i + 3);
         place(s, &z, node, i, &p, &g);
@@ -161,7 +161,7 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
         put(e + 6*i, lw_v3_sub(p, lw_v3_sub(s->p->at[i], s->p->at[s->a])));
         put(e + 6*i + 3, g);
     }
-    energy -= total_mass(s)*lw_v3_dot(s->gravity, node[s->a].at);
+    energy -= total_mass(s)*lw_v3_dot(s->gravity, node[s->a].at) + lw_v3_dot(down, s->p->beside);
     memset(rate, 0, (size_t)rows*sizeof *rate);
     if (s->p->damping > 0 || by_x)
         strain_matrix(s, node, matrix);
