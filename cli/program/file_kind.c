@@ -72,17 +72,20 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         { CLI_MASTER, "a master file of a product family", "family expand %s" },
         { CLI_CATALOGUE, "a catalogue", "catalogue query %s" },
         { CLI_FOREIGN, "a linkage of another program", "convert %s -o linkage.json" },
-        { CLI_BINARY, "no text in UTF-8 (a picture, a workbook, an archive, another encoding)", NULL }, { CLI_LENGTHS, "a table of lengths",
-            NULL }
+        { CLI_BINARY, "no text in UTF-8 (a picture, an archive, another encoding)", NULL },
+        { CLI_LENGTHS, "a table of lengths", NULL }
     };
     char *text = NULL, command[600], what[160] = "";
     size_t size, n = sizeof rows/sizeof *rows;
     if (!wanted || strcmp(path, "-") == 0 || lw_file_read(path, &text, &size, NULL) != LW_OK)
         return false;
     cli_kind_of_file kind = kind_of_text(text, size, path);
+    bool foreign = kind == CLI_BINARY && lw_refuse_foreign(text, size, path, e) != LW_OK;
     free(text);
     if (kind == CLI_UNKNOWN || kind & wanted)
         return false;
+    if (foreign)
+        return true;
     for (size_t i = 0; i < n; i++)
         if (wanted & rows[i].kind && rows[i].kind != CLI_RESULTS)
             snprintf(what + strlen(what), sizeof what - strlen(what), "%s%s", what[0] ? " or " : "", rows[i].is);

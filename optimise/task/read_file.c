@@ -8,8 +8,7 @@
 #include "base/file.h"
 #include "optimise/task/target_outline.h"
 
-/* Files that are often handed in by mistake, by the bytes with which they begin. */
-static lw_status refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
+lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e)
 {
     static const char pixels[] = "a picture of pixels; trace its curve (Inkscape: Path > Trace Bitmap) and save that "
         "as SVG";
@@ -69,7 +68,7 @@ static const char *find_curve(const char *path)
 lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
                               lw_error *e)
 {
-    lw_status s = refuse_foreign(text, size, file, e);
+    lw_status s = lw_refuse_foreign(text, size, file, e);
     *t = (lw_target){ .n = 0 };
     if (s != LW_OK)
         return s;

@@ -10,6 +10,10 @@ typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGE
 /* What a text is read as: a drawing, by the end of its name or by how it begins, or else a table. */
 lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path);
 
+/* LW_E_NOTATION: a workbook, a picture of pixels, an archive or another file that is often handed in by mistake, by the
+ * bytes with which it begins; the message says how to go on. */
+lw_status lw_refuse_foreign(const char *text, size_t size, const char *path, lw_error *e);
+
 /* A table (CSV) or a drawing, from text; `file` decides by its end which of them, and is for messages; may be "". */
 lw_status lw_target_read_text(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
                               lw_error *e);
