@@ -265,6 +265,7 @@ static void put_point(lw_bytes *b, const char *name, const moment *m, size_t n, 
         }
     if (v)
         studio_put_reals(b, "rates", v, 4*n, 1, 1);
+    b->failed = b->failed || !v;
     lw_bytes_text(b, "}");
     free(v);
 }
@@ -301,6 +302,7 @@ static void put_centre(lw_bytes *b, const lw_kinematics *kin, const lw_scene *s,
     }
     if (v)
         studio_put_reals(b, "at", v, width*s->n_frame, 1, 1);
+    b->failed = b->failed || !v;
     lw_bytes_text(b, "}");
     free(v);
 }
@@ -331,6 +333,7 @@ static void put_doubles(lw_bytes *b, const lw_scene *s)
         size_t n = c->n + c->closed;
         lw_double_point found[16];
         double *xy = c->shown_branch ? malloc(2*n*sizeof *xy) : NULL;
+        b->failed = b->failed || (c->shown_branch && !xy);
         for (size_t k = 0; xy && k < n; k++) {
             xy[k] = c->p[k % c->n].x;
             xy[n + k] = c->p[k % c->n].y;
@@ -415,6 +418,7 @@ static void put_cognates(lw_bytes *b, const lw_linkage *k)
         }
         if (c && lw_plan_write(&plan, other[i], &other_mode[i], angle[i], c) == LW_OK)
             studio_put_linkage(b, NULL, c);
+        b->failed = b->failed || !c;
         free(c);
     }
     lw_bytes_text(b, "]");
@@ -451,12 +455,13 @@ static void put_analysis(lw_bytes *b, const lw_linkage *k, const lw_scene *s, lw
     }
     if (angle)
         studio_put_reals(b, "transmission", angle, s->n_frame, 1, 1);
+    b->failed = b->failed || !angle;
     free(angle);
     put_rates(b, k, m, s->n_frame);
     put_centres(b, kin, s, m);
     studio_put_key(b, "ranges");
     lw_bytes_text(b, "[");
-    lw_kinematics_ranges(kin, put_range, b);
+    b->failed = lw_kinematics_ranges(kin, put_range, b) == LW_E_MEMORY || b->failed;
     lw_bytes_text(b, "]");
     put_dead_points(b, k, s);
     put_doubles(b, s);
