@@ -19,6 +19,7 @@ enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the
  * against powers of the tolerance; their derivatives by differences cost an evaluation for each coordinate. */
 static const double most_accurate = 0.9e-7;    /* tolerance */
 static const double damped = 1e3;            /* decay [1/s] times the length of the run */
+static const double bdf_share = 0.05;        /* of the tolerance, for BDF steps, whose errors add up to a multiple of it */
 enum { MOST_DIFFERENCES = 40 };
 
 typedef struct motion {
@@ -274,8 +275,9 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.implicit = takes_implicit(m);
     w.ode.project = w.implicit ? NULL : project;
     w.y = y + ode->n;
-    o.relative = d->o.relative;
-    o.absolute = d->o.absolute;
+    double share = w.implicit ? bdf_share : 1;
+    o.relative = share*d->o.relative;
+    o.absolute = share*d->o.absolute;
     o.max_step = d->o.max_step;
     o.smooth = d->eq.smooth;
     lw_status s = start(m, y, out);
@@ -284,7 +286,7 @@ static lw_status run_one(motion *m, double *y, double *work)
         each = malloc((size_t)ode->n*sizeof *each);
         s = each ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
         for (int i = 0; each && i < ode->n; i++)
-            each[i] = d->o.absolute*(i < first ? 1 : d->eq.state_scale(d->eq.context, i - first));
+            each[i] = o.absolute*(i < first ? 1 : d->eq.state_scale(d->eq.context, i - first));
         o.absolute_each = each;
     }
     if (s == LW_OK)

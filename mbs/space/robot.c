@@ -134,7 +134,7 @@ static lw_status fill_jacobian(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES],
     const lw_space *s = &r->space;
     int first = s->n_row + f->n_idle;
     lw_space_rows_fill(&f->z, f->q, f->z.near);
-    if (!lw_space_rows_factor(&f->z))
+    if (!lw_space_rows_factor_near(&f->z))
         return lw_error_set(e, LW_OPEN, "the drives do not hold the tool in this posture: it is singular");
     for (int i = 0; i < r->n_drive; i++) {
         double *v = r->column + (size_t)i*(size_t)s->n_v;

@@ -188,7 +188,7 @@ static void wanted(lw_space_follow *f, int rate)
 static bool tangent(lw_space_follow *f, double *v)
 {
     lw_space_rows_fill(&f->z, f->q_try, f->target);
-    if (!lw_space_rows_factor(&f->z))
+    if (!lw_space_rows_factor_near(&f->z))
         return false;
     wanted(f, 1);
     lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l);

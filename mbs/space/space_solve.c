@@ -49,14 +49,15 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     z->n_extra = n_extra;
     z->n_row = s->n_row + n_extra;
     size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1;
-    size_t bytes = (rows*(2*LW_SPACE_ROW + 2) + 3*v + x)*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
+    size_t q_size = (size_t)s->n_q, doubles_all = rows*(2*LW_SPACE_ROW + 2) + 3*v + x + 2*q_size;
+    size_t bytes = doubles_all*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
                    x*sizeof *z->extra + rows*(sizeof *z->body + 2*sizeof(int));
     char *at = z->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step,
-                                 &z->near };
-    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, v, v, v, x };
+                                 &z->near, &z->filled, &z->factored };
+    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, v, v, v, x, q_size, q_size };
     for (size_t i = 0; i < sizeof doubles/sizeof *doubles; i++) {
         *doubles[i] = (double *)(void *)at;
         at += sizes[i]*sizeof(double);
@@ -81,6 +82,7 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
 void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *target)
 {
     const lw_space *s = z->s;
+    memcpy(z->filled, q, (size_t)s->n_q*sizeof *q);
     lw_space_place(s, q, z->frame);
     lw_space_rows(s, z->frame, z->phi, z->jac);
     for (int i = 0; i < z->n_extra; i++) {
@@ -117,6 +119,7 @@ static double dot6(const double *a, const double *b)
 bool lw_space_rows_factor(lw_space_rows_set *z)
 {
     double *value = z->schur.value;
+    memcpy(z->factored, z->filled, (size_t)z->s->n_q*sizeof *z->filled);
     weigh(z);
     if (z->n_kept == 0) {
         z->weak = 1;
@@ -127,6 +130,18 @@ bool lw_space_rows_factor(lw_space_rows_set *z)
         value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
     z->weak = lw_cholesky_factor(&z->schur, 0, NULL);
     return z->weak > 1e-14;
+}
+
+bool lw_space_rows_factor_near(lw_space_rows_set *z)
+{
+    double most = 1e-8*sqrt(z->weak);        /* factors are wrong by off/sqrt(weak), refined solves by its square */
+    bool near = z->weak > 1e-14;
+    for (int i = 0; near && i < z->s->n_q; i++)
+        near = fabs(z->filled[i] - z->factored[i]) <= most;
+    if (!near)
+        return lw_space_rows_factor(z);
+    weigh(z);
+    return true;
 }
 
 /* ---- basis ---------------------------------------------------------------------------------------------------- */
@@ -234,6 +249,7 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
 {
     int n = z->n_kept;
     lw_space_rows_fill(z, q, NULL);
+    z->weak = NAN;
     if (n == 0 || n == z->n_row) {           /* not known yet: count the rows that depend on none before them */
         z->n_kept = z->n_row;
         for (int i = 0; i < z->n_row; i++)

@@ -28,7 +28,8 @@ typedef struct lw_space_rows_set {
     int      n_pair;
     lw_space_pair *pair;
     lw_cholesky schur;
-    double   weak;                       /* least pivot over its diagonal when factored last               */
+    double   weak;                       /* least pivot over its diagonal when factored last; NAN: never   */
+    double  *filled, *factored;          /* (n_q) postures of the rows and of the factors                  */
     double  *small, *full, *step;                /* (n_row) (n_v) (n_v) scratch                            */
     void    *memory;
 } lw_space_rows_set;
@@ -45,6 +46,9 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
 /* Rows at q, with wanted values `target` of the extras (over their scale; 0 for spins), and their factors. */
 void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *target);
 bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
+
+/* The same for solves that refine: factors of a posture so near that these leave rounding only are kept. */
+bool lw_space_rows_factor_near(lw_space_rows_set *z);
 
 /* x and l (n_row, 0 for rows left out) of the system above; f NULL: 0.  Factored.  `refine`: once more for the
  * rounding. */
