@@ -196,7 +196,7 @@ lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, in
     char about[32];
     snprintf(about, sizeof about, "%d links", links);
     lw_status s = types ? lw_curve_maker_create(types, &maker, error)
-                : lw_curve_maker_links(links, "r", control.jobs, &maker, error);
+                : lw_curve_maker_links(links, "r", control.jobs, NULL, &maker, error);
     if (s != LW_OK)
         return s;
     s = lw_build_curves(catalogue->store, maker, LW_ATLAS_BOTH, samples, types ? types : about, &control, &counts,

@@ -20,6 +20,17 @@ TEST(every_topology_is_accounted_for)
     json_decref(root);
 }
 
+/* Counting the mechanisms of eight links with sliders takes most of the time: what has fewer links is searched. */
+TEST(smaller_mechanisms_are_searched_if_time_ends_while_larger_are_counted)
+{
+    json_t *root = json_ending("LW_CLOCK_STEP=0.001 $C fit $D/t.csv --links 8 --joints r,t --time 1 --json", 5);
+    CHECK_INT(integer(root, "uncounted_links"), 8);
+    CHECK(json_is_false(json_object_get(root, "complete")));
+    CHECK(json_array_size(json_object_get(root, "results")) > 0);
+    CHECK_INT(json_array_size(json_object_get(root, "topologies")), 1);
+    json_decref(root);
+}
+
 /* Six links with sliders too: the report says how many families the budget did not reach. */
 TEST(a_small_budget_is_accounted_for)
 {

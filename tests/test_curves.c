@@ -80,7 +80,7 @@ static lw_curve_maker *of_families(const char *families)
 static lw_curve_maker *of_links(int links, const char *kinds)
 {
     lw_curve_maker *m = NULL;
-    CHECK_INT(lw_curve_maker_links(links, kinds, 1, &m, NULL), LW_OK);
+    CHECK_INT(lw_curve_maker_links(links, kinds, 1, NULL, &m, NULL), LW_OK);
     return m;
 }
 

@@ -52,8 +52,10 @@ typedef struct lw_curve_work lw_curve_work;
 lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_error *e);
 
 /* All mechanisms with so many links (6, 8) and one freedom, of pins ("r") or pins and sliders ("rt"), whose tracer moves in
- * a way that fewer links do not allow, driven by a pin from which dyads solve them. */
-lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, lw_curve_maker **maker, lw_error *e);
+ * a way that fewer links do not allow, driven by a pin from which dyads solve them.  Eight links with sliders take some
+ * seconds; LW_STOPPED or LW_NOTHING with a text: *interrupt became nonzero.  NULL: nothing stops it. */
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker,
+                               lw_error *e);
 
 /* Add a family: linkages of any topology that a plan of dyads solves (pins and sliders, one pin as input, tracer 0).  They are
  * drawn as for a fit (optimise/search/random_linkage.h); their closed curves belong to a full turn of the input.

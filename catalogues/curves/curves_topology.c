@@ -178,7 +178,8 @@ bool lw_curve_topology_draw(lw_curve_topology *t, const uint32_t key[2], bool tu
 
 /* ---- all of a number of links ------------------------------------------------------------------------ */
 
-static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int links, lw_error *e)
+static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int links, const volatile int *interrupt,
+                         lw_error *e)
 {
     lw_status status = LW_OK;
     lw_family_made *made = malloc(sizeof *made);
@@ -187,7 +188,8 @@ static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int lin
     for (int i = 0; i < all->n; i++) {
         lw_families f = lw_mechanism_stage_families(&all->stage[i]);
         for (int n = 0; n < f.n && all->stage[i].links == links && status == LW_OK; n++) {
-            status = f.make(f.of, n, made);
+            status = interrupt && *interrupt ? lw_error_set(e, LW_STOPPED, "stopped before all mechanisms were set up")
+                                             : f.make(f.of, n, made);
             if (status == LW_OK)
                 status = lw_curve_maker_add(m, made->name, &made->linkage, e);
             status = status == LW_E_KIND ? LW_OK : status;
@@ -197,17 +199,18 @@ static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int lin
     return status;
 }
 
-lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, lw_curve_maker **maker, lw_error *e)
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker,
+                               lw_error *e)
 {
     lw_mechanism_set all;
     lw_mechanism_request request = { .links = links, .dof = 1, .kinds = kinds, .only = "all", .task = LW_TASK_PATH,
-                                     .jobs = jobs };
+                                     .jobs = jobs, .interrupt = interrupt };
     lw_status status = lw_curve_maker_create(NULL, maker, e);
     if (status != LW_OK)
         return status;
     status = lw_mechanism_set_make(&request, &all, e);
     if (status == LW_OK) {
-        status = add_set(*maker, &all, links, e);
+        status = add_set(*maker, &all, links, interrupt, e);
         lw_mechanism_set_free(&all);
     }
     if (status != LW_OK) {

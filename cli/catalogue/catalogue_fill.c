@@ -256,7 +256,7 @@ static lw_curve_maker *make_maker(const cli_call *call, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
     lw_curve_maker *maker = NULL;
-    (void)(s->links > 4 ? lw_curve_maker_links(s->links, read_kinds(s->joints), call->common.jobs, &maker, e)
+    (void)(s->links > 4 ? lw_curve_maker_links(s->links, read_kinds(s->joints), call->common.jobs, cli_stop_flag(), &maker, e)
                         : lw_curve_maker_create(s->types, &maker, e));
     return maker;
 }
@@ -297,7 +297,9 @@ static int draw_curves(const cli_call *call, lw_build_control *control, cli_cata
         status = s->mpi ? draw_remote(&r, about, ran)
                : lw_build_curves(store, maker, (lw_atlas_kinds)s->curves, n_sample, about, control, &n, &e);
     int code = cli_catalogue_watch_end(w, status < 0 ? cli_fail(call, &e) : CLI_DONE);
-    if (status >= 0)
+    if (status >= 0 && !maker)
+        cli_note(call, "%s", e.text);
+    else if (status >= 0)
         cli_note(call, "%llu curves drawn in %.2f s; the catalogue has %llu of %llu samples%s",
                  (unsigned long long)n.added, lw_clock_wall() - start, (unsigned long long)n.done,
                  (unsigned long long)n.total, status == LW_OK ? "" : CONTINUE);

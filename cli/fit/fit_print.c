@@ -167,6 +167,9 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
                     t->n_set_out, s->search.n_input_ratio);
         print_searched(m->state, f);
     }
+    if (s->search.uncounted_links > 0)
+        fprintf(f, "%d links: not searched, nor what comes after; counting these mechanisms takes more than half of --time\n",
+                s->search.uncounted_links);
 }
 
 void cli_fit_table(const cli_fit_set *s, FILE *f)
@@ -519,6 +522,8 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
         json_stages(s, &j);
         json_topologies(s, &j);
     }
+    if (s->search.uncounted_links > 0)
+        cli_json_int(&j, "uncounted_links", s->search.uncounted_links);
     cli_json_int(&j, "left_out", s->search.results.n_left_out);
     cli_json_object(&j, "beyond_limits");
     cli_json_int(&j, "linkages", s->search.results.n_unfit);

@@ -4,12 +4,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "base/growable_array.h"
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 
-enum { NAMES_MAX = 64 };         /* of lw_mechanism_request.only that are checked                       */
+enum {
+    NAMES_MAX = 64,              /* of lw_mechanism_request.only that are checked                       */
+    CLOCK_PAIRS = 64             /* pairs of a chain between two looks at the clock                     */
+};
 
 /* Make all mechanisms of one chain. */
 typedef struct chain_job {
@@ -282,6 +286,10 @@ static lw_status visit_variant(chain_job *job, const lw_mechanism *m)
     return st;
 }
 
+static bool is_stopped(const lw_mechanism_request *r) { return r->interrupt && *r->interrupt; }
+
+static bool is_late(const lw_mechanism_request *r) { return r->until > 0 && lw_clock_wall() >= r->until; }
+
 /* Visit a pair of ground and tracer link with each slot on the one or on the other link of its joint.  The inputs are
  * the same. */
 static lw_status visit_pair(void *context, const lw_mechanism *m)
@@ -289,7 +297,7 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
     chain_job *job = context;
     int slots = 0, n = 0, variants = 0;
     long before = job->own.tally.n_driven;
-    if (job->request->interrupt && *job->request->interrupt)
+    if (is_stopped(job->request) || (job->own.tally.n_pair % CLOCK_PAIRS == 0 && is_late(job->request)))
         return LW_STOPPED;
     lw_status st = lw_inputs_each(m, job->request->dof, false, count_input, job);
     for (int j = 0; j < m->n_joint; j++)
@@ -541,16 +549,19 @@ int lw_mechanism_least_links(int dof)
 static lw_status add_stage(const lw_mechanism_request *request, lw_mechanism_set *t, int links, bool two_freedoms,
                            bool met[NAMES_MAX], lw_error *e)
 {
-    if (t->n == LW_STAGE_MAX)
+    if (t->n == LW_STAGE_MAX || t->uncounted > 0)
         return LW_OK;
     lw_mechanism_stage *to = &t->stage[t->n++];
     *to = (lw_mechanism_stage){ .links = links, .two_freedoms = two_freedoms, .all = t };
     lw_status st = make_stage(request, to, met, e);
-    if (to->tally.n_chain == 0) {
+    if (to->tally.n_chain == 0 || st == LW_STOPPED) {
         stage_free(to);
         t->n--;
     }
-    return st;
+    if (st != LW_STOPPED || is_stopped(request))
+        return st;
+    t->uncounted = links;
+    return LW_OK;
 }
 
 lw_status lw_mechanism_set_make(const lw_mechanism_request *request, lw_mechanism_set *set, lw_error *e)
@@ -571,7 +582,7 @@ lw_status lw_mechanism_set_make(const lw_mechanism_request *request, lw_mechanis
     for (int links = 3; links <= most; links++)
         st = st == LW_OK ? add_stage(request, set, links, true, met, &why) : st;
     if (st == LW_OK)
-        st = check_names(request, met, e);
+        st = set->uncounted > 0 ? LW_OK : check_names(request, met, e);
     else if (st == LW_STOPPED)
         st = lw_error_set(e, LW_NOTHING, "stopped while mechanisms were still counted: none was searched");
     else if (why.text[0] && e)

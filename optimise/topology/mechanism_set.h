@@ -51,6 +51,8 @@ typedef struct lw_mechanism_stage {
 /* Must stay where it is made: its stages point to it. */
 typedef struct lw_mechanism_set {
     int                n, dof;
+    int                uncounted;                        /* links of the stage that `until` ended: it and those after it
+                                                          * are not in the set; 0: all are          */
     bool               every, timed;                     /* as requested: only is "all"; timed      */
     lw_ratio_choices   ratio;
     lw_mechanism_stage stage[LW_STAGE_MAX];
@@ -66,6 +68,7 @@ typedef struct lw_mechanism_request {
     lw_task     task;
     bool        timed;         /* it matters which input has the target's angles: fit each at the ground by itself */
     int         jobs;          /* threads; < 1: one per core                                        */
+    double      until;         /* lw_clock_wall [s]: the stage that is counted then is the first one left out; 0: none */
     const volatile int *interrupt;   /* stops when it becomes nonzero; NULL: nothing stops it       */
 } lw_mechanism_request;
 

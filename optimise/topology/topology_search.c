@@ -9,6 +9,7 @@
 #include "optimise/topology/point_links.h"
 
 enum { LINKS_MAX = 10 };
+#define COUNT_TIME 0.5       /* of a time limit, for counting mechanisms before any is searched              */
 
 /* What is searched. */
 typedef struct plan {
@@ -138,7 +139,7 @@ static lw_status choose_point_links(const lw_target *t, const lw_fit_spec *s, pl
     return LW_OK;
 }
 
-static lw_status make_set(const lw_topology_search_options *o, int links, plan *p, lw_error *e)
+static lw_status make_set(const lw_topology_search_options *o, int links, double start, plan *p, lw_error *e)
 {
     const lw_fit_spec *s = &o->fit.spec;
     char kinds[5] = "";
@@ -151,6 +152,8 @@ static lw_status make_set(const lw_topology_search_options *o, int links, plan *
                                .task = s->task,
                                .timed = !lw_task_has_place(s->task) || s->timing == LW_TIMING_PRESCRIBED,
                                .jobs = o->fit.jobs, .interrupt = o->fit.interrupt };
+    if (o->fit.max_seconds > 0 && !o->fit.sharing)       /* processes that share the work search the same stages */
+        r.until = start + COUNT_TIME*o->fit.max_seconds;
     lw_status st = lw_ratio_list_read("gear_ratios", o->gear_ratios, &r.ratio.gear, e);
     if (st == LW_OK)
         st = lw_ratio_list_read("input_ratios", o->input_ratios, &r.ratio.tie, e);
@@ -172,7 +175,7 @@ static bool may_go_on(const lw_topology_search_options *o)
         && strcmp(o->joints, "r") == 0 && strcmp(o->topologies, "all") == 0 && strcmp(o->fit.types, "fourbar") == 0;
 }
 
-static lw_status make_plan(const lw_target *t, const lw_topology_search_options *o, plan *p, lw_error *e)
+static lw_status make_plan(const lw_target *t, const lw_topology_search_options *o, double start, plan *p, lw_error *e)
 {
     if (o->freedoms < 1 || o->freedoms > LW_PACKED_INPUT_MAX)
         return lw_error_set(e, LW_E_ARG, "mechanisms have 1 to %d degrees of freedom, not %d", LW_PACKED_INPUT_MAX,
@@ -181,12 +184,14 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     if (links < least || links > LINKS_MAX)
         return lw_error_set(e, LW_E_ARG, "with %d degrees of freedom mechanisms have %d to %d links, not %d",
                             o->freedoms, least, LINKS_MAX, links);
-    lw_status st = make_set(o, links, p, e);
+    lw_status st = make_set(o, links, start, p, e);
     if (st == LW_OK)
         st = make_starts(o, p, e);
     if (st != LW_OK)
         return st;
     make_stages(o, p);
+    if (p->n_stage == 0 && p->set.uncounted > 0)
+        return lw_error_set(e, LW_NOTHING, "the time ended while mechanisms were still counted: none was searched");
     for (int i = 1; i < p->n_stage && may_go_on(o); i++) {
         p->stage[i].unless = o->fit.spec.tolerance > 0 ? o->fit.spec.tolerance : LW_NEAR*t->extent;
         p->stage[i].budget = o->fit.budget > 0 ? o->fit.budget/3 : 0;
@@ -258,13 +263,14 @@ static void sum_mechanisms(const plan *p, lw_topology_search *out)
     }
 }
 
-/* Search; of a time limit leave some for the second simulations of the results. */
-static lw_status run_stages(const lw_target *t, const lw_fit_options *o, const plan *p, lw_staged_search *found,
-                            lw_error *e)
+/* Search; of a time limit, part of which the plan has taken since `start`, leave some for the second simulations of the
+ * results. */
+static lw_status run_stages(const lw_target *t, const lw_fit_options *o, double start, const plan *p,
+                            lw_staged_search *found, lw_error *e)
 {
     lw_fit_options mine = *o;
     if (o->max_seconds > 0)
-        mine.max_seconds = o->max_seconds - fmin(0.3, 0.05*o->max_seconds);
+        mine.max_seconds = fmax(1e-3, o->max_seconds - fmin(0.3, 0.05*o->max_seconds) - (lw_clock_wall() - start));
     return lw_staged_search_run(t, &mine, p->stage, p->n_stage, found, e);
 }
 
@@ -275,14 +281,16 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
     plan *p = calloc(1, sizeof *p);
     if (!p)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
+    const double start = lw_clock_wall();
     const lw_results_effort effort = { .jobs = o->fit.jobs, .interrupt = o->fit.interrupt,
-                                       .until = o->fit.max_seconds > 0 ? lw_clock_wall() + o->fit.max_seconds : 0 };
-    lw_status st = make_plan(t, o, p, e), kept = LW_OK;
+                                       .until = o->fit.max_seconds > 0 ? start + o->fit.max_seconds : 0 };
+    lw_status st = make_plan(t, o, start, p, e), kept = LW_OK;
     if (st == LW_OK)
-        st = run_stages(t, &o->fit, p, &out->found, e);
+        st = run_stages(t, &o->fit, start, p, &out->found, e);
     if (st == LW_OK || st == LW_STOPPED)
         kept = lw_fit_results_make(t, &o->fit.spec, &out->found.fit, o->fit.n_result, NULL, &effort, &out->results, e);
-    if (kept == LW_OK && st == LW_OK && out->results.n_unseen > 0) {
+    out->uncounted_links = p->set.uncounted;
+    if (kept == LW_OK && st == LW_OK && (out->results.n_unseen > 0 || out->uncounted_links > 0)) {
         st = LW_STOPPED;
         out->found.fit.stop = o->fit.interrupt && *o->fit.interrupt ? LW_STOP_USER : LW_STOP_TIME;
     }

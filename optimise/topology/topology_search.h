@@ -72,6 +72,8 @@ typedef struct lw_topology_search {
     int              n_links;
     lw_links_summary by_links[LW_LINK_MAX];   /* by rising number of links                (n_links) */
     int              freedoms, n_input_ratio; /* as requested; how many ratios tied inputs were tried with */
+    int                  uncounted_links;         /* links of the smallest mechanisms left out since counting them took more
+                                               * than half of the time limit; 0: none               */
     int                  n_mechanisms;        /* 0: no topologies beyond the four-link types        */
     lw_mechanism_summary mechanisms[LW_STAGE_MAX];                               /* (n_mechanisms)  */
 } lw_topology_search;
