@@ -15,7 +15,7 @@ static size_t sample_size(int dof) { return dof < 2 ? 2000 : dof < 3 ? 800 : dof
  * and 4.970 for 7, 8 and 9 loops. */
 static double structure_count(int loops)
 {
-    static const double known[LW_LOOP_MAX + 1] = { 0, 0, 1, 4, 17, 118, 1198, 17133, 311757, 6803203, 1.71e8, 4.85e9,
+    static const double known[LW_LOOP_MAX + 1] = { 0, 0, 1, 4, 17, 118, 1198, 17133, 311757, 6803203, 171120005, 4.85e9,
                                                    1.52e11, 5.25e12, 1.97e14, 8.0e15 };
     return known[loops];
 }
