@@ -182,9 +182,10 @@ TEST(links_that_bend)
         const char *const text[] = { "3", "-2", "-5" };
         CHECK_INT(lw_expression_parse_words(text[i], strlen(text[i]), &words, &force.force[i], &e), LW_OK);
     }
+    lw_spatial_force *own = m.force;
     m.force = &force, m.n_force = 1;
     lw_vec3 bent = lw_v3_sub(tool_at_rest(&m, false), home);
-    m.force = NULL, m.n_force = 0;
+    m.force = own, m.n_force = 0;
     for (int i = 0; i < 3; i++)
         lw_expression_free(force.force[i]);
     CHECK(lw_v3_norm(bent) > 1e-5);
