@@ -168,7 +168,7 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
         print_searched(m->state, f);
     }
     if (s->search.uncounted_links > 0)
-        fprintf(f, "%d links: not searched, nor what comes after; counting these mechanisms takes more than half of --time\n",
+        fprintf(f, "mechanisms with %d links and more were not searched: counting them takes more than half of --time\n",
                 s->search.uncounted_links);
 }
 

@@ -167,7 +167,7 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
     unit u = angle_unit(s->unit);
     bool first = true, headed = call->common.json, any = false;
     if (strlen(text) < size)
-        return lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is no text, a byte is 0; a table has lines of four lengths, as 4,2,5,3");
+        return lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is not text (it holds a byte 0); a table has lines of four lengths, as 4,2,5,3");
     for (int line = 1; *text; line++) {
         const char *end = text + strcspn(text, "\n"), *at = text + strspn(text, " \t\r");
         lw_fourbar_class c;

@@ -1,6 +1,7 @@
 /* mbs/dynamics/dynamics_recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
- * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short.  Open chains have no constraints left; loops are closed after every step.  Near singular
- * postures of the loops the run goes on in the coordinates of the bodies. */
+ * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short.  Open chains have no
+ * constraints left; loops are closed after every step.  Near singular postures of the loops the run goes on in the
+ * coordinates of the bodies. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -12,6 +13,7 @@
 #include "mbs/space/recursive.h"
 
 static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start */
+static const double closed = 1e-9;           /* loops that stay farther open after all passes fail [sizes, rad] */
 static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
 enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the coordinates of all bodies */
 
@@ -73,9 +75,9 @@ static double missing_rates(motion *m, const double *v)
 
 static lw_status close_loops(motion *m, double t, double *x, double *u, double *q, double *v)
 {
-    double before = INFINITY, most = 0;
+    double before = INFINITY, most = 0, off = 0;
     for (int pass = 0; pass < 12; pass++) {
-        double off = 0;
+        off = 0;
         lw_status s = place(m, t, x, u, q, v);
         if (s != LW_OK || m->r.n_row == 0)
             return s;
@@ -92,6 +94,8 @@ static lw_status close_loops(motion *m, double t, double *x, double *u, double *
         lw_recursive_solve(&m->r, NULL, LW_WANT_CLOSED, m->free);
         lw_recursive_move(&m->r, x, m->free);
     }
+    if (off > closed)
+        return LW_OPEN;
     for (int i = 0; i < m->run->d->n_v; i++)
         most = fmax(most, fabs(v[i]));
     for (int pass = 0; pass < 6 && missing_rates(m, v) > 4e-16*most; pass++) {
