@@ -3,9 +3,9 @@
 #include <string.h>
 #include "enumerate/canon.h"
 #include "enumerate/freedom.h"
-#include "grammar/circuit.h"
-#include "grammar/graph6.h"
-#include "grammar/text_internal.h"
+#include "grammar/text/text_internal.h"
+#include "grammar/topology/circuit.h"
+#include "grammar/topology/graph6.h"
 
 /* ---- which link owns which condition ----------------------------------------------------------- */
 

@@ -14,7 +14,7 @@
 #define LW_ENUMERATE_ASSUR_H
 
 #include "enumerate/chains.h"
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 
 typedef struct lw_assur_group {
     uint32_t links;          /* solved together, as bits                                           */

@@ -17,8 +17,8 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "base/status.h"
-#include "grammar/chain.h"
-#include "grammar/structure.h"
+#include "grammar/topology/chain.h"
+#include "grammar/topology/structure.h"
 
 #define LW_GRAPH_MAX LW_LINK_MAX
 

@@ -8,7 +8,7 @@
 #ifndef LW_ENUMERATE_CRITICAL_H
 #define LW_ENUMERATE_CRITICAL_H
 
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 typedef struct lw_critical {
     uint32_t circles;       /* S                                                              */

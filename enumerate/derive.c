@@ -4,8 +4,8 @@
 #include <string.h>
 #include "base/real.h"
 #include "enumerate/symmetry.h"
-#include "grammar/growth.h"
-#include "grammar/planar.h"
+#include "grammar/topology/growth.h"
+#include "grammar/topology/planar.h"
 
 lw_derive lw_derive_default(int n_link)
 {

@@ -1,7 +1,7 @@
 /* enumerate/derive.h - the mechanisms that rules 1 to 4 of the published grammar (Makkonen 1999, paper F) reach.
  *
  * Forwards: apply the rules to everything with up to n_link links, and remove duplicates by canonical form after
- * every rule.  Backwards: take all chains and test which can be reduced to a seed (grammar/growth.h).  Both give
+ * every rule.  Backwards: take all chains and test which can be reduced to a seed (grammar/topology/growth.h).  Both give
  * the same numbers: with rules 2 and 4 and k = r, 2 of 2, 12 of 16, 140 of 230 and 3110 of 6856 chains of 6, 8, 10 and
  * 12 links; 2, 12, 136 and 2781 when the words must be regions of a drawing. */
 #ifndef LW_ENUMERATE_DERIVE_H

@@ -2,7 +2,7 @@
 #include <string.h>
 #include "enumerate/canon.h"
 #include "enumerate/filter.h"
-#include "grammar/planar.h"
+#include "grammar/topology/planar.h"
 
 static bool rows_planar(int n, const uint32_t *row)
 {

@@ -4,7 +4,7 @@
 #define LW_ENUMERATE_FILTER_H
 
 #include <stdbool.h>
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 typedef struct lw_filter {
     const char *name, *text;                        /* "planar", "the graph can be drawn without crossings" */

@@ -13,7 +13,7 @@
 #define LW_ENUMERATE_FRACTIONATED_H
 
 #include "base/error.h"
-#include "grammar/chain.h"
+#include "grammar/topology/chain.h"
 
 /* One chain, valid during the call; n_bridge bridge joints.  A status other than LW_OK ends the walk. */
 typedef lw_status lw_fractionated_visit(void *context, const lw_chain *chain, int n_bridge);

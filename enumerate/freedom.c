@@ -1,7 +1,7 @@
 #include "enumerate/freedom.h"
 
 #include <string.h>
-#include "grammar/text_internal.h"
+#include "grammar/text/text_internal.h"
 
 #define CONDITION_MAX (3*LW_JOINT_MAX)
 

@@ -12,7 +12,7 @@
 #ifndef LW_ENUMERATE_FREEDOM_H
 #define LW_ENUMERATE_FREEDOM_H
 
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 
 /* Kinematically void: the count F is not the true freedom of the mechanism, or a joint never moves. */
 typedef enum lw_void {

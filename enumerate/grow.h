@@ -8,7 +8,7 @@
 #ifndef LW_ENUMERATE_GROW_H
 #define LW_ENUMERATE_GROW_H
 
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 /* A child with the ear that made it.  A status other than LW_OK ends the growth. */
 typedef lw_status lw_grow_visit(void *context, lw_ear ear, const lw_structure *child);

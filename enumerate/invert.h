@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 #include "base/status.h"
-#include "grammar/chain.h"
+#include "grammar/topology/chain.h"
 
 /* lowest[i] = the lowest link equivalent to link i; lowest (P).  *n_class (may be NULL) gets the number of
  * classes, which is the number of different mechanisms by choice of the ground link.  LW_E_MEMORY. */

@@ -10,7 +10,7 @@
 #define LW_ENUMERATE_MULTIPLE_H
 
 #include "enumerate/chains.h"
-#include "grammar/multiple.h"
+#include "grammar/topology/multiple.h"
 
 /* True for a closed chain that can move and is not fractionated: no two links share two pins, every link has at least
  * two pins, no set of links has F <= 0, and the chain stays connected without any one link or pin. */

@@ -12,7 +12,7 @@
 #include "enumerate/invert.h"
 #include "enumerate/multiple.h"
 #include "enumerate/published.h"
-#include "grammar/planar.h"
+#include "grammar/topology/planar.h"
 
 #define FRACTIONATED_MAX 4096
 

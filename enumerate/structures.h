@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 /* Levels 2 .. loops.  A structure takes eight bytes: its last ear and its parent.  Read-only once made, so threads
  * can share it. */

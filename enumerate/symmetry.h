@@ -4,7 +4,7 @@
 #define LW_ENUMERATE_SYMMETRY_H
 
 #include <stddef.h>
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 
 typedef struct lw_symmetry {
     size_t  n;                             /* number of symmetries; number 0 is the identity       */

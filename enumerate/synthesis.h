@@ -11,7 +11,7 @@
 
 #include <stdbool.h>
 #include "base/error.h"
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 #define LW_DOF_MAX 10
 

@@ -13,7 +13,7 @@
 
 #include <stddef.h>
 #include "base/whole.h"
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 /* One structure prepared for one F.  Create one for each thread and prepare it for one structure after the other.
  * Functions with a const argument may be called from several threads. */

@@ -6,7 +6,7 @@
 #include <string.h>
 #include "base/file.h"
 #include "base/real.h"
-#include "grammar/json_internal.h"
+#include "grammar/text/json_internal.h"
 #include "linkwright.h"
 #include "optimise/task/target.h"
 

@@ -6,11 +6,11 @@
 #include "base/clock.h"
 #include "base/real.h"
 #include "catalogues/draw/scene.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
+#include "linkwright.h"
 #include "mbs/batch/posture.h"
 #include "mbs/kinematics/output_limits.h"
 #include "mbs/plan/plan.h"
-#include "linkwright.h"
 
 /* ---- postures and curves ----------------------------------------------------------------------------------------- */
 

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/random.h>
 #include "base/number.h"
-#include "grammar/json_internal.h"
+#include "grammar/text/json_internal.h"
 #include "studio_files.h"          /* studio_files: the page's files as texts, made by the Makefile */
 
 #define MOST_BYTES (8u << 20)      /* of a request */

@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include "base/bytes.h"
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "studio/studio.h"
 
 typedef struct studio_reply {

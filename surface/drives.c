@@ -5,9 +5,9 @@
 #include <string.h>
 #include "base/file.h"
 #include "catalogues/store/drive_store.h"
-#include "grammar/drive_parts.h"
-#include "grammar/servo.h"
-#include "grammar/work_cycle.h"
+#include "grammar/model/drive_parts.h"
+#include "grammar/model/servo.h"
+#include "grammar/model/work_cycle.h"
 #include "mbs/drives/load.h"
 
 static lw_status read_servo(const char *text, size_t size, const char *file, void *out, lw_error *e)

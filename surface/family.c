@@ -1,9 +1,9 @@
 /* Product families of linkwright.h: readers of files, models read back, plain numbers. */
 #include "base/real.h"
 #include <stdlib.h>
-#include "grammar/master.h"
-#include "grammar/model.h"
-#include "grammar/spatial.h"
+#include "grammar/family/master.h"
+#include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
 #include "surface/surface.h"
 
 static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)

@@ -7,8 +7,8 @@
 #include <string.h>
 #include "base/file.h"
 #include "catalogues/exchange/format.h"
-#include "grammar/mechanism.h"
-#include "grammar/sketch.h"
+#include "grammar/linkage/sketch.h"
+#include "grammar/topology/mechanism.h"
 #include "mbs/constraints/mobility.h"
 
 static void put_name(char *to, size_t size, const char *name, char letter, int i)

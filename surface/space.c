@@ -6,7 +6,7 @@
 #include <string.h>
 #include "base/clock.h"
 #include "catalogues/exchange/format.h"
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/space/space_mobility.h"

@@ -18,10 +18,10 @@
 #include "enumerate/mechanisms.h"
 #include "enumerate/multiple.h"
 #include "enumerate/symmetry.h"
-#include "grammar/derivation.h"
-#include "grammar/growth.h"
-#include "grammar/notation.h"
-#include "grammar/planar.h"
+#include "grammar/topology/derivation.h"
+#include "grammar/topology/growth.h"
+#include "grammar/topology/notation.h"
+#include "grammar/topology/planar.h"
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
 

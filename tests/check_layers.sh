@@ -18,7 +18,12 @@ while read -r folder allowed; do
     fi
 done <<'TABLE'
 base
-grammar base
+grammar/text base
+grammar/topology base grammar/text
+grammar/linkage base grammar/text grammar/topology
+grammar/functions base grammar/text grammar/linkage
+grammar/model base grammar/text grammar/topology grammar/linkage grammar/functions
+grammar/family base grammar/text grammar/functions
 enumerate base grammar
 mbs/plan base grammar
 mbs/batch base grammar mbs/plan
@@ -71,10 +76,10 @@ while read -r header files; do
 done <<'TABLE'
 gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c base/eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
-jansson grammar/json.c cli/program/file_kind.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
+jansson grammar/text/json.c cli/program/file_kind.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
 cairo catalogues/draw/picture.c
 gif_lib catalogues/draw/gif.c
-planarity grammar/planar.c
+planarity grammar/topology/planar.c
 sqlite3 catalogues/store/store_internal.h
 igraph enumerate/canon.c
 microhttpd studio/server.c

@@ -3,7 +3,7 @@
 #ifndef LW_TESTS_CLEARANCE_MODELS_H
 #define LW_TESTS_CLEARANCE_MODELS_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/dynamics/clearance.h"
 #include "tests/mbs_random.h"
 

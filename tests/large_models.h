@@ -3,7 +3,7 @@
 #define LW_TESTS_LARGE_MODELS_H
 
 #include <stdarg.h>
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "tests/check.h"
 
 typedef struct text { char *at; size_t n, capacity; } text;

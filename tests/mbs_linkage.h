@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 
 static inline void blank_linkage(lw_linkage *k, int n_link)
 {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "mbs/batch/posture.h"
 #include "optimise/task/target.h"
 #include "tests/check.h"

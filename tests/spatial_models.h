@@ -3,7 +3,7 @@
 #define LW_TESTS_SPATIAL_MODELS_H
 
 #include "base/file.h"
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 #include "tests/check.h"
 
 static inline void read_spatial(const char *text, size_t size, const char *file, lw_spatial *m)

@@ -4,7 +4,7 @@
 #define TESTS_STRUCTURE_CHECK_H
 
 #include <string.h>
-#include "grammar/structure.h"
+#include "grammar/topology/structure.h"
 
 /* True if the other circles hang together without circle `lost`. */
 static bool whole_without(const lw_structure *s, int lost)

@@ -1,9 +1,9 @@
 /* Assur groups: smallest by brute force, the same whatever the numbering, and as many as published. */
-#include "check.h"
 #include "all_chains.h"
+#include "check.h"
 #include "enumerate/assur.h"
 #include "enumerate/inputs.h"
-#include "grammar/edges.h"
+#include "grammar/topology/edges.h"
 
 static lw_assur decompose(const lw_mechanism *m)
 {

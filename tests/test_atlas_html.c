@@ -11,7 +11,7 @@
 #include "catalogues/pages/atlas_html.h"
 #include "catalogues/store/sha256.h"
 #include "enumerate/canon.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
 #include "tests/temporary.h"

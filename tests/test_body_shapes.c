@@ -1,6 +1,6 @@
 /* Bodies of a drawing: pistons stay in their tubes, teeth mesh in every frame, welds join what they weld. */
 #include "catalogues/draw/body_shapes.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 

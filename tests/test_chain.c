@@ -1,7 +1,7 @@
 /* test_chain.c - chains: joining, counting, renaming, and the pebble game against all 2^n subchains. */
 #include <string.h>
 #include "base/rng.h"
-#include "grammar/chain.h"
+#include "grammar/topology/chain.h"
 #include "tests/check.h"
 
 static lw_chain chain_of(int n_link, const int (*joint)[2], int n_joint)

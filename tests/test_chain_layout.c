@@ -2,7 +2,7 @@
  * places alone; distances, angles, symmetry; frames on a line; chains that are not planar. */
 #include "catalogues/draw/chain_layout_internal.h"
 #include "enumerate/multiple.h"
-#include "grammar/planar.h"
+#include "grammar/topology/planar.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
 

@@ -6,7 +6,7 @@
 #include "enumerate/chains.h"
 #include "enumerate/fractionated.h"
 #include "enumerate/labelled.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 #include "tests/check.h"
 
 static lw_chains *chains_of(int n_link, int dof)

@@ -1,8 +1,8 @@
 /* Shortest cycle bases: as many circuits as loops, each a circuit, lengths of known graphs, and no
  * shorter basis by brute force over all circuits. */
 #include "check.h"
+#include "grammar/topology/circuit.h"
 #include "topology.h"
-#include "grammar/circuit.h"
 
 static void rows_of(const lw_mechanism *m, uint32_t *row)
 {

@@ -3,7 +3,7 @@
 #include "enumerate/canon.h"
 #include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
-#include "grammar/sketch.h"
+#include "grammar/linkage/sketch.h"
 #include "mbs/plan/plan.h"
 #include "tests/cli_json.h"
 

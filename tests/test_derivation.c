@@ -1,7 +1,7 @@
 /* test_derivation.c - derivations as text: every one of up to six loops reads back and replays; faults have a column. */
 #include <string.h>
 #include "enumerate/structures.h"
-#include "grammar/derivation.h"
+#include "grammar/topology/derivation.h"
 #include "tests/check.h"
 
 TEST(all_read_back)

@@ -1,9 +1,9 @@
 /* Coverage of the published grammar: forwards and backwards give the numbers of docs/theory.md. */
-#include "check.h"
 #include "all_chains.h"
+#include "check.h"
 #include "enumerate/derive.h"
 #include "enumerate/symmetry.h"
-#include "grammar/growth.h"
+#include "grammar/topology/growth.h"
 
 static lw_status count_one(void *context, const lw_mechanism *m)
 {

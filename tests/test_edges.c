@@ -1,6 +1,6 @@
 #include "check.h"
+#include "grammar/topology/edges.h"
 #include "topology.h"
-#include "grammar/edges.h"
 
 TEST(reads_back)
 {

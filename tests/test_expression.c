@@ -4,7 +4,7 @@
 
 #include "base/rng.h"
 #include "base/vec2.h"
-#include "grammar/expression.h"
+#include "grammar/functions/expression.h"
 #include "tests/check.h"
 
 /* t is 0, x(NAME) 10 + first letter, any of w0 .. w99 its number */

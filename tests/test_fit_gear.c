@@ -1,11 +1,11 @@
 /* Searches of mechanisms with gears: the curve of each is found again from its topology alone, to rounding, and the
  * report, which simulates it from its file, agrees. */
 #include "base/rng.h"
-#include "grammar/linkage.h"
-#include "mbs/constraints/newton.h"
+#include "grammar/linkage/linkage.h"
 #include "mbs/batch/posture.h"
-#include "optimise/search/random_linkage.h"
+#include "mbs/constraints/newton.h"
 #include "optimise/problem/work.h"
+#include "optimise/search/random_linkage.h"
 #include "optimise/topology/staged_search.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"

@@ -1,6 +1,6 @@
 #include "check.h"
+#include "grammar/topology/franke.h"
 #include "topology.h"
-#include "grammar/franke.h"
 
 static void check_text(const lw_chain *c, const char *want)
 {

@@ -1,7 +1,7 @@
 /* graph6 against words written by nauty's tools, and back. */
 #include "check.h"
+#include "grammar/topology/graph6.h"
 #include "topology.h"
-#include "grammar/graph6.h"
 
 TEST(known_words)
 {

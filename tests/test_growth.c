@@ -1,8 +1,8 @@
 /* Derivations: what rules 1 to 4 made is found again and replays to the same mechanism; what they
  * cannot make is refused for the right reason. */
 #include "check.h"
+#include "grammar/topology/growth.h"
 #include "topology.h"
-#include "grammar/growth.h"
 
 /* Replayed as links and joints, and as sentences, the derivation is m in other numbers. */
 static void check_replay(const lw_mechanism *m, const lw_growth *g, lw_reach reach)

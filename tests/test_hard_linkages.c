@@ -1,12 +1,12 @@
 /* tests/test_hard_linkages.c - curves of postures of walkers, exact straight-line linkages, chains of parallelograms
  * and every eight-link chain. */
-#include "tests/kept_system.h"
-#include "enumerate/chains.h"
-#include "grammar/linkage.h"
-#include "mbs/kinematics/fourbar.h"
-#include "mbs/constraints/newton.h"
-#include "mbs/batch/posture.h"
 #include "base/file.h"
+#include "enumerate/chains.h"
+#include "grammar/linkage/linkage.h"
+#include "mbs/batch/posture.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/kinematics/fourbar.h"
+#include "tests/kept_system.h"
 #include "tests/mbs_random.h"
 #include "tests/motion_curve.h"
 

@@ -1,5 +1,5 @@
 /* Places in JSON texts: against values that are found by searching for them. */
-#include "grammar/json_locate_internal.h"
+#include "grammar/text/json_locate_internal.h"
 #include "tests/check.h"
 
 static const char text[] =

@@ -1,6 +1,6 @@
 #include "check.h"
+#include "grammar/topology/lam.h"
 #include "topology.h"
-#include "grammar/lam.h"
 
 /* The matrix printed at the end of paper F (Makkonen 1999, line 3396), six parts and seven joints; its
  * last rows, cut off there, can only hold joint 7 of the last two parts. */

@@ -1,5 +1,5 @@
 /* Mobility, the check, and what a posture says about its inputs. */
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "tests/check.h"
 
 static void add_link(lw_linkage *k, const char *name) { strcpy(k->link_name[k->n_link++], name); }

@@ -1,7 +1,7 @@
 /* Linkages in JSON: read, written, read again; every fault with its place. */
 #include "base/file.h"
 #include "base/rng.h"
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "tests/check.h"
 
 /* The example of docs/notation.md. */

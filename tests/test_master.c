@@ -3,8 +3,8 @@
 #include "base/file.h"
 #include "base/rng.h"
 #include "base/vec2.h"
-#include "grammar/master.h"
-#include "grammar/model.h"
+#include "grammar/family/master.h"
+#include "grammar/model/model.h"
 #include "tests/check.h"
 
 static lw_error error;

@@ -1,6 +1,6 @@
 #include "check.h"
+#include "grammar/topology/mechanism_json.h"
 #include "topology.h"
-#include "grammar/mechanism_json.h"
 
 TEST(reads_back)
 {

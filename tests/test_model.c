@@ -1,5 +1,5 @@
 /* Models as text: what is read, what is refused and where. */
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "tests/check.h"
 
 #define JOINTS \

@@ -1,7 +1,7 @@
 /* test_motor.c - tables of parts; the choice of motors against a slow second opinion and known answers; table 4 of
  * the source. */
 #include "base/vec2.h"
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 #include "mbs/drives/motor.h"
 #include "tests/check.h"
 

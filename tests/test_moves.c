@@ -1,6 +1,6 @@
 /* Lists of moves: exact series, kinks, and models that follow them. */
-#include "grammar/motion_law.h"
-#include "grammar/spatial.h"
+#include "grammar/functions/motion_law.h"
+#include "grammar/model/spatial.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"

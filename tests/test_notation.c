@@ -1,8 +1,8 @@
 /* Every notation by its row, told apart by how it begins, and streams of all of them mixed. */
 #include "check.h"
+#include "grammar/topology/graph6.h"
+#include "grammar/topology/notation.h"
 #include "topology.h"
-#include "grammar/graph6.h"
-#include "grammar/notation.h"
 
 TEST(every_row_reads_what_it_prints)
 {

@@ -1,8 +1,8 @@
 /* Planarity against Euler and Kuratowski: what is planar shows a + v - e = 2 regions, what is not
  * shows a subdivision of K5 or K3,3. */
-#include "check.h"
 #include "base/rng.h"
-#include "grammar/planar.h"
+#include "check.h"
+#include "grammar/topology/planar.h"
 
 typedef struct { int n; uint32_t adj[LW_LINK_MAX]; } graph;
 

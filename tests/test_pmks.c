@@ -1,5 +1,5 @@
 /* The joint table of PMKS: read, written, refused. */
-#include "grammar/pmks.h"
+#include "grammar/linkage/pmks.h"
 #include "tests/points_linkage.h"
 
 static lw_linkage read_text(const char *text)

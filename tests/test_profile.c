@@ -1,9 +1,9 @@
 /* Motions of one axis in least time: published values, limits, random states against a search by another way. */
-#include "grammar/profile.h"
+#include "grammar/functions/profile.h"
 
 #include <stdbool.h>
 #include "base/rng.h"
-#include "grammar/motion_law.h"
+#include "grammar/functions/motion_law.h"
 #include "tests/check.h"
 
 static double least_time(lw_axis_state from, lw_axis_state to, lw_axis_limits l)

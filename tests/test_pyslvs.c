@@ -1,5 +1,5 @@
 /* The Pyslvs expression: read, written, refused. */
-#include "grammar/pyslvs.h"
+#include "grammar/linkage/pyslvs.h"
 #include "tests/points_linkage.h"
 
 static const char slider[] =

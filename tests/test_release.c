@@ -6,7 +6,7 @@
 #include <unistd.h>
 #include "base/file.h"
 #include "enumerate/canon.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 #include "tests/check.h"
 #include "tests/temporary.h"
 

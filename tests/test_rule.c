@@ -1,7 +1,7 @@
 /* The rules as printed: eq. 21 to 25 of paper F, and F = 1 with no rigid part kept by every step. */
 #include "check.h"
+#include "grammar/topology/growth.h"
 #include "topology.h"
-#include "grammar/growth.h"
 
 static void check_says(const lw_sentence *s, const char *want)
 {

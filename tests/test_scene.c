@@ -3,7 +3,7 @@
 #include "base/rng.h"
 #include "catalogues/draw/scene.h"
 #include "catalogues/draw/walk.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"

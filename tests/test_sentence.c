@@ -1,9 +1,9 @@
 /* Sentences of the source, and what every sentence must keep: a = L + 1 words, every joint in two of
  * them, the same chain after reading. */
 #include "check.h"
+#include "grammar/topology/planar.h"
+#include "grammar/topology/sentence.h"
 #include "topology.h"
-#include "grammar/planar.h"
-#include "grammar/sentence.h"
 
 #define WATT "((1 r 2 r 3 r 4 r 5 r 6 r) (1 r 2 r 3 r 4 r) (1 r 4 r 5 r 6 r))"
 

@@ -4,7 +4,7 @@
 #include "catalogues/draw/picture.h"
 #include "catalogues/draw/sheet.h"
 #include "catalogues/draw/svg.h"
-#include "grammar/edges.h"
+#include "grammar/topology/edges.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
 #include "tests/xml_scan.h"

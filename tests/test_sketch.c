@@ -1,7 +1,7 @@
 /* A sketch has the mechanism's topology, and a plan can be made from it. */
 #include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
-#include "grammar/sketch.h"
+#include "grammar/linkage/sketch.h"
 #include "tests/check.h"
 
 static lw_rng rng;

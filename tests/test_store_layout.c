@@ -1,7 +1,7 @@
 /* test_store_layout.c - layouts of chains as bytes, read back as catalogues/store/store_layout.h says. */
 #include "catalogues/store/store_layout.h"
 
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 #include "tests/check.h"
 
 /* Four-bar, Watt, Stephenson, two eight-link chains, and one of ten links that is not planar. */

@@ -1,5 +1,5 @@
 /* test_work_cycle.c - work cycles: known times, limits and continuity over the whole cycle, what is refused. */
-#include "grammar/work_cycle.h"
+#include "grammar/model/work_cycle.h"
 #include "tests/check.h"
 
 #define AXES "\"axes\": [{\"name\": \"y\", \"speed\": 3, \"acceleration\": 20, \"jerk\": 400}, " \

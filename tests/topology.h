@@ -3,7 +3,7 @@
 #define LW_TESTS_TOPOLOGY_H
 
 #include "base/rng.h"
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 
 static inline lw_chain ring_of(int n)
 {

@@ -14,10 +14,10 @@
 #include "enumerate/assur.h"
 #include "enumerate/canon.h"
 #include "enumerate/mechanisms.h"
-#include "grammar/derivation.h"
-#include "grammar/franke.h"
-#include "grammar/graph6.h"
-#include "grammar/notation.h"
+#include "grammar/topology/derivation.h"
+#include "grammar/topology/franke.h"
+#include "grammar/topology/graph6.h"
+#include "grammar/topology/notation.h"
 
 #define BLOCK 32                       /* chains described between two writes                        */
 

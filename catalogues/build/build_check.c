@@ -5,7 +5,7 @@
 #include "catalogues/build/build.h"
 #include "enumerate/canon.h"
 #include "enumerate/multiple.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 
 /* ---- every chain: is it what its label says, and does it move with its freedoms? --------------------- */
 

@@ -10,9 +10,9 @@
 #include "catalogues/draw/scene.h"
 #include "catalogues/store/sha256.h"
 #include "enumerate/canon.h"
-#include "grammar/graph6.h"
-#include "grammar/json_internal.h"
-#include "grammar/mechanism.h"
+#include "grammar/text/json_internal.h"
+#include "grammar/topology/graph6.h"
+#include "grammar/topology/mechanism.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
 

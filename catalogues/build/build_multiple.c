@@ -3,7 +3,7 @@
 
 #include "catalogues/build/build_internal.h"
 #include "enumerate/multiple.h"
-#include "grammar/planar.h"
+#include "grammar/topology/planar.h"
 
 typedef struct job {
     lw_store               *store;

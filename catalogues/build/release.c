@@ -12,7 +12,7 @@
 #include "catalogues/store/sha256.h"
 #include "enumerate/assur.h"
 #include "enumerate/invert.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 
 /* Chains of as many freedoms are listed; there is one more file for each. */
 #define DOF_MAX LW_DOF_MAX

@@ -3,7 +3,7 @@
 #define LW_CATALOGUES_CURVES_CURVES_INTERNAL_H
 
 #include "catalogues/curves/curves.h"
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 #include "optimise/problem/problem.h"
 
 #define LW_CURVE_WORD 192             /* the text of a topology, or the name of a family            */

@@ -6,7 +6,7 @@
 
 #include "base/rng.h"
 #include "catalogues/curves/curves_internal.h"
-#include "grammar/sketch.h"
+#include "grammar/linkage/sketch.h"
 #include "mbs/batch/batch.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/topology/mechanism_set.h"

@@ -1,6 +1,6 @@
 /* catalogues/draw/body_shapes.c - see body_shapes.h */
 #include "catalogues/draw/body_shapes.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 static bool has_pin(const lw_joint *j, int link)
 {

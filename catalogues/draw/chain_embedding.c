@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "catalogues/draw/chain_layout_internal.h"
-#include "grammar/planar.h"
+#include "grammar/topology/planar.h"
 
 /* If there are at most this many orders of joints around the links, all are tried (12 links have up to 14400); else
  * only the order that libplanarity gives. */

@@ -6,7 +6,7 @@
 #include "base/real.h"
 #include "base/rng.h"
 #include "catalogues/draw/chain_layout_internal.h"
-#include "grammar/planar.h"
+#include "grammar/topology/planar.h"
 
 /* One embedding with its web and places. */
 typedef struct draft {

@@ -19,7 +19,7 @@
 #define LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
 
 #include "base/vec2.h"
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 
 typedef struct lw_chain_layout {
     int     n_joint;

@@ -12,7 +12,7 @@
 #include "catalogues/draw/labels.h"
 #include "catalogues/draw/symbols.h"
 #include "catalogues/draw/views.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 typedef struct sketch {
     const lw_scene *s;

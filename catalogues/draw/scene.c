@@ -10,7 +10,7 @@
 #include "base/real.h"
 #include "catalogues/draw/motion_path.h"
 #include "catalogues/draw/walk.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/newton.h"
 #include "mbs/dynamics/follow.h"

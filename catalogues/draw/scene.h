@@ -12,13 +12,13 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include "grammar/assembly.h"
+#include "grammar/linkage/assembly.h"
 #include "mbs/plan/plan.h"
 #include "optimise/task/target.h"
 
 #define LW_CURVE_MAX 64            /* room for curves, besides one for each tracer */
 
-struct lw_model;                  /* grammar/model.h */
+struct lw_model;                  /* grammar/model/model.h */
 
 /* Where a link is: the place of its reference point (lw_scene.origin), and its rotation since the posture shown as a
  * unit vector.  A point p of the link is at  at + turn * (p - origin). */

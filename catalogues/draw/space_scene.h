@@ -8,7 +8,7 @@
 
 #include <signal.h>
 #include "catalogues/draw/drawing.h"
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 
 typedef enum lw_space_shape_kind {
     LW_SPACE_BAR,                /* a line from point 0 to 1                                           */

@@ -3,7 +3,7 @@
 
 #include "base/real.h"
 #include "catalogues/draw/body_shapes.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 #define ENDLESS 8.0            /* a motion this many times larger than the posture shown is cut off */
 

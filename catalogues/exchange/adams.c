@@ -10,7 +10,7 @@
 #include "base/real.h"
 #include "base/vec2.h"
 #include "catalogues/exchange/export.h"
-#include "grammar/text_internal.h"
+#include "grammar/text/text_internal.h"
 
 /* ==== statements ============================================================================================== */
 

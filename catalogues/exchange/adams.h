@@ -15,7 +15,7 @@
 
 #include <stdbool.h>
 #include "base/error.h"
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 
 #define LW_ADAMS_ARGUMENT_MAX 12
 #define LW_ADAMS_VALUE_MAX     6

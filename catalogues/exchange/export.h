@@ -6,7 +6,7 @@
 #define LW_CATALOGUES_EXCHANGE_EXPORT_H
 
 #include "base/bytes.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 /* What a file may hold beside the linkage. A writer uses what its format can hold; its text below says so. NULL: a
  * linkage alone, plates of the usual size. */

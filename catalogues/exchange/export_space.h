@@ -6,7 +6,7 @@
 #define LW_CATALOGUES_EXCHANGE_EXPORT_SPACE_H
 
 #include "base/bytes.h"
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 
 /* MuJoCo's MJCF. Bodies are the links, nested along a spanning tree of the joints, parallel to the world in the posture
  * of the file; equality constraints close the other joints. Drives (or the driven inputs) have actuators, whose

@@ -4,8 +4,8 @@
 #include <string.h>
 #include "catalogues/exchange/adams.h"
 #include "catalogues/exchange/export.h"
-#include "grammar/pmks.h"
-#include "grammar/pyslvs.h"
+#include "grammar/linkage/pmks.h"
+#include "grammar/linkage/pyslvs.h"
 
 static bool begins_with(const char *text, const char *word)
 {

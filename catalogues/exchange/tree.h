@@ -3,7 +3,7 @@
 #ifndef LW_CATALOGUES_EXCHANGE_TREE_H
 #define LW_CATALOGUES_EXCHANGE_TREE_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 typedef struct lw_export_tree {
     bool    *in_tree;                  /* (n_joint)                                                      */

@@ -16,10 +16,10 @@
 #include "catalogues/pages/page.h"
 #include "catalogues/pages/page_files.h"             /* made from *.css and *.js by the Makefile */
 #include "catalogues/pages/page_head.h"
-#include "grammar/edges.h"
-#include "grammar/linkage.h"
-#include "grammar/multiple.h"
-#include "grammar/notation.h"
+#include "grammar/linkage/linkage.h"
+#include "grammar/topology/edges.h"
+#include "grammar/topology/multiple.h"
+#include "grammar/topology/notation.h"
 
 /* The texts of a chain, one after the other in one block of memory. */
 typedef enum leaf_text {
@@ -33,7 +33,7 @@ typedef struct leaf {                       /* a chain of the atlas */
     int             links, dof, joints, loops, grounds, planar;
     bool            in_block;                  /* its family is written in blocks                           */
     bool            multiple;                  /* it has multiple joints: LEAF_LABEL is the links on each pin */
-    uint32_t        axes;                      /* of `chain`: grammar/multiple.h                            */
+    uint32_t        axes;                      /* of `chain`: grammar/topology/multiple.h                            */
     int             number, of;               /* number among the `of` chains of its family, from 1         */
     char           *text[LEAF_TEXTS];       /* "" if there is none                                       */
     lw_mechanism    chain;

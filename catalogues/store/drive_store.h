@@ -3,7 +3,7 @@
 #define LW_CATALOGUES_STORE_DRIVE_STORE_H
 
 #include "catalogues/store/store.h"
-#include "grammar/drive_parts.h"
+#include "grammar/model/drive_parts.h"
 
 /* Store the parts; one that has the name of an earlier one replaces it. */
 lw_status lw_store_add_drive_parts(lw_store *s, const lw_drive_parts *p, const char *file, const char *command,

@@ -66,7 +66,7 @@ typedef struct lw_store_structure {
     int         loops, number;               /* number among structures with as many loops, from 1  */
     int         circles, lines;
     bool        planar;
-    const char *form, *derivation;           /* as grammar/derivation.h prints them                 */
+    const char *form, *derivation;           /* as grammar/topology/derivation.h prints them                 */
 } lw_store_structure;
 
 typedef struct lw_store_mechanism {
@@ -100,7 +100,7 @@ typedef struct lw_store_chain {
 lw_status lw_store_put_structure(lw_store *s, const lw_store_structure *t, lw_error *e);
 lw_status lw_store_put_chain(lw_store *s, const lw_store_chain *c, lw_error *e);
 
-/* A chain with multiple joints (grammar/multiple.h). */
+/* A chain with multiple joints (grammar/topology/multiple.h). */
 typedef struct lw_store_multiple {
     const char *pins;                        /* canonical: the links on each pin                    */
     int         links, dof, joints, loops;

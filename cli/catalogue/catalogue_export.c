@@ -7,8 +7,9 @@
 #include "catalogues/store/query.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/json.h"
-#include "grammar/graph6.h"
-#include "grammar/notation.h"
+#include "grammar/linkage/linkage.h"
+#include "grammar/topology/graph6.h"
+#include "grammar/topology/notation.h"
 
 typedef struct job {
     const cli_call     *call;

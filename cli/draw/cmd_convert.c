@@ -5,8 +5,8 @@
 #include "base/suggest.h"
 #include "catalogues/exchange/format.h"
 #include "cli/program/model.h"
-#include "grammar/model.h"
 #include "cli/program/output.h"
+#include "grammar/model/model.h"
 
 typedef struct settings {
     const char *from, *to, *unit, *input;

@@ -5,9 +5,9 @@
 #include "cli/draw/draw.h"
 #include "cli/program/file_kind.h"
 #include "cli/program/model.h"
-#include "grammar/model.h"
-#include "grammar/spatial.h"
-#include "grammar/notation.h"
+#include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
+#include "grammar/topology/notation.h"
 
 typedef cli_draw_settings settings;
 

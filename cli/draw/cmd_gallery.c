@@ -6,7 +6,7 @@
 #include "base/suggest.h"
 #include "cli/program/data.h"
 #include "cli/program/output.h"
-#include "grammar/json_internal.h"
+#include "grammar/text/json_internal.h"
 
 static void gallery_path(const char *name, char *path, size_t size)
 {

@@ -3,7 +3,7 @@
 #define CLI_FAMILY_FAMILY_H
 
 #include "cli/program/command.h"
-#include "grammar/master.h"
+#include "grammar/family/master.h"
 
 typedef struct cli_family_settings {
     const char *configuration, *view, *set, *map, *vary, *measure, *plot, *speed, *require, *minimise, *maximise,

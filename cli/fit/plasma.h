@@ -3,8 +3,8 @@
 #define CLI_FIT_PLASMA_H
 
 #include <stdio.h>
-#include "grammar/lam.h"
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
+#include "grammar/topology/lam.h"
 
 /* The matrix, "Parts: 6 Joints: 7". */
 void cli_plasma_matrix(const lw_lam *a, FILE *f);

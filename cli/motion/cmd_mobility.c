@@ -7,7 +7,7 @@
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/adjust.h"
 #include "mbs/dynamics/freedoms.h"
 

@@ -5,11 +5,11 @@
 #include "base/real.h"
 #include "base/suggest.h"
 #include "catalogues/pages/draw.h"
-#include "cli/program/json.h"
 #include "cli/motion/profile_cycle.h"
+#include "cli/program/json.h"
 #include "cli/program/output.h"
-#include "grammar/motion_law.h"
-#include "grammar/profile.h"
+#include "grammar/functions/motion_law.h"
+#include "grammar/functions/profile.h"
 
 typedef struct settings {
     const char *from, *to, *speed, *acceleration, *jerk, *law, *plot;

@@ -8,7 +8,7 @@
 #include "catalogues/pages/draw.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
-#include "grammar/work_cycle.h"
+#include "grammar/model/work_cycle.h"
 
 /* Greatest speed and acceleration of an axis in a move. */
 static void peaks(const lw_cycle_move *m, int axis, double *v, double *a)

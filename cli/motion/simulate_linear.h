@@ -4,8 +4,8 @@
 #define CLI_MOTION_SIMULATE_LINEAR_H
 
 #include "cli/program/command.h"
-#include "grammar/model.h"
-#include "grammar/spatial.h"
+#include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
 
 typedef struct cli_linear {
     bool   rest;                 /* at the static equilibrium                                        */

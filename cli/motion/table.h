@@ -3,7 +3,7 @@
 #define CLI_MOTION_TABLE_H
 
 #include "cli/program/command.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 typedef struct cli_column { char name[2*LW_NAME_SIZE + 24]; const char *unit; double scale; } cli_column;
 

@@ -3,8 +3,8 @@
 #define CLI_MOTION_TABLE_RUN_H
 
 #include "cli/motion/table.h"
-#include "grammar/model.h"
-#include "grammar/spatial.h"
+#include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
 
 typedef struct cli_table_options {
     double      from, to;

@@ -3,11 +3,11 @@
 #define CLI_MOTION_TRACE_CURVE_H
 
 #include "cli/motion/trace_rows.h"
-#include "grammar/model.h"
-#include "mbs/constraints/system.h"
+#include "grammar/model/model.h"
 #include "mbs/batch/posture.h"
 #include "mbs/constraints/circuits.h"
 #include "mbs/constraints/prescribed_motion.h"
+#include "mbs/constraints/system.h"
 
 /* The plan of the linkage's groups (mbs/plan/plan.h) computes the rows between two postures of the curve. It starts
  * from a posture on the curve and gives the next rows in a fraction of the time, with the same rounding error. */

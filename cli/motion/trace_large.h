@@ -4,7 +4,7 @@
 
 #include "cli/motion/trace_rows.h"
 #include "cli/program/command.h"
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 typedef struct cli_trace_large {
     const lw_model *model;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include "cli/program/json.h"
 #include "cli/program/progress.h"
-#include "grammar/assembly.h"
+#include "grammar/linkage/assembly.h"
 
 #define CLI_ROW_ORDER 3
 #define CLI_ROW_VALUES 12         /* x y vx vy ax ay jx jy angle angle_v angle_a angle_j           */

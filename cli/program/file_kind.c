@@ -7,7 +7,7 @@
 #include <string.h>
 #include "base/file.h"
 #include "cli/program/command.h"
-#include "grammar/notation.h"
+#include "grammar/topology/notation.h"
 #include "optimise/task/read_file.h"
 
 bool cli_is_target(const char *text, size_t size)

@@ -6,9 +6,9 @@
 #include <string.h>
 #include "cli/program/file_kind.h"
 #include "cli/program/output.h"
-#include "grammar/model.h"
-#include "grammar/notation.h"
-#include "grammar/spatial.h"
+#include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
+#include "grammar/topology/notation.h"
 
 /* After a failed read of a linkage: does the file hold something else, for which there is a command? */
 static lw_status hint(const char *path, const char *text, size_t size, lw_status s, lw_error *e)

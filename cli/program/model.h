@@ -2,7 +2,7 @@
 #ifndef CLI_PROGRAM_MODEL_H
 #define CLI_PROGRAM_MODEL_H
 
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "optimise/task/read_file.h"
 
 /* Read a linkage from a file ("-" is standard input). The file holds one linkage as in docs/notation.md, or an object
@@ -10,12 +10,12 @@
  * first result; files without results are accepted too. */
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_error *e);
 
-/* The same with motions, masses and loads (grammar/model.h). Free it with cli_free_model. NULL: see e. */
+/* The same with motions, masses and loads (grammar/model/model.h). Free it with cli_free_model. NULL: see e. */
 struct lw_model;
 struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
-/* The same of a planar or a spatial model (grammar/spatial.h): one of *planar and *spatial is set.  A planar file costs no
+/* The same of a planar or a spatial model (grammar/model/spatial.h): one of *planar and *spatial is set.  A planar file costs no
  * more than with cli_read_model.  spatial NULL: a spatial model is an error. */
 struct lw_spatial;
 lw_status cli_read_any_model(const char *path, int which, struct lw_model **planar, struct lw_spatial **spatial,

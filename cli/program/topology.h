@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
-#include "grammar/notation.h"
+#include "grammar/topology/notation.h"
 
 /* A row of an option table for a CLI_CHOICE member that chooses the notation; the choices are the rows of lw_notations,
  * in their order. */

@@ -5,17 +5,17 @@
 #include "base/parallel.h"
 #include "base/suggest.h"
 #include "cli/program/json.h"
+#include "cli/program/mpi_jobs.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
 #include "cli/program/resume.h"
-#include "cli/program/mpi_jobs.h"
 #include "cli/program/topology.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
 #include "enumerate/fractionated.h"
 #include "enumerate/kept.h"
 #include "enumerate/labelled.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 
 typedef struct settings {
     int         links, dof, format, by;

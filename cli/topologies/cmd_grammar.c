@@ -5,7 +5,7 @@
 #include "cli/program/json.h"
 #include "cli/program/topology.h"
 #include "enumerate/derive.h"
-#include "grammar/growth.h"
+#include "grammar/topology/growth.h"
 
 typedef struct settings {
     int         format;

@@ -8,8 +8,8 @@
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 #include "enumerate/multiple.h"
-#include "grammar/edges.h"
-#include "grammar/mechanism_json.h"
+#include "grammar/topology/edges.h"
+#include "grammar/topology/mechanism_json.h"
 
 typedef struct settings {
     int         format, links, dof, n2, input, assur_groups;

@@ -10,7 +10,7 @@
 #include "enumerate/estimate.h"
 #include "enumerate/filter.h"
 #include "enumerate/structures.h"
-#include "grammar/derivation.h"
+#include "grammar/topology/derivation.h"
 
 typedef struct settings {
     int         loops;

@@ -7,7 +7,7 @@
 #ifndef LW_MBS_CONSTRAINTS_NEWTON_H
 #define LW_MBS_CONSTRAINTS_NEWTON_H
 
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 
 typedef struct lw_newton lw_newton;
 

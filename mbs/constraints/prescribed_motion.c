@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/continuation_internal.h"
 
 #define TRACK 64                            /* stored postures, from which branch points are crossed   */

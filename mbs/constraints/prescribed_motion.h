@@ -12,7 +12,7 @@
  * lw_input.  order <= LW_SERIES_ORDER_MAX. */
 typedef void lw_input_function(void *context, double t, int order, double *u);
 
-/* The motions of a model (grammar/model.h), which is the context.  Inputs without a motion rest. */
+/* The motions of a model (grammar/model/model.h), which is the context.  Inputs without a motion rest. */
 lw_input_function lw_prescribed_motion_of_model;
 
 typedef struct lw_prescribed_motion lw_prescribed_motion;

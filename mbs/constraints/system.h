@@ -15,8 +15,8 @@
 #ifndef LW_MBS_CONSTRAINTS_SYSTEM_H
 #define LW_MBS_CONSTRAINTS_SYSTEM_H
 
-#include "grammar/expression.h"
-#include "grammar/assembly.h"
+#include "grammar/functions/expression.h"
+#include "grammar/linkage/assembly.h"
 
 #define LW_SYSTEM_ORDER_MAX LW_SERIES_ORDER_MAX
 #define LW_SYSTEM_Q_MAX   (3*(LW_LINK_MAX - 1))

@@ -3,8 +3,8 @@
 #define LW_MBS_DRIVES_LOAD_H
 
 #include <signal.h>
-#include "grammar/model.h"
-#include "grammar/spatial.h"
+#include "grammar/model/model.h"
+#include "grammar/model/spatial.h"
 
 typedef struct lw_load_options {
     double from, to;                     /* [s] */

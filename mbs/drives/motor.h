@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-#include "grammar/drive_parts.h"
+#include "grammar/model/drive_parts.h"
 
 /* A gear of the list; -1: none, the motor turns the joint itself. */
 const lw_gear_part *lw_drive_gear(const lw_drive_parts *p, int gear);

@@ -2,7 +2,7 @@
 #ifndef LW_MBS_DRIVES_SERVO_INTERNAL_H
 #define LW_MBS_DRIVES_SERVO_INTERNAL_H
 
-#include "grammar/servo.h"
+#include "grammar/model/servo.h"
 #include "mbs/ode/integrate.h"
 
 /* What is integrated: motor and load seen at the load, current, sums of continuous controllers, then energies.  A state

@@ -2,7 +2,7 @@
 #ifndef LW_MBS_DRIVES_SERVO_LINEAR_H
 #define LW_MBS_DRIVES_SERVO_LINEAR_H
 
-#include "grammar/servo.h"
+#include "grammar/model/servo.h"
 
 #define LW_MATRIX_STATE_MAX  16
 #define LW_MATRIX_INPUT_MAX   4

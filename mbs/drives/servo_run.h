@@ -2,6 +2,6 @@
 #ifndef LW_MBS_DRIVES_SERVO_RUN_H
 #define LW_MBS_DRIVES_SERVO_RUN_H
 
-#include "grammar/servo.h"      /* types and functions: linkwright.h */
+#include "grammar/model/servo.h"      /* types and functions: linkwright.h */
 
 #endif

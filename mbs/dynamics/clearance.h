@@ -10,7 +10,7 @@
 #define LW_MBS_DYNAMICS_CLEARANCE_H
 
 #include <signal.h>
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 #define LW_CLEARANCE_JOINT_MAX 8
 #define LW_CLEARANCE_STOP_MAX  16

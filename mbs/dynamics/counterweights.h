@@ -11,7 +11,7 @@
 #ifndef LW_MBS_DYNAMICS_COUNTERWEIGHTS_H
 #define LW_MBS_DYNAMICS_COUNTERWEIGHTS_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/system.h"
 
 typedef struct lw_counterweights {

@@ -11,7 +11,7 @@
 #ifndef LW_MBS_DYNAMICS_FORCES_H
 #define LW_MBS_DYNAMICS_FORCES_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/system.h"
 #include "mbs/dynamics/equations.h"
 #include "mbs/elastic/beam.h"
@@ -36,7 +36,7 @@ typedef struct lw_forces {
 } lw_forces;
 
 /* The system of a model with reference points in the centres of mass, as lw_forces needs it.  any_size false: LW_E_KIND
- * when the model has more parts than a linkage holds (grammar/linkage.h), or elastic links.  s needs lw_system_free. */
+ * when the model has more parts than a linkage holds (grammar/linkage/linkage.h), or elastic links.  s needs lw_system_free. */
 lw_status lw_forces_system(const lw_model *m, bool any_size, lw_system *s, lw_error *e);
 
 /* caller: forces of the caller's own; NULL or apply NULL: none.  f needs lw_forces_free. */

@@ -6,7 +6,7 @@
 #ifndef LW_MBS_DYNAMICS_FREEDOMS_H
 #define LW_MBS_DYNAMICS_FREEDOMS_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/mobility.h"
 
 typedef struct lw_freedoms {

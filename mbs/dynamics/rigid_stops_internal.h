@@ -9,7 +9,7 @@
 #ifndef LW_MBS_DYNAMICS_RIGID_STOPS_INTERNAL_H
 #define LW_MBS_DYNAMICS_RIGID_STOPS_INTERNAL_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/constraints/system.h"
 
 #define LW_STOP_CLOSED 1e-9              /* a gap below this is closed, scaled */

@@ -9,7 +9,7 @@
 #ifndef LW_MBS_DYNAMICS_TOUCH_H
 #define LW_MBS_DYNAMICS_TOUCH_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/dynamics/equations_planar.h"
 
 typedef enum lw_touch_kind { LW_TOUCH_FACE, LW_TOUCH_DISCS, LW_TOUCH_ROPE, LW_TOUCH_STOP } lw_touch_kind;

@@ -2,7 +2,7 @@
 #ifndef LW_MBS_ELASTIC_AXIS_H
 #define LW_MBS_ELASTIC_AXIS_H
 
-#include "grammar/section.h"
+#include "grammar/model/section.h"
 
 /* Places of a link at which something acts, those of its joints first [m]. */
 typedef struct lw_elastic_places { int n, n_joint; lw_vec3 *at; } lw_elastic_places;

@@ -11,7 +11,7 @@
 #ifndef LW_MBS_ELASTIC_BEAM_H
 #define LW_MBS_ELASTIC_BEAM_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 /* Element of length h: {stretch [N/m], shear [N/m], bending [N m/rad]} in the plane. */
 void lw_beam_stiffness(const lw_section *s, const lw_material *m, double h, double out[3]);

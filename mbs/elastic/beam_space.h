@@ -9,7 +9,7 @@
 #define LW_MBS_ELASTIC_BEAM_SPACE_H
 
 #include "base/vec3.h"
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 
 typedef struct lw_beam_space {
     double  length;

@@ -17,7 +17,7 @@
 #ifndef LW_MBS_ELASTIC_CONTACT_H
 #define LW_MBS_ELASTIC_CONTACT_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 
 typedef enum lw_contact_phase {
     LW_CONTACT_APART,                    /* no force */

@@ -7,7 +7,7 @@
 #ifndef LW_MBS_ELASTIC_EXPAND_H
 #define LW_MBS_ELASTIC_EXPAND_H
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "mbs/elastic/axis.h"
 
 typedef struct lw_elastic_chain {

@@ -4,7 +4,7 @@
 #ifndef LW_MBS_ELASTIC_EXPAND_SPACE_H
 #define LW_MBS_ELASTIC_EXPAND_SPACE_H
 
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 #include "mbs/elastic/expand.h"
 
 typedef struct lw_spatial_expansion {

@@ -3,7 +3,7 @@
 #ifndef LW_MBS_KINEMATICS_INSTANT_H
 #define LW_MBS_KINEMATICS_INSTANT_H
 
-#include "grammar/linkage.h"     /* lw_instant_motion: linkwright.h */
+#include "grammar/linkage/linkage.h"     /* lw_instant_motion: linkwright.h */
 #include "mbs/batch/posture.h"
 
 /* The motion of `link` seen from `base`, in a posture with derivatives of order 2.  LW_E_ARG: no such links, or the

@@ -15,7 +15,7 @@
  *                   against the ground frame [rad], then its displacements over lw_plan_size.  The last number is
  *                   the input of that posture.  n_mode is n_dyad for linkages made of dyads;
  *     the input     as a unit vector (cos, sin) for a pin, as (displacement, 0) for a slider.
- * A linkage of several freedoms has a plan when all inputs but the first are tied to it (grammar/linkage.h) and all
+ * A linkage of several freedoms has a plan when all inputs but the first are tied to it (grammar/linkage/linkage.h) and all
  * turn on the ground: a tied link is a wheel of constant rate, and its phase is a dimension.
  *
  * Higher groups.  The unknowns are one turn a link (links that slide on each other share one) and one displacement a
@@ -69,7 +69,7 @@
 #define LW_MBS_PLAN_PLAN_H
 
 #include <stddef.h>
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 
 #define LW_DIM_MAX   64
 #define LW_DYAD_MAX  16

@@ -1,8 +1,8 @@
 /* Describe a plan as text. */
 #include "mbs/plan/plan_internal.h"
 
-#include "grammar/circuit.h"
-#include "grammar/text_internal.h"
+#include "grammar/text/text_internal.h"
+#include "grammar/topology/circuit.h"
 
 /* A group: its links, the links solved before it, its order and class. */
 typedef struct group_text { uint32_t links, before; int order, n_class; } group_text;

@@ -8,7 +8,7 @@
  * the linkage's input, so that all rates become whole numbers m:  u = e^{i (phi + m input)}.  A known rack determines
  * its pinion, a known pinion its rack.
  *
- * A tied input (grammar/linkage.h) turns its link at a given ratio to the first input, both measured against the
+ * A tied input (grammar/linkage/linkage.h) turns its link at a given ratio to the first input, both measured against the
  * ground.  It is a wheel that the ground carries, with the driven link as partner.
  *
  * All other gears are equations of the group of their wheels, which may be one wheel alone.  A ratio p/q gives

@@ -8,7 +8,7 @@
 #ifndef LW_MBS_SPACE_SPACE_H
 #define LW_MBS_SPACE_SPACE_H
 
-#include "grammar/spatial.h"
+#include "grammar/model/spatial.h"
 
 #define LW_SPACE_ROW 12          /* derivatives of a row: by 6 velocities of each of two bodies */
 

@@ -2,7 +2,7 @@
 #ifndef LW_OPTIMISE_TASK_TARGET_INTERNAL_H
 #define LW_OPTIMISE_TASK_TARGET_INTERNAL_H
 
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "optimise/task/target.h"
 
 #define LW_ANGLE_MAX 1e6     /* larger angles have lost the digits that matter [rad] */

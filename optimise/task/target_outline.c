@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 
 #define POINTS (1 + LW_ALSO_MAX)
 

@@ -9,7 +9,7 @@
 
 #include "base/number.h"
 #include "base/real.h"
-#include "grammar/text_internal.h"
+#include "grammar/text/text_internal.h"
 #include "optimise/task/target_outline_internal.h"
 
 #define DEPTH_MAX 64

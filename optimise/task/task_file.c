@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/real.h"
-#include "grammar/read_internal.h"
+#include "grammar/linkage/read_internal.h"
 #include "optimise/task/target_internal.h"
 
 /* ---- pieces --------------------------------------------------------------------------------------------- */

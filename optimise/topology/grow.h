@@ -7,7 +7,7 @@
 #define LW_OPTIMISE_TOPOLOGY_GROW_H
 
 #include "base/rng.h"
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 
 /* Draw the lengths of the new dyad so that it closes over the parent's motion: a turn of the input (`turns`), or
  * inputs from `first` to `last` (as lw_plan_read counts them).  The least and the greatest distance that the dyad

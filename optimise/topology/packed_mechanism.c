@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/real.h"
-#include "grammar/sketch.h"
+#include "grammar/linkage/sketch.h"
 
 static const char letters[] = "rtpg";
 

@@ -7,7 +7,7 @@
 #define LW_OPTIMISE_TOPOLOGY_PACKED_MECHANISM_H
 
 #include "enumerate/canon.h"
-#include "grammar/mechanism.h"
+#include "grammar/topology/mechanism.h"
 #include "optimise/search/families.h"
 
 /* Ratios that gear pairs, or tied inputs, are tried with. */

@@ -16,7 +16,7 @@
 #include "catalogues/draw/svg.h"
 #include "enumerate/chains.h"
 #include "enumerate/invert.h"
-#include "grammar/graph6.h"
+#include "grammar/topology/graph6.h"
 
 typedef enum work { COUNT, LIST, GROUND } work;
 

@@ -7,7 +7,7 @@
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 #include "enumerate/multiple.h"
-#include "grammar/notation.h"
+#include "grammar/topology/notation.h"
 
 /* What one row does; returns how many went through. */
 typedef struct tally { uint64_t n; lw_mechanism_steps steps; } tally;

@@ -1,5 +1,5 @@
 /* A derivation that can be read is printed and read back the same, and replays to a structure. */
-#include "grammar/derivation.h"
+#include "grammar/topology/derivation.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/structure_check.h"
 

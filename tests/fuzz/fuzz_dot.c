@@ -1,5 +1,5 @@
 /* A DOT graph that can be read is printed and read back the same. */
-#include "grammar/edges.h"
+#include "grammar/topology/edges.h"
 #include "tests/fuzz/fuzz.h"
 
 static size_t print(const lw_mechanism *m, char *buf, size_t size) { return lw_dot_print(m, "m", buf, size); }

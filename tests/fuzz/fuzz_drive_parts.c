@@ -1,6 +1,6 @@
 /* Any bytes are a table of parts with sane numbers, or have an error with a place, and nothing is kept of them. */
 #include <math.h>
-#include "grammar/drive_parts.h"
+#include "grammar/model/drive_parts.h"
 #include "linkwright.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -1,7 +1,7 @@
 /* An expression that can be read has the same value by itself, with its gradient and as a series, and its text can be
  * read again. */
 #include <math.h>
-#include "grammar/expression.h"
+#include "grammar/functions/expression.h"
 #include "tests/fuzz/fuzz.h"
 
 static int lookup(void *context, const char *word, const char *name, char *why)

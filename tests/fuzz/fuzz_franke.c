@@ -1,5 +1,5 @@
 /* Franke's notation that can be read is printed and read back the same, and is a chain. */
-#include "grammar/franke.h"
+#include "grammar/topology/franke.h"
 #include "tests/fuzz/fuzz.h"
 
 static bool is_chain(const lw_franke *f)

@@ -1,6 +1,6 @@
 /* A linkage that can be read passes the check and reads back after writing; in SI units it gives the same text. */
 
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "tests/fuzz/fuzz.h"
 
 static void round_trip(const lw_linkage *k, int indent)

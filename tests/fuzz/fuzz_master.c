@@ -1,7 +1,7 @@
 /* Any bytes are a master file, or have an error with a place; its model is made twice with the same bytes, or there is an
  * error; an error of the model's reader has a place in the master. */
-#include "grammar/master.h"
-#include "grammar/model.h"
+#include "grammar/family/master.h"
+#include "grammar/model/model.h"
 #include "tests/fuzz/fuzz.h"
 
 static void demand_place(lw_status s, const lw_error *e)

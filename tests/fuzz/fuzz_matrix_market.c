@@ -1,7 +1,7 @@
 /* Any bytes are a square matrix of finite numbers, or have an error with a place. */
 #include <math.h>
 
-#include "grammar/matrix_market.h"
+#include "grammar/model/matrix_market.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

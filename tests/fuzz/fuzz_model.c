@@ -1,7 +1,7 @@
 /* Any bytes are a model with a valid linkage and sane numbers, or have an error with a place. */
 #include <math.h>
 
-#include "grammar/model.h"
+#include "grammar/model/model.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -1,5 +1,5 @@
 /* Links on pins that can be read are printed and read back the same, and have simple joints or are too many. */
-#include "grammar/multiple.h"
+#include "grammar/topology/multiple.h"
 #include "tests/fuzz/fuzz.h"
 
 static bool has_axes(const lw_multiple *m)

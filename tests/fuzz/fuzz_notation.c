@@ -1,5 +1,5 @@
 /* Reading a stream of topologies comes to an end, and each topology read fits the largest size of each notation. */
-#include "grammar/notation.h"
+#include "grammar/topology/notation.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -1,4 +1,4 @@
-#include "grammar/pmks.h"
+#include "grammar/linkage/pmks.h"
 #include "tests/fuzz/points_fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

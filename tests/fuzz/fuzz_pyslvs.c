@@ -1,4 +1,4 @@
-#include "grammar/pyslvs.h"
+#include "grammar/linkage/pyslvs.h"
 #include "tests/fuzz/points_fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -1,5 +1,5 @@
 /* A sentence that can be read is printed and read back the same, and its mechanism has a sentence too. */
-#include "grammar/sentence.h"
+#include "grammar/topology/sentence.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -1,7 +1,7 @@
 /* Any bytes are a servo axis with sane numbers, or have an error with a place. */
 #include <math.h>
 
-#include "grammar/servo.h"
+#include "grammar/model/servo.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

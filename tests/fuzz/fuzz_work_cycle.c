@@ -1,6 +1,6 @@
 /* Any bytes are a work cycle with finite states at any time, or have an error with a place. */
 #include <math.h>
-#include "grammar/work_cycle.h"
+#include "grammar/model/work_cycle.h"
 #include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

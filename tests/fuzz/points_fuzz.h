@@ -4,7 +4,7 @@
 #define LW_TESTS_POINTS_FUZZ_H
 
 #include <math.h>
-#include "grammar/linkage.h"
+#include "grammar/linkage/linkage.h"
 #include "tests/fuzz/fuzz.h"
 
 /* Points at the same place may become one point, which changes the order of the joints, but not the linkage. */

@@ -1,0 +1,139 @@
+/* grammar/family/master_internal.h - a master file in memory: the tree of its JSON with compiled formulas. */
+#ifndef LW_GRAMMAR_FAMILY_MASTER_INTERNAL_H
+#define LW_GRAMMAR_FAMILY_MASTER_INTERNAL_H
+
+#include "grammar/family/master.h"
+#include "grammar/text/json_internal.h"
+
+#define LW_MASTER_NAME 64              /* bytes of a name of a parameter with its terminator */
+#define LW_KEY_UNITS    3
+
+/* What the numbers of a key mean in a turned and moved part. */
+typedef enum lw_key_geometry { LW_KEY_PLAIN, LW_KEY_POINT, LW_KEY_DIRECTION, LW_KEY_ANGLE, LW_KEY_TENSOR, LW_KEY_FORCE }
+    lw_key_geometry;
+
+typedef struct lw_key {
+    const char     *parent, *key;      /* parent: key of the object that holds it; NULL: any              */
+    lw_key_geometry geometry;
+    bool            posture;           /* lengths and angles are in the units of the file                 */
+    const char     *units[LW_KEY_UNITS];
+} lw_key;
+
+/* NULL: a key that is not known. */
+const lw_key *lw_key_find(const char *parent, const char *key);
+
+/* A part of a text: a literal or a formula. */
+typedef struct lw_piece { char *text; size_t size, at; lw_formula *formula; } lw_piece;
+
+typedef enum lw_template_kind {
+    LW_TEMPLATE_VERBATIM,              /* JSON text that is written as it is                             */
+    LW_TEMPLATE_FORMULA,               /* "=..."                                                          */
+    LW_TEMPLATE_PIECES,                /* "text {formula} text"                                          */
+    LW_TEMPLATE_OBJECT, LW_TEMPLATE_ARRAY,
+    LW_TEMPLATE_PORT                   /* {"port": "instance.port"}                                       */
+} lw_template_kind;
+
+typedef struct lw_index { int symbol; struct lw_template *values; } lw_index;    /* of a repeat */
+
+typedef struct lw_template {
+    lw_json_node     json;             /* its parent chain leads through other templates                  */
+    lw_json_kind     type;
+    int              n;                /* children                                                        */
+    struct lw_template *child;         /* (n)                                                             */
+    lw_template_kind kind;
+    char            *verbatim;
+    double           number;           /* of a verbatim number                                            */
+    lw_formula      *formula;
+    lw_piece        *piece;
+    int              n_piece;
+    const lw_key    *key;              /* of the member that it belongs to; NULL: unknown                 */
+    int              n_unit;
+    lw_amount        unit[LW_KEY_UNITS];
+    struct lw_template *when, *repeat;   /* of an object; NULL: none                                      */
+    lw_index        *index;            /* (n of repeat)                                                   */
+} lw_template;
+
+typedef struct lw_symbol {
+    char             name[LW_MASTER_NAME];
+    bool             visible, let;
+    lw_template     *node;             /* of its value; NULL: view, self, an index                        */
+    lw_formula      *formula;          /* NULL: `value` holds                                             */
+    lw_amount        value;
+    bool             has_unit;
+    lw_amount        unit;
+    lw_template     *choices;          /* NULL: any                                                       */
+    lw_parameter     info;
+    int              mark;             /* of the search for circles                                       */
+} lw_symbol;
+
+/* The names that formulas of the root or of a part may use. */
+typedef struct lw_scope {
+    int        n, capacity;
+    lw_symbol *symbol;
+    int       *order;                  /* (n_order) symbols with a formula, each after those it needs      */
+    int        n_order;
+} lw_scope;
+
+typedef struct lw_port { lw_template *node, *at, *angle, *axis; } lw_port;
+
+typedef struct lw_use {
+    lw_template *node, *name, *at, *angle, *axis, *attach, *to;
+    int          part, n_with;
+    struct { int symbol; lw_template *value; } *with;
+} lw_use;
+
+typedef struct lw_part {
+    const char  *name;
+    lw_template *node;
+    lw_scope     scope;
+    int          n_port, n_use, mark;
+    lw_port     *port;
+    lw_use      *use;
+} lw_part;
+
+typedef struct lw_setting { const char *name; int n; struct { int symbol; lw_amount value; } *set; lw_template *node,
+                            *omit; }
+    lw_setting;                        /* a configuration or a view */
+
+typedef struct lw_check { lw_template *node; const char *text; lw_formula *formula; } lw_check;
+
+struct lw_master {
+    char        *text, *file;
+    lw_json      json;
+    lw_template *root, *model;
+    int          n_template, room;
+    lw_template *block;                /* all templates */
+    lw_scope     scope;                /* symbol 0 is `view` */
+    int          n_parameter, n_let, n_part, n_use, n_configuration, n_view, n_check;
+    lw_part     *part;
+    lw_use      *use;                  /* of the model */
+    lw_setting  *configuration, *view;
+    int          default_view;         /* -1: nothing is left out */
+    lw_check    *check;
+    lw_amount    length, angle;        /* one unit of the model file */
+};
+
+enum { LW_SYMBOL_VIEW = 0, LW_SYMBOL_SELF = 0 };        /* in the scope of the root, of a part */
+
+/* The member of an object; NULL: none. */
+lw_template *lw_template_member(const lw_template *object, const char *key);
+
+/* Error at a template; `inner` (of a formula or text inside it) may be NULL, else its column and text are used. */
+lw_status lw_template_fault(const lw_template *t, size_t at, const lw_error *inner, lw_error *e);
+
+struct lw_variant {
+    const lw_master *m;
+    int         view, configuration;   /* -1: none */
+    bool       *given;                 /* (n of the scope) set one by one */
+    lw_amount  *own, *value;
+    char      **text;                  /* of the values set one by one, owned */
+    bool        fresh;                 /* value[] belongs to the settings */
+};
+
+/* Does the view leave out members with this key? */
+bool lw_master_omits(const lw_master *m, int view, const char *key);
+
+/* Work out value[]. */
+lw_status lw_variant_update(lw_variant *v, lw_error *e);
+
+#endif

@@ -1,0 +1,64 @@
+/* grammar/functions/expression_internal.h - the compiled form of an expression: operations in the order in which
+ * they are computed, each on constants or on results of earlier operations.
+ *
+ * Constant parts are computed while reading, so a step between fixed ends takes five operations and a
+ * number takes none.  step, havsin, poly and table are expanded into operations; only the three ramps
+ * LW_OP_CUBIC, LW_OP_HALF_SINE and LW_OP_SPLINE exist for them alone. */
+#ifndef LW_GRAMMAR_FUNCTIONS_EXPRESSION_INTERNAL_H
+#define LW_GRAMMAR_FUNCTIONS_EXPRESSION_INTERNAL_H
+
+#include "grammar/functions/expression.h"
+
+#define LW_EXPRESSION_NODE_MAX 512
+
+struct lw_moves;
+
+typedef enum lw_op {
+    LW_OP_VARIABLE, LW_OP_NEGATE, LW_OP_ADD, LW_OP_SUBTRACT, LW_OP_MULTIPLY, LW_OP_DIVIDE,
+    LW_OP_POWER,
+    LW_OP_SIN, LW_OP_COS, LW_OP_TAN, LW_OP_ASIN, LW_OP_ACOS, LW_OP_ATAN, LW_OP_ATAN2, LW_OP_SINH,
+    LW_OP_COSH, LW_OP_TANH, LW_OP_EXP, LW_OP_LOG, LW_OP_SQRT, LW_OP_ABS, LW_OP_SIGN, LW_OP_MIN,
+    LW_OP_MAX, LW_OP_MOD, LW_OP_HYPOT,
+    LW_OP_CUBIC,        /* 0 before 0, 3 u^2 - 2 u^3, 1 behind 1    */
+    LW_OP_HALF_SINE,    /* 0 before 0, sin^2(pi u/2), 1 behind 1    */
+    LW_OP_SPLINE,       /* the table of the node                   */
+    LW_OP_MOVES,        /* the motion of the node                  */
+    LW_OP_STEP, LW_OP_HAVSIN, LW_OP_POLY, LW_OP_TABLE     /* names only: expanded while reading */
+} lw_op;
+
+typedef struct lw_spline {         /* natural cubic spline; straight outside */
+    int     n;
+    double *x, *y, *bend;          /* (n) in one block at x; bend: second derivative */
+} lw_spline;
+
+typedef struct lw_operand { int node; double value; } lw_operand;     /* node -1: a constant */
+
+typedef struct lw_expression_node {
+    lw_op      op;
+    int        index;              /* of the variable or spline */
+    lw_operand a, b;
+} lw_expression_node;
+
+struct lw_expression {
+    char       *text;
+    int         n_node, n_variable, n_spline, n_moves;
+    lw_operand  result;
+    int         variable[LW_EXPRESSION_VARIABLE_MAX];
+    lw_spline  *spline;
+    const struct lw_moves **moves;             /* (n_moves) the caller's */
+    lw_expression_node     node[];
+};
+
+/* The result of one operation; operations with one operand ignore b. */
+double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b);
+
+/* The polynomial that LW_OP_CUBIC, LW_OP_SPLINE or LW_OP_MOVES equals at u and beyond u in the direction given by the
+ * sign of `direction`:  p[0] + p[1] d + p[2] d^2 + ...,  d = difference to u.  Returns its degree; of a motion, up to
+ * the order given. */
+int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order,
+                double p[LW_SERIES_ORDER_MAX + 1]);
+
+/* Second derivatives of the natural cubic spline through the n >= 2 points, x rising.  work (n). */
+void lw_spline_bend(int n, const double *x, const double *y, double *work, double *bend);
+
+#endif

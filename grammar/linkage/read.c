@@ -1,0 +1,188 @@
+/* grammar/linkage/read.c - pairs, lists, numbers in a range, names of links and joints. */
+#include "base/real.h"
+#include "base/vec3.h"
+#include "grammar/linkage/read_internal.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/suggest.h"
+
+lw_status lw_read_need(const lw_json_node *object, const char *key, lw_json_node *out, lw_error *e)
+{
+    return lw_json_member(object, key, out) ? LW_OK : lw_json_fault(object, e, "\"%s\" is missing", key);
+}
+
+lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_error *e)
+{
+    lw_status s = lw_json_expect(n, LW_JSON_ARRAY, e);
+    size_t count = s == LW_OK ? lw_json_count(n) : least;
+    if (count >= least && count <= most)
+        return s;
+    if (most == SIZE_MAX)
+        return lw_json_fault(n, e, "a list of at least %zu is expected here, this one has %zu", least, count);
+    if (least == most)
+        return lw_json_fault(n, e, "a list of %zu is expected here, this one has %zu", least, count);
+    return lw_json_fault(n, e, "a list of %zu to %zu is expected here, this one has %zu", least, most, count);
+}
+
+/* n numbers times unit. */
+static lw_status read_vector(const lw_json_node *n, size_t size, double unit, double *out, lw_error *e)
+{
+    lw_status s = lw_read_list(n, size, size, e);
+    for (size_t i = 0; s == LW_OK && i < size; i++) {
+        lw_json_node part = lw_json_element(n, i);
+        s = lw_json_number(&part, &out[i], e);
+        out[i] *= unit;
+        if (s == LW_OK && !(fabs(out[i]) <= LW_COORDINATE_MAX))
+            s = lw_json_fault(&part, e, "this number is too large; at most %g m are allowed",
+                              LW_COORDINATE_MAX);
+    }
+    return s;
+}
+
+lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e)
+{
+    double v[2] = { 0, 0 };
+    lw_status s = read_vector(n, 2, unit, v, e);
+    *out = lw_v2(v[0], v[1]);
+    return s;
+}
+
+lw_status lw_read_triple(const lw_json_node *n, double unit, lw_vec3 *out, lw_error *e)
+{
+    double v[3] = { 0, 0, 0 };
+    lw_status s = read_vector(n, 3, unit, v, e);
+    *out = (lw_vec3){ v[0], v[1], v[2] };
+    return s;
+}
+
+lw_status lw_read_direction(const lw_json_node *n, lw_vec3 *out, lw_error *e)
+{
+    lw_status s = lw_read_triple(n, 1, out, e);
+    double size = lw_v3_norm(*out);
+    if (s == LW_OK && !(size > 1e-200))
+        return lw_json_fault(n, e, "a direction must not be [0, 0, 0]");
+    *out = lw_v3_scale(*out, 1/size);
+    *out = lw_v3_scale(*out, 1/lw_v3_norm(*out));
+    return s;
+}
+
+lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
+                               lw_error *e)
+{
+    lw_json_node n;
+    double v;
+    *given = lw_json_member(object, key, &n);
+    if (!*given)
+        return LW_OK;
+    lw_status s = lw_json_number(&n, &v, e);
+    if (s == LW_OK && !(fabs(v*unit) <= LW_COORDINATE_MAX))
+        s = lw_json_fault(&n, e, "this number is too large");
+    if (s == LW_OK)
+        *out = v*unit;
+    return s;
+}
+
+/* ---- names ------------------------------------------------------------------------------------- */
+
+static int find(const char *name, const char *const *names, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(name, names[i]) == 0)
+            return i;
+    return -1;
+}
+
+lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out,
+                         lw_error *e)
+{
+    lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    const char *name = lw_json_text(n);
+    *out = find(name, names, n_name);
+    if (*out >= 0)
+        return LW_OK;
+    const char *near = lw_suggest(name, names, n_name);
+    if (near)
+        return lw_json_fault(n, e, "there is no %s \"%.40s\"; did you mean \"%s\"?", what, name, near);
+    return lw_json_fault(n, e, "there is no %s \"%.40s\"", what, name);
+}
+
+lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *first, size_t stride, int n_name, int *out,
+                         lw_error *e)
+{
+    lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    const char *name = lw_json_text(n);
+    for (*out = 0; *out < n_name; ++*out)
+        if (strcmp(name, first + (size_t)*out*stride) == 0)
+            return LW_OK;
+    const char **names = malloc((size_t)n_name*sizeof *names + 1);
+    if (!names)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < n_name; i++)
+        names[i] = first + (size_t)i*stride;
+    s = lw_read_look_up(n, what, names, n_name, out, e);
+    free(names);
+    return s;
+}
+
+lw_status lw_read_link(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e)
+{
+    return lw_read_name_of(n, "link", (const char *)assembly->link_name, sizeof *assembly->link_name, assembly->n_link, out, e);
+}
+
+lw_status lw_read_joint(const lw_json_node *n, const lw_assembly *assembly, int *out, lw_error *e)
+{
+    return lw_read_name_of(n, "joint", (const char *)assembly->joint + offsetof(lw_joint, name), sizeof *assembly->joint,
+                   assembly->n_joint, out, e);
+}
+
+static lw_status read_number(const lw_json_node *object, const lw_number_key *want, lw_error *e)
+{
+    bool given;
+    lw_json_node n;
+    lw_status s = lw_read_optional(object, want->key, want->unit, want->out, &given, e);
+    if (want->given)
+        *want->given = given;
+    if (s != LW_OK || !given || (*want->out >= want->least && *want->out <= want->most))
+        return s;
+    lw_json_member(object, want->key, &n);
+    if (want->least == 0 && want->most == INFINITY)
+        return lw_json_fault(&n, e, "this must not be negative");
+    if (want->most == INFINITY)
+        return lw_json_fault(&n, e, "this must be greater than 0");
+    return lw_json_fault(&n, e, "this must lie between %g and %g", want->least, want->most);
+}
+
+lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e)
+{
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < n; i++)
+        s = read_number(object, &want[i], e);
+    return s;
+}
+
+int lw_read_find(const char *name, const char *first, size_t stride, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(name, first + (size_t)i*stride) == 0)
+            return i;
+    return -1;
+}
+
+lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index,
+                                char name[LW_NAME_SIZE], lw_error *e)
+{
+    lw_json_node n;
+    if (lw_json_member(object, "name", &n))
+        return lw_json_name(&n, name, LW_NAME_SIZE, e);
+    snprintf(name, LW_NAME_SIZE, "%s %zu", what, index + 1);
+    return LW_OK;
+}

@@ -1,0 +1,137 @@
+#include "base/real.h"
+#include "grammar/model/model_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+lw_status lw_model_reserve(lw_model *m)
+{
+    size_t joints = (size_t)m->linkage.n_joint, links = (size_t)m->linkage.n_link, inputs = (size_t)m->linkage.n_input;
+    m->motion = calloc(inputs + 1, sizeof *m->motion);
+    m->has_speed = calloc(inputs + 1, sizeof *m->has_speed);
+    m->speed = calloc(inputs + 1, sizeof *m->speed);
+    m->body = calloc(links + 1, sizeof *m->body);
+    m->friction = calloc(joints + 1, sizeof *m->friction);
+    m->stop = calloc(joints + 1, sizeof *m->stop);
+    m->clearance = calloc(joints + 1, sizeof *m->clearance);
+    m->elastic = calloc(links + 1, sizeof *m->elastic);
+    m->small = malloc(sizeof *m->small);
+    if (m->small && lw_assembly_linkage(&m->linkage, m->small, NULL) != LW_OK) {
+        free(m->small);
+        m->small = NULL;
+    } else if (!m->small)
+        return LW_E_MEMORY;
+    return m->motion && m->has_speed && m->speed && m->body && m->elastic && m->friction && m->stop
+        && m->clearance ? LW_OK : LW_E_MEMORY;
+}
+
+lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m)
+{
+    lw_assembly view = lw_linkage_view(linkage);
+    memset(m, 0, sizeof *m);
+    lw_status s = lw_assembly_copy(&view, &m->linkage);
+    if (s == LW_OK)
+        s = lw_model_reserve(m);
+    if (s != LW_OK)
+        lw_model_free(m);
+    return s;
+}
+
+lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error *e)
+{
+    lw_linkage any;
+    *linkage = m->small;
+    return *linkage ? LW_OK : lw_assembly_linkage(&m->linkage, &any, e);
+}
+
+static int time_alone(void *context, const char *word, const char *name, char *why)
+{
+    (void)context, (void)why;
+    return strcmp(word, "t") == 0 && !name ? lw_variable(LW_QUANTITY_T, 0) : -1;
+}
+
+static const struct lw_moves *find_profile(void *context, const char *name)
+{
+    const lw_model *m = context;
+    return lw_moves_find(m->n_profile, m->profile, name);
+}
+
+static double earlier(double than, const lw_expression *x, double t)
+{
+    double at = x ? lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t) : than;
+    return at < than ? at : than;
+}
+
+double lw_states_next_kink(const lw_states *s, double t)
+{
+    double next = INFINITY;
+    for (int i = 0; i < s->n_state; i++)
+        next = earlier(next, s->state[i].rate, t);
+    return next;
+}
+
+double lw_model_next_kink(const lw_model *m, double t)
+{
+    double next = INFINITY;
+    for (int i = 0; i < m->linkage.n_input; i++)
+        next = earlier(next, m->motion[i], t);
+    for (int i = 0; i < m->n_spring; i++)
+        next = earlier(next, m->spring[i].law, t);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        next = earlier(next, m->joint_spring[i].law, t);
+    for (int i = 0; i < m->n_force; i++)
+        next = earlier(earlier(earlier(next, m->force[i].fx, t), m->force[i].fy, t), m->force[i].torque, t);
+    return fmin(next, lw_states_next_kink(&m->states, t));
+}
+
+lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e)
+{
+    lw_expression *x;
+    lw_expression_words words = { .context = m, .variable = time_alone, .moves = find_profile };
+    lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
+    if (s != LW_OK)
+        return s;
+    lw_expression_free(m->motion[input]);
+    m->motion[input] = x;
+    m->has_speed[input] = false;
+    return LW_OK;
+}
+
+void lw_states_free(lw_states *s)
+{
+    for (int i = 0; i < s->n_state; i++) {
+        lw_expression_free(s->state[i].rate);
+        lw_expression_free(s->state[i].start_at);
+    }
+    for (int i = 0; i < s->n_signal; i++)
+        lw_expression_free(s->signal[i].value);
+    free(s->state), free(s->signal), free(s->rotor);
+}
+
+void lw_model_free(lw_model *m)
+{
+    for (int i = 0; m->motion && i < m->linkage.n_input; i++)
+        lw_expression_free(m->motion[i]);
+    for (int i = 0; i < m->n_spring; i++)
+        lw_expression_free(m->spring[i].law);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        lw_expression_free(m->joint_spring[i].law);
+    for (int i = 0; i < m->n_force; i++) {
+        lw_expression_free(m->force[i].fx);
+        lw_expression_free(m->force[i].fy);
+        lw_expression_free(m->force[i].torque);
+    }
+    lw_states_free(&m->states);
+    for (int i = 0; m->elastic && i < m->linkage.n_link; i++)
+        lw_elastic_free(&m->elastic[i]);
+    for (int i = 0; i < m->n_shape; i++)
+        free(m->shape[i].at);
+    for (int i = 0; i < m->n_profile; i++)
+        lw_moves_free(&m->profile[i]);
+    void *const array[] = { m->profile, m->shape, m->contact, m->rope, m->motion,
+                            m->has_speed, m->speed, m->body, m->spring, m->joint_spring, m->force, m->motor, m->friction, m->stop, m->clearance, m->small, m->elastic, m->beam };
+    for (size_t i = 0; i < sizeof array/sizeof *array; i++)
+        free(array[i]);
+    lw_assembly_free(&m->linkage);
+    memset(m, 0, sizeof *m);
+}

@@ -1,0 +1,82 @@
+/* grammar/model/model_internal.h - for the readers of models; internal to grammar/. */
+#ifndef LW_GRAMMAR_MODEL_MODEL_INTERNAL_H
+#define LW_GRAMMAR_MODEL_MODEL_INTERNAL_H
+
+#include "grammar/linkage/read_internal.h"
+#include "grammar/model/model.h"
+
+/* Zeroed arrays for the links, joints and inputs of m->linkage.  After LW_E_MEMORY too, m needs lw_model_free. */
+lw_status lw_model_reserve(lw_model *m);
+
+/* ---- shared by the readers of planar and of spatial models ------------------------------------------------ */
+
+/* The variables that an expression may use: t; those of the whole model; of a spring's or a joint's law. */
+typedef enum { LW_OF_TIME, LW_OF_STATE, LW_OF_LENGTH, LW_OF_DISPLACEMENT } lw_expression_scope;
+
+/* The joint of a motor, and the spring there whose law is the motor's push. */
+typedef struct lw_motor_joint {
+    int joint, link[2], ground, rate;    /* rate: the variable of its speed */
+    bool turns;
+    const char *name;
+    lw_expression **law;
+} lw_motor_joint;
+
+/* A model that is being read, as far as expressions and states ask. */
+typedef struct lw_reading {
+    void      *model;
+    lw_states *states;
+    const lw_units *units;
+    const int *n_profile;
+    lw_moves *const *profile;
+    /* The variable word(name) of a joint, tracer or link; the spring or cylinder of a name.  -1: there is none, with why. */
+    int       (*variable)(const void *model, const char *word, const char *name, char *why);
+    int       (*find_spring)(const void *model, const char *name);
+    /* A cylinder's spring from "links" and "at"; later its law, number, and length in the posture [m]. */
+    lw_status (*ends)(const lw_json_node *object, const char *name, void *model, lw_error *e);
+    lw_expression **(*cylinder)(void *model, const char *name, int *spring, double *length);
+    lw_status (*motor)(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e);
+} lw_reading;
+
+/* An optional expression or number; *out keeps NULL if it is left out. */
+lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
+                             lw_expression **out, lw_error *e);
+
+/* ---- model_joint.c: what a joint has besides its freedoms ------------------------------------------------ */
+
+/* Numbers of a stop, about the posture of the file at displacement 0: least, greatest [unit], restitution, stiffness,
+ * damping. */
+lw_status lw_read_stop(const lw_json_node *stop, double unit, lw_joint_stop *p, lw_error *e);
+
+/* Friction of a joint; radius: does it turn, so that a "radius" is needed?  Its lengths are in units of `metre`. */
+lw_status lw_read_friction(const lw_json_node *n, double metre, bool radius, lw_friction *f, lw_error *e);
+
+/* The clearance of a joint; its lengths are in units of `metre`. */
+lw_status lw_read_clearance(const lw_json_node *n, double metre, lw_clearance *c, lw_error *e);
+
+/* ---- model_states.c: what has first-order states --------------------------------------------------------- */
+
+/* Names of the states of the lists "states", "motors", "cylinders", which expressions may use. */
+lw_status lw_states_name(const lw_json_node *root, lw_states *z, lw_error *e);
+
+/* Controllers and the ends of cylinders, which other expressions name; later, the equations of states. */
+lw_status lw_states_read_controllers(const lw_json_node *root, const lw_reading *r, lw_error *e);
+lw_status lw_states_read_cylinder_ends(const lw_json_node *root, const lw_reading *r, lw_error *e);
+lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error *e);
+
+/* One of "motors" with a "resistance", or with a "torque"; or false: it has neither. */
+bool lw_is_driven_motor(const lw_json_node *object);
+lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e);
+
+/* ---- model_elastic.c ------------------------------------------------------------------------------------- */
+
+/* Joints need a place on an elastic link; guides and gears need a rigid one. */
+lw_status lw_model_check_elastic(const lw_json_node *root, const lw_model *m, lw_error *e);
+
+/* ---- model_contact.c: what can touch ---------------------------------------------------------------------- */
+
+/* The "shapes" of all links; then one of "contacts", which needs them, and one of "ropes". */
+lw_status lw_model_read_shapes(const lw_json_node *root, lw_model *m, lw_error *e);
+lw_status lw_model_read_contact(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
+lw_status lw_model_read_rope(const lw_json_node *object, size_t index, lw_model *m, lw_error *e);
+
+#endif

@@ -1,0 +1,497 @@
+/* grammar/model/model_read.c - a model from JSON (docs/notation.md, "Model"): first the linkage, by its own reader, then
+ * drives and loads.  Positions and angles are in the units of the file, all other values in SI units. */
+#include "base/real.h"
+#include "grammar/model/model_internal.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "grammar/linkage/read_internal.h"
+
+/* ---- expressions ------------------------------------------------------------------------------- */
+
+#define WHY_SIZE 128      /* of grammar/functions/expression.h */
+
+/* A variable of the state of the linkage: word(name). */
+static int look_up_state(const void *model, const char *word, const char *name, char *why)
+{
+    static const struct { const char *word; lw_quantity quantity; char of; } known[] = {
+        { "q", LW_QUANTITY_Q, 'j' }, { "v", LW_QUANTITY_V, 'j' }, { "x", LW_QUANTITY_X, 't' },
+        { "y", LW_QUANTITY_Y, 't' }, { "vx", LW_QUANTITY_VX, 't' }, { "vy", LW_QUANTITY_VY, 't' },
+        { "angle", LW_QUANTITY_ANGLE, 'l' }, { "omega", LW_QUANTITY_OMEGA, 'l' },
+    };
+    const lw_assembly *assembly = &((const lw_model *)model)->linkage;
+    for (int i = 0; i < COUNT(known); i++) {
+        if (strcmp(word, known[i].word) != 0)
+            continue;
+        char of = known[i].of;
+        const char *what = of == 'j' ? "joint" : of == 't' ? "tracer" : "link";
+        if (!name) {
+            snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
+            return -1;
+        }
+        int at = of == 'j'   ? lw_read_find(name, (const char *)assembly->joint + offsetof(lw_joint, name),
+                                         sizeof *assembly->joint, assembly->n_joint)
+                 : of == 't' ? lw_read_find(name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
+                                         sizeof *assembly->tracer, assembly->n_tracer)
+                             : lw_read_find(name, (const char *)assembly->link_name, sizeof *assembly->link_name,
+                                         assembly->n_link);
+        if (at < 0)
+            snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
+        else if (of == 'j' && !lw_joint_can_drive(assembly->joint[at].kind))
+            snprintf(why, WHY_SIZE, "joint \"%.40s\" is neither a pin nor a slider: it counts nothing", name);
+        else
+            return lw_variable(known[i].quantity, at);
+        return -1;
+    }
+    return -1;
+}
+
+static lw_reading reading_of(lw_model *m);
+
+/* ---- links and inputs -------------------------------------------------------------------------- */
+
+static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_error *e)
+{
+    lw_json_node n;
+    lw_body *b = &m->body[i];
+    const lw_number_key numbers[] = {
+        { "mass", 1, 0, INFINITY, &b->mass, &b->given },
+        { "inertia", 1, 0, INFINITY, &b->inertia, NULL },
+    };
+    if (lw_json_kind_of(link) != LW_JSON_OBJECT)
+        return LW_OK;
+    const lw_number_key omega = { "omega", 1, LW_ANY, &b->omega, &b->has_velocity };
+    bool centre = lw_json_member(link, "centre", &n);
+    lw_status s = centre ? lw_read_pair(&n, m->linkage.units.metre, &b->centre, e) : LW_OK;
+    if (s == LW_OK)
+        s = lw_read_numbers(link, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !b->given && (centre || lw_json_member(link, "inertia", &n)))
+        s = lw_json_fault(link, e, "link \"%s\" has %s but no \"mass\"; write one [kg], 0 is allowed",
+                          m->linkage.link_name[i], centre ? "a centre of mass" : "an inertia");
+    if (s == LW_OK && b->mass > 0 && !centre)
+        s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts",
+                          m->linkage.link_name[i]);
+    if (s == LW_OK)
+        s = lw_read_numbers(link, &omega, 1, e);
+    if (s == LW_OK && lw_json_member(link, "velocity", &n)) {
+        b->has_velocity = true;
+        s = lw_read_pair(&n, 1, &b->velocity, e);
+    }
+    if (s == LW_OK && b->has_velocity && i == m->linkage.ground)
+        s = lw_json_fault(link, e, "the ground does not move: leave \"velocity\" and \"omega\" out");
+    return s;
+}
+
+static lw_status read_bodies(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    lw_json_node links, gravity, elastic;
+    lw_status s = LW_OK;
+    if (lw_json_member(root, "links", &links))
+        for (int i = 0; s == LW_OK && i < m->linkage.n_link; i++) {
+            lw_json_node link = lw_json_element(&links, (size_t)i);
+            s = read_body(&link, m, i, e);
+            if (s != LW_OK || lw_json_kind_of(&link) != LW_JSON_OBJECT || !lw_json_member(&link, "elastic", &elastic))
+                continue;
+            if ((s = lw_elastic_check_link(&link, &elastic, i == m->linkage.ground, e)) == LW_OK)
+                s = lw_elastic_read(&elastic, m->linkage.units.metre, false, &m->elastic[i], e);
+            m->n_elastic++;
+        }
+    if (s == LW_OK)
+        s = lw_model_check_elastic(root, m, e);
+    if (s == LW_OK && lw_json_member(root, "gravity", &gravity))
+        s = lw_read_pair(&gravity, 1, &m->gravity, e);
+    return s;
+}
+
+static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_error *e)
+{
+    const lw_number_key speed = { "speed", 1, LW_ANY, &m->speed[i], &m->has_speed[i] };
+    lw_json_node n;
+    const lw_reading r = reading_of(m);
+    lw_status s = lw_read_numbers(input, &speed, 1, e);
+    if (s == LW_OK && m->has_speed[i] && lw_json_member(input, "motion", &n))
+        return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it "
+                             "starts before it runs freely; keep one");
+    return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &m->motion[i], e) : s;
+}
+
+static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    lw_json_node one, many;
+    if (lw_json_member(root, "input", &one))
+        return read_motion(&one, m, 0, e);
+    lw_status s = LW_OK;
+    if (lw_json_member(root, "inputs", &many))
+        for (int i = 0; s == LW_OK && i < m->linkage.n_input; i++) {
+            one = lw_json_element(&many, (size_t)i);
+            s = read_motion(&one, m, i, e);
+        }
+    return s;
+}
+
+/* ---- joints ------------------------------------------------------------------------------------ */
+
+/* The unit of a joint's displacement in the file. */
+static double joint_unit(const lw_model *m, int joint)
+{
+    return lw_joint_turns(m->linkage.joint[joint].kind) ? m->linkage.units.radian : m->linkage.units.metre;
+}
+
+static const char pins[] = "pins (\"r\")", drives[] = "pins (\"r\") and sliders (\"t\")";
+
+static lw_status need_kind(const lw_json_node *n, const lw_model *m, int joint, bool (*has_it)(lw_joint_kind),
+                           const char *kinds, const char *what, lw_error *e)
+{
+    const lw_joint *j = &m->linkage.joint[joint];
+    if (has_it(j->kind))
+        return LW_OK;
+    return lw_json_fault(n, e, "joint \"%s\" is of kind \"%c\"; only %s have %s", j->name, (char)j->kind, kinds, what);
+}
+
+static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
+{
+    lw_status s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e);
+    return s == LW_OK ? lw_read_friction(n, m->linkage.units.metre, lw_joint_turns(m->linkage.joint[joint].kind),
+                                         &m->friction[joint], e) : s;
+}
+
+static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
+{
+    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = need_kind(n, m, joint, lw_joint_can_drive, drives, "stops", e);
+    return s == LW_OK ? lw_read_stop(n, joint_unit(m, joint), &m->stop[joint], e) : s;
+}
+
+static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
+{
+    lw_status s = need_kind(n, m, joint, lw_joint_turns, pins, "a clearance", e);
+    return s == LW_OK ? lw_read_clearance(n, m->linkage.units.metre, &m->clearance[joint], e) : s;
+}
+
+static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    lw_json_node joints, n;
+    lw_status s = lw_read_need(root, "joints", &joints, e);
+    for (int i = 0; s == LW_OK && i < m->linkage.n_joint; i++) {
+        lw_json_node joint = lw_json_element(&joints, (size_t)i);
+        if (lw_json_member(&joint, "friction", &n))
+            s = read_friction(&n, m, i, e);
+        if (s == LW_OK && lw_json_member(&joint, "stop", &n))
+            s = read_stop(&n, m, i, e);
+        if (s == LW_OK && lw_json_member(&joint, "clearance", &n))
+            s = read_clearance(&n, m, i, e);
+    }
+    return s;
+}
+
+/* ---- loads ------------------------------------------------------------------------------------- */
+
+static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
+                                 lw_error *e)
+{
+    lw_json_node n;
+    lw_status s = lw_read_need(object, "joint", &n, e);
+    if (s == LW_OK)
+        s = lw_read_joint(&n, &m->linkage, joint, e);
+    return s == LW_OK ? need_kind(&n, m, *joint, lw_joint_can_drive, drives, what, e) : s;
+}
+
+static lw_status law_alone(const lw_json_node *object, lw_error *e)
+{
+    static const char *const other[] = { "stiffness", "damping", "free" };
+    lw_json_node n;
+    for (int i = 0; i < COUNT(other); i++)
+        if (lw_json_member(object, other[i], &n))
+            return lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
+    return LW_OK;
+}
+
+static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
+{
+    lw_json_node links, at;
+    lw_status s = lw_read_need(object, "links", &links, e);
+    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK &&
+        (s = lw_read_need(object, "at", &at, e)) == LW_OK)
+        s = lw_read_list(&at, 2, 2, e);
+    for (size_t end = 0; s == LW_OK && end < 2; end++) {
+        lw_json_node link = lw_json_element(&links, end), point = lw_json_element(&at, end);
+        s = lw_read_link(&link, &m->linkage, &p->link[end], e);
+        if (s == LW_OK)
+            s = lw_read_pair(&point, m->linkage.units.metre, &p->at[end], e);
+    }
+    if (s == LW_OK && p->link[0] == p->link[1])
+        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move",
+                          m->linkage.link_name[p->link[0]]);
+    return s;
+}
+
+/* ---- for expressions and states ------------------------------------------------------------------ */
+
+static int find_spring(const void *model, const char *name)
+{
+    const lw_model *m = model;
+    return m->n_spring ? lw_read_find(name, m->spring->name, sizeof *m->spring, m->n_spring) : -1;
+}
+
+static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)
+{
+    lw_model *m = model;
+    lw_spring *p = &m->spring[m->n_spring];
+    snprintf(p->name, sizeof p->name, "%s", name);
+    lw_status s = read_ends(object, m, p, e);
+    m->n_spring += s == LW_OK;
+    return s;
+}
+
+static lw_expression **find_cylinder(void *model, const char *name, int *spring, double *length)
+{
+    lw_model *m = model;
+    int i = m->n_spring - 1;
+    while (strcmp(m->spring[i].name, name) != 0)           /* cylinders come after all other springs */
+        i--;
+    *spring = i;
+    *length = lw_v2_norm(lw_v2_sub(m->spring[i].at[1], m->spring[i].at[0]));
+    return &m->spring[i].law;
+}
+
+static lw_status read_motor_joint(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e)
+{
+    lw_model *m = model;
+    lw_joint_spring *push = &m->joint_spring[m->n_joint_spring];
+    lw_status s = read_load_joint(object, "motors", m, &push->joint, e);
+    if (s != LW_OK)
+        return s;
+    const lw_joint *j = &m->linkage.joint[push->joint];
+    m->n_joint_spring++;
+    snprintf(push->name, sizeof push->name, "%s", name);
+    *out = (lw_motor_joint){ push->joint, { j->link[0], j->link[1] }, m->linkage.ground, lw_variable(LW_QUANTITY_V, push->joint),
+                             lw_joint_turns(j->kind), j->name, &push->law };
+    return LW_OK;
+}
+
+static lw_reading reading_of(lw_model *m)
+{
+    return (lw_reading){ m, &m->states, &m->linkage.units, &m->n_profile, &m->profile, look_up_state, find_spring,
+                         read_cylinder_ends, find_cylinder, read_motor_joint };
+}
+
+/* A spring between two points.  Without "free" its free length is that in the posture. */
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
+                                  lw_error *e)
+{
+    const lw_reading r = reading_of(m);
+    lw_spring *p = &m->spring[m->n_spring];
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
+        { "damping", 1, 0, INFINITY, &p->damping, NULL },
+        { "free", m->linkage.units.metre, 0, INFINITY, &p->free, NULL },
+    };
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
+    if (s == LW_OK)
+        s = read_ends(object, m, p, e);
+    if (s != LW_OK)
+        return s;
+    m->n_spring++;
+    p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK)
+        s = lw_read_expression(object, "law", &r, LW_OF_LENGTH, &p->law, e);
+    return s == LW_OK && p->law ? law_alone(object, e) : s;
+}
+
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
+                                   lw_error *e)
+{
+    const lw_reading r = reading_of(m);
+    lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
+    if (s == LW_OK)
+        s = read_load_joint(object, what, m, &p->joint, e);
+    if (s != LW_OK)
+        return s;
+    m->n_joint_spring++;
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
+        { "damping", 1, 0, INFINITY, &p->damping, NULL },
+        { "free", joint_unit(m, p->joint), LW_ANY, &p->free, NULL },
+    };
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK)
+        s = lw_read_expression(object, "law", &r, LW_OF_DISPLACEMENT, &p->law, e);
+    return s == LW_OK && p->law ? law_alone(object, e) : s;
+}
+
+/* A spring or damper: between two points of "links", or at a "joint". */
+static lw_status read_spring(const lw_json_node *object, size_t index, lw_model *m, bool damper, lw_error *e)
+{
+    static const char *const spring[] = { "name", "links", "at", "joint", "stiffness", "damping", "free", "law" };
+    static const char *const dashpot[] = { "name", "links", "at", "joint", "damping" };
+    const char *what = damper ? "damper" : "spring";
+    lw_json_node n, joint;
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(object, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), e);
+    if (s != LW_OK)
+        return s;
+    bool at_joint = lw_json_member(object, "joint", &joint);
+    if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
+        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; "
+                             "keep one", what);
+    if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) &&
+        (damper || !lw_json_member(object, "law", &n)))
+        return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
+    return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
+}
+
+static lw_status read_force(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "torque" };
+    static const char *const frames[] = { "plane", "link" };
+    lw_force *f = &m->force[m->n_force++];
+    lw_json_node n;
+    const lw_reading r = reading_of(m);
+    int frame = 0;
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_own_name(object, "force", index, f->name, e)) == LW_OK &&
+        (s = lw_read_need(object, "link", &n, e)) == LW_OK)
+        s = lw_read_link(&n, &m->linkage, &f->link, e);
+    if (s == LW_OK && lw_json_member(object, "frame", &n))
+        s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
+    f->follows = frame == 1;
+    if (s == LW_OK && (s = lw_read_expression(object, "fx", &r, LW_OF_STATE, &f->fx, e)) == LW_OK &&
+        (s = lw_read_expression(object, "fy", &r, LW_OF_STATE, &f->fy, e)) == LW_OK)
+        s = lw_read_expression(object, "torque", &r, LW_OF_STATE, &f->torque, e);
+    if (s != LW_OK)
+        return s;
+    if (!f->fx && !f->fy && !f->torque)
+        return lw_json_fault(object, e, "a force needs \"fx\", \"fy\" or \"torque\"");
+    if (lw_json_member(object, "at", &n))
+        return lw_read_pair(&n, m->linkage.units.metre, &f->at, e);
+    return f->fx || f->fy ? lw_read_need(object, "at", &n, e) : LW_OK;
+}
+
+static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+{
+    const lw_reading r = reading_of(m);
+    if (lw_is_driven_motor(object))
+        return lw_states_read_motor(object, index, &r, e);
+    static const char *const known[] = { "name", "joint", "stall", "free_speed" };
+    lw_motor *p = &m->motor[m->n_motor++];
+    lw_json_node n;
+    const lw_number_key numbers[] = {
+        { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL },
+    };
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
+        (s = read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
+        (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
+        (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !(p->stall*p->free_speed > 0))
+        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its turn, "
+                          "and are not 0");
+    return s;
+}
+
+/* ---- all loads ------------------------------------------------------------------------------------ */
+
+typedef enum { SPRINGS, DAMPERS, FORCES, MOTORS, CONTACTS, ROPES } load;
+
+static lw_status read_loads(const lw_json_node *root, load which, lw_model *m, lw_error *e)
+{
+    static const char *const key[] = {
+        [SPRINGS] = "springs", [DAMPERS] = "dampers", [FORCES] = "forces", [MOTORS] = "motors",
+        [CONTACTS] = "contacts", [ROPES] = "ropes"
+    };
+    lw_json_node all;
+    if (!lw_json_member(root, key[which], &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        s = which == FORCES ? read_force(&one, i, m, e) : which == MOTORS ? read_motor(&one, i, m, e)
+          : which == CONTACTS ? lw_model_read_contact(&one, i, m, e) : which == ROPES ? lw_model_read_rope(&one, i, m, e)
+          : read_spring(&one, i, m, which == DAMPERS, e);
+    }
+    return s;
+}
+
+/* Number of the elements of a list, 0 if it is left out. */
+static size_t count_list(const lw_json_node *root, const char *key)
+{
+    lw_json_node all;
+    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
+}
+
+static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
+    size_t motors = count_list(root, "motors") + 1;
+    m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
+    m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
+    m->states.rotor = calloc(motors, sizeof *m->states.rotor);
+    m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
+    m->motor = calloc(motors, sizeof *m->motor);
+    m->contact = calloc(count_list(root, "contacts") + 1, sizeof *m->contact);
+    m->rope = calloc(count_list(root, "ropes") + 1, sizeof *m->rope);
+    return m->spring && m->joint_spring && m->force && m->motor && m->states.rotor && m->contact && m->rope
+         ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e)
+{
+    return lw_model_read_result(text, size, file, 0, m, e);
+}
+
+lw_status lw_model_read_result(const char *text, size_t size, const char *file, int which, lw_model *m,
+                               lw_error *e)
+{
+    lw_json json;
+    const lw_reading r = reading_of(m);
+    lw_json_node place[4];
+    memset(m, 0, sizeof *m);
+    m->linkage.units = lw_units_si();
+    lw_status s = lw_json_open(text, size, file, &json, e);
+    if (s != LW_OK)
+        return s;
+    const lw_json_node *root = &place[3];
+    if ((s = lw_read_result(&json, which, place, e)) == LW_OK)
+        s = lw_assembly_read_root(root, &m->linkage, e);
+    if (s == LW_OK && lw_model_reserve(m) != LW_OK)
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        s = reserve_loads(root, m, e);
+    if (s == LW_OK)
+        s = read_bodies(root, m, e);
+    if (s == LW_OK)
+        s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e);
+    if (s == LW_OK)
+        s = read_motions(root, m, e);
+    if (s == LW_OK)
+        s = read_joint_extras(root, m, e);
+    if (s == LW_OK)
+        s = lw_model_read_shapes(root, m, e);
+    if (s == LW_OK)
+        s = lw_states_name(root, &m->states, e);
+    for (int kind = SPRINGS; s == LW_OK && kind <= DAMPERS; kind++)
+        s = read_loads(root, (load)kind, m, e);
+    if (s == LW_OK)
+        s = lw_states_read_cylinder_ends(root, &r, e);
+    if (s == LW_OK)
+        s = lw_states_read_controllers(root, &r, e);
+    for (int kind = FORCES; s == LW_OK && kind <= ROPES; kind++)
+        s = read_loads(root, (load)kind, m, e);
+    if (s == LW_OK)
+        s = lw_states_read(root, &r, e);
+    lw_json_close(&json);
+    if (s != LW_OK)
+        lw_model_free(m);
+    return s;
+}

@@ -1,0 +1,649 @@
+/* grammar/model/model_states.c - expressions of a model, and parts with states of first order: "states", "controllers", "cylinders", and
+ * motors with an electrical circuit or a wanted torque (docs/notation.md, "States").
+ *
+ * Each part becomes expressions: the rates of its states, and the law of a spring that pushes.  So its derivatives
+ * are exact, and the dynamics know states and laws only. */
+#include "base/real.h"
+#include "grammar/model/model_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/number.h"
+#include "grammar/linkage/read_internal.h"
+
+/* ---- states and signals --------------------------------------------------------------------------------- */
+
+/* A new state; its number, -1: out of memory. */
+static int add_state(lw_states *z, const char *name, const char *unit, double scale)
+{
+    lw_state *more = realloc(z->state, ((size_t)z->n_state + 1)*sizeof *more);
+    if (!more)
+        return -1;
+    z->state = more;
+    more[z->n_state] = (lw_state){ .unit = unit, .scale = scale };
+    snprintf(more[z->n_state].name, sizeof more->name, "%s", name);
+    return z->n_state++;
+}
+
+/* A signal "name.what" takes x over.  LW_E_MEMORY. */
+static lw_status add_signal(lw_states *z, const char *name, const char *what, const char *unit, lw_expression *x,
+                            lw_error *e)
+{
+    lw_signal *more = realloc(z->signal, ((size_t)z->n_signal + 1)*sizeof *more);
+    if (!more) {
+        lw_expression_free(x);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    z->signal = more;
+    more[z->n_signal] = (lw_signal){ .unit = unit, .value = x };
+    snprintf(more[z->n_signal++].name, sizeof more->name, "%s.%s", name, what);
+    return LW_OK;
+}
+
+/* A word of a text that the program writes: an expression to insert, or (expression NULL) a variable. */
+typedef struct lw_generated { const char *word; const lw_expression *expression; int variable; } lw_generated;
+typedef struct generated_words { const lw_generated *word; int n; } generated_words;
+
+static const lw_generated *find_word(const generated_words *g, const char *word)
+{
+    for (int i = 0; i < g->n; i++)
+        if (strcmp(word, g->word[i].word) == 0)
+            return &g->word[i];
+    return NULL;
+}
+
+static int generated_variable(void *context, const char *word, const char *name, char *why)
+{
+    const lw_generated *w = find_word(context, word);
+    (void)name, (void)why;
+    return w && !w->expression ? w->variable : -1;
+}
+
+static const lw_expression *generated_insert(void *context, const char *word, const char *name)
+{
+    const lw_generated *w = find_word(context, word);
+    (void)name;
+    return w ? w->expression : NULL;
+}
+
+static lw_status parse_generated(const char *text, const lw_generated *word, int n, lw_expression **out, lw_error *e)
+{
+    generated_words g = { word, n };
+    lw_expression_words words = { .context = &g, .variable = generated_variable, .insert = generated_insert };
+    return lw_expression_parse_words(text, strlen(text), &words, out, e);
+}
+
+/* The same for a text with numbers; a fault in it is that of an object of the file: expressions too long for one. */
+static lw_status generate(const lw_json_node *object, const lw_generated *word, int n, lw_expression **out, lw_error *e,
+                          const char *text)
+{
+    lw_error inner = { 0 };
+    lw_status s = parse_generated(text, word, n, out, &inner);
+    return s == LW_OK ? s : s == LW_E_MEMORY ? lw_error_set(e, s, "%s", inner.text)
+                      : lw_json_fault(object, e, "the expressions here are too long together: %s", inner.text);
+}
+
+static int variable_of_state(int i) { return lw_variable(LW_QUANTITY_STATE, i); }
+
+static int find_state(const lw_states *z, const char *name, const char *what)
+{
+    char all[sizeof z->state->name];
+    snprintf(all, sizeof all, what ? "%s.%s" : "%s", name, what);
+    for (int i = 0; i < z->n_state; i++)
+        if (strcmp(all, z->state[i].name) == 0)
+            return i;
+    return -1;
+}
+
+/* ---- expressions ------------------------------------------------------------------------------------------ */
+
+typedef struct look { const lw_reading *r; lw_expression_scope scope; } look;
+
+#define WHY_SIZE 128      /* of grammar/functions/expression.h */
+
+/* A state, or a spring or cylinder: state(name), length(name), rate(name). */
+static int look_up_named(const lw_reading *r, const char *word, const char *name, char *why)
+{
+    bool state = strcmp(word, "state") == 0;
+    if (!state && strcmp(word, "length") != 0 && strcmp(word, "rate") != 0)
+        return -1;
+    if (!name) {
+        snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, state ? "state" : "spring or cylinder",
+                 word);
+        return -1;
+    }
+    int at = -1;
+    if (!state)
+        at = r->find_spring(r->model, name);
+    else if (r->states->n_state)
+        at = lw_read_find(name, r->states->state->name, sizeof *r->states->state, r->states->n_state);
+    if (at < 0 && state)
+        snprintf(why, WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
+    else if (at < 0)
+        snprintf(why, WHY_SIZE, "there is no spring or cylinder between two points \"%.40s\"", name);
+    return at < 0 ? -1 : lw_variable(state ? LW_QUANTITY_STATE : word[0] == 'l' ? LW_QUANTITY_SPRING_LENGTH
+                                                                                : LW_QUANTITY_SPRING_RATE, at);
+}
+
+/* output(name) of a controller, or the part before the point of a signal's name. */
+static const lw_expression *insert_signal(void *context, const char *word, const char *name)
+{
+    const look *l = context;
+    for (int i = 0; l->scope == LW_OF_STATE && name && i < l->r->states->n_signal; i++) {
+        const char *all = l->r->states->signal[i].name, *point = strrchr(all, '.');
+        if (point && strcmp(word, point + 1) == 0 && strncmp(name, all, (size_t)(point - all)) == 0
+            && name[point - all] == '\0')
+            return l->r->states->signal[i].value;
+    }
+    return NULL;
+}
+
+static const struct lw_moves *find_profile(void *context, const char *name)
+{
+    const lw_reading *r = ((const look *)context)->r;
+    return lw_moves_find(*r->n_profile, *r->profile, name);
+}
+
+/* The state of integral(x) or lag(x, time). */
+static int integrate(void *context, lw_expression *x, double lag, double start)
+{
+    lw_states *all = ((const look *)context)->r->states;
+    char name[2*LW_NAME_SIZE];
+    int n = 1;
+    for (int i = 0; i < all->n_state; i++)
+        n += strncmp(all->state[i].name, lag > 0 ? "lag " : "integral ", lag > 0 ? 4 : 9) == 0;
+    snprintf(name, sizeof name, "%s %d", lag > 0 ? "lag" : "integral", n);
+    int i = add_state(all, name, "1", 1);
+    if (i < 0) {
+        lw_expression_free(x);
+        return -1;
+    }
+    lw_state *z = &all->state[i];
+    z->start = isnan(start) ? 0 : start;
+    if (!(lag > 0)) {
+        z->rate = x;
+        return lw_variable(LW_QUANTITY_STATE, i);
+    }
+    if (isnan(start))
+        z->start_at = x;
+    const lw_generated word[] = { { "x", x, 0 }, { "z", NULL, lw_variable(LW_QUANTITY_STATE, i) } };
+    char text[64];
+    snprintf(text, sizeof text, "(x - z)/%.17g", lag);
+    lw_status s = parse_generated(text, word, COUNT(word), &z->rate, NULL);
+    if (!isnan(start))
+        lw_expression_free(x);
+    return s == LW_OK ? lw_variable(LW_QUANTITY_STATE, i) : -1;
+}
+
+static int look_up_variable(void *context, const char *word, const char *name, char *why)
+{
+    const look *l = context;
+    if (strcmp(word, "t") == 0 && !name)
+        return lw_variable(LW_QUANTITY_T, 0);
+    if (l->scope == LW_OF_STATE) {
+        int at = look_up_named(l->r, word, name, why);
+        if (at < 0 && !why[0] && strcmp(word, "output") == 0)
+            snprintf(why, WHY_SIZE, "there is no controller \"%.40s\" before this one", name ? name : "");
+        return at >= 0 || why[0] ? at : l->r->variable(l->r->model, word, name, why);
+    }
+    const char *first = l->scope == LW_OF_LENGTH ? "length" : "displacement";
+    if (l->scope != LW_OF_TIME && !name && strcmp(word, first) == 0)
+        return lw_variable(LW_QUANTITY_LENGTH, 0);
+    if (l->scope != LW_OF_TIME && !name && strcmp(word, "rate") == 0)
+        return lw_variable(LW_QUANTITY_RATE, 0);
+    if (l->scope == LW_OF_TIME)
+        snprintf(why, WHY_SIZE, "the motion of an input depends on t alone");
+    else
+        snprintf(why, WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
+    return -1;
+}
+
+/* Numbers are expressions too. */
+lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
+                             lw_expression **out, lw_error *e)
+{
+    lw_json_node n;
+    lw_error inner = { 0 };
+    look l = { r, scope };
+    lw_expression_words words = { &l, look_up_variable, insert_signal, scope == LW_OF_STATE ? integrate : NULL,
+                                  r->profile ? find_profile : NULL };
+    char digits[LW_NUMBER_SIZE];
+    double value;
+    if (!lw_json_member(object, key, &n))
+        return LW_OK;
+    const char *text = lw_json_text(&n);
+    if (lw_json_kind_of(&n) == LW_JSON_NUMBER) {
+        lw_json_number(&n, &value, e);
+        lw_number_print(value, digits);
+        text = digits;
+    }
+    if (!text)
+        return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
+    lw_status s = lw_expression_parse_words(text, strlen(text), &words, out, &inner);
+    if (s == LW_OK)
+        return s;
+    *out = NULL;
+    if (s != LW_E_NOTATION)
+        return lw_error_set(e, s, "%s", inner.text);
+    return lw_json_fault_inside(&n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
+}
+
+/* ---- names ------------------------------------------------------------------------------------------------ */
+
+static lw_status name_state(const lw_json_node *object, lw_states *z, const char *name, const char *what, const char *unit,
+                            double scale, lw_error *e)
+{
+    char all[sizeof z->state->name];
+    snprintf(all, sizeof all, what ? "%s.%s" : "%s", name, what);
+    if (find_state(z, all, NULL) >= 0)
+        return lw_json_fault(object, e, "there are two states with the name \"%s\"", all);
+    return add_state(z, all, unit, scale) < 0 ? lw_error_set(e, LW_E_MEMORY, "out of memory") : LW_OK;
+}
+
+static bool is_electrical(const lw_json_node *object)
+{
+    lw_json_node n;
+    return lw_json_kind_of(object) == LW_JSON_OBJECT
+        && (lw_json_member(object, "resistance", &n) || lw_json_member(object, "voltage", &n));
+}
+
+static lw_status name_list(const lw_json_node *root, const char *key, lw_states *z, lw_error *e)
+{
+    lw_json_node all;
+    char what[16], name[LW_NAME_SIZE];
+    snprintf(what, sizeof what, "%.*s", (int)strlen(key) - 1, key);
+    if (!lw_json_member(root, key, &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node object = lw_json_element(&all, i);
+        s = lw_json_expect(&object, LW_JSON_OBJECT, e);
+        if (s == LW_OK)
+            s = lw_read_own_name(&object, what, i, name, e);
+        if (s != LW_OK)
+            return s;
+        if (key[0] == 's')
+            s = name_state(&object, z, name, NULL, "1", 1, e);
+        if (key[0] == 'c' && (s = name_state(&object, z, name, "p1", "Pa", 1e5, e)) == LW_OK)
+            s = name_state(&object, z, name, "p2", "Pa", 1e5, e);
+        if (key[0] == 'm' && is_electrical(&object) && (s = name_state(&object, z, name, "current", "A", 1, e)) == LW_OK &&
+            (s = name_state(&object, z, name, "electrical", "J", 1, e)) == LW_OK)
+            s = name_state(&object, z, name, "heat", "J", 1, e);
+    }
+    return s;
+}
+
+lw_status lw_states_name(const lw_json_node *root, lw_states *z, lw_error *e)
+{
+    lw_status s = name_list(root, "states", z, e);
+    if (s == LW_OK)
+        s = name_list(root, "motors", z, e);
+    return s == LW_OK ? name_list(root, "cylinders", z, e) : s;
+}
+
+/* ---- states ------------------------------------------------------------------------------------------------ */
+
+static lw_status read_state(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    static const char *const known[] = { "name", "rate", "start", "scale" };
+    char name[LW_NAME_SIZE];
+    lw_json_node n;
+    double scale = 1;
+    const lw_number_key numbers[] = { { "scale", 1, LW_POSITIVE, &scale, NULL } };
+    lw_expression *rate = NULL, *start = NULL;
+    lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
+    if (s == LW_OK && (s = lw_read_need(object, "rate", &n, e)) == LW_OK &&
+        (s = lw_read_own_name(object, "state", index, name, e)) == LW_OK &&
+        (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK &&
+        (s = lw_read_expression(object, "rate", r, LW_OF_STATE, &rate, e)) == LW_OK)
+        s = lw_read_expression(object, "start", r, LW_OF_STATE, &start, e);
+    if (s != LW_OK) {
+        lw_expression_free(rate);
+        return s;
+    }
+    lw_state *z = &r->states->state[find_state(r->states, name, NULL)];
+    z->rate = rate;
+    z->start_at = start;
+    z->scale = scale;
+    return LW_OK;
+}
+
+/* ---- controllers -------------------------------------------------------------------------------------------- */
+
+/* u = limit(p e + I - d y' + feed), e = wanted - measured, I' = i e + (u - unlimited u)/unwind; y' is that of measured
+ * behind a lag of time "filter". */
+static lw_status read_controller(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    static const char *const known[] = { "name", "wanted", "measured", "proportional", "integral", "derivative",
+                                         "filter", "feed_forward", "least", "greatest", "unwind" };
+    char name[LW_NAME_SIZE], text[400];
+    double p = 0, i = 0, d = 0, filter = 0, least = -INFINITY, greatest = INFINITY, unwind = 0;
+    bool has_least, has_greatest;
+    const lw_number_key numbers[] = {
+        { "proportional", 1, LW_ANY, &p, NULL }, { "integral", 1, LW_ANY, &i, NULL },
+        { "derivative", 1, LW_ANY, &d, NULL }, { "filter", 1, LW_POSITIVE, &filter, NULL },
+        { "least", 1, LW_ANY, &least, &has_least }, { "greatest", 1, LW_ANY, &greatest, &has_greatest },
+        { "unwind", 1, LW_POSITIVE, &unwind, NULL },
+    };
+    enum { WANTED, MEASURED, FEED, FREE, LIMITED, N_PART };
+    lw_expression *part[N_PART] = { NULL };
+    lw_json_node n;
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_own_name(object, "controller", index, name, e)) == LW_OK &&
+        (s = lw_read_need(object, "wanted", &n, e)) == LW_OK && (s = lw_read_need(object, "measured", &n, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s != LW_OK)
+        return s;
+    for (int k = 0; k < r->states->n_signal; k++)
+        if (strncmp(r->states->signal[k].name, name, strlen(name)) == 0 && strcmp(r->states->signal[k].name + strlen(name), ".output") == 0)
+            return lw_json_fault(object, e, "there are two controllers with the name \"%s\"", name);
+    if (has_least && has_greatest && !(least < greatest))
+        return lw_json_fault(object, e, "\"least\" must be less than \"greatest\"");
+    if (d != 0 && !(filter > 0))
+        return lw_json_fault(object, e, "\"derivative\" needs a \"filter\": the time of its lag [s]");
+    if (i != 0 && (has_least || has_greatest) && unwind == 0 && !(p/i > 0))
+        return lw_json_fault(object, e, "limits with \"integral\" alone need \"unwind\": the time [s] in which the integral "
+                             "follows the limited output");
+    unwind = unwind > 0 ? unwind : p/i;
+    if ((s = lw_read_expression(object, "wanted", r, LW_OF_STATE, &part[WANTED], e)) == LW_OK &&
+        (s = lw_read_expression(object, "measured", r, LW_OF_STATE, &part[MEASURED], e)) == LW_OK)
+        s = lw_read_expression(object, "feed_forward", r, LW_OF_STATE, &part[FEED], e);
+    int sum = -1, slow = -1;
+    if (s == LW_OK && i != 0 && (s = name_state(object, r->states, name, "integral", "1", 1, e)) == LW_OK)
+        sum = r->states->n_state - 1;
+    if (s == LW_OK && d != 0 && (s = name_state(object, r->states, name, "filtered", "1", 1, e)) == LW_OK)
+        slow = r->states->n_state - 1;
+    lw_generated word[] = {
+        { "w", part[WANTED], 0 }, { "y", part[MEASURED], 0 }, { "sum", NULL, sum < 0 ? 0 : variable_of_state(sum) },
+        { "slow", NULL, slow < 0 ? 0 : variable_of_state(slow) }, { "feed", part[FEED], 0 }, { "u", NULL, 0 },
+        { "all", NULL, 0 },
+    };
+    int used = snprintf(text, sizeof text, "%.17g*(w - y)", p);
+    if (sum >= 0)
+        used += snprintf(text + used, sizeof text - (size_t)used, " + sum");
+    if (slow >= 0)
+        used += snprintf(text + used, sizeof text - (size_t)used, " - %.17g*(y - slow)/%.17g", d, filter);
+    if (part[FEED])
+        snprintf(text + used, sizeof text - (size_t)used, " + feed");
+    if (s == LW_OK)
+        s = generate(object, word, COUNT(word), &part[FREE], e, text);
+    word[6].expression = part[FREE];
+    used = snprintf(text, sizeof text, has_least && has_greatest ? "min(max(all" : has_least ? "max(all"
+                    : has_greatest ? "min(all" : "all");
+    if (has_least)
+        used += snprintf(text + used, sizeof text - (size_t)used, ", %.17g)", least);
+    if (has_greatest)
+        snprintf(text + used, sizeof text - (size_t)used, ", %.17g)", greatest);
+    if (s == LW_OK)
+        s = generate(object, word, COUNT(word), &part[LIMITED], e, text);
+    word[5].expression = part[LIMITED];
+    used = snprintf(text, sizeof text, "%.17g*(w - y)", i);
+    if (has_least || has_greatest)
+        snprintf(text + used, sizeof text - (size_t)used, " + (u - all)/%.17g", unwind);
+    if (s == LW_OK && sum >= 0)
+        s = generate(object, word, COUNT(word), &r->states->state[sum].rate, e, text);
+    snprintf(text, sizeof text, "(y - slow)/%.17g", filter);
+    if (s == LW_OK && slow >= 0)
+        s = generate(object, word, COUNT(word), &r->states->state[slow].rate, e, text);
+    if (s == LW_OK && slow >= 0)
+        s = generate(object, word, COUNT(word), &r->states->state[slow].start_at, e, "y");
+    if (s == LW_OK) {
+        s = add_signal(r->states, name, "output", "1", part[LIMITED], e);
+        part[LIMITED] = NULL;
+    }
+    for (int k = 0; k < N_PART; k++)
+        lw_expression_free(part[k]);
+    return s;
+}
+
+/* ---- motors ------------------------------------------------------------------------------------------------- */
+
+bool lw_is_driven_motor(const lw_json_node *object)
+{
+    lw_json_node n;
+    return is_electrical(object) || (lw_json_kind_of(object) == LW_JSON_OBJECT && lw_json_member(object, "torque", &n));
+}
+
+/* The link that a rotor's inertia moves with: that of a joint to ground, or without a gear the joint's second. */
+static lw_status add_rotor(const lw_json_node *object, lw_states *z, const lw_motor_joint *j, double inertia, double ratio,
+                           lw_error *e)
+{
+    int link = j->link[0] == j->ground ? j->link[1] : j->link[1] == j->ground ? j->link[0] : -1;
+    if (link < 0 && j->turns && fabs(ratio) == 1)
+        link = j->link[1];
+    if (link < 0)
+        return lw_json_fault(object, e, "joint \"%s\" is not on the ground: the rotor of a motor with a gear there moves with no "
+                             "link; make it a link with a gear joint, or leave \"inertia\" out", j->name);
+    z->rotor[z->n_rotor++] = (lw_rotor){ j->joint, link, inertia*ratio*ratio };
+    return LW_OK;
+}
+
+/* L i' = u - R i - K w,  torque K i,  w = ratio v: the electrical power u i and the heat R i^2 are summed. */
+static lw_status read_circuit(const lw_json_node *object, const char *name, const lw_motor_joint *j, const lw_reading *r,
+                              lw_error *e)
+{
+    double resistance = 0, inductance = 0, constant = 0, inertia = 0, ratio = 1, start = 0;
+    const lw_number_key numbers[] = {
+        { "resistance", 1, 0, INFINITY, &resistance, NULL }, { "inductance", 1, 0, INFINITY, &inductance, NULL },
+        { "torque_constant", 1, LW_ANY, &constant, NULL }, { "inertia", 1, 0, INFINITY, &inertia, NULL },
+        { "ratio", 1, LW_ANY, &ratio, NULL }, { "current", 1, LW_ANY, &start, NULL },
+    };
+    static const char *const needed[] = { "voltage", "resistance", "inductance", "torque_constant" };
+    lw_json_node n;
+    lw_expression *voltage = NULL;
+    char text[256];
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < COUNT(needed); i++)
+        s = lw_read_need(object, needed[i], &n, e);
+    if (s == LW_OK && (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK && !(inductance > 0))
+        s = lw_json_fault(&n, e, "a motor with a voltage needs an \"inductance\" above 0 [H]");
+    if (s == LW_OK && ratio == 0)
+        s = lw_json_fault(object, e, "\"ratio\" of a motor is its speed over that of the joint, and not 0");
+    if (s == LW_OK && inertia > 0)
+        s = add_rotor(object, r->states, j, inertia, ratio, e);
+    if (s == LW_OK)
+        s = lw_read_expression(object, "voltage", r, LW_OF_STATE, &voltage, e);
+    if (s != LW_OK)
+        return s;
+    int current = find_state(r->states, name, "current");
+    const lw_generated word[] = { { "u", voltage, 0 }, { "i", NULL, variable_of_state(current) },
+                                  { "v", NULL, j->rate } };
+    r->states->state[current].start = start;
+    snprintf(text, sizeof text, "(u - %.17g*i - %.17g*v)/%.17g", resistance, constant*ratio, inductance);
+    s = generate(object, word, COUNT(word), &r->states->state[current].rate, e, text);
+    if (s == LW_OK)
+        s = generate(object, word, COUNT(word), &r->states->state[current + 1].rate, e, "u*i");
+    snprintf(text, sizeof text, "%.17g*i^2", resistance);
+    if (s == LW_OK)
+        s = generate(object, word, COUNT(word), &r->states->state[current + 2].rate, e, text);
+    snprintf(text, sizeof text, "%.17g*i", constant*ratio);
+    if (s == LW_OK)
+        s = generate(object, word, COUNT(word), j->law, e, text);
+    return s == LW_OK ? add_signal(r->states, name, "voltage", "V", voltage, e) : (lw_expression_free(voltage), s);
+}
+
+/* The wanted torque within +-stall (1 -+ v/free_speed). */
+static lw_status read_curve(const lw_json_node *object, const lw_motor_joint *j, const lw_reading *r, lw_error *e)
+{
+    double stall = 0, free_speed = 0;
+    const lw_number_key numbers[] = { { "stall", 1, LW_POSITIVE, &stall, NULL },
+                                      { "free_speed", 1, LW_POSITIVE, &free_speed, NULL } };
+    lw_json_node n;
+    lw_expression *torque = NULL;
+    char text[256];
+    lw_status s = lw_read_need(object, "stall", &n, e);
+    if (s == LW_OK && (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK &&
+        (s = lw_read_numbers(object, numbers, COUNT(numbers), e)) == LW_OK)
+        s = lw_read_expression(object, "torque", r, LW_OF_STATE, &torque, e);
+    if (s != LW_OK)
+        return s;
+    const lw_generated word[] = { { "u", torque, 0 }, { "v", NULL, lw_variable(LW_QUANTITY_RATE, 0) } };
+    snprintf(text, sizeof text, "min(max(u, -%.17g*(1 + v/%.17g)), %.17g*(1 - v/%.17g))", stall, free_speed, stall,
+             free_speed);
+    s = generate(object, word, COUNT(word), j->law, e, text);
+    lw_expression_free(torque);
+    return s;
+}
+
+lw_status lw_states_read_motor(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    static const char *const circuit[] = { "name", "joint", "voltage", "resistance", "inductance", "torque_constant",
+                                           "inertia", "ratio", "current" };
+    static const char *const curve[] = { "name", "joint", "torque", "stall", "free_speed" };
+    char name[LW_NAME_SIZE];
+    lw_motor_joint joint;
+    bool electrical = is_electrical(object);
+    lw_status s = lw_json_known_keys(object, electrical ? circuit : curve, electrical ? COUNT(circuit) : COUNT(curve), e);
+    if (s == LW_OK && (s = lw_read_own_name(object, "motor", index, name, e)) == LW_OK)
+        s = r->motor(object, name, r->model, &joint, e);
+    if (s != LW_OK)
+        return s;
+    return electrical ? read_circuit(object, name, &joint, r, e) : read_curve(object, &joint, r, e);
+}
+
+/* ---- cylinders ----------------------------------------------------------------------------------------------- */
+
+static lw_status read_cylinder_ends(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    char name[LW_NAME_SIZE];
+    lw_status s = lw_read_own_name(object, "cylinder", index, name, e);
+    return s == LW_OK ? r->ends(object, name, r->model, e) : s;
+}
+
+/* With x = length - retracted, areas A and volumes V0 at the ends of the stroke s:
+ *     p1' = K (Q1 - A1 x')/(V0 + A1 x),   p2' = K (Q2 + A2 x')/(V0 + A2 (s - x)),   push  p1 A1 - p2 A2 - friction.
+ * An edge of the valve that is open by u passes u flow sqrt(dp/drop); near dp = 0, where the root has no slope, it is
+ * replaced by dp/(dp^2 + (drop/1e4)^2)^(1/4).  Beyond the stroke a spring and a damper hold. */
+static lw_status read_cylinder(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e)
+{
+    static const char *const known[] = { "name", "links", "at", "bore", "rod", "retracted", "stroke", "dead_volume",
+                                         "bulk_modulus", "pressures", "valve", "flow", "drop", "supply", "tank",
+                                         "leakage", "relief", "relief_flow", "friction", "friction_speed", "damping",
+                                         "stop_stiffness", "stop_damping" };
+    double metre = r->units->metre, bore = 0, rod = 0, retracted = 0, stroke = 0, dead = 0, bulk = 1.4e9, flow = 0,
+           drop = 3.5e6, supply = 0, tank = 0, leakage = 0, relief = INFINITY, relief_flow = 0, friction = 0, slow = 1e-3,
+           damping = 0, stop = 1e8, stop_damping = 0, start[2] = { 0, 0 };
+    bool has_relief, has_flow, has_supply;
+    const lw_number_key numbers[] = {
+        { "bore", metre, LW_POSITIVE, &bore, NULL }, { "rod", metre, 0, INFINITY, &rod, NULL },
+        { "retracted", metre, 0, INFINITY, &retracted, NULL }, { "stroke", metre, LW_POSITIVE, &stroke, NULL },
+        { "dead_volume", 1, LW_POSITIVE, &dead, NULL }, { "bulk_modulus", 1, LW_POSITIVE, &bulk, NULL },
+        { "flow", 1, LW_POSITIVE, &flow, &has_flow }, { "drop", 1, LW_POSITIVE, &drop, NULL },
+        { "supply", 1, 0, INFINITY, &supply, &has_supply }, { "tank", 1, 0, INFINITY, &tank, NULL },
+        { "leakage", 1, 0, INFINITY, &leakage, NULL }, { "relief", 1, 0, INFINITY, &relief, &has_relief },
+        { "relief_flow", 1, LW_POSITIVE, &relief_flow, NULL }, { "friction", 1, 0, INFINITY, &friction, NULL },
+        { "friction_speed", 1, LW_POSITIVE, &slow, NULL }, { "damping", 1, 0, INFINITY, &damping, NULL },
+        { "stop_stiffness", 1, LW_POSITIVE, &stop, NULL }, { "stop_damping", 1, 0, INFINITY, &stop_damping, NULL },
+    };
+    static const char *const needed[] = { "bore", "retracted", "stroke", "dead_volume" };
+    char name[LW_NAME_SIZE], text[1024];
+    lw_json_node n;
+    lw_expression *valve = NULL, *q[2] = { NULL, NULL };
+    lw_status s = lw_json_known_keys(object, known, COUNT(known), e);
+    for (int i = 0; s == LW_OK && i < COUNT(needed); i++)
+        s = lw_read_need(object, needed[i], &n, e);
+    if (s == LW_OK && (s = lw_read_own_name(object, "cylinder", index, name, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && lw_json_member(object, "pressures", &n) && (s = lw_read_list(&n, 2, 2, e)) == LW_OK)
+        for (size_t end = 0; s == LW_OK && end < 2; end++) {
+            lw_json_node one = lw_json_element(&n, end);
+            s = lw_json_number(&one, &start[end], e);
+            if (s == LW_OK && start[end] < 0)
+                s = lw_json_fault(&one, e, "a pressure must not be negative");
+        }
+    if (s == LW_OK && lw_json_member(object, "valve", &n) && !(has_flow && has_supply))
+        s = lw_json_fault(&n, e, "a valve needs its \"flow\" [m^3/s] at the pressure \"drop\", and the \"supply\" pressure");
+    if (s == LW_OK && !(rod < bore))
+        s = lw_json_fault(object, e, "\"rod\" must be less than \"bore\"");
+    if (s == LW_OK && has_relief && !(relief_flow > 0))
+        s = lw_json_fault(object, e, "\"relief\" needs a \"relief_flow\": flow over the pressure above it [m^3/s per Pa]");
+    if (s == LW_OK)
+        s = lw_read_expression(object, "valve", r, LW_OF_STATE, &valve, e);
+    if (s != LW_OK)
+        return s;
+    int spring, p = find_state(r->states, name, "p1");
+    double length;
+    lw_expression **law = r->cylinder(r->model, name, &spring, &length);
+    if (length < retracted || length > retracted + stroke) {
+        lw_expression_free(valve);
+        return lw_json_fault(object, e, "the cylinder is %.6g m long in the posture, which is not within %.6g .. %.6g m",
+                             length, retracted, retracted + stroke);
+    }
+    double least_opening = drop/1e4*drop/1e4, area[2] = { LW_PI/4*bore*bore, LW_PI/4*(bore*bore - rod*rod) };
+    for (int end = 0; s == LW_OK && end < 2; end++) {
+        const lw_generated word[] = { { "u", valve, 0 }, { "p", NULL, variable_of_state(p + end) },
+                                      { "other", NULL, variable_of_state(p + !end) } };
+        int used = snprintf(text, sizeof text, "%.17g*(other - p)", leakage);
+        if (has_relief)
+            used += snprintf(text + used, sizeof text - (size_t)used, " - %.17g*max(p - %.17g, 0)", relief_flow, relief);
+        if (valve)
+            snprintf(text + used, sizeof text - (size_t)used, " + %.17g*(max(%su, 0)*(%.17g - p)/((%.17g - p)^2 + %.17g)^0.25"
+                     " - max(%su, 0)*(p - %.17g)/((p - %.17g)^2 + %.17g)^0.25)", flow/sqrt(drop), end ? "-" : "", supply,
+                     supply, least_opening, end ? "" : "-", tank, tank, least_opening);
+        s = generate(object, word, COUNT(word), &q[end], e, text);
+        r->states->state[p + end].start = start[end];
+    }
+    for (int end = 0; s == LW_OK && end < 2; end++) {
+        const lw_generated word[] = { { "q", q[end], 0 }, { "l", NULL, lw_variable(LW_QUANTITY_SPRING_LENGTH, spring) },
+                                      { "v", NULL, lw_variable(LW_QUANTITY_SPRING_RATE, spring) } };
+        double sign = end ? -1 : 1, zero = end ? retracted + stroke : retracted;
+        snprintf(text, sizeof text, "%.17g*(q - %.17g*v)/(%.17g + %.17g*(l - %.17g))", bulk, sign*area[end], dead,
+                 sign*area[end], zero);
+        s = generate(object, word, COUNT(word), &r->states->state[p + end].rate, e, text);
+    }
+    if (s == LW_OK) {
+        const lw_generated word[] = { { "p1", NULL, variable_of_state(p) }, { "p2", NULL, variable_of_state(p + 1) },
+                                      { "l", NULL, lw_variable(LW_QUANTITY_LENGTH, 0) },
+                                      { "v", NULL, lw_variable(LW_QUANTITY_RATE, 0) } };
+        int used = snprintf(text, sizeof text, "%.17g*p2 - %.17g*p1 + %.17g*v", area[1], area[0], damping);
+        if (friction > 0)
+            used += snprintf(text + used, sizeof text - (size_t)used, " + %.17g*tanh(v/%.17g)", friction, slow);
+        used += snprintf(text + used, sizeof text - (size_t)used, " + %.17g*(max(l - %.17g, 0) - max(%.17g - l, 0))", stop,
+                         retracted + stroke, retracted);
+        if (stop_damping > 0)
+            snprintf(text + used, sizeof text - (size_t)used, " + %.17g*v*(1 - sign(l - %.17g)*sign(%.17g - l))/2",
+                     stop_damping, retracted, retracted + stroke);
+        s = generate(object, word, COUNT(word), law, e, text);
+    }
+    lw_expression_free(q[0]);
+    lw_expression_free(q[1]);
+    if (valve && s == LW_OK)
+        return add_signal(r->states, name, "valve", "1", valve, e);
+    lw_expression_free(valve);
+    return s;
+}
+
+/* ---- lists --------------------------------------------------------------------------------------------------- */
+
+typedef lw_status read_one(const lw_json_node *object, size_t index, const lw_reading *r, lw_error *e);
+
+static lw_status read_list(const lw_json_node *root, const char *key, read_one *read, const lw_reading *r, lw_error *e)
+{
+    lw_json_node all;
+    if (!lw_json_member(root, key, &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        s = read(&one, i, r, e);
+    }
+    return s;
+}
+
+lw_status lw_states_read_controllers(const lw_json_node *root, const lw_reading *r, lw_error *e)
+{
+    return read_list(root, "controllers", read_controller, r, e);
+}
+
+lw_status lw_states_read_cylinder_ends(const lw_json_node *root, const lw_reading *r, lw_error *e)
+{
+    return read_list(root, "cylinders", read_cylinder_ends, r, e);
+}
+
+lw_status lw_states_read(const lw_json_node *root, const lw_reading *r, lw_error *e)
+{
+    lw_status s = read_list(root, "states", read_state, r, e);
+    return s == LW_OK ? read_list(root, "cylinders", read_cylinder, r, e) : s;
+}

@@ -1,0 +1,929 @@
+/* grammar/model/spatial_read.c - a spatial model from JSON (docs/notation.md, "Spatial model").  Places and angles are in the
+ * units of the file, all other values in SI units. */
+#include "grammar/model/spatial.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/suggest.h"
+#include "grammar/model/model_internal.h"
+
+static lw_status has_memory(const void *p, lw_error *e)
+{
+    return p ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+#define NAMES(list, n, type) (const char *)(list) + offsetof(type, name), sizeof(type), n
+
+static lw_status read_link_name(const lw_json_node *n, const lw_spatial *m, int *out, lw_error *e)
+{
+    return lw_read_name_of(n, "link", NAMES(m->body, m->n_link, lw_spatial_body), out, e);
+}
+
+/* A name that none of the n before it in the list has. */
+static lw_status read_new_name(const lw_json_node *object, const char *what, const char *first, size_t stride, int n,
+                               char *out, lw_error *e)
+{
+    lw_json_node node = *object;
+    char name[LW_NAME_SIZE];
+    lw_status s = lw_json_kind_of(object) == LW_JSON_OBJECT ? lw_read_need(object, "name", &node, e) : LW_OK;
+    if (s == LW_OK)
+        s = lw_json_name(&node, name, LW_NAME_SIZE, e);
+    if (s == LW_OK && lw_read_find(name, first, stride, n) >= 0)
+        s = lw_json_fault(&node, e, "two %ss are called \"%s\"", what, name);
+    if (s == LW_OK)
+        memcpy(out, name, sizeof name);
+    return s;
+}
+
+/* ---- directions and frames --------------------------------------------------------------------- */
+
+/* "frame": {"x": [..], "y": [..]}, two or three axes of a right-handed frame; the identity if it is left out. */
+static lw_status read_frame(const lw_json_node *object, lw_mat3 *out, lw_error *e)
+{
+    static const char *const known[] = { "x", "y", "z" };
+    static const double square = 1e-6;       /* cosine of the angle between axes that files may have [1] */
+    lw_json_node frame, n;
+    lw_vec3 axis[3];
+    bool has[3];
+    int count = 0;
+    *out = lw_m3_columns(lw_v3(1, 0, 0), lw_v3(0, 1, 0), lw_v3(0, 0, 1));
+    if (!lw_json_member(object, "frame", &frame))
+        return LW_OK;
+    lw_status s = lw_json_expect(&frame, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(&frame, known, COUNT(known), e);
+    for (int i = 0; s == LW_OK && i < 3; i++) {
+        has[i] = lw_json_member(&frame, known[i], &n);
+        count += has[i];
+        if (has[i])
+            s = lw_read_direction(&n, &axis[i], e);
+    }
+    if (s == LW_OK && count < 2)
+        s = lw_json_fault(&frame, e, "a frame needs two of its axes \"x\", \"y\", \"z\"");
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i < 3; i++)
+        for (int k = i + 1; k < 3; k++)
+            if (has[i] && has[k] && fabs(lw_v3_dot(axis[i], axis[k])) > square)
+                return lw_json_fault(&frame, e, "axes %s and %s are not orthogonal: they make an angle of %.6g degrees",
+                                     known[i], known[k], acos(lw_v3_dot(axis[i], axis[k]))*180/LW_PI);
+    int first = has[0] ? 0
+        : 1;              /* the first axis given is kept; the next two follow it in the order x y z */
+    lw_vec3 a = axis[first], other = has[(first + 1)%3] ? axis[(first + 1)%3] : axis[(first + 2)%3];
+    other = lw_v3_sub(other, lw_v3_scale(a, lw_v3_dot(a, other)));
+    other = lw_v3_scale(other, 1/lw_v3_norm(other));
+    lw_vec3 b = has[(first + 1)%3] ? other : lw_v3_cross(other, a), c = lw_v3_cross(a, b), found[3];
+    found[first] = a, found[(first + 1)%3] = b, found[(first + 2)%3] = c;
+    if (count == 3 && lw_v3_dot(axis[(first + 2)%3], c) < 0)
+        return lw_json_fault(&frame, e, "the axes are left-handed: z must be x cross y; turn one of them round");
+    *out = lw_m3_columns(found[0], found[1], found[2]);
+    return LW_OK;
+}
+
+/* ---- expressions ------------------------------------------------------------------------------- */
+
+#define WHY_SIZE 128      /* of grammar/functions/expression.h */
+
+static int look_up_state(const void *model, const char *word, const char *name, char *why)
+{
+    static const struct { const char *word; lw_quantity turns, slides; } known[] = {
+        { "q", LW_QUANTITY_Q, LW_QUANTITY_S }, { "v", LW_QUANTITY_V, LW_QUANTITY_VS }, { "s", LW_QUANTITY_S, LW_QUANTITY_S },
+        { "vs", LW_QUANTITY_VS, LW_QUANTITY_VS }, { "x", LW_QUANTITY_X, 0 }, { "y", LW_QUANTITY_Y, 0 },
+        { "z", LW_QUANTITY_Z, 0 }, { "vx", LW_QUANTITY_VX, 0 }, { "vy", LW_QUANTITY_VY, 0 }, { "vz", LW_QUANTITY_VZ, 0 },
+    };
+    const lw_spatial *m = model;
+    for (int i = 0; i < COUNT(known); i++) {
+        if (strcmp(word, known[i].word) != 0)
+            continue;
+        bool joint = i < 4;
+        if (!name) {
+            snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, joint ? "joint" : "tracer", word);
+            return -1;
+        }
+        int at = joint ? lw_read_find(name, NAMES(m->joint, m->n_joint, lw_spatial_joint))
+                       : lw_read_find(name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer));
+        if (at < 0) {
+            snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", joint ? "joint" : "tracer", name);
+            return -1;
+        }
+        lw_quantity v = known[i].turns;
+        if (joint) {
+            const lw_spatial_kind_row *k = lw_spatial_kind_of(m->joint[at].kind);
+            if (i < 2 ? !k->turns && !k->slides : !k->slides) {
+                snprintf(why, WHY_SIZE, "joint \"%.40s\" of kind %s has no such coordinate", name, k->word);
+                return -1;
+            }
+            if (!k->turns)
+                v = known[i].slides;
+        }
+        return lw_variable(v, at);
+    }
+    return -1;
+}
+
+static lw_reading reading_of(lw_spatial *m);
+
+/* ---- links ------------------------------------------------------------------------------------- */
+
+/* The tensor in ground axes; refuse what no body can have. */
+static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, double out[6], lw_error *e)
+{
+    lw_json_node n;
+    double given[6] = { 0 }, value[3];
+    lw_mat3 axes;
+    if (!lw_json_member(link, "inertia", &n))
+        return LW_OK;
+    lw_status s = lw_json_expect(&n, LW_JSON_ARRAY, e);
+    size_t count = s == LW_OK ? lw_json_count(&n) : 0;
+    if (s == LW_OK && count != 3 && count != 6)
+        return lw_json_fault(&n, e, "an inertia in space has 3 numbers [Ixx, Iyy, Izz], or 6 with Ixy, Ixz, Iyz, the "
+                                    "entries of the matrix");
+    for (size_t i = 0; s == LW_OK && i < count; i++) {
+        lw_json_node part = lw_json_element(&n, i);
+        s = lw_json_number(&part, &given[i], e);
+        if (s == LW_OK && !(fabs(given[i]) < 1e150))
+            s = lw_json_fault(&part, e, "this number is too large");
+    }
+    if (s != LW_OK)
+        return s;
+    lw_m3_principal(given, value, &axes);
+    double top = fmax(value[0], fmax(value[1], value[2])), sum = value[0] + value[1] + value[2];
+    for (int i = 0; i < 3; i++)
+        if (value[i] < -1e-12*top || top <= 0 ? value[i] != 0 : 2*value[i] > sum*(1 + 1e-9))
+            return lw_json_fault(&n, e, "no body has this inertia: its principal values are %.6g, %.6g, %.6g kg m^2; "
+                                        "none may be negative or exceed the sum of the "
+                                        "others", value[0], value[1], value[2]);
+    lw_vec3 r[3];                            /* rows of frame I, then of frame I frame^T */
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 f = frame->row[i];
+        r[i] = lw_v3(given[0]*f.x + given[3]*f.y + given[4]*f.z, given[3]*f.x + given[1]*f.y + given[5]*f.z,
+                     given[4]*f.x + given[5]*f.y + given[2]*f.z);
+    }
+    for (int i = 0; i < 3; i++)
+        out[i] = lw_v3_dot(r[i], frame->row[i]);
+    out[3] = lw_v3_dot(r[0], frame->row[1]), out[4] = lw_v3_dot(r[0], frame->row[2]);
+    out[5] = lw_v3_dot(r[1], frame->row[2]);
+    return LW_OK;
+}
+
+static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "mass", "centre", "inertia", "frame", "velocity", "angular_velocity",
+                                         "elastic" };
+    lw_spatial_body *b = &m->body[m->n_link];
+    lw_json_node n, centre, elastic;
+    lw_mat3 frame;
+    const lw_number_key mass = { "mass", 1, LW_NOT_NEGATIVE, &b->mass, &b->given };
+    lw_status s = read_new_name(link, "link", NAMES(m->body, m->n_link, lw_spatial_body), b->name, e);
+    if (s != LW_OK)
+        return s;
+    m->n_link++;
+    if (lw_json_kind_of(link) != LW_JSON_OBJECT)
+        return LW_OK;
+    bool has_centre = lw_json_member(link, "centre", &centre), has_inertia = lw_json_member(link, "inertia", &n);
+    if ((s = lw_json_known_keys(link, known, COUNT(known), e)) == LW_OK && has_centre)
+        s = lw_read_triple(&centre, m->units.metre, &b->centre, e);
+    if (s == LW_OK && (s = read_frame(link, &frame, e)) == LW_OK &&
+        (s = read_inertia(link, &frame, b->inertia, e)) == LW_OK)
+        s = lw_read_numbers(link, &mass, 1, e);
+    if (s == LW_OK && lw_json_member(link, "elastic", &elastic)) {
+        if ((s = lw_elastic_check_link(link, &elastic, false, e)) == LW_OK)
+            s = lw_elastic_read(&elastic, m->units.metre, true, &m->elastic[m->n_link - 1], e);
+        m->n_elastic++;
+    }
+    if (s == LW_OK && (b->has_velocity = lw_json_member(link, "velocity", &n)))
+        s = lw_read_triple(&n, 1, &b->velocity, e);
+    if (s == LW_OK && (b->has_omega = lw_json_member(link, "angular_velocity", &n)))
+        s = lw_read_triple(&n, 1, &b->omega, e);
+    if (s == LW_OK && !b->given && (has_centre || has_inertia))
+        s = lw_json_fault(link, e, "link \"%s\" has %s but no \"mass\"; write one [kg], 0 is allowed", b->name,
+                          has_centre ? "a centre of mass" : "an inertia");
+    if (s == LW_OK && b->mass > 0 && !has_centre)
+        s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts", b->name);
+    return s;
+}
+
+static lw_status reserve_links(lw_spatial *m, size_t n, lw_error *e)
+{
+    m->body = calloc(n, sizeof *m->body);
+    m->elastic = calloc(n, sizeof *m->elastic);
+    return has_memory(m->body && m->elastic ? m->body : NULL, e);
+}
+
+/* Without "links" the links are the ground and all links that joints name, in that order. */
+static lw_status gather_links(const lw_json_node *root, const lw_json_node *ground, lw_spatial *m, lw_error *e)
+{
+    lw_json_node joints, links;
+    lw_status s = lw_read_need(root, "joints", &joints, e);
+    if (s == LW_OK && (s = lw_read_list(&joints, 1, SIZE_MAX, e)) == LW_OK)
+        s = reserve_links(m, 2*lw_json_count(&joints) + 2, e);
+    if (s == LW_OK && ground)
+        s = read_link(ground, m, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
+        lw_json_node joint = lw_json_element(&joints, i);
+        s = lw_json_expect(&joint, LW_JSON_OBJECT, e);
+        if (s == LW_OK && (s = lw_read_need(&joint, "links", &links, e)) == LW_OK)
+            s = lw_read_list(&links, 2, 2, e);
+        for (size_t end = 0; s == LW_OK && end < 2; end++) {
+            lw_json_node link = lw_json_element(&links, end);
+            char name[LW_NAME_SIZE];
+            s = lw_json_name(&link, name, sizeof name, e);
+            if (s == LW_OK && lw_read_find(name, NAMES(m->body, m->n_link, lw_spatial_body)) < 0)
+                memcpy(m->body[m->n_link++].name, name, sizeof name);
+        }
+    }
+    return s;
+}
+
+static lw_status read_links(const lw_json_node *root, lw_spatial *m, lw_error *e)
+{
+    lw_json_node links = *root, ground;
+    bool has_ground = lw_json_member(root, "ground", &ground);
+    lw_status s = LW_OK;
+    if (!lw_json_member(root, "links", &links))
+        s = gather_links(root, has_ground ? &ground : NULL, m, e);
+    else if ((s = lw_read_list(&links, 2, SIZE_MAX, e)) == LW_OK &&
+             (s = reserve_links(m, lw_json_count(&links) + 1, e)) == LW_OK)
+        for (size_t i = 0; s == LW_OK && i < lw_json_count(&links); i++) {
+            lw_json_node link = lw_json_element(&links, i);
+            s = read_link(&link, m, e);
+        }
+    if (s != LW_OK)
+        return s;
+    if (has_ground)
+        s = read_link_name(&ground, m, &m->ground, e);
+    else
+        m->ground = lw_read_find("ground", NAMES(m->body, m->n_link, lw_spatial_body));
+    if (s == LW_OK && m->ground < 0)
+        return lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link \"ground\"");
+    return s != LW_OK || !m->elastic[m->ground].given ? s
+         : lw_json_fault(&links, e, "the ground \"%s\" cannot be elastic; weld an elastic link to it", m->body[m->ground].name);
+}
+
+/* ---- joints ------------------------------------------------------------------------------------ */
+
+static lw_status read_kind(const lw_json_node *joint, lw_spatial_kind *kind, lw_error *e)
+{
+    lw_json_node n;
+    *kind = LW_SPATIAL_REVOLUTE;
+    if (!lw_json_member(joint, "kind", &n))
+        return LW_OK;
+    lw_status s = lw_json_expect(&n, LW_JSON_TEXT, e);
+    const char *text = s == LW_OK ? lw_json_text(&n) : "";
+    const char *names[LW_SPATIAL_FREE + 1];
+    for (int i = 0; s == LW_OK && i <= LW_SPATIAL_FREE; i++) {
+        const lw_spatial_kind_row *row = lw_spatial_kind_of((lw_spatial_kind)i);
+        names[i] = row->word;
+        if (strcmp(text, row->word) == 0 || (text[0] == row->letter && !text[1])) {
+            *kind = (lw_spatial_kind)i;
+            return LW_OK;
+        }
+    }
+    if (s != LW_OK)
+        return s;
+    if (!strcmp(text, "p") || !strcmp(text, "g"))
+        return lw_json_fault(&n, e, "%s (\"%s\") are known in planar models only", text[0] == 'g' ? "gears"
+                             : "pins in slots",
+                             text);
+    const char *near = lw_suggest(text, names, COUNT(names));
+    return lw_json_fault(&n, e, "there is no joint kind \"%.40s\"%s%s%s; known are r revolute, t prismatic, c "
+                                "cylindrical, b spherical, u universal, h screw, e planar, f fixed, o "
+                                "free", text, near ?
+                             "; did you mean \"" : "",
+                         near ? near : "", near ? "\"?" : "");
+}
+
+/* The axes of a joint. */
+static lw_status read_axes(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    const char *word = lw_spatial_kind_of(j->kind)->word;
+    bool wants = lw_spatial_kind_of(j->kind)->turns || lw_spatial_kind_of(j->kind)->slides || j->kind ==
+        LW_SPATIAL_UNIVERSAL;
+    bool two = j->kind == LW_SPATIAL_UNIVERSAL, screw = j->kind == LW_SPATIAL_SCREW, given = false;
+    lw_json_node n, second;
+    lw_status s = LW_OK;
+    if (lw_json_member(joint, "axis", &n) != wants)
+        return wants ? lw_json_fault(joint, e, "a %s joint needs its \"axis\": [x, y, z]", word)
+                     : lw_json_fault(&n, e, "a %s joint has no axis", word);
+    if (wants)
+        s = lw_read_direction(&n, &j->axis, e);
+    if (s != LW_OK)
+        return s;
+    if (lw_json_member(joint, "second_axis", &second) != two)
+        return two ? lw_json_fault(joint, e, "a universal joint needs \"second_axis\": the axis on its second link; "
+                                             "\"axis\" is on the first")
+                   : lw_json_fault(&second, e, "a %s joint has no second axis", word);
+    if (two && (s = lw_read_direction(&second, &j->second, e)) == LW_OK &&
+        lw_v3_norm(lw_v3_cross(j->axis, j->second)) < 1e-6)
+        s = lw_json_fault(&second, e, "the axes of a universal joint must not be parallel");
+    const lw_number_key lead = { "lead", m->units.metre, LW_ANY, &j->lead, &given };
+    if (s == LW_OK)
+        s = lw_read_numbers(joint, &lead, 1, e);
+    if (s == LW_OK && given != screw)
+        s = lw_json_fault(joint, e, screw ? "a screw joint needs its \"lead\", the slide per turn"
+                          : "only screws have a \"lead\"");
+    if (s == LW_OK && screw && j->lead == 0)
+        s = lw_json_fault(joint, e, "a lead of 0 makes no screw: use a revolute joint");
+    return s;
+}
+
+static lw_status read_stop(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    lw_json_node n;
+    if (!lw_json_member(joint, "stop", &n))
+        return LW_OK;
+    const lw_spatial_kind_row *kind = lw_spatial_kind_of(j->kind);
+    if (!kind->turns && !kind->slides)
+        return lw_json_fault(&n, e, "a %s joint has no coordinate that a stop could limit", kind->word);
+    lw_status s = lw_json_expect(&n, LW_JSON_OBJECT, e);
+    return s == LW_OK ? lw_read_stop(&n, kind->turns ? m->units.radian : m->units.metre, &j->stop, e) : s;
+}
+
+static lw_status read_cone(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    static const char *const known[] = { "axis", "angle" };
+    lw_json_node n, axis;
+    if (!lw_json_member(joint, "cone", &n))
+        return LW_OK;
+    const lw_number_key angle = { "angle", m->units.radian, 1e-9, LW_PI, &j->cone, &j->has_cone };
+    if (j->kind != LW_SPATIAL_SPHERICAL && j->kind != LW_SPATIAL_UNIVERSAL)
+        return lw_json_fault(&n, e, "only spherical and universal joints have a \"cone\"");
+    lw_status s = lw_json_expect(&n, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(&n, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_need(&n, "axis", &axis, e)) == LW_OK && (s = lw_read_direction(&axis, &j->cone_axis, e)) == LW_OK &&
+        (s = lw_read_need(&n, "angle", &axis, e)) == LW_OK)
+        s = lw_read_numbers(&n, &angle, 1, e);
+    return s;
+}
+
+/* What lw_spatial_open knows to open. */
+static lw_status read_clearance(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    lw_json_node n;
+    if (!lw_json_member(joint, "clearance", &n))
+        return LW_OK;
+    if (j->kind != LW_SPATIAL_SPHERICAL && j->kind != LW_SPATIAL_REVOLUTE)
+        return lw_json_fault(&n, e, "in space only spherical and revolute joints have a \"clearance\"");
+    lw_status s = lw_read_clearance(&n, m->units.metre, &j->clearance, e);
+    if (s == LW_OK && j->clearance.model == LW_CLEARANCE_LINK)
+        s = lw_json_fault(&n, e, "the model \"link\" is known in the plane only; in space take \"impact\", \"mlsd\", "
+                                 "\"hunt-crossley\", \"lankarani-nikravesh\", or \"zero\" for a joint without clearance");
+    if (s == LW_OK && j->clearance.friction > 0)
+        s = lw_json_fault(&n, e, "friction between pin and bush is known in the plane only; leave \"friction\" out");
+    return s;
+}
+
+static lw_status read_friction(const lw_json_node *n, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
+{
+    bool known = j->kind <= LW_SPATIAL_UNIVERSAL;
+    if (!known)
+        return lw_json_fault(n, e, "a %s joint has no friction here; revolute, prismatic, cylindrical, spherical and universal joints "
+                                   "have", lw_spatial_kind_of(j->kind)->word);
+    if (lw_spatial_has_clearance(j))
+        return lw_json_fault(n, e, "a joint with clearance has no friction in space; keep one of the two");
+    return lw_read_friction(n, m->units.metre, j->kind != LW_SPATIAL_PRISMATIC, &j->friction, e);
+}
+
+static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "kind", "links", "at", "axis", "second_axis", "lead", "stop", "cone",
+                                         "friction", "clearance" };
+    lw_spatial_joint *j = &m->joint[m->n_joint];
+    lw_json_node links, n;
+    lw_status s = lw_json_expect(joint, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(joint, known, COUNT(known), e)) == LW_OK &&
+        (s = read_new_name(joint, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), j->name, e)) == LW_OK)
+        s = read_kind(joint, &j->kind, e);
+    if (s == LW_OK && (s = lw_read_need(joint, "links", &links, e)) == LW_OK)
+        s = lw_read_list(&links, 2, 2, e);
+    for (size_t end = 0; s == LW_OK && end < 2; end++) {
+        lw_json_node link = lw_json_element(&links, end);
+        s = read_link_name(&link, m, &j->link[end], e);
+    }
+    if (s == LW_OK && j->link[0] == j->link[1])
+        s = lw_json_fault(&links, e, "a joint joins two different links, here both are \"%s\"",
+                          m->body[j->link[0]].name);
+    bool placed = lw_json_member(joint, "at", &n), loose = j->kind == LW_SPATIAL_FIXED || j->kind == LW_SPATIAL_FREE;
+    if (s == LW_OK && (placed || !loose) && (s = lw_read_need(joint, "at", &n, e)) == LW_OK)
+        s = lw_read_triple(&n, m->units.metre, &j->at, e);
+    if (s == LW_OK && !placed)               /* anywhere: at the mass, which keeps the size of the scene */
+        j->at = m->body[j->link[1]].centre;
+    if (s == LW_OK && (s = read_axes(joint, m, j, e)) == LW_OK && (s = read_stop(joint, m, j, e)) == LW_OK &&
+        (s = read_cone(joint, m, j, e)) == LW_OK)
+        s = read_clearance(joint, m, j, e);
+    if (s == LW_OK && lw_json_member(joint, "friction", &n))
+        s = read_friction(&n, m, j, e);
+    m->n_joint++;
+    return s;
+}
+
+/* Every link is joined to the ground, be it by a free joint. */
+static lw_status check_connected(const lw_json_node *root, const lw_spatial *m, lw_error *e)
+{
+    lw_json_node joints = *root;
+    bool *reached = calloc((size_t)m->n_link, sizeof *reached), more = true;
+    if (!reached)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    reached[m->ground] = true;
+    while (more) {
+        more = false;
+        for (int j = 0; j < m->n_joint; j++) {
+            const int *l = m->joint[j].link;
+            if (reached[l[0]] != reached[l[1]])
+                reached[l[0]] = reached[l[1]] = more = true;
+        }
+    }
+    int lost = 0;
+    while (lost < m->n_link && reached[lost])
+        lost++;
+    free(reached);
+    lw_json_member(root, "joints", &joints);
+    return lost == m->n_link ? LW_OK
+         : lw_json_fault(&joints, e, "no chain of joints connects link \"%s\" to the ground; a body that flies freely "
+                                     "has a joint of kind \"free\" with the ground", m->body[lost].name);
+}
+
+/* ---- inputs and tracers ------------------------------------------------------------------------ */
+
+/* The measure that an object names: "joint", "coordinate" turn or slide; or "tracer", "coordinate" x, y, z. */
+static lw_status read_measure(const lw_json_node *object, const lw_spatial *m, bool tracers, const char *what,
+                              lw_spatial_measure *out, lw_error *e)
+{
+    static const char *const of_joint[] = { "turn", "slide" }, *const of_tracer[] = { "x", "y", "z" };
+    lw_json_node joint, tracer, n;
+    bool has_tracer = tracers && lw_json_member(object, "tracer", &tracer), has = lw_json_member(object, "coordinate",
+            &n);
+    int which = 0;
+    if (has_tracer) {
+        if (lw_json_member(object, "joint", &joint))
+            return lw_json_fault(&joint, e, "keep \"joint\" or \"tracer\"");
+        lw_status s = lw_read_name_of(&tracer, "tracer", NAMES(m->tracer, m->n_tracer, lw_spatial_tracer), &out->index,
+                                      e);
+        if (s == LW_OK && (s = lw_read_need(object, "coordinate", &n, e)) == LW_OK)
+            s = lw_read_look_up(&n, "coordinate of a tracer", of_tracer, 3, &which, e);
+        out->of = (lw_spatial_of)(LW_OF_X + which);
+        return s;
+    }
+    lw_status s = lw_read_need(object, "joint", &joint, e);
+    if (s == LW_OK)
+        s = lw_read_name_of(&joint, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), &out->index, e);
+    if (s == LW_OK && has)
+        s = lw_read_look_up(&n, "coordinate of a joint", of_joint, 2, &which, e);
+    if (s != LW_OK)
+        return s;
+    const lw_spatial_joint *j = &m->joint[out->index];
+    const lw_spatial_kind_row *k = lw_spatial_kind_of(j->kind);
+    out->of = has ? (lw_spatial_of)which : k->turns ? LW_OF_TURN : LW_OF_SLIDE;
+    if (j->kind == LW_SPATIAL_CYLINDRICAL && !has)
+        return lw_json_fault(object, e, "joint \"%s\" turns and slides: say which with \"coordinate\": \"turn\" or "
+                                        "\"slide\"",
+                             j->name);
+    return (out->of == LW_OF_TURN ? k->turns : k->slides) ? LW_OK
+         : lw_json_fault(has ? &n : &joint, e, "joint \"%s\" is %s: it has no %s for %s", j->name, k->word,
+                         has ? of_joint[which] : "single coordinate", what);
+}
+
+static double measure_unit(const lw_spatial *m, lw_spatial_measure of)
+{
+    return of.of == LW_OF_TURN ? m->units.radian : m->units.metre;
+}
+
+static lw_status read_input(const lw_json_node *input, lw_spatial *m, lw_error *e)
+{
+    const lw_reading r = reading_of(m);
+    static const char *const known[] = { "joint", "tracer", "coordinate", "value", "first", "last", "motion", "speed" };
+    lw_spatial_input *in = &m->input[m->n_input++];
+    lw_json_node n;
+    bool has_value, has_first = false, has_last = false;
+    lw_status s = lw_json_expect(input, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(input, known, COUNT(known), e)) == LW_OK)
+        s = read_measure(input, m, true, "an input", &in->measure, e);
+    if (s != LW_OK)
+        return s;
+    double unit = measure_unit(m, in->measure);
+    const lw_number_key numbers[] = {
+        { "value", unit, LW_ANY, &in->value, &has_value }, { "first", unit, LW_ANY, &in->first, &has_first },
+        { "last", unit, LW_ANY, &in->last, &has_last }, { "speed", 1, LW_ANY, &in->speed, &in->has_speed },
+    };
+    if (in->measure.of >= LW_OF_X) {
+        const lw_vec3 *at = &m->tracer[in->measure.index].at;
+        in->value = in->measure.of == LW_OF_X ? at->x : in->measure.of == LW_OF_Y ? at->y : at->z;
+        if (lw_json_member(input, "value", &n))
+            return lw_json_fault(&n, e, "the value of a tracer's coordinate in the posture is where the tracer is");
+    }
+    s = lw_read_numbers(input, numbers, COUNT(numbers), e);
+    if (s == LW_OK && has_first != has_last)
+        s = lw_json_fault(input, e, "\"first\" and \"last\" bound the motion together; give both or none");
+    in->has_range = has_first && in->first != in->last;
+    for (int i = 0; s == LW_OK && i + 1 < m->n_input; i++)
+        if (m->input[i].measure.of == in->measure.of && m->input[i].measure.index == in->measure.index)
+            s = lw_json_fault(input, e, "this is an input already");
+    if (s == LW_OK && in->has_speed && lw_json_member(input, "motion", &n))
+        return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it starts "
+                                    "before it runs freely; keep one");
+    return s == LW_OK ? lw_read_expression(input, "motion", &r, LW_OF_TIME, &in->motion, e) : s;
+}
+
+static lw_status read_inputs(const lw_json_node *root, lw_spatial *m, lw_error *e)
+{
+    lw_json_node one, many;
+    bool has_one = lw_json_member(root, "input", &one), has_many = lw_json_member(root, "inputs", &many);
+    if (has_one && has_many)
+        return lw_json_fault(&many, e, "both \"input\" and \"inputs\" are given; keep one");
+    lw_status s = has_many ? lw_read_list(&many, 1, SIZE_MAX, e) : LW_OK;
+    size_t n = s == LW_OK && has_many ? lw_json_count(&many) : has_one;
+    if (s == LW_OK)
+        s = has_memory(m->input = calloc(n + 1, sizeof *m->input), e);
+    for (size_t i = 0; s == LW_OK && i < n; i++) {
+        lw_json_node input = has_many ? lw_json_element(&many, i) : one;
+        s = read_input(&input, m, e);
+    }
+    return s;
+}
+
+/* "drives": joints whose motors move the model when the inputs prescribe a tool. */
+static lw_status read_drives(const lw_json_node *root, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "joint", "coordinate" };
+    lw_json_node all;
+    if (!lw_json_member(root, "drives", &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 1, SIZE_MAX, e);
+    if (s == LW_OK)
+        s = has_memory(m->drive = calloc(lw_json_count(&all), sizeof *m->drive), e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        lw_spatial_measure *d = &m->drive[m->n_drive++];
+        s = lw_json_expect(&one, LW_JSON_OBJECT, e);
+        if (s == LW_OK && (s = lw_json_known_keys(&one, known, COUNT(known), e)) == LW_OK)
+            s = read_measure(&one, m, false, "a drive", d, e);
+        for (int k = 0; s == LW_OK && k + 1 < m->n_drive; k++)
+            if (m->drive[k].of == d->of && m->drive[k].index == d->index)
+                s = lw_json_fault(&one, e, "this is a drive already");
+    }
+    return s;
+}
+
+static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "link", "at", "frame" };
+    lw_spatial_tracer *t = &m->tracer[m->n_tracer];
+    lw_json_node link, at;
+    lw_mat3 frame;
+    lw_status s = lw_json_expect(tracer, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(tracer, known, COUNT(known), e)) == LW_OK &&
+        (s = read_new_name(tracer, "tracer", NAMES(m->tracer, m->n_tracer, lw_spatial_tracer), t->name, e)) == LW_OK &&
+        (s = lw_read_need(tracer, "link", &link, e)) == LW_OK && (s = read_link_name(&link, m, &t->link, e)) == LW_OK &&
+        (s = lw_read_need(tracer, "at", &at, e)) == LW_OK && (s = lw_read_triple(&at, m->units.metre, &t->at, e)) ==
+            LW_OK)
+        s = read_frame(tracer, &frame, e);
+    if (s == LW_OK)
+        t->frame = lw_quaternion_of_matrix(&frame);
+    m->n_tracer++;
+    return s;
+}
+
+/* ---- loads ------------------------------------------------------------------------------------- */
+
+/* "law" stands alone. */
+static lw_status read_law(const lw_json_node *object, lw_spatial *m, lw_expression_scope sc, lw_expression **law, lw_error *e)
+{
+    const lw_reading r = reading_of(m);
+    static const char *const other[] = { "stiffness", "damping", "free" };
+    lw_json_node n;
+    lw_status s = lw_read_expression(object, "law", &r, sc, law, e);
+    for (int i = 0; s == LW_OK && *law && i < COUNT(other); i++)
+        if (lw_json_member(object, other[i], &n))
+            s = lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
+    return s;
+}
+
+/* "links" and "at" of a spring between two points; its free length. */
+static lw_status read_ends(const lw_json_node *object, lw_spatial *m, lw_spatial_spring *p, lw_error *e)
+{
+    lw_json_node links, at;
+    lw_status s = lw_read_need(object, "links", &links, e);
+    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK && (s = lw_read_need(object, "at", &at, e)) == LW_OK)
+        s = lw_read_list(&at, 2, 2, e);
+    for (size_t end = 0; s == LW_OK && end < 2; end++) {
+        lw_json_node link = lw_json_element(&links, end), point = lw_json_element(&at, end);
+        s = read_link_name(&link, m, &p->link[end], e);
+        if (s == LW_OK)
+            s = lw_read_triple(&point, m->units.metre, &p->at[end], e);
+    }
+    if (s == LW_OK && p->link[0] == p->link[1])
+        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move", m->body[p->link[0]].name);
+    p->free = lw_v3_norm(lw_v3_sub(p->at[1], p->at[0]));
+    return s;
+}
+
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
+                                  lw_error *e)
+{
+    lw_spatial_spring *p = &m->spring[m->n_spring++];
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
+        { "free", m->units.metre, LW_NOT_NEGATIVE, &p->free, NULL },
+    };
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
+    if (s == LW_OK && (s = read_ends(object, m, p, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    return s == LW_OK ? read_law(object, m, LW_OF_LENGTH, &p->law, e) : s;
+}
+
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_spatial *m,
+                                   lw_error *e)
+{
+    lw_spatial_joint_spring *p = &m->joint_spring[m->n_joint_spring++];
+    lw_status s = lw_read_own_name(object, what, index, p->name, e);
+    if (s == LW_OK)
+        s = read_measure(object, m, false, what, &p->measure, e);
+    if (s != LW_OK)
+        return s;
+    const lw_number_key numbers[] = {
+        { "stiffness", 1, LW_NOT_NEGATIVE, &p->stiffness, NULL }, { "damping", 1, LW_NOT_NEGATIVE, &p->damping, NULL },
+        { "free", measure_unit(m, p->measure), LW_ANY, &p->free, NULL },
+    };
+    s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    return s == LW_OK ? read_law(object, m, LW_OF_DISPLACEMENT, &p->law, e) : s;
+}
+
+static lw_status read_spring_or_damper(const lw_json_node *object, size_t index, lw_spatial *m, bool damper,
+                                       lw_error *e)
+{
+    static const char *const spring[] = { "name", "links", "at", "joint", "coordinate", "stiffness", "damping", "free",
+                                          "law" };
+    static const char *const dashpot[] = { "name", "links", "at", "joint", "coordinate", "damping" };
+    const char *what = damper ? "damper" : "spring";
+    lw_json_node n, joint;
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(object, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), e);
+    if (s != LW_OK)
+        return s;
+    bool at_joint = lw_json_member(object, "joint", &joint);
+    if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
+        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; keep one",
+                             what);
+    if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) && (damper || !lw_json_member(object, "law", &n)))
+        return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
+    return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
+}
+
+static lw_status read_spring(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
+{
+    return read_spring_or_damper(n, i, m, false, e);
+}
+
+static lw_status read_damper(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
+{
+    return read_spring_or_damper(n, i, m, true, e);
+}
+
+static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
+{
+    const lw_reading r = reading_of(m);
+    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "fz", "tx", "ty", "tz" };
+    static const char *const frames[] = { "ground", "link" };
+    lw_spatial_force *f = &m->force[m->n_force++];
+    lw_json_node n;
+    int frame = 0, forces = 0, torques = 0;
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_own_name(object, "force", index, f->name, e)) == LW_OK && (s = lw_read_need(object, "link", &n,
+                e)) == LW_OK)
+        s = read_link_name(&n, m, &f->link, e);
+    if (s == LW_OK && lw_json_member(object, "frame", &n))
+        s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
+    f->follows = frame == 1;
+    for (int i = 0; s == LW_OK && i < 3; i++) {
+        s = lw_read_expression(object, known[4 + i], &r, LW_OF_STATE, &f->force[i], e);
+        if (s == LW_OK)
+            s = lw_read_expression(object, known[7 + i], &r, LW_OF_STATE, &f->torque[i], e);
+        forces += f->force[i] != NULL, torques += f->torque[i] != NULL;
+    }
+    if (s != LW_OK)
+        return s;
+    if (!forces && !torques)
+        return lw_json_fault(object, e, "a force needs one of \"fx\", \"fy\", \"fz\", \"tx\", \"ty\", \"tz\"");
+    if (lw_json_member(object, "at", &n))
+        return lw_read_triple(&n, m->units.metre, &f->at, e);
+    return forces ? lw_read_need(object, "at", &n, e) : LW_OK;
+}
+
+/* The joint of a motor: revolute or prismatic. */
+static lw_status read_motor_place(const lw_json_node *object, const lw_spatial *m, int *joint, lw_error *e)
+{
+    lw_json_node n;
+    lw_status s = lw_read_need(object, "joint", &n, e);
+    if (s == LW_OK)
+        s = lw_read_name_of(&n, "joint", NAMES(m->joint, m->n_joint, lw_spatial_joint), joint, e);
+    lw_spatial_kind k = s == LW_OK ? m->joint[*joint].kind : LW_SPATIAL_REVOLUTE;
+    return k == LW_SPATIAL_REVOLUTE || k == LW_SPATIAL_PRISMATIC ? s
+         : lw_json_fault(&n, e, "joint \"%s\" is %s; only revolute and prismatic joints have motors", m->joint[*joint].name,
+                         lw_spatial_kind_of(k)->word);
+}
+
+static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "joint", "stall", "free_speed" };
+    const lw_reading r = reading_of(m);
+    if (lw_is_driven_motor(object))
+        return lw_states_read_motor(object, index, &r, e);
+    lw_spatial_motor *p = &m->motor[m->n_motor++];
+    lw_json_node n;
+    const lw_number_key numbers[] = { { "stall", 1, LW_ANY, &p->stall, NULL }, { "free_speed", 1, LW_ANY, &p->free_speed, NULL } };
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = lw_read_own_name(object, "motor", index, p->name, e)) == LW_OK &&
+        (s = read_motor_place(object, m, &p->joint, e)) == LW_OK && (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
+        (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
+        s = lw_read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !(p->stall*p->free_speed > 0))
+        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its "
+                                     "motion, and are not 0");
+    return s;
+}
+
+/* ---- for expressions and states ---------------------------------------------------------------- */
+
+static int find_spring(const void *model, const char *name)
+{
+    const lw_spatial *m = model;
+    return lw_read_find(name, NAMES(m->spring, m->n_spring, lw_spatial_spring));
+}
+
+static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)
+{
+    lw_spatial *m = model;
+    lw_spatial_spring *p = &m->spring[m->n_spring++];
+    snprintf(p->name, sizeof p->name, "%s", name);
+    return read_ends(object, m, p, e);
+}
+
+static lw_expression **find_cylinder(void *model, const char *name, int *spring, double *length)
+{
+    lw_spatial *m = model;
+    int i = m->n_spring - 1;
+    while (strcmp(m->spring[i].name, name) != 0)           /* cylinders come after all other springs */
+        i--;
+    *spring = i;
+    *length = m->spring[i].free;
+    return &m->spring[i].law;
+}
+
+static lw_status read_motor_joint(const lw_json_node *object, const char *name, void *model, lw_motor_joint *out, lw_error *e)
+{
+    lw_spatial *m = model;
+    lw_spatial_joint_spring *push = &m->joint_spring[m->n_joint_spring];
+    int joint;
+    lw_status s = read_motor_place(object, m, &joint, e);
+    if (s != LW_OK)
+        return s;
+    const lw_spatial_joint *j = &m->joint[joint];
+    bool turns = j->kind == LW_SPATIAL_REVOLUTE;
+    m->n_joint_spring++;
+    snprintf(push->name, sizeof push->name, "%s", name);
+    push->measure = (lw_spatial_measure){ turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
+    *out = (lw_motor_joint){ joint, { j->link[0], j->link[1] }, m->ground,
+                             lw_variable(turns ? LW_QUANTITY_V : LW_QUANTITY_VS, joint), turns, j->name, &push->law };
+    return LW_OK;
+}
+
+static lw_reading reading_of(lw_spatial *m)
+{
+    return (lw_reading){ m, &m->states, &m->units, &m->n_profile, &m->profile, look_up_state, find_spring,
+                         read_cylinder_ends, find_cylinder, read_motor_joint };
+}
+
+/* ---- the whole --------------------------------------------------------------------------------- */
+
+/* Number of the elements of a list, 0 if it is left out. */
+static size_t count_list(const lw_json_node *root, const char *key)
+{
+    lw_json_node all;
+    return lw_json_member(root, key, &all) && lw_json_kind_of(&all) == LW_JSON_ARRAY ? lw_json_count(&all) : 0;
+}
+
+static lw_status read_each(const lw_json_node *root, const char *key, lw_spatial *m,
+                           lw_status (*read)(const lw_json_node *, size_t, lw_spatial *, lw_error *), lw_error *e)
+{
+    lw_json_node all;
+    if (!lw_json_member(root, key, &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, SIZE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        s = read(&one, i, m, e);
+    }
+    return s;
+}
+
+static lw_status take_joint(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
+{
+    (void)i;
+    return read_joint(n, m, e);
+}
+
+static lw_status take_tracer(const lw_json_node *n, size_t i, lw_spatial *m, lw_error *e)
+{
+    (void)i;
+    return read_tracer(n, m, e);
+}
+
+static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
+                                         "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces",
+                                         "motors", "profiles", "states", "controllers", "cylinders" };
+    const lw_reading r = reading_of(m);
+    lw_json_node n;
+    lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_read_version(root, e)) == LW_OK)
+        s = lw_json_known_keys(root, known, COUNT(known), e);
+    if (s == LW_OK && lw_json_member(root, "name", &n)) {
+        s = lw_json_expect(&n, LW_JSON_TEXT, e);
+        if (s == LW_OK && *lw_json_text(&n))
+            s = lw_json_name(&n, m->name, sizeof m->name, e);
+    }
+    if (s == LW_OK && (s = lw_read_units(root, &m->units, e)) == LW_OK)
+        s = read_links(root, m, e);
+    if (s != LW_OK)
+        return s;
+    size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
+    m->joint = calloc(count_list(root, "joints") + 1, sizeof *m->joint);
+    m->tracer = calloc(count_list(root, "tracers") + 1, sizeof *m->tracer);
+    size_t motors = count_list(root, "motors") + 1;
+    m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
+    m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
+    m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
+    m->motor = calloc(motors, sizeof *m->motor);
+    m->states.rotor = calloc(motors, sizeof *m->states.rotor);
+    if (!m->joint || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor || !m->states.rotor)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
+        (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
+        (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK &&
+        (s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e)) == LW_OK && (s = read_inputs(root, m, e)) == LW_OK)
+        s = read_drives(root, m, e);
+    if (s == LW_OK && lw_json_member(root, "gravity", &n))
+        s = lw_read_triple(&n, 1, &m->gravity, e);
+    if (s == LW_OK && (s = lw_states_name(root, &m->states, e)) == LW_OK &&
+        (s = read_each(root, "springs", m, read_spring, e)) == LW_OK &&
+        (s = read_each(root, "dampers", m, read_damper, e)) == LW_OK &&
+        (s = lw_states_read_cylinder_ends(root, &r, e)) == LW_OK && (s = lw_states_read_controllers(root, &r, e)) == LW_OK &&
+        (s = read_each(root, "forces", m, read_force, e)) == LW_OK && (s = read_each(root, "motors", m, read_motor, e)) == LW_OK)
+        s = lw_states_read(root, &r, e);
+    return s;
+}
+
+lw_status lw_spatial_read(const char *text, size_t size, const char *file, lw_spatial *m, lw_error *e)
+{
+    lw_json json;
+    memset(m, 0, sizeof *m);
+    m->units = lw_units_si();
+    lw_status s = lw_json_open(text, size, file, &json, e);
+    if (s != LW_OK)
+        return s;
+    lw_json_node root = lw_json_root(&json);
+    s = read_root(&root, m, e);
+    lw_json_close(&json);
+    if (s != LW_OK)
+        lw_spatial_free(m);
+    return s;
+}
+
+bool lw_spatial_text(const char *text, size_t size)
+{
+    static const char *const list[] = { "joints", "tracers" }, *const key[] = { "at", "axis" };
+    lw_json json;
+    lw_json_node all, n, kind;
+    bool found = false;
+    if (lw_json_open(text, size, "", &json, NULL) != LW_OK)
+        return false;
+    lw_json_node root = lw_json_root(&json);
+    for (int l = 0; l < 2; l++)
+        if (lw_json_kind_of(&root) == LW_JSON_OBJECT && lw_json_member(&root, list[l], &all) &&
+            lw_json_kind_of(&all) == LW_JSON_ARRAY)
+            for (size_t i = 0; !found && i < lw_json_count(&all); i++) {
+                lw_json_node one = lw_json_element(&all, i);
+                for (int k = 0; !found && k < 2 && lw_json_kind_of(&one) == LW_JSON_OBJECT; k++)
+                    found = lw_json_member(&one, key[k], &n) && lw_json_kind_of(&n) == LW_JSON_ARRAY
+                        && lw_json_count(&n) == 3;
+                if (!found && lw_json_kind_of(&one) == LW_JSON_OBJECT && lw_json_member(&one, "kind", &kind)) {
+                    const char *word = lw_json_text(&kind);
+                    found = word && (strlen(word) > 1 || (*word && strchr("cbuheo", *word)));
+                    for (int k = 0; found && k <= LW_SPATIAL_FREE; k++)
+                        if (strcmp(word, lw_spatial_kind_of((lw_spatial_kind)k)->word) == 0 || strlen(word) == 1)
+                            break;
+                        else if (k == LW_SPATIAL_FREE)
+                            found = false;
+                }
+            }
+    lw_json_close(&json);
+    return found;
+}
