@@ -198,6 +198,9 @@ check: $B/$(SONAME) $B/linkwright
 	@sed -n 's/^LW_API.*[ *]\(lw_[a-z0-9_]*\)(.*/\1/p' linkwright.h | LC_ALL=C sort | diff $B/exported - || \
 	    { echo "the shared library shows other names than linkwright.h"; exit 1; }
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
+	@nm -A -P $(LIB_OBJ) $(CLI_OBJ) | awk '$$3 == "U" { user[$$2] = user[$$2] $$1 " " } $$3 ~ /^[TDBR]$$/ { owner[$$2] = $$1 } \
+	    END { for (s in user) { n = split(user[s], u, " "); for (i = 1; i <= n && s in owner; i++) print u[i], owner[s] } }' | \
+	    tsort > $B/order || { echo "these files use each other in a circle"; exit 1; }
 	@tests/test_install.sh B=$B CC="$(CC)" CFLAGS="$(CFLAGS)"
 # the kernels would take most of the compile time: KERNEL_CFLAGS compiles them without sanitizers
 sanitize:

@@ -1,4 +1,4 @@
-/* enumerate/chains.c - see chains.h: the set of structures, the walk over it, visiting. */
+/* enumerate/chains.c - see chains.h: the set of structures, the walk over it, visiting, tables of counts. */
 #include <stdlib.h>
 #include <string.h>
 #include "enumerate/chains_internal.h"
@@ -218,4 +218,27 @@ lw_status lw_chains_each(const lw_chains *chains, const lw_chain_walk *how, lw_c
     }
     lw_weighting_free(w);
     return status;
+}
+
+/* ---- tables of counts ----------------------------------------------------------------------------- */
+
+lw_status lw_chain_table_make(const lw_numbers *numbers, lw_chain_table *table)
+{
+    lw_assortment a;
+    *table = (lw_chain_table){ .n_row = 0 };
+    for (bool more = lw_assortment_first(numbers, &a); more; more = lw_assortment_next(numbers, &a))
+        table->n_row++;
+    table->row = calloc(table->n_row, sizeof *table->row);
+    if (!table->row)
+        return LW_E_MEMORY;
+    size_t k = 0;
+    for (bool more = lw_assortment_first(numbers, &a); more; more = lw_assortment_next(numbers, &a))
+        table->row[k++].links = a;
+    return LW_OK;
+}
+
+void lw_chain_table_free(lw_chain_table *table)
+{
+    free(table->row);
+    *table = (lw_chain_table){ .n_row = 0 };
 }

@@ -135,21 +135,6 @@ typedef struct counting {
     lw_chain_table *table;    /* rows under the crew's lock */
 } counting;
 
-lw_status lw_chain_table_make(const lw_numbers *numbers, lw_chain_table *table)
-{
-    lw_assortment a;
-    *table = (lw_chain_table){ .n_row = 0 };
-    for (bool more = lw_assortment_first(numbers, &a); more; more = lw_assortment_next(numbers, &a))
-        table->n_row++;
-    table->row = calloc(table->n_row, sizeof *table->row);
-    if (!table->row)
-        return LW_E_MEMORY;
-    size_t k = 0;
-    for (bool more = lw_assortment_first(numbers, &a); more; more = lw_assortment_next(numbers, &a))
-        table->row[k++].links = a;
-    return LW_OK;
-}
-
 /* The row for the chains of structure k of the walk. */
 static lw_chain_row *row_of(const counting *all, size_t k)
 {
@@ -211,10 +196,4 @@ lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_
     if (status == LW_OK && generating && how->n_part == 1)
         status = lw_labelled_complete(&chains->numbers, table, NULL);
     return status;
-}
-
-void lw_chain_table_free(lw_chain_table *table)
-{
-    free(table->row);
-    *table = (lw_chain_table){ .n_row = 0 };
 }

@@ -29,7 +29,7 @@ static void compare_derivatives(drun *d)
     CHECK_INT(lw_dynamics_make(&d->model, &d->o, &made, &d->e), LW_OK);
     if (!made)
         return;
-    CHECK(has_derivatives(made));
+    CHECK(lw_mbs_has_derivatives(made));
     lw_run run = { .d = made, .e = &d->e, .r = &d->report };
     ggl g = { .run = &run, .q = made->n_q, .c = made->n_kept, .least_mass = 0.01 };
     int n = 2*(g.q + g.c);

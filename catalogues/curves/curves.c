@@ -10,6 +10,7 @@
 #include "mbs/batch/batch.h"
 #include "mbs/batch/posture.h"
 #include "mbs/plan/types.h"
+#include "optimise/topology/mechanism_set.h"
 
 #define FAMILY_BYTE 256               /* lw_curve_row.family is a byte                                */
 #define SLOTS       64                /* topologies that a thread keeps                               */
@@ -178,6 +179,49 @@ lw_status lw_curve_maker_of(const char *families, lw_curve_maker **maker, lw_err
     lw_status status = create(maker, e);
     while (status == LW_OK && next_word(&families, word))
         status = add_word(*maker, word, e);
+    if (status != LW_OK) {
+        lw_curve_maker_free(*maker);
+        *maker = NULL;
+    }
+    return status;
+}
+
+/* The topologies with so many links. */
+static lw_status add_set(lw_curve_maker *m, const lw_mechanism_set *all, int links, const volatile int *interrupt,
+                         lw_error *e)
+{
+    lw_status status = LW_OK;
+    lw_family_made *made = malloc(sizeof *made);
+    if (!made)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < all->n; i++) {
+        lw_families f = lw_mechanism_stage_families(&all->stage[i]);
+        for (int n = 0; n < f.n && all->stage[i].links == links && status == LW_OK; n++) {
+            status = interrupt && *interrupt ? lw_error_set(e, LW_STOPPED, "stopped before all mechanisms were set up")
+                                             : f.make(f.of, n, made);
+            if (status == LW_OK)
+                status = lw_curve_maker_add(m, made->name, &made->linkage, e);
+            status = status == LW_E_KIND ? LW_OK : status;
+        }
+    }
+    free(made);
+    return status;
+}
+
+lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker,
+                               lw_error *e)
+{
+    lw_mechanism_set all;
+    lw_mechanism_request request = { .links = links, .dof = 1, .kinds = kinds, .only = "all", .task = LW_TASK_PATH,
+                                     .jobs = jobs, .interrupt = interrupt };
+    lw_status status = lw_curve_maker_create(NULL, maker, e);
+    if (status != LW_OK)
+        return status;
+    status = lw_mechanism_set_make(&request, &all, e);
+    if (status == LW_OK) {
+        status = add_set(*maker, &all, links, interrupt, e);
+        lw_mechanism_set_free(&all);
+    }
     if (status != LW_OK) {
         lw_curve_maker_free(*maker);
         *maker = NULL;

@@ -385,7 +385,7 @@ static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (d->touch || d->eq.next_piece)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
-    if (!asked && lw_ggl_suits(d))
+    if (!asked && lw_mbs_suits_ggl(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "ggl solves stiff dampers in fewer steps");
     if (d->large)
         return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");

@@ -820,3 +820,16 @@ bool lw_mbs_is_damped_tree(lw_dynamics *d)
         return false;
     return lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped;
 }
+
+bool lw_mbs_has_derivatives(const lw_dynamics *d)
+{
+    bool slide = false;
+    for (int i = 0; i < d->n_driven; i++)
+        slide = slide || !lw_joint_turns(d->s.joint[d->driven_measure[i]].kind);
+    return d->eq.exact && !d->n_friction && (d->large ? !slide : d->n_c == d->n_row);
+}
+
+bool lw_mbs_suits_ggl(lw_dynamics *d)
+{
+    return !d->space && !d->large && d->n_stop == 0 && !d->touch && lw_mbs_has_derivatives(d) && lw_mbs_is_stiff(d);
+}

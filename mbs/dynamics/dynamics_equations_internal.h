@@ -192,4 +192,10 @@ bool lw_mbs_friction_is_stiff(lw_dynamics *d);
 /* An open chain in the plane, which has no singular postures, whose dampers keep the steps of an explicit method short. */
 bool lw_mbs_is_damped_tree(lw_dynamics *d);
 
+/* Are the derivatives complete that the dae solver asks for (mbs/dynamics/dynamics_ggl.c)? */
+bool lw_mbs_has_derivatives(const lw_dynamics *d);
+
+/* Is ggl faster than cvode: are dampers stiff, and are all derivatives known? */
+bool lw_mbs_suits_ggl(lw_dynamics *d);
+
 #endif

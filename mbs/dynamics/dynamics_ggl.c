@@ -236,15 +236,6 @@ static lw_status find_pattern(ggl *g)
     return ok ? LW_OK : lw_error_set(g->run->e, LW_E_MEMORY, "out of memory");
 }
 
-/* Are the derivatives above complete? */
-static bool has_derivatives(const lw_dynamics *d)
-{
-    bool slide = false;
-    for (int i = 0; i < d->n_driven; i++)
-        slide = slide || !lw_joint_turns(d->s.joint[d->driven_measure[i]].kind);
-    return d->eq.exact && !d->n_friction && (d->large ? !slide : d->n_c == d->n_row);
-}
-
 /* The state as other formulations have it: q, v, work, z. */
 static void unpack(const ggl *g, const double *y, double *out)
 {
@@ -385,7 +376,7 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     unsigned char *algebraic = g->algebraic;
     memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
     lw_dae dae = { .n = unknowns(g), .context = g, .residual = residual,
-                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL };
+                   .jacobian = lw_mbs_has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL };
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = begin(g, w, &dae, y, dy);
     if (s != LW_OK)
@@ -439,7 +430,7 @@ static lw_status run_ggl(lw_run *run)
     double *y = calloc(3*n + 2*(size_t)run->n, sizeof *y);
     g.algebraic = calloc(n, 1);
     lw_status s = y && g.algebraic ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK && has_derivatives(d))
+    if (s == LW_OK && lw_mbs_has_derivatives(d))
         s = find_pattern(&g);
     if (s != LW_OK) {
         free(y);
@@ -458,22 +449,17 @@ static lw_status run_ggl(lw_run *run)
     return s;
 }
 
-bool lw_ggl_suits(lw_dynamics *d)
-{
-    return !d->space && !d->large && d->n_stop == 0 && !d->touch && has_derivatives(d) && lw_mbs_is_stiff(d);
-}
-
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (d->space)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no turns in space");
-    if (d->large && !has_derivatives(d))
+    if (d->large && !lw_mbs_has_derivatives(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "a model of this size with gears, friction, tied inputs, driven sliders or "
                                   "forces of the caller's has no sparse derivatives");
     if (d->large)
         return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, asked ? "asked for"
                                   : "dampers make the equations stiff: an implicit method with sparse derivatives");
-    if (!asked && !lw_ggl_suits(d))
+    if (!asked && !lw_mbs_suits_ggl(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for stiff dampers and where it is asked for");
     if (!asked)
         return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept,

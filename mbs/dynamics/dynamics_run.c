@@ -1,4 +1,4 @@
-/* mbs/dynamics/dynamics_run.c - what every run does: samples, energy and momentum, limits, the right-hand side. */
+/* mbs/dynamics/dynamics_run.c - what every run does: samples, energy and momentum, limits, kinks of the loads. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -31,6 +31,12 @@ void lw_run_watch(lw_run *run, const double *y)
         r->momentum_error = fmax(r->momentum_error, fabs(now - run->momentum0));
         r->momentum_scale = fmax(r->momentum_scale, size);
     }
+}
+
+double lw_run_energy(const lw_run *run, const double *y)
+{
+    const lw_dynamics *d = run->d;
+    return d->eq.kinetic(d->eq.context, y + d->n_q) + d->eq.potential(d->eq.context, y) - (run->has_work ? y[d->n_q + d->n_v] : 0);
 }
 
 /* A period that is measured and repeated is off by this part, plus this share of the tolerance. */
@@ -186,83 +192,6 @@ lw_status lw_run_begin_solved(lw_run *run, const double *y)
 {
     note_start(run, y);
     return lw_run_show_solved(run, run->d->o.from, y);
-}
-
-lw_status lw_run_limits(lw_run *run, double t, long steps)
-{
-    const lw_dynamics_options *o = &run->d->o;
-    run->r->t = t;
-    lw_status s = lw_limits_check(o->stop, o->until, (steps & 15) == 0, t, run->e);
-    if (s == LW_OK && o->max_step > 0 && run->r->steps + run->r->refused + steps >= o->max_step && t < o->to)
-        s = lw_error_set(run->e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", t, o->max_step);
-    return s;
-}
-
-lw_status lw_run_busy(lw_run *run, double t)
-{
-    const lw_dynamics_options *o = &run->d->o;
-    bool look_at_clock = (++run->n_busy & 255) == 0;
-    if (!look_at_clock && !(o->stop && *o->stop))
-        return LW_OK;
-    return lw_limits_check(o->stop, o->until, look_at_clock, t, run->e);
-}
-
-double *lw_run_tolerances(const lw_run *run, lw_status *s)
-{
-    const lw_dynamics *d = run->d;
-    double *each = d->eq.n_z ? malloc((size_t)run->n*sizeof *each) : NULL;
-    *s = each || !d->eq.n_z ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; each && i < run->n; i++)
-        each[i] = d->o.absolute*(i < lw_run_states(run) ? 1 : d->eq.state_scale(d->eq.context, i - lw_run_states(run)));
-    return each;
-}
-
-long lw_run_steps_left(const lw_run *run)
-{
-    long all = run->d->o.max_step, done = run->r->steps + run->r->refused;
-    return all <= 0 ? 0 : done < all ? all - done : 1;
-}
-
-/* ---- right-hand side ------------------------------------------------------------------------------ */
-
-lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
-{
-    lw_run *run = context;
-    lw_dynamics *d = run->d;
-    int n = d->n_q;
-    double power = 0;
-    lw_status s = lw_run_busy(run, t);
-    d->eq.place_states(d->eq.context, y + lw_run_states(run));
-    if (s == LW_OK)
-        s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
-    if (s != LW_OK)
-        return s;
-    d->eq.rates(d->eq.context, y, y + n, dy);
-    for (int i = 0; run->has_work && i < d->n_driven; i++) {
-        double motion[3];
-        lw_mbs_motion(d, i, t, motion);
-        power -= d->l[d->n_row + i]*motion[1];
-    }
-    if (run->has_work)
-        dy[n + d->n_v] = power;
-    return d->eq.n_z ? lw_mbs_state_rates(d, t, y, y + n, dy + lw_run_states(run)) : LW_OK;
-}
-
-/* Velocities that each step halves, as of bodies at rest on each other, are 0 below this [1/s]: denormal numbers make
- * every operation a hundred times slower. */
-static const double at_rest = 1e-200;
-
-lw_status lw_run_project(void *context, double t, double *y)
-{
-    lw_dynamics *d = ((lw_run *)context)->d;
-    double *v = y + d->n_q;
-    if (d->eq.accept)
-        d->eq.accept(d->eq.context, y);
-    lw_status s = lw_mbs_settle(d, t, y, v);
-    for (int i = 0; i < d->n_v; i++)
-        if (fabs(v[i]) < at_rest)
-            v[i] = 0;
-    return s;
 }
 
 lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why)

@@ -32,6 +32,24 @@ typedef struct lw_run {
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;
 
+/* ---- dynamics_rate.c: the right-hand side --------------------------------------------------------- */
+
+/* y' for explicit and implicit methods; y put back on the constraints. */
+lw_status lw_run_rate(void *context, double t, const double *y, double *dy);
+lw_status lw_run_project(void *context, double t, double *y);
+
+/* LW_STOPPED when a limit or the caller ends the run: after a step, with `steps` more than the report has; and in
+ * every right-hand side, because one step may be tried for long. */
+lw_status lw_run_limits(lw_run *run, double t, long steps);
+lw_status lw_run_busy(lw_run *run, double t);
+
+/* First-order states in y; absolute tolerances of y (n), NULL where all are one (or out of memory, *s), to be freed. */
+static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
+double *lw_run_tolerances(const lw_run *run, lw_status *s);
+
+/* Steps left of those allowed; 0: no limit. */
+long lw_run_steps_left(const lw_run *run);
+
 /* ---- dynamics_run.c: what every run does ----------------------------------------------------------- */
 
 /* Time of sample k. */
@@ -70,24 +88,8 @@ double lw_run_energy(const lw_run *run, const double *y);
  * constraints at rest allow; 0 where the correction is greater than the error allowed in a step. */
 double lw_run_held(lw_run *run, const double *q, const double *v);
 
-/* LW_STOPPED when a limit or the caller ends the run: after a step, with `steps` more than the report has; and in
- * every right-hand side, because one step may be tried for long. */
-lw_status lw_run_limits(lw_run *run, double t, long steps);
-lw_status lw_run_busy(lw_run *run, double t);
-
-/* First-order states in y; absolute tolerances of y (n), NULL where all are one (or out of memory, *s), to be freed. */
-static inline int lw_run_states(const lw_run *run) { return run->d->n_q + run->d->n_v + run->has_work; }
-double *lw_run_tolerances(const lw_run *run, lw_status *s);
-
-/* Steps left of those allowed; 0: no limit. */
-long lw_run_steps_left(const lw_run *run);
-
 /* Fills r->unknowns and r->why; returns the status. */
 lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why);
-
-/* y' for explicit and implicit methods; y put back on the constraints. */
-lw_status lw_run_rate(void *context, double t, const double *y, double *dy);
-lw_status lw_run_project(void *context, double t, double *y);
 
 /* ---- dynamics_stops.c: rigid stops ------------------------------------------------------------------ */
 
@@ -125,6 +127,13 @@ lw_status lw_run_touch_check(lw_run *run, double t);
 lw_status lw_run_touch_accept(lw_run *run, double t, const double *y);
 double    lw_run_touch_step(lw_run *run, const double *y);
 
+/* ---- dynamics_passage.c: forces in singular postures -------------------------------------------------- */
+
+/* Accelerations d->a and multipliers d->l at (t, y) near a singular posture, where the rows have lost their digits, from
+ * the motion through it; rows and factors are those at y.  NaN where they have no limit or cannot be found. */
+#define LW_SINGULAR_NEAR 0.02            /* distance from a singular posture below which to ask, about radians */
+lw_status lw_run_singular_forces(lw_run *run, double t, const double *y);
+
 /* ---- dynamics_singular.c: through singular postures -------------------------------------------------- */
 
 /* Where rows are redundant, those kept may become dependent in a posture that is not singular: choose others.  *weak:
@@ -142,11 +151,6 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
 #define LW_SINGULAR_STEP_HALF 0.1
 lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y);
 
-/* Accelerations d->a and multipliers d->l at (t, y) near a singular posture, where the rows have lost their digits, from
- * the motion through it; rows and factors are those at y.  NaN where they have no limit or cannot be found. */
-#define LW_SINGULAR_NEAR 0.02            /* distance from a singular posture below which to ask, about radians */
-lw_status lw_run_singular_forces(lw_run *run, double t, const double *y);
-
 /* ---- dynamics_bodies.c ------------------------------------------------------------------------------- */
 
 /* Go on from (run->r->t, y) in the bodies' coordinates. */
@@ -159,11 +163,6 @@ lw_status lw_run_driven_spatial(lw_run *run);
 
 /* "", or a note that a spatial model could be written as a planar one. */
 const char *lw_mbs_is_planar(const lw_dynamics *d);
-
-/* ---- dynamics_ggl.c ---------------------------------------------------------------------------------- */
-
-/* Is ggl faster than cvode: are dampers stiff, and are all derivatives known? */
-bool lw_ggl_suits(lw_dynamics *d);
 
 /* ---- formulations ------------------------------------------------------------------------------------ */
 

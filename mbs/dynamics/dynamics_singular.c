@@ -13,231 +13,54 @@
  * root of Chebyshev's points on [gap^2, 1]: the best ones for an interval with a gap in its middle.  It has to
  * satisfy the rows within the gap; where motion curves come near each other but do not meet, it does not. */
 #include "base/real.h"
-#include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/dynamics_passage_internal.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/ode/integrate.h"
-#include "mbs/ode/panel_internal.h"
-
-/* Places on either side, as fractions of half the length. */
-enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
-static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
-static const double on_rows = 1e-12;         /* residual of the rows allowed on the curve: this, */
-static const double rounded = 1e-8;          /* or to the tolerance, up to that */
 
 /* ---- over it by one step --------------------------------------------------------------------------------- */
 
 /* With more freedoms, or where no curve is found: one step whose nodes lie well on both sides of the singular posture,
  * from some distance before it to the same distance behind it.  The motion itself is smooth there.  The state at the
  * end must have the energy of the state before. */
-/* Integrate anew from (t, y) to end; `fixed`: by one step, whatever its error. */
-static lw_status integrate_to(lw_run *run, double t, double end, double *y, bool fixed)
-{
-    const lw_dynamics_options *o = &run->d->o;
-    lw_ode ode = { .n = run->n, .context = run, .rate = lw_run_rate, .project = lw_run_project };
-    lw_ode_options each = lw_ode_options_default();
-    lw_integrator w;
-    lw_ode_stop stop = LW_ODE_STEP;
-    double *work = calloc(lw_integrate_work(run->n, 0), sizeof *work);
-    if (!work)
-        return LW_E_MEMORY;
-    each.relative = o->relative;
-    each.absolute = o->absolute;
-    each.max_step = 10000;
-    each.fixed = fixed ? end - t : 0;
-    lw_status s = lw_integrate_start(&w, &ode, &each, work, t, y, run->e);
-    while (s == LW_OK && stop != LW_ODE_END)
-        s = lw_integrate_step(&w, end, &stop, run->e);
-    if (s == LW_OK)
-        memcpy(y, w.y, (size_t)run->n*sizeof *y);
-    run->r->rates += w.n_rate;
-    run->r->steps += w.n_step;
-    free(work);
-    return s;
-}
-
-double lw_run_energy(const lw_run *run, const double *y)
-{
-    const lw_dynamics *d = run->d;
-    return d->eq.kinetic(d->eq.context, y + d->n_q) + d->eq.potential(d->eq.context, y) - (run->has_work ? y[d->n_q + d->n_v] : 0);
-}
-
-/* The motion over the gap as a polynomial: the equations hold at twelve nodes, none of which is near the middle.  It is
- * as accurate as the accelerations at the nodes, and its order is far higher than that of the explicit step, which
- * serves as the first guess. */
-typedef struct gap {
-    lw_run *run;
-    const lw_panel_rule *rule;
-    double  start, length, *begun;           /* begun (n): state at `anchor`, a fraction of the length */
-    double  anchor;
-    double  at[N_NODE];                      /* nodes as fractions of the length */
-    double *rate, *state;                    /* (N_NODE x n) at the nodes */
-} gap;
-
-static const double settled = 1e-14;         /* change of the states in a pass, scaled, that ends the iteration */
-static const double unsettled = 1e-9;        /* the same where rounding lets it fall no further */
 static const double unresolved = 1e-8;       /* difference of orders 12 and 10 that is still allowed, scaled */
 static const double resolved = 1e-13;        /* such a difference that a shorter gap need not improve */
 static const double shortest_half = 0.01;    /* half the length of a gap, scaled: rounding grows in shorter ones */
 static const double beside_jam = 0.5;        /* root of the least pivot above which friction does not jam */
 static const double half_explicit = 0.03;    /* half the length of an explicit step, where there is no polynomial */
 
-/* Weights of the integral from the anchor to x of the polynomial through values at nodes `first` to `last`; 0 for the
- * others.  The panel's points integrate it exactly. */
-static void weights(const gap *z, int first, int last, double x, double weight[N_NODE])
-{
-    memset(weight, 0, N_NODE*sizeof *weight);
-    for (int k = first; k <= last; k++)
-        for (int p = 0; p < LW_PANEL_NODES; p++) {
-            double product = (x - z->anchor)*z->rule->whole[p], at = z->anchor + (x - z->anchor)*z->rule->at[p];
-            for (int j = first; j <= last; j++)
-                product *= j == k ? 1 : (at - z->at[j])/(z->at[k] - z->at[j]);
-            weight[k] += product;
-        }
-}
-
-/* State at x in 0 .. 1. */
-static void state_in_gap(const gap *z, const double weight[N_NODE], double *y)
-{
-    for (int i = 0; i < z->run->n; i++) {
-        double sum = 0;
-        for (int k = 0; k < N_NODE; k++)
-            sum += weight[k]*z->rate[k*z->run->n + i];
-        y[i] = z->begun[i] + z->length*sum;
-    }
-}
-
-/* First guess of the states at the nodes, by explicit steps. */
-static lw_status guess_gap(gap *z)
-{
-    lw_status s = LW_OK;
-    for (int k = 0; k < N_NODE && s == LW_OK; k++) {
-        double *to = z->state + k*z->run->n;
-        memcpy(to, z->begun, (size_t)z->run->n*sizeof *to);
-        s = integrate_to(z->run, z->start, z->start + z->length*z->at[k], to, true);
-    }
-    return s;
-}
-
-/* Put the singular posture into the middle: the pivot's root changes its sign there.  Its zero is that of the cubic
- * t(pivot) through two nodes on either side of the least one.  false: there is none within. */
-static bool centre_gap(gap *z)
-{
-    lw_dynamics *d = z->run->d;
-    double pivot[N_NODE], at = 0;
-    int least = 0, use[4];
-    for (int k = 0; k < N_NODE; k++) {
-        d->by_rank = false;                  /* else the pivot is not found */
-        if (lw_mbs_rows(d, z->start + z->length*z->at[k], z->state + k*z->run->n) != LW_OK)
-            return false;
-        lw_mbs_factor(d, false);
-        pivot[k] = sqrt(fmax(d->weak, 0));
-        least = pivot[k] < pivot[least] ? k : least;
-    }
-    if (least < 2 || least > N_NODE - 3)
-        return false;
-    for (int i = 0; i < 4; i++)
-        use[i] = least + (i < 2 ? i - 2 : i - 1);
-    for (int i = 0; i < 4; i++) {
-        double product = 1, own = i < 2 ? pivot[use[i]] : -pivot[use[i]];
-        for (int j = 0; j < 4; j++) {
-            double other = j < 2 ? pivot[use[j]] : -pivot[use[j]];
-            product *= i == j ? 1 : other/(other - own);
-        }
-        at += product*z->at[use[i]];
-    }
-    if (!(at > 0.2 && at < 0.8))
-        return false;
-    z->length *= 2*at;
-    return true;
-}
-
-/* Iterate the states at the nodes.  y: the state at the end; *tail: the part of it that is not resolved. */
-static lw_status solve_gap(gap *z, double *y, double *tail)
-{
-    lw_run *run = z->run;
-    int n = run->n, both = run->d->n_q + run->d->n_v;
-    double before = INFINITY, change = INFINITY, weight[N_NODE][N_NODE], whole[N_NODE];
-    for (int k = 0; k < N_NODE; k++)
-        weights(z, 0, N_NODE - 1, z->at[k], weight[k]);
-    for (int pass = 0; change > settled && !(change < unsettled && change > 0.5*before) && pass < 150; pass++) {
-        for (int k = 0; k < N_NODE; k++) {
-            double t = z->start + z->length*z->at[k];
-            lw_status s = lw_run_project(run, t, z->state + k*n);
-            if (s == LW_OK)
-                s = lw_run_rate(run, t, z->state + k*n, z->rate + k*n);
-            if (s != LW_OK)
-                return s;
-        }
-        before = change;
-        change = 0;
-        for (int k = 0; k < N_NODE; k++) {
-            state_in_gap(z, weight[k], y);
-            for (int i = 0; i < both; i++)
-                change = fmax(change, fabs(y[i] - z->state[k*n + i])/(1 + fabs(y[i])));
-            memcpy(z->state + k*n, y, (size_t)n*sizeof *y);
-        }
-        if (!(change < 0.1))
-            return LW_OPEN;
-    }
-    *tail = 0;
-    weights(z, 1, N_NODE - 2, 1, whole);
-    state_in_gap(z, whole, run->state);
-    weights(z, 0, N_NODE - 1, 1, whole);
-    state_in_gap(z, whole, y);
-    for (int i = 0; i < both; i++)
-        *tail = fmax(*tail, fabs(y[i] - run->state[i])/(1 + fabs(y[i])));
-    return change < unsettled ? LW_OK : LW_OPEN;
-}
-
 /* Samples on the way: integrated from `first` at `good`; in the gap from its polynomial. */
-typedef struct on_the_way { lw_run *run; double good; const double *first; const gap *gap; } on_the_way;
+typedef struct on_the_way { lw_run *run; double good; const double *first; const lw_passage *gap; } on_the_way;
 
 static lw_status state_on_the_way(void *context, double t, double *y)
 {
     const on_the_way *w = context;
-    const gap *z = w->gap;
-    double weight[N_NODE];
+    const lw_passage *z = w->gap;
     if (t <= z->start || !z->rule) {
         bool beyond = t > z->start;
         memcpy(y, beyond ? z->begun : w->first, (size_t)w->run->n*sizeof *y);
-        return t > w->good ? integrate_to(w->run, beyond ? z->start : w->good, t, y, beyond) : LW_OK;
+        return t > w->good ? lw_passage_integrate(w->run, beyond ? z->start : w->good, t, y, beyond) : LW_OK;
     }
-    weights(z, 0, N_NODE - 1, (t - z->start)/z->length, weight);
-    state_in_gap(z, weight, y);
+    lw_passage_state(z, (t - z->start)/z->length, y);
     return LW_OK;
 }
 
 /* Begin at half the length from the singular posture, before or behind `good`, which is `angle` from it. */
-static lw_status begin_gap(gap *z, double half, double good, double angle, double place, const double *first)
+static lw_status begin_gap(lw_passage *z, double half, double good, double angle, double place, const double *first)
 {
     lw_status s = LW_OK;
     memcpy(z->begun, first, (size_t)z->run->n*sizeof *first);
     z->start = place - (place - good)*half/angle;
     if (z->start > z->run->d->o.from)
-        s = integrate_to(z->run, good, z->start, z->begun, false);
+        s = lw_passage_integrate(z->run, good, z->start, z->begun, false);
     else
         z->start = good;
     z->length = 2*(place - z->start);
-    if (s == LW_OK && guess_gap(z) == LW_OK && centre_gap(z))
-        guess_gap(z);
+    if (s == LW_OK && lw_passage_guess(z) == LW_OK && lw_passage_centre(z))
+        lw_passage_guess(z);
     return s;
-}
-
-static void place_nodes(gap *z)
-{
-    for (int i = 0; i < N_NODE; i++)
-        z->at[i] = 0.5 + 0.5*(i < N_SIDE ? -node[N_SIDE - 1 - i] : node[i - N_SIDE]);
-}
-
-static lw_status panel_rule(lw_dynamics *d)
-{
-    if (d->rule)
-        return LW_OK;
-    d->rule = malloc(sizeof *d->rule);
-    return d->rule ? lw_panel_rule_make(d->rule) : LW_E_MEMORY;
 }
 
 /* Reactions have poles in singular postures.  Where their friction grows with them, its equations lose their solution on
@@ -284,44 +107,42 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
 {
     size_t n = (size_t)run->n;
     double before = lw_run_energy(run, y), angle = sqrt(weak), tail = 0, *old = run->state;
-    double *first = malloc(n*(4 + 2*N_NODE)*sizeof *first);
-    gap z = { .run = run, .start = good, .rule = NULL };
-    place_nodes(&z);
-    lw_status s = first ? panel_rule(run->d) : LW_E_MEMORY;
+    double *first = malloc(n*(4 + 2*LW_PASSAGE_NODES)*sizeof *first);
+    lw_passage z = { .run = run, .start = good };
+    lw_status s = first ? lw_passage_begin(&z) : LW_E_MEMORY;
     if (s != LW_OK) {
         free(first);
         return s;
     }
-    z.rule = run->d->rule;
     z.begun = first + n;
     z.rate = z.begun + n;
-    z.state = z.rate + N_NODE*n;
-    run->state = z.state + N_NODE*n;
+    z.state = z.rate + LW_PASSAGE_NODES*n;
+    run->state = z.state + LW_PASSAGE_NODES*n;
     memcpy(first, y, n*sizeof *first);
     run->e->text[0] = '\0';
     lw_status solved = LW_OPEN;
     double end = good, best = INFINITY, best_half = 0, wanted = fmax(resolved, 0.01*run->d->o.relative);
     for (double half = LW_SINGULAR_STEP_HALF; s == LW_OK && solved != LW_OK && half > shortest_half; half *= 0.5) {
         s = begin_gap(&z, half, good, angle, place, first);
-        solved = s == LW_OK ? solve_gap(&z, y, &tail) : s;
+        solved = s == LW_OK ? lw_passage_solve(&z, y, &tail) : s;
         if (solved == LW_OK && tail < best)
             best = tail, best_half = half;
         solved = solved == LW_OK && tail > wanted ? LW_OPEN : solved;
     }
     if (s == LW_OK && solved != LW_OK && best < fmax(unresolved, 10*run->d->o.relative)) {
         s = begin_gap(&z, best_half, good, angle, place, first);
-        solved = s == LW_OK ? solve_gap(&z, y, &tail) : s;
+        solved = s == LW_OK ? lw_passage_solve(&z, y, &tail) : s;
     }
     end = z.start + z.length;
     if (s == LW_OK && solved != LW_OK) {     /* no polynomial */
         z.rule = NULL;
         z.start = angle > half_explicit ? place - (place - good)*half_explicit/angle : good;
         memcpy(z.begun, first, n*sizeof *first);
-        s = z.start > good ? integrate_to(run, good, z.start, z.begun, false) : LW_OK;
+        s = z.start > good ? lw_passage_integrate(run, good, z.start, z.begun, false) : LW_OK;
         end = 2*place - z.start;
         memcpy(y, z.begun, n*sizeof *y);
         if (s == LW_OK)
-            s = integrate_to(run, z.start, end, y, true);
+            s = lw_passage_integrate(run, z.start, end, y, true);
     }
     if (s == LW_OK)
         s = lw_run_project(run, end, y);
@@ -344,176 +165,9 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
 }
 
-/* ---- forces in it ------------------------------------------------------------------------------------------- */
-
-/* Accelerations and multipliers lose all digits in a singular posture.  The motion through it is found as over the gap,
- * from the state there; the accelerations are the rates of that polynomial.  Multipliers have at most a simple pole, so
- * the product of multiplier and time from the pole is a polynomial too (mbs/dynamics/dynamics_driven.c). */
-static const double longest_window = 0.3, shortest_window = 0.03;    /* half of it, scaled: about radians */
-static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 12 and 10: good, and too far apart, relative */
-static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
-static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
-static const double least_apart = 1e-3;      /* nearer to a singular posture multipliers are rounding */
-
-/* Value at x of the polynomial through rows (N_NODE x width) at nodes `skip` .. N_NODE - 1 - skip, each multiplied by its
- * distance from `pole` unless that is 0. */
-static void between_nodes(const gap *z, const double *row, int width, int skip, double pole, double x, double *out)
-{
-    memset(out, 0, (size_t)width*sizeof *out);
-    for (int k = skip; k < N_NODE - skip; k++) {
-        double product = pole != 0 ? z->at[k] - pole : 1;
-        for (int j = skip; j < N_NODE - skip; j++)
-            product *= j == k ? 1 : (x - z->at[j])/(z->at[k] - z->at[j]);
-        for (int c = 0; c < width; c++)
-            out[c] += product*row[k*width + c];
-    }
-}
-
-static double greatest(const double *x, int n)
-{
-    double most = 0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
-    return most;
-}
-
-/* Where the pole of the multipliers l (N_NODE x n) is, as a fraction of the length: there the product with the distance has
- * no highest power.  The middle, if they have none. */
-static double find_pole(const gap *z, const double *l, int n)
-{
-    double over = 0, under = 0, unit = 0, most = greatest(l, N_NODE*n);
-    for (int c = -1; c < n; c++) {
-        double a = 0, b = 0;
-        for (int k = 0; k < N_NODE; k++) {
-            double by = 1;
-            for (int j = 0; j < N_NODE; j++)
-                by /= j == k ? 1 : z->at[k] - z->at[j];
-            a += by*(c < 0 ? 1/(z->at[k] - 0.5) : l[k*n + c]);
-            b += c < 0 ? 0 : by*(z->at[k] - 0.5)*l[k*n + c];
-        }
-        unit = c < 0 ? a : unit;
-        over += c < 0 ? 0 : a*b;
-        under += c < 0 ? 0 : a*a;
-    }
-    return sqrt(under) > 1e-6*most*fabs(unit) ? 0.5 + over/under : 0.5;
-}
-
-/* d->a and d->l at the anchor from the states at the nodes.  l (N_NODE + 4 rows of n_c) is scratch.  Returns how far two
- * orders are apart, relative; infinite where they cannot be found. */
-static double forces_at_anchor(const gap *z, double *l)
-{
-    lw_run *run = z->run;
-    lw_dynamics *d = run->d;
-    int n = d->n_c, n_v = d->n_v;
-    double off = 0;
-    for (int k = 0; k < N_NODE; k++) {
-        const double *y = z->state + k*run->n;
-        lw_moment m;
-        if (lw_mbs_moment(d, z->start + z->length*z->at[k], y, y + d->n_q, 0, &m) != LW_OK)
-            return INFINITY;
-        memcpy(l + k*n, d->l, (size_t)n*sizeof *l);
-        memcpy(z->rate + k*run->n, d->a, (size_t)n_v*sizeof *d->a);
-    }
-    double pole = find_pole(z, l, n), x = z->anchor - pole, most = greatest(l, N_NODE*n);
-    double *strength = l + N_NODE*n, *plain = strength + n, *product = plain + n, *had = product + n;
-    for (int skip = 1; skip >= 0; skip--) {
-        memcpy(had, d->l, (size_t)n*sizeof *had);
-        memcpy(z->begun, d->a, (size_t)n_v*sizeof *d->a);
-        between_nodes(z, l, n, skip, 0, z->anchor, plain);
-        between_nodes(z, l, n, skip, pole, pole, strength);
-        between_nodes(z, l, n, skip, pole, z->anchor, product);
-        for (int c = 0; c < n; c++)
-            d->l[c] = fabs(strength[c]) < no_pole*most ? plain[c] : fabs(x) < at_pole ? NAN : product[c]/x;
-        between_nodes(z, z->rate, run->n, skip, 0, z->anchor, run->state);
-        memcpy(d->a, run->state, (size_t)n_v*sizeof *d->a);
-    }
-    for (int c = 0; c < n; c++)
-        off = isnan(d->l[c]) ? off : fmax(off, fabs(d->l[c] - had[c])/fmax(most, fabs(d->l[c])));
-    for (int i = 0; i < n_v; i++)
-        off = fmax(off, fabs(d->a[i] - z->begun[i])/fmax(greatest(d->a, n_v), 1e-300));
-    return off;
-}
-
-/* Do the states on the way satisfy the rows?  Else motion curves come near each other and do not meet. */
-static bool meets(const gap *z)
-{
-    lw_dynamics *d = z->run->d;
-    double off = 0, weight[N_NODE];
-    for (int k = -2; k <= 2; k++) {
-        double x = 0.5 + 0.05*k;
-        weights(z, 0, N_NODE - 1, x, weight);
-        state_in_gap(z, weight, z->run->state);
-        if (lw_mbs_rows(d, z->start + z->length*x, z->run->state) != LW_OK)
-            return false;
-        off = fmax(off, greatest(d->phi, d->n_c));
-    }
-    return off <= fmin(fmax(on_rows, 10*d->o.absolute), rounded);
-}
-
-lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
-{
-    lw_dynamics *d = run->d;
-    size_t n = (size_t)run->n, n_c = (size_t)d->n_c, n_q = (size_t)d->n_q, n_v = (size_t)d->n_v;
-    double apart = d->by_rank ? d->rank_of.weakest : sqrt(fmax(d->weak, 0)), speed = greatest(y + n_q, d->n_v);
-    double tail, best = INFINITY, *old = run->state;
-    double *memory = malloc((n*(3 + 2*N_NODE) + 2*(n_v + n_c) + (N_NODE + 4)*n_c + n_v)*sizeof *memory);
-    lw_status s = memory ? panel_rule(d) : LW_E_MEMORY;
-    gap z = { .run = run, .rule = d->rule, .begun = memory };
-    lw_error was = *run->e;
-    if (s == LW_OK) {
-        z.rate = memory + n;
-        z.state = z.rate + N_NODE*n;
-        run->state = z.state + N_NODE*n;
-        double *end = run->state + n, *kept = end + n, *l = kept + 2*(n_v + n_c), *way = l + (N_NODE + 4)*n_c;
-        place_nodes(&z);
-        memcpy(kept + n_v + n_c, d->a, n_v*sizeof *kept);
-        memcpy(kept + 2*n_v + n_c, d->l, n_c*sizeof *kept);
-        bool crosses = false;
-        for (double half = longest_window; speed > 0 && best > agreed && half >= shortest_window; half *= 0.5) {
-            z.start = t - half/speed;
-            z.length = 2*half/speed;
-            bool centred = false, solved = true;
-            for (int pass = 0; solved && pass < 2; pass++) {
-                z.anchor = (t - z.start)/z.length;
-                for (int k = 0; k < N_NODE && solved; k++) {
-                    double *to = memcpy(z.state + (size_t)k*n, y, n*sizeof *y);
-                    for (size_t i = 0; i < n_v; i++)
-                        way[i] = z.length*(z.at[k] - z.anchor)*y[n_q + i];
-                    d->eq.move(d->eq.context, to, way);
-                    solved = lw_run_project(run, z.start + z.length*z.at[k], to) == LW_OK;
-                }
-                memcpy(z.begun, y, n*sizeof *y);
-                solved = solved && (pass == 0 || solve_gap(&z, end, &tail) == LW_OK);
-                if (pass == 0)
-                    solved = solved && (centred = centre_gap(&z));
-            }
-            crosses = crosses || centred;
-            double off = solved && meets(&z) ? forces_at_anchor(&z, l) : INFINITY;
-            if (!(off < best))
-                continue;
-            best = off;
-            memcpy(kept, d->a, n_v*sizeof *kept);
-            memcpy(kept + n_v, d->l, n_c*sizeof *kept);
-        }
-        bool known = best < disagreed;
-        if (!known && apart > (crosses ? 10 : 1)*least_apart)    /* as they were */
-            known = (kept += n_v + n_c, true);
-        for (size_t i = 0; i < n_v; i++)
-            d->a[i] = known ? kept[i] : NAN;
-        for (size_t i = 0; i < n_c; i++)
-            d->l[i] = known ? kept[n_v + i] : NAN;
-        run->state = old;
-        *run->e = was;
-        s = lw_mbs_rows(d, t, y);            /* the run goes on from there */
-        lw_mbs_factor(d, d->rank < d->n_c);
-    }
-    free(memory);
-    return s;
-}
-
 /* ---- through it on a curve ---------------------------------------------------------------------------------- */
 
-enum { N_KNOWN = N_NODE + 6 };
+enum { N_KNOWN = LW_PASSAGE_NODES + 6 };
 
 static const double outside = 0.55;          /* distance from the middle beyond which the rows serve again */
 static const double longest_half = 0.3;           /* half of the longest curve, scaled: about radians */
@@ -644,17 +298,17 @@ static lw_status look_back(crossing *z, const double *q, const double *v)
 }
 
 /* Add places on this side, then beyond, each predicted from its nearest neighbours. */
-static lw_status collect(crossing *z, double q[N_NODE][LW_SYSTEM_Q_MAX], double x[N_NODE])
+static lw_status collect(crossing *z, double q[LW_PASSAGE_NODES][LW_SYSTEM_Q_MAX], double x[LW_PASSAGE_NODES])
 {
     int inner = 0;
-    while (inner < N_SIDE - 1 && node[inner]*z->half < z->at)
+    while (inner < LW_PASSAGE_SIDE - 1 && lw_passage_node[inner]*z->half < z->at)
         inner++;
     z->known.n = z->n_visited = 5;
-    for (int k = 0; k < N_NODE; k++) {
+    for (int k = 0; k < LW_PASSAGE_NODES; k++) {
         /* before the middle: from the start backwards, then forwards; then behind the middle */
-        int m = k < N_SIDE - inner ? inner + k : k < N_SIDE ? N_SIDE - 1 - k : k - N_SIDE;
-        int to = k < N_SIDE ? m : N_SIDE + m;
-        if (add_place(z, z->at + (k < N_SIDE ? -1 : 1)*node[m]*z->half, NULL) != LW_OK)
+        int m = k < LW_PASSAGE_SIDE - inner ? inner + k : k < LW_PASSAGE_SIDE ? LW_PASSAGE_SIDE - 1 - k : k - LW_PASSAGE_SIDE;
+        int to = k < LW_PASSAGE_SIDE ? m : LW_PASSAGE_SIDE + m;
+        if (add_place(z, z->at + (k < LW_PASSAGE_SIDE ? -1 : 1)*lw_passage_node[m]*z->half, NULL) != LW_OK)
             return LW_NOTHING;
         x[to] = z->visited[z->n_visited - 1];
         memcpy(q[to], z->q, (size_t)z->d->n_q*sizeof(double));
@@ -676,21 +330,21 @@ static bool closes(crossing *z)
             off = !(fabs(d->phi[r]) <= off) ? fabs(d->phi[r]) : off;
     }
     z->run->apart = off;
-    return off <= fmin(fmax(on_rows, d->o.absolute), rounded);
+    return lw_passage_fits(off, d->o.absolute);
 }
 
 /* Find the longest curve that satisfies the rows. */
 static lw_status find_curve(crossing *z)
 {
-    static const int order[N_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less */
-    double q[N_NODE][LW_SYSTEM_Q_MAX], x[N_NODE];
+    static const int order[LW_PASSAGE_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less */
+    double q[LW_PASSAGE_NODES][LW_SYSTEM_Q_MAX], x[LW_PASSAGE_NODES];
     for (z->half = longest_half; z->at < z->half; z->half *= 0.5) {
         if (collect(z, q, x) != LW_OK)
             return LW_NOTHING;
         z->path.n = 0;
-        for (int k = 0; k < N_SIDE; k++)
+        for (int k = 0; k < LW_PASSAGE_SIDE; k++)
             for (int side = 0; side < 2; side++)
-                add(&z->path, x[order[k] + side*N_SIDE], q[order[k] + side*N_SIDE]);
+                add(&z->path, x[order[k] + side*LW_PASSAGE_SIDE], q[order[k] + side*LW_PASSAGE_SIDE]);
         if (closes(z))
             return LW_OK;
     }

@@ -8,7 +8,7 @@
 #include "base/real.h"
 #include "base/vector.h"
 #include "base/eigen.h"
-#include "mbs/dynamics/statics_internal.h"
+#include "mbs/dynamics/vibration_internal.h"
 
 #define NEGLIGIBLE 1e-13                 /* numbers below this part of the greatest are rounding */
 

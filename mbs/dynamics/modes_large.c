@@ -12,8 +12,8 @@
 #include "base/rng.h"
 #include "base/vector.h"
 #include "base/eigen.h"
-#include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
+#include "mbs/dynamics/vibration_internal.h"
 
 typedef struct lanczos {
     lw_dynamics *d;
@@ -211,17 +211,9 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
     return d->eq.conservative || skew <= 1e-7*stiff;
 }
 
-lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
-                              lw_error *e)
+lw_status lw_modes_about(lw_dynamics *d, int wanted, double t, double *q, lw_modes *modes, lw_error *e)
 {
     size_t n = (size_t)d->n_v, c = (size_t)d->n_kept;
-    lw_rest rest = { 0 };
-    memset(modes, 0, sizeof *modes);
-    if (o->rest) {
-        lw_status s = lw_statics_rest_large(d, t, q, &rest, e);
-        if (s != LW_OK)
-            return s == LW_NOTHING ? LW_E_NUMERIC : s;
-    }
     modes->freedom = d->n_v - d->n_kept;
     modes->redundant = d->n_c - d->n_kept;
     if (modes->freedom <= 0)

@@ -9,6 +9,7 @@
 #include "base/real.h"
 #include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
+#include "mbs/dynamics/vibration_internal.h"
 
 typedef struct search {
     lw_dynamics *d;
@@ -234,7 +235,6 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
 lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
 {
     search s;
-    lw_modes_options o = { 0 };
     lw_modes modes = { 0 };
     lw_error ignored = { 0 };
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
@@ -245,7 +245,7 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     }
     for (int k = 0; st == LW_OK; k++) {                       /* off an equilibrium that is not stable */
         r->residual = greatest(s.residual, s.n);
-        st = lw_modes_find_large(d, &o, 4, t, q, &modes, &ignored);
+        st = lw_modes_about(d, 4, t, q, &modes, &ignored);
         r->stable = st == LW_NOTHING;
         if (st != LW_OK) {
             st = st == LW_NOTHING ? LW_OK : st;
@@ -268,6 +268,15 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
         return lw_error_set(e, st, "out of memory");
     return st == LW_OK ? LW_OK : lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive "
                                               "it away, or an elastic link buckles");
+}
+
+lw_status lw_modes_find_large(lw_dynamics *d, const lw_modes_options *o, int wanted, double t, double *q, lw_modes *modes,
+                              lw_error *e)
+{
+    lw_rest rest = { 0 };
+    lw_status s = o->rest ? lw_statics_rest_large(d, t, q, &rest, e) : LW_OK;
+    memset(modes, 0, sizeof *modes);
+    return s == LW_OK ? lw_modes_about(d, wanted, t, q, modes, e) : s == LW_NOTHING ? LW_E_NUMERIC : s;
 }
 
 /* ---- quasi-static runs ------------------------------------------------------------------------------------------ */

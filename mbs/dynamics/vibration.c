@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/vector.h"
 #include "mbs/dynamics/vibration_internal.h"
 
 #define LEAST_RANK 1e-10             /* rows nearer than this to those before depend on them */
@@ -238,4 +239,136 @@ lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q)
     find_multipliers(v);
     reduce(v, q);
     return LW_OK;
+}
+
+/* ---- equilibrium --------------------------------------------------------------------------------- */
+
+/* By Newton's method on the reduced equations. Where the stiffness is not positive definite, a multiple of the masses is
+ * added until it is, which leads downhill and away from saddles. */
+/* A stiffness that becomes positive definite by so small a shift neither holds nor drives away: neutral equilibrium. */
+#define NEUTRAL 1e-9
+
+#define CONVERGED 1e-11                  /* two steps below this in a row: rounding stops Newton's method */
+
+/* Solve (K + shift W) x = load by Cholesky's method, with W the masses and a small multiple of I.  false: not
+ * positive definite. */
+static bool solve_shifted(const lw_vibration *v, double shift, double little, double *x)
+{
+    int n = v->n_free;
+    double a[LW_SYSTEM_Q_MAX*4], *m = n*n <= (int)(sizeof a/sizeof *a) ? a : v->kkt.a;
+    for (int i = 0; i < n; i++) {
+        x[i] = v->load[i];
+        for (int j = 0; j <= i; j++) {
+            double sum = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i])
+                       + shift*(v->mass[i*n + j] + (i == j)*little);
+            for (int k = 0; k < j; k++)
+                sum -= m[i*n + k]*m[j*n + k];
+            if (i == j && !(sum > 1e-14*(fabs(v->stiffness[i*n + i]) + shift*(v->mass[i*n + i] + little))))
+                return false;
+            m[i*n + j] = i == j ? sqrt(sum) : sum/m[j*n + j];
+        }
+        for (int k = 0; k < i; k++)
+            x[i] -= m[i*n + k]*x[k];
+        x[i] /= m[i*n + i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++)
+            x[i] -= m[k*n + i]*x[k];
+        x[i] /= m[i*n + i];
+    }
+    return true;
+}
+
+static double length(const double *x, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++)
+        sum += x[i]*x[i];
+    return sqrt(sum);
+}
+
+/* Newton's step with the stiffness, shifted until it is positive definite; at most half a radian or half the size of
+ * the linkage.  Returns the shift in stiffnesses over masses; below 0: no step was found. */
+static double find_step(const lw_vibration *v, double *x)
+{
+    double mass = 0.0, stiff = 0.0;
+    for (int i = 0; i < v->n_free; i++) {
+        mass = fmax(mass, v->mass[i*v->n_free + i]);
+        stiff = fmax(stiff, fabs(v->stiffness[i*v->n_free + i]));
+    }
+    double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0;
+    double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
+    for (int tries = 0; tries < 60; tries++) {
+        if (solve_shifted(v, shift, little, x)) {
+            double size = length(x, v->n_free);
+            for (int i = 0; size > 0.5 && i < v->n_free; i++)
+                x[i] *= 0.5/size;
+            return isfinite(size) ? shift/unit : -1.0;
+        }
+        shift = shift > 0.0 ? fmin(8.0*shift, fmax(1e-3*unit, 2.0*shift)) : NEUTRAL*unit;
+    }
+    return -1.0;
+}
+
+/* Step along x from q.  Halve the step while the force at its end pushes back with more than half the force at its
+ * start. */
+static lw_status search(lw_vibration *v, double t, double *q, const double *x)
+{
+    int n = v->n_q, m = v->n_free;
+    double from[LW_SYSTEM_Q_MAX], null[LW_SYSTEM_Q_MAX], slope = 0.0;
+    memcpy(from, q, sizeof *q*(size_t)n);
+    memset(null, 0, sizeof null);
+    for (int k = 0; k < m; k++)
+        for (int i = 0; i < n; i++)
+            null[i] += x[k]*v->null[k*n + i];
+    for (int k = 0; k < m; k++)
+        slope += v->load[k]*x[k];
+    for (double fraction = 1.0; fraction > 1e-12; fraction *= 0.5) {
+        double end = 0.0;
+        for (int i = 0; i < n; i++)
+            q[i] = from[i] + fraction*null[i];
+        lw_status s = lw_vibration_project(v, q);
+        if (s == LW_OK)
+            s = lw_vibration_linearise(v, t, q);
+        if (s != LW_OK)
+            continue;
+        for (int i = 0; i < n; i++)
+            end += null[i]*v->force[i];
+        if (end >= -0.5*fabs(slope) || fraction*length(x, m) < 1e-9)
+            return LW_OK;
+    }
+    return LW_E_NUMERIC;
+}
+
+/* Leave a saddle: a small step along every motion, each of another length. */
+static lw_status leave_saddle(lw_vibration *v, double t, double *q)
+{
+    for (int k = 0; k < v->n_free; k++)
+        for (int i = 0; i < v->n_q; i++)
+            q[i] += 1e-3*(1.0 + 0.3*k)*v->null[k*v->n_q + i];
+    lw_status s = lw_vibration_project(v, q);
+    return s == LW_OK ? lw_vibration_linearise(v, t, q) : s;
+}
+
+lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e)
+{
+    double x[LW_SYSTEM_Q_MAX], last = INFINITY;
+    lw_status s = lw_vibration_linearise(v, t, q);
+    *r = (lw_rest){ 0 };
+    for (int saddles = 0; s == LW_OK && r->iterations < 500; r->iterations++) {
+        double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? length(x, v->n_free) : 0.0;
+        if (shift < 0.0)
+            break;
+        r->residual = lw_greatest(v->n_free, v->load);
+        r->stable = shift == 0.0;
+        bool done = size < 1e-14 || r->residual <= 1e-15*lw_greatest(v->n_q, v->force)
+                 || (last < CONVERGED && size < CONVERGED);
+        if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
+            return LW_OK;
+        last = done ? INFINITY : size;
+        saddles += done;
+        s = done ? leave_saddle(v, t, q) : search(v, t, q, x);
+    }
+    return lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive it away "
+                        "(force left %.3g J)", r->residual);
 }
