@@ -1,6 +1,7 @@
 /* test_cli_bench_mbs.c - `linkwright bench mbs`: errors that fall with the tolerance, files that read back, wrong
  * use. */
 #include <math.h>
+#include "tests/bench/peer.h"
 #include "tests/cli_run.h"
 
 typedef struct row { char problem[32], solver[40]; double tolerance, setup, seconds, error; } row;
@@ -130,6 +131,68 @@ TEST(bad_peers)
     expect("$P bench mbs --peers $D/nowhere", 3, NULL, "nowhere: no such folder");
     expect("mkdir -p $D/empty && touch $D/empty/readme && $P bench mbs --peers $D/empty", 3, NULL,
            "no program in this folder");
+}
+
+/* A program that does not end in time keeps the rows it has given, and the programs and problems after it have theirs. */
+TEST(slow_peers)
+{
+    ran r = run("mkdir -p $D/two && printf '%s\\n' '#!/bin/sh' 'echo fail 1e-3 quick: it is there' 'exec sleep 100' > $D/two/a && "
+                "printf '%s\\n' '#!/bin/sh' 'echo fail 1e-3 next: it is there' > $D/two/b && chmod +x $D/two/a $D/two/b && "
+                "LW_CLOCK_STEP=100 $C bench mbs --cases pendulum,andrews --tolerance-range 1e-4:1e-4 --time 0.001 -q --peers $D/two");
+    for (int k = 0; k < 2; k++) {
+        static const char *const wanted[] = { "| %s | a quick | 1e-03 | - | - | - | - | - | 0 | 0 | it is there |",
+                                              "| %s | a | - | - | - | - | - | - | 0 | 0 | ended after 300 s |", "| %s | b next | 1e-03 |" };
+        for (int i = 0; i < 3; i++) {
+            char line[128];
+            snprintf(line, sizeof line, wanted[i], k ? "andrews" : "pendulum");
+            CHECK_HAS(r.out, line);
+        }
+    }
+    CHECK_INT(r.code, 0);
+    ran_free(&r);
+}
+
+static double wait_for_ever(void *context)
+{
+    (void)context;
+    for (;;)
+        pause();
+    return 0;
+}
+
+static double answer(void *context)
+{
+    printf("run %s\n", (const char *)context);
+    return 0;
+}
+
+/* A row of a peer that never ends loses itself only. */
+TEST(slow_rows)
+{
+    peer_scene *scene = calloc(1, sizeof *scene);
+    char said[200] = "";
+    int ends[2];
+    if (!scene || pipe(ends) != 0)
+        return;
+    scene->longest = 0.01;
+    fflush(stdout);
+    pid_t child = fork();
+    if (child == 0) {
+        dup2(ends[1], 1);
+        bool lost = peer_apart(scene, wait_for_ever, NULL, 1e-3, "one");
+        bool kept = !peer_apart(scene, answer, "two", 1e-4, "one");
+        fflush(stdout);
+        _exit(lost && kept ? 0 : 1);
+    }
+    close(ends[1]);
+    int status = 1, n = 0;
+    for (ssize_t got; (got = read(ends[0], said + n, sizeof said - 1 - (size_t)n)) > 0; n += (int)got)
+        ;
+    close(ends[0]);
+    waitpid(child, &status, 0);
+    CHECK_INT(status, 0);
+    CHECK_TEXT(said, "fail 0.001 one: not at the end after 1 s\nrun two\n");
+    free(scene);
 }
 
 TEST(wrong_use)

@@ -147,25 +147,26 @@ static inline double peer_clock(void)
     return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
 }
 
-/* Run one row in a process of its own, so that a row that never ends, or crashes, loses itself only.  row returns the
- * seconds of its best run.  Returns true where that is longer than scene->longest, or the row is lost; a lost row
- * prints "fail". */
+/* Run one row in a process of its own, so that a row that never ends, or crashes, loses itself only: it may take 20 times
+ * scene->longest, 1 s at least.  row returns the seconds of its best run.  Returns true where that is longer than
+ * scene->longest, or the row is lost; a lost row prints "fail". */
 static inline bool peer_apart(const peer_scene *scene, double (*row)(void *), void *context, double tolerance,
                               const char *solver)
 {
-    enum { QUICK, SLOW, LIMIT = 20 };
+    enum { QUICK, SLOW };
     int status = 0;
+    unsigned limit = scene->longest > 0.05 ? (unsigned)(20*scene->longest) : 1;
     fflush(stdout);
     pid_t child = fork();
     if (child == 0) {
-        alarm(LIMIT);
+        alarm(limit);
         bool slow = row(context) > scene->longest;
         fflush(stdout);
         _exit(slow ? SLOW : QUICK);
     }
     if (child < 0 || waitpid(child, &status, 0) < 0 || WIFSIGNALED(status)) {
         if (child >= 0 && WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
-            printf("fail %g %s: not at the end after %d s\n", tolerance, solver, LIMIT);
+            printf("fail %g %s: not at the end after %u s\n", tolerance, solver, limit);
         else
             printf("fail %g %s: it crashed\n", tolerance, solver);
         fflush(stdout);
