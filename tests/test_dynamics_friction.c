@@ -290,6 +290,28 @@ TEST(ideal_against_regularised)
     }
 }
 
+/* Three links of Jansen's leg meet at a pin, in two places and on the ground: each pin there rubs by the load of its own links. */
+TEST(several_pins_at_a_place)
+{
+    double end[2][3*16];
+    for (int smooth = 0; smooth < 2; smooth++) {
+        drun_read(&d, "examples/jansen.json");
+        for (int i = 0; i < d.model.linkage.n_link; i++)
+            d.model.body[i] = (lw_body){ i != d.model.linkage.ground, 1, { 0.002*i, 0.001*i }, 1e-3, false, { 0, 0 }, 0 };
+        for (int j = 0; j < d.model.linkage.n_joint; j++)
+            d.model.friction[j] = (lw_friction){ 0.05 + 0.01*j, 1e-3, smooth ? 1e-6 : 0 };
+        d.model.has_speed[0] = true;
+        d.model.speed[0] = 30;
+        CHECK_INT(drun_to(&d, smooth ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-9, 0.1, 2), LW_OK);
+        CHECK_INT(d.report.formulation, smooth ? LW_FORMULATION_INDEX1 : LW_FORMULATION_REDUCED);
+        memcpy(end[smooth], d.q, (size_t)d.system.n_q*sizeof *d.q);
+        CHECK(d.report.energy_error < 1e-7*d.report.energy_scale);
+        lw_model_free(&d.model);
+    }
+    for (int i = 0; i < d.system.n_q; i++)
+        CHECK_NEAR(end[0][i], end[1][i], 1e-6, 0);
+}
+
 /* With enough friction a linkage at rest stays so, in balance with the part of the friction that acts. */
 /* Smooth friction is left to the explicit method unless it makes the equations stiff. */
 TEST(choice_of_a_method)

@@ -203,8 +203,17 @@ static bool guess_turn(const quadrature *z, const double *kinetic, double end, d
     const double *x = z->rule->at;
     double before = z->kinetic, from = 0;
     for (int i = 0; i < N; i++) {
-        if (kinetic[i] <= 0) {
-            *guess = z->s + z->sense*z->length*(from + (x[i] - from)*before/(before - kinetic[i]));
+        if (kinetic[i] <= 0) {               /* on the polynomial through the forces, whose panel need not resolve the pace */
+            double c[N], q[N], force[N], at = from + (x[i] - from)*before/(before - kinetic[i]), off = 1;
+            lw_panel_apply(&z->rule->mean, p->force, q);
+            lw_panel_apply(&z->rule->coef, q, c);
+            lw_panel_apply(&z->rule->coef, p->force, force);
+            for (int k = 0; k < 6 && fabs(off) > 1e-16; k++) {
+                off = z->kinetic/(z->sense*z->length) + at*lw_panel_value(c, at);
+                off /= lw_panel_value(force, at);
+                at = fmin(fmax(at - off, from), x[i]);
+            }
+            *guess = z->s + z->sense*z->length*at;
             return true;
         }
         before = kinetic[i];

@@ -258,6 +258,24 @@ static void find_sense(const lw_dynamics *d, lw_reduced *r)
     r->start = r->first - r->sense*m.value;    /* measures count from the posture of the file */
 }
 
+/* The joint of a dyad between one of its links and another link, or (inner) between both, where its plan names one of several
+ * pins at one place; -1: none, or several. */
+static int joint_of_dyad(const lw_dynamics *d, const lw_reduced *r, const lw_dyad *from, int k)
+{
+    const int a = d->s.body[from->link[k == 2]], b = d->s.body[from->link[k != 2]];
+    int found = -1;
+    for (int j = 0; j < d->s.n_joint; j++) {
+        const int *own = r->joint[j].body;
+        bool same = j == from->joint[k] || (r->joint[j].pin >= 0 && r->joint[j].pin == r->joint[from->joint[k]].pin);
+        if (!same || (own[0] != a && own[1] != a) || (own[0] == b || own[1] == b) != (k == 1))
+            continue;
+        if (j == from->joint[k])
+            return j;
+        found = found < 0 ? j : d->s.n_joint;
+    }
+    return found < d->s.n_joint ? found : -1;
+}
+
 /* Joints with friction, and the dyads that carry reactions to the ground, in the order of the plan. */
 static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
 {
@@ -276,15 +294,13 @@ static lw_status find_friction(const lw_dynamics *d, lw_reduced *r, char *why)
         lw_reduced_group *to = &f->group[f->n_group++];
         to->pins = true;
         for (int k = 0; k < 3; k++) {
-            carried[to->joint[k] = from->joint[k]] = true;
-            to->pins = to->pins && r->joint[from->joint[k]].pin >= 0;
+            if ((to->joint[k] = joint_of_dyad(d, r, from, k)) < 0)
+                return no(why, "friction where several pins at one place share the reactions of a dyad");
+            carried[to->joint[k]] = true;
+            to->pins = to->pins && r->joint[to->joint[k]].pin >= 0;
         }
-        for (int side = 0; side < 2; side++) {
-            int b = d->s.body[from->link[side]];
-            const int *own = r->joint[to->joint[2*side]].body;
-            to->body[side] = b;
-            assert(own[0] == b || own[1] == b);
-        }
+        for (int side = 0; side < 2; side++)
+            to->body[side] = d->s.body[from->link[side]];
     }
     for (int i = 0; i < d->n_friction; i++) {
         const lw_friction_joint *p = &d->friction[i];
