@@ -5,15 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
-#include "mbs/dynamics/dynamics_space.h"
-#include "mbs/dynamics/clearance_sweep.h"
-#include "mbs/elastic/contact.h"
-#include "mbs/dynamics/counterweights.h"
+#include "mbs/analysis/counterweights.h"
+#include "mbs/analysis/reactions.h"
+#include "mbs/clearance/clearance_sweep.h"
 #include "mbs/dynamics/dynamics.h"
+#include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/modes.h"
-#include "mbs/dynamics/reactions.h"
 #include "mbs/dynamics/statics.h"
 #include "mbs/dynamics/stepping.h"
+#include "mbs/elastic/contact.h"
 
 /* ---- models ------------------------------------------------------------------------------------------------- */
 

@@ -32,8 +32,11 @@ mbs/constraints base grammar
 mbs/ode base
 mbs/space base grammar mbs/elastic
 mbs/elastic base grammar
-mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic mbs/space
-mbs/drives base grammar mbs/constraints mbs/elastic mbs/ode mbs/dynamics mbs/space
+mbs/equations base grammar mbs/constraints mbs/elastic mbs/space
+mbs/clearance base grammar mbs/constraints mbs/ode mbs/elastic mbs/equations
+mbs/dynamics base grammar mbs/plan mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations
+mbs/analysis base grammar mbs/constraints mbs/ode mbs/elastic mbs/space mbs/equations mbs/clearance mbs/dynamics
+mbs/drives base grammar mbs/constraints mbs/elastic mbs/ode mbs/space mbs/equations mbs/dynamics mbs/analysis
 optimise/task base grammar mbs
 optimise/problem base grammar mbs optimise/task
 optimise/solvers base grammar mbs optimise/task optimise/problem
@@ -74,7 +77,7 @@ while read -r header files; do
         bad=1
     fi
 done <<'TABLE'
-gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c base/eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
+gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c base/eigen.c mbs/ode/panel.c mbs/analysis/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
 jansson grammar/text/json.c cli/program/file_kind.c cli/draw/cmd_gallery.c catalogues/build/build_linkages.c studio/studio_internal.h
 cairo catalogues/draw/picture.c

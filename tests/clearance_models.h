@@ -4,7 +4,7 @@
 #define LW_TESTS_CLEARANCE_MODELS_H
 
 #include "grammar/model/model.h"
-#include "mbs/dynamics/clearance.h"
+#include "mbs/clearance/clearance.h"
 #include "tests/mbs_random.h"
 
 /* Makkonen 1999, paper C, appendix 1, read with its errata; `unit` "m", "mm", "in" ..., metre its size; turned by

@@ -1,7 +1,7 @@
 /* The error budget of a robot's tool beside joints that are really moved, drives that are really turned, and elastic links at
  * rest under the same load. */
 #include "base/rng.h"
-#include "mbs/dynamics/budget.h"
+#include "mbs/analysis/budget.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/spatial_models.h"
 

@@ -1,7 +1,7 @@
 /* Spherical and revolute joints with clearance in space: closed forms of a bouncing ball and of the contact laws, the
  * limits of no clearance and of a stiff contact, the same linkage in the plane, a pretensioned joint, a DELTA robot. */
 #include "base/rng.h"
-#include "mbs/dynamics/clearance.h"
+#include "mbs/clearance/clearance.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/clearance_models.h"
 #include "tests/spatial_models.h"
@@ -187,7 +187,7 @@ static lw_status keep_plane(void *context, const lw_clearance_sample *s)
     return LW_OK;
 }
 
-/* The four-bar of the source in the plane by mbs/dynamics/clearance.h and in space. */
+/* The four-bar of the source in the plane by mbs/clearance/clearance.h and in space. */
 TEST(as_in_the_plane)
 {
     static const double seconds = 0.06;

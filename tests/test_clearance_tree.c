@@ -1,7 +1,7 @@
 /* tests/test_clearance_tree.c - tree coordinates against differences, accelerations against the equations of all bodies
  * written out. */
 #include <stdlib.h>
-#include "mbs/dynamics/clearance_internal.h"
+#include "mbs/clearance/clearance_internal.h"
 #include "tests/check.h"
 #include "tests/clearance_models.h"
 

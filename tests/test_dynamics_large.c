@@ -1,11 +1,11 @@
 /* tests/test_dynamics_large.c - models of any size: the sparse way alone gives the motion that both ways give together on
  * models small enough for both; long chains and rows of loops keep their energy. */
-#include "mbs/dynamics/freedoms.h"
+#include "mbs/analysis/freedoms.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
-#include "mbs/dynamics/reactions.h"
+#include "mbs/analysis/reactions.h"
 #include "tests/large_models.h"
 
 /* ---- runs ----------------------------------------------------------------------------------------------- */

@@ -1,7 +1,7 @@
 /* Random models with singular postures, run on several grids: not one difference from the exact motion or between
  * formulations goes without a word.  A run gives all its samples, or a status.  LW_SCAN=N takes N models of each kind
  * instead of a few. */
-#include "mbs/dynamics/reactions.h"
+#include "mbs/analysis/reactions.h"
 #include "tests/dynamics_run.h"
 #include "tests/model_text.h"
 

@@ -1,8 +1,8 @@
 /* Contact between shapes, ropes and free links: formulas of textbooks, and the laws of contact themselves at random. */
 #include "base/rng.h"
-#include "mbs/dynamics/complementarity.h"
-#include "mbs/dynamics/reactions.h"
+#include "mbs/analysis/reactions.h"
 #include "mbs/dynamics/statics.h"
+#include "mbs/equations/complementarity.h"
 #include "tests/dynamics_run.h"
 
 static drun d;

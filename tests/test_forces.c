@@ -1,6 +1,6 @@
 /* Loads of random models: derivatives against differences, potential and power against the forces. */
 #include "base/rng.h"
-#include "mbs/dynamics/forces.h"
+#include "mbs/equations/forces.h"
 #include "tests/dynamics_run.h"
 
 static lw_model model;

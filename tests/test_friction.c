@@ -1,5 +1,5 @@
 /* tests/test_friction.c - reactions that depend on the friction they cause. */
-#include "mbs/dynamics/friction.h"
+#include "mbs/equations/friction.h"
 
 #include "base/rng.h"
 #include "tests/check.h"

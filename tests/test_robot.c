@@ -1,7 +1,7 @@
 /* test_robot.c - robots: the DELTA robot of Makkonen 1999 (upper arms 0.35 m, lower bars 0.75 m, base less plate 0.15 m)
  * against its closed form (intersections of spheres, Clavel 1991) and against values worked out independently; a Stewart
  * platform and an arm against differences, unit forces and their inverse. */
-#include "mbs/dynamics/held.h"
+#include "mbs/analysis/held.h"
 
 #include "base/file.h"
 #include "base/rng.h"

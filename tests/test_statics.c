@@ -2,7 +2,7 @@
  * power of machines in motion. */
 #include "mbs/dynamics/statics.h"
 
-#include "mbs/dynamics/reactions.h"
+#include "mbs/analysis/reactions.h"
 #include "tests/dynamics_run.h"
 
 static drun d;

@@ -10,12 +10,12 @@
 #include "base/real.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
+#include "cli/bench/flexible_crank.h"
 #include "cli/program/data.h"
 #include "cli/program/progress.h"
-#include "mbs/dynamics/clearance.h"
-#include "mbs/elastic/contact.h"
+#include "mbs/clearance/clearance.h"
 #include "mbs/dynamics/dynamics.h"
-#include "cli/bench/flexible_crank.h"
+#include "mbs/elastic/contact.h"
 
 enum { REPEAT_MAX = 50 };
 static const double give_up = 5;             /* [s] of wall time                                            */

@@ -4,7 +4,7 @@
 
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
-#include "mbs/dynamics/clearance_sweep.h"
+#include "mbs/clearance/clearance_sweep.h"
 
 #define CLI_CLEARANCE_LIST_MAX 10000
 

@@ -8,8 +8,8 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "grammar/model/model.h"
+#include "mbs/analysis/freedoms.h"
 #include "mbs/constraints/adjust.h"
-#include "mbs/dynamics/freedoms.h"
 
 typedef struct settings {
     double tolerance;

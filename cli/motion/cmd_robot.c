@@ -11,8 +11,8 @@
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
-#include "mbs/dynamics/budget.h"
-#include "mbs/dynamics/held.h"
+#include "mbs/analysis/budget.h"
+#include "mbs/analysis/held.h"
 
 typedef struct settings {
     const char *tool, *at, *plot, *force;

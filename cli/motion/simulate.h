@@ -4,7 +4,7 @@
 
 #include "cli/motion/table.h"
 #include "cli/program/json.h"
-#include "mbs/dynamics/reactions.h"
+#include "mbs/analysis/reactions.h"
 
 typedef struct cli_simulate {
     const cli_call *call;

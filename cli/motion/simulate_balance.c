@@ -1,6 +1,6 @@
 /* cli/motion/simulate_balance.c - print counterweights as JSON. */
 #include "cli/motion/simulate.h"
-#include "mbs/dynamics/counterweights.h"
+#include "mbs/analysis/counterweights.h"
 
 lw_status cli_simulate_balance(cli_simulate *c, FILE *f, lw_error *e)
 {

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "mbs/analysis/reactions.h"
 #include "mbs/dynamics/dynamics_space.h"
-#include "mbs/dynamics/reactions.h"
 
 static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_error *e)
 {

@@ -4,14 +4,14 @@
  * or is asked for (docs/theory.md, "Dynamics").
  *
  * Coordinates q (n_q) and velocities v are those of mbs/constraints/system.h, scaled by system->unit; forces are those
- * of mbs/dynamics/forces.h.  Multipliers l (n_c) belong to the rows of the system, then of the driven inputs, then of
+ * of mbs/equations/forces.h.  Multipliers l (n_c) belong to the rows of the system, then of the driven inputs, then of
  * the stops that are rested on; the constraints push with -J^T l. */
 #ifndef LW_MBS_DYNAMICS_DYNAMICS_H
 #define LW_MBS_DYNAMICS_DYNAMICS_H
 
 #include <signal.h>
-#include "mbs/dynamics/forces.h"
 #include "mbs/elastic/expand.h"
+#include "mbs/equations/forces.h"
 
 typedef enum lw_analysis {
     LW_ANALYSIS_TRANSIENT,       /* kinematic when every freedom is driven, else dynamic */

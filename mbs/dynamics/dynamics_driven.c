@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/vector.h"
-#include "mbs/dynamics/limits_internal.h"
+#include "mbs/equations/limits_internal.h"
 
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
 

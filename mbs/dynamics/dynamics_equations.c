@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/sparse.h"
-#include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/touch_internal.h"
+#include "mbs/equations/friction.h"
 
 static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
 static const double least_pivot_large = 1e-9;     /* the same of large models: singular */

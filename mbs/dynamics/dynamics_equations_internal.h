@@ -13,11 +13,11 @@
 #include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/system_internal.h"
 #include "mbs/dynamics/dynamics.h"
-#include "mbs/dynamics/equations_planar.h"
-#include "mbs/dynamics/equations_space.h"
-#include "mbs/dynamics/friction.h"
-#include "mbs/dynamics/rigid_stops_internal.h"
 #include "mbs/elastic/expand_space.h"
+#include "mbs/equations/equations_planar.h"
+#include "mbs/equations/equations_space.h"
+#include "mbs/equations/friction.h"
+#include "mbs/equations/rigid_stops_internal.h"
 
 #define LW_STOP_ROW_MAX 16               /* stops that can be rested on at one time */
 #define LW_MBS_ROW_MAX  (LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_STOP_ROW_MAX)

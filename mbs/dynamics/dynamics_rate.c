@@ -3,7 +3,7 @@
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <stdlib.h>
-#include "mbs/dynamics/limits_internal.h"
+#include "mbs/equations/limits_internal.h"
 
 lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
 {

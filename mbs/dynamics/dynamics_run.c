@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/dynamics/limits_internal.h"
+#include "mbs/equations/limits_internal.h"
 
 /* ---- what is kept of a run ---------------------------------------------------------------------- */
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/dynamics/dynamics_run_internal.h"
-#include "mbs/dynamics/limits_internal.h"
+#include "mbs/equations/limits_internal.h"
 #include "mbs/ode/integrate.h"
 
 const lw_space *lw_dynamics_space(const lw_dynamics *d) { return &d->space->s; }

@@ -1,4 +1,4 @@
-/* mbs/dynamics/dynamics_stops.c - rigid stops in the bodies' coordinates (mbs/dynamics/rigid_stops_internal.h). */
+/* mbs/dynamics/dynamics_stops.c - rigid stops in the bodies' coordinates (mbs/equations/rigid_stops_internal.h). */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 

@@ -10,7 +10,7 @@
  * in Newton's cradle.  Without restitution all places take part at once.  Where this would gain energy, the
  * restitution is halved until it does not.
  *
- * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/dynamics/complementarity.h);
+ * Forces.  The accelerations after the event and the forces satisfy the same conditions (mbs/equations/complementarity.h);
  * they decide which places are held, stick or slip.  Of several solutions the method takes the one it finds first from
  * that without contact forces.  Where there is none (Painleve 1895), friction stops slips at once, by impulses at places
  * that do not approach. */
@@ -19,8 +19,8 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/dynamics/complementarity.h"
 #include "mbs/dynamics/touch_internal.h"
+#include "mbs/equations/complementarity.h"
 
 static const double missed = 1e-9;           /* a gap below minus this was not seen to close, scaled           */
 static const double overlap = 1e-6;          /* a gap below minus this: shapes overlap, scaled                 */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/vector.h"
-#include "mbs/dynamics/limits_internal.h"
+#include "mbs/equations/limits_internal.h"
 
 enum { ORDER = LW_SERIES_ORDER_MAX, NODES = 2*(ORDER + 1) };
 

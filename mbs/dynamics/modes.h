@@ -11,7 +11,7 @@
 #ifndef LW_MBS_DYNAMICS_MODES_H
 #define LW_MBS_DYNAMICS_MODES_H
 
-#include "mbs/dynamics/forces.h"
+#include "mbs/equations/forces.h"
 
 typedef struct lw_mode {
     double re, im;               /* eigenvalue s [1/s], im >= 0; one mode for a conjugate pair */

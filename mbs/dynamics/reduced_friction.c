@@ -10,7 +10,7 @@
  * by s follow from the transposed equations, from the first dyad to the last.
  *
  * N = |R(N)| is solved by iteration, which contracts by about mu times radius over length; where it does not, by
- * Newton's method (mbs/dynamics/friction.h). */
+ * Newton's method (mbs/equations/friction.h). */
 #include "base/real.h"
 #include "mbs/dynamics/reduced_internal.h"
 

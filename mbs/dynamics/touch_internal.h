@@ -1,13 +1,13 @@
 /* mbs/dynamics/touch_internal.h - the places where a model touches, in its equations; internal to mbs/.
  *
  * Places that are held are rows of the constraints, after those of the rigid stops: gaps, and slips that stick.  At
- * places that slip, friction is a force in proportion to the multiplier of the gap (mbs/dynamics/friction.h).  Forces
+ * places that slip, friction is a force in proportion to the multiplier of the gap (mbs/equations/friction.h).  Forces
  * of compliant contacts depend on the state. */
 #ifndef LW_MBS_DYNAMICS_TOUCH_INTERNAL_H
 #define LW_MBS_DYNAMICS_TOUCH_INTERNAL_H
 
 #include "mbs/dynamics/dynamics_equations_internal.h"
-#include "mbs/dynamics/touch.h"
+#include "mbs/equations/touch.h"
 
 typedef struct lw_touch_row { int touch; bool tangent; } lw_touch_row;
 

@@ -1,7 +1,7 @@
 /* mbs/space/space_forces.h - masses and loads of a spatial model as generalised forces, with derivatives.
  *
  * Springs, dampers, motors and stops act along a measure l(q), a length between two points or the turn or slide of a joint,
- * as in the plane (mbs/dynamics/forces.h).  It has a gradient g and second derivatives H by the at most twelve velocity
+ * as in the plane (mbs/equations/forces.h).  It has a gradient g and second derivatives H by the at most twelve velocity
  * coordinates of its two bodies, derivatives along motions of the bodies (lw_space_move), so H is not symmetric:
  *     force f along l:   Q = f g,   dQ_a/dq_b = g_a df/dq_b + f H_ab,   d(dl/dt)/dq_b = sum of v_a H_ab,   d(dl/dt)/dv = g. */
 #ifndef LW_MBS_SPACE_SPACE_FORCES_H

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "base/clock.h"
 #include "base/file.h"
-#include "mbs/dynamics/clearance.h"
+#include "mbs/clearance/clearance.h"
 #include "mbs/elastic/contact.h"
 
 static const double rpm = 2.0*LW_PI/60.0;

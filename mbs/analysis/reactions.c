@@ -1,0 +1,115 @@
+#include "mbs/analysis/reactions.h"
+#include "mbs/dynamics/touch_internal.h"
+
+#include <string.h>
+#include "base/real.h"
+
+/* -J^T l of n rows on one body: force, and moment about its reference point. */
+static lw_reaction on_body(const lw_dynamics *d, const double *l, int first, int n, int body)
+{
+    const lw_system *s = &d->s;
+    lw_reaction r = { { 0, 0 }, 0 };
+    for (int k = first; k < first + n; k++) {
+        int slot = 0;
+        while (d->row_block[k][slot] != body)
+            slot++;
+        const double *row = d->jac + k*LW_ROW_SIZE + 3*slot;
+        r.force.x -= l[k]*row[0]/s->unit;
+        r.force.y -= l[k]*row[1]/s->unit;
+        r.moment -= l[k]*row[2];
+    }
+    return r;
+}
+
+void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *out)
+{
+    const lw_system *s = lw_dynamics_system(d);
+    lw_mbs_system_rows(d, m->q);
+    for (int j = 0; j < s->n_joint; j++) {
+        const lw_system_joint *p = &s->joint[j];
+        int end = p->body[1] >= 0 ? 1 : 0, body = p->body[end], n = lw_joint_equations(p->kind);
+        lw_reaction r = on_body(d, m->l, p->row, n, body);
+        /* link[1] receives the opposite of what acts on link[0] */
+        double sign = end == 1 ? 1 : -1;
+        lw_vec2 at = lw_system_point(s, lw_joint_has_ratio(p->kind) ? p->carrier : p->body[1], p->arm[1], m->q);
+        lw_vec2 centre = lw_system_point(s, body, lw_v2(0, 0), m->q);
+        out[j].force = lw_v2_scale(r.force, sign);
+        out[j].moment = sign*(r.moment - lw_v2_cross(lw_v2_sub(at, centre), r.force));
+    }
+}
+
+static double input_unit(const lw_system *s, int input)
+{
+    return lw_system_joint_unit(s, s->input_joint[input]);
+}
+
+void lw_reactions_driving(const lw_dynamics *d, const lw_moment *m, double *out)
+{
+    const lw_system *s = lw_dynamics_system(d);
+    const lw_model *model = lw_dynamics_forces(d)->model;
+    int row = s->n_row;
+    for (int i = 0; i < s->n_input; i++) {
+        out[i] = model->motion[i] ? -m->l[row++]/input_unit(s, i) : 0;
+    }
+    for (int i = 0; i < s->n_tie; i++) {                     /* (h_tied - ratio h_first)/(1 + |ratio|) = 0 */
+        double pull = -m->l[s->tie_row + i]/(1 + fabs(s->tie[i]));
+        out[s->n_input + i] = pull/input_unit(s, s->n_input + i);
+        out[0] -= s->tie[i]*pull/input_unit(s, 0);
+    }
+}
+
+lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m)
+{
+    const lw_system *s = lw_dynamics_system(d);
+    const lw_forces *f = lw_dynamics_forces(d);
+    lw_reaction r = { { 0, 0 }, 0 };
+    for (int b = 0; b < s->n_body; b++) {
+        double mass = f->mass[3*b]/(s->unit*s->unit);
+        lw_vec2 at = lw_system_point(s, b, lw_v2(0, 0), m->q);
+        lw_vec2 pull = lw_v2_scale(lw_v2(m->a[3*b], m->a[3*b + 1]), -mass*s->unit);
+        r.force = lw_v2_add(r.force, pull);
+        r.moment += lw_v2_cross(at, pull) - f->mass[3*b + 2]*m->a[3*b + 2];
+    }
+    return r;
+}
+
+void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out)
+{
+    const lw_elastic_chain *c = &lw_dynamics_elastic(d)->chain[chain];
+    memset(out, 0, (size_t)c->n_node*sizeof *out);
+    for (int i = 0; i + 1 < c->n_node; i++) {
+        lw_beam_state z;
+        lw_forces_beam(lw_dynamics_forces(d), c->first_beam + i, m->q, m->v, false, &z);
+        for (int end = 0; end < 2; end++) {
+            lw_inner_force *to = &out[i + end];
+            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5;
+            double stress = lw_section_stress(&c->elastic->section, z.normal, z.moment[end]);
+            to->normal += share*z.normal;
+            to->shear += share*z.shear;
+            to->moment += share*z.moment[end];
+            to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+        }
+    }
+}
+
+void lw_reactions_contacts(const lw_dynamics *d, const lw_moment *m, lw_vec2 *contact, double *rope)
+{
+    const lw_model *model = d->model;
+    for (int i = 0; i < model->n_contact; i++)
+        contact[i] = lw_v2(0, 0);
+    for (int i = 0; i < model->n_rope; i++)
+        rope[i] = 0;
+    if (d->touch)
+        lw_mbs_system_rows(d, m->q);
+    for (int i = 0; d->touch && i < d->touch->list.n; i++) {
+        lw_vec2 f;
+        double normal = lw_mbs_touch_load(d, i, m->v, m->l, &f);
+        const lw_touch *p = &d->touch->list.touch[i];
+        if (p->kind == LW_TOUCH_ROPE)
+            rope[p->owner] += normal;
+        else if (p->kind != LW_TOUCH_STOP) {     /* f acts on link 0 of the place; the columns are of link 1 of the contact */
+            bool second = model->contact[p->owner].link[1] != p->link;
+            contact[p->owner] = lw_v2_add(contact[p->owner], lw_v2_scale(f, second ? -1 : 1));
+        }
+    }
+}

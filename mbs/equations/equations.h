@@ -1,0 +1,115 @@
+/* mbs/equations/equations.h - the equations of motion of a scene as its solvers see them.
+ *
+ *     q' = G(q) v,   M v' = Q(t, q, v, z) - J^T l,   z' = f(t, q, v, z),   Phi(q) = 0,   J = dPhi/dq G
+ *
+ * The solvers know rows, blocks and numbers, and neither the plane nor space: velocities come in blocks of three, a row
+ * touches at most LW_ROW_BLOCKS blocks, which never change, and a step moves q along v.  Lengths are in multiples of the
+ * size of the scene, so forces are energies [J] and masses are in [kg m^2].  Two files fill this:
+ *
+ *     equations_planar.c    a block is a body: three coordinates, as many velocities, G is the unit matrix
+ *     equations_space.c     a body has two blocks: velocity of its centre, and angular velocity in its principal axes; it has
+ *                           7 coordinates, centre and quaternion, so n_q is not n_v
+ *
+ * M is constant and diagonal in both.  A measure is a number that a posture has, such as the turn of a joint; how
+ * measures are numbered is the filler's.
+ *
+ * place comes first; what has no q of its own holds at the q placed last, what has no z at the z placed last. */
+#ifndef LW_MBS_EQUATIONS_EQUATIONS_H
+#define LW_MBS_EQUATIONS_EQUATIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/error.h"
+
+#define LW_BLOCK      3                      /* velocities of a block */
+#define LW_ROW_BLOCKS 4                      /* most blocks that a row touches */
+#define LW_ROW_SIZE   (LW_BLOCK*LW_ROW_BLOCKS)
+typedef int lw_row_blocks[LW_ROW_BLOCKS];    /* each once, -1 after the last */
+
+/* The derivative by velocity coordinate b of entry a of a row of J, where it is not 0. */
+typedef struct lw_bend { int a, b; double h; } lw_bend;
+#define LW_BEND_MAX 72
+
+/* Takes derivatives of forces; they are sums, so an entry may come several times. */
+typedef struct lw_force_sink {
+    void *context;
+    void (*add)(void *context, int row, int column, double by_q, double by_v);
+    /* The same for states: row n_v + i is the rate of state i, with by_q and by_v for a column below n_v; column n_v + k
+     * is state k, with the derivative in by_q.  NULL: they are not wanted. */
+    void (*add_state)(void *context, int row, int column, double by_q, double by_v);
+} lw_force_sink;
+
+typedef enum lw_named { LW_NAMED_BLOCK, LW_NAMED_ROW, LW_NAMED_MEASURE, LW_NAMED_INPUT, LW_NAMED_STATE } lw_named;
+
+typedef struct lw_equations {
+    int   n_q, n_v;              /* coordinates; velocities                                             */
+    int   n_block;               /* those of block b are v[LW_BLOCK*b] ..                               */
+    int   n_row;                 /* rows of the joints                                                  */
+    int   n_z;                   /* first-order states: currents, pressures, integrals                  */
+    int   n_damper;              /* dampers and motors, for an estimate of how stiff they are           */
+    const double *mass;          /* (n_v) diagonal of M                                                 */
+    const double *z;             /* (n_z) states placed last                                           */
+    const double *weight;        /* (n_v) generalised force of gravity in the posture of the file       */
+    double unit;                 /* size of the scene [m]                                               */
+    bool  conservative;          /* all forces have a potential                                         */
+    bool  smooth;                /* forces and rows are accurate to rounding, with no steps or kinks    */
+    bool  exact;                 /* derivatives and bends below are complete                            */
+    void *context;
+    /* Name of the link of a block, the joint of a row, ... */
+    const char *(*name)(void *context, lw_named what, int index);
+    void   (*row_blocks)(void *context, int row, int *block);
+    void   (*measure_blocks)(void *context, int measure, int *block);
+    void   (*place)(void *context, const double *q);
+    /* Rows phi (n_row) and J in blocks: derivatives by block[r][k] at jac[LW_ROW_SIZE*r + LW_BLOCK*k], added to jac. */
+    void   (*rows)(void *context, double *phi, double *jac, lw_row_blocks *block);
+    /* A measure over its unit (1 rad, or `unit`), and its derivatives, added to row; the unit. */
+    double (*measure)(void *context, int measure, double *row, const int *block);
+    double (*measure_unit)(void *context, int measure);
+    /* What J v' has to be: minus the part of the second rate of the rows that velocities cause; added to out (n_row).  And
+     * that part of the second rate of a measure. */
+    void   (*bias)(void *context, const double *v, double *out);
+    double (*measure_bias)(void *context, int measure, const double *v);
+    /* Second derivatives of a row, at most LW_BEND_MAX; returns how many.  For vibrations and implicit steps; none of gears
+     * and ties are given. */
+    int    (*bends)(void *context, int row, lw_bend *out);
+    /* Motion prescribed for an input at t: value of its measure, rate and second rate, over the unit.  LW_E_NUMERIC: a number
+     * that is not finite. */
+    lw_status (*motion)(void *context, int input, double t, double out[3]);
+    /* Generalised forces (n_v) and the power of those without potential (unless NULL); their derivatives by q and v, to a
+     * sink; all entries that these can have. */
+    void   (*forces)(void *context, double t, const double *q, const double *v, double *force, double *power);
+    void   (*derivatives)(void *context, double t, const double *q, const double *v, double *force,
+                          const lw_force_sink *sink);
+    void   (*pattern)(void *context, const lw_force_sink *sink);
+    /* Entries of the mass matrix besides its diagonal at q, to by_q of a sink (consistent masses of elements, which only
+     * modes and equilibrium know).  NULL: there are none. */
+    void   (*more_mass)(void *context, const double *q, const lw_force_sink *sink);
+    /* Damper k as a coefficient [SI] and the gradient g (n_v, zeroed) of its measure in SI units, at (q, v). */
+    double (*damper)(void *context, int k, const double *q, const double *v, double *g);
+    /* The next time after t at which forces or motions have a kink.  NULL: never. */
+    double (*next_kink)(void *context, double t);
+    /* Forces have smooth pieces, such as contacts that are open or closed.  How far a posture is from the end of its piece,
+     * < 0 beyond it; take the piece that begins at (q, v), or at the start of a run.  NULL: there is one piece only. */
+    double (*piece_left)(void *context, const double *q);
+    void   (*next_piece)(void *context, const double *q, const double *v, bool start);
+    void   (*watch)(void *context, double t, const double *q, const double *v, bool first);     /* after each step */
+    /* Take z (n_z); its rates; its values at the start; the size of state i against which its error counts. */
+    void   (*place_states)(void *context, const double *z);
+    void   (*state_rates)(void *context, double t, const double *q, const double *v, double *rate);
+    void   (*state_start)(void *context, double t, const double *q, const double *v, double *z);
+    double (*state_scale)(void *context, int i);
+    double (*kinetic)(void *context, const double *v);
+    double (*potential)(void *context, const double *q);
+    /* A momentum that the scene keeps, and its size for comparison.  NULL: none is known. */
+    double (*momentum)(void *context, const double *q, const double *v, double *size);
+    /* Move q by a small displacement (n_v), on the manifold of coordinates; q' = G v. */
+    void   (*move)(void *context, double *q, const double *by);
+    /* Velocities while q is moved by a displacement `by` that changes with the given rates, which they replace.  NULL: they are
+     * the rates. */
+    void   (*along)(void *context, const double *by, double *rate);
+    void   (*rates)(void *context, const double *q, const double *v, double *dq);
+    /* q is a state of the run: put it on its manifold (quaternions of length 1), count turns from it.  NULL: nothing to do. */
+    void   (*accept)(void *context, double *q);
+} lw_equations;
+
+#endif

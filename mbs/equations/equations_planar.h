@@ -1,0 +1,14 @@
+/* mbs/equations/equations_planar.h - the equations of motion of a planar model. */
+#ifndef LW_MBS_EQUATIONS_EQUATIONS_PLANAR_H
+#define LW_MBS_EQUATIONS_EQUATIONS_PLANAR_H
+
+#include "mbs/constraints/system_internal.h"
+#include "mbs/equations/equations.h"
+#include "mbs/equations/forces.h"
+
+/* Measures are those of joints (mbs/constraints/system.h).  frames (n_body + 1) is scratch that holds the bodies at the q
+ * placed last; hold_inputs: inputs without a motion stay where they are. */
+typedef struct lw_planar { const lw_system *s; const lw_forces *f; lw_body_frame *frames; bool hold_inputs; } lw_planar;
+lw_equations lw_planar_equations(lw_planar *p);
+
+#endif

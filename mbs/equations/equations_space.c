@@ -1,0 +1,498 @@
+/* mbs/equations/equations_space.c - the equations of a spatial model: rows of its joints and of spins that are held, in blocks
+ * of three velocities; forces. */
+#include "mbs/equations/equations_space.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- making ------------------------------------------------------------------------------------------------ */
+
+/* A spin that is held changes nothing where the body is symmetric about its axis and not set spinning.  Others run. */
+static int keep_exact_spins(const lw_spatial_scene *c, lw_space_extra *x, int count)
+{
+    int n = 0;
+    for (int i = 0; i < count; i++) {
+        const double *inertia = c->s.mass + 6*x[i].body + 3;
+        const double axis[] = { fabs(x[i].axis.x), fabs(x[i].axis.y), fabs(x[i].axis.z) };
+        int k = axis[0] > axis[1] && axis[0] > axis[2] ? 0 : axis[1] > axis[2] ? 1 : 2;
+        double a = inertia[(k + 1)%3], b = inertia[(k + 2)%3];
+        bool along = axis[k] > 1 - 1e-12 || fabs(a - inertia[k]) + fabs(b - inertia[k]) <= 1e-12*a;
+        if (along && fabs(a - b) <= 1e-9*fmax(a, b) && !c->model->body[c->s.link_of[x[i].body]].has_omega)
+            x[n++] = x[i];
+    }
+    return n;
+}
+
+/* Are there as many motions of inputs as freedoms that are not spins between balls? */
+static bool every_freedom_is_driven(const lw_spatial_scene *c)
+{
+    int motions = 0, rows = c->s.n_row + c->n_idle;
+    for (int i = 0; i < c->model->n_input; i++)
+        motions += c->model->input[i].motion != NULL;
+    return motions > 0 && motions >= c->s.n_v - rows;
+}
+
+/* Spins that are held need an inertia, which does not act. */
+static void weigh_spins(lw_spatial_scene *c)
+{
+    memcpy(c->mass, c->s.mass, (size_t)c->s.n_v*sizeof *c->mass);
+    for (int i = 0; i < c->n_idle; i++) {
+        double *w = c->mass + 6*c->idle[i].body + 3, top = fmax(w[0], fmax(w[1], w[2]));
+        const double axis[] = { c->idle[i].axis.x, c->idle[i].axis.y, c->idle[i].axis.z };
+        for (int k = 0; k < 3; k++)
+            if (w[k] == 0 && fabs(axis[k]) > 1 - 1e-12)
+                w[k] = top;
+    }
+}
+
+lw_status lw_spatial_weigh_massless(lw_spatial_scene *c, bool at_rest, lw_error *e)
+{
+    double top = 0;
+    for (int i = 0; i < c->s.n_v; i++)
+        top = fmax(top, c->mass[i]);
+    for (int i = 0; i < c->s.n_v; i++)
+        if (!at_rest && !(c->mass[i] > 0))
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\": in a model of this size every link has "
+                                "them", c->model->body[c->s.link_of[i/6]].name);
+        else if (!(c->mass[i] > 0))
+            c->mass[i] = top > 0 ? 1e-3*top : 1, c->massless = i/6;
+    return LW_OK;
+}
+
+static void set_slots(lw_space_slots *t, const int body[2], bool turns_only)
+{
+    t->n = 0;
+    for (int k = 0; k < 4; k++) {
+        if (body[k/2] < 0 || (turns_only && k%2 == 0))
+            continue;
+        t->from[t->n] = LW_BLOCK*k;
+        t->block[t->n++] = 2*body[k/2] + k%2;
+    }
+}
+
+static void put_spin(lw_spatial_scene *c, int i)
+{
+    c->slots[c->s.n_row + i] = (lw_space_slots){ .joint = -1, .n = 1, .block = { 2*c->idle[i].body + 1 } };
+}
+
+lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_error *e)
+{
+    *c = (lw_spatial_scene){ .model = m, .massless = -1 };
+    lw_status st = lw_space_make(m, &c->s, e);
+    if (st == LW_OK)
+        st = lw_space_forces_make(&c->s, &c->f, e);
+    if (st != LW_OK)
+        return st;
+    size_t bodies = (size_t)c->s.n_body + 1, rows = (size_t)c->s.n_row + bodies;
+    c->frame = calloc(bodies, sizeof *c->frame);
+    c->idle = calloc(bodies, sizeof *c->idle);
+    c->slots = calloc(rows, sizeof *c->slots);
+    c->mass = calloc(6*bodies, sizeof *c->mass);
+    if (!c->frame || !c->idle || !c->slots || !c->mass)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    c->n_idle = lw_space_idle(&c->s, c->idle);
+    if (!every_freedom_is_driven(c))
+        c->n_idle = keep_exact_spins(c, c->idle, c->n_idle);
+    weigh_spins(c);
+    for (int j = 0; j < c->s.n_joint; j++)
+        for (int k = 0; k < lw_spatial_kind_of(c->s.joint[j].kind)->rows; k++) {
+            lw_space_slots *t = &c->slots[c->s.joint[j].row + k];
+            t->joint = j;
+            set_slots(t, c->s.joint[j].body, lw_space_row_turns(&c->s, j, k));
+        }
+    for (int i = 0; i < c->n_idle; i++)
+        put_spin(c, i);
+    return LW_OK;
+}
+
+void lw_spatial_scene_hold(lw_spatial_scene *c, int body, lw_vec3 axis)
+{
+    c->idle[c->n_idle] = (lw_space_extra){ .spin = true, .body = body, .axis = axis };
+    put_spin(c, c->n_idle++);
+}
+
+void lw_spatial_scene_free(lw_spatial_scene *c)
+{
+    if (c->follow.memory)
+        lw_space_follow_free(&c->follow);
+    lw_space_dense_free(&c->drives_least);
+    lw_space_rows_free(&c->drives);
+    free(c->drive_l);
+    free(c->drive_f);
+    free(c->joint);
+    free(c->frame);
+    free(c->idle);
+    free(c->slots);
+    free(c->mass);
+    lw_space_forces_free(&c->f);
+    lw_space_free(&c->s);
+    *c = (lw_spatial_scene){ 0 };
+}
+
+/* ---- measures ---------------------------------------------------------------------------------------------- */
+
+int lw_spatial_number(const lw_spatial_scene *c, lw_spatial_measure of)
+{
+    return of.of < LW_OF_X ? 2*of.index + (of.of == LW_OF_SLIDE) : 2*c->s.n_joint + 3*of.index + (int)(of.of - LW_OF_X);
+}
+
+lw_spatial_measure lw_spatial_numbered(const lw_spatial_scene *c, int number)
+{
+    int tracer = number - 2*c->s.n_joint;
+    return tracer < 0 ? (lw_spatial_measure){ number%2 ? LW_OF_SLIDE : LW_OF_TURN, number/2 }
+                      : (lw_spatial_measure){ (lw_spatial_of)(LW_OF_X + tracer%3), tracer/3 };
+}
+
+static lw_space_slots measure_slots(const lw_spatial_scene *c, lw_spatial_measure of)
+{
+    lw_space_slots t = { 0 };
+    int body[2];
+    lw_space_bodies(&c->s, &(lw_space_extra){ .measure = of }, body);
+    set_slots(&t, body, of.of == LW_OF_TURN);
+    return t;
+}
+
+static void put_blocks(const lw_space_slots *t, int *block)
+{
+    for (int k = 0; k < LW_ROW_BLOCKS; k++)
+        block[k] = k < t->n ? t->block[k] : -1;
+}
+
+static void row_blocks(void *context, int row, int *block)
+{
+    put_blocks(&((const lw_spatial_scene *)context)->slots[row], block);
+}
+
+static void measure_blocks(void *context, int measure, int *block)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_slots t = measure_slots(c, lw_spatial_numbered(c, measure));
+    put_blocks(&t, block);
+}
+
+static double measure(void *context, int number, double *row, const int *block)
+{
+    const lw_spatial_scene *c = context;
+    lw_spatial_measure of = lw_spatial_numbered(c, number);
+    lw_space_slots t = measure_slots(c, of);
+    double jac[LW_SPACE_ROW];
+    (void)block;                             /* they are those of measure_blocks */
+    double value = lw_space_measure(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, jac);
+    for (int k = 0; k < t.n; k++)
+        for (int i = 0; i < LW_BLOCK; i++)
+            row[LW_BLOCK*k + i] += jac[t.from[k] + i];
+    return value;
+}
+
+static double measure_unit(void *context, int number)
+{
+    const lw_spatial_scene *c = context;
+    return lw_space_scale(&c->s, lw_spatial_numbered(c, number));
+}
+
+static double measure_bias(void *context, int number, const double *v)
+{
+    const lw_spatial_scene *c = context;
+    return lw_space_measure_bias(&c->s, c->frame, lw_spatial_numbered(c, number), v);
+}
+
+static lw_status prescribed(void *context, int input, double t, double out[3])
+{
+    const lw_spatial_scene *c = context;
+    const lw_spatial_input *in = &c->model->input[input];
+    double series[3] = { lw_spatial_offset(in), 0, 0 }, scale = lw_space_scale(&c->s, in->measure);
+    const double at[3] = { t, 1, 0 };
+    if (in->motion)
+        lw_expression_series(in->motion, 2, at, series);
+    out[0] = (series[0] - lw_spatial_offset(in))/scale, out[1] = series[1]/scale, out[2] = 2*series[2]/scale;
+    return isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2]) ? LW_OK : LW_E_NUMERIC;
+}
+
+/* ---- rows --------------------------------------------------------------------------------------------------- */
+
+static void place(void *context, const double *q)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+}
+
+static void rows(void *context, double *phi, double *jac, lw_row_blocks *block)
+{
+    const lw_spatial_scene *c = context;
+    (void)block;
+    _Static_assert(LW_ROW_SIZE == LW_SPACE_ROW, "rows of two bodies fill rows of the layer");
+    lw_space_rows(&c->s, c->frame, phi, jac);
+    for (int r = 0; r < c->s.n_row; r++) {
+        double *to = jac + r*LW_ROW_SIZE;
+        const lw_space_slots *t = &c->slots[r];
+        for (int k = 0; k < t->n; k++)
+            if (t->from[k] > LW_BLOCK*k)
+                memcpy(to + LW_BLOCK*k, to + t->from[k], LW_BLOCK*sizeof *to);
+    }
+    for (int i = 0; i < c->n_idle; i++) {
+        double *to = jac + (c->s.n_row + i)*LW_ROW_SIZE;
+        lw_vec3 axis = c->idle[i].axis;
+        phi[c->s.n_row + i] = 0;
+        to[0] = axis.x, to[1] = axis.y, to[2] = axis.z;
+    }
+}
+
+static void bias(void *context, const double *v, double *out)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_bias(&c->s, c->frame, v, out);
+}
+
+static int bends(void *context, int row, lw_bend *out)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_bend each[LW_SPACE_BENDS];
+    int joint = c->slots[row].joint, n = joint < 0 ? 0 : lw_space_row_bends(&c->s, c->frame, joint, row - c->s.joint[joint].row, each);
+    for (int i = 0; i < n; i++)
+        out[i] = (lw_bend){ each[i].a, each[i].b, each[i].h };
+    return n;
+}
+
+/* ---- forces and energies ------------------------------------------------------------------------------------- */
+
+static void forces(void *context, double t, const double *q, const double *v, double *force, double *power)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_forces_apply(&c->f, t, c->frame, v, force, power, NULL);
+}
+
+static void derivatives(void *context, double t, const double *q, const double *v, double *force,
+                        const lw_force_sink *sink)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_forces_apply(&c->f, t, c->frame, v, force, NULL, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
+}
+
+static void more_mass(void *context, const double *q, const lw_force_sink *sink)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_more_mass(&c->f, c->frame, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
+}
+
+static void pattern(void *context, const lw_force_sink *sink)
+{
+    lw_space_forces_pattern(&((const lw_spatial_scene *)context)->f, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
+}
+
+static double damper(void *context, int k, const double *q, const double *v, double *g)
+{
+    const lw_spatial_scene *c = context;
+    (void)v;
+    lw_space_place(&c->s, q, c->frame);
+    return lw_space_damper(&c->f, k, c->frame, g);
+}
+
+/* ---- friction ------------------------------------------------------------------------------------------------- */
+
+/* A push along a measure; returns its power. */
+static double push_along(const lw_spatial_scene *c, lw_spatial_measure of, double push, const double *v, double *force)
+{
+    double jac[LW_SPACE_ROW], scale = lw_space_scale(&c->s, of), rate = 0;
+    int body[2];
+    lw_space_bodies(&c->s, &(lw_space_extra){ .measure = of }, body);
+    lw_space_measure(&c->s, c->frame, of, of.of == LW_OF_TURN ? c->f.turn[of.index] : 0, jac);
+    for (int a = 0; a < LW_SPACE_ROW; a++)
+        if (body[a/6] >= 0) {
+            int at = 6*body[a/6] + a%6;
+            rate += scale*jac[a]*v[at];
+            force[at] += push*scale*jac[a];
+        }
+    return push*rate;
+}
+
+/* A torque on body 1, from body 0; returns its power. */
+static double push_torque(const lw_spatial_scene *c, const int body[2], lw_vec3 torque, const double *v, double *force)
+{
+    double power = 0;
+    for (int k = 0; k < 2; k++) {
+        if (body[k] < 0)
+            continue;
+        lw_vec3 own = lw_v3_scale(lw_m3_unapply(&c->frame[body[k] + 1].turn, torque), k ? 1 : -1);
+        double *to = force + 6*body[k] + 3;
+        const double *w = v + 6*body[k] + 3;
+        to[0] += own.x, to[1] += own.y, to[2] += own.z;
+        power += own.x*w[0] + own.y*w[1] + own.z*w[2];
+    }
+    return power;
+}
+
+double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, const double *v, double *force)
+{
+    const lw_space_joint *j = &c->s.joint[f->joint];
+    double rate[2], value, slip, push;
+    const lw_spatial_measure of[2] = { { LW_OF_TURN, f->joint }, { LW_OF_SLIDE, f->joint } };
+    memset(force, 0, (size_t)c->s.n_v*sizeof *force);
+    lw_vec3 w = lw_v3_sub(lw_space_omega(c->frame, j->body[1], v), lw_space_omega(c->frame, j->body[0], v));
+    switch (j->kind) {
+    case LW_SPATIAL_REVOLUTE:
+    case LW_SPATIAL_PRISMATIC: {
+        const lw_spatial_measure *one = &of[j->kind == LW_SPATIAL_PRISMATIC];
+        lw_space_measured(&c->s, c->frame, *one, 0, v, &value, rate);
+        return push_along(c, *one, lw_friction_push(f, rate[0]), v, force);
+    }
+    case LW_SPATIAL_CYLINDRICAL:
+        for (int k = 0; k < 2; k++)
+            lw_space_measured(&c->s, c->frame, of[k], 0, v, &value, &rate[k]);
+        slip = hypot(f->lever_arm*rate[0], rate[1]);
+        push = -f->coefficient*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
+        return push_along(c, of[0], push*f->lever_arm*f->lever_arm*rate[0], v, force) + push_along(c, of[1], push*rate[1], v, force);
+    case LW_SPATIAL_SPHERICAL:
+        slip = f->lever_arm*lw_v3_norm(w);
+        push = -f->coefficient*f->lever_arm*f->lever_arm*(slip > 1e-9*f->speed ? tanh(slip/f->speed)/slip : 1/f->speed);
+        return push_torque(c, j->body, lw_v3_scale(w, push), v, force);
+    case LW_SPATIAL_UNIVERSAL: {             /* rates about a and b are those along a*, b*, with a*.a = 1, a*.b = 0 */
+        lw_vec3 a = lw_m3_apply(&c->frame[j->body[0] + 1].turn, j->x[0]), b = lw_m3_apply(&c->frame[j->body[1] + 1].turn, j->x[1]);
+        double dot = lw_v3_dot(a, b), wide = 1/(1 - dot*dot);
+        lw_vec3 dual[2] = { lw_v3_scale(lw_v3_sub(a, lw_v3_scale(b, dot)), wide), lw_v3_scale(lw_v3_sub(b, lw_v3_scale(a, dot)), wide) };
+        value = 0;
+        for (int k = 0; k < 2; k++)
+            value += push_torque(c, j->body, lw_v3_scale(dual[k], lw_friction_push(f, lw_v3_dot(dual[k], w))), v, force);
+        return value;
+    }
+    default:
+        return 0;
+    }
+}
+
+static double earlier(double than, const lw_expression *x, double t)
+{
+    return x ? fmin(than, lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t)) : than;
+}
+
+static double next_kink(void *context, double t)
+{
+    const lw_spatial *m = ((const lw_spatial_scene *)context)->model;
+    double next = INFINITY;
+    for (int i = 0; i < m->n_input; i++)
+        next = earlier(next, m->input[i].motion, t);
+    for (int i = 0; i < m->n_spring; i++)
+        next = earlier(next, m->spring[i].law, t);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        next = earlier(next, m->joint_spring[i].law, t);
+    for (int i = 0; i < m->n_force; i++)
+        for (int k = 0; k < 3; k++)
+            next = earlier(earlier(next, m->force[i].force[k], t), m->force[i].torque[k], t);
+    return fmin(next, lw_states_next_kink(&m->states, t));
+}
+
+static double piece_left(void *context, const double *q)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    return lw_space_piece_left(&c->f, c->frame);
+}
+
+static void next_piece(void *context, const double *q, const double *v, bool start)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_next_piece(&c->f, c->frame, v, start);
+}
+
+static void watch(void *context, double t, const double *q, const double *v, bool first)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_watch_contacts(&c->f, c->frame, v, t, first);
+}
+
+static void place_states(void *context, const double *z)
+{
+    const lw_spatial_scene *c = context;
+    for (int i = 0; i < c->model->states.n_state; i++)
+        c->f.z[i] = z[i];
+}
+
+static void state_rates(void *context, double t, const double *q, const double *v, double *rate)
+{
+    place(context, q);
+    lw_space_state_rates(&((const lw_spatial_scene *)context)->f, t, ((const lw_spatial_scene *)context)->frame, v, rate);
+}
+
+static void state_start(void *context, double t, const double *q, const double *v, double *z)
+{
+    place(context, q);
+    lw_space_state_start(&((const lw_spatial_scene *)context)->f, t, ((const lw_spatial_scene *)context)->frame, v, z);
+}
+
+static double state_scale(void *context, int i) { return ((const lw_spatial_scene *)context)->model->states.state[i].scale; }
+
+static double kinetic(void *context, const double *v) { return lw_space_kinetic(&((const lw_spatial_scene *)context)->s, v); }
+
+static double potential(void *context, const double *q)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    return lw_space_potential(&c->f, c->frame);
+}
+
+/* ---- motion --------------------------------------------------------------------------------------------------- */
+
+static void move(void *context, double *q, const double *by) { lw_space_move(&((const lw_spatial_scene *)context)->s, q, by); }
+
+static void along(void *context, const double *by, double *rate)
+{
+    lw_space_along(&((const lw_spatial_scene *)context)->s, by, rate);
+}
+
+static void rates(void *context, const double *q, const double *v, double *dq)
+{
+    lw_space_rates(&((const lw_spatial_scene *)context)->s, q, v, dq);
+}
+
+static void accept(void *context, double *q)
+{
+    lw_spatial_scene *c = context;
+    lw_space_normalise(&c->s, q);
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_forces_accept(&c->f, c->frame);
+}
+
+static const char *name(void *context, lw_named what, int i)
+{
+    const lw_spatial_scene *c = context;
+    lw_spatial_measure of = what == LW_NAMED_INPUT ? c->model->input[i].measure
+                          : lw_spatial_numbered(c, what == LW_NAMED_MEASURE ? i : 0);
+    switch (what) {
+    case LW_NAMED_BLOCK: return c->model->body[c->s.link_of[i/2]].name;
+    case LW_NAMED_ROW:   return c->slots[i].joint < 0 ? c->model->body[c->s.link_of[c->idle[i - c->s.n_row].body]].name
+                                                      : c->model->joint[c->slots[i].joint].name;
+    case LW_NAMED_INPUT: case LW_NAMED_MEASURE:
+        return of.of < LW_OF_X ? c->model->joint[of.index].name : c->model->tracer[of.index].name;
+    case LW_NAMED_STATE: return c->model->states.state[i].name;
+    }
+    return "";
+}
+
+static bool has_expressions(const lw_spatial_scene *c)
+{
+    bool any = c->model->n_force + c->model->n_spring + c->model->n_joint_spring + c->model->states.n_state > 0;
+    for (int i = 0; i < c->model->n_input; i++)
+        any = any || c->model->input[i].motion;
+    return any;
+}
+
+lw_equations lw_spatial_equations(lw_spatial_scene *c)
+{
+    return (lw_equations){ .n_q = c->s.n_q, .n_v = c->s.n_v, .n_block = 2*c->s.n_body, .n_row = c->s.n_row + c->n_idle,
+                           .n_damper = lw_space_dampers(&c->s), .mass = c->mass, .weight = c->f.weight, .unit = c->s.unit,
+                           .conservative = c->f.conservative, .smooth = true, .exact = true, .context = c, .name = name,
+                           .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
+                           .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
+                           .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
+                           .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
+                           .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
+                           .state_start = state_start, .state_scale = state_scale,
+                           .piece_left = c->model->n_contact ? piece_left : NULL,
+                           .next_piece = c->model->n_contact ? next_piece : NULL,
+                           .watch = c->model->n_contact ? watch : NULL, .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
+                           .potential = potential, .move = move, .along = along, .rates = rates, .accept = accept };
+}

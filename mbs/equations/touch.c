@@ -1,0 +1,453 @@
+/* mbs/equations/touch.c - geometry of contact between shapes.
+ *
+ * A corner behind a face may be inside the body or far behind it, beyond its other side.  It counts as inside while it
+ * is no deeper than half the thickness of the body there, and nearer to this face than to the next ones: below the
+ * bisectors of the corners at both ends, whose slopes are slope[].  So exactly one face of a corner of a body repels. */
+#include "mbs/equations/touch.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/real.h"
+
+/* ---- discs and faces of a shape ------------------------------------------------------------------ */
+
+typedef struct disc { lw_vec2 at; double radius, size; } disc;
+typedef struct face { lw_vec2 from, to; double radius, deepest, slope[2]; bool infinite, two_sided; } face;
+
+static int disc_count(const lw_contour *p)
+{
+    return p->kind == LW_CONTOUR_LINE ? 0 : p->kind == LW_CONTOUR_CIRCLE ? 1 : p->n;
+}
+
+static int face_count(const lw_contour *p)
+{
+    return p->kind == LW_CONTOUR_CIRCLE ? 0 : p->kind == LW_CONTOUR_POLYGON ? p->n : 1;
+}
+
+static double extent(const lw_contour *p)
+{
+    double most = p->radius;
+    for (int i = 1; i < p->n; i++)
+        most = fmax(most, lw_v2_norm(lw_v2_sub(p->at[i], p->at[0])));
+    return most;
+}
+
+static disc disc_of(const lw_contour *p, int i) { return (disc){ p->at[i], p->radius, extent(p) }; }
+
+/* A corner that no disc can reach and that touches nothing: a notch. */
+static bool is_notch(const lw_contour *p, int i)
+{
+    if (p->kind != LW_CONTOUR_POLYGON)
+        return false;
+    lw_vec2 before = p->at[(i + p->n - 1)%p->n], at = p->at[i], after = p->at[(i + 1)%p->n];
+    return lw_v2_cross(lw_v2_sub(at, before), lw_v2_sub(after, at)) <= 0;
+}
+
+/* Slope of the bisector at corner i of a polygon; at a notch all below the face is inside. */
+static double bisector(const lw_contour *p, int i)
+{
+    lw_vec2 a = lw_v2_sub(p->at[(i + p->n - 1)%p->n], p->at[i]), b = lw_v2_sub(p->at[(i + 1)%p->n], p->at[i]);
+    double angle = atan2(lw_v2_cross(b, a), lw_v2_dot(a, b));          /* inside the solid */
+    return angle > 0 && angle < LW_PI ? tan(0.5*angle) : INFINITY;
+}
+
+/* Half the least thickness of the polygon behind face i. */
+static double half_thickness(const lw_contour *p, int i)
+{
+    enum { SAMPLES = 9 };
+    lw_vec2 a = p->at[i], b = p->at[(i + 1)%p->n], u = lw_v2_sub(b, a), in;
+    double least = INFINITY;
+    in = lw_v2_scale(lw_v2_perp(u), 1/lw_v2_norm(u));
+    for (int k = 0; k < SAMPLES; k++) {
+        lw_vec2 from = lw_v2_add(a, lw_v2_scale(u, (k + 0.5)/SAMPLES));
+        for (int j = 0; j < p->n; j++) {
+            if (j == i)
+                continue;
+            lw_vec2 c = p->at[j], w = lw_v2_sub(p->at[(j + 1)%p->n], c);
+            double across = lw_v2_cross(in, w), x, s;
+            if (across == 0)
+                continue;
+            x = lw_v2_cross(lw_v2_sub(c, from), w)/across;
+            s = lw_v2_cross(lw_v2_sub(c, from), in)/across;
+            bool next = j == (i + 1)%p->n || i == (j + 1)%p->n;          /* the bisector looks after these */
+            if (x > 0 && s >= 0 && s <= 1 && !next)
+                least = fmin(least, x);
+        }
+    }
+    return 0.5*(least < INFINITY ? least : lw_v2_norm(u));
+}
+
+/* Outside is on the left of the direction from `from` to `to`. */
+static face face_of(const lw_contour *p, int i)
+{
+    lw_vec2 a = p->at[i], b = p->at[(i + 1)%p->n];
+    face f = { .from = a, .to = b, .radius = p->radius, .deepest = INFINITY, .slope = { INFINITY, INFINITY } };
+    f.infinite = p->kind == LW_CONTOUR_LINE;
+    f.two_sided = p->kind == LW_CONTOUR_SEGMENT;
+    if (p->kind != LW_CONTOUR_POLYGON)
+        return f;
+    f.from = b;
+    f.to = a;
+    f.deepest = half_thickness(p, i);
+    f.slope[0] = bisector(p, (i + 1)%p->n);
+    f.slope[1] = bisector(p, i);
+    return f;
+}
+
+/* ---- the list ------------------------------------------------------------------------------------ */
+
+typedef struct maker { const lw_model *m; const lw_system *s; lw_touch_list *list; bool counting; } maker;
+
+static lw_touch *next_touch(maker *w)
+{
+    lw_touch *p = w->counting ? NULL : &w->list->touch[w->list->n];
+    w->list->n++;
+    if (p)
+        *p = (lw_touch){ .length = INFINITY, .deepest = INFINITY, .slope = { INFINITY, INFINITY }, .size = INFINITY };
+    return p;
+}
+
+static void set_ends(const maker *w, lw_touch *p, int link0, lw_vec2 at0, int link1, lw_vec2 at1)
+{
+    p->link = link0;
+    p->drawn = at0;
+    p->body[0] = w->s->body[link0];
+    p->body[1] = w->s->body[link1];
+    p->arm[0] = lw_system_arm(w->s, p->body[0], at0);
+    p->arm[1] = lw_system_arm(w->s, p->body[1], at1);
+}
+
+/* Discs of p against faces of o and, unless done already, its discs. */
+static void add_discs(maker *w, const lw_contour *p, const lw_contour *o, bool discs_too)
+{
+    double unit = w->s->unit;
+    for (int i = 0; i < disc_count(p); i++) {
+        if (is_notch(p, i))
+            continue;
+        disc a = disc_of(p, i);
+        for (int j = 0; j < face_count(o); j++) {
+            face f = face_of(o, j);
+            lw_touch *t = next_touch(w);
+            if (!t)
+                continue;
+            lw_vec2 u = lw_v2_sub(f.to, f.from);
+            double length = lw_v2_norm(u);
+            set_ends(w, t, p->link, a.at, o->link, f.from);
+            t->kind = LW_TOUCH_FACE;
+            t->radius[0] = a.radius/unit;
+            t->radius[1] = f.radius/unit;
+            t->along = lw_v2_scale(u, 1/length);
+            t->length = f.infinite ? INFINITY : length/unit;
+            t->deepest = f.deepest/unit;
+            t->slope[0] = f.slope[0];
+            t->slope[1] = f.slope[1];
+            t->side = f.two_sided;
+            t->size = f.infinite ? INFINITY : fmax(f.two_sided ? 2*(a.radius + f.radius) : 2*f.deepest,
+                                                   0.05*fmin(length, a.size))/unit;
+        }
+        for (int j = 0; discs_too && j < disc_count(o); j++) {
+            disc b = disc_of(o, j);
+            lw_touch *t = is_notch(o, j) || !(a.radius + b.radius > 0) ? NULL : next_touch(w);
+            if (!t)
+                continue;
+            set_ends(w, t, p->link, a.at, o->link, b.at);
+            t->kind = LW_TOUCH_DISCS;
+            t->radius[0] = a.radius/unit;
+            t->radius[1] = b.radius/unit;
+            t->size = (a.radius + b.radius)/unit;
+        }
+    }
+}
+
+static void add_contacts(maker *w)
+{
+    const lw_model *m = w->m;
+    for (int c = 0; c < m->n_contact; c++) {
+        int first = w->list->n;
+        const lw_contact *q = &m->contact[c];
+        for (int i = 0; i < m->n_shape; i++)
+            for (int j = 0; j < m->n_shape; j++) {
+                if (m->shape[i].link != q->link[0] || m->shape[j].link != q->link[1])
+                    continue;
+                add_discs(w, &m->shape[i], &m->shape[j], true);
+                add_discs(w, &m->shape[j], &m->shape[i], false);
+            }
+        for (int i = first; !w->counting && i < w->list->n; i++) {
+            w->list->touch[i].owner = c;
+            w->list->touch[i].surface = &q->surface;
+        }
+    }
+}
+
+static void add_ropes(maker *w)
+{
+    for (int i = 0; i < w->m->n_rope; i++) {
+        const lw_rope *r = &w->m->rope[i];
+        lw_touch *t = next_touch(w);
+        if (!t)
+            continue;
+        set_ends(w, t, r->link[0], r->at[0], r->link[1], r->at[1]);
+        t->kind = LW_TOUCH_ROPE;
+        t->limit = r->length/w->s->unit;
+        t->surface = &r->surface;
+        t->owner = i;
+    }
+}
+
+static void add_stops(maker *w)
+{
+    for (int j = 0; j < w->s->n_joint; j++)
+        for (int end = 0; end < 2; end++) {
+            const lw_joint_stop *p = &w->m->stop[j];
+            if (p->stiffness > 0 || !(end ? p->has_greatest : p->has_least))
+                continue;
+            lw_touch *t = next_touch(w);
+            if (!t)
+                continue;
+            t->kind = LW_TOUCH_STOP;
+            t->sign = end ? -1 : 1;
+            t->limit = (end ? p->greatest : p->least)/lw_system_joint_unit(w->s, j);
+            t->owner = j;
+            t->surface = &w->list->stop_surface[j];
+            w->list->stop_surface[j] = (lw_surface){ .restitution = p->restitution, .exponent = 1 };
+            t->body[0] = w->s->joint[j].body[0];
+            t->body[1] = w->s->joint[j].body[1];
+        }
+}
+
+static void add_all(maker *w)
+{
+    w->list->n = 0;
+    add_contacts(w);
+    add_ropes(w);
+    add_stops(w);
+}
+
+static bool is_pinned(const lw_assembly *k, int a, int b, lw_vec2 at)
+{
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *p = &k->joint[j];
+        bool both = (p->link[0] == a && p->link[1] == b) || (p->link[0] == b && p->link[1] == a);
+        if (both && lw_joint_turns(p->kind) && p->at.x == at.x && p->at.y == at.y)
+            return true;
+    }
+    return false;
+}
+
+static bool same_point(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
+
+/* Do two links that are pinned together touch the same thing with equal discs about the pin?  One of them is enough. */
+static bool is_twin(const lw_model *m, const lw_touch *p, const lw_touch *q)
+{
+    return p->kind == q->kind && p->kind <= LW_TOUCH_DISCS && same_point(p->drawn, q->drawn) && p->link != q->link
+        && p->radius[0] == q->radius[0] && p->radius[1] == q->radius[1] && p->body[1] == q->body[1]
+        && same_point(p->arm[1], q->arm[1]) && same_point(p->along, q->along) && p->length == q->length
+        && memcmp(p->surface, q->surface, sizeof *p->surface) == 0 && is_pinned(&m->linkage, p->link, q->link, p->drawn);
+}
+
+static void drop_twins(const lw_model *m, lw_touch_list *list)
+{
+    int n = 0;
+    for (int i = 0; i < list->n; i++) {
+        bool twin = false;
+        for (int j = 0; j < n && !twin; j++)
+            twin = is_twin(m, &list->touch[i], &list->touch[j]);
+        if (!twin)
+            list->touch[n++] = list->touch[i];
+    }
+    list->n = n;
+}
+
+lw_status lw_touch_make(const lw_model *m, const lw_system *s, lw_touch_list *list, lw_error *e)
+{
+    maker w = { m, s, list, true };
+    memset(list, 0, sizeof *list);
+    add_all(&w);
+    w.counting = false;
+    list->touch = calloc((size_t)list->n + 1, sizeof *list->touch);
+    list->stop_surface = calloc((size_t)s->n_joint + 1, sizeof *list->stop_surface);
+    if (!list->touch || !list->stop_surface)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    add_all(&w);
+    drop_twins(m, list);
+    return LW_OK;
+}
+
+void lw_touch_free(lw_touch_list *list)
+{
+    free(list->touch);
+    free(list->stop_surface);
+    memset(list, 0, sizeof *list);
+}
+
+const char *lw_touch_name(const lw_model *m, const lw_touch *p)
+{
+    return p->kind == LW_TOUCH_ROPE ? m->rope[p->owner].name : p->kind == LW_TOUCH_STOP
+         ? m->linkage.joint[p->owner].name : m->contact[p->owner].name;
+}
+
+/* ---- geometry ------------------------------------------------------------------------------------ */
+
+/* A point of a body: place, velocity, and the part of its acceleration that velocities cause. */
+typedef struct point { lw_vec2 r, p, v, a; double w; } point;
+
+static point point_of(const lw_touch *t, int end, const lw_body_frame *f, const double *v)
+{
+    int b = t->body[end];
+    point k = { .r = lw_v2_turn(t->arm[end], f[b + 1].dir) };
+    k.p = lw_v2_add(f[b + 1].at, k.r);
+    if (b < 0 || !v)
+        return k;
+    k.w = v[3*b + 2];
+    k.v = lw_v2_add(lw_v2(v[3*b], v[3*b + 1]), lw_v2_scale(lw_v2_perp(k.r), k.w));
+    k.a = lw_v2_scale(k.r, -k.w*k.w);
+    return k;
+}
+
+/* Derivatives, by the coordinates of both bodies, of w . (point at c of body 0 less that of body 1). */
+static void fill_row(const lw_touch *t, const lw_body_frame *f, lw_vec2 w, lw_vec2 c, double *row)
+{
+    for (int end = 0; end < 2; end++) {
+        double sign = end ? -1 : 1, moment = lw_v2_cross(lw_v2_sub(c, f[t->body[end] + 1].at), w);
+        bool fixed = t->body[end] < 0;
+        row[3*end] = fixed ? 0 : sign*w.x;
+        row[3*end + 1] = fixed ? 0 : sign*w.y;
+        row[3*end + 2] = fixed ? 0 : sign*moment;
+    }
+}
+
+static double row_rate(const lw_touch *t, const double *row, const double *v)
+{
+    double sum = 0;
+    for (int i = 0; v && i < 6; i++)
+        if (t->body[i/3] >= 0)
+            sum += row[i]*v[3*t->body[i/3] + i%3];
+    return sum;
+}
+
+/* Slip at the point c = p0 - radius n of body 0, with n turning at the rate w: its row, value and bias.  The tangent is
+ * the normal turned clockwise; its rate is w n. */
+static void fill_slip(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, double w,
+                      lw_touch_motion *m)
+{
+    lw_vec2 n = m->normal, tangent = lw_v2(n.y, -n.x);
+    m->at = lw_v2_sub(k[0].p, lw_v2_scale(n, t->radius[0]));
+    fill_row(t, f, tangent, m->at, m->t);
+    m->slip = row_rate(t, m->t, v);
+    m->slip_bias = 0;
+    if (!v)
+        return;
+    lw_vec2 relative = lw_v2(0, 0), dc = lw_v2_sub(k[0].v, lw_v2_scale(lw_v2_perp(n), t->radius[0]*w));
+    for (int end = 0; end < 2; end++) {
+        int b = t->body[end];
+        if (b < 0)
+            continue;
+        double sign = end ? -1 : 1, turn = v[3*b + 2];
+        lw_vec2 from = lw_v2_sub(m->at, f[b + 1].at), own = lw_v2(v[3*b], v[3*b + 1]);
+        relative = lw_v2_add(relative, lw_v2_scale(lw_v2_add(own, lw_v2_scale(lw_v2_perp(from), turn)), sign));
+        m->slip_bias += sign*turn*lw_v2_dot(tangent, lw_v2_perp(lw_v2_sub(dc, own)));
+    }
+    m->slip_bias += w*lw_v2_dot(n, relative);
+}
+
+/* The distance d of two points less `reach`, times sign. */
+static void between_points(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, double sign,
+                           double reach, lw_touch_motion *m)
+{
+    lw_vec2 d = lw_v2_sub(k[0].p, k[1].p), dd = lw_v2_sub(k[0].v, k[1].v);
+    double length = lw_v2_norm(d);
+    lw_vec2 n = length > 0 ? lw_v2_scale(d, 1/length) : lw_v2(1, 0);
+    double across = lw_v2_cross(n, dd), w = length > 0 ? across/length : 0;
+    m->normal = lw_v2_scale(n, sign);
+    m->gap = sign*(length - reach);
+    fill_row(t, f, m->normal, k[0].p, m->n);
+    m->rate = row_rate(t, m->n, v);
+    m->bias = v ? sign*(lw_v2_dot(n, lw_v2_sub(k[0].a, k[1].a)) + across*w) : 0;
+    fill_slip(t, f, v, k, w, m);
+    m->place = m->place_rate = 0;
+    double turned = remainder(atan2(n.y, n.x) - t->anchor_angle, 2*LW_PI);
+    m->path = t->radius[0]*f[t->body[0] + 1].turn + t->radius[1]*f[t->body[1] + 1].turn
+            - (t->radius[0] + t->radius[1])*turned;
+}
+
+static void at_face(const lw_touch *t, const lw_body_frame *f, const double *v, const point *k, lw_touch_motion *m)
+{
+    lw_vec2 u = lw_v2_turn(t->along, f[t->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
+    lw_vec2 n = lw_v2_scale(lw_v2_perp(u), t->side < 0 ? -1 : 1), dd = lw_v2_sub(k[0].v, k[1].v);
+    double reach = t->radius[0] + t->radius[1], w = k[1].w, height = lw_v2_dot(n, d);
+    m->normal = n;
+    m->place = lw_v2_dot(u, d);
+    m->place_rate = lw_v2_dot(u, dd) + w*lw_v2_cross(u, d);
+    m->gap = height - reach;
+    fill_row(t, f, n, k[0].p, m->n);
+    m->rate = row_rate(t, m->n, v);
+    m->bias = v ? lw_v2_dot(n, lw_v2_sub(k[0].a, k[1].a)) + 2*w*lw_v2_dot(lw_v2_perp(n), dd) - w*w*height : 0;
+    fill_slip(t, f, v, k, w, m);
+    m->path = (t->side < 0 ? -1 : 1)*m->place
+            + t->radius[0]*(f[t->body[0] + 1].turn - f[t->body[1] + 1].turn);
+    if (t->state == LW_TOUCH_HELD)
+        return;
+    /* at a notch the next face holds the disc, up to interpolation: this face goes on there */
+    bool corner = t->side == 0;
+    double begin = corner && !(t->slope[0] < INFINITY) ? t->deepest : 0, end = corner && !(t->slope[1] < INFINITY) ? t->deepest : 0;
+    double past = t->length < INFINITY ? fmax(-m->place - begin, m->place - t->length - end) : 0, depth = -height;
+    if (past > 0)                            /* an end: the disc there repels, and this less than that */
+        m->gap = hypot(past, height) - reach + past;
+    else if (t->side == 0 && depth > 0 && t->length < INFINITY &&
+             (depth > t->deepest || (begin == 0 && depth > m->place*t->slope[0]) ||
+              (end == 0 && depth > (t->length - m->place)*t->slope[1])))
+        m->gap = depth;
+}
+
+void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
+                 lw_touch_motion *out)
+{
+    if (p->kind == LW_TOUCH_STOP) {
+        int body[LW_ROW_BLOCKS];
+        double row[LW_ROW_SIZE] = { 0 };
+        eq->measure_blocks(eq->context, p->owner, body);
+        memset(out, 0, sizeof *out);
+        out->gap = p->sign*(eq->measure(eq->context, p->owner, row, body) - p->limit);
+        for (int k = 0; k < LW_ROW_BLOCKS && body[k] >= 0; k++)
+            for (int i = 0; i < 3; i++)
+                out->n[3*(body[k] != p->body[0]) + i] += p->sign*row[3*k + i];
+        out->rate = row_rate(p, out->n, v);
+        out->bias = v ? p->sign*eq->measure_bias(eq->context, p->owner, v) : 0;
+        return;
+    }
+    point k[2] = { point_of(p, 0, frames, v), point_of(p, 1, frames, v) };
+    if (p->kind == LW_TOUCH_FACE)
+        at_face(p, frames, v, k, out);
+    else if (p->kind == LW_TOUCH_ROPE)
+        between_points(p, frames, v, k, -1, p->limit, out);
+    else
+        between_points(p, frames, v, k, 1, p->radius[0] + p->radius[1], out);
+}
+
+void lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool start)
+{
+    if (p->kind != LW_TOUCH_FACE || p->side == 0)
+        return;
+    point k[2] = { point_of(p, 0, frames, NULL), point_of(p, 1, frames, NULL) };
+    lw_vec2 u = lw_v2_turn(p->along, frames[p->body[1] + 1].dir), d = lw_v2_sub(k[0].p, k[1].p);
+    double place = lw_v2_dot(u, d);
+    if (start || place < 0 || place > p->length)
+        p->side = lw_v2_cross(u, d) < 0 ? -1 : 1;
+}
+
+bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m)
+{
+    if (p->kind != LW_TOUCH_FACE || !(p->length < INFINITY))
+        return false;
+    bool begin = m->place < 0.5*p->length;
+    double past = begin ? -m->place : m->place - p->length, rate = begin ? -m->place_rate : m->place_rate;
+    return past > (rate > 0 ? 0.5 : 1)*LW_TOUCH_END;
+}
+
+double lw_touch_force(const lw_surface *s, double unit, double depth, double rate)
+{
+    if (!(depth > 0))
+        return 0;
+    double x = depth*unit, power = s->exponent == 1 ? x : pow(x, s->exponent);
+    return s->stiffness*power*fmax(0, 1 + s->damping*rate*unit);
+}

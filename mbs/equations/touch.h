@@ -1,0 +1,86 @@
+/* mbs/equations/touch.h - places where the parts of a model may touch, and their geometry at one moment.
+ *
+ * Shapes touch where a disc of one (a circle, the round end of a bar, a corner: a disc of radius 0) meets a face or a
+ * disc of the other.  A rope that is taut and a rigid stop of a joint are the same kind of condition:
+ *
+ *     gap >= 0, force >= 0, one of them 0
+ *
+ * Lengths and coordinates are scaled as in mbs/constraints/system.h; so gaps of stops of pins are in rad. */
+#ifndef LW_MBS_EQUATIONS_TOUCH_H
+#define LW_MBS_EQUATIONS_TOUCH_H
+
+#include "grammar/model/model.h"
+#include "mbs/equations/equations_planar.h"
+
+typedef enum lw_touch_kind { LW_TOUCH_FACE, LW_TOUCH_DISCS, LW_TOUCH_ROPE, LW_TOUCH_STOP } lw_touch_kind;
+
+/* APART: no force.  PASSIVE: rigid, touches without force.  HELD: rigid, its gap is a row of the constraints.  PRESSED:
+ * compliant, with a depth. */
+typedef enum lw_touch_state { LW_TOUCH_APART, LW_TOUCH_PASSIVE, LW_TOUCH_HELD, LW_TOUCH_PRESSED } lw_touch_state;
+
+typedef struct lw_touch {
+    lw_touch_kind kind;
+    lw_touch_state state;
+    bool    held, stuck;                 /* state and `sticks` before the event under way              */
+    bool    sticks;                      /* its slip is a row of the constraints                       */
+    double  anchor, anchor_angle;        /* `path` and, of discs, direction of the normal where it began to stick */
+    double  passed;                      /* APART: how far the gap was below 0 at the last event, by rounding */
+    double  force;                       /* along the normal at the events looked at last, scaled; HELD */
+    int     slips;                       /* sense of the slip, -1 or 1; 0: it sticks or has no friction */
+    int     owner;                       /* index of the contact or rope of the model; of a stop its joint */
+    const lw_surface *surface;
+    int     link;                        /* that of body 0                                             */
+    int     body[2];                     /* -1: ground                                                 */
+    lw_vec2 drawn;                       /* centre of the disc in the posture [m]                      */
+    lw_vec2 arm[2];                      /* centre of the disc, on body 0; begin of the face or centre, on body 1 */
+    double  radius[2];                   /* of a face: half the thickness of a bar                       */
+    lw_vec2 along;                       /* face: its direction in the frame of body 1; outside is on its left */
+    double  length;                      /* of the face; infinite for a line                            */
+    double  deepest, slope[2];           /* where behind a face a disc counts as inside, see touch.c     */
+    int     side;                        /* face of a bar: the side of the disc, -1 or 1; 0: one side only */
+    double  size;                        /* what a disc must not jump over within a step                 */
+    double  sign, limit;                 /* stop: gap = sign (measure - limit); rope: limit is its length */
+} lw_touch;
+
+typedef struct lw_touch_list {
+    int        n;
+    lw_touch  *touch;
+    lw_surface *stop_surface;            /* of the stops                                               */
+} lw_touch_list;
+
+/* One place at one moment: gap, its rate, and the part of its second rate that velocities cause; the same of the slip
+ * of link 0 along the tangent, the normal turned clockwise.  n, t: derivatives by the coordinates of both bodies. */
+typedef struct lw_touch_motion {
+    double  gap, rate, bias, n[6];
+    double  slip, slip_bias, t[6];
+    double  place, place_rate;           /* distance along the face                                    */
+    double  path;                        /* the slip is its rate: what has been slipped since the anchor, and more */
+    lw_vec2 at, normal;                  /* point of contact, direction of the force on body 0         */
+} lw_touch_motion;
+
+/* All places of a model.  Needs lw_touch_free, after a failure too. */
+lw_status lw_touch_make(const lw_model *m, const lw_system *s, lw_touch_list *list, lw_error *e);
+void      lw_touch_free(lw_touch_list *list);
+
+/* eq is placed at the coordinates, frames are those of its bodies; v NULL: at rest. */
+void lw_touch_at(const lw_touch *p, const lw_equations *eq, const lw_body_frame *frames, const double *v,
+                 lw_touch_motion *out);
+
+/* A bar is touched on the side where the disc was when it was beside the bar last, or at the start. */
+void lw_touch_choose_side(lw_touch *p, const lw_body_frame *frames, bool start);
+
+#define LW_TOUCH_CLOSED 1e-12            /* a gap below this is closed, scaled */
+
+/* A disc within this of the end of a face is still on it, scaled. */
+#define LW_TOUCH_END 1e-9
+
+/* Has the disc left the face over one of its ends? */
+bool lw_touch_past_end(const lw_touch *p, const lw_touch_motion *m);
+
+/* Force of a compliant contact [N] at a scaled depth and its rate; unit of lengths [m].  Not less than 0. */
+double lw_touch_force(const lw_surface *s, double unit, double depth, double rate);
+
+/* Name of its owner in the model: a contact, a rope or a joint. */
+const char *lw_touch_name(const lw_model *m, const lw_touch *p);
+
+#endif
