@@ -8,7 +8,7 @@
 
 typedef lw_status points_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
                               lw_error *e);
-typedef char *points_write(const lw_linkage *k, lw_error *e);
+typedef char *points_write(const lw_assembly *k, lw_error *e);
 
 /* A four-bar as text; and a driven slider at 20 mm, 30 degrees, whose file is in millimetres. */
 static inline char *fourbar_text(points_write *write)
@@ -17,7 +17,7 @@ static inline char *fourbar_text(points_write *write)
     lw_linkage k;
     lw_error e;
     fourbar_linkage(&k, dim, 1, 1.5707963267948966);
-    return write(&k, &e);
+    return write(LW_VIEW(&k), &e);
 }
 
 static inline char *slide_text(points_write *write)
@@ -28,14 +28,14 @@ static inline char *slide_text(points_write *write)
     add_slide(&k, 0, 1, lw_v2(0.02, 0), LW_PI/6);
     add_input(&k, 0, 0);
     lw_units_set_length(&k.units, "mm");
-    return write(&k, &e);
+    return write(LW_VIEW(&k), &e);
 }
 
 /* Written and read; false, and a failed check, when one of them does not work. */
 static inline bool there_and_back(points_write *write, points_read *read, const lw_linkage *k, lw_linkage *back)
 {
     lw_error e = { 0 };
-    char *text = write(k, &e);
+    char *text = write(LW_VIEW(k), &e);
     lw_status s = text ? read(text, strlen(text), "text", &k->units, back, &e) : e.status;
     if (s != LW_OK)
         fprintf(stderr, "    %ld:%ld: %s\n%s", e.line, e.column, e.text, text ? text : "");
@@ -160,21 +160,21 @@ static inline void what_cannot_be_written(points_write *write)
     add_pin(&k, 0, 1, lw_v2(0, 0));
     add_pin(&k, 0, 2, lw_v2(3, 0));
     add_gear(&k, 1, 2, lw_v2(1, 0), -0.5);
-    CHECK(write(&k, &e) == NULL);
+    CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_INT(e.status, LW_E_KIND);
     CHECK_HAS(e.text, "gear");
     k.joint[2] = (lw_joint){ .name = "W", .kind = LW_JOINT_FIXED, .link = { 1, 2 } };
-    CHECK(write(&k, &e) == NULL);
+    CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_HAS(e.text, "weld");
     blank_linkage(&k, 4);
     add_pin(&k, 0, 1, lw_v2(0, 0));
     add_pin(&k, 1, 2, lw_v2(1, 0));
     add_pin(&k, 2, 3, lw_v2(1, 0));
     add_input(&k, 2, 0);
-    CHECK(write(&k, &e) == NULL);
+    CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_HAS(e.text, "two moving links");
     k.n_link = 1;
-    CHECK(write(&k, &e) == NULL);
+    CHECK(write(LW_VIEW(&k), &e) == NULL);
     CHECK_INT(e.status, LW_E_ARG);
 }
 

@@ -84,17 +84,17 @@ TEST(any_number_of_links)
     expect(line, 0, "driven          1 of 1 freedom by 1 input", NULL);
     snprintf(line, sizeof line, "$P simulate %s --to 1 -n 2", path);
     expect(line, 0, "P.x", NULL);
-    static const char *const kinds[] = { "svg", "pdf", "gif", "html" }, *const formats[] = { "mjcf", "adams", "urdf", "svg", "poses" };
+    static const char *const kinds[] = { "svg", "pdf", "gif", "html" }, *const formats[] = { "mjcf", "adams", "urdf", "svg", "poses", "pyslvs", "pmks", "slvs" };
     for (size_t i = 0; i < sizeof kinds/sizeof *kinds; i++) {
         snprintf(line, sizeof line, "$P draw %s --format %s -n 6 | wc -c", path, kinds[i]);
         ran r = run(line);
-        CHECK(atoi(r.out) > 3000 && !r.err[0]);
+        CHECK(atoi(r.out) > 900 && !r.err[0]);
         ran_free(&r);
     }
     for (size_t i = 0; i < sizeof formats/sizeof *formats; i++) {
         snprintf(line, sizeof line, "$P convert %s --format %s | wc -c", path, formats[i]);
         ran r = run(line);
-        CHECK(atoi(r.out) > 3000 && !r.err[0]);
+        CHECK(atoi(r.out) > 900 && !r.err[0]);
         ran_free(&r);
     }
     snprintf(line, sizeof line, "$P convert %s --format json > %s.json && $P convert %s.json --format json | cmp - %s.json", path, path,
@@ -103,10 +103,30 @@ TEST(any_number_of_links)
     snprintf(line, sizeof line, "%s.json -n 7", path);
     CHECK_INT(trace(line, v), 8);
     CHECK_NEAR(v[2], 1, 1e-10, 0);
-    snprintf(line, sizeof line, "rm %s.json; $P convert %s --format dxf", path, path);
-    expect(line, 3, NULL, "plates are cut for linkages of at most 32 links");
-    snprintf(line, sizeof line, "$P trace %s --cycle", path);
+    snprintf(line, sizeof line, "rm %s.json; $P trace %s --cycle", path, path);
     expect(line, 2, NULL, "--cycle is for linkages of at most 32 links");
+    remove(path);
+}
+
+/* Scissors of 16 stages, moved by a slider: 34 links and 49 joints are cut as plates in few layers. */
+TEST(plates_of_any_number)
+{
+    char path[] = "/tmp/linkwright-scissors-XXXXXX", line[200];
+    FILE *f = fdopen(mkstemp(path), "w");
+    fputs("{\"linkwright\": 1, \"units\": {\"length\": \"m\"}, \"joints\": [{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], "
+          "\"at\": [2, 0], \"along\": [1, 0]}", f);
+    for (int i = 0; i < 16; i++)
+        fprintf(f, ", {\"name\": \"A%d\", \"links\": [\"%s%.0d\", \"a%d\"], \"at\": [0, %d]}, {\"name\": \"B%d\", \"links\": [\"%s%.0d\", "
+                "\"b%d\"], \"at\": [2, %d]}, {\"name\": \"M%d\", \"links\": [\"a%d\", \"b%d\"], \"at\": [1, %d.5]}",
+                i, i == 0 ? "ground" : i == 1 ? "b0" : "b", i > 1 ? i - 1 : 0, i, i, i, i == 0 ? "s" : i == 1 ? "a0" : "a",
+                i > 1 ? i - 1 : 0, i, i, i, i, i, i);
+    fputs("], \"links\": [\"ground\", \"s\"", f);
+    for (int i = 0; i < 16; i++)
+        fprintf(f, ", \"a%d\", \"b%d\"", i, i);
+    fputs("], \"input\": {\"joint\": \"S\", \"first\": -0.3, \"last\": 0.1}}", f);
+    fclose(f);
+    snprintf(line, sizeof line, "$P convert %s --format stl | grep -c ^solid", path);
+    expect(line, 0, "84", NULL);                               /* 34 plates, 48 pins and the two of the slider */
     remove(path);
 }
 

@@ -67,7 +67,7 @@ static void constraints_hold(const lw_linkage *k)
     lw_bytes b = { 0 };
     lw_error e = { 0 };
     int rows = 0, n = 0;
-    CHECK_INT(lw_export_solvespace(k, NULL, &b, &e), LW_OK);
+    CHECK_INT(lw_export_solvespace(LW_VIEW(k), NULL, &b, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK(memcmp(b.data, "\xb1\xb2\xb3SolveSpaceREVa\n", 18) == 0);
     read_sketch(b.data, &s);
@@ -99,7 +99,7 @@ TEST(refusals)
     lw_linkage k = example("geared-five-bar");
     lw_bytes b = { 0 };
     lw_error e = { 0 };
-    CHECK_INT(lw_export_solvespace(&k, NULL, &b, &e), LW_E_KIND);
+    CHECK_INT(lw_export_solvespace(LW_VIEW(&k), NULL, &b, &e), LW_E_KIND);
     CHECK_HAS(e.text, "gears and welds");
     CHECK(b.data == NULL);
 }

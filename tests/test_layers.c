@@ -58,6 +58,8 @@ TEST(distances)
 
 /* ---- layers ------------------------------------------------------------------------------------------------- */
 
+enum { CORNERS = 64 };
+
 static int place_all(const lw_scene *s, int link, size_t f, const lw_layers *l, lw_vec2 *p)
 {
     for (int c = 0; c < l->plate[link].n_corner; c++)
@@ -68,7 +70,7 @@ static int place_all(const lw_scene *s, int link, size_t f, const lw_layers *l, 
 /* The least room seen in the postures of s, by the shapes' own distance. */
 static double room_seen(const lw_scene *s, const lw_layers *l)
 {
-    lw_vec2 p[LW_CORNER_MAX], q[LW_CORNER_MAX];
+    lw_vec2 p[CORNERS], q[CORNERS];
     double least = INFINITY;
     for (size_t f = 0; f < s->n_frame; f++) {
         for (int a = 0; a < s->linkage.n_link; a++) {
@@ -78,7 +80,7 @@ static double room_seen(const lw_scene *s, const lw_layers *l)
                     least = fmin(least, lw_hull_distance(p, n, q, place_all(s, b, f, l, q)) - 2*l->radius);
             for (int i = 0; i < l->n_pin; i++) {
                 lw_vec2 at = lw_scene_at(s, f, l->pin[i].owner, l->pin[i].at);
-                if (!(l->pin[i].links >> a & 1) && l->layer[a] > l->pin[i].low && l->layer[a] < l->pin[i].high)
+                if (!lw_pin_joins(&l->pin[i], a) && l->layer[a] > l->pin[i].low && l->layer[a] < l->pin[i].high)
                     least = fmin(least, lw_hull_distance(&at, 1, p, n) - l->radius - l->bore);
             }
         }
@@ -88,7 +90,7 @@ static double room_seen(const lw_scene *s, const lw_layers *l)
 
 static bool clear_in_layer(const lw_scene *s, const lw_layers *l)
 {
-    lw_vec2 p[LW_CORNER_MAX], q[LW_CORNER_MAX];
+    lw_vec2 p[CORNERS], q[CORNERS];
     int n = s->linkage.n_link;
     for (size_t f = 0; f < s->n_frame; f++)
         for (int a = 0; a < n; a++)
@@ -103,11 +105,11 @@ static bool clear_in_layer(const lw_scene *s, const lw_layers *l)
 
 static bool pins_clear(const lw_scene *s, const lw_layers *l)
 {
-    lw_vec2 q[LW_CORNER_MAX];
+    lw_vec2 q[CORNERS];
     for (size_t f = 0; f < s->n_frame; f++)
         for (int p = 0; p < l->n_pin; p++)
             for (int a = 0; a < s->linkage.n_link; a++)
-                if (!(l->pin[p].links >> a & 1) && l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high) {
+                if (!lw_pin_joins(&l->pin[p], a) && l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high) {
                     lw_vec2 at = lw_scene_at(s, f, l->pin[p].owner, l->pin[p].at);
                     if (sown_distance(&at, 1, q, place_all(s, a, f, l, q)) <= l->radius + l->bore)
                         return false;
@@ -128,12 +130,13 @@ static void check_layers(const lw_linkage *k, int most)
         CHECK(l.layer[k->joint[j].link[0]] != l.layer[k->joint[j].link[1]]);
     for (int p = 0; p < l.n_pin; p++)
         for (int i = 0; i < k->n_link; i++)
-            if (l.pin[p].links >> i & 1)
+            if (lw_pin_joins(&l.pin[p], i))
                 CHECK(l.layer[i] >= l.pin[p].low && l.layer[i] <= l.pin[p].high);
     CHECK(clear_in_layer(&fine, &l));
     CHECK(pins_clear(&fine, &l));
     double seen = room_seen(&fine, &l);
     CHECK(l.room > 0 && l.room <= seen && (isinf(seen) || l.room > 0.3*seen));
+    lw_layers_free(&l);
     lw_scene_free(&s);
     lw_scene_free(&fine);
 }
@@ -167,6 +170,7 @@ TEST(room_of_random_linkages)
             else if (k.joint[j].kind == LW_JOINT_REVOLUTE)
                 k.joint[j].at.x += 0.1*lw_export_size(LW_VIEW(&k))*lw_rng_uniform(&rng);
         lw_scene s = scene_of(&k, 60), fine = scene_of(&k, 1201);
+        lw_layers_free(&l);
         if (s.n_frame > 2 && lw_layers_find(&s, NULL, &l, NULL) == LW_OK) {
             double seen = room_seen(&fine, &l);
             CHECK(l.room > 0 && l.room <= seen);
@@ -175,6 +179,7 @@ TEST(room_of_random_linkages)
         lw_scene_free(&s);
         lw_scene_free(&fine);
     }
+    lw_layers_free(&l);
     CHECK(n_found > 20);
 }
 

@@ -61,7 +61,7 @@ lw_status lw_export_stl(const lw_assembly *linkage, const lw_export_options *o, 
 
 /* A sketch of SolveSpace in millimetres: points and lines of each link, and constraints; it can be dragged as the
  * linkage moves. LW_E_KIND: gears, welds. */
-lw_status lw_export_solvespace(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
+lw_status lw_export_solvespace(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);
 
 /* The motion in LW_EXPORT_FRAMES postures. CSV: frame, input, link, x and y of the link's reference point, and its
  * angle, a row for each link and posture, in the linkage's units. SVG: the coupler curves as paths in millimetres, y

@@ -78,10 +78,10 @@ static void put_circle(lw_bytes *out, const char *layer, lw_vec2 at, double r)
 }
 
 /* Write the outline of a convex polygon (counter-clockwise, or a bar, or a point) widened by r. */
-static void put_outline(lw_bytes *out, const char *layer, const lw_vec2 *p, int n, double r, lw_vec2 shift)
+static void put_outline(const lw_plates *w, lw_bytes *out, const char *layer, const lw_vec2 *p, int n, double r, lw_vec2 shift)
 {
     lw_plate_loop loop;
-    lw_loop_widen(p, n, r, &loop);
+    lw_loop_widen(p, n, r, w->side, &loop);
     if (loop.n == 1) {
         put_circle(out, layer, lw_v2_add(p[0], shift), r);
         return;
@@ -114,11 +114,11 @@ static void put_cut(const lw_plates *w, int link, lw_vec2 shift, lw_bytes *out)
     const lw_plate *p = &w->layers.plate[link];
     char layer[32];
     layer_name(w, link, layer);
-    put_outline(out, layer, p->corner, p->n_corner, w->layers.radius, shift);
+    put_outline(w, out, layer, p->corner, p->n_corner, w->layers.radius, shift);
     for (int i = 0; i < p->n_hole; i++) {
         const lw_vec2 ends[2] = { p->hole[i].a, p->hole[i].b };
         bool round = lw_v2_norm(lw_v2_sub(ends[1], ends[0])) < 1e-9*w->layers.radius;
-        put_outline(out, layer, ends, round ? 1 : 2, w->layers.bore, shift);
+        put_outline(w, out, layer, ends, round ? 1 : 2, w->layers.bore, shift);
     }
 }
 

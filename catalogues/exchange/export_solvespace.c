@@ -10,23 +10,21 @@
 
 #define MM        1000.0
 #define DIGITS    15
-#define POINT_MAX (4*LW_JOINT_MAX + LW_TRACER_MAX)
 
 enum { COINCIDENT = 20, DISTANCE = 30, LINE_DISTANCE = 32, ON_LINE = 42, FIXED = 200 };   /* types of its constraints */
 
 typedef struct sketch_point { lw_vec2 at; int link; unsigned entity; } sketch_point;      /* [mm]               */
 
 typedef struct writer {
-    const lw_linkage *k;
-    lw_bytes         *out;
-    int               n;
-    sketch_point      p[POINT_MAX];
-    int               pin[LW_JOINT_MAX][2];      /* points of a joint on its two links                          */
-    int               rail[LW_JOINT_MAX][2];     /* ends of a slide line on link[0]                              */
-    int               block[LW_JOINT_MAX][2];    /* two points of link[1] on that line                           */
-    unsigned          line[LW_JOINT_MAX];        /* the slide line                                               */
-    unsigned          request, constraint;
-    double            size;                      /* [mm]                                                         */
+    const lw_assembly *k;
+    lw_bytes          *out;
+    int                n;
+    sketch_point      *p;
+    int              (*on)[2][2];                /* of a joint: point on its two links; or two points of its line on
+                                                  * link[0], two of link[1] on that line                         */
+    int               *group;                    /* of points on one pin                                         */
+    unsigned           request, constraint;
+    double             size;                     /* [mm]                                                         */
 } writer;
 
 /* ---- text ------------------------------------------------------------------------------------------------ */
@@ -114,19 +112,19 @@ static int point_of(writer *w, int link, lw_vec2 at)
 
 static void collect(writer *w)
 {
-    const lw_linkage *k = w->k;
+    const lw_assembly *k = w->k;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         lw_vec2 half = lw_v2_scale(p->along, 0.25*w->size/MM);
         if (lw_joint_turns(p->kind)) {
-            w->pin[j][0] = point_of(w, p->link[0], p->at);
-            w->pin[j][1] = point_of(w, p->link[1], p->at);
+            w->on[j][0][0] = point_of(w, p->link[0], p->at);
+            w->on[j][1][0] = point_of(w, p->link[1], p->at);
             continue;
         }
-        w->rail[j][0] = point_of(w, p->link[0], lw_v2_sub(p->at, lw_v2_scale(half, 2)));
-        w->rail[j][1] = point_of(w, p->link[0], lw_v2_add(p->at, lw_v2_scale(half, 2)));
-        w->block[j][0] = point_of(w, p->link[1], p->at);
-        w->block[j][1] = lw_joint_has_slot(p->kind) ? w->block[j][0] : point_of(w, p->link[1], lw_v2_add(p->at, half));
+        w->on[j][0][0] = point_of(w, p->link[0], lw_v2_sub(p->at, lw_v2_scale(half, 2)));
+        w->on[j][0][1] = point_of(w, p->link[0], lw_v2_add(p->at, lw_v2_scale(half, 2)));
+        w->on[j][1][0] = point_of(w, p->link[1], p->at);
+        w->on[j][1][1] = lw_joint_has_slot(p->kind) ? w->on[j][1][0] : point_of(w, p->link[1], lw_v2_add(p->at, half));
     }
     for (int t = 0; t < k->n_tracer; t++)
         point_of(w, k->tracer[t].link, k->tracer[t].at);
@@ -137,9 +135,9 @@ static bool base_line(const writer *w, int link, int base[2])
 {
     double most = 0;
     for (int i = 0; i < w->n; i++)
-        for (int j = 0; j < i; j++) {
+        for (int j = 0; w->p[i].link == link && j < i; j++) {
             double d = lw_v2_norm(lw_v2_sub(w->p[i].at, w->p[j].at));
-            if (w->p[i].link == link && w->p[j].link == link && d > most) {
+            if (w->p[j].link == link && d > most) {
                 most = d;
                 base[0] = j;
                 base[1] = i;
@@ -209,14 +207,14 @@ static void put_link(writer *w, int link)
 /* Join pins that share a link and a place once: a point already joined to another is not joined again. */
 static void put_pins(writer *w)
 {
-    int group[POINT_MAX];
+    int *group = w->group;
     for (int i = 0; i < w->n; i++)
         group[i] = i;
     for (int j = 0; j < w->k->n_joint; j++) {
-        int a = group[w->pin[j][0]], b = group[w->pin[j][1]];
+        int a = group[w->on[j][0][0]], b = group[w->on[j][1][0]];
         if (!lw_joint_turns(w->k->joint[j].kind) || a == b)
             continue;
-        put_constraint(w, COINCIDENT, 0, w->p[w->pin[j][0]].entity, w->p[w->pin[j][1]].entity, 0);
+        put_constraint(w, COINCIDENT, 0, w->p[w->on[j][0][0]].entity, w->p[w->on[j][1][0]].entity, 0);
         for (int i = 0; i < w->n; i++)
             if (group[i] == b)
                 group[i] = a;
@@ -226,7 +224,7 @@ static void put_pins(writer *w)
 /* Write a separate line along the rail, its ends coincident with the rail's points. */
 static void put_slide(writer *w, int j)
 {
-    const int *rail = w->rail[j], *block = w->block[j];
+    const int *rail = w->on[j][0], *block = w->on[j][1];
     unsigned line = put_line(w, w->p[rail[0]].at, w->p[rail[1]].at);
     put_constraint(w, COINCIDENT, 0, line | 1, w->p[rail[0]].entity, 0);
     put_constraint(w, COINCIDENT, 0, line | 2, w->p[rail[1]].entity, 0);
@@ -252,9 +250,9 @@ static void put_head(writer *w)
     w->request = 3;
 }
 
-static lw_status check(const lw_linkage *linkage, lw_error *e)
+static lw_status check(const lw_assembly *linkage, lw_error *e)
 {
-    lw_status s = lw_linkage_check(linkage, e);
+    lw_status s = lw_assembly_check(linkage, e);
     for (int j = 0; s == LW_OK && j < linkage->n_joint; j++)
         if (!lw_joint_has_position(linkage->joint[j].kind))
             s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch",
@@ -262,24 +260,29 @@ static lw_status check(const lw_linkage *linkage, lw_error *e)
     return s;
 }
 
-lw_status lw_export_solvespace(const lw_linkage *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
+lw_status lw_export_solvespace(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_status s = check(linkage, e);
-    writer *w = s == LW_OK ? calloc(1, sizeof *w) : NULL;
-    if (!w)
-        return s == LW_OK ? lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch") : s;
-    w->k = linkage;
-    w->out = out;
-    w->size = MM*lw_export_size(LW_VIEW(linkage));
-    collect(w);
-    put_head(w);
-    for (int link = 0; link < linkage->n_link; link++)
-        put_link(w, link);
-    put_pins(w);
-    for (int j = 0; j < linkage->n_joint; j++)
-        if (!lw_joint_turns(linkage->joint[j].kind))
-            put_slide(w, j);
-    free(w);
-    return lw_bytes_end(out, e);
+    size_t points = 4*(size_t)linkage->n_joint + (size_t)linkage->n_tracer + 1;
+    if (s != LW_OK)
+        return s;
+    writer w = { .k = linkage, .out = out, .size = MM*lw_export_size(linkage) };
+    w.p = malloc(points*sizeof *w.p);
+    w.on = calloc((size_t)linkage->n_joint + 1, sizeof *w.on);
+    w.group = malloc(points*sizeof *w.group);
+    if (w.p && w.on && w.group) {
+        collect(&w);
+        put_head(&w);
+        for (int link = 0; link < linkage->n_link; link++)
+            put_link(&w, link);
+        put_pins(&w);
+        for (int j = 0; j < linkage->n_joint; j++)
+            if (!lw_joint_turns(linkage->joint[j].kind))
+                put_slide(&w, j);
+        s = lw_bytes_end(out, e);
+    } else
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch");
+    free(w.p), free(w.on), free(w.group);
+    return s;
 }

@@ -11,7 +11,6 @@
 
 #define MM     1000.0
 #define DIGITS 15
-#define SIDES  (2*LW_CORNER_MAX)
 
 /* Instances 1 to 9 are those of put_head. */
 enum { PRODUCT_CONTEXT = 3, DEFINITION_CONTEXT = 4, CONTEXT = 9 };
@@ -97,7 +96,7 @@ static void clean(const char *name, char *out, size_t size)
 /* ---- solids ---------------------------------------------------------------------------------------------------- */
 
 /* The edges of a loop: below, above, and upright at the beginning of each side. */
-typedef struct edges { int n, low[SIDES], high[SIDES], up[SIDES]; } edges;
+typedef struct edges { int n, *low, *high, *up; } edges;
 
 static int put_line(writer *w, lw_vec2 a, double z, double dx, double dy, double dz)
 {
@@ -120,23 +119,22 @@ static int put_side_curve(writer *w, const lw_plate_loop *l, int i, double z)
     return put_line(w, a->from, z, d.x/length, d.y/length, 0);
 }
 
-static void put_edges(writer *w, const lw_plate_loop *l, double low, double high, edges *e)
+/* e has its arrays; vertex: room for 2 n. */
+static void put_edges(writer *w, const lw_plate_loop *l, double low, double high, int *vertex, edges *e)
 {
-    int vertex[2][SIDES];
-    e->n = l->n;
     for (int i = 0; i < l->n; i++)
         for (int k = 0; k < 2; k++) {
             int point = put_point(w, l->side[i].from, k ? high : low);
-            vertex[k][i] = put(w, "VERTEX_POINT('',#%d)", point);
+            vertex[2*i + k] = put(w, "VERTEX_POINT('',#%d)", point);
         }
     for (int i = 0; i < l->n; i++) {
         int next = (i + 1) % l->n;
         for (int k = 0; k < 2; k++) {
             int curve = put_side_curve(w, l, i, k ? high : low);
-            (k ? e->high : e->low)[i] = put(w, "EDGE_CURVE('',#%d,#%d,#%d,.T.)", vertex[k][i], vertex[k][next], curve);
+            (k ? e->high : e->low)[i] = put(w, "EDGE_CURVE('',#%d,#%d,#%d,.T.)", vertex[2*i + k], vertex[2*next + k], curve);
         }
         int curve = put_line(w, l->side[i].from, low, 0, 0, 1);
-        e->up[i] = put(w, "EDGE_CURVE('',#%d,#%d,#%d,.T.)", vertex[0][i], vertex[1][i], curve);
+        e->up[i] = put(w, "EDGE_CURVE('',#%d,#%d,#%d,.T.)", vertex[2*i], vertex[2*i + 1], curve);
     }
 }
 
@@ -171,13 +169,11 @@ static int put_side_face(writer *w, const lw_plate_loop *l, const edges *e, int 
 }
 
 /* The face above or below: the outline, and the holes the other way round. */
-static int put_flat_face(writer *w, const lw_slab *s, const edges *all, bool above)
+static int put_flat_face(writer *w, const lw_slab *s, const edges *all, bool above, int *bound, int *edge)
 {
-    int bound[1 + LW_HOLE_MAX];
     for (int k = 0; k <= s->n_hole; k++) {
         const edges *e = &all[k];
         bool forward = above == (k == 0);
-        int edge[SIDES];
         for (int i = 0; i < e->n; i++) {
             int at = forward ? i : e->n - 1 - i;
             edge[i] = oriented(w, above ? e->high[at] : e->low[at], forward);
@@ -195,23 +191,28 @@ static int put_flat_face(writer *w, const lw_slab *s, const edges *all, bool abo
 /* Returns the number of the solid; 0: out of memory. */
 static int put_solid(writer *w, const lw_slab *s, const char *name)
 {
-    edges *all = malloc((size_t)(1 + s->n_hole)*sizeof *all);
-    int *face = malloc(((size_t)(1 + s->n_hole)*SIDES + 2)*sizeof *face), n = 0;
-    int solid = 0;
-    for (int k = 0; all && face && k <= s->n_hole; k++) {
+    size_t loops = (size_t)s->n_hole + 1, sides = (size_t)s->outline.n;
+    for (int k = 0; k < s->n_hole; k++)
+        sides += (size_t)s->hole[k].n;
+    edges *all = malloc(loops*sizeof *all);
+    int *memory = malloc((7*sides + 2 + loops)*sizeof *memory), n = 0, solid = 0;
+    int *part = memory, *face = memory + 3*sides, *bound = face + sides + 2, *room = bound + loops;
+    for (int k = 0; all && memory && k <= s->n_hole; k++) {
         const lw_plate_loop *l = k ? &s->hole[k-1] : &s->outline;
-        put_edges(w, l, s->low, s->high, &all[k]);
+        all[k] = (edges){ .n = l->n, .low = part, .high = part + l->n, .up = part + 2*l->n };
+        part += 3*l->n;
+        put_edges(w, l, s->low, s->high, room, &all[k]);
         for (int i = 0; i < l->n; i++)
             face[n++] = put_side_face(w, l, &all[k], i, s->low, k > 0);
     }
-    if (all && face) {
-        face[n++] = put_flat_face(w, s, all, false);
-        face[n++] = put_flat_face(w, s, all, true);
+    if (all && memory) {
+        face[n++] = put_flat_face(w, s, all, false, bound, room);
+        face[n++] = put_flat_face(w, s, all, true, bound, room);
         int shell = put_list(w, "CLOSED_SHELL('',(", face, n, "))");
         solid = put(w, "MANIFOLD_SOLID_BREP('%s',#%d)", name, shell);
     }
     free(all);
-    free(face);
+    free(memory);
     return solid;
 }
 
@@ -282,19 +283,19 @@ lw_status lw_export_step(const lw_assembly *linkage, const lw_export_options *o,
         return s;
     }
     int n = lw_plates_count(plates);
-    lw_slab *slab = malloc(sizeof *slab);
+    lw_slab slab;
     product *part = malloc((size_t)n*sizeof *part);
     int *axes = malloc((size_t)(n + 1)*sizeof *axes);
-    bool ok = slab && part && axes;
+    bool ok = part && axes;
     lw_plates_room(plates, note, sizeof note);
     clean(linkage->name[0] ? linkage->name : "linkage", name, sizeof name);
     if (ok)
         put_head(&w, name, note);
     for (int i = 0; ok && i < n; i++) {
-        lw_plates_slab(plates, i, slab);
-        clean(slab->name, name, sizeof name);
+        lw_plates_slab(plates, i, &slab);
+        clean(slab.name, name, sizeof name);
         int item[2] = { put_axes(&w, lw_v2(0, 0), 0, 0, 0, 1, 1, 0), 0 };
-        ok = (item[1] = put_solid(&w, slab, name)) > 0;
+        ok = (item[1] = put_solid(&w, &slab, name)) > 0;
         part[i] = put_product(&w, name, item, 2, true);
     }
     for (int i = 0; ok && i <= n; i++)
@@ -304,13 +305,12 @@ lw_status lw_export_step(const lw_assembly *linkage, const lw_export_options *o,
     if (ok)
         whole = put_product(&w, name, axes, n + 1, false);
     for (int i = 0; ok && i < n; i++) {
-        lw_plates_slab(plates, i, slab);
-        clean(slab->name, name, sizeof name);
+        lw_plates_slab(plates, i, &slab);
+        clean(slab.name, name, sizeof name);
         put_use(&w, &whole, &part[i], axes[i+1], i + 1, name);
     }
     lw_bytes_text(out, "ENDSEC;\nEND-ISO-10303-21;\n");
     lw_plates_free(plates);
-    free(slab);
     free(part);
     free(axes);
     if (!ok) {

@@ -173,7 +173,9 @@ static void put_name(lw_bytes *out, const char *before, const char *name)
 static lw_status put_slab(const lw_slab *s, lw_bytes *out, lw_error *e)
 {
     mesh m = { .out = out };
-    int start[2 + LW_HOLE_MAX] = { 0 }, n_loop = s->n_hole + 1;
+    int n_loop = s->n_hole + 1, *start = calloc((size_t)n_loop + 1, sizeof *start);
+    if (!start)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a mesh");
     for (int k = 0; k < n_loop; k++)
         start[k+1] = start[k] + add_corners(k ? &s->hole[k-1] : &s->outline, NULL);
     m.n = start[n_loop];
@@ -197,6 +199,7 @@ static lw_status put_slab(const lw_slab *s, lw_bytes *out, lw_error *e)
         st = lw_error_set(e, LW_E_KIND, "plate '%s' could not be cut into triangles; export step", s->name);
     free(m.p);
     free(m.ring);
+    free(start);
     return st;
 }
 
@@ -206,14 +209,13 @@ lw_status lw_export_stl(const lw_assembly *linkage, const lw_export_options *o, 
     lw_status s = lw_plates_make(linkage, o, &plates, e);
     if (s != LW_OK)
         return s;
-    lw_slab *slab = malloc(sizeof *slab);
-    s = slab ? lw_plates_check_holes(plates, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a mesh");
+    lw_slab slab;
+    s = lw_plates_check_holes(plates, e);
     for (int i = 0; s == LW_OK && i < lw_plates_count(plates); i++) {
-        lw_plates_slab(plates, i, slab);
-        s = put_slab(slab, out, e);
+        lw_plates_slab(plates, i, &slab);
+        s = put_slab(&slab, out, e);
     }
     lw_plates_free(plates);
-    free(slab);
     if (s != LW_OK) {
         lw_bytes_free(out);
         return s;

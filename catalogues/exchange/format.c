@@ -47,46 +47,18 @@ static bool begins_adams(const char *text)
     return strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/") || strstr(text, "\nUNITS/");
 }
 
-/* A copy to be freed; NULL, with e set: it is too large, or out of memory. */
-static lw_linkage *small(const lw_assembly *a, lw_error *e)
-{
-    lw_linkage *k = malloc(sizeof *k);
-    if (!k)
-        lw_error_set(e, LW_E_MEMORY, "out of memory");
-    else if (lw_assembly_linkage(a, k, e) != LW_OK) {
-        free(k);
-        k = NULL;
-    }
-    return k;
-}
-
 static lw_status write_pyslvs(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_error own = { .status = LW_OK };
-    lw_linkage *k = small(linkage, e ? e : &own);
-    lw_status s = add(out, k ? lw_pyslvs_write(k, e ? e : &own) : NULL, e ? e : &own);
-    free(k);
-    return s;
+    return add(out, lw_pyslvs_write(linkage, e ? e : &own), e ? e : &own);
 }
 
 static lw_status write_pmks(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     (void)o;
     lw_error own = { .status = LW_OK };
-    lw_linkage *k = small(linkage, e ? e : &own);
-    lw_status s = add(out, k ? lw_pmks_write(k, e ? e : &own) : NULL, e ? e : &own);
-    free(k);
-    return s;
-}
-
-static lw_status write_slvs(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
-{
-    lw_error own = { .status = LW_OK };
-    lw_linkage *k = small(linkage, e ? e : &own);
-    lw_status s = k ? lw_export_solvespace(k, o, out, e) : e ? e->status : own.status;
-    free(k);
-    return s;
+    return add(out, lw_pmks_write(linkage, e ? e : &own), e ? e : &own);
 }
 
 static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
@@ -114,7 +86,7 @@ const lw_format lw_formats[] = {
     { "step", "plates and pins as an assembly of solids, STEP AP214", ".step", NULL, NULL, lw_export_step, false,
       NULL },
     { "stl", "plates and pins as meshes, STL", ".stl", NULL, NULL, lw_export_stl, false, NULL },
-    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, write_slvs, false, NULL },
+    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace, false, NULL },
     { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg, false, NULL },
     { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses, false, NULL },
     { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints,

@@ -134,17 +134,22 @@ static approach approach_of(const lw_scene *s, const plate_body *a, const plate_
 #define STEPS_MAX 1000000
 #define LEVELS    3                   /* of frames: the given number, 4 and 16 times that */
 
+/* Numbers for each row: item[start[row] .. start[row + 1] - 1]. */
+typedef struct table { int *start, *item; } table;
+
 typedef struct work {
     const lw_scene *s;
     lw_layers      *l;
-    bool            meet[LW_LINK_MAX][LW_LINK_MAX];      /* must be in different layers              */
-    uint32_t        hits[LW_PIN_MAX];                    /* links that come too near to the pin      */
-    /* a verdict, for b < a; pins are numbered after the links */
-    uint8_t         pair[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];
-    double          clearance[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* guaranteed clearance between them [m] */
+    /* (links + pins) x links, the pins after the links; of two links only where the first is the greater */
+    uint8_t        *pair;              /* verdict                                                      */
+    double         *clearance;         /* guaranteed between them [m]                                  */
+    table           beside;            /* link: links that meet it; pin after the links: links that it hits */
+    table           pins;              /* link: pins that go through it or that it hits                    */
     int             n_layer;
     long            steps;
 } work;
+
+static size_t at(const work *w, int a, int b) { return (size_t)a*(size_t)w->s->linkage.n_link + (size_t)b; }
 
 /* ---- plates ------------------------------------------------------------------------------------------- */
 
@@ -174,9 +179,52 @@ static int hull(lw_vec2 *p, int n, double size, lw_vec2 *out)
     return m > 1 && lw_v2_norm(lw_v2_sub(out[m - 1], out[0])) < 1e-9*size ? m - 1 : m;
 }
 
+bool lw_pin_joins(const lw_pin *p, int link)
+{
+    for (int i = 0; i < p->n_link; i++)
+        if (p->link[i] == link)
+            return true;
+    return false;
+}
+
 static bool on_pin(const lw_pin *p, lw_vec2 at, int a, int b)
 {
-    return p->at.x == at.x && p->at.y == at.y && ((p->links >> a & 1) || (p->links >> b & 1));
+    return p->at.x == at.x && p->at.y == at.y && (lw_pin_joins(p, a) || lw_pin_joins(p, b));
+}
+
+/* Room for what make_plates adds at most: two holes and two pins for each end of a joint, a hole for each tracer. */
+static lw_status allocate(const lw_assembly *k, lw_layers *l)
+{
+    size_t links = (size_t)k->n_link, joints = (size_t)k->n_joint, most = 0, holes = 4*joints + (size_t)k->n_tracer + 1;
+    l->layer = calloc(links + 1, sizeof *l->layer);
+    l->plate = calloc(links + 1, sizeof *l->plate);
+    l->pin = calloc(2*joints + 1, sizeof *l->pin);
+    int *room = calloc(links + 1, sizeof *room);
+    l->memory[0] = calloc(holes, sizeof(lw_hole));
+    l->memory[1] = calloc(2*holes, sizeof(lw_vec2));
+    l->memory[2] = calloc(4*holes + 2, sizeof(lw_vec2));
+    for (size_t j = 0; room && j < joints; j++)
+        for (int end = 0; end < 2; end++)
+            room[k->joint[j].link[end]] += 2;
+    for (int t = 0; room && t < k->n_tracer; t++)
+        room[k->tracer[t].link]++;
+    for (size_t i = 0; room && l->plate && l->memory[0] && l->memory[1] && i < links; i++) {
+        l->plate[i].hole = (lw_hole *)l->memory[0] + most;
+        l->plate[i].corner = (lw_vec2 *)l->memory[1] + 2*most;
+        most += (size_t)room[i];
+    }
+    free(room);
+    return l->layer && l->plate && l->pin && l->memory[0] && l->memory[1] && l->memory[2] && most > 0 ? LW_OK : LW_E_MEMORY;
+}
+
+void lw_layers_free(lw_layers *l)
+{
+    for (int i = 0; l->pin && i < l->n_pin; i++)
+        free(l->pin[i].link);
+    void *const array[] = { l->layer, l->plate, l->pin, l->memory[0], l->memory[1], l->memory[2] };
+    for (size_t i = 0; i < sizeof array/sizeof *array; i++)
+        free(array[i]);
+    *l = (lw_layers){ 0 };
 }
 
 static void add_hole(lw_layers *l, int link, lw_vec2 a, lw_vec2 b)
@@ -185,19 +233,29 @@ static void add_hole(lw_layers *l, int link, lw_vec2 a, lw_vec2 b)
     for (int i = 0; i < p->n_hole; i++)
         if (p->hole[i].a.x == a.x && p->hole[i].a.y == a.y && p->hole[i].b.x == b.x && p->hole[i].b.y == b.y)
             return;
-    if (p->n_hole < LW_HOLE_MAX)
-        p->hole[p->n_hole++] = (lw_hole){ a, b };
+    p->hole[p->n_hole++] = (lw_hole){ a, b };
 }
 
-static void add_pin(lw_layers *l, lw_vec2 at, int a, int b, int owner)
+/* The pin goes through the link, too.  false: out of memory. */
+static bool pass_through(lw_pin *p, int link)
 {
-    for (int i = 0; i < l->n_pin; i++)
-        if (on_pin(&l->pin[i], at, a, b)) {
-            l->pin[i].links |= 1u << a | 1u << b;
-            return;
-        }
-    if (l->n_pin < LW_PIN_MAX)
-        l->pin[l->n_pin++] = (lw_pin){ .at = at, .links = 1u << a | 1u << b, .owner = owner };
+    int *more = lw_pin_joins(p, link) ? p->link : realloc(p->link, ((size_t)p->n_link + 1)*sizeof *more);
+    if (!more)
+        return false;
+    p->link = more;
+    if (!lw_pin_joins(p, link))
+        p->link[p->n_link++] = link;
+    return true;
+}
+
+static bool add_pin(lw_layers *l, lw_vec2 at, int a, int b, int owner)
+{
+    int i = 0;
+    while (i < l->n_pin && !on_pin(&l->pin[i], at, a, b))
+        i++;
+    if (i == l->n_pin)
+        l->pin[l->n_pin++] = (lw_pin){ .at = at, .owner = owner };
+    return pass_through(&l->pin[i], a) && pass_through(&l->pin[i], b);
 }
 
 /* Which link of a slider or slot is the guide and which the block, and where the block sits on the line. */
@@ -227,18 +285,20 @@ static void travel(const lw_scene *s, const lw_slide *q, double *lo, double *hi)
     }
 }
 
-static void add_slide(const lw_scene *s, int j, lw_layers *l)
+static bool add_slide(const lw_scene *s, int j, lw_layers *l)
 {
     lw_slide q = slide_of(s, j);
+    bool good = true;
     double lo, hi, apart = lw_joint_has_slot(s->linkage.joint[j].kind) ? 0 : l->radius;
     travel(s, &q, &lo, &hi);
     for (int side = apart > 0 ? -1 : 1; side <= 1; side += 2) {
         lw_vec2 at = lw_v2_add(q.at, lw_v2_scale(q.along, side*apart));
-        add_pin(l, at, q.guide, q.block, q.block);
+        good = add_pin(l, at, q.guide, q.block, q.block) && good;
         add_hole(l, q.block, at, at);
     }
     add_hole(l, q.guide, lw_v2_add(q.at, lw_v2_scale(q.along, lo - apart)),
              lw_v2_add(q.at, lw_v2_scale(q.along, hi + apart)));
+    return good;
 }
 
 /* Would a hole at a point meet one that the plate has? */
@@ -251,16 +311,17 @@ static bool in_hole(const lw_layers *l, int link, lw_vec2 at)
     return false;
 }
 
-static void make_plates(const lw_scene *s, lw_layers *l)
+static bool make_plates(const lw_scene *s, lw_layers *l)
 {
+    bool good = true;
     const lw_assembly *k = &s->linkage;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         if (!lw_joint_turns(p->kind)) {
-            add_slide(s, j, l);
+            good = add_slide(s, j, l) && good;
             continue;
         }
-        add_pin(l, p->at, p->link[0], p->link[1], p->link[0] == k->ground ? p->link[0] : p->link[1]);
+        good = add_pin(l, p->at, p->link[0], p->link[1], p->link[0] == k->ground ? p->link[0] : p->link[1]) && good;
         add_hole(l, p->link[0], p->at, p->at);
         add_hole(l, p->link[1], p->at, p->at);
     }
@@ -269,16 +330,17 @@ static void make_plates(const lw_scene *s, lw_layers *l)
             add_hole(l, k->tracer[t].link, k->tracer[t].at, k->tracer[t].at);
     for (int link = 0; link < k->n_link; link++) {
         lw_plate *q = &l->plate[link];
-        lw_vec2 p[2*LW_HOLE_MAX], out[2*LW_HOLE_MAX + 2];
+        lw_vec2 *p = l->memory[2], *out = p + 2*q->n_hole;
         int n = 0;
         for (int i = 0; i < q->n_hole; i++) {
             p[n++] = q->hole[i].a;
             p[n++] = q->hole[i].b;
         }
         n = hull(p, n, lw_v2_norm(lw_v2_sub(p[0], p[n - 1])) + l->radius, out);
-        q->n_corner = n < LW_CORNER_MAX ? n : LW_CORNER_MAX;
-        memcpy(q->corner, out, (size_t)q->n_corner*sizeof *out);
+        q->n_corner = n;
+        memcpy(q->corner, out, (size_t)n*sizeof *out);
     }
+    return good;
 }
 
 /* A third of the shortest distance between two pins of one link, at most 1/25 of the size. */
@@ -330,12 +392,13 @@ static int look_at_pairs(work *w, const lw_scene *s, const plate_body *body)
     for (int a = 0; a < n + w->l->n_pin; a++)
         for (int b = 0; b < n && b < a; b++) {
             double limit = w->l->radius + (a < n ? w->l->radius : w->l->bore);
-            if (w->pair[a][b] > ROUGH)
+            size_t i = at(w, a, b);
+            if (w->pair[i] > ROUGH)
                 continue;
             approach d = approach_of(s, &body[a], &body[b]);
-            w->pair[a][b] = (uint8_t)judge(&d, limit);
-            w->clearance[a][b] = d.sure - limit;
-            n_open += w->pair[a][b] <= ROUGH;
+            w->pair[i] = (uint8_t)judge(&d, limit);
+            w->clearance[i] = d.sure - limit;
+            n_open += w->pair[i] <= ROUGH;
         }
     return n_open;
 }
@@ -347,26 +410,25 @@ static void settle_joints(work *w)
     const lw_assembly *k = &w->s->linkage;
     int n = k->n_link;
     for (int p = 0; p < w->l->n_pin; p++)
-        for (int a = 0; a < n; a++) {
-            if (!(w->l->pin[p].links >> a & 1))
-                continue;
-            w->pair[n + p][a] = CLEAR;
-            w->clearance[n + p][a] = INFINITY;
-            for (int b = 0; b < a; b++)
-                if (w->l->pin[p].links >> b & 1)
-                    w->pair[a][b] = MEET;
+        for (int i = 0; i < w->l->pin[p].n_link; i++) {
+            int a = w->l->pin[p].link[i];
+            w->pair[at(w, n + p, a)] = CLEAR;
+            w->clearance[at(w, n + p, a)] = INFINITY;
+            for (int j = 0; j < w->l->pin[p].n_link; j++)
+                if (w->l->pin[p].link[j] < a)
+                    w->pair[at(w, a, w->l->pin[p].link[j])] = MEET;
         }
     for (int a = 0; a < n + w->l->n_pin; a++) {
-        w->pair[a][k->ground] = CLEAR;
-        w->clearance[a][k->ground] = INFINITY;
+        w->pair[at(w, a, k->ground)] = CLEAR;
+        w->clearance[at(w, a, k->ground)] = INFINITY;
     }
     for (int b = 0; b < k->ground; b++) {
-        w->pair[k->ground][b] = CLEAR;
-        w->clearance[k->ground][b] = INFINITY;
+        w->pair[at(w, k->ground, b)] = CLEAR;
+        w->clearance[at(w, k->ground, b)] = INFINITY;
     }
     for (int j = 0; j < k->n_joint; j++) {
         int a = k->joint[j].link[0], b = k->joint[j].link[1];
-        w->pair[a > b ? a : b][a > b ? b : a] = MEET;
+        w->pair[at(w, a > b ? a : b, a > b ? b : a)] = MEET;
     }
 }
 
@@ -377,11 +439,13 @@ static lw_status find_conflicts(work *w)
     const lw_assembly *k = &w->s->linkage;
     lw_scene fine = { 0 };
     lw_status st = LW_OK;
-    int n = k->n_link, n_open = 1;
+    int bodies = k->n_link + w->l->n_pin, n_open = 1;
+    plate_body *body = calloc((size_t)bodies, sizeof *body);
+    if (!body)
+        return LW_E_MEMORY;
     settle_joints(w);
     for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK; level++) {
         const lw_scene *s = level ? &fine : w->s;
-        plate_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
         size_t wanted = w->s->n_frame << 2*level;
         if (level)
             st = lw_scene_make_any(k, w->s->model, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
@@ -389,18 +453,46 @@ static lw_status find_conflicts(work *w)
             st = move_all(w, s, body);
         if (st == LW_OK && s->n_frame >= wanted)
             n_open = look_at_pairs(w, s, body);
-        for (int i = 0; i < n + w->l->n_pin; i++)
+        for (int i = 0; i < bodies; i++)
             free_body(&body[i]);
         if (level)
             lw_scene_free(&fine);
     }
-    for (int a = 0; a < n; a++)
-        for (int b = 0; b < a; b++)
-            w->meet[a][b] = w->meet[b][a] = w->pair[a][b] == OPEN || w->pair[a][b] == MEET;
-    for (int p = 0; p < w->l->n_pin; p++)
-        for (int a = 0; a < n; a++)
-            w->hits[p] |= (uint32_t)(w->pair[n + p][a] == OPEN || w->pair[n + p][a] == MEET) << a;
+    free(body);
     return st;
+}
+
+/* Must a and b, two links or a pin and a link, be kept apart by layers? */
+static bool meets(const work *w, int a, int b)
+{
+    uint8_t v = a == b ? CLEAR : w->pair[a > b ? at(w, a, b) : at(w, b, a)];
+    return v == OPEN || v == MEET;
+}
+
+static bool touches_pin(const work *w, int link, int pin)
+{
+    return lw_pin_joins(&w->l->pin[pin], link) || meets(w, w->s->linkage.n_link + pin, link);
+}
+
+static bool fill(const work *w, int rows, int columns, bool (*has)(const work *w, int row, int column), table *t)
+{
+    size_t n = 0, room = 0;
+    t->start = malloc(((size_t)rows + 1)*sizeof *t->start);
+    for (int r = 0; t->start && r <= rows; r++) {
+        t->start[r] = (int)n;
+        for (int c = 0; r < rows && c < columns; c++) {
+            if (!has(w, r, c))
+                continue;
+            if (n == room) {
+                int *more = realloc(t->item, (room = 2*room + 64)*sizeof *more);
+                if (!more)
+                    return false;
+                t->item = more;
+            }
+            t->item[n++] = c;
+        }
+    }
+    return t->start != NULL;
 }
 
 /* The least clearance between plates in one layer, and between pins and the plates that they pass. */
@@ -412,48 +504,53 @@ static double least_clearance(const work *w)
     for (int a = 0; a < n; a++)
         for (int b = 0; b < a; b++)
             if (l->layer[a] == l->layer[b])
-                least = fmin(least, w->clearance[a][b]);
+                least = fmin(least, w->clearance[at(w, a, b)]);
     for (int p = 0; p < l->n_pin; p++)
         for (int a = 0; a < n; a++)
             if (l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high)
-                least = fmin(least, w->clearance[n + p][a]);
+                least = fmin(least, w->clearance[at(w, n + p, a)]);
     return least;
 }
 
 /* ---- layers ------------------------------------------------------------------------------------------------- */
 
-/* Does every pin clear the links placed so far between its lowest and highest link? */
-static bool pins_pass(work *w)
+/* Does every pin that goes through the link, or that the link would hit, clear the links placed so far between its lowest
+ * and highest link?  link -1: every pin. */
+static bool pins_pass(work *w, int link)
 {
     lw_layers *l = w->l;
-    for (int p = 0; p < l->n_pin; p++) {
-        int low = LW_LINK_MAX, high = -1;
-        for (int i = 0; i < w->s->linkage.n_link; i++)
-            if ((l->pin[p].links >> i & 1) && l->layer[i] >= 0) {
-                low = l->layer[i] < low ? l->layer[i] : low;
-                high = l->layer[i] > high ? l->layer[i] : high;
-            }
+    const int *hits = w->beside.start + w->s->linkage.n_link;
+    int first = link < 0 ? 0 : w->pins.start[link], last = link < 0 ? l->n_pin : w->pins.start[link + 1];
+    for (int at = first; at < last; at++) {
+        int p = link < 0 ? at : w->pins.item[at], low = LW_LAYERS_MAX, high = -1;
+        for (int i = 0; i < l->pin[p].n_link; i++) {
+            int layer = l->layer[l->pin[p].link[i]];
+            low = layer >= 0 && layer < low ? layer : low;
+            high = layer > high ? layer : high;
+        }
         l->pin[p].low = low;
         l->pin[p].high = high;
-        for (int i = 0; i < w->s->linkage.n_link; i++)
-            if ((w->hits[p] >> i & 1) && l->layer[i] > low && l->layer[i] < high)
+        for (int k = hits[p]; k < hits[p + 1]; k++)
+            if (l->layer[w->beside.item[k]] > low && l->layer[w->beside.item[k]] < high)
                 return false;
     }
     return true;
 }
 
 /* Layers (bits) in which a link can be placed. */
-static uint32_t open_layers(work *w, int link)
+static uint64_t open_layers(work *w, int link)
 {
-    uint32_t open = 0;
+    uint64_t open = 0;
+    for (int k = w->beside.start[link]; k < w->beside.start[link + 1]; k++)
+        if (w->l->layer[w->beside.item[k]] > 0)
+            open |= (uint64_t)1 << w->l->layer[w->beside.item[k]];
+    open = ~open;
     for (int at = 1; at < w->n_layer; at++) {
-        bool free_here = true;
-        for (int i = 0; free_here && i < w->s->linkage.n_link; i++)
-            free_here = !(w->l->layer[i] == at && w->meet[link][i]);
         w->l->layer[link] = at;
-        if (free_here && pins_pass(w))
-            open |= 1u << at;
+        if ((open >> at & 1) && !pins_pass(w, link))
+            open &= ~((uint64_t)1 << at);
     }
+    open &= w->n_layer < 64 ? ((uint64_t)1 << w->n_layer) - 2 : ~(uint64_t)1;
     w->l->layer[link] = -1;
     return open;
 }
@@ -461,17 +558,18 @@ static uint32_t open_layers(work *w, int link)
 /* Place the link with the fewest possible layers next (Brelaz 1979) and try these layers in turn. */
 static bool place(work *w, int left)
 {
-    int best = -1, fewest = LW_LINK_MAX + 1;
-    uint32_t choice = 0;
+    int best = -1, fewest = LW_LAYERS_MAX + 1, n_link = w->s->linkage.n_link;
+    uint64_t choice = 0;
     if (left == 0)
-        return pins_pass(w);
-    if (++w->steps > STEPS_MAX)
+        return pins_pass(w, -1);
+    w->steps += 1 + (long)(n_link/32)*(n_link/32);                     /* a step looks at all links and pins */
+    if (w->steps > STEPS_MAX)
         return false;
     for (int i = 0; i < w->s->linkage.n_link; i++) {
         if (w->l->layer[i] >= 0)
             continue;
-        uint32_t open = open_layers(w, i);
-        int n = __builtin_popcount(open);
+        uint64_t open = open_layers(w, i);
+        int n = __builtin_popcountll(open);
         if (n < fewest) {
             fewest = n;
             best = i;
@@ -491,7 +589,7 @@ static bool place(work *w, int left)
 static lw_status find_layers(work *w, lw_error *e)
 {
     const lw_assembly *k = &w->s->linkage;
-    for (w->n_layer = 2; w->n_layer <= k->n_link; w->n_layer++) {
+    for (w->n_layer = 2; w->n_layer <= k->n_link && w->n_layer <= LW_LAYERS_MAX; w->n_layer++) {
         for (int i = 0; i < k->n_link; i++)
             w->l->layer[i] = i == k->ground ? 0 : -1;
         w->steps = 0;
@@ -515,9 +613,6 @@ static lw_status check(const lw_scene *s, lw_error *e)
     for (int j = 0; j < k->n_joint; j++)
         if (!lw_joint_has_position(k->joint[j].kind))
             return lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds are not cut from plates", k->joint[j].name);
-    if (k->n_link > LW_LINK_MAX || k->n_joint > LW_JOINT_MAX)
-        return lw_error_set(e, LW_E_KIND, "plates are cut for linkages of at most %d links and %d joints; this one has %d and %d",
-                            LW_LINK_MAX, LW_JOINT_MAX, k->n_link, k->n_joint);
     if (s->n_frame < 2)
         return lw_error_set(e, LW_E_KIND, "plates need the motion. %s", s->note);
     return LW_OK;
@@ -525,11 +620,11 @@ static lw_status check(const lw_scene *s, lw_error *e)
 
 lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers *l, lw_error *e)
 {
-    work *w = NULL;
+    work w = { .s = s, .l = l };
+    *l = (lw_layers){ 0 };
     lw_status st = check(s, e);
     if (st != LW_OK)
         return st;
-    memset(l, 0, sizeof *l);
     l->radius = size && size->radius > 0 ? size->radius : usual_radius(&s->linkage);
     l->bore = size && size->bore > 0 ? size->bore : 0.4*l->radius;
     l->thickness = size && size->thickness > 0 ? size->thickness : l->radius;
@@ -537,19 +632,25 @@ lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers
     if (!(l->bore < l->radius && l->pin_radius > 0))
         return lw_error_set(e, LW_E_ARG, "plates %.4g mm wide, holes of %.4g mm and pins of %.4g mm do not go together",
                             2e3*l->radius, 2e3*l->bore, 2e3*l->pin_radius);
-    make_plates(s, l);
-    w = calloc(1, sizeof *w);
-    if (w) {
-        w->s = s;
-        w->l = l;
-    }
-    st = w ? find_conflicts(w) : LW_E_MEMORY;
+    st = allocate(&s->linkage, l);
+    if (st == LW_OK && !make_plates(s, l))
+        st = LW_E_MEMORY;
+    size_t pairs = (size_t)(s->linkage.n_link + l->n_pin)*(size_t)s->linkage.n_link;
+    w.pair = calloc(pairs, sizeof *w.pair);
+    w.clearance = calloc(pairs, sizeof *w.clearance);
     if (st == LW_OK)
-        st = find_layers(w, e);
+        st = w.pair && w.clearance ? find_conflicts(&w) : LW_E_MEMORY;
+    int n = s->linkage.n_link;
+    if (st == LW_OK && !(fill(&w, n + l->n_pin, n, meets, &w.beside) && fill(&w, n, l->n_pin, touches_pin, &w.pins)))
+        st = LW_E_MEMORY;
     if (st == LW_OK)
-        l->room = least_clearance(w);
+        st = find_layers(&w, e);
+    if (st == LW_OK)
+        l->room = least_clearance(&w);
     else if (st == LW_E_MEMORY)
         lw_error_set(e, st, "out of memory for the layers of a linkage");
-    free(w);
+    free(w.pair), free(w.clearance);
+    free(w.beside.start), free(w.beside.item);
+    free(w.pins.start), free(w.pins.item);
     return st;
 }

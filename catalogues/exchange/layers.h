@@ -12,22 +12,20 @@
 
 #include "catalogues/draw/scene.h"
 
-#define LW_CORNER_MAX 64
-#define LW_HOLE_MAX   64
-#define LW_PIN_MAX    96
+#define LW_LAYERS_MAX 64               /* more are not tried */
 
 typedef struct lw_hole { lw_vec2 a, b; } lw_hole;      /* centres of its ends; equal: a round hole       */
 
 typedef struct lw_plate {
     int     n_corner, n_hole;
-    lw_vec2 corner[LW_CORNER_MAX];     /* of the hull before it is widened, counter-clockwise; 1: a disc,
+    lw_vec2 *corner;                   /* of the hull before it is widened, counter-clockwise; 1: a disc,
                                         * 2: a bar; in the posture [m]                                 */
-    lw_hole hole[LW_HOLE_MAX];
+    lw_hole *hole;
 } lw_plate;
 
 typedef struct lw_pin {
     lw_vec2  at;                       /* in the posture [m]                                           */
-    uint32_t links;                    /* bit of each link it goes through                             */
+    int      n_link, *link;            /* those it goes through                                        */
     int      owner;                    /* the link it moves with                                       */
     int      low, high;                /* layers of the lowest and the highest of these                */
 } lw_pin;
@@ -40,10 +38,14 @@ typedef struct lw_layers {
     double   room;                     /* between plates in one layer, and pins and plates they pass, at
                                         * least, over all of the motion; INFINITY: nothing passes [m]  */
     int      n_layer, n_pin;
-    int      layer[LW_LINK_MAX];       /* 0: the ground's                                              */
-    lw_plate plate[LW_LINK_MAX];
-    lw_pin   pin[LW_PIN_MAX];
+    int      *layer;                   /* of each link; 0: the ground's                                */
+    lw_plate *plate;                   /* of each link                                                 */
+    lw_pin   *pin;
+    void     *memory[3];               /* of holes and corners; for hulls                              */
 } lw_layers;
+
+/* Is the link one of those that the pin goes through? */
+bool lw_pin_joins(const lw_pin *p, int link);
 
 /* Sizes of plates [m]; 0, and for the clearance a negative value: the usual ones. */
 typedef struct lw_plate_size {
@@ -56,8 +58,9 @@ typedef struct lw_plate_size {
 
 /* Find the fewest layers. size NULL: the usual sizes. LW_E_ARG: a hole as wide as its plate, or a clearance as wide as
  * its hole; LW_E_KIND: gears, welds, or no motion is known (s->note); LW_NOTHING with a text: there are no such layers;
- * LW_STOPPED: none were found in a million steps. */
+ * LW_STOPPED: none were found in a million steps. Free l with lw_layers_free, after a failure too. */
 lw_status lw_layers_find(const lw_scene *s, const lw_plate_size *size, lw_layers *l, lw_error *e);
+void      lw_layers_free(lw_layers *l);
 
 /* Distance of two convex plates with corners as in lw_plate; 0 when they touch. */
 double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b);

@@ -7,6 +7,20 @@
 #define MM  1000.0
 #define GAP 0.1                            /* between layers, of the thickness                         */
 
+/* Room for the loops of any one plate. */
+static lw_status allocate(lw_plates *w)
+{
+    int holes = 0, corners = 1;
+    for (int i = 0; i < w->scene.linkage.n_link; i++) {
+        const lw_plate *p = &w->layers.plate[i];
+        holes = p->n_hole > holes ? p->n_hole : holes;
+        corners = p->n_corner > corners ? p->n_corner : corners;
+    }
+    w->side = malloc(2*((size_t)corners + 2*(size_t)holes)*sizeof *w->side);
+    w->hole = malloc(((size_t)holes + 1)*sizeof *w->hole);
+    return w->side && w->hole ? LW_OK : LW_E_MEMORY;
+}
+
 lw_status lw_plates_make(const lw_assembly *linkage, const lw_export_options *o, lw_plates **out, lw_error *e)
 {
     lw_plates *w = calloc(1, sizeof *w);
@@ -16,22 +30,23 @@ lw_status lw_plates_make(const lw_assembly *linkage, const lw_export_options *o,
     lw_status s = lw_scene_make_any(linkage, o ? o->model : NULL, NULL, &(lw_scene_options){ .n_frame = LW_PLATES_FRAMES, .n_curve_point = 8 },
                                 &w->scene,
                                 e);
-    if (s == LW_OK) {
+    w->scene.model = o ? o->model : NULL;                      /* layers make more postures of it */
+    if (s == LW_OK)
         s = lw_layers_find(&w->scene, &size, &w->layers, e);
-        if (s != LW_OK)
-            lw_scene_free(&w->scene);
-    }
-    if (s != LW_OK) {
-        free(w);
-        return s;
-    }
-    *out = w;
-    return LW_OK;
+    if (s == LW_OK && allocate(w) != LW_OK)
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory for plates");
+    if (s == LW_OK)
+        *out = w;
+    else
+        lw_plates_free(w);
+    return s;
 }
 
 void lw_plates_free(lw_plates *w)
 {
     lw_scene_free(&w->scene);
+    lw_layers_free(&w->layers);
+    free(w->side), free(w->hole);
     free(w);
 }
 
@@ -61,8 +76,9 @@ void lw_plates_room(const lw_plates *w, char *text, size_t size)
              : "in no layer anything passes anything", room);
 }
 
-void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_loop *loop)
+void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_side *side, lw_plate_loop *loop)
 {
+    loop->side = side;
     loop->n = 0;
     loop->radius = r;
     if (n == 1) {
@@ -79,28 +95,32 @@ void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_loop *loop)
 
 int lw_plates_count(const lw_plates *w) { return w->scene.linkage.n_link + w->layers.n_pin; }
 
-void lw_plates_slab(const lw_plates *w, int i, lw_slab *s)
+void lw_plates_slab(lw_plates *w, int i, lw_slab *s)
 {
     const lw_layers *l = &w->layers;
     double floor = (1 + GAP)*l->thickness;
     int n_link = w->scene.linkage.n_link;
+    lw_plate_side *side = w->side;
     s->n_hole = 0;
+    s->hole = w->hole;
     if (i >= n_link) {
         const lw_pin *p = &l->pin[i - n_link];
         snprintf(s->name, sizeof s->name, "pin %d", i - n_link + 1);
         s->low = p->low*floor;
         s->high = p->high*floor + l->thickness;
-        lw_loop_widen(&p->at, 1, l->pin_radius, &s->outline);
+        lw_loop_widen(&p->at, 1, l->pin_radius, side, &s->outline);
         return;
     }
     const lw_plate *p = &l->plate[i];
     snprintf(s->name, sizeof s->name, "%s", w->scene.linkage.link_name[i]);
     s->low = l->layer[i]*floor;
     s->high = s->low + l->thickness;
-    lw_loop_widen(p->corner, p->n_corner, l->radius, &s->outline);
+    lw_loop_widen(p->corner, p->n_corner, l->radius, side, &s->outline);
+    side += s->outline.n;
     for (int h = 0; h < p->n_hole; h++) {
         const lw_vec2 ends[2] = { p->hole[h].a, p->hole[h].b };
         bool round = lw_v2_norm(lw_v2_sub(ends[1], ends[0])) < 1e-9*l->radius;
-        lw_loop_widen(ends, round ? 1 : 2, l->bore, &s->hole[s->n_hole++]);
+        lw_loop_widen(ends, round ? 1 : 2, l->bore, side, &s->hole[s->n_hole]);
+        side += s->hole[s->n_hole++].n;
     }
 }

@@ -8,7 +8,21 @@
 
 #define LW_PLATES_FRAMES 240               /* postures of the motion                                   */
 
-typedef struct lw_plates { lw_scene scene; lw_layers layers; } lw_plates;
+/* A side of a loop, from its point to that of the next side: a line, or an arc about a centre, counter-clockwise. */
+typedef struct lw_plate_side { lw_vec2 from, centre; bool arc; } lw_plate_side;
+
+typedef struct lw_plate_loop {                   /* counter-clockwise [m]                                    */
+    int     n;                             /* 1: a circle                                              */
+    double  radius;                        /* of its arcs                                              */
+    lw_plate_side *side;
+} lw_plate_loop;
+
+typedef struct lw_plates {
+    lw_scene       scene;
+    lw_layers      layers;
+    lw_plate_side *side;                   /* room for the loops of any one slab                       */
+    lw_plate_loop *hole;
+} lw_plates;
 
 /* Find the layers. Free it with lw_plates_free. LW_E_ARG: sizes that do not fit together; failures as in layers.h. */
 lw_status lw_plates_make(const lw_assembly *linkage, const lw_export_options *o, lw_plates **out, lw_error *e);
@@ -20,28 +34,19 @@ lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e);
 /* What is known about the free space in the layers, in one sentence. */
 void lw_plates_room(const lw_plates *w, char *text, size_t size);
 
-/* A side of a loop, from its point to that of the next side: a line, or an arc about a centre, counter-clockwise. */
-typedef struct lw_plate_side { lw_vec2 from, centre; bool arc; } lw_plate_side;
-
-typedef struct lw_plate_loop {                   /* counter-clockwise [m]                                    */
-    int     n;                             /* 1: a circle                                              */
-    double  radius;                        /* of its arcs                                              */
-    lw_plate_side side[2*LW_CORNER_MAX];
-} lw_plate_loop;
-
-/* The outline of a convex polygon (counter-clockwise, or a bar, or a point), widened by r. */
-void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_loop *loop);
+/* The outline of a convex polygon (counter-clockwise, or a bar, or a point), widened by r, into `side` (2 n). */
+void lw_loop_widen(const lw_vec2 *p, int n, double r, lw_plate_side *side, lw_plate_loop *loop);
 
 /* A body between two heights: an outline and its holes. */
 typedef struct lw_slab {
     char    name[LW_NAME_SIZE + 16];
     double  low, high;                     /* [m]                                                      */
     int     n_hole;
-    lw_plate_loop outline, hole[LW_HOLE_MAX];
+    lw_plate_loop outline, *hole;
 } lw_slab;
 
-/* Number of plates and pins; slab i of them, in the posture. */
+/* Number of plates and pins; slab i of them, in the posture, until the next one is asked for. */
 int  lw_plates_count(const lw_plates *w);
-void lw_plates_slab(const lw_plates *w, int i, lw_slab *s);
+void lw_plates_slab(lw_plates *w, int i, lw_slab *s);
 
 #endif

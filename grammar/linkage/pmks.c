@@ -186,12 +186,10 @@ static void default_input(lw_points *p)
 lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
                        lw_error *e)
 {
-    lw_points *p = calloc(1, sizeof *p);
+    lw_points *p = lw_points_create(0, 0);
     entry *t = malloc(sizeof *t);
     lw_status s = p && t ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     lw_cursor c = lw_cursor_start(text, size, file, e), end = c;
-    if (p)
-        p->ground = -1;
     while (s == LW_OK && lw_cursor_peek(&c) >= 0) {
         if (c.column == 1 && take_setting(&c))
             continue;
@@ -205,7 +203,7 @@ lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw
         s = lw_points_linkage(p, units, &c, linkage);
     }
     free(t);
-    free(p);
+    lw_points_free(p);
     return s;
 }
 
@@ -225,4 +223,4 @@ static void print_points(FILE *f, const lw_points *p, double metre)
     }
 }
 
-char *lw_pmks_write(const lw_linkage *linkage, lw_error *e) { return lw_points_text(linkage, print_points, e); }
+char *lw_pmks_write(const lw_assembly *linkage, lw_error *e) { return lw_points_text(linkage, print_points, e); }

@@ -10,13 +10,13 @@
 #ifndef LW_GRAMMAR_LINKAGE_PMKS_H
 #define LW_GRAMMAR_LINKAGE_PMKS_H
 
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 
 /* As lw_pyslvs_read.  If no joint is marked as driven, the first one between the ground and a link named "input" is. */
 lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units,
                        lw_linkage *linkage, lw_error *e);
 
 /* As lw_pyslvs_write. */
-char *lw_pmks_write(const lw_linkage *linkage, lw_error *e);
+char *lw_pmks_write(const lw_assembly *linkage, lw_error *e);
 
 #endif

@@ -8,14 +8,53 @@
 #include <strings.h>
 #include "base/number.h"
 
+lw_points *lw_points_create(int most_points, int most_links)
+{
+    lw_points *p = calloc(1, sizeof *p);
+    if (!p)
+        return NULL;
+    p->most_points = most_points ? most_points : LW_JOINT_MAX + LW_TRACER_MAX;
+    p->most_links = most_links ? most_links : LW_LINK_MAX;
+    p->ground = -1;
+    p->name = calloc((size_t)p->most_links, sizeof *p->name);
+    p->point = calloc((size_t)p->most_points, sizeof *p->point);
+    if (p->name && p->point)
+        return p;
+    lw_points_free(p);
+    return NULL;
+}
+
+void lw_points_free(lw_points *p)
+{
+    for (int i = 0; p && p->point && i < p->most_points; i++)
+        free(p->point[i].link);
+    if (p) {
+        free(p->name);
+        free(p->point);
+    }
+    free(p);
+}
+
+/* false: out of memory. */
+static bool add_link(lw_point *q, int link)
+{
+    if ((q->n_link & (q->n_link - 1)) == 0) {                  /* powers of two */
+        int *more = realloc(q->link, (q->n_link ? 2*(size_t)q->n_link : 1)*sizeof *more);
+        if (!more)
+            return false;
+        q->link = more;
+    }
+    q->link[q->n_link++] = link;
+    return true;
+}
+
 /* ---- reading ----------------------------------------------------------------------------------- */
 
 lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out)
 {
-    if (p->n_point == LW_POINTS_MAX)
-        return lw_cursor_fail(where, "this is one point too many: at most %d", LW_POINTS_MAX);
+    if (p->n_point == p->most_points)
+        return lw_cursor_fail(where, "this is one point too many: at most %d", p->most_points);
     *out = &p->point[p->n_point++];
-    memset(*out, 0, sizeof **out);
     (*out)->where = *where;
     (*out)->driven_link = -1;
     return LW_OK;
@@ -34,15 +73,14 @@ lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size
     for (int i = 0; i < q->n_link; i++)
         if (q->link[i] == l)
             return lw_cursor_fail(where, "link %s is named twice at one point", name);
-    if (l == LW_LINK_MAX)
-        return lw_cursor_fail(where, "link %s is one too many: at most %d", name, LW_LINK_MAX);
+    if (l == p->most_links)
+        return lw_cursor_fail(where, "link %s is one too many: at most %d", name, p->most_links);
     if (l == p->n_link) {
         memcpy(p->name[p->n_link++], name, n + 1);
         if (strcmp(name, "ground") == 0)
             p->ground = l;
     }
-    q->link[q->n_link++] = l;
-    return LW_OK;
+    return add_link(q, l) ? LW_OK : lw_cursor_fail(where, "out of memory");
 }
 
 lw_status lw_points_number(lw_cursor *c, const char *what, double *v)
@@ -145,7 +183,7 @@ lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_
     memset(linkage, 0, sizeof *linkage);
     linkage->units = *units;
     linkage->n_link = p->n_link;
-    memcpy(linkage->link_name, p->name, sizeof p->name);
+    memcpy(linkage->link_name, p->name, (size_t)p->n_link*sizeof *p->name);
     linkage->ground = p->ground;
     if (p->n_point == 0)
         return lw_cursor_fail(end, "there is no joint");
@@ -169,9 +207,10 @@ lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_
 /* ---- joints to points -------------------------------------------------------------------------- */
 
 typedef struct grouping {
-    const lw_linkage *k;
-    bool used[LW_JOINT_MAX];
-    int  lost;                         /* a driven joint between moving links among several; -1 */
+    const lw_assembly *k;
+    bool *used;
+    bool  whole;                       /* false: out of memory */
+    int   lost;                        /* a driven joint between moving links among several; -1 */
 } grouping;
 
 static bool has_link(const lw_point *q, int first, int link)
@@ -216,7 +255,7 @@ static void check_input(grouping *g, const lw_point *q)
  * driven pin is not merged with a slot, which cannot be driven, nor with another driven pin. */
 static void gather(grouping *g, lw_joint_kind kind, int first, lw_point *q)
 {
-    const lw_linkage *k = g->k;
+    const lw_assembly *k = g->k;
     for (bool grew = true; grew;) {
         grew = false;
         for (int j = 0; j < k->n_joint; j++) {
@@ -227,7 +266,7 @@ static void gather(grouping *g, lw_joint_kind kind, int first, lw_point *q)
             bool a = has_link(q, first, o->link[0]), b = has_link(q, first, o->link[1]);
             if (a == b || has_link(q, 0, o->link[a ? 1 : 0]))
                 continue;
-            q->link[q->n_link++] = o->link[a ? 1 : 0];
+            g->whole = add_link(q, o->link[a ? 1 : 0]) && g->whole;
             g->used[j] = grew = true;
             note_input(g, j, q);
         }
@@ -272,9 +311,11 @@ static void group_joint(grouping *g, int joint, lw_points *p)
         j = &g->k->joint[joint];
     }
     lw_point *q = &p->point[p->n_point++];
-    *q = (lw_point){ .at = j->at, .angle = angle_of(j->along)*(LW_PI/180), .n_link = 2,
-                     .link = { j->link[0], j->link[1] }, .driven_link = -1 };
+    *q = (lw_point){ .at = j->at, .angle = angle_of(j->along)*(LW_PI/180), .driven_link = -1 };
     g->used[joint] = true;
+    g->whole = add_link(q, j->link[0]) && add_link(q, j->link[1]) && g->whole;
+    if (!g->whole)
+        return;
     note_input(g, joint, q);
     q->type = type_of(j->kind);
     gather(g, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE, q->type != LW_POINT_PIN, q);
@@ -287,7 +328,7 @@ static void group_joint(grouping *g, int joint, lw_points *p)
 }
 
 /* True for a reserved name: a kind, the ground and, if nothing is driven, the name of PMKS' driven link. */
-static bool is_word(const lw_linkage *linkage, const char *name)
+static bool is_word(const lw_assembly *linkage, const char *name)
 {
     static const char *const words[] = { "r", "p", "rp", "g", "ground", "gnd", "grnd" };
     for (size_t i = 0; i < sizeof words/sizeof *words; i++)
@@ -304,7 +345,7 @@ static bool taken(const lw_points *p, int n, const char *name)
     return false;
 }
 
-static void name_links(const lw_linkage *linkage, lw_points *p)
+static void name_links(const lw_assembly *linkage, lw_points *p)
 {
     for (int l = 0; l < linkage->n_link; l++) {
         char *name = p->name[l], plain[LW_NAME_SIZE - 4];
@@ -320,15 +361,14 @@ static void name_links(const lw_linkage *linkage, lw_points *p)
         plain[n] = '\0';
         snprintf(name, LW_NAME_SIZE, "%s", plain);
         for (int i = 2; is_word(linkage, name) || taken(p, l, name); i++)
-            snprintf(name, LW_NAME_SIZE, "%s_%d", plain, (unsigned char)i);       /* at most 32 links */
+            snprintf(name, LW_NAME_SIZE, "%.20s_%d", plain, i);
     }
 }
 
-static lw_status points_from(const lw_linkage *linkage, lw_points *p, lw_error *e)
+static lw_status points_from(const lw_assembly *linkage, bool *used, lw_points *p, lw_error *e)
 {
-    grouping g = { .k = linkage, .lost = -1 };
-    memset(p, 0, sizeof *p);
-    lw_status s = lw_linkage_check(linkage, e);
+    grouping g = { .k = linkage, .used = used, .whole = true, .lost = -1 };
+    lw_status s = lw_assembly_check(linkage, e);
     if (s != LW_OK)
         return s;
     p->n_link = linkage->n_link;
@@ -338,26 +378,27 @@ static lw_status points_from(const lw_linkage *linkage, lw_points *p, lw_error *
         if (lw_joint_has_ratio(linkage->joint[j].kind))
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation",
                                 linkage->joint[j].name);
-    int own = lw_linkage_free_inputs(linkage);
+    int own = lw_assembly_free_inputs(linkage);
     if (own < linkage->n_input)
         return lw_error_set(e, LW_E_KIND,
                             "the input at joint \"%s\" is tied to the first, which has no form in this notation",
                             linkage->joint[linkage->input[own].joint].name);
     for (int j = 0; j < linkage->n_joint; j++)
-        while (!g.used[j] && linkage->joint[j].kind != LW_JOINT_FIXED)
+        while (g.whole && !g.used[j] && linkage->joint[j].kind != LW_JOINT_FIXED)
             group_joint(&g, j, p);
-    for (int j = 0; j < linkage->n_joint; j++)
+    for (int j = 0; g.whole && j < linkage->n_joint; j++)
         if (!g.used[j])
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a weld that is not at a slider, which has no form "
                                 "in this notation; make its two links one", linkage->joint[j].name);
     if (g.lost >= 0)
         return lw_error_set(e, LW_E_KIND, "input \"%s\" turns two moving links on a pin of several, which has no "
                             "form in this notation", linkage->joint[g.lost].name);
-    for (int i = 0; i < linkage->n_tracer; i++)
-        p->point[p->n_point++] = (lw_point){
-            .at = linkage->tracer[i].at, .n_link = 1, .link = { linkage->tracer[i].link }, .driven_link = -1
-        };
-    return LW_OK;
+    for (int i = 0; i < linkage->n_tracer; i++) {
+        lw_point *q = &p->point[p->n_point++];
+        *q = (lw_point){ .at = linkage->tracer[i].at, .driven_link = -1 };
+        g.whole = add_link(q, linkage->tracer[i].link) && g.whole;
+    }
+    return g.whole ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
 }
 
 /* ---- as text ------------------------------------------------------------------------------------- */
@@ -373,12 +414,13 @@ lw_point_numbers lw_point_print(const lw_point *q, double metre)
     return n;
 }
 
-char *lw_points_text(const lw_linkage *linkage, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e)
+char *lw_points_text(const lw_assembly *linkage, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
-    lw_points *p = calloc(1, sizeof *p);
-    lw_status s = p ? points_from(linkage, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    lw_points *p = lw_points_create(linkage->n_joint + linkage->n_tracer + 1, linkage->n_link + 1);
+    bool *used = calloc((size_t)linkage->n_joint + 1, sizeof *used);
+    lw_status s = p && used ? points_from(linkage, used, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     FILE *f = s == LW_OK ? open_memstream(&text, &size) : NULL;
     if (f) {
         print(f, p, linkage->units.metre);
@@ -387,7 +429,8 @@ char *lw_points_text(const lw_linkage *linkage, void (*print)(FILE *f, const lw_
             text = NULL;
         }
     }
-    free(p);
+    lw_points_free(p);
+    free(used);
     if (!text && s == LW_OK)
         lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     return text;

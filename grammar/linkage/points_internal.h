@@ -10,10 +10,8 @@
 
 #include <stdio.h>
 #include "base/number.h"
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 #include "grammar/text/text_internal.h"
-
-#define LW_POINTS_MAX (LW_JOINT_MAX + LW_TRACER_MAX)
 
 typedef enum lw_point_type { LW_POINT_PIN, LW_POINT_SLIDER, LW_POINT_SLOT } lw_point_type;
 
@@ -21,17 +19,22 @@ typedef struct lw_point {
     lw_point_type type;
     lw_vec2   at;                      /* [m]                                                       */
     double    angle;                   /* slider, slot: of the line [rad]                           */
-    int       n_link, link[LW_LINK_MAX];
+    int       n_link, *link;           /* owned by the points                                       */
     bool      driven;
     int       driven_link;             /* which link the input turns; -1: not given                 */
     lw_cursor where;                   /* its place in the text                                     */
 } lw_point;
 
 typedef struct lw_points {
-    int      n_point, n_link, ground;  /* ground -1: not named yet                                  */
-    char     name[LW_LINK_MAX][LW_NAME_SIZE];
-    lw_point point[LW_POINTS_MAX];
+    int       n_point, n_link, ground; /* ground -1: not named yet                                  */
+    int       most_points, most_links;
+    char    (*name)[LW_NAME_SIZE];
+    lw_point *point;
 } lw_points;
+
+/* Without points; ground is -1.  Zeros: as many as a linkage can have.  NULL: out of memory. */
+lw_points *lw_points_create(int most_points, int most_links);
+void       lw_points_free(lw_points *p);                              /* NULL is fine */
 
 /* Add a point, zeroed except for `where`.  An error at `where` when there are too many points. */
 lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out);
@@ -45,7 +48,7 @@ lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_
 /* Convert the linkage to points and let `print` write them; returns the text, to be freed with free().  Names are
  * reduced to letters, digits and underscores, stay different if case is ignored, and the ground becomes "ground".
  * NULL with e filled: LW_E_KIND for gears and for welds that are not at a slider, LW_E_MEMORY. */
-char *lw_points_text(const lw_linkage *linkage, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
+char *lw_points_text(const lw_assembly *linkage, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
 
 /* The type of a point in both notations, and its numbers as text: lengths in units of `metre`, the angle in degrees. */
 extern const char *const lw_point_type_text[3];

@@ -247,11 +247,10 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
                          lw_error *e)
 {
     char buf[24];
-    lw_points *p = calloc(1, sizeof *p);
+    lw_points *p = lw_points_create(0, 0);
     if (!p)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     reader r = { .c = lw_cursor_start(text, size, file, e), .p = p, .metre = units->metre };
-    p->ground = -1;
     lw_status s = want(&r, "M[", "at the beginning");
     if (s == LW_OK)
         s = read_list(&r, read_joint, NULL, "a joint");
@@ -264,7 +263,7 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
         s = set_inputs(&r);
     if (s == LW_OK)
         s = lw_points_linkage(p, units, &r.c, linkage);
-    free(p);
+    lw_points_free(p);
     return s;
 }
 
@@ -305,4 +304,4 @@ static void print_points(FILE *f, const lw_points *p, double metre)
             fprintf(f, "# input %d %d\n", i, tip_of(p, i));
 }
 
-char *lw_pyslvs_write(const lw_linkage *linkage, lw_error *e) { return lw_points_text(linkage, print_points, e); }
+char *lw_pyslvs_write(const lw_assembly *linkage, lw_error *e) { return lw_points_text(linkage, print_points, e); }

@@ -8,7 +8,7 @@
 #ifndef LW_GRAMMAR_LINKAGE_PYSLVS_H
 #define LW_GRAMMAR_LINKAGE_PYSLVS_H
 
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 
 /* Lengths are in units->length.  Joints and tracers are named P0, P1, ... after the numbers of the points; several
  * links at one point make several joints, P3, P3_1, ...  LW_E_NOTATION with line and column. */
@@ -18,6 +18,6 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
 /* In its units; free with free().  NULL with e filled: LW_E_KIND for gears and welds,
  * LW_E_MEMORY.  The text does not contain ranges of inputs, input values that differ from the posture, and
  * directions of tools. */
-char *lw_pyslvs_write(const lw_linkage *linkage, lw_error *e);
+char *lw_pyslvs_write(const lw_assembly *linkage, lw_error *e);
 
 #endif

@@ -28,7 +28,7 @@ static inline int points_same(const lw_linkage *a, const lw_linkage *b)
 static inline int points_fuzz(const uint8_t *data, size_t size,
                               lw_status (*read)(const char *text, size_t size, const char *file,
                                                 const lw_units *units, lw_linkage *k, lw_error *e),
-                              char *(*write)(const lw_linkage *k, lw_error *e))
+                              char *(*write)(const lw_assembly *k, lw_error *e))
 {
     lw_linkage k[3];
     lw_error e = { 0 };
@@ -39,7 +39,7 @@ static inline int points_fuzz(const uint8_t *data, size_t size,
         return 0;
     }
     for (int i = 0; i < 2; i++) {
-        char *text = write(&k[i], &e);
+        char *text = write(LW_VIEW(&k[i]), &e);
         if (!text) {
             if (e.status != LW_E_KIND || k[i].n_input == 0)
                 abort();
