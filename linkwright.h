@@ -499,7 +499,7 @@ LW_API void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, doub
 
 /* ---- motion --------------------------------------------------------------------------------------------------- */
 
-/* What the lengths of a four-bar say about its motion (Barker 1985). */
+/* The class of a four-bar and its motion, from its lengths (Barker 1985). */
 typedef struct lw_fourbar_class {
     int         number;                /* 1 .. 14                                                                */
     const char *symbol;                /* "GCCC", "GCRR", ..., "CP3X"                                            */
@@ -701,7 +701,7 @@ typedef struct lw_caller_force {
     void (*apply)(void *context, double t, const lw_link_motion *link, lw_link_load *load);
 } lw_caller_force;
 
-/* What a joint does to its link[1], about the joint's point on that link (of a gear: on the carrier). */
+/* Force and moment of a joint on its link[1], about the joint's point on that link (of a gear: on the carrier). */
 typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /* [N] [N m]             */
 
 typedef struct lw_simulation_options {
@@ -857,7 +857,7 @@ typedef lw_status lw_spatial_trace_callback(void *context, double at, const doub
 LW_API lw_status lw_spatial_trace(const lw_spatial *model, bool in_time, double from, double to, int intervals,
                                   lw_spatial_trace_callback *visit, void *context, lw_error *error);
 
-/* What a joint does to its link[1], about the joint's point on that link [N] [N m]. */
+/* Force [N] and moment [N m] of a joint on its link[1], about the joint's point on that link. */
 typedef struct lw_spatial_reaction { lw_vec3 force, moment; } lw_spatial_reaction;
 
 typedef struct lw_spatial_sample {
@@ -919,7 +919,7 @@ typedef struct lw_clearance_point {
 typedef lw_status lw_clearance_callback(void *context, double t, double input, double energy, int n_point,
                                         const lw_clearance_point *point);
 
-/* What became of one joint after `settle`. */
+/* Contact of one joint after the time `settle`. */
 typedef struct lw_clearance_outcome {
     int    joint;
     bool   lost;                     /* the distance fell to the gap (link: the force to 0; zero: criterion > 1) */
@@ -1026,7 +1026,7 @@ LW_API void        lw_drive_parts_destroy(lw_drive_parts *parts);
 LW_API int         lw_drive_parts_count(const lw_drive_parts *parts, char kind);
 LW_API const char *lw_drive_parts_name(const lw_drive_parts *parts, char kind, int i);
 
-/* What keeps a choice from the work: bits of lw_drive_choice.fails. */
+/* Limits that a choice exceeds: bits of lw_drive_choice.fails. */
 #define LW_DRIVE_LIMIT_LIST(X) \
     X(SPEED,          "speed of the motor") \
     X(PEAK,           "peak torque of the motor") \
@@ -1146,8 +1146,8 @@ LW_API void      lw_target_destroy(lw_target *target);
 LW_API size_t    lw_target_n(const lw_target *target);
 LW_API bool      lw_target_closed(const lw_target *target);
 LW_API double    lw_target_length(const lw_target *target);          /* of the polygon through the stations [m]   */
-/* What was assumed when the target was read, as text for a person: the curve of a drawing, a unit that no file gives,
- * how far smoothing moved the points; "": nothing.  Valid as long as the target. */
+/* The assumptions made when the target was read, as text for a person: which curve of a drawing, a unit that no file
+ * gives, how far smoothing moved the points; "" if there are none.  Valid as long as the target. */
 LW_API const char *lw_target_note(const lw_target *target);
 
 /* Arrays (n) of the target; NULL where it has none. */
@@ -1260,7 +1260,7 @@ LW_API lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_r
 LW_API void      lw_results_destroy(lw_results *results);
 LW_API int       lw_results_count(const lw_results *results);
 
-/* What keeps a linkage through precision points from running through them in order. */
+/* Defects of a linkage that passes through the precision points but does not run through them in order. */
 enum { LW_DEFECT_ORDER = 1, LW_DEFECT_BRANCH = 2, LW_DEFECT_CIRCUIT = 4 };
 
 typedef struct lw_result_info {
@@ -1340,7 +1340,7 @@ LW_API lw_status lw_plot_save(const char *path, const char *title, const char *x
 
 /* ---- catalogues -------------------------------------------------------------------------------------------------- */
 
-/* What was enumerated and found, in one SQLite file (docs/catalogue.md).  A handle belongs to one thread; one program
+/* A catalogue of mechanisms, curves and linkages in one SQLite file (docs/catalogue.md).  A handle belongs to one thread; one program
  * writes at a time, any number may read.  Work that was stopped or killed is continued by the same call. */
 typedef struct lw_catalogue lw_catalogue;
 

@@ -25,8 +25,8 @@ typedef struct lw_loop {
     struct { void *at; size_t size; } out[2];          /* at NULL: no such array */
 } lw_loop;
 
-/* What runs a loop instead of the threads of this process: other processes that do the same up to here, or a file of what
- * it left before.  Returns LW_OK when all arrays are filled. */
+/* A loop can be run by other means than the threads of this process: by other processes that came to the same loop, or
+ * from a file with the results of an earlier run.  loop returns LW_OK when all arrays are filled. */
 typedef struct lw_sharing {
     lw_status (*loop)(void *context, const lw_loop *loop);
     void       *context;

@@ -71,7 +71,7 @@ static inline lw_mat3 lw_quaternion_matrix(lw_quaternion a)
 
 /* The turn by a vector, whose length is the angle [rad]. */
 lw_quaternion lw_quaternion_of_vector(lw_vec3 angle);
-/* That vector, of length at most pi. */
+/* The inverse: the vector of a turn, of length at most pi. */
 lw_vec3 lw_quaternion_vector(lw_quaternion a);
 /* The turn of a rotation matrix. */
 lw_quaternion lw_quaternion_of_matrix(const lw_mat3 *m);

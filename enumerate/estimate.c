@@ -30,7 +30,7 @@ static lw_status nothing(void *context, const uint8_t *weight)
     return LW_OK;
 }
 
-/* What is sampled. */
+/* The enumeration that is sampled. */
 typedef struct sampling {
     const lw_structures *set;
     int    dof;

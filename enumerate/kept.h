@@ -19,7 +19,7 @@
 
 typedef struct lw_kept lw_kept;
 
-/* What is counted, and in how many parts. */
+/* The count that a file keeps, and its number of parts. */
 typedef struct lw_kept_head {
     int      n_link, dof;
     char     filter[24];                  /* "none" or the name of a filter  */

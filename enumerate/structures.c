@@ -8,7 +8,7 @@
 #include "enumerate/grow.h"
 #include "enumerate/structures.h"
 
-/* Where a structure comes from; its circles are kept for sorting. */
+/* The origin of a structure; its circles are kept for sorting. */
 typedef struct origin {
     uint32_t parent;
     lw_ear   ear;

@@ -59,7 +59,7 @@ void      lw_search_close(lw_weighting_search *t);
 /* Unknowns from s->next on that are inside every tight set. */
 uint64_t lw_weighting_allowed(const lw_weighting_search *t, const lw_weighting_state *s);
 
-/* Those that can be the next with a nonzero value: not tied to a line without binary links. */
+/* The allowed unknowns that can get the next nonzero value: they are not tied to a line without binary links. */
 uint64_t lw_weighting_candidates(const lw_weighting_search *t, const lw_weighting_state *s);
 
 /* The unknowns inside each set that lacks one binary link: inside (sets).  Returns the number of such sets. */

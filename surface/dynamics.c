@@ -411,7 +411,7 @@ lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_call
 
 typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; lw_dynamics *d; } vibrations;
 
-/* Of large models, elastic links and models in space: the slowest.  One of both is NULL. */
+/* Modes of large models, elastic links and models in space: the slowest.  One of both is NULL. */
 static lw_status find_slowest(vibrations *w, const lw_model *model, const lw_spatial *space, const lw_modes_options *o, lw_error *e)
 {
     lw_dynamics_options options = lw_dynamics_options_default();

@@ -29,7 +29,7 @@ typedef struct job {
     lw_error                e;
 } job;
 
-/* What the texts of a row point to. */
+/* The memory that the texts of a row point to. */
 typedef struct entry {
     lw_store_linkage row;
     lw_linkage       k;

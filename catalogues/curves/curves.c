@@ -375,7 +375,7 @@ static void draw_piece(const double *u, double a, double b, bool turns, lw_curve
     row->last = (float)(from + (b - a)*part);
 }
 
-/* What a row of a topology says. */
+/* A row of a topology. */
 typedef struct member {
     lw_curve_topology *topology;
     double   dim[LW_DIM_MAX], mode[LW_MODE_MAX];

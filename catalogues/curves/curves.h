@@ -18,7 +18,7 @@
 #define LW_CURVE_DRAWS  8             /* numbers in [0, 1) a sample takes                             */
 #define LW_CURVE_POINTS 192
 
-/* What is stored of a curve: 36 bytes. */
+/* A stored curve: 36 bytes. */
 typedef struct lw_curve_row {
     union {
         float    dim[LW_SHAPE_MAX + 2];   /* four links: the shape dimensions of the family, cx, cy [m, rad] */
@@ -35,7 +35,7 @@ typedef struct lw_curve_row {
     uint8_t turns;                /* 2: the input turns fully; 1: it does not; 0: not known            */
 } lw_curve_row;
 
-/* What a linkage does while its tracer draws a curve. */
+/* The motion of a linkage while its tracer draws a curve. */
 typedef struct lw_curve_traits {
     bool   turns;                 /* the input can turn fully                                         */
     double transmission;          /* least transmission angle of all dyads on the curve [rad]         */

@@ -15,7 +15,7 @@
 #include "mbs/constraints/newton.h"
 #include "mbs/dynamics/follow.h"
 
-/* What the steps of lw_scene_make share. */
+/* Data that the steps of lw_scene_make share. */
 #define POINTS_MAX 50000        /* of a curve: beyond, its steps are no longer halved */
 
 typedef struct lw_work {

@@ -8,8 +8,8 @@
 #include "base/bytes.h"
 #include "grammar/model/model.h"
 
-/* What a file may hold beside the linkage. A writer uses what its format can hold; its text below says so. NULL: a
- * linkage alone, plates of the usual size. */
+/* Optional content of a file beside the linkage. A writer uses the parts that its format can hold; its text below names
+ * them. NULL: the linkage alone, with plates of the usual size. */
 typedef struct lw_export_options {
     const lw_model *model;             /* of the same linkage, with masses and loads; NULL: none             */
     double width, thickness, hole;     /* of plates: a bar's width, thickness, diameter of holes [m]; 0: usual */

@@ -31,7 +31,7 @@ void      lw_plates_free(lw_plates *w);
 /* LW_E_KIND with a text: two holes of a plate meet, so that the plate is no solid with round holes and slots. */
 lw_status lw_plates_check_holes(const lw_plates *w, lw_error *e);
 
-/* What is known about the free space in the layers, in one sentence. */
+/* One sentence that says what is known about the free space in the layers. */
 void lw_plates_room(const lw_plates *w, char *text, size_t size);
 
 /* The outline of a convex polygon (counter-clockwise, or a bar, or a point), widened by r, into `side` (2 n). */

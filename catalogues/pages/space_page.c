@@ -69,7 +69,7 @@ static void put_frames(lw_bytes *b, const lw_space_scene *s)
     }
 }
 
-/* What space_page.js reads: lengths in radii from the middle of the scene. */
+/* Write the data that space_page.js reads; lengths are in radii from the middle of the scene. */
 static void put_data(lw_bytes *b, const lw_space_scene *s, lw_space_view view)
 {
     lw_vec3 axis[3];

@@ -19,7 +19,7 @@
 #define LW_QUERY_VALUE_MAX 64
 #define LW_QUERY_TEXT_MAX  4096
 
-/* What is listed. */
+/* The kinds of rows that a query lists. */
 typedef enum lw_query_list {
     LW_LIST_CHAINS, LW_LIST_MECHANISMS, LW_LIST_LINKAGES, LW_LIST_STRUCTURES,
     LW_LIST_ANY                                  /* the first that has all fields of the question     */

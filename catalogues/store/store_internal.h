@@ -24,7 +24,7 @@ struct lw_store {
 extern const char *const lw_store_steps[];
 extern const int         lw_store_step_count;
 
-/* What SQLite's last failure (or `code`) means, with the file's name; `doing` is "cannot be read" or the like. */
+/* Fill e with the reason of SQLite's last failure (or of `code`) and the file's name; `doing` is "cannot be read" or the like. */
 lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e);
 
 /* Let the flag `stop` end statements; again after another progress handler was set. */

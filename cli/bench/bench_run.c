@@ -31,7 +31,7 @@ double cli_bench_when(const cli_bench_curve *c, double error)
     return NAN;
 }
 
-/* Where a run records its improvements: evaluations and seconds of a call are added to those before it. */
+/* The record of a run's improvements: evaluations and seconds of a call are added to those before it. */
 typedef struct recorder {
     cli_bench_curve *curve;
     double           started, scale, enough;

@@ -222,7 +222,7 @@ static lw_status frequencies(const lw_model *model, const lw_spatial *spatial, i
     return s;
 }
 
-/* What `trace` says of the arc that holds the posture of the file. */
+/* The results of `trace` for the arc that holds the posture of the file. */
 static lw_status take_arc(void *context, const lw_input_range *range)
 {
     if (range->own)

@@ -25,7 +25,7 @@ typedef struct settings {
 
 enum { MODE_BOTH, MODE_FILE };
 
-/* What all kinds of trace need. */
+/* Data that all kinds of trace need. */
 typedef struct job {
     const cli_call *call;
     const settings *s;

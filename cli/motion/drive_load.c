@@ -1,4 +1,4 @@
-/* What a cycle of a model asks of its drives. */
+/* The loads of the drives of a model in a work cycle. */
 #include "cli/motion/drive.h"
 
 #include <stdlib.h>

@@ -41,7 +41,7 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
 /* Say so if the animation of a motion in n_frame rows is slower than the motion of this length [s]. */
 void cli_note_slower(const cli_call *call, size_t n_frame, double seconds);
 
-/* What --explain says of the elastic links of a model that is solved: elements, first frequency, the rules of the source. */
+/* Print the lines of --explain about elastic links: number of elements, first frequency, the rules of the source. */
 void cli_explain_elastic(const cli_call *call, const lw_model *m, const lw_dynamics *solved, double from, double to);
 
 /* Print counterweights that keep the common centre of mass at rest, computed from the postures kept. */

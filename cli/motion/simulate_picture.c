@@ -36,7 +36,7 @@ static bool is_driven(const cli_table *t)
     return false;
 }
 
-/* What is measured in a unit: "force [N]"; other units stand alone. */
+/* The quantity that belongs to a unit: "force [N]"; other units stand alone. */
 static void label_of(char *to, size_t size, const char *unit)
 {
     static const char *const known[][2] = {

@@ -194,7 +194,7 @@ static void put_number(FILE *f, double v)
     fputs(text, f);
 }
 
-/* Of a measure [rad/s^2] or [m/s^2]. */
+/* Acceleration of a measure [rad/s^2] or [m/s^2]. */
 static double acceleration(const run *r, const lw_space_moment *o, lw_spatial_measure of)
 {
     double value, out;
@@ -358,7 +358,7 @@ static lw_status prepare(run *r, lw_spatial *m, const lw_dynamics_options *o, co
     return r->no_memory || !r->row || !r->tracer || !r->link ? lw_error_set(r->e, LW_E_MEMORY, "out of memory") : LW_OK;
 }
 
-/* What joints with clearance did in a run that reached time t. */
+/* Print the contacts of joints with clearance in a run that reached time t. */
 static void note_contacts(const cli_call *call, const run *r, double from, double t)
 {
     for (int i = 0; i < r->m->n_contact; i++) {

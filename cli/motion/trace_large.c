@@ -9,7 +9,7 @@
 /* Rates have no bound at a limit of the input: rows end before it by this share of the range. */
 static const double limit_inside = 1e-7;
 
-/* What is traced, at one moment. */
+/* The traced values at one moment. */
 typedef struct tracing {
     cli_trace_large *t;
     lw_follow       *f;

@@ -10,7 +10,7 @@ enum {
     CLI_LIMIT = 5                      /* main.c adds 128 + number of the signal that ended the command */
 };
 
-/* What a file holds; bits. */
+/* Kinds of content of a file; bits. */
 typedef enum cli_kind_of_file {
     CLI_UNKNOWN = 0, CLI_LINKAGE = 1, CLI_RESULTS = 2, CLI_TARGET = 4, CLI_DRAWING = 8, CLI_TASK = 16,
     CLI_TOPOLOGIES = 32, CLI_CATALOGUE = 64,

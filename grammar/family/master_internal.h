@@ -8,7 +8,7 @@
 #define LW_MASTER_NAME 64              /* bytes of a name of a parameter with its terminator */
 #define LW_KEY_UNITS    3
 
-/* What the numbers of a key mean in a turned and moved part. */
+/* How the numbers of a key change when the part is turned and moved. */
 typedef enum lw_key_geometry { LW_KEY_PLAIN, LW_KEY_POINT, LW_KEY_DIRECTION, LW_KEY_ANGLE, LW_KEY_TENSOR, LW_KEY_FORCE }
     lw_key_geometry;
 

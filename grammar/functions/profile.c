@@ -19,7 +19,7 @@ typedef struct transfer {
 
 typedef struct phases { int n; double t[7], jerk[7], a[7]; } phases;
 
-/* What the greatest way is at one duration. */
+/* The greatest way at one duration. */
 typedef struct extreme {
     double way, slope;         /* slope: its derivative by the duration */
     double peak, hold_peak, cruise, valley, hold_valley;
@@ -237,7 +237,7 @@ static void find_two_phases(const transfer *m, bool mirrored, int *n, two_phases
     }
 }
 
-/* Where the formulas of the greatest way change, and where its slope is least in each: between two of these durations
+/* Durations where the formulas of the greatest way change, and where its slope is least in each: between two of them
  * the slope only rises or only falls. */
 static void borders(const transfer *m, int *n, double list[TIMES_MAX])
 {

@@ -104,7 +104,7 @@ typedef struct lw_rotor {                /* of a motor: inertia that moves with 
     double inertia;                      /* seen at the joint [kg m^2], at a slider [kg]           */
 } lw_rotor;
 
-/* What has states of first order, of planar and of spatial models. */
+/* The parts with first-order states, of planar and of spatial models. */
 typedef struct lw_states {
     int        n_state, n_signal, n_rotor;
     lw_state  *state;

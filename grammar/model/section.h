@@ -53,7 +53,7 @@ lw_status lw_material_read(const struct lw_json_node *n, lw_material *m, lw_erro
  * lw_elastic_free, after a failure too. */
 lw_status lw_elastic_read(const struct lw_json_node *n, double metre, bool space, lw_elastic *p, lw_error *e);
 void lw_elastic_free(lw_elastic *p);
-/* What the object `link` cannot say beside "elastic", its member n. */
+/* LW_E_NOTATION: the object `link` has members that contradict "elastic", its member n. */
 lw_status lw_elastic_check_link(const struct lw_json_node *link, const struct lw_json_node *n, bool ground, lw_error *e);
 
 #endif

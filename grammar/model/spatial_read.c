@@ -360,7 +360,7 @@ static lw_status read_cone(const lw_json_node *joint, const lw_spatial *m, lw_sp
     return s;
 }
 
-/* What lw_spatial_open knows to open. */
+/* The kinds of joints that lw_spatial_open can open. */
 static lw_status read_clearance(const lw_json_node *joint, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
 {
     lw_json_node n;

@@ -8,7 +8,7 @@
 #include "grammar/linkage/read_internal.h"
 #include "grammar/model/model_internal.h"
 
-/* Where each axis is, and since when it rests. */
+/* The position of each axis, and since when it rests. */
 typedef struct plan { lw_work_cycle *c; lw_axis_state *at; double *free_at; double time; } plan;
 
 /* 3 or, by direction, [-1, 3]; infinite when left out. */

@@ -33,6 +33,6 @@ struct lw_work_cycle {
 lw_status lw_work_cycle_read(const char *text, size_t size, const char *file, lw_work_cycle *c, lw_error *e);
 void      lw_work_cycle_free(lw_work_cycle *c);
 
-/* What it is at a time: linkwright.h. */
+/* lw_work_cycle_at and lw_work_cycle_payload are declared in linkwright.h. */
 
 #endif

@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-/* What the coordinate of a joint is, counted from the given posture. */
+/* The kind of a joint's coordinate, which counts from the given posture. */
 typedef enum lw_joint_measure {
     LW_MEASURE_NONE,     /* no coordinate, and no position that a person must give                 */
     LW_MEASURE_ANGLE,    /* the rotation of the links about a pin at `at`                    [rad] */

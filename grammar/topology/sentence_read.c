@@ -8,7 +8,7 @@
 #include "grammar/topology/circuit.h"
 #include "grammar/topology/sentence.h"
 
-/* Where atoms and words stand in the text. */
+/* The places of atoms and words in the text. */
 typedef struct places { lw_cursor part[LW_ATOM_MAX], word[LW_WORD_MAX]; } places;
 
 typedef struct check {

@@ -21,7 +21,7 @@ typedef struct lw_budget_options {
 
 typedef enum lw_budget_kind { LW_BUDGET_CLEARANCE, LW_BUDGET_PLAY, LW_BUDGET_ELASTIC } lw_budget_kind;
 
-/* What one joint, drive or link contributes [m].  worst: the greatest displacement of the tool; rms: root of the mean square,
+/* The contribution of one joint, drive or link [m].  worst: the greatest displacement of the tool; rms: root of the mean square,
  * for centres anywhere on the sphere or circle of the gap, drives anywhere within their play; an elastic displacement is what it
  * is.  by: columns of the displacements, clearance along three axes (revolute: two), play and elastic in the first. */
 typedef struct lw_budget_source {

@@ -103,7 +103,7 @@ static inline void fill(double *row, double v, size_t n)
         row[i] = v;
 }
 
-/* What a forward pass stores besides the registers: nothing; margins; margins and the reciprocals for derivatives. */
+/* A forward pass stores besides the registers: nothing; margins; margins and the reciprocals for derivatives. */
 enum { POSTURE_ONLY, WITH_MARGIN, WITH_ROOTS };
 
 /* ---- a block of lanes ---------------------------------------------------------------------------------- */

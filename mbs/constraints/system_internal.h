@@ -26,7 +26,7 @@ double lw_system_count(const lw_system *s, const lw_body_frame *f, int j, double
 /* The same, derivatives by coordinate i of body[k] at row[3*k + i]. */
 double lw_system_count_block(const lw_system *s, const lw_body_frame *f, int j, double *row, const int *body);
 
-/* What whole turns of the bodies add to rows (n_row) and input values (n_input), in turns. */
+/* The amounts that whole turns of the bodies add to rows (n_row) and input values (n_input), in turns. */
 void lw_system_turns(const lw_system *s, const int *turns, double *rows, double *inputs);
 
 #endif

@@ -5,13 +5,13 @@
 #include "grammar/model/servo.h"
 #include "mbs/ode/integrate.h"
 
-/* What is integrated: motor and load seen at the load, current, sums of continuous controllers, then energies.  A state
+/* Integrated states: motor and load seen at the load, current, sums of continuous controllers, then energies.  A state
  * that an axis does not have stays 0. */
 enum { LW_SERVO_XM, LW_SERVO_VM, LW_SERVO_X, LW_SERVO_V, LW_SERVO_I, LW_SERVO_SUM_S, LW_SERVO_SUM_C, LW_SERVO_PHYSICAL,
        LW_SERVO_ELECTRICAL = LW_SERVO_PHYSICAL, LW_SERVO_HEAT, LW_SERVO_FRICTION, LW_SERVO_TRANSMISSION, LW_SERVO_WORK,
        LW_SERVO_SQUARE, LW_SERVO_N };
 
-/* What sampled controllers hold. */
+/* Values that sampled controllers hold between samples. */
 enum { LW_HELD_SPEED, LW_HELD_CURRENT, LW_HELD_VOLTAGE, LW_HELD_SUM_S, LW_HELD_SUM_C, LW_HELD_POSITION, LW_HELD_N };
 
 typedef struct lw_servo_axis {

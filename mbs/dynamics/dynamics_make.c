@@ -488,7 +488,7 @@ static void find_special_joints(lw_dynamics *d)
         d->has_zero_mass = d->has_zero_mass || !(d->f.mass[i] > 0);
 }
 
-/* What models beyond the size of a linkage cannot have. */
+/* LW_E_KIND: the model is larger than a linkage and has parts that only smaller models may have. */
 static lw_status check_large(const lw_dynamics *d, lw_error *e)
 {
     if (d->n_stop > 0)

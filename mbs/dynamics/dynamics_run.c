@@ -43,7 +43,7 @@ double lw_run_energy(const lw_run *run, const double *y)
 static const double period_rounded = 1e-13, period_share = 0.01;
 static const double least_known = 0.1;       /* phase or turn [rad] to which a sample must be known: one digit */
 
-/* What is the phase of a sample at m->t worth?  LW_E_ARG: it has no digit left. */
+/* How accurate is the phase of a sample at m->t?  LW_E_ARG: it has no digit left. */
 static lw_status check_phase(lw_run *run, const lw_moment *m)
 {
     const lw_dynamics *d = run->d;

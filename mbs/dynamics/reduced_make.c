@@ -37,7 +37,7 @@ static bool has_time(const lw_expression *x)
     return false;
 }
 
-/* Which loads are there?  Those that depend on the whole state cost more. */
+/* Which loads does the model have?  Loads that depend on the whole state cost more. */
 static lw_status look_at_loads(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     const lw_model *m = d->model;

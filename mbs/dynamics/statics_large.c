@@ -31,7 +31,7 @@ static double greatest(const double *x, int n)
     return most;
 }
 
-/* What is added to the forces: a part of the load that the start lacks, and of a load that pushes aside. */
+/* Forces added to those of the model: a part of the load that the start lacks, and of a load that pushes aside. */
 typedef struct loads { double left, aside; } loads;
 
 /* residual (n + c) = J^T l - Q + left*load - aside*aside, Phi. */

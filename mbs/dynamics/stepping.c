@@ -14,7 +14,7 @@ static void copy(void *to, const void *from, size_t size)
         memcpy(to, from, size);
 }
 
-/* What a run knows of a place that touches besides posture and velocities. */
+/* The state of a touching place besides posture and velocities. */
 typedef struct touch_memory { double anchor, anchor_angle, passed, force; int state, sticks, slips, side; } touch_memory;
 
 struct lw_stepping {

@@ -74,7 +74,7 @@ static strain strain_of(const lw_beam_space *b, const lw_beam_node node[2])
     return s;
 }
 
-/* What a small motion of the nodes, r and turns in the mid frame, does: turn of the frame, change of p and g. */
+/* Effect of a small motion of the nodes, r and turns in the mid frame: turn of the frame, change of p and g. */
 typedef struct change { lw_vec3 turn, p, g; } change;
 
 static change change_of(const strain *s, const lw_vec3 r[2], const lw_vec3 turn[2])

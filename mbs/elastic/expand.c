@@ -107,7 +107,7 @@ static lw_status reserve(work *w, int links, int beams, lw_error *e)
     return LW_OK;
 }
 
-/* What the expanded model shares with the other. */
+/* The parts that the expanded model shares with the other. */
 static void share(const lw_model *m, lw_model *to)
 {
     to->motion = m->motion, to->has_speed = m->has_speed, to->speed = m->speed;

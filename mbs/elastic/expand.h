@@ -37,7 +37,7 @@ void      lw_elastic_expansion_free(lw_elastic_expansion *x);
 lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e);
 void      lw_elastic_rigid_free(lw_model *rigid);
 
-/* What a chain takes from its axis, and room for its nodes. */
+/* Copy the data of the axis into the chain, and allocate its nodes. */
 lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e);
 
 /* Greatest stress of a section under tension and bending moment, N/A + |M| y/I [N/m^2], of the greater absolute value. */

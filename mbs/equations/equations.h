@@ -65,8 +65,8 @@ typedef struct lw_equations {
     /* A measure over its unit (1 rad, or `unit`), and its derivatives, added to row; the unit. */
     double (*measure)(void *context, int measure, double *row, const int *block);
     double (*measure_unit)(void *context, int measure);
-    /* What J v' has to be: minus the part of the second rate of the rows that velocities cause; added to out (n_row).  And
-     * that part of the second rate of a measure. */
+    /* The right-hand side of J v' = out: minus the part of the second rate of the rows that velocities cause; added to out
+     * (n_row).  measure_bias: this part of the second rate of a measure. */
     void   (*bias)(void *context, const double *v, double *out);
     double (*measure_bias)(void *context, int measure, const double *v);
     /* Second derivatives of a row, at most LW_BEND_MAX; returns how many.  For vibrations and implicit steps; none of gears

@@ -234,7 +234,7 @@ static bool keeps_momentum(const lw_planar *d)
 
 /* ---- masses of elements ------------------------------------------------------------------------------------- */
 
-/* What the consistent mass of an element has besides its lumps. */
+/* The terms of an element's consistent mass besides its lumps. */
 static void mass_besides_lumps(const lw_planar *d, const double *q, int beam, int at[6], double out[6][6])
 {
     const lw_beam *b = &d->f->model->beam[beam];

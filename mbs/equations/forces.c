@@ -255,7 +255,7 @@ static void measure_of(const lw_forces *f, int variable, const lw_measure *own, 
     }
 }
 
-/* What the value of an expression acts on: rows `at` (-1: none) of the forces grow by it times sense, or the rate of a
+/* The target of an expression's value: rows `at` (-1: none) of the forces grow by it times sense, or the rate of a
  * state by it. */
 typedef struct rows_of { int n, at[6]; double sense[6]; bool state; } rows_of;
 

@@ -233,7 +233,7 @@ lw_motion_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_ste
     }
 }
 
-/* Where a range of a slider without end is cut (mbs/kinematics/motion.h). */
+/* The place where a range of a slider without end is cut (mbs/kinematics/motion.h). */
 static double slide_end(const lw_plan *plan, const double *dim)
 {
     double sum = 0.0;

@@ -297,7 +297,7 @@ typedef enum lw_plan_kind {
     LW_PLAN_GEARED            /* gear pairs, racks, and several inputs that are tied and turn on the ground */
 } lw_plan_kind;
 
-/* What a plan is to deliver.  Outputs are numbered 0, 1, ... in the order of the tracers. */
+/* The outputs that a plan computes.  Outputs are numbered 0, 1, ... in the order of the tracers. */
 typedef struct lw_plan_options {
     unsigned     tracers;     /* bit i: tracer i                                                  */
     bool         all_joints;  /* every joint and link too (for drawings and traces)               */

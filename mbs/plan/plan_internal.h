@@ -79,7 +79,7 @@ static inline bool lw_plan_group_is_gear(const lw_plan_group *g)
 /* List the names of the unknown links as text: "A", "B". */
 void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size);
 
-/* Of the links of this joint, the one that became known first; -1 when none is known. */
+/* The link of this joint that became known first; -1 when none is known. */
 int lw_known_link(const lw_topology *t, int joint);
 
 /* Add the frames, dimensions, registers and steps that the outputs need (mbs/plan/plan_steps.c). */

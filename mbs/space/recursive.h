@@ -18,7 +18,7 @@
 /* Force and moment, or velocity and turn, about the centre of a body in ground axes. */
 typedef struct lw_screw { lw_vec3 turn, move; } lw_screw;
 
-/* Of an articulated body: moment = J alpha + B a, force = B^T alpha + M a; J and M by xx yy zz xy xz yz. */
+/* Inertia of an articulated body: moment = J alpha + B a, force = B^T alpha + M a; J and M by xx yy zz xy xz yz. */
 typedef struct lw_articulated { double j[6], m[6]; lw_vec3 b[3]; } lw_articulated;
 
 typedef struct lw_recursive_body {           /* in the order of the tree, parents first */

@@ -65,9 +65,9 @@ void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2]);
 
 /* Rows phi (n_row) and jac (n_row x 12) of the joints. */
 void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, double *jac);
-/* What J a of the joints' rows has to be because of velocities (n_row). */
+/* The right-hand side of J a = out for the joints' rows, which velocities cause (n_row). */
 void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out);
-/* Those of one joint. */
+/* The same for one joint. */
 void lw_space_joint_rows(const lw_space *s, int joint, const lw_space_frame *frame, double *phi, double *jac);
 void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *frame, const double *v, double *out);
 
@@ -86,7 +86,7 @@ typedef struct lw_space_bend { int a, b; double h; } lw_space_bend;
 void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12]);
 int  lw_space_row_bends(const lw_space *s, const lw_space_frame *frame, int joint, int k, lw_space_bend *out);
 
-/* What a stop or a motor acts on: the turn of a joint, or its slide if it does not turn. */
+/* The coordinate that a stop or a motor acts on: the turn of a joint, or its slide if it does not turn. */
 lw_spatial_measure lw_space_stop_measure(const lw_space *s, int joint);
 
 /* Its value and rate in SI units. */

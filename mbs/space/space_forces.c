@@ -207,7 +207,7 @@ static bool is_rate(lw_quantity what)
            what == LW_QUANTITY_SPRING_RATE;
 }
 
-/* What a law says: its value, derivatives by its own length and rate, by every other measure, and by states. */
+/* The value of a law, and its derivatives by its own length and rate, by every other measure, and by states. */
 typedef struct law {
     const lw_expression *x;
     double value, by_length, by_rate;

@@ -351,7 +351,7 @@ static void angle_change(const lw_space_joint *j, const ends *n, const small *d,
     put_change(n, lw_v3(0, 0, 0), lw_v3(0, 0, 0), lw_v3_add(dz, lw_v3_cross(z1, d->turn[1])), out);
 }
 
-/* Of row k of a joint. */
+/* Row k of a joint. */
 static void row_change(const lw_space *s, const lw_space_joint *j, const ends *n, int k, const small *d, double *out)
 {
     double scale = 1/s->unit;
@@ -420,7 +420,7 @@ void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_s
 
 /* ---- names --------------------------------------------------------------------------------------------------- */
 
-/* Of row k of a joint. */
+/* Row k of a joint. */
 static const char *name_of_row(const lw_space_joint *j, int k)
 {
     static const char *const point[] = { "x", "y", "z", "tilt 1", "tilt 2", "turn" };

@@ -60,7 +60,7 @@ void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
 /* x += sign J^T l. */
 void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x);
 
-/* What J a has to be, without second rates of extras: those are added (n_row). */
+/* The right-hand side of J a = out (n_row), without second rates of extras, which the caller adds. */
 void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out);
 
 /* Put q on the rows by Newton's method, the change least in W.  LW_OPEN: it does not converge, or a first step is

@@ -16,7 +16,7 @@ lw_status lw_tracers_linkage(const lw_family *family, const lw_target *target, c
 /* The tracers that a plan needs for this target: bits of lw_plan_options.tracers. */
 unsigned lw_tracers_mask(const lw_target *target);
 
-/* What a link is to a tracer on it: input, coupler or output. */
+/* The role of a link that carries a tracer: input, coupler or output. */
 lw_carrier lw_tracers_carrier(const lw_linkage *linkage, int link);
 
 /* Does a link keep its direction because a slide joins it to the ground? */

@@ -138,7 +138,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
     return wanted;
 }
 
-/* What a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
+/* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
 #define COMPACT      1.5           /* a link no longer than this many targets costs nothing; ...                    */
 #define PER_SIZE     0.85          /* ... beyond that twice the length counts as 1.8 times the error, ...           */
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
@@ -201,7 +201,7 @@ static void leave_out(lw_fit_results *out, int candidate, const char *fault)
     snprintf(l->fault, sizeof l->fault, "%s", fault);
 }
 
-/* Of candidates i and k within the tolerance, does i come first: simpler, then smaller? */
+/* Both candidates are within the tolerance: does i come before k, because it is simpler, or else smaller? */
 static bool simpler(const lw_fit *fit, const lw_fit_report *all, int i, int k)
 {
     int links = lw_candidate_links(&fit->candidate[i]) - lw_candidate_links(&fit->candidate[k]);

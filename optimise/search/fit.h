@@ -83,7 +83,7 @@ typedef struct lw_candidate {
     lw_stop stop;                /* why its improvement ended                                       */
 } lw_candidate;
 
-/* What became of one family of lw_fit_options.families. */
+/* The outcome of one family of lw_fit_options.families. */
 typedef enum lw_fit_state {
     LW_FIT_UNREACHED,            /* the budget ended before its turn                                */
     LW_FIT_UNABLE,               /* it cannot do this task (LW_E_KIND)                              */

@@ -53,7 +53,7 @@ typedef struct lw_slot {
     lw_problem     problem;
 } lw_slot;
 
-/* What one thread works with: its last problems, a copy of one with an intended motion of its own, and scratch. */
+/* The data of one thread: its last problems, a copy of one with an intended motion of its own, and scratch. */
 typedef struct lw_workbench {
     lw_slot    *slot;                  /* (LW_SLOTS)                                                */
     lw_problem  local;

@@ -5,7 +5,7 @@
 #include "mbs/batch/posture.h"
 #include "optimise/task/specification.h"
 
-/* What a motion was found to reach, as far as it was looked at. */
+/* The extremes of a motion over the postures looked at so far. */
 typedef struct lw_motion_limits {
     double margin_least, margin_most;   /* of mbs/batch/batch.h [1]; NaN: no posture was added yet         */
     double acceleration;                /* greatest, by the input: of the point [m/rad^2]; for a function that

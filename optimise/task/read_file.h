@@ -7,7 +7,7 @@
 
 typedef enum lw_target_kind { LW_TARGET_KIND_TABLE, LW_TARGET_KIND_SVG, LW_TARGET_KIND_DXF } lw_target_kind;
 
-/* What a text is read as: a drawing, by the end of its name or by how it begins, or else a table. */
+/* The kind of a text: a drawing if the end of its name or its beginning says so, else a table. */
 lw_target_kind lw_target_kind_of(const char *text, size_t size, const char *path);
 
 /* LW_E_NOTATION: a workbook, a picture of pixels, an archive or another file that is often handed in by mistake, by the

@@ -96,7 +96,7 @@ static bool swallows(const lw_zone *no, lw_vec2 lower, lw_vec2 upper)
 
 static double along(lw_vec2 p, bool y) { return y ? p.y : p.x; }
 
-/* Where the edges of the zones cut a box in one direction, in ascending order, with the box's own ends. */
+/* Places where the edges of the zones cut a box in one direction, in ascending order, with the box's own ends. */
 static int cuts(const lw_fit_spec *s, const lw_zone *box, bool y, double edge[EDGES])
 {
     double lo = along(box->at, y), hi = along(box->to, y);

@@ -57,7 +57,7 @@ typedef enum lw_carrier {
     LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
 } lw_carrier;
 
-/* What a person asks for; in SI. */
+/* A task as a person states it, in SI units. */
 typedef struct lw_fit_spec {
     lw_task   task;
     lw_timing timing;

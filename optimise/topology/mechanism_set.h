@@ -8,7 +8,7 @@
 #include "optimise/topology/packed_mechanism.h"
 #include "optimise/topology/staged_search.h"
 
-/* What is done with a pair of ground link and tracer link. */
+/* The decision about a pair of ground link and tracer link. */
 typedef enum lw_pair_outcome {
     LW_PAIR_FITTED,
     LW_PAIR_CIRCLE,            /* the tracer link is joined to the ground: its points draw circles or lines */

@@ -34,7 +34,7 @@ typedef struct lw_numbered_chain {
 /* Most inputs: a mechanism with F inputs at the ground has 3 F - 1 links or more. */
 #define LW_PACKED_INPUT_MAX 3
 
-/* What is chosen on a chain. */
+/* The choices that make a mechanism of a chain. */
 typedef struct lw_packed_mechanism {
     uint32_t kinds;            /* of the joints, two bits each, the first joint's lowest: place in "rtpg" */
     uint16_t chain;            /* number of the chain in its stage, from 0                        */

@@ -11,7 +11,7 @@
 enum { LINKS_MAX = 10 };
 #define COUNT_TIME 0.5       /* of a time limit, for counting mechanisms before any is searched              */
 
-/* What is searched. */
+/* The topologies and targets of a search. */
 typedef struct plan {
     lw_mechanism_set set;
     int              n_start;

@@ -45,7 +45,7 @@ typedef struct lw_topology_search_options {
 } lw_topology_search_options;
 lw_topology_search_options lw_topology_search_options_default(void);
 
-/* What was searched with one number of links, and the best that came of it. */
+/* The search with one number of links, and its best result. */
 typedef struct lw_links_summary {
     int    links;
     int    n_stage;              /* stages with this number of links that were searched            */
@@ -56,7 +56,7 @@ typedef struct lw_links_summary {
     double seconds;
 } lw_links_summary;
 
-/* What became of the mechanisms of one lw_mechanism_stage. */
+/* The outcome of the mechanisms of one lw_mechanism_stage. */
 typedef struct lw_mechanism_summary {
     int               links;
     bool              two_freedoms;           /* chains with slots or gears                         */
