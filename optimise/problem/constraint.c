@@ -144,7 +144,7 @@ static void phase_slopes(const lw_problem *p, const double *x, lw_work *w, const
                          double by[2][LW_VAR_MAX])
 {
     static const double part[4] = { 1, -8, 8, -1 };
-    const double h = 1e-3;
+    const double h = 1e-4;
     double *keep = w->keep_theta, slope[2] = { 0, 0 };
     memcpy(keep, w->phase, p->n*sizeof *keep);
     memset(by, 0, 2*sizeof *by);
