@@ -25,6 +25,8 @@ typedef struct motion {
     double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
     double *memory;                            /* of the integrator */
     double next_reversal;                    /* of a joint with friction, in multiples of scale */
+    bool   slides;                           /* a slide has friction */
+    int    turning;                          /* the friction whose slide has the least reaction */
     const double *from;                      /* (n) bodies' coordinates before the last step */
 } motion;
 
@@ -143,15 +145,40 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
 
 /* ---- friction ------------------------------------------------------------------------------------ */
 
-/* Rest, and the next reversal of a joint. */
+/* Rest, the next reversal of a joint, and where the reaction of a slide changes its sign (m->slides). */
 static lw_status events(void *context, double t, const double *y, double *g)
 {
-    const motion *m = context;
-    double sense = m->r->friction->sense;
-    (void)t;
-    g[0] = sense*y[1];
-    g[1] = sense*(m->next_reversal - y[0]);
-    return LW_OK;
+    motion *m = context;
+    lw_reduced_friction *f = m->r->friction;
+    double ds, dp, power, greatest = 0;
+    g[0] = f->sense*y[1];
+    g[1] = f->sense*(m->next_reversal - y[0]);
+    if (!m->slides)
+        return LW_OK;
+    lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
+    g[2] = 1;
+    for (int i = 0; i < f->n && s == LW_OK; i++)
+        greatest = fmax(greatest, fabs(f->size[i]));
+    for (int i = 0; i < f->n && s == LW_OK; i++)
+        if (f->press[i] != 0 && f->press[i]*f->normal[i] < g[2]*greatest) {
+            g[2] = f->press[i]*f->normal[i]/greatest;
+            m->turning = i;
+        }
+    return s;
+}
+
+/* Find the signs of the reactions of slides for the sense of the motion. */
+static lw_status find_press(motion *m, double t, const double *y)
+{
+    lw_reduced_friction *f = m->r->friction;
+    double ds, dp, power;
+    memset(f->press, 0, sizeof f->press);
+    if (!m->slides)
+        return LW_OK;
+    lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
+    for (int i = 0; i < f->n && s == LW_OK; i++)
+        f->press[i] = !m->r->joint[f->joint[i]].slides ? 0 : f->normal[i] < 0 ? -1 : 1;
+    return s;
 }
 
 /* Tell the equations of the bodies which friction acts. */
@@ -179,6 +206,7 @@ static lw_status leave_rest(motion *m, double t, double s, double *sense)
     lw_reduced_friction *f = m->r->friction;
     double x[2] = { -1, 1 }, push[2], now = 0;
     int side = 0;
+    memset(f->press, 0, sizeof f->press);
     lw_status st = push_at_rest(m, t, s, 0, &now);
     if (st == LW_OK)
         st = lw_reduced_friction_sides(m->r, s*m->r->scale, now);
@@ -281,8 +309,8 @@ static lw_status from_rest(motion *m)
     return s;
 }
 
-/* Begin to slide from y in the sense of the friction: sides of the joints, next event. */
-static lw_status slide(motion *m, const double *y)
+/* Begin to slide from y in the sense of the friction: sides of the joints, reactions of slides, next event. */
+static lw_status slide(motion *m, double t, const double *y)
 {
     lw_reduced *r = m->r;
     double next = INFINITY, s = y[0]*r->scale;
@@ -291,7 +319,7 @@ static lw_status slide(motion *m, const double *y)
         st = lw_reduced_next_reversal(r, s, r->friction->sense, &next);
     m->next_reversal = next/r->scale;
     show_friction(m, true);
-    return st;
+    return st == LW_OK ? find_press(m, t, y) : st;
 }
 
 /* After a step that ended at an event, or at a start at rest. */
@@ -299,10 +327,14 @@ static lw_status change_friction(motion *m, bool rests)
 {
     lw_integrator *w = m->w;
     double to = m->run->d->o.to;
+    if (w->events == 4) {
+        m->r->friction->press[m->turning] *= -1;
+        return lw_integrate_restart(w, w->y, m->run->e);
+    }
     lw_status s = rests ? from_rest(m) : LW_OK;
     if (s == LW_OK && w->t < to)
-        s = slide(m, w->y);
-    w->events = 0;                           /* both functions are others now, and not near 0 */
+        s = slide(m, w->t, w->y);
+    w->events = 0;                           /* the functions are others now, and not near 0 */
     if (s == LW_OK && w->t < to)
         s = lw_integrate_restart(w, w->y, m->run->e);
     return s;
@@ -313,7 +345,7 @@ static lw_status friction_at_start(motion *m, double t, const double *s)
     lw_reduced_friction *f = m->r->friction;
     f->sense = s[1] < 0 ? -1 : 1;
     if (s[1] != 0)
-        return slide(m, s);
+        return slide(m, t, s);
     double sense;
     m->next_reversal = 0;
     lw_status st = leave_rest(m, t, s[0], &sense);
@@ -452,6 +484,8 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
         if (s == LW_OK && lw_run_at_kink(run, w->t)) {
             s = lw_run_pass_kink(run, &w->t, state_at, m);
             stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            if (s == LW_OK && m->r->friction)
+                s = find_press(m, w->t, w->y);
             if (s == LW_OK && stop != LW_ODE_END)
                 s = lw_integrate_restart(w, NULL, run->e);
             longest = 0;
@@ -483,7 +517,9 @@ static lw_status run_one(motion *m, double *y)
     lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
                    .project = run->has_work ? NULL : hold_energy };
     if (m->r->friction) {
-        ode.n_event = 2;
+        for (int i = 0; i < m->r->friction->n; i++)
+            m->slides = m->slides || m->r->joint[m->r->friction->joint[i]].slides;
+        ode.n_event = 2 + m->slides;
         ode.event = events;
         memset(ode.direction, -1, sizeof ode.direction);
     }

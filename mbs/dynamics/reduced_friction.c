@@ -279,7 +279,9 @@ static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
         double off = 0;
         *q = reactions(r, z, f->size, now);
         for (int i = 0; i < f->n; i++) {
-            double size = sqrt(lw_v2_dot(now[i], now[i])), change = fabs(size - f->size[i]);
+            double size = f->press[i] != 0 ? f->press[i]*now[i].x : sqrt(lw_v2_dot(now[i], now[i]));
+            double change = fabs(size - f->size[i]);
+            f->normal[i] = now[i].x;
             off = change > off ? change : off;
             greatest = size > greatest ? size : greatest;
             f->size[i] = size;
@@ -296,6 +298,8 @@ static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
     }
     if (by_newton(r, z, f->size) == LW_OK) {
         *q = reactions(r, z, f->size, now);
+        for (int i = 0; i < f->n; i++)
+            f->normal[i] = now[i].x;
         return LW_OK;
     }
     memset(f->size, 0, (size_t)f->n*sizeof *f->size);

@@ -129,6 +129,9 @@ typedef struct lw_reduced_friction {
     double arm[LW_JOINT_MAX];                 /* coefficient times radius of a pin [m]; coefficient of a slide */
     double side[LW_JOINT_MAX];                /* sign of the joint's rate by the input; 0: the joint never moves */
     double size[LW_JOINT_MAX];                /* reactions last found [N] */
+    double normal[LW_JOINT_MAX];              /* those of slides with their sign */
+    double press[LW_JOINT_MAX];               /* that sign while the linkage slides on: the size of a reaction of a slide
+                                               * has a kink where it changes; 0: pins, or not known */
     double sense, tolerance;
     bool   undetermined;                      /* the last failure: no reactions satisfy the equations */
     int    n_group, input_joint, input_body;
