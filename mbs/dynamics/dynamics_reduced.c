@@ -27,6 +27,8 @@ typedef struct motion {
     double next_reversal;                    /* of a joint with friction, in multiples of scale */
     bool   slides;                           /* a slide has friction */
     int    turning;                          /* the friction whose slide has the least reaction */
+    lw_vec2 reaction[LW_JOINT_MAX];          /* of pins with friction, where the step begins */
+    bool   in_step;
     const double *from;                      /* (n) bodies' coordinates before the last step */
 } motion;
 
@@ -145,6 +147,23 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
 
 /* ---- friction ------------------------------------------------------------------------------------ */
 
+/* Does the size of a pin's reaction fall to nearly 0 and rise again within the step, so that the equation nearly has a kink?
+ * The stages of a step may lie so that its error is not seen.  A step of length h with the change of a reaction by s has an
+ * error of about s h/144 there. */
+static bool steps_over_dip(const motion *m)
+{
+    const lw_reduced_friction *f = m->r->friction;
+    const lw_integrator *w = m->w;
+    double allowed = w->o.absolute + w->o.relative*fabs(w->y[1]), h = fabs(w->h_done)/144;
+    for (int i = 0; i < f->n && m->in_step; i++) {
+        double change = lw_v2_norm(lw_v2_sub(f->reaction[i], m->reaction[i]));
+        if (f->press[i] == 0 && f->feel[i]*change*h > 10*allowed
+            && lw_v2_segment_distance((lw_vec2){ 0, 0 }, m->reaction[i], f->reaction[i]) < 0.25*change)
+            return true;
+    }
+    return false;
+}
+
 /* Rest, the next reversal of a joint, and where the reaction of a slide changes its sign (m->slides). */
 static lw_status events(void *context, double t, const double *y, double *g)
 {
@@ -153,6 +172,8 @@ static lw_status events(void *context, double t, const double *y, double *g)
     double ds, dp, power, greatest = 0;
     g[0] = f->sense*y[1];
     g[1] = f->sense*(m->next_reversal - y[0]);
+    if (t == m->w->t && steps_over_dip(m))
+        return LW_OPEN;                      /* a shorter step */
     if (!m->slides)
         return LW_OK;
     lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
@@ -160,8 +181,8 @@ static lw_status events(void *context, double t, const double *y, double *g)
     for (int i = 0; i < f->n && s == LW_OK; i++)
         greatest = fmax(greatest, fabs(f->size[i]));
     for (int i = 0; i < f->n && s == LW_OK; i++)
-        if (f->press[i] != 0 && f->press[i]*f->normal[i] < g[2]*greatest) {
-            g[2] = f->press[i]*f->normal[i]/greatest;
+        if (f->press[i] != 0 && f->press[i]*f->reaction[i].x < g[2]*greatest) {
+            g[2] = f->press[i]*f->reaction[i].x/greatest;
             m->turning = i;
         }
     return s;
@@ -177,7 +198,7 @@ static lw_status find_press(motion *m, double t, const double *y)
         return LW_OK;
     lw_status s = lw_reduced_rate(m->r, t, y[0]*m->r->scale, y[1], &ds, &dp, &power);
     for (int i = 0; i < f->n && s == LW_OK; i++)
-        f->press[i] = !m->r->joint[f->joint[i]].slides ? 0 : f->normal[i] < 0 ? -1 : 1;
+        f->press[i] = !m->r->joint[f->joint[i]].slides ? 0 : f->reaction[i].x < 0 ? -1 : 1;
     return s;
 }
 
@@ -455,7 +476,11 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
     m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        if (m->r->friction)
+            memcpy(m->reaction, m->r->friction->reaction, sizeof m->reaction);
+        m->in_step = true;
         s = lw_integrate_step(w, lw_run_end(run, w->t), &stop, run->e);
+        m->in_step = false;
         if (s != LW_OK)
             break;
         run->r->t = w->t;

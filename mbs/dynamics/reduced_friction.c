@@ -281,7 +281,7 @@ static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
         for (int i = 0; i < f->n; i++) {
             double size = f->press[i] != 0 ? f->press[i]*now[i].x : sqrt(lw_v2_dot(now[i], now[i]));
             double change = fabs(size - f->size[i]);
-            f->normal[i] = now[i].x;
+            f->reaction[i] = now[i];
             off = change > off ? change : off;
             greatest = size > greatest ? size : greatest;
             f->size[i] = size;
@@ -298,8 +298,7 @@ static lw_status find_sizes(lw_reduced *r, balance *z, double *q)
     }
     if (by_newton(r, z, f->size) == LW_OK) {
         *q = reactions(r, z, f->size, now);
-        for (int i = 0; i < f->n; i++)
-            f->normal[i] = now[i].x;
+        memcpy(f->reaction, now, (size_t)f->n*sizeof *now);
         return LW_OK;
     }
     memset(f->size, 0, (size_t)f->n*sizeof *f->size);
@@ -325,6 +324,7 @@ lw_status lw_reduced_friction_add(lw_reduced *r, double ds, double mass, double 
     for (int i = 0; i < f->n; i++) {
         z.rate[i] = lw_reduced_joint_rate(r, f->joint[i]);
         z.part[i] = f->sense*f->side[i]*f->arm[i];
+        f->feel[i] = fabs(z.part[i]*z.rate[i])/sqrt(mass);
     }
     f->undetermined = false;
     lw_status s = find_sizes(r, &z, &drag);

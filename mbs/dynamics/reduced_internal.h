@@ -129,7 +129,8 @@ typedef struct lw_reduced_friction {
     double arm[LW_JOINT_MAX];                 /* coefficient times radius of a pin [m]; coefficient of a slide */
     double side[LW_JOINT_MAX];                /* sign of the joint's rate by the input; 0: the joint never moves */
     double size[LW_JOINT_MAX];                /* reactions last found [N] */
-    double normal[LW_JOINT_MAX];              /* those of slides with their sign */
+    lw_vec2 reaction[LW_JOINT_MAX];           /* the same as vectors; of slides (x, 0), x across the slide */
+    double feel[LW_JOINT_MAX];                /* greatest change of p' with the size of a reaction */
     double press[LW_JOINT_MAX];               /* that sign while the linkage slides on: the size of a reaction of a slide
                                                * has a kink where it changes; 0: pins, or not known */
     double sense, tolerance;
