@@ -195,9 +195,14 @@ static int put_solid(writer *w, const lw_slab *s, const char *name)
     for (int k = 0; k < s->n_hole; k++)
         sides += (size_t)s->hole[k].n;
     edges *all = malloc(loops*sizeof *all);
-    int *memory = malloc((7*sides + 2 + loops)*sizeof *memory), n = 0, solid = 0;
+    int *memory = malloc((7*sides + 2 + loops)*sizeof *memory), n = 0;
+    if (!all || !memory) {
+        free(all);
+        free(memory);
+        return 0;
+    }
     int *part = memory, *face = memory + 3*sides, *bound = face + sides + 2, *room = bound + loops;
-    for (int k = 0; all && memory && k <= s->n_hole; k++) {
+    for (int k = 0; k <= s->n_hole; k++) {
         const lw_plate_loop *l = k ? &s->hole[k-1] : &s->outline;
         all[k] = (edges){ .n = l->n, .low = part, .high = part + l->n, .up = part + 2*l->n };
         part += 3*l->n;
@@ -205,12 +210,10 @@ static int put_solid(writer *w, const lw_slab *s, const char *name)
         for (int i = 0; i < l->n; i++)
             face[n++] = put_side_face(w, l, &all[k], i, s->low, k > 0);
     }
-    if (all && memory) {
-        face[n++] = put_flat_face(w, s, all, false, bound, room);
-        face[n++] = put_flat_face(w, s, all, true, bound, room);
-        int shell = put_list(w, "CLOSED_SHELL('',(", face, n, "))");
-        solid = put(w, "MANIFOLD_SOLID_BREP('%s',#%d)", name, shell);
-    }
+    face[n++] = put_flat_face(w, s, all, false, bound, room);
+    face[n++] = put_flat_face(w, s, all, true, bound, room);
+    int shell = put_list(w, "CLOSED_SHELL('',(", face, n, "))");
+    int solid = put(w, "MANIFOLD_SOLID_BREP('%s',#%d)", name, shell);
     free(all);
     free(memory);
     return solid;
