@@ -33,7 +33,7 @@ static scene *make(const char *format, ...)
 
 static lw_status find(scene *s, bool hold, bool rest)
 {
-    lw_modes_options o = { hold, rest };
+    lw_modes_options o = { .hold_inputs = hold, .rest = rest };
     lw_error e = { 0 };
     lw_modes_free(&s->modes);
     lw_status st = lw_modes_find(&s->f, &o, 0.0, s->q, &s->modes, &e);
@@ -476,7 +476,7 @@ TEST(frequencies_from_spectra)
     for (int i = 0; i < 2; i++) {
         scene *s = make("%s", model[i]);
         double peak[2*LW_SYSTEM_Q_MAX];
-        lw_modes_options o = { false, false };
+        lw_modes_options o = { 0 };
         lw_error e = { 0 };
         CHECK_INT(find(s, false, true), LW_OK);
         CHECK_INT(s->modes.n_mode, 2);

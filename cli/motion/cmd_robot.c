@@ -529,6 +529,7 @@ static int run_map(const cli_call *call)
             reach = fmax(reach, far);
     }
     reach *= 1.02;
+    j.r.least = 1e-4;                        /* where ways end is not shown */
     cli_progress progress = cli_progress_begin(call, "map", "places");
     fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s%s%s\nx,y,z,condition,greatest,least,manipulability%s%s\n", j.unit,
             m.frequency ? "; frequency Hz" : "", j.s->budget ? "; error_worst error_rms " : "", j.s->budget ? j.unit : "",

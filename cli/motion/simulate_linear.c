@@ -267,7 +267,7 @@ static lw_status along(linear *l, lw_error *e)
         s = lw_modes_move_input(l->f, l->o->t, 0, first + (last - first)*k/l->o->along, l->q, e);
         if (s == LW_OK && l->o->rest) {
             lw_modes_free(&l->modes);
-            lw_status st = lw_modes_find(l->f, &(lw_modes_options){ true, true }, l->o->t, l->q, &l->modes, e);
+            lw_status st = lw_modes_find(l->f, &(lw_modes_options){ .hold_inputs = true, .rest = true }, l->o->t, l->q, &l->modes, e);
             s = st == LW_NOTHING ? LW_OK : st;
         }
         if (s == LW_OK)

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include "mbs/dynamics/modes.h"
+#include "mbs/dynamics/tangent_internal.h"
 
 lw_status lw_held_make(const lw_spatial *m, lw_held *h, lw_error *e)
 {
@@ -28,11 +29,15 @@ lw_status lw_held_make(const lw_spatial *m, lw_held *h, lw_error *e)
     if (lw_dynamics_massless(h->d))
         return lw_error_set(e, LW_E_ARG, "link \"%s\" needs a \"mass\" and an \"inertia\" to vibrate", lw_dynamics_massless(h->d));
     h->q = calloc((size_t)lw_dynamics_space(h->d)->n_q, sizeof *h->q);
-    return h->q ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    h->kept = calloc(1, sizeof *h->kept);
+    return h->q && h->kept ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 void lw_held_free(lw_held *h)
 {
+    if (h->kept)
+        lw_tangent_free(h->kept);
+    free(h->kept);
     lw_dynamics_free(h->d);
     free(h->input);
     free(h->q);
@@ -45,7 +50,7 @@ lw_status lw_held_frequency(lw_held *h, const lw_robot *r, double *frequency, lw
     lw_status s = lw_dynamics_place_on_rigid(h->d, &r->space, r->follow.q, h->q, e);
     if (s != LW_OK)
         return s;
-    s = lw_modes_find_large(h->d, &(lw_modes_options){ .hold_inputs = true }, 1, 0, h->q, &modes, e);
+    s = lw_modes_find_large(h->d, &(lw_modes_options){ .hold_inputs = true, .kept = h->kept }, 1, 0, h->q, &modes, e);
     if (s == LW_OK)
         *frequency = modes.mode[0].frequency;
     lw_modes_free(&modes);

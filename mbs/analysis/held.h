@@ -13,6 +13,7 @@ typedef struct lw_held {
     lw_spatial_input *input;
     lw_dynamics      *d;
     double           *q;                 /* (n_q of d) */
+    struct lw_tangent *kept;             /* matrices of the place before, whose pattern and pivots serve the next one */
 } lw_held;
 
 /* The model must outlive h.  LW_E_ARG: nothing can vibrate, or a link has no mass.  h needs lw_held_free, after a failure too. */

@@ -39,6 +39,7 @@ void lw_modes_free(lw_modes *modes);
 typedef struct lw_modes_options {
     bool hold_inputs;            /* hold every input, not only those with a motion */
     bool rest;                   /* move to the static equilibrium first */
+    struct lw_tangent *kept;     /* lw_modes_find_large: matrices kept between calls for one model; NULL: none */
 } lw_modes_options;
 
 /* modes needs lw_modes_free after each call.

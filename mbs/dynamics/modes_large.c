@@ -17,7 +17,7 @@
 
 typedef struct lanczos {
     lw_dynamics *d;
-    lw_tangent   tangent;
+    lw_tangent  *tangent;
     int     n, most;                 /* velocities; vectors */
     double  shift;
     const double *q;
@@ -43,7 +43,7 @@ static double orthogonal(lanczos *z, double *x, double *heavy, int k)
                 x[i] -= part*z->basis[(size_t)j*(size_t)z->n + (size_t)i];
         }
     }
-    lw_tangent_mass(&z->tangent, z->q, x, heavy);
+    lw_tangent_mass(z->tangent, z->q, x, heavy);
     double size = sqrt(fmax(lw_dot(z->n, x, heavy), 0));
     for (int i = 0; size > 0 && i < z->n; i++) {
         x[i] /= size;
@@ -56,20 +56,48 @@ static double orthogonal(lanczos *z, double *x, double *heavy, int k)
 static void apply(lanczos *z, const double *from, double *x)
 {
     memcpy(z->b, from, (size_t)z->n*sizeof *z->b);
-    memset(z->b + z->n, 0, (size_t)z->tangent.c*sizeof *z->b);
-    lw_tangent_solve(&z->tangent, z->b);
+    memset(z->b + z->n, 0, (size_t)z->tangent->c*sizeof *z->b);
+    lw_tangent_solve(z->tangent, z->b);
     memcpy(x, z->b, (size_t)z->n*sizeof *x);
 }
 
-/* One run of at most z->most vectors from a random one.  Adds the modes that have converged, of the greatest |1/(w^2 + s)|
+/* Eigenvalues w of the tridiagonal matrix, their vectors at work + 2 k k, and their order by size; how many of the greatest have
+ * converged, at most `wanted`. */
+static int ritz(int k, const double *alpha, const double *beta, int wanted, double *work, double *w, int *order)
+{
+    double *a = work, *unit = a + (size_t)k*(size_t)k, *vectors = unit + (size_t)k*(size_t)k;
+    int good = 0;
+    memset(work, 0, 2*(size_t)k*(size_t)k*sizeof *work);
+    for (int i = 0; i < k; i++) {
+        a[i*k + i] = alpha[i];
+        unit[i*k + i] = 1;
+        if (i + 1 < k)
+            a[i*k + i + 1] = a[(i + 1)*k + i] = beta[i];
+    }
+    if (k == 0 || lw_eigen_symmetric(k, a, unit, w, vectors) != LW_OK)
+        return 0;
+    for (int i = 0; i < k; i++) {
+        int at = i;
+        for (; at > 0 && fabs(w[order[at - 1]]) < fabs(w[i]); at--)
+            order[at] = order[at - 1];
+        order[at] = i;
+    }
+    while (good < wanted && good < k && fabs(w[order[good]]) > 0
+           && fabs(beta[k - 1]*vectors[order[good]*k + k - 1]) <= 1e-10*fabs(w[order[good]]))
+        good++;
+    return good;
+}
+
+/* One run of at most z->most vectors from a random one, until the modes wanted have converged.  Adds the modes that have converged, of the greatest |1/(w^2 + s)|
  * first and at most `wanted`; returns how many.  -1: out of memory. */
 static int one_run(lanczos *z, lw_rng *rng, int wanted)
 {
-    int n = z->n, k = 0, added = 0;
+    int n = z->n, k = 0, look = 10, good = 0, *order;
     size_t m = (size_t)z->most;
-    double *work = calloc(3*m*m + 4*m + 4, sizeof *work), *alpha = work + 3*m*m, *beta = alpha + m + 1, *w = beta + m + 1;
+    double *work = calloc(3*m*m + 5*m + 4, sizeof *work), *alpha = work + 3*m*m, *beta = alpha + m + 1, *w = beta + m + 1;
     if (!work)
         return -1;
+    order = (int *)(void *)(w + m + 1);
     for (int i = 0; i < n; i++)
         z->heavy[i] = lw_rng_uniform(rng) - 0.5;
     for (int i = 0; i < n; i++)
@@ -84,39 +112,31 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
         alpha[k] = lw_dot(n, x, z->heavy + (size_t)k*(size_t)n);
         beta[k] = size = orthogonal(z, x, heavy, k + 1);
         least = 1e-13*fabs(alpha[0]);
-    }
-    double *a = work, *unit = work + (size_t)k*(size_t)k, *vectors = unit + (size_t)k*(size_t)k;
-    for (int i = 0; i < k; i++) {
-        a[i*k + i] = alpha[i];
-        unit[i*k + i] = 1;
-        if (i + 1 < k)
-            a[i*k + i + 1] = a[(i + 1)*k + i] = beta[i];
-    }
-    if (k > 0 && lw_eigen_symmetric(k, a, unit, w, vectors) == LW_OK)
-        for (int pick = 0; pick < k && added < wanted; pick++) {
-            int best = 0;
-            for (int i = 1; i < k; i++)
-                best = fabs(w[i]) > fabs(w[best]) ? i : best;
-            double theta = w[best], *to = z->found + (size_t)z->n_found*(size_t)n;
-            w[best] = 0;
-            if (!(fabs(theta) > 0) || fabs(beta[k - 1]*vectors[best*k + k - 1]) > 1e-10*fabs(theta))
-                break;
-            memset(to, 0, (size_t)n*sizeof *to);
-            for (int j = 0; j < k; j++)
-                for (int i = 0; i < n; i++)
-                    to[i] += vectors[best*k + j]*z->basis[(size_t)j*(size_t)n + (size_t)i];
-            double *heavy = z->found_heavy + (size_t)z->n_found*(size_t)n;
-            lw_tangent_mass(&z->tangent, z->q, to, heavy);
-            double length = sqrt(lw_dot(n, to, heavy));
-            for (int i = 0; i < n; i++) {
-                to[i] /= length;
-                heavy[i] /= length;
-            }
-            z->value[z->n_found++] = 1/theta - z->shift;
-            added++;
+        if (k + 1 == look && look < z->most) {
+            look += look/2;
+            good = ritz(k + 1, alpha, beta, wanted, work, w, order);
+            size = good < wanted ? size : 0;
         }
+    }
+    if (good < wanted)
+        good = ritz(k, alpha, beta, wanted, work, w, order);
+    for (int pick = 0; pick < good; pick++) {
+        const double *vector = work + 2*(size_t)k*(size_t)k + (size_t)order[pick]*(size_t)k;
+        double *to = z->found + (size_t)z->n_found*(size_t)n, *heavy = z->found_heavy + (size_t)z->n_found*(size_t)n;
+        memset(to, 0, (size_t)n*sizeof *to);
+        for (int j = 0; j < k; j++)
+            for (int i = 0; i < n; i++)
+                to[i] += vector[j]*z->basis[(size_t)j*(size_t)n + (size_t)i];
+        lw_tangent_mass(z->tangent, z->q, to, heavy);
+        double length = sqrt(lw_dot(n, to, heavy));
+        for (int i = 0; i < n; i++) {
+            to[i] /= length;
+            heavy[i] /= length;
+        }
+        z->value[z->n_found++] = 1/w[order[pick]] - z->shift;
+    }
     free(work);
-    return added;
+    return good;
 }
 
 /* Fill the modes: at least `wanted` of the slowest, if there are as many. */
@@ -132,6 +152,8 @@ static lw_status find_modes(lanczos *z, int wanted, int room)
         int added = one_run(z, &rng, ask < room - before ? ask : room - before);
         if (added < 0)
             return LW_E_MEMORY;
+        if (wanted == 1 && added > 0)        /* the slowest; others as slow make no difference */
+            break;
         bool new_one = false;
         for (int i = before; i < z->n_found; i++)
             new_one = new_one || fabs(z->value[i]) < slow*(1 - 1e-9);
@@ -155,7 +177,7 @@ static void multiply(void *context, int row, int column, double by_q, double by_
 static lw_status find_basis(lanczos *z)
 {
     const lw_dynamics *d = z->d;
-    int n = z->n, c = z->tangent.c;
+    int n = z->n, c = z->tangent->c;
     double *doubles = calloc(lw_rank_doubles(n, c) + 1, sizeof *doubles);
     int *ints = calloc(lw_rank_ints(n, c) + 1, sizeof *ints);
     if (doubles && ints) {
@@ -184,13 +206,13 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
         memset(k, 0, (size_t)n*sizeof *k);
         memset(c, 0, (size_t)n*sizeof *c);
         d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
-        for (int r = 0; r < z->tangent.c; r++) {
+        for (int r = 0; r < z->tangent->c; r++) {
             lw_bend bend[LW_BEND_MAX];
             int row = d->kept[r], count = row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0;
             for (int b = 0; b < count; b++)
                 k[bend[b].a] += l[r]*bend[b].h*x[bend[b].b];
         }
-        lw_tangent_mass(&z->tangent, z->q, x, z->heavy);
+        lw_tangent_mass(z->tangent, z->q, x, z->heavy);
         for (int i = 0; i < m; i++) {
             const double *y = z->found + (size_t)i*(size_t)n;
             v->stiffness[i*m + j] = lw_dot(n, y, k);
@@ -224,8 +246,9 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, double t, double *q, lw_mod
     int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom;
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
-    lanczos z = { .d = d, .n = d->n_v, .most = most, .q = q };
-    lw_status s = memory && lw_tangent_make(d, false, true, &z.tangent) == LW_OK ? LW_OK
+    lw_tangent own = { 0 };
+    lanczos z = { .d = d, .n = d->n_v, .most = most, .q = q, .tangent = o->kept ? o->kept : &own };
+    lw_status s = memory && lw_tangent_renew(d, false, true, z.tangent) == LW_OK ? LW_OK
                 : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         z.basis = p, p += ((size_t)most + 1)*n, z.heavy = p, p += ((size_t)most + 1)*n;
@@ -243,17 +266,16 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, double t, double *q, lw_mod
         }
         /* a shift far below the squares of most rates: found from the stiffness of the diagonal over the masses */
         if (s == LW_OK)
-            s = lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 }) == LW_E_MEMORY ? LW_E_MEMORY
-              : LW_OK;
+            lw_tangent_fill(z.tangent, t, q, still, l, (double[]){ 0, 0 }, (double[]){ 0, 0 });
         for (int i = 0; i < z.n; i++) {
-            double stiffness = fabs(z.tangent.value[lw_columns_find(&z.tangent.columns, i, i)]);
+            double stiffness = fabs(z.tangent->value[lw_columns_find(&z.tangent->columns, i, i)]);
             ratio = fmax(ratio, stiffness/d->eq.mass[i]);
             force = fmax(force, tiny*stiffness);
         }
         modes->unbalanced = force > 0 ? left/force : 0;
         scale = ratio > 0 ? ratio : 1;
         z.shift = 1e-9*scale;
-        if (s == LW_OK && !small && lw_tangent_factor(&z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
+        if (s == LW_OK && !small && lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
             s = lw_error_set(e, LW_E_NUMERIC, "the stiffness is singular in this posture");
         if (s == LW_OK)
             s = small ? find_basis(&z) : find_modes(&z, aim < room ? aim : room, room);
@@ -271,7 +293,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, double t, double *q, lw_mod
         if (s == LW_OK && modes->n_mode > wanted)
             modes->n_mode = wanted;
     }
-    lw_tangent_free(&z.tangent);
+    lw_tangent_free(&own);
     free(memory);
     return s;
 }

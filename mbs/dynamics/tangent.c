@@ -61,7 +61,19 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
     t->pair = NULL;
     t->value = ok ? calloc((size_t)t->columns.at[n] + 1, sizeof *t->value) : NULL;
     t->lu = t->value ? lw_sparse_lu_create(&t->columns) : NULL;
-    return t->lu ? LW_OK : LW_E_MEMORY;
+    t->kept = t->lu ? malloc(((size_t)t->c + 1)*sizeof *t->kept) : NULL;
+    if (!t->kept)
+        return LW_E_MEMORY;
+    memcpy(t->kept, d->kept, (size_t)t->c*sizeof *t->kept);
+    return LW_OK;
+}
+
+lw_status lw_tangent_renew(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t)
+{
+    if (t->kept && t->c == d->n_kept && memcmp(t->kept, d->kept, (size_t)t->c*sizeof *t->kept) == 0)
+        return LW_OK;
+    lw_tangent_free(t);
+    return lw_tangent_make(d, is_complex, consistent, t);
 }
 
 void lw_tangent_free(lw_tangent *t)
@@ -70,6 +82,7 @@ void lw_tangent_free(lw_tangent *t)
     lw_columns_free(&t->columns);
     free(t->value);
     free(t->pair);
+    free(t->kept);
     memset(t, 0, sizeof *t);
 }
 
@@ -146,8 +159,8 @@ static void put_rows(lw_tangent *t, const double *l)
     }
 }
 
-lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const double *v, const double *l,
-                            const double m[2], const double c[2])
+void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *v, const double *l, const double m[2],
+                     const double c[2])
 {
     lw_dynamics *d = t->d;
     memset(t->value, 0, (size_t)t->columns.at[t->columns.n]*sizeof *t->value);
@@ -168,6 +181,12 @@ lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const d
         most = fmax(most, fabs(t->value[lw_columns_find(&t->columns, width*i, width*i)]));
     t->scale = most > 0 ? most : 1;
     put_rows(t, l);
+}
+
+lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const double *v, const double *l,
+                            const double m[2], const double c[2])
+{
+    lw_tangent_fill(t, time, q, v, l, m, c);
     return lw_sparse_lu_factor(t->lu, t->value) ? LW_OK : LW_E_NUMERIC;
 }
 

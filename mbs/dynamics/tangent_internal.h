@@ -20,6 +20,7 @@ typedef struct lw_tangent {
     lw_columns columns;
     double *value;
     lw_sparse_lu *lu;
+    int    *kept;                        /* (c) the rows it was made for */
     int    *pair;                        /* while the pattern is listed */
     long    n_pair, most_pair;
     bool    failed;
@@ -31,10 +32,15 @@ typedef struct lw_tangent {
 lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t);
 void      lw_tangent_free(lw_tangent *t);
 
+/* The same for a tangent that may have been made for this d before: made anew only where other rows are kept now. */
+lw_status lw_tangent_renew(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t);
+
 /* Fill and factor at (t, q, v, l), l of the kept rows; the rows are those of lw_mbs_rows at q.  m, c: real and imaginary
  * part.  LW_E_NUMERIC: singular. */
 lw_status lw_tangent_factor(lw_tangent *t, double time, const double *q, const double *v, const double *l,
                             const double m[2], const double c[2]);
+void      lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *v, const double *l,
+                          const double m[2], const double c[2]);         /* without the factors */
 
 /* Solve in place: b (n + z + c, or twice as many); the last c are multipliers, already divided by s. */
 void lw_tangent_solve(lw_tangent *t, double *b);

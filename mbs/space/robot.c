@@ -9,7 +9,6 @@
 #include "base/vec3.h"
 
 #define CLOSE 1e-11              /* of the size, and [rad]: the tool is there                          */
-#define LEAST_STEP 1e-8          /* of the size: a limit is found so well                              */
 #define LONGEST_STEP 0.1         /* of the size: stops, cones and the condition are looked at so often  */
 
 /* ---- making ---------------------------------------------------------------------------------------------- */
@@ -57,7 +56,7 @@ static void find_rank(lw_robot *r)
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
 {
     lw_spatial_measure drive[LW_ROBOT_DRIVES];
-    *r = (lw_robot){ .model = m };
+    *r = (lw_robot){ .model = m, .least = 1e-8 };
     lw_status s = find_tool(m, tool, &r->tool, e);
     if (s != LW_OK)
         return s;
@@ -399,10 +398,9 @@ static void take_posture(lw_robot *r, const double *q)
 static bool may_be_there(lw_robot *r, char why[120])
 {
     lw_robot_pose now;
-    lw_error none;
     if (r->free)
         return true;
-    if (lw_robot_measure(r, &now, &none) != LW_OK) {
+    if (lw_robot_measure(r, &now, NULL) != LW_OK) {
         snprintf(why, 120, "a posture in which the drives do not hold the tool");
         return false;
     }
@@ -427,12 +425,12 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
 {
     lw_space_follow *f = &r->by_tool;
     lw_quaternion turn;
-    lw_error none;
     memcpy(f->q, r->follow.q, (size_t)r->space.n_q*sizeof *f->q);
     tool_pose(r, &r->begin, &turn);
     r->goal = place;
     f->u = 0;
-    *end = watched(r, lw_space_follow_to(f, to_place, r, 1, &none)) != LW_OK;
+    f->least = 0.01*r->least;
+    *end = watched(r, lw_space_follow_to(f, to_place, r, 1, NULL)) != LW_OK;
     take_posture(r, f->q);
     if (!may_be_there(r, why)) {
         *end = false;
@@ -447,10 +445,9 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
 static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, char why[120])
 {
     lw_robot_pose now;
-    lw_error none;
     double error[6], change[LW_ROBOT_DRIVES], before = INFINITY;
     for (int round = 0; round < 12; round++) {
-        if (lw_robot_measure(r, &now, &none) != LW_OK) {
+        if (lw_robot_measure(r, &now, NULL) != LW_OK) {
             snprintf(why, 120, "a posture in which the drives do not hold the tool");
             return false;
         }
@@ -469,7 +466,7 @@ static bool close_tool(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, ch
                 return false;
             r->drive[i] += change[i];
         }
-        if (watched(r, go(r, &none)) != LW_OK)
+        if (watched(r, go(r, NULL)) != LW_OK)
             return false;
     }
     return false;
@@ -522,7 +519,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_extra*sizeof *near);
         lw_space_place(s, r->follow.q, r->follow.z.frame);
         h *= 0.5;
-        if (h < LEAST_STEP) {
+        if (h < r->least) {
             tool_pose(r, &first, &from);
             free(kept);
             free(near);

@@ -28,6 +28,7 @@ typedef struct lw_robot {
     double *column, *start;                      /* (n_drive x n_v) velocities of unit drive rates; (n_q) posture of the file */
     lw_status broken;                            /* of the last move: what went wrong besides a limit, such as LW_E_MEMORY */
     double condition_limit;                      /* going ends where the condition number exceeds it; 0: no limit (0) */
+    double least;                                /* of the size: a limit is found so well (1e-8) */
     bool   free;                                 /* only what the links can reach ends it: no stop, no cone, and no posture in
                                                   * which the drives lose the tool (false) */
 } lw_robot;
@@ -64,7 +65,7 @@ lw_status lw_robot_drive(lw_robot *r, const double *value, lw_error *e);
 
 /* Inverse kinematics: move the tool to a place along a straight line, with an even turn (turn NULL: as it comes; a robot
  * with six freedoms, in the plane three, keeps its turn).  LW_OPEN with a text: a limit of the workspace, of a stop, a cone or the condition lies
- * before; the robot is at it, to 1e-8 of its size.  LW_E_MEMORY, LW_E_NUMERIC. */
+ * before; the robot is at it, to `least`.  LW_E_MEMORY, LW_E_NUMERIC. */
 lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, lw_error *e);
 
 /* How far the tool gets from where it is in a direction, at most `most` [m]; the robot is there then.  *limit: why. */

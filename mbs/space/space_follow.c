@@ -129,6 +129,7 @@ lw_status lw_space_follow_make(const lw_space *s, const lw_spatial_measure *inpu
     f->path = (double (*)[3])(void *)at, at += 3*extras;
     f->made = (double (*)[3])(void *)at, at += 3*extras;
     f->made_at = NAN;
+    f->least = 1e-10;
     double *metric = at;
     memcpy(f->q, s->start, q*sizeof *f->q);
     lw_space_metric(s, metric);
@@ -195,11 +196,14 @@ static bool tangent(lw_space_follow *f, double *v)
     return true;
 }
 
-static void second_rates(lw_space_follow *f)
+void lw_space_follow_second(lw_space_follow *f)
 {
+    if (f->has_second)
+        return;
     lw_space_rows_bias(&f->z, f->v, f->rhs);
     wanted(f, 2);
     lw_space_rows_solve(&f->z, NULL, f->rhs, true, f->a, f->l);
+    f->has_second = true;
 }
 
 /* |a - b| over the greater of both. */
@@ -217,6 +221,7 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     const lw_space *s = f->z.s;
     double moved = 0, length;
     *taken = false;
+    lw_space_follow_second(f);
     memcpy(f->q_try, f->q, (size_t)s->n_q*sizeof *f->q);
     for (int i = 0; i < s->n_v; i++)
         f->z.step[i] = h*(f->v[i] + h/2*f->a[i]);
@@ -237,7 +242,7 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
     memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
     f->u += h;
-    second_rates(f);
+    f->has_second = false;
     *taken = true;
     return LW_OK;
 }
@@ -245,6 +250,8 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
 /* Why the path to u ends at f->u. */
 static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e)
 {
+    if (!e)                                  /* how far the joints stay open takes as long as many steps */
+        return LW_OPEN;
     const lw_space *s = f->z.s;
     char where[200] = "";
     size_t used = 0;
@@ -286,11 +293,12 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
     bool same = f->made_at == f->u && f->made_by == path;
     for (int i = 0; i < f->n_input && st == LW_OK; i++)
         same = same && memcmp(f->path[i], f->made[i], sizeof f->made[i]) == 0;
-    memcpy(f->q_try, f->q, (size_t)f->z.s->n_q*sizeof *f->q);
-    if (st == LW_OK && !same) {              /* else the rates of the last step still hold */
-        if (!tangent(f, f->v))
+    size_t bytes = (size_t)f->z.s->n_q*sizeof *f->q;
+    memcpy(f->q_try, f->q, bytes);
+    if (!same || !(f->has_second || memcmp(f->z.filled, f->q, bytes) == 0)) {    /* else the rates of the last step still hold */
+        f->has_second = false;
+        if (st == LW_OK && !tangent(f, f->v))
             return cannot(f, path, context, u, e);
-        second_rates(f);
     }
     double whole = u - f->u, h = whole;
     int steps = 0;
@@ -310,7 +318,7 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
         } else if (f->z.n_kept < f->z.n_row && !arranged && fabs(by) < 1e-3*fabs(whole)) {
             st = lw_space_rows_arrange(&f->z, f->q, e);    /* the basis kept may be singular where the rows are not */
             arranged = true;
-        } else if (fabs(by) < 1e-10*fabs(whole) || ++steps > 100000)
+        } else if (fabs(by) < f->least*fabs(whole) || ++steps > 100000)
             return cannot(f, path, context, u, e);
         else
             h = by*0.4;

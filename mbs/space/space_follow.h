@@ -19,7 +19,9 @@ typedef struct lw_space_follow {
     double  u;                           /* parameter reached                                              */
     double *q, *v, *a;                   /* (n_q) posture there; (n_v) rates by u                          */
     double *q_try, *v_try, *target, *rhs, *l, (*path)[3];
-    double  made_at, (*made)[3];         /* v and a are those of this path at this u                       */
+    double  made_at, (*made)[3];         /* v is that of this path at this u                               */
+    bool    has_second;                  /* a, too                                                         */
+    double  least;                       /* share of the way of a call to which a limit is found           */
     lw_space_path *made_by;
     void   *memory;
 } lw_space_follow;
@@ -33,8 +35,11 @@ void      lw_space_follow_free(lw_space_follow *f);
 
 /* Go along the path from f->u to u, whose value at f->u must be that of the posture f->q (else it is first gone to in a
  * straight line).  LW_OPEN with a text: a limit of the motion or a singular posture lies before; f is at the last
- * posture reached. */
+ * posture reached.  e NULL: no text, which takes longer to find than the limit. */
 lw_status lw_space_follow_to(lw_space_follow *f, lw_space_path *path, void *context, double u, lw_error *e);
+
+/* f->a, which going fills only where it is needed: the second rates by f->u, just after going there. */
+void lw_space_follow_second(lw_space_follow *f);
 
 /* Values of the inputs at f->q [SI]. */
 void lw_space_follow_values(const lw_space_follow *f, double *value);

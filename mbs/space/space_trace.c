@@ -121,6 +121,7 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
                 st = lw_space_follow_to(&f, path, with, u, e);
             if (st != LW_OK)
                 break;
+            lw_space_follow_second(&f);
             lw_space_place(&s, f.q, f.z.frame);
             lw_space_tracers(&s, f.z.frame, f.q, f.v, f.a, tracer);
             double (*at)[3] = (double (*)[3])(void *)(value + m->n_input);
