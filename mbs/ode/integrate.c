@@ -192,23 +192,30 @@ static lw_status first_step(lw_integrator *w, double sign)
         y2 += pow(w->y[i]/s, 2);
         f2 += pow(w->dy[i]/s, 2);
     }
-    double h = f2 <= 1e-10 || y2 <= 1e-10 ? 1e-6 : 0.01*sqrt(y2/f2);
+    bool guess = f2 <= 1e-10 || y2 <= 1e-10;             /* at rest at 0: nothing tells the scale of time yet */
+    double h = guess ? 1e-6 : 0.01*sqrt(y2/f2), h1;
     if (w->o.greatest > 0.0)
         h = fmin(h, w->o.greatest);
-    lw_status status;
-    for (int tries = 0; ; tries++, h *= 0.1) {
+    for (;; guess = false) {
+        lw_status status;
+        for (int tries = 0; ; tries++, h *= 0.1) {
+            for (int i = 0; i < n; i++)
+                w->stage[i] = w->y[i] + sign*h*w->dy[i];
+            status = rate_at(w, w->t + sign*h, w->stage, w->k[1]);
+            if (status != LW_OPEN || tries == 8)
+                break;
+        }
+        if (status != LW_OK)
+            return status;
+        d2 = 0.0;
         for (int i = 0; i < n; i++)
-            w->stage[i] = w->y[i] + sign*h*w->dy[i];
-        status = rate_at(w, w->t + sign*h, w->stage, w->k[1]);
-        if (status != LW_OPEN || tries == 8)
+            d2 += pow((w->k[1][i] - w->dy[i])/allowed(w, i, fabs(w->y[i])), 2);
+        double most = fmax(sqrt(f2), sqrt(d2)/h);
+        h1 = most <= 1e-15 ? fmax(1e-6, 1e-3*h) : pow(0.01/most, 1.0/8.0);
+        if (!guess || h1 <= 100.0*h || w->o.greatest > 0.0)
             break;
+        h = 0.01*h1;
     }
-    if (status != LW_OK)
-        return status;
-    for (int i = 0; i < n; i++)
-        d2 += pow((w->k[1][i] - w->dy[i])/allowed(w, i, fabs(w->y[i])), 2);
-    double most = fmax(sqrt(f2), sqrt(d2)/h);
-    double h1 = most <= 1e-15 ? fmax(1e-6, 1e-3*h) : pow(0.01/most, 1.0/8.0);
     w->h = fmin(100.0*h, h1);
     return LW_OK;
 }
