@@ -19,9 +19,11 @@ enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the
 
 /* BDF methods are taken where the explicit one needs more steps for stability than they do for accuracy: about decay/6 a second
  * against powers of the tolerance; their derivatives by differences cost an evaluation for each coordinate. */
-static const double most_accurate = 0.9e-7;    /* tolerance */
-static const double damped = 1e3;            /* decay [1/s] times the length of the run */
-static const double bdf_share = 0.05;        /* of the tolerance, for BDF steps, whose errors add up to a multiple of it */
+static const double most_accurate = 0.9e-10;   /* tolerance */
+static const double damped = 1e3;            /* decay [1/s] times the length of the run, */
+static const double damped_from = 1e-8;      /* which grows with powers of this over the tolerance */
+static const double bdf_share = 0.05, bdf_share_tight = 0.005;       /* of the tolerance, for BDF steps, whose errors add up to a */
+static const double tight = 0.9e-7;          /* multiple of it, the greater the smaller it is */
 enum { MOST_DIFFERENCES = 40 };
 
 typedef struct motion {
@@ -246,7 +248,7 @@ static bool takes_implicit(const motion *m)
     const lw_dynamics *d = m->run->d;
     double tolerance = fmax(d->o.relative, d->o.absolute);
     return d->decay_known && m->r.n_row == 0 && m->r.n_u + d->eq.n_z <= MOST_DIFFERENCES && tolerance >= most_accurate
-        && d->decay*(d->o.to - d->o.from) > damped;
+        && d->decay*(d->o.to - d->o.from) > damped*fmax(1, pow(damped_from/tolerance, 0.15));
 }
 
 /* out: the start to the bit, from which a run that is saved there goes on. */
@@ -279,7 +281,7 @@ static lw_status run_one(motion *m, double *y, double *work)
     w.implicit = takes_implicit(m);
     w.ode.project = w.implicit ? NULL : project;
     w.y = y + ode->n;
-    double share = w.implicit ? bdf_share : 1;
+    double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : bdf_share;
     o.relative = share*d->o.relative;
     o.absolute = share*d->o.absolute;
     o.max_step = d->o.max_step;

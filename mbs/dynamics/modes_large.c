@@ -88,8 +88,8 @@ static int ritz(int k, const double *alpha, const double *beta, int wanted, doub
     return good;
 }
 
-/* One run of at most z->most vectors from a random one, until the modes wanted have converged.  Adds the modes that have converged, of the greatest |1/(w^2 + s)|
- * first and at most `wanted`; returns how many.  -1: out of memory. */
+/* One run of at most z->most vectors from a random one, until the modes wanted have converged.  Adds those that have, of the
+ * greatest |1/(w^2 + s)| first and at most `wanted`; returns how many.  -1: out of memory. */
 static int one_run(lanczos *z, lw_rng *rng, int wanted)
 {
     int n = z->n, k = 0, look = 10, good = 0, *order;
@@ -233,7 +233,7 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
     return d->eq.conservative || skew <= 1e-7*stiff;
 }
 
-lw_status lw_modes_about(lw_dynamics *d, int wanted, double t, double *q, lw_modes *modes, lw_error *e)
+lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t, double *q, lw_modes *modes, lw_error *e)
 {
     size_t n = (size_t)d->n_v, c = (size_t)d->n_kept;
     modes->freedom = d->n_v - d->n_kept;
@@ -247,7 +247,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, double t, double *q, lw_mod
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
     lw_tangent own = { 0 };
-    lanczos z = { .d = d, .n = d->n_v, .most = most, .q = q, .tangent = o->kept ? o->kept : &own };
+    lanczos z = { .d = d, .n = d->n_v, .most = most, .q = q, .tangent = kept ? kept : &own };
     lw_status s = memory && lw_tangent_renew(d, false, true, z.tangent) == LW_OK ? LW_OK
                 : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {

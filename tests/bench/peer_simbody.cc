@@ -272,7 +272,7 @@ int main()
 {
     const peer_scene *s = peer_read();
     for (int method = 0; method < 3; method++)
-        for (int k = 3, slow = 0; k <= 12 && slow < 2; k++) {
+        for (int k = 1, slow = 0; k <= 12 && slow < 2; k++) {
             one_row r = { s, method, std::pow(10., -k) };
             slow += peer_apart(s, row_apart, &r, r.accuracy, method_name[method]);
         }
