@@ -706,7 +706,7 @@ typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /*
 
 typedef struct lw_simulation_options {
     const char    *analysis;           /* transient static quasistatic kinematic dynamic            ("transient") */
-    const char    *formulation;        /* auto driven quadrature reduced capture index1 cvode ggl radau ("auto") */
+    const char    *formulation;        /* auto driven quadrature reduced capture index1 cvode ggl radau alpha recursive */
     double         from, to;           /* time [s]                                                  (0, 1)        */
     int            intervals;          /* samples less one, evenly spaced                           (100)         */
     double         tolerance;          /* of a step, lengths over the size of the linkage           (1e-10)       */
@@ -872,7 +872,8 @@ typedef struct lw_spatial_sample {
 } lw_spatial_sample;
 typedef lw_status lw_spatial_callback(void *context, const lw_spatial_sample *sample);
 
-/* Run a model, as lw_simulation_run; analysis "static": one sample.  Formulations: auto, driven, index1, cvode, radau.
+/* Run a model, as lw_simulation_run; analysis "static": one sample.  Formulations: auto, driven,
+ * recursive, index1, cvode, ggl, radau, alpha.
  * LW_E_KIND: a force of the caller's own in the options, which spatial models do not know. */
 LW_API lw_status lw_spatial_simulate(const lw_spatial *model, const lw_simulation_options *options,
                                      lw_spatial_callback *visit, void *context, lw_simulation_report *report,

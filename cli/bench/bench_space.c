@@ -95,9 +95,13 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial 
     places got;
     if (!row)
         return LW_E_MEMORY;
-    lw_dynamics_options o = { .formulation = f, .to = p->to, .intervals = MOMENTS, .relative = tolerance, .absolute = tolerance,
-                              .stop = cli_stop_flag(),
-                           .until = lw_clock_wall() + give_up };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.formulation = f;
+    o.to = p->to;
+    o.intervals = MOMENTS;
+    o.relative = o.absolute = tolerance;
+    o.stop = cli_stop_flag();
+    o.until = lw_clock_wall() + give_up;
     lw_status st = run_once(m, &o, &got, NULL, &e);
     if (st == LW_OK) {
         row->error = 0;

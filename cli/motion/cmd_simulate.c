@@ -15,7 +15,7 @@
 
 typedef struct settings {
     int         analysis, formulation, steps, max_steps;
-    double      from, to, tolerance;
+    double      from, to, tolerance, rho;
     bool        explain, balance, planar;
     const char *speed, *plot, *columns, *gif;
     cli_linear  linear;
@@ -46,6 +46,8 @@ static const cli_option options[] = {
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
       "error allowed in a step: of angles, and of lengths divided by the size of the linkage; 1e-7 with elastic links",
       1e-14, 0.1, NULL, NULL },
+    { "rho", 0, CLI_REAL, offsetof(settings, rho), "R", "0.8",
+      "with --formulation alpha: the part of infinitely fast vibrations that a step leaves; 1 damps none", 0, 1, NULL, NULL },
     { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000",
       "greatest number of steps of the integration", 1, 2e9, NULL, NULL },
     { "rigid", 0, CLI_FLAG, offsetof(settings, linear.rigid), NULL, NULL,
@@ -76,27 +78,34 @@ static const cli_option options[] = {
     { .name = NULL }
 };
 
-static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
+static lw_dynamics_options dynamics_options(const cli_call *call, bool elastic)
 {
     const settings *s = call->settings;
     lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = (lw_analysis)s->analysis;
+    o.formulation = (lw_formulation)s->formulation;
+    o.from = s->from;
+    o.to = s->to;
+    o.intervals = s->steps;
+    o.rigid = s->linear.rigid;
+    o.relative = o.absolute = elastic && !o.rigid && !cli_given(&call->parsed, "tolerance") ? ELASTIC_TOLERANCE : s->tolerance;
+    o.rho = s->rho;
+    o.max_step = s->max_steps;
+    o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
+    o.stop = cli_stop_flag();
+    return o;
+}
+
+static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_dynamics_options o = dynamics_options(call, c->model->n_elastic > 0);
     c->call = call;
     c->json = call->common.json;
     c->keep = s->balance || s->plot || s->gif;
     lw_status st = cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e);
     if (st != LW_OK)
         return st;
-    o.analysis = (lw_analysis)s->analysis;
-    o.formulation = (lw_formulation)s->formulation;
-    o.from = s->from;
-    o.to = s->to;
-    o.intervals = s->steps;
-    bool elastic = c->model->n_elastic > 0 && !s->linear.rigid;
-    o.relative = o.absolute = elastic && !cli_given(&call->parsed, "tolerance") ? ELASTIC_TOLERANCE : s->tolerance;
-    o.max_step = s->max_steps;
-    o.rigid = s->linear.rigid;
-    o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
-    o.stop = cli_stop_flag();
     return cli_simulate_make(c, &o, call->parsed.word[0], e);
 }
 
@@ -155,16 +164,10 @@ static int run_spatial(const cli_call *call, lw_spatial *m)
 {
     static const char *const planar[] = { "balance", "along", "fft", NULL };
     const settings *s = call->settings;
-    lw_dynamics_options o = { .analysis = (lw_analysis)s->analysis, .formulation = (lw_formulation)s->formulation, .from = s->from,
-                              .to = s->to, .intervals = s->steps, .relative = s->tolerance, .absolute = s->tolerance,
-                              .max_step = s->max_steps, .stop = cli_stop_flag(),
-                              .until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0 };
+    lw_dynamics_options o = dynamics_options(call, m->n_elastic > 0);
     int code = cli_spatial_refuse(call, planar);
     if (code != CLI_DONE)
         return code;
-    o.rigid = s->linear.rigid;
-    if (m->n_elastic > 0 && !o.rigid && !cli_given(&call->parsed, "tolerance"))
-        o.relative = o.absolute = ELASTIC_TOLERANCE;
     if (s->analysis == ANALYSIS_LINEAR) {
         cli_linear l = s->linear;
         l.t = s->from;

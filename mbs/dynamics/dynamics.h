@@ -27,7 +27,8 @@ typedef enum lw_analysis {
  *     quadrature  K(s) = K0 + int Q ds, t = int sqrt(M/2K) ds, by Chebyshev points panel by panel
  *     reduced     M(s) s'' + M'(s)/2 s'^2 = Q in the input s of the plan, explicit method of order 8; friction is
  *                 set-valued
- *     radau       M v' + J^T l = Q with Phi = 0 by Radau IIA of order 5 or 9 with sparse derivatives
+ *     alpha       M v' + J^T l = Q with Phi = 0 by the generalised-alpha method of second order with sparse derivatives
+ *     radau       the same by Radau IIA of order 5 or 9
  *     capture     impacts and contact forces together in steps of time (Moreau, Jean)
  *     recursive   M(x) u' + J^T l = Q in the coordinates of the joints of a spatial model: accelerations in one pass in and
  *                 one out, J of the loops alone; explicit method of order 8
@@ -39,6 +40,7 @@ typedef enum lw_analysis {
     X(DRIVEN, driven, "every freedom is driven: kinematics, then forces") \
     X(QUADRATURE, quadrature, "one freedom, forces by the posture alone: time is an integral") \
     X(REDUCED, reduced, "one freedom: one equation in the input; friction sticks") \
+    X(ALPHA, alpha, "generalised-alpha method of second order, for lightly damped elastic links at loose tolerances") \
     X(RADAU, radau, "implicit Runge-Kutta method of order 5 or 9, for elastic links and stiff dampers") \
     X(CAPTURE, capture, "many rigid contacts: captured in steps, first order; impacts are not located") \
     X(RECURSIVE, recursive, "models in space: coordinates of the joints, loops cut; explicit method") \
@@ -62,6 +64,7 @@ typedef struct lw_dynamics_options {
     int    intervals;            /* number of samples less one; they are evenly spaced */
     double relative, absolute;   /* error of a step, in scaled coordinates */
     long   max_step;             /* 0: no limit */
+    double rho;                  /* of alpha: the part of infinitely fast vibrations that a step leaves, 0 to 1; default 0.8 */
     double until;                /* time of lw_clock_wall at which to stop; 0: no limit */
     const volatile sig_atomic_t *stop;     /* the run ends when it is not 0; may be NULL */
     lw_caller_force force;       /* forces of the caller's own; apply NULL: none */

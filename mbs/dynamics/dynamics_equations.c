@@ -824,9 +824,9 @@ bool lw_mbs_is_damped_tree(lw_dynamics *d)
 bool lw_mbs_has_derivatives(const lw_dynamics *d)
 {
     bool slide = false;
-    for (int i = 0; i < d->n_driven; i++)
+    for (int i = 0; i < d->n_driven && !d->space; i++)
         slide = slide || !lw_joint_turns(d->s.joint[d->driven_measure[i]].kind);
-    return d->eq.exact && !d->n_friction && (d->large ? !slide : d->n_c == d->n_row);
+    return d->eq.exact && !d->n_friction && (d->space || (d->large ? !slide : d->n_c == d->n_row));
 }
 
 bool lw_mbs_suits_ggl(lw_dynamics *d)

@@ -1,9 +1,10 @@
 /* mbs/dynamics/dynamics_ggl.c - stabilised index 2 (Gear, Gupta & Leimkuhler 1985), by IDA:
  *
- *     q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (prescribed rates)
+ *     G^-1 q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (prescribed rates)
  *
- * W = 1/M keeps both equations in one metric; J has the kept rows.  Friction uses the multipliers of the state.  y =
- * (q, v, l, m, work, z). */
+ * W = 1/M keeps both equations in one metric; J has the kept rows.  In space G^-1 gives three rates from the four of a
+ * quaternion p, whose length has a row p p = 1 of its own.  Friction uses the multipliers of the state.  y = (q, v, l, m, work,
+ * z); the rows come in the same order, those of quaternions after the n_v rows of q'. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
@@ -19,8 +20,10 @@ static const long worth_restart = 20;                /* steps after which a rest
 
 typedef struct ggl {
     lw_run *run;
-    int    q, c;
+    int    q, v, c;                          /* coordinates, velocities, kept rows */
     double least_mass;
+    int    *at, *n_at;                       /* in space (4 v), (v): the coordinates that velocity i moves, */
+    double *by;                              /* (4 v) and the column of G over the square of its length */
     lw_sundials *ida;
     double *dense;                           /* (n of IDA) scratch */
     unsigned char *algebraic;                /* (n of IDA) */
@@ -38,7 +41,7 @@ static double mass_of(const ggl *g, int i) { return fmax(g->run->d->eq.mass[i], 
 /* J^T l of the kept rows. */
 static void push(const lw_dynamics *d, const double *l, double *out)
 {
-    memset(out, 0, (size_t)d->n_q*sizeof *out);
+    memset(out, 0, (size_t)d->n_v*sizeof *out);
     for (int k = 0; k < d->n_kept; k++)
         for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[d->kept[k]][b] >= 0; b++)
             for (int i = 0; i < 3; i++)
@@ -61,15 +64,41 @@ static double add_friction(lw_dynamics *d, const double *q, const double *v, con
     return power;
 }
 
+/* Columns of G at q. */
+static void find_columns(ggl *g, const double *q)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    for (int i = 0; i < g->v && eq->column; i++) {
+        double *by = g->by + 4*i, square = 0;
+        g->n_at[i] = eq->column(eq->context, q, i, g->at + 4*i, by);
+        for (int k = 0; k < g->n_at[i]; k++)
+            square += by[k]*by[k];
+        for (int k = 0; k < g->n_at[i]; k++)
+            by[k] /= square;
+    }
+}
+
+/* The row of G^-1 that gives velocity i from rates of coordinates. */
+static double velocity_of(const ggl *g, int i, const double *dq)
+{
+    double sum = g->at ? 0 : dq[i];
+    for (int k = 0; g->at && k < g->n_at[i]; k++)
+        sum += g->by[4*i + k]*dq[g->at[4*i + k]];
+    return sum;
+}
+
+/* First coordinate of a quaternion that velocity i begins; -1: none does. */
+static int quaternion_at(const ggl *g, int i) { return g->at && i%LW_BLOCK == 0 && g->n_at[i] == 4 ? g->at[4*i] : -1; }
+
 static lw_status residual(void *context, double t, const double *y, const double *dy, double *r)
 {
     ggl *g = context;
     lw_dynamics *d = g->run->d;
-    int n = g->q, c = g->c;
-    const double *q = y, *v = y + n, *l = y + 2*n, *m = l + c;
+    int n = g->q, c = g->c, first = n + g->v;
+    const double *q = y, *v = y + n, *l = y + first, *m = l + c;
     double power = 0;
     lw_status s = lw_run_busy(g->run, t);
-    int work = 2*n + 2*c, z = work + g->run->has_work;
+    int work = first + 2*c, z = work + g->run->has_work;
     d->eq.place_states(d->eq.context, y + z);
     if (s == LW_OK)
         s = lw_mbs_rows(d, t, q);
@@ -80,10 +109,15 @@ static lw_status residual(void *context, double t, const double *y, const double
     d->eq.forces(d->eq.context, t, q, v, d->force, &power);
     power += add_friction(d, q, v, l);
     push(d, m, d->bias);
-    for (int i = 0; i < n; i++)
-        r[i] = dy[i] - v[i] + d->bias[i]/mass_of(g, i);
+    find_columns(g, q);
+    for (int i = 0, norm = g->v; i < g->v; i++) {
+        int p = quaternion_at(g, i);
+        r[i] = velocity_of(g, i, dy) - v[i] + d->bias[i]/mass_of(g, i);
+        if (p >= 0)
+            r[norm++] = q[p]*q[p] + q[p + 1]*q[p + 1] + q[p + 2]*q[p + 2] + q[p + 3]*q[p + 3] - 1;
+    }
     push(d, l, d->bias);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < g->v; i++)
         r[n + i] = d->eq.mass[i]*dy[n + i] - d->force[i] + d->bias[i];
     for (int k = 0; k < c; k++) {
         int row = d->kept[k];
@@ -91,8 +125,8 @@ static lw_status residual(void *context, double t, const double *y, const double
         for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
             for (int i = 0; i < 3; i++)
                 rate += d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + i]*v[LW_BLOCK*d->row_block[row][b] + i];
-        r[2*n + k] = d->phi[row];
-        r[2*n + c + k] = rate;
+        r[first + k] = d->phi[row];
+        r[first + c + k] = rate;
         if (row >= d->n_row)
             power -= l[k]*d->rhs[row];
     }
@@ -108,7 +142,7 @@ static lw_status residual(void *context, double t, const double *y, const double
 /* ---- derivatives of the residual ----------------------------------------------------------------- */
 
 /* Number of unknowns. */
-static int unknowns(const ggl *g) { return 2*g->q + 2*g->c + g->run->has_work + g->run->d->eq.n_z; }
+static int unknowns(const ggl *g) { return g->q + g->v + 2*g->c + g->run->has_work + g->run->d->eq.n_z; }
 
 /* Add x to entry (row, column) of the pattern; before there is one, list the entry. */
 static void put(ggl *g, double *jac, int row, int column, double x)
@@ -130,11 +164,20 @@ static void put(ggl *g, double *jac, int row, int column, double x)
     g->pair[2*g->n_pair++ + 1] = column;
 }
 
+/* Add the derivative x by a displacement along velocity i. */
+static void put_moved(ggl *g, double *jac, int row, int i, double x)
+{
+    if (!g->at)
+        put(g, jac, row, i, x);
+    for (int k = 0; g->at && k < g->n_at[i]; k++)
+        put(g, jac, row, g->at[4*i + k], x*g->by[4*i + k]);
+}
+
 /* Derivatives of the forces. */
 static void put_force(void *context, int row, int column, double by_q, double by_v)
 {
     ggl *g = context;
-    put(g, g->value, g->q + row, column, -by_q);
+    put_moved(g, g->value, g->q + row, column, -by_q);
     put(g, g->value, g->q + row, g->q + column, -by_v);
 }
 
@@ -142,34 +185,57 @@ static void put_force(void *context, int row, int column, double by_q, double by
 static void put_state(void *context, int row, int column, double by_q, double by_v)
 {
     ggl *g = context;
-    int z = 2*g->q + 2*g->c + g->run->has_work - g->q;
-    put(g, g->value, row < g->q ? g->q + row : z + row, column < g->q ? column : z + column, -by_q);
-    if (column < g->q)
-        put(g, g->value, row < g->q ? g->q + row : z + row, g->q + column, -by_v);
+    int z = g->q + 2*g->c + g->run->has_work, to = row < g->v ? g->q + row : z + row;
+    if (column >= g->v)
+        put(g, g->value, to, z + column, -by_q);
+    else {
+        put_moved(g, g->value, to, column, -by_q);
+        put(g, g->value, to, g->q + column, -by_v);
+    }
 }
 
 /* Add the part of kept row k and its multipliers. */
 static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
 {
     const lw_dynamics *d = g->run->d;
-    int n = g->q, c = g->c, row = d->kept[k];
+    int n = g->q, c = g->c, first = n + g->v, row = d->kept[k];
     const double *v = y + n;
-    double l = y[2*n + k], m = y[2*n + c + k];
+    double l = y[first + k], m = y[first + c + k];
     lw_bend each[LW_BEND_MAX];
     for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[row][b] >= 0; b++)
         for (int k0 = 0; k0 < 3; k0++) {
             int i = LW_BLOCK*d->row_block[row][b] + k0;
             double x = d->jac[row*LW_ROW_SIZE + LW_BLOCK*b + k0];
-            put(g, jac, i, 2*n + c + k, x/mass_of(g, i));
-            put(g, jac, n + i, 2*n + k, x);
-            put(g, jac, 2*n + k, i, x);
-            put(g, jac, 2*n + c + k, n + i, x);
+            put(g, jac, i, first + c + k, x/mass_of(g, i));
+            put(g, jac, n + i, first + k, x);
+            put_moved(g, jac, first + k, i, x);
+            put(g, jac, first + c + k, n + i, x);
         }
     for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, each) : 0) - 1; e >= 0; e--) {   /* driven pins have none */
         int a = each[e].a, b = each[e].b;
-        put(g, jac, a, b, m*each[e].h/mass_of(g, a));
-        put(g, jac, n + a, b, l*each[e].h);
-        put(g, jac, 2*n + c + k, b, each[e].h*v[a]);
+        put_moved(g, jac, a, b, m*each[e].h/mass_of(g, a));
+        put_moved(g, jac, n + a, b, l*each[e].h);
+        put_moved(g, jac, first + c + k, b, each[e].h*v[a]);
+    }
+}
+
+/* Add the part of the rows of q' and of quaternions.  The rates that G^-1 gives are p x p', so that their derivative by p is that
+ * by p' with p' for p and the other sign. */
+static void add_rates(ggl *g, double c, const double *y, const double *dy, double *jac)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    for (int i = 0, norm = g->v; i < g->v; i++) {
+        int p = quaternion_at(g, i), at[4], n = 0;
+        double by[4];
+        put_moved(g, jac, i, i, c);
+        put(g, jac, i, g->q + i, -1);
+        if (g->at && g->n_at[i] == 4)
+            n = eq->column(eq->context, dy, i, at, by);
+        for (int k = 0; k < n; k++)
+            put(g, jac, i, at[k], -4*by[k]);
+        for (int k = 0; p >= 0 && k < 4; k++)
+            put(g, jac, norm, p + k, 2*y[p + k]);
+        norm += p >= 0;
     }
 }
 
@@ -178,19 +244,17 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
 {
     ggl *g = context;
     lw_dynamics *d = g->run->d;
-    int n = g->q, work = 2*g->q + 2*g->c, last = unknowns(g) - 1;
-    (void)dy;
+    int n = g->q, work = g->q + g->v + 2*g->c, last = unknowns(g) - 1;
     d->eq.place_states(d->eq.context, y + work + g->run->has_work);
     lw_status s = lw_mbs_rows(d, t, y);
     if (s != LW_OK)
         return s;
     g->value = jac;
+    find_columns(g, y);
     d->eq.derivatives(d->eq.context, t, y, y + n, d->force, &(lw_force_sink){ g, put_force, put_state });
-    for (int i = 0; i < n; i++) {
-        put(g, jac, i, i, c);
-        put(g, jac, i, n + i, -1);
+    add_rates(g, c, y, dy, jac);
+    for (int i = 0; i < g->v; i++)
         put(g, jac, n + i, n + i, c*d->eq.mass[i]);
-    }
     for (int k = 0; k < g->c; k++)
         add_row_derivatives(g, k, y, jac);
     for (int i = work; i <= last; i++)                    /* work and states */
@@ -202,33 +266,32 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
 static lw_status find_pattern(ggl *g)
 {
     lw_dynamics *d = g->run->d;
-    int n = g->q, last = unknowns(g) - 1;
+    int n = g->q, first = n + g->v, last = unknowns(g) - 1;
     g->columns.n = last + 1;
+    find_columns(g, d->start_q);
     d->eq.pattern(d->eq.context, &(lw_force_sink){ g, put_force, put_state });
-    for (int i = 0; i < n; i++) {
-        put(g, NULL, i, i, 1);
-        put(g, NULL, i, n + i, 1);
+    add_rates(g, 1, d->start_q, d->start_q, NULL);
+    for (int i = 0; i < g->v; i++)
         put(g, NULL, n + i, n + i, 1);
-    }
     for (int k = 0; k < g->c; k++) {
         const int *block = d->row_block[d->kept[k]];
-        int l = 2*n + k, m = l + g->c, coordinate[LW_ROW_SIZE], count = 0;
+        int l = first + k, m = l + g->c, coordinate[LW_ROW_SIZE], count = 0;
         for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
             coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
         for (int b = 0; b < count; b++) {
             int i = coordinate[b];
             put(g, NULL, i, m, 1);
             put(g, NULL, n + i, l, 1);
-            put(g, NULL, l, i, 1);
-            put(g, NULL, m, i, 1);
+            put_moved(g, NULL, l, i, 1);
+            put_moved(g, NULL, m, i, 1);
             put(g, NULL, m, n + i, 1);
             for (int j = 0; j < count; j++) {
-                put(g, NULL, i, coordinate[j], 1);
-                put(g, NULL, n + i, coordinate[j], 1);
+                put_moved(g, NULL, i, coordinate[j], 1);
+                put_moved(g, NULL, n + i, coordinate[j], 1);
             }
         }
     }
-    for (int i = 2*n + 2*g->c; i <= last; i++)
+    for (int i = first + 2*g->c; i <= last; i++)
         put(g, NULL, i, i, 1);
     bool ok = !g->failed && lw_columns_make(&g->columns, last + 1, g->pair, g->n_pair);
     free(g->pair);
@@ -239,8 +302,9 @@ static lw_status find_pattern(ggl *g)
 /* The state as other formulations have it: q, v, work, z. */
 static void unpack(const ggl *g, const double *y, double *out)
 {
-    memcpy(out, y, 2*(size_t)g->q*sizeof *out);
-    memcpy(out + 2*g->q, y + 2*(g->q + g->c), (size_t)(g->run->has_work + g->run->d->eq.n_z)*sizeof *out);
+    int n = g->q + g->v;
+    memcpy(out, y, (size_t)n*sizeof *out);
+    memcpy(out + n, y + n + 2*g->c, (size_t)(g->run->has_work + g->run->d->eq.n_z)*sizeof *out);
 }
 
 /* The state at t, within the last step of IDA. */
@@ -258,28 +322,28 @@ static lw_status state_at(void *context, double t, double *state)
 static lw_status pack(const ggl *g, double t, const double *state, double *y, double *dy)
 {
     lw_dynamics *d = g->run->d;
-    int n = g->q, c = g->c;
+    int n = g->q, c = g->c, first = n + g->v;
     double power = 0;
-    memcpy(y, state, 2*(size_t)n*sizeof *y);
-    memcpy(dy, state + n, (size_t)n*sizeof *dy);
-    memset(y + 2*n, 0, 2*(size_t)c*sizeof *y);
-    memset(dy + 2*n, 0, 2*(size_t)c*sizeof *dy);
-    int z = 2*(n + c) + g->run->has_work;
+    memcpy(y, state, (size_t)first*sizeof *y);
+    d->eq.rates(d->eq.context, state, state + n, dy);
+    memset(y + first, 0, 2*(size_t)c*sizeof *y);
+    memset(dy + first, 0, 2*(size_t)c*sizeof *dy);
+    int z = first + 2*c + g->run->has_work;
     memcpy(y + z, state + lw_run_states(g->run), (size_t)d->eq.n_z*sizeof *y);
     d->eq.place_states(d->eq.context, y + z);
     lw_status s = lw_mbs_accelerate(d, t, state, state + n, dy + n, d->l, &power);
     if (s == LW_OK && d->eq.n_z)
         s = lw_mbs_state_rates(d, t, state, state + n, dy + z);
     for (int k = 0; k < c; k++)
-        y[2*n + k] = d->l[d->kept[k]];
+        y[first + k] = d->l[d->kept[k]];
     for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
         double motion[3];
         s = lw_mbs_motion(d, i, t, motion);
         power -= d->l[d->n_row + i]*motion[1];
     }
     if (g->run->has_work) {
-        y[2*(n + c)] = state[2*n];
-        dy[2*(n + c)] = power;
+        y[first + 2*c] = state[first];
+        dy[first + 2*c] = power;
     }
     return s;
 }
@@ -313,9 +377,9 @@ static double apart(const lw_dynamics *d)
     lw_rank r;
     if (d->n_c == d->rank)
         return 1;
-    lw_rank_place(&r, d->n_q, d->n_kept, d->rank_work, d->rank_ints);
+    lw_rank_place(&r, d->n_v, d->n_kept, d->rank_work, d->rank_ints);
     for (int k = 0; k < d->n_kept; k++)
-        lw_mbs_row(d, d->kept[k], r.a + k*d->n_q);
+        lw_mbs_row(d, d->kept[k], r.a + k*d->n_v);
     lw_rank_factor(&r, LW_RANK_TOLERANCE);
     return r.rank < d->n_kept ? 0 : r.weakest*r.weakest;
 }
@@ -374,7 +438,7 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
     unsigned char *algebraic = g->algebraic;
-    memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
+    memset(algebraic + g->q + g->v, 1, 2*(size_t)g->c);
     lw_dae dae = { .n = unknowns(g), .context = g, .residual = residual,
                    .jacobian = lw_mbs_has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic, .pattern = g->columns.n ? &g->columns : NULL };
     lw_ode_stop stop = LW_ODE_STEP;
@@ -392,6 +456,8 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
         if (s != LW_OK)
             break;
         unpack(g, w->y, run->y);
+        if (d->eq.accept)
+            d->eq.accept(d->eq.context, run->y);
         lw_run_watch(run, run->y);
         s = lw_run_samples(run, w->t, state_at, g);
         if (s == LW_OK)
@@ -422,28 +488,30 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
 static lw_status run_ggl(lw_run *run)
 {
     lw_dynamics *d = run->d;
-    ggl g = { .run = run, .q = d->n_q, .c = d->n_kept };
+    ggl g = { .run = run, .q = d->n_q, .v = d->n_v, .c = d->n_kept };
     lw_sundials w = { 0 };
-    for (int i = 0; i < d->n_q; i++)
+    for (int i = 0; i < d->n_v; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->eq.mass[i]);
-    size_t n = 2*(size_t)(g.q + g.c) + 1 + (size_t)d->eq.n_z;
-    double *y = calloc(3*n + 2*(size_t)run->n, sizeof *y);
+    size_t n = (size_t)(g.q + g.v + 2*g.c) + 1 + (size_t)d->eq.n_z, columns = d->eq.column ? (size_t)g.v : 0;
+    double *y = calloc(3*n + 2*(size_t)run->n + 4*columns, sizeof *y);
     g.algebraic = calloc(n, 1);
-    lw_status s = y && g.algebraic ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK && lw_mbs_has_derivatives(d))
-        s = find_pattern(&g);
-    if (s != LW_OK) {
-        free(y);
-        free(g.algebraic);
-        return s;
+    g.at = columns ? calloc(5*columns, sizeof *g.at) : NULL;
+    lw_status s = y && g.algebraic && (g.at || !columns) ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        run->y = y + 2*n;
+        run->state = run->y + run->n;
+        g.each = run->state + run->n;
+        g.by = g.each + n;
+        g.n_at = g.at + 4*columns;
+        g.ida = &w;
+        g.dense = y;
+        if (lw_mbs_has_derivatives(d))
+            s = find_pattern(&g);
     }
-    run->y = y + 2*n;
-    run->state = run->y + run->n;
-    g.each = run->state + run->n;
-    g.ida = &w;
-    g.dense = y;
-    s = run_ida(&g, &w, y, y + n);
+    if (s == LW_OK)
+        s = run_ida(&g, &w, y, y + n);
     free(y);
+    free(g.at);
     free(g.algebraic);
     lw_columns_free(&g.columns);
     return s;
@@ -451,23 +519,23 @@ static lw_status run_ggl(lw_run *run)
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
-    if (d->space)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no turns in space");
+    if (d->space && (!asked || d->n_friction || d->eq.next_piece))
+        return lw_formulation_say(r, LW_E_KIND, 0, "in space it is taken where it is asked for, and knows no friction or contacts");
     if (d->large && !lw_mbs_has_derivatives(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "a model of this size with gears, friction, tied inputs, driven sliders or "
                                   "forces of the caller's has no sparse derivatives");
     if (d->large)
-        return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, asked ? "asked for"
+        return lw_formulation_say(r, LW_OK, d->n_q + d->n_v + 2*d->n_kept, asked ? "asked for"
                                   : "dampers make the equations stiff: an implicit method with sparse derivatives");
     if (!asked && !lw_mbs_suits_ggl(d))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for stiff dampers and where it is asked for");
     if (!asked)
-        return lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept,
+        return lw_formulation_say(r, LW_OK, d->n_q + d->n_v + 2*d->n_kept,
                                   "dampers make the equations stiff: an implicit method with exact derivatives");
     if (d->touch)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
     return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
-                     : lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, "asked for");
+                     : lw_formulation_say(r, LW_OK, d->n_q + d->n_v + 2*d->n_kept, "asked for");
 }
 
 const lw_formulation_row lw_formulation_ggl = { able, run_ggl };

@@ -1,4 +1,6 @@
-/* mbs/dynamics/dynamics_radau.c - Radau IIA of order 5, or 9 where the tolerance is below 1e-7 (Hairer & Wanner 1996, section
+/* mbs/dynamics/dynamics_radau.c - the formulations radau and alpha.
+ *
+ * Radau IIA of order 5, or 9 where the tolerance is below 1e-7 (Hairer & Wanner 1996, section
  * IV.8; 1999), for stiff models of any size: elastic links above all, whose fast vibrations an explicit method would have to
  * follow and BDF methods damp or excite.
  *
@@ -9,7 +11,15 @@
  * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
  * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
  * put on the constraints.  Steps end at the samples, where positions, velocities, accelerations and multipliers are those of
- * the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency. */
+ * the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency.
+ *
+ * Generalised alpha (Chung & Hulbert 1993; with turns Bruels & Cardona 2010) is the same with one stage at the end of the step,
+ *
+ *     z = h v + h^2 ((1/2 - beta) a + beta a_1),   v_1 = v + h ((1 - gamma) a + gamma a_1),
+ *     (1 - am) a_1 + am a = (1 - af) v'_1 + af v'
+ *
+ * with an auxiliary acceleration a.  rho, the factor of infinitely fast vibrations in a step, gives am, af, beta and gamma.
+ * States x follow as places do, with x' for the velocity. */
 #include "base/linalg.h"
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
@@ -46,6 +56,9 @@ typedef struct stages {
     double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
     double *vi, *ai, *r, *b, *pair_b, *qi, *e;
     double  power[MOST_STAGES];
+    bool    alpha;                           /* generalised alpha; the following are its own */
+    double  beta, gamma, am, af, power_old;
+    double *aux, *aux_x;                     /* (n) auxiliary accelerations, (n_x) second rates of states, at t */
     double  contraction;
     long    since;                           /* steps with the present history; 0: none */
 } stages;
@@ -129,10 +142,45 @@ static void set_method(stages *g)
     }
 }
 
+static void set_alpha(stages *g, double rho)
+{
+    g->s = 1;
+    g->at[0] = g->weight[0] = g->T[0][0] = g->TI[0][0] = 1;
+    g->am = (2*rho - 1)/(rho + 1);
+    g->af = rho/(rho + 1);
+    g->gamma = 0.5 + g->af - g->am;
+    g->beta = 0.25*(0.5 + g->gamma)*(0.5 + g->gamma);
+}
+
+/* Auxiliary acceleration, or second rate of a state, at the end of the step that moves by z, from the rate v and the old one. */
+static double auxiliary(const stages *g, double z, double v, double old)
+{
+    return (z/g->h - v)/(g->h*g->beta) - (0.5/g->beta - 1)*old;
+}
+
+/* The old auxiliary acceleration is that of a time am - af steps after t, so it changes with the length of steps. */
+static double auxiliary_old(const stages *g, int i)
+{
+    return g->h_old > 0 ? g->a[i] + g->h/g->h_old*(g->aux[i] - g->a[i]) : g->aux[i];
+}
+
+static void differentiate_alpha(stages *g)
+{
+    for (int i = 0; i < g->n; i++) {
+        double old = auxiliary_old(g, i), now = auxiliary(g, g->z[i], g->v[i], old);
+        g->vi[i] = g->v[i] + g->h*((1 - g->gamma)*old + g->gamma*now);
+        g->ai[i] = ((1 - g->am)*now + g->am*old - g->af*g->a[i])/(1 - g->af);
+    }
+}
+
 /* Velocities and accelerations of the stages from z. */
 static void differentiate(stages *g)
 {
     const lw_equations *eq = &g->run->d->eq;
+    if (g->alpha) {
+        differentiate_alpha(g);
+        return;
+    }
     for (int i = 0; i < g->n; i++)
         for (int k = 0; k < g->s; k++) {
             g->vi[k*g->n + i] = 0;
@@ -153,6 +201,8 @@ static void differentiate(stages *g)
 static double state_rate(const stages *g, int k, int i)
 {
     double rate = 0;
+    if (g->alpha)
+        return g->dx[i] + g->h*((1 - g->gamma)*g->aux_x[i] + g->gamma*auxiliary(g, g->zx[i], g->dx[i], g->aux_x[i]));
     for (int j = 0; j < g->s; j++)
         rate += g->w[k][j]*g->zx[j*g->n_x + i]/g->h;
     return rate;
@@ -227,10 +277,23 @@ static double newton_step(stages *g)
     return most;
 }
 
+static void predict_alpha(stages *g)
+{
+    for (int i = 0; i < g->n; i++)
+        g->z[i] = g->h*(g->v[i] + 0.5*g->h*auxiliary_old(g, i));
+    for (int i = 0; i < g->n_x; i++)
+        g->zx[i] = g->h*(g->dx[i] + 0.5*g->h*g->aux_x[i]);
+    memcpy(g->zl, g->l, (size_t)g->c*sizeof *g->l);
+}
+
 /* First values of the stages: the polynomial of the last step, or constant velocity. */
 static void predict(stages *g)
 {
     int n = g->n, x = g->n_x, c = g->c, s = g->s;
+    if (g->alpha) {
+        predict_alpha(g);
+        return;
+    }
     for (int k = 0; k < s; k++) {
         double at = 1 + g->at[k]*g->h/(g->h_old > 0 ? g->h_old : 1), basis[MOST_STAGES], basis_l[MOST_STAGES];
         for (int j = 0; j < s; j++) {
@@ -255,12 +318,16 @@ static void predict(stages *g)
 
 static const int most_newton = 10;
 
+/* Steps of second order are short beside the time in which their errors die away, so errors add up: this part of the tolerance
+ * gives errors of the size of those of Radau's method. */
+static const double alpha_part = 0.1;
+
 static double tolerance(const stages *g)
 {
     double most = 1;
     for (int i = 0; i < g->n_q; i++)
         most = fmax(most, fabs(g->q[i]));
-    return g->run->d->o.absolute + g->run->d->o.relative*fmin(most, 1);
+    return (g->run->d->o.absolute + g->run->d->o.relative*fmin(most, 1))*(g->alpha ? alpha_part : 1);
 }
 
 /* Solve the stages.  LW_OPEN: Newton's method does not converge with this step. */
@@ -273,7 +340,11 @@ static lw_status solve_stages(stages *g)
         wanted = fmax(wanted*fmin(1, g->h/g->way->real), 4e-16);
     lw_status s = lw_mbs_rows(d, g->t, g->q);
     d->eq.place_states(d->eq.context, g->x);
-    for (int k = 0; s == LW_OK && k <= g->s/2; k++) {
+    if (s == LW_OK && g->alpha) {
+        const double c[2] = { g->gamma/(g->beta*g->h) }, m[2] = { (1 - g->am)/((1 - g->af)*g->beta*g->h*g->h) };
+        s = lw_tangent_factor(&g->real, g->t, g->q, g->v, g->l, m, c) == LW_OK ? LW_OK : LW_OPEN;
+    }
+    for (int k = 0; s == LW_OK && !g->alpha && k <= g->s/2; k++) {
         double re = (k ? g->way->pair[k - 1][0] : g->way->real)/g->h, im = k ? g->way->pair[k - 1][1]/g->h : 0;
         const double c[2] = { re, im }, m[2] = { re*re - im*im, 2*re*im };
         if (lw_tangent_factor(k ? &g->pair[k - 1] : &g->real, g->t, g->q, g->v, g->l, m, c) != LW_OK)
@@ -305,12 +376,12 @@ static lw_status solve_stages(stages *g)
     return LW_OPEN;
 }
 
-/* Error of the step, over the tolerance: of q by the embedded formula of order s, filtered by the real matrix. */
-static double error_of(stages *g)
+/* Right-hand side, in b, for the errors of the step by the embedded formula of order s. */
+static void embedded_error(stages *g)
 {
     lw_dynamics *d = g->run->d;
     int n = g->n;
-    double w = g->way->real/g->h, most = 0;
+    double w = g->way->real/g->h;
     for (int i = 0; i < n; i++) {
         double eq = g->v[i]/w, ev = g->a[i]/w;
         for (int k = 0; k < g->s; k++) {
@@ -326,6 +397,29 @@ static double error_of(stages *g)
             e += w*g->error[k]*g->zx[k*g->n_x + i];
         g->b[n + i] = e/g->scale[i];
     }
+}
+
+/* The same of generalised alpha: h^3 v'' (beta + (am - af)/2 - 1/6), where the change of a is h v''. */
+static void alpha_error(stages *g)
+{
+    double part = g->beta + 0.5*(g->am - g->af) - 1.0/6, weight = (1 - g->am)/((1 - g->af)*g->beta);
+    for (int i = 0; i < g->n; i++) {
+        double old = auxiliary_old(g, i);
+        g->b[i] = g->run->d->eq.mass[i]*weight*part*(auxiliary(g, g->z[i], g->v[i], old) - old);
+    }
+    for (int i = 0; i < g->n_x; i++)
+        g->b[g->n + i] = g->gamma/g->beta*part*g->h*(auxiliary(g, g->zx[i], g->dx[i], g->aux_x[i]) - g->aux_x[i])/g->scale[i];
+}
+
+/* Error of the step, over the tolerance: filtered by the real matrix. */
+static double error_of(stages *g)
+{
+    int n = g->n;
+    double most = 0;
+    if (g->alpha)
+        alpha_error(g);
+    else
+        embedded_error(g);
     memset(g->b + n + g->n_x, 0, (size_t)g->c*sizeof *g->b);
     lw_tangent_solve(&g->real, g->b);
     for (int i = 0; i < n; i++)
@@ -384,20 +478,26 @@ static lw_status accept(stages *g, double t)
     if (d->eq.next_piece && residuals(g) != LW_OK)       /* the power of stiff contacts, at the last iterate */
         return LW_E_NUMERIC;
     d->eq.move(d->eq.context, g->q, g->z + (g->s - 1)*n);
+    for (int i = 0; i < n && g->alpha; i++)
+        g->aux[i] = auxiliary(g, g->z[i], g->v[i], auxiliary_old(g, i));
     for (int i = 0; i < n; i++) {
         g->v[i] = g->vi[(g->s - 1)*n + i];
         g->a[i] = g->ai[(g->s - 1)*n + i];
     }
     for (int i = 0; i < g->n_x; i++) {
+        double rate = state_rate(g, g->s - 1, i);
+        if (g->alpha)
+            g->aux_x[i] = auxiliary(g, g->zx[i], g->dx[i], g->aux_x[i]);
         g->x[i] += g->zx[(g->s - 1)*g->n_x + i];
-        g->dx[i] = state_rate(g, g->s - 1, i);
+        g->dx[i] = rate;
     }
     memcpy(g->last_x, g->zx, (size_t)g->s*(size_t)g->n_x*sizeof *g->zx);
     memcpy(g->l, g->zl + (g->s - 1)*g->c, (size_t)g->c*sizeof *g->l);
     memcpy(g->last, g->z, (size_t)g->s*(size_t)n*sizeof *g->z);
     memcpy(g->last_l, g->zl, (size_t)g->s*(size_t)g->c*sizeof *g->zl);
     for (int k = 0; k < g->s; k++)
-        g->work += g->h*g->weight[k]*g->power[k];
+        g->work += g->h*g->weight[k]*(g->alpha ? 0.5*(g->power_old + g->power[k]) : g->power[k]);
+    g->power_old = g->power[g->s - 1];
     g->h_old = g->h;
     g->t = t;
     g->since++;
@@ -469,7 +569,7 @@ static lw_status run_steps(stages *g)
         }
         if (s != LW_OK)
             break;
-        double error = fmax(error_of(g), 1e-6), root = -1.0/(g->s + 1), factor = 0.9*pow(error, root);
+        double error = fmax(error_of(g), 1e-6), root = -1.0/(g->alpha ? 3 : g->s + 1), factor = 0.9*pow(error, root);
         if (error > 1) {
             h = g->h*fmax(factor, 0.2);
             to_piece = 0;
@@ -505,20 +605,24 @@ static lw_status run_steps(stages *g)
     return s;
 }
 
-static lw_status run_radau(lw_run *run)
+static lw_status run_implicit(lw_run *run, bool alpha)
 {
     lw_dynamics *d = run->d;
-    stages g = { .run = run, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = d->o.from };
+    stages g = { .run = run, .alpha = alpha, .n = d->n_v, .n_q = d->n_q, .n_x = d->eq.n_z, .c = d->n_kept, .t = d->o.from };
     size_t n = (size_t)g.n, c = (size_t)g.c, q = (size_t)g.n_q, x = (size_t)g.n_x;
     g.way = &methods[d->o.relative < 1e-7];
-    set_method(&g);
+    if (alpha)
+        set_alpha(&g, d->o.rho);
+    else
+        set_method(&g);
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *memory = calloc((size_t)run->n + 2*q + 3*n + 5*s_n + 4*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
+    double *memory = calloc(2*(size_t)run->n + 2*q + 4*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    run->y = p, p += run->n;
-    g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c;
-    g.x = p, p += x, g.dx = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
+    double *rate = p + run->n;
+    run->y = p, p += 2*run->n;
+    g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c, g.aux = p, p += n;
+    g.x = p, p += x, g.dx = p, p += x, g.aux_x = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
     g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;
     g.zl = p, p += s_c, g.last_l = p, p += s_c, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
     lw_dynamics_start(d, g.q, g.v);
@@ -529,6 +633,9 @@ static lw_status run_radau(lw_run *run)
     d->eq.state_rates(d->eq.context, g.t, g.q, g.v, g.dx);
     lw_status s = lw_run_begin(run, state(&g, run->y));
     memcpy(g.a, d->a, n*sizeof *g.a);
+    if (s == LW_OK && alpha && (s = lw_run_rate(run, g.t, run->y, rate)) == LW_OK)
+        g.power_old = run->has_work ? rate[q + n] : 0;
+    memcpy(g.aux, g.a, n*sizeof *g.a);
     for (int k = 0; k < g.c; k++)
         g.l[k] = d->l[d->kept[k]];
     for (int k = 0; s == LW_OK && k <= g.s/2; k++)
@@ -542,6 +649,9 @@ static lw_status run_radau(lw_run *run)
     free(memory);
     return s;
 }
+
+static lw_status run_radau(lw_run *run) { return run_implicit(run, false); }
+static lw_status run_alpha(lw_run *run) { return run_implicit(run, true); }
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
@@ -560,3 +670,22 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 }
 
 const lw_formulation_row lw_formulation_radau = { able, run_radau };
+
+/* Tolerance from which it needs less time than radau for the same error: elastic links in space (docs/benchmarks.md). */
+static const double alpha_from = 1e-5;
+
+static lw_status able_alpha(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    lw_status s = able(d, true, r);
+    if (s != LW_OK)
+        return s;
+    if (d->eq.next_piece)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
+    if (!asked && !(d->space && d->elastic && d->o.relative >= alpha_from))
+        return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links in space at tolerances from 1e-5, and where it is "
+                                  "asked for");
+    return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "elastic links in space and a tolerance of 1e-5 or more: "
+                              "the generalised-alpha method, whose steps cost a fifth of those of radau");
+}
+
+const lw_formulation_row lw_formulation_alpha = { able_alpha, run_alpha };

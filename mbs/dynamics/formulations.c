@@ -113,7 +113,7 @@ static const double no_determinant = 1e-3;   /* friction equations below it have
 
 lw_dynamics_options lw_dynamics_options_default(void)
 {
-    return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10 };
+    return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10, .rho = 0.8 };
 }
 
 /* The choice for d, which is made ready with status s; frees d when it fails. */
@@ -230,7 +230,7 @@ static lw_status run_others(lw_run *run, lw_status s)
     for (int f = LW_FORMULATION_REDUCED; f < (int)(sizeof table/sizeof *table) && s == LW_E_NUMERIC && !run->refused; f++) {
         next = d->choice;
         next.formulation = (lw_formulation)f;
-        if (f == (int)tried || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || table[f]->able(d, true, &next) != LW_OK)
+        if (f == (int)tried || f == LW_FORMULATION_CAPTURE || f == LW_FORMULATION_RADAU || f == LW_FORMULATION_ALPHA || table[f]->able(d, true, &next) != LW_OK)
             continue;
         lw_error e = { 0 };
         lw_run again = { .d = d, .sink = run->sink, .context = run->context, .r = &next, .e = &e, .shown = run->shown,

@@ -108,6 +108,9 @@ typedef struct lw_equations {
      * the rates. */
     void   (*along)(void *context, const double *by, double *rate);
     void   (*rates)(void *context, const double *q, const double *v, double *dq);
+    /* Column i of G at q: velocity i moves coordinates at[k], rising, at the rates by[k], at most 4; returns how many.  Columns of
+     * a quaternion p are p times unit vectors over 2, also where its length is not 1.  NULL: G is the unit matrix. */
+    int    (*column)(void *context, const double *q, int i, int *at, double *by);
     /* q is a state of the run: put it on its manifold (quaternions of length 1), count turns from it.  NULL: nothing to do. */
     void   (*accept)(void *context, double *q);
 } lw_equations;

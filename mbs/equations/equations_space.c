@@ -448,6 +448,22 @@ static void rates(void *context, const double *q, const double *v, double *dq)
     lw_space_rates(&((const lw_spatial_scene *)context)->s, q, v, dq);
 }
 
+static int column(void *context, const double *q, int i, int *at, double *by)
+{
+    (void)context;
+    const double *p = q + 7*(i/6) + 3;
+    int k = i%6 - 3;
+    for (int c = 0; c < 4; c++)
+        at[c] = k < 0 ? 7*(i/6) + k + 3 : 7*(i/6) + 3 + c;
+    by[0] = 1;
+    if (k < 0)
+        return 1;
+    lw_quaternion t = lw_quaternion_times((lw_quaternion){ p[0], p[1], p[2], p[3] },
+                                          (lw_quaternion){ 0, 0.5*(k == 0), 0.5*(k == 1), 0.5*(k == 2) });
+    by[0] = t.w, by[1] = t.x, by[2] = t.y, by[3] = t.z;
+    return 4;
+}
+
 static void accept(void *context, double *q)
 {
     lw_spatial_scene *c = context;
@@ -494,5 +510,5 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
                            .watch = c->model->n_contact ? watch : NULL, .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
-                           .potential = potential, .move = move, .along = along, .rates = rates, .accept = accept };
+                           .potential = potential, .move = move, .along = along, .rates = rates, .column = column, .accept = accept };
 }
