@@ -137,11 +137,13 @@ static double fill(adjuster *w, int n)
                 a[(size_t)r*(size_t)n + (size_t)(w->n_dim + p*w->n_q + c)] = (p ? ease : 1)*w->jac[r*w->n_q + c];
         }
         for (int d = 0; d < w->n_dim; d++) {
+            lw_system_joint *joint = &w->s->joint[w->dim[d].joint], drawn = *joint;
             change(w, &w->dim[d], h);
             lw_system_rows(w->s, q, w->phi, NULL);
-            change(w, &w->dim[d], -2*h);
+            *joint = drawn;
+            change(w, &w->dim[d], -h);
             lw_system_rows(w->s, q, w->other, NULL);
-            change(w, &w->dim[d], h);
+            *joint = drawn;
             for (int r = 0; r < w->n_row; r++)
                 a[(size_t)r*(size_t)n + (size_t)d] = (w->phi[r] - w->other[r])/(2*h);
         }
@@ -178,6 +180,154 @@ static bool close_all(adjuster *w, double *total)
             return false;
     }
     return false;
+}
+
+/* ---- double roots --------------------------------------------------------------------------------------------- */
+
+/* Three parallel bars satisfy all rows for a deviation d of their dimensions up to d^2: Newton's method ends at d = 1e-8,
+ * and in the flat posture the rows are off by d.  In the root itself, x, every direction v that satisfies J(x) v = 0
+ * for a nearby x does so exactly, but for directions within the range of J.  With V such directions near the root and P the
+ * projection out of the range, P (J v_i + sum of d_j F''[v_i, v_j]) = 0 gives x + V d (Ojika 1987), as a simple root. */
+
+static const double weak_pivot = 1e-5;       /* of J near the root, relative; directions with less are V */
+static const double bends = 1e-3;            /* least second derivative of a double root */
+enum { DOUBLES_MOST = 4000000 };
+
+typedef struct refiner { adjuster *w; int m, n, k; double *v, *base, *out, *h, *g, *normal, *b, *d; lw_system_joint *joint; } refiner;
+
+/* Rows of all postures at the base moved by s v_i + z v_j. */
+static void rows_beside(const refiner *f, int i, double s, int j, double z, double *out)
+{
+    adjuster *w = f->w;
+    memcpy(w->s->joint, f->joint, (size_t)w->s->n_joint*sizeof *f->joint);
+    for (int c = 0; c < f->n; c++) {
+        double by = s*f->v[(size_t)i*(size_t)f->n + (size_t)c] + z*f->v[(size_t)j*(size_t)f->n + (size_t)c];
+        int k = c - w->n_dim;
+        if (k < 0)
+            change(w, &w->dim[c], by);
+        else
+            w->q[k] = f->base[k] + (k < w->n_q ? 1 : ease)*by;
+    }
+    for (int p = 0; p < w->n_posture; p++)
+        lw_system_rows(w->s, w->q + (size_t)p*(size_t)w->n_q, out + (size_t)p*(size_t)w->n_row, NULL);
+}
+
+/* J v_i by differences of order 6, and F''[v_i, v_j] of order 2, without their parts in the range of J. */
+static void bend(const refiner *f, const lw_rank *r, int i)
+{
+    static const double part[3] = { 45.0/60, -9.0/60, 1.0/60 };
+    const double step = 2e-3;
+    size_t m = (size_t)f->m;
+    double *g = f->g + (size_t)i*m;
+    memset(g, 0, m*sizeof *g);
+    for (int p = 1; p <= 3; p++)
+        for (int side = -1; side <= 1; side += 2) {
+            rows_beside(f, i, side*p*step, i, 0, f->out);
+            for (size_t c = 0; c < m; c++)
+                g[c] += side*part[p - 1]*f->out[c]/step;
+        }
+    lw_rank_null_part(r, g);
+    for (int j = 0; j < f->k; j++) {
+        double *h = f->h + ((size_t)i*(size_t)f->k + (size_t)j)*m;
+        memset(h, 0, m*sizeof *h);
+        for (int corner = 0; corner < 4; corner++) {
+            double a = corner & 1 ? 1 : -1, b = corner & 2 ? 1 : -1;
+            rows_beside(f, i, a*step, j, b*step, f->out);
+            for (size_t c = 0; c < m; c++)
+                h[c] += a*b*f->out[c]/(4*step*step);
+        }
+        lw_rank_null_part(r, h);
+    }
+}
+
+/* One step towards the double root.  Returns the greatest change of a dimension or posture; 0: there is no double root. */
+static double to_double_root(refiner *f, double *total)
+{
+    adjuster *w = f->w;
+    size_t m = (size_t)f->m, k = (size_t)f->k;
+    double most = 0, moved = 0;
+    lw_rank r;
+    fill(w, f->n);
+    lw_rank_place(&r, f->n, f->m, w->a, w->order);
+    lw_rank_factor(&r, weak_pivot);
+    lw_rank_solve_transposed(&r, w->right, w->step);             /* first the directions that are not weak */
+    for (int i = 0; i < f->k && i < f->n - r.rank; i++)
+        lw_rank_left_null(&r, i, f->v + (size_t)i*(size_t)f->n);
+    memcpy(f->joint, w->s->joint, (size_t)w->s->n_joint*sizeof *f->joint);
+    memcpy(f->base, w->q, (size_t)w->n_posture*(size_t)w->n_q*sizeof *w->q);
+    for (int i = 0; i < f->k; i++)
+        bend(f, &r, i);
+    memcpy(w->s->joint, f->joint, (size_t)w->s->n_joint*sizeof *f->joint);
+    memcpy(w->q, f->base, (size_t)w->n_posture*(size_t)w->n_q*sizeof *w->q);
+    memset(f->normal, 0, k*k*sizeof *f->normal);
+    memset(f->b, 0, k*sizeof *f->b);
+    for (size_t i = 0; i < k; i++)
+        for (size_t j = 0; j < k; j++) {
+            const double *h = f->h + (i*k + j)*m;
+            for (size_t l = 0; l <= j; l++)
+                for (size_t c = 0; c < m; c++)
+                    f->normal[j + l*k] += h[c]*f->h[(i*k + l)*m + c];
+            for (size_t c = 0; c < m; c++)
+                f->b[j] -= h[c]*f->g[i*m + c];
+        }
+    for (size_t j = 0; j < k; j++)
+        for (size_t l = 0; l < j; l++)
+            f->normal[l + j*k] = f->normal[j + l*k];
+    for (size_t j = 0; j < k; j++)
+        most = fmax(most, f->normal[j + j*k]);
+    if (!(most > bends*bends))
+        return 0;
+    lw_rank_place(&r, f->k, f->k, f->normal, w->order);
+    lw_rank_factor(&r, 1e-6);
+    lw_rank_solve(&r, f->b, f->d);
+    for (int c = 0; c < f->n; c++) {
+        double by = -w->step[c];
+        for (size_t j = 0; j < k; j++)
+            by += f->d[j]*f->v[j*(size_t)f->n + (size_t)c];
+        moved = fmax(moved, fabs(by));
+        if (c < w->n_dim) {
+            change(w, &w->dim[c], by);
+            total[c] += by;
+        } else
+            w->q[c - w->n_dim] += (c - w->n_dim < w->n_q ? 1 : ease)*by;
+    }
+    return moved;
+}
+
+/* Sharpen the dimensions found, if they are near a double root. */
+static lw_status sharpen(adjuster *w, double *total)
+{
+    int m = w->n_posture*w->n_row, n = w->n_dim + w->n_posture*w->n_q;
+    lw_rank r;
+    fill(w, n);
+    lw_rank_place(&r, n, m, w->a, w->order);
+    lw_rank_factor(&r, weak_pivot);
+    size_t k = (size_t)(n - r.rank), rows = (size_t)m, joints = (size_t)w->s->n_joint*sizeof(lw_system_joint);
+    if (k*k*rows > DOUBLES_MOST)
+        return LW_OK;
+    size_t square = lw_rank_doubles((int)k, (int)k), postures = (size_t)(w->n_posture*w->n_q);
+    double *memory = calloc(k*(size_t)n + postures + rows + k*k*rows + k*rows + square + 2*k, sizeof *memory);
+    refiner f = { .w = w, .m = m, .n = n, .k = (int)k, .joint = malloc(joints) };
+    lw_system_joint *joint = malloc(joints);
+    double *q = malloc((postures + (size_t)w->n_dim)*sizeof *q);
+    if (memory && f.joint && joint && q) {
+        f.v = memory, f.base = f.v + k*(size_t)n, f.out = f.base + postures, f.h = f.out + rows, f.g = f.h + k*k*rows;
+        f.normal = f.g + k*rows, f.b = f.normal + square, f.d = f.b + k;
+        memcpy(joint, w->s->joint, joints);
+        memcpy(q, w->q, postures*sizeof *q);
+        memcpy(q + postures, total, (size_t)w->n_dim*sizeof *q);
+        double first = to_double_root(&f, total), moved = first;
+        for (int pass = 1; pass < 6 && moved > 1e-13; pass++)
+            moved = to_double_root(&f, total);
+        if (!(first > 0) || !(fill(w, n) < 4*closed) || !(lw_greatest(w->n_dim, total) <= LW_ADJUST_MOST)) {
+            memcpy(w->s->joint, joint, joints);
+            memcpy(w->q, q, postures*sizeof *q);
+            memcpy(total, q + postures, (size_t)w->n_dim*sizeof *q);
+        }
+    }
+    lw_status s = memory && f.joint && joint && q ? LW_OK : LW_E_MEMORY;
+    free(memory), free(f.joint), free(joint), free(q);
+    return s;
 }
 
 static lw_status allocate(adjuster *w, int freedom, lw_error *e)
@@ -227,7 +377,9 @@ lw_status lw_system_adjust(lw_system *s, double *q, double *by, lw_error *e)
         for (int k = 0; k < freedom; k++)
             worst = fmax(worst, walk(&w, rank, k));
         bool near = worst > exact && worst < LW_ADJUST_MOST && close_all(&w, total);
-        if (near) {
+        if (near && sharpen(&w, total) != LW_OK)
+            status = lw_error_set(e, LW_E_MEMORY, "out of memory");
+        else if (near) {
             *by = lw_greatest(w.n_dim, total);
             memcpy(q, w.q, n*sizeof *q);
         } else {
