@@ -4,7 +4,9 @@
 #include "mbs/dynamics/dynamics_space.h"
 #include "tests/spatial_models.h"
 
-typedef struct kept { lw_dynamics *d; int n; double t[512], turn[512], v[512]; lw_vec3 tracer[512][2]; lw_dynamics_report r; } kept;
+static lw_formulation asked;
+
+typedef struct kept { lw_dynamics *d; int n; double t[512], turn[512], v[512], drive[512][2]; lw_vec3 tracer[512][2]; lw_dynamics_report r; } kept;
 
 static kept k;
 
@@ -19,6 +21,8 @@ static lw_status keep_moment(void *context, const lw_moment *moment)
     to->t[i] = o.t;
     to->turn[i] = s->model->n_input ? o.input[0] : 0;
     to->v[i] = lw_v3_norm(lw_space_omega(o.frame, 0, o.v));
+    for (int j = 0; j < 2 && (j < s->model->n_drive || j < s->model->n_input); j++)
+        to->drive[i][j] = o.drive[j];
     for (int j = 0; j < 2 && j < s->model->n_tracer; j++)
         to->tracer[i][j] = lw_space_point_at(o.frame, s->tracer[j]);
     return st;
@@ -29,7 +33,7 @@ static void run(const char *text, lw_formulation wanted, double to, int interval
     lw_spatial m;
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
-    o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance;
+    o.to = to, o.intervals = intervals, o.relative = o.absolute = tolerance, o.formulation = asked;
     k.n = 0;
     read_spatial(text, strlen(text), "friction", &m);
     if (lw_dynamics_make_spatial(&m, &o, &k.d, &e) != LW_OK || lw_dynamics_run(k.d, keep_moment, &k, &k.r, &e) != LW_OK) {
@@ -198,6 +202,62 @@ TEST(as_in_the_plane)
         CHECK_INT(k.n, n_plane);
         for (int i = 0; i < k.n && i < n_plane; i++)
             CHECK_NEAR(k.turn[i], plane[i], 1e-7, 0);
+    }
+}
+
+/* A cart of 2 kg whose place is prescribed: its drive carries 2 a + mu m g.  An arm whose two joints are inputs and drives: as
+ * without "drives". */
+TEST(drives_carry_friction)
+{
+    static const char arm[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 3, \"centre\": [0.2, 0, 0], \"inertia\": "
+        "[0.1, 0.2, 0.3]}, {\"name\": \"B\", \"mass\": 1, \"centre\": [0.6, 0.1, 0], \"inertia\": [0.1, 0.2, 0.3]}], \"joints\": [{\"name\": "
+        "\"J\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.3, \"radius\": 0.05}}, "
+        "{\"name\": \"K\", \"links\": [\"A\", \"B\"], \"at\": [0.4, 0, 0], \"axis\": [0, 1, 0], \"friction\": {\"coefficient\": 0.4, "
+        "\"radius\": 0.03}}], \"gravity\": [0, 0, -9.81], \"inputs\": [{\"joint\": \"J\", \"motion\": \"t*t\"}, {\"joint\": \"K\", \"motion\": "
+        "\"sin(t)\"}]%s}";
+    char text[2048];
+    double want[21][2];
+    run("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"mass\": 2, \"centre\": [0, 0, 0], \"inertia\": [1, 1, 1]}], "
+        "\"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], \"axis\": [1, 0, 0], "
+        "\"friction\": {\"coefficient\": 0.3}}], \"gravity\": [0, 0, -10], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": "
+        "[0, 0, 0]}], \"inputs\": [{\"tracer\": \"P\", \"coordinate\": \"x\", \"motion\": \"t + t*t*t\"}], \"drives\": [{\"joint\": "
+        "\"S\"}]}", LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
+    for (int i = 0; i < k.n; i++)
+        CHECK_NEAR(k.drive[i][0], 2*6*k.t[i] + 6, 1e-9, 0);
+    snprintf(text, sizeof text, arm, "");
+    run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
+    CHECK_INT(k.n, 21);
+    memcpy(want, k.drive, sizeof want);
+    snprintf(text, sizeof text, arm, ", \"drives\": [{\"joint\": \"J\"}, {\"joint\": \"K\"}]");
+    run(text, LW_FORMULATION_DRIVEN, 1, 20, 1e-10);
+    for (int i = 0; i < k.n; i++)
+        for (int j = 0; j < 2; j++)
+            CHECK_NEAR(k.drive[i][j], want[i][j], 1e-9, 0);
+}
+
+/* A soft bar on a pin, and one on a guide, with friction: the implicit method, which has the reactions in its unknowns, against the explicit one,
+ * which solves for them in each evaluation. */
+TEST(elastic_links_rub)
+{
+    static const char *const joint[] = { "\"axis\": [0, -1, 0], \"friction\": {\"coefficient\": 0.3, \"radius\": 0.05, \"speed\": 0.02}",
+        "\"kind\": \"prismatic\", \"axis\": [0.6, 0, -0.8], \"friction\": {\"coefficient\": 0.4, \"speed\": 0.02}" };
+    for (int i = 0; i < 2; i++) {
+        char text[1024];
+        lw_vec3 explicit_one[11];
+        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"elastic\": {\"section\": {\"shape\": "
+                 "\"rectangle\", \"width\": 0.04, \"height\": 0.04}, \"material\": {\"E\": 2e7, \"G\": 8e6, \"density\": 1000}, \"segments\": 2, "
+                 "\"damping\": 0.001}}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0, 0], %s}], \"gravity\": "
+                 "[0, 0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0.5, 0, 0]}]}", joint[i]);
+        asked = LW_FORMULATION_INDEX1;
+        run(text, LW_FORMULATION_INDEX1, 0.3, 10, 1e-8);
+        CHECK_INT(k.n, 11);
+        for (int s = 0; s < 11; s++)
+            explicit_one[s] = k.tracer[s][0];
+        asked = LW_FORMULATION_AUTO;
+        run(text, LW_FORMULATION_RADAU, 0.3, 10, 1e-8);
+        CHECK(k.r.energy_error < 1e-5*k.r.energy_scale);
+        for (int s = 0; s < 11; s++)
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.tracer[s][0], explicit_one[s])), 0, 1e-7, 0);
     }
 }
 

@@ -398,7 +398,7 @@ TEST(four_bar_at_rest)
     CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
     double rest[LW_SYSTEM_Q_MAX], q[3][LW_SYSTEM_Q_MAX], v[3], h = 1e-4, mass = 0;
     memcpy(rest, s->q, sizeof rest);
-    lw_modes_options held = { true, false };
+    lw_modes_options held = { .hold_inputs = true };
     for (int i = 0; i < 3; i++) {
         /* hold the input h further: turn the crank and let the rest close */
         memcpy(s->q, rest, sizeof rest);

@@ -18,6 +18,8 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
         fprintf(f, "# assumed: dimensions of the overconstrained linkage changed by up to %.3g m so that it moves\n", r->adjusted);
     if (r->smooth_friction)
         fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);
+    if (r->no_friction)
+        fputs("# assumed: equilibria without the friction of joints\n", f);
     if (r->captured_step > 0)
         fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are that late, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->overlap);
@@ -52,6 +54,7 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     cli_json_end(j);
     cli_json_int(j, "rows_without_forces", r->without_forces);
     cli_json_bool(j, "friction_creeps", r->smooth_friction);
+    cli_json_bool(j, "friction_left_out", r->no_friction);
     if (r->captured_step > 0) {
         cli_json_real(j, "captured_step", r->captured_step);
         cli_json_real(j, "overlap", r->overlap);
@@ -109,6 +112,9 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
     if (r->smooth_friction)
         cli_note(c, "friction without a \"speed\" sticks only in planar linkages of one freedom that are solved in closed form, and at pins and sliders "
                  "in space; here it is regularised by 0.001 m/s, and a joint at rest under load creeps");
+    if (r->no_friction)
+        cli_note(c, "equilibria are those without the friction of joints: with it the model also rests around them, and its drives need as much "
+                 "more or less; a slow run in time (dynamic) shows it");
     if (r->captured_step > 0)
         cli_note(c, "contacts are captured in steps of up to %.2g s: impacts are that late, and overlaps within a step reach %.2g m; the error is "
                  "of first order (--formulation index1 locates each event)", r->captured_step, r->overlap);

@@ -118,6 +118,7 @@ typedef struct lw_dynamics_report {
     lw_run_event event[LW_REPORT_EVENT_MAX];
     double captured_step, overlap;           /* of the capture formulation: longest step [s], greatest overlap [m] */
     bool   smooth_friction;      /* friction without a "speed" was regularised, and creeps instead of sticking */
+    bool   no_friction;          /* friction of joints was left out, as of equilibria it is */
     double t;                    /* time reached */
     long   samples;              /* handed out; intervals + 1 where the run succeeds */
     long   without_forces;       /* samples in singular postures in which some force has no limit, */

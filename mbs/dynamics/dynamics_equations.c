@@ -333,6 +333,43 @@ double lw_mbs_reaction(const lw_dynamics *d, int j)
     return d->space ? lw_v3_norm(lw_v3(f[0], f[1], f[2])) : hypot(f[0], f[1]);
 }
 
+/* The force (n_v) of friction j for a reaction of 1 N, along its sense; returns its power. */
+static double unit_friction(lw_dynamics *d, const lw_friction_joint *f, const double *q, const double *v, double *force)
+{
+    return d->space ? lw_spatial_rub(d->space, f, v, force) : lw_friction_force(&d->s, f, q, v, force);
+}
+
+double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *force)
+{
+    double power = 0, *unit = d->small_v;
+    for (int j = 0; j < d->n_friction; j++) {
+        double size = lw_mbs_reaction(d, j);
+        power += size*unit_friction(d, &d->friction[j], q, v, unit);
+        for (int i = 0; i < d->n_v; i++)
+            force[i] += size*unit[i];
+    }
+    return power;
+}
+
+void lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const lw_force_sink *sink)
+{
+    double *unit = d->small_v;
+    for (int j = 0; j < d->n_friction; j++) {
+        const lw_friction_joint *f = &d->friction[j];
+        lw_friction_joint whole = *f;
+        int at[2*LW_ROW_SIZE], n = 0;
+        whole.held = true, whole.part = -1;
+        double arm = f->coefficient*f->lever_arm, rate = unit_friction(d, &whole, q, v, unit)/arm;
+        double part = tanh(f->lever_arm*rate/f->speed), slope = -lw_mbs_reaction(d, j)*(1 - part*part)/(f->coefficient*f->speed);
+        for (int i = 0; i < d->n_v && n < 2*LW_ROW_SIZE; i++)
+            if (unit[i] != 0)
+                at[n++] = i;
+        for (int a = 0; a < n; a++)
+            for (int b = 0; b < n; b++)
+                sink->add(sink->context, at[a], at[b], 0, slope*unit[at[a]]*unit[at[b]]);
+    }
+}
+
 /* a and l, found without friction, become those with it. */
 static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                               double *power)
@@ -344,9 +381,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
     lw_status s = LW_OK;
     for (int j = 0; s == LW_OK && j < n; j++) {
         double *to = response + j*stride;
-        unit_power[j] = d->space ? lw_spatial_rub(d->space, &d->friction[j], v, d->force)
-                      : j < joints ? lw_friction_force(&d->s, &d->friction[j], q, v, d->force)
-                                   : lw_mbs_touch_slip(d, j - joints, v, d->force);
+        unit_power[j] = j < joints ? unit_friction(d, &d->friction[j], q, v, d->force) : lw_mbs_touch_slip(d, j - joints, v, d->force);
         s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)

@@ -143,6 +143,11 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
 /* Size of the reaction of friction joint j [N] in d->l; rows are those solved. */
 double lw_mbs_reaction(const lw_dynamics *d, int j);
 
+/* Friction of all joints at (q, v), regularised, under the multipliers d->l of the rows at hand: added to force (n_v); returns its
+ * power.  The slopes of that of revolute joints, pins and slides by v, the reactions kept. */
+double lw_mbs_rub(lw_dynamics *d, const double *q, const double *v, double *force);
+void   lw_mbs_rub_slopes(lw_dynamics *d, const double *q, const double *v, const lw_force_sink *sink);
+
 /* Rates of the first-order states at the z placed last.  LW_E_NUMERIC: one is not a number; it is named. */
 lw_status lw_mbs_state_rates(lw_dynamics *d, double t, const double *q, const double *v, double *rate);
 

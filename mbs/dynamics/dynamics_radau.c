@@ -228,6 +228,10 @@ static lw_status residuals(stages *g)
         d->eq.state_rates(d->eq.context, t, g->qi, g->vi + k*n, g->xi);
         for (int i = 0; i < g->n_x; i++)
             r[n + i] = (state_rate(g, k, i) - g->xi[i])/g->scale[i];
+        if (d->n_friction) {
+            lw_tangent_spread(d, g->zl + k*g->c);
+            g->power[k] += lw_mbs_rub(d, g->qi, g->vi + k*n, d->force);
+        }
         for (int i = 0; i < n; i++)
             r[i] = d->eq.mass[i]*g->ai[k*n + i] - d->force[i];
         lw_tangent_push(d, g->zl + k*g->c, r);
@@ -523,9 +527,7 @@ static lw_status show(stages *g)
 {
     lw_dynamics *d = g->run->d;
     memcpy(d->a, g->a, (size_t)g->n*sizeof *d->a);
-    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
-    for (int k = 0; k < g->c; k++)
-        d->l[d->kept[k]] = g->l[k];
+    lw_tangent_spread(d, g->l);
     g->run->next++;
     return lw_run_show_solved(g->run, g->t, g->run->y);
 }
@@ -641,6 +643,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     for (int k = 0; s == LW_OK && k <= g.s/2; k++)
         if (lw_tangent_make(d, k > 0, false, k ? &g.pair[k - 1] : &g.real) != LW_OK)
             s = lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    g.real.rubs = g.pair[0].rubs = g.pair[1].rubs = d->n_friction > 0;
     if (s == LW_OK)
         s = run_steps(&g);
     lw_tangent_free(&g.real);
@@ -657,9 +660,14 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (d->touch)
         return lw_formulation_say(r, LW_E_KIND, 0, "it knows no contacts");
-    if (d->n_friction || d->n_stop || d->has_zero_mass)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no friction, rigid stops or massless links");
-    if (!asked && !d->elastic && !d->eq.next_piece && !(d->space ? lw_mbs_is_stiff(d) : lw_mbs_is_damped_tree(d)))
+    if (d->n_stop || d->has_zero_mass)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops or massless links");
+    for (int j = 0; j < d->n_friction && d->space; j++) {
+        lw_spatial_kind kind = d->space->s.joint[d->friction[j].joint].kind;
+        if (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC)
+            return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of revolute and prismatic joints only");
+    }
+    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !(d->space ? lw_mbs_is_stiff(d) : lw_mbs_is_damped_tree(d))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
                               ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "

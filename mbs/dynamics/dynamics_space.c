@@ -242,6 +242,8 @@ static lw_status make_drives(lw_dynamics *d, lw_error *e)
         int joints = d->rank - d->n_driven;          /* rows of joints and spins that are independent */
         c->has_drives = d->freedom == 0;
         c->many_drives = c->has_drives && c->drives.n_kept < joints + m->n_drive;
+        if (c->has_drives)                   /* the motion does not depend on it; drives carry it */
+            c->n_rub = d->n_friction, d->n_friction = 0;
         if (c->has_drives && c->drives.n_kept < d->n_v)
             st = lw_error_set(e, LW_E_ARG, "%d drives move only %d of %d freedoms in the posture of the file: the posture is "
                               "singular for them, or more drives are needed", m->n_drive, c->drives.n_kept - joints, d->n_v - joints);
@@ -255,15 +257,12 @@ static lw_status make_drives(lw_dynamics *d, lw_error *e)
 /* Reactions of joints count this much less than forces of drives where the least norm of both is sought. */
 static const double cheap = 1e4;
 
-/* The drives of a driven run: l with J^T l = f; where drives share a force, of least norm. */
-static lw_status load_drives(lw_dynamics *d, double t, const double *q, double *drive, lw_error *e)
+/* l with J^T l = f = c->drive_f of the rows of joints and drives, which are factored; where drives share a force, of least norm. */
+static void carry(lw_dynamics *d, double *l)
 {
     lw_spatial_scene *c = d->space;
     lw_space_rows_set *z = &c->drives;
-    double most = 0, left = 0, *f = c->drive_f, *rest = f + d->n_v;
-    lw_space_rows_fill(z, q, NULL);
-    if (!lw_space_rows_factor(z))
-        return lw_error_set(e, LW_OPEN, "at t = %.9g s the drives cannot hold the posture: it is singular for them", t);
+    double *f = c->drive_f, *rest = f + d->n_v;
     if (c->many_drives) {
         int joints = c->s.n_row + c->n_idle;
         for (int i = 0; i < joints*LW_SPACE_ROW; i++)
@@ -271,13 +270,57 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, double *
         memcpy(rest, f, (size_t)d->n_v*sizeof *f);
         c->drives_least.rank.most = z->n_kept;
         lw_space_dense_factor(z, &c->drives_least, 1e-10);
-        lw_rank_solve(&c->drives_least.rank, rest, c->drive_l);
+        lw_rank_solve(&c->drives_least.rank, rest, l);
         for (int i = 0; i < joints*LW_SPACE_ROW; i++)
             z->jac[i] /= cheap;
         for (int i = 0; i < joints; i++)
-            c->drive_l[i] *= cheap;
+            l[i] *= cheap;
     } else
-        lw_space_rows_carry(z, f, c->drive_l);
+        lw_space_rows_carry(z, f, l);
+}
+
+static void drive_reaction(const void *context, int j, const double *l, double *out)
+{
+    const lw_dynamics *d = context;
+    const lw_space *s = &d->space->s;
+    const lw_space_joint *p = &s->joint[d->friction[j].joint];
+    int side = p->body[1] >= 0 ? 6 : 0;
+    out[0] = out[1] = out[2] = 0;
+    for (int r = p->row; r < p->row + lw_spatial_kind_of(p->kind)->rows; r++)
+        for (int i = 0; i < 3; i++)
+            out[i] -= l[r]*d->space->drives.jac[r*LW_SPACE_ROW + side + i]/s->unit;
+}
+
+static const char *rubbing(const void *context, int j)
+{
+    const lw_dynamics *d = context;
+    return d->space->model->joint[d->friction[j].joint].name;
+}
+
+/* The reactions of the joints and the forces of the drives in c->drive_l become those with friction. */
+static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    int n_l = c->drives.n_row;
+    double size[LW_JOINT_MAX];
+    for (int j = 0; j < c->n_rub; j++) {
+        lw_spatial_rub(c, &d->friction[j], v, c->drive_f);
+        carry(d, d->response + j*n_l);
+    }
+    return lw_friction_add(&(lw_friction_scene){ d, 3, drive_reaction, rubbing }, c->n_rub, d->friction, d->response, t, 0, NULL, n_l,
+                           c->drive_l, size, NULL, e);
+}
+
+/* The drives of a driven run at velocities v under the forces f = c->drive_f. */
+static lw_status load_drives(lw_dynamics *d, double t, const double *q, const double *v, double *drive, lw_error *e)
+{
+    lw_spatial_scene *c = d->space;
+    lw_space_rows_set *z = &c->drives;
+    double most = 0, left = 0, *f = c->drive_f, *rest = f + d->n_v;
+    lw_space_rows_fill(z, q, NULL);
+    if (!lw_space_rows_factor(z))
+        return lw_error_set(e, LW_OPEN, "at t = %.9g s the drives cannot hold the posture: it is singular for them", t);
+    carry(d, c->drive_l);
     for (int i = 0; i < d->n_v; i++) {
         most = fmax(most, fabs(f[i]));
         rest[i] = -f[i];
@@ -288,9 +331,10 @@ static lw_status load_drives(lw_dynamics *d, double t, const double *q, double *
     if (left > 1e-7*most + 1e-12)
         return lw_error_set(e, LW_E_ARG, "at t = %.9g s the drives cannot move the model: %.3g of %.3g N m (forces times the size) "
                             "are left; are there as many drives as inputs?", t, left, most);
+    lw_status st = c->n_rub ? add_friction(d, t, v, e) : LW_OK;
     for (int i = 0; i < c->model->n_drive; i++)
         drive[i] = -c->drive_l[c->s.n_row + c->n_idle + i]/lw_space_scale(&c->s, c->model->drive[i]);
-    return LW_OK;
+    return st;
 }
 
 /* ---- moments -------------------------------------------------------------------------------------------------- */
@@ -347,7 +391,7 @@ lw_status lw_dynamics_space_moment(lw_dynamics *d, const lw_moment *m, lw_space_
         lw_space_forces_apply(&c->f, m->t, c->frame, still ? none : m->v, f, NULL, NULL);
         for (int i = 0; i < d->n_v && !still; i++)
             f[i] -= c->s.mass[i]*m->a[i];
-        st = load_drives(d, m->t, m->q, drive, e);
+        st = load_drives(d, m->t, m->q, still ? none : m->v, drive, e);
         l = c->drive_l;
     }
     for (int i = 0; i < d->n_driven && model->n_drive == 0; i++)
@@ -640,9 +684,6 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         st = lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if (st == LW_OK && d->n_friction > LW_JOINT_MAX)
         st = lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
-    if (st == LW_OK && d->n_friction && m->n_drive)
-        st = lw_error_set(e, LW_E_KIND, "friction depends on the forces of the inputs, and \"drives\" carry them elsewhere: make the "
-                          "drives inputs, or leave out the friction of joint \"%s\"", m->joint[d->friction[0].joint].name);
     if (st == LW_OK)
         st = lw_mbs_reserve(d, e);
     if (st == LW_OK && rest)

@@ -68,6 +68,8 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
                             "only");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
+    r->no_friction = !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_QUASISTATIC)
+                     && (d->n_friction || (d->space && d->space->n_rub));
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), whose values this analysis does not know; "

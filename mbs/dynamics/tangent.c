@@ -168,6 +168,10 @@ void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *
     t->weight_im = c[1];
     d->eq.derivatives(d->eq.context, time, q, v, d->force, &(lw_force_sink){ .context = t, .add = put_force,
                                                                                                   .add_state = put_state });
+    if (t->rubs) {
+        lw_tangent_spread(d, l);
+        lw_mbs_rub_slopes(d, q, v, &(lw_force_sink){ .context = t, .add = put_force });
+    }
     for (int i = 0; i < t->n; i++)
         put(t, i, i, m[0]*d->eq.mass[i], m[1]*d->eq.mass[i]);
     for (int i = 0; i < t->z; i++)
@@ -206,6 +210,13 @@ void lw_tangent_push(const lw_dynamics *d, const double *l, double *out)
         for (int b = 0; b < LW_ROW_BLOCKS && d->row_block[d->kept[k]][b] >= 0; b++)
             for (int i = 0; i < 3; i++)
                 out[LW_BLOCK*d->row_block[d->kept[k]][b] + i] += l[k]*d->jac[d->kept[k]*LW_ROW_SIZE + LW_BLOCK*b + i];
+}
+
+void lw_tangent_spread(lw_dynamics *d, const double *l)
+{
+    memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+    for (int k = 0; k < d->n_kept; k++)
+        d->l[d->kept[k]] = l[k];
 }
 
 lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const double *still, double *a, double *l)

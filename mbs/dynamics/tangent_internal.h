@@ -15,6 +15,7 @@
 typedef struct lw_tangent {
     lw_dynamics *d;
     bool    is_complex, consistent;      /* consistent: masses of elements by their shape functions, where asked for */
+    bool    rubs;                        /* friction counts in C, its reactions those of l */
     int     n, z, c;                     /* velocities; states; kept rows */
     double  scale;                       /* s */
     lw_columns columns;
@@ -50,6 +51,9 @@ void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, doub
 
 /* Accelerations a and multipliers of the kept rows l at rest: M a + J^T l = Q, J a = 0.  Leaves Q in d->force. */
 lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const double *still, double *a, double *l);
+
+/* d->l (n_c) from l of the kept rows. */
+void lw_tangent_spread(lw_dynamics *d, const double *l);
 
 /* out (n) += J^T l, l of the kept rows. */
 void lw_tangent_push(const lw_dynamics *d, const double *l, double *out);
