@@ -274,7 +274,8 @@ int main()
     for (int method = 0; method < 3; method++)
         for (int k = 1, slow = 0; k <= 12 && slow < 2; k++) {
             one_row r = { s, method, std::pow(10., -k) };
-            slow += peer_apart(s, row_apart, &r, r.accuracy, method_name[method]);
+            bool late = peer_apart(s, row_apart, &r, r.accuracy, method_name[method]);
+            slow += late && k > 2;           /* CPodes fails at loose accuracies of loops, and goes on at tighter ones */
         }
     return 0;
 }
