@@ -89,6 +89,9 @@ TEST(delta)
     CHECK_NEAR(figure(r.out, "\"torque_peak\":"), 37.7817, 5e-5, 0);
     CHECK_NEAR(figure(r.out, "\"speed_peak\":"), 16.7965, 5e-5, 0);
     ran_free(&r);
+    r = run("$P drive load examples/space/delta.json --from 0.05000001 --to 0.1 -n 20 --json");    /* brakes from the middle */
+    CHECK_NEAR(figure(r.out, "\"power_least\":"), -532.4, 0.05, 0);
+    ran_free(&r);
     expect("$P family expand examples/families/delta.json -o $D/delta.json && $P drive load $D/delta.json --to 0.1 -n 200", 0,
            "M2               20.0403", NULL);
 }

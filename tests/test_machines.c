@@ -112,6 +112,9 @@ TEST(the_printed_program)
     CHECK(peak(r.a, 0, 0.53) < before);
     CHECK_NEAR(peak(r.a, 0.53, 0.825), 85.5, 0.06, 0);         /* it still rises at 0.825 s */
     CHECK_NEAR(peak(r.a, 0.825, 1.07), 86.1, 0.05, 0);
+    CHECK_INT(lw_spatial_set_motion(m, number_of(m, 'i', "x"), "0.001*havsin(t, 0.55, 250, 0.82, -700)", &e), LW_OK);
+    simulate(m, "kinematic", 1.07, 1070, keep);
+    CHECK_NEAR(peak(r.a, 0.55, 0.82), 64.3, 0.05, 0);          /* the second move without its windows */
     lw_spatial_destroy(m);
 }
 

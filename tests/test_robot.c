@@ -136,6 +136,14 @@ TEST(delta_jacobian)
     }
     CHECK_NEAR(least, 1.581, 5e-4, 0);
     CHECK_NEAR(at, -0.56, 5e-3, 0);
+    static const double far[][2] = { { 0.45, 2.72 }, { 0.5, 3.20 } };    /* towards arm 1 to "almost three" (Makkonen 1999) */
+    for (int i = 0; i < 2; i++) {
+        CHECK_INT(lw_robot_move(&r, lw_v3(far[i][0], 0, -0.65), NULL, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(p.condition, far[i][1], 5e-3, 0);
+    }
+    CHECK_NEAR(p.singular[0], 0.63, 5e-3, 0);                            /* from 0.389: the source says that it hardly varies */
+    CHECK_NEAR(p.singular[2], 0.198, 5e-4, 0);
     lw_robot_free(&r);
     lw_spatial_free(&m);
 }

@@ -218,7 +218,7 @@ TEST(governor)
  * mean squares; and at rest in the middle. */
 TEST(delta_torques)
 {
-    double sum[2] = { 0, 0 }, peak[2] = { 0, 0 }, power = 0;
+    double sum[2] = { 0, 0 }, peak[2] = { 0, 0 };
     lw_spatial m;
     load_spatial("delta", &m);
     lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, .1, 1000, 1e-10);
@@ -233,7 +233,6 @@ TEST(delta_torques)
             sum[d] += tau*tau*(i == 0 || i == 1000 ? .5 : 1)/1000;
             peak[d] = fmax(peak[d], fabs(tau));
         }
-    (void)power;
     CHECK_NEAR(peak[0], 37.7817, 5e-5, 0);
     CHECK_NEAR(peak[1], 20.0403, 5e-5, 0);
     CHECK_NEAR(sqrt(sum[0]), 30.3835, 2e-2,
@@ -610,6 +609,14 @@ TEST(turns_are_counted)
     run(&m, LW_ANALYSIS_TRANSIENT, LW_PI, 2, 1e-12);
     CHECK_NEAR(k.at[1].input, 200*LW_PI, 1e-7, 0);
     CHECK_NEAR(k.at[2].input, 0, 1e-7, 0);
+    lw_error e;
+    CHECK_INT(lw_spatial_set_motion(&m, 0, "1 + 628.3185307179586*t", &e), LW_OK);
+    lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-10);          /* driven, 50 turns from sample to sample */
+    CHECK_INT(q.formulation, LW_FORMULATION_DRIVEN);
+    for (int i = 0; i < 3; i++) {
+        CHECK_NEAR(k.at[i].input, 1 + 100*LW_PI*i, 1e-9, 0);
+        CHECK_NEAR(k.at[i].drive[0], k.at[i].input, 1e-9, 0);                    /* holds the spring */
+    }
     lw_spatial_free(&m);
 }
 

@@ -100,6 +100,14 @@ static lw_status say_not_a_number(const lw_dynamics *d, double t, lw_error *e)
                         d->eq.name(d->eq.context, LW_NAMED_INPUT, d->driven[i]), t);
 }
 
+/* Turns are counted along the way, which may be many between two samples. */
+static void count_turns(void *context, const double *q)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_forces_accept(&c->f, c->frame);
+}
+
 /* From the posture of the file to where the motions begin, as straight as the joints allow. */
 static lw_status find_posture(lw_dynamics *d, lw_error *e)
 {
@@ -113,6 +121,8 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     lw_status st = lw_space_follow_make(&c->s, input, d->n_driven, true, &c->follow, e);
     free(input);
     c->follow.u = d->o.from;
+    c->follow.passed = count_turns;
+    c->follow.passed_by = c;
     for (int i = 0; st == LW_OK && i < d->n_driven; i++)
         if (lw_mbs_motion(d, i, d->o.from, motion) != LW_OK)
             return say_not_a_number(d, d->o.from, e);

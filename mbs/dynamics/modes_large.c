@@ -6,6 +6,7 @@
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
  * motions instead, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness. */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
@@ -258,8 +259,8 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
         lw_vibration v = { .eq = &d->eq, .n_q = d->n_v, .null = z.found };
         v.mass = z.b + n + c, v.damping = v.mass + square, v.stiffness = v.damping + square;
         s = lw_tangent_at_rest(d, t, q, still, d->a, l);
-        static const double tiny = 1e-8;        /* a force left over counts against that of a displacement this small, too */
-        double left = 0, force = 0, ratio = 0, scale = 0;
+        static const double rounding = 4*DBL_EPSILON, tiny = 1e-8;        /* a force left over counts against that of a displacement this small, too */
+        double left = 0, force = 0, ratio = 0, scale = 0, stiffest = 0;
         for (size_t i = 0; s == LW_OK && i < n; i++) {
             left = fmax(left, fabs(d->eq.mass[i]*d->a[i]));
             force = fmax(force, fabs(d->force[i]));
@@ -270,9 +271,11 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
         for (int i = 0; i < z.n; i++) {
             double stiffness = fabs(z.tangent->value[lw_columns_find(&z.tangent->columns, i, i)]);
             ratio = fmax(ratio, stiffness/d->eq.mass[i]);
-            force = fmax(force, tiny*stiffness);
+            stiffest = fmax(stiffest, stiffness);
         }
-        modes->unbalanced = force > 0 ? left/force : 0;
+        force = fmax(force, tiny*stiffest);
+        /* what rounding of places leaves of the stiffness is no force */
+        modes->unbalanced = force > 0 && left > rounding*stiffest ? left/force : 0;
         scale = ratio > 0 ? ratio : 1;
         z.shift = 1e-9*scale;
         if (s == LW_OK && !small && lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)

@@ -242,6 +242,8 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
     memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
     f->u += h;
+    if (f->passed)
+        f->passed(f->passed_by, f->q);
     f->has_second = false;
     *taken = true;
     return LW_OK;

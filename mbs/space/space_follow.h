@@ -23,6 +23,8 @@ typedef struct lw_space_follow {
     bool    has_second;                  /* a, too                                                         */
     double  least;                       /* share of the way of a call to which a limit is found           */
     lw_space_path *made_by;
+    void   (*passed)(void *context, const double *q);    /* sees every posture on the way, less than half a turn apart; NULL */
+    void   *passed_by;
     void   *memory;
 } lw_space_follow;
 
