@@ -92,7 +92,8 @@ TEST(few_families_are_all_looked_at)
     end(s);
 }
 
-/* Of thousands each has its turn before any has two first looks; starts come first, groups last and by themselves. */
+/* Of thousands each has its turn before any has two first looks; starts come first, groups last and by themselves.  Sweeps
+ * that a round has no room to widen do not halve more than they look at. */
 TEST(many_families_have_their_turn)
 {
     static const long sweep[] = { 0, 20000 };
@@ -101,11 +102,12 @@ TEST(many_families_have_their_turn)
         lw_families f;
         lw_fit_options o = { .sweep = sweep[trial] };
         lw_search *s = begin(&c, &f, &o);
-        int looked = 0, rounds = 0, *seen = calloc((size_t)c.n, sizeof *seen);
+        int looked = 0, halved = 0, rounds = 0, *seen = calloc((size_t)c.n, sizeof *seen);
         lw_turn last = LW_TURN_START;
         for (; looked < c.n && rounds < 400; rounds++) {
             lw_search_halving(s);
             CHECK(s->n_job > 0 && s->n_job <= LW_JOB_MAX);
+            halved += s->sweep.rung > 0 ? s->n_job : 0;
             for (int j = 0; j < s->n_job && s->sweep.rung == 0; j++) {
                 int candidate = s->job[j].candidate, fresh = !seen[candidate];
                 lw_turn turn = turn_of(&c, candidate);
@@ -120,9 +122,35 @@ TEST(many_families_have_their_turn)
             learn(s);
         }
         CHECK_INT(looked, c.n);
+        CHECK(trial == 1 || halved <= looked);
         free(seen);
         end(s);
     }
+}
+
+/* Among families of dyads one with groups has a job when the others have had as many evaluations. */
+TEST(groups_have_as_many_evaluations_as_others)
+{
+    crowd c = { .n = 43, .dear = true };                               /* 6 with groups, of which no start          */
+    lw_families f;
+    lw_fit_options o = { 0 };
+    lw_search *s = begin(&c, &f, &o);
+    CHECK(s->sweep.apart);
+    end(s);
+    c.n = 12;                                                          /* 2 with groups: still too dear             */
+    s = begin(&c, &f, &o);
+    CHECK(s->sweep.apart);
+    s->sweep.apart = false;
+    int jobs[12] = { 0 };
+    for (int round = 0; round < 3; round++) {
+        lw_search_halving(s);
+        for (int j = 0; j < s->n_job; j++)
+            jobs[s->job[j].candidate]++;
+        learn(s);
+    }
+    for (int i = 0; i < c.n; i += 7)
+        CHECK(jobs[i] > 0 && jobs[i] <= 4);                            /* of 8 or more rounds of jobs                */
+    end(s);
 }
 
 /* Those that cannot do the task take no part; when none is left there is nothing to do. */

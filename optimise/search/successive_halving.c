@@ -2,7 +2,9 @@
  *
  * Four-link types have fixed numbers of jobs.  Families of any linkage are searched in sweeps by successive halving
  * (Karnin, Koren & Somekh 2013; Jamieson & Talwalkar 2016).  A sweep looks at all of its candidates, goes on with the
- * better ones, then with the better half of these and twice the work for each, until a few are left.  The next sweep
+ * better ones, then with the better half of these and twice the work for each, until a few are left.  Work is counted in
+ * evaluations: where candidates with groups beyond dyads are among the others, they have a job when the others have had as
+ * many evaluations.  The next sweep
  * takes the candidates that had no turn yet; after the last candidate the sweeps begin again at the first, with other
  * starts.  A candidate stands by its best f, whatever that cost.
  *
@@ -18,9 +20,10 @@
 
 enum {
     LEAST_JOBS = 32,        /* of a round                                                            */
+    LEAST_GROUP_JOBS = 8,   /* of a round of candidates with groups beyond dyads                     */
     LAST_CANDIDATES = 3,    /* a sweep ends when no more are left                                    */
     DYAD_JOB = 550,         /* evaluations that a job is likely to cost, of dyads ...                */
-    GROUP_JOB = 4400,       /* ... and of groups beyond dyads                                        */
+    GROUP_STARTS = 220,     /* ... and of groups beyond dyads, each of which costs lw_search_group_cost */
     SWEEP_COST = 500000,
     DOUBLINGS_MAX = 20      /* of the cost of a sweep                                                */
 };
@@ -73,6 +76,8 @@ static bool has_groups(const lw_search *s, int candidate)
     return f->turn(f->of, candidate) == LW_TURN_GROUPS;
 }
 
+static long group_job(const lw_search *s) { return GROUP_STARTS*lw_search_group_cost(s); }
+
 /* Candidates with groups beyond dyads are swept by themselves, unless they are so few that together they cost less
  * than the others.  Then every job counts with the mean cost. */
 static void weigh_groups(lw_search *s)
@@ -81,8 +86,8 @@ static void weigh_groups(lw_search *s)
     for (int i = 0; i < s->n_candidate; i++)
         groups += has_groups(s, i);
     long dyads = s->n_candidate - groups;
-    s->sweep.apart = groups*GROUP_JOB > dyads*DYAD_JOB;
-    s->sweep.mean_job = s->n_candidate > 0 ? (groups*GROUP_JOB + dyads*DYAD_JOB)/s->n_candidate : DYAD_JOB;
+    s->sweep.apart = groups*group_job(s) > dyads*DYAD_JOB;
+    s->sweep.mean_job = s->n_candidate > 0 ? (groups*group_job(s) + dyads*DYAD_JOB)/s->n_candidate : DYAD_JOB;
 }
 
 lw_status lw_search_halving_begin(lw_search *s)
@@ -108,7 +113,12 @@ static int rungs_of(int n)
 
 static long job_cost(const lw_search *s, int candidate)
 {
-    return !s->sweep.apart ? s->sweep.mean_job : has_groups(s, candidate) ? GROUP_JOB : DYAD_JOB;
+    return !s->sweep.apart ? s->sweep.mean_job : has_groups(s, candidate) ? group_job(s) : DYAD_JOB;
+}
+
+static int least_jobs(const lw_search *s)
+{
+    return s->sweep.apart && s->sweep.n > 0 && has_groups(s, s->sweep.candidate[0]) ? LEAST_GROUP_JOBS : LEAST_JOBS;
 }
 
 /* Fill the next sweep with the candidates whose turn it is, as many as a first look may cost; candidates with groups
@@ -118,7 +128,7 @@ static void begin_sweep(lw_search *s)
 {
     lw_family_sweep *w = &s->sweep;
     int doublings = w->n_sweep < DOUBLINGS_MAX ? w->n_sweep : DOUBLINGS_MAX;
-    long most = (s->o->sweep > 0 ? s->o->sweep : SWEEP_COST) << doublings, job = 1;
+    long least = s->o->sweep > 0 ? s->o->sweep : SWEEP_COST, most = least << doublings, job = 1;
     w->n_sweep++;
     w->rung = w->n = w->go_on = 0;
     for (int i = 0; i < s->n_candidate && w->n < LW_JOB_MAX; i++, w->next = (w->next + 1) % s->n_candidate) {
@@ -126,11 +136,13 @@ static void begin_sweep(lw_search *s)
         if (s->candidate[candidate].state == LW_FIT_UNABLE)
             continue;
         job = w->n == 0 ? job_cost(s, candidate) : job;
-        if (job_cost(s, candidate) != job || (w->n >= LEAST_JOBS && job*w->n >= most))
+        if (job_cost(s, candidate) != job || (w->n >= least_jobs(s) && job*w->n >= most))
             break;
         w->candidate[w->n++] = candidate;
     }
-    while (w->go_on < w->n && (w->go_on < LEAST_JOBS || job*w->go_on*rungs_of(w->go_on) < most))
+    least = least > job*w->n ? least : job*w->n;                   /* the first look may cost less than it could */
+    most = least < most ? least : most;
+    while (w->go_on < w->n && (w->go_on < least_jobs(s) || job*w->go_on*rungs_of(w->go_on) < most))
         w->go_on++;
 }
 
@@ -179,9 +191,12 @@ static void jobs_of_families(lw_search *s)
             return;
     }
     int n = left_of(w), jobs = w->rung == 0 ? w->n : w->go_on;
-    jobs = jobs > LEAST_JOBS ? jobs : LEAST_JOBS;
+    int least = least_jobs(s), seldom = s->sweep.apart ? 1 : (int)(group_job(s)/DYAD_JOB);
+    jobs = jobs > least ? jobs : least;
     for (int at = 0; at < jobs && n > 0; at++) {
         int candidate = w->candidate[at%n], turn = at/n;
+        if (turn % seldom != 0 && has_groups(s, candidate))
+            continue;
         bool around = s->candidate[candidate].best && w->rung > 0 && (turn & 1) == (w->rung & 1);
         assert(s->n_job < LW_JOB_MAX);
         s->job[s->n_job++] = (lw_search_job){ .candidate = candidate, .around = around };
