@@ -225,7 +225,8 @@ TEST(one_freedom)
 TEST(friction_in_all_pins)
 {
     int jammed = 0;
-    for (int k = 0; k < models(4); k++) {
+    for (int i = 0; i < models(6); i++) {
+        int k = i == 4 ? 72 : i == 5 ? 120 : i;  /* index1 named another reason; another time, by 0.035 s */
         lw_rng_seed(&rng, 12, (uint64_t)k);
         forward z = { .slider = k%2, .n_crank = 2 };
         bool auto_jams = false;

@@ -27,7 +27,7 @@ typedef struct lw_run {
     double  ahead;                   /* time to the singular posture foretold [s]; 0: none */
     double  apart;                   /* residual of the rows on a curve tried there; 0: none tried */
     double  jam;                     /* time of the singular posture before which friction jams; 0: none */
-    double *behind, fell;            /* (2 x n) states after the last two steps, with friction; last fall of the pivot */
+    double *behind, fell;            /* with friction: (2 x n) states after the last two steps, and their times; last fall of the pivot */
     double  chosen;                  /* greatest of the least pivots since the kept rows were chosen */
     double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;

@@ -64,21 +64,23 @@ static lw_status begin_gap(lw_passage *z, double half, double good, double angle
 }
 
 /* Reactions have poles in singular postures.  Where their friction grows with them, its equations lose their solution on
- * the way, and the linkage jams: do they between the state `from` and y behind the singular posture?  scratch (n). */
-static bool jams(lw_run *run, double t, const double *from, const double *y, double *scratch)
+ * the way, and the linkage jams.  Returns which share of the way from the state `from` to y behind the singular posture that
+ * is; 0: they do not.  scratch (n). */
+static double jams(lw_run *run, double t, const double *from, const double *y, double *scratch)
 {
     enum { PLACES = 400 };
     lw_dynamics *d = run->d;
     lw_error was = *run->e;
-    bool found = false;
+    int found = 0;
     for (int k = 1; k < PLACES && !found && d->n_friction && !d->touch; k++) {
         for (int i = 0; i < run->n; i++)
             scratch[i] = from[i] + (y[i] - from[i])*k/PLACES;
-        found = lw_mbs_rows(d, t, scratch) == LW_OK && lw_mbs_factor(d, true) == LW_OK
-             && lw_mbs_solve(d, t, scratch, scratch + d->n_q, d->a, d->l, NULL) == LW_E_NUMERIC;
+        if (lw_mbs_rows(d, t, scratch) == LW_OK && lw_mbs_factor(d, true) == LW_OK
+            && lw_mbs_solve(d, t, scratch, scratch + d->n_q, d->a, d->l, NULL) == LW_E_NUMERIC)
+            found = k;
     }
     *run->e = was;
-    return found;
+    return (double)found/PLACES;
 }
 
 /* With friction: has the last step, or the one before, to y gone over a singular posture in which the linkage jams? */
@@ -89,15 +91,17 @@ static lw_status jumped(lw_run *run, double fall, double t, const double *y)
     bool first = !run->behind;
     if (!d->n_friction || d->touch)
         return LW_OK;
-    if (first && !(run->behind = malloc(3*n*sizeof *y)))
+    if (first && !(run->behind = malloc((3*n + 2)*sizeof *y)))
         return LW_E_MEMORY;
-    double *older = run->behind, *old = older + n;
+    double *older = run->behind, *old = older + n, *when = old + 2*n, share;
     bool least = !first && fall < 0 && run->fell > 0 && run->pivot < beside_jam;
     run->fell = fall;
-    if (least && jams(run, t, older, y, old + n)) {
-        run->jam = run->r->t = run->pivot_t;
+    if (least && (share = jams(run, t, older, y, old + n)) > 0) {
+        run->jam = run->r->t = when[0] + share*(t - when[0]);
         return LW_E_NUMERIC;
     }
+    when[0] = first ? t : when[1];
+    when[1] = t;
     memcpy(older, first ? y : old, n*sizeof *y);
     memcpy(old, y, n*sizeof *y);
     return LW_OK;
@@ -149,9 +153,9 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     double allowed = fmin(1e-6, 100*run->d->o.relative + 1e-9)*fmax(run->r->energy_scale, 1e-300);
     if (s == LW_OK && !(fabs(lw_run_energy(run, y) - before) <= allowed))
         s = LW_OPEN;
-    bool jammed = s == LW_OK && jams(run, place, first, y, run->state);
-    if (jammed)
-        run->jam = place, s = LW_E_NUMERIC;
+    double share = s == LW_OK ? jams(run, place, first, y, run->state) : 0;
+    if (share > 0)
+        run->jam = run->r->t = good + share*(end - good), s = LW_E_NUMERIC;
     if (s == LW_OK)
         s = lw_run_samples(run, nextafter(end, good), state_on_the_way, &(on_the_way){ run, good, first, &z });
     free(first);
@@ -159,7 +163,7 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     if (s == LW_OK)
         run->e->text[0] = '\0';             /* of shorter and longer gaps */
     *t = end;
-    s = s == LW_E_NUMERIC && run->apart > 0 && !jammed ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
+    s = s == LW_E_NUMERIC && run->apart > 0 && !(share > 0) ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
     return s == LW_OK || s == LW_STOPPED ? s
          : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);

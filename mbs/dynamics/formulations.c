@@ -201,7 +201,8 @@ static lw_status run_one(lw_run *run)
                          "linkage, and it is undecided which of them goes on%s", r->t, run->apart, run->apart > 1e-8
                          ? "" : ": if they should meet, write the posture with more digits or give a greater "
                          "tolerance");
-    if (s == LW_E_NUMERIC && d->n_friction && (d->weak < LW_SINGULAR_NEAR || run->jam != 0))
+    bool lost = s == LW_OPEN && d->least_determinant < no_determinant;
+    if ((s == LW_E_NUMERIC || lost) && d->n_friction && (d->weak < LW_SINGULAR_NEAR || run->jam != 0))
         s = d->least_determinant < no_determinant
           ? lw_error_set(run->e, s, "at t = %.9g s friction jams the linkage: near a singular posture reactions grow without limit, "
                          "and the equations of friction lose their solution (determinant %.2g; 1 without friction: Painleve's "
