@@ -502,7 +502,7 @@ TEST(spin_up)
         double tip[2], t = 0.5*known[i].sample, turn = 0.4*(t*t/2 + pow(15/(2*LW_PI), 2)*(cos(2*LW_PI*t/15) - 1));
         for (int k = 0; k < 2; k++)
             tip[k] = lw_v2_unturn(spun[k].p[known[i].sample], lw_v2_polar(1, turn)).y;
-        CHECK_NEAR(tip[1] + (tip[1] - tip[0])/3, known[i].tip, 1.2e-3, 0);
+        CHECK_NEAR(tip[1] + (tip[1] - tip[0])/3, known[i].tip, 5e-4, 0);
     }
     CHECK_NEAR(lw_v2_norm(spun[1].p[30]) - 10, 5.143e-4, 0, 2e-3);             /* stretch rho A w^2 L^3/3EA at 6 rad/s */
 }
@@ -596,8 +596,28 @@ static void crank_turn(double speed, double t, double out[3])
     out[2] = t < T ? speed/T*(1 - cos(w*u)) : 0;
 }
 
+/* What Simeon's equations leave out of the energy EA/2 int (u' + w'^2/2)^2 of the rod: w'^2/2, by which an axial force bends
+ * it, as far as u' can follow it (u' is linear in x; otherwise the rod would lock). */
+static void add_axial(const lw_flexible_crank *c, const double q[4], double f[4])
+{
+    enum { PARTS = 40 };
+    double l = c->coupler, ea = c->stiffness[2][2]*3/16*l, shorter[2] = { 0, 0 };
+    for (int pass = 0; pass < 2; pass++)
+        for (int k = 0; k <= PARTS; k++) {                   /* Simpson's rule */
+            double x = (double)k/PARTS, weight = (k == 0 || k == PARTS ? 1 : k%2 ? 4 : 2)/(3.0*PARTS);
+            double slope[2] = { LW_PI/l*cos(LW_PI*x), 2*LW_PI/l*cos(2*LW_PI*x) }, strain[2] = { (4 - 8*x)/l, (4*x - 1)/l };
+            double bent = q[0]*slope[0] + q[1]*slope[1], linear = shorter[0] + shorter[1]*(2*x - 1);
+            for (int i = 0; i < 2 && !pass; i++)
+                shorter[i] += weight*bent*bent/2*(i ? 3*(2*x - 1) : 1);
+            for (int i = 0; i < 2 && pass; i++) {
+                f[i] -= l*weight*ea*(q[2]*strain[0] + q[3]*strain[1] + linear)*bent*slope[i];
+                f[2 + i] -= l*weight*ea*linear*strain[i];
+            }
+        }
+}
+
 /* Accelerations of Simeon's equations in all coordinates (cli/bench/flexible_crank.h), by Gauss's method; 10 unknowns. */
-static void modal_rate(const lw_flexible_crank *c, double time, const double *y, double *dy)
+static void modal_rate(const lw_flexible_crank *c, bool axial, double time, const double *y, double *dy)
 {
     double turn[3], t;
     crank_turn(c->speed, time, turn);
@@ -607,6 +627,8 @@ static void modal_rate(const lw_flexible_crank *c, double time, const double *y,
     const double *v = y + N;
     lw_flexible_crank_mass(c, y, m);
     lw_flexible_crank_force(c, y, v, f);
+    if (axial)
+        add_axial(c, y + 3, f + 3);
     lw_flexible_crank_rows(c, t, y, phi, g);
     double ahead[N], back[N], h = 1e-6, ga[R*N], gb[R*N], p[R];
     for (int i = 0; i < N; i++)
@@ -640,7 +662,7 @@ static void modal_rate(const lw_flexible_crank *c, double time, const double *y,
         dy[i] = v[i], dy[N + i] = a[i][ALL]/a[i][i];
 }
 
-static void slider_crank_at(double speed, int n, double within)
+static void slider_crank_at(double speed, int n, bool axial, double within)
 {
     enum { N = LW_FLEXIBLE_N, SAMPLES = 100, STEPS = 200 };
     static record r;
@@ -651,13 +673,13 @@ static void slider_crank_at(double speed, int n, double within)
     lw_flexible_crank_published(&c);
     c.speed = speed;
     CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 0.36, 'centre': [0, 0], 'inertia': 0.002727}, "
-                         "{'name': 'rod', 'elastic': {'section': {'shape': 'general', 'area': 64e-6, 'Iz': 3.4133333333e-12, 'zeta': 0}, 'material': "
-                         "{'E': 2e13, 'nu': 0.3, 'density': 7870}, 'segments': %d}}, {'name': 'slider', 'mass': 0.075552, "
+                         "{'name': 'rod', 'elastic': {'section': {'shape': 'general', 'area': 64e-6, 'Iz': %.11g, 'zeta': 0}, 'material': "
+                         "{'E': %g, 'nu': 0.3, 'density': 7870}, 'segments': %d}}, {'name': 'slider', 'mass': 0.075552, "
                          "'centre': [0.45, 0], 'inertia': 1e-5}], 'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, "
                          "{'name': 'B', 'links': ['crank', 'rod'], 'at': [0.15, 0]}, {'name': 'C', 'links': ['rod', 'slider'], "
                          "'at': [0.45, 0]}, {'name': 'D', 'kind': 't', 'links': ['ground', 'slider'], 'at': [0.45, 0], 'along': [1, 0]}], "
                          "'input': {'joint': 'A', 'motion': '%g*(min(t, 0.05)^2/0.1 + 0.05/(4*pi^2)*(cos(40*pi*min(t, 0.05)) - 1) + t - min(t, 0.05))'}, 'tracers': [{'name': 'P', 'link': 'rod', 'at': [0.3, 0]}, "
-                         "{'name': 'B', 'link': 'rod', 'at': [0.15, 0]}, {'name': 'C', 'link': 'rod', 'at': [0.45, 0]}]}", n, speed), LW_OK);
+                         "{'name': 'B', 'link': 'rod', 'at': [0.15, 0]}, {'name': 'C', 'link': 'rod', 'at': [0.45, 0]}]}", axial ? 3.4133333333e-10 : 3.4133333333e-12, axial ? 2e11 : 2e13, n, speed), LW_OK);
     CHECK_INT(run(&s, 1e-7, 0.15, SAMPLES, &r, &report), LW_OK);
     close_scene(&s);
     y[2] = 0.45;                                             /* undeformed, as a rigid rod moves */
@@ -668,16 +690,16 @@ static void slider_crank_at(double speed, int n, double within)
         off = fmax(off, fabs(bow - y[3]));
         for (int k = 0; k < STEPS && i < SAMPLES; k++) {     /* Runge & Kutta's method */
             double h = 0.15/SAMPLES/STEPS, t = 0.15*i/SAMPLES + k*h, d1[2*N], d2[2*N], d3[2*N], d4[2*N], z[2*N];
-            modal_rate(&c, t, y, d1);
+            modal_rate(&c, axial, t, y, d1);
             for (int j = 0; j < 2*N; j++)
                 z[j] = y[j] + h/2*d1[j];
-            modal_rate(&c, t + h/2, z, d2);
+            modal_rate(&c, axial, t + h/2, z, d2);
             for (int j = 0; j < 2*N; j++)
                 z[j] = y[j] + h/2*d2[j];
-            modal_rate(&c, t + h/2, z, d3);
+            modal_rate(&c, axial, t + h/2, z, d3);
             for (int j = 0; j < 2*N; j++)
                 z[j] = y[j] + h*d3[j];
-            modal_rate(&c, t + h, z, d4);
+            modal_rate(&c, axial, t + h, z, d4);
             for (int j = 0; j < 2*N; j++)
                 y[j] += h/6*(d1[j] + 2*d2[j] + 2*d3[j] + d4[j]);
         }
@@ -687,12 +709,14 @@ static void slider_crank_at(double speed, int n, double within)
 }
 
 /* The modes of the reference have the stiffness of the rod without load; the elements know that an axial force changes it,
- * an effect of the square of the speed: at 150 rad/s the deflections differ by 8 %. */
+ * an effect of the square of the speed: at 150 rad/s the deflections differ by 8 %, and hardly if the reference knows it, too. */
 TEST(slider_crank)
 {
-    slider_crank_at(30, 8, 0.02);
-    slider_crank_at(30, 24, 0.01);
-    slider_crank_at(150, 8, 0.085);
+    slider_crank_at(30, 8, false, 0.02);
+    slider_crank_at(30, 24, false, 0.01);
+    slider_crank_at(150, 8, false, 0.085);
+    slider_crank_at(150, 8, true, 0.02);
+    slider_crank_at(150, 24, true, 0.01);
 }
 
 /* Quasi-static runs: a load that grows to P L^2/EI = 5 bends the beam as the elastica; and a slider-crank that turns slowly moves as in
