@@ -429,6 +429,7 @@ static lw_status begin(ggl *g, lw_sundials *w, const lw_dae *dae, double *y, dou
     for (int i = 0; i < d->eq.n_z; i++)
         g->each[dae->n - d->eq.n_z + i] *= d->eq.state_scale(d->eq.context, i);
     o.max_step = lw_run_steps_left(run);
+    o.order = d->elastic ? 2 : 0;            /* higher orders are not stable for vibrations without damping */
     o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular */
     return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
 }

@@ -90,6 +90,7 @@ static bool set_up(lw_sun *own, double t)
     ok = ok && (!dae->jacobian || IDASetJacFn(s, jacobian) == 0);
     ok = ok && (dae->n_event == 0 || (IDARootInit(s, dae->n_event, roots) == 0
         && IDASetRootDirection(s, own->direction) == 0 && IDASetNoInactiveRootWarn(s) == 0));
+    ok = ok && (own->o.order == 0 || IDASetMaxOrd(s, own->o.order) == 0);
     ok = ok && (own->o.first <= 0.0 || IDASetInitStep(s, own->o.first) == 0);
     return ok && (own->o.greatest <= 0.0 || IDASetMaxStep(s, own->o.greatest) == 0);
 }

@@ -39,6 +39,7 @@ typedef struct lw_ode_options {
     double relative, absolute;       /* > 0 one of them; default 1e-9, 1e-9                         */
     const double *absolute_each;     /* (n), NULL: `absolute` for all                               */
     double first, greatest;          /* first step, longest step; 0: chosen automatically, no limit */
+    int    order;                    /* greatest order, of IDA only; 0: that of the method          */
     double fixed;                    /* > 0: all steps have this length, without error control (tests) */
     bool   smooth;                   /* f is accurate to rounding: use a step control that refuses fewer steps */
     long   max_step;                 /* accepted and refused; default 10000000; 0: no limit         */
