@@ -1,6 +1,9 @@
 #include "cli/motion/dynamics_report.h"
 
+#include <string.h>
+
 #include "cli/program/output.h"
+#include "mbs/dynamics/dynamics_space.h"
 
 void cli_dynamics_explain(const cli_call *call, const lw_dynamics_report *r)
 {
@@ -97,6 +100,13 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
                  r->redundant, r->redundant == 1 ? " is" : "s are", text);
     if (idle)
         cli_note(c, "%d spin%s of links between ball joints %s held", idle, idle == 1 ? "" : "s", idle == 1 ? "is" : "are");
+    const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);
+    for (int k = 0; x && k < x->n_chain; k++)
+        if (x->chain[k].condensed) {
+            const char *name = lw_dynamics_space(d)->model->body[x->chain[k].link].name;           /* of node 0, NAME.0 */
+            cli_note(c, "elastic link \"%.*s\" is condensed: its inner forces are known at its joints only, as their reactions",
+                     (int)strlen(name) - 2, name);
+        }
     if (lw_dynamics_many_drives(d))
         cli_note(c, "there are more drives than freedoms: their forces are not unique, those of least norm are given");
 }

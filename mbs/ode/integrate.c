@@ -285,7 +285,7 @@ lw_status lw_integrate_start(lw_integrator *w, const lw_ode *ode, const lw_ode_o
     memcpy(w->y_old, y, bytes);
     memset(w->low, 0, bytes);
     if ((s = rate_at(w, t, w->y, w->dy)) != LW_OK)
-        return lw_error_set(e, s, "the equations of motion have no meaning at the start: %s", lw_status_text(s));
+        return s == LW_STOPPED ? s : lw_error_set(e, s, "the equations of motion have no meaning at the start: %s", lw_status_text(s));
     return look_at_events(w, e);
 }
 

@@ -57,8 +57,8 @@ static lw_status find_ends(const lw_space *s, const lw_spatial_measure *input, i
         return LW_OK;
     }
     if (in->measure.of != LW_OF_TURN)
-        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the "
-                                         "file, or --input-range");
+        return lw_error_set(e, LW_E_ARG, "the range of the input is needed: give it \"first\" and \"last\" in the file, or "
+                            "--input-range%s", in->motion ? "; or move all inputs in time (--time-range)" : "");
     lw_space_follow f;
     lw_status st = lw_space_follow_make(s, input, n, false, &f, e);
     if (st != LW_OK)
