@@ -105,6 +105,8 @@ TEST(any_number_of_links)
     CHECK_NEAR(v[2], 1, 1e-10, 0);
     snprintf(line, sizeof line, "rm %s.json; $P trace %s --cycle", path, path);
     expect(line, 2, NULL, "--cycle is for linkages of at most 32 links");
+    snprintf(line, sizeof line, "$P trace %s --explain", path);
+    expect(line, 0, "42 links and 61 joints, all at once: 123 coordinates", NULL);
     remove(path);
 }
 

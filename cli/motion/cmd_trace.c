@@ -528,10 +528,23 @@ static lw_status hold_idle(const cli_call *call, lw_linkage *linkage, lw_error *
     return st;
 }
 
+static int explain_large(const cli_call *call, const lw_model *m)
+{
+    const lw_assembly *a = &m->linkage;
+    lw_error e = { 0 };
+    lw_output o;
+    if (cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    fprintf(o.f, "%d links and %d joints, all at once: %d coordinates are followed along the input by their Taylor series of order %d, with\n"
+                 "sparse matrices, and closed in every row; more than 32 links, 64 joints, 8 inputs or 16 tracers are not split into groups\n",
+            a->n_link, a->n_joint, 3*(a->n_link - 1), LW_SERIES_ORDER_MAX);
+    return cli_close(call, &o, CLI_DONE);
+}
+
 /* A planar model with more parts than a linkage holds. */
 static int run_large(const job *j)
 {
-    static const char *const small[] = { "cycle", "all-assemblies", "explain" };
+    static const char *const small[] = { "cycle", "all-assemblies" };
     const cli_call *call = j->call;
     const settings *s = j->s;
     double range[3], window[2];
@@ -540,6 +553,8 @@ static int run_large(const job *j)
         if (cli_given(&call->parsed, small[i]))
             return cli_usage(call, "--%s is for linkages of at most %d links, %d joints, %d inputs and %d tracers", small[i],
                              LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
+    if (s->explain)
+        return explain_large(call, j->m);
     if (s->range && read_range(s, range, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (s->mode != MODE_FILE && !s->range)
