@@ -33,7 +33,8 @@ typedef struct cli_mbs_problem {
     double      to;                      /* [s]                                                        */
     int         implicit;                /* tightest tolerance of implicit methods, 1e-implicit        */
     double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
-    int         n_loop;                  /* > 0: a row of so many four-bars instead of the model of the file */
+    int         n_loop;                  /* > 0: a row of so many four-bars instead of the model of the file;
+                                            -1: the torques of three drives along a cycle instead of a run */
 } cli_mbs_problem;
 
 #define CLI_MBS_TOO_SLOW  1.0             /* [s] for a run: the solver gets no tighter tolerances        */
@@ -69,9 +70,13 @@ lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
 lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
                         lw_error *e);
 
-/* The same for a problem in space; answers are places of its first tracer. */
-lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const struct lw_spatial *m, const cli_mbs_reference *r,
-                              lw_error *e);
+/* A cycle of a model whose inputs leave no freedom: turns, rates and accelerations of three drives at each moment. */
+enum { CLI_MBS_POSTURES = 101 };
+typedef struct cli_mbs_cycle { double at[CLI_MBS_POSTURES][3][3]; } cli_mbs_cycle;
+
+/* The same for a problem in space; answers are places of its first tracer, with a cycle the torques of its drives. */
+lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const struct lw_spatial *m, const cli_mbs_cycle *cycle,
+                              const cli_mbs_reference *r, lw_error *e);
 
 /* Add the rows of a problem in space; n_loop > 0: a chain of so many bars instead of a model of the data. */
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e);

@@ -319,10 +319,12 @@ lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m,
 
 static void write_vec(lw_vec3 v, FILE *f) { fprintf(f, " %.17g %.17g %.17g", v.x, v.y, v.z); }
 
-static lw_status write_space(const cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, int n_moment, FILE *f, lw_error *e)
+static lw_status write_space(const cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, const cli_mbs_cycle *cycle,
+                             int n_moment, FILE *f, lw_error *e)
 {
     lw_dynamics *d;
-    lw_dynamics_options o = { .formulation = LW_FORMULATION_INDEX1, .to = p->to, .relative = 1e-10, .absolute = 1e-10 };
+    lw_dynamics_options o = { .formulation = cycle ? LW_FORMULATION_AUTO : LW_FORMULATION_INDEX1, .to = p->to, .relative = 1e-10,
+                              .absolute = 1e-10 };
     lw_bytes mjcf = { 0 };
     double *q = NULL;
     lw_status st = lw_export_space_mjcf(m, &mjcf, e);
@@ -361,6 +363,11 @@ static lw_status write_space(const cli_mbs *b, const cli_mbs_problem *p, const l
             write_vec(t->at[1], f);
             fprintf(f, " %.17g %.17g %.17g", t->stiffness, t->damping, t->free);
         }
+        for (int k = 0; cycle && k < n_moment; k++) {
+            fprintf(f, k ? "\nat3" : "\ndrive3 %d %d %d\nat3", m->drive[0].index, m->drive[1].index, m->drive[2].index);
+            for (int i = 0; i < 9; i++)
+                fprintf(f, " %.17g", cycle->at[k][i/3][i%3]);
+        }
         fprintf(f, "\npoint %d", s->body_of[m->tracer[0].link] + 1);
         write_vec(m->tracer[0].at, f);
         fprintf(f, " %s\nrun %.17g %d %.17g %.17g\nmjcf\n%s", m->tracer[0].name, p->to, n_moment, b->time, CLI_MBS_TOO_SLOW,
@@ -373,8 +380,9 @@ static lw_status write_space(const cli_mbs *b, const cli_mbs_problem *p, const l
     return st;
 }
 
-lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, const cli_mbs_reference *r, lw_error *e)
+lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const lw_spatial *m, const cli_mbs_cycle *cycle,
+                              const cli_mbs_reference *r, lw_error *e)
 {
     FILE *scene = b->n_peer ? open_scene(e) : NULL;
-    return scene ? run_peers(b, p, scene, 1, r, write_space(b, p, m, r->n_row, scene, e), e) : b->n_peer ? LW_E_IO : LW_OK;
+    return scene ? run_peers(b, p, scene, 1, r, write_space(b, p, m, cycle, r->n_row, scene, e), e) : b->n_peer ? LW_E_IO : LW_OK;
 }

@@ -101,6 +101,8 @@ const cli_mbs_problem cli_mbs_problems[] = {
     { "space-arm", "arm with seven joints, falling, 1 s", "place of its tool [m], every 0.05 s", NULL, 1, 12, space_error, 0 },
     { "space-stewart", "Stewart platform on springs, 1 s", "place of its tool [m], every 0.05 s", NULL, 1, 12, space_error,
       0 },
+    { "space-delta", "DELTA robot, inverse dynamics of 101 postures of a cycle", "torques of its drives [N m]", NULL, 0.1, 12,
+      space_error, -1 },
     { "flexible-crank", "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL,
       0 },
     { "clearance", "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13,

@@ -11,6 +11,9 @@
  *     body3 MASS XX YY ZZ XY XZ YZ X Y Z VX VY VZ WX WY WZ        inertia about the centre; velocities of the start
  *     joint3 KIND A B X Y Z AX AY AZ BX BY BZ        letter of the kind (docs/notation.md), axis, second axis
  *     spring3 A B AX AY AZ BX BY BZ STIFFNESS DAMPING FREE
+ *     drive3 J J J                                   inverse dynamics, not a run: three joints (counted from 0) whose
+ *     at3 Q V A Q V A Q V A                          turns, rates and accelerations are given at each moment; the answer is
+ *                                                    their torques, three numbers a line
  *     point BODY X Y Z NAME                          the answer is the place of this point, X Y Z a line
  *     run END MOMENTS REPEAT LONGEST                 seconds of motion; moments from 0 to END; seconds for the repeats
  *                                                    of a row; seconds of a run after which nothing tighter is tried
@@ -35,7 +38,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PEER_MAX = 128, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50 };
+enum { PEER_MAX = 128, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50, PEER_POSTURES = 256 };
 
 typedef struct peer_body { double mass, inertia, x, y, omega; char name[PEER_NAME]; } peer_body;
 typedef struct peer_pin { int a, b; double x, y; } peer_pin;
@@ -59,6 +62,8 @@ typedef struct peer_scene {
     peer_body3   body3[PEER_MAX];
     peer_joint3  joint3[PEER_MAX];
     peer_spring3 spring3[PEER_MAX];
+    int          drive3[3], n_at3;        /* n_at3 > 0: inverse dynamics */
+    double       at3[PEER_POSTURES][3][3];
     int          point_body;
     double       point[3];
     char         point_name[PEER_NAME];
@@ -83,6 +88,12 @@ static inline bool peer_line3(peer_scene *s, const char *line)
     if (sscanf(line, "spring3 %d %d %lf %lf %lf %lf %lf %lf %lf %lf %lf", &k->a, &k->b, &k->at[0][0], &k->at[0][1],
                &k->at[0][2], &k->at[1][0], &k->at[1][1], &k->at[1][2], &k->stiffness, &k->damping, &k->free) == 11)
         return ++s->n_spring3 > 0;
+    double (*a)[3] = s->at3[s->n_at3];
+    if (s->n_at3 < PEER_POSTURES - 1 && sscanf(line, "at3 %lf %lf %lf %lf %lf %lf %lf %lf %lf", &a[0][0], &a[0][1], &a[0][2], &a[1][0],
+                                               &a[1][1], &a[1][2], &a[2][0], &a[2][1], &a[2][2]) == 9)
+        return ++s->n_at3 > 0;
+    if (sscanf(line, "drive3 %d %d %d", &s->drive3[0], &s->drive3[1], &s->drive3[2]) == 3)
+        return true;
     if (sscanf(line, "point %d %lf %lf %lf %127[^\n]", &s->point_body, &s->point[0], &s->point[1], &s->point[2],
                s->point_name) == 5)
         return true;

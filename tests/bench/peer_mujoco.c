@@ -238,6 +238,10 @@ static void rows(mjModel *m, int integrator, const char *name, double set_up)
 int main(void)
 {
     scene = peer_read();
+    if (scene->n_at3) {
+        puts("fail 0 inverse: MuJoCo's inverse dynamics takes the forces of soft constraints from their gaps");
+        return 0;
+    }
     mju_user_error = on_error;
     mju_user_warning = on_warning;
     if (setjmp(give_up)) {

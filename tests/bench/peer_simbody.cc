@@ -42,6 +42,33 @@ struct Model {
     std::vector<int> tree;                 /* joint from the parent to a body of a model in space */
     std::vector<bool> turned;              /* its first link is the child */
 
+    /* Turn, rate and acceleration of a drive at the moment that the time counts; before 0 on the way there. */
+    struct Cycle : Motion::Custom::Implementation {
+        const peer_scene &scene;
+        int drive;
+        Cycle(const peer_scene &s, int d) : scene(s), drive(d) {}
+        Implementation *clone() const override { return new Cycle(*this); }
+        Motion::Level getLevel(const State &) const override { return Motion::Position; }
+        double value(const State &state, int derivative) const
+        {
+            double t = state.getTime(), part = t < 0 ? 1 + t : 1;
+            return derivative && t < 0 ? 0 : part*scene.at3[t < 0 ? 0 : (int)std::lround(t)][drive][derivative];
+        }
+        void calcPrescribedPosition(const State &s, int, Real *q) const override { q[0] = value(s, 0); }
+        void calcPrescribedPositionDot(const State &s, int, Real *v) const override { v[0] = value(s, 1); }
+        void calcPrescribedPositionDotDot(const State &s, int, Real *a) const override { a[0] = value(s, 2); }
+    };
+
+    /* The other joint of a link between two balls, which does not spin here; -1: it is none. */
+    int other_ball(int link, int j) const
+    {
+        int other = -1, n = 0;
+        for (int i = 0; i < scene.n_joint3; i++)
+            if (scene.joint3[i].a == link || scene.joint3[i].b == link)
+                n += scene.joint3[i].kind == 'b' ? 1 : 9, other = i == j ? other : i;
+        return n == 2 ? other : -1;
+    }
+
     static Vec3 vec(const double *x) { return Vec3(x[0], x[1], x[2]); }
     Vec3 at(int link, const double *x) const { return link ? vec(x) - vec(scene.body3[link - 1].at) : vec(x); }
 
@@ -56,8 +83,15 @@ struct Model {
         if (p.kind == 'u')
             r = Rotation(UnitVec3(vec(p.axis)), XAxis, vec(p.second), YAxis);
         Transform f(r, at(from, p.at)), m(r, at(to, p.at));
+        int ball = p.kind == 'b' && scene.n_at3 ? other_ball(to, j) : -1;
+        if (ball >= 0) {
+            UnitVec3 z(vec(scene.joint3[ball].at) - vec(p.at)), x = z.perp();
+            f = Transform(Rotation(x, XAxis, z % x, YAxis), f.p());
+            m = Transform(f.R(), m.p());
+        }
         auto way = back ? MobilizedBody::Reverse : MobilizedBody::Forward;
-        body[to] = p.kind == 'r' ? MobilizedBody(MobilizedBody::Pin(body[from], f, mass, m, way))
+        body[to] = ball >= 0 ? MobilizedBody(MobilizedBody::Universal(body[from], f, mass, m, way))
+                 : p.kind == 'r' ? MobilizedBody(MobilizedBody::Pin(body[from], f, mass, m, way))
                  : p.kind == 't' ? MobilizedBody(MobilizedBody::Slider(body[from], f, mass, m, way))
                  : p.kind == 'b' ? MobilizedBody(MobilizedBody::Ball(body[from], f, mass, m, way))
                  : p.kind == 'u' ? MobilizedBody(MobilizedBody::Universal(body[from], f, mass, m, way))
@@ -102,6 +136,10 @@ struct Model {
             Constraint::ConstantAngle(body[p.a], x, body[p.b], axis);
             Constraint::ConstantAngle(body[p.a], y, body[p.b], axis);
         }
+        for (int b = 1; b <= s.n_body3 && s.n_at3; b++)
+            for (int d = 0; d < 3; d++)
+                if (tree[b] == s.drive3[d])
+                    Motion::Custom(body[b], new Cycle(s, d));
         for (int k = 0; k < s.n_spring3; k++) {
             const peer_spring3 &c = s.spring3[k];
             Force::TwoPointLinearSpring(forces, body[c.a], at(c.a, c.at[0]), body[c.b], at(c.b, c.at[1]), c.stiffness,
@@ -191,7 +229,7 @@ struct Model {
     }
 };
 
-static const char *const method_name[] = { "Merson", "Feldberg", "CPodes" };
+static const char *const method_name[] = { "Merson", "Feldberg", "CPodes", "inverse" };
 
 static std::unique_ptr<Integrator> make(int method, double accuracy, const MultibodySystem &system)
 {
@@ -251,6 +289,50 @@ static double row(const peer_scene &s, int method, double accuracy)
     return best;
 }
 
+/* The torques of the drives along the cycle, by prescribed motions and projection of the others. */
+static double inverse_row(const peer_scene &s, double accuracy)
+{
+    double begun = peer_clock();
+    Model m(s);
+    State first = m.system.realizeTopology();
+    auto place = [&](State &state, double t) {
+        state.setTime(t);
+        m.system.realize(state, Stage::Time);
+        m.system.prescribeQ(state);
+        m.system.realize(state, Stage::Position);
+        m.system.projectQ(state, accuracy);
+    };
+    for (int k = -40; k < 0; k++)
+        place(first, k/40.0);
+    double set_up = peer_clock() - begun, best = INFINITY, spent = 0;
+    std::vector<Vec3> torque(s.n_at3);
+    for (int repeat = 0; repeat < PEER_REPEAT && (repeat == 0 || spent < s.repeat); repeat++) {
+        State state = first;
+        double t0 = peer_clock();
+        for (int k = 0; k < s.n_at3; k++) {
+            Vector force;
+            place(state, k);
+            m.system.prescribeU(state);
+            m.system.realize(state, Stage::Velocity);
+            m.system.projectU(state, accuracy);
+            m.system.realize(state, Stage::Acceleration);
+            m.matter.findMotionForces(state, force);
+            for (int b = 1; b <= s.n_body3; b++)
+                for (int d = 0; d < 3; d++)
+                    if (m.tree[b] == s.drive3[d])
+                        torque[k][d] = -force[m.body[b].getFirstUIndex(state)];
+        }
+        double t = peer_clock() - t0;
+        best = std::fmin(best, t);
+        spent += t;
+    }
+    std::printf("run %g %.9g %.9g %d %d inverse\n", accuracy, set_up, best, s.n_at3, s.n_at3);
+    for (const Vec3 &t : torque)
+        std::printf("%.17g %.17g %.17g\n", t[0], t[1], t[2]);
+    std::fflush(stdout);
+    return best;
+}
+
 struct one_row { const peer_scene *scene; int method; double accuracy; };
 
 /* CPodes may creep for ever within one step: each row is a process of its own. */
@@ -258,7 +340,7 @@ static double row_apart(void *context)
 {
     const one_row &r = *static_cast<one_row *>(context);
     try {
-        return row(*r.scene, r.method, r.accuracy);
+        return r.method < 3 ? row(*r.scene, r.method, r.accuracy) : inverse_row(*r.scene, r.accuracy);
     } catch (const std::exception &e) {
         std::string why = e.what();
         for (char &c : why)
@@ -271,7 +353,7 @@ static double row_apart(void *context)
 int main()
 {
     const peer_scene *s = peer_read();
-    for (int method = 0; method < 3; method++)
+    for (int method = s->n_at3 ? 3 : 0; method < (s->n_at3 ? 4 : 3); method++)
         for (int k = 1, slow = 0; k <= 12 && slow < 2; k++) {
             one_row r = { s, method, std::pow(10., -k) };
             bool late = peer_apart(s, row_apart, &r, r.accuracy, method_name[method]);
