@@ -508,7 +508,13 @@ lw_status lw_run_driven_spatial(lw_run *run)
         run->r->t = t;
         memcpy(y, f->q, (size_t)d->n_q*sizeof *y);
         d->eq.accept(d->eq.context, y);
-        st = forces_at(d, t, y, y + d->n_q);
+        if (d->space->has_drives && d->o.analysis != LW_ANALYSIS_QUASISTATIC) {      /* which find all forces from the motion */
+            lw_space_follow_second(f);
+            memcpy(y + d->n_q, f->v, (size_t)d->n_v*sizeof *y);
+            memcpy(d->a, f->a, (size_t)d->n_v*sizeof *d->a);
+            memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
+        } else
+            st = forces_at(d, t, y, y + d->n_q);
         if (st == LW_OPEN)
             st = lw_error_set(run->e, LW_OPEN, "at t = %.9g s the model stands in a singular posture", t);
         if (st == LW_OK)
