@@ -7,31 +7,17 @@
 #ifndef LW_GRAMMAR_FUNCTIONS_EXPRESSION_INTERNAL_H
 #define LW_GRAMMAR_FUNCTIONS_EXPRESSION_INTERNAL_H
 
+#include "grammar/functions/arithmetic_internal.h"
 #include "grammar/functions/expression.h"
 
 #define LW_EXPRESSION_NODE_MAX 512
 
 struct lw_moves;
 
-typedef enum lw_op {
-    LW_OP_VARIABLE, LW_OP_NEGATE, LW_OP_ADD, LW_OP_SUBTRACT, LW_OP_MULTIPLY, LW_OP_DIVIDE,
-    LW_OP_POWER,
-    LW_OP_SIN, LW_OP_COS, LW_OP_TAN, LW_OP_ASIN, LW_OP_ACOS, LW_OP_ATAN, LW_OP_ATAN2, LW_OP_SINH,
-    LW_OP_COSH, LW_OP_TANH, LW_OP_EXP, LW_OP_LOG, LW_OP_SQRT, LW_OP_ABS, LW_OP_SIGN, LW_OP_MIN,
-    LW_OP_MAX, LW_OP_MOD, LW_OP_HYPOT,
-    LW_OP_CUBIC,        /* 0 before 0, 3 u^2 - 2 u^3, 1 behind 1    */
-    LW_OP_HALF_SINE,    /* 0 before 0, sin^2(pi u/2), 1 behind 1    */
-    LW_OP_SPLINE,       /* the table of the node                   */
-    LW_OP_MOVES,        /* the motion of the node                  */
-    LW_OP_STEP, LW_OP_HAVSIN, LW_OP_POLY, LW_OP_TABLE     /* names only: expanded while reading */
-} lw_op;
-
 typedef struct lw_spline {         /* natural cubic spline; straight outside */
     int     n;
     double *x, *y, *bend;          /* (n) in one block at x; bend: second derivative */
 } lw_spline;
-
-typedef struct lw_operand { int node; double value; } lw_operand;     /* node -1: a constant */
 
 typedef struct lw_expression_node {
     lw_op      op;

@@ -1,45 +1,31 @@
-/* grammar/functions/formula.c - text -> operations on a stack, by recursive descent; operations -> value with units. */
+/* grammar/functions/formula.c - text -> operations on a stack (grammar/functions/arithmetic_internal.h); operations -> value with units. */
 #include "grammar/functions/formula.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/number.h"
 #include "base/real.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
+#include "grammar/functions/arithmetic_internal.h"
 #include "grammar/text/text_internal.h"
 
 #define DEPTH_MAX 64               /* nested brackets; also the room of the stack over its arguments */
 #define STACK_MAX 256
-#define WORD_SIZE 64
 
-typedef enum op {
-    OP_NUMBER, OP_WORD, OP_NEGATE, OP_NOT, OP_ADD, OP_SUBTRACT, OP_MULTIPLY, OP_DIVIDE, OP_POWER, OP_AND, OP_OR,
-    OP_EQUAL, OP_DIFFERENT, OP_LESS, OP_AT_MOST, OP_GREATER, OP_AT_LEAST,
-    OP_SIN, OP_COS, OP_TAN, OP_ASIN, OP_ACOS, OP_ATAN, OP_ATAN2, OP_SINH, OP_COSH, OP_TANH, OP_EXP, OP_LOG, OP_SQRT,
-    OP_ABS, OP_SIGN, OP_MIN, OP_MAX, OP_MOD, OP_HYPOT, OP_FLOOR, OP_CEIL, OP_ROUND, OP_IF, OP_STANDARD
-} op;
+enum {
+    OP_NUMBER = LW_OP_COUNT, OP_WORD, OP_NOT, OP_AND, OP_OR, OP_EQUAL, OP_DIFFERENT, OP_LESS, OP_AT_MOST, OP_GREATER,
+    OP_AT_LEAST, OP_FLOOR, OP_CEIL, OP_ROUND, OP_IF, OP_STANDARD
+};
 
-static const struct function { const char *name; op op; int least, most; const char *form; } functions[] = {
-    { "sin",   OP_SIN,   1, 1, "sin(x)" },     { "cos",   OP_COS,   1, 1, "cos(x)" },
-    { "tan",   OP_TAN,   1, 1, "tan(x)" },     { "asin",  OP_ASIN,  1, 1, "asin(x)" },
-    { "acos",  OP_ACOS,  1, 1, "acos(x)" },    { "atan",  OP_ATAN,  1, 1, "atan(x)" },
-    { "atan2", OP_ATAN2, 2, 2, "atan2(y, x)" }, { "sinh", OP_SINH,  1, 1, "sinh(x)" },
-    { "cosh",  OP_COSH,  1, 1, "cosh(x)" },    { "tanh",  OP_TANH,  1, 1, "tanh(x)" },
-    { "exp",   OP_EXP,   1, 1, "exp(x)" },     { "log",   OP_LOG,   1, 1, "log(x)" },
-    { "sqrt",  OP_SQRT,  1, 1, "sqrt(x)" },    { "abs",   OP_ABS,   1, 1, "abs(x)" },
-    { "sign",  OP_SIGN,  1, 1, "sign(x)" },    { "min",   OP_MIN,   2, 0, "min(a, b, ...)" },
-    { "max",   OP_MAX,   2, 0, "max(a, b, ...)" }, { "mod", OP_MOD, 2, 2, "mod(x, y)" },
-    { "hypot", OP_HYPOT, 2, 2, "hypot(x, y)" }, { "floor", OP_FLOOR, 1, 1, "floor(x)" },
-    { "ceil",  OP_CEIL,  1, 1, "ceil(x)" },    { "round", OP_ROUND, 1, 1, "round(x)" },
-    { "if",    OP_IF,    3, 3, "if(condition, a, b)" },
+static const lw_math_function functions[] = {
+    { "floor", OP_FLOOR, 1, 1, "floor(x)" },   { "ceil",  OP_CEIL,  1, 1, "ceil(x)" },
+    { "round", OP_ROUND, 1, 1, "round(x)" },   { "if",    OP_IF,    3, 3, "if(condition, a, b)" },
     { "standard", OP_STANDARD, 2, 0, "standard(x, size, size, ...)" },   /* the least size that is at least x */
 };
-enum { N_FUNCTION = sizeof functions/sizeof *functions };
 
-typedef struct operation { op op; int n; int word; size_t at; lw_amount value; } operation;    /* n: arguments */
+typedef struct operation { int op, n; int word; size_t at; lw_amount value; } operation;    /* n: arguments */
 
 struct lw_formula {
     bool       has_unit;
@@ -51,15 +37,9 @@ struct lw_formula {
     size_t     texts_used;
 };
 
-typedef struct parser {
-    const char *text;
-    size_t      size, at;
-    int         depth;
-    lw_formula *f;
-    lw_formula_lookup *lookup;
-    void       *context;
-    lw_error   *e;
-} parser;
+typedef struct vocabulary { lw_formula_lookup *lookup; void *context; } vocabulary;
+
+typedef lw_arithmetic parser;
 
 /* ---- amounts and units --------------------------------------------------------------------------- */
 
@@ -177,17 +157,6 @@ static void times_unit(lw_amount *a, const unit *u, int power)
         a->dimension.of[i] = (int8_t)(a->dimension.of[i] + power*u->dimension.of[i]);
 }
 
-static bool is_digit(int c) { return c >= '0' && c <= '9'; }
-static bool is_letter(int c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-
-static size_t word_length(const char *text, size_t size, size_t at)
-{
-    size_t end = at;
-    while (end < size && (is_letter(text[end]) || is_digit(text[end])))
-        end++;
-    return end - at;
-}
-
 /* "^2" or "^-2" at *at, or 1.  0: no exponent between 1 and 9. */
 static int unit_power(const char *text, size_t size, size_t *at)
 {
@@ -195,7 +164,7 @@ static int unit_power(const char *text, size_t size, size_t *at)
         return 1;
     bool minus = *at + 1 < size && text[*at + 1] == '-';
     size_t digit = *at + 1 + minus;
-    if (digit >= size || text[digit] < '1' || text[digit] > '9' || (digit + 1 < size && is_digit(text[digit + 1])))
+    if (digit >= size || text[digit] < '1' || text[digit] > '9' || (digit + 1 < size && lw_is_digit(text[digit + 1])))
         return 0;
     *at = digit + 1;
     return minus ? -(text[digit] - '0') : text[digit] - '0';
@@ -204,7 +173,7 @@ static int unit_power(const char *text, size_t size, size_t *at)
 static lw_status unknown_unit(const char *name, size_t n, size_t at, lw_error *e)
 {
     const char *names[N_UNIT];
-    char word[WORD_SIZE];
+    char word[LW_WORD_SIZE];
     snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), name);
     for (int i = 0; i < N_UNIT; i++)
         names[i] = units[i].name;
@@ -227,7 +196,7 @@ lw_status lw_unit_parse(const char *text, size_t size, lw_amount *out, lw_error 
             at++;
             continue;
         }
-        size_t n = text[at] == '%' || text[at] == '1' ? 1 : word_length(text, size, at), start = at;
+        size_t n = text[at] == '%' || text[at] == '1' ? 1 : lw_word_length(text, size, at), start = at;
         const unit *u = n ? find_unit(text + at, n) : NULL;
         if (!u)
             return unknown_unit(text + at, n ? n : 1, at, e);
@@ -249,39 +218,11 @@ lw_status lw_unit_parse(const char *text, size_t size, lw_amount *out, lw_error 
 
 /* ---- text ---------------------------------------------------------------------------------------- */
 
-__attribute__((format(printf, 3, 4)))
-static lw_status fault(const parser *p, size_t at, const char *format, ...)
-{
-    char text[400];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(text, sizeof text, format, list);
-    va_end(list);
-    return lw_error_at(p->e, LW_E_NOTATION, "", 1, (long)at + 1, "%s", text);
-}
-
-static int peek(parser *p)
-{
-    while (p->at < p->size && strchr(" \t\r\n", p->text[p->at]) && p->text[p->at])
-        p->at++;
-    return p->at < p->size ? (unsigned char)p->text[p->at] : -1;
-}
-
-static int byte_at(const parser *p, size_t at) { return at < p->size ? (unsigned char)p->text[at] : -1; }
-
-static bool take(parser *p, int byte)
-{
-    if (peek(p) != byte)
-        return false;
-    p->at++;
-    return true;
-}
-
 static bool take_word(parser *p, const char *word)
 {
     size_t n = strlen(word);
-    peek(p);
-    if (word_length(p->text, p->size, p->at) != n || memcmp(p->text + p->at, word, n) != 0)
+    lw_arithmetic_peek(p);
+    if (lw_word_length(p->text, p->size, p->at) != n || memcmp(p->text + p->at, word, n) != 0)
         return false;
     p->at += n;
     return true;
@@ -289,7 +230,7 @@ static bool take_word(parser *p, const char *word)
 
 static lw_status emit(parser *p, operation o)
 {
-    lw_formula *f = p->f;
+    lw_formula *f = p->made;
     if (f->n == f->room) {
         int room = f->room ? 2*f->room : 8;
         operation *more = realloc(f->operation, (size_t)room*sizeof *more);
@@ -301,82 +242,25 @@ static lw_status emit(parser *p, operation o)
     f->depth += 1 - o.n;
     f->deepest = f->depth > f->deepest ? f->depth : f->deepest;
     if (f->deepest > STACK_MAX)
-        return fault(p, o.at, "the formula is too long: at most %d arguments of functions", STACK_MAX);
+        return lw_arithmetic_fault(p, o.at, "the formula is too long: at most %d arguments of functions", STACK_MAX);
     f->operation[f->n++] = o;
     return LW_OK;
-}
-
-static lw_status disjunction(parser *p);
-
-static lw_status function_call(parser *p, size_t at, const struct function *g)
-{
-    int n = 0;
-    char buf[24];
-    if (!take(p, '('))
-        return fault(p, p->at, "'(' is expected: %s", g->form);
-    do {
-        peek(p);
-        if (g->most && n == g->most)
-            return fault(p, p->at, "this is one too many: %s", g->form);
-        lw_status s = disjunction(p);
-        if (s != LW_OK)
-            return s;
-        n++;
-    } while (take(p, ','));
-    if (!take(p, ')'))
-        return fault(p, p->at, "',' or ')' is expected in %s, not %s", g->form, lw_byte_name(peek(p), buf));
-    if (n < g->least)
-        return fault(p, p->at - 1, "something is missing: %s", g->form);
-    return emit(p, (operation){ .op = g->op, .n = n, .at = at });
 }
 
 static lw_status literal(parser *p)
 {
     size_t at = p->at, start = at + 1, end = start;
-    while (byte_at(p, end) >= 0 && byte_at(p, end) != '\'')
+    while (lw_arithmetic_byte(p, end) >= 0 && lw_arithmetic_byte(p, end) != '\'')
         end++;
-    if (byte_at(p, end) < 0)
-        return fault(p, at, "this text has no closing '");
-    char *text = p->f->texts + p->f->texts_used;
+    if (lw_arithmetic_byte(p, end) < 0)
+        return lw_arithmetic_fault(p, at, "this text has no closing '");
+    lw_formula *f = p->made;
+    char *text = f->texts + f->texts_used;
     memcpy(text, p->text + start, end - start);
     text[end - start] = '\0';
-    p->f->texts_used += end - start + 1;
+    f->texts_used += end - start + 1;
     p->at = end + 1;
     return emit(p, (operation){ .op = OP_NUMBER, .at = at, .value = lw_amount_of_text(text) });
-}
-
-static lw_status unknown(const parser *p, const char *word, size_t at)
-{
-    const char *names[N_FUNCTION + 1] = { "pi" };
-    for (int i = 0; i < N_FUNCTION; i++)
-        names[i + 1] = functions[i].name;
-    const char *near = lw_suggest(word, names, N_FUNCTION + 1);
-    return fault(p, at, "there is no parameter or function %s here%s%s%s", word, near ? "; did you mean " : "",
-                 near ? near : "", near ? "?" : "");
-}
-
-static lw_status word(parser *p)
-{
-    char name[WORD_SIZE], why[256] = "";
-    size_t at = p->at, n = word_length(p->text, p->size, at);
-    if (n >= WORD_SIZE)
-        return fault(p, at, "this word is too long");
-    memcpy(name, p->text + at, n);
-    name[n] = '\0';
-    p->at += n;
-    lw_amount v = lw_amount_plain(LW_PI);
-    if (strcmp(name, "true") == 0 || strcmp(name, "false") == 0)
-        v = (lw_amount){ .kind = LW_AMOUNT_TRUTH, .number = name[0] == 't', .over = 1, .under = 1 };
-    if (strcmp(name, "pi") == 0 || v.kind == LW_AMOUNT_TRUTH)
-        return emit(p, (operation){ .op = OP_NUMBER, .at = at, .value = v });
-    for (int i = 0; i < N_FUNCTION; i++)
-        if (strcmp(name, functions[i].name) == 0)
-            return function_call(p, at, &functions[i]);
-    int id = p->lookup ? p->lookup(p->context, name, why) : -1;
-    if (id < 0)
-        return why[0] ? fault(p, at, "%s", why) : unknown(p, name, at);
-    p->f->word[p->f->n_word++] = id;
-    return emit(p, (operation){ .op = OP_WORD, .at = at, .word = id });
 }
 
 /* The unit after a number: a single one, or any in brackets. */
@@ -384,16 +268,16 @@ static lw_status unit_after(parser *p, lw_amount *v)
 {
     lw_error inner = { 0 };
     lw_amount u;
-    int byte = peek(p);
+    int byte = lw_arithmetic_peek(p);
     size_t start = p->at, end;
     if (byte == '[') {
-        for (end = ++start; byte_at(p, end) >= 0 && byte_at(p, end) != ']'; end++)
+        for (end = ++start; lw_arithmetic_byte(p, end) >= 0 && lw_arithmetic_byte(p, end) != ']'; end++)
             continue;
-        if (byte_at(p, end) < 0)
-            return fault(p, start - 1, "this bracket of a unit has no ]");
+        if (lw_arithmetic_byte(p, end) < 0)
+            return lw_arithmetic_fault(p, start - 1, "this bracket of a unit has no ]");
         p->at = end + 1;
     } else {
-        size_t n = byte == '%' ? 1 : word_length(p->text, p->size, start);
+        size_t n = byte == '%' ? 1 : lw_word_length(p->text, p->size, start);
         static const char *const words[] = { "as", "and", "or" };
         for (int i = 0; i < 3; i++)
             if (strlen(words[i]) == n && memcmp(words[i], p->text + start, n) == 0)
@@ -406,118 +290,75 @@ static lw_status unit_after(parser *p, lw_amount *v)
     }
     lw_status s = lw_unit_parse(p->text + start, end - start, &u, &inner);
     if (s != LW_OK)
-        return fault(p, start + (inner.column > 0 ? (size_t)inner.column - 1 : 0), "%s", inner.text);
+        return lw_arithmetic_fault(p, start + (inner.column > 0 ? (size_t)inner.column - 1 : 0), "%s", inner.text);
     u.number = v->number;
     *v = u;
     return LW_OK;
 }
 
-static lw_status number(parser *p)
+/* The operands of a language are not used: values are on the stack. */
+static lw_status number(parser *p, size_t at, double value, lw_operand *out)
 {
-    size_t at = p->at, end = at;
-    while (is_digit(byte_at(p, end)))
-        end++;
-    if (byte_at(p, end) == '.')
-        for (end++; is_digit(byte_at(p, end)); end++)
-            continue;
-    int sign = byte_at(p, end + 1);
-    if ((byte_at(p, end) == 'e' || byte_at(p, end) == 'E')
-        && (is_digit(sign) || ((sign == '+' || sign == '-') && is_digit(byte_at(p, end + 2)))))
-        for (end += 2; is_digit(byte_at(p, end)); end++)
-            continue;
-    lw_amount v = lw_amount_plain(0);
-    lw_status s = lw_number_parse(p->text + at, end - at, &v.number);
-    if (s != LW_OK)
-        return fault(p, at, s == LW_E_NUMERIC ? "this number is too large" : "this is no number");
-    p->at = end;
-    s = unit_after(p, &v);
+    lw_amount v = lw_amount_plain(value);
+    lw_status s = unit_after(p, &v);
+    (void)out;
     return s == LW_OK ? emit(p, (operation){ .op = OP_NUMBER, .at = at, .value = v }) : s;
 }
 
-static lw_status primary(parser *p)
+static lw_status operate(parser *p, size_t at, lw_op op, lw_operand a, lw_operand b, lw_operand *out)
 {
-    int byte = peek(p);
+    (void)a, (void)b, (void)out;
+    return emit(p, (operation){ .op = (int)op, .n = op == LW_OP_NEGATE ? 1 : 2, .at = at });
+}
+
+static lw_status word(parser *p, int byte, lw_operand *out)
+{
+    char name[LW_WORD_SIZE], why[256] = "", buf[24];
     size_t at = p->at;
-    char buf[24];
-    if (is_digit(byte) || (byte == '.' && is_digit(byte_at(p, at + 1))))
-        return number(p);
-    if (is_letter(byte))
-        return word(p);
+    (void)out;
     if (byte == '\'')
         return literal(p);
-    if (byte != '(')
-        return fault(p, at, "a number, a word, a 'text' or '(' is expected, not %s", lw_byte_name(byte, buf));
-    p->at++;
-    lw_status s = disjunction(p);
-    if (s == LW_OK && !take(p, ')'))
-        s = fault(p, p->at, "')' is expected, not %s: the bracket of column %zu is open", lw_byte_name(peek(p), buf),
-                  at + 1);
-    return s;
-}
-
-static lw_status unary(parser *p)
-{
-    int byte = peek(p);
-    size_t at = p->at;
-    if (p->depth == DEPTH_MAX)
-        return fault(p, at, "too many brackets, signs or powers in each other: at most %d", DEPTH_MAX);
-    p->depth++;
-    lw_status s;
-    if (byte == '+' || byte == '-') {
-        p->at++;
-        s = unary(p);
-        if (s == LW_OK && byte == '-')
-            s = emit(p, (operation){ .op = OP_NEGATE, .n = 1, .at = at });
-    } else {
-        s = primary(p);
-        if (s == LW_OK && peek(p) == '^') {
-            at = p->at++;
-            s = unary(p);
-            if (s == LW_OK)
-                s = emit(p, (operation){ .op = OP_POWER, .n = 2, .at = at });
-        }
+    if (!lw_is_letter(byte))
+        return lw_arithmetic_fault(p, at, "a number, a word, a 'text' or '(' is expected, not %s", lw_byte_name(byte, buf));
+    lw_status s = lw_arithmetic_word(p, name);
+    if (s != LW_OK)
+        return s;
+    lw_amount v = lw_amount_plain(LW_PI);
+    if (strcmp(name, "true") == 0 || strcmp(name, "false") == 0)
+        v = (lw_amount){ .kind = LW_AMOUNT_TRUTH, .number = name[0] == 't', .over = 1, .under = 1 };
+    if (strcmp(name, "pi") == 0 || v.kind == LW_AMOUNT_TRUTH)
+        return emit(p, (operation){ .op = OP_NUMBER, .at = at, .value = v });
+    const lw_math_function *g = lw_arithmetic_function(p, name);
+    if (g) {
+        lw_argument *list;
+        int n;
+        s = lw_arithmetic_arguments(p, g, &list, &n);
+        free(list);
+        return s == LW_OK ? emit(p, (operation){ .op = g->op, .n = n, .at = at }) : s;
     }
-    p->depth--;
-    return s;
-}
-
-static lw_status product(parser *p)
-{
-    lw_status s = unary(p);
-    for (int byte; s == LW_OK && ((byte = peek(p)) == '*' || byte == '/');) {
-        size_t at = p->at++;
-        s = unary(p);
-        if (s == LW_OK)
-            s = emit(p, (operation){ .op = byte == '*' ? OP_MULTIPLY : OP_DIVIDE, .n = 2, .at = at });
-    }
-    return s;
-}
-
-static lw_status sum(parser *p)
-{
-    lw_status s = product(p);
-    for (int byte; s == LW_OK && ((byte = peek(p)) == '+' || byte == '-');) {
-        size_t at = p->at++;
-        s = product(p);
-        if (s == LW_OK)
-            s = emit(p, (operation){ .op = byte == '+' ? OP_ADD : OP_SUBTRACT, .n = 2, .at = at });
-    }
-    return s;
+    const vocabulary *w = p->words;
+    lw_formula *f = p->made;
+    int id = w->lookup ? w->lookup(w->context, name, why) : -1;
+    if (id < 0)
+        return why[0] ? lw_arithmetic_fault(p, at, "%s", why) : lw_arithmetic_unknown(p, name, at);
+    f->word[f->n_word++] = id;
+    return emit(p, (operation){ .op = OP_WORD, .at = at, .word = id });
 }
 
 static lw_status comparison(parser *p)
 {
-    static const struct { const char *sign; op op; } signs[] = {      /* longer ones first */
+    lw_operand none;
+    static const struct { const char *sign; int op; } signs[] = {      /* longer ones first */
         { "==", OP_EQUAL }, { "!=", OP_DIFFERENT }, { "<=", OP_AT_MOST }, { ">=", OP_AT_LEAST }, { "<", OP_LESS },
         { ">", OP_GREATER }, { "=", OP_EQUAL } };
-    lw_status s = sum(p);
-    peek(p);
+    lw_status s = lw_arithmetic_sum(p, &none);
+    lw_arithmetic_peek(p);
     for (size_t i = 0; s == LW_OK && i < sizeof signs/sizeof *signs; i++) {
         size_t n = strlen(signs[i].sign), at = p->at;
         if (p->size - at < n || memcmp(p->text + at, signs[i].sign, n) != 0)
             continue;
         p->at += n;
-        s = sum(p);
+        s = lw_arithmetic_sum(p, &none);
         return s == LW_OK ? emit(p, (operation){ .op = signs[i].op, .n = 2, .at = at }) : s;
     }
     return s;
@@ -525,11 +366,11 @@ static lw_status comparison(parser *p)
 
 static lw_status negation(parser *p)
 {
-    size_t at = (peek(p), p->at);
+    size_t at = (lw_arithmetic_peek(p), p->at);
     if (!take_word(p, "not"))
         return comparison(p);
     if (p->depth == DEPTH_MAX)
-        return fault(p, at, "too many \"not\" in each other: at most %d", DEPTH_MAX);
+        return lw_arithmetic_fault(p, at, "too many \"not\" in each other: at most %d", DEPTH_MAX);
     p->depth++;
     lw_status s = negation(p);
     p->depth--;
@@ -539,19 +380,20 @@ static lw_status negation(parser *p)
 static lw_status conjunction(parser *p)
 {
     lw_status s = negation(p);
-    for (size_t at = (peek(p), p->at); s == LW_OK && take_word(p, "and"); at = (peek(p), p->at))
+    for (size_t at = (lw_arithmetic_peek(p), p->at); s == LW_OK && take_word(p, "and"); at = (lw_arithmetic_peek(p), p->at))
         if ((s = negation(p)) == LW_OK)
             s = emit(p, (operation){ .op = OP_AND, .n = 2, .at = at });
     return s;
 }
 
-static lw_status disjunction(parser *p)
+static lw_status disjunction(parser *p, lw_operand *out)
 {
+    (void)out;
     if (p->depth == DEPTH_MAX)
-        return fault(p, p->at, "too many brackets in each other: at most %d", DEPTH_MAX);
+        return lw_arithmetic_fault(p, p->at, "too many brackets in each other: at most %d", DEPTH_MAX);
     p->depth++;
     lw_status s = conjunction(p);
-    for (size_t at = (peek(p), p->at); s == LW_OK && take_word(p, "or"); at = (peek(p), p->at))
+    for (size_t at = (lw_arithmetic_peek(p), p->at); s == LW_OK && take_word(p, "or"); at = (lw_arithmetic_peek(p), p->at))
         if ((s = conjunction(p)) == LW_OK)
             s = emit(p, (operation){ .op = OP_OR, .n = 2, .at = at });
     p->depth--;
@@ -561,23 +403,19 @@ static lw_status disjunction(parser *p)
 /* "as UNIT" or the end. */
 static lw_status end_of(parser *p)
 {
-    char buf[24];
     if (take_word(p, "as")) {
         lw_error inner = { 0 };
-        peek(p);
-        lw_status s = lw_unit_parse(p->text + p->at, p->size - p->at, &p->f->unit, &inner);
-        p->f->has_unit = true;
-        return s == LW_OK ? s : fault(p, p->at + (inner.column > 0 ? (size_t)inner.column - 1 : 0), "%s", inner.text);
+        lw_formula *f = p->made;
+        lw_arithmetic_peek(p);
+        lw_status s = lw_unit_parse(p->text + p->at, p->size - p->at, &f->unit, &inner);
+        f->has_unit = true;
+        return s == LW_OK ? s : lw_arithmetic_fault(p, p->at + (inner.column > 0 ? (size_t)inner.column - 1 : 0), "%s", inner.text);
     }
-    int byte = peek(p);
-    if (byte < 0)
-        return LW_OK;
-    if (byte == ')')
-        return fault(p, p->at, "this ')' closes nothing");
-    if (byte == ',')
-        return fault(p, p->at, "',' stands between arguments of a function only; numbers have a decimal point");
-    return fault(p, p->at, "an operator or the end is expected, not %s", lw_byte_name(byte, buf));
+    return lw_arithmetic_end(p);
 }
+
+static const lw_language language = { .words = "parameter or function", .depth = DEPTH_MAX, .function = functions,
+    .n_function = sizeof functions/sizeof *functions, .whole = disjunction, .number = number, .other = word, .apply = operate };
 
 lw_status lw_formula_parse(const char *text, size_t size, lw_formula_lookup *lookup, void *context, lw_formula **out,
                            lw_error *e)
@@ -593,8 +431,10 @@ lw_status lw_formula_parse(const char *text, size_t size, lw_formula_lookup *loo
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a formula");
     }
     lw_error own = { 0 };
-    parser p = { .text = text, .size = size, .f = f, .lookup = lookup, .context = context, .e = e ? e : &own };
-    lw_status s = disjunction(&p);
+    vocabulary w = { lookup, context };
+    lw_operand none;
+    parser p = { .text = text, .size = size, .language = &language, .made = f, .words = &w, .e = e ? e : &own };
+    lw_status s = disjunction(&p, &none);
     if (s == LW_OK)
         s = end_of(&p);
     if (s != LW_OK)
@@ -660,8 +500,8 @@ static lw_status add(const operation *o, lw_amount *a, const lw_amount *b, lw_er
 {
     double other;
     if (!align(a, b, &other))
-        return unfit(o, a, b, o->op == OP_ADD ? "added" : "subtracted", e);
-    a->number = o->op == OP_ADD ? a->number + other : a->number - other;
+        return unfit(o, a, b, o->op == LW_OP_ADD ? "added" : "subtracted", e);
+    a->number = o->op == LW_OP_ADD ? a->number + other : a->number - other;
     return LW_OK;
 }
 
@@ -676,7 +516,7 @@ static void settle(lw_amount *a)
 
 static lw_status multiply(const operation *o, lw_amount *a, const lw_amount *b, lw_error *e)
 {
-    bool divide = o->op == OP_DIVIDE;
+    bool divide = o->op == LW_OP_DIVIDE;
     if (a->kind != LW_AMOUNT_NUMBER || b->kind != LW_AMOUNT_NUMBER)
         return unfit(o, a, b, divide ? "divided" : "multiplied", e);
     a->number = divide ? a->number/b->number : a->number*b->number;
@@ -728,22 +568,22 @@ static lw_status elementary(const operation *o, lw_amount *a, lw_error *e)
     double x = lw_amount_si(a);
     if (!is_number_or_angle(a))
         return mistake(o, e, "a plain number%s is expected as argument, this is [%s]",
-                       o->op <= OP_TAN ? " or an angle" : "", print_kind(a, text));
+                       o->op <= LW_OP_TAN ? " or an angle" : "", print_kind(a, text));
     switch (o->op) {
-    case OP_SIN:  x = sin(x); break;
-    case OP_COS:  x = cos(x); break;
-    case OP_TAN:  x = tan(x); break;
-    case OP_ASIN: x = asin(x); break;
-    case OP_ACOS: x = acos(x); break;
-    case OP_ATAN: x = atan(x); break;
-    case OP_SINH: x = sinh(x); break;
-    case OP_COSH: x = cosh(x); break;
-    case OP_TANH: x = tanh(x); break;
-    case OP_EXP:  x = exp(x); break;
+    case LW_OP_SIN:  x = sin(x); break;
+    case LW_OP_COS:  x = cos(x); break;
+    case LW_OP_TAN:  x = tan(x); break;
+    case LW_OP_ASIN: x = asin(x); break;
+    case LW_OP_ACOS: x = acos(x); break;
+    case LW_OP_ATAN: x = atan(x); break;
+    case LW_OP_SINH: x = sinh(x); break;
+    case LW_OP_COSH: x = cosh(x); break;
+    case LW_OP_TANH: x = tanh(x); break;
+    case LW_OP_EXP:  x = exp(x); break;
     default:      x = log(x); break;
     }
     *a = lw_amount_plain(x);
-    a->dimension.of[LW_DIMENSION_RADIAN] = o->op == OP_ASIN || o->op == OP_ACOS || o->op == OP_ATAN;
+    a->dimension.of[LW_DIMENSION_RADIAN] = o->op == LW_OP_ASIN || o->op == LW_OP_ACOS || o->op == LW_OP_ATAN;
     return LW_OK;
 }
 
@@ -759,11 +599,11 @@ static lw_status of_pair(const operation *o, lw_amount *a, const lw_amount *b, l
     if (!align(a, b, &y))
         return unfit(o, a, b, "compared", e);
     double x = a->number;
-    if (o->op == OP_ATAN2) {
+    if (o->op == LW_OP_ATAN2) {
         *a = lw_amount_plain(atan2(x, y));
         a->dimension.of[LW_DIMENSION_RADIAN] = 1;
     } else
-        a->number = o->op == OP_MOD ? modulo(x, y) : hypot(x, y);
+        a->number = o->op == LW_OP_MOD ? modulo(x, y) : hypot(x, y);
     return LW_OK;
 }
 
@@ -820,7 +660,7 @@ static lw_status of_list(const operation *o, lw_amount *a, lw_error *e)
     for (int i = 1; i < o->n; i++) {
         if (!align(a, &a[i], &y))
             return unfit(o, a, &a[i], "compared", e);
-        bool better = o->op == OP_MIN ? y < value : o->op == OP_MAX ? y > value
+        bool better = o->op == LW_OP_MIN ? y < value : o->op == LW_OP_MAX ? y > value
                     : y >= a->number && (best < 0 || y < value);
         if (better) {
             best = i;
@@ -841,10 +681,10 @@ static lw_status unary_value(const operation *o, lw_amount *a, lw_error *e)
     if (a->kind != LW_AMOUNT_NUMBER)
         return mistake(o, e, "a number is expected here, this is a [%s]", print_kind(a, text));
     switch (o->op) {
-    case OP_NEGATE: a->number = -a->number; return LW_OK;
-    case OP_ABS:    a->number = fabs(a->number); return LW_OK;
-    case OP_SIGN:   *a = lw_amount_plain((a->number > 0) - (a->number < 0)); return LW_OK;
-    case OP_SQRT:   return power(o, a, 0.5, e);
+    case LW_OP_NEGATE: a->number = -a->number; return LW_OK;
+    case LW_OP_ABS:    a->number = fabs(a->number); return LW_OK;
+    case LW_OP_SIGN:   *a = lw_amount_plain((a->number > 0) - (a->number < 0)); return LW_OK;
+    case LW_OP_SQRT:   return power(o, a, 0.5, e);
     default:        break;
     }
     if (!is_plain(a->dimension))
@@ -857,19 +697,19 @@ static lw_status unary_value(const operation *o, lw_amount *a, lw_error *e)
 static lw_status apply(const operation *o, lw_amount *a, lw_error *e)
 {
     switch (o->op) {
-    case OP_ADD: case OP_SUBTRACT:    return add(o, a, a + 1, e);
-    case OP_MULTIPLY: case OP_DIVIDE: return multiply(o, a, a + 1, e);
-    case OP_POWER:
+    case LW_OP_ADD: case LW_OP_SUBTRACT:    return add(o, a, a + 1, e);
+    case LW_OP_MULTIPLY: case LW_OP_DIVIDE: return multiply(o, a, a + 1, e);
+    case LW_OP_POWER:
         if (a[0].kind != LW_AMOUNT_NUMBER || !is_number_or_angle(&a[1]))
             return mistake(o, e, "an exponent is a plain number");
         return power(o, a, lw_amount_si(&a[1]), e);
     case OP_NOT: case OP_AND: case OP_OR: return logic(o, a, e);
     case OP_EQUAL: case OP_DIFFERENT: case OP_LESS: case OP_AT_MOST: case OP_GREATER: case OP_AT_LEAST:
         return compare(o, a, a + 1, e);
-    case OP_ATAN2: case OP_MOD: case OP_HYPOT: return of_pair(o, a, a + 1, e);
-    case OP_MIN: case OP_MAX: case OP_STANDARD: return of_list(o, a, e);
+    case LW_OP_ATAN2: case LW_OP_MOD: case LW_OP_HYPOT: return of_pair(o, a, a + 1, e);
+    case LW_OP_MIN: case LW_OP_MAX: case OP_STANDARD: return of_list(o, a, e);
     case OP_IF: return choose(o, a, e);
-    case OP_NEGATE: case OP_ABS: case OP_SIGN: case OP_SQRT: case OP_FLOOR: case OP_CEIL: case OP_ROUND:
+    case LW_OP_NEGATE: case LW_OP_ABS: case LW_OP_SIGN: case LW_OP_SQRT: case OP_FLOOR: case OP_CEIL: case OP_ROUND:
         return unary_value(o, a, e);
     default: return elementary(o, a, e);
     }
