@@ -304,6 +304,20 @@ struct lw_results {
 static const lw_fit *fit_of(const lw_results *r) { return r->is_exact ? &r->exact.fit : &r->search.found.fit; }
 static const lw_fit_results *list_of(const lw_results *r) { return r->is_exact ? &r->verified : &r->search.results; }
 
+/* Hand out r, which a search that ended with s has filled. */
+static lw_status hand_over(lw_results *r, const lw_target *target, lw_status s, lw_results **out)
+{
+    if (s < 0 || s == LW_NOTHING) {
+        free(r);
+        return s;
+    }
+    r->n_station = target->n;
+    r->extent = target->extent;
+    r->has_points = target->x != NULL;
+    *out = r;
+    return s;
+}
+
 lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, lw_results **out, lw_error *error)
 {
     lw_topology_search_options o = lw_topology_search_options_default();
@@ -332,15 +346,7 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
         s = lw_topology_search_run(target, &o, &r->search, error);
     }
     free(start);
-    if (s < 0 || s == LW_NOTHING) {
-        free(r);
-        return s;
-    }
-    r->n_station = target->n;
-    r->extent = target->extent;
-    r->has_points = target->x != NULL;
-    *out = r;
-    return s;
+    return hand_over(r, target, s, out);
 }
 
 lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out,
@@ -367,15 +373,7 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
         if (made != LW_OK)
             lw_exact_free(&r->exact);
     }
-    if (s < 0 || s == LW_NOTHING) {
-        free(r);
-        return s;
-    }
-    r->n_station = target->n;
-    r->extent = target->extent;
-    r->has_points = target->x != NULL;
-    *out = r;
-    return s;
+    return hand_over(r, target, s, out);
 }
 
 void lw_results_destroy(lw_results *results)

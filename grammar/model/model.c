@@ -44,18 +44,6 @@ lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error
     return *linkage ? LW_OK : lw_assembly_linkage(&m->linkage, &any, e);
 }
 
-static int time_alone(void *context, const char *word, const char *name, char *why)
-{
-    (void)context, (void)why;
-    return strcmp(word, "t") == 0 && !name ? lw_variable(LW_QUANTITY_T, 0) : -1;
-}
-
-static const struct lw_moves *find_profile(void *context, const char *name)
-{
-    const lw_model *m = context;
-    return lw_moves_find(m->n_profile, m->profile, name);
-}
-
 static double earlier(double than, const lw_expression *x, double t)
 {
     double at = x ? lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t) : than;
@@ -86,15 +74,7 @@ double lw_model_next_kink(const lw_model *m, double t)
 
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e)
 {
-    lw_expression *x;
-    lw_expression_words words = { .context = m, .variable = time_alone, .moves = find_profile };
-    lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
-    if (s != LW_OK)
-        return s;
-    lw_expression_free(m->motion[input]);
-    m->motion[input] = x;
-    m->has_speed[input] = false;
-    return LW_OK;
+    return lw_motion_replace(motion, &m->n_profile, &m->profile, &m->motion[input], &m->has_speed[input], e);
 }
 
 void lw_states_free(lw_states *s)

@@ -41,6 +41,10 @@ typedef struct lw_reading {
 lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
                              lw_expression **out, lw_error *e);
 
+/* Put the expression in the text, of t and of profiles, in the place of an input's motion. */
+lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *const *profile, lw_expression **motion, bool *has_speed,
+                            lw_error *e);
+
 /* ---- model_joint.c: what a joint has besides its freedoms ------------------------------------------------ */
 
 /* Numbers of a stop, about the posture of the file at displacement 0: least, greatest [unit], restitution, stiffness,

@@ -229,6 +229,22 @@ lw_status lw_read_expression(const lw_json_node *object, const char *key, const 
     return lw_json_fault_inside(&n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
 }
 
+lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *const *profile, lw_expression **motion, bool *has_speed,
+                            lw_error *e)
+{
+    const lw_reading r = { .n_profile = n_profile, .profile = profile };
+    look l = { &r, LW_OF_TIME };
+    lw_expression *x;
+    lw_status s = lw_expression_parse_words(text, strlen(text), &(lw_expression_words){ .context = &l, .variable = look_up_variable,
+                                            .moves = find_profile }, &x, e);
+    if (s != LW_OK)
+        return s;
+    lw_expression_free(*motion);
+    *motion = x;
+    *has_speed = false;
+    return LW_OK;
+}
+
 /* ---- names ------------------------------------------------------------------------------------------------ */
 
 static lw_status name_state(const lw_json_node *object, lw_states *z, const char *name, const char *what, const char *unit,

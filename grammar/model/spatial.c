@@ -1,5 +1,6 @@
 /* grammar/model/spatial.c - a spatial model in memory: kinds of joints, size, motions, release. */
 #include "grammar/model/spatial.h"
+#include "grammar/model/model_internal.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,29 +66,9 @@ void lw_spatial_open_free(lw_spatial *open)
     memset(open, 0, sizeof *open);
 }
 
-static int time_alone(void *context, const char *word, const char *name, char *why)
-{
-    (void)context, (void)why;
-    return strcmp(word, "t") == 0 && !name ? lw_variable(LW_QUANTITY_T, 0) : -1;
-}
-
-static const struct lw_moves *find_profile(void *context, const char *name)
-{
-    const lw_spatial *m = context;
-    return lw_moves_find(m->n_profile, m->profile, name);
-}
-
 lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_error *e)
 {
-    lw_expression *x;
-    lw_expression_words words = { .context = m, .variable = time_alone, .moves = find_profile };
-    lw_status s = lw_expression_parse_words(motion, strlen(motion), &words, &x, e);
-    if (s != LW_OK)
-        return s;
-    lw_expression_free(m->input[i].motion);
-    m->input[i].motion = x;
-    m->input[i].has_speed = false;
-    return LW_OK;
+    return lw_motion_replace(motion, &m->n_profile, &m->profile, &m->input[i].motion, &m->input[i].has_speed, e);
 }
 
 /* Place k of the joints, tracers and centres of mass; false: there is none. */
