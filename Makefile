@@ -7,11 +7,14 @@ ifeq ($(origin CC),default)
 CC       = gcc
 endif
 ifeq ($(origin CFLAGS),undefined)
-CFLAGS   = -O3 -g1
-# rooms without hot loops compile twice as fast with less optimisation
-PLAIN    = $(addsuffix /%,cli/program cli/topologies cli/motion cli/fit cli/draw cli/catalogue cli/studio studio surface optimise/task \
-           catalogues/draw catalogues/exchange catalogues/pages catalogues/build)
-LESS     = $(if $(filter-out catalogues/draw/chain_%,$(filter $(PLAIN),$<)),-O1)
+CFLAGS   = -O2 -g1
+# rooms of loops that run millions of times, and rooms without any: the last compile in half the time
+HOT      = base enumerate grammar/functions grammar/topology mbs/plan mbs/batch mbs/kinematics mbs/constraints mbs/ode \
+           optimise/problem optimise/solvers optimise/search catalogues/curves
+PLAIN    = cli/program cli/topologies cli/motion cli/family cli/fit cli/draw cli/catalogue cli/studio studio surface grammar/text \
+           grammar/linkage grammar/model grammar/family optimise/task optimise/report catalogues/draw catalogues/exchange \
+           catalogues/pages catalogues/build catalogues/store
+LEVEL    = $(if $(filter $(HOT:%=%/%) catalogues/draw/chain_%,$<),-O3,$(if $(filter $(PLAIN:%=%/%),$<),-O1))
 endif
 PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
@@ -37,7 +40,7 @@ ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)
 endif
-COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(STACK) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LESS) -MMD -MP
+COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(STACK) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LEVEL) -MMD -MP
 
 # mbs/batch/kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
@@ -45,7 +48,8 @@ ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,na
 # inlined functions only; the other two passes take a third of the compile time and gain nothing.  Nor do those of KERNEL_LEAN
 # in loops that are already written in vectors
 # gcc 12 with a stack protector stores vectors in arrays of the stack that it has not aligned for them
-KERNEL   = -mprefer-vector-width=512 -Wno-psabi -fno-stack-protector \
+# -O2 makes them up to five times slower, also where CFLAGS come from a packager
+KERNEL   = $(if $(filter -O2,$(CFLAGS)),-O3) -mprefer-vector-width=512 -Wno-psabi -fno-stack-protector \
            $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre -fno-gcse-after-reload -fno-var-tracking $(KERNEL_LEAN))
 KERNEL_LEAN = $(if $(filter %/kernel_higher.c %/kernel_continuation.c,$<),-fno-gcse -fno-tree-vrp -fno-ipa-cp -fno-tree-sink \
            -fno-tree-loop-distribution -fno-tree-loop-distribute-patterns -fno-split-loops -fno-unswitch-loops \
