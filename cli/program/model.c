@@ -93,18 +93,6 @@ lw_status cli_any_linkage_text(const char *path, int which, const char *text, si
     return or_spatial(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), spatial, e);
 }
 
-lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, lw_spatial **spatial, lw_error *e)
-{
-    char *text = NULL;
-    size_t size = 0;
-    *spatial = NULL;
-    lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
-    if (s == LW_OK)
-        s = cli_any_linkage_text(path, which, text, size, k, spatial, e);
-    free(text);
-    return s;
-}
-
 lw_model *cli_read_model(const char *path, int which, lw_error *e)
 {
     lw_model *m;

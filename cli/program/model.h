@@ -22,7 +22,6 @@ lw_status cli_read_any_model(const char *path, int which, struct lw_model **plan
                              lw_error *e);
 lw_status cli_any_model_text(const char *text, size_t size, const char *path, int which, struct lw_model **planar,
                              struct lw_spatial **spatial, lw_error *e);
-lw_status cli_read_any_linkage(const char *path, int which, lw_linkage *k, struct lw_spatial **spatial, lw_error *e);
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
 
 /* The same from text in memory. */

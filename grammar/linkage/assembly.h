@@ -37,6 +37,9 @@ lw_status lw_assembly_copy(const lw_assembly *from, lw_assembly *to);
 int       lw_assembly_mobility(const lw_assembly *a);
 int       lw_assembly_free_inputs(const lw_assembly *a);
 double    lw_assembly_tied_input(const lw_assembly *a, int i, double first);
+
+/* Unit of the ratio of input i, with `metre` the length unit: metre if it slides and the first input turns,
+ * 1/metre if it turns and the first slides, else 1. */
 double    lw_assembly_tie_unit(const lw_assembly *a, int i, double metre);
 char     *lw_assembly_write(const lw_assembly *a, int indent);      /* as lw_linkage_write */
 double    lw_assembly_posture_input(const lw_assembly *a, int joint);

@@ -92,12 +92,6 @@ int lw_linkage_free_inputs(const lw_linkage *linkage)
     return lw_assembly_free_inputs(&a);
 }
 
-double lw_linkage_tie_unit(const lw_linkage *linkage, int i, double metre)
-{
-    lw_assembly a = lw_linkage_view(linkage);
-    return lw_assembly_tie_unit(&a, i, metre);
-}
-
 double lw_linkage_posture_input(const lw_linkage *linkage, int joint)
 {
     lw_assembly a = lw_linkage_view(linkage);

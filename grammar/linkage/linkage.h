@@ -66,10 +66,6 @@ int lw_linkage_mobility(const lw_linkage *linkage);
 /* The number of free inputs.  They come first; the others are tied. */
 int lw_linkage_free_inputs(const lw_linkage *linkage);
 
-/* Unit of the ratio of input i, with `metre` the length unit: metre if it slides and the first input turns,
- * 1/metre if it turns and the first slides, else 1. */
-double lw_linkage_tie_unit(const lw_linkage *linkage, int i, double metre);
-
 /* The bearings of a gear joint.  Speeds are relative to the carrier, so the ratio is that of the rotations, > 0
  * for an internal gear and < 0 for an external one.  With a rack it is the displacement of the rack along its
  * slide line over the rotation of the pinion [m/rad] if the rack is link[1], and the inverse [rad/m] if it is

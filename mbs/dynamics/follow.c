@@ -43,7 +43,6 @@ void lw_follow_own(lw_follow *f, void (*free_dynamics)(lw_dynamics *)) { f->free
 double lw_follow_time(const lw_follow *f) { return f->t; }
 const double *lw_follow_series(const lw_follow *f) { return f->shown; }
 const lw_system *lw_follow_system(const lw_follow *f) { return &f->d->s; }
-const lw_dynamics *lw_follow_dynamics(const lw_follow *f) { return f->d; }
 
 /* ---- one posture ------------------------------------------------------------------------------------------- */
 

@@ -32,6 +32,5 @@ double        lw_follow_time(const lw_follow *f);
 /* Coefficients q[k*n_q + i] of the coordinates by t, k = 0 .. LW_FOLLOW_ORDER, where f is. */
 const double *lw_follow_series(const lw_follow *f);
 const lw_system *lw_follow_system(const lw_follow *f);
-const lw_dynamics *lw_follow_dynamics(const lw_follow *f);
 
 #endif
