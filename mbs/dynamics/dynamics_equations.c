@@ -784,7 +784,7 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */
 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
-static const double damped = 1e3;            /* the same where an implicit method of high order serves */
+static const double damped = 500, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
 static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
@@ -849,11 +849,12 @@ bool lw_mbs_is_stiff(lw_dynamics *d)
     return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
 }
 
-bool lw_mbs_is_damped_tree(lw_dynamics *d)
+bool lw_mbs_is_damped(lw_dynamics *d, bool reduced)
 {
-    if (d->space || d->large || d->s.n_joint != d->s.n_body || d->s.n_tie || d->n_driven || d->eq.n_z || !d->eq.exact)
-        return false;
-    return lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped;
+    if (lw_mbs_is_stiff(d) || d->space)
+        return lw_mbs_is_stiff(d);
+    return !d->n_friction && !d->n_stop && !d->touch && !d->has_zero_mass && !d->s.n_tie && !d->n_driven && d->eq.exact
+        && d->decay*(d->o.to - d->o.from) > (reduced ? damped_reduced : damped);
 }
 
 bool lw_mbs_has_derivatives(const lw_dynamics *d)

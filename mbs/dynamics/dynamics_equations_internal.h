@@ -194,8 +194,8 @@ bool lw_mbs_is_stiff(lw_dynamics *d);
 /* Does regularised friction, at twice the reactions of the start, make joints that rest stiff?  Always, in space. */
 bool lw_mbs_friction_is_stiff(lw_dynamics *d);
 
-/* An open chain in the plane, which has no singular postures, whose dampers keep the steps of an explicit method short. */
-bool lw_mbs_is_damped_tree(lw_dynamics *d);
+/* Do dampers keep the steps of an explicit method (reduced: in one coordinate) so short that an implicit one of high order is faster? */
+bool lw_mbs_is_damped(lw_dynamics *d, bool reduced);
 
 /* Are the derivatives complete that the dae solver asks for (mbs/dynamics/dynamics_ggl.c)? */
 bool lw_mbs_has_derivatives(const lw_dynamics *d);

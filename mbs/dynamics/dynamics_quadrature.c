@@ -18,6 +18,7 @@ enum { N = LW_PANEL_NODES };
 
 static const double finest = 2e-14;          /* unresolved part that rounding leaves */
 static const double shortest = 1e-7;         /* panel, in units of the coordinate */
+static const double near_end = 0.02;         /* of its range: nearer to it, other coordinates go on */
 
 /* A panel.  s = from + sense length x for 0 <= x <= 1.  A turning panel: s = from - sense length x, x = u^2, with u
  * from `begin` (-1; 0 out of rest) to 1. */
@@ -30,6 +31,7 @@ typedef struct panel {
     double pace[N];                          /* dt/dx over length, or dt/du */
     double pace_c[N], time_c[N], force_c[N], other_c[N];      /* coefficients: pace; means of pace, Q, other */
     bool   ready;                            /* the coefficients are made */
+    bool   still[LW_LINK_MAX];               /* the link turns by less than 2 rad in it */
 } panel;
 
 typedef struct quadrature {
@@ -128,7 +130,7 @@ static lw_status fill_turning(quadrature *z, double top, double sense, double le
 static lw_status turning_panel(quadrature *z, double guess)
 {
     panel *p = &z->p;
-    double top = guess, tail, *last = &z->top[z->sense > 0];
+    double top = guess, tail, before = z->kinetic, *last = &z->top[z->sense > 0];
     if (fabs(*last - guess) < 0.5*z->length)
         top = *last;                             /* the same place again, but for rounding */
     for (int k = 0;; k++) {
@@ -141,6 +143,9 @@ static lw_status turning_panel(quadrature *z, double guess)
             return st == LW_OK || st == LW_OPEN ? LW_NOTHING : st;
         if (fabs(off) <= 4e-16*z->kinetic || fabs(off/slope) <= 2e-16*fabs(top))
             break;
+        if (fabs(off) > 0.5*before && fabs(off) > 1e-13*z->kinetic)
+            return LW_NOTHING;               /* it does not turn back here */
+        before = fabs(off);
         top += z->sense*off/slope;
     }
     if (!pace_turning(z, &tail))
@@ -250,12 +255,13 @@ static lw_status straight_panel(quadrature *z)
     panel *p = &z->p;
     double tail, guess;
     bool turns, tried = false;
-    for (int k = 0; k < 100 && z->length > shortest*z->r->scale; k++) {
+    lw_status st = LW_OK;
+    for (int k = 0; k < 100 && z->length > (st == LW_OPEN ? near_end : shortest)*z->r->scale; k++) {
         p->turning = false;
         p->from = z->s;
         p->sense = z->sense;
         p->length = z->length;
-        lw_status st = fill(z, z->s, z->sense*z->length);
+        st = fill(z, z->s, z->sense*z->length);
         if (st != LW_OK && st != LW_OPEN)
             return st;
         bool resolved = st == LW_OK && pace_on(z, &tail, &turns, &guess);
@@ -272,7 +278,7 @@ static lw_status straight_panel(quadrature *z)
             z->length *= length_factor(z, tail);
             return LW_OK;
         } else {
-            z->length *= st == LW_OK && tail < 1 ? length_factor(z, tail) : 0.5;
+            z->length *= st == LW_OK && tail < 1 ? fmin(length_factor(z, tail), k ? 0.7 : 1) : 0.5;
         }
     }
     return LW_OPEN;
@@ -291,6 +297,12 @@ static void prepare(quadrature *z)
     lw_panel_apply(&z->rule->coef, m, p->force_c);
     lw_panel_apply(&z->rule->mean, p->other, m);
     lw_panel_apply(&z->rule->coef, m, p->other_c);
+    for (int b = 0; b < z->run->d->s.n_body; b++) {
+        double most = 0;
+        for (int i = 0; i < N; i++)
+            most = fmax(most, fabs(p->rate[i][b]));
+        p->still[b] = p->length*most < 1;
+    }
     p->ready = true;
 }
 
@@ -312,7 +324,7 @@ static double place_at(const panel *p, double t)
         *(off > 0 ? &high : &low) = x;
         next = x - off/slope;
         next = next > low && next < high ? next : 0.5*(low + high);
-        if (fabs(next - x) <= 1e-16 + 2e-16*fabs(x))
+        if (fabs(next - x) <= 2e-15)
             return next;
         x = next;
     }
@@ -350,7 +362,7 @@ static lw_status state_at(void *context, double t, double *y)
     if (st != LW_OK)
         return st;
     for (int b = 0; b < d->s.n_body; b++)
-        y[3*b + 2] = z->turns[b] + turned(z, b, v);
+        y[3*b + 2] = z->turns[b] + (p->still[b] ? 0 : turned(z, b, v));
     lw_reduced_state(z->r, d, speed/sqrt(mass), y, y + d->n_q);
     if (z->run->has_work) {
         double v0 = p->begin*p->begin;

@@ -10,7 +10,8 @@
  * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit
  * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
  * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
- * put on the constraints.  Steps end at the samples, where positions, velocities, accelerations and multipliers are those of
+ * put on the constraints.  Samples of rigid links in the plane lie on the polynomial through the stages, whose error is of the order
+ * of the error estimate.  Steps of other models end at the samples, where positions, velocities, accelerations and multipliers are those of
  * the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency.
  *
  * Generalised alpha (Chung & Hulbert 1993; with turns Bruels & Cardona 2010) is the same with one stage at the end of the step,
@@ -61,6 +62,7 @@ typedef struct stages {
     double *aux, *aux_x;                     /* (n) auxiliary accelerations, (n_x) second rates of states, at t */
     double  contraction;
     long    since;                           /* steps with the present history; 0: none */
+    bool    dense;                           /* samples lie within steps */
 } stages;
 
 /* x (n): A x = b, A by columns, overwritten. */
@@ -290,6 +292,26 @@ static void predict_alpha(stages *g)
     memcpy(g->zl, g->l, (size_t)g->c*sizeof *g->l);
 }
 
+/* The polynomials of the stages at `at` of the step: one is 1 at its stage and 0 at the others (l), and at 0 too (b, with slope db). */
+typedef struct polynomials { double b[MOST_STAGES], db[MOST_STAGES], l[MOST_STAGES]; } polynomials;
+
+static polynomials polynomials_at(const stages *g, double at)
+{
+    polynomials p;
+    for (int j = 0; j < g->s; j++) {
+        double value = 1, slope = 0;
+        for (int i = 0; i < g->s; i++) {
+            double by = 1/(g->at[j] - g->at[i]), f = (at - g->at[i])*by;
+            slope = i == j ? slope : slope*f + value*by;
+            value *= i == j ? 1 : f;
+        }
+        p.l[j] = value;
+        p.b[j] = value*at/g->at[j];
+        p.db[j] = (slope*at + value)/g->at[j];
+    }
+    return p;
+}
+
 /* First values of the stages: the polynomial of the last step, or constant velocity. */
 static void predict(stages *g)
 {
@@ -299,13 +321,7 @@ static void predict(stages *g)
         return;
     }
     for (int k = 0; k < s; k++) {
-        double at = 1 + g->at[k]*g->h/(g->h_old > 0 ? g->h_old : 1), basis[MOST_STAGES], basis_l[MOST_STAGES];
-        for (int j = 0; j < s; j++) {
-            basis_l[j] = 1;
-            for (int i = 0; i < s; i++)
-                basis_l[j] *= i == j ? 1 : (at - g->at[i])/(g->at[j] - g->at[i]);
-            basis[j] = basis_l[j]*at/g->at[j];
-        }
+        polynomials p = polynomials_at(g, 1 + g->at[k]*g->h/(g->h_old > 0 ? g->h_old : 1));
         for (int i = 0; i < n + x + c; i++) {
             const double *old = i < n ? g->last + i : i < n + x ? g->last_x + i - n : g->last_l + i - n - x;
             int size = i < n ? n : i < n + x ? x : c;
@@ -315,7 +331,7 @@ static void predict(stages *g)
                 continue;
             *to = i < n + x ? -old[(s - 1)*size] : 0;
             for (int j = 0; j < s; j++)
-                *to += (i < n + x ? basis[j] : basis_l[j])*old[j*size];
+                *to += (i < n + x ? p.b[j] : p.l[j])*old[j*size];
         }
     }
 }
@@ -532,10 +548,39 @@ static lw_status show(stages *g)
     return lw_run_show_solved(g->run, g->t, g->run->y);
 }
 
-/* A step towards the next sample: as long as h, or evenly divided where few steps remain. */
+/* The state at t within the last step, by the polynomial through its stages. */
+static lw_status state_at(void *context, double t, double *y)
+{
+    stages *g = context;
+    int n = g->n, s = g->s;
+    double at = 1 + (t - g->t)/g->h_old, w[MOST_STAGES*MOST_STAGES], work[MOST_STAGES];
+    polynomials p = polynomials_at(g, at);
+    state(g, y);
+    if (at >= 1)
+        return LW_OK;
+    for (int k = 0; k < s; k++) {
+        work[k] = g->h_old*g->power[k];
+        for (int j = 0; j < s; j++)
+            w[j*s + k] = g->w[k][j];
+    }
+    solve_small(s, w, work);
+    for (int j = 0; j < s; j++) {
+        double by = p.b[j] - (j == s - 1);
+        for (int i = 0; i < n; i++) {
+            y[i] += by*g->last[j*n + i];
+            y[n + i] = (j ? y[n + i] : 0) + p.db[j]*g->last[j*n + i]/g->h_old;
+        }
+        y[2*n] += g->run->has_work ? by*work[j] : 0;
+        for (int i = 0; i < g->n_x; i++)
+            y[lw_run_states(g->run) + i] += by*g->last_x[j*g->n_x + i];
+    }
+    return lw_run_project(g->run, t, y);
+}
+
+/* A step towards the next sample (dense: the end): as long as h, or evenly divided where few steps remain. */
 static double next_step(const stages *g, double h, double *end)
 {
-    *end = lw_run_time(g->run->d, g->run->next);
+    *end = g->dense ? g->run->d->o.to : lw_run_time(g->run->d, g->run->next);
     double left = *end - g->t;
     if (left <= h*(1 + 1e-9))
         return left;
@@ -598,7 +643,7 @@ static lw_status run_steps(stages *g)
             d->eq.next_piece(d->eq.context, g->q, g->v, false);
         if (s == LW_OK) {
             lw_run_watch(run, state(g, run->y));
-            s = end > 0 ? show(g) : LW_OK;
+            s = g->dense ? lw_run_samples(run, end > 0 ? end : g->t, state_at, g) : end > 0 ? show(g) : LW_OK;
         }
         if (s == LW_OK)
             s = lw_run_limits(run, g->t, 0);
@@ -617,6 +662,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
         set_alpha(&g, d->o.rho);
     else
         set_method(&g);
+    g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece && !d->eq.next_kink;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
     double *memory = calloc(2*(size_t)run->n + 2*q + 4*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
     if (!memory)
@@ -667,7 +713,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         if (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC)
             return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of revolute and prismatic joints only");
     }
-    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !(d->space ? lw_mbs_is_stiff(d) : lw_mbs_is_damped_tree(d))))
+    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false) || (!d->space && (!d->eq.exact || d->s.n_tie))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
                               ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "

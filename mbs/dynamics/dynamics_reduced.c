@@ -596,7 +596,7 @@ static lw_status run_reduced(lw_run *run)
 
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
-    if (!asked && lw_mbs_is_stiff(d))
+    if (!asked && lw_mbs_is_damped(d, true))
         return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
     lw_status s = lw_reduced_able(d);
     return s != LW_OK ? lw_formulation_say(r, s, 0, d->not_reduced)
