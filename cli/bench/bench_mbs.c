@@ -348,7 +348,7 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
     int n = 0;
     for (; cli_mbs_problems[n].name; n++)
         names[n] = cli_mbs_problems[n].name;
-    *wanted = list ? 0 : ~0ull;
+    *wanted = list ? 0 : (1ull << (n - 1)) - 1;          /* all but the last, choice, which takes minutes */
     for (; list && *list; list += strcspn(list, ","), list += *list == ',') {
         char word[64];
         int i = 0;
@@ -360,7 +360,7 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
             return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word,
                                 near ? "did you mean '" : "there are pendulum, two-four-bars, row-of-15, row-of-40, "
                                 "row-of-400, andrews, space-slider-crank, space-bricard, space-governor, space-chain, "
-                                "space-arm, space-stewart, flexible-crank, clearance, clearance-250",
+                                "space-arm, space-stewart, flexible-crank, clearance, clearance-250, choice",
                                 near ? near : "",
                                 near ? "'?" : "");
         *wanted |= 1ull << i;
@@ -377,7 +377,7 @@ lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_erro
         if (!(b->wanted >> i & 1))
             continue;
         cli_progress_show(&line, i, 6, p->name);
-        st = p->file ? run_model(b, p, e) : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
+        st = strcmp(p->name, "choice") == 0 ? cli_mbs_choice(b, folder, e) : p->file ? run_model(b, p, e) : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
            : strcmp(p->name, "flexible-crank") == 0 ? run_flexible(b, p, e) : run_clearance(b, p, e);
     }
     cli_progress_end(&line);

@@ -17,6 +17,7 @@ typedef struct cli_mbs_row {
     double      error;                   /* greatest error against the reference; NAN: none            */
     double      off;                     /* distance from the right assembly mode [m]; NAN: none       */
     double      energy;                  /* greatest error of the energy over its scale; NAN: unknown   */
+    bool        hard;                    /* of a hard case, by the formulation that `auto` takes       */
     long        steps, rates;
     char        note[160];               /* why it failed; "": it did not                              */
 } cli_mbs_row;
@@ -80,6 +81,10 @@ lw_status cli_mbs_peers_space(cli_mbs *b, const cli_mbs_problem *p, const struct
 
 /* Add the rows of a problem in space; n_loop > 0: a chain of so many bars instead of a model of the data. */
 lw_status cli_mbs_space(cli_mbs *b, const cli_mbs_problem *p, lw_error *e);
+
+/* Add rows of models of every kind by every formulation, print how much slower than the fastest `auto` is, and save the plot of the
+ * hard cases. */
+lw_status cli_mbs_choice(cli_mbs *b, const char *folder, lw_error *e);
 
 /* Run the whole benchmark. folder NULL: write no files. cases NULL: all problems. LW_E_ARG: unknown problem in
  * `cases`. */

@@ -66,6 +66,14 @@ static void number(FILE *f, double v, double times)
         fputs(" - |", f);
 }
 
+static bool known(const char *problem)
+{
+    const cli_mbs_problem *p = cli_mbs_problems;
+    while (p->name && strcmp(p->name, problem))
+        p++;
+    return p->name != NULL;
+}
+
 static void rows(const cli_mbs *b, FILE *f)
 {
     fputs("| problem | solver | tolerance | set up ms | run ms | error | off branch | energy | steps | evaluations | "
@@ -73,6 +81,8 @@ static void rows(const cli_mbs *b, FILE *f)
           "|---|---|---|---|---|---|---|---|---|---|---|\n", f);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
+        if (!known(r->problem))              /* a model of the choice, of which mbs.csv holds the rows */
+            continue;
         double power = log10(r->tolerance);
         fprintf(f, "| %s | %s |", r->problem, r->solver);
         if (fabs(power - round(power)) < 1e-6)
@@ -118,7 +128,7 @@ static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
             b->call->line, b->machine);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
-        fprintf(o.f, "%s,%s", r->problem, r->solver);
+        fprintf(o.f, strchr(r->problem, ',') ? "\"%s\",%s" : "%s,%s", r->problem, r->solver);
         csv_number(o.f, r->tolerance);
         csv_number(o.f, r->make);
         csv_number(o.f, r->seconds);

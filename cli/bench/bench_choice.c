@@ -1,0 +1,532 @@
+/* cli/bench/bench_choice.c - is the formulation that `auto` takes the fastest one at equal error?  Models of every kind by
+ * every formulation that can do them, and the ratio of the times. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/real.h"
+#include "base/vec2.h"
+#include "catalogues/pages/draw.h"
+#include "cli/bench/bench_mbs.h"
+#include "cli/program/data.h"
+#include "mbs/dynamics/dynamics_space.h"
+
+enum { MOMENTS = 100, REPEAT_MAX = 30, TOLERANCES = 16, LEVELS = 4 };
+
+static const double give_up = 30, too_slow = 0.5;         /* [s] for one run: of wall time; of processor time, for its repeats */
+static const double level[LEVELS] = { 1e-3, 1e-4, 1e-6, 1e-8 };
+
+/* A model of the examples, or made here.  Links without a mass get 1 kg, models without weight gravity; inputs run freely. */
+typedef struct subject {
+    const char *name, *file;             /* file of examples/; NULL: made by `make` with n */
+    double to;                           /* [s] */
+    double decay;                        /* [1/s] about the fastest decay that a damper in each joint adds; 0: none */
+    double friction, motor;              /* coefficient in all joints; stall torque over weight times size, at the input */
+    double smooth;                       /* speed below which the friction is smoothed [m/s]; 0: set-valued */
+    double speed;                        /* of all inputs at the start [rad/s]; 0: what the file says */
+    void (*make)(FILE *f, int n);
+    int    n;
+    bool   hard;                         /* a hard case: one line of its own in the plot */
+} subject;
+
+/* ---- models made here ------------------------------------------------------------------------------------------- */
+
+/* A rope of n links, level, pinned at one end. */
+static void rope(FILE *f, int n)
+{
+    fputs("'gravity': [0, -9.81], 'links': ['ground'", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, ",{'name': 'b%d', 'mass': %.17g, 'centre': [%.17g, 0], 'inertia': %.17g}", i, 1./n, (i - 0.5)/n,
+                1./12/n/n/n);
+    fputs("], 'joints': [", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, "%s{'name': 'J%d', 'links': ['%s%.0d', 'b%d'], 'at': [%.17g, 0]}", i > 1 ? "," : "", i,
+                i > 1 ? "b" : "ground", i - 1, i, (i - 1.)/n);
+    fputs("]", f);
+}
+
+/* A crank of 0.3 m that drives n rockers one after another: n dyads. */
+static void dyads(FILE *f, int n)
+{
+    fputs("'gravity': [0, -9.81], 'input': {'joint': 'A0', 'speed': -8}, 'links': ['ground'", f);
+    for (int i = 0; i <= n; i++)
+        fprintf(f, ",'c%d'", i);
+    for (int i = 0; i < n; i++)
+        fprintf(f, ",'r%d'", i);
+    fputs("], 'joints': [{'name': 'A0', 'links': ['ground', 'c0'], 'at': [0, 0]}", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, ",{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]},"
+                "{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, %.17g]},"
+                "{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, %.17g]}", i, i, i, i, i - 1, i - 1, i - 1,
+                i > 1 ? 0.79 + 0.01*i : 0.3, i, i - 1, i, i, 0.8 + 0.01*i);
+    fputs("]", f);
+}
+
+/* n + 1 upright cranks on the ground, their ends joined by rods. */
+static void row_of_loops(FILE *f, int n)
+{
+    fputs("'gravity': [0, -9.81], 'input': {'joint': 'A0', 'speed': -1}, 'links': ['ground'", f);
+    for (int i = 0; i <= n; i++)
+        fprintf(f, ",'c%d'", i);
+    for (int i = 0; i < n; i++)
+        fprintf(f, ",'r%d'", i);
+    fputs("], 'joints': [{'name': 'A0', 'links': ['ground', 'c0'], 'at': [0, 0]}", f);
+    for (int i = 1; i <= n; i++)
+        fprintf(f, ",{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%d, 0]},"
+                "{'name': 'B%d', 'links': ['c%d', 'r%d'], 'at': [%d, 1]},{'name': 'C%d', 'links': ['r%d', 'c%d'], 'at': [%d, 1]}",
+                i, i, i, i, i - 1, i - 1, i - 1, i, i - 1, i, i);
+    fputs("]", f);
+}
+
+/* A pendulum on a pendulum that is 10^n times as heavy. */
+static void light_last(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'one', 'mass': 1e%d, 'centre': [1, 0]},"
+            "{'name': 'two', 'mass': 1, 'centre': [2, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'one'], 'at': [0, 0]},"
+            "{'name': 'B', 'links': ['one', 'two'], 'at': [1, 0]}]", n);
+}
+
+/* A loop of massless links that swings a wheel. */
+static void massless(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'wheel', 'mass': %d, 'centre': [-1, 0], 'inertia': 0.3},"
+            "{'name': 'crank', 'mass': 0}, {'name': 'coupler', 'mass': 0}, {'name': 'rocker', 'mass': 0}],"
+            "'joints': [{'name': 'W', 'kind': 'f', 'links': ['wheel', 'crank'], 'at': [0, 0]},"
+            "{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
+            "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2.5, 2]},"
+            "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2.5, 0]}], 'input': {'joint': 'A', 'speed': -1}", n);
+}
+
+/* A block on a slope that its friction stops; n: speed below which the friction is smoothed, 10^-n m/s, 0: set-valued. */
+static void block(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': ['ground', {'name': 'block', 'mass': 2, 'centre': [0, 0], 'inertia': 0.1}],"
+            "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [0.9210609940028851, "
+            "0.3894183423086505], 'friction': {'coefficient': 0.43%s%.0d%s}}], 'input': {'joint': 'S', 'speed': 3}",
+            n ? ", 'speed': 1e-" : "", n, "");
+}
+
+static const subject subjects[] = {
+    { "pendulum", "pendulum.json", .to = 10 },
+    { "N-four-bar, N = 2", "two-four-bars.json", .to = 10, .hard = true },
+    { "squeezer", "andrews.json", .to = 0.03 },
+    { "slider-crank", "slider-crank.json", .to = 2 },
+    { "inverted slider-crank", "inverted-slider-crank.json", .to = 1 },
+    { "Hoeken", "hoeken.json", .to = 1, .speed = 5 },
+    { "Jansen", "jansen.json", .to = 1 },
+    { "Klann", "klann.json", .to = 1 },
+    { "geared five-bar", "geared-five-bar.json", .to = 1 },
+    { "five-bar", "five-bar.json", .to = 0.5 },
+    { "3-RRR", "3-rrr.json", .to = 0.3, .speed = 1 },
+    { "SCARA", "scara.json", .to = 1, .speed = 2 },
+    { "inversor", "dynamics/inversor.json", .to = 1 },
+    { "ladder", "dynamics/falling-ladder.json", .to = 2 },
+    { "trebuchet", "dynamics/trebuchet.json", .to = 1 },
+    { "governor", "dynamics/governor.json", .to = 2 },
+    { "shaken pendulum", "dynamics/shaken-pendulum.json", .to = 2 },
+    { "servo arm", "dynamics/servo-arm.json", .to = 1 },
+    { "boom on oil", "dynamics/boom-cylinder.json", .to = 1 },
+    { "slider-crank, decay 1", "slider-crank.json", .to = 2, .decay = 1 },
+    { "slider-crank, decay 100", "slider-crank.json", .to = 2, .decay = 100 },
+    { "slider-crank, decay 1e5", "slider-crank.json", .to = 2, .decay = 1e5 },
+    { "Jansen, decay 10", "jansen.json", .to = 1, .decay = 10 },
+    { "Jansen, decay 1e3", "jansen.json", .to = 1, .decay = 1e3 },
+    { "five-bar, decay 10", "five-bar.json", .to = 0.5, .decay = 10 },
+    { "five-bar, decay 1e3", "five-bar.json", .to = 0.5, .decay = 1e3 },
+    { "five-bar, decay 1e5", "five-bar.json", .to = 0.5, .decay = 1e5 },
+    { "3-RRR, decay 1e4", "3-rrr.json", .to = 0.3, .decay = 1e4, .speed = 1 },
+    { "slider-crank, friction", "slider-crank.json", .to = 2, .friction = 0.1, .motor = 2 },
+    { "Jansen, friction", "jansen.json", .to = 1, .friction = 0.05, .motor = 2 },
+    { "five-bar, smooth friction", "five-bar.json", .to = 0.5, .friction = 0.1, .smooth = 0.01 },
+    { "nine dyads", NULL, .to = 5, .make = dyads, .n = 9 },
+    { "nine dyads, decay 1", NULL, .to = 5, .decay = 1, .make = dyads, .n = 9 },
+    { "nine dyads, motor and friction", NULL, .to = 5, .friction = 0.05, .motor = 1, .make = dyads, .n = 9, .hard = true },
+    { "rope of 10", NULL, .to = 0.3, .make = rope, .n = 10 },
+    { "rope of 10, decay 10", NULL, .to = 0.5, .decay = 10, .make = rope, .n = 10 },
+    { "rope of 10, decay 1e3", NULL, .to = 0.5, .decay = 1e3, .make = rope, .n = 10 },
+    { "rope of 50", NULL, .to = 0.3, .make = rope, .n = 50 },
+    { "rope of 50, decay 100", NULL, .to = 0.3, .decay = 100, .make = rope, .n = 50 },
+    { "N-four-bar, N = 15", NULL, .to = 2, .make = row_of_loops, .n = 15 },
+    { "N-four-bar, N = 40, decay 1", NULL, .to = 1, .decay = 1, .make = row_of_loops, .n = 40 },
+    { "elastic slider-crank", "elastic-slider-crank.json", .to = 0.1 },
+    { "elastic cantilever", "elastic-cantilever.json", .to = 0.1 },
+    { "elastic spin-up", "elastic-spin-up.json", .to = 1 },
+    { "slider-crank in space", "space/slider-crank.json", .to = 1 },
+    { "Bricard", "space/bricard.json", .to = 5 },
+    { "governor in space, dampers", "space/governor.json", .to = 1 },
+    { "top", "space/top.json", .to = 1 },
+    { "Sarrus", "space/sarrus.json", .to = 1, .hard = true },
+    { "arm", "space/arm.json", .to = 1 },
+    { "masses 1e8 to 1", NULL, .to = 2, .make = light_last, .n = 8, .hard = true },
+    { "massless loop", NULL, .to = 0.4, .make = massless, .n = 1, .hard = true },
+    { "block stops, set-valued", NULL, .to = 2, .make = block, .hard = true },
+    { "block stops, smoothed", NULL, .to = 2, .make = block, .n = 3, .hard = true },
+    { "Newton's cradle", "dynamics/newtons-cradle.json", .to = 2, .hard = true },
+    { "rolling wheel", "dynamics/rolling-wheel.json", .to = 1, .hard = true },
+    { "rope goes slack", "dynamics/rope.json", .to = 1, .hard = true },
+    { "hook holds", "dynamics/hook.json", .to = 1, .hard = true },
+    { "walking machine", "dynamics/walking-machine.json", .to = 0.5, .hard = true },
+};
+
+/* ---- reading ------------------------------------------------------------------------------------------------------ */
+
+typedef struct scene { bool in_space; lw_model plane; lw_spatial space; } scene;
+
+static double size_of(const lw_model *m)
+{
+    double most = 0;
+    for (int i = 0; i < m->linkage.n_joint; i++)
+        for (int j = 0; j < i; j++)
+            most = fmax(most, lw_v2_norm(lw_v2_sub(m->linkage.joint[i].at, m->linkage.joint[j].at)));
+    return most > 0 ? most : 1;
+}
+
+static void give_mass(lw_model *m, int link)
+{
+    lw_body *b = &m->body[link];
+    double n = 0, spread = 0;
+    lw_vec2 at[2] = { 0 };
+    for (int pass = 0; pass < 2; pass++)
+        for (int j = 0; j < m->linkage.n_joint; j++)
+            if (m->linkage.joint[j].link[0] == link || m->linkage.joint[j].link[1] == link) {
+                lw_vec2 p = m->linkage.joint[j].at;
+                at[0] = pass ? at[0] : lw_v2_add(at[0], p);
+                n += !pass;
+                spread += pass ? lw_v2_dot(lw_v2_sub(p, at[1]), lw_v2_sub(p, at[1]))/n : 0;
+                at[1] = lw_v2_scale(at[0], 1/n);
+            }
+    *b = (lw_body){ .given = true, .mass = 1, .centre = at[1], .inertia = fmax(spread, 1e-3*size_of(m)*size_of(m)) };
+}
+
+static lw_status dress(lw_model *m, const subject *s, lw_error *e)
+{
+    int n_joint = m->linkage.n_joint, has = 0;
+    double size = size_of(m), mass = 0;
+    for (int i = 0; i < m->linkage.n_link; i++)
+        has += m->body[i].given;
+    for (int i = 0; i < m->linkage.n_link; i++) {
+        if (i != m->linkage.ground && !m->body[i].given && !(m->n_elastic && m->elastic[i].given))
+            give_mass(m, i);
+        mass += m->body[i].mass/(m->linkage.n_link - 1);
+    }
+    for (int i = 0; i < m->linkage.n_input && (s->speed != 0 || !has); i++) {
+        lw_expression_free(m->motion[i]), m->motion[i] = NULL;
+        m->has_speed[i] = m->has_speed[i] || s->speed != 0;
+        m->speed[i] = s->speed != 0 ? s->speed : m->speed[i];
+    }
+    if (!has)
+        m->gravity = lw_v2(0, -9.81);
+    lw_joint_spring *more = s->decay > 0 ? realloc(m->joint_spring, sizeof *more*(size_t)(m->n_joint_spring + n_joint)) : NULL;
+    if (s->decay > 0 && !more)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    m->joint_spring = more ? more : m->joint_spring;
+    for (int j = 0; j < n_joint; j++) {
+        bool turns = lw_joint_turns(m->linkage.joint[j].kind);
+        if (s->decay > 0)
+            m->joint_spring[m->n_joint_spring++] = (lw_joint_spring){ .name = "damper", .joint = j,
+                                                                      .damping = s->decay*mass*(turns ? size*size/100 : 1) };
+        if (s->friction > 0)
+            m->friction[j] = (lw_friction){ .coefficient = s->friction, .radius = turns ? 0.02*size : 0, .speed = s->smooth };
+    }
+    if (s->motor > 0 && (m->motor = malloc(sizeof *m->motor)))
+        m->motor[m->n_motor++] = (lw_motor){ .name = "motor", .joint = m->linkage.input[0].joint, .stall = s->motor*mass*9.81*size,
+                                            .free_speed = 20 };
+    return LW_OK;
+}
+
+static lw_status read_subject(const subject *s, scene *out, lw_error *e)
+{
+    char path[2*CLI_PATH_SIZE], *text = NULL;
+    size_t size = 0;
+    lw_status st = LW_OK;
+    if (s->file) {
+        char folder[CLI_PATH_SIZE];
+        cli_document_folder(folder, sizeof folder);
+        snprintf(path, sizeof path, "%s/examples/%s", folder, s->file);
+        st = lw_file_read(path, &text, &size, e);
+    } else {
+        snprintf(path, sizeof path, "%s", s->name);
+        FILE *f = open_memstream(&text, &size);
+        if (!f)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        fputs("{'linkwright': 1, ", f);
+        s->make(f, s->n);
+        fputs("}", f);
+        st = fclose(f) == 0 ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+        for (size_t i = 0; i < size; i++)
+            text[i] = text[i] == '\'' ? '"' : text[i];
+    }
+    out->in_space = s->file && strncmp(s->file, "space/", 6) == 0;
+    if (st == LW_OK)
+        st = out->in_space ? lw_spatial_read(text, size, path, &out->space, e) : lw_model_read(text, size, path, &out->plane, e);
+    if (st == LW_OK && !out->in_space && (st = dress(&out->plane, s, e)) != LW_OK)
+        lw_model_free(&out->plane);
+    free(text);
+    return st;
+}
+
+static void free_scene(scene *s)
+{
+    if (s->in_space)
+        lw_spatial_free(&s->space);
+    else
+        lw_model_free(&s->plane);
+}
+
+/* ---- runs --------------------------------------------------------------------------------------------------------- */
+
+typedef struct motion { int n, n_moment; double *q; } motion;        /* q[k*n + i] at moment k */
+
+static lw_status keep(void *context, const lw_moment *m)
+{
+    motion *k = context;
+    if (k->q)
+        memcpy(k->q + (size_t)k->n_moment*(size_t)k->n, m->q, (size_t)k->n*sizeof *k->q);
+    k->n_moment++;
+    return LW_OK;
+}
+
+static lw_status make(const scene *s, const lw_dynamics_options *o, lw_dynamics **d, lw_error *e)
+{
+    return s->in_space ? lw_dynamics_make_spatial(&s->space, o, d, e) : lw_dynamics_make(&s->plane, o, d, e);
+}
+
+/* Run once.  k->q, if given, has room for all moments; *seconds is lowered to the processor time of the run. */
+static lw_status run_once(const scene *s, const lw_dynamics_options *o, motion *k, cli_mbs_row *row, lw_error *e)
+{
+    lw_dynamics *d;
+    lw_dynamics_report r = { 0 };
+    double start = lw_clock_cpu();
+    lw_status st = make(s, o, &d, e);
+    double made = lw_clock_cpu();
+    if (st != LW_OK)
+        return st;
+    k->n_moment = 0;
+    st = lw_dynamics_run(d, keep, k, &r, e);
+    if (row) {
+        row->make = fmin(row->make, made - start);
+        row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
+        row->energy = r.energy_error/r.energy_scale;
+        row->steps = r.steps, row->rates = r.rates;
+    }
+    lw_dynamics_free(d);
+    return st;
+}
+
+static double apart(const motion *a, const motion *b)
+{
+    double most = 0;
+    for (int i = 0; i < (MOMENTS + 1)*a->n; i++)
+        most = fmax(most, fabs(a->q[i] - b->q[i]));
+    return most;
+}
+
+/* What is known of one model. */
+typedef struct study {
+    const subject *s;
+    scene scene;
+    int    n_formulation;
+    lw_formulation formulation[16];
+    motion got, exact[2];                 /* exact[1]: by another formulation than exact[0] */
+    lw_formulation by[2];
+    int    n_exact;
+    double known;                         /* what the two differ by */
+    lw_formulation chosen[TOLERANCES];    /* by `auto` at 1e-k */
+} study;
+
+static lw_dynamics_options options(const study *y, lw_formulation f, double tolerance)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.formulation = f;
+    o.to = y->s->to;
+    o.intervals = MOMENTS;
+    o.relative = o.absolute = tolerance;
+    o.max_step = 200000;
+    o.stop = cli_stop_flag();
+    o.until = lw_clock_wall() + give_up;
+    return o;
+}
+
+/* Which formulations can do the model, and which does `auto` take at 1e-k? */
+static lw_status look(study *y, const cli_mbs *b, lw_error *e)
+{
+    lw_dynamics *d;
+    lw_status st = LW_OK;
+    for (int k = b->loosest; k <= b->tightest && st == LW_OK; k++) {
+        lw_dynamics_options o = options(y, LW_FORMULATION_AUTO, pow(10, -k));
+        st = make(&y->scene, &o, &d, e);
+        if (st == LW_OK) {
+            y->chosen[k] = lw_dynamics_choice(d)->formulation;
+            y->got.n = y->scene.in_space ? lw_dynamics_space(d)->n_q : lw_dynamics_system(d)->n_q;
+            lw_dynamics_free(d);
+        }
+    }
+    for (int f = 1; f <= LW_FORMULATION_GGL && st == LW_OK; f++) {
+        lw_error why = { 0 };
+        lw_dynamics_options o = options(y, (lw_formulation)f, 1e-6);
+        lw_dynamics_report r = { 0 };
+        o.to *= 1e-6;                        /* a run tells whether it smooths friction that is set-valued */
+        if (f == LW_FORMULATION_CAPTURE || make(&y->scene, &o, &d, &why) != LW_OK)
+            continue;
+        lw_dynamics_run(d, NULL, NULL, &r, &why);
+        lw_dynamics_free(d);
+        if (!r.smooth_friction)
+            y->formulation[y->n_formulation++] = (lw_formulation)f;
+    }
+    for (int i = 0; i < 3 && st == LW_OK; i++) {
+        motion *m = i ? &y->exact[i - 1] : &y->got;
+        m->n = y->got.n;
+        m->q = malloc((size_t)(m->n*(MOMENTS + 1))*sizeof *m->q);
+        st = m->q ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    return st;
+}
+
+/* References by two formulations, as accurate as they are: the first that are known at 1e-13, or 1e-12. */
+static void find_exact(study *y)
+{
+    static const lw_formulation order[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_REDUCED, LW_FORMULATION_RECURSIVE, LW_FORMULATION_RADAU,
+                                            LW_FORMULATION_QUADRATURE, LW_FORMULATION_GGL, LW_FORMULATION_CVODE };
+    for (int i = 0; i < 7 && y->n_exact < 2 && !cli_interrupted(); i++)
+        for (int k = 0; k < y->n_formulation; k++)
+            if (y->formulation[k] == order[i]) {
+                lw_error e = { 0 };
+                bool low = i >= 5;
+                lw_dynamics_options o = options(y, order[i], low ? 1e-11 : 1e-12);
+                o.until += give_up;
+                if (run_once(&y->scene, &o, &y->exact[y->n_exact], NULL, &e) == LW_OK)
+                    y->by[y->n_exact++] = order[i];
+            }
+    y->known = y->n_exact == 2 ? apart(&y->exact[0], &y->exact[1]) : 0;
+}
+
+/* The rows of one formulation. */
+static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_error *e)
+{
+    int failed = 0;
+    const motion *exact = &y->exact[y->n_exact > 1 && y->by[0] == f];
+    for (int k = b->loosest; k <= b->tightest && failed < 2 && !cli_interrupted(); k++) {
+        lw_error why = { 0 };
+        cli_mbs_row *row = cli_mbs_add(b, y->s->name, lw_formulation_name(f), pow(10, -k));
+        if (!row)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        lw_dynamics_options o = options(y, f, row->tolerance);
+        lw_status st = run_once(&y->scene, &o, &y->got, NULL, &why);
+        row->error = st == LW_OK ? apart(&y->got, exact) : NAN;
+        row->hard = y->s->hard && f == y->chosen[k];
+        double until = lw_clock_wall() + b->time;
+        motion none = { 0 };
+        for (int i = 0; i < REPEAT_MAX && st == LW_OK && (i == 0 || lw_clock_wall() < until) && !cli_interrupted(); i++)
+            st = run_once(&y->scene, &o, &none, row, &why);
+        failed = st == LW_OK ? 0 : failed + 1;
+        if (st != LW_OK)
+            snprintf(row->note, sizeof row->note, "%.*s", (int)strcspn(why.text, "\n"), why.text);
+        if (row->seconds > too_slow || row->error < 0.5*level[LEVELS - 1])
+            break;
+    }
+    return LW_OK;
+}
+
+/* Least time of formulation f for an error, between two tolerances by their logarithms; f AUTO: of rows that `auto` takes. */
+static double time_for(const cli_mbs *b, const study *y, lw_formulation f, double error)
+{
+    double least = INFINITY;
+    for (int i = 0; i < b->n; i++) {
+        const cli_mbs_row *r = &b->row[i], *last = i ? r - 1 : r;
+        int k = (int)lrint(-log10(r->tolerance));
+        const char *name = lw_formulation_name(f ? f : y->chosen[k]);
+        if (strcmp(r->problem, y->s->name) || strcmp(r->solver, name))
+            continue;
+        if (r->error <= error)
+            least = fmin(least, r->seconds);
+        bool both = last != r && last->problem == r->problem && strcmp(last->solver, r->solver) == 0 && last->error > error && r->error < error;
+        if (both && r->error > 0 && (f || y->chosen[k - 1] == y->chosen[k]))
+            least = fmin(least, exp(log(last->seconds) + log(r->seconds/last->seconds)*log(last->error/error)/log(last->error/r->error)));
+    }
+    return least;
+}
+
+static void compare(const cli_mbs *b, const study *y, double *worst)
+{
+    char took[80] = "";
+    for (int k = b->loosest; k <= b->tightest; k++)
+        if (k == b->loosest || y->chosen[k] != y->chosen[k - 1])
+            snprintf(took + strlen(took), sizeof took - strlen(took), "%s%s", *took ? ", " : "", lw_formulation_name(y->chosen[k]));
+    printf("| %s | %s |", y->s->name, took);
+    for (int i = 0; i < LEVELS; i++) {
+        double own = time_for(b, y, LW_FORMULATION_AUTO, level[i]), best = INFINITY;
+        lw_formulation by = LW_FORMULATION_AUTO;
+        for (int k = 0; k < y->n_formulation; k++) {
+            double t = time_for(b, y, y->formulation[k], level[i]);
+            by = t < best ? y->formulation[k] : by;
+            best = fmin(best, t);
+        }
+        if (!isfinite(best) || level[i] < 3*y->known)
+            fputs(" - |", stdout);
+        else if (own <= best)
+            printf(" %.3g |", 1e3*own);
+        else
+            printf(" %.3g, %.2f x %s |", 1e3*own, own/best, lw_formulation_name(by));
+        if (isfinite(best) && level[i] >= 3*y->known)
+            *worst = fmax(*worst, own/best);
+    }
+    printf(" %.0e |\n", y->known);
+}
+
+/* Save the plot of the hard cases: error over time of the formulation that `auto` takes. */
+static lw_status save_hard(const cli_mbs *b, const char *folder, lw_error *e)
+{
+    char path[CLI_PATH_SIZE];
+    lw_series series[LW_SERIES_MAX];
+    double *numbers = malloc(sizeof *numbers*(2*(size_t)b->n + 1));
+    lw_plot plot = { .title = "hard cases, each by the formulation of auto", .x_label = "processor time [s]", .log_x = true, .log_y = true,
+                     .y_label = "greatest error: coordinates over the size of the model, angles [rad]", .series = series };
+    if (!numbers)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < b->n; i++) {
+        const cli_mbs_row *r = &b->row[i];
+        if (!r->hard)
+            continue;
+        if (plot.n_series == 0 || strcmp(series[plot.n_series - 1].name, r->problem)) {
+            if (plot.n_series == LW_SERIES_MAX)
+                break;
+            series[plot.n_series++] = (lw_series){ r->problem, 0, numbers + i, numbers + b->n + i, LW_SERIES_LINE };
+        }
+        lw_series *to = &series[plot.n_series - 1];
+        numbers[(to->x - numbers) + (ptrdiff_t)to->n] = r->seconds;
+        numbers[(to->y - numbers) + (ptrdiff_t)to->n++] = fmax(r->error, 1e-16);
+    }
+    snprintf(path, sizeof path, "%s/mbs-choice.svg", folder);
+    lw_status st = lw_draw_plot(&plot, path, e);
+    free(numbers);
+    return st == LW_NOTHING ? LW_OK : st;
+}
+
+lw_status cli_mbs_choice(cli_mbs *b, const char *folder, lw_error *e)
+{
+    lw_status st = LW_OK;
+    double worst = 1;
+    fputs("Time of `auto` [ms] for an error of, and how many times that of the fastest where that is another one:\n\n"
+          "| model | `auto` takes | 0.001 | 0.0001 | 1e-06 | 1e-08 | references differ |\n|---|---|---|---|---|---|---|\n", stdout);
+    for (size_t i = 0; i < sizeof subjects/sizeof *subjects && st == LW_OK && !cli_interrupted(); i++) {
+        study *y = calloc(1, sizeof *y);
+        if (!y)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        y->s = &subjects[i];
+        st = read_subject(y->s, &y->scene, e);
+        if (st == LW_OK) {
+            st = look(y, b, e);
+            if (st == LW_OK)
+                find_exact(y);
+            for (int k = 0; k < y->n_formulation && st == LW_OK; k++)
+                st = run_formulation(b, y, y->formulation[k], e);
+            if (st == LW_OK)
+                compare(b, y, &worst);
+            fflush(stdout);
+            free_scene(&y->scene);
+        }
+        free(y->got.q), free(y->exact[0].q), free(y->exact[1].q), free(y);
+    }
+    printf("\nWorst ratio: %.2f\n\n", worst);
+    return st == LW_OK && folder ? save_hard(b, folder, e) : st;
+}
