@@ -367,7 +367,7 @@ TEST(derivatives_are_exact)
     if (!made)
         return;
     lw_run run = { .d = made, .e = &d.e, .r = &d.report };
-    ggl g = { .run = &run, .q = made->n_q, .c = made->n_kept, .least_mass = 0.01 };
+    ggl g = { .run = &run, .q = made->n_q, .v = made->n_v, .c = made->n_kept, .least_mass = 0.01 };
     int n = unknowns(&g), z = n - made->eq.n_z;
     double y[MOST], dy[MOST], up[MOST], down[MOST], c = 1.7;
     CHECK(n <= MOST);
