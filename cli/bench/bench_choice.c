@@ -313,11 +313,12 @@ static lw_status run_once(const scene *s, const lw_dynamics_options *o, motion *
     return st;
 }
 
-static double apart(const motion *a, const motion *b)
+/* In space quaternions have either sign. */
+static double apart(const motion *a, const motion *b, bool in_space)
 {
     double most = 0;
     for (int i = 0; i < (MOMENTS + 1)*a->n; i++)
-        most = fmax(most, fabs(a->q[i] - b->q[i]));
+        most = fmax(most, fmin(fabs(a->q[i] - b->q[i]), in_space ? fabs(a->q[i] + b->q[i]) : INFINITY));
     return most;
 }
 
@@ -397,7 +398,7 @@ static void find_exact(study *y)
                 if (run_once(&y->scene, &o, &y->exact[y->n_exact], NULL, &e) == LW_OK)
                     y->by[y->n_exact++] = order[i];
             }
-    y->known = y->n_exact == 2 ? apart(&y->exact[0], &y->exact[1]) : 0;
+    y->known = y->n_exact == 2 ? apart(&y->exact[0], &y->exact[1], y->scene.in_space) : 0;
 }
 
 /* The rows of one formulation. */
@@ -412,7 +413,7 @@ static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_erro
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
         lw_dynamics_options o = options(y, f, row->tolerance);
         lw_status st = run_once(&y->scene, &o, &y->got, NULL, &why);
-        row->error = st == LW_OK ? apart(&y->got, exact) : NAN;
+        row->error = st == LW_OK ? apart(&y->got, exact, y->scene.in_space) : NAN;
         row->hard = y->s->hard && f == y->chosen[k];
         double until = lw_clock_wall() + b->time;
         motion none = { 0 };
