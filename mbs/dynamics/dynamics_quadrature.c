@@ -324,7 +324,7 @@ static double place_at(const panel *p, double t)
         *(off > 0 ? &high : &low) = x;
         next = x - off/slope;
         next = next > low && next < high ? next : 0.5*(low + high);
-        if (fabs(next - x) <= 1e-12)
+        if (fabs(next - x) <= 2e-15)
             return next;
         x = next;
     }
