@@ -218,6 +218,57 @@ TEST(same_bits_in_every_company)
     }
 }
 
+/* Places of all pins and of the point at once are those of one after the other. */
+TEST(places_at_once_are_those_of_each)
+{
+    static subject q;
+    static lanes l;
+    static double x[LW_JOINT_MAX + 1][MAX], y[LW_JOINT_MAX + 1][MAX], m[MAX], one[3][MAX];
+    static const size_t some[] = { 3, 8, 25, 130, 139, MAX };
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 12);
+    for (int trial = 0; trial < 33; trial++) {
+        int which[LW_JOINT_MAX + 1], n = 0;
+        lw_jacobian all[LW_JOINT_MAX + 1];
+        random_grown(&r, 1 + trial%3, &q.k);
+        plan_of(&q, true);
+        draw_lanes(&r, &q, &l);
+        for (int j = 0; j < LW_JOINT_MAX; j++)
+            if (q.p.joint_point[j] >= 0)
+                which[n++] = LW_BATCH_JOINT(j);
+        which[n++] = 0;
+        for (size_t i = 0; i < sizeof some/sizeof *some; i++) {
+            lw_lanes in = { .n = some[i], .c = l.c, .s = l.s, .dim = q.dim, .mode = q.mode };
+            for (int k = 0; k < n; k++)
+                all[k] = (lw_jacobian){ .x = x[k], .y = y[k], .margin = k == 0 ? m : NULL, .ld = MAX };
+            lw_batch_jacobians(&q.p, &in, n, which, work, all);
+            for (int k = 0; k < n; k++) {
+                lw_batch_jacobian(&q.p, &in, which[k], work,
+                                  &(lw_jacobian){ .x = one[0], .y = one[1], .margin = one[2], .ld = MAX });
+                CHECK(memcmp(x[k], one[0], some[i]*sizeof **one) == 0 && memcmp(y[k], one[1], some[i]*sizeof **one) == 0);
+                CHECK(k > 0 || memcmp(m, one[2], some[i]*sizeof **one) == 0);
+            }
+        }
+    }
+}
+
+TEST(turns_are_cosines_and_sines)
+{
+    static subject q;
+    double angle[24], c[24], s[24];
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 13);
+    lw_type_linkage(lw_type_find("fourbar"), &q.k);
+    plan_of(&q, false);
+    for (int i = 0; i < 24; i++)
+        angle[i] = i < 20 ? lw_rng_range(&r, -30, 30) : ldexp(lw_rng_range(&r, -1, 1), 9*(i - 18));
+    lw_batch_turns(&q.p, 21, angle, c, s);
+    for (int i = 0; i < 21; i++) {
+        CHECK_NEAR(c[i], cos(angle[i]), 5e-16, 0);
+        CHECK_NEAR(s[i], sin(angle[i]), 5e-16, 0);
+    }
+}
+
 TEST(no_lanes_no_work)
 {
     static subject q;

@@ -52,4 +52,9 @@ void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double
     lw_kernels_of(plan)->normal(in, h, g);
 }
 
+void lw_batch_turns(const lw_plan *plan, size_t n, const double *angle, double *c, double *s)
+{
+    lw_kernels_of(plan)->turns(n, angle, c, s);
+}
+
 const char *lw_batch_isa(const lw_plan *plan) { return lw_kernels_of(plan)->isa; }

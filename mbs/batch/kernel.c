@@ -338,6 +338,27 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
 
+/* The places of several pins and outputs, whose postures are worked out once, and the margin of the whole plan; at least
+ * LW_GROUP lanes. */
+static void places(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work, const lw_jacobian *out)
+{
+    run k = start(plan, in->n, work);
+    set_ground(&k, false);
+    for (size_t done = 0, lanes; done < in->n; done += lanes) {
+        size_t rest = in->n - done, first = rest < LW_GROUP ? in->n - LW_GROUP : done;
+        lanes = rest < LW_BLOCK_LANES ? rest < LW_GROUP ? LW_GROUP : rest/LW_GROUP*LW_GROUP : LW_BLOCK_LANES;
+        set_numbers(&k, in, first);
+        at_lanes(&k, in, first);
+        if (first == 0)
+            set_turns(&k, plan->n_angle, 0, lanes);
+        lw_forward(&k, LW_BATCH_JOINT(0), lanes, 0, WITH_MARGIN);
+        for (int i = 0; i < n; i++) {
+            move_out(&k, lanes, point_of(plan, which[i]), out[i].x + first, out[i].y + first, 0, 1);
+            copy_out(at(out[i].margin, first), k.margin, lanes);
+        }
+    }
+}
+
 static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_postures,
                       const lw_jacobian *out)
 {
@@ -372,6 +393,13 @@ static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, 
 static void kernel_jacobians(const lw_plan *plan, const lw_lanes *in, int n, const int *which, void *work,
                              const lw_jacobian *out)
 {
+    bool only_places = n > 1 && !plan->n_higher && in->n >= LW_GROUP;
+    for (int i = 0; i < n; i++)
+        only_places &= !out[i].jx && !out[i].jm && !out[i].u && (which[i] < 0 || !out[i].margin);
+    if (only_places) {
+        places(plan, in, n, which, work, out);
+        return;
+    }
     if (plan->n_higher && n > 0)
         lw_in_chunks(plan, in, work, jacobian_of_chunk, &(chunk_jacobian){ plan, n, which, out });
     for (int i = 0; i < n && !plan->n_higher; i++)
@@ -571,6 +599,11 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
     return q.f;
 }
 
+static void kernel_turns(size_t n, const double *angle, double *c, double *s)
+{
+    turns(angle, (n + LW_GROUP - 1)/LW_GROUP*LW_GROUP, c, s);
+}
+
 extern const lw_kernels lw_kernels_here;
 const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobians, kernel_sum,
-                                     lw_kernel_normal, lw_kernel_group_posture, &lw_higher_size, &lw_follow_size };
+                                     lw_kernel_normal, kernel_turns, lw_kernel_group_posture, &lw_higher_size, &lw_follow_size };

@@ -213,28 +213,49 @@ double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
 
 /* ---- postures on the circuit ----------------------------------------------------------------------------- */
 
-lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase)
+enum { BLOCK = 64 };
+
+/* The points at n <= BLOCK phases. */
+static void block_points(const lw_problem *p, const lw_work *w, size_t n, const double *phase, lw_cycle_point *at)
 {
     const lw_swing *s = &w->swing;
-    lw_cycle_point at = { .around = phase, .input = phase, .rate = 1 };
-    if (s->turning) {
-        at.c = at.psi_c = cos(phase);
-        at.s = at.psi_s = sin(phase);
-        return at;
+    double angle[BLOCK] = { 0 }, turn_c[BLOCK], turn_s[BLOCK], gained[BLOCK];
+    for (size_t i = 0; i < n; i++) {
+        at[i] = (lw_cycle_point){ .around = phase[i], .input = phase[i], .rate = 1 };
+        angle[i] = phase[i];
+        if (s->turning)
+            continue;
+        double laps = floor(phase[i]/(2*LW_PI));
+        at[i].around = phase[i] - 2*LW_PI*laps;
+        while (at[i].leg + 1 < s->n && at[i].around >= s->stroke[at[i].leg + 1].from)
+            at[i].leg++;
+        const lw_stroke *k = &s->stroke[at[i].leg];
+        angle[i] = k->rate*at[i].around + k->shift;
+        gained[i] = laps*s->gain;
     }
-    double turns = floor(phase/(2*LW_PI));
-    at.around = phase - 2*LW_PI*turns;
-    while (at.leg + 1 < s->n && at.around >= s->stroke[at.leg + 1].from)
-        at.leg++;
-    const lw_stroke *k = &s->stroke[at.leg];
-    double psi = k->rate*at.around + k->shift;
-    at.psi_c = cos(psi);
-    at.psi_s = sin(psi);
-    at.input = k->mid - k->half*at.psi_c + turns*s->gain;
-    at.rate = k->half*at.psi_s*k->rate;
-    at.c = p->plan.input_is_slider ? at.input : cos(at.input);
-    at.s = p->plan.input_is_slider ? 0 : sin(at.input);
-    return at;
+    lw_batch_turns(&p->plan, n, angle, turn_c, turn_s);
+    for (size_t i = 0; i < n; i++) {
+        at[i].c = at[i].psi_c = turn_c[i];
+        at[i].s = at[i].psi_s = turn_s[i];
+        if (s->turning)
+            continue;
+        const lw_stroke *k = &s->stroke[at[i].leg];
+        angle[i] = at[i].input = k->mid - k->half*at[i].psi_c + gained[i];
+        at[i].rate = k->half*at[i].psi_s*k->rate;
+    }
+    if (s->turning)
+        return;
+    lw_batch_turns(&p->plan, n, angle, turn_c, turn_s);
+    for (size_t i = 0; i < n; i++) {
+        at[i].c = p->plan.input_is_slider ? at[i].input : turn_c[i];
+        at[i].s = p->plan.input_is_slider ? 0 : turn_s[i];
+    }
+}
+
+void lw_circuit_points(const lw_problem *p, const lw_work *w, size_t n, const double *phase, lw_cycle_point *at)
+{
+    for (size_t first = 0; first < n; first += BLOCK)
+        block_points(p, w, n - first < BLOCK ? n - first : BLOCK, phase + first, at + first);
 }
 
 void lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double *mode, size_t stride)
@@ -246,18 +267,30 @@ void lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double 
 void lw_circuit_lanes(const lw_problem *p, lw_work *w, size_t n)
 {
     bool modes = lw_problem_has_modes(p);
-    for (size_t k = 0; k < n; k++) {
-        lw_cycle_point at = lw_circuit_point(p, w, w->phase[k]);
-        w->c[k] = at.c;
-        w->s[k] = at.s;
-        w->input[k] = at.input;
-        w->rate[k] = at.rate;
-        w->around[k] = at.around;
-        w->psi_c[k] = at.psi_c;
-        w->psi_s[k] = at.psi_s;
-        w->leg[k] = (short)at.leg;
-        if (modes)
-            lw_circuit_put_mode(p, w, at.leg, w->mode + k, w->ld);
+    if (w->swing.turning && !modes) {
+        lw_batch_turns(&p->plan, n, w->phase, w->c, w->s);
+        memcpy(w->input, w->phase, n*sizeof *w->input);
+        for (size_t k = 0; k < n; k++)
+            w->rate[k] = 1;
+        return;
+    }
+    for (size_t first = 0; first < n; first += BLOCK) {
+        lw_cycle_point each[BLOCK];
+        size_t count = n - first < BLOCK ? n - first : BLOCK;
+        block_points(p, w, count, w->phase + first, each);
+        for (size_t k = first; k < first + count; k++) {
+            lw_cycle_point at = each[k - first];
+            w->c[k] = at.c;
+            w->s[k] = at.s;
+            w->input[k] = at.input;
+            w->rate[k] = at.rate;
+            w->around[k] = at.around;
+            w->psi_c[k] = at.psi_c;
+            w->psi_s[k] = at.psi_s;
+            w->leg[k] = (short)at.leg;
+            if (modes)
+                lw_circuit_put_mode(p, w, at.leg, w->mode + k, w->ld);
+        }
     }
 }
 

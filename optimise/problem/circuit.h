@@ -18,8 +18,8 @@ void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w);
 double lw_circuit_drift(const lw_work *w, size_t k, size_t d);
 double lw_circuit_drift_at(const lw_work *w, const lw_cycle_point *at, size_t d);
 
-/* The point of the circuit at a phase; write the assembly mode of a stroke into mode[dyad*stride]. */
-lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase);
+/* The points of the circuit at n phases; write the assembly mode of a stroke into mode[dyad*stride]. */
+void lw_circuit_points(const lw_problem *p, const lw_work *w, size_t n, const double *phase, lw_cycle_point *at);
 void lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double *mode, size_t stride);
 
 /* Set lanes 0 .. n - 1 to their phases. */

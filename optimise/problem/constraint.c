@@ -75,19 +75,28 @@ static motion motion_of(const lw_problem *p, const lw_work *w)
     return m;
 }
 
-static lw_cycle_point point_at(const lw_problem *p, const lw_work *w, const motion *m, double part)
+/* The points at n <= POSTURES parts of the motion. */
+static void points_at(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *part,
+                      lw_cycle_point *at)
 {
-    double at = m->from + m->length*part;
-    if (lw_problem_has_modes(p))
-        return lw_circuit_point(p, w, at);
-    return (lw_cycle_point){ .input = at, .rate = 1, .c = p->plan.input_is_slider ? at : cos(at),
-                             .s = p->plan.input_is_slider ? 0 : sin(at) };
+    double place[POSTURES], c[POSTURES], s[POSTURES] = { 0 };
+    for (size_t i = 0; i < n; i++)
+        c[i] = place[i] = m->from + m->length*part[i];
+    if (lw_problem_has_modes(p)) {
+        lw_circuit_points(p, w, n, place, at);
+        return;
+    }
+    if (!p->plan.input_is_slider)
+        lw_batch_turns(&p->plan, n, place, c, s);
+    for (size_t i = 0; i < n; i++)
+        at[i] = (lw_cycle_point){ .input = place[i], .rate = 1, .c = c[i], .s = s[i] };
 }
 
 double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, double *mode, int *leg)
 {
     motion m = motion_of(p, w);
-    lw_cycle_point at = point_at(p, w, &m, part);
+    lw_cycle_point at;
+    points_at(p, w, &m, 1, &part, &at);
     memcpy(mode, p->intended.mode, sizeof p->intended.mode);
     if (lw_problem_has_modes(p))
         lw_circuit_put_mode(p, w, at.leg, mode, 1);
@@ -212,11 +221,14 @@ static bool inputs_move(const lw_problem *p, const lw_work *w, const motion *m)
     return m->moves || (lw_problem_has_modes(p) && !w->swing.turning);
 }
 
-/* Set w->check_at, check_c and check_s to n postures of the motion, or of the turn. */
+/* Set w->check_at, check_c and check_s to n postures of the motion. */
 static void sample_motion(const lw_problem *p, lw_work *w, const motion *m, size_t n)
 {
+    double part[POSTURES] = { 0 };
+    for (size_t i = 0; i < n; i++)
+        part[i] = (double)i/(double)(n - 1);
+    points_at(p, w, m, n, part, w->check_at);
     for (size_t i = 0; i < n; i++) {
-        w->check_at[i] = point_at(p, w, m, (double)i/(double)(n - 1));
         w->check_c[i] = w->check_at[i].c;
         w->check_s[i] = w->check_at[i].s;
     }
@@ -274,6 +286,56 @@ static bool changes(const lw_problem *p, const lw_work *w, size_t k)
     return lw_problem_has_modes(p) && k + 1 < POSTURES && w->check_at[k].leg != w->check_at[k + 1].leg;
 }
 
+/* ---- which rows of derivatives are needed ---------------------------------------------------------------------- */
+
+#define ALL_ROWS INFINITY            /* as `enough`: every row is needed */
+
+/* Is condition k of n along the motion the least around or beside it?  The others follow it. */
+static bool is_near_least(const double *g, size_t k, size_t n)
+{
+    for (size_t i = k > 0 ? k - 1 : 0; i <= k + 1 && i < n; i++)
+        if ((i == 0 || g[i - 1] >= g[i]) && (i + 1 == n || g[i + 1] >= g[i]))
+            return true;
+    return false;
+}
+
+/* Set `row` to the numbers of the rows that are needed of n conditions along the motion, and the other conditions to
+ * INFINITY.  Returns how many are needed. */
+static size_t choose_rows(double *g, size_t n, double enough, size_t *row)
+{
+    size_t needed = 0;
+    for (size_t k = 0; k < n; k++)
+        if (!isfinite(enough) || (!(g[k] > enough) && is_near_least(g, k, n)))
+            row[needed++] = k;
+    for (size_t k = 0, i = 0; k < n; k++)
+        if (i < needed && row[i] == k)
+            i++;
+        else
+            g[k] = INFINITY;
+    return needed;
+}
+
+/* Move the postures of the needed rows to the front.  from[k]: the posture of condition k, or POSTURES if it is constant, and
+ * its row 0.  Returns the number of postures; row[i] belongs to the i-th, which is at place[i]. */
+static size_t keep_needed(const lw_problem *p, lw_work *w, double *g, size_t n, double enough, const size_t *from,
+                          double *place, size_t *row, double *j)
+{
+    size_t kept = 0, needed = choose_rows(g, n, enough, row);
+    for (size_t i = 0; i < needed; i++) {
+        size_t k = row[i], at = from[k];
+        if (at == POSTURES) {
+            memset(j + k*(size_t)p->n_var, 0, sizeof *j*(size_t)p->n_var);
+            continue;
+        }
+        w->check_at[kept] = w->check_at[at];
+        w->check_c[kept] = w->check_c[at];
+        w->check_s[kept] = w->check_s[at];
+        place[kept] = place[at];
+        row[kept++] = k;
+    }
+    return kept;
+}
+
 /* One row of derivatives: those by the dimensions and by the input are column k of `slope`. */
 static void put_row(const lw_problem *p, const lw_work *w, const motion *m, double part, const lw_cycle_point *at,
                     const double *slope, size_t k, double *row)
@@ -311,20 +373,29 @@ static void margins_at(const lw_problem *p, const double *x, lw_work *w, const d
  * of the output angle psi: the tracer has distance one from the output's pin, so |P''|^2 = psi''^2 + |P'|^4. */
 typedef struct acceleration { double x, y, vx, vy; } acceleration;
 
-/* Tangents and Jacobian of n postures, with every input shifted by `by`. */
-static void shifted(const lw_problem *p, const double *x, lw_work *w, size_t n, double by, double *tx, double *ty)
+/* Set the inputs of the scratch's postures from number `first` on to those of n samples, shifted by `by`. */
+static void shift_inputs(const lw_problem *p, lw_work *w, size_t n, double by, size_t first)
 {
-    double cb = cos(by), sb = sin(by);
+    double cb, sb, *to_c = w->posture_c + first, *to_s = w->posture_s + first;
+    sincos(by, &sb, &cb);
     for (size_t k = 0; k < n; k++) {
         double c = w->check_c[k], s = w->check_s[k];
-        w->posture_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
-        w->posture_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
+        to_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
+        to_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
     }
+}
+
+/* Tangents and Jacobian of n of the scratch's postures. */
+static void tangents(const lw_problem *p, const double *x, lw_work *w, size_t n, double *tx, double *ty)
+{
     lw_jacobian j = w->posture;
     j.tx = tx;
     j.ty = ty;
     jacobian(p, x, w, 0, w->posture_c, w->posture_s, n, &j);
 }
+
+/* n, or the next multiple of eight where all postures have one assembly mode: whole groups are computed faster. */
+static size_t whole_groups(const lw_problem *p, size_t n) { return lw_problem_has_modes(p) ? n : (n + 7) & ~(size_t)7; }
 
 static double acceleration_condition(const lw_problem *p, const acceleration *a)
 {
@@ -334,7 +405,7 @@ static double acceleration_condition(const lw_problem *p, const acceleration *a)
 
 /* Derivatives of P' and P'' by dimensions and input: central differences by the input of the exact Jacobian.
  * w->slope[0 .. 3] become those of P'' (x, y) and of P' (x, y). */
-static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w)
+static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w, size_t n)
 {
     const double h = 2e-4;
     size_t ld = w->posture.ld, rows = (size_t)p->n_dim + 1;
@@ -343,13 +414,14 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
         memset(w->slope[i], 0, sizeof(double)*rows*ld);
     for (int i = -1; i <= 1; i++) {
         double a = (i == 0 ? -2 : 1)/(h*h), v = i/(2*h);
-        shifted(p, x, w, POSTURES, i*h, w->posture_u, w->posture_v);
+        shift_inputs(p, w, whole_groups(p, n), i*h, 0);
+        tangents(p, x, w, whole_groups(p, n), w->posture_u, w->posture_v);
         for (size_t d = 0; d < rows; d++)
             for (int part = 0; part < parts; part++) {
                 const double *restrict from = part % 2 == 0 ? (d + 1 < rows ? w->posture.jx + d*ld : w->posture_u)
                                                             : (d + 1 < rows ? w->posture.jy + d*ld : w->posture_v);
                 double *restrict to = w->slope[part] + d*ld, by = part < 2 ? a : v;
-                for (size_t k = 0; k < POSTURES; k++)
+                for (size_t k = 0; k < n; k++)
                     to[k] += by*from[k];
             }
     }
@@ -359,11 +431,23 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
 static void find_accelerations(const lw_problem *p, const double *x, lw_work *w, size_t n, acceleration *of, double *g)
 {
     const double h = 1e-4;
-    shifted(p, x, w, n, +h, w->posture_x, w->posture_y);
-    shifted(p, x, w, n, -h, w->posture_u, w->posture_v);
+    size_t lanes = whole_groups(p, n);
+    bool at_once = !lw_problem_has_modes(p) && 2*lanes <= POSTURES;
+    const double *ux = w->posture_u, *uy = w->posture_v;
+    shift_inputs(p, w, lanes, +h, 0);
+    if (at_once) {
+        shift_inputs(p, w, lanes, -h, lanes);
+        ux = w->posture_x + lanes;
+        uy = w->posture_y + lanes;
+    }
+    tangents(p, x, w, at_once ? 2*lanes : lanes, w->posture_x, w->posture_y);
+    if (!at_once) {
+        shift_inputs(p, w, lanes, -h, 0);
+        tangents(p, x, w, lanes, w->posture_u, w->posture_v);
+    }
     for (size_t k = 0; k < n; k++) {
-        of[k] = (acceleration){ (w->posture_x[k] - w->posture_u[k])/(2*h), (w->posture_y[k] - w->posture_v[k])/(2*h),
-                                0.5*(w->posture_x[k] + w->posture_u[k]), 0.5*(w->posture_y[k] + w->posture_v[k]) };
+        double vx = w->posture_x[k], vy = w->posture_y[k];
+        of[k] = (acceleration){ (vx - ux[k])/(2*h), (vy - uy[k])/(2*h), 0.5*(vx + ux[k]), 0.5*(vy + uy[k]) };
         g[k] = acceleration_condition(p, &of[k]);
     }
 }
@@ -377,42 +461,30 @@ static void acceleration_conditions(const lw_problem *p, const double *x, lw_wor
 /* A condition in n postures of check_c, check_s. */
 typedef void condition(const lw_problem *p, const double *x, lw_work *w, size_t n, double *g);
 
-/* Move posture i to `place`, counted in samples of the motion. */
-static void move_posture(const lw_problem *p, lw_work *w, const motion *m, size_t i, double place)
+/* Move the postures from number `first` on to n places, counted in samples of the motion. */
+static void move_postures(const lw_problem *p, lw_work *w, const motion *m, size_t first, size_t n, const double *place)
 {
-    if (p->intended.turns) {
-        double input = 2*LW_PI*place/POSTURES;
-        w->check_at[i] = (lw_cycle_point){ .c = cos(input), .s = sin(input), .input = input, .rate = 1 };
-    } else
-        w->check_at[i] = point_at(p, w, m, place/(POSTURES - 1));
-    w->check_c[i] = w->check_at[i].c;
-    w->check_s[i] = w->check_at[i].s;
+    static const motion turn = { .length = 2*LW_PI };
+    double part[POSTURES] = { 0 };
+    lw_cycle_point at[POSTURES];
+    for (size_t i = 0; i < n; i++)
+        part[i] = place[i]/(p->intended.turns ? POSTURES : POSTURES - 1);
+    points_at(p, w, p->intended.turns ? &turn : m, n, part, at);
+    for (size_t i = 0; i < n; i++) {
+        w->check_at[first + i] = at[i];
+        w->check_c[first + i] = at[i].c;
+        w->check_s[first + i] = at[i].s;
+    }
 }
 
 /* Move posture q*i + k to best[i] + h*net[k], for each of n places. */
 static void spread_net(const lw_problem *p, lw_work *w, const motion *m, size_t n, const double *best, double h,
                        size_t q, const double *net)
 {
-    double c[6], s[6];
-    for (size_t k = 0; k < q && p->intended.turns; k++) {
-        c[k] = cos(2*LW_PI*h*net[k]/POSTURES);
-        s[k] = sin(2*LW_PI*h*net[k]/POSTURES);
-    }
-    for (size_t i = 0; i < n; i++) {
-        double middle = 2*LW_PI*best[i]/POSTURES;
-        double c0 = p->intended.turns ? cos(middle) : 0, s0 = p->intended.turns ? sin(middle) : 0;
-        for (size_t k = 0; k < q; k++) {
-            lw_cycle_point *at = &w->check_at[q*i + k];
-            if (!p->intended.turns) {
-                move_posture(p, w, m, q*i + k, best[i] + h*net[k]);
-                continue;
-            }
-            *at = (lw_cycle_point){ .c = c0*c[k] - s0*s[k], .s = s0*c[k] + c0*s[k],
-                                    .input = middle + 2*LW_PI*h*net[k]/POSTURES, .rate = 1 };
-            w->check_c[q*i + k] = at->c;
-            w->check_s[q*i + k] = at->s;
-        }
-    }
+    double place[POSTURES] = { 0 };
+    for (size_t i = 0; i < n*q; i++)
+        place[i] = best[i/q] + h*net[i % q];
+    move_postures(p, w, m, 0, n*q, place);
 }
 
 /* Vertex of the parabola through the values before, now, after at -1, 0, 1; *least: its value. */
@@ -477,31 +549,33 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
         w->check_c[k] = sample[k].c;
         w->check_s[k] = sample[k].s;
     }
-    for (size_t i = 0; i < n; i++)
-        move_posture(p, w, m, at[i], place[at[i]] = best[i]);
+    for (size_t i = 0; i < n; i++) {
+        place[at[i]] = best[i];
+        move_postures(p, w, m, at[i], 1, &best[i]);
+    }
 }
 
-/* Where the motion passes a limit, both conditions beside it are the lesser one, and at most `most`. */
-static void lower_changes(const lw_problem *p, const lw_work *w, double most, double *g, double *j)
+/* Where the motion passes a limit, both conditions beside it are the lesser one, and at most `most`.  from: as
+ * keep_needed has it; a condition held at `most` has no posture. */
+static void lower_changes(const lw_problem *p, const lw_work *w, double most, double *g, size_t *from)
 {
-    size_t nv = (size_t)p->n_var;
+    for (size_t k = 0; k < POSTURES; k++)
+        from[k] = k;
     for (size_t k = 0; k < POSTURES; k++) {
         if (!changes(p, w, k))
             continue;
         size_t least = g[k] < g[k + 1] ? k : k + 1;
-        bool held = !(g[least] < most);
+        from[k] = from[k + 1] = g[least] < most ? from[least] : POSTURES;
         g[k] = g[k + 1] = fmin(most, g[least]);
-        for (size_t d = 0; j && d < nv; d++)
-            j[k*nv + d] = j[(k + 1)*nv + d] = held ? 0 : j[least*nv + d];
     }
 }
 
-/* The rows of the n sampled postures, from the derivatives in `slope`. */
-static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *place,
-                     const double *slope, double *j)
+/* The rows of the postures that were kept of n, from the derivatives in `slope`. */
+static void put_rows(const lw_problem *p, const lw_work *w, const motion *m, size_t n, size_t kept, const size_t *row,
+                     const double *place, const double *slope, double *j)
 {
-    for (size_t k = 0; k < n; k++)
-        put_row(p, w, m, place[k]/(double)(n - 1), &w->check_at[k], slope, k, j + k*(size_t)p->n_var);
+    for (size_t k = 0; k < kept; k++)
+        put_row(p, w, m, place[k]/(double)(n - 1), &w->check_at[k], slope, k, j + row[k]*(size_t)p->n_var);
 }
 
 static void margins(const lw_problem *p, const double *x, lw_work *w, size_t n, double *g)
@@ -510,50 +584,53 @@ static void margins(const lw_problem *p, const double *x, lw_work *w, size_t n, 
 }
 
 /* Needs the inputs of the sampled postures. */
-static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
+static void transmissions(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g,
+                          double *j)
 {
-    double sine = sin(p->min_transmission), place[POSTURES];
-    size_t n = lw_problem_transmission_postures(p);
+    double sine = sin(p->min_transmission), place[POSTURES], unused[POSTURES];
+    size_t n = lw_problem_transmission_postures(p), from[POSTURES], row[POSTURES];
+    margins(p, x, w, n, g);
     if (n == POSTURES) {                                      /* else the postures are those of the extremes */
-        margins(p, x, w, n, g);
         seek_extremes(p, x, w, m, margins, INFINITY, g, place);
+        lower_changes(p, w, 0, g, from);
     }
-    if (n < POSTURES || j)
-        margins_at(p, x, w, w->check_c, w->check_s, n, g, j ? w->slope[0] : NULL);
     for (size_t k = 0; k < n && n < POSTURES; k++)
-        place[k] = (double)k;
-    if (j)
-        put_rows(p, w, m, n, place, w->slope[0], j);
-    if (n == POSTURES)
-        lower_changes(p, w, 0, g, j);
+        place[from[k] = k] = (double)k;
     for (size_t k = 0; k < n; k++)
         g[k] -= sine*sine;
+    if (!j)
+        return;
+    size_t kept = keep_needed(p, w, g, n, enough, from, place, row, j);
+    margins_at(p, x, w, w->check_c, w->check_s, kept, unused, w->slope[0]);
+    put_rows(p, w, m, n, kept, row, place, w->slope[0], j);
 }
 
 #define FAR_FROM_LIMIT 0.5          /* |P''| below 0.7 of its limit: peaks between samples do not matter  */
 
 /* The same for accelerations. */
-static void accelerations(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
+static void accelerations(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g,
+                          double *j)
 {
     const double scale = 2/(p->max_acceleration*p->max_acceleration);
-    acceleration of[POSTURES];
+    acceleration a[POSTURES];
     double place[POSTURES], unused[POSTURES];
+    size_t from[POSTURES], row[POSTURES];
     acceleration_conditions(p, x, w, POSTURES, g);
     seek_extremes(p, x, w, m, acceleration_conditions, FAR_FROM_LIMIT, g, place);
-    if (j) {
-        find_accelerations(p, x, w, POSTURES, of, unused);
-        acceleration_slopes(p, x, w);
-        for (size_t d = 0; d <= (size_t)p->n_dim; d++)
-            for (size_t k = 0; k < POSTURES; k++) {
-                size_t at = d*w->posture.ld + k;
-                const acceleration *a = &of[k];
-                double v2 = !lw_task_has_place(p->task) ? 2*(a->vx*a->vx + a->vy*a->vy) : 0;
-                w->slope[0][at] = -scale*(a->x*w->slope[0][at] + a->y*w->slope[1][at]
-                                          - v2*(a->vx*w->slope[2][at] + a->vy*w->slope[3][at]));
-            }
-        put_rows(p, w, m, POSTURES, place, w->slope[0], j);
-    }
-    lower_changes(p, w, -1, g, j);                          /* at a dead point it is unbounded */
+    lower_changes(p, w, -1, g, from);                       /* at a dead point it is unbounded */
+    if (!j)
+        return;
+    size_t kept = keep_needed(p, w, g, POSTURES, enough, from, place, row, j);
+    find_accelerations(p, x, w, kept, a, unused);
+    acceleration_slopes(p, x, w, kept);
+    for (size_t d = 0; d <= (size_t)p->n_dim; d++)
+        for (size_t k = 0; k < kept; k++) {
+            size_t at = d*w->posture.ld + k;
+            double v2 = !lw_task_has_place(p->task) ? 2*(a[k].vx*a[k].vx + a[k].vy*a[k].vy) : 0;
+            w->slope[0][at] = -scale*(a[k].x*w->slope[0][at] + a[k].y*w->slope[1][at]
+                                      - v2*(a[k].vx*w->slope[2][at] + a[k].vy*w->slope[3][at]));
+        }
+    put_rows(p, w, m, POSTURES, kept, row, place, w->slope[0], j);
 }
 
 static void closure(const lw_problem *p, const double *x, lw_work *w, double *g, double *j)
@@ -672,28 +749,19 @@ static double outside_of_polygon(const lw_zone *z, lw_vec2 a, lw_vec2 line, doub
     return least;
 }
 
-/* The least distance to a zone along the straight line from a to b, and where on it, 0 .. 1. The distance is convex
- * along a line and changes by at most the length of the line; no more is found out if it is at least `enough`.  To a
- * box it is least at an end, beside a corner, or where the nearest side changes: on an axis of the box, or where two
- * sides are equally far. */
-static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough, double *where)
+/* The least distance to a zone along the straight line from a to b, which has this length and is `from` and `to` off at
+ * its ends, and where on it, 0 .. 1.  To a box it is least at an end, beside a corner, or where the nearest side
+ * changes: on an axis of the box, or where two sides are equally far. */
+static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double from, double to, double length, double *where)
 {
     lw_vec2 line = lw_v2_sub(b, a);
-    *where = 0;
-    if (lw_zone_is_polygon(z)) {                            /* far from its bounding box: cheaper than its sides */
-        double gap = fmax(fmax(z->at.x - fmax(a.x, b.x), fmin(a.x, b.x) - z->to.x),
-                          fmax(z->at.y - fmax(a.y, b.y), fmin(a.y, b.y) - z->to.y));
-        if (gap > 0 && gap >= enough)
-            return gap;
-    }
-    double from = lw_zone_outside(z, a), to = lw_zone_outside(z, b), least = fmin(from, to);
-    double length = length_of(line);
+    double least = fmin(from, to);
     *where = from <= to ? 0 : 1;
-    if (length == 0 || !(0.5*(from + to - length) < enough))
+    if (length == 0)
         return least;
     if (z->kind == LW_ZONE_NO_CIRCLE) {
         *where = fmax(0, fmin(1, lw_v2_dot(lw_v2_sub(z->at, a), line)/(length*length)));
-        return lw_v2_segment_distance(z->at, a, b) - z->reach;
+        return length_of(lw_v2_off_segment(z->at, a, b)) - z->reach;
     }
     if (lw_zone_is_polygon(z))
         return outside_of_polygon(z, a, line, least, where);
@@ -723,13 +791,21 @@ static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
 }
 
-/* The pins and tracers whose places are checked, each place once; which: as lw_batch_jacobian has it. */
-typedef struct places { int n, which[LW_PLACE_MAX]; bool closes[ZONE_POSTURES]; } places;
+/* The pins and tracers whose places are checked, each place once; which: as lw_batch_jacobian has it.  From posture k - 1 to k:
+ * the length of the chord, and how far the path may leave it. */
+typedef struct places {
+    int n, which[LW_PLACE_MAX];
+    bool closes[ZONE_POSTURES];
+    double length[LW_PLACE_MAX][ZONE_POSTURES], bulge[LW_PLACE_MAX][ZONE_POSTURES];
+} places;
 
 static lw_vec2 place(const lw_work *w, int i, size_t k)
 {
     return lw_v2(w->place_x[(size_t)i*POSTURES + k], w->place_y[(size_t)i*POSTURES + k]);
 }
+
+/* The first of the three postures that give the bulge between k - 1 and k. */
+static size_t bulge_from(size_t k) { return k > 1 ? k - 2 : 0; }
 
 static void find_places(const lw_problem *p, const double *x, lw_work *w, places *out)
 {
@@ -743,42 +819,55 @@ static void find_places(const lw_problem *p, const double *x, lw_work *w, places
     }
     for (int i = 0; i <= p->n_also; i++)
         out->which[out->n++] = i;
-    for (size_t k = 0; k < ZONE_POSTURES; k++)
-        out->closes[k] = true;
     lw_jacobian all[LW_PLACE_MAX];
-    double margin[LW_PLACE_MAX][ZONE_POSTURES];
+    double margin[ZONE_POSTURES];
     for (int i = 0; i < out->n; i++)
-        all[i] = (lw_jacobian){ .x = w->place_x + i*POSTURES, .y = w->place_y + i*POSTURES, .margin = margin[i],
-                                .ld = w->posture.ld };
+        all[i] = (lw_jacobian){ .x = w->place_x + i*POSTURES, .y = w->place_y + i*POSTURES,
+                                .margin = i == 0 ? margin : NULL, .ld = w->posture.ld };   /* that of a pin: of the plan */
     jacobians(p, x, w, out->n, out->which, w->check_c, w->check_s, ZONE_POSTURES, all);
+    for (size_t k = 0; k < ZONE_POSTURES; k++)
+        out->closes[k] = margin[k] >= 0;
     for (int i = 0; i < out->n; i++)
-        for (size_t k = 0; k < ZONE_POSTURES; k++)
-            out->closes[k] &= margin[i][k] >= 0;
+        for (size_t k = 1; k < ZONE_POSTURES; k++) {
+            size_t from = bulge_from(k);
+            out->length[i][k] = length_of(lw_v2_sub(place(w, i, k), place(w, i, k - 1)));
+            out->bulge[i][k] = bulge(place(w, i, from), place(w, i, from + 1), place(w, i, from + 2));
+        }
 }
 
 /* Where a condition is least: of which place, how far from posture k - 1 to posture k, with the bulge or not. */
 typedef struct nearest { int place; double where; bool bulges; } nearest;
 
-/* The first of the three postures that give the bulge between k - 1 and k. */
-static size_t bulge_from(size_t k) { return k > 1 ? k - 2 : 0; }
-
-/* Least distance between postures k - 1 and k. 0 if one of them does not close; another condition covers that. */
-static double least_between(const lw_work *w, const places *all, const lw_zone *z, size_t k, nearest *at)
+/* The least distances between each posture and the one before. 0 if one of them does not close; another condition covers
+ * that. */
+static void least_distances(const lw_work *w, const places *all, const lw_zone *z, double *g, nearest *at)
 {
-    double least = INFINITY, where;
-    *at = (nearest){ .place = -1 };
-    size_t from = bulge_from(k);
-    bool bulges = all->closes[from] && all->closes[from + 2];
-    for (int i = 0; i < all->n && all->closes[k] && all->closes[k - 1]; i++) {
-        lw_vec2 b = place(w, i, k - 1), c = place(w, i, k);
-        double out = bulges ? bulge(place(w, i, from), place(w, i, from + 1), place(w, i, from + 2)) : 0;
-        double d = outside_between(z, b, c, least + out, &where) - out;
-        if (d < least) {
-            least = d;
-            *at = (nearest){ i, where, bulges };
+    double least[ZONE_POSTURES], outside[ZONE_POSTURES], where;
+    for (size_t k = 1; k < ZONE_POSTURES; k++) {
+        least[k] = INFINITY;
+        at[k] = (nearest){ .place = -1 };
+    }
+    for (int i = 0; i < all->n; i++) {
+        for (size_t k = 0; k < ZONE_POSTURES; k++)
+            outside[k] = lw_zone_outside(z, place(w, i, k));
+        for (size_t k = 1; k < ZONE_POSTURES; k++) {
+            bool bulges = all->closes[bulge_from(k)] && all->closes[bulge_from(k) + 2];
+            double out = bulges ? all->bulge[i][k] : 0;
+            if (!(0.5*(outside[k - 1] + outside[k] - all->length[i][k]) - out < least[k]))
+                continue;                                   /* no place of the chord is nearer than one found before */
+            double d = outside_between(z, place(w, i, k - 1), place(w, i, k), outside[k - 1], outside[k],
+                                       all->length[i][k], &where) - out;
+            if (d < least[k]) {
+                least[k] = d;
+                at[k] = (nearest){ i, where, bulges };
+            }
         }
     }
-    return isfinite(least) ? least : 0;
+    for (size_t k = 1; k < ZONE_POSTURES; k++) {
+        bool closes = all->closes[k] && all->closes[k - 1];
+        g[k - 1] = closes ? least[k] : 0;
+        at[k].place = closes ? at[k].place : -1;
+    }
 }
 
 #define KINK 1e-10      /* sides of a box this close together are equally far */
@@ -870,20 +959,24 @@ static void nearest_row(const lw_problem *p, const lw_work *w, const motion *m, 
 }
 
 /* The least distances of all pins and points from the forbidden zones, between each posture and the next. */
-static void forbidden(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *const *g,
+static void forbidden(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *const *g,
                       double *const *j)
 {
     places all;
     nearest at[LW_ZONE_MAX][ZONE_POSTURES];
+    size_t chosen[LW_ZONE_MAX][LW_ZONE_SAMPLES], needed[LW_ZONE_MAX];
     sample_motion(p, w, m, ZONE_POSTURES);
     find_places(p, x, w, &all);
     for (int i = 0; i < p->n_zone; i++)
-        for (size_t k = 1; g[i] && k < ZONE_POSTURES; k++)
-            g[i][k - 1] = least_between(w, &all, &p->zone[i], k, &at[i][k]);
+        if (g[i])
+            least_distances(w, &all, &p->zone[i], g[i], at[i]);
+    for (int i = 0; i < p->n_zone; i++)
+        needed[i] = j && g[i] ? choose_rows(g[i], LW_ZONE_SAMPLES, enough, chosen[i]) : 0;
     for (int q = 0; j && q < all.n; q++) {
         bool any = false;
         for (int i = 0; i < p->n_zone; i++)
-            for (size_t k = 1; g[i] && k < ZONE_POSTURES; k++) {
+            for (size_t c = 0; c < needed[i]; c++) {
+                size_t k = chosen[i][c] + 1;
                 if (at[i][k].place != q)
                     continue;
                 if (!any) {
@@ -898,7 +991,7 @@ static void forbidden(const lw_problem *p, const double *x, lw_work *w, const mo
     }
 }
 
-static void zones(const lw_problem *p, const double *x, lw_work *w, const motion *m, double *g, double *j)
+static void zones(const lw_problem *p, const double *x, lw_work *w, const motion *m, double enough, double *g, double *j)
 {
     double *of[LW_ZONE_MAX] = { NULL }, *row[LW_ZONE_MAX];
     lw_pivots v;
@@ -919,7 +1012,7 @@ static void zones(const lw_problem *p, const double *x, lw_work *w, const motion
         j += j ? n*(size_t)p->n_var : 0;
     }
     if (any)
-        forbidden(p, x, w, m, of, j ? row : NULL);
+        forbidden(p, x, w, m, enough, of, j ? row : NULL);
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------- */
@@ -948,7 +1041,8 @@ static bool find_stations(const lw_problem *p, const double *x, bool settled, lw
     return true;
 }
 
-static void all_conditions(const lw_problem *p, const double *x, bool settled, double *g, double *j, lw_work *w)
+static void all_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
+                           lw_work *w)
 {
     size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear, nv = (size_t)p->n_var;
     linear(p, x, g);
@@ -983,18 +1077,18 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
     if (p->min_transmission > 0) {
         size_t n = lw_problem_transmission_postures(p);
         sample(p, w, checked, n);
-        transmissions(p, x, w, checked, g, j);
+        transmissions(p, x, w, checked, enough, g, j);
         g += n;
         j += j ? n*nv : 0;
     }
     if (p->max_acceleration > 0) {
         sample(p, w, checked, POSTURES);
-        accelerations(p, x, w, checked, g, j);
+        accelerations(p, x, w, checked, enough, g, j);
         g += POSTURES;
         j += j ? POSTURES*nv : 0;
     }
     if (p->n_zone > 0)
-        zones(p, x, w, &between, g, j);
+        zones(p, x, w, &between, enough, g, j);
 }
 
 /* Only the conditions on the transmission angle of a turning input, which need no stations. */
@@ -1002,7 +1096,7 @@ static void transmissions_alone(const lw_problem *p, const double *x, double *g,
 {
     motion turn = { .moves = false };
     sample(p, w, &turn, lw_problem_transmission_postures(p));
-    transmissions(p, x, w, &turn, g, NULL);
+    transmissions(p, x, w, &turn, ALL_ROWS, g, NULL);
 }
 
 /* Replace rows that are not known by central differences: those of the margin of a higher group.  Of a turning input
@@ -1024,7 +1118,7 @@ static void by_differences(const lw_problem *p, const double *x, double *j, lw_w
             if (alone)
                 transmissions_alone(p, at, g + first, w);
             else
-                all_conditions(p, at, false, g, NULL, w);
+                all_conditions(p, at, false, ALL_ROWS, g, NULL, w);
         }
         at[v] = x[v];
         for (size_t i = first; i < last; i++)
@@ -1033,16 +1127,17 @@ static void by_differences(const lw_problem *p, const double *x, double *j, lw_w
     }
 }
 
-void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double *g, double *j, lw_work *w)
+void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
+                           lw_work *w)
 {
-    all_conditions(p, x, settled, g, j, w);
+    all_conditions(p, x, settled, enough, g, j, w);
     if (j && p->plan.n_higher > 0)
         by_differences(p, x, j, w);
 }
 
 void lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work)
 {
-    lw_problem_conditions(p, x, false, g, j, work);
+    lw_problem_conditions(p, x, false, ALL_ROWS, g, j, work);
 }
 
 double lw_problem_lacks(const lw_problem *p, const double *x, lw_work *w)

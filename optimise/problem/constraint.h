@@ -4,8 +4,11 @@
 
 #include "optimise/problem/work.h"
 
-/* As lw_problem_constraints.  settled: the inputs of the stations in w are those of x already. */
-void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double *g, double *j, lw_work *w);
+/* As lw_problem_constraints.  settled: the inputs of the stations in w are those of x already.  With rows j, conditions on
+ * the motion that have more room than `enough`, or more than those beside them, become INFINITY and their rows are not set;
+ * enough = INFINITY: all are needed. */
+void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
+                           lw_work *w);
 
 /* By how much the worst condition is missed at x; 0: all are met. */
 double lw_problem_lacks(const lw_problem *p, const double *x, lw_work *w);

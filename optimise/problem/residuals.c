@@ -5,6 +5,15 @@
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/variable_projection.h"
 
+void lw_problem_inputs(const lw_problem *p, lw_work *w, size_t n)
+{
+    if (p->plan.input_is_slider) {
+        memcpy(w->posture_c, w->posture_x, n*sizeof *w->posture_c);
+        memset(w->posture_s, 0, n*sizeof *w->posture_s);
+    } else
+        lw_batch_turns(&p->plan, n, w->posture_x, w->posture_c, w->posture_s);
+}
+
 void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin)
 {
     lw_batch_frame(&p->plan, in, 0, w->batch, w->posture_x, w->posture_y, w->posture_u, w->posture_v, margin);
@@ -63,11 +72,9 @@ static double margin_of_range(const lw_problem *p, const double *x, double shift
     }
     if (p->intended.turns)
         hi = lo + 2*LW_PI;
-    for (size_t k = 0; k < n; k++) {
-        double at = lo + (hi - lo)*((double)k + shift)/(double)n;
-        w->posture_c[k] = p->plan.input_is_slider ? at : cos(at);
-        w->posture_s[k] = p->plan.input_is_slider ? 0 : sin(at);
-    }
+    for (size_t k = 0; k < n; k++)
+        w->posture_x[k] = lo + (hi - lo)*((double)k + shift)/(double)n;
+    lw_problem_inputs(p, w, n);
     lw_lanes in = { .n = n, .c = w->posture_c, .s = w->posture_s, .dim = x, .mode = p->intended.mode };
     lw_problem_margin(p, &in, w, w->posture.margin);
     for (size_t k = 0; k < n; k++)
@@ -80,12 +87,16 @@ static double margin_of_range(const lw_problem *p, const double *x, double shift
 static double margin_of_circuit(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     size_t n = LW_CURVE_SAMPLES;
-    double least = 1, part[LW_CURVE_SAMPLES];
+    double least = 1, part[LW_CURVE_SAMPLES], phase[LW_CURVE_SAMPLES];
+    lw_cycle_point each[LW_CURVE_SAMPLES];
     lw_lanes in = { .n = n, .c = w->posture_c, .s = w->posture_s, .dim = x, .mode = w->turn_mode, .mode_stride = n };
     if (!lw_circuit_find(p, x, w))
         return -1;
+    for (size_t k = 0; k < n; k++)
+        phase[k] = 2*LW_PI*((double)k + shift)/(double)n;
+    lw_circuit_points(p, w, n, phase, each);
     for (size_t k = 0; k < n; k++) {
-        lw_cycle_point at = lw_circuit_point(p, w, 2*LW_PI*((double)k + shift)/(double)n);
+        lw_cycle_point at = each[k];
         w->posture_c[k] = at.c;
         w->posture_s[k] = at.s;
         part[k] = w->swing.turning ? 1 : fmax(at.psi_s*at.psi_s, 1e-9);

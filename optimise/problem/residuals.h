@@ -20,6 +20,9 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
  * derivatives that a change of this input can compensate is removed (variable_projection.h). Returns f. */
 double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives);
 
+/* Set posture_c and posture_s to the n inputs in posture_x. */
+void lw_problem_inputs(const lw_problem *p, lw_work *w, size_t n);
+
 /* Margin of each lane of `in` (mbs/batch/batch.h), the least over all points; as many lanes as w->posture_m has.
  * Overwrites w->posture_x .. posture_v. */
 void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin);

@@ -18,12 +18,14 @@ void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->intended.mode };
     bool modes = lw_problem_has_modes(p);
+    lw_cycle_point at[M];
+    if (!p->intended.turns)
+        lw_circuit_points(p, w, M, w->turn, at);
     for (int j = 0; j < M && !p->intended.turns; j++) {
-        lw_cycle_point at = lw_circuit_point(p, w, w->turn[j]);
-        w->turn_c[j] = at.c;
-        w->turn_s[j] = at.s;
+        w->turn_c[j] = at[j].c;
+        w->turn_s[j] = at[j].s;
         if (modes)
-            lw_circuit_put_mode(p, w, at.leg, w->turn_mode + j, M);
+            lw_circuit_put_mode(p, w, at[j].leg, w->turn_mode + j, M);
     }
     if (modes) {
         in.mode = w->turn_mode;

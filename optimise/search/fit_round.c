@@ -308,9 +308,28 @@ static double strays(const lw_search *s, const lw_problem *p, const double *x, l
     return (most - 2*off)*p->unit/s->t->size - lw_stray_allowed(p->n);
 }
 
+/* Take whole turns off an angle that has no bounds: steps of the solver may have added many. */
+static void fold(const lw_problem *p, int i, double *x)
+{
+    if (i >= 0 && isinf(p->lo[i]) && isinf(p->hi[i]))
+        x[i] = remainder(x[i], 2*LW_PI);
+}
+
+static void fold_angles(const lw_problem *p, double *x)
+{
+    if (p->datum == LW_DATUM_PLANE && p->plan.input_turns_per_period != 1)
+        return;                                          /* the input is counted from a part of theta0 */
+    fold(p, p->plan.i_theta0, x);
+    fold(p, p->plan.input_is_slider ? -1 : p->i_input0, x);
+    fold(p, p->i_tool0, x);
+    for (int k = 0; k < p->n_also; k++)
+        fold(p, p->also[k].i_tool, x);
+}
+
 /* Find out f of an improved find and how far it is from keeping the conditions; f becomes INFINITY if it is no result. */
 static void judge(const lw_search *s, const lw_problem *p, lw_work *work, lw_found *c)
 {
+    fold_angles(p, c->x);
     if (isfinite(c->f) && (p->timing != LW_TIMING_PRESCRIBED || p->transmission_is_soft))  /* f of x alone, without stations kept */
         c->f = lw_problem_value(p, c->x, NULL, work);
     if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))

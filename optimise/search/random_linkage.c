@@ -335,11 +335,9 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
     double width = reach/half;
     for (int part = 0; part < FINER; part++) {
         int first = half, last = half;
-        for (int k = 0; k < M; k++) {
-            double at = p->intended.mid + (k - half + (double)part/FINER)*width;
-            w->posture_c[k] = p->plan.input_is_slider ? at : cos(at);
-            w->posture_s[k] = p->plan.input_is_slider ? 0 : sin(at);
-        }
+        for (int k = 0; k < M; k++)
+            w->posture_x[k] = p->intended.mid + (k - half + (double)part/FINER)*width;
+        lw_problem_inputs(p, w, M);
         lw_lanes in = { .n = M, .c = w->posture_c, .s = w->posture_s, .dim = shape, .mode = p->intended.mode };
         lw_problem_margin(p, &in, w, w->posture.margin);
         if (part > 0 && !(w->posture.margin[half - 1] > 1e-3))   /* between the middle and the samples beside it */
@@ -538,11 +536,9 @@ static bool closes_between(const lw_problem *p, const double *shape, lw_work *w)
 {
     enum { FINER = 8 };
     for (int part = 1; part < FINER; part++) {
-        for (int k = 0; k < M; k++) {
-            double at = 2*LW_PI*(k + (double)part/FINER)/M;
-            w->posture_c[k] = cos(at);
-            w->posture_s[k] = sin(at);
-        }
+        for (int k = 0; k < M; k++)
+            w->posture_x[k] = 2*LW_PI*(k + (double)part/FINER)/M;
+        lw_problem_inputs(p, w, M);
         lw_lanes in = { .n = M, .c = w->posture_c, .s = w->posture_s, .dim = shape, .mode = p->intended.mode };
         lw_problem_margin(p, &in, w, w->posture.margin);
         for (int k = 0; k < M; k++)

@@ -161,7 +161,8 @@ bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
         size_t j = k - p->n;
         if (!(hypot(w->jac.x[k] - w->foot_x[j], w->jac.y[k] - w->foot_y[j]) > ON_TARGET))
             continue;
-        lw_cycle_point at = lw_circuit_point(p, w, w->turn[j]);
+        lw_cycle_point at;
+        lw_circuit_points(p, w, 1, &w->turn[j], &at);
         put_input(p, w, p->n + (size_t)out->n_sample++, at.input, at.leg, at.psi_c, out);
     }
     return true;

@@ -84,25 +84,15 @@ static void conditions(const lw_problem *p, const double *x, model *q)
     q->m_linear = q->m;
 }
 
-/* Is sampled condition j, of first .. last - 1, the least around or beside it?  The others follow it. */
-static bool is_near_least(const double *g, int j, int first, int last)
-{
-    for (int k = j > first ? j - 1 : first; k <= j + 1 && k < last; k++)
-        if ((k == first || g[k - 1] >= g[k]) && (k + 1 == last || g[k + 1] >= g[k]))
-            return true;
-    return false;
-}
-
 /* Add the conditions on the motion to first order.  A violated one has to become better by `part` of its violation. */
 static void motion_conditions(const lw_problem *p, const lw_work *w, double part, model *q)
 {
-    int m = (int)lw_problem_constraint_count(p), zones = m - (int)p->n_zone_condition;
-    int sampled = p->n_linear + p->n_side + (lw_problem_must_close(p) ? (int)p->n : 0);
+    int m = (int)lw_problem_constraint_count(p);
     q->m = q->m_linear;
     for (int j = p->n_linear; j < m; j++) {
         const double *row = w->g_row + (size_t)j*(size_t)p->n_var;
         double room = w->g_now[j] - KEEP_OUT;
-        if (room > FAR || (j >= sampled && j < zones && !is_near_least(w->g_now, j, sampled, zones)))
+        if (room > FAR)
             continue;
         for (int i = 0; i < q->n; i++)
             q->a[q->m*q->n + i] = row[q->var[i]];
@@ -115,7 +105,7 @@ static double violation(const lw_problem *p, const double *g)
 {
     double worst = 0;
     for (size_t j = (size_t)p->n_linear, m = lw_problem_constraint_count(p); j < m; j++)
-        worst = isfinite(g[j]) ? fmax(worst, -g[j]) : INFINITY;
+        worst = g[j] > -INFINITY ? fmax(worst, -g[j]) : INFINITY;
     return worst;
 }
 
@@ -216,7 +206,7 @@ static lw_stop advance(run *r, double *x)
     normal_equations(p, r->w, &r->q);
     conditions(p, x, &r->q);
     if (r->conditioned) {
-        lw_problem_conditions(p, x, true, r->w->g_now, r->w->g_row, r->w);
+        lw_problem_conditions(p, x, true, FAR, r->w->g_now, r->w->g_row, r->w);
         r->broken = violation(p, r->w->g_now);
         motion_conditions(p, r->w, part, &r->q);
     }
@@ -240,8 +230,8 @@ static lw_stop advance(run *r, double *x)
             move_inputs(p, r->w, &r->q);
         double f = !(promise >= 0) ? INFINITY : evaluate(p, trial, r->w), broken = 0;
         r->evals++;
-        if (r->conditioned && isfinite(f)) {
-            lw_problem_conditions(p, trial, true, r->w->g_up, NULL, r->w);
+        if (r->conditioned && f < r->f + r->weight*r->broken) {      /* else the conditions cannot make it better */
+            lw_problem_conditions(p, trial, true, FAR, r->w->g_up, NULL, r->w);
             broken = violation(p, r->w->g_up);
         }
         double fall = r->conditioned ? r->f - f + r->weight*(r->broken - broken) : r->f - f;
