@@ -269,6 +269,26 @@ static void polish_pins(const lw_guide_rows *r, double *z)
     }
 }
 
+/* Polish a slide on the four rows as given, which are linear in what remains of z when a pin is at infinity; far: its
+ * coordinates in z, KX or GX.  The roots of the quartic lose digits where they are close together. */
+static void polish_slide(const lw_guide_rows *r, int far, double *z)
+{
+    const int of[4] = { far, far + 1, U, V };
+    double a[20], d[4], f[5] = { 0, 0, 0, 0, 1 }, size = 0;
+    for (int c = 0; c < 4; c++)
+        size = hypot(size, z[of[c]]);
+    for (int c = 0; c < 4; c++) {
+        for (int i = 0; i < 4; i++)
+            a[5*c + i] = r->raw[i][of[c]];
+        a[5*c + 4] = z[of[c]]/size;
+    }
+    if (!(lw_qr_factor(5, 4, a, d) > 1e-13))
+        return;
+    lw_qr_solve(5, 4, a, d, f);
+    for (int c = 0; c < 4; c++)
+        z[of[c]] = f[c];
+}
+
 /* ---- guides of points z ---------------------------------------------------------------------------- */
 
 static lw_vec2 divide(lw_vec2 a, lw_vec2 b)
@@ -280,14 +300,17 @@ static lw_vec2 conjugate(lw_vec2 a) { return lw_v2(a.x, -a.y); }
 
 static lw_guide guide_of(const lw_guide_rows *r, double *z)
 {
-    lw_vec2 k = lw_v2(z[KX], z[KY]), g = lw_v2(z[GX], z[GY]), m = lw_v2(z[U], z[V]);
     lw_guide out = { .kind = LW_GUIDE_RR };
-    if (fabs(z[W]) > AT_INFINITY*sqrt(lw_dot(Z, z, z))) {
-        if (r->n == 4)
-            polish_pins(r, z);
-        k = lw_v2_scale(lw_v2(z[KX], z[KY]), 1/z[W]);
-        g = lw_v2_scale(lw_v2(z[GX], z[GY]), 1/z[W]);
-    } else if (lw_v2_dot(g, g) > lw_v2_dot(k, k)) {            /* the fixed pin is at infinity         */
+    bool finite = fabs(z[W]) > AT_INFINITY*sqrt(lw_dot(Z, z, z)), slides = hypot(z[GX], z[GY]) > hypot(z[KX], z[KY]);
+    if (finite && r->n == 4)
+        polish_pins(r, z);
+    else if (r->n == 4)
+        polish_slide(r, slides ? GX : KX, z);
+    lw_vec2 k = lw_v2(z[KX], z[KY]), g = lw_v2(z[GX], z[GY]), m = lw_v2(z[U], z[V]);
+    if (finite) {
+        k = lw_v2_scale(k, 1/z[W]);
+        g = lw_v2_scale(g, 1/z[W]);
+    } else if (slides) {                                       /* the fixed pin is at infinity         */
         out.kind = LW_GUIDE_PR;
         out.along = lw_v2_perp(lw_v2_scale(g, 1/lw_v2_norm(g)));
         k = conjugate(divide(m, g));
