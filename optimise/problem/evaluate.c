@@ -11,7 +11,11 @@ bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w)
         lw_problem_prescribe(p, x, w);
         return lw_problem_lanes(p, x, w);
     }
-    return lw_timing_assign(p, x, w) && lw_timing_refine(p, x, w, 60);
+    if (!lw_timing_assign(p, x, w) || !lw_timing_refine(p, x, w, 60))
+        return false;
+    if (p->timing == LW_TIMING_NONE)                         /* the stations have moved, and with them the ends of the piece */
+        lw_timing_samples(p, w, w->jac.x + p->n, w->jac.y + p->n);
+    return true;
 }
 
 double lw_problem_value(const lw_problem *p, const double *x, double *grad, void *work)
