@@ -121,6 +121,24 @@ TEST(tolerances_choose_the_smallest)
     expect("$P fit examples/walking-foot.csv --tolerance 1yd", 3, "", "--tolerance takes a length above 0");
 }
 
+/* With coarse tolerances a linkage that spreads less comes first; the sum of stray and spread of the first row falls. */
+TEST(tolerances_of_lengths_choose_a_robust_linkage)
+{
+    static const char *const tolerance[] = { "1um", "1mm" };
+    double stray[2], within[2];
+    for (int i = 0; i < 2; i++) {
+        char command[200];
+        snprintf(command, sizeof command, "$P fit examples/walking-foot.csv --rounds 1 --links 4 --tolerances %s --json -q",
+                 tolerance[i]);
+        json_t *root = json_of(command), *r = json_array_get(json_object_get(root, "results"), 0);
+        stray[i] = member(r, "stray");
+        within[i] = member(json_object_get(r, "robustness"), "within");
+        json_decref(root);
+    }
+    CHECK(within[1] < 0.8*1000*within[0]);
+    CHECK(stray[1] + within[1] < stray[0] + 1000*within[0]);
+}
+
 /* Types whose input cannot turn answer a closed target all the same, and the answer says what it does. */
 TEST(limits_that_nothing_keeps_give_way)
 {

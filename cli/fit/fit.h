@@ -33,7 +33,6 @@ typedef struct cli_fit_set {
     double      seconds;          /* its part of --time; 0: no limit                               */
     uint64_t    seed;
     bool        has_tolerances;   /* --tolerances                                                  */
-    lw_tolerances tolerances;
 } cli_fit_set;
 
 /* Ranked table, lengths in the unit of the target. */

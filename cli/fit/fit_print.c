@@ -349,7 +349,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
 
 static lw_status robustness(const cli_fit_set *s, int i, lw_robustness *out, lw_error *e)
 {
-    lw_status st = lw_robustness_of(&s->target, cli_fit_candidate(s, i), &s->search.results.report[i], &s->tolerances,
+    lw_status st = lw_robustness_of(&s->target, cli_fit_candidate(s, i), &s->search.results.report[i], &s->spec.tolerances,
                                     out, e);
     if (st == LW_E_MEMORY)
         cli_lost();
@@ -361,8 +361,8 @@ static void json_robustness(const cli_fit_set *s, int i, cli_json *j)
     lw_robustness r;
     lw_error e = { .text = "" };
     cli_json_object(j, "robustness");
-    cli_json_real(j, "tolerance", length(s, s->tolerances.length));
-    cli_json_real(j, "clearance", length(s, s->tolerances.clearance));
+    cli_json_real(j, "tolerance", length(s, s->spec.tolerances.length));
+    cli_json_real(j, "clearance", length(s, s->spec.tolerances.clearance));
     if (robustness(s, i, &r, &e) != LW_OK) {
         cli_json_text(j, "fault", e.text);
         cli_json_end(j);
@@ -386,8 +386,8 @@ static void print_robustness(const cli_fit_set *s, FILE *f)
 {
     const char *unit = s->target.units.length[0] ? s->target.units.length : "unit";
     fprintf(f, "tolerance +-%.4g, clearance %.4g %s: standard deviation of the path (rms, worst posture), the same of random "
-            "linkages, how near 95 %% of them stay everywhere [%s]\n", length(s, s->tolerances.length),
-            length(s, s->tolerances.clearance), unit, unit);
+            "linkages, how near 95 %% of them stay everywhere [%s]\n", length(s, s->spec.tolerances.length),
+            length(s, s->spec.tolerances.clearance), unit, unit);
     for (int i = 0; i < s->search.results.n; i++) {
         lw_robustness r;
         lw_error e = { .text = "" };

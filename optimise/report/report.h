@@ -64,6 +64,8 @@ typedef struct lw_fit_report {
     double   cognate[2][9], cognate_mode[2];
     lw_stray stray;                /* of the whole closed curve from a closed target, of the arc between the ends from an
                                     * open one, both ways [m]; NaN for functions                    */
+    double   spread;               /* 95 of 100 linkages made with the tolerances of the specification stay this near to the
+                                    * curve [m]; NaN: it has none, or the linkage no derivatives; set by lw_fit_results_make  */
     bool     passes_limit;         /* between the stations the input passes a limit or turns back; on a closed target it
                                     * does not turn fully                                           */
     double   size;                 /* greatest distance of two pins, or of a pin and a point, of one link [m]       */

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "base/real.h"
+#include "optimise/report/robustness.h"
 
 static int bits(unsigned n)
 {
@@ -68,13 +69,13 @@ static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report 
 }
 
 /* Numbers of a report in which a search over more should not be worse; less is better.  The first matter most. */
-enum { MEASURES = 6 };
+enum { MEASURES = 7 };
 #define NO_BETTER 1e-3             /* relative: the best in a measure is not replaced by one better by less, a twin    */
 
 static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_report *r, double m[MEASURES])
 {
     const double all[MEASURES] = { c->objective, lw_fit_report_stray(r), r->likeness.chamfer, r->angle_max, bulk_of(t, r),
-                                   -fmin(r->transmission_min, ENOUGH) };
+                                   -fmin(r->transmission_min, ENOUGH), r->spread };
     for (int i = 0; i < MEASURES; i++)
         m[i] = isnan(all[i]) ? INFINITY : all[i];
 }
@@ -162,7 +163,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
 {
     double error = isnan(r->angle_max) ? 0 : r->angle_max, bulk = bulk_of(t, r);
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
-        error = (distance_of(t, c, r) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
+        error = (distance_of(t, c, r) + (isnan(r->spread) ? 0 : r->spread) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
     return log(error + LW_EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + PER_SIZE*(log(fmax(1, bulk/COMPACT)) + log(fmax(1, bulk/BULKY))) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
@@ -249,6 +250,16 @@ typedef struct reports {
     atomic_bool        any;                  /* there is one to keep                               */
 } reports;
 
+/* How far linkages made with the tolerances of s stray from the curve of this one. */
+static lw_status find_spread(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+{
+    lw_robustness robust;
+    lw_status st = s->tolerances.length > 0 || s->tolerances.clearance > 0
+                 ? lw_robustness_of(t, c, r, &s->tolerances, &robust, NULL) : LW_NOTHING;
+    r->spread = st == LW_OK ? robust.within : NAN;
+    return st == LW_E_MEMORY ? st : LW_OK;
+}
+
 static void make_report(void *context, size_t i, int thread)
 {
     (void)thread;
@@ -258,6 +269,8 @@ static void make_report(void *context, size_t i, int thread)
     if (c->any && ((o->interrupt && *o->interrupt) || (o->until > 0 && lw_clock_wall() > o->until)))
         return;
     c->status[i] = lw_fit_report_make(c->t, c->s, &c->fit->candidate[i], r, NULL);
+    if (c->status[i] == LW_OK)
+        c->status[i] = find_spread(c->t, c->s, &c->fit->candidate[i], r);
     c->made[i] = c->status[i] == LW_OK;
     bool passed = c->made[i] && (r->verified || (c->may_fail && c->may_fail[i] && r->meets));
     c->usable[i] = passed && !(r->broken & ~c->s->by_default);

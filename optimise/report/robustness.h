@@ -10,12 +10,6 @@
 
 #include "optimise/report/report.h"
 
-typedef struct lw_tolerances {
-    double   length, clearance;     /* [m]; the tolerance is three standard deviations; radius of the clearance */
-    int      trials;                /* random linkages; 0: 1000                                        */
-    uint64_t seed;
-} lw_tolerances;
-
 typedef struct lw_robustness {
     /* to first order, from exact derivatives: root mean square distance of the point from its place [m] ... */
     double rms, worst;              /* ... over all postures, and in the worst posture                       */

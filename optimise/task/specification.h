@@ -57,6 +57,13 @@ typedef enum lw_carrier {
     LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
 } lw_carrier;
 
+/* How exactly a linkage is made. */
+typedef struct lw_tolerances {
+    double   length, clearance;     /* [m]; the tolerance is three standard deviations; radius of the clearance */
+    int      trials;                /* random linkages; 0: 1000                                        */
+    uint64_t seed;
+} lw_tolerances;
+
 /* A task as a person states it, in SI units. */
 typedef struct lw_fit_spec {
     lw_task   task;
@@ -86,6 +93,8 @@ typedef struct lw_fit_spec {
     bool      within_limits;           /* the input passes no limit, dead point or change point   */
     double    tolerance;               /* the results are the simplest and smallest linkages that stray from the target by
                                         * no more [m]; 0: those with the least error               */
+    lw_tolerances tolerances;          /* results count as far from the target as 95 of 100 linkages with these errors stay;
+                                        * 0: exact ones                                            */
     unsigned  by_default;              /* LW_LIMIT_ bits: limits that nobody asked for: results that break them are
                                         * better than none                                        */
 } lw_fit_spec;
