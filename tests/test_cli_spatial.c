@@ -25,6 +25,16 @@ TEST(traces)
     expect("$P trace $D/deep.json --time-range 0:1:0.1", 4, NULL, "open");
 }
 
+/* Rounded numbers: an overconstrained linkage is rigid or moves with open joints, and it is said. */
+TEST(rounded)
+{
+    expect("sed -E 's/([0-9]\\.[0-9]{4})[0-9]+/\\1/g' examples/space/bennett.json > $D/rounded.json && $P simulate $D/rounded.json -n 1", 0, NULL,
+           "no freedom is left, so nothing moves");
+    expect("sed -E 's/([0-9]\\.[0-9]{7})[0-9]+/\\1/g' examples/space/bennett.json > $D/finer.json && $P trace $D/finer.json -n 3", 0, NULL,
+           "joints stay open by up to");
+    expect("$P trace examples/space/bennett.json -n 3 2>&1 | grep -c open", 1, "0", NULL);
+}
+
 TEST(runs)
 {
     expect("$P simulate examples/space/superelement.json --to 0.001 -n 1", 0, NULL, "link \"boom\" is condensed: its inner forces are known");

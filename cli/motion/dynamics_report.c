@@ -98,6 +98,9 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
     if (r->redundant)
         cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
                  r->redundant, r->redundant == 1 ? " is" : "s are", text);
+    if (r->redundant && r->freedom == 0 && !lw_dynamics_model(d))
+        cli_note(c, "no freedom is left, so nothing moves; if the linkage should move, its numbers are rounded: \"mobility --tolerance 1e-4\" "
+                 "tells, and more digits help");
     if (idle)
         cli_note(c, "%d spin%s of links between ball joints %s held", idle, idle == 1 ? "" : "s", idle == 1 ? "is" : "are");
     const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);

@@ -122,7 +122,9 @@ lw_status lw_space_trace_run(const lw_spatial *m, lw_space_trace *o, lw_space_ro
             if (st != LW_OK)
                 break;
             lw_space_follow_second(&f);
-            lw_space_place(&s, f.q, f.z.frame);
+            lw_space_rows_fill(&f.z, f.q, f.target);
+            for (int i = 0; i < s.n_row; i++)            /* those left out as dependent, too */
+                o->open = fmax(o->open, fabs(f.z.phi[i]));
             lw_space_tracers(&s, f.z.frame, f.q, f.v, f.a, tracer);
             double (*at)[3] = (double (*)[3])(void *)(value + m->n_input);
             if ((st = path(with, u, at)) != LW_OK)

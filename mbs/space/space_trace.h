@@ -17,6 +17,7 @@ typedef struct lw_space_trace {
     int    intervals;
     const volatile sig_atomic_t *stop;           /* may be NULL                                        */
     bool   limit[2];                             /* out: an end is a limit of the motion               */
+    double open;                                 /* out: greatest residual of a joint, lengths over the size of the model, radians */
 } lw_space_trace;
 
 /* LW_OPEN: a limit or a singular posture lies before the end, as the text says; rows before it have been handed out.
