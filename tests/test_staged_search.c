@@ -122,6 +122,35 @@ TEST(threads_do_not_change_the_answer)
     lw_target_free(&t);
 }
 
+/* A linkage to start from is tried in both senses: a target drawn the other way round is met at once, too. */
+TEST(a_start_may_run_either_way)
+{
+    enum { N = 32 };                                     /* as many families as a round has jobs      */
+    static lw_family list[N];
+    lw_linkage k = six_bar();
+    double x[18], y[18], angle[18], back_x[18], back_y[18];
+    six_bar_curve(&k, 18, x, y, angle);
+    for (int i = 0; i < 18; i++) {
+        back_x[i] = x[17 - i];
+        back_y[i] = y[17 - i];
+    }
+    for (int i = 0; i < N; i++)
+        list[i] = (lw_family){ .name = "six-bar", .linkage = &k, .posture = i == 0, .links = 6 };
+    lw_families f = lw_families_of(list, N);
+    for (int back = 0; back < 2; back++) {
+        lw_fit_options o = options(LW_TIMING_FREE, 0);
+        lw_target t;
+        lw_fit fit;
+        o.families = &f;
+        o.max_rounds = 1;
+        CHECK_INT(lw_target_make(18, back ? back_x : x, back ? back_y : y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+        CHECK_INT(lw_fit_run(&t, &o, &fit, NULL), LW_OK);
+        CHECK(fit.n > 0 && fit.candidate[0].objective < 1e-20);
+        lw_fit_free(&fit);
+        lw_target_free(&t);
+    }
+}
+
 /* More families than a sweep may look at: some have their turn in a later one, some none, by any number of threads. */
 TEST(families_beyond_a_sweep)
 {

@@ -187,8 +187,10 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
     if (s->job[job].around)
         return search_around(a->best, effort, p, &rng, work, best);
     int n = draw_starts(s, effort, p, &rng, bench, best);
-    if (p->family->posture && a->starts == 0) {
+    int senses = p->timing == LW_TIMING_FREE || lw_problem_turns_either_way(p) ? 2 : 1;
+    for (int k = 0; k < senses && p->family->posture && a->starts == 0; k++) {
         lw_found c = { .hits = 1 };
+        p->intended.sense = senses == 2 ? 2*k - 1 : p->intended.sense;
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.intended = p->intended;
         n = put_in_order(best, n, effort->improve, &c);
