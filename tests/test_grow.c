@@ -28,7 +28,7 @@ TEST(children_trace_the_parents_curve)
     for (int trial = 0; trial < 60; trial++) {
         lw_linkage child, grandchild;
         double cx[N], cy[N];
-        CHECK_INT(lw_linkage_grow(&k, true, 0, 0, &rng, &child), LW_OK);
+        CHECK_INT(lw_linkage_grow(&k, true, 0, 0, 0, &rng, &child), LW_OK);
         CHECK_INT(child.n_link, k.n_link + 2);
         CHECK_INT(lw_linkage_mobility(&child), 1);
         CHECK_INT(lw_linkage_check(&child, NULL), LW_OK);
@@ -38,7 +38,7 @@ TEST(children_trace_the_parents_curve)
             CHECK_NEAR(cx[i], x[i], 1e-12, 0);
             CHECK_NEAR(cy[i], y[i], 1e-12, 0);
         }
-        CHECK_INT(lw_linkage_grow(&child, true, 0, 0, &rng, &grandchild), LW_OK);
+        CHECK_INT(lw_linkage_grow(&child, true, 0, 0, 0, &rng, &grandchild), LW_OK);
         CHECK_INT(lw_linkage_mobility(&grandchild), 1);
     }
 }
@@ -55,7 +55,7 @@ TEST(every_point_runs_as_before)
     k.tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage child;
-        if (lw_linkage_grow(&k, true, 0, 0, &rng, &child) != LW_OK)
+        if (lw_linkage_grow(&k, true, 0, 0, 0, &rng, &child) != LW_OK)
             continue;
         CHECK_INT(child.n_tracer, 2);
         CHECK(closes(&child, 5000));
@@ -82,7 +82,7 @@ TEST(what_does_not_fit_is_refused)
     lw_linkage k = six_bar(), child;
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
-    CHECK_INT(lw_linkage_grow(&k, false, 0, 40, &rng, &child), LW_OK);      /* the crank turns: any range */
+    CHECK_INT(lw_linkage_grow(&k, false, 0, 40, 0, &rng, &child), LW_OK);      /* the crank turns: any range */
     k.n_link = LW_LINK_MAX - 1;
-    CHECK_INT(lw_linkage_grow(&k, true, 0, 0, &rng, &child), LW_E_ARG);
+    CHECK_INT(lw_linkage_grow(&k, true, 0, 0, 0, &rng, &child), LW_E_ARG);
 }

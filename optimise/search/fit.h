@@ -79,6 +79,7 @@ typedef struct lw_candidate {
                                   *                                 ((n_station + n_sample)*n_dyad) */
     int     n_dyad;
     long    evals;               /* of the start and improvement that led here                      */
+    int     part_number;         /* of the options of the search                                    */
     double  seconds;             /* when it was found                                               */
     lw_stop stop;                /* why its improvement ended                                       */
 } lw_candidate;

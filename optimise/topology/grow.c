@@ -7,7 +7,7 @@
 #include "base/real.h"
 #include "mbs/batch/posture.h"
 
-enum { SAMPLES = 48, TRIES = 12, HALVINGS = 30 };
+enum { SAMPLES = 48, TRIES = 12, GENTLE_TRIES = 24, HALVINGS = 30 };
 
 /* The postures of the parent over its motion. */
 typedef struct motion_path {
@@ -152,8 +152,11 @@ static void add_links(const lw_linkage *parent, int point, int base, lw_vec2 kne
     child->tracer[point].link = arm;
 }
 
+/* Cosine of the angle between links a and b whose ends are d apart. */
+static double knee_cosine(double a, double b, double d) { return (a*a + b*b - d*d)/(2*a*b); }
+
 /* Draw where the second new link is pinned, and two lengths that reach and fold far enough; false: they do not suit. */
-static bool try_once(motion_path *c, double size, lw_rng *rng, lw_linkage *child)
+static bool try_once(motion_path *c, double size, double transmission, lw_rng *rng, lw_linkage *child)
 {
     const lw_linkage *parent = c->k;
     int base = lw_rng_uniform(rng) < 0.6 ? parent->ground : (int)(lw_rng_uniform(rng)*parent->n_link);
@@ -171,14 +174,16 @@ static bool try_once(motion_path *c, double size, lw_rng *rng, lw_linkage *child
     double along = (here*here + a*a - b*b)/(2*here), h2 = a*a - along*along;
     if (!(least > 1e-3*size) || !(h2 > 0))
         return false;
+    if (transmission > 0 && fmax(knee_cosine(a, b, least), -knee_cosine(a, b, most)) > cos(transmission))
+        return false;
     lw_vec2 u = lw_v2_scale(lw_v2_sub(h.at, p), 1/here);
     lw_vec2 knee = lw_v2_add(p, lw_v2_add(lw_v2_scale(u, along), lw_v2_scale(lw_v2_perp(u), side*sqrt(h2))));
     add_links(parent, c->point, base, knee, h.at, child);
     return true;
 }
 
-lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
-                          lw_linkage *child)
+lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, double transmission,
+                          lw_rng *rng, lw_linkage *child)
 {
     int point = parent->n_tracer > 1 ? (int)(lw_rng_uniform(rng)*parent->n_tracer) : 0;
     bool found = false;
@@ -190,8 +195,10 @@ lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, do
     c->k = parent, c->point = point, c->turns = turns, c->no_memory = false, c->first = first, c->last = last;
     lw_status s = run_path(parent, c);
     double size = s == LW_OK ? size_of(c) : 0;
+    for (int i = 0; s == LW_OK && transmission > 0 && i < GENTLE_TRIES && !found; i++)
+        found = try_once(c, size, transmission, rng, child);
     for (int i = 0; s == LW_OK && i < TRIES && !found; i++)
-        found = try_once(c, size, rng, child);
+        found = try_once(c, size, 0, rng, child);
     if (s == LW_E_MEMORY || c->no_memory)
         s = LW_E_MEMORY;
     else

@@ -13,8 +13,9 @@
  * inputs from `first` to `last` (as lw_plan_read counts them).  The least and the greatest distance that the dyad
  * spans are found as zeros of their rate between 48 postures, to rounding; only two zeros between two postures can be
  * missed, and the lengths keep some percent of margin for that.  Of several tracers one is drawn; it stays where it
- * was, on the new link. LW_E_ARG: too many links or joints; LW_OPEN: some tries gave no child; LW_E_MEMORY. */
-lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
-                          lw_linkage *child);
+ * was, on the new link.  The angle between the new links stays between `transmission` [rad] and its supplement if some
+ * tries find such links, and else closes only. LW_E_ARG: too many links or joints; LW_OPEN: some tries gave no child; LW_E_MEMORY. */
+lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, double transmission,
+                          lw_rng *rng, lw_linkage *child);
 
 #endif

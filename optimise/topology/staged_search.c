@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/real.h"
+#include "optimise/report/results.h"
 #include "optimise/topology/grow.h"
 
 enum {
@@ -14,6 +15,8 @@ enum {
     AGAIN = 8,              /* linkages that a stage found before and starts from again              */
     FIRST = 4,              /* the first part of a stage's budget: one in so many                    */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
+    ROWS = 24,              /* rows that the next search starts from, with default limits            */
+    PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
     NEAREST = 12            /* candidates whose distance from the target is looked at               */
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
@@ -42,14 +45,15 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
 }
 
 /* LW_OK, with a child or without one, or LW_E_MEMORY. */
-static lw_status grow_one(const lw_target *t, const lw_search_stage *stage, const lw_candidate *c, const lw_fit_report *r,
-                     lw_rng *rng, starts *to)
+static lw_status grow_one(const lw_target *t, const lw_fit_spec *s, const lw_search_stage *stage, const lw_candidate *c,
+                          const lw_fit_report *r, lw_rng *rng, starts *to)
 {
     double first, last;
     lw_family_made *g = &to->made[to->n];
     char name[sizeof g->name];
     used_range(t, c, &first, &last);
-    lw_status st = lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, rng, &g->linkage);
+    lw_status st = lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, s->min_transmission, rng,
+                                   &g->linkage);
     if (st != LW_OK)
         return st == LW_E_MEMORY ? st : LW_OK;
     snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
@@ -71,47 +75,51 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
     return false;
 }
 
-/* Add dyads to the best results with `links` links; part: how often the stage was searched before.  LW_OK or LW_E_MEMORY. */
-static lw_status grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from,
-                      int links, int part, starts *to)
+/* The next row after `at` (-1: the first) with `links` links that a search can start from: in the order of the rows, or
+ * by_error in the order of the candidates, which is that of their errors.  rows->n: there is none. */
+static int next_row(const lw_target *t, const lw_fit *from, const lw_fit_results *rows, int links, bool by_error, int at)
 {
-    int parents = 0;
-    lw_status st = LW_OK;
-    lw_rng rng;
-    lw_fit_report *r = malloc(sizeof *r);
-    lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links + ((uint64_t)part << 32));
-    for (int i = 0; r && i < from->n && parents < PARENTS && st != LW_E_MEMORY; i++) {
-        const lw_candidate *c = &from->candidate[i];
+    int next = rows->n;
+    for (int i = by_error ? 0 : at + 1; i < rows->n; i++) {
+        const lw_candidate *c = &from->candidate[rows->candidate[i]];
         if (lw_candidate_links(c) != links || changes_mode(t, c)
-            || (st = lw_fit_report_make(t, &o->spec, c, r, NULL)) != LW_OK || !r->verified)
+            || (by_error && at >= 0 && rows->candidate[i] <= rows->candidate[at]))
             continue;
-        int children = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
-        parents++;
-        for (int k = 0; st == LW_OK && k < children && to->n < CHILDREN; k++)
-            st = grow_one(t, stage, c, r, &rng, to);
+        if (!by_error)
+            return i;
+        next = next == rows->n || rows->candidate[i] < rows->candidate[next] ? i : next;
     }
-    free(r);
-    return r && st != LW_E_MEMORY ? LW_OK : LW_E_MEMORY;
+    return next;
 }
 
-/* Start again from the best results with `links` links.  LW_OK or LW_E_MEMORY. */
-static lw_status start_again(const lw_target *t, const lw_fit_spec *s, const lw_fit *from, int links, starts *to)
+/* Add dyads to the best results with two links less; part: how often the stage was searched before.  LW_OK or LW_E_MEMORY. */
+static lw_status grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from,
+                      const lw_fit_results *rows, int part, starts *to)
 {
+    int parents = 0, links = stage->links - 2;
+    bool by_error = part == 0;
     lw_status st = LW_OK;
-    lw_fit_report *r = malloc(sizeof *r);
-    for (int i = 0, n = 0; r && i < from->n && n < AGAIN && st != LW_E_MEMORY; i++) {
-        const lw_candidate *c = &from->candidate[i];
-        if (lw_candidate_links(c) != links || changes_mode(t, c)
-            || (st = lw_fit_report_make(t, s, c, r, NULL)) != LW_OK || !r->verified)
-            continue;
-        lw_family_made *g = &to->made[to->n];
-        g->linkage = r->linkage;
-        snprintf(g->name, sizeof g->name, "%.90s", lw_family_title(c->family));
-        to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true, .links = links };
-        n++;
+    lw_rng rng;
+    lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links + ((uint64_t)part << 32));
+    for (int i = next_row(t, from, rows, links, by_error, -1); i < rows->n && parents < PARENTS && st == LW_OK;
+         i = next_row(t, from, rows, links, by_error, i)) {
+        int children = parents++ == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
+        for (int k = 0; st == LW_OK && k < children && to->n < CHILDREN; k++)
+            st = grow_one(t, &o->spec, stage, &from->candidate[rows->candidate[i]], &rows->report[i], &rng, to);
     }
-    free(r);
-    return r && st != LW_E_MEMORY ? LW_OK : LW_E_MEMORY;
+    return st;
+}
+
+/* Start again from the best results with `links` links. */
+static void start_again(const lw_target *t, const lw_fit *from, const lw_fit_results *rows, int links, starts *to)
+{
+    for (int i = next_row(t, from, rows, links, false, -1), n = 0; i < rows->n && n < AGAIN;
+         i = next_row(t, from, rows, links, false, i), n++) {
+        lw_family_made *g = &to->made[to->n];
+        g->linkage = rows->report[i].linkage;
+        snprintf(g->name, sizeof g->name, "%.90s", lw_family_title(from->candidate[rows->candidate[i]].family));
+        to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true, .links = links };
+    }
 }
 
 /* ---- the list of results --------------------------------------------------------------------------- */
@@ -200,21 +208,28 @@ static bool can_be_compact(const lw_fit_options *o)
     return o->spec.by_default & limit;
 }
 
-/* Run the searches of a stage: of four-link types the cranks, then the others; small cranks; then once more if the best
- * curve strays.  Each gets an equal part of the time that is left; of families, if small cranks are searched, half of the
- * budget. */
-static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, int n_start, double seconds,
-                              lw_stage_result *r, lw_staged_search *out, lw_error *e)
+/* The searches of a stage.  Of four-link types: the cranks, then the others; small cranks; then once more, from the curve to
+ * the target too, if the best curve strays.  Of families all together instead of the first two. */
+enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, SEARCHES };
+
+static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, bool whole, lw_fit *fit, lw_error *e)
 {
-    enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, SEARCHES };
+    static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_WHOLE };
+    lw_fit_options mine = *o;
+    mine.part = whole && search == OTHERS ? LW_FIT_WHOLE : part[search];
+    mine.both_ways = search == BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec));
+    return lw_fit_run(t, &mine, fit, e);
+}
+
+/* Run the searches of four-link types.  Each gets an equal part of the time that is left. */
+static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, double seconds, lw_stage_result *r,
+                           lw_staged_search *out, lw_error *e)
+{
     double end = lw_clock_wall() + seconds;
-    bool whole = o->families || o->spec.exclude_drag_link, stopped = false, any = false, again = false;
+    bool whole = o->spec.exclude_drag_link, stopped = false, any = false, again = false;
     const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec) };
     lw_status st = LW_OK;
-    if (o->families && wanted[COMPACT])
-        o->budget = (o->budget + 1)/2;
     for (int i = CRANKS; i < SEARCHES; i++) {
-        static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_WHOLE };
         lw_fit fit;
         lw_error why = { .text = "" };
         int to_come = 0;
@@ -224,16 +239,12 @@ static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, 
             continue;
         for (int k = i; k < SEARCHES; k++)
             to_come += wanted[k];
-        o->part = whole && i == OTHERS ? LW_FIT_WHOLE : part[i];
-        o->both_ways = i == BOTH_WAYS || (i == COMPACT && o->families && wanted[BOTH_WAYS]);
         o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/to_come) : 0;
-        st = lw_fit_run(t, o, &fit, &why);
-        if (st == LW_E_ARG && i == OTHERS && !whole && !any) {   /* no type can turn: this says it, or gives way */
-            o->part = LW_FIT_WHOLE;
-            st = lw_fit_run(t, o, &fit, &why);
-        }
+        st = run_search(t, o, i, whole, &fit, &why);
+        if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
+            st = run_search(t, o, i, true, &fit, &why);
         bool found = st >= 0;
-        if (found && take(out, r, n_start, &fit, e) != LW_OK)
+        if (found && take(out, r, 0, &fit, e) != LW_OK)
             return LW_E_MEMORY;
         stopped |= st == LW_STOPPED;
         any |= found;
@@ -243,6 +254,103 @@ static lw_status run_searches(const lw_target *t, lw_fit_options *o, int links, 
             return st;
         }
         if (st == LW_STOPPED && o->interrupt && *o->interrupt)
+            break;
+    }
+    return stopped ? LW_STOPPED : LW_OK;
+}
+
+/* The rows that a person would see of the first `of_each` candidates of every number of links, and of `mine` of those with
+ * `links` links; *seen: these candidates, which belong to `all`.  LW_E_MEMORY. */
+static lw_status make_rows(const lw_target *t, const lw_fit_options *o, const lw_fit *all, int of_each, int links, int mine,
+                           double until, lw_fit *seen, lw_fit_results *rows)
+{
+    const lw_results_effort effort = { .jobs = o->jobs, .until = until, .interrupt = o->interrupt };
+    int n[LW_LINK_MAX + 1] = { 0 };
+    *seen = (lw_fit){ .candidate = malloc(sizeof *seen->candidate*((size_t)all->n + 1)) };
+    if (!seen->candidate)
+        return LW_E_MEMORY;
+    for (int i = 0; i < all->n; i++) {
+        int of = lw_candidate_links(&all->candidate[i]);
+        if (n[of]++ < (of == links ? mine : of_each))
+            seen->candidate[seen->n++] = all->candidate[i];
+    }
+    return lw_fit_results_make(t, &o->spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
+}
+
+/* Which search of these parts found the first row with `links` links? */
+static int best_search(const lw_fit *seen, const lw_fit_results *rows, int links, int first_part, const int *search, int n)
+{
+    for (int i = 0; i < rows->n; i++) {
+        const lw_candidate *c = &seen->candidate[rows->candidate[i]];
+        int part = c->part_number - first_part;
+        if (lw_candidate_links(c) == links && part >= 0 && part < n)
+            return search[part];
+    }
+    return OTHERS;
+}
+
+/* Search the families of a stage once, from the best linkages found before. */
+static lw_status run_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows,
+                              int search, const lw_fit *seen, const lw_fit_results *rows, lw_stage_result *r,
+                              lw_staged_search *out, lw_error *e)
+{
+    lw_fit_options mine = *o;
+    lw_fit fit;
+    starts *more = calloc(1, sizeof *more);
+    lw_status st = more && grows ? grow(t, o, stage, seen, rows, r->n_part, more) : more ? LW_OK : LW_E_MEMORY;
+    if (st != LW_OK) {
+        free(more);
+        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to start from");
+    }
+    r->n_grown += more->n;
+    if (r->n_part > 0)
+        start_again(t, seen, rows, stage->links, more);
+    lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
+    lw_families all = lw_families_join(&pair);
+    mine.families = &all;
+    mine.part_number = r->n_part++;
+    st = run_search(t, &mine, search, true, &fit, e);
+    if (st >= 0 && take(out, r, more->n, &fit, e) != LW_OK)
+        st = LW_E_MEMORY;
+    free(more);
+    return st;
+}
+
+/* Search the families of a stage, for the first time or again, with this budget.  If small cranks are searched too, either
+ * search has a quarter of the budget, and so has the search both ways if the best curve strays.  The search that found the
+ * first of the rows that a person would see now has the rest. */
+static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_search_stage *stage, bool grows, bool in_part,
+                           double seconds, lw_stage_result *r, lw_staged_search *out, lw_error *e)
+{
+    double end = lw_clock_wall() + seconds;
+    bool compact = can_be_compact(o), again = false, stopped = false, exact = false;
+    long left = o->budget, part = (left + PARTS - 1)/PARTS, sweep = o->sweep;
+    int search[PARTS], first_part = r->n_part;
+    for (int k = 0; left > 0 && !(exact && k > 1); k++) {
+        lw_fit seen = { 0 };
+        lw_fit_results rows = { 0 };
+        lw_status st = grows || r->n_part > 0 ? make_rows(t, o, &out->fit, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
+                                                          seconds > 0 ? end : 0, &seen, &rows) : LW_OK;
+        if (st == LW_OK && k == 2)
+            st = strays(t, &o->spec, &out->fit, stage->links, &again);
+        if (st == LW_OK) {
+            bool last = !compact || k > 2 || (k == 2 && !again);
+            search[k] = k == 0 ? OTHERS : k == 1 ? COMPACT : !last ? BOTH_WAYS
+                      : best_search(&seen, &rows, stage->links, first_part, search, k);
+            o->budget = last || part > left ? left : part;
+            o->sweep = sweep == 0 && (in_part || compact) ? o->budget/2 : sweep;
+            o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/(last ? 1 : k < 2 ? 3 - k : 2)) : 0;
+            left -= o->budget;
+            st = run_families(t, o, stage, grows, search[k], &seen, &rows, r, out, e);
+        } else
+            lw_error_set(e, st, "no memory for reports");
+        lw_fit_results_free(&rows);
+        free(seen.candidate);
+        if (st < 0 && !(st == LW_E_ARG && search[k] >= COMPACT))
+            return st;
+        stopped |= st == LW_STOPPED;
+        exact |= r->stop == LW_STOP_F_TARGET;
+        if (o->interrupt && *o->interrupt)
             break;
     }
     return stopped ? LW_STOPPED : LW_OK;
@@ -269,26 +377,14 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
                            lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
-    starts *more = calloc(1, sizeof *more);
-    bool grows = stage->families.make && before > 0 && !lw_task_has_angle(o->spec.task);
-    lw_status st = more && grows ? grow(t, o, stage, &out->fit, before, r->n_part, more) : more ? LW_OK : LW_E_MEMORY;
-    r->n_grown += more ? more->n : 0;
-    if (st == LW_OK && r->n_part > 0)
-        st = start_again(t, &o->spec, &out->fit, stage->links, more);
-    if (st != LW_OK) {
-        free(more);
-        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to start from");
-    }
-    lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
-    lw_families all = lw_families_join(&pair);
+    bool grows = before > 0 && !lw_task_has_angle(o->spec.task);
     double start = lw_clock_wall();
-    mine.families = stage->families.make ? &all : NULL;
+    mine.families = NULL;
     mine.budget = budget;
-    mine.sweep = o->sweep == 0 && in_part ? budget/2 : o->sweep;
-    mine.part_number = r->n_part++;
-    st = run_searches(t, &mine, stage->links, more->n, seconds, r, out, e);
+    lw_status st = stage->families.make ? run_parts(t, &mine, stage, grows, in_part, seconds, r, out, e)
+                                        : run_types(t, &mine, stage->links, seconds, r, out, e);
+    r->n_part += stage->families.make == NULL;
     r->seconds += lw_clock_wall() - start;
-    free(more);
     return st;
 }
 

@@ -4,7 +4,8 @@
  * are never worse than fewer.  The caller says which families a stage has.
  *
  * Under a time limit several stages with families are searched in parts of doubling size that start again from their best
- * linkages; the stage that gains most per evaluation has the next part.  Otherwise each has its budget at once. */
+ * linkages; the stage that gains most per evaluation has the next part.  Otherwise each has its budget at once.  With default
+ * limits a stage divides its budget among a search for all linkages, one for small cranks, and the better of the two. */
 #ifndef LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 #define LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 
@@ -26,7 +27,7 @@ typedef struct lw_search_stage {
 
 typedef struct lw_stage_result {
     int        links, n_grown;       /* n_grown: starts with an added dyad                          */
-    int        n_part;               /* how often it was searched                                   */
+    int        n_part;               /* searches made                                               */
     double     best;                 /* objective; INFINITY: nothing was found                      */
     long       starts, improved, evals;
     double     seconds;              /* of the stage                                                */
