@@ -143,6 +143,8 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define COMPACT      1.5           /* a link no longer than this many targets costs nothing; ...                    */
 #define PER_SIZE     0.85          /* ... beyond that twice the length counts as 1.8 times the error, ...           */
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
+#define EVEN         8             /* a longest link of so many shortest ones costs nothing; ...                      */
+#define PER_RATIO    0.85          /* ... beyond that twice as many count as 1.8 times the error: a short link multiplies play and tolerances */
 #define PER_MISS     0.5           /* beyond LW_NEAR twice the error counts as 2.8 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.2           /* for each link more                                                            */
@@ -166,6 +168,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
         error = (distance_of(t, c, r) + (isnan(r->spread) ? 0 : r->spread) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
     return log(error + LW_EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + PER_SIZE*(log(fmax(1, bulk/COMPACT)) + log(fmax(1, bulk/BULKY))) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
+         + (t->extent > 0 ? PER_RATIO*log(fmax(1, r->length_most/r->length_least/EVEN)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
