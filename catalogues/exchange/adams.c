@@ -198,7 +198,7 @@ lw_status lw_adams_scan(const char *text, size_t size, const char *file, lw_adam
     lw_error own;
     lw_cursor c = lw_cursor_start(text, size, file, e ? e : &own);
     char name[LW_NAME_SIZE] = "";
-    lw_status s = LW_OK;
+    lw_status s = lw_text_check(text, size, file, e);
     skip_line(&c);
     while (s == LW_OK) {
         lw_cursor_skip(&c, true, 0);

@@ -5,6 +5,7 @@
 #include "base/units.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
+#include "grammar/text/text_internal.h"
 #include "mbs/kinematics/fourbar.h"
 
 typedef struct settings {
@@ -166,8 +167,9 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
     const settings *s = call->settings;
     unit u = angle_unit(s->unit);
     bool first = true, headed = call->common.json, any = false;
-    if (strlen(text) < size)
-        return lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is not text (it holds a byte 0); a table has lines of four lengths, as 4,2,5,3");
+    lw_status checked = lw_text_check(text, size, file, e);
+    if (checked != LW_OK)
+        return checked;
     for (int line = 1; *text; line++) {
         const char *end = text + strcspn(text, "\n"), *at = text + strspn(text, " \t\r");
         lw_fourbar_class c;

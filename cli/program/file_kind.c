@@ -50,6 +50,8 @@ static cli_kind_of_file kind_of_text(const char *text, size_t size, const char *
         return CLI_CATALOGUE;
     if (is_binary(text, size) && !cli_is_target(text, size))
         return CLI_BINARY;
+    if (strlen(text) < size && !cli_is_target(text, size))           /* what its reader says of the byte 0 tells more */
+        return CLI_UNKNOWN;
     if (text[strspn(text, " \t\r\n")] == '{')
         return kind_of_json(text, size);
     if (lw_target_kind_of(text, size, path) != LW_TARGET_KIND_TABLE)
@@ -93,7 +95,7 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
         if (rows[i].kind != kind)
             continue;
         snprintf(command, sizeof command, rows[i].command ? rows[i].command : "", path);
-        lw_error_at(e, LW_E_NOTATION, path, 0, 0, "this is %s, not %s%s%s%s", rows[i].is, what,
+        lw_error_at(e, LW_E_NOTATION, path, kind == CLI_BINARY ? e->line : 0, kind == CLI_BINARY ? e->column : 0, "this is %s, not %s%s%s%s", rows[i].is, what,
                     rows[i].command ? ": did you mean 'linkwright " : "", command, rows[i].command ? "'?" : "");
     }
     return true;

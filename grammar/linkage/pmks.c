@@ -188,7 +188,7 @@ lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw
 {
     lw_points *p = lw_points_create(0, 0);
     entry *t = malloc(sizeof *t);
-    lw_status s = p && t ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    lw_status s = p && t ? lw_text_check(text, size, file, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     lw_cursor c = lw_cursor_start(text, size, file, e), end = c;
     while (s == LW_OK && lw_cursor_peek(&c) >= 0) {
         if (c.column == 1 && take_setting(&c))

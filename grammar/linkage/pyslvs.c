@@ -251,7 +251,9 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
     if (!p)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     reader r = { .c = lw_cursor_start(text, size, file, e), .p = p, .metre = units->metre };
-    lw_status s = want(&r, "M[", "at the beginning");
+    lw_status s = lw_text_check(text, size, file, e);
+    if (s == LW_OK)
+        s = want(&r, "M[", "at the beginning");
     if (s == LW_OK)
         s = read_list(&r, read_joint, NULL, "a joint");
     if (s == LW_OK)

@@ -8,6 +8,7 @@
 #include "base/real.h"
 #include "base/suggest.h"
 #include "grammar/functions/formula.h"
+#include "grammar/text/text_internal.h"
 
 #define X_MOTOR(member, unit, needed) { #member, unit, needed, offsetof(lw_motor_part, member) },
 #define X_GEAR(member, unit, needed) { #member, unit, needed, offsetof(lw_gear_part, member) },
@@ -237,7 +238,7 @@ lw_status lw_drive_parts_read(const char *text, size_t size, const char *file, l
     int before[3] = { p->n_motor, p->n_gear, p->n_amplifier };
     int n_part = 0, room = 0;
     long line = 0, *lines = NULL;                       /* of each part */
-    lw_status s = LW_OK;
+    lw_status s = lw_text_check(text, size, file, e);
     size_t at = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     while (at < size && s == LW_OK) {
         const char *newline = memchr(text + at, '\n', size - at);

@@ -1,4 +1,5 @@
 #include "grammar/text/text_internal.h"
+#include "grammar/text/json_locate_internal.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -79,6 +80,17 @@ lw_status lw_cursor_fail(const lw_cursor *at, const char *format, ...)
     va_end(list);
     return lw_error_at(at->e, LW_E_NOTATION, at->file ? at->file : "", at->line, at->column, "%s",
                        text);
+}
+
+lw_status lw_text_check(const char *text, size_t size, const char *file, lw_error *e)
+{
+    long line, column;
+    const char *zero = size > 0 ? memchr(text, 0, size) : NULL;
+    if (!zero)
+        return LW_OK;
+    lw_text_place(text, size, (size_t)(zero - text), &line, &column);
+    return lw_error_at(e, LW_E_NOTATION, file ? file : "", line, column, "a byte 0, which no text holds: the file is damaged, or "
+                       "not in UTF-8");
 }
 
 const char *lw_byte_name(int byte, char *buf)

@@ -38,6 +38,9 @@ bool lw_cursor_number(lw_cursor *c, int *value);
 lw_status lw_cursor_fail(const lw_cursor *at, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* LW_E_NOTATION with the place of the first byte 0: it ends no text, and a reader that passes it would read a part. */
+lw_status lw_text_check(const char *text, size_t size, const char *file, lw_error *e);
+
 /* The byte as text for a message: 'x', "the end of the line", "byte 0x80".  buf (24). */
 const char *lw_byte_name(int byte, char *buf);
 

@@ -355,7 +355,7 @@ lw_status lw_graphml_read(const char *text, size_t size, const char *file, lw_me
     lw_cursor c = lw_cursor_start(text, size, file, e), start = c, at = c;
     keys k = { "kind", "driven", "ground", "output" };
     graph g = { .ground = -1, .output = -1 };
-    lw_status s = LW_OK;
+    lw_status s = lw_text_check(text, size, file, e);
     int node = -1, joint = -1, a, b;
     bool ended = false;
     for (tag t; s == LW_OK && !ended && next_tag(&c, &t, &s); at = c) {

@@ -721,7 +721,9 @@ lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, co
     reader r = { .c = lw_cursor_start(text, size, file, e), .out = { .unit = "mm", .scale = 1 } };
     place page = { .m = { .a = 1, .d = 1 } };
     *t = (lw_target){ .n = 0 };
-    lw_status s = read_sections(&r);
+    lw_status s = lw_text_check(text, size, file, e);
+    if (s == LW_OK)
+        s = read_sections(&r);
     if (s == LW_OK)
         s = draw_all(&r, r.drawn == SIZE_MAX ? r.n_entity : r.drawn, r.n_entity, &page, 0);
     if (s == LW_OK && r.out.n > 0)

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "base/number.h"
+#include "grammar/text/text_internal.h"
 
 /* ---- numbers ----------------------------------------------------------------------------------- */
 
@@ -261,7 +262,9 @@ lw_status lw_target_read(const char *text, size_t size, const char *file, const 
     lw_header h = { .file = file, .closed = -1, .units = lw_units_si() };
     for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
         h.column[role] = -1;
-    lw_status s = lw_header_comments(&h, o, l, e);
+    lw_status s = lw_text_check(text, size, file, e);
+    if (s == LW_OK)
+        s = lw_header_comments(&h, o, l, e);
     if (s == LW_OK)
         s = read_columns(&h, &l, e);
     if (s == LW_OK)

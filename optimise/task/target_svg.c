@@ -906,7 +906,9 @@ lw_status lw_target_read_svg(const char *text, size_t size, const char *file, co
     *t = (lw_target){ .n = 0 };
     r.c = lw_cursor_start(text, size, file, e);
     r.illustrator = has_word(text, size < 1000 ? size : 1000, "Adobe Illustrator");
-    lw_status s = read_tree(&r, r.c, false, &top);
+    lw_status s = lw_text_check(text, size, file, e);
+    if (s == LW_OK)
+        s = read_tree(&r, r.c, false, &top);
     if (s == LW_OK && r.out.n == 0)
         s = lw_error_at(e, LW_E_NOTATION, file, 1, 1, "there is no visible path, line, polygon, rectangle, circle or "
                         "ellipse in this drawing%s", r.has_text ? "; convert text to paths" : "");
