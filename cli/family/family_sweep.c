@@ -660,10 +660,10 @@ static void write_optimum(const optimum *p, FILE *f, const double *x, const lw_s
         cli_json_end(&j);
         cli_json_int(&j, "runs", p->runs);
         cli_json_int(&j, "failed_runs", p->failed);
-        cli_json_text(&j, "stop", lw_stop_text(r->stop));
+        cli_json_text(&j, "stop", cli_stop_text(r->stop));
         cli_json_end(&j);
     } else
-        fprintf(f, "# %ld models, %ld of them failed; %s\n", p->runs, p->failed, lw_stop_text(r->stop));
+        fprintf(f, "# %ld models, %ld of them failed; %s\n", p->runs, p->failed, cli_stop_text(r->stop));
 }
 
 static lw_status optimise(optimum *p, const cli_family_settings *o, lw_error *e, lw_output *out, int *code)
@@ -714,7 +714,7 @@ static lw_status optimise(optimum *p, const cli_family_settings *o, lw_error *e,
                             "; the last failure: " : "",
                             p->why);
     else if (st != LW_OK && st != LW_STOPPED)
-        return lw_error_set(e, st, "the method failed: %s", lw_stop_text(r.stop));
+        return lw_error_set(e, st, "the method failed: %s", cli_stop_text(r.stop));
     else
         p->fresh = false;
     if (!figures_at(p, x))

@@ -87,7 +87,7 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
             "two circuits; %.3g s; stopped: %s\n\n", x->n_real, x->n_real == 1 ? "" : "s",
             x->complete ? ", all there are" : "", x->n_clean, x->n_order, x->n_branch, x->n_circuit,
             s->search.found.fit.seconds,
-            s->search.found.fit.stop == LW_STOP_F_TARGET ? "done" : lw_stop_text(s->search.found.fit.stop));
+            s->search.found.fit.stop == LW_STOP_F_TARGET ? "done" : cli_stop_text(s->search.found.fit.stop));
 }
 
 void cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j)

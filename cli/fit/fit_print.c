@@ -209,7 +209,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
                 "%.2f s; stopped: %s\n\n", s->search.results.n, s->search.results.n == 1 ? "" : "s",
                 s->search.found.fit.starts,
                 s->search.found.fit.improved, s->search.found.fit.evals, s->search.found.fit.seconds,
-                lw_stop_text(s->search.found.fit.stop));
+                cli_stop_text(s->search.found.fit.stop));
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------- */
@@ -429,7 +429,7 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     json_cognates(s, r, j);
     cli_json_int(j, "evaluations", c->evals);
     cli_json_real(j, "seconds", c->seconds);
-    cli_json_text(j, "stop", lw_stop_text(c->stop));
+    cli_json_text(j, "stop", cli_stop_text(c->stop));
     cli_json_bool(j, "verified", r->verified);
     cli_json_real(j, "verified_objective", r->verified_objective);
     cli_json_real(j, "verified_difference", length(s, r->difference));
@@ -536,7 +536,7 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     cli_json_real(&j, "seconds", s->search.found.fit.seconds);
     lw_stop stop = s->search.found.fit.stop;
     cli_json_bool(&j, "complete", stop != LW_STOP_TIME && stop != LW_STOP_USER);
-    cli_json_text(&j, "stop", lw_stop_text(stop));
+    cli_json_text(&j, "stop", cli_stop_text(stop));
     cli_json_end(&j);
 }
 

@@ -62,6 +62,8 @@ int cli_fail(const cli_call *call, const lw_error *e)
     fprintf(stderr, "linkwright %s: %s", call->command->name, text);
     if (e->status == LW_E_MEMORY)
         fprintf(stderr, "; the limit is %.3g GB (--memory)", cli_memory(call)/1e9);
+    if (e->status == LW_STOPPED && cli_timed_out())
+        fputs("; there is no result yet: give it longer with --time", stderr);
     fputc('\n', stderr);
     return cli_exit_code(e->status);
 }
@@ -517,6 +519,13 @@ void cli_limit_time(double seconds)
 const volatile sig_atomic_t *cli_stop_flag(void)
 {
     return &interrupted;
+}
+
+const char *cli_stop_text(lw_stop s)
+{
+    int number = interrupted;
+    return s != LW_STOP_USER || number == 0 ? lw_stop_text(s) : number == SIGALRM ? lw_stop_text(LW_STOP_TIME)
+         : number == SIGINT ? "signal SIGINT (Ctrl-C)" : number == SIGTERM ? "signal SIGTERM" : "signal SIGHUP";
 }
 
 int cli_end_code(int code)

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include "base/file.h"
 #include "cli/program/command.h"
+#include "optimise/solvers/solver.h"
 
 /* Exit code for a status of the library that is not LW_OK. */
 int cli_exit_code(lw_status s);
@@ -79,6 +80,9 @@ const volatile sig_atomic_t *cli_stop_flag(void);
  * allocations beyond it fail. */
 double cli_memory(const cli_call *call);
 void   cli_limit_memory(const cli_call *call);
+
+/* lw_stop_text, which for LW_STOP_USER says what ended the command: --time, or which signal. */
+const char *cli_stop_text(lw_stop s);
 
 /* The exit code of a command that ended with `code`: 5 after --time, 128 + the signal's number after a signal. */
 int cli_end_code(int code);

@@ -25,7 +25,7 @@ const char *lw_stop_text(lw_stop s)
     case LW_STOP_F_TARGET: return "good enough";
     case LW_STOP_EVALS:    return "limit of evaluations";
     case LW_STOP_TIME:     return "time limit";
-    case LW_STOP_USER:     return "stopped by the user";
+    case LW_STOP_USER:     return "the caller requested a stop";
     case LW_STOP_FAILED:   return "the method gave up";
     }
     return "unknown reason";
