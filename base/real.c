@@ -466,5 +466,5 @@ double lw_real_hypot(double x, double y)
     double h = sqrt(a*a + b*b);
     pair d = add(product(a, a), product(b, b)), h2 = product(h, h);
     h += (((d.hi - h2.hi) - h2.lo) + d.lo)/(2*h);
-    return scale(h, e);
+    return e == 0 ? h : scale(h, e);
 }

@@ -42,4 +42,12 @@ static inline double lw_v2_segment_distance(lw_vec2 p, lw_vec2 a, lw_vec2 b)
     return lw_v2_norm(lw_v2_off_segment(p, a, b));
 }
 
+/* The distance from p to the segment a b, or `least` if that is smaller: most segments of a long line are told by squares,
+ * without a root. */
+static inline double lw_v2_nearer(lw_vec2 p, lw_vec2 a, lw_vec2 b, double least)
+{
+    lw_vec2 off = lw_v2_off_segment(p, a, b);
+    return lw_v2_dot(off, off) > (1 + 1e-12)*least*least ? least : fmin(least, lw_v2_norm(off));
+}
+
 #endif

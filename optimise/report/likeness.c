@@ -120,7 +120,7 @@ static double nearest(const lw_vec2 a[N], const lw_vec2 b[N], bool closed)
     for (int i = 0; i < N; i++) {
         double least = INFINITY;
         for (int j = 0; j < (closed ? N : N - 1); j++)
-            least = lw_likeness_nearer(a[i], b[j], b[(j + 1) % N], least);
+            least = lw_v2_nearer(a[i], b[j], b[(j + 1) % N], least);
         sum += least;
     }
     return sum/N;
@@ -161,7 +161,7 @@ lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n
 typedef struct runs {
     const lw_vec2 *line;
     size_t n, n_segment, size, n_run;
-    size_t near;                   /* the run that was nearest to the last point                        */
+    size_t near;                   /* the segment that was nearest to the last point                    */
     struct { lw_vec2 low, high; } *box;
 } runs;
 
@@ -186,18 +186,20 @@ static bool make_runs(const lw_vec2 *line, size_t n, bool closed, runs *r)
 static double farthest(runs *r, const lw_vec2 *p, size_t n, double most)
 {
     for (size_t i = 0; i < n; i++) {
-        double least = INFINITY;
-        for (size_t k = 0, first = r->near; k < r->n_run && least > most; k++) {
+        size_t first = r->near/r->size;
+        double least = lw_v2_nearer(p[i], r->line[r->near], r->line[(r->near + 1) % r->n], INFINITY);
+        for (size_t k = 0; k < r->n_run && least > most; k++) {
             size_t b = (first + k) % r->n_run;
             double dx = fmax(fmax(r->box[b].low.x - p[i].x, p[i].x - r->box[b].high.x), 0);
             double dy = fmax(fmax(r->box[b].low.y - p[i].y, p[i].y - r->box[b].high.y), 0);
             size_t end = (b + 1)*r->size;
             if ((1 - 1e-12)*(dx*dx + dy*dy) >= least*least)
                 continue;
-            double before = least;
-            for (size_t j = b*r->size; j < end && j < r->n_segment; j++)
-                least = lw_likeness_nearer(p[i], r->line[j], r->line[(j + 1) % r->n], least);
-            r->near = least < before ? b : r->near;
+            for (size_t j = b*r->size; j < end && j < r->n_segment; j++) {
+                double before = least;
+                least = lw_v2_nearer(p[i], r->line[j], r->line[(j + 1) % r->n], least);
+                r->near = least < before ? j : r->near;
+            }
         }
         most = fmax(most, least);
     }

@@ -303,8 +303,7 @@ static double strays(const lw_search *s, const lw_problem *p, const double *x, l
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
         double least = INFINITY;
         for (size_t k = 0, to = p->n - 1; k < p->n && least > most; to = k++)
-            least = fmin(least, lw_v2_segment_distance(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]),
-                                                       lw_v2(p->x[k], p->y[k])));
+            least = lw_v2_nearer(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]), lw_v2(p->x[k], p->y[k]), least);
         most = fmax(most, least);
     }
     return (most - 2*off)*p->unit/s->t->size - lw_stray_allowed(p->n);

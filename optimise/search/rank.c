@@ -29,8 +29,7 @@ static double nearest_of(const traced *t, double x, double y)
     double least = INFINITY;
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
         int k = (j + 1) % LW_CURVE_SAMPLES;
-        least = fmin(least, lw_v2_segment_distance(lw_v2(x, y), lw_v2(t->cx[j], t->cy[j]),
-                                                   lw_v2(t->cx[k], t->cy[k])));
+        least = lw_v2_nearer(lw_v2(x, y), lw_v2(t->cx[j], t->cy[j]), lw_v2(t->cx[k], t->cy[k]), least);
     }
     return least;
 }

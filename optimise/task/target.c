@@ -223,7 +223,7 @@ double lw_target_distance(const lw_target *t, lw_vec2 p)
     size_t last = t->closed ? t->n : t->n - 1;
     for (size_t i = 0; i < last; i++) {
         size_t k = i + 1 < t->n ? i + 1 : 0;
-        least = fmin(least, lw_v2_segment_distance(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k])));
+        least = lw_v2_nearer(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k]), least);
     }
     return least;
 }
