@@ -1356,10 +1356,12 @@ typedef struct lw_catalogue_work {
     uint64_t     seed;                 /* of samples of curves                                                   */
     lw_progress *progress;             /* `done` is NaN where the whole is unknown; NULL: none                    */
     void        *context;              /* of progress                                                            */
+    const volatile int *stop;          /* *stop not 0 ends the work, also before `progress` is called; may be set by a
+                                        * signal (NULL)                                                          */
 } lw_catalogue_work;
 
 /* Every chain with so many links and freedoms, with ground links, inputs, Assur groups and a picture.  kinds: "r",
- * "rt", "t". *n, may be NULL: chains in the catalogue now.  LW_STOPPED: progress said so, what is done is kept. */
+ * "rt", "t". *n, may be NULL: chains in the catalogue now.  LW_STOPPED: progress or `stop` said so, what is done is kept. */
 LW_API lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int dof, const char *kinds,
                                          const lw_catalogue_work *work, uint64_t *n, lw_error *error);
 
@@ -1368,7 +1370,7 @@ LW_API lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *
                                            uint64_t *n, lw_error *error);
 
 /* Coupler curves until there are `samples` of this seed: of four-link types ("fourbar,slidercrank", "all"), or, types
- * NULL, of all mechanisms of pins with so many links (4, 6, 8). */
+ * NULL, of all mechanisms of pins with so many links (4, 6, 8), which are found first.  LW_STOPPED as above. */
 LW_API lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, int links, uint64_t samples,
                                          const lw_catalogue_work *work, lw_error *error);
 

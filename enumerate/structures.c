@@ -194,7 +194,7 @@ lw_status lw_structures_read(FILE *f, const char *path, lw_structures **out, lw_
 
 /* ---- candidates: the children of one block of parents ----------------------------------------------- */
 
-#define BLOCK 32          /* parents in one job     */
+#define BLOCK 8           /* parents in one job     */
 #define WAVE  64          /* blocks before a merge  */
 
 typedef struct candidate {

@@ -6,8 +6,8 @@
 #include "enumerate/grow.h"
 #include "enumerate/structures.h"
 
-#define BLOCK 64          /* parents in one job              */
-#define WAVE  256         /* jobs before their sums are added */
+#define BLOCK 8           /* parents in one job              */
+#define WAVE  64          /* jobs before their sums are added */
 
 typedef struct block {
     const lw_structures *set;

@@ -145,7 +145,10 @@ typedef struct watch { const lw_catalogue_work *work; double begun; } watch;
 static bool goes_on(void *context, double done, double total)
 {
     const watch *w = context;
-    return w->work->progress(w->work->context, total > 0 ? done/total : NAN, lw_clock_wall() - w->begun, NAN);
+    if (w->work->stop && *w->work->stop)
+        return false;
+    return !w->work->progress
+        || w->work->progress(w->work->context, total > 0 ? done/total : NAN, lw_clock_wall() - w->begun, NAN);
 }
 
 static lw_build_control control_of(const lw_catalogue_work *work, watch *w)
@@ -153,7 +156,7 @@ static lw_build_control control_of(const lw_catalogue_work *work, watch *w)
     static const lw_catalogue_work usual;
     *w = (watch){ .work = work ? work : &usual, .begun = lw_clock_wall() };
     return (lw_build_control){ .jobs = w->work->jobs, .commit = 2, .seed = w->work->seed,
-                               .goes_on = w->work->progress ? goes_on : NULL, .context = w };
+                               .goes_on = goes_on, .context = w, .stop = w->work->stop };
 }
 
 lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int dof, const char *kinds,
@@ -196,7 +199,7 @@ lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, in
     char about[32];
     snprintf(about, sizeof about, "%d links", links);
     lw_status s = types ? lw_curve_maker_create(types, &maker, error)
-                : lw_curve_maker_links(links, "r", control.jobs, NULL, &maker, error);
+                : lw_curve_maker_links(links, "r", control.jobs, w.work->stop, &maker, error);
     if (s != LW_OK)
         return s;
     s = lw_build_curves(catalogue->store, maker, LW_ATLAS_BOTH, samples, types ? types : about, &control, &counts,
@@ -247,7 +250,8 @@ lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target,
 {
     lw_atlas_filter only = { 0 };
     if (filter)
-        only = (lw_atlas_filter){ filter->turns, filter->min_transmission, filter->min_length, filter->max_length };
+        only = (lw_atlas_filter){ .turns = filter->turns, .min_transmission = filter->min_transmission,
+                                  .min_length = filter->min_length, .max_length = filter->max_length };
     if (count < 1 || !target->x)
         return lw_error_set(error, LW_E_ARG, "a search needs a target with points, and a curve or more to find");
     lw_atlas_hit *hit = calloc((size_t)count, sizeof *hit);

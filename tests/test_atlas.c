@@ -27,8 +27,8 @@ static lw_store *open_store(bool write)
 TEST(draws_the_same_for_any_threads)
 {
     lw_atlas_tree again[2];
-    CHECK_INT(lw_atlas_segment(maker, 7, 3, SAMPLES, LW_ATLAS_BOTH, 1, tree), LW_OK);
-    CHECK_INT(lw_atlas_segment(maker, 7, 3, SAMPLES, LW_ATLAS_BOTH, 3, again), LW_OK);
+    CHECK_INT(lw_atlas_segment(maker, 7, 3, SAMPLES, LW_ATLAS_BOTH, 1, NULL, tree), LW_OK);
+    CHECK_INT(lw_atlas_segment(maker, 7, 3, SAMPLES, LW_ATLAS_BOTH, 3, NULL, again), LW_OK);
     for (int i = 0; i < 2; i++) {
         CHECK_INT(tree[i].n, again[i].n);
         CHECK_INT(tree[i].closed, i == 0);
@@ -38,7 +38,7 @@ TEST(draws_the_same_for_any_threads)
         CHECK(memcmp(tree[i].box, again[i].box, tree[i].n_block*sizeof *tree[i].box) == 0);
         lw_atlas_tree_free(&again[i]);
     }
-    CHECK_INT(lw_atlas_segment(maker, 7, 3, 1000, LW_ATLAS_CLOSED, 2, again), LW_OK);
+    CHECK_INT(lw_atlas_segment(maker, 7, 3, 1000, LW_ATLAS_CLOSED, 2, NULL, again), LW_OK);
     CHECK(again[0].n > 400 && again[1].n == 0);
     lw_atlas_tree_free(&again[0]);
     lw_atlas_tree_free(&again[1]);

@@ -747,6 +747,13 @@ TEST(catalogues_answer_and_are_drawn)
     CHECK_INT(lw_catalogue_pages(c, page, 0, 0, NULL, &e), LW_OK);
     snprintf(command, sizeof command, "test -s %s/index.html", page);
     CHECK_INT(system(command), 0);
+    int stop = 1;
+    lw_catalogue_work work = { .stop = &stop };
+    CHECK_INT(lw_catalogue_add_curves(c, NULL, 8, 1000, &work, &e), LW_STOPPED);       /* while mechanisms are found */
+    CHECK_INT(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &e), LW_STOPPED);
+    CHECK_INT(lw_catalogue_add_chains(c, 8, 1, "r", &work, &n, &e), LW_STOPPED);
+    stop = 0;
+    CHECK_INT(lw_catalogue_add_curves(c, "fourbar", 4, 100, &work, &e), LW_OK);
     CHECK_INT(lw_catalogue_check(c, &e), LW_OK);
     lw_catalogue_close(c);
     snprintf(path, sizeof path, "%s/plot.svg", temporary_folder());

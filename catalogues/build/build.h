@@ -30,6 +30,7 @@ typedef struct lw_build_control {
      * what is done by then is committed.  NULL: never asked. */
     bool      (*goes_on)(void *context, double done, double total);
     void       *context;
+    const volatile int *stop; /* the same when *stop becomes nonzero; threads look at it too.  NULL: nothing  */
 } lw_build_control;
 
 typedef struct lw_build_counts {
@@ -90,7 +91,7 @@ lw_status lw_build_sweep_make(const lw_curve_maker *maker, lw_atlas_kinds kinds,
                               const lw_build_control *control, lw_build_sweep *b, lw_error *e);
 lw_status lw_build_sweep_begin(lw_build_sweep *b, lw_store *s, const char *about, const lw_build_control *control,
                                lw_build_counts *counts, lw_error *e);
-lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, int jobs, lw_atlas_tree tree[2]);
+lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, const lw_build_control *control, lw_atlas_tree tree[2]);
 lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts,
                              lw_error *e);
 

@@ -33,6 +33,7 @@ typedef struct entry {
     int                 n_mechanism, capacity, place_capacity;
     lw_store_mechanism *mechanism;
     size_t             *place;                 /* offsets of kinds, inputs, groups in text     (3n)   */
+    const lw_build_control *control;
     lw_status           status;
     lw_error            e;
 } entry;
@@ -88,7 +89,7 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
     entry *x = context;
     lw_assur a;
     char kinds[LW_JOINT_MAX + 1] = "", inputs[LW_INPUT_MAX*8], groups[GROUPS_SIZE];
-    lw_status s = lw_assur_decompose(m, &a, &x->e);
+    lw_status s = lw_build_stopped(x->control) ? LW_STOPPED : lw_assur_decompose(m, &a, &x->e);
     if (s != LW_OK)
         return s;
     void *mechanism = lw_array_grow(x->mechanism, x->n_mechanism, &x->capacity, sizeof *x->mechanism);
@@ -292,6 +293,7 @@ static lw_status take_chain(void *context, const lw_chain_item *item)
     entry *x = &j->entry[j->n++];
     x->chain = *item->chain;
     x->structure = item->index;
+    x->control = j->control;
     return j->n < BLOCK ? LW_OK : write_block(j);
 }
 
@@ -312,7 +314,7 @@ static lw_status write_structures(job *j)
         lw_derivation_print(&d, derivation, sizeof derivation);
         lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, j->planar->structure(&one), form,
                                  derivation };
-        s = lw_store_put_structure(j->transaction.store, &t, &j->e);
+        s = lw_build_stopped(j->control) ? LW_STOPPED : lw_store_put_structure(j->transaction.store, &t, &j->e);
     }
     return s;
 }
@@ -341,9 +343,17 @@ static lw_status begin(job *j)
     return status == LW_OK ? close_transaction(j, false) : status;
 }
 
+static bool not_stopped(void *job_of, double done)
+{
+    (void)done;
+    return !lw_build_stopped(((job *)job_of)->control);
+}
+
 static lw_status write_all(job *j)
 {
     lw_chain_walk how = lw_chain_walk_default();
+    how.tick = not_stopped;
+    how.tick_context = j;
     lw_chain_table table;
     lw_status s = lw_chains_count(j->chains, &how, &table);
     j->counts->total = table.total.n_chain;

@@ -52,10 +52,10 @@ static size_t samples_of_segment(const lw_build_sweep *b, size_t segment)
     return left < b->size ? (size_t)left : b->size;
 }
 
-lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, int jobs, lw_atlas_tree tree[2])
+lw_status lw_build_sweep_draw(const lw_build_sweep *b, size_t segment, const lw_build_control *control, lw_atlas_tree tree[2])
 {
     return lw_atlas_segment(b->maker, b->sweep.seed, b->sweep.first + segment, samples_of_segment(b, segment),
-                            b->sweep.kinds, jobs, tree);
+                            b->sweep.kinds, control->jobs, control->stop, tree);
 }
 
 lw_status lw_build_sweep_put(lw_build_sweep *b, lw_store *s, lw_atlas_tree tree[2], lw_build_counts *counts, lw_error *e)
@@ -93,7 +93,9 @@ lw_status lw_build_curves(lw_store *s, const lw_curve_maker *maker, lw_atlas_kin
         lw_atlas_tree tree[2];
         if (!lw_build_goes_on(control, (double)b.sweep.samples, (double)b.n_sample))
             return LW_STOPPED;
-        status = lw_build_sweep_draw(&b, b.sweep.segments, control->jobs, tree);
+        status = lw_build_sweep_draw(&b, b.sweep.segments, control, tree);
+        if (status == LW_STOPPED)
+            return status;
         status = status != LW_OK ? lw_error_set(e, status, "%s", lw_status_text(status))
                                  : lw_build_sweep_put(&b, s, tree, counts, e);
     }

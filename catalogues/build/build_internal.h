@@ -44,9 +44,11 @@ static inline void lw_build_rollback(lw_build_transaction *t)
 
 static inline const char *lw_build_command(const lw_build_control *c) { return c->command ? c->command : ""; }
 
+static inline bool lw_build_stopped(const lw_build_control *c) { return c->stop && *c->stop; }
+
 static inline bool lw_build_goes_on(const lw_build_control *c, double done, double total)
 {
-    return !c->goes_on || c->goes_on(c->context, done, total);
+    return !lw_build_stopped(c) && (!c->goes_on || c->goes_on(c->context, done, total));
 }
 
 /* Give the caller the fault that was found, with the text of the status where there is no other. */

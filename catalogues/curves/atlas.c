@@ -26,6 +26,7 @@ typedef struct job {
     unsigned char        *good;        /* (n) 0: no curve, 1: closed, 2: open, FAILED */
     lw_packed            *terms;       /* (n)                             */
     lw_curve_row         *row;         /* (n)                             */
+    const volatile int   *stop;
 } job;
 
 /* Draw sample i at u. False: no curve. */
@@ -61,6 +62,10 @@ static void draw_chunk(void *context, size_t chunk, int thread)
         lw_curve_traits traits = { 0 };
         double u[LW_CURVE_DRAWS];
         lw_rng rng;
+        if (j->stop && *j->stop) {
+            j->good[i] = FAILED;
+            continue;
+        }
         j->good[i] = 0;
         memcpy(u, j->u + i*LW_CURVE_DRAWS, sizeof u);
         lw_rng_seed(&rng, (uint64_t)(u[1]*0x1p53), 0x64657369u);
@@ -213,7 +218,7 @@ static void make_trees(void *context, size_t which, int thread)
 }
 
 lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t number, size_t n, lw_atlas_kinds kinds,
-                           int n_thread, lw_atlas_tree tree[2])
+                           int n_thread, const volatile int *stop, lw_atlas_tree tree[2])
 {
     lw_rng rng;
     if (n > LW_SEGMENT_MAX)
@@ -223,7 +228,7 @@ lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t nu
     tree[0] = tree[1] = (lw_atlas_tree){ 0 };
     if (!j)
         return LW_E_MEMORY;
-    *j = (job){ .maker = maker, .kinds = kinds, .n = n };
+    *j = (job){ .maker = maker, .kinds = kinds, .n = n, .stop = stop };
     double *u = malloc((n*LW_CURVE_DRAWS + 1)*sizeof *u);
     j->u = u;
     j->work = calloc((size_t)n_thread, sizeof *j->work);
@@ -252,5 +257,5 @@ lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t nu
         return LW_OK;
     lw_atlas_tree_free(&tree[0]);
     lw_atlas_tree_free(&tree[1]);
-    return LW_E_MEMORY;
+    return stop && *stop ? LW_STOPPED : LW_E_MEMORY;
 }

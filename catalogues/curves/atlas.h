@@ -29,9 +29,9 @@ typedef enum lw_atlas_kinds { LW_ATLAS_BOTH, LW_ATLAS_CLOSED, LW_ATLAS_OPEN } lw
 
 /* Draw segment `number` of the sequence of `seed`, with n samples (at most LW_SEGMENT_MAX).  tree[0] gets the closed
  * curves, tree[1] the open ones; either may be empty.  The same seed and number give the same trees for any number of
- * threads.  LW_E_MEMORY. */
+ * threads.  LW_STOPPED: *stop became nonzero (NULL: nothing stops it); LW_E_MEMORY. */
 lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t number, size_t n, lw_atlas_kinds kinds,
-                           int n_thread, lw_atlas_tree tree[2]);
+                           int n_thread, const volatile int *stop, lw_atlas_tree tree[2]);
 void      lw_atlas_tree_free(lw_atlas_tree *t);
 
 #endif

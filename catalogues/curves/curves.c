@@ -218,6 +218,8 @@ lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const vol
     if (status != LW_OK)
         return status;
     status = lw_mechanism_set_make(&request, &all, e);
+    if (status == LW_NOTHING)
+        status = lw_error_set(e, LW_STOPPED, "stopped before all mechanisms were found");
     if (status == LW_OK) {
         status = add_set(*maker, &all, links, interrupt, e);
         lw_mechanism_set_free(&all);

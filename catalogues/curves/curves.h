@@ -53,7 +53,7 @@ lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_er
 
 /* All mechanisms with so many links (6, 8) and one freedom, of pins ("r") or pins and sliders ("rt"), whose tracer moves in
  * a way that fewer links do not allow, driven by a pin from which dyads solve them.  Eight links with sliders take some
- * seconds; LW_STOPPED or LW_NOTHING with a text: *interrupt became nonzero.  NULL: nothing stops it. */
+ * seconds; LW_STOPPED with a text: *interrupt became nonzero.  NULL: nothing stops it. */
 lw_status lw_curve_maker_links(int links, const char *kinds, int jobs, const volatile int *interrupt, lw_curve_maker **maker,
                                lw_error *e);
 

@@ -325,6 +325,8 @@ static lw_status compare(search *s, const lw_packed *p, found f)
     return keep(s, f);
 }
 
+static bool is_stopped(const search *s) { return s->filter.stop && *s->filter.stop; }
+
 static lw_status look_into_blocks(search *s)
 {
     lw_packed terms[LW_BLOCK_MAX];
@@ -332,6 +334,8 @@ static lw_status look_into_blocks(search *s)
         qsort(s->block, s->n_block, sizeof *s->block, by_bound);
     s->count.n_block = s->n_block;
     for (size_t i = 0; i < s->n_block && s->block[i].bound <= farthest_square(s); i++) {
+        if (is_stopped(s) && s->n_found > 0)
+            return LW_OK;
         const block *b = &s->block[i];
         lw_status status = lw_store_block(s->store, b->id, false, terms, b->n*sizeof *terms, s->e);
         if (status != LW_OK)
@@ -384,6 +388,8 @@ static int by_distance(const void *a, const void *b)
          : (int)x->index - (int)y->index;
 }
 
+#define FEW_HITS 10            /* of a search that was stopped */
+
 /* The k nearest by the curves themselves, from all that may be among them by their stored terms. */
 static lw_status fetch_all(search *s, lw_atlas_hit *hit, int *n_hit)
 {
@@ -396,7 +402,7 @@ static lw_status fetch_all(search *s, lw_atlas_hit *hit, int *n_hit)
         bool good;
         if (*n_hit == s->k && s->found[i].distance - ROUNDING > hit[s->k - 1].distance)
             break;
-        status = fetch(s, &s->found[i], &h, &good);
+        status = is_stopped(s) && *n_hit >= FEW_HITS ? LW_STOPPED : fetch(s, &s->found[i], &h, &good);
         if (status != LW_OK || !good)
             continue;
         if (*n_hit == s->k && h.distance >= hit[s->k - 1].distance)

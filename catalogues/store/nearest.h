@@ -47,6 +47,8 @@ typedef struct lw_atlas_filter {
     double min_transmission;          /* least transmission angle on the curve, at least this [rad]   */
     double min_length, max_length;    /* of the linkage laid on the target: limits of the lengths between pins of a
                                        * link [m]; the tracer is at most max_length from them; 0, 0: any */
+    const volatile int *stop;         /* *stop not 0 ends the search with LW_STOPPED and a few of the nearest curves of
+                                       * those that were compared; NULL: nothing stops it             */
 } lw_atlas_filter;
 
 /* How much a search did: curves and blocks in the catalogue, blocks read, curves compared. */

@@ -22,7 +22,7 @@ static lw_build_control control_of(const cli_call *call, cli_catalogue_watch *w)
 {
     const cli_catalogue_settings *s = call->settings;
     return (lw_build_control){ .jobs = call->common.jobs, .commit = s->commit, .seed = call->common.seed,
-                               .command = call->line, .goes_on = goes_on, .context = w };
+                               .command = call->line, .goes_on = goes_on, .context = w, .stop = cli_stop_flag() };
 }
 
 /* ---- build ---------------------------------------------------------------------------------------------- */
@@ -179,7 +179,9 @@ static lw_status work_segment(void *context, size_t k, lw_bytes *answer)
 {
     remote *r = context;
     lw_atlas_tree tree[2];
-    lw_status status = lw_build_sweep_draw(&r->b, k, 1, tree);
+    lw_build_control alone = *r->control;
+    alone.jobs = 1;
+    lw_status status = lw_build_sweep_draw(&r->b, k, &alone, tree);
     for (int i = 0; i < 2 && status == LW_OK; i++) {
         const lw_atlas_tree *t = &tree[i];
         lw_bytes_add(answer, &t->n, sizeof t->n);

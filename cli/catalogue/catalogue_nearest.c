@@ -82,7 +82,7 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
     const cli_catalogue_settings *s = call->settings;
     lw_atlas_filter filter = { .turns = s->full_turn, .min_transmission = s->min_transmission*LW_PI/180,
                                .min_length = s->length_range[0]*t->units.metre,
-                               .max_length = s->length_range[1]*t->units.metre };
+                               .max_length = s->length_range[1]*t->units.metre, .stop = cli_stop_flag() };
     lw_vec2 *p = malloc((t->n + 1)*sizeof *p);
     double start = lw_clock_wall();
     if (!p)
@@ -122,6 +122,10 @@ int cli_catalogue_nearest(const cli_call *call)
         status = lw_error_at(&e, LW_E_ARG, call->parsed.word[2], 0, 0, "a function has no curve; x and y are wanted");
     if (status == LW_OK)
         status = search(call, &t, hit, &n, &e);
+    if (status == LW_STOPPED) {
+        cli_note(call, "stopped: these are the nearest of the curves that were compared");
+        status = LW_OK;
+    }
     if (status == LW_OK)
         status = cli_open(call, &out, &e);
     if (status != LW_OK) {

@@ -526,7 +526,7 @@ static void warn(const cli_call *call, const cli_fit_set *set)
     if (set->search.found.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
     if (found->n == 0 && found->n_left_out == 0)
-        cli_note(call, "%s: no linkage that meets all conditions was found in this time", set->path);
+        cli_note(call, "%s: no linkage that meets all conditions was found in this time; give it longer, or fewer conditions", set->path);
     if (found->n > 0 && set->spec.tolerance > 0 && found->n_within == 0)
         cli_note(call, "%s: no linkage found stays within %g %s; the best strays by %.4g", set->path,
                  set->spec.tolerance/set->target.units.metre,

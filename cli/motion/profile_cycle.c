@@ -46,7 +46,7 @@ static void write_rows(const lw_work_cycle *c, FILE *f, int n)
     for (int k = 0; k < c->n_axis; k++)
         fprintf(f, ",%s,%s.v,%s.a,%s.j", c->axis[k].name, c->axis[k].name, c->axis[k].name, c->axis[k].name);
     fputs(",payload\n", f);
-    for (int r = 0; r <= n; r++) {
+    for (int r = 0; r <= n && !cli_interrupted(); r++) {
         double t = c->end*r/n;
         lw_number_print(t, text);
         fputs(text, f);

@@ -147,6 +147,12 @@ static bool tick(void *context, int loops, size_t found)
     return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - w->start < limit);
 }
 
+static bool not_stopped(void *nothing)
+{
+    (void)nothing;
+    return !cli_interrupted();
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -167,7 +173,12 @@ static int run(const cli_call *call)
     if (stored > 8 && !(s->structures && access(s->structures, R_OK) == 0))
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
     lw_estimate size;
-    if (stored > 8 && lw_chains_estimate(2*stored + 2, 1, &size, &e) == LW_OK && size.bytes > cli_memory(call)) {
+    lw_status guessed = stored > 8 ? lw_chains_estimate_while(2*stored + 2, 1, not_stopped, NULL, &size, &e) : LW_OK;
+    if (guessed == LW_STOPPED) {
+        lw_error_set(&e, guessed, "stopped before the number of structures was known");
+        return cli_fail(call, &e);
+    }
+    if (stored > 8 && guessed == LW_OK && size.bytes > cli_memory(call)) {
         lw_error_set(&e, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", s->loops, size.bytes/1e9);
         return cli_fail(call, &e);
     }

@@ -49,13 +49,13 @@ class Catalogue:
         self.close()
 
     def _work(self, function, *arguments, count=True, progress=None, **options):
-        keep, error, n = [], new_error(), ffi.new("uint64_t *")
+        keep, error, n, stop = [], new_error(), ffi.new("uint64_t *"), ffi.new("int *")
         calls = Calls(progress=progress)
-        work = fill(ffi.new("lw_catalogue_work *"), options, keep, special=("progress", "context"))
-        work.progress, work.context = lib.lw_py_progress, calls.handle
+        work = fill(ffi.new("lw_catalogue_work *"), options, keep, special=("progress", "context", "stop"))
+        work.progress, work.context, work.stop = lib.lw_py_progress, calls.handle, stop
 
         def end():
-            calls.stopped = True
+            stop[0] = 1
 
         status, interrupted = interruptible(
             lambda: function(self._handle, *arguments, work, *([n] if count else []), error), end)

@@ -41,7 +41,7 @@ static size_t fill(void)
         lw_atlas_tree tree[2];
         size_t some = SAMPLES - at < LW_SEGMENT_MAX ? SAMPLES - at : LW_SEGMENT_MAX;
         double t = lw_clock_cpu();
-        if (lw_atlas_segment(maker, 1, number, some, LW_ATLAS_BOTH, 1, tree) != LW_OK)
+        if (lw_atlas_segment(maker, 1, number, some, LW_ATLAS_BOTH, 1, NULL, tree) != LW_OK)
             exit(1);
         drawn += lw_clock_cpu() - t;
         lw_store_put_segment(s, tree, some, &e);
