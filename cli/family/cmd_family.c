@@ -312,8 +312,8 @@ int cli_family_table(const cli_call *call)
 
 /* ---- check ----------------------------------------------------------------------------------------------- */
 
-/* One configuration in one view (NULL: everything).  Counts and prints what fails. */
-static lw_status try_one(FILE *f, lw_variant *v, const char *configuration, const char *view, long *n, long *n_failed)
+/* One configuration in one view (NULL: everything).  Counts and prints what fails, as an object of w unless that is NULL. */
+static lw_status try_one(FILE *f, cli_json *w, lw_variant *v, const char *configuration, const char *view, long *n, long *n_failed)
 {
     lw_error e = { 0 };
     lw_expansion x = { 0 };
@@ -328,7 +328,15 @@ static lw_status try_one(FILE *f, lw_variant *v, const char *configuration, cons
     if (s == LW_OK || s == LW_E_MEMORY)
         return s;
     lw_error_print(&e, text, sizeof text);
-    fprintf(f, "%s%s%s: %s\n", configuration, view ? ", view " : "", view ? view : "", text);
+    if (w) {
+        cli_json_object(w, NULL);
+        cli_json_text(w, "configuration", configuration);
+        if (view)
+            cli_json_text(w, "view", view);
+        cli_json_text(w, "fault", text);
+        cli_json_end(w);
+    } else
+        fprintf(f, "%s%s%s: %s\n", configuration, view ? ", view " : "", view ? view : "", text);
     ++*n_failed;
     return LW_OK;
 }
@@ -346,6 +354,11 @@ int cli_family_check(const cli_call *call)
         s = cli_open(call, &out, &e);
     if (s != LW_OK)
         return end(call, m, v, 0, s, &e);
+    cli_json json = cli_json_begin(out.f, 2), *w = call->common.json ? &json : NULL;
+    if (w) {
+        cli_json_head(w, call->line);
+        cli_json_array(w, "faults");
+    }
     for (int c = 0; s == LW_OK && (c == 0 || lw_master_configuration(m, c - 1)); c++) {
         const char *name = c ? lw_master_configuration(m, c - 1) : "(defaults)";
         if (o->configuration && strcmp(name, o->configuration) != 0)
@@ -355,16 +368,24 @@ int cli_family_check(const cli_call *call)
         if (s == LW_OK)
             s = lw_variant_look(v, o->view, &e);
         if (s == LW_OK)
-            s = try_one(out.f, v, name, NULL, &n, &n_failed);
+            s = try_one(out.f, w, v, name, NULL, &n, &n_failed);
         for (int k = 0; s == LW_OK && !o->view && lw_master_view(m, k); k++) {
-            s = try_one(out.f, v, name, lw_master_view(m, k), &n, &n_failed);
+            s = try_one(out.f, w, v, name, lw_master_view(m, k), &n, &n_failed);
             n_view = k + 1;
         }
     }
-    fprintf(out.f, "%ld configuration%s in %ld view%s: %ld model%s, %ld failed\n", n_configuration,
+    if (w) {
+        cli_json_end(w);
+        cli_json_int(w, "configurations", n_configuration);
+        cli_json_int(w, "views", n_view + 1);
+        cli_json_int(w, "models", n);
+        cli_json_int(w, "failed", n_failed);
+        cli_json_end(w);
+    } else
+        fprintf(out.f, "%ld configuration%s in %ld view%s: %ld model%s, %ld failed\n", n_configuration,
             n_configuration == 1 ? "" : "s",
             n_view + 1, n_view ? "s" : "", n, n == 1 ? "" : "s", n_failed);
-    int code = cli_close(call, &out, n_failed ? CLI_NOTHING : CLI_DONE);
+    int code = cli_close(call, &out, s != LW_OK ? cli_exit_code(s) : n_failed ? CLI_NOTHING : CLI_DONE);
     return end(call, m, v, code, s, &e);
 }
 

@@ -488,6 +488,31 @@ static int draw_map(const job *j, const map *m, const char *path, int code)
     return st < 0 ? cli_fail(j->call, &e) : code;
 }
 
+/* A place of the map as an object of w, or as a line if w is NULL.  frequency, budget: NULL, not asked for. */
+static void put_place(const job *j, cli_json *w, FILE *f, lw_vec3 at, const lw_robot_pose *p, const double *frequency,
+                      const lw_budget *budget, const char *by)
+{
+    double place[] = { at.x/j->metre + 0.0, at.y/j->metre + 0.0, at.z/j->metre + 0.0 };
+    double value[] = { p->condition, p->singular[0], p->singular[p->rank - 1], p->manipulability };
+    static const char *const key[] = { "condition", "greatest", "least", "manipulability" };
+    if (w) {
+        cli_json_object(w, NULL);
+        cli_json_reals(w, "place", place, 3);
+    } else
+        fprintf(f, "%.9g,%.9g,%.9g", place[0], place[1], place[2]);
+    for (int i = 0; i < 4; i++)
+        w ? cli_json_real(w, key[i], value[i]) : (void)fprintf(f, ",%.9g", value[i]);
+    if (frequency)
+        w ? cli_json_real(w, "frequency", *frequency) : (void)fprintf(f, ",%.9g", *frequency);
+    if (budget && w) {
+        cli_json_real(w, "error_worst", budget->worst/j->metre);
+        cli_json_real(w, "error_rms", budget->rms/j->metre);
+        cli_json_text(w, "contributor", by);
+    } else if (budget)
+        fprintf(f, ",%.9g,%.9g,%s", budget->worst/j->metre, budget->rms/j->metre, by);
+    w ? cli_json_end(w) : (void)fputc('\n', f);
+}
+
 static int run_map(const cli_call *call)
 {
     job j;
@@ -531,7 +556,13 @@ static int run_map(const cli_call *call)
     reach *= 1.02;
     j.r.least = 1e-4;                        /* where ways end is not shown */
     cli_progress progress = cli_progress_begin(call, "map", "places");
-    fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s%s%s\nx,y,z,condition,greatest,least,manipulability%s%s\n", j.unit,
+    cli_json w = cli_json_begin(o.f, 2);
+    if (call->common.json) {
+        cli_json_head(&w, call->line);
+        cli_json_text(&w, "length_unit", j.unit);
+        cli_json_array(&w, "places");
+    } else
+        fprintf(o.f, "# units: x y z %s; singular values m/rad or m/m%s%s%s\nx,y,z,condition,greatest,least,manipulability%s%s\n", j.unit,
             m.frequency ? "; frequency Hz" : "", j.s->budget ? "; error_worst error_rms " : "", j.s->budget ? j.unit : "",
             m.frequency ? ",frequency" : "", j.s->budget ? ",error_worst,error_rms,contributor" : "");
     for (int i = 0; i < n*n && !cli_interrupted(); i++) {
@@ -556,25 +587,23 @@ static int run_map(const cli_call *call)
             code = cli_fail(call, &j.e);
             break;
         }
-        fprintf(o.f, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", to.x/j.metre + 0.0, to.y/j.metre + 0.0, to.z/j.metre + 0.0,
-                here.condition, here.singular[0], here.singular[here.rank - 1], here.manipulability);
-        if (m.frequency)
-            fprintf(o.f, ",%.9g", frequency);
-        if (j.s->budget) {
-            const char *by = budget.n ? source_name(&budget.source[0], name, sizeof name) : "";
-            fprintf(o.f, ",%.9g,%.9g,%s", budget.worst/j.metre, budget.rms/j.metre, by);
-            if (budget.worst > worst) {
-                worst = budget.worst, worst_at = to;
-                snprintf(worst_by, sizeof worst_by, "%s", by);
-            }
+        const char *by = budget.n ? source_name(&budget.source[0], name, sizeof name) : "";
+        put_place(&j, call->common.json ? &w : NULL, o.f, to, &here, m.frequency ? &frequency : NULL, j.s->budget ? &budget : NULL, by);
+        if (j.s->budget && budget.worst > worst) {
+            worst = budget.worst, worst_at = to;
+            snprintf(worst_by, sizeof worst_by, "%s", by);
         }
-        fputc('\n', o.f);
         m.x[m.n] = a/j.metre;
         m.y[m.n] = b/j.metre;
         m.value[m.n++] = j.s->budget ? budget.worst/j.metre : m.frequency ? frequency : here.condition;
         cli_progress_show(&progress, i, (double)n*n, NULL);
     }
     cli_progress_end(&progress);
+    if (call->common.json) {
+        cli_json_end(&w);
+        cli_json_bool(&w, "complete", code == CLI_DONE && !cli_interrupted());
+        cli_json_end(&w);
+    }
     cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
     if (worst > 0)
         cli_note(call, "error of the tool at most %.4g %s, at (%.6g, %.6g, %.6g) %s, where the greatest contributor is the %s", worst/j.metre,
