@@ -44,8 +44,9 @@ lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e)
     case SQLITE_LOCKED:
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "another program keeps the file locked");
     case SQLITE_IOERR:
-        return lw_error_at(e, LW_E_IO, s->path, 0, 0, "%s: %s (%s); what was committed before is kept", doing,
-                           sqlite3_errmsg(s->db), strerror(sqlite3_system_errno(s->db)));
+        return lw_error_at(e, LW_E_IO, s->path, 0, 0, "%s: %s%s%s; what was committed before is kept", doing, sqlite3_errmsg(s->db),
+                           sqlite3_system_errno(s->db) ? ": " : "",
+                           sqlite3_system_errno(s->db) ? strerror(sqlite3_system_errno(s->db)) : "");
     default:
         return lw_error_at(e, code == SQLITE_CANTOPEN ? LW_E_IO : LW_E_NOTATION, s->path, 0, 0, "%s: %s", doing,
                            sqlite3_errmsg(s->db));
@@ -209,6 +210,8 @@ static lw_status set_paths(lw_store *s, const char *path, lw_error *e)
     return LW_OK;
 }
 
+#define SQLITE_HEAD 100        /* bytes */
+
 /* Check what the file system knows of the file before SQLite opens it. */
 static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error *e)
 {
@@ -223,6 +226,8 @@ static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error 
     if ((!there || st.st_size == 0) && !o->create)
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, there ? "the file is empty; 'linkwright catalogue build' fills "
                            "one" : "there is no such file; 'linkwright catalogue build' makes one");
+    if (there && st.st_size > 0 && st.st_size < SQLITE_HEAD)       /* SQLite takes a file of one byte for an empty one */
+        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this is no catalogue: it has %lld bytes", (long long)st.st_size);
     if (there && o->write && ((st.st_mode & 0222) == 0 || access(s->path, W_OK) != 0))
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "the file is read-only");
     return LW_OK;
@@ -324,6 +329,8 @@ static lw_status open_to_read(lw_store *s, const lw_store_options *o, lw_error *
     lw_status status = connect_to(s, left_over ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY, e);
     if (status != LW_OK)
         return status;
+    if (s->found_version == 0)
+        return lw_error_at(e, LW_E_IO, s->path, 0, 0, "the database is empty; 'linkwright catalogue build' fills one");
     if (s->found_version < lw_store_step_count) {
         int found = s->found_version;
         lw_store *again;
