@@ -153,15 +153,21 @@ static lw_status make_law(const settings *o, motion *m, lw_error *e)
     return LW_OK;
 }
 
-/* Root mean square of the acceleration, exact: it is linear in each phase. */
+/* Root mean square of the acceleration, exact: it is linear in each phase.  In a power of two as unit: no square leaves the
+ * range of numbers. */
 static double rms_of(const lw_profile *p)
 {
-    double sum = 0;
+    double sum = 0, peak = 0;
+    int unit;
+    for (int i = 0; i <= p->n; i++)
+        peak = fmax(peak, fabs(p->at[i].a));
+    (void)frexp(peak, &unit);
     for (int i = 0; i < p->n; i++) {
-        double d = p->t[i + 1] - p->t[i], a = p->at[i].a, b = p->jerk[i] != 0 ? p->at[i + 1].a : a;
+        double d = p->t[i + 1] - p->t[i], a = ldexp(p->at[i].a, -unit);
+        double b = p->jerk[i] != 0 ? ldexp(p->at[i + 1].a, -unit) : a;
         sum += d*(a*a + a*b + b*b)/3;
     }
-    return p->duration > 0 ? sqrt(sum/p->duration) : 0;
+    return p->duration > 0 ? ldexp(sqrt(sum/p->duration), unit) : 0;
 }
 
 static lw_status make_motion(const settings *o, motion *m, lw_error *e)
