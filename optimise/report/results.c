@@ -240,6 +240,8 @@ static int within_tolerance(const lw_fit_spec *s, const lw_fit *fit, const lw_fi
     return kept;
 }
 
+#define MANY 1000              /* stations: the reports of a stopped search are made one at a time */
+
 /* Reports to make, by several threads. */
 typedef struct reports {
     const lw_target   *t;
@@ -263,13 +265,17 @@ static lw_status find_spread(const lw_target *t, const lw_fit_spec *s, const lw_
     return st == LW_E_MEMORY ? st : LW_OK;
 }
 
+static bool is_stopped(const lw_results_effort *o)
+{
+    return (o->interrupt && *o->interrupt) || (o->until > 0 && lw_clock_wall() > o->until);
+}
+
 static void make_report(void *context, size_t i, int thread)
 {
     (void)thread;
     reports *c = context;
     lw_fit_report *r = &c->report[i];
-    const lw_results_effort *o = c->effort;
-    if (c->any && ((o->interrupt && *o->interrupt) || (o->until > 0 && lw_clock_wall() > o->until)))
+    if (c->any && is_stopped(c->effort))
         return;
     c->status[i] = lw_fit_report_make(c->t, c->s, &c->fit->candidate[i], r, NULL);
     if (c->status[i] == LW_OK)
@@ -307,7 +313,8 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
     reports work = { .t = t, .s = s, .fit = fit, .may_fail = may_fail, .effort = effort, .report = all,
                      .made = fit_for_use + n, .usable = fit_for_use, .status = status };
     if (st == LW_OK) {
-        lw_parallel(effort->jobs > 0 ? effort->jobs : lw_core_count(), (size_t)fit->n, make_report, &work);
+        int jobs = t->n >= MANY && is_stopped(effort) ? 1 : effort->jobs > 0 ? effort->jobs : lw_core_count();
+        lw_parallel(jobs, (size_t)fit->n, make_report, &work);
         st = first_fault(&work, e);
     }
     free(status);

@@ -275,9 +275,13 @@ static polish_list *new_list(lw_search *s)
     return list;
 }
 
+/* A search that was stopped wants one result soon: of a target of MANY stations only one find is begun at a time. */
+#define MANY 1000
+
 static lw_status run_list(lw_search *s, polish_list *list, lw_job *run)
 {
-    const lw_loop loop = { s->n_thread, (size_t)list->n, run, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
+    int n_thread = s->t->n >= MANY && lw_search_stopped(s) ? 1 : s->n_thread;
+    const lw_loop loop = { n_thread, (size_t)list->n, run, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
     return lw_loop_run(&loop, s->o->sharing);
 }
 
