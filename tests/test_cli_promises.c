@@ -337,6 +337,26 @@ TEST(odd_streams_and_names)
     expect("printf '\\000' > $D/empty; $P catalogue add $D/six.db $D/empty", 3, NULL, "this is no text");
 }
 
+/* --json prints JSON: one value, or one a line. */
+TEST(json_is_json)
+{
+    char line[900], small[600];
+    demand("mkdir $D/json", "");
+    for (int i = 0; i < N_ROW; i++) {
+        with_program(rows[i].small, small);
+        if (strstr(small, " --json") || strstr(small, " --format ") || strstr(small, " -f "))
+            continue;
+        snprintf(line, sizeof line, "%s --json -q -o $D/json/%d.json", small, i);
+        demand(line, small);
+    }
+    demand("cd $D/json && python3 -c 'import json, sys\n"
+           "for name in sys.argv[1:]:\n"
+           "    t = open(name).read().strip()\n"
+           "    try:\n"
+           "        while t: t = t[json.JSONDecoder().raw_decode(t)[1]:].strip()\n"
+           "    except ValueError: sys.exit(name + \": \" + t[:60])' *", "--json");
+}
+
 /* A byte 0 in the middle of a text of each format is an error with its place, and never the end of the text. */
 TEST(no_text_holds_a_byte_0)
 {
@@ -371,6 +391,11 @@ TEST(catalogues)
     expect("$P catalogue check $D/six.db", 0, NULL, NULL);
     expect("size=$(stat -c %s $D/six.db); cp $D/six.db $D/cut.db; truncate -s $((size/2)) $D/cut.db; "
            "$P catalogue query $D/cut.db links=6", 3, NULL, "damaged");
+    expect("head -c 1 $D/six.db > $D/cut.db; for c in query check export; do $P catalogue $c $D/cut.db; test $? = 3 || exit 1; done; "
+           "test $(stat -c %s $D/cut.db) = 1", 0, NULL, "this is no catalogue");
+    expect("python3 -c 'import sqlite3, sys; sqlite3.connect(sys.argv[1]).execute(\"VACUUM\")' $D/void.db; cp $D/void.db $D/void; "
+           "for c in query check export; do $P catalogue $c $D/void.db; test $? = 3 || exit 1; done; cmp $D/void $D/void.db", 0, NULL,
+           "is empty");
     expect("cp $D/six.db $D/cut.db; (sleep 0.3; truncate -s 8192 $D/cut.db) & $P catalogue query $D/cut.db "
            "'WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n+1 FROM x LIMIT 100000) SELECT sum(length(graph6)) "
            "FROM x, chain' --sql > $D/rows; c=$?; wait; test $c = 3 -o $c = 0", 0, NULL, NULL);
