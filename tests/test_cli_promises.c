@@ -392,7 +392,7 @@ TEST(catalogues)
     expect("size=$(stat -c %s $D/six.db); cp $D/six.db $D/cut.db; truncate -s $((size/2)) $D/cut.db; "
            "$P catalogue query $D/cut.db links=6", 3, NULL, "damaged");
     expect("head -c 1 $D/six.db > $D/cut.db; for c in query check export; do $P catalogue $c $D/cut.db; test $? = 3 || exit 1; done; "
-           "test $(stat -c %s $D/cut.db) = 1", 0, NULL, "this is no catalogue");
+           "test $(stat -c %s $D/cut.db) = 1", 0, NULL, "no SQLite file");
     expect("python3 -c 'import sqlite3, sys; sqlite3.connect(sys.argv[1]).execute(\"VACUUM\")' $D/void.db; cp $D/void.db $D/void; "
            "for c in query check export; do $P catalogue $c $D/void.db; test $? = 3 || exit 1; done; cmp $D/void $D/void.db", 0, NULL,
            "is empty");

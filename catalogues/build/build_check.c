@@ -133,6 +133,8 @@ lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t 
         status = check_sums(s, e);
     if (status == LW_OK)
         status = lw_store_number(s, "SELECT count(*) FROM build WHERE NOT complete", NULL, 0, &n, e);
+    if (status == LW_STOPPED)
+        lw_error_set(e, status, "stopped before the whole file was checked");
     *n_chain = c.n_chain;
     *n_open = (uint64_t)n;
     return status;

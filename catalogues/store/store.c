@@ -227,7 +227,7 @@ static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error 
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, there ? "the file is empty; 'linkwright catalogue build' fills "
                            "one" : "there is no such file; 'linkwright catalogue build' makes one");
     if (there && st.st_size > 0 && st.st_size < SQLITE_HEAD)       /* SQLite takes a file of one byte for an empty one */
-        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this is no catalogue: it has %lld bytes", (long long)st.st_size);
+        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this is no SQLite file: it has %lld bytes", (long long)st.st_size);
     if (there && o->write && ((st.st_mode & 0222) == 0 || access(s->path, W_OK) != 0))
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "the file is read-only");
     return LW_OK;
