@@ -63,7 +63,7 @@ int cli_fail(const cli_call *call, const lw_error *e)
     if (e->status == LW_E_MEMORY)
         fprintf(stderr, "; the limit is %.3g GB (--memory)", cli_memory(call)/1e9);
     if (e->status == LW_STOPPED && cli_timed_out())
-        fputs("; there is no result yet: give it longer with --time", stderr);
+        fputs("; give it longer with --time", stderr);
     fputc('\n', stderr);
     return cli_exit_code(e->status);
 }
@@ -344,6 +344,17 @@ int cli_may_write_in(const cli_call *call, const char *folder, const char *forma
     return cli_may_write(call, path);
 }
 
+/* Abandon a file; the next one of its folder has the same temporary name, which a forced end removes. */
+static void forget_temporary(lw_output *o)
+{
+    for (int i = 1; i < TEMPORARY_MAX; i++)
+        if (!temporary[i][0]) {
+            strcpy(temporary[i], o->temp);
+            break;
+        }
+    lw_output_abandon(o);
+}
+
 /* Check that a file written at the end of a long run can be written. The file of -o is opened by the command itself. */
 static int try_output(const cli_call *call, const char *path)
 {
@@ -354,12 +365,7 @@ static int try_output(const cli_call *call, const char *path)
         return CLI_DONE;
     if (lw_output_open(&o, path, &e) != LW_OK)
         return cli_fail(call, &e);
-    for (int i = 1; i < TEMPORARY_MAX; i++)
-        if (!temporary[i][0]) {                  /* the name that it will have again */
-            strcpy(temporary[i], o.temp);
-            break;
-        }
-    lw_output_abandon(&o);
+    forget_temporary(&o);
     return CLI_DONE;
 }
 
@@ -443,8 +449,14 @@ int cli_make_folder(const cli_call *call, const char *folder)
         error = ENOTDIR;
     if (!error && access(folder, W_OK | X_OK) != 0)
         error = errno;
-    if (!error)
+    if (!error) {
+        char any[LW_PATH_SIZE + 2];
+        lw_output o;
+        snprintf(any, sizeof any, "%s/x", folder);
+        if (lw_output_open(&o, any, NULL) == LW_OK)
+            forget_temporary(&o);
         return CLI_DONE;
+    }
     lw_error_at(&e, LW_E_IO, folder, 0, 0, "the folder cannot be made or written: %s", strerror(error));
     return cli_fail(call, &e);
 }
