@@ -79,7 +79,7 @@ static motion motion_of(const lw_problem *p, const lw_work *w)
 static void points_at(const lw_problem *p, const lw_work *w, const motion *m, size_t n, const double *part,
                       lw_cycle_point *at)
 {
-    double place[POSTURES], c[POSTURES], s[POSTURES] = { 0 };
+    double place[POSTURES] = { 0 }, c[POSTURES], s[POSTURES] = { 0 };
     for (size_t i = 0; i < n; i++)
         c[i] = place[i] = m->from + m->length*part[i];
     if (lw_problem_has_modes(p)) {
