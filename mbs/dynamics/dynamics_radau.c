@@ -713,7 +713,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         if (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC)
             return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of revolute and prismatic joints only");
     }
-    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false) || (!d->space && (!d->eq.exact || d->s.n_tie))))
+    /* In the plane ggl takes states: Newton's method of the stages fails where the square root of a valve begins. */
+    if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false) || (!d->space && (!d->eq.exact || d->s.n_tie || d->eq.n_z))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
                               ? "elastic links vibrate fast: an implicit method that follows slow vibrations and damps those faster "
