@@ -319,7 +319,8 @@ TEST(gear_pairs_are_counted)
     CHECK_INT(integer(five, "searched") + integer(five, "not_reached"), 11*3 + 7*27);
     CHECK(integer(five, "not_reached") <= integer(five, "groups"));
     CHECK(integer(five, "no_gear") >= 2);
-    CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
+    CHECK(integer(five, "with_linkage") <= integer(five, "searched"));
+    CHECK(integer(five, "with_linkage") >= integer(five, "searched") - integer(five, "groups"));     /* these get few starts */
     json_decref(root);
     root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 8 --budget 1000 --unlimited "
                    "--topology 5.1.1,5.1.3 --json");
