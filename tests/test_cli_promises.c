@@ -216,7 +216,7 @@ TEST(stopped_pictures)
 /* Several targets share --time: each of them is searched. */
 TEST(targets_share_time)
 {
-    demand("$P fit examples/walking-foot.csv examples/ellipse.csv examples/walking-foot.csv --time 3 --json -q "
+    demand("LW_CLOCK_STEP=0.0003 $C fit examples/walking-foot.csv examples/ellipse.csv examples/walking-foot.csv --time 3 --json -q "
            "> $D/three; test $? = 5 && test $(grep -c '\"results\": *\\[' $D/three) = 3 && "
            "python3 -c 'import json, sys; t = open(sys.argv[1]).read(); d = json.JSONDecoder(); n = 0\n"
            "while t.strip(): o, end = d.raw_decode(t.strip()); t = t.strip()[end:]; n += len(o[\"results\"]) > 0\n"
