@@ -27,12 +27,12 @@ typedef enum lw_op {
     LW_OP_COUNT         /* languages count their own operations from here */
 } lw_op;
 
-/* What a part of a text stands for: a node, or (-1) a constant.  Formulas, which keep values on a stack, leave it alone. */
+/* The value of a part of the text: a node, or (-1) a constant.  Formulas keep values on a stack and do not use it. */
 typedef struct lw_operand { int node; double value; } lw_operand;
 
-typedef struct lw_argument { lw_operand o; size_t at; } lw_argument;     /* and where its text begins */
+typedef struct lw_argument { lw_operand o; size_t at; } lw_argument;     /* at: where its text begins */
 
-/* most 0: any number of arguments from `least` on */
+/* A function of `least` to `most` arguments; most 0: `least` or more. */
 typedef struct lw_math_function { const char *name; int op, least, most; const char *form; } lw_math_function;
 
 typedef struct lw_arithmetic lw_arithmetic;
@@ -54,16 +54,17 @@ struct lw_arithmetic {
     int         depth;
     const lw_language *language;
     void       *made;                /* the expression or formula */
-    const void *words;               /* that the caller knows     */
+    const void *words;               /* the words that the caller knows */
     lw_error   *e;
 };
 
 #define LW_WORD_SIZE 64
 
-/* LW_E_NOTATION at a place of the text. */
+/* Fill the error with the line and column of byte `at`; returns LW_E_NOTATION. */
 lw_status lw_arithmetic_fault(const lw_arithmetic *p, size_t at, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/* The next byte that is no blank, or -1; _take steps over it if it is `byte`; _byte: that at a place. */
+/* _peek: the next byte that is not blank, -1 at the end.  _take: step over this byte if it equals `byte`; returns whether it did.
+ * _byte: the byte at `at`, -1 behind the end. */
 int  lw_arithmetic_peek(lw_arithmetic *p);
 bool lw_arithmetic_take(lw_arithmetic *p, int byte);
 int  lw_arithmetic_byte(const lw_arithmetic *p, size_t at);

@@ -548,7 +548,7 @@ static lw_status show(stages *g)
     return lw_run_show_solved(g->run, g->t, g->run->y);
 }
 
-/* The state at t within the last step, by the polynomial through its stages. */
+/* State at t, a time within the last step, by the polynomial through its stages. */
 static lw_status state_at(void *context, double t, double *y)
 {
     stages *g = context;
@@ -713,7 +713,7 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         if (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC)
             return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of revolute and prismatic joints only");
     }
-    /* In the plane ggl takes states: Newton's method of the stages fails where the square root of a valve begins. */
+    /* In the plane ggl takes states: Newton's method of the stages fails at the zero of a valve's square root. */
     if (!asked && !d->elastic && !d->eq.next_piece && (d->n_friction || !lw_mbs_is_damped(d, false) || (!d->space && (!d->eq.exact || d->s.n_tie || d->eq.n_z))))
         return lw_formulation_say(r, LW_E_KIND, 0, "it is taken for elastic links and where it is asked for");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : d->elastic
