@@ -116,26 +116,42 @@ bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
 
 /* ---- derivatives by the dimensions ------------------------------------------------------------------ */
 
-/* Derivatives of mid and half by central differences; the same for both strokes. */
-static void range_slopes(const lw_problem *p, const double *x, lw_swing *s)
+/* Derivatives of mid and half; the same for both strokes.  The margin is 0 at a limit: its exact derivatives give those of
+ * the limit, also near a change point, where they grow beyond all bounds.  Other ends vary slowly: central differences. */
+static void range_slopes(const lw_problem *p, const double *x, lw_work *w)
 {
-    double at[LW_VAR_MAX];
+    enum { LANES = 8 };
+    lw_swing *s = &w->swing;
+    double at[LW_VAR_MAX], turn[LANES] = { 0 }, c[LANES], sine[LANES] = { 0 }, px[LANES], py[LANES], margin[LANES];
+    double by_dim[LW_DIM_MAX*LANES], by_input[LANES];
     lw_range r[2];
     memcpy(at, x, sizeof at[0]*(size_t)p->n_var);
+    if (lw_motion_range(&p->plan, x, p->intended.mode[0], &r[0]) != LW_OK)
+        return;
+    bool limits = r[0].limits;
+    turn[0] = c[0] = r[0].first;
+    turn[1] = c[1] = r[0].last;
+    if (limits && !p->plan.input_is_slider)
+        lw_batch_turns(&p->plan, 2, turn, c, sine);
+    if (limits)
+        lw_batch_jacobian(&p->plan, &(lw_lanes){ .n = 2, .c = c, .s = sine, .dim = x, .mode = p->intended.mode }, 0, w->batch,
+                          &(lw_jacobian){ .x = px, .y = py, .margin = margin, .ld = LANES, .jm = by_dim, .tm = by_input });
     for (int k = 0; p->family->shape[k]; k++) {            /* limits depend on the shape only        */
         int d = lw_plan_dim(&p->plan, p->family->shape[k]);
-        double h = 1e-6*fmax(1, fabs(x[d]));
+        double h = 1e-6*fmax(1, fabs(x[d])), end[2] = { 0, 0 };
         bool there = true;
-        for (int side = 0; side < 2; side++) {
+        for (int side = 0; !limits && side < 2; side++) {
             at[d] = side ? x[d] + h : x[d] - h;
             there &= lw_motion_range(&p->plan, at, p->intended.mode[0], &r[side]) == LW_OK && !r[side].turns
                   && r[side].last > r[side].first;
         }
         at[d] = x[d];
-        double first = there ? (r[1].first - r[0].first)/(2*h) : 0, last = there ? (r[1].last - r[0].last)/(2*h) : 0;
+        for (int e = 0; e < 2 && there; e++)
+            end[e] = limits ? -by_dim[d*LANES + e]/by_input[e]
+                            : (e ? r[1].last - r[0].last : r[1].first - r[0].first)/(2*h);
         for (int j = 0; j < 2; j++) {
-            s->mid_by[j][d] = 0.5*(first + last);
-            s->half_by[j][d] = 0.5*(last - first);
+            s->mid_by[j][d] = 0.5*(end[0] + end[1]);
+            s->half_by[j][d] = 0.5*(end[1] - end[0]);
         }
     }
 }
@@ -192,7 +208,7 @@ void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w)
     if (p->intended.through)
         cycle_slopes(p, x, w);
     else if (!p->family->linkage)
-        range_slopes(p, x, s);
+        range_slopes(p, x, w);
     phase_slopes(p, s);
     s->has_slopes = true;
 }
