@@ -55,13 +55,14 @@ struct lw_sparse_lu {
     klu_numeric  *numeric;
 };
 
-lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern)
+lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle)
 {
     lw_sparse_lu *f = calloc(1, sizeof *f);
     if (!f)
         return NULL;
     f->pattern = pattern;
     klu_defaults(&f->common);
+    f->common.ordering = saddle;             /* 0: AMD, 1: COLAMD */
     f->symbolic = klu_analyze(pattern->n, pattern->at, pattern->row, &f->common);
     if (f->symbolic)
         return f;

@@ -173,6 +173,8 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "catalogue release -o $D/x --links 14 -q", NULL },
     { "simulate $D/pile.json --to 10", NULL },
     { "simulate $D/snake.json --to 10", NULL },
+    { "simulate $D/rope.json --analysis static", NULL },
+    { "simulate $D/rope.json --analysis linear --rest", NULL },
     { "drive select examples/drives/lifting-arm.json --motors $D/motors.csv --gears $D/gears.csv", NULL },
     { "structures --loops 10", NULL },
     { "grammar derive --links 12 --rules 1,2,3,4", NULL },
@@ -454,7 +456,7 @@ static void prepare(void)
            "");
     /* an eight-bar with a higher group */
     demand("cp tests/data/linkages/triad-eight-bar.json $D/group.json", "");
-    /* a pile of 300 boxes, a chain of 1000 bodies in space, many linkages, tables of many motors and gears */
+    /* a pile of 300 boxes, chains of 4000 links in the plane and of 1000 bodies in space, many linkages, tables of many motors and gears */
     demand("python3 - $D << 'END'\n"
            "import json, sys\n"
            "def write(name, **model): json.dump({'linkwright': 1, 'gravity': [0, -9.81], **model}, open(sys.argv[1] + name, 'w'))\n"
@@ -466,6 +468,11 @@ static void prepare(void)
            "    joints.append({'name': 'F%d' % i, 'kind': 'n', 'links': ['ground', name]})\n"
            "    contacts.append({'name': 'c%d' % i, 'links': [under, name], 'friction': 0.5, 'restitution': 0.3})\n"
            "write('/pile.json', links=links, joints=joints, contacts=contacts)\n"
+           "links, joints = ['ground'], []\n"
+           "for i in range(4000):\n"
+           "    links.append({'name': 'b%d' % i, 'mass': 1, 'centre': [i + .5, 0], 'inertia': .1})\n"
+           "    joints.append({'name': 'J%d' % i, 'links': [links[i]['name'] if i else 'ground', 'b%d' % i], 'at': [i, 0]})\n"
+           "write('/rope.json', links=links, joints=joints)\n"
            "links, joints = ['ground'], []\n"
            "for i in range(1000):\n"
            "    links.append({'name': 'b%d' % i, 'mass': 1, 'centre': [i + .5, 0, 0], 'inertia': [.1, .1, .1]})\n"

@@ -207,6 +207,7 @@ static lw_status open_large(linear *l, lw_error *e)
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
     o.from = l->o->t;
+    o.stop = cli_stop_flag();
     o.hold_inputs = l->o->hold;
     o.rigid = l->o->rigid;
     lw_dynamics_free(l->d);

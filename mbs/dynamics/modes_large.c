@@ -4,7 +4,7 @@
  * shift s makes the matrix regular where motions are free.  Vectors stay orthogonal in the metric of the masses by full
  * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
- * motions instead, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
+ * motions instead (accelerations under random forces), and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness. */
 #include <float.h>
 #include <stdlib.h>
@@ -15,12 +15,14 @@
 #include "base/eigen.h"
 #include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/vibration_internal.h"
+#include "mbs/equations/limits_internal.h"
 
 typedef struct lanczos {
     lw_dynamics *d;
     lw_tangent  *tangent;
     int     n, most;                 /* velocities; vectors */
     double  shift;
+    double t;
     const double *q;
     double *basis, *heavy;           /* (most + 1 vectors of n) vectors, and M times these */
     double *found, *found_heavy, *value;     /* modes, M times these, w^2 */
@@ -89,6 +91,8 @@ static int ritz(int k, const double *alpha, const double *beta, int wanted, doub
     return good;
 }
 
+static lw_status look_at_limits(const lanczos *z) { return lw_limits_check(z->d->o.stop, z->d->o.until, true, z->t, NULL); }
+
 /* One run of at most z->most vectors from a random one, until the modes wanted have converged.  Adds those that have, of the
  * greatest |1/(w^2 + s)| first and at most `wanted`; returns how many.  -1: out of memory. */
 static int one_run(lanczos *z, lw_rng *rng, int wanted)
@@ -107,7 +111,7 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
     double size = orthogonal(z, z->basis, z->heavy, 0), least = 0;
     apply(z, z->heavy, z->basis);            /* twice: into the motions that the rows allow */
     size = orthogonal(z, z->basis, z->heavy, 0);
-    for (k = 0; k < z->most && size > least; k++) {
+    for (k = 0; k < z->most && size > least && look_at_limits(z) == LW_OK; k++) {
         double *x = z->basis + (size_t)(k + 1)*(size_t)n, *heavy = z->heavy + (size_t)(k + 1)*(size_t)n;
         apply(z, z->heavy + (size_t)k*(size_t)n, x);
         alpha[k] = lw_dot(n, x, z->heavy + (size_t)k*(size_t)n);
@@ -153,6 +157,8 @@ static lw_status find_modes(lanczos *z, int wanted, int room)
         int added = one_run(z, &rng, ask < room - before ? ask : room - before);
         if (added < 0)
             return LW_E_MEMORY;
+        if (look_at_limits(z) != LW_OK)
+            return LW_STOPPED;
         if (wanted == 1 && added > 0)        /* the slowest; others as slow make no difference */
             break;
         bool new_one = false;
@@ -175,25 +181,22 @@ static void multiply(void *context, int row, int column, double by_q, double by_
 }
 
 /* A basis of all motions that the rows allow, instead of modes: for few freedoms. */
-static lw_status find_basis(lanczos *z)
+static lw_status find_basis(lanczos *z, int freedom)
 {
-    const lw_dynamics *d = z->d;
-    int n = z->n, c = z->tangent->c;
-    double *doubles = calloc(lw_rank_doubles(n, c) + 1, sizeof *doubles);
-    int *ints = calloc(lw_rank_ints(n, c) + 1, sizeof *ints);
-    if (doubles && ints) {
-        lw_rank rank;
-        lw_rank_place(&rank, n, c, doubles, ints);
-        for (int r = 0; r < c; r++)
-            lw_mbs_row(d, d->kept[r], rank.a + (size_t)r*(size_t)n);
-        rank.most = c;
-        lw_rank_factor(&rank, 0);
-        for (z->n_found = 0; z->n_found < n - rank.rank; z->n_found++)
-            lw_rank_left_null(&rank, z->n_found, z->found + (size_t)z->n_found*(size_t)n);
+    lw_dynamics *d = z->d;
+    lw_rng rng;
+    lw_rng_seed(&rng, 1, 0);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    for (z->n_found = 0; z->n_found < freedom; z->n_found++) {
+        double *x = z->found + (size_t)z->n_found*(size_t)z->n, *heavy = z->found_heavy + (size_t)z->n_found*(size_t)z->n;
+        for (int i = 0; i < z->n; i++)
+            heavy[i] = d->eq.mass[i]*(lw_rng_uniform(&rng) - 0.5);
+        for (int twice = 0; twice < 2; twice++) {            /* rounding, too, stays in the motions that the rows allow */
+            if (lw_mbs_linear(d, heavy, d->rhs, x, d->l) != LW_OK || !(orthogonal(z, x, heavy, 0) > 0))
+                return LW_E_NUMERIC;
+        }
     }
-    lw_status s = doubles && ints ? LW_OK : LW_E_MEMORY;
-    free(doubles), free(ints);
-    return s;
+    return LW_OK;
 }
 
 /* Matrices of the modes or of the basis.  false: the stiffness is not symmetric. */
@@ -248,7 +251,7 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
     size_t vectors = 2*((size_t)most + 1) + 2*((size_t)room + 1), square = (size_t)room*(size_t)room;
     double *memory = calloc(vectors*n + (size_t)room + 5*n + 2*c + 3*square + 8, sizeof *memory), *p = memory;
     lw_tangent own = { 0 };
-    lanczos z = { .d = d, .n = d->n_v, .most = most, .q = q, .tangent = kept ? kept : &own };
+    lanczos z = { .d = d, .n = d->n_v, .most = most, .t = t, .q = q, .tangent = kept ? kept : &own };
     lw_status s = memory && lw_tangent_renew(d, false, true, z.tangent) == LW_OK ? LW_OK
                 : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
@@ -281,7 +284,9 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
         if (s == LW_OK && !small && lw_tangent_factor(z.tangent, t, q, still, l, (double[]){ z.shift, 0 }, (double[]){ 0, 0 }) != LW_OK)
             s = lw_error_set(e, LW_E_NUMERIC, "the stiffness is singular in this posture");
         if (s == LW_OK)
-            s = small ? find_basis(&z) : find_modes(&z, aim < room ? aim : room, room);
+            s = small ? find_basis(&z, room) : find_modes(&z, aim < room ? aim : room, room);
+        if (s == LW_STOPPED)
+            s = lw_limits_check(d->o.stop, d->o.until, true, t, e);
         if (s == LW_NOTHING)
             s = lw_error_set(e, LW_E_NUMERIC, "no mode was found: Lanczos's method does not converge here");
         if (s == LW_OK) {

@@ -10,6 +10,7 @@
 #include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/vibration_internal.h"
+#include "mbs/equations/limits_internal.h"
 
 typedef struct search {
     lw_dynamics *d;
@@ -69,11 +70,15 @@ static void move(search *s)
         s->l[k] += s->step[s->n + k];
 }
 
+static lw_status look_at_limits(const search *s) { return lw_limits_check(s->d->o.stop, s->d->o.until, true, s->t, NULL); }
+
 /* Newton's method under these loads. */
 static lw_status balance(search *s, loads w, int *iterations)
 {
     double before = INFINITY;
     for (int pass = 0; pass < most_newton; pass++) {
+        if (look_at_limits(s) != LW_OK)
+            return LW_STOPPED;
         lw_status st = find_residual(s, w);
         if (st != LW_OK)
             return LW_OPEN;
@@ -109,7 +114,10 @@ static lw_status load_steps(search *s, loads from, loads to, lw_rest *r)
     for (int k = 0; k < most_parts && part < 1; k++) {
         double end = fmin(part + next, 1);
         loads w = { from.left + end*(to.left - from.left), from.aside + end*(to.aside - from.aside) };
-        if (balance(s, w, &r->iterations) == LW_OK) {
+        lw_status st = balance(s, w, &r->iterations);
+        if (st == LW_STOPPED)
+            return st;
+        if (st == LW_OK) {
             keep(s);
             part = end;
             next *= 2;
@@ -149,6 +157,8 @@ static lw_status downhill(search *s, lw_rest *r)
     unit = unit > 0 ? unit : 1;
     mass = 100*unit;
     for (int k = 0; k < most_downhill; k++) {
+        if (look_at_limits(s) != LW_OK)
+            return LW_STOPPED;
         if (lw_mbs_rows(d, s->t, s->q) != LW_OK || find_residual(s, (loads){ 0, 0 }) != LW_OK)
             return LW_E_NUMERIC;
         keep(s);
@@ -266,6 +276,8 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
     free(s.load);
     if (st == LW_E_MEMORY)
         return lw_error_set(e, st, "out of memory");
+    if (st == LW_STOPPED)
+        return lw_limits_check(d->o.stop, d->o.until, true, t, e);
     return st == LW_OK ? LW_OK : lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive "
                                               "it away, or an elastic link buckles");
 }

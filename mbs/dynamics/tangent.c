@@ -60,7 +60,7 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
     free(t->pair);
     t->pair = NULL;
     t->value = ok ? calloc((size_t)t->columns.at[n] + 1, sizeof *t->value) : NULL;
-    t->lu = t->value ? lw_sparse_lu_create(&t->columns) : NULL;
+    t->lu = t->value ? lw_sparse_lu_create(&t->columns, t->c > 0) : NULL;
     t->kept = t->lu ? malloc(((size_t)t->c + 1)*sizeof *t->kept) : NULL;
     if (!t->kept)
         return LW_E_MEMORY;
