@@ -1,8 +1,9 @@
 /* Contacts of rigid bodies are often redundant: M has dependent rows up to rounding, and many bases are all but
  * singular.  Where rounding leads astray, the basis is found with a slightly greater diagonal, and its values are those for
- * M itself. */
+ * M itself, or at last for the greater diagonal. */
 #include "base/lcp.h"
 
+#include <stdbool.h>
 #include <string.h>
 #include "base/real.h"
 
@@ -93,8 +94,8 @@ static void refine(const tableau *t, const double *q)
             t->q[r] += t->inverse[(size_t)r*(size_t)n + (size_t)k]*left[k];
 }
 
-/* The basis by Lemke's method for M + shift I, its values for M. */
-static lw_status solve(int n, const double *m, double shift, const double *q, double *work, double *z)
+/* The basis by Lemke's method for M + shift I, its values for M, or with `keep` for M + shift I. */
+static lw_status solve(int n, const double *m, double shift, bool keep, const double *q, double *work, double *z)
 {
     size_t k = (size_t)n;
     tableau t = { n, shift, m, work, work + k*k, work + k*k + k, (int *)(void *)(work + k*k + 2*k) };
@@ -125,7 +126,7 @@ static lw_status solve(int n, const double *m, double shift, const double *q, do
         int leaves = t.basis[r];
         pivot(&t, r, enter);
         if (leaves == 2*n) {
-            t.shift = 0;
+            t.shift = keep ? shift : 0;
             for (int i = 0; i < 6; i++)
                 refine(&t, q);
             for (int i = 0; i < n; i++)
@@ -163,8 +164,8 @@ lw_status lw_lcp_solve(int n, const double *m, const double *q, double *work, do
 {
     const int n_shift = (int)(sizeof shifts/sizeof *shifts);
     lw_status s = LW_NOTHING;
-    for (int i = 0; i < 2*n_shift; i++) {
-        s = solve(n, m, shifts[i%n_shift], q, work, z);
+    for (int i = 0; i < 3*n_shift; i++) {
+        s = solve(n, m, shifts[i%n_shift], i >= 2*n_shift, q, work, z);
         if (s == LW_OK && solves(n, m, q, z, i < n_shift ? exact : accuracy))
             return LW_OK;
     }

@@ -61,13 +61,16 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
         if (s != LW_OK)
             return s;
     }
-    if (w->n_slip > 0)
-        g[DETERMINANT] = fabs(w->determinant) - undetermined;
+    w->sense = w->sense != 0 ? w->sense : w->determinant < 0 ? -1 : 1;
+    if (w->n_slip > 0)                           /* with its sign at the last event: it may fall through 0 within a step */
+        g[DETERMINANT] = w->sense*w->determinant - undetermined;
     const double *l = d->l + d->n_c - w->n_row;
     d->eq.place(d->eq.context, y);
     for (int k = 0; k < w->n_row; k++)
-        if (!w->row[k].tangent)
-            least(&g[PULL], (w->list.touch[w->row[k].touch].force = -l[k]) + w->least_force);
+        if (!w->row[k].tangent) {
+            double force = w->list.touch[w->row[k].touch].force = -l[k];
+            least(&g[PULL], fmin(force + w->least_force, w->most_force - force));
+        }
     for (int k = 0; k < w->n_row; k++) {
         const lw_touch *p = &w->list.touch[w->row[k].touch];
         if (!w->row[k].tangent)
@@ -367,8 +370,9 @@ static lw_status impact_once(const lw_dynamics *d, const closed *c, double part,
     return s;
 }
 
-/* Impacts at places that approach faster than `tiny`, and those that follow from them. */
-static lw_status strike(lw_run *run, double t, closed *c, double tiny, double *v, bool *any)
+/* Impacts at places that approach faster than *tiny, and those that follow from them.  Impulses between bodies that are
+ * wedged may be far greater than their effect: rates to which the solution is exact then count as 0, too. */
+static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *v, bool *any)
 {
     lw_dynamics *d = run->d;
     const lw_touch *touch = d->touch->list.touch;
@@ -378,7 +382,7 @@ static lw_status strike(lw_run *run, double t, closed *c, double tiny, double *v
     for (int pass = 0; pass < PASSES; pass++) {
         bool hit = false;
         for (int i = 0; i < c->m; i++) {
-            c->in[i] = is_rigid(&touch[c->place[i]]) && c->gap[i] < struck && c->u[2*i] < -tiny;
+            c->in[i] = is_rigid(&touch[c->place[i]]) && c->gap[i] < struck && c->u[2*i] < -*tiny;
             hit = hit || c->in[i];
             if (c->in[i] && !c->noted[i] && (pass == 0 || !plastic)) {
                 note(run, c->place[i], t, true, c->u[2*i]);
@@ -406,6 +410,8 @@ static lw_status strike(lw_run *run, double t, closed *c, double tiny, double *v
                                 t);
         apply_impulse(d, c, c->force, v);
         find_rates(d, v, c);
+        for (int i = 0; i < c->m; i++)
+            *tiny = c->in[i] ? fmax(*tiny, -2*fmin(c->rate[2*i], c->u[2*i])) : *tiny;
         *any = true;
     }
     return lw_error_set(run->e, LW_E_NUMERIC, "impacts follow each other without end at t = %.9g s", t);
@@ -544,6 +550,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         fastest = fmax(fastest, fmax(fabs(c->b[2*i]), fabs(c->b[2*i + 1])));
     }
     w->least_force = 1e-11*top;
+    w->most_force = 100*top;
     double *factor = calloc((size_t)most*(size_t)most + 1, sizeof *factor);
     int *taken = calloc((size_t)most + 1, sizeof *taken);
     if (!factor || !taken) {
@@ -632,7 +639,7 @@ static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undeci
     double speed = fmax(greatest_of(d, v), sqrt(greatest_of(d, d->a))), tiny = still*speed;
     find_rates(d, v, c);
     for (int tries = 0; s == LW_OK && tries < 20; tries++) {
-        s = strike(run, t, c, tiny, v, any);
+        s = strike(run, t, c, &tiny, v, any);
         if (s == LW_OK)
             s = find_free(run, t, y, c);
         if (s != LW_OK)
@@ -689,6 +696,7 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
     bool had = w->n_row > 0;
     w->n_row = w->n_slip = 0;
     w->determinant = 1;
+    w->sense = 0;
     if (s == LW_OK && had)
         s = lw_mbs_arrange(d, t, y);
     if (s == LW_OK)

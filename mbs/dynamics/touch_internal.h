@@ -18,9 +18,11 @@ struct lw_touching {
     int     n_slip;                      /* rigid places that slip; they follow the joints in d->friction */
     double *response;                    /* (n_friction + n_slip)*(n_q + n_c)                          */
     double  determinant;                 /* of the friction equations; 1 without friction              */
+    int     sense;                       /* its sign after the last event; 0: not known yet            */
     bool    captured;                    /* rows are all near places, closed or not (dynamics_capture.c) */
     bool    events;                      /* where compliant contacts begin and end                     */
     double  least_force;                 /* a force below this is rounding                             */
+    double  most_force;                  /* one that grows above it may have a pole: places that depend on others let go */
     long    stalled;                     /* events in a row without progress in time, */
     double  last;                        /* and the time of the last                                   */
 };

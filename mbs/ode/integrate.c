@@ -442,8 +442,8 @@ static lw_status land(lw_integrator *w, const crossing *c)
         if (s != LW_OK)
             return s;
         double g = w->g_try[c->event];
-        if (i > 0 && fabs(g) > 1e3*fabs(g_before) && fabs(t - t_before) > 1e-12*fabs(whole)) {
-            s = advance(w, t_before - w->t_old);   /* g has a kink there: the slope led away */
+        if (i > 0 && fabs(g) > 2*fabs(g_before) && fabs(t - t_before) > 1e-12*fabs(whole)) {
+            s = advance(w, t_before - w->t_old);   /* g has a kink or grazes 0: the slope led away */
             return s == LW_OK ? arrive(w) : s;
         }
         if (i > 0 && fabs(g) >= fabs(g_before))
@@ -460,11 +460,31 @@ static lw_status land(lw_integrator *w, const crossing *c)
     return LW_OK;
 }
 
-static lw_status end_at(lw_integrator *w, const crossing *found, int n, int k)
+static lw_status act(lw_integrator *w, double ta, const crossing *found, int n, bool *ended);
+
+/* End the step at found[k].  What is on another side there, but was not found, crossed 0 twice between ta and the next
+ * sample: the step ends at its first crossing instead. */
+static lw_status end_at(lw_integrator *w, double ta, const crossing *found, int n, int k)
 {
-    double together = 1e-12*fabs(w->h_done) + 4.0*DBL_EPSILON*fabs(found[k].t);
+    double together = 1e-12*fabs(w->h_done) + 4.0*DBL_EPSILON*fabs(found[k].t), g[LW_EVENT_MAX];
+    crossing missed[LW_EVENT_MAX];
+    int n_missed = 0;
+    bool ended = false;
+    unsigned long long known = 0;
     lw_status s = land(w, &found[k]);
     if (s != LW_OK)
+        return s;
+    for (int i = k; i < n; i++)
+        known |= 1ull << found[i].event;
+    memcpy(g, w->g_try, sizeof(double)*(size_t)w->ode->n_event);
+    for (int i = 0; i < w->ode->n_event; i++) {
+        int turned = side_of(g[i]) != w->side[i] && (!w->ode->direction[i] || side_of(g[i]) == w->ode->direction[i]);
+        g[i] = turned && !(known >> i & 1) ? g[i] : w->side[i];
+    }
+    s = collect(w, g, ta, w->t, missed, &n_missed);
+    if (s == LW_OK && n_missed > 0 && (w->t - missed[0].t)*w->h_done > together*fabs(w->h_done))
+        s = act(w, ta, missed, n_missed, &ended);
+    if (s != LW_OK || ended)
         return s;
     for (int i = k; i < n && fabs(found[i].t - found[k].t) <= together; i++)
         if (!w->ode->passing[found[i].event]) {
@@ -474,14 +494,14 @@ static lw_status end_at(lw_integrator *w, const crossing *found, int n, int k)
     return LW_OK;
 }
 
-/* Report the events found in one interval, or end the step at one. */
-static lw_status act(lw_integrator *w, const crossing *found, int n, bool *ended)
+/* Report the events found in one interval from ta on, or end the step at one. */
+static lw_status act(lw_integrator *w, double ta, const crossing *found, int n, bool *ended)
 {
     for (int k = 0; k < n; k++) {
         int i = found[k].event;
         if (!w->ode->passing[i]) {
             *ended = true;
-            return end_at(w, found, n, k);
+            return end_at(w, ta, found, n, k);
         }
         w->side[i] = (signed char)-w->side[i];
         w->events |= 1ull << i;
@@ -522,7 +542,7 @@ static lw_status find_events(lw_integrator *w, bool *ended)
             memcpy(g, w->g_try, sizeof(double)*(size_t)ode->n_event);
             s = collect(w, g, ta, tb, found, &n);
             if (s == LW_OK)
-                s = act(w, found, n, ended);
+                s = act(w, ta, found, n, ended);
             if (s != LW_OK || *ended)
                 return s;
             memcpy(w->g_try, g, sizeof(double)*(size_t)ode->n_event);
