@@ -482,6 +482,86 @@ static fallen falling_chain(int n, const char *law, double to, lw_formulation fo
     return f;
 }
 
+/* ---- prescribed motion, and rest -------------------------------------------------------------------------- */
+
+typedef struct carried { const lw_dynamics *d; double drive; lw_vec2 contact; lw_reaction pin; } carried;
+
+static lw_status keep_carried(void *context, const lw_moment *m)
+{
+    carried *z = context;
+    double rope[1];
+    lw_reactions_driving(z->d, m, &z->drive);
+    lw_reactions_joints(z->d, m, &z->pin);
+    lw_reactions_contacts(z->d, m, &z->contact, rope);
+    return LW_OK;
+}
+
+static lw_status carry(lw_analysis analysis, double to, int intervals, carried *z)
+{
+    lw_dynamics *m = NULL;
+    lw_rest rest;
+    d.o.analysis = analysis;
+    d.o.to = to;
+    d.o.intervals = intervals;
+    d.e.text[0] = 0;
+    lw_status s = lw_dynamics_make(&d.model, &d.o, &m, &d.e);
+    z->d = m;
+    s = s == LW_OK ? lw_dynamics_analyse(m, keep_carried, z, &d.report, &rest, &d.e) : s;
+    lw_dynamics_free(m);
+    return s;
+}
+
+/* A bar of length 1 with a round end, 0.1, that turns from the level at -2 rad/s over a floor. */
+#define TURNING(contact) "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'line': [[0, %.17g], [1, %.17g]]}]}," \
+    " {'name': 'bar', 'mass': 2, 'centre': [0.5, 0], 'inertia': 0.3, 'shapes': [{'circle': [1, 0], 'radius': 0.1}]}], 'joints': [{'name': 'A'," \
+    " 'links': ['ground', 'bar'], 'at': [0, 0]}], 'contacts': [{'links': ['ground', 'bar']" contact "}], 'input': {'joint': 'A', 'motion': '-2*t'}}"
+
+/* A compliant floor presses by its law, with and without inertia.  A rigid one is named at the time at which it is
+ * touched, also between the samples; a floor just below is not. */
+TEST(prescribed_motion)
+{
+    carried z;
+    const double to = 0.8, c = cos(2*to), s = sin(2*to), depth = s + 0.1 - 1.05, push = 1e4*depth;
+    for (int k = 0; k < 2; k++) {
+        free_model(TURNING(", 'stiffness': 1e4, 'damping': 0.5, 'friction': 0.3, 'friction_speed': 0.01"), -1.05, -1.05);
+        CHECK_INT(carry(k ? LW_ANALYSIS_QUASISTATIC : LW_ANALYSIS_KINEMATIC, to, 3, &z), LW_OK);
+        double normal = k ? push : push*(1 + 0.5*2*c), slip = -2*s - 2*0.1, across = k ? 0 : -0.3*normal*tanh(slip/0.01);
+        CHECK_NEAR(z.contact.y, normal, 0, 1e-11);
+        CHECK_NEAR(z.contact.x, across, 1e-11, 1e-11);
+        /* about the pin: weight, and contact at the deepest point of the disc; no angular acceleration */
+        CHECK_NEAR(z.drive, 2*g*0.5*c - c*normal - (s + 0.1)*across, 0, 1e-10);
+        CHECK(d.report.no_friction == (k == 1));
+        lw_model_free(&d.model);
+    }
+    for (int n = 3; n < 200; n *= 8) {
+        free_model(TURNING(""), -1.0999999, -1.0999999);
+        CHECK_INT(carry(LW_ANALYSIS_KINEMATIC, 1.6, n, &z), LW_E_KIND);
+        CHECK_HAS(d.e.text, "touch at t = 0.785");
+        lw_model_free(&d.model);
+        free_model(TURNING(""), -1.1000001, -1.1000001);
+        CHECK_INT(carry(LW_ANALYSIS_KINEMATIC, 1.6, n, &z), LW_OK);
+        lw_model_free(&d.model);
+    }
+    free_model(TURNING(", 'stiffness': 1e4, 'friction': 0.3"), -1.05, -1.05);
+    CHECK_INT(carry(LW_ANALYSIS_KINEMATIC, 1.6, 3, &z), LW_E_KIND);
+    CHECK_HAS(d.e.text, "friction_speed");
+    lw_model_free(&d.model);
+}
+
+/* A bar that lies on a compliant support: pin and support carry its weight, and its moment. */
+TEST(compliant_rest)
+{
+    carried z;
+    free_model("{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'circle': [2, -0.5], 'radius': 0.5}]}, {'name': 'bar',"
+               " 'mass': 1, 'centre': [%.9g, 0.1], 'inertia': 0.3, 'shapes': [{'segment': [[0.5, 0.1], [3, 0.1]], 'radius': 0.05}]}], 'joints': [{'name': 'A',"
+               " 'links': ['ground', 'bar'], 'at': [0, 0.1]}], 'contacts': [{'links': ['ground', 'bar'], 'stiffness': %.9g, 'damping': 10}]}", 1, 1e7);
+    CHECK_INT(carry(LW_ANALYSIS_STATIC, 1, 1, &z), LW_OK);
+    CHECK_NEAR(z.contact.y + z.pin.force.y, g, 0, 1e-7);
+    CHECK_NEAR(z.contact.x + z.pin.force.x, 0, 1e-6, 0);
+    CHECK_NEAR(z.contact.y, g/2, 0, 0.01);               /* the bar sinks by the gap of 0.05: its slope is 0.025 */
+    lw_model_free(&d.model);
+}
+
 /* ---- random scenes ------------------------------------------------------------------------------------------ */
 
 static lw_rng scene;

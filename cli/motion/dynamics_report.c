@@ -22,7 +22,7 @@ void cli_dynamics_remarks(FILE *f, const lw_dynamics_report *r, lw_status status
     if (r->smooth_friction)
         fputs("# assumed: friction is regularised by a speed of 0.001 m/s; a joint at rest under load creeps\n", f);
     if (r->no_friction)
-        fputs("# assumed: equilibria without the friction of joints\n", f);
+        fputs("# assumed: equilibria without friction\n", f);
     if (r->captured_step > 0)
         fprintf(f, "# assumed: contacts are captured in steps of up to %.2g s; impacts are that late, overlaps within a step "
                 "reach %.2g m\n", r->captured_step, r->overlap);
@@ -126,7 +126,7 @@ void cli_dynamics_notes(const cli_call *c, const lw_dynamics *d, const lw_dynami
         cli_note(c, "friction without a \"speed\" sticks only in planar linkages of one freedom that are solved in closed form, and at pins and sliders "
                  "in space; here it is regularised by 0.001 m/s, and a joint at rest under load creeps");
     if (r->no_friction)
-        cli_note(c, "equilibria are those without the friction of joints: with it the model also rests around them, and its drives need as much "
+        cli_note(c, "equilibria are those without friction: with it the model also rests around them, and its drives need as much "
                  "more or less; a slow run in time (dynamic) shows it");
     if (r->captured_step > 0)
         cli_note(c, "contacts are captured in steps of up to %.2g s: impacts are that late, and overlaps within a step reach %.2g m; the error is "

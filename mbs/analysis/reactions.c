@@ -103,7 +103,7 @@ void lw_reactions_contacts(const lw_dynamics *d, const lw_moment *m, lw_vec2 *co
         lw_mbs_system_rows(d, m->q);
     for (int i = 0; d->touch && i < d->touch->list.n; i++) {
         lw_vec2 f;
-        double normal = lw_mbs_touch_load(d, i, m->v, m->l, &f);
+        double normal = lw_mbs_touch_load(d, i, d->o.analysis == LW_ANALYSIS_QUASISTATIC ? NULL : m->v, m->l, &f);
         const lw_touch *p = &d->touch->list.touch[i];
         if (p->kind == LW_TOUCH_ROPE)
             rope[p->owner] += normal;

@@ -12,6 +12,7 @@
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 #include "mbs/dynamics/follow_internal.h"
+#include "mbs/dynamics/touch_internal.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -47,6 +48,8 @@ typedef struct driven {
     lw_prescribed_motion *by_place;          /* of the place; with several inputs the same as `motion` */
     int         width;
     window      found, tried;
+    double     *gap;                         /* gaps and rates of the places that may touch, at the moment looked at last */
+    double      touch_t, touch_for;          /* that moment, and for how long none can close by more than a trace */
     bool        made;                        /* `found` has been looked for at found.at */
     double      piece;                       /* longest time followed at once [s] */
     double      clear_from, clear_to;        /* no branch point between these places */
@@ -68,6 +71,8 @@ static lw_status forces_at(lw_dynamics *d, double t, const double *q, const doub
     if (s != LW_OK || d->o.analysis != LW_ANALYSIS_QUASISTATIC)
         return s;
     lw_forces_apply(&d->f, t, q, still, d->force, NULL, NULL, NULL);
+    if (d->touch)
+        lw_mbs_touch_forces(d, still, d->force, NULL);
     lw_rank_solve(&d->rank_of, d->force, d->l);
     return LW_OK;
 }
@@ -86,6 +91,8 @@ static lw_status forces_of_large(lw_dynamics *d, double t, const double *q, doub
     memset(d->v_try, 0, (size_t)d->n_v*sizeof *d->v_try);
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     d->eq.forces(d->eq.context, t, q, d->v_try, d->force, NULL);
+    if (d->touch)
+        lw_mbs_touch_forces(d, d->v_try, d->force, NULL);
     return lw_mbs_linear(d, d->force, d->rhs, d->v_try, d->l);
 }
 
@@ -323,6 +330,89 @@ static lw_status moment_at(driven *z, double t, double *y)
     return s == LW_OK ? forces_at(d, t, y, y + n) : s;
 }
 
+/* ---- contact --------------------------------------------------------------------------------------------- */
+
+/* The gap of a place at t, which lies between two moments that were looked at. */
+static lw_status gap_at(driven *z, double t, double *y, int place, double *gap)
+{
+    lw_dynamics *d = z->d;
+    lw_touch_motion m;
+    lw_status s = moment_at(z, t, y);
+    if (s != LW_OK && s != LW_OPEN)
+        return s;
+    d->eq.place(d->eq.context, y);
+    lw_touch_at(&d->touch->list.touch[place], &d->eq, d->frames, NULL, &m);
+    *gap = m.gap;
+    return LW_OK;
+}
+
+/* Rigid shapes, ropes and stops in the posture y at t: those that are closed are an error, since how much they carry does
+ * not follow from a prescribed motion; those that close and open again since the moment before, too. */
+static lw_status look_at_places(driven *z, double t, double *y, double *between)
+{
+    lw_dynamics *d = z->d;
+    lw_touch_list *list = &d->touch->list;
+    bool first = t == d->o.from;
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < list->n; i++) {
+        lw_touch *p = &list->touch[i];
+        lw_touch_motion m;
+        lw_touch_choose_side(p, d->frames, first);
+        lw_touch_at(p, &d->eq, d->frames, y + d->n_q, &m);
+        double *was = z->gap + 2*i, h = t - z->touch_t, least = m.gap, when = t;
+        if (!(p->surface->stiffness > 0) && !first && was[1] < 0 && m.rate > 0 && h > 0) {
+            double x = fmin(fmax(was[1]/(was[1] - m.rate), 0), 1), z1 = 1 - x;           /* least of the cubic, nearly */
+            double guess = was[0]*z1*z1*(1 + 2*x) + m.gap*x*x*(3 - 2*x) + h*x*z1*(z1*was[1] - x*m.rate);
+            if (guess < 0.1*fmin(was[0], m.gap)) {
+                lw_status s = gap_at(z, when = z->touch_t + x*h, between, i, &least);
+                if (s == LW_OK)
+                    s = moment_at(z, t, between);
+                if (s < 0)
+                    return s;
+                d->eq.place(d->eq.context, y);
+            }
+        }
+        was[0] = m.gap;
+        was[1] = m.rate;
+        if (!(p->surface->stiffness > 0) && least < LW_TOUCH_CLOSED)
+            return lw_error_set(z->run->e, LW_E_KIND, "the prescribed motion brings \"%s\" to %s at t = %.9g s: inputs that move every "
+                                "freedom do not give way, so how much a rigid %s carries is not determined; give it a "
+                                "\"stiffness\", or leave the motion of an input out", lw_touch_name(d->model, p),
+                                p->kind == LW_TOUCH_STOP ? "its rigid stop" : p->kind == LW_TOUCH_ROPE ? "its length" : "touch",
+                                when, p->kind == LW_TOUCH_STOP ? "stop" : p->kind == LW_TOUCH_ROPE ? "rope" : "contact");
+    }
+    z->touch_t = t;
+    return LW_OK;
+}
+
+/* Look at the places from the last moment on up to t, in steps in which no disc passes a body; y is the moment at t. */
+static lw_status watch_places(driven *z, double t, double *y, double *between)
+{
+    lw_dynamics *d = z->d;
+    lw_status s = LW_OK;
+    while (s == LW_OK && t > d->o.from && z->touch_t + z->touch_for < t) {
+        double at = z->touch_t + fmax(z->touch_for, 1e-9*(d->o.to - d->o.from));
+        if (!(at < t))
+            break;
+        s = moment_at(z, at, between);
+        s = s == LW_OPEN ? LW_OK : s;
+        if (s == LW_OK) {
+            memcpy(y, between, 2*(size_t)d->n_q*sizeof *y);
+            s = look_at_places(z, at, y, between);
+            z->touch_for = fmin(0.25*lw_run_touch_step(z->run, y), z->piece/2000);
+        }
+        if (s == LW_OK)
+            s = lw_limits_check(d->o.stop, d->o.until, true, at, z->run->e);
+    }
+    if (s == LW_OK)
+        s = moment_at(z, t, y);
+    if (s != LW_OK && s != LW_OPEN)
+        return s;
+    lw_status looked = look_at_places(z, t, y, between);
+    z->touch_for = fmin(0.25*lw_run_touch_step(z->run, y), z->piece/2000);
+    return looked == LW_OK ? s : looked;
+}
+
 /* The energy balance is not checked: nothing is integrated, and the work of the driving torques, from their powers
  * at the samples, would be known to second order only. */
 static lw_status run_all(driven *z, double *y)
@@ -341,7 +431,7 @@ static lw_status run_all(driven *z, double *y)
     z->piece = fmin(d->o.to - d->o.from, 100/fmax(fastest, 1e-300));
     for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
-        s = moment_at(z, t, y);
+        s = d->touch ? watch_places(z, t, y, z->gap + 2*d->touch->list.n) : moment_at(z, t, y);
         if (s == LW_OPEN)
             for (int i = 0; i < d->n_q || i < d->n_c; i++) {
                 if (i < d->n_q)
@@ -412,7 +502,8 @@ static lw_status run_driven(lw_run *run)
     lw_dynamics *d = run->d;
     size_t n = (size_t)d->n_q, width = 3*n + (size_t)d->n_c;
     driven *z = calloc(1, sizeof *z);
-    double *y = calloc(2*n + 2*N_NODE*width, sizeof *y);
+    size_t places = d->touch ? 2*(size_t)d->touch->list.n + 2*n : 0;
+    double *y = calloc(2*n + 2*N_NODE*width + places, sizeof *y);
     run->has_work = false;
     lw_status s = z && y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
@@ -421,6 +512,9 @@ static lw_status run_driven(lw_run *run)
         z->width = (int)width;
         z->found.values = y + 2*n;
         z->tried.values = z->found.values + N_NODE*width;
+        z->gap = z->tried.values + N_NODE*width;
+        if (d->touch)
+            d->touch->events = false;        /* compliant places press by their depth alone */
         z->clear_from = z->clear_to = -INFINITY;
         s = lw_mbs_follow(d, &z->system, &z->motion, run->e);
         z->by_place = z->motion;
@@ -446,6 +540,14 @@ static lw_status run_driven(lw_run *run)
 static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     char why[200];
+    for (int i = 0; d->touch && i < d->touch->list.n; i++) {
+        const lw_surface *p = d->touch->list.touch[i].surface;
+        if (p->stiffness > 0 && p->friction > 0 && !(p->friction_speed > 0))
+            return lw_formulation_say(r, LW_E_KIND, 0, "static friction of a contact whose bodies are driven is not determined while "
+                                      "they do not slip: give it a \"friction_speed\"");
+    }
+    if (d->touch && (d->space || d->large))
+        return lw_formulation_say(r, LW_E_KIND, 0, "contacts in prescribed motion take part in planar models of up to 32 links");
     if (d->eq.n_z)
         return lw_formulation_say(r, LW_E_KIND, 0, "first-order states need the motion in time");
     if (d->freedom == 0)

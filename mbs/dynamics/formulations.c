@@ -1,6 +1,7 @@
 /* mbs/dynamics/formulations.c - the table of formulations: which one a model takes, and its run. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/touch_internal.h"
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/statics_internal.h"
 
@@ -62,15 +63,15 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     if (d->eq.more_mass && a != LW_ANALYSIS_STATIC)
         return lw_error_set(e, LW_E_KIND, "consistent masses are for modes (linear); a run in time takes \"mass\": \"lumped\"");
     bool settles = d->touch && a == LW_ANALYSIS_STATIC && d->freedom && !d->elastic && !d->large && !d->eq.n_z;
-    if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC
-                                 || d->freedom == 0))
-        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in dynamic runs with a freedom, and in statics of rigid links, "
-                            "only");
+    bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
+    bool prescribed = d->freedom == 0 && !d->elastic && !d->eq.n_z && !d->o.pieces;
+    if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || (postures || d->freedom == 0 ? !prescribed : false)))
+        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in runs in time with a freedom, where inputs move every freedom of "
+                            "rigid links, and in statics of rigid links with a freedom");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
     r->no_friction = !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_QUASISTATIC)
-                     && (d->n_friction || (d->space && d->space->n_rub));
-    bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
+                     && (d->n_friction || lw_mbs_touch_rubs(d) || (d->space && d->space->n_rub));
     if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))
         return lw_error_set(e, LW_E_KIND, "the model has first-order states (\"%s\"), whose values this analysis does not know; "
                             "run it in time (dynamic)", d->eq.name(d->eq.context, LW_NAMED_STATE, 0));

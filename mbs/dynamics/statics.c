@@ -3,6 +3,7 @@
 #include <string.h>
 #include "base/real.h"
 #include "base/vector.h"
+#include "mbs/dynamics/touch_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 #include "mbs/dynamics/vibration_internal.h"
 
@@ -103,6 +104,8 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
     for (int r = 0; r < d->n_c; r++)
         m.off = fmax(m.off, fabs(d->phi[r]));
     d->eq.forces(d->eq.context, t, q, rest, d->force, NULL);
+    if (d->touch)
+        lw_mbs_touch_forces(d, rest, d->force, NULL);
     if (d->large) {
         memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
         lw_mbs_linear(d, d->force, d->rhs, d->a, d->l);

@@ -31,6 +31,9 @@ struct lw_touching {
 lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e);
 void      lw_mbs_touch_free(lw_dynamics *d);
 
+/* Has any of its places friction? */
+bool      lw_mbs_touch_rubs(const lw_dynamics *d);
+
 /* Rows from `row` on: their bodies; values and derivatives; what J v' has to be. */
 void lw_mbs_touch_bodies(lw_dynamics *d, int row);
 void lw_mbs_touch_rows(lw_dynamics *d, int row);

@@ -42,6 +42,14 @@ void lw_mbs_touch_free(lw_dynamics *d)
     d->touch = NULL;
 }
 
+bool lw_mbs_touch_rubs(const lw_dynamics *d)
+{
+    bool rubs = false;
+    for (int i = 0; d->touch && i < d->touch->list.n; i++)
+        rubs = rubs || d->touch->list.touch[i].surface->friction > 0;
+    return rubs;
+}
+
 void lw_mbs_touch_bodies(lw_dynamics *d, int row)
 {
     for (int k = 0; k < d->touch->n_row; k++, row++) {
