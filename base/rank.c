@@ -114,7 +114,7 @@ void lw_rank_factor(lw_rank *r, double least)
     for (int k = 0; k < most; k++) {
         double longest = bring_longest(r, k);
         first = k == 0 ? longest : first;
-        if (!(longest > least*first) || !(longest > 0) || isinf(longest))
+        if (!(longest > least*first) || !(longest > 0) || isinf(longest) || (r->stop && *r->stop))
             break;
         double *c = column(r, k) + k;
         r->left[k] = reflector(c, r->m - k, norm(c + 1, r->m - k - 1));

@@ -72,7 +72,7 @@ lw_status lw_spatial_analyse_mobility(const lw_spatial *model, double tolerance,
     lw_space_mobility m;
     if (!(tolerance > 0 && tolerance <= 1e-4))
         return lw_error_set(error, LW_E_ARG, "the tolerance of closing lies between 0 and 1e-4");
-    lw_status s = lw_space_mobility_find(model, tolerance, seed, &m, error);
+    lw_status s = lw_space_mobility_find(model, tolerance, seed, NULL, &m, error);
     if (s != LW_OK)
         return s;
     *out = (lw_mobility_info){ .kind = m.freedom > 0 ? "moves" : m.shaky ? "shaky" : "rigid", .count = m.count,

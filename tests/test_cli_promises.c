@@ -173,6 +173,7 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "catalogue release -o $D/x --links 14 -q", NULL },
     { "simulate $D/pile.json --to 10", NULL },
     { "simulate $D/snake.json --to 10", NULL },
+    { "mobility $D/row.json", NULL },
     { "simulate $D/rope.json --analysis static", NULL },
     { "simulate $D/rope.json --analysis linear --rest", NULL },
     { "drive select examples/drives/lifting-arm.json --motors $D/motors.csv --gears $D/gears.csv", NULL },
@@ -200,6 +201,13 @@ TEST(long_runs_stop)
         }
     }
     demand("rm -rf $D/x", "");
+}
+
+/* Hundreds of links, with and without rows that depend on others: a full matrix would take minutes. */
+TEST(many_links)
+{
+    expect("$P mobility $D/snake.json", 0, "freedom         1000", NULL);
+    expect("$P robot jacobian $D/row.json", 0, "singular values 1 in (1.000000, 0.000000, 0.000000)", NULL);
 }
 
 /* Pictures of a stopped run show what was found; whole ones stay. */
@@ -456,7 +464,7 @@ static void prepare(void)
            "");
     /* an eight-bar with a higher group */
     demand("cp tests/data/linkages/triad-eight-bar.json $D/group.json", "");
-    /* a pile of 300 boxes, chains of 4000 links in the plane and of 1000 bodies in space, many linkages, tables of many motors and gears */
+    /* a pile of 300 boxes, chains of 4000 links in the plane and of 1000 bodies in space, a row of 299 parallelograms in space, many linkages, tables of many motors and gears */
     demand("python3 - $D << 'END'\n"
            "import json, sys\n"
            "def write(name, **model): json.dump({'linkwright': 1, 'gravity': [0, -9.81], **model}, open(sys.argv[1] + name, 'w'))\n"
@@ -479,6 +487,15 @@ static void prepare(void)
            "    joints.append({'name': 'J%d' % i, 'kind': 'revolute', 'links': ['b%d' % (i - 1) if i else 'ground', 'b%d' % i],\n"
            "                   'at': [i, 0, 0], 'axis': [0, i%2, 1 - i%2]})\n"
            "write('/snake.json', links=links, joints=joints, gravity=[0, 0, -9.81])\n"
+           "links, joints, turns = ['ground'], [], {'kind': 'revolute', 'axis': [0, 0, 1]}\n"
+           "for i in range(300):\n"
+           "    for kind in 'rc': links.append({'name': kind + '%d' % i, 'mass': 1, 'centre': [i, 1, 0], 'inertia': [.1, .1, .1]})\n"
+           "    joints.append({'name': 'G%d' % i, 'links': ['ground', 'r%d' % i], 'at': [i, 0, 0], **turns})\n"
+           "    joints.append({'name': 'A%d' % i, 'links': ['r%d' % i, 'c%d' % i], 'at': [i, 1, 0], **turns})\n"
+           "    if i: joints.append({'name': 'B%d' % i, 'links': ['c%d' % (i - 1), 'r%d' % i], 'at': [i, 1, 0], **turns})\n"
+           "links.pop(), joints.pop(-2)\n"
+           "write('/row.json', links=links, joints=joints, gravity=[0, 0, -9.81], inputs=[{'joint': 'G0', 'motion': 't'}],\n"
+           "    tracers=[{'name': 'tool', 'link': 'c298', 'at': [299, 1, 0]}])\n"
            "model, f = json.load(open('examples/chebyshev.json')), open(sys.argv[1] + '/many.json', 'w')\n"
            "for i in range(10000):\n"
            "    for joint in model['joints']: joint['at'][0] *= 1.0001\n"

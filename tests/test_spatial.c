@@ -102,7 +102,7 @@ TEST(mobility_is_real)
         lw_space_mobility got;
         lw_error e;
         load_spatial(known[i].file, &m);
-        CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), &got, &e), LW_OK);
+        CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
         CHECK_INT(got.count, known[i].count);
         CHECK_INT(got.freedom, known[i].freedom);
         CHECK_INT(got.idle, known[i].idle);
@@ -122,7 +122,7 @@ TEST(a_broken_bennett_is_rigid)
     load_spatial("bennett", &m);
     m.joint[2].axis = lw_v3_add(m.joint[2].axis, lw_v3(1e-3, 0, 0));
     m.joint[2].axis = lw_v3_scale(m.joint[2].axis, 1/lw_v3_norm(m.joint[2].axis));
-    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), &got, &e), LW_OK);
+    CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
     CHECK_INT(got.freedom, 0);
     lw_space_mobility_free(&got);
     lw_spatial_free(&m);

@@ -81,7 +81,7 @@ int cli_spatial_mobility(const cli_call *call, const lw_spatial *model, double t
     lw_space_mobility m;
     lw_output out;
     lw_error e = { 0 };
-    if (lw_space_mobility_find(model, tolerance, call->common.seed, &m, &e) != LW_OK)
+    if (lw_space_mobility_find(model, tolerance, call->common.seed, cli_stop_flag(), &m, &e) != LW_OK)
         return cli_fail(call, &e);
     if (cli_open(call, &out, &e) != LW_OK)
         return lw_space_mobility_free(&m), cli_fail(call, &e);

@@ -73,7 +73,8 @@ static void put_body(lw_recursive *r, int n, int body, int parent, int joint, bo
 static lw_status grow(lw_recursive *r, bool *kept, lw_error *e)
 {
     const lw_space *s = r->s;
-    int n = 0, *above = malloc(((size_t)s->n_body + 1)*sizeof *above);
+    size_t bodies = (size_t)s->n_body, joints = (size_t)s->n_joint;
+    int n = 0, loose = 0, *above = calloc(2*bodies + 2*joints + 4, sizeof *above), *at = above + bodies + 1, *end = at + bodies + 3;
     if (!above)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int b = 0; b <= s->n_body; b++)
@@ -85,26 +86,32 @@ static lw_status grow(lw_recursive *r, bool *kept, lw_error *e)
             if (lw_spatial_kind_of(p->kind)->rows == rows && a != b)
                 above[a] = b, kept[j] = true;
         }
-    free(above);
+    for (int i = 0; i < 2*s->n_joint; i++)               /* ends of kept joints by their bodies: joint i/2, side i%2 */
+        if (kept[i/2])
+            at[s->joint[i/2].body[i%2] + 3]++;
+    for (int b = 0; b < s->n_body; b++)
+        at[b + 3] += at[b + 2];
+    for (int i = 0; i < 2*s->n_joint; i++)
+        if (kept[i/2])
+            end[at[s->joint[i/2].body[i%2] + 2]++] = i;
     r->n_x = r->n_u = 0;
     for (int b = 0; b < s->n_body; b++)
         r->place[b] = -1;
     for (int ring = -1; n < s->n_body;) {
         int before = n, from = ring < 0 ? -1 : r->body[ring].body;
-        for (int j = 0; j < s->n_joint; j++)
-            for (int k = 0; k < 2 && kept[j]; k++) {
-                int other = s->joint[j].body[1 - k];
-                if (s->joint[j].body[k] == from && other >= 0 && r->place[other] < 0)
-                    put_body(r, n++, other, ring, j, k == 1);
-            }
-        if (n == before && ring == n - 1)        /* a part that does not hang on the ground */
-            for (int b = 0; b < s->n_body; b++)
-                if (r->place[b] < 0) {
-                    put_body(r, n++, b, -1, -1, false);
-                    break;
-                }
+        for (int i = at[from + 1]; i < at[from + 2]; i++) {
+            int j = end[i]/2, k = end[i]%2, other = s->joint[j].body[1 - k];
+            if (other >= 0 && r->place[other] < 0)
+                put_body(r, n++, other, ring, j, k == 1);
+        }
+        if (n == before && ring == n - 1) {      /* a part that does not hang on the ground */
+            while (r->place[loose] >= 0)
+                loose++;
+            put_body(r, n++, loose, -1, -1, false);
+        }
         ring++;
     }
+    free(above);
     return LW_OK;
 }
 

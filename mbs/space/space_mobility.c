@@ -2,7 +2,8 @@
  *
  * The model is displaced along a random motion of first order and its joints are closed again, by least squares, as the
  * rows may depend on each other.  If they close in another posture, the model moves, and the rank there is that of the
- * motion; if they close only where it was, it is shaky. */
+ * motion; if they close only where it was, it is shaky.  Large models whose rows are clearly independent are solved without full
+ * matrices: they move with all the freedoms that the rows leave. */
 #include "mbs/space/space_mobility.h"
 
 #include <stdlib.h>
@@ -23,6 +24,7 @@ typedef struct search {
     double *q, *by, *v, *b;
     double least;                /* diagonal of a factorisation below which a row depends on others */
     double rounding;             /* residual of closed rows */
+    const volatile sig_atomic_t *stop;
 } search;
 
 /* most: the rank is not greater; 0: not known. */
@@ -47,7 +49,7 @@ static double residual(const search *x)
 static double close_rows(search *x, int most)
 {
     double off = INFINITY;
-    for (int round = 0; round < 60; round++) {
+    for (int round = 0; round < 60 && !(x->stop && *x->stop); round++) {
         rank_at(x, x->q, most);
         double now = residual(x);
         if (now < 1e-15 || (round > 3 && now < x->rounding && now > off/2))
@@ -97,6 +99,41 @@ static double distance(const search *x)
     return most;
 }
 
+/* Are all rows clearly independent, and does the model move a little along a random motion?  Fills m then. */
+static bool find_regular(search *x, uint64_t seed, lw_space_mobility *m)
+{
+    static const double length = 0.01;
+    const lw_space *s = x->s;
+    lw_rng rng;
+    lw_rng_seed(&rng, seed, 0);
+    if (s->n_row <= LW_SPACE_MANY_ROWS || x->z.n_kept < s->n_row)
+        return false;
+    lw_space_rows_fill(&x->z, s->start, NULL);
+    if (!lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE)
+        return false;
+    memset(x->b, 0, (size_t)s->n_row*sizeof *x->b);
+    for (int i = 0; i < s->n_v; i++)
+        x->v[i] = 2*lw_rng_uniform(&rng) - 1;
+    lw_space_rows_solve(&x->z, x->v, x->b, true, x->by, x->z.small);
+    double most = lw_space_length(s, x->by);
+    for (int i = 0; i < s->n_v; i++)
+        x->by[i] *= length/most;
+    memcpy(x->q, s->start, (size_t)s->n_q*sizeof *x->q);
+    if (s->n_v > s->n_row)
+        lw_space_move(s, x->q, x->by);
+    if (lw_space_rows_close(&x->z, x->q, NULL, 0, NULL) != LW_OK)
+        return false;
+    lw_space_rows_fill(&x->z, x->q, NULL);
+    double far = distance(x);
+    if (!lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE || (s->n_v > s->n_row && far < 0.3*length))
+        return false;
+    m->rank = s->n_row;
+    m->instant = m->freedom = s->n_v - s->n_row;
+    m->moved = m->freedom > 0 ? far : 0;
+    m->residual = m->freedom > 0 ? residual(x)*s->unit : 0;
+    return true;
+}
+
 static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobility *m)
 {
     static const double length = 0.05;
@@ -107,7 +144,7 @@ static lw_status find(search *x, uint64_t seed, double tolerance, lw_space_mobil
     m->rank = s->n_v - m->instant;
     m->shaky = m->instant > 0;
     double best = 0;
-    for (int trial = 0; trial < 12 && m->instant > 0; trial++) {
+    for (int trial = 0; trial < 12 && m->instant > 0 && !(x->stop && *x->stop); trial++) {
         double step = length*(trial < 6 ? 1 : 0.2);
         draw_motion(x, &rng);
         memcpy(x->q, s->start, (size_t)s->n_q*sizeof *x->q);
@@ -178,11 +215,11 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint64_t seed, lw_space_mobility *m,
-                                 lw_error *e)
+lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint64_t seed, const volatile sig_atomic_t *stop,
+                                 lw_space_mobility *m, lw_error *e)
 {
     lw_space s;
-    search x = { .s = &s, .least = fmax(1e-9, 10*sqrt(tolerance)*1e-3), .rounding = fmax(tolerance, 1e-13) };
+    search x = { .s = &s, .least = fmax(1e-9, 10*sqrt(tolerance)*1e-3), .rounding = fmax(tolerance, 1e-13), .stop = stop };
     memset(m, 0, sizeof *m);
     lw_status st = lw_space_make(model, &s, e);
     if (st != LW_OK)
@@ -203,9 +240,10 @@ lw_status lw_space_mobility_find(const lw_spatial *model, double tolerance, uint
             m->idle_link[i] = s.link_of[idle[i].body];
         st = lw_space_rows_make(&s, NULL, 0, weight, s.start, &x.z, e);
     }
-    if (st == LW_OK && (st = lw_space_dense_make(&x.z, &x.d, e)) == LW_OK) {
+    if (st == LW_OK && !find_regular(&x, seed, m) && (st = lw_space_dense_make(&x.z, &x.d, e)) == LW_OK) {
+        x.d.rank.stop = stop;
         if ((st = find(&x, seed, tolerance, m)) == LW_OK)
-            st = name_redundant(&x, m, e);
+            st = stop && *stop ? lw_error_set(e, LW_STOPPED, "stopped before the freedoms were found") : name_redundant(&x, m, e);
         lw_space_dense_free(&x.d);
     }
     lw_space_rows_free(&x.z);

@@ -21,9 +21,9 @@ typedef struct lw_space_mobility {
 } lw_space_mobility;
 
 /* tolerance: rows that fit to within it (in sizes and radians) are taken as closed; rounded files need more than 1e-12.
- * The result needs lw_space_mobility_free. */
-lw_status lw_space_mobility_find(const lw_spatial *m, double tolerance, uint64_t seed, lw_space_mobility *out,
-                                 lw_error *e);
+ * stop: LW_STOPPED when it is not 0; may be NULL.  The result needs lw_space_mobility_free. */
+lw_status lw_space_mobility_find(const lw_spatial *m, double tolerance, uint64_t seed, const volatile sig_atomic_t *stop,
+                                 lw_space_mobility *out, lw_error *e);
 void      lw_space_mobility_free(lw_space_mobility *m);
 
 #endif

@@ -250,7 +250,8 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
     int n = z->n_kept;
     lw_space_rows_fill(z, q, NULL);
     z->weak = NAN;
-    if (n == 0 || n == z->n_row) {           /* not known yet: count the rows that depend on none before them */
+    bool known = n > 0 && n < z->n_row;
+    if (!known || z->n_row > LW_SPACE_MANY_ROWS) {    /* count the rows that depend on none before them */
         z->n_kept = z->n_row;
         for (int i = 0; i < z->n_row; i++)
             z->kept[i] = i;
@@ -264,13 +265,20 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
         memset(z->schur.value, 0, (size_t)(z->schur.n_entry + z->n_kept)*sizeof *z->schur.value);
         for (int p = 0; p < z->n_pair; p++)
             z->schur.value[z->pair[p].to] += dot6(z->jac + z->pair[p].row, z->jac_w + z->pair[p].other);
-        lw_cholesky_factor(&z->schur, least_share, dependent);
-        n = z->n_row;
+        double least = lw_cholesky_factor(&z->schur, least_share, dependent);
+        int count = 0;
         for (int i = 0; i < z->n_row; i++)
-            n -= dependent[i];
+            count += !dependent[i];
+        if (count == z->n_row && !known)
+            return free(dependent), LW_OK;
+        z->n_kept = 0;
+        for (int i = 0; i < z->n_row; i++)
+            if (!dependent[z->place[i]])
+                z->kept[z->n_kept++] = i;
         free(dependent);
-        if (n == z->n_row)
-            return LW_OK;
+        if (z->n_row > LW_SPACE_MANY_ROWS && least > LW_SPACE_CLEAR_SHARE && (!known || z->n_kept == n))
+            return analyse(z, e);
+        n = known ? n : z->n_kept;
     }
     lw_status st = choose_basis(z, n, e);
     return st == LW_OK ? analyse(z, e) : st;

@@ -12,6 +12,11 @@
 #include "base/sparse.h"
 #include "mbs/space/space.h"
 
+/* More rows than these are not judged by a full matrix if the sparse factors leave no doubt: each pivot over its diagonal is above
+ * this, or rounding. */
+enum { LW_SPACE_MANY_ROWS = 300 };
+#define LW_SPACE_CLEAR_SHARE 1e-8
+
 /* Two kept rows that share a body: their derivatives by it in jac and jac_w, and the entry of schur they add to. */
 typedef struct lw_space_pair { int row, other, to; } lw_space_pair;
 
