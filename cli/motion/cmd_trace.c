@@ -490,6 +490,7 @@ static int choose_way(const job *j)
     lw_error e = { 0 };
     if (j->s->explain)
         return explain(call, k, tracer_bits(j));
+    cli_note_nearly_flat(call, k);
     if (j->s->range)
         return in_time(j);
     int own = lw_linkage_free_inputs(k);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "cli/motion/trace.h"
 #include "cli/program/output.h"
 #include "mbs/dynamics/dynamics_space.h"
 
@@ -90,6 +91,9 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
     if (r->adjusted > 0)
         cli_note(c, "the linkage is overconstrained and moves only if its dimensions fit: joints were moved by up to %.3g m so that "
                  "they do, by least squares", r->adjusted);
+    lw_linkage linkage;
+    if (lw_dynamics_model(d) && lw_assembly_linkage(&lw_dynamics_model(d)->linkage, &linkage, NULL) == LW_OK)
+        cli_note_nearly_flat(c, &linkage);
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     if (r->moved_rate > 1e-9)

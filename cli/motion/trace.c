@@ -1,7 +1,9 @@
 #include "cli/motion/trace.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "cli/program/output.h"
 #include "mbs/kinematics/output_limits.h"
 
 #define TURN_MAX 64
@@ -244,4 +246,21 @@ void cli_trace_json(cli_trace *t)
         json_piece(t, &j, &t->piece[i]);
     cli_json_end(&j);
     cli_json_end(&j);
+}
+
+void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage)
+{
+    cli_trace *t = calloc(1, sizeof *t);
+    if (t && lw_plan_make(linkage, (lw_plan_options){ .all_joints = true }, &t->plan, NULL) == LW_OK && t->plan.n_dyad == 1
+        && lw_plan_read(&t->plan, linkage, t->dim, t->mode, &t->input, NULL) == LW_OK
+        && lw_motion_find(&t->plan, t->dim, &t->motion) == LW_OK) {
+        int arc = lw_motion_arc(&t->plan, &t->motion, t->mode, t->input);
+        double left = arc < 0 ? 0 : lw_motion_nearly_flat(&t->motion, t->motion.arc[arc].circuit,
+                                                             !t->plan.input_is_slider);
+        if (left > 0)
+            cli_note(call, "two links come within %.2g deg of one line without passing it, as those of a parallelogram or a kite do whose "
+                     "numbers are rounded: there the motion turns as these numbers say; with exact ones it passes a change point and "
+                     "goes straight on (\"classify\")", left*180/LW_PI);
+    }
+    free(t);
 }

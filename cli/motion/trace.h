@@ -40,4 +40,7 @@ void cli_trace_pieces(cli_trace *t, bool only_file);
 void cli_trace_csv(cli_trace *t);
 void cli_trace_json(cli_trace *t);
 
+/* Say so where the circuit of the posture passes close to a change point of exact dimensions. */
+void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage);
+
 #endif

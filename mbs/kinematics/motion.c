@@ -317,3 +317,20 @@ int lw_motion_arc(const lw_plan *plan, const lw_motion *m, const double *mode, d
     }
     return best;
 }
+
+double lw_motion_nearly_flat(const lw_motion *m, int circuit, bool pin)
+{
+    static const double near = 0.06, reached = 1e-7;     /* dimensions off by up to 1e-3 of the size; at a limit it is 0 */
+    double least = near;
+    for (int i = 0; i < m->n_arc; i++) {
+        const lw_arc *a = &m->arc[i];
+        double left[2] = { a->transmission_min, LW_PI - a->transmission_max };
+        for (int e = 0; a->circuit == circuit && e < 2; e++)
+            least = left[e] > reached ? fmin(least, left[e]) : least;
+        for (int j = 0; j < m->n_arc && pin && a->circuit == circuit; j++)       /* limits on both sides of one */
+            for (int e = 0; e < 2 && m->arc[j].circuit != circuit; e++)
+                if (a->limit[e] && m->arc[j].limit[1 - e])
+                    least = fmin(least, 0.5*fabs(remainder(e ? m->arc[j].first - a->last : m->arc[j].last - a->first, 2*LW_PI)));
+    }
+    return least < near ? least : 0;
+}

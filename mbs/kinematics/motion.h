@@ -63,4 +63,9 @@ lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, l
  * when no arc has the mode. */
 int lw_motion_arc(const lw_plan *plan, const lw_motion *motion, const double *mode, double input);
 
+/* The last dyad of an arc of this circuit almost reaches a flat posture inside the arc, or stops a little before one beyond
+ * which another circuit begins, as where a linkage with a change point (a parallelogram, a kite) is drawn with rounded
+ * numbers: the angle that is left [rad], else 0.  pin: the input is an angle. */
+double lw_motion_nearly_flat(const lw_motion *motion, int circuit, bool pin);
+
 #endif
