@@ -1066,9 +1066,10 @@ typedef struct lw_drive_choice {
 
 /* All choices, the best first: those that can do it by cost and then by `worst`; then the others by `worst`.  *out and *front
  * are freed with lw_free.  front[i]: no other choice that can do it is both cheaper and less used.  greatest_inertia: limit of
- * the inertia ratio; infinite: none. */
-LW_API lw_status lw_drive_choose(const lw_load *load, const lw_drive_parts *parts, double greatest_inertia, size_t *n,
-                                 lw_drive_choice **out, bool **front, lw_error *error);
+ * the inertia ratio; infinite: none.  LW_STOPPED: *stop became nonzero (stop may be NULL), and *out holds the choices tried until
+ * then. */
+LW_API lw_status lw_drive_choose(const lw_load *load, const lw_drive_parts *parts, double greatest_inertia, const volatile int *stop,
+                                 size_t *n, lw_drive_choice **out, bool **front, lw_error *error);
 
 /* ---- product families ------------------------------------------------------------------------------------------- */
 

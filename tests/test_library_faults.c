@@ -174,7 +174,7 @@ static lw_status drives(sum *s)
     if (st == LW_OK)
         st = lw_drive_parts_load("examples/drives/motors.csv", &parts, &e);
     if (st == LW_OK)
-        st = lw_drive_choose(&loads.load[0], parts, 10, &n, &choice, &front, &e);
+        st = lw_drive_choose(&loads.load[0], parts, 10, NULL, &n, &choice, &front, &e);
     for (size_t i = 0; st == LW_OK && i < n; i++)
         add(s, &choice[i].worst, sizeof choice[i].worst);
     if (st == LW_OK)

@@ -167,7 +167,10 @@ TEST(ranking)
     lw_drive_choice *c;
     bool *front;
     size_t n, good = 0;
-    CHECK_INT(lw_drive_choose(&l, &p, 10, &n, &c, &front, &error), LW_OK);
+    CHECK_INT(lw_drive_choose(&l, &p, 10, &(const volatile int){ 1 }, &n, &c, &front, &error), LW_STOPPED);
+    CHECK_INT((int)n, 0);
+    free(c), free(front);
+    CHECK_INT(lw_drive_choose(&l, &p, 10, NULL, &n, &c, &front, &error), LW_OK);
     CHECK_INT((int)n, 36);                                            /* the wheel does not turn a joint */
     for (size_t i = 0; i < n; i++) {
         lw_drive_choice again = lw_drive_try(&l, &p, c[i].motor, c[i].gear, -1, 10, work);

@@ -249,7 +249,11 @@ static lw_status select_all(const cli_call *call, const lw_loads *all, const lw_
     lw_status st = o->drive ? find_drive(all, o->drive, e) : LW_OK;
     for (int i = 0; st == LW_OK && i < all->n; i++)
         if (!o->drive || strcmp(o->drive, l[i].name) == 0) {
-            st = lw_drive_choose(&l[i], p, most, &s[i].n, &s[i].choice, &s[i].front, e);
+            st = lw_drive_choose(&l[i], p, most, cli_stop_flag(), &s[i].n, &s[i].choice, &s[i].front, e);
+            if (st == LW_STOPPED && s[i].n > 0) {          /* what was tried is printed; the exit code tells the rest */
+                cli_note(call, "drive %s: %s", l[i].name, e->text);
+                return *e = (lw_error){ 0 }, LW_OK;
+            }
             if (st == LW_OK && s[i].n == 0)
                 st = lw_error_set(e, LW_E_ARG, "drive %s %s: no gear of the tables %s", l[i].name, l[i].slides ?
                                   "slides" : "turns",
@@ -278,7 +282,8 @@ static int print_selection(const cli_call *call, const lw_loads *all, const lw_d
         if (s[i].choice[0].fails) {
             char text[400];
             name_fails(&s[i].choice[0], text, sizeof text);
-            cli_note(call, "drive %s: no choice can do the cycle; the nearest is %s with %s, which needs %s", l[i].name,
+            cli_note(call, "drive %s: no choice %scan do the cycle; the nearest is %s with %s, which needs %s", l[i].name,
+                     cli_interrupted() ? "tried so far " : "",
                      p->motor[s[i].choice[0].motor].name, lw_drive_gear(p, s[i].choice[0].gear)->name, text);
             code = CLI_NOTHING;
         }

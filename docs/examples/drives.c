@@ -15,7 +15,7 @@ static lw_status print_choices(const lw_load *load, const lw_drive_parts *parts,
     size_t n = 0;
     printf("%s: peak %.4g, rms %.4g %s, speed %.4g %s\n", load->name, figures.torque_peak, figures.torque_rms,
            load->slides ? "N" : "N m", figures.speed_peak, load->slides ? "m/s" : "rad/s");
-    lw_status status = lw_drive_choose(load, parts, 10, &n, &choice, &front, error);
+    lw_status status = lw_drive_choose(load, parts, 10, NULL, &n, &choice, &front, error);
     for (size_t i = 0; status == LW_OK && i < n && i < 3; i++) {
         const char *gear = lw_drive_parts_name(parts, 'g', choice[i].gear);
         printf("%c %s, %s, %s: cost %g, uses %.0f %% of its limits\n", front[i] ? '*' : ' ',

@@ -168,7 +168,7 @@ static int by_rank(const void *a, const void *b)
         : x->amplifier - y->amplifier;
 }
 
-lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double greatest_inertia, size_t *n,
+lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double greatest_inertia, const volatile int *stop, size_t *n,
                           lw_drive_choice **out, bool **front, lw_error *e)
 {
     size_t amplifiers = p->n_amplifier > 0 ? (size_t)p->n_amplifier : 1, room
@@ -183,7 +183,7 @@ lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double grea
     }
     for (int m = 0; m < p->n_motor; m++)
         for (int g = p->n_gear ? 0 : -1; g < p->n_gear; g++)
-            for (int a = p->n_amplifier ? 0 : -1; a < p->n_amplifier; a++)
+            for (int a = p->n_amplifier ? 0 : -1; a < p->n_amplifier && !(stop && *stop); a++)
                 if (!l->slides == !(lw_drive_gear(p, g)->radius > 0))          /* a wheel for a slider, none for a turn */
                     (*out)[(*n)++] = lw_drive_try(l, p, m, g, a, greatest_inertia, work);
     qsort(*out, *n, sizeof **out, by_rank);
@@ -194,7 +194,7 @@ lw_status lw_drive_choose(const lw_load *l, const lw_drive_parts *p, double grea
             least = (*out)[i].worst;
         }
     free(work);
-    return LW_OK;
+    return stop && *stop ? lw_error_set(e, LW_STOPPED, "stopped after %zu of %zu choices", *n, room) : LW_OK;
 }
 
 /* ---- paper D ------------------------------------------------------------------------------------------ */

@@ -18,7 +18,7 @@ static void choose(const lw_drive_parts *p)
         bool *front = NULL;
         size_t n = 0;
         load.slides = slides;
-        lw_status s = lw_drive_choose(&load, p, 10, &n, &c, &front, &e);
+        lw_status s = lw_drive_choose(&load, p, 10, NULL, &n, &c, &front, &e);
         for (size_t i = 0; s == LW_OK && i < n; i++)
             if (isnan(c[i].torque_rms) || isnan(c[i].worst) || (front[i] && c[i].fails) || c[i].ratio < 0)
                 abort();
