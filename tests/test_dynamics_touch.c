@@ -677,6 +677,39 @@ TEST(falling_chains)
     CHECK_NEAR(many.push, 100*0.1*g, 0, 1e-3);
 }
 
+/* A motor swings an arm down on a block that rests on the ground; its tip strikes a rigid block or a compliant one.  Captured
+ * contacts come near the located ones, the nearer the smaller the tolerance. */
+TEST(captured_with_states_and_compliance)
+{
+    static const char format[] = "{'linkwright': 1, 'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], [1, 0]]}]}, "
+        "{'name': 'arm', 'mass': 1, 'centre': [0.5, 1], 'inertia': 0.1, 'shapes': [{'circle': [1, 1], 'radius': 0.1}]}, {'name': 'ball', 'mass': 2, "
+        "'centre': [0.8, 0.2], 'inertia': 0.03, 'shapes': [{'circle': [0.8, 0.2], 'radius': 0.2}]}], 'joints': [{'name': 'A', 'links': ['ground', 'arm'], "
+        "'at': [0, 1]}, {'name': 'F', 'kind': 'n', 'links': ['ground', 'ball']}], 'contacts': [{'name': 'floor', 'links': ['ground', 'ball'], "
+        "'friction': 0.4}, {'name': 'hit', 'links': ['arm', 'ball']%s}], 'motors': [{'name': 'M', 'joint': 'A', 'voltage': -10, 'resistance': 2, "
+        "'inductance': 1e-3, 'torque_constant': 0.5, 'inertia': 0.001}]}";
+    for (int compliant = 0; compliant < 2; compliant++) {
+        char text[3000];
+        double want[6], off[2];
+        snprintf(text, sizeof text, format, compliant ? ", 'stiffness': 2000, 'damping': 0.3" : "");
+        for (char *c = text; *c; c++)
+            *c = *c == '\'' ? '"' : *c;
+        drun_read_text(&d, text);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.7, 10), LW_OK);
+        CHECK(d.report.n_event > 0 || compliant);
+        for (int i = 0; i < 6; i++)
+            want[i] = state(d.q, i);
+        CHECK(want[3] > 0.05);                                   /* the ball has been struck and rolls */
+        for (int k = 0; k < 2; k++) {
+            CHECK_INT(drun_to(&d, LW_FORMULATION_CAPTURE, k ? 1e-15 : 1e-8, 0.7, 10), LW_OK);
+            off[k] = 0;
+            for (int i = 0; i < 6; i++)
+                off[k] = fmax(off[k], fabs(state(d.q, i) - want[i]));
+        }
+        CHECK(off[1] < 2e-3 && off[1] < 0.3*off[0]);
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
     check_run();

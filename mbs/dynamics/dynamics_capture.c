@@ -24,11 +24,12 @@
 #include "mbs/dynamics/touch_internal.h"
 
 static const double finest = 1e-4, coarsest = 0.1;       /* way of a body in a step over its size */
-static const double closed = 1e-3;           /* a gap below this part of that way is closed */
+static const double closed = 1e-2;           /* a gap below this part of that way is closed */
 static const double ahead = 20;              /* places this many steps away are in the pattern */
 /* Rates below this times the speed count as 0: at first, and where the passes do not end with that. */
 static const double exact = 1e-8, allowed = 1e-5;
 static const double give = 1e-9;             /* share by which rows of contacts give way */
+static const double resolved = 0.1;          /* step over the time constant of a compliant place */
 static const double moment = 1e-8;           /* a step for the forces at the start, over the length of the run */
 enum { PASSES = 120, HARD = 40, TOGETHER = 12, LEAST_CONTACTS = 24, HALVINGS = 8 };
 
@@ -45,6 +46,7 @@ typedef struct capture {
     lw_dynamics *d;
     int     n, n_kept, *kept;                /* places in the pattern; independent rows of the joints */
     place  *at;
+    double  part;                            /* way of a body in a step over `size`; change of a state in it */
     double  size;                            /* smallest body that touches, scaled */
     double *q, *v, *next_q, *next_v, *momentum, *wanted, *force, *full, *push;
     lw_columns pattern;                      /* of the system, */
@@ -52,7 +54,77 @@ typedef struct capture {
     double *value;                           /* its entries: where pairs of rows and their own products go */
     int    *to, *diagonal;
     double  t, work, power;                  /* power of forces without potential in the middle of the step [W] */
+    double *z, *next_z, *try_z, *rate, *other;       /* first-order states, their rates (n_z) */
 } capture;
+
+/* ---- states and compliant places ---------------------------------------------------------------------------- */
+
+/* Rates of the states z at (t, q, v). */
+static lw_status rates_of(capture *g, double t, const double *q, const double *v, const double *z, double *rate)
+{
+    g->d->eq.place_states(g->d->eq.context, z);
+    return lw_mbs_state_rates(g->d, t, q, v, rate);
+}
+
+/* Move the states z over `whole` from t on, at (q, v), by the midpoint rule in so many parts that its two rates differ by a
+ * trace: the states of motors are far faster than steps of contact. */
+static lw_status move_states(capture *g, double t, double whole, const double *q, const double *v, double *z)
+{
+    const lw_equations *eq = &g->d->eq;
+    double done = 0, h = whole;
+    lw_status s = LW_OK;
+    if (eq->n_z == 0)
+        return LW_OK;
+    eq->place(eq->context, q);
+    while (s == LW_OK && done < whole) {
+        double off = 0;
+        h = fmin(h, whole - done);
+        if ((s = rates_of(g, t + done, q, v, z, g->rate)) != LW_OK)
+            break;
+        for (int i = 0; i < eq->n_z; i++)
+            g->try_z[i] = z[i] + 0.5*h*g->rate[i];
+        if ((s = rates_of(g, t + done + 0.5*h, q, v, g->try_z, g->other)) != LW_OK)
+            break;
+        for (int i = 0; i < eq->n_z; i++)
+            off = fmax(off, h*fabs(g->other[i] - g->rate[i])/(fabs(z[i]) + eq->state_scale(eq->context, i)));
+        if (!(off < g->part) && h > 1e-6*whole) {
+            h *= 0.5;
+            continue;
+        }
+        for (int i = 0; i < eq->n_z; i++)
+            z[i] += h*g->other[i];
+        done = h < whole - done ? done + h : whole;
+        h *= off < 0.2*g->part ? 2 : 1;
+    }
+    return s;
+}
+
+/* The longest step in which compliant places that press, or may do so within a step `h`, are well resolved: a part of the
+ * period of the bodies there on the stiffness of the place. */
+static double compliant_step(capture *g, double h)
+{
+    lw_dynamics *d = g->d;
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (!(p->surface->stiffness > 0))
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, g->v, &m);
+        double depth = fmax(-m.gap, fabs(m.rate)*h), gives = 0;
+        if (m.gap > fabs(m.rate)*h)
+            continue;
+        for (int k = 0; k < 6; k++)
+            if (p->body[k/3] >= 0)
+                gives += m.n[k]*m.n[k]*d->by_mass[3*p->body[k/3] + k%3];
+        double stiff = (lw_touch_force(p->surface, d->s.unit, 1.01*depth, 0) - lw_touch_force(p->surface, d->s.unit, 0.99*depth, 0))
+                     /fmax(0.02*depth, 1e-300)*d->s.unit;
+        double damped = (lw_touch_force(p->surface, d->s.unit, depth, fabs(m.rate) + 1e-3) - lw_touch_force(p->surface, d->s.unit, depth, fabs(m.rate)))
+                      /1e-3*d->s.unit;
+        if (stiff*gives > 0)
+            h = fmin(h, resolved/(sqrt(stiff*gives) + damped*gives));
+    }
+    return h;
+}
 
 /* ---- the pattern ------------------------------------------------------------------------------------------ */
 
@@ -67,6 +139,8 @@ static double look(capture *g, double near, bool *missing)
         lw_touch_motion m;
         lw_touch_at(&list->touch[i], &g->d->eq, g->d->frames, g->v, &m);
         fastest = fmax(fastest, hypot(m.rate, m.slip));
+        if (list->touch[i].surface->stiffness > 0)
+            continue;
         while (k < g->n && g->at[k].touch < i)
             k++;
         bool in = k < g->n && g->at[k].touch == i;
@@ -134,7 +208,7 @@ static lw_status choose_places(capture *g, double reach)
         while (k < old && was[k].touch < i)
             k++;
         bool in = k < old && was[k].touch == i;
-        if (!(m.gap < reach) && !(in && was[k].presses))
+        if (p->surface->stiffness > 0 || (!(m.gap < reach) && !(in && was[k].presses)))
             continue;
         place *to = &g->at[n++];
         *to = in ? was[k] : (place){ .touch = i, .mu = p->surface->friction };
@@ -294,7 +368,9 @@ static lw_status solve_step(capture *g, double t, double h)
         return s;
     memcpy(g->wanted, d->rhs, (size_t)d->n_c*sizeof *g->wanted);
     memcpy(g->full, d->jac + first_row(d)*LW_ROW_SIZE, (size_t)(d->n_c - first_row(d))*LW_ROW_SIZE*sizeof *d->jac);
+    d->eq.place_states(d->eq.context, g->next_z);
     d->eq.forces(d->eq.context, t, g->next_q, g->v, g->force, &g->power);
+    lw_mbs_touch_forces(d, g->v, g->force, &g->power);
     for (int i = 0; i < d->n_v; i++) {
         if (!isfinite(g->force[i]))
             return LW_E_NUMERIC;
@@ -306,7 +382,7 @@ static lw_status solve_step(capture *g, double t, double h)
         const lw_touch *touch = &d->touch->list.touch[p->touch];
         lw_touch_motion m;
         lw_touch_at(touch, &d->eq, d->frames, g->v, &m);
-        p->shut = m.gap < closed*g->size && !lw_touch_past_end(touch, &m);
+        p->shut = m.gap < closed*g->part*g->size && !lw_touch_past_end(touch, &m);
         p->presses = p->presses && p->shut;
         p->target = m.rate < -3*pull ? -touch->surface->restitution*m.rate : 0;
         p->normal = p->across = 0;
@@ -366,7 +442,12 @@ static lw_status step(capture *g, double h, double *overlap)
         way[i] = 0.5*h*g->v[i];
     memcpy(g->next_q, g->q, (size_t)d->n_q*sizeof *g->q);
     d->eq.move(d->eq.context, g->next_q, way);
-    lw_status s = solve_step(g, g->t + 0.5*h, h);
+    memcpy(g->next_z, g->z, (size_t)d->eq.n_z*sizeof *g->z);
+    lw_status s = move_states(g, g->t, 0.5*h, g->next_q, g->v, g->next_z);
+    if (s == LW_OK)
+        s = solve_step(g, g->t + 0.5*h, h);
+    if (s == LW_OK)
+        s = move_states(g, g->t + 0.5*h, 0.5*h, g->next_q, g->next_v, g->next_z);
     if (s != LW_OK)
         return s;
     for (int i = 0; i < d->n_c; i++)
@@ -419,6 +500,7 @@ static double *fill_state(const capture *g, double *y)
     memcpy(y, g->q, (size_t)d->n_q*sizeof *y);
     memcpy(y + d->n_q, g->v, (size_t)d->n_v*sizeof *y);
     y[d->n_q + d->n_v] = g->work;
+    memcpy(y + lw_run_states(g->run), g->z, (size_t)d->eq.n_z*sizeof *y);
     return y;
 }
 
@@ -442,7 +524,7 @@ static lw_status run_steps(capture *g, double *y)
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
     lw_touch_list *list = &d->touch->list;
-    double part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest), longest = (d->o.to - d->o.from)/50, h = longest;
+    double part = g->part, longest = (d->o.to - d->o.from)/50, h = longest;
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
@@ -450,8 +532,9 @@ static lw_status run_steps(capture *g, double *y)
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i]));
         h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(part*g->size*pull))));
+        h = compliant_step(g, h);
         missing = false;
-        look(g, 2*h*speed + closed*g->size, &missing);
+        look(g, 2*h*speed + closed*g->part*g->size, &missing);
         if (missing)
             s = choose_places(g, ahead*h*speed + 0.1*g->size);
         double overlap = 0, whole = h;
@@ -472,8 +555,9 @@ static lw_status run_steps(capture *g, double *y)
                              "contacts a \"stiffness\"", g->t);
         if (s != LW_OK)
             break;
-        double *q = g->q, *v = g->v;
+        double *q = g->q, *v = g->v, *z = g->z;
         g->q = g->next_q, g->next_q = q;
+        g->z = g->next_z, g->next_z = z;
         g->v = g->next_v, g->next_v = v;
         run->r->t = g->t;
         run->r->steps++;
@@ -510,17 +594,23 @@ static lw_status run_capture(lw_run *run)
 {
     lw_dynamics *d = run->d;
     size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v, rows = (size_t)d->n_c + (size_t)d->touch->row_max;
-    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(&d->touch->list) };
-    double *memory = calloc(2*n_q + 4*n_v + rows + 2*rows*LW_ROW_SIZE + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
+    capture g = { .run = run, .d = d, .t = d->o.from, .n_kept = d->n_kept, .size = smallest(&d->touch->list),
+                  .part = fmin(fmax(pow(d->o.relative, 0.2), finest), coarsest) };
+    size_t n_z = (size_t)d->eq.n_z;
+    double *memory = calloc(5*n_z + 2*n_q + 4*n_v + rows + 2*rows*LW_ROW_SIZE + (size_t)run->n + 4, sizeof *memory), *p = memory, *y;
     g.at = calloc((size_t)d->touch->list.n + 1, sizeof *g.at);
     g.kept = calloc((size_t)d->n_kept + 1, sizeof *g.kept);
     lw_status s = memory && g.at && g.kept ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         g.q = p, p += n_q, g.next_q = p, p += n_q, g.v = p, p += n_v, g.next_v = p, p += n_v;
         g.momentum = p, p += n_v, g.force = p, p += n_v, g.wanted = p, p += rows, g.full = p, p += rows*LW_ROW_SIZE;
-        g.push = p, p += rows*LW_ROW_SIZE, y = p;
+        g.push = p, p += rows*LW_ROW_SIZE;
+        g.z = p, p += n_z, g.next_z = p, p += n_z, g.try_z = p, p += n_z, g.rate = p, p += n_z, g.other = p, p += n_z, y = p;
         memcpy(g.kept, d->kept, (size_t)d->n_kept*sizeof *g.kept);
         lw_dynamics_start(d, g.q, g.v);
+        if (n_z)
+            memcpy(g.z, d->start_z, n_z*sizeof *g.z);
+        d->touch->events = false;            /* compliant places press by their depth alone */
         fill_state(&g, y);
         d->eq.place(d->eq.context, g.q);
         for (int i = 0; i < d->touch->list.n; i++)
@@ -550,12 +640,17 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
 {
     if (!d->touch)
         return lw_formulation_say(r, LW_E_KIND, 0, "it is for contacts and ropes");
-    int n = d->touch->list.n;
-    for (int i = 0; i < n; i++)
-        if (d->touch->list.touch[i].surface->stiffness > 0)
-            return lw_formulation_say(r, LW_E_KIND, 0, "it knows rigid contacts only");
-    if (d->space || d->eq.n_z || d->n_friction || d->has_zero_mass)
-        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no spatial models, first-order states, friction of joints or massless links");
+    int rigid = 0;
+    for (int i = 0; i < d->touch->list.n; i++) {
+        const lw_surface *p = d->touch->list.touch[i].surface;
+        rigid += !(p->stiffness > 0);
+        if (p->stiffness > 0 && p->friction > 0 && !(p->friction_speed > 0))
+            return lw_formulation_say(r, LW_E_KIND, 0, "it knows friction of compliant contacts with a \"friction_speed\" only");
+    }
+    if (!asked && (rigid == 0 || d->eq.n_z))
+        return lw_formulation_say(r, LW_E_KIND, 0, "without rigid contacts, and with first-order states, index1 is of higher order");
+    if (d->space || d->n_friction || d->has_zero_mass)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it knows no spatial models, friction of joints or massless links");
     if (!asked && d->model->n_contact < LEAST_CONTACTS)
         return lw_formulation_say(r, LW_E_KIND, 0, "few contacts: index1 locates each event");
     return lw_formulation_say(r, LW_OK, d->n_v + d->n_c, asked ? "asked for" : "many contacts: they are captured in steps, "
