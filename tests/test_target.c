@@ -494,6 +494,7 @@ TEST(every_fault_has_its_place)
         { "x,y,theta_deg,theta_in_rad\n1,2,3,4\n", 1, 15, "units are mixed" },
         { "# units: mm\n# units: cm\nx,y\n1,2\n", 2, 10, "units are mixed" },
         { "# units: parsec\nx,y\n1,2\n", 1, 10, "unknown unit \"parsec\"" },
+        { "# Title\n\nA page (of text), in words.\n\n    # units: input deg\n", 3, 1, "this is no target: its first line" },
         { "# closed: perhaps\nx,y\n1,2\n", 1, 11, "yes or no" },
         { "# closed:\nx,y\n1,2\n", 1, 10, "yes or no" },
         { "# closed: yes\n# closed: no\nx,y\n1,2\n", 2, 11, "keep one" },

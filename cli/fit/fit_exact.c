@@ -74,13 +74,19 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
             fprintf(f, "  line along %.9g, %.9g", g->along.x, g->along.y);
         fputc('\n', f);
     }
-    if (x->n_general > 0 && x->n_theory > LW_EXACT_FIVE_MAX)
-        fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general "
-                "points %ld of %d are known, and there are no more (Wampler, Morgan & Sommese 1992)\n", x->n_triple,
-                x->n_real_triple, x->n_general, x->n_theory);
-    else if (x->n_general > 0)
-        fprintf(f, "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
-                "1990); %ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);
+    if (x->n_general > 0) {
+        bool nine = x->n_theory > LW_EXACT_FIVE_MAX;
+        fprintf(f, nine ? "%ld Roberts triples through these points over the complex numbers, of %d at most (Wampler, "
+                          "Morgan & Sommese 1992); %ld of them real (three four-bars each)\n"
+                        : "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
+                          "1990); %ld of them real\n", x->n_triple, x->n_theory, x->n_real_triple);
+        if (x->complete)
+            fprintf(f, "complete: as many different ones were found as there can be\n");
+        else
+            fprintf(f, "not known to be complete: %ld are known at general points, and %ld fewer than there can be were "
+                    "reached from them; these, real ones too, may be missing, or lie at infinity\n", x->n_general,
+                    x->n_theory - x->n_triple);
+    }
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "

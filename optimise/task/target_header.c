@@ -410,6 +410,25 @@ static bool next_name(const lw_header *h, lw_text_span line, size_t *at, lw_text
     return true;
 }
 
+/* Is no word of the line the name of a column or near one?  Then the file is no table of stations, but prose or code. */
+static bool names_nothing(const lw_header *h, lw_text_span line)
+{
+    const char *names[COLUMN_COUNT], *unit;
+    size_t at = 0;
+    char word[32];
+    double number;
+    lw_text_span name, fault;
+    for (int i = 0; i < COLUMN_COUNT; i++)
+        names[i] = columns[i].name;
+    while (next_name(h, line, &at, &name)) {
+        snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
+        if (split_name(name, &unit, &fault) >= 0 || lw_suggest(word, names, COLUMN_COUNT)
+            || lw_number_parse(name.s, name.n, &number) == LW_OK)
+            return false;
+    }
+    return true;
+}
+
 lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e)
 {
     seen f;
@@ -417,6 +436,10 @@ lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_err
     static const lw_text_span pair[] = { { "x", 1 }, { "y", 1 } };
     lw_text_span name;
     lw_status s = find_separator(h, line, number, e);
+    if (s == LW_OK && h->named && names_nothing(h, line))
+        return lw_error_at(e, LW_E_NOTATION, h->file, number, 1, "this is no target: its first line names no column; a "
+                           "target is a table (CSV) whose first line names its columns, as x,y or angle,theta, or a "
+                           "drawing (SVG, DXF)");
     for (int i = 0; i < NUMBERED_COUNT; i++)
         f.at[i] = -1;
     h->n_column = 0;

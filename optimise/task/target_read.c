@@ -263,10 +263,11 @@ lw_status lw_target_read(const char *text, size_t size, const char *file, const 
     for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
         h.column[role] = -1;
     lw_status s = lw_text_check(text, size, file, e);
-    if (s == LW_OK)
-        s = lw_header_comments(&h, o, l, e);
-    if (s == LW_OK)
-        s = read_columns(&h, &l, e);
+    if (s == LW_OK) {
+        lw_status comments = lw_header_comments(&h, o, l, e);
+        s = read_columns(&h, &l, e);               /* its fault says more: in a file that is no table '#' is no comment */
+        s = s == LW_OK ? comments : s;
+    }
     if (s == LW_OK)
         s = read_rows(&h, l, t, e);
     if (s == LW_OK)
