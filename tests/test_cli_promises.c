@@ -232,6 +232,13 @@ TEST(targets_share_time)
            "sys.exit(n != 3)' $D/three", "three targets");
 }
 
+/* Targets that are not begun are counted. */
+TEST(targets_not_begun)
+{
+    expect("LW_CLOCK_STEP=0.0003 $C fit $(yes examples/ellipse.csv | head -n 1000) --time 0.3 -q > $D/many", 5, NULL,
+           "of 1000 targets were not begun");
+}
+
 /* A killed run leaves FILE as it was; the next run removes its temporary file. */
 TEST(killed)
 {

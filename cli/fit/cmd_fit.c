@@ -747,11 +747,11 @@ static int check(const cli_call *call)
  * targets before it have left and pictures do not need. Returns the exit code. */
 static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit_set *set, int *done)
 {
-    int code = CLI_DONE, n = call->parsed.n_word;
+    int code = CLI_DONE, n = call->parsed.n_word, i;
     const settings *s = call->settings;
     double pictures = s->save || s->plot ? fmin(0.5, 0.1*call->common.time) : 0;
     double end = lw_clock_wall() + call->common.time - pictures;
-    for (int i = 0; i < n && !together->stop && (together->mpi || !cli_interrupted()); i++) {
+    for (i = 0; i < n && !together->stop && (together->mpi || !cli_interrupted()); i++) {
         lw_error e = { 0 };
         cli_fit_set *now = &set[*done];
         now->seconds = call->common.time > 0 ? fmax(1e-3, (end - lw_clock_wall())/(n - i)) : 0;
@@ -764,6 +764,10 @@ static int fit_targets(const cli_call *call, cli_side_by_side *together, cli_fit
         }
         code = now->search.results.n == 0 ? CLI_NOTHING : st == LW_STOPPED ? CLI_LIMIT : code;
         ++*done;
+    }
+    if (i < n) {
+        fprintf(stderr, "linkwright fit: %d of %d targets were not begun; the first of them is %s\n", n - i, n, call->parsed.word[i]);
+        code = CLI_LIMIT;
     }
     return code;
 }
