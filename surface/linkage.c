@@ -101,7 +101,11 @@ lw_status lw_linkage_parse(const char *text, size_t size, const char *file, cons
                 f = g;
                 break;
             }
-        s = f->read(copy, size, file, &units, k, error);
+        lw_assembly parts = { 0 };
+        s = f->read(copy, size, file, &units, &parts, error);
+        if (s == LW_OK)
+            s = lw_assembly_linkage(&parts, k, error);
+        lw_assembly_free(&parts);
     }
     free(copy);
     if (s == LW_OK)

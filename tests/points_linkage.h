@@ -6,8 +6,19 @@
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
-typedef lw_status points_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+typedef lw_status points_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *k,
                               lw_error *e);
+
+/* What was read fits a linkage. */
+static inline lw_status read_small(points_read *read, const char *text, const lw_units *units, lw_linkage *k, lw_error *e)
+{
+    lw_assembly a;
+    lw_status s = read(text, strlen(text), "t", units, &a, e);
+    if (s == LW_OK)
+        s = lw_assembly_linkage(&a, k, e);
+    lw_assembly_free(&a);
+    return s;
+}
 typedef char *points_write(const lw_assembly *k, lw_error *e);
 
 /* A four-bar as text; and a driven slider at 20 mm, 30 degrees, whose file is in millimetres. */
@@ -36,7 +47,7 @@ static inline bool there_and_back(points_write *write, points_read *read, const 
 {
     lw_error e = { 0 };
     char *text = write(LW_VIEW(k), &e);
-    lw_status s = text ? read(text, strlen(text), "text", &k->units, back, &e) : e.status;
+    lw_status s = text ? read_small(read, text, &k->units, back, &e) : e.status;
     if (s != LW_OK)
         fprintf(stderr, "    %ld:%ld: %s\n%s", e.line, e.column, e.text, text ? text : "");
     CHECK_INT(s, LW_OK);
@@ -184,7 +195,7 @@ static inline void check_faults(points_read *read, const fault_row *row, size_t 
 {
     lw_units u = lw_units_si();
     for (size_t i = 0; i < n; i++) {
-        lw_linkage k;
+        lw_assembly k;
         lw_error e = { 0 };
         CHECK_INT(read(row[i].text, strlen(row[i].text), "f", &u, &k, &e), LW_E_NOTATION);
         CHECK_TEXT(e.file, "f");

@@ -128,6 +128,16 @@ static void move_alike(const lw_linkage *a, const lw_linkage *b)
     lw_newton_free(s[1]);
 }
 
+static lw_status read_back(const char *text, size_t size, lw_linkage *k, lw_error *e)
+{
+    lw_assembly a;
+    lw_status s = lw_adams_read(text, size, "t", &a, e);
+    if (s == LW_OK)
+        s = lw_assembly_linkage(&a, k, e);
+    lw_assembly_free(&a);
+    return s;
+}
+
 static void there_and_back(const lw_linkage *k)
 {
     static lw_linkage back;
@@ -147,7 +157,7 @@ static void there_and_back(const lw_linkage *k)
     CHECK_INT(w.n_marker, 2*(k->n_joint - gears) + k->n_tracer + 1);
     CHECK_INT(w.n_units, 1);
     CHECK_INT(w.n_other, 1);                           /* RESULTS */
-    CHECK_INT(lw_adams_read(b.data, b.size, "t", &back, &e), LW_OK);
+    CHECK_INT(read_back(b.data, b.size, &back, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK_INT(back.n_joint, k->n_joint);
     CHECK_INT(back.ground, k->ground);
@@ -207,7 +217,7 @@ TEST(written_by_others)
         "rest /";
     static lw_linkage k;
     lw_error e = { 0 };
-    CHECK_INT(lw_adams_read(text, sizeof text - 1, "t", &k, &e), LW_OK);
+    CHECK_INT(read_back(text, sizeof text - 1, &k, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK_TEXT(k.name, "some model");
     CHECK_TEXT(k.units.length, "mm");
@@ -245,7 +255,7 @@ TEST(faults)
     static lw_linkage k;
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_error e = { 0 };
-        CHECK_INT(lw_adams_read(rows[i].text, strlen(rows[i].text), "t", &k, &e), LW_E_NOTATION);
+        CHECK_INT(read_back(rows[i].text, strlen(rows[i].text), &k, &e), LW_E_NOTATION);
         CHECK_HAS(e.text, rows[i].why);
         CHECK_INT(e.line, rows[i].line);
         CHECK_INT(e.column, rows[i].column);
@@ -277,7 +287,7 @@ TEST(loads_are_written)
         for (int n = 0; n < 12 && has[i][n]; n++)
             CHECK_HAS(b.data, has[i][n]);
         CHECK(strstr(b.data, "MOTION/") == NULL);                      /* it runs freely */
-        CHECK_INT(lw_adams_read(b.data, b.size, "t", &back, &e), LW_OK);
+        CHECK_INT(read_back(b.data, b.size, &back, &e), LW_OK);
         CHECK_TEXT(e.text, "");
         CHECK_INT(back.n_link, d.model.small->n_link);
         CHECK_INT(back.n_joint, d.model.small->n_joint);

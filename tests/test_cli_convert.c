@@ -41,6 +41,18 @@ TEST(an_input_is_chosen)
     expect("$P convert $D/i --input-joint P7", 3, NULL, "there is no joint 'P7'");
 }
 
+/* A row of 100 four-bars, 201 links on one ground, with an input chosen: there and back through each format that is read. */
+TEST(more_links_than_a_plan_holds)
+{
+    expect("awk 'BEGIN { printf \"M[J[R, P[0, 0], L[ground, c0]]\"; for (i = 1; i <= 100; i++) printf "
+           "\", J[R, P[%d, 0], L[ground, c%d]], J[R, P[%d, 1], L[c%d, r%d]], J[R, P[%d.25, 1.25], L[r%d, c%d]]\", 3*i, i, 3*i-3, i-1, i, "
+           "3*i, i, i; print \"]\" }' > $D/long && $P convert $D/long --input-joint P0 -o $D/long.json && "
+           "for t in pyslvs pmks adams; do $P convert $D/long.json --format $t > $D/1; $P convert $D/1 --from-format $t > $D/1.json; "
+           "test $(grep -c '\"at\"' $D/1.json) = 301 && $P convert $D/1.json --format $t | cmp - $D/1 || exit 1; done; "
+           "grep -A3 '\"input' $D/1.json", 0, "\"P0\"", NULL);
+    expect("$P convert $D/long --input-joint P1000", 3, NULL, "there is no joint 'P1000'");
+}
+
 TEST(refusals)
 {
     expect("for x in xml urdf sdf adm; do $P convert examples/dynamics/newtons-cradle.json -o $D/x.$x 2> $D/why && exit 1; "

@@ -67,7 +67,10 @@ static void check_motion(const char *text, const char *model)
     }
     snprintf(command, sizeof command, "cat $D/%s", model);
     ran r = run(command);
-    CHECK_INT(lw_adams_read(r.out, strlen(r.out), "t", &k, &e), LW_OK);
+    lw_assembly parts;
+    CHECK_INT(lw_adams_read(r.out, strlen(r.out), "t", &parts, &e), LW_OK);
+    CHECK_INT(lw_assembly_linkage(&parts, &k, &e), LW_OK);
+    lw_assembly_free(&parts);
     CHECK_INT(lw_newton_create(&k, &s, &e), LW_OK);
     lw_export_law law;
     CHECK_INT(lw_export_law_of(LW_VIEW(&k), NULL, 0, &law), LW_OK);

@@ -7,7 +7,7 @@ static lw_linkage read_text(const char *text)
     lw_linkage k;
     lw_error e = { 0 };
     lw_units u = lw_units_si();
-    lw_status s = lw_pmks_read(text, strlen(text), "t", &u, &k, &e);
+    lw_status s = read_small(lw_pmks_read, text, &u, &k, &e);
     CHECK_INT(s, LW_OK);
     if (s != LW_OK) {
         fprintf(stderr, "    %ld:%ld: %s\n", e.line, e.column, e.text);

@@ -17,7 +17,7 @@ TEST(a_text_as_people_write_it)
     lw_error e = { 0 };
     lw_units u = lw_units_si();
     lw_units_set_length(&u, "mm");
-    CHECK_INT(lw_pyslvs_read(slider, sizeof slider - 1, "s", &u, &k, &e), LW_OK);
+    CHECK_INT(read_small(lw_pyslvs_read, slider, &u, &k, &e), LW_OK);
     if (e.text[0])
         fprintf(stderr, "%ld:%ld %s\n", e.line, e.column, e.text);
     CHECK_INT(k.n_link, 5);
@@ -47,7 +47,7 @@ TEST(several_links_on_the_ground_pin)
                                "# input 0 1";
     lw_linkage k;
     lw_units u = lw_units_si();
-    CHECK_INT(lw_pyslvs_read(text, sizeof text - 1, NULL, &u, &k, NULL), LW_OK);
+    CHECK_INT(read_small(lw_pyslvs_read, text, &u, &k, NULL), LW_OK);
     CHECK_INT(k.n_joint, 3);
     CHECK_INT(k.joint[0].link[0], k.ground);               /* the ground is the middle */
     CHECK_INT(k.joint[1].link[0], k.ground);

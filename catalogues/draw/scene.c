@@ -1022,7 +1022,7 @@ static lw_status large_motion(const lw_model *m, const lw_scene_options *o, lw_s
     return st;
 }
 
-lw_status lw_scene_make_large(const lw_model *m, const lw_target *t, const lw_scene_options *o, lw_scene *s, lw_error *e)
+static lw_status make_large(const lw_model *m, const lw_target *t, const lw_scene_options *o, lw_scene *s, lw_error *e)
 {
     lw_scene_options standard = lw_scene_options_default();
     lw_error why = { 0 };
@@ -1048,12 +1048,14 @@ lw_status lw_scene_make_large(const lw_model *m, const lw_target *t, const lw_sc
 lw_status lw_scene_make_any(const lw_assembly *parts, const lw_model *m, const lw_target *t, const lw_scene_options *o,
                             lw_scene *s, lw_error *e)
 {
-    lw_linkage *k = malloc(sizeof *k);
+    lw_model own = { .n_spring = 0 };
+    lw_status st = m ? LW_OK : lw_assembly_check(parts, e);
     *s = (lw_scene){ .n_frame = 0 };
-    if (!k)
-        return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
-    lw_status st = lw_assembly_linkage(parts, k, m ? NULL : e);
-    st = st == LW_OK ? lw_scene_make(k, t, o, s, e) : m ? lw_scene_make_large(m, t, o, s, e) : st;
-    free(k);
+    if (st == LW_OK && !m && lw_model_from_assembly(parts, &own) != LW_OK)
+        st = lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
+    m = m ? m : &own;
+    if (st == LW_OK)
+        st = m->small ? lw_scene_make(m->small, t, o, s, e) : make_large(m, t, o, s, e);
+    lw_model_free(&own);
     return st;
 }

@@ -88,11 +88,8 @@ lw_scene_options lw_scene_options_default(void);
  * lw_scene_free, also after a failure. */
 lw_status lw_scene_make(const lw_linkage *linkage, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e);
-/* The same of a model with more parts than a linkage holds (mbs/dynamics/follow.h): through a whole turn of its first input or
- * between its limits, or in time by the motions of all inputs. */
-lw_status lw_scene_make_large(const struct lw_model *m, const lw_target *t, const lw_scene_options *o, lw_scene *s,
-                              lw_error *e);
-/* Either, by the size of the parts; m (NULL: LW_E_KIND where it is needed) is their model. */
+/* The same of any number of parts; m (may be NULL) is their model.  Where a linkage cannot hold them (mbs/dynamics/follow.h):
+ * through a whole turn of the first input or between its limits, or in time by the motions of all inputs. */
 lw_status lw_scene_make_any(const lw_assembly *parts, const struct lw_model *m, const lw_target *t, const lw_scene_options *o,
                             lw_scene *s, lw_error *e);
 void      lw_scene_free(lw_scene *s);

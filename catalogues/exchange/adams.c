@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/growable_array.h"
+#include "base/key_table.h"
 #include "base/number.h"
 #include "base/real.h"
 #include "base/vec2.h"
@@ -232,8 +234,7 @@ const lw_adams_argument *lw_adams_find(const lw_adams_statement *s, const char *
 
 /* ==== the linkage ============================================================================================= */
 
-#define MARKER_MAX 512
-#define FLAT       1e-9                    /* relative tolerance for lying in the plane              */
+#define FLAT 1e-9                          /* relative tolerance for lying in the plane              */
 
 typedef struct frame { double r[3][3], p[3]; } frame;
 
@@ -241,17 +242,20 @@ typedef struct part { int id; frame f; } part;
 
 typedef struct marker { int id, part; frame f; } marker;       /* f: in the frame of its part          */
 
+typedef struct coupler { int id, joint[2]; double scale[2]; char name[LW_NAME_SIZE]; long line; } coupler;
+
 typedef struct reader {
-    const char *file;
-    lw_linkage *k;
-    part        part[LW_LINK_MAX];
-    int         n_marker;
-    marker      marker[MARKER_MAX];
-    int         joint_id[LW_JOINT_MAX];    /* id of joint j; primitives and couplers: negative       */
-    struct { int joint[2]; double scale[2]; char name[LW_NAME_SIZE]; long line; } coupler[LW_JOINT_MAX];
-    int         n_coupler;
-    double      metre;
-    lw_error   *e;
+    const char  *file;
+    lw_assembly *k;
+    part        *part;                     /* (n_link)                                               */
+    marker      *marker;
+    coupler     *coupler;
+    int         *joint_id;                 /* (n_joint)                                              */
+    int          n_marker, n_coupler;
+    int          most_links, most_parts, most_joints, most_ids, most_inputs, most_tracers, most_markers, most_couplers;
+    lw_key_table links, joints, parts, joint_ids, markers;     /* the first two by name, the others by number */
+    double       metre;
+    lw_error    *e;
 } reader;
 
 static lw_status fail(const reader *r, const lw_adams_statement *s, const char *text)
@@ -310,79 +314,85 @@ static lw_status read_frame(reader *r, const lw_adams_statement *s, const char *
 
 /* ---- parts, markers ------------------------------------------------------------------------------------- */
 
-static bool name_taken(const reader *r, const char *name, bool links)
+/* Make room for one more than n items in *array.  false: out of memory. */
+static bool grow(void *array, int n, int *most, size_t size)
 {
-    for (int i = 0; links && i < r->k->n_link; i++)
-        if (strcmp(r->k->link_name[i], name) == 0)
-            return true;
-    for (int i = 0; !links && i < r->k->n_joint; i++)
-        if (strcmp(r->k->joint[i].name, name) == 0)
-            return true;
-    return false;
+    void *old, *more;
+    memcpy(&old, array, sizeof old);
+    more = lw_array_grow(old, n, most, size);
+    if (more)
+        memcpy(array, &more, sizeof more);
+    return more;
 }
 
-/* The name in the comment, or the letter and the number; a name in use is changed. */
-static void set_name(const reader *r, const lw_adams_statement *s, const char *letter, bool links, char *name)
+/* The name in the comment, or the letter and the number; a name in use is changed.  It is entered as number `index`. */
+static lw_status set_name(reader *r, const char *wanted, const char *letter, int id, lw_key_table *t, const void *names,
+                          size_t stride, int index, char *name)
 {
-    snprintf(name, LW_NAME_SIZE, "%s", s->name);
-    if (!name[0] || name_taken(r, name, links))
-        snprintf(name, LW_NAME_SIZE, "%s%d", letter, s->id);
-    for (int n = 2; name_taken(r, name, links); n++)
-        snprintf(name, LW_NAME_SIZE, "%s%d_%d", letter, s->id, n);
+    memset(name, 0, LW_NAME_SIZE);
+    snprintf(name, LW_NAME_SIZE, "%s", wanted);
+    for (int n = 0; !name[0] || lw_key_find(t, names, stride, name, strlen(name) + 1) >= 0; n++)
+        snprintf(name, LW_NAME_SIZE, n ? "%s%d_%d" : "%s%d", letter, id, n + 1);
+    return lw_key_add(t, name, strlen(name) + 1, index) ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
+}
+
+/* The item with this number, of those that begin with one; -1: none. */
+static int find_id(const lw_key_table *t, const void *items, size_t stride, double id)
+{
+    int key = fabs(id) < 1e9 ? (int)id : 0;
+    return key == id ? lw_key_find(t, items, stride, &key, sizeof key) : -1;
+}
+
+/* Enter an item under its number, unless another one has it. */
+static lw_status add_id(reader *r, lw_key_table *t, const void *items, size_t stride, int id, int index)
+{
+    bool there = lw_key_find(t, items, stride, &id, sizeof id) >= 0;
+    return there || lw_key_add(t, &id, sizeof id, index) ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
 }
 
 static lw_status read_part(reader *r, const lw_adams_statement *s)
 {
-    lw_linkage *k = r->k;
-    if (k->n_link == LW_LINK_MAX)
-        return fail(r, s, "a linkage has at most 32 links");
-    for (int i = 0; i < k->n_link; i++)
-        if (r->part[i].id == s->id)
-            return fail(r, s, "this part was there already");
-    part *p = &r->part[k->n_link];
-    char name[LW_NAME_SIZE];
-    set_name(r, s, "part", true, name);
-    memcpy(k->link_name[k->n_link], name, sizeof name);
+    lw_assembly *k = r->k;
+    int n = k->n_link;
+    if (find_id(&r->parts, r->part, sizeof *r->part, s->id) >= 0)
+        return fail(r, s, "this part was there already");
+    if (!grow(&k->link_name, n, &r->most_links, sizeof *k->link_name) || !grow(&r->part, n, &r->most_parts, sizeof *r->part))
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
+    r->part[n].id = s->id;
+    lw_status st = set_name(r, s->name, "part", s->id, &r->links, k->link_name, sizeof *k->link_name, n, k->link_name[n]);
+    if (st == LW_OK)
+        st = add_id(r, &r->parts, r->part, sizeof *r->part, s->id, n);
     if (lw_adams_find(s, "GROUND"))
-        k->ground = k->n_link;
+        k->ground = n;
     k->n_link++;
-    p->id = s->id;
-    return read_frame(r, s, "QG", &p->f);
-}
-
-static int find_part(const reader *r, int id)
-{
-    for (int i = 0; i < r->k->n_link; i++)
-        if (r->part[i].id == id)
-            return i;
-    return -1;
+    return st == LW_OK ? read_frame(r, s, "QG", &r->part[n].f) : st;
 }
 
 static lw_status read_marker(reader *r, const lw_adams_statement *s)
 {
     const lw_adams_argument *of = lw_adams_find(s, "PART");
-    if (r->n_marker == MARKER_MAX)
-        return fail(r, s, "there are too many markers");
+    if (!grow(&r->marker, r->n_marker, &r->most_markers, sizeof *r->marker))
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
     marker *m = &r->marker[r->n_marker];
     m->id = s->id;
-    m->part = of && of->n == 1 && of->value[0] == floor(of->value[0]) && fabs(of->value[0]) < 1e9
-            ? find_part(r, (int)of->value[0]) : -1;
+    m->part = of && of->n == 1 ? find_id(&r->parts, r->part, sizeof *r->part, of->value[0]) : -1;
     if (m->part < 0)
         return fail(r, s, "PART = must name a part that stands before");
+    lw_status st = add_id(r, &r->markers, r->marker, sizeof *m, s->id, r->n_marker);
     r->n_marker++;
-    return read_frame(r, s, "QP", &m->f);
+    return st == LW_OK ? read_frame(r, s, "QP", &m->f) : st;
 }
 
 /* Find the marker that an argument names, and its frame in the plane. */
 static lw_status find_marker(reader *r, const lw_adams_statement *s, const char *key, int *link, frame *f)
 {
     const lw_adams_argument *a = lw_adams_find(s, key);
-    for (int i = 0; a && a->n == 1 && i < r->n_marker; i++)
-        if (r->marker[i].id == a->value[0]) {
-            *link = r->marker[i].part;
-            *f = compose(&r->part[*link].f, &r->marker[i].f);
-            return LW_OK;
-        }
+    int i = a && a->n == 1 ? find_id(&r->markers, r->marker, sizeof *r->marker, a->value[0]) : -1;
+    if (i >= 0) {
+        *link = r->marker[i].part;
+        *f = compose(&r->part[*link].f, &r->marker[i].f);
+        return LW_OK;
+    }
     char text[64];
     snprintf(text, sizeof text, "%s = must name a marker", key);
     return fail(r, s, text);
@@ -416,40 +426,49 @@ static lw_status set_direction(reader *r, const lw_adams_statement *s, const fra
     return LW_OK;
 }
 
+/* Room for one more joint. */
+static lw_joint *new_joint(reader *r)
+{
+    lw_assembly *k = r->k;
+    bool room = grow(&k->joint, k->n_joint, &r->most_joints, sizeof *k->joint)
+                && grow(&r->joint_id, k->n_joint, &r->most_ids, sizeof *r->joint_id);
+    if (!room)
+        lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
+    return room ? &k->joint[k->n_joint] : NULL;
+}
+
+static lw_status name_joint(reader *r, const char *wanted, const char *letter, int id, lw_joint *p)
+{
+    return set_name(r, wanted, letter, id, &r->joints, r->k->joint, sizeof *p, r->k->n_joint, p->name);
+}
+
 static lw_status read_joint(reader *r, const lw_adams_statement *s)
 {
-    lw_linkage *k = r->k;
+    lw_assembly *k = r->k;
     frame i, j;
     lw_joint_kind kind = kind_of(s);
     if (!kind)
         return fail(r, s, "joints are REVOLUTE, TRANSLATIONAL or FIXED, primitives INPLANE");
-    if (k->n_joint == LW_JOINT_MAX)
-        return fail(r, s, "a linkage has at most 64 joints");
-    lw_joint *p = &k->joint[k->n_joint];
+    lw_joint *p = new_joint(r);
+    if (!p)
+        return LW_E_MEMORY;
     *p = (lw_joint){ .kind = kind };
     lw_status st = find_marker(r, s, "I", &p->link[1], &i);
     if (st == LW_OK)
         st = find_marker(r, s, "J", &p->link[0], &j);
     if (st == LW_OK)
         st = set_direction(r, s, &j, p);
+    if (st == LW_OK)
+        st = name_joint(r, s->name, "joint", s->id, p);
     if (st != LW_OK)
         return st;
     const frame *at = kind == LW_JOINT_SLOT ? &i : &j;
     p->at = lw_v2(at->p[0], at->p[1]);
-    char name[LW_NAME_SIZE];
-    set_name(r, s, "joint", false, name);
-    memcpy(p->name, name, sizeof name);
-    r->joint_id[k->n_joint++] = strcmp(s->keyword, "JOINT") == 0 ? s->id : -1;
-    return LW_OK;
+    r->joint_id[k->n_joint++] = s->id;
+    return strcmp(s->keyword, "JOINT") ? LW_OK : add_id(r, &r->joint_ids, r->joint_id, sizeof *r->joint_id, s->id, k->n_joint - 1);
 }
 
-static int find_joint(const reader *r, double id)
-{
-    for (int j = 0; j < r->k->n_joint; j++)
-        if (r->joint_id[j] == id)
-            return j;
-    return -1;
-}
+static int find_joint(const reader *r, double id) { return find_id(&r->joint_ids, r->joint_id, sizeof *r->joint_id, id); }
 
 /* ---- gears ------------------------------------------------------------------------------------------------- */
 
@@ -458,56 +477,57 @@ static lw_status read_coupler(reader *r, const lw_adams_statement *s)
     const lw_adams_argument *joints = lw_adams_find(s, "JOINTS"), *scales = lw_adams_find(s, "SCALES");
     if (!joints || joints->n != 2 || !scales || scales->n < 1 || scales->n > 2)
         return fail(r, s, "JOINTS = has two joints here, SCALES = two numbers");
-    int n = r->n_coupler;
-    if (n == LW_JOINT_MAX)
-        return fail(r, s, "there are too many couplers");
+    coupler c = { .line = s->line, .id = s->id };
     for (int i = 0; i < 2; i++) {
-        r->coupler[n].joint[i] = find_joint(r, joints->value[i]);
-        if (r->coupler[n].joint[i] < 0)
+        c.joint[i] = find_joint(r, joints->value[i]);
+        if (c.joint[i] < 0)
             return fail(r, s, "JOINTS = must name joints that stand before");
     }
-    r->coupler[n].scale[0] = scales->n == 2 ? scales->value[0] : 1;
-    r->coupler[n].scale[1] = scales->value[scales->n - 1];
-    r->coupler[n].line = s->line;
-    set_name(r, s, "gear", false, r->coupler[n].name);
-    if (!(fabs(r->coupler[n].scale[0]) > 0 && fabs(r->coupler[n].scale[1]) > 0))
+    c.scale[0] = scales->n == 2 ? scales->value[0] : 1;
+    c.scale[1] = scales->value[scales->n - 1];
+    memcpy(c.name, s->name, sizeof c.name);
+    if (!(fabs(c.scale[0]) > 0 && fabs(c.scale[1]) > 0))
         return fail(r, s, "a scale must not be 0");
-    r->n_coupler++;
+    if (!grow(&r->coupler, r->n_coupler, &r->most_couplers, sizeof c))
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
+    r->coupler[r->n_coupler++] = c;
     return LW_OK;
 }
 
 /* The link of joint a that is not in joint b; -1: both join the same two links, or share none. */
-static int side_link(const lw_linkage *linkage, int a, int b)
+static int side_link(const lw_assembly *linkage, int a, int b)
 {
     const int *p = linkage->joint[a].link, *q = linkage->joint[b].link;
     bool first = p[0] == q[0] || p[0] == q[1], second = p[1] == q[0] || p[1] == q[1];
     return first == second ? -1 : first ? p[1] : p[0];
 }
 
-static lw_status add_gear(reader *r, int n)
+static lw_status add_gear(reader *r, const coupler *c)
 {
-    lw_linkage *k = r->k;
-    const int *joint = r->coupler[n].joint;
+    lw_assembly *k = r->k;
     int found[2];
     double sign[2];
     lw_gear g;
-    if (k->n_joint == LW_JOINT_MAX)
-        return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "a linkage has at most 64 joints");
-    lw_joint *p = &k->joint[k->n_joint];
+    lw_vec2 contact;
+    lw_joint *p = new_joint(r);
+    if (!p)
+        return LW_E_MEMORY;
     *p = (lw_joint){ .kind = LW_JOINT_GEAR, .ratio = 1,
-                     .link = { side_link(k, joint[0], joint[1]), side_link(k, joint[1], joint[0]) },
-                     .at = lw_v2_scale(lw_v2_add(k->joint[joint[0]].at, k->joint[joint[1]].at), 0.5) };
-    memcpy(p->name, r->coupler[n].name, sizeof p->name);
+                     .link = { side_link(k, c->joint[0], c->joint[1]), side_link(k, c->joint[1], c->joint[0]) },
+                     .at = lw_v2_scale(lw_v2_add(k->joint[c->joint[0]].at, k->joint[c->joint[1]].at), 0.5) };
     if (p->link[0] < 0 || p->link[1] < 0)
-        return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "the coupled joints share no carrier");
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, c->line, 1, "the coupled joints share no carrier");
+    lw_status st = name_joint(r, c->name, "gear", c->id, p);
+    if (st != LW_OK)
+        return st;
     k->n_joint++;
     lw_error why = { 0 };
-    if (lw_export_gear(LW_VIEW(k), k->n_joint - 1, found, sign, &why) != LW_OK || found[0] != joint[0] || found[1] != joint[1])
-        return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "these joints make no gear pair on one "
-                           "carrier%s%s", why.text[0] ? ": " : "", why.text);
-    p->ratio = -r->coupler[n].scale[0]/r->coupler[n].scale[1]*sign[1]/sign[0];
-    if (lw_linkage_gear(k, k->n_joint - 1, &g, &why) == LW_OK)
-        p->at = lw_linkage_contact(k, k->n_joint - 1, &g);
+    if (lw_export_gear(k, k->n_joint - 1, found, sign, &why) != LW_OK || found[0] != c->joint[0] || found[1] != c->joint[1])
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, c->line, 1, "these joints make no gear pair on one carrier%s%s",
+                           why.text[0] ? ": " : "", why.text);
+    p->ratio = -c->scale[0]/c->scale[1]*sign[1]/sign[0];
+    if (lw_assembly_gear(k, k->n_joint - 1, &g, &contact, &why) == LW_OK)
+        p->at = contact;
     return LW_OK;
 }
 
@@ -516,24 +536,24 @@ static lw_status add_gear(reader *r, int n)
 static lw_status read_motion(reader *r, const lw_adams_statement *s)
 {
     const lw_adams_argument *of = lw_adams_find(s, "JOINT");
-    lw_linkage *k = r->k;
+    lw_assembly *k = r->k;
     int j = of && of->n == 1 ? find_joint(r, of->value[0]) : -1;
     if (j < 0 || !lw_joint_can_drive(k->joint[j].kind))
         return fail(r, s, "JOINT = must name a pin or slider that stands before");
-    if (k->n_input == LW_INPUT_MAX)
-        return fail(r, s, "a linkage has at most 8 inputs");
+    if (!grow(&k->input, k->n_input, &r->most_inputs, sizeof *k->input))
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
     k->input[k->n_input++] = (lw_input){ .joint = j };
     return LW_OK;
 }
 
 static lw_status read_request(reader *r, const lw_adams_statement *s)
 {
-    lw_linkage *k = r->k;
+    lw_assembly *k = r->k;
     frame f;
     if (!lw_adams_find(s, "DISPLACEMENT"))
         return LW_OK;
-    if (k->n_tracer == LW_TRACER_MAX)
-        return fail(r, s, "a linkage has at most 16 tracers");
+    if (!grow(&k->tracer, k->n_tracer, &r->most_tracers, sizeof *k->tracer))
+        return lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
     lw_tracer *t = &k->tracer[k->n_tracer];
     *t = (lw_tracer){ .link = 0 };
     lw_status st = find_marker(r, s, "I", &t->link, &f);
@@ -584,23 +604,23 @@ static lw_status visit(void *context, const lw_adams_statement *s, lw_error *e)
 
 static lw_status finish(reader *r)
 {
-    lw_linkage *k = r->k;
+    lw_assembly *k = r->k;
     lw_status s = LW_OK;
     if (k->n_link == 0 || k->ground < 0)
         return lw_error_at(r->e, LW_E_NOTATION, r->file, 1, 1, k->n_link == 0 ? "there is no PART in this dataset"
                            : "no PART is the GROUND");
     for (int n = 0; s == LW_OK && n < r->n_coupler; n++)
-        s = add_gear(r, n);
+        s = add_gear(r, &r->coupler[n]);
     lw_error why = { 0 };
-    if (s == LW_OK && lw_linkage_check(k, &why) != LW_OK)
+    if (s == LW_OK && lw_assembly_check(k, &why) != LW_OK)
         s = lw_error_at(r->e, LW_E_NOTATION, r->file, 1, 1, "%s", why.text);
     for (int i = 0; s == LW_OK && i < k->n_input; i++)
-        k->input[i].value = lw_linkage_posture_input(k, k->input[i].joint);
+        k->input[i].value = lw_assembly_posture_input(k, k->input[i].joint);
     return s;
 }
 
 /* Set the linkage's name from the title, without the words that exports put before it. */
-static void set_title(lw_linkage *linkage, const char *text, size_t size)
+static void set_title(lw_assembly *linkage, const char *text, size_t size)
 {
     static const char usual[] = "ADAMS/View model name: ";
     size_t skip = size >= sizeof usual - 1 && memcmp(text, usual, sizeof usual - 1) == 0 ? sizeof usual - 1 : 0, n = 0;
@@ -609,23 +629,23 @@ static void set_title(lw_linkage *linkage, const char *text, size_t size)
             linkage->name[n++] = text[i];
 }
 
-lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *linkage, lw_error *e)
+lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_assembly *linkage, lw_error *e)
 {
     lw_error own;
-    reader *r = calloc(1, sizeof *r);
-    if (!r)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
-    memset(linkage, 0, sizeof *linkage);
-    linkage->units = lw_units_si();
-    linkage->ground = -1;
+    *linkage = (lw_assembly){ .units = lw_units_si(), .ground = -1 };
     set_title(linkage, text, size);
-    r->file = file;
-    r->k = linkage;
-    r->metre = 1;
-    r->e = e ? e : &own;
-    lw_status s = lw_adams_scan(text, size, file, visit, r, r->e);
+    reader r = { .file = file, .k = linkage, .metre = 1, .e = e ? e : &own };
+    lw_status s = lw_adams_scan(text, size, file, visit, &r, r.e);
     if (s == LW_OK)
-        s = finish(r);
-    free(r);
+        s = finish(&r);
+    if (s != LW_OK)
+        lw_assembly_free(linkage);
+    free(r.part);
+    free(r.marker);
+    free(r.coupler);
+    free(r.joint_id);
+    lw_key_table *const tables[] = { &r.links, &r.joints, &r.parts, &r.joint_ids, &r.markers };
+    for (size_t i = 0; i < sizeof tables/sizeof *tables; i++)
+        lw_key_free(tables[i]);
     return s;
 }

@@ -15,7 +15,7 @@
 
 #include <stdbool.h>
 #include "base/error.h"
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 
 #define LW_ADAMS_ARGUMENT_MAX 12
 #define LW_ADAMS_VALUE_MAX     6
@@ -47,7 +47,7 @@ const lw_adams_argument *lw_adams_find(const lw_adams_statement *s, const char *
 
 /* The linkage of a dataset: pins, sliders, welds, INPLANE primitives (slots), couplers of two joints (gears), motions
  * (inputs, with the value of the posture), requests of displacement (tracers).  Other statements are
- * skipped; a mechanism outside the x-y plane is refused. */
-lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *linkage, lw_error *e);
+ * skipped; a mechanism outside the x-y plane is refused.  Free the linkage by lw_assembly_free. */
+lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_assembly *linkage, lw_error *e);
 
 #endif

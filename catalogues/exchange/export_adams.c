@@ -22,7 +22,8 @@ typedef struct writer {
     int              *n_marker;                /* (n_link)                                               */
     int             (*at)[2];                  /* (n_joint) markers of a joint on its two links          */
     int              *tracer;                  /* (n_tracer)                                             */
-    int               stride;                  /* between the first markers of two links                 */
+    int               stride;                  /* between the first markers of two links; 0: numbers without gaps */
+    int               last;                    /* marker number                                          */
     int               origin;                  /* marker of the ground's origin                          */
 } writer;
 
@@ -61,7 +62,7 @@ static void put_name(writer *w, const char *name, const char *more)
  * then by 90 about x. */
 static int put_marker(writer *w, int link, lw_vec2 at, const lw_vec2 *z, double turn, const char *name)
 {
-    int id = w->stride*(link + 1) + ++w->n_marker[link];
+    int id = w->stride ? w->stride*(link + 1) + ++w->n_marker[link] : ++w->last;
     put_name(w, name, "");
     put_id(w, "MARKER/", id, 4);
     put_id(w, ", PART = ", link + 1, 2);
@@ -433,9 +434,8 @@ lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o
     }
     w->tracer = w->n_marker + linkage->n_link;
     w->stride = 100;
-    for (int most = linkage->n_joint + linkage->n_tracer + (w->m ? w->m->n_spring + w->m->n_force : 0);
-         linkage->n_joint > LW_JOINT_MAX && w->stride < 2*most;)
-        w->stride *= 10;
+    if (linkage->n_joint > LW_JOINT_MAX)                       /* a link may have more than a hundred: one after the other */
+        w->stride = 0;
     w->weighed = lw_export_weighed(linkage, w->m);
     w->out = out;
     lw_status s = lw_assembly_check(linkage, e);

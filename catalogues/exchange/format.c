@@ -24,11 +24,11 @@ static lw_status add(lw_bytes *out, char *text, lw_error *e)
 
 static bool begins_json(const char *text) { return begins_with(text, "{"); }
 
-static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
+static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
                            lw_error *e)
 {
     (void)units;
-    return lw_linkage_read(text, size, file, linkage, e);
+    return lw_assembly_read_result(text, size, file, 0, linkage, e);
 }
 
 static lw_status write_json(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
@@ -61,7 +61,7 @@ static lw_status write_pmks(const lw_assembly *linkage, const lw_export_options 
     return add(out, lw_pmks_write(linkage, e ? e : &own), e ? e : &own);
 }
 
-static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
+static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
                             lw_error *e)
 {
     (void)units;

@@ -11,8 +11,8 @@ typedef struct lw_format {
     const char *name, *title;
     const char *end;                   /* of a file's name, ".json"; "": none                            */
     bool      (*begins)(const char *text);                       /* does a terminated text look like it?    */
-    /* Numbers without a unit of their own count in `units`.  NULL: written only. */
-    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
+    /* Numbers without a unit of their own count in `units`.  Free the linkage by lw_assembly_free.  NULL: written only. */
+    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
                       lw_error *e);
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
     lw_status (*write)(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e);

@@ -88,37 +88,49 @@ static lw_status set_unit(const char *name, lw_units *u, lw_error *e)
          : lw_error_set(e, LW_E_ARG, "there is no length unit '%s'; m, mm, cm, km, um, in and ft are known", name);
 }
 
-static lw_status set_input(const char *name, lw_linkage *linkage, lw_error *e)
+static lw_status set_input(const char *name, lw_assembly *linkage, lw_error *e)
 {
-    const char *names[LW_JOINT_MAX];
-    for (int j = 0; j < linkage->n_joint; j++) {
+    const char **names = malloc((size_t)linkage->n_joint*sizeof *names);
+    lw_input *in = realloc(linkage->input, ((size_t)linkage->n_input + 1)*sizeof *in);
+    linkage->input = in ? in : linkage->input;
+    lw_status s = names && in ? LW_E_ARG : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int j = 0; s == LW_E_ARG && j < linkage->n_joint; j++) {
         names[j] = linkage->joint[j].name;
         if (strcmp(names[j], name) != 0)
             continue;
-        if (!lw_joint_can_drive(linkage->joint[j].kind))
-            return lw_error_set(e, LW_E_ARG, "joint '%s' is no pin or slider and cannot be driven", name);
+        bool drives = lw_joint_can_drive(linkage->joint[j].kind);
+        s = drives ? LW_OK : lw_error_set(e, LW_E_KIND, "joint '%s' is no pin or slider and cannot be driven", name);
         linkage->n_input = 1;
-        linkage->input[0] = (lw_input){ .joint = j, .value = lw_linkage_posture_input(linkage, j) };
-        return LW_OK;
+        in[0] = (lw_input){ .joint = j, .value = lw_assembly_posture_input(linkage, j) };
     }
-    const char *near = lw_suggest(name, names, linkage->n_joint);
-    return lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
-                        near ? near : names[0]);
+    const char *near = s == LW_E_ARG ? lw_suggest(name, names, linkage->n_joint) : NULL;
+    if (s == LW_E_ARG)
+        lw_error_set(e, s, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
+                     near ? near : names[0]);
+    free(names);
+    return s;
 }
 
 /* ---- run ------------------------------------------------------------------------------------------- */
 
-static bool has_masses(const lw_model *m)
+/* Take the motions from the inputs of a model without masses: another joint is to be the input. */
+static lw_status free_inputs(lw_model *m, lw_error *e)
 {
     for (int i = 0; i < m->linkage.n_link; i++)
         if (m->body[i].mass > 0)
-            return true;
-    return false;
+            return lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions belong "
+                                "to its own inputs; change the input in the file");
+    for (int i = 0; i < m->linkage.n_input; i++) {
+        lw_expression_free(m->motion[i]);
+        m->motion[i] = NULL;
+        m->has_speed[i] = false;
+    }
+    return LW_OK;
 }
 
-/* Read a linkage; *m gets its masses and loads if the text has any and `loads` is set. Or read a spatial model into
- * *space. Free them with cli_free_model and cli_free_spatial. */
-static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *linkage, lw_model **m, lw_spatial **space,
+/* Read a linkage; *m gets it with its masses and loads if the text is our own and `loads` is set.  Or read a spatial model into
+ * *space.  Free them with lw_assembly_free, cli_free_model and cli_free_spatial. */
+static lw_status read_linkage(const cli_call *call, bool loads, lw_assembly *linkage, lw_model **m, lw_spatial **space,
                               lw_error *e)
 {
     const settings *s = call->settings;
@@ -137,41 +149,27 @@ static lw_status read_linkage(const cli_call *call, bool loads, lw_linkage *link
     if (status == LW_OK && !f)
         f = format_of_text(text);
     bool json = status == LW_OK && strcmp(f->name, "json") == 0;
-    lw_error first = { 0 };
-    if (json && (loads || lw_linkage_read_result(text, size, path, s->result, linkage, NULL) != LW_OK)) {
-        status = cli_any_model_text(text, size, path, s->result, m, space, &first);
-        if (status == LW_OK && *m && (*m)->small && !loads) {
-            cli_free_model(*m);
-            *m = NULL;
-        } else if (status != LW_OK && (loads || status == LW_E_MEMORY))
-            *e = first;
-        else
-            status = LW_OK;
-    }
-    if (status == LW_OK && json && !*m && !*space)                    /* a result of fit is written too */
+    if (json && loads)
+        status = cli_any_model_text(text, size, path, s->result, m, space, e);
+    else if (json)
         status = cli_any_linkage_text(path, s->result, text, size, linkage, space, e);
-    else if (status == LW_OK && !json)
+    else if (status == LW_OK)
         status = f->read(text, size, path, &units, linkage, e);
-    else if (status == LW_OK && *m && (*m)->small)
-        *linkage = *(*m)->small;
-    bool large = status == LW_OK && *m && !(*m)->small;
-    if (status == LW_OK && (*space || large)) {
-        free(text);
-        if (s->input)
-            return lw_error_set(e, LW_E_ARG, "--input-joint goes with planar linkages of at most %d links and %d joints", LW_LINK_MAX,
-                                LW_JOINT_MAX);
-        if (*space)
-            return s->unit ? lw_error_set(e, LW_E_ARG, "--length-unit goes with planar linkages, and this model is spatial") : LW_OK;
-        return s->unit ? set_unit(s->unit, &(*m)->linkage.units, e) : LW_OK;
-    }
-    if (status == LW_OK && s->unit)
-        status = set_unit(s->unit, &linkage->units, e);
-    if (status == LW_OK && s->input && *m && has_masses(*m))
-        status = lw_error_set(e, LW_E_ARG, "--input-joint does not go with a model with masses, whose motions belong "
-                              "to its own inputs; change the input in the file");
-    if (status == LW_OK && s->input)
-        status = set_input(s->input, linkage, e);
     free(text);
+    if (status == LW_OK && *space && (s->input || s->unit))
+        return lw_error_set(e, LW_E_ARG, "--%s goes with planar linkages, and this model is spatial",
+                            s->input ? "input-joint" : "length-unit");
+    lw_assembly *parts = *m ? &(*m)->linkage : linkage;
+    if (status == LW_OK && s->unit)
+        status = set_unit(s->unit, &parts->units, e);
+    if (status == LW_OK && s->input && *m)
+        status = free_inputs(*m, e);
+    if (status == LW_OK && s->input)
+        status = set_input(s->input, parts, e);
+    if (status == LW_OK && *m && (*m)->small)
+        status = lw_assembly_linkage(parts, (*m)->small, e);
+    if (status == LW_OK && *m && lw_assembly_copy(parts, linkage) != LW_OK)
+        status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     return status;
 }
 
@@ -188,7 +186,7 @@ static void tell_unit(const cli_call *call, const lw_format *to, const lw_assemb
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
-    static lw_linkage k;
+    lw_assembly k = { 0 };
     const lw_format *to = NULL;
     lw_output out;
     lw_bytes b = { 0 };
@@ -198,16 +196,17 @@ static int run(const cli_call *call)
     lw_model *m = NULL;
     lw_spatial *space = NULL;
     if (read_linkage(call, to->loads, &k, &m, &space, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
+        lw_assembly_free(&k);
         cli_free_model(m);
         cli_free_spatial(space);
         return cli_fail(call, &e);
     }
-    lw_assembly parts = m && !m->small ? m->linkage : lw_linkage_view(&k);
     if (!space)
-        tell_unit(call, to, &parts);
+        tell_unit(call, to, &k);
     lw_export_options o = { .model = m, .width = 1e-3*s->width, .thickness = 1e-3*s->thickness, .hole = 1e-3*s->hole,
                             .clearance = s->clearance < 0 ? -1 : 1e-3*s->clearance };
-    lw_status st = space ? lw_format_write_space(to, space, &b, &e) : lw_format_write(to, &parts, &o, &b, &e);
+    lw_status st = space ? lw_format_write_space(to, space, &b, &e) : lw_format_write(to, &k, &o, &b, &e);
+    lw_assembly_free(&k);
     cli_free_model(m);
     cli_free_spatial(space);
     if (st != LW_OK) {

@@ -72,7 +72,7 @@ static lw_status compare(const cli_call *call, lw_scene *scene, lw_error *e)
     lw_status st = !other ? lw_error_set(e, LW_E_MEMORY, "out of memory") : m ? LW_OK : e->status;
     o.model = m;
     if (st == LW_OK)
-        st = m->small ? lw_scene_make(m->small, NULL, &o, other, e) : lw_scene_make_large(m, NULL, &o, other, e);
+        st = lw_scene_make_any(&m->linkage, m, NULL, &o, other, e);
     if (st == LW_OK)
         st = lw_scene_compare(scene, other, e);
     if (other)
@@ -95,7 +95,7 @@ static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_
     lw_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = m->small ? lw_scene_make(m->small, t, &o, scene, e) : lw_scene_make_large(m, t, &o, scene, e);
+    lw_status st = lw_scene_make_any(&m->linkage, m, t, &o, scene, e);
     if (st == LW_OK && scene->note[0])
         cli_note(call, "%s", scene->note);
     if (st == LW_OK && call->parsed.n_word > 1)

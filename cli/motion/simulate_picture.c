@@ -221,8 +221,7 @@ lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
     lw_bytes bytes = { 0 };
     double seconds = s->n_row > 1 ? s->row[(s->n_row - 1)*(size_t)s->n_column] - s->row[0] : 0;
     lw_gif_options o = lw_gif_options_in_time(s->n_row, seconds, NULL);
-    lw_status st = s->model->small ? lw_scene_make(s->model->small, NULL, NULL, &scene, e)
-                                   : lw_scene_make_large(s->model, NULL, NULL, &scene, e);
+    lw_status st = lw_scene_make_any(&s->model->linkage, s->model, NULL, NULL, &scene, e);
     if (st == LW_OK)
         st = set_frames(s, &scene, e);
     lw_bent_bar *bend = NULL;

@@ -86,11 +86,11 @@ lw_status cli_read_any_model(const char *path, int which, lw_model **planar, lw_
     return s;
 }
 
-lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *k,
+lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_assembly *k,
                                lw_spatial **spatial, lw_error *e)
 {
     *spatial = NULL;
-    return or_spatial(path, text, size, lw_linkage_read_result(text, size, path, which, k, e), spatial, e);
+    return or_spatial(path, text, size, lw_assembly_read_result(text, size, path, which, k, e), spatial, e);
 }
 
 lw_model *cli_read_model(const char *path, int which, lw_error *e)

@@ -2,7 +2,7 @@
 #ifndef CLI_PROGRAM_MODEL_H
 #define CLI_PROGRAM_MODEL_H
 
-#include "grammar/linkage/linkage.h"
+#include "grammar/linkage/assembly.h"
 #include "optimise/task/read_file.h"
 
 /* Read a linkage from a file ("-" is standard input). The file holds one linkage as in docs/notation.md, or an object
@@ -24,8 +24,8 @@ lw_status cli_any_model_text(const char *text, size_t size, const char *path, in
                              struct lw_spatial **spatial, lw_error *e);
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
 
-/* The same from text in memory. */
-lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage,
+/* A planar linkage of any size, or a spatial model, from text in memory. */
+lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_assembly *linkage,
                                struct lw_spatial **spatial, lw_error *e);
 
 /* Read CSV, or the curve of a drawing if the name ends in .svg or .dxf. */

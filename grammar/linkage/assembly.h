@@ -41,6 +41,8 @@ double    lw_assembly_tied_input(const lw_assembly *a, int i, double first);
 /* Unit of the ratio of input i, with `metre` the length unit: metre if it slides and the first input turns,
  * 1/metre if it turns and the first slides, else 1. */
 double    lw_assembly_tie_unit(const lw_assembly *a, int i, double metre);
+/* Free what was read by lw_assembly_free. */
+lw_status lw_assembly_read_result(const char *text, size_t size, const char *file, int which, lw_assembly *a, lw_error *e);
 char     *lw_assembly_write(const lw_assembly *a, int indent);      /* as lw_linkage_write */
 double    lw_assembly_posture_input(const lw_assembly *a, int joint);
 lw_status lw_assembly_check(const lw_assembly *a, lw_error *e);

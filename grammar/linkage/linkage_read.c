@@ -489,23 +489,39 @@ lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], 
     return LW_OK;
 }
 
-lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage,
-                                 lw_error *e)
+/* Read an assembly and, unless linkage is NULL, copy it there. */
+static lw_status read_result(const char *text, size_t size, const char *file, int which, lw_assembly *a, lw_linkage *linkage,
+                             lw_error *e)
 {
     lw_json json;
     lw_error fault;
-    lw_assembly a = { .units = lw_units_si() };
     lw_json_node place[4];
-    *linkage = (lw_linkage){ .units = lw_units_si() };
+    *a = (lw_assembly){ .units = lw_units_si() };
     lw_status s = lw_json_open(text, size, file, &json, e);
     if (s != LW_OK)
         return s;
     if ((s = lw_read_result(&json, which, place, e)) == LW_OK)
-        s = lw_assembly_read_root(&place[3], &a, e);
-    if (s == LW_OK && lw_assembly_linkage(&a, linkage, &fault) != LW_OK)
+        s = lw_assembly_read_root(&place[3], a, e);
+    if (s == LW_OK && linkage && lw_assembly_linkage(a, linkage, &fault) != LW_OK)
         s = lw_json_fault(&place[3], e, "%s", fault.text);
-    lw_assembly_free(&a);
+    if (s != LW_OK)
+        lw_assembly_free(a);
     lw_json_close(&json);
+    return s;
+}
+
+lw_status lw_assembly_read_result(const char *text, size_t size, const char *file, int which, lw_assembly *a, lw_error *e)
+{
+    return read_result(text, size, file, which, a, NULL, e);
+}
+
+lw_status lw_linkage_read_result(const char *text, size_t size, const char *file, int which, lw_linkage *linkage,
+                                 lw_error *e)
+{
+    lw_assembly a;
+    *linkage = (lw_linkage){ .units = lw_units_si() };
+    lw_status s = read_result(text, size, file, which, &a, linkage, e);
+    lw_assembly_free(&a);
     return s;
 }
 

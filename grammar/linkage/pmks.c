@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include "base/growable_array.h"
 #include "base/vec2.h"
 #include "grammar/linkage/points_internal.h"
 
-#define TOKEN_MAX (LW_LINK_MAX + 8)
-
 /* The pieces of a joint, separated by commas and blanks. */
-typedef struct entry { int n; lw_cursor at[TOKEN_MAX]; size_t size[TOKEN_MAX]; } entry;
+typedef struct piece { lw_cursor at; size_t size; } piece;
+typedef struct entry { int n, capacity; piece *piece; } entry;
 
 /* ---- tokens ------------------------------------------------------------------------------------- */
 
@@ -39,20 +39,22 @@ static lw_status split(lw_cursor *c, entry *t)
             lw_cursor_next(c);
             return LW_OK;
         }
-        if (t->n == TOKEN_MAX)
-            return lw_cursor_fail(c, "this line has too many parts");
-        lw_cursor start = t->at[t->n] = *c, ahead = *c;
+        piece *more = lw_array_grow(t->piece, t->n, &t->capacity, sizeof *more);
+        if (!more)
+            return lw_cursor_fail(c, "out of memory");
+        t->piece = more;
+        lw_cursor start = more[t->n].at = *c, ahead = *c;
         while (!ends_entry(lw_cursor_peek(c)) && !take_separator(&ahead)) {
             lw_cursor_next(c);
             ahead = *c;
         }
-        t->size[t->n++] = c->at - start.at;
+        more[t->n++].size = c->at - start.at;
     }
 }
 
 static bool is(const entry *t, int i, const char *word)
 {
-    return strlen(word) == t->size[i] && strncasecmp(t->at[i].text + t->at[i].at, word, t->size[i]) == 0;
+    return strlen(word) == t->piece[i].size && strncasecmp(t->piece[i].at.text + t->piece[i].at.at, word, t->piece[i].size) == 0;
 }
 
 /* ---- a joint ------------------------------------------------------------------------------------ */
@@ -68,9 +70,9 @@ static int type_of(const entry *t, int i)
 static bool is_flags(const entry *t, int i)
 {
     size_t n = 0;
-    while (n < t->size[i] && t->at[i].text[t->at[i].at + n] && strchr("tfTF", t->at[i].text[t->at[i].at + n]))
+    while (n < t->piece[i].size && t->piece[i].at.text[t->piece[i].at.at + n] && strchr("tfTF", t->piece[i].at.text[t->piece[i].at.at + n]))
         n++;
-    return n == 4 && t->size[i] == 4;
+    return n == 4 && t->piece[i].size == 4;
 }
 
 /* PMKS writes these words in small letters and takes them for the ground. */
@@ -80,19 +82,19 @@ static lw_status join(lw_points *p, lw_point *q, const entry *t, int i)
     static const char *const names[] = { "ground", "gnd", "grnd", "0", "1" };
     for (size_t k = 0; k < sizeof names/sizeof *names; k++)
         if (is(t, i, names[k])) {
-            lw_cursor at = t->at[i];
+            lw_cursor at = t->piece[i].at;
             at.text = ground;
             at.at = 0;
             return lw_points_join(p, q, &at, sizeof ground - 1);
         }
-    return lw_points_join(p, q, &t->at[i], t->size[i]);
+    return lw_points_join(p, q, &t->piece[i].at, t->piece[i].size);
 }
 
 static lw_status token_number(const entry *t, int i, const char *what, double *v)
 {
-    lw_cursor c = t->at[i], start = c;
+    lw_cursor c = t->piece[i].at, start = c;
     lw_status s = lw_points_number(&c, what, v);
-    if (s == LW_OK && c.at - start.at != t->size[i])
+    if (s == LW_OK && c.at - start.at != t->piece[i].size)
         s = lw_cursor_fail(&start, "%s: this is no number", what);
     return s;
 }
@@ -109,11 +111,11 @@ static lw_status read_numbers(const entry *t, int first, const lw_cursor *end, d
     if (s == LW_OK && i < t->n && !is_flags(t, i))
         s = token_number(t, i++, "the angle", &angle);
     if (s == LW_OK && i < t->n && is_flags(t, i)) {
-        q->driven = tolower((unsigned char)t->at[i].text[t->at[i].at + 3]) == 't';
+        q->driven = tolower((unsigned char)t->piece[i].at.text[t->piece[i].at.at + 3]) == 't';
         i++;
     }
     if (s == LW_OK && i < t->n)
-        s = lw_cursor_fail(&t->at[i], "links, kind, x, y, angle and four letters t or f make a joint; this is more");
+        s = lw_cursor_fail(&t->piece[i].at, "links, kind, x, y, angle and four letters t or f make a joint; this is more");
     q->at = lw_v2(x*metre, y*metre);
     q->angle = angle*(LW_PI/180);
     return s;
@@ -123,13 +125,13 @@ static lw_status read_entry(lw_points *p, const entry *t, const lw_cursor *end, 
 {
     lw_point *q = NULL;
     int kind = 1;
-    lw_status s = lw_points_add(p, &t->at[0], &q);
+    lw_status s = lw_points_add(p, &t->piece[0].at, &q);
     while (s == LW_OK && kind < t->n && type_of(t, kind) < 0)
         kind++;
     if (s == LW_OK && kind >= t->n)
-        return lw_cursor_fail(&t->at[0], "a joint is: links, then R, P or RP, then x and y; there is no R, P or RP");
+        return lw_cursor_fail(&t->piece[0].at, "a joint is: links, then R, P or RP, then x and y; there is no R, P or RP");
     if (s == LW_OK && type_of(t, kind) == 3)
-        return lw_cursor_fail(&t->at[kind], "gears (G) are not read: their ratio is not said");
+        return lw_cursor_fail(&t->piece[kind].at, "gears (G) are not read: their ratio is not said");
     for (int i = 0; s == LW_OK && i < kind; i++)
         s = join(p, q, t, i);
     if (s != LW_OK)
@@ -183,26 +185,27 @@ static void default_input(lw_points *p)
     }
 }
 
-lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
+lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
                        lw_error *e)
 {
-    lw_points *p = lw_points_create(0, 0);
-    entry *t = malloc(sizeof *t);
-    lw_status s = p && t ? lw_text_check(text, size, file, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    lw_points *p = lw_points_create();
+    entry t = { 0 };
+    *linkage = (lw_assembly){ 0 };
+    lw_status s = p ? lw_text_check(text, size, file, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     lw_cursor c = lw_cursor_start(text, size, file, e), end = c;
     while (s == LW_OK && lw_cursor_peek(&c) >= 0) {
         if (c.column == 1 && take_setting(&c))
             continue;
-        s = split(&c, t);
-        end = t->n > 0 ? t->at[t->n - 1] : c;
-        if (s == LW_OK && t->n > 0)
-            s = read_entry(p, t, &end, units->metre);
+        s = split(&c, &t);
+        end = t.n > 0 ? t.piece[t.n - 1].at : c;
+        if (s == LW_OK && t.n > 0)
+            s = read_entry(p, &t, &end, units->metre);
     }
     if (s == LW_OK) {
         default_input(p);
         s = lw_points_linkage(p, units, &c, linkage);
     }
-    free(t);
+    free(t.piece);
     lw_points_free(p);
     return s;
 }

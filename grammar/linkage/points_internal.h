@@ -9,6 +9,7 @@
 #define LW_GRAMMAR_LINKAGE_POINTS_INTERNAL_H
 
 #include <stdio.h>
+#include "base/key_table.h"
 #include "base/number.h"
 #include "grammar/linkage/assembly.h"
 #include "grammar/text/text_internal.h"
@@ -27,23 +28,25 @@ typedef struct lw_point {
 
 typedef struct lw_points {
     int       n_point, n_link, ground; /* ground -1: not named yet                                  */
-    int       most_points, most_links;
+    int       most_points, most_links; /* the memory holds so many                                  */
     char    (*name)[LW_NAME_SIZE];
     lw_point *point;
+    lw_key_table index;                /* of the links by their names                               */
 } lw_points;
 
-/* Without points; ground is -1.  Zeros: as many as a linkage can have.  NULL: out of memory. */
-lw_points *lw_points_create(int most_points, int most_links);
+/* Without points; ground is -1.  NULL: out of memory. */
+lw_points *lw_points_create(void);
 void       lw_points_free(lw_points *p);                              /* NULL is fine */
 
-/* Add a point, zeroed except for `where`.  An error at `where` when there are too many points. */
+/* Add a point, zeroed except for `where`; it stays at *out until another one is added.  An error: out of memory. */
 lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out);
 
 /* Add the link of this name (n bytes at `where`) to point q; "ground" is the ground. */
 lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size_t n);
 
-/* Points to linkage; errors name the place of the point.  Inputs get the value of the posture. */
-lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *linkage);
+/* Points to a linkage, to be freed by lw_assembly_free; errors name the place of the point.  Inputs get the value of the
+ * posture. */
+lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_assembly *linkage);
 
 /* Convert the linkage to points and let `print` write them; returns the text, to be freed with free().  Names are
  * reduced to letters, digits and underscores, stay different if case is ignored, and the ground becomes "ground".

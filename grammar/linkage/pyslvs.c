@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/suggest.h"
+#include "base/growable_array.h"
 #include "base/vec2.h"
 #include "grammar/linkage/points_internal.h"
 
@@ -11,8 +11,8 @@ typedef struct reader {
     lw_cursor c;
     lw_points *p;
     double    metre;
-    int       n_pair, pair[LW_INPUT_MAX][2];      /* points of the inputs */
-    lw_cursor pair_at[LW_INPUT_MAX];
+    int       n_pair, most_pairs;
+    struct pair { int point[2]; lw_cursor at; } *pair;      /* points of the inputs */
 } reader;
 
 /* ---- comments ---------------------------------------------------------------------------------- */
@@ -27,11 +27,11 @@ static lw_status read_pair(reader *r, const lw_cursor *start)
     if (!good || !lw_cursor_number(&r->c, &b))
         return lw_cursor_fail(start, "\"# input\" is followed by the numbers of two points: at the base, on the "
                               "driven link");
-    if (r->n_pair == LW_INPUT_MAX)
-        return lw_cursor_fail(start, "this is one input too many: at most %d", LW_INPUT_MAX);
-    r->pair_at[r->n_pair] = *start;
-    r->pair[r->n_pair][0] = a;
-    r->pair[r->n_pair++][1] = b;
+    struct pair *more = lw_array_grow(r->pair, r->n_pair, &r->most_pairs, sizeof *more);
+    if (!more)
+        return lw_cursor_fail(start, "out of memory");
+    r->pair = more;
+    more[r->n_pair++] = (struct pair){ { a, b }, *start };
     return LW_OK;
 }
 
@@ -227,9 +227,9 @@ static lw_status set_inputs(reader *r)
 {
     lw_points *p = r->p;
     for (int i = 0; i < r->n_pair; i++) {
-        int a = r->pair[i][0], b = r->pair[i][1];
+        int a = r->pair[i].point[0], b = r->pair[i].point[1];
         if (a >= p->n_point || b >= p->n_point)
-            return lw_cursor_fail(&r->pair_at[i], "there is no point %d; they count from 0 to %d",
+            return lw_cursor_fail(&r->pair[i].at, "there is no point %d; they count from 0 to %d",
                                   a >= p->n_point ? a : b, p->n_point - 1);
         lw_point *base = &p->point[a], *tip = &p->point[b];
         base->driven = true;
@@ -238,16 +238,17 @@ static lw_status set_inputs(reader *r)
                 if (base->link[k] == tip->link[l] && base->link[k] != p->ground)
                     base->driven_link = base->link[k];
         if (base->driven_link < 0)
-            return lw_cursor_fail(&r->pair_at[i], "points %d and %d are on no moving link together", a, b);
+            return lw_cursor_fail(&r->pair[i].at, "points %d and %d are on no moving link together", a, b);
     }
     return LW_OK;
 }
 
-lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *linkage,
+lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const lw_units *units, lw_assembly *linkage,
                          lw_error *e)
 {
     char buf[24];
-    lw_points *p = lw_points_create(0, 0);
+    lw_points *p = lw_points_create();
+    *linkage = (lw_assembly){ 0 };
     if (!p)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     reader r = { .c = lw_cursor_start(text, size, file, e), .p = p, .metre = units->metre };
@@ -265,6 +266,7 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
         s = set_inputs(&r);
     if (s == LW_OK)
         s = lw_points_linkage(p, units, &r.c, linkage);
+    free(r.pair);
     lw_points_free(p);
     return s;
 }

@@ -27,9 +27,13 @@ lw_status lw_model_reserve(lw_model *m)
 
 lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m)
 {
-    lw_assembly view = lw_linkage_view(linkage);
+    return lw_model_from_assembly(LW_VIEW(linkage), m);
+}
+
+lw_status lw_model_from_assembly(const lw_assembly *linkage, lw_model *m)
+{
     memset(m, 0, sizeof *m);
-    lw_status s = lw_assembly_copy(&view, &m->linkage);
+    lw_status s = lw_assembly_copy(linkage, &m->linkage);
     if (s == LW_OK)
         s = lw_model_reserve(m);
     if (s != LW_OK)

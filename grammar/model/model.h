@@ -231,6 +231,7 @@ double lw_states_next_kink(const lw_states *s, double t);
 double lw_model_next_kink(const lw_model *m, double t);
 
 /* A model of a linkage alone: no masses, no loads.  LW_E_MEMORY: m is empty. */
+lw_status lw_model_from_assembly(const lw_assembly *linkage, lw_model *m);
 lw_status lw_model_from_linkage(const lw_linkage *linkage, lw_model *m);
 
 #endif

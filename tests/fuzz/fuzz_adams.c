@@ -5,7 +5,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lw_linkage k, back;
+    lw_assembly k, back;
     lw_bytes b = { 0 };
     lw_error e = { 0 };
     if (lw_adams_read((const char *)data, size, "fuzz", &k, &e) != LW_OK) {
@@ -14,11 +14,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     k.n_input = 0;                         /* else the writer searches the range of the input */
-    if (lw_export_adams(LW_VIEW(&k), NULL, &b, &e) != LW_OK)
+    if (lw_export_adams(&k, NULL, &b, &e) != LW_OK)
         abort();
     if (lw_adams_read(b.data, b.size, "again", &back, &e) != LW_OK || back.n_joint != k.n_joint
         || back.n_link != k.n_link || back.n_tracer != k.n_tracer)
         abort();
     lw_bytes_free(&b);
+    lw_assembly_free(&k);
+    lw_assembly_free(&back);
     return 0;
 }
