@@ -98,6 +98,15 @@ static void block(FILE *f, int n)
             n ? ", 'speed': 1e-" : "", n);
 }
 
+/* Painleve's rod: its foot slides ahead of it, and friction stops it at once. */
+static void rod(FILE *f, int n)
+{
+    fprintf(f, "'gravity': [0, -9.81], 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], [1, 0]]}]}, {'name': 'rod', 'mass': 1, 'centre': "
+            "[-0.25, 0.4330127018922193], 'inertia': 0.08333333333333333, 'velocity': [%d, 0], 'shapes': [{'segment': [[0, 0], [-0.5, "
+            "0.8660254037844386]]}]}], 'joints': [{'name': 'F', 'kind': 'n', 'links': ['ground', 'rod']}], 'contacts': [{'links': ['ground', 'rod'], "
+            "'friction': 2}]", n);
+}
+
 static const subject subjects[] = {
     { "pendulum", "pendulum.json", .to = 10 },
     { "N-four-bar, N = 2", "two-four-bars.json", .to = 10, .hard = true },
@@ -153,6 +162,8 @@ static const subject subjects[] = {
     { "massless loop", NULL, .to = 0.4, .make = massless, .n = 1, .hard = true },
     { "block stops, set-valued", NULL, .to = 2, .make = block, .hard = true },
     { "block stops, smoothed", NULL, .to = 2, .make = block, .n = 3, .hard = true },
+    { "a million periods", "pendulum.json", .to = 2e6, .hard = true },
+    { "Painleve's rod", NULL, .to = 0.3, .make = rod, .n = 5, .hard = true },
     { "Newton's cradle", "dynamics/newtons-cradle.json", .to = 2, .hard = true },
     { "rolling wheel", "dynamics/rolling-wheel.json", .to = 1, .hard = true },
     { "rope goes slack", "dynamics/rope.json", .to = 1, .hard = true },
@@ -412,7 +423,7 @@ static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_erro
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
         lw_dynamics_options o = options(y, f, row->tolerance);
         lw_status st = run_once(&y->scene, &o, &y->got, NULL, &why);
-        row->error = st == LW_OK ? apart(&y->got, exact, y->scene.in_space) : NAN;
+        row->error = st == LW_OK && y->n_exact > 0 ? apart(&y->got, exact, y->scene.in_space) : NAN;
         row->hard = y->s->hard && f == y->chosen[k];
         double until = lw_clock_wall() + b->time;
         motion none = { 0 };
