@@ -100,7 +100,7 @@ static void put_linkages(void)
     CHECK_INT(sqlite3_exec(db, evil, NULL, NULL, NULL), SQLITE_OK);
     sqlite3_free(evil);
     for (int i = 0; i < 3; i++) {
-        char *json = NULL, hash[8];
+        char *json = NULL, hash[12];
         size_t size;
         sqlite3_stmt *t;
         snprintf(hash, sizeof hash, "%d", i);

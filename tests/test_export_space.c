@@ -18,6 +18,8 @@ static lw_bytes export(const lw_spatial *m, const char *format)
     return b;
 }
 
+#if __has_include(<mujoco/mujoco.h>)
+
 /* Every kind of joint closes a loop once; and springs, dampers, forces and motors. */
 static const char *const closing[] = {
     "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': "
@@ -61,8 +63,6 @@ static void read_closing(size_t i, lw_spatial *m)
         *c = *c == '\'' ? '"' : *c;
     read_spatial(text, strlen(text), "closing", m);
 }
-
-#if __has_include(<mujoco/mujoco.h>)
 
 #define SAMPLES 2000
 

@@ -208,7 +208,7 @@ static lw_status draw_choices(int n, const lw_load *l, const lw_drive_parts *p,
                                   .series = series[panels] };
         panels++;
         if (panels == 1) {
-            static char title[200];
+            static char title[300];
             snprintf(title, sizeof title, "%s: %s, %s, %s", l[i].name, p->motor[c->motor].name, g->name,
                      amplifier_name(p, c));
             plot[0].title = title;
