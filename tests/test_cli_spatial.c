@@ -63,6 +63,7 @@ TEST(refusals)
 {
     expect("$P simulate examples/space/top.json -a linear --along 3", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json --formulation reduced", 3, NULL, "its links move in space");
+    expect("$P simulate examples/space/sarrus.json --to 3 --formulation ggl", 4, NULL, "leave the formulation to auto");
     expect("$P simulate examples/space/top.json --balance", 2, NULL, "planar");
     expect("$P simulate examples/space/top.json -a kinematic", 3, NULL, "more freedoms would have to be driven");
     expect("$P trace examples/space/bricard.json --cycle", 2, NULL, "planar");
@@ -71,6 +72,21 @@ TEST(refusals)
     expect("$P clearance examples/space/top.json", 3, NULL, "spatial model");
     expect("$P convert examples/space/top.json --format dxf", 3, "", "planar linkages only");
     expect("$P convert examples/space/top.json --format mjcf --length-unit mm", 3, "", "--length-unit goes with planar");
+}
+
+/* A lift has no workspace in the level plane; a table of two slides has no limits there. */
+TEST(workspaces)
+{
+    expect("echo '{\"linkwright\": 1, \"links\": [\"ground\", \"a\", \"b\"], \"joints\": [{\"name\": \"A\", \"kind\": \"prismatic\", \"links\": "
+           "[\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"kind\": \"prismatic\", \"links\": [\"a\", \"b\"], "
+           "\"at\": [0, 0, 1], \"axis\": [1, 0, 0]}], \"drives\": [{\"joint\": \"A\"}, {\"joint\": \"B\"}], \"tracers\": [{\"name\": \"T\", "
+           "\"link\": \"b\", \"at\": [0, 0, 1]}]}' > $D/tower.json; sed 's/.1, 0, 0./[0, 0, 1]/' $D/tower.json > $D/lift.json; "
+           "sed 's/axis\": .0, 0, 1./axis\": [0, 1, 0]/' $D/tower.json > $D/table.json", 0, NULL, NULL);
+    expect("$P robot workspace $D/lift.json --rays 8", 4, NULL, "cannot move the tool");
+    expect("$P robot map $D/lift.json --places 3", 4, NULL, "cannot move the tool");
+    expect("$P robot workspace $D/table.json --rays 8", 0, "none found", "in 8 of 8 directions");
+    expect("$P robot workspace $D/table.json --rays 8 --json", 0, "\"without_limit\": 8", NULL);
+    expect("$P robot workspace examples/space/delta.json --rays 8 --json", 0, "\"without_limit\": 0", NULL);
 }
 
 TEST(files_for_other_programs)

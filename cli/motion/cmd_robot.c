@@ -315,11 +315,22 @@ static int run_budget(const cli_call *call)
     return code;
 }
 
+#define SMALL 1e-6               /* of the robot's size: ways of the tool below this are none */
+
 /* ---- workspace ------------------------------------------------------------------------------------------- */
 
 static lw_vec3 direction(const job *j, double angle)
 {
     return lw_v3_add(lw_v3_scale(j->right, cos(angle)), lw_v3_scale(j->ahead, sin(angle)));
+}
+
+/* A tool that gets nowhere has no workspace and no map. */
+static int cannot_move(job *j, const lw_robot_pose *p)
+{
+    lw_error_set(&j->e, LW_OPEN, "the drives cannot move the tool from (%.9g, %.9g, %.9g) %s in the level plane%s; begin from "
+                 "another posture", p->place.x/j->metre + 0.0, p->place.y/j->metre + 0.0, p->place.z/j->metre + 0.0, j->unit,
+                 isinf(p->condition) ? ": the posture is singular, or the robot lacks this freedom (robot jacobian shows where the tool can go)" : "");
+    return cli_fail(j->call, &j->e);
 }
 
 /* Every ray begins where the tool is now. */
@@ -371,7 +382,7 @@ static int run_workspace(const cli_call *call)
         cli_json_array(&w, "edge");
     } else
         fprintf(o.f, "# units: direction deg; distance x y z %s\ndirection,distance,x,y,z,limit\n", j.unit);
-    int done = 0;
+    int done = 0, endless = 0;
     for (int i = 0; i <= n && !cli_interrupted(); i++, done = i) {
         double a = 2*LW_PI*(i % n)/n, far = 0;
         j.e.text[0] = 0;
@@ -389,6 +400,7 @@ static int run_workspace(const cli_call *call)
         least = fmin(least, far), most = fmax(most, far);
         lw_vec3 at = lw_v3_add(p.place, lw_v3_scale(direction(&j, a), far));
         const char *why = strstr(j.e.text, "m: ");
+        endless += !why;
         double row[] = { a*180/LW_PI, far/j.metre, at.x/j.metre, at.y/j.metre, at.z/j.metre };
         if (call->common.json)
             cli_json_reals(&w, NULL, row, 5);
@@ -401,10 +413,16 @@ static int run_workspace(const cli_call *call)
     if (call->common.json) {
         cli_json_end(&w);
         cli_json_real(&w, "area", area);
+        cli_json_int(&w, "without_limit", endless);
         cli_json_bool(&w, "complete", done == n + 1);
         cli_json_end(&w);
     }
+    if (code == CLI_DONE && done == n + 1 && most < SMALL*j.r.space.unit)
+        code = cannot_move(&j, &p);
     if (code == CLI_DONE && done == n + 1) {
+        if (endless)
+            cli_note(call, "no limit was found within %.6g %s in %d of %d directions: the area counts them as far as that; a \"stop\" of "
+                     "the joints limits them", 4*j.r.space.unit/j.metre, j.unit, endless, n);
         cli_note(call, "area %.6g %s^2 in the level plane, from %.6g to %.6g %s around the tool", area, j.unit, least/j.metre,
                  most/j.metre, j.unit);
         if (j.s->plot)
@@ -553,6 +571,8 @@ static int run_map(const cli_call *call)
         if (follow_ray(&j, q, near, 2*LW_PI*i/12, &far) == LW_OK)
             reach = fmax(reach, far);
     }
+    if (reach < SMALL*j.r.space.unit && !cli_interrupted())
+        code = cannot_move(&j, &p), n = 0;
     reach *= 1.02;
     j.r.least = 1e-4;                        /* where ways end is not shown */
     cli_progress progress = cli_progress_begin(call, "map", "places");
@@ -604,7 +624,8 @@ static int run_map(const cli_call *call)
         cli_json_bool(&w, "complete", code == CLI_DONE && !cli_interrupted());
         cli_json_end(&w);
     }
-    cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
+    if (n > 0)
+        cli_note(call, "%d places; %d of the grid are not reached on a straight way from the tool", m.n, lost);
     if (worst > 0)
         cli_note(call, "error of the tool at most %.4g %s, at (%.6g, %.6g, %.6g) %s, where the greatest contributor is the %s", worst/j.metre,
                  j.unit, worst_at.x/j.metre, worst_at.y/j.metre, worst_at.z/j.metre, j.unit, worst_by);

@@ -8,6 +8,7 @@
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/sparse_lu.h"
@@ -481,6 +482,10 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     if (s == LW_E_NUMERIC)
         unpack(g, w->y, run->state);
     lw_sundials_free(w);
+    size_t said = strlen(run->e->text);
+    if (s == LW_E_NUMERIC && d->space)
+        snprintf(run->e->text + said, sizeof run->e->text - said, " ggl does not pass singular postures of models in space; if this is "
+                 "one, leave the formulation to auto, or take recursive or index1");
     if (s == LW_E_NUMERIC && d->o.formulation == LW_FORMULATION_AUTO)
         s = lw_run_go_on(run, run->state);
     return s;

@@ -248,8 +248,8 @@ lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
     principal(tensor, square, &out->axes);
     out->manipulability = 1;
     for (int i = 0; i < 3; i++) {
-        out->singular[i] = square[i] > 0 ? sqrt(square[i]) : 0;
-        if (out->singular[i] > 1e-7*out->singular[0]) {        /* squares know nothing smaller */
+        out->singular[i] = square[i] > 1e-14*square[0] ? sqrt(square[i]) : 0;      /* squares know nothing smaller */
+        if (out->singular[i] > 0) {
             out->rank = i + 1;
             out->manipulability *= out->singular[i];
             out->condition = out->singular[0]/out->singular[i];
