@@ -235,12 +235,23 @@ TEST(drives_carry_friction)
             CHECK_NEAR(k.drive[i][j], want[i][j], 1e-9, 0);
 }
 
+static lw_vec2 flat_end[16];
+
+static lw_status keep_end(void *context, const lw_moment *m)
+{
+    const lw_system *sys = lw_dynamics_system(context);
+    flat_end[n_plane++] = lw_system_point(sys, sys->tracer_body[0], sys->tracer_arm[0], m->q);
+    return LW_OK;
+}
+
 /* A soft bar on a pin, and one on a guide, with friction: the implicit method, which has the reactions in its unknowns, against the explicit one,
- * which solves for them in each evaluation. */
+ * which solves for them in each evaluation; and the same bar in the plane, whose elements, rows and friction are others. */
 TEST(elastic_links_rub)
 {
     static const char *const joint[] = { "\"axis\": [0, -1, 0], \"friction\": {\"coefficient\": 0.3, \"radius\": 0.05, \"speed\": 0.02}",
         "\"kind\": \"prismatic\", \"axis\": [0.6, 0, -0.8], \"friction\": {\"coefficient\": 0.4, \"speed\": 0.02}" };
+    static const char *const in_plane[] = { "\"friction\": {\"coefficient\": 0.3, \"radius\": 0.05, \"speed\": 0.02}",
+        "\"kind\": \"t\", \"along\": [0.6, -0.8], \"friction\": {\"coefficient\": 0.4, \"speed\": 0.02}" };
     for (int i = 0; i < 2; i++) {
         char text[1024];
         lw_vec3 explicit_one[11];
@@ -258,6 +269,25 @@ TEST(elastic_links_rub)
         CHECK(k.r.energy_error < 1e-5*k.r.energy_scale);
         for (int s = 0; s < 11; s++)
             CHECK_NEAR(lw_v3_norm(lw_v3_sub(k.tracer[s][0], explicit_one[s])), 0, 1e-7, 0);
+        lw_model m;
+        lw_error e = { 0 };
+        lw_dynamics *p;
+        lw_dynamics_report r;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        o.intervals = 10, o.to = 0.3, o.relative = o.absolute = 1e-8;
+        snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"A\", \"elastic\": {\"section\": {\"shape\": "
+                 "\"rectangle\", \"width\": 0.04, \"height\": 0.04}, \"material\": {\"E\": 2e7, \"G\": 8e6, \"density\": 1000}, \"segments\": 2, "
+                 "\"damping\": 0.001}}], \"joints\": [{\"name\": \"J\", \"links\": [\"ground\", \"A\"], \"at\": [0, 0], %s}], \"gravity\": "
+                 "[0, -9.81], \"tracers\": [{\"name\": \"P\", \"link\": \"A\", \"at\": [0.5, 0]}]}", in_plane[i]);
+        n_plane = 0;
+        CHECK_INT(lw_model_read(text, strlen(text), "plane", &m, &e), LW_OK);
+        CHECK_INT(lw_dynamics_make(&m, &o, &p, &e), LW_OK);
+        CHECK_INT(lw_dynamics_run(p, keep_end, p, &r, &e), LW_OK);
+        CHECK_INT(n_plane, k.n);
+        for (int s = 0; s < k.n && s < n_plane; s++)
+            CHECK_NEAR(hypot(k.tracer[s][0].x - flat_end[s].x, k.tracer[s][0].z - flat_end[s].y), 0, 1e-8, 0);
+        lw_dynamics_free(p);
+        lw_model_free(&m);
     }
 }
 
