@@ -348,8 +348,8 @@ TEST(delta)
 
 /* The sections and materials of table 1 of paper B, arms and bars: lowest frequencies of the independent model.  The table prints 69.71, 66.19,
  * 69.65, 80.88, 66.61 Hz, which do not follow from its data, nor from E = 16 GPa or the second moments of area of its text
- * (docs/spatial-values.md).  Only the second row is wider than a digit: its fibres along the arms make the shear of the box count
- * most (G = 3 GPa), for which the independent model has another twisting constant. */
+ * (docs/spatial-values.md).  Only the second row is wider than a digit: 84.8125 here.  With G = 3 GPa in the arms it depends most on the
+ * shear of the box (84.09 for a factor of 1.52); which constant differs in the independent model is not known. */
 TEST(table_of_delta)
 {
     static const lw_material q45 = { 100e9, 40e9, 1600 }, f0 = { 250e9, 3e9, 1600 }, alu = { 70e9, 26e9, 2700 }, soft = { 16e9, 8e9, 1600 };
