@@ -537,14 +537,11 @@ static void warn(const cli_call *call, const cli_fit_set *set)
         int links = 4;
         for (int i = 0; i < set->search.found.n_stage; i++)
             links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
-        bool met = r->error_max <= 1e-6*set->target.extent;        /* then only the way between the stations is in question */
-        cli_note(call, met ? "%s: the first row meets every station, but between them it leaves a smooth line through them, straight at "
-                 "corners, by %.3g %s, %.2g %% of the target's diagonal; if that matters, add stations%s" :
-                 "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
+        cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
                  "diagonal; %s", set->path, lw_fit_report_misses(&set->target, r)/set->target.units.metre,
                  set->target.units.length[0] ? set->target.units.length : "units",
                  100*lw_fit_report_misses(&set->target, r)/set->target.extent,
-                 met ? "" : links < 6 ? "'--links 6' searches linkages with six links too"
+                 links < 6 ? "'--links 6' searches linkages with six links too"
                  : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
                  : "a larger --budget searches longer");
     }

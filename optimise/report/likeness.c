@@ -208,15 +208,12 @@ static double farthest(runs *r, const lw_vec2 *p, size_t n, double most)
 
 lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n)
 {
-    lw_stray stray = { NAN, NAN, NAN };
+    lw_stray stray = { NAN, NAN };
     size_t n_drawn;
     lw_vec2 *drawn = curve_of(t, &n_drawn);
     runs found = { 0 }, wanted = { 0 };
     if (drawn && make_runs(curve, n, t->closed, &found) && make_runs(drawn, n_drawn, t->closed, &wanted)) {
-        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0), 0 };
-        for (size_t i = 0; i < n_drawn; i++)
-            stray.unsure = fmax(stray.unsure, 2*lw_v2_nearer(drawn[i], station(t, i/PIECES),
-                                                             station(t, (i/PIECES + 1) % t->n), INFINITY));
+        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0) };
         for (size_t i = 0; i < t->n; i++) {
             lw_vec2 p = station(t, i);
             stray.to_curve = farthest(&found, &p, 1, stray.to_curve);

@@ -89,10 +89,7 @@ const char *lw_fit_report_input(const lw_fit_report *r);
 /* Greatest distance of curve and target, both ways [m]; NaN for functions. */
 double lw_fit_report_stray(const lw_fit_report *r);
 
-/* The same beyond what the target is known to between its stations (lw_stray): what counts for the order of results [m]. */
-double lw_fit_report_leaves(const lw_fit_report *r);
-
-/* The stray, but not less than the greatest error at a station, with its angle counted over half the diagonal of the
+/* The same, but not less than the greatest error at a station, with its angle counted over half the diagonal of the
  * target [m]. */
 double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r);
 

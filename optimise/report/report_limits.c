@@ -122,11 +122,6 @@ double lw_fit_report_stray(const lw_fit_report *r)
     return isnan(r->stray.to_target) ? NAN : fmax(r->stray.to_curve, r->stray.to_target);
 }
 
-double lw_fit_report_leaves(const lw_fit_report *r)
-{
-    return isnan(r->stray.to_target) ? NAN : fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
-}
-
 double lw_fit_report_misses(const lw_target *t, const lw_fit_report *r)
 {
     double turned = isnan(r->angle_max) ? 0 : 0.5*t->extent*r->angle_max;

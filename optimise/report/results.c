@@ -157,7 +157,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*lw_candidate_links(c);
-    return drawn_by_it ? r->stray.to_curve : lw_fit_report_leaves(r);
+    return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
 }
 
 /* Less is better. */
