@@ -13,7 +13,7 @@
 typedef struct lw_key_slot { uint32_t hash; int item; } lw_key_slot;      /* item 0: empty, else index + 1 */
 typedef struct lw_key_table { size_t capacity, n; lw_key_slot *slot; } lw_key_table;
 
-static inline uint32_t lw_key_hash(const void *key, size_t size)         /* FNV-1a */
+static inline uint32_t lw_key_table_hash(const void *key, size_t size)         /* FNV-1a */
 {
     uint32_t h = 2166136261u;
     for (size_t i = 0; i < size; i++)
@@ -22,9 +22,9 @@ static inline uint32_t lw_key_hash(const void *key, size_t size)         /* FNV-
 }
 
 /* The index that was added with this key; -1: none. */
-static inline int lw_key_find(const lw_key_table *t, const void *items, size_t stride, const void *key, size_t size)
+static inline int lw_key_table_find(const lw_key_table *t, const void *items, size_t stride, const void *key, size_t size)
 {
-    uint32_t h = lw_key_hash(key, size);
+    uint32_t h = lw_key_table_hash(key, size);
     for (size_t i = h; t->capacity > 0 && t->slot[i &= t->capacity - 1].item > 0; i++)
         if (t->slot[i].hash == h && memcmp((const char *)items + (size_t)(t->slot[i].item - 1)*stride, key, size) == 0)
             return t->slot[i].item - 1;
@@ -32,7 +32,7 @@ static inline int lw_key_find(const lw_key_table *t, const void *items, size_t s
 }
 
 /* Add a key that is not in the table.  false: out of memory. */
-static inline bool lw_key_add(lw_key_table *t, const void *key, size_t size, int index)
+static inline bool lw_key_table_add(lw_key_table *t, const void *key, size_t size, int index)
 {
     if (2*(t->n + 1) > t->capacity) {
         lw_key_table more = { .capacity = t->capacity ? 2*t->capacity : 64, .n = t->n };
@@ -49,7 +49,7 @@ static inline bool lw_key_add(lw_key_table *t, const void *key, size_t size, int
         free(t->slot);
         *t = more;
     }
-    uint32_t h = lw_key_hash(key, size);
+    uint32_t h = lw_key_table_hash(key, size);
     size_t to = h & (t->capacity - 1);
     while (t->slot[to].item > 0)
         to = (to + 1) & (t->capacity - 1);
@@ -58,7 +58,7 @@ static inline bool lw_key_add(lw_key_table *t, const void *key, size_t size, int
     return true;
 }
 
-static inline void lw_key_free(lw_key_table *t)
+static inline void lw_key_table_free(lw_key_table *t)
 {
     free(t->slot);
     *t = (lw_key_table){ 0 };

@@ -331,23 +331,23 @@ static lw_status set_name(reader *r, const char *wanted, const char *letter, int
 {
     memset(name, 0, LW_NAME_SIZE);
     snprintf(name, LW_NAME_SIZE, "%s", wanted);
-    for (int n = 0; !name[0] || lw_key_find(t, names, stride, name, strlen(name) + 1) >= 0; n++)
+    for (int n = 0; !name[0] || lw_key_table_find(t, names, stride, name, strlen(name) + 1) >= 0; n++)
         snprintf(name, LW_NAME_SIZE, n ? "%s%d_%d" : "%s%d", letter, id, n + 1);
-    return lw_key_add(t, name, strlen(name) + 1, index) ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
+    return lw_key_table_add(t, name, strlen(name) + 1, index) ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
 }
 
 /* The item with this number, of those that begin with one; -1: none. */
 static int find_id(const lw_key_table *t, const void *items, size_t stride, double id)
 {
     int key = fabs(id) < 1e9 ? (int)id : 0;
-    return key == id ? lw_key_find(t, items, stride, &key, sizeof key) : -1;
+    return key == id ? lw_key_table_find(t, items, stride, &key, sizeof key) : -1;
 }
 
 /* Enter an item under its number, unless another one has it. */
 static lw_status add_id(reader *r, lw_key_table *t, const void *items, size_t stride, int id, int index)
 {
-    bool there = lw_key_find(t, items, stride, &id, sizeof id) >= 0;
-    return there || lw_key_add(t, &id, sizeof id, index) ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
+    bool there = lw_key_table_find(t, items, stride, &id, sizeof id) >= 0;
+    return there || lw_key_table_add(t, &id, sizeof id, index) ? LW_OK : lw_error_set(r->e, LW_E_MEMORY, "out of memory for a dataset");
 }
 
 static lw_status read_part(reader *r, const lw_adams_statement *s)
@@ -646,6 +646,6 @@ lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_asse
     free(r.joint_id);
     lw_key_table *const tables[] = { &r.links, &r.joints, &r.parts, &r.joint_ids, &r.markers };
     for (size_t i = 0; i < sizeof tables/sizeof *tables; i++)
-        lw_key_free(tables[i]);
+        lw_key_table_free(tables[i]);
     return s;
 }

@@ -25,7 +25,7 @@ void lw_points_free(lw_points *p)
         free(p->point[i].link);
     free(p->name);
     free(p->point);
-    lw_key_free(&p->index);
+    lw_key_table_free(&p->index);
     free(p);
 }
 
@@ -70,13 +70,13 @@ lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size
         return lw_cursor_fail(where, "a link's name has 1 to %d bytes", LW_NAME_SIZE - 1);
     memcpy(name, where->text + where->at, n);
     name[n] = '\0';
-    int l = lw_key_find(&p->index, p->name, sizeof *p->name, name, n + 1);
+    int l = lw_key_table_find(&p->index, p->name, sizeof *p->name, name, n + 1);
     for (int i = 0; l >= 0 && i < q->n_link; i++)
         if (q->link[i] == l)
             return lw_cursor_fail(where, "link %s is named twice at one point", name);
     if (l < 0) {
         char (*more)[LW_NAME_SIZE] = lw_array_grow(p->name, l = p->n_link, &p->most_links, sizeof *more);
-        if (!more || !lw_key_add(&p->index, name, n + 1, l))
+        if (!more || !lw_key_table_add(&p->index, name, n + 1, l))
             return lw_cursor_fail(where, "out of memory");
         p->name = more;
         memcpy(p->name[p->n_link++], name, sizeof name);
@@ -355,9 +355,9 @@ static bool name_links(const lw_assembly *linkage, lw_points *p)
             for (n = 0; name[n]; n++)
                 small[l][n] = (char)tolower((unsigned char)name[n]);
             small[l][n] = '\0';
-            taken = is_word(linkage, name) || lw_key_find(&p->index, small, sizeof *small, small[l], (size_t)n + 1) >= 0;
+            taken = is_word(linkage, name) || lw_key_table_find(&p->index, small, sizeof *small, small[l], (size_t)n + 1) >= 0;
         }
-        good = lw_key_add(&p->index, small[l], (size_t)n + 1, l);
+        good = lw_key_table_add(&p->index, small[l], (size_t)n + 1, l);
     }
     free(small);
     return good;
@@ -380,16 +380,16 @@ static bool prepare(grouping *g)
         g->driven[k->input[i].joint] = true;
     for (int j = 0; good && j < k->n_joint; j++) {
         at[j] = lw_v2(k->joint[j].at.x + 0.0, k->joint[j].at.y + 0.0);       /* not -0 */
-        int before = lw_key_find(&place, at, sizeof *at, &at[j], sizeof *at);
+        int before = lw_key_table_find(&place, at, sizeof *at, &at[j], sizeof *at);
         g->first[j] = before >= 0 ? before : j;
         g->next[j] = -1;
         if (before >= 0)
             g->next[last[before]] = j;
         else
-            good = lw_key_add(&place, &at[j], sizeof *at, j);
+            good = lw_key_table_add(&place, &at[j], sizeof *at, j);
         last[g->first[j]] = j;
     }
-    lw_key_free(&place);
+    lw_key_table_free(&place);
     free(at);
     free(last);
     return good;
