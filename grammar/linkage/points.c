@@ -75,10 +75,11 @@ lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size
         if (q->link[i] == l)
             return lw_cursor_fail(where, "link %s is named twice at one point", name);
     if (l < 0) {
-        char (*more)[LW_NAME_SIZE] = lw_array_grow(p->name, l = p->n_link, &p->most_links, sizeof *more);
+        l = p->n_link;
+        char (*more)[LW_NAME_SIZE] = lw_array_grow(p->name, l, &p->most_links, sizeof *more);
+        p->name = more ? more : p->name;
         if (!more || !lw_key_table_add(&p->index, name, n + 1, l))
             return lw_cursor_fail(where, "out of memory");
-        p->name = more;
         memcpy(p->name[p->n_link++], name, sizeof name);
         if (strcmp(name, "ground") == 0)
             p->ground = l;
@@ -374,8 +375,10 @@ static bool prepare(grouping *g)
     g->used = calloc(2*n, sizeof *g->used);
     g->first = malloc(2*n*sizeof *g->first);
     bool good = at && last && g->used && g->first;
-    g->driven = g->used + n;
-    g->next = g->first + n;
+    if (good) {
+        g->driven = g->used + n;
+        g->next = g->first + n;
+    }
     for (int i = 0; good && i < k->n_input; i++)
         g->driven[k->input[i].joint] = true;
     for (int j = 0; good && j < k->n_joint; j++) {

@@ -74,9 +74,10 @@ static lw_status grow(lw_recursive *r, bool *kept, lw_error *e)
 {
     const lw_space *s = r->s;
     size_t bodies = (size_t)s->n_body, joints = (size_t)s->n_joint;
-    int n = 0, loose = 0, *above = calloc(2*bodies + 2*joints + 4, sizeof *above), *at = above + bodies + 1, *end = at + bodies + 3;
+    int n = 0, loose = 0, *above = calloc(2*bodies + 2*joints + 4, sizeof *above);
     if (!above)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    int *at = above + bodies + 1, *end = at + bodies + 3;
     for (int b = 0; b <= s->n_body; b++)
         above[b] = b;
     for (int rows = 6; rows > 0; rows--)
