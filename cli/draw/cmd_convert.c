@@ -88,27 +88,36 @@ static lw_status set_unit(const char *name, lw_units *u, lw_error *e)
          : lw_error_set(e, LW_E_ARG, "there is no length unit '%s'; m, mm, cm, km, um, in and ft are known", name);
 }
 
-static lw_status set_input(const char *name, lw_assembly *linkage, lw_error *e)
+static lw_status no_joint(const char *name, const lw_assembly *linkage, lw_error *e)
 {
     const char **names = malloc((size_t)linkage->n_joint*sizeof *names);
-    lw_input *in = realloc(linkage->input, ((size_t)linkage->n_input + 1)*sizeof *in);
-    linkage->input = in ? in : linkage->input;
-    lw_status s = names && in ? LW_E_ARG : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int j = 0; s == LW_E_ARG && j < linkage->n_joint; j++) {
+    if (!names)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int j = 0; j < linkage->n_joint; j++)
         names[j] = linkage->joint[j].name;
-        if (strcmp(names[j], name) != 0)
-            continue;
-        bool drives = lw_joint_can_drive(linkage->joint[j].kind);
-        s = drives ? LW_OK : lw_error_set(e, LW_E_KIND, "joint '%s' is no pin or slider and cannot be driven", name);
-        linkage->n_input = 1;
-        in[0] = (lw_input){ .joint = j, .value = lw_assembly_posture_input(linkage, j) };
-    }
-    const char *near = s == LW_E_ARG ? lw_suggest(name, names, linkage->n_joint) : NULL;
-    if (s == LW_E_ARG)
-        lw_error_set(e, s, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
-                     near ? near : names[0]);
+    const char *near = lw_suggest(name, names, linkage->n_joint);
+    lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
+                 near ? near : linkage->joint[0].name);
     free(names);
-    return s;
+    return LW_E_ARG;
+}
+
+static lw_status set_input(const char *name, lw_assembly *linkage, lw_error *e)
+{
+    int j = 0;
+    while (j < linkage->n_joint && strcmp(linkage->joint[j].name, name) != 0)
+        j++;
+    if (j == linkage->n_joint)
+        return no_joint(name, linkage, e);
+    if (!lw_joint_can_drive(linkage->joint[j].kind))
+        return lw_error_set(e, LW_E_ARG, "joint '%s' is no pin or slider and cannot be driven", name);
+    lw_input *in = realloc(linkage->input, ((size_t)linkage->n_input + 1)*sizeof *in);
+    if (!in)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    in[0] = (lw_input){ .joint = j, .value = lw_assembly_posture_input(linkage, j) };
+    linkage->input = in;
+    linkage->n_input = 1;
+    return LW_OK;
 }
 
 /* ---- run ------------------------------------------------------------------------------------------- */
