@@ -1,6 +1,6 @@
 /* Contacts of rigid bodies are often redundant: M has dependent rows up to rounding, and many bases are all but
  * singular.  Where rounding leads astray, the basis is found with a slightly greater diagonal, and its values are those for
- * M itself, or at last for the greater diagonal. */
+ * M itself; the last attempts keep those for the greater diagonal. */
 #include "base/lcp.h"
 
 #include <stdbool.h>

@@ -202,7 +202,7 @@ TEST(long_runs_stop)
     demand("rm -rf $D/x", "");
 }
 
-/* Hundreds of links, with and without rows that depend on others: a full matrix would take minutes. */
+/* Hundreds of links, with and without rows that depend on others: none of them needs a full matrix. */
 TEST(many_links)
 {
     expect("$P mobility $D/snake.json", 0, "freedom         1000", NULL);

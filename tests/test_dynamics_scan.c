@@ -13,6 +13,7 @@ static int models(int few)
     return all ? atoi(all) : few;
 }
 
+/* The seed of a run without LW_SEED leaves the models as they are. */
 static void seed_model(uint64_t kind, int k)
 {
     lw_rng_seed(&rng, kind + 100*(check_seed() - 20260101u), (uint64_t)k);

@@ -677,7 +677,7 @@ TEST(falling_chains)
     CHECK_NEAR(many.push, 100*0.1*g, 0, 1e-3);
 }
 
-/* A motor swings an arm down on a block that rests on the ground; its tip strikes a rigid block or a compliant one.  Captured
+/* A motor swings an arm down on a ball that rests on the ground, and strikes it rigidly or compliantly.  Captured
  * contacts come near the located ones, the nearer the smaller the tolerance. */
 TEST(captured_with_states_and_compliance)
 {

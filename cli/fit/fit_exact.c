@@ -83,8 +83,8 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
         if (x->complete)
             fprintf(f, "complete: as many different ones were found as there can be\n");
         else
-            fprintf(f, "not known to be complete: %ld are known at general points, and %ld fewer than there can be were "
-                    "reached from them; these, real ones too, may be missing, or lie at infinity\n", x->n_general,
+            fprintf(f, "not known to be complete: from %ld solutions at general points, of %d, %ld were reached here; the other "
+                    "%ld, real ones among them, may be missing or lie at infinity\n", x->n_general, x->n_theory, x->n_triple,
                     x->n_theory - x->n_triple);
     }
     if (x->choice[0])

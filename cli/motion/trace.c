@@ -258,9 +258,9 @@ void cli_note_nearly_flat(const cli_call *call, const lw_linkage *linkage)
         double left = arc < 0 ? 0 : lw_motion_nearly_flat(&t->motion, t->motion.arc[arc].circuit,
                                                              !t->plan.input_is_slider);
         if (left > 0)
-            cli_note(call, "two links come within %.2g deg of one line without passing it, as those of a parallelogram or a kite do whose "
-                     "numbers are rounded: there the motion turns as these numbers say; with exact ones it passes a change point and "
-                     "goes straight on (\"classify\")", left*180/LW_PI);
+            cli_note(call, "two links come within %.2g deg of a straight line without passing it, as in a parallelogram or a kite drawn with "
+                     "rounded numbers; the motion follows the rounded numbers, with exact ones it would pass a change point there "
+                     "(see 'linkwright classify')", left*180/LW_PI);
     }
     free(t);
 }

@@ -66,8 +66,8 @@ static lw_status rates_of(capture *g, double t, const double *q, const double *v
     return lw_mbs_state_rates(g->d, t, q, v, rate);
 }
 
-/* Move the states z over `whole` from t on, at (q, v), by the midpoint rule in so many parts that its two rates differ by a
- * trace: the states of motors are far faster than steps of contact. */
+/* Move the states z over `whole` from t on, at (q, v), by the midpoint rule, in so many parts that its two rates hardly
+ * differ: the states of motors are far faster than steps of contact. */
 static lw_status move_states(capture *g, double t, double whole, const double *q, const double *v, double *z)
 {
     const lw_equations *eq = &g->d->eq;

@@ -49,7 +49,7 @@ typedef struct driven {
     int         width;
     window      found, tried;
     double     *gap;                         /* gaps and rates of the places that may touch, at the moment looked at last */
-    double      touch_t, touch_for;          /* that moment, and for how long none can close by more than a trace */
+    double      touch_t, touch_for;          /* that moment, and how long none can close unseen */
     bool        made;                        /* `found` has been looked for at found.at */
     double      piece;                       /* longest time followed at once [s] */
     double      clear_from, clear_to;        /* no branch point between these places */
@@ -346,8 +346,8 @@ static lw_status gap_at(driven *z, double t, double *y, int place, double *gap)
     return LW_OK;
 }
 
-/* Rigid shapes, ropes and stops in the posture y at t: those that are closed are an error, since how much they carry does
- * not follow from a prescribed motion; those that close and open again since the moment before, too. */
+/* Rigid shapes, ropes and stops in the posture y at t: an error if one is closed, or closed and opened again since the
+ * moment before: how much it carries does not follow from a prescribed motion. */
 static lw_status look_at_places(driven *z, double t, double *y, double *between)
 {
     lw_dynamics *d = z->d;

@@ -370,8 +370,8 @@ static lw_status impact_once(const lw_dynamics *d, const closed *c, double part,
     return s;
 }
 
-/* Impacts at places that approach faster than *tiny, and those that follow from them.  Impulses between bodies that are
- * wedged may be far greater than their effect: rates to which the solution is exact then count as 0, too. */
+/* Impacts at places that approach faster than *tiny, and those that follow from them.  Impulses between wedged
+ * bodies may be far greater than what they change; then rates within the rounding of the solution count as 0, too. */
 static lw_status strike(lw_run *run, double t, closed *c, double *tiny, double *v, bool *any)
 {
     lw_dynamics *d = run->d;

@@ -65,9 +65,9 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
     bool settles = d->touch && a == LW_ANALYSIS_STATIC && d->freedom && !d->elastic && !d->large && !d->eq.n_z;
     bool postures = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC;
     bool prescribed = d->freedom == 0 && !d->elastic && !d->eq.n_z && !d->o.pieces;
-    if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || (postures || d->freedom == 0 ? !prescribed : false)))
-        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in runs in time with a freedom, where inputs move every freedom of "
-                            "rigid links, and in statics of rigid links with a freedom");
+    if (d->touch && !settles && (a == LW_ANALYSIS_STATIC || ((postures || d->freedom == 0) && !prescribed)))
+        return lw_error_set(e, LW_E_KIND, "contacts and ropes take part in runs in time of models with a freedom, in prescribed motion of "
+                            "rigid links without first-order states, and in statics of rigid links with a freedom");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
     r->no_friction = !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_QUASISTATIC)

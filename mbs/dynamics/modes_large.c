@@ -4,7 +4,7 @@
  * shift s makes the matrix regular where motions are free.  Vectors stay orthogonal in the metric of the masses by full
  * orthogonalisation.  A run that starts anew, orthogonal to the modes found, finds the further ones of equal frequency;
  * it is repeated until it finds none below the greatest.  Models with few freedoms and no elastic links are reduced to all their
- * motions instead (accelerations under random forces), and solved as matrices.  Damped modes are those of the equations reduced to twice as many
+ * motions instead, which accelerations under random forces span, and solved as matrices.  Damped modes are those of the equations reduced to twice as many
  * undamped modes as are wanted, which is exact where damping is proportional to the stiffness. */
 #include <float.h>
 #include <stdlib.h>

@@ -22,7 +22,7 @@ struct lw_touching {
     bool    captured;                    /* rows are all near places, closed or not (dynamics_capture.c) */
     bool    events;                      /* where compliant contacts begin and end                     */
     double  least_force;                 /* a force below this is rounding                             */
-    double  most_force;                  /* one that grows above it may have a pole: places that depend on others let go */
+    double  most_force;                  /* above this a force may grow without bound: contacts are decided anew */
     long    stalled;                     /* events in a row without progress in time, */
     double  last;                        /* and the time of the last                                   */
 };
