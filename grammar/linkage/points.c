@@ -171,7 +171,8 @@ static lw_status fill(const lw_points *p, const lw_cursor *end, lw_assembly *lin
 {
     lw_error inner;
     linkage->ground = p->ground;
-    memcpy(linkage->link_name, p->name, (size_t)p->n_link*sizeof *p->name);
+    if (p->n_link > 0)
+        memcpy(linkage->link_name, p->name, (size_t)p->n_link*sizeof *p->name);
     for (int i = 0; i < p->n_point; i++) {
         int first = linkage->n_joint;
         lw_status s = add_point(p, i, linkage);
