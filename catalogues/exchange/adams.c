@@ -526,8 +526,13 @@ static lw_status add_gear(reader *r, const coupler *c)
         return lw_error_at(r->e, LW_E_NOTATION, r->file, c->line, 1, "these joints make no gear pair on one carrier%s%s",
                            why.text[0] ? ": " : "", why.text);
     p->ratio = -c->scale[0]/c->scale[1]*sign[1]/sign[0];
-    if (lw_assembly_gear(k, k->n_joint - 1, &g, &contact, &why) == LW_OK)
-        p->at = contact;
+    const lw_joint *wheel[] = { &k->joint[found[0]], &k->joint[found[1]] };
+    bool turn = !lw_joint_slides(wheel[0]->kind) && !lw_joint_slides(wheel[1]->kind);
+    if (turn && p->ratio != 1)                       /* on the line of these centres: the wheels may turn on other links, too */
+        p->at = lw_v2_scale(lw_v2_sub(wheel[0]->at, lw_v2_scale(wheel[1]->at, p->ratio)), 1/(1 - p->ratio));
+    if (lw_assembly_gear(k, k->n_joint - 1, &g, &contact, &why) != LW_OK)
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, c->line, 1, "%s", why.text);
+    p->at = contact;
     return LW_OK;
 }
 
