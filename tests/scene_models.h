@@ -70,14 +70,14 @@ static const char *const model_files[] = {
 
 static inline lw_status model_read(const char *name, lw_linkage *k)
 {
-    char path[128], *text;
+    char path[128], *content;
     size_t size;
     lw_error e = { .status = LW_OK };
     snprintf(path, sizeof path, "examples/%s.json", name);
-    lw_status st = lw_file_read(path, &text, &size, &e);
+    lw_status st = lw_file_read(path, &content, &size, &e);
     if (st == LW_OK) {
-        st = lw_linkage_read(text, size, path, k, &e);
-        free(text);
+        st = lw_linkage_read(content, size, path, k, &e);
+        free(content);
     }
     if (st != LW_OK)
         fprintf(stderr, "%s: %s\n", path, e.text);

@@ -7,6 +7,7 @@
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
+#include "tests/large_models.h"
 #include "tests/scene_models.h"
 
 static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
@@ -197,14 +198,14 @@ TEST(wanted_range_of_a_curve)
 
 static lw_status timed_scene(const char *path, double until, lw_model *m, lw_scene *s)
 {
-    char *text = NULL;
+    char *content = NULL;
     size_t size;
     lw_error e;
     lw_scene_options o = lw_scene_options_default();
-    lw_status st = lw_file_read(path, &text, &size, &e);
+    lw_status st = lw_file_read(path, &content, &size, &e);
     if (st == LW_OK)
-        st = lw_model_read(text, size, path, m, &e);
-    free(text);
+        st = lw_model_read(content, size, path, m, &e);
+    free(content);
     if (st != LW_OK)
         return st;
     o.model = m;
@@ -486,4 +487,33 @@ TEST(rounding_noise_reads_as_nothing)
     CHECK_NEAR(lw_scene_dimension(&s, 0), 2000, 1e-9, 0);
     CHECK_NEAR(lw_scene_dimension(&s, 8), 0.2*180/LW_PI, 1e-12, 0);
     lw_scene_free(&s);
+}
+
+/* More inputs than a linkage holds: every pendulum is where its motion takes it, and one period is shown. */
+TEST(each_of_forty_inputs_moves)
+{
+    enum { N = 40 };
+    text t = { 0 };
+    lw_model m;
+    lw_scene s;
+    lw_error e = { 0 };
+    lw_scene_options o = lw_scene_options_default();
+    put(&t, "{'linkwright': 1, 'joints': [");
+    for (int i = 0; i < N; i++)
+        put(&t, "%s{'name': 'A%d', 'links': ['ground', 'p%d'], 'at': [%d, 0]}", i ? "," : "", i, i, i);
+    put(&t, "], 'inputs': [");
+    for (int i = 0; i < N; i++)
+        put(&t, "%s{'joint': 'A%d', 'motion': '%.1f*sin(2*pi*t/0.5)'}", i ? "," : "", i, 0.1*i);
+    put(&t, "]}");
+    read_text(&t, &m);
+    CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
+    CHECK(s.n_frame > 10);
+    CHECK_NEAR(s.input[s.n_frame - 1], 0.5, 0.5/(double)o.n_frame, 0);
+    for (size_t f = 0; f < s.n_frame; f++)
+        for (int i = 0; i < N; i++) {
+            lw_vec2 turn = s.place[f*(size_t)s.linkage.n_link + (size_t)m.linkage.joint[i].link[1]].turn;
+            CHECK_NEAR(distance(turn, lw_v2_polar(1, 0.1*i*sin(4*LW_PI*s.input[f]))), 0, 1e-6, 0);
+        }
+    lw_scene_free(&s);
+    lw_model_free(&m);
 }

@@ -434,30 +434,39 @@ static void sweep(void *linkage, double t, int order, double *u)
     }
 }
 
-static bool inputs_are_alike(const lw_model *m, double a, double b)
+/* u: (4*inputs) scratch */
+static bool inputs_are_alike(const lw_model *m, double a, double b, double *u)
 {
-    double u[2*LW_INPUT_MAX], v[2*LW_INPUT_MAX];
+    int n = 2*lw_assembly_free_inputs(&m->linkage);
+    double *v = u + n;
     lw_prescribed_motion_of_model((void *)m, a, 1, u);
     lw_prescribed_motion_of_model((void *)m, b, 1, v);
-    for (int i = 0; i < 2*lw_assembly_free_inputs(&m->linkage); i++)
+    for (int i = 0; i < n; i++)
         if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
             return false;
     return true;
 }
 
-/* How long a motion in time is shown [s]: until the inputs repeat or come to rest, else 1 s. */
-static double duration(const lw_model *m)
+/* How long a motion in time is shown [s]: as the options say, or until the inputs repeat or come to rest, else 1 s. */
+static lw_status duration(const lw_model *m, const lw_scene_options *o, double *out)
 {
     static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
+    *out = o->until > 0 ? o->until : 1;
+    double *u = o->until > 0 ? NULL : malloc(4*(size_t)m->linkage.n_input*sizeof *u);
+    if (!u)
+        return o->until > 0 ? LW_OK : LW_E_MEMORY;
     for (size_t i = 0; i < sizeof span/sizeof *span; i++) {
         double t = span[i];
-        bool again = inputs_are_alike(m, 0, t) && inputs_are_alike(m, 0.3*t, 1.3*t)
-                     && inputs_are_alike(m, 0.6*t, 1.6*t);
-        bool rest = inputs_are_alike(m, t, 1.3*t) && inputs_are_alike(m, t, 2*t);
-        if ((again || rest) && !inputs_are_alike(m, 0, 0.37*t))
-            return t;
+        bool again = inputs_are_alike(m, 0, t, u) && inputs_are_alike(m, 0.3*t, 1.3*t, u)
+                     && inputs_are_alike(m, 0.6*t, 1.6*t, u);
+        bool rest = inputs_are_alike(m, t, 1.3*t, u) && inputs_are_alike(m, t, 2*t, u);
+        if ((again || rest) && !inputs_are_alike(m, 0, 0.37*t, u)) {
+            *out = t;
+            break;
+        }
     }
-    return 1;
+    free(u);
+    return LW_OK;
 }
 
 /* Fix links whose rotation changes nothing else (a roller on its pin). False: there is none. */
@@ -500,9 +509,11 @@ static lw_status start_path(lw_work *w, const lw_scene_options *o, lw_error *why
 {
     const lw_linkage *k = &w->linkage;
     bool motions, together = move_together(k, o, &motions);
+    double last = 0;
+    if (motions && duration(o->model, o, &last) != LW_OK)
+        return lw_error_set(why, LW_E_MEMORY, "out of memory");
     if (motions)
-        return lw_motion_path_in_time(k, lw_prescribed_motion_of_model, (void *)o->model, 0,
-                                 o->until > 0 ? o->until : duration(o->model), &w->path, why);
+        return lw_motion_path_in_time(k, lw_prescribed_motion_of_model, (void *)o->model, 0, last, &w->path, why);
     if (together)
         return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->path, why);
     lw_status st = lw_motion_path_along(k, o->other_branches, &w->path, why);
@@ -969,7 +980,9 @@ static lw_status large_motion(const lw_model *m, const lw_scene_options *o, lw_s
         return lw_error_set(why, LW_E_ARG, "it has no input");
     const lw_input *in = &a->input[0];
     bool slides = lw_joint_slides(a->joint[in->joint].kind), ranged = in->first != in->last;
-    double now = timed ? 0 : in->value, ends[2] = { now, now + (timed ? o->until > 0 ? o->until : duration(m) : 2*LW_PI) };
+    double now = timed ? 0 : in->value, ends[2] = { now, now + 2*LW_PI };
+    if (timed && duration(m, o, &ends[1]) != LW_OK)
+        return lw_error_set(why, LW_E_MEMORY, "out of memory");
     if (!timed && ranged)
         ends[0] = fmin(in->first, in->last), ends[1] = fmax(in->first, in->last);
     else if (!timed && slides)
