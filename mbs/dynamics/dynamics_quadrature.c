@@ -323,6 +323,8 @@ static double place_at(const panel *p, double t)
         double off = time_at(p, x, &slope) - zero - (t - p->t), next;
         *(off > 0 ? &high : &low) = x;
         next = x - off/slope;
+        if (fabs(next - x) <= 1e-9)          /* the step after it would be of the size of its square */
+            return fmin(fmax(next, low), high);
         next = next > low && next < high ? next : 0.5*(low + high);
         if (fabs(next - x) <= 2e-15)
             return next;

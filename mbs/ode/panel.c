@@ -92,7 +92,7 @@ double lw_panel_value(const double *c, double x)
 {
     double z = 2*(2*x - 1), b1 = 0, b2 = 0;
     for (int k = N - 1; k > 0; k--) {
-        double b = c[k] + z*b1 - b2;
+        double b = (c[k] - b2) + z*b1;       /* in this order it waits for b1 a third less */
         b2 = b1;
         b1 = b;
     }
