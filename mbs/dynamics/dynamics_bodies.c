@@ -373,6 +373,8 @@ static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, "asked for");
     if (lw_mbs_is_stiff(d) || (d->n_friction && !lw_stick_suits(d) && lw_mbs_friction_is_stiff(d)))
         return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
+    if (lw_mbs_states_decay(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "first-order states decay fast");
     if (d->space)
         snprintf(why, sizeof why, "places and quaternions of all bodies, explicit method of order 8%s%s%s",
                  d->has_zero_mass ? "; massless parts are solved by rank" : "", d->n_friction ? "; friction sticks" : "", lw_mbs_is_planar(d));
@@ -391,6 +393,7 @@ static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
         return lw_formulation_say(r, LW_E_KIND, 0, "more links than a dense matrix is made for");
     return lw_formulation_say(r, LW_OK, d->n_q + d->n_v, asked ? "asked for" : d->n_friction
                               ? "friction makes the equations stiff: an implicit method"
+                              : lw_mbs_states_decay(d) ? "first-order states decay fast: an implicit method"
                               : "dampers make the equations stiff: an implicit method");
 }
 

@@ -786,6 +786,8 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
 static const double damped = 500, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
 static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
+/* Tolerance from which an implicit method of low order serves states that decay so fast: a smaller one needs short steps anyway. */
+static const double states_from = 1e-7;
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 
 /* The fastest decay of a state by itself: the greatest derivative of a rate by its own state. */
@@ -847,6 +849,12 @@ bool lw_mbs_is_stiff(lw_dynamics *d)
         d->decay = fastest_decay(d);
     d->decay_known = true;
     return d->decay*(d->o.to - d->o.from) > (d->space ? stiff_space : stiff);
+}
+
+bool lw_mbs_states_decay(lw_dynamics *d)
+{
+    return !d->space && !d->large && d->eq.n_z && !d->n_friction && !d->touch && d->o.relative >= states_from
+        && (lw_mbs_is_stiff(d) || d->decay*(d->o.to - d->o.from) > damped);
 }
 
 bool lw_mbs_is_damped(lw_dynamics *d, bool reduced)

@@ -191,6 +191,9 @@ double lw_mbs_row_rate(const lw_dynamics *d, int r, const double *x);
 /* Do dampers make the equations stiff over the length of the run? */
 bool lw_mbs_is_stiff(lw_dynamics *d);
 
+/* Do first-order states decay so fast that cvode takes less time than index1 at the tolerance? */
+bool lw_mbs_states_decay(lw_dynamics *d);
+
 /* Does regularised friction, at twice the reactions of the start, make joints that rest stiff?  Always, in space. */
 bool lw_mbs_friction_is_stiff(lw_dynamics *d);
 
