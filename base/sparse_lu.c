@@ -50,17 +50,19 @@ void lw_columns_free(lw_columns *c)
 
 struct lw_sparse_lu {
     const lw_columns *pattern;
+    bool         is_complex;
     klu_common   common;
     klu_symbolic *symbolic;
     klu_numeric  *numeric;
 };
 
-lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle)
+lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle, bool is_complex)
 {
     lw_sparse_lu *f = calloc(1, sizeof *f);
     if (!f)
         return NULL;
     f->pattern = pattern;
+    f->is_complex = is_complex;
     klu_defaults(&f->common);
     f->common.ordering = saddle;             /* 0: AMD, 1: COLAMD */
     f->symbolic = klu_analyze(pattern->n, pattern->at, pattern->row, &f->common);
@@ -70,11 +72,16 @@ lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle)
     return NULL;
 }
 
+static void free_numeric(lw_sparse_lu *f)
+{
+    (f->is_complex ? klu_z_free_numeric : klu_free_numeric)(&f->numeric, &f->common);
+}
+
 void lw_sparse_lu_free(lw_sparse_lu *f)
 {
     if (!f)
         return;
-    klu_free_numeric(&f->numeric, &f->common);
+    free_numeric(f);
     klu_free_symbolic(&f->symbolic, &f->common);
     free(f);
 }
@@ -83,15 +90,16 @@ bool lw_sparse_lu_factor(lw_sparse_lu *f, const double *value)
 {
     int *at = f->pattern->at, *row = f->pattern->row;
     double *a = (double *)(uintptr_t)value;
-    if (f->numeric && klu_refactor(at, row, a, f->symbolic, f->numeric, &f->common)
-        && klu_rgrowth(at, row, a, f->symbolic, f->numeric, &f->common) && f->common.rgrowth > weak_pivots)
+    if (f->numeric && (f->is_complex ? klu_z_refactor : klu_refactor)(at, row, a, f->symbolic, f->numeric, &f->common)
+        && (f->is_complex ? klu_z_rgrowth : klu_rgrowth)(at, row, a, f->symbolic, f->numeric, &f->common)
+        && f->common.rgrowth > weak_pivots)
         return true;
-    klu_free_numeric(&f->numeric, &f->common);
-    f->numeric = klu_factor(at, row, a, f->symbolic, &f->common);
+    free_numeric(f);
+    f->numeric = (f->is_complex ? klu_z_factor : klu_factor)(at, row, a, f->symbolic, &f->common);
     return f->numeric != NULL;
 }
 
 void lw_sparse_lu_solve(lw_sparse_lu *f, double *b)
 {
-    klu_solve(f->symbolic, f->numeric, f->pattern->n, 1, b, &f->common);
+    (f->is_complex ? klu_z_solve : klu_solve)(f->symbolic, f->numeric, f->pattern->n, 1, b, &f->common);
 }

@@ -186,7 +186,7 @@ static lw_status make_pattern(capture *g)
         g->diagonal[i] = lw_columns_find(&g->pattern, i, i);
     free(entry);
     ok = ok && (g->value = malloc(((size_t)g->pattern.at[d->n_kept] + 1)*sizeof *g->value)) != NULL;
-    ok = ok && (g->lu = lw_sparse_lu_create(&g->pattern, false)) != NULL;
+    ok = ok && (g->lu = lw_sparse_lu_create(&g->pattern, false, false)) != NULL;
     return ok ? LW_OK : LW_E_MEMORY;
 }
 

@@ -60,7 +60,8 @@ typedef struct stages {
     bool    alpha;                           /* generalised alpha; the following are its own */
     double  beta, gamma, am, af, power_old;
     double *aux, *aux_x;                     /* (n) auxiliary accelerations, (n_x) second rates of states, at t */
-    double  contraction;
+    double  contraction;                     /* of Newton's method in the last step: the greatest */
+    double  h_factored;                      /* the step of the factored matrices; 0: none */
     long    since;                           /* steps with the present history; 0: none */
     bool    dense;                           /* samples lie within steps */
 } stages;
@@ -350,32 +351,43 @@ static double tolerance(const stages *g)
     return (g->run->d->o.absolute + g->run->d->o.relative*fmin(most, 1))*(g->alpha ? alpha_part : 1);
 }
 
-/* Solve the stages.  LW_OPEN: Newton's method does not converge with this step. */
-static lw_status solve_stages(stages *g)
+/* Matrices for the step h, at the predicted posture of its middle stage: that at t would lag behind stiff links that turn. */
+static lw_status factor(stages *g)
 {
     lw_dynamics *d = g->run->d;
-    /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
-    double before = 0, wanted = 0.02*tolerance(g), far = d->eq.next_piece ? 0.3 : 1e3;
-    if (d->o.relative < 1e-9)                /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
-        wanted = fmax(wanted*fmin(1, g->h/g->way->real), 4e-16);
-    lw_status s = lw_mbs_rows(d, g->t, g->q);
-    d->eq.place_states(d->eq.context, g->x);
+    const int k_mid = g->s/2;
+    double t = g->t + g->at[k_mid]*g->h, *v = g->vi + k_mid*g->n, *l = g->zl + k_mid*g->c;
+    differentiate(g);
+    memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
+    d->eq.move(d->eq.context, g->qi, g->z + k_mid*g->n);
+    lw_status s = lw_mbs_rows(d, t, g->qi);
+    g->h_factored = 0;
     if (s == LW_OK && g->alpha) {
         const double c[2] = { g->gamma/(g->beta*g->h) }, m[2] = { (1 - g->am)/((1 - g->af)*g->beta*g->h*g->h) };
-        s = lw_tangent_factor(&g->real, g->t, g->q, g->v, g->l, m, c) == LW_OK ? LW_OK : LW_OPEN;
+        s = lw_tangent_factor(&g->real, t, g->qi, v, l, m, c) == LW_OK ? LW_OK : LW_OPEN;
     }
     for (int k = 0; s == LW_OK && !g->alpha && k <= g->s/2; k++) {
         double re = (k ? g->way->pair[k - 1][0] : g->way->real)/g->h, im = k ? g->way->pair[k - 1][1]/g->h : 0;
         const double c[2] = { re, im }, m[2] = { re*re - im*im, 2*re*im };
-        if (lw_tangent_factor(k ? &g->pair[k - 1] : &g->real, g->t, g->q, g->v, g->l, m, c) != LW_OK)
+        if (lw_tangent_factor(k ? &g->pair[k - 1] : &g->real, t, g->qi, v, l, m, c) != LW_OK)
             return LW_OPEN;
     }
-    if (s != LW_OK)
-        return s;
-    predict(g);
+    if (s == LW_OK)
+        g->h_factored = g->h;
+    return s;
+}
+
+/* Newton's method from the predicted stages on, with the matrices at hand.  LW_OPEN: it does not converge. */
+static lw_status iterate(stages *g)
+{
+    lw_dynamics *d = g->run->d;
+    /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
+    double before = 0, wanted = 0.005*tolerance(g), far = d->eq.next_piece ? 0.3 : 1e3;
+    if (d->o.relative < 1e-9)                /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
+        wanted = fmax(wanted*fmin(1, g->h/g->way->real), 4e-16);
     g->contraction = 0;
     for (int pass = 0; pass < most_newton; pass++) {
-        s = lw_run_busy(g->run, g->t);
+        lw_status s = lw_run_busy(g->run, g->t);
         if (s == LW_OK)
             s = residuals(g);
         g->run->r->rates += g->s;
@@ -394,6 +406,25 @@ static lw_status solve_stages(stages *g)
         before = change;
     }
     return LW_OPEN;
+}
+
+/* Up to this contraction the matrices serve another step of the same length, unless the five stages of a small tolerance are to
+ * keep the energy of stiff elements. */
+static const double contraction_kept = 0.02;
+
+/* Solve the stages.  LW_OPEN: Newton's method does not converge with this step. */
+static lw_status solve_stages(stages *g)
+{
+    lw_dynamics *d = g->run->d;
+    bool kept = g->s < 5 && fabs(g->h - g->h_factored) <= 1e-9*g->h && g->contraction <= contraction_kept;
+    d->eq.place_states(d->eq.context, g->x);
+    predict(g);
+    lw_status s = kept ? iterate(g) : LW_OPEN;
+    if (kept && s == LW_OPEN)
+        predict(g);
+    if (s == LW_OPEN && (s = factor(g)) == LW_OK)
+        s = iterate(g);
+    return s;
 }
 
 /* Right-hand side, in b, for the errors of the step by the embedded formula of order s. */

@@ -6,6 +6,9 @@
 
 /* ---- pattern -------------------------------------------------------------------------------------------- */
 
+/* Numbers of an entry */
+static size_t width_of(const lw_tangent *t) { return t->is_complex ? 2 : 1; }
+
 static void list(lw_tangent *t, int row, int column)
 {
     if (t->n_pair == t->most_pair && !t->failed) {
@@ -21,18 +24,10 @@ static void list(lw_tangent *t, int row, int column)
     t->pair[2*t->n_pair++ + 1] = column;
 }
 
-static void list_each(lw_tangent *t, int row, int column)
-{
-    int width = t->is_complex ? 2 : 1;
-    for (int i = 0; i < width; i++)
-        for (int j = 0; j < width; j++)
-            list(t, width*row + i, width*column + j);
-}
-
 static void list_force(void *context, int row, int column, double by_q, double by_v)
 {
     (void)by_q, (void)by_v;
-    list_each(context, row, column);
+    list(context, row, column);
 }
 
 lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_tangent *t)
@@ -42,25 +37,24 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
     int first = t->n + t->z;
     d->eq.pattern(d->eq.context, &(lw_force_sink){ .context = t, .add = list_force, .add_state = list_force });
     for (int i = 0; i < first + t->c; i++)
-        list_each(t, i, i);
+        list(t, i, i);
     for (int k = 0; k < t->c; k++) {
         const int *block = d->row_block[d->kept[k]];
         int coordinate[LW_ROW_SIZE], count = 0;
         for (int b = 0; b < LW_ROW_SIZE && block[b/LW_BLOCK] >= 0; b++)
             coordinate[count++] = LW_BLOCK*block[b/LW_BLOCK] + b%LW_BLOCK;
         for (int b = 0; b < count; b++) {
-            list_each(t, coordinate[b], first + k);
-            list_each(t, first + k, coordinate[b]);
+            list(t, coordinate[b], first + k);
+            list(t, first + k, coordinate[b]);
             for (int j = 0; j < count; j++)
-                list_each(t, coordinate[b], coordinate[j]);
+                list(t, coordinate[b], coordinate[j]);
         }
     }
-    int n = (is_complex ? 2 : 1)*(first + t->c);
-    bool ok = !t->failed && lw_columns_make(&t->columns, n, t->pair, t->n_pair);
+    bool ok = !t->failed && lw_columns_make(&t->columns, first + t->c, t->pair, t->n_pair);
     free(t->pair);
     t->pair = NULL;
-    t->value = ok ? calloc((size_t)t->columns.at[n] + 1, sizeof *t->value) : NULL;
-    t->lu = t->value ? lw_sparse_lu_create(&t->columns, t->c > 0) : NULL;
+    t->value = ok ? calloc(width_of(t)*((size_t)t->columns.at[t->columns.n] + 1), sizeof *t->value) : NULL;
+    t->lu = t->value ? lw_sparse_lu_create(&t->columns, t->c > 0, is_complex) : NULL;
     t->kept = t->lu ? malloc(((size_t)t->c + 1)*sizeof *t->kept) : NULL;
     if (!t->kept)
         return LW_E_MEMORY;
@@ -90,15 +84,10 @@ void lw_tangent_free(lw_tangent *t)
 
 static void put(lw_tangent *t, int row, int column, double re, double im)
 {
-    if (!t->is_complex) {
-        t->value[lw_columns_find(&t->columns, row, column)] += re;
-        return;
-    }
-    int left = lw_columns_find(&t->columns, 2*row, 2*column), right = lw_columns_find(&t->columns, 2*row, 2*column + 1);
-    t->value[left] += re;
-    t->value[left + 1] += im;
-    t->value[right] -= im;
-    t->value[right + 1] += re;
+    double *value = t->value + width_of(t)*(size_t)lw_columns_find(&t->columns, row, column);
+    value[0] += re;
+    if (t->is_complex)
+        value[1] += im;
 }
 
 static void put_force(void *context, int row, int column, double by_q, double by_v)
@@ -163,7 +152,7 @@ void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *
                      const double c[2])
 {
     lw_dynamics *d = t->d;
-    memset(t->value, 0, (size_t)t->columns.at[t->columns.n]*sizeof *t->value);
+    memset(t->value, 0, width_of(t)*(size_t)t->columns.at[t->columns.n]*sizeof *t->value);
     t->weight_re = c[0];
     t->weight_im = c[1];
     d->eq.derivatives(d->eq.context, time, q, v, d->force, &(lw_force_sink){ .context = t, .add = put_force,
@@ -181,8 +170,8 @@ void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *
     if (t->consistent && d->eq.more_mass)
         d->eq.more_mass(d->eq.context, q, &(lw_force_sink){ .context = t, .add = put_mass });
     double most = 0;                             /* of the diagonal */
-    for (int i = 0, width = t->is_complex ? 2 : 1; i < t->n; i++)
-        most = fmax(most, fabs(t->value[lw_columns_find(&t->columns, width*i, width*i)]));
+    for (int i = 0; i < t->n; i++)
+        most = fmax(most, fabs(t->value[width_of(t)*(size_t)lw_columns_find(&t->columns, i, i)]));
     t->scale = most > 0 ? most : 1;
     put_rows(t, l);
 }

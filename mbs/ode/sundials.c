@@ -123,7 +123,7 @@ static bool lw_sun_large_make(lw_sun *s, const lw_columns *pattern)
         return false;
     l->pattern = pattern;
     l->value = calloc((size_t)pattern->at[pattern->n] + 1, sizeof *l->value);
-    l->f = lw_sparse_lu_create(pattern, false);
+    l->f = lw_sparse_lu_create(pattern, false, false);
     s->linear = l->value && l->f ? SUNLinSolNewEmpty(s->context) : NULL;
     if (!s->linear)
         return false;
