@@ -5,6 +5,7 @@
 #include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
+#include "grammar/model/spatial.h"
 #include "mbs/analysis/reactions.h"
 #include "tests/large_models.h"
 
@@ -494,4 +495,63 @@ int main(void)
     check_run();
     CHECK(by_derivatives >= 4);
     return check_end();
+}
+
+/* 500 bars, each on one before it, in the order of a shuffle; with `odd`, a second link or joint is called as the seventh,
+ * and a tracer is on the link `of`. */
+static lw_status read_bars(bool space, bool list, int odd, const char *of, void *model, lw_error *e)
+{
+    enum { N = 500 };
+    text t = { 0 };
+    const char *z = space ? ", 0" : "", *axis = space ? ", 'axis': [0, 0, 1]" : "";
+    put(&t, "{'linkwright': 1, ");
+    for (int i = 0; list && i <= N; i++)
+        put(&t, i == 0 ? "'links': ['ground'" : i == odd ? ", 'b%d', 'b7'" : ", 'b%d'", i);
+    put(&t, list ? "], 'joints': [" : "'joints': [");
+    for (int i = 1; i <= N; i++) {
+        int at = 7*i % (N + 1);                           /* visits each once: 7 and 501 have no common factor */
+        put(&t, "%s{'name': 'J%d', 'links': ['%s%.0d', 'b%d'], 'at': [%d, %d%s]%s}", i > 1 ? ", " : "", !list && at == odd ? 7 : at,
+            at > 1 ? "b" : "ground", at > 1 ? at/2 : 0, at, at, at % 3, z, axis);
+    }
+    put(&t, "], 'tracers': [{'name': 'P', 'link': '%s', 'at': [0, 0%s]}]}", of, z);
+    for (size_t i = 0; i < t.n; i++)
+        t.at[i] = t.at[i] == '\'' ? '"' : t.at[i];
+    *e = (lw_error){ 0 };
+    lw_status s = space ? lw_spatial_read(t.at, t.n, "bars", model, e) : lw_model_read(t.at, t.n, "bars", model, e);
+    free(t.at);
+    return s;
+}
+
+TEST(names_among_many)
+{
+    lw_model m;
+    lw_spatial s;
+    lw_error e;
+    char name[16], base[16];
+    for (int list = 0; list < 2; list++) {
+        CHECK_INT(read_bars(false, list, -1, "b300", &m, &e), LW_OK);
+        CHECK_INT(read_bars(true, list, -1, "b300", &s, &e), LW_OK);
+        CHECK_INT(m.linkage.n_link, 501);
+        CHECK_INT(s.n_link, 501);
+        for (int j = 0; j < m.linkage.n_joint; j++) {
+            int at = (int)m.linkage.joint[j].at.x;
+            snprintf(name, sizeof name, "b%d", at);
+            snprintf(base, sizeof base, at > 1 ? "b%d" : "ground", at/2);
+            CHECK_TEXT(m.linkage.link_name[m.linkage.joint[j].link[0]], base);
+            CHECK_TEXT(m.linkage.link_name[m.linkage.joint[j].link[1]], name);
+            CHECK_TEXT(s.body[s.joint[j].link[0]].name, base);
+            CHECK_TEXT(s.body[s.joint[j].link[1]].name, name);
+        }
+        CHECK_TEXT(m.linkage.link_name[m.linkage.tracer[0].link], "b300");
+        CHECK_TEXT(s.body[s.tracer[0].link].name, "b300");
+        lw_model_free(&m);
+        lw_spatial_free(&s);
+        for (int space = 0; space < 2; space++) {
+            void *model = space ? (void *)&s : (void *)&m;
+            CHECK(read_bars(space, list, 400, "b300", model, &e) < 0);
+            CHECK(strstr(e.text, list ? "b7" : "J7") != NULL);
+            CHECK(read_bars(space, list, -1, "b30x", model, &e) < 0);
+            CHECK(strstr(e.text, "there is no link \"b30x\"; did you mean \"b30") != NULL);
+        }
+    }
 }

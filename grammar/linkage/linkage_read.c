@@ -22,10 +22,7 @@ static lw_status meet_link(const lw_json_node *n, lw_assembly *assembly, lw_erro
 {
     char name[LW_NAME_SIZE];
     lw_status s = lw_json_name(n, name, sizeof name, e);
-    for (int i = 0; s == LW_OK && i < assembly->n_link; i++)
-        if (strcmp(name, assembly->link_name[i]) == 0)
-            return LW_OK;
-    if (s == LW_OK)
+    if (s == LW_OK && lw_read_find(n->json, name, *assembly->link_name, sizeof *assembly->link_name, assembly->n_link) < 0)
         strcpy(assembly->link_name[assembly->n_link++], name);
     return s;
 }
@@ -471,7 +468,7 @@ lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *assembly,
     return s;
 }
 
-lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], lw_error *e)
+lw_status lw_read_result(lw_json *json, int which, lw_json_node place[4], lw_error *e)
 {
     size_t n, at = which > 0 ? (size_t)which - 1 : 0;
     place[0] = lw_json_root(json);

@@ -120,9 +120,8 @@ lw_status lw_read_name_of(const lw_json_node *n, const char *what, const char *f
     if (s != LW_OK)
         return s;
     const char *name = lw_json_text(n);
-    for (*out = 0; *out < n_name; ++*out)
-        if (strcmp(name, first + (size_t)*out*stride) == 0)
-            return LW_OK;
+    if ((*out = lw_read_find(n->json, name, first, stride, n_name)) >= 0)
+        return LW_OK;
     const char **names = malloc((size_t)n_name*sizeof *names + 1);
     if (!names)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -169,8 +168,31 @@ lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want,
     return s;
 }
 
-int lw_read_find(const char *name, const char *first, size_t stride, int n)
+/* The table of a list with all its names; NULL: there are too many lists, or memory is short. */
+static lw_key_table *table_of(lw_json *json, const char *first, size_t stride, int n)
 {
+    lw_json_names *list = json->list;
+    while (list < json->list + LW_JSON_LISTS && list->first && list->first != first)
+        list++;
+    if (list == json->list + LW_JSON_LISTS)
+        return NULL;
+    list->first = first;
+    for (; list->n < n; list->n++) {
+        const char *name = first + (size_t)list->n*stride;
+        size_t size = strlen(name) + 1;
+        if (lw_key_table_find(&list->table, first, stride, name, size) < 0 && !lw_key_table_add(&list->table, name, size, list->n))
+            return NULL;
+    }
+    return &list->table;
+}
+
+int lw_read_find(lw_json *json, const char *name, const char *first, size_t stride, int n)
+{
+    enum { FEW = 32 };
+    size_t size = strlen(name) + 1;
+    lw_key_table *t = json && n > FEW && size <= LW_NAME_SIZE ? table_of(json, first, stride, n) : NULL;
+    if (t)
+        return lw_key_table_find(t, first, stride, name, size);
     for (int i = 0; i < n; i++)
         if (strcmp(name, first + (size_t)i*stride) == 0)
             return i;

@@ -36,8 +36,9 @@ typedef struct lw_number_key { const char *key; double unit, least, most, *out; 
 
 lw_status lw_read_numbers(const lw_json_node *object, const lw_number_key *want, int n, lw_error *e);
 
-/* Place of a name among n names `stride` bytes apart; -1: it is not there. */
-int lw_read_find(const char *name, const char *first, size_t stride, int n);
+/* Place of a name among n names of LW_NAME_SIZE bytes, `stride` apart; -1: it is not there.  With json, names of a long list
+ * are hashed: between calls the list may grow at its end, but it must not move or change.  NULL: they are compared one by one. */
+int lw_read_find(lw_json *json, const char *name, const char *first, size_t stride, int n);
 
 /* The name of an object, or "spring 2" when it has none; what: "spring", index: from 0. */
 lw_status lw_read_own_name(const lw_json_node *object, const char *what, size_t index, char name[LW_NAME_SIZE], lw_error *e);
@@ -60,7 +61,7 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e);
 /* Find the linkage in a JSON text: the root itself, or the "linkage" of result number `which` (from 1) if the root has
  * a list of "results"; which 0 is the first result.  The last of place is the linkage; it points to those before.
  * LW_E_ARG: there is no such result, or which > 0 in a text without results. */
-lw_status lw_read_result(const lw_json *json, int which, lw_json_node place[4], lw_error *e);
+lw_status lw_read_result(lw_json *json, int which, lw_json_node place[4], lw_error *e);
 
 /* An assembly from its JSON object; members of a model are skipped.  k needs lw_assembly_free also after a
  * failure. */

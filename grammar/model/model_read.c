@@ -33,11 +33,11 @@ static int look_up_state(const void *model, const char *word, const char *name, 
             snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
             return -1;
         }
-        int at = of == 'j'   ? lw_read_find(name, (const char *)assembly->joint + offsetof(lw_joint, name),
+        int at = of == 'j'   ? lw_read_find(NULL, name, (const char *)assembly->joint + offsetof(lw_joint, name),
                                          sizeof *assembly->joint, assembly->n_joint)
-                 : of == 't' ? lw_read_find(name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
+                 : of == 't' ? lw_read_find(NULL, name, (const char *)assembly->tracer + offsetof(lw_tracer, name),
                                          sizeof *assembly->tracer, assembly->n_tracer)
-                             : lw_read_find(name, (const char *)assembly->link_name, sizeof *assembly->link_name,
+                             : lw_read_find(NULL, name, (const char *)assembly->link_name, sizeof *assembly->link_name,
                                          assembly->n_link);
         if (at < 0)
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
@@ -235,7 +235,7 @@ static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p
 static int find_spring(const void *model, const char *name)
 {
     const lw_model *m = model;
-    return m->n_spring ? lw_read_find(name, m->spring->name, sizeof *m->spring, m->n_spring) : -1;
+    return m->n_spring ? lw_read_find(NULL, name, m->spring->name, sizeof *m->spring, m->n_spring) : -1;
 }
 
 static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)

@@ -117,7 +117,7 @@ static int look_up_named(const lw_reading *r, const char *word, const char *name
     if (!state)
         at = r->find_spring(r->model, name);
     else if (r->states->n_state)
-        at = lw_read_find(name, r->states->state->name, sizeof *r->states->state, r->states->n_state);
+        at = lw_read_find(NULL, name, r->states->state->name, sizeof *r->states->state, r->states->n_state);
     if (at < 0 && state)
         snprintf(why, WHY_SIZE, "there is no state \"%.40s\" (those of motors: NAME.current; of cylinders: NAME.p1)", name);
     else if (at < 0)

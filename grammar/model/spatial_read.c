@@ -32,7 +32,7 @@ static lw_status read_new_name(const lw_json_node *object, const char *what, con
     lw_status s = lw_json_kind_of(object) == LW_JSON_OBJECT ? lw_read_need(object, "name", &node, e) : LW_OK;
     if (s == LW_OK)
         s = lw_json_name(&node, name, LW_NAME_SIZE, e);
-    if (s == LW_OK && lw_read_find(name, first, stride, n) >= 0)
+    if (s == LW_OK && lw_read_find(object->json, name, first, stride, n) >= 0)
         s = lw_json_fault(&node, e, "two %ss are called \"%s\"", what, name);
     if (s == LW_OK)
         memcpy(out, name, sizeof name);
@@ -104,8 +104,8 @@ static int look_up_state(const void *model, const char *word, const char *name, 
             snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, joint ? "joint" : "tracer", word);
             return -1;
         }
-        int at = joint ? lw_read_find(name, NAMES(m->joint, m->n_joint, lw_spatial_joint))
-                       : lw_read_find(name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer));
+        int at = joint ? lw_read_find(NULL, name, NAMES(m->joint, m->n_joint, lw_spatial_joint))
+                       : lw_read_find(NULL, name, NAMES(m->tracer, m->n_tracer, lw_spatial_tracer));
         if (at < 0) {
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", joint ? "joint" : "tracer", name);
             return -1;
@@ -232,7 +232,7 @@ static lw_status gather_links(const lw_json_node *root, const lw_json_node *grou
             lw_json_node link = lw_json_element(&links, end);
             char name[LW_NAME_SIZE];
             s = lw_json_name(&link, name, sizeof name, e);
-            if (s == LW_OK && lw_read_find(name, NAMES(m->body, m->n_link, lw_spatial_body)) < 0)
+            if (s == LW_OK && lw_read_find(link.json, name, NAMES(m->body, m->n_link, lw_spatial_body)) < 0)
                 memcpy(m->body[m->n_link++].name, name, sizeof name);
         }
     }
@@ -257,7 +257,7 @@ static lw_status read_links(const lw_json_node *root, lw_spatial *m, lw_error *e
     if (has_ground)
         s = read_link_name(&ground, m, &m->ground, e);
     else
-        m->ground = lw_read_find("ground", NAMES(m->body, m->n_link, lw_spatial_body));
+        m->ground = lw_read_find(root->json, "ground", NAMES(m->body, m->n_link, lw_spatial_body));
     if (s == LW_OK && m->ground < 0)
         return lw_json_fault(root, e, "\"ground\" is missing: name the fixed link, or call a link \"ground\"");
     return s != LW_OK || !m->elastic[m->ground].given ? s
@@ -754,7 +754,7 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_spatial
 static int find_spring(const void *model, const char *name)
 {
     const lw_spatial *m = model;
-    return lw_read_find(name, NAMES(m->spring, m->n_spring, lw_spatial_spring));
+    return lw_read_find(NULL, name, NAMES(m->spring, m->n_spring, lw_spatial_spring));
 }
 
 static lw_status read_cylinder_ends(const lw_json_node *object, const char *name, void *model, lw_error *e)

@@ -63,7 +63,7 @@ lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json 
     size_t skip = size >= 3 && memcmp(text, byte_order_mark, 3) == 0 ? 3 : 0;
     json_error_t error;
     json_t *root;
-    *json = (lw_json){ text, size, file, NULL };
+    *json = (lw_json){ .text = text, .size = size, .file = file };
     if (is_blank(text + skip, size - skip))
         return lw_error_at(e, LW_E_NOTATION, file, 1, 1, "nothing is in this file; a JSON object { ... } "
                            "is expected");
@@ -82,9 +82,11 @@ void lw_json_close(lw_json *json)
 {
     json_decref(json->root);
     json->root = NULL;
+    for (int i = 0; i < LW_JSON_LISTS; i++)
+        lw_key_table_free(&json->list[i].table);
 }
 
-lw_json_node lw_json_root(const lw_json *json)
+lw_json_node lw_json_root(lw_json *json)
 {
     return (lw_json_node){ .json = json, .value = json->root };
 }

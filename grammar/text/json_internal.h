@@ -6,19 +6,25 @@
 #ifndef LW_GRAMMAR_TEXT_JSON_INTERNAL_H
 #define LW_GRAMMAR_TEXT_JSON_INTERNAL_H
 
+#include "base/key_table.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include "base/error.h"
+
+/* A list of names, found by hashing (lw_read_find). */
+typedef struct lw_json_names { const char *first; int n; lw_key_table table; } lw_json_names;
+enum { LW_JSON_LISTS = 6 };
 
 typedef struct lw_json {
     const char *text;          /* the caller's, kept for line and column */
     size_t      size;
     const char *file;
     void       *root;          /* jansson's                              */
+    lw_json_names list[LW_JSON_LISTS];     /* the lists that names of the text were looked for in */
 } lw_json;
 
 typedef struct lw_json_node {
-    const lw_json             *json;
+    lw_json                   *json;
     const struct lw_json_node *parent;   /* NULL: the root                                 */
     const char                *key;      /* its name in an object, NULL in an array        */
     size_t                     index;    /* its place in an array or object, from 0        */
@@ -38,7 +44,7 @@ struct json_t;
 struct json_error_t;
 lw_status lw_json_load(const char *text, size_t size, size_t flags, struct json_t **root, struct json_error_t *fault);
 
-lw_json_node lw_json_root(const lw_json *json);
+lw_json_node lw_json_root(lw_json *json);
 lw_json_kind lw_json_kind_of(const lw_json_node *n);
 
 /* Elements of an array or object; 0 for others. */
