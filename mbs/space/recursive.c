@@ -23,12 +23,13 @@ static lw_status reserve(const lw_space *s, lw_recursive *r, lw_error *e)
 {
     size_t b = (size_t)s->n_body, rows = (size_t)r->n_row, u = (size_t)r->n_u, joints = (size_t)s->n_joint + 1;
     size_t doubles = 3*u + rows*u + rows*rows + rows;
-    size_t bytes = b*sizeof *r->body + (2*u + b)*sizeof *r->axis + rows*sizeof *r->row + (b + 1)*sizeof *r->frame
+    size_t bytes = (b + 1)*sizeof *r->body + (2*u + b)*sizeof *r->axis + rows*sizeof *r->row + (b + 1)*sizeof *r->frame
                  + doubles*sizeof(double) + (joints + b + rows)*sizeof(int);
     char *at = r->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    r->body = (lw_recursive_body *)(void *)at, at += b*sizeof *r->body;
+    r->body = (lw_recursive_body *)(void *)at + 1, at += (b + 1)*sizeof *r->body;
+    r->body[-1] = (lw_recursive_body){ .axes = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } }, .turn = { 1, 0, 0, 0 } };
     r->axis = (lw_screw *)(void *)at, at += u*sizeof *r->axis;
     r->push = (lw_screw *)(void *)at, at += u*sizeof *r->push;
     r->pull = (lw_screw *)(void *)at, at += b*sizeof *r->pull;
@@ -185,33 +186,21 @@ static lw_quaternion relative(const lw_recursive *r, const lw_recursive_body *p,
     return lw_quaternion_times(t, p->fixed);
 }
 
-/* Axes, quaternion, centre of the parent. */
-typedef struct base { lw_mat3 axes; lw_quaternion turn; lw_vec3 at; lw_screw velocity; } base;
-
-static base base_of(const lw_recursive *r, int parent)
-{
-    static const lw_mat3 unit = { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
-    if (parent < 0)
-        return (base){ .axes = unit, .turn = { 1, 0, 0, 0 } };
-    const lw_recursive_body *p = &r->body[parent];
-    return (base){ p->axes, p->turn, p->at, p->velocity };
-}
-
 void lw_recursive_place(lw_recursive *r, const double *x, double *q)
 {
-    r->frame[0] = (lw_space_frame){ { 0, 0, 0 }, base_of(r, -1).axes };
+    r->frame[0] = (lw_space_frame){ { 0, 0, 0 }, r->body[-1].axes };
     for (int i = 0; i < r->s->n_body; i++) {
         lw_recursive_body *p = &r->body[i];
-        base b = base_of(r, p->parent);
+        const lw_recursive_body *b = &r->body[p->parent];
         lw_vec3 slide;
         lw_quaternion t = relative(r, p, x + p->x, &slide);
-        p->turn = lw_quaternion_times(b.turn, p->back ? lw_quaternion_inverse(t) : t);
+        p->turn = lw_quaternion_times(b->turn, p->back ? lw_quaternion_inverse(t) : t);
         p->axes = lw_quaternion_matrix(p->turn);
         if (p->back)
-            p->from_parent = lw_v3_sub(lw_m3_apply(&b.axes, p->arm[1]), lw_m3_apply(&p->axes, lw_v3_add(p->arm[0], slide)));
+            p->from_parent = lw_v3_sub(lw_m3_apply(&b->axes, p->arm[1]), lw_m3_apply(&p->axes, lw_v3_add(p->arm[0], slide)));
         else
-            p->from_parent = lw_v3_sub(lw_m3_apply(&b.axes, lw_v3_add(p->arm[0], slide)), lw_m3_apply(&p->axes, p->arm[1]));
-        p->at = lw_v3_add(b.at, p->from_parent);
+            p->from_parent = lw_v3_sub(lw_m3_apply(&b->axes, lw_v3_add(p->arm[0], slide)), lw_m3_apply(&p->axes, p->arm[1]));
+        p->at = lw_v3_add(b->at, p->from_parent);
         r->frame[p->body + 1] = (lw_space_frame){ lw_v3_scale(p->at, r->s->unit), p->axes };
         double *to = q + 7*p->body;
         to[0] = p->at.x, to[1] = p->at.y, to[2] = p->at.z;
@@ -257,8 +246,8 @@ void lw_recursive_velocities(lw_recursive *r, const double *u, double *v)
 {
     for (int i = 0; i < r->s->n_body; i++) {
         lw_recursive_body *p = &r->body[i];
-        base b = base_of(r, p->parent);
-        const lw_mat3 *axes0 = p->back ? &p->axes : &b.axes, *axes1 = p->back ? &b.axes : &p->axes;
+        const lw_recursive_body *b = &r->body[p->parent];
+        const lw_mat3 *axes0 = p->back ? &p->axes : &b->axes, *axes1 = p->back ? &b->axes : &p->axes;
         freedom f[6];
         freedoms(r, p, axes0, axes1, f);
         lw_vec3 e1 = lw_m3_apply(axes1, p->arm[1]), turn = lw_v3(0, 0, 0), slide = turn, twist = turn;
@@ -271,7 +260,7 @@ void lw_recursive_velocities(lw_recursive *r, const double *u, double *v)
             lw_vec3 arm = lw_v3_cross(f[k].turn, p->back ? e0 : e1);       /* from the centre to the joint's point */
             r->axis[p->u + k] = (lw_screw){ lw_v3_scale(f[k].turn, sign), lw_v3_scale(lw_v3_sub(f[k].slide, arm), sign) };
         }
-        lw_screw w = b.velocity, *to = &p->velocity;
+        lw_screw w = b->velocity, *to = &p->velocity;
         to->turn = lw_v3_add(w.turn, lw_v3_scale(turn, sign));
         lw_vec3 w0 = p->back ? to->turn : w.turn, w1 = p->back ? w.turn : to->turn;
         lw_vec3 c0 = lw_v3_cross(w0, e0), c1 = lw_v3_cross(w1, e1), change = lw_v3_sub(lw_v3_add(c0, slide), c1);
@@ -401,8 +390,7 @@ void lw_recursive_of_bodies(lw_recursive *r, const double *q, const double *v, d
         p->axes = lw_quaternion_matrix(p->turn);
         p->at = lw_v3(own[0], own[1], own[2]);
         p->velocity = (lw_screw){ along_axes(&p->axes, rate + 3), lw_v3(rate[0], rate[1], rate[2]) };
-        base b = base_of(r, p->parent), mine = { p->axes, p->turn, p->at, p->velocity };
-        const base *b0 = p->back ? &mine : &b, *b1 = p->back ? &b : &mine;
+        const lw_recursive_body *b = &r->body[p->parent], *b0 = p->back ? p : b, *b1 = p->back ? b : p;
         lw_vec3 e0 = lw_m3_apply(&b0->axes, p->arm[0]), e1 = lw_m3_apply(&b1->axes, p->arm[1]);
         lw_vec3 apart = lw_v3_sub(lw_v3_add(b1->at, e1), lw_v3_add(b0->at, e0));
         coordinates(r, p, lw_quaternion_times(lw_quaternion_inverse(b0->turn), b1->turn), lw_m3_unapply(&b0->axes, apart), x + p->x);
@@ -465,14 +453,13 @@ static void add_shifted(lw_articulated *to, const lw_articulated *i, lw_vec3 d)
     b[0] = lw_v3_add(i->b[0], lw_v3(c[0].x, c[1].x, c[2].x));
     b[1] = lw_v3_add(i->b[1], lw_v3(c[0].y, c[1].y, c[2].y));
     b[2] = lw_v3_add(i->b[2], lw_v3(c[0].z, c[1].z, c[2].z));
-    lw_vec3 p[3], q[3];
+    lw_vec3 p[3];                            /* d x M is seen from both sides: half of it in either */
     for (int k = 0; k < 3; k++) {
-        p[k] = lw_v3_cross(d, i->b[k]);
-        q[k] = lw_v3_cross(d, b[k]);
+        p[k] = lw_v3_cross(d, lw_v3_scale(lw_v3_add(i->b[k], b[k]), 0.5));
         to->b[k] = lw_v3_add(to->b[k], b[k]);
     }
-    to->j[0] += i->j[0] + p[0].x + q[0].x, to->j[1] += i->j[1] + p[1].y + q[1].y, to->j[2] += i->j[2] + p[2].z + q[2].z;
-    to->j[3] += i->j[3] + p[0].y + q[1].x, to->j[4] += i->j[4] + p[0].z + q[2].x, to->j[5] += i->j[5] + p[1].z + q[2].y;
+    to->j[0] += i->j[0] + 2*p[0].x, to->j[1] += i->j[1] + 2*p[1].y, to->j[2] += i->j[2] + 2*p[2].z;
+    to->j[3] += i->j[3] + p[0].y + p[1].x, to->j[4] += i->j[4] + p[0].z + p[2].x, to->j[5] += i->j[5] + p[1].z + p[2].y;
     for (int k = 0; k < 6; k++)
         to->m[k] += m[k];
 }
@@ -655,7 +642,7 @@ static void go_outwards(lw_recursive *r, bool bias, double *du)
 {
     for (int i = 0; i < r->s->n_body; i++) {
         lw_recursive_body *p = &r->body[i];
-        lw_screw a = p->parent >= 0 ? r->body[p->parent].a : (lw_screw){ { 0, 0, 0 }, { 0, 0, 0 } };
+        lw_screw a = r->body[p->parent].a;
         a.move = lw_v3_add(a.move, lw_v3_cross(a.turn, p->from_parent));
         if (bias)
             a = screw_add(a, p->bias);

@@ -48,7 +48,7 @@ typedef struct lw_recursive {
     int       n_extra;
     const lw_space_extra *extra;
     int      *place;                         /* (n_body) of a body in the order of the tree */
-    lw_recursive_body *body;                 /* (n_body) */
+    lw_recursive_body *body;                 /* (n_body); body[-1]: the ground */
     lw_screw *axis, *push;                   /* (n_u) motion by each rate; inertia times it */
     double   *by_inertia, *free_rate;        /* (n_u) 1/(axis push); acceleration before what the parent adds */
     lw_recursive_row *row;                   /* (n_row) */
