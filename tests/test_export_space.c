@@ -303,3 +303,30 @@ TEST(what_has_no_form_is_named)
         lw_spatial_free(&m);
     }
 }
+
+/* A chain, whose bodies stand inside each other; its joints from the last to the first. */
+static size_t bytes_of_chain(int n)
+{
+    size_t room = 200 + 200*(size_t)n, used = 0;
+    char *text = malloc(room);
+    used += (size_t)snprintf(text, room, "{\"linkwright\": 1, \"joints\": [");
+    for (int i = n; i > 0; i--)
+        used += (size_t)snprintf(text + used, room - used, "{\"name\": \"J%04d\", \"links\": [\"b%04d\", \"b%04d\"], \"at\": [%d, 0, 0], "
+                                 "\"axis\": [0, 0, 1]}%s", i, i - 1, i, 1000 + i, i > 1 ? ", " : "], \"ground\": \"b0000\"}");
+    lw_spatial m;
+    read_spatial(text, used, "chain", &m);
+    lw_bytes b = export(&m, "mjcf");
+    size_t size = b.size, bodies = 0;
+    for (const char *at = b.data; (at = strstr(at, "<body ")); at++)
+        bodies++;
+    CHECK_INT((int)bodies, n);
+    lw_bytes_free(&b);
+    lw_spatial_free(&m);
+    free(text);
+    return size;
+}
+
+TEST(files_grow_as_the_model_does)
+{
+    CHECK((double)bytes_of_chain(2400) < 8.5*(double)bytes_of_chain(300));
+}

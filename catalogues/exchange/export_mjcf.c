@@ -1,4 +1,5 @@
 /* catalogues/exchange/export_mjcf.c - write a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
+#include "base/owners.h"
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
@@ -13,7 +14,6 @@
 #define STEEL  7850.0                         /* [kg/m^3]                                                 */
 #define STEP   5e-4                           /* of time, unless springs need a smaller one [s]           */
 #define DRIVE  0.3                            /* angular frequency of a drive, times the step             */
-#define DEEPEST 40                            /* greatest indentation                                     */
 #define RATIO  0.3                            /* of its damping to the critical one                       */
 
 typedef struct writer {
@@ -24,6 +24,9 @@ typedef struct writer {
     bool              weighed;                /* the model has masses                                     */
     double            mass, rods, step;       /* of all bodies, of the rods drawn so far [kg]; of time [s] */
     lw_export_tree    tree;
+    lw_owners         joints, tracers, springs, forces;          /* by links                              */
+    lw_owners         inputs, joint_springs;                     /* by joints                             */
+    lw_owners         children;                                  /* links by their parents                */
     int              *next;                   /* (n_link) scratch                                         */
 } writer;
 
@@ -44,7 +47,7 @@ static void put_vec(writer *w, lw_vec2 v)
 static void put_indent(writer *w, int depth)
 {
     put(w, "\n");
-    for (int i = 0; i < depth && i < DEEPEST; i++)
+    for (int i = 0; i < depth && i < LW_MJCF_DEEPEST; i++)
         put(w, "  ");
 }
 
@@ -90,15 +93,6 @@ static void put_attribute(writer *w, const char *attribute, double v)
     put(w, "\"");
 }
 
-/* Coordinate of a joint in the posture. */
-static double reference_of(const lw_assembly *linkage, int joint)
-{
-    for (int i = 0; i < linkage->n_input; i++)
-        if (linkage->input[i].joint == joint)
-            return linkage->input[i].value;
-    return 0;
-}
-
 /* Write what belongs to a joint's coordinate: its value in the posture, springs and dampers, stops, and for a
  * driven joint the inertia of its drive. A drive's inertia is that of all bodies at the distance of the
  * linkage's size, so that its frequency changes by a factor of sqrt(2) at most over the motion; the motion
@@ -106,16 +100,15 @@ static double reference_of(const lw_assembly *linkage, int joint)
 static void put_reference(writer *w, int joint)
 {
     const lw_assembly *k = w->k;
-    double at = reference_of(k, joint), stiffness = 0, damping = 0, pull = 0;
-    if (lw_export_is_input(k, joint))
+    const int *input = w->inputs.entry + w->inputs.start[joint], *no_input = w->inputs.entry + w->inputs.start[joint + 1];
+    double at = input < no_input ? k->input[*input].value : 0, stiffness = 0, damping = 0, pull = 0;
+    if (input < no_input)
         put_attribute(w, "ref", at);
-    for (int i = 0; w->m && i < w->m->n_joint_spring; i++) {
-        const lw_joint_spring *p = &w->m->joint_spring[i];
-        if (p->joint == joint) {
-            stiffness += p->stiffness;
-            damping += p->damping;
-            pull += p->stiffness*p->free;
-        }
+    for (int i = w->joint_springs.start[joint]; i < w->joint_springs.start[joint + 1]; i++) {
+        const lw_joint_spring *p = &w->m->joint_spring[w->joint_springs.entry[i]];
+        stiffness += p->stiffness;
+        damping += p->damping;
+        pull += p->stiffness*p->free;
     }
     if (stiffness > 0) {
         put_attribute(w, "stiffness", stiffness);
@@ -132,8 +125,8 @@ static void put_reference(writer *w, int joint)
         put_number(w, at + b);
         put(w, "\"");
     }
-    for (int i = 0; i < lw_assembly_free_inputs(k); i++)
-        if (k->input[i].joint == joint && is_driven(w, i))
+    for (; input < no_input; input++)
+        if (*input < lw_assembly_free_inputs(k) && is_driven(w, *input))
             put_attribute(w, "armature", drive_inertia(w, joint));
 }
 
@@ -213,9 +206,10 @@ static void put_shape(writer *w, int depth, int link)
 {
     const lw_assembly *k = w->k;
     bool any = false;
-    for (int j = 0; j < k->n_joint; j++) {
+    for (int at = w->joints.start[link]; at < w->joints.start[link + 1]; at++) {
+        int j = w->joints.entry[at]/2;
         const lw_joint *p = &k->joint[j];
-        if ((p->link[0] != link && p->link[1] != link) || j == w->tree.joint[link] || lw_joint_has_ratio(p->kind))
+        if (j == w->tree.joint[link] || lw_joint_has_ratio(p->kind))
             continue;
         lw_vec2 to = lw_v2_sub(p->at, w->tree.origin[link]);
         if (lw_v2_norm(to) < 1e-9*w->size)
@@ -223,9 +217,9 @@ static void put_shape(writer *w, int depth, int link)
         put_rod(w, depth, lw_v2(0, 0), to);
         any = true;
     }
-    for (int t = 0; t < k->n_tracer; t++) {
-        lw_vec2 to = lw_v2_sub(k->tracer[t].at, w->tree.origin[link]);
-        if (k->tracer[t].link != link || lw_v2_norm(to) < 1e-9*w->size)
+    for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++) {
+        lw_vec2 to = lw_v2_sub(k->tracer[w->tracers.entry[at]].at, w->tree.origin[link]);
+        if (lw_v2_norm(to) < 1e-9*w->size)
             continue;
         put_rod(w, depth, lw_v2(0, 0), to);
         any = true;
@@ -237,16 +231,15 @@ static void put_shape(writer *w, int depth, int link)
 static void put_sites(writer *w, int depth, int link)
 {
     const lw_assembly *k = w->k;
-    for (int t = 0; t < k->n_tracer; t++) {
-        if (k->tracer[t].link != link)
-            continue;
+    for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++) {
+        const lw_tracer *tracer = &k->tracer[w->tracers.entry[at]];
         put_indent(w, depth);
         put(w, "<site");
-        put_name(w, "name", k->tracer[t].name, "");
+        put_name(w, "name", tracer->name, "");
         put(w, " pos=\"");
-        put_vec(w, lw_v2_sub(k->tracer[t].at, w->tree.origin[link]));
+        put_vec(w, lw_v2_sub(tracer->at, w->tree.origin[link]));
         put(w, "\" euler=\"0 0 ");
-        put_number(w, k->tracer[t].angle);
+        put_number(w, tracer->angle);
         put(w, "\" size=\"");
         put_number(w, 0.02*w->size);
         put(w, "\"/>");
@@ -268,22 +261,25 @@ static void put_load_site(writer *w, int depth, const char *name, const char *mo
 /* Write the points of springs and forces on a link. */
 static void put_load_sites(writer *w, int depth, int link)
 {
-    for (int i = 0; w->m && i < w->m->n_spring; i++)
-        for (int end = 0; end < 2; end++)
-            if (w->m->spring[i].link[end] == link)
-                put_load_site(w, depth, w->m->spring[i].name, end ? " end" : " start", link, w->m->spring[i].at[end]);
-    for (int i = 0; w->m && i < w->m->n_force; i++)
-        if (w->m->force[i].link == link)
-            put_load_site(w, depth, w->m->force[i].name, " force", link, w->m->force[i].at);
+    for (int at = w->springs.start[link]; at < w->springs.start[link + 1]; at++) {
+        const lw_spring *p = &w->m->spring[w->springs.entry[at]/2];
+        int end = w->springs.entry[at]%2;
+        put_load_site(w, depth, p->name, end ? " end" : " start", link, p->at[end]);
+    }
+    for (int at = w->forces.start[link]; at < w->forces.start[link + 1]; at++) {
+        const lw_force *f = &w->m->force[w->forces.entry[at]];
+        put_load_site(w, depth, f->name, " force", link, f->at);
+    }
 }
 
 /* Write a body that slides on a line of link[0], for each loop that is closed by a slider or a slot. */
 static void put_runners(writer *w, int depth, int link)
 {
     const lw_assembly *k = w->k;
-    for (int j = 0; j < k->n_joint; j++) {
+    for (int at = w->joints.start[link]; at < w->joints.start[link + 1]; at++) {
+        int j = w->joints.entry[at]/2;
         const lw_joint *p = &k->joint[j];
-        if (w->tree.in_tree[j] || p->link[0] != link || !lw_joint_slides(p->kind))
+        if (w->tree.in_tree[j] || w->joints.entry[at]%2 == 1 || !lw_joint_slides(p->kind))
             continue;
         put_indent(w, depth);
         put(w, "<body");
@@ -325,19 +321,16 @@ static void put_body(writer *w, int depth, int link)
     put_runners(w, depth + 1, link);
 }
 
-/* Write all links, each inside its parent.  next: (n_link) scratch, the first link that may be the next child. */
+/* Write all links, each inside its parent.  next: (n_link) scratch, the place of the next child. */
 static void put_bodies(writer *w, int *next)
 {
     const lw_assembly *k = w->k;
     int depth = 1, link = k->ground;
-    memset(next, 0, (size_t)k->n_link*sizeof *next);
+    memcpy(next, w->children.start, (size_t)k->n_link*sizeof *next);
     put_body(w, depth, link);
     for (;;) {
-        int *i = &next[link];
-        while (*i < k->n_link && (*i == k->ground || w->tree.parent[*i] != link))
-            ++*i;
-        if (*i < k->n_link) {
-            link = (*i)++;
+        if (next[link] < w->children.start[link + 1]) {
+            link = w->children.entry[next[link]++];
             put_body(w, ++depth, link);
         } else if (link == k->ground)
             return;
@@ -668,6 +661,21 @@ static double mass_of(writer *w)
     return mass;
 }
 
+static bool list_owners(writer *w)
+{
+    static const lw_model none;
+    const lw_assembly *k = w->k;
+    const lw_model *m = w->m ? w->m : &none;
+    w->next = calloc((size_t)k->n_link + 1, sizeof *w->next);
+    return w->next && LW_OWNERS(&w->joints, k->n_link, k->joint, k->n_joint, link, 2)
+        && LW_OWNERS(&w->tracers, k->n_link, k->tracer, k->n_tracer, link, 1)
+        && LW_OWNERS(&w->inputs, k->n_joint, k->input, k->n_input, joint, 1)
+        && LW_OWNERS(&w->springs, k->n_link, m->spring, m->n_spring, link, 2)
+        && LW_OWNERS(&w->forces, k->n_link, m->force, m->n_force, link, 1)
+        && LW_OWNERS(&w->joint_springs, k->n_joint, m->joint_spring, m->n_joint_spring, joint, 1)
+        && lw_owners_make(&w->children, k->n_link, w->tree.parent, sizeof *w->tree.parent, 0, k->n_link, 1);
+}
+
 lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o, lw_bytes *out, lw_error *e)
 {
     writer w = { .k = linkage, .m = o ? o->model : NULL, .out = out, .size = lw_export_size(linkage) };
@@ -679,7 +687,7 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         s = check_drives(&w, e);
     if (s == LW_OK)
         s = check_loads(&w, e);
-    if (s == LW_OK && !(w.next = calloc((size_t)linkage->n_link + 1, sizeof *w.next)))
+    if (s == LW_OK && !list_owners(&w))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         w.mass = mass_of(&w);
@@ -695,6 +703,9 @@ lw_status lw_export_mjcf(const lw_assembly *linkage, const lw_export_options *o,
         put(&w, "\n</mujoco>\n");
     }
     lw_export_tree_free(&w.tree);
+    lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs, &w.children };
+    for (size_t i = 0; i < sizeof lists/sizeof *lists; i++)
+        lw_owners_free(lists[i]);
     free(w.next);
     if (s != LW_OK) {
         lw_bytes_free(out);

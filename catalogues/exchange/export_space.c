@@ -104,34 +104,35 @@ lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_er
 
 /* ---- the tree --------------------------------------------------------------------------------------- */
 
-static bool is_loaded(const lw_spatial *m, int joint)
+static void mark_loaded(const lw_spatial *m, bool *loaded)
 {
-    const lw_joint_stop *stop = &m->joint[joint].stop;
-    bool any = stop->has_least || stop->has_greatest;
+    for (int j = 0; j < m->n_joint; j++)
+        loaded[j] = m->joint[j].stop.has_least || m->joint[j].stop.has_greatest;
     for (int i = 0; i < m->n_input; i++)
-        any |= m->input[i].measure.of < LW_OF_X && m->input[i].measure.index == joint;
-    for (int i = 0; i < m->n_drive; i++)
-        any |= m->drive[i].index == joint;
+        if (m->input[i].measure.of < LW_OF_X)
+            loaded[m->input[i].measure.index] = true;
+    for (int i = 0; i < m->n_drive; i++)           /* always of joints */
+        loaded[m->drive[i].index] = true;
     for (int i = 0; i < m->n_joint_spring; i++)
-        any |= m->joint_spring[i].measure.of < LW_OF_X && m->joint_spring[i].measure.index == joint;
+        if (m->joint_spring[i].measure.of < LW_OF_X)
+            loaded[m->joint_spring[i].measure.index] = true;
     for (int i = 0; i < m->n_motor; i++)
-        any |= m->motor[i].joint == joint;
-    return any;
+        loaded[m->motor[i].joint] = true;
 }
 
 /* Revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a
  * light body in between, which makes the loop softer. */
-static int rank_of(const lw_spatial *m, int joint)
+static int rank_of(lw_spatial_kind kind, bool loaded)
 {
-    switch (m->joint[joint].kind) {
+    switch (kind) {
     case LW_SPATIAL_FIXED:     return 0;
     case LW_SPATIAL_PRISMATIC:
     case LW_SPATIAL_CYLINDRICAL:
     case LW_SPATIAL_UNIVERSAL:
     case LW_SPATIAL_SCREW:
     case LW_SPATIAL_PLANAR:
-        return is_loaded(m, joint) ? 0 : 1;
-    case LW_SPATIAL_REVOLUTE:  return is_loaded(m, joint) ? 2 : 3;
+        return loaded ? 0 : 1;
+    case LW_SPATIAL_REVOLUTE:  return loaded ? 2 : 3;
     case LW_SPATIAL_SPHERICAL: return 4;
     case LW_SPATIAL_FREE:      return 5;             /* it closes nothing */
     }
@@ -151,13 +152,16 @@ lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e)
     size_t n = (size_t)m->n_link, joints = (size_t)m->n_joint + 1;
     int *group = malloc((n + joints)*sizeof *group), *rank = group + n;
     int (*link)[2] = malloc(joints*sizeof *link);
+    bool *loaded = calloc(joints, sizeof *loaded);
     t->in_tree = calloc(joints, sizeof *t->in_tree);
     t->parent = malloc(4*n*sizeof *t->parent);
     t->origin = calloc(n, sizeof *t->origin);
-    lw_status s = group && link && t->in_tree && t->parent && t->origin ? LW_OK
+    lw_status s = group && link && loaded && t->in_tree && t->parent && t->origin ? LW_OK
                 : lw_error_set(e, LW_E_MEMORY, "out of memory for a tree of bodies");
+    if (s == LW_OK)
+        mark_loaded(m, loaded);
     for (int j = 0; s == LW_OK && j < m->n_joint; j++) {
-        rank[j] = rank_of(m, j);
+        rank[j] = rank_of(m->joint[j].kind, loaded[j]);
         for (int side = 0; side < 2; side++)
             link[j][side] = m->joint[j].link[side];
     }
@@ -165,8 +169,9 @@ lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e)
         t->joint = t->parent + n;
         t->child = t->joint + n;
         t->next = t->child + n;
-        if (!lw_span(link, rank, m->n_joint, m->ground, m->n_link, group, t->in_tree, t->parent, t->joint))
-            s = lw_error_set(e, LW_E_KIND, "a link hangs on no joint");
+        s = lw_span(link, rank, m->n_joint, m->ground, m->n_link, group, t->in_tree, t->parent, t->joint);
+        if (s != LW_OK)
+            lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory for a tree of bodies" : "a link hangs on no joint");
     }
     for (int i = 0; s == LW_OK && i < m->n_link; i++)
         t->child[i] = t->next[i] = -1;
@@ -183,5 +188,6 @@ lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e)
     }
     free(group);
     free(link);
+    free(loaded);
     return s;
 }

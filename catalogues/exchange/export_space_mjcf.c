@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/owners.h"
 #include "base/real.h"
 #include "catalogues/exchange/export_space.h"
 
@@ -21,6 +22,8 @@ typedef struct writer {
     bool              weighed;                 /* the model has masses                                    */
     lw_space_twist   *twist;                   /* (n_link) velocities at the start; NULL: all are 0       */
     lw_space_tree     tree;
+    lw_owners         joints, tracers, springs, forces;          /* by links                              */
+    lw_owners         inputs, joint_springs;                     /* by the joints, or tracers, of their measures */
 } writer;
 
 /* ---- text ---------------------------------------------------------------------------------------- */
@@ -50,7 +53,7 @@ static void put_vec(writer *w, const char *attribute, lw_vec3 v)
 static void put_tag(writer *w, int depth, const char *text)
 {
     put(w, "\n");
-    while (depth-- > 0)
+    for (int i = 0; i < depth && i < LW_MJCF_DEEPEST; i++)
         put(w, "  ");
     put(w, text);
 }
@@ -97,9 +100,9 @@ static lw_spatial_measure actuated(const writer *w, int i)
 /* Value of a coordinate in the posture. */
 static double reference_of(const writer *w, lw_spatial_measure of)
 {
-    for (int i = 0; i < w->m->n_input; i++)
-        if (same(w->m->input[i].measure, of))
-            return w->m->input[i].value;
+    for (int at = w->inputs.start[of.index]; at < w->inputs.start[of.index + 1]; at++)
+        if (same(w->m->input[w->inputs.entry[at]].measure, of))
+            return w->m->input[w->inputs.entry[at]].value;
     return 0;
 }
 
@@ -125,12 +128,14 @@ static void put_reference(writer *w, lw_spatial_measure of)
     double at = reference_of(w, of), stiffness = 0, damping = 0, pull = 0;
     if (at != 0)
         put_attribute(w, "ref", at);
-    for (int i = 0; i < m->n_joint_spring; i++)
-        if (same(m->joint_spring[i].measure, of)) {
-            stiffness += m->joint_spring[i].stiffness;
-            damping += m->joint_spring[i].damping;
-            pull += m->joint_spring[i].stiffness*m->joint_spring[i].free;
+    for (int i = w->joint_springs.start[of.index]; i < w->joint_springs.start[of.index + 1]; i++) {
+        const lw_spatial_joint_spring *p = &m->joint_spring[w->joint_springs.entry[i]];
+        if (same(p->measure, of)) {
+            stiffness += p->stiffness;
+            damping += p->damping;
+            pull += p->stiffness*p->free;
         }
+    }
     if (stiffness > 0) {
         put_attribute(w, "stiffness", stiffness);
         put_attribute(w, "springref", at + pull/stiffness);
@@ -272,13 +277,10 @@ static void put_rod(writer *w, int depth, lw_vec3 to)
 static void put_shape(writer *w, int depth, int link)
 {
     const lw_spatial *m = w->m;
-    int rods = 0;
-    for (int j = 0; j < m->n_joint + m->n_tracer; j++) {
-        bool here = j < m->n_joint ? m->joint[j].link[0] == link || m->joint[j].link[1] == link
-            : m->tracer[j - m->n_joint].link == link;
-        if (!here)
-            continue;
-        lw_vec3 to = from_origin(w, link, j < m->n_joint ? m->joint[j].at : m->tracer[j - m->n_joint].at);
+    int rods = 0, joints = w->joints.start[link + 1] - w->joints.start[link];
+    for (int i = 0; i < joints + w->tracers.start[link + 1] - w->tracers.start[link]; i++) {
+        lw_vec3 to = from_origin(w, link, i < joints ? m->joint[w->joints.entry[w->joints.start[link] + i]/2].at
+                                 : m->tracer[w->tracers.entry[w->tracers.start[link] + i - joints]].at);
         if (lw_v3_norm(to) < 1e-9*w->size)
             continue;
         put_rod(w, depth, to);
@@ -304,16 +306,19 @@ static void put_site(writer *w, int depth, const char *name, const char *more, i
 static void put_sites(writer *w, int depth, int link)
 {
     const lw_spatial *m = w->m;
-    for (int t = 0; t < m->n_tracer; t++)
-        if (m->tracer[t].link == link)
-            put_site(w, depth, m->tracer[t].name, "", link, m->tracer[t].at, &m->tracer[t].frame);
-    for (int i = 0; i < m->n_spring; i++)
-        for (int end = 0; end < 2; end++)
-            if (m->spring[i].link[end] == link)
-                put_site(w, depth, m->spring[i].name, end ? " end" : " start", link, m->spring[i].at[end], NULL);
-    for (int i = 0; i < m->n_force; i++)
-        if (m->force[i].link == link)
-            put_site(w, depth, m->force[i].name, " force", link, m->force[i].at, NULL);
+    for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++) {
+        const lw_spatial_tracer *p = &m->tracer[w->tracers.entry[at]];
+        put_site(w, depth, p->name, "", link, p->at, &p->frame);
+    }
+    for (int at = w->springs.start[link]; at < w->springs.start[link + 1]; at++) {
+        const lw_spatial_spring *p = &m->spring[w->springs.entry[at]/2];
+        int end = w->springs.entry[at]%2;
+        put_site(w, depth, p->name, end ? " end" : " start", link, p->at[end], NULL);
+    }
+    for (int at = w->forces.start[link]; at < w->forces.start[link + 1]; at++) {
+        const lw_spatial_force *p = &m->force[w->forces.entry[at]];
+        put_site(w, depth, p->name, " force", link, p->at, NULL);
+    }
 }
 
 /* Does a joint that closes a loop need a body of its own, which moves on link[0] as the joint allows but for a turn? */
@@ -325,10 +330,11 @@ static bool has_runner(lw_spatial_kind kind)
 
 static void put_runners(writer *w, int depth, int link)
 {
-    for (int j = 0; j < w->m->n_joint; j++) {
+    for (int at = w->joints.start[link]; at < w->joints.start[link + 1]; at++) {
+        int j = w->joints.entry[at]/2;
         const lw_spatial_joint *p = &w->m->joint[j];
         lw_vec3 x = lw_v3_across(p->axis);
-        if (w->tree.in_tree[j] || p->link[0] != link || !has_runner(p->kind))
+        if (w->tree.in_tree[j] || w->joints.entry[at]%2 == 1 || !has_runner(p->kind))
             continue;
         lw_vec3 along = p->kind == LW_SPATIAL_PLANAR ? x : p->axis, across = lw_v3_cross(p->axis, x);
         put_tag(w, depth, "<body");
@@ -615,6 +621,18 @@ static void put_head(writer *w)
         put(w, "\n    <site name=\"axes of the world\" pos=\"0 0 0\" rgba=\"0 0 0 0\"/>");
 }
 
+static bool list_owners(writer *w)
+{
+    const lw_spatial *m = w->m;
+    int n = m->n_joint > m->n_tracer ? m->n_joint : m->n_tracer;
+    return LW_OWNERS(&w->joints, m->n_link, m->joint, m->n_joint, link, 2)
+        && LW_OWNERS(&w->tracers, m->n_link, m->tracer, m->n_tracer, link, 1)
+        && LW_OWNERS(&w->springs, m->n_link, m->spring, m->n_spring, link, 2)
+        && LW_OWNERS(&w->forces, m->n_link, m->force, m->n_force, link, 1)
+        && LW_OWNERS(&w->inputs, n, m->input, m->n_input, measure.index, 1)
+        && LW_OWNERS(&w->joint_springs, n, m->joint_spring, m->n_joint_spring, measure.index, 1);
+}
+
 lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
 {
     writer w = { .m = m, .out = out, .size = lw_spatial_size(m), .weighed = lw_space_weighed(m), .mass = 1 };
@@ -627,6 +645,8 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
         s = check(&w, e);
     if (s == LW_OK)
         s = lw_export_space_start(m, &w.twist, e);
+    if (s == LW_OK && !list_owners(&w))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         w.step = choose_step(&w);
         put_head(&w);
@@ -645,5 +665,8 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
     lw_bytes_free(&w.speeds);
     free(w.twist);
     lw_space_tree_free(&w.tree);
+    lw_owners *const lists[] = { &w.joints, &w.tracers, &w.springs, &w.forces, &w.inputs, &w.joint_springs };
+    for (size_t i = 0; i < sizeof lists/sizeof *lists; i++)
+        lw_owners_free(lists[i]);
     return s;
 }

@@ -2,34 +2,27 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/owners.h"
 #include "catalogues/exchange/export.h"
 
-bool lw_export_is_input(const lw_assembly *linkage, int joint)
+/* Mark the joints with an input, a spring, a motor or a stop. Formats know these for joints of the tree only. */
+static void mark_loaded(const lw_assembly *linkage, const lw_model *m, bool *loaded)
 {
     for (int i = 0; i < linkage->n_input; i++)
-        if (linkage->input[i].joint == joint)
-            return true;
-    return false;
-}
-
-/* Has the joint a spring, a motor or a stop? Formats know these for joints of the tree only. */
-static bool is_loaded(const lw_model *m, int joint)
-{
-    bool any = m && (m->stop[joint].has_least || m->stop[joint].has_greatest);
+        loaded[linkage->input[i].joint] = true;
+    for (int j = 0; m && j < linkage->n_joint; j++)
+        loaded[j] = loaded[j] || m->stop[j].has_least || m->stop[j].has_greatest;
     for (int i = 0; m && i < m->n_joint_spring; i++)
-        any = any || m->joint_spring[i].joint == joint;
+        loaded[m->joint_spring[i].joint] = true;
     for (int i = 0; m && i < m->n_motor; i++)
-        any = any || m->motor[i].joint == joint;
-    return any;
+        loaded[m->motor[i].joint] = true;
 }
 
 /* Order in which the tree takes the joints: driven and loaded joints, joints of gear wheels, welds, sliders and slots;
  * pins last, because a loop is closed most simply at a pin. -1: never. */
-static int rank_of(const lw_assembly *linkage, const lw_model *m, int joint, const bool *at_gear)
+static int rank_of(lw_joint_kind kind, bool loaded, bool at_gear)
 {
-    lw_joint_kind kind = linkage->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : lw_export_is_input(linkage, joint) || is_loaded(m, joint) ? 0
-        : at_gear[joint] ? 1
+    return lw_joint_has_ratio(kind) ? -1 : loaded ? 0 : at_gear ? 1
          : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 
@@ -47,10 +40,20 @@ static lw_status mark_gears(const lw_assembly *linkage, bool *at_gear, lw_error 
     return LW_OK;
 }
 
-bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
-             int *parent, int *joint)
+static int group_of(int *group, int link)
 {
-    int most = 0, reached = 1, before = 0;
+    while (group[link] != link)
+        link = group[link] = group[group[link]];
+    return link;
+}
+
+lw_status lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
+                  int *parent, int *joint)
+{
+    lw_owners joints;
+    int most = 0, reached = 1, *queue = group;
+    if (!lw_owners_make(&joints, n_link, link, sizeof *link, 0, n_joint, 2))
+        return LW_E_MEMORY;
     for (int i = 0; i < n_link; i++) {
         group[i] = i;
         parent[i] = joint[i] = -1;
@@ -59,45 +62,46 @@ bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_lin
         most = rank[j] > most ? rank[j] : most;
     for (int r = 0; r <= most; r++)                        /* Kruskal's method */
         for (int j = 0; j < n_joint; j++) {
-            int a = group[link[j][0]], b = group[link[j][1]];
-            if (rank[j] != r || a == b)
+            if (rank[j] != r)
                 continue;
-            in_tree[j] = true;
-            for (int i = 0; i < n_link; i++)
-                group[i] = group[i] == b ? a : group[i];
+            int a = group_of(group, link[j][0]), b = group_of(group, link[j][1]);
+            in_tree[j] = a != b;
+            group[b] = a;
         }
-    while (reached > before) {
-        before = reached;
-        for (int j = 0; j < n_joint; j++)
-            for (int side = 0; in_tree[j] && side < 2; side++) {
-                int from = link[j][side], to = link[j][1 - side];
-                if ((from != ground && parent[from] < 0) || to == ground || parent[to] >= 0)
-                    continue;
-                parent[to] = from;
-                joint[to] = j;
-                reached++;
-            }
-    }
-    return reached == n_link;
+    queue[0] = ground;
+    for (int head = 0; head < reached; head++)
+        for (int at = joints.start[queue[head]]; at < joints.start[queue[head] + 1]; at++) {
+            int j = joints.entry[at]/2, to = link[j][1 - joints.entry[at]%2];
+            if (!in_tree[j] || to == ground || parent[to] >= 0)
+                continue;
+            parent[to] = queue[head];
+            joint[to] = j;
+            queue[reached++] = to;
+        }
+    lw_owners_free(&joints);
+    return reached == n_link ? LW_OK : LW_E_KIND;
 }
 
 lw_status lw_export_span(const lw_assembly *linkage, const lw_model *m, lw_export_tree *t, lw_error *e)
 {
     size_t joints = (size_t)linkage->n_joint + 1, links = (size_t)linkage->n_link + 1;
-    bool *at_gear = calloc(joints, sizeof *at_gear);
+    bool *at_gear = calloc(2*joints, sizeof *at_gear), *loaded = at_gear + joints;
     int (*link)[2] = calloc(joints, sizeof *link), *rank = calloc(joints + links, sizeof *rank);
     *t = (lw_export_tree){ calloc(joints, sizeof *t->in_tree), calloc(links, sizeof *t->parent), calloc(links, sizeof *t->joint),
                            calloc(links, sizeof *t->origin) };
     bool room = at_gear && link && rank && t->in_tree && t->parent && t->joint && t->origin;
     lw_status s = room ? mark_gears(linkage, at_gear, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        mark_loaded(linkage, m, loaded);
     for (int j = 0; s == LW_OK && j < linkage->n_joint; j++) {
-        rank[j] = rank_of(linkage, m, j, at_gear);
+        rank[j] = rank_of(linkage->joint[j].kind, loaded[j], at_gear[j]);
         for (int side = 0; side < 2; side++)
             link[j][side] = linkage->joint[j].link[side];
     }
-    if (s == LW_OK && !lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, rank + joints, t->in_tree, t->parent,
-                               t->joint))
-        s = lw_error_set(e, LW_E_KIND, "a link hangs on a gear alone, which has no form in a tree of bodies");
+    if (s == LW_OK && (s = lw_span(link, rank, linkage->n_joint, linkage->ground, linkage->n_link, rank + joints, t->in_tree,
+                                   t->parent, t->joint)) != LW_OK)
+        lw_error_set(e, s, s == LW_E_MEMORY ? "out of memory"
+                     : "a link hangs on a gear alone, which has no form in a tree of bodies");
     for (int i = 0; s == LW_OK && i < linkage->n_link; i++)
         if (t->joint[i] >= 0)
             t->origin[i] = linkage->joint[t->joint[i]].at;

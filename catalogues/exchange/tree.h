@@ -13,9 +13,10 @@ typedef struct lw_export_tree {
 } lw_export_tree;
 
 /* A spanning tree of n_link links from the ground: joints of lowest rank first, those of a rank below 0 never. link:
- * (n_joint) pairs; group: (n_link) scratch; in_tree (n_joint): false before. False: a link is not reached. */
-bool lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
-             int *parent, int *joint);
+ * (n_joint) pairs; group: (n_link) scratch; in_tree (n_joint): false before. LW_E_KIND: a link is not reached;
+ * LW_E_MEMORY. */
+lw_status lw_span(int (*link)[2], const int *rank, int n_joint, int ground, int n_link, int *group, bool *in_tree,
+                  int *parent, int *joint);
 
 /* Choose a spanning tree: driven and loaded joints first (m may be NULL), then those of gear wheels, welds, sliders and
  * slots, pins last. LW_E_KIND: a link hangs on a gear alone; failures of lw_export_gear. */
@@ -24,8 +25,6 @@ void      lw_export_tree_free(lw_export_tree *t);       /* after a failure too *
 
 /* +1 if the turn or shift of `child` has the joint's sign, else -1. */
 double lw_export_count_sign(const lw_assembly *linkage, int joint, int child);
-
-bool lw_export_is_input(const lw_assembly *linkage, int joint);
 
 /* Has a link of the model a mass? m may be NULL. */
 bool lw_export_weighed(const lw_assembly *linkage, const lw_model *m);
