@@ -118,19 +118,35 @@ static double step_error(const lw_integrator *w, double h)
     return bottom > 0.0 ? fabs(h)*e5/sqrt((double)n*bottom) : e5 == 0.0 && e3 == 0.0 ? 0.0 : NAN;
 }
 
+/* Project w->y at t; w->moved: how far, over the error allowed.  That is an error of the step, which the embedded methods
+ * may have missed, unless the callback says otherwise. */
+static lw_status project(lw_integrator *w)
+{
+    size_t n = (size_t)w->ode->n;
+    double *before = w->stage, sum = 0.0;
+    memcpy(before, w->y, n*sizeof *before);
+    lw_status s = w->ode->project(w->ode->context, w->t, w->y);
+    if (s != LW_OK && s != LW_NOTHING)
+        return s;
+    memset(w->low, 0, n*sizeof *w->low);                 /* the lost digits belong to the old y */
+    for (size_t i = 0; s == LW_OK && i < n; i++) {
+        double moved = (w->y[i] - before[i])/allowed(w, (int)i, fabs(before[i]));
+        sum += moved*moved;
+    }
+    w->moved = sqrt(sum/(double)n);
+    return LW_OK;
+}
+
 /* After the step: project w->y at t_old + h_done and evaluate f there into dy and k[12]. */
 static lw_status arrive(lw_integrator *w)
 {
     double add = w->h_done + w->t_step;                  /* time is summed with compensation too */
     w->t = w->t_old + add;
     w->t_low = add - (w->t - w->t_old);
-    if (w->ode->project) {
-        lw_status s = w->ode->project(w->ode->context, w->t, w->y);
-        if (s != LW_OK)
-            return s;
-        memset(w->low, 0, sizeof(double)*(size_t)w->ode->n);     /* the lost digits belong to the old y */
-    }
-    lw_status s = rate_at(w, w->t, w->y, w->k[12]);
+    lw_status s = w->ode->project ? project(w) : LW_OK;
+    if (s != LW_OK)
+        return s;
+    s = rate_at(w, w->t, w->y, w->k[12]);
     memcpy(w->dy, w->k[12], sizeof(double)*(size_t)w->ode->n);
     w->dense = false;
     return s;
@@ -574,7 +590,7 @@ static double growth(const lw_integrator *w, double err)
 /* Try steps from t_old until one is accepted; *last is set if it reached t_end. */
 static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_error *e)
 {
-    double sign = t_end < w->t_old ? -1.0 : 1.0, factor_max = 6.0;
+    double sign = t_end < w->t_old ? -1.0 : 1.0, factor_max = 6.0, moved = INFINITY;
     for (;;) {
         if (w->o.max_step > 0 && w->n_step + w->n_refused >= w->o.max_step)
             return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t_old, w->o.max_step);
@@ -590,6 +606,12 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
         double err = s == LW_OK ? w->o.fixed > 0.0 ? 0.0 : step_error(w, h) : NAN;
         if (s == LW_OK && err <= 1.0)
             s = arrive(w);
+        if (s == LW_OK && err <= 1.0 && w->moved > 1.0 && w->o.fixed <= 0.0) {
+            if (w->moved > 0.5*moved)                    /* a shorter step did not help: rounding */
+                w->rounding = fmax(w->rounding, w->moved);
+            moved = w->moved;
+            err = moved > 4.0*w->rounding ? moved : err;
+        }
         if (s == LW_OK && err <= 1.0) {
             double f = err > 0.0 ? growth(w, err) : factor_max;
             double next = fabs(h)*fmin(factor_max, fmax(1.0/3.0, f));

@@ -25,7 +25,8 @@ typedef struct lw_ode {
     lw_status (*rate)(void *context, double t, const double *y, double *dy);             /* dy (n)    */
     /* jac[i + n*j] = d dy_i / d y_j, zeroed before; for implicit methods only; NULL: by differences  */
     lw_status (*jacobian)(void *context, double t, const double *y, const double *dy, double *jac);
-    /* correct y after every accepted step (constraints, whole turns); NULL: none                     */
+    /* correct y after every accepted step (constraints, energy).  A step that this moves by more than its allowed error is
+     * repeated shorter; LW_NOTHING: y is right, and how far it moved says nothing.  NULL: none         */
     lw_status (*project)(void *context, double t, double *y);
     int   n_event;                   /* event functions, watched for zero crossings                 */
     lw_status (*event)(void *context, double t, const double *y, double *g);             /* g (n_event) */
@@ -64,7 +65,7 @@ typedef struct lw_integrator {
     long    n_step, n_refused, n_rate;
     /* private to the integrator */
     double *k[16], *stage, *c[8], *low, *y_step, *g_try;
-    double  t_low, t_step, h_done, err_old;
+    double  t_low, t_step, h_done, err_old, moved, rounding;
     signed char side[LW_EVENT_MAX];
     bool    dense;
 } lw_integrator;
