@@ -14,9 +14,14 @@ static int models(int few)
 }
 
 /* The seed of a run without LW_SEED leaves the models as they are. */
+static void seed_with(uint64_t seed, uint64_t kind, int k)
+{
+    lw_rng_seed(&rng, kind + 100*(seed - 20260101u), (uint64_t)k);
+}
+
 static void seed_model(uint64_t kind, int k)
 {
-    lw_rng_seed(&rng, kind + 100*(check_seed() - 20260101u), (uint64_t)k);
+    seed_with(check_seed(), kind, k);
 }
 
 static void put_pin(const char *name, const char *first, const char *second, double x, double y)
@@ -366,31 +371,59 @@ static void write_carried(int k, carried *z, double y[4])
     memcpy(y, (double[]){ start, hang, speed, 0 }, 4*sizeof *y);
 }
 
-/* The error falls with the tolerance, over and over singular postures. */
+/* By how much a small change of the state anywhere on the way from y grows until the time `to`; y is moved there. */
+static double growth_of_errors(const carried *z, double y[4], double to)
+{
+    enum { PLACES = 10 };
+    static const double small = 1e-7;
+    const lw_ode ode = { .n = 4, .context = (void *)z, .rate = carried_rate };
+    double way[PLACES][4], most = 0;
+    for (int i = 0; i < PLACES; i++) {
+        memcpy(way[i], y, sizeof way[i]);
+        drun_exact(&ode, to*i/PLACES, y, to*(i + 1)/PLACES);
+    }
+    for (int i = 0; i < PLACES; i++)
+        for (int j = 0; j < 4; j++) {
+            double moved[4];
+            memcpy(moved, way[i], sizeof moved);
+            moved[j] += small;
+            drun_exact(&ode, to*i/PLACES, moved, to);
+            most = fmax(most, fabs(moved[0] - y[0])/small);
+        }
+    return most;
+}
+
+/* The error falls with the tolerance, over and over singular postures; it is some tolerances times the growth of errors. */
 TEST(two_freedoms)
 {
     static const struct { lw_formulation f; double tolerance, off; } run[] = {
-        { LW_FORMULATION_AUTO, 1e-6, 1e-4 }, { LW_FORMULATION_AUTO, 1e-8, 1e-6 }, { LW_FORMULATION_AUTO, 1e-10, 1e-8 },
-        { LW_FORMULATION_AUTO, 1e-12, 1e-9 }, { LW_FORMULATION_CVODE, 1e-8, 1e-4 }, { LW_FORMULATION_GGL, 1e-8, 1e-4 } };
+        { LW_FORMULATION_AUTO, 1e-6, 10 }, { LW_FORMULATION_AUTO, 1e-8, 10 }, { LW_FORMULATION_AUTO, 1e-10, 10 },
+        { LW_FORMULATION_AUTO, 1e-12, 100 }, { LW_FORMULATION_CVODE, 1e-8, 1000 }, { LW_FORMULATION_GGL, 1e-8, 1000 } };
+    /* a step's error that its estimate missed; steps around a singular posture that ended on the other branch; a way that
+     * turns back beside one */
+    static const struct { uint64_t seed; int k; } hard[] = { { 99, 268 }, { 99, 48 }, { 5, 29 }, { 5, 131 } };
+    enum { N_HARD = sizeof hard/sizeof *hard };
     int failed = 0, n = models(5);
-    for (int k = 0; k < n; k++) {
+    for (int i = 0; i < n + N_HARD; i++) {
+        int k = i < n ? i : hard[i - n].k;
         carried z;
         double y[4], start;
-        seed_model(14, k);
+        seed_with(i < n ? check_seed() : hard[i - n].seed, 14, k);
         write_carried(k, &z, y);
         start = y[0];
-        drun_exact(&(lw_ode){ .n = 4, .context = &z, .rate = carried_rate }, 0, y, 2);
+        double growth = fmax(1, growth_of_errors(&z, y, 2));
         drun_read_text(&d, text);
         d.o.max_step = 50000;
-        for (int i = 0; i < 6; i++) {
-            lw_status s = drun_to(&d, run[i].f, run[i].tolerance, 2, 20);
+        for (int r = 0; r < 6; r++) {
+            double allowed = run[r].off*run[r].tolerance*growth;
+            lw_status s = drun_to(&d, run[r].f, run[r].tolerance, 2, 20);
             CHECK(s == LW_OK || d.e.text[0]);
             failed += s != LW_OK;
             if (s != LW_OK)
                 continue;
             CHECK_INT(d.n_moment, 21);
-            CHECK_NEAR(d.q[2], y[0] - start, run[i].off, 0);
-            CHECK_NEAR(d.q[5], y[0] - start, run[i].off, 0);
+            CHECK_NEAR(d.q[2], y[0] - start, allowed, 0);
+            CHECK_NEAR(d.q[5], y[0] - start, allowed, 0);
         }
         lw_model_free(&d.model);
     }

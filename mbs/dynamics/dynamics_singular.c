@@ -47,15 +47,27 @@ static lw_status state_on_the_way(void *context, double t, double *y)
     return LW_OK;
 }
 
-/* Begin at half the length from the singular posture, before or behind `good`, which is `angle` from it. */
+/* Is the state before the gap about half its length from the singular posture?  Else the way there has led over another
+ * one, or the motion turns back. */
+static bool is_apart(const lw_passage *z, double half)
+{
+    lw_dynamics *d = z->run->d;
+    d->by_rank = false;                      /* else the pivot is not found */
+    return lw_mbs_rows(d, z->start, z->begun) == LW_OK && lw_mbs_factor(d, false) == LW_OK
+        && d->weak > 0.1*half*half && d->weak < 10*half*half;
+}
+
+/* Begin at half the length from the singular posture, before or behind `good`, which is `angle` from it.  LW_OPEN: there is no
+ * such place. */
 static lw_status begin_gap(lw_passage *z, double half, double good, double angle, double place, const double *first)
 {
     lw_status s = LW_OK;
     memcpy(z->begun, first, (size_t)z->run->n*sizeof *first);
     z->start = place - (place - good)*half/angle;
-    if (z->start > z->run->d->o.from)
+    if (z->start > z->run->d->o.from) {
         s = lw_passage_integrate(z->run, good, z->start, z->begun, false);
-    else
+        s = s == LW_E_NUMERIC || (s == LW_OK && !is_apart(z, half)) ? LW_OPEN : s;
+    } else
         z->start = good;
     z->length = 2*(place - z->start);
     if (s == LW_OK && lw_passage_guess(z) == LW_OK && lw_passage_centre(z))
@@ -129,6 +141,7 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     for (double half = LW_SINGULAR_STEP_HALF; s == LW_OK && solved != LW_OK && half > shortest_half; half *= 0.5) {
         s = begin_gap(&z, half, good, angle, place, first);
         solved = s == LW_OK ? lw_passage_solve(&z, y, &tail) : s;
+        s = s == LW_OPEN ? LW_OK : s;        /* a shorter gap may begin behind it */
         if (solved == LW_OK && tail < best)
             best = tail, best_half = half;
         solved = solved == LW_OK && tail > wanted ? LW_OPEN : solved;
@@ -532,6 +545,27 @@ static lw_status step_over(lw_run *run, double weak, double place, double *t, do
     return LW_OK;
 }
 
+/* How fast the root w of the least pivot at (t, y) falls along the motion, from its value shortly ahead.  Between two steps
+ * it may have gone through 0, or over a peak. */
+static lw_status find_fall(lw_run *run, double t, const double *y, double ahead, double w, double *rate)
+{
+    lw_dynamics *d = run->d;
+    size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v;
+    double *q = malloc((n_q + n_v)*sizeof *q), *way = q + n_q;
+    if (!q)
+        return LW_E_MEMORY;
+    memcpy(q, y, n_q*sizeof *q);
+    for (size_t i = 0; i < n_v; i++)
+        way[i] = ahead*y[n_q + i];
+    d->eq.move(d->eq.context, q, way);
+    lw_status s = lw_mbs_rows(d, t + ahead, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    *rate = s == LW_OK ? (w - sqrt(fmax(d->weak, 0)))/ahead : 0;
+    free(q);
+    return s;
+}
+
 lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *before, double *t, double *y)
 {
     const lw_dynamics *d = run->d;
@@ -551,17 +585,20 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     run->apart = w > beside ? 0 : run->apart;
     if (stops || w > from || near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
+    double rate = fall/since;
+    if (!one && (find_fall(run, *t, y, 0.1*w/rate, w, &rate) != LW_OK || !(rate > 0)))
+        return LW_NOTHING;
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));
-    if (fastest*since*w/fall > reach)
+    if (fastest*w/rate > reach)
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;
-    place += since*w/fall;
+    place += w/rate;
     if (!one && w < LW_SINGULAR_STEP_HALF && before) {        /* the state before is known better */
         memcpy(y, before, (size_t)run->n*sizeof *y);
-        weak = pow(w + fall, 2);
         *t -= since;
+        weak = pow((place - *t)*rate, 2);
     }
     lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, weak, place, t, y);
     if (s == LW_NOTHING)
