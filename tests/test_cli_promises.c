@@ -174,6 +174,9 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "simulate $D/pile.json --to 10", NULL },
     { "simulate $D/snake.json --to 10", NULL },
     { "mobility $D/row.json", NULL },
+    { "draw $D/whip.json -f svg -o $D/x", "test ! -e $D/x" },
+    { "draw $D/whip.json -f html -o $D/x", "test ! -e $D/x" },
+    { "trace $D/whip.json -n 2 -o $D/x", "test ! -e $D/x" },
     { "simulate $D/rope.json --analysis static", NULL },
     { "simulate $D/rope.json --analysis linear --rest", NULL },
     { "structures --loops 10", NULL },
@@ -502,6 +505,8 @@ static void prepare(void)
            "links.pop(), joints.pop(-2)\n"
            "write('/row.json', links=links, joints=joints, gravity=[0, 0, -9.81], inputs=[{'joint': 'G0', 'motion': 't'}],\n"
            "    tracers=[{'name': 'tool', 'link': 'c298', 'at': [299, 1, 0]}])\n"
+           "write('/whip.json', joints=[{'name': 'J%d' % i, 'links': ['p%d' % i, 'p%d' % (i + 1)], 'at': [i, 0]} for i in range(500)],\n"
+           "    ground='p0', inputs=[{'joint': 'J%d' % i, 'motion': '1000*t'} for i in range(500)])\n"
            "model, f = json.load(open('examples/chebyshev.json')), open(sys.argv[1] + '/many.json', 'w')\n"
            "for i in range(10000):\n"
            "    for joint in model['joints']: joint['at'][0] *= 1.0001\n"

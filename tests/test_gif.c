@@ -225,6 +225,24 @@ TEST(bars_bend)
     free(p);
 }
 
+TEST(a_stopped_animation_is_readable)
+{
+    lw_scene s;
+    lw_bytes b;
+    lw_error e;
+    lw_gif_options o = { .width = 160, .height = 120, .n_frame = 8, .delay = 5 };
+    const volatile sig_atomic_t now = 1;
+    CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
+    s.stop = &now;
+    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    GifFileType *gif = read_back(&b);
+    CHECK_INT(gif->ImageCount, 1);
+    int code;
+    DGifCloseFile(gif, &code);
+    lw_bytes_free(&b);
+    lw_scene_free(&s);
+}
+
 TEST(same_input_same_bytes)
 {
     lw_scene s;

@@ -515,5 +515,11 @@ TEST(each_of_forty_inputs_moves)
             CHECK_NEAR(distance(turn, lw_v2_polar(1, 0.1*i*sin(4*LW_PI*s.input[f]))), 0, 1e-6, 0);
         }
     lw_scene_free(&s);
+    const volatile sig_atomic_t now = 1;
+    o.stop = &now;
+    CHECK_INT(lw_scene_make_any(&m.linkage, &m, NULL, &o, &s, &e), LW_OK);
+    CHECK_INT((int)s.n_frame, 1);
+    CHECK_HAS(s.note, "stopped");
+    lw_scene_free(&s);
     lw_model_free(&m);
 }

@@ -172,7 +172,7 @@ static lw_status put_motion(lw_film *m, GifFileType *gif, const lw_gif_options *
     size_t most = g->loops ? o->n_frame : o->n_frame/2 + 1, all = g->n_frame;
     size_t n = all < most ? all : most < 2 ? 2 : most;
     size_t total = g->loops || n < 2 ? n : 2*n - 2;
-    for (size_t i = 0; i < total; i++) {
+    for (size_t i = 0; i < total && !(i > 0 && g->stop && *g->stop); i++) {
         size_t step = i < n ? i : total - i;
         size_t frame = g->loops || n < 2 ? (g->first_frame + step*all/n) % all : step*(all - 1)/(n - 1);
         lw_status st = render(m, frame, e);
@@ -244,7 +244,7 @@ lw_status lw_gif_write(const lw_scene *s, const lw_gif_options *o, lw_bytes *out
     lw_gif_options standard = lw_gif_options_default();
     o = o ? o : &standard;
     planar_film f = { .s = s };
-    lw_gif_motion motion = { .n_frame = s->n_frame, .first_frame = s->first_frame, .loops = s->loops,
+    lw_gif_motion motion = { .n_frame = s->n_frame, .first_frame = s->first_frame, .loops = s->loops, .stop = s->stop,
                              .render = render_scene, .context = &f };
     lw_diagram_options d = lw_diagram_options_default();
     d.width = o->width;

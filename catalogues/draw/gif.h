@@ -23,6 +23,7 @@ lw_gif_options lw_gif_options_in_time(size_t n_frame, double seconds, double *sl
 typedef struct lw_gif_motion {
     size_t n_frame, first_frame;   /* the frame that comes first, if the motion loops */
     bool   loops;
+    const volatile sig_atomic_t *stop;     /* the frame that is drawn is the last; may be NULL */
     lw_status (*render)(void *context, size_t frame, uint32_t *pixel, lw_error *e);
     void  *context;
 } lw_gif_motion;

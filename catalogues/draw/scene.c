@@ -898,6 +898,7 @@ static bool begin(lw_scene *s, const lw_assembly *parts, const lw_target *t, con
 {
     lw_text_clean(s->title, sizeof s->title, o->title ? o->title : parts->name);
     s->model = o->model;
+    s->stop = o->stop;
     s->max_curve = LW_CURVE_MAX + (parts->n_tracer > LW_TRACER_MAX ? parts->n_tracer : 0);
     s->curve = calloc((size_t)s->max_curve, sizeof *s->curve);
     s->origin = calloc((size_t)parts->n_link + 1, sizeof *s->origin);
@@ -989,7 +990,7 @@ static lw_status large_motion(const lw_model *m, const lw_scene_options *o, lw_s
         ends[0] = now - span(a), ends[1] = now + span(a);
     lw_follow *f;
     lw_input_function *motion = timed ? lw_prescribed_motion_of_model : first_alone;
-    lw_status st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, NULL, &f, why);
+    lw_status st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, o->stop, &f, why);
     if (st != LW_OK)
         return st;
     lw_error ignored = { 0 };
@@ -1004,8 +1005,8 @@ static lw_status large_motion(const lw_model *m, const lw_scene_options *o, lw_s
         if (open[side])
             ends[side] = now + (lw_follow_time(f) - now)*(1 - 1e-6);
         lw_follow_free(f);
-        if ((st != LW_OK && st != LW_OPEN) || (st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, NULL, &f, why)) != LW_OK)
-            return st < 0 && !why->text[0] ? lw_error_set(why, st, "%.200s", ignored.text) : st;
+        if ((st != LW_OK && st != LW_OPEN) || (st = lw_follow_create(m, motion, (void *)(uintptr_t)m, now, o->stop, &f, why)) != LW_OK)
+            return !why->text[0] ? lw_error_set(why, st, "%.200s", ignored.text) : st;
     }
     if (timed && open[1])
         snprintf(s->note, sizeof s->note, "Shown in part: the motions lead beyond a limit of the linkage at t = %.6g s", ends[1]);

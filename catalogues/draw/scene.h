@@ -10,6 +10,7 @@
 #ifndef LW_CATALOGUES_DRAW_SCENE_H
 #define LW_CATALOGUES_DRAW_SCENE_H
 
+#include <signal.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include "grammar/linkage/assembly.h"
@@ -65,6 +66,7 @@ typedef struct lw_scene {
     int        n_bend;                        /* the caller's; drawn by animations                     */
     const lw_bent_bar *bend;
     char       note[256];                     /* why it does not move; "" when it does               */
+    const volatile sig_atomic_t *stop;        /* ends an animation after the frame that is drawn; may be NULL */
 } lw_scene;
 
 typedef struct lw_scene_options {
@@ -78,6 +80,8 @@ typedef struct lw_scene_options {
                                    * drawn and it has to outlive the scene; NULL: unknown            */
     double      until;            /* show that motion from 0 to this time [s]; 0: until it repeats or
                                    * comes to rest, else 1 s                                         */
+    const volatile sig_atomic_t *stop;       /* ends the motion of a model that no linkage can hold: a note
+                                   * says so, and it is shown without motion; may be NULL            */
 } lw_scene_options;
 
 lw_scene_options lw_scene_options_default(void);

@@ -103,10 +103,10 @@ static lw_status make_motion(const lw_spatial *m, const lw_space_scene_options *
         with.tracer[m->n_tracer + i] = (lw_spatial_tracer){ .link = i, .at = s->origin[i], .frame = { 1, 0, 0, 0 } };
     lw_status status = lw_space_trace_run(&with, &t, take_frame, &f, &why);
     free(with.tracer);
-    if (status == LW_STOPPED || status == LW_E_MEMORY)
+    if (status == LW_E_MEMORY)
         return lw_error_set(e, status, "%s", why.text[0] ? why.text : lw_status_text(status));
     if (status != LW_OK)
-        snprintf(s->note, sizeof s->note, "%.250s", why.text);
+        snprintf(s->note, sizeof s->note, "%.250s", why.text[0] ? why.text : lw_status_text(status));
     if (s->n_frame == 0)
         stand_still(s, m);
     s->loops = closes(s);
@@ -348,7 +348,7 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
 {
     size_t n_frame = o->n_frame + 1, n_link = (size_t)m->n_link, n_tracer = (size_t)m->n_tracer;
     size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam;
-    *s = (lw_space_scene){ .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 } };
+    *s = (lw_space_scene){ .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 }, .stop = o->stop };
     snprintf(s->title, sizeof s->title, "%s", o->title ? o->title : m->name);
     s->shape = calloc(n_shape + 1, sizeof *s->shape);
     s->origin = calloc(n_link, sizeof *s->origin);

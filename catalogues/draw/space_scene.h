@@ -47,6 +47,7 @@ typedef struct lw_space_scene {
     lw_vec3 *path;               /* [frame*n_tracer + tracer]                                          */
     lw_vec3  up, middle;         /* upwards: against gravity, or z; middle and radius of all places    */
     double   radius;
+    const volatile sig_atomic_t *stop;       /* ends an animation after the frame that is drawn; may be NULL */
 } lw_space_scene;
 
 typedef struct lw_space_scene_options {
@@ -55,10 +56,10 @@ typedef struct lw_space_scene_options {
     double      until;           /* length of a motion in time [s]; 0: 1 s                             */
     const lw_space_pose *pose;   /* a motion that is known [frame*n_link + link]; NULL: that of the inputs */
     const lw_vec3 *path, *origin;            /* its [frame*n_tracer + tracer] and (n_link), as of the scene */
-    const volatile sig_atomic_t *stop;      /* may be NULL                                             */
+    const volatile sig_atomic_t *stop;      /* the motion ends there, with a note; may be NULL         */
 } lw_space_scene_options;
 
-/* LW_E_MEMORY, LW_STOPPED.  A model that cannot move gives one pose and a note.  Free it also after a failure. */
+/* LW_E_MEMORY.  A model that cannot move gives one pose and a note.  Free it also after a failure. */
 lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options *o, lw_space_scene *s, lw_error *e);
 void      lw_space_scene_free(lw_space_scene *s);
 

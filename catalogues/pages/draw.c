@@ -106,7 +106,7 @@ lw_status lw_draw_space(const lw_space_scene *s, lw_space_view view, lw_draw_kin
         o.width = width > 0 ? width : o.width;
         o.height = height > 0 ? height : o.height;
         space_film f = { s, view, o.width, o.height };
-        lw_gif_motion motion = { .n_frame = s->n_frame, .loops = forward, .render = render_space, .context = &f };
+        lw_gif_motion motion = { .n_frame = s->n_frame, .loops = forward, .stop = s->stop, .render = render_space, .context = &f };
         return lw_gif_encode(&motion, &o, out, e);
     }
     lw_status st = lw_space_draw(s, 0, view, width > 0 ? width : (int)page.width, height > 0 ? height : (int)page.height,

@@ -71,6 +71,7 @@ static lw_status compare(const cli_call *call, lw_scene *scene, lw_error *e)
     lw_model *m = other ? cli_read_model(call->parsed.word[1], 0, e) : NULL;
     lw_status st = !other ? lw_error_set(e, LW_E_MEMORY, "out of memory") : m ? LW_OK : e->status;
     o.model = m;
+    o.stop = cli_stop_flag();
     if (st == LW_OK)
         st = lw_scene_make_any(&m->linkage, m, NULL, &o, other, e);
     if (st == LW_OK)
@@ -92,6 +93,7 @@ static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_
     o.other_branches = s->all_modes;
     o.model = m;
     o.until = s->until;
+    o.stop = cli_stop_flag();
     lw_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
