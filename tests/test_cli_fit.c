@@ -101,6 +101,26 @@ TEST(first_answers_keep_the_default_limits)
     json_decref(root);
 }
 
+/* Of five points the first row meets them all, with four links, and no row is as good as one before it in nothing but
+ * hundredths. */
+TEST(few_points_are_met_by_the_first_row)
+{
+    static const char *const more_is_worse[] = { "objective", "stray", "chamfer", "size_over_path" };
+    json_t *root = json_of("printf '# units: mm\nx,y\n0,0\n30,20\n70,10\n90,-20\n100,-60\n' | $P fit --open - --rounds 4 --json -q");
+    json_t *rows = json_object_get(root, "results"), *first = json_array_get(rows, 0);
+    CHECK_INT(integer(first, "links"), 4);
+    CHECK(member(first, "error_max") < 1e-9);
+    for (size_t i = 1; i < json_array_size(rows); i++)
+        for (size_t k = 0; k < i; k++) {
+            json_t *a = json_array_get(rows, k), *b = json_array_get(rows, i);
+            bool better = integer(b, "links") != integer(a, "links") || member(b, "transmission_min") > member(a, "transmission_min");
+            for (int m = 0; m < 4; m++)
+                better |= member(b, more_is_worse[m]) < member(a, more_is_worse[m])*(1 - 0.02);
+            CHECK(better);
+        }
+    json_decref(root);
+}
+
 /* Within a tolerance the simplest linkage comes first, then the smallest; where nothing is within, this is told. */
 TEST(tolerances_choose_the_smallest)
 {

@@ -141,6 +141,26 @@ TEST(scale_and_place_do_not_matter)
     }
 }
 
+/* Between stations on a circle the curve is unsure by twice the height of the arcs, however few they are; on a line it is known. */
+TEST(few_stations_leave_the_curve_unsure)
+{
+    lw_vec2 p[40], b[2] = { { 2, 0 }, { 0, 0 } };
+    lw_target t;
+    for (int n = 3; n <= 40; n += 7)
+        for (int closed = 0; closed < 2; closed++) {
+            for (int i = 0; i < n; i++)
+                p[i] = lw_v2_polar(5, 2*LW_PI*i/n);
+            make_of(p, (size_t)n, closed, &t);
+            CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 2*5*(1 - cos(LW_PI/n)), 0, 1e-12);
+            lw_target_free(&t);
+        }
+    for (int i = 0; i < 4; i++)
+        p[i] = lw_v2(0.1*i*i, 0.2*i*i);
+    make_of(p, 4, 0, &t);
+    CHECK_NEAR(lw_likeness_stray(&t, b, 2).unsure, 0, 1e-15, 0);
+    lw_target_free(&t);
+}
+
 /* The greatest distance of the stations from wild polylines of several lengths, compared with a look at every segment. */
 TEST(stray_looks_at_every_segment)
 {

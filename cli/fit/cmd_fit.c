@@ -537,13 +537,18 @@ static void warn(const cli_call *call, const cli_fit_set *set)
         int links = 4;
         for (int i = 0; i < set->search.found.n_stage; i++)
             links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
-        cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
-                 "diagonal; %s", set->path, lw_fit_report_misses(&set->target, r)/set->target.units.metre,
-                 set->target.units.length[0] ? set->target.units.length : "units",
-                 100*lw_fit_report_misses(&set->target, r)/set->target.extent,
-                 links < 6 ? "'--links 6' searches linkages with six links too"
-                 : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
-                 : "a larger --budget searches longer");
+        double misses = lw_fit_report_misses(&set->target, r), m = set->target.units.metre;
+        const char *unit = set->target.units.length[0] ? set->target.units.length : "units";
+        if (r->error_max <= 1e-6*set->target.extent)
+            cli_note(call, "%s: the first row meets every point; between them it leaves a smooth line through them (straight at corners) "
+                     "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points", set->path, misses/m, unit,
+                     100*misses/set->target.extent);
+        else
+            cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
+                     "diagonal; %s", set->path, misses/m, unit, 100*misses/set->target.extent,
+                     links < 6 ? "'--links 6' searches linkages with six links too"
+                     : links < 8 ? "'--links 8' searches longer, and linkages with eight links too"
+                     : "a larger --budget searches longer");
     }
     if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)

@@ -34,6 +34,16 @@ static lw_vec2 tangent(const lw_target *t, size_t i)
     return unit(lw_v2_add(lw_v2_scale(a, 1/a2), lw_v2_scale(b, 1/b2)));
 }
 
+/* Height of the arc through a station and its neighbours over the longer of the two chords, as if both were so long; 0 at ends. */
+static double arc_height(const lw_target *t, size_t i)
+{
+    if (!t->closed && (i == 0 || i + 1 == t->n))
+        return 0;
+    lw_vec2 a = lw_v2_sub(station(t, i), station(t, i + t->n - 1)), b = lw_v2_sub(station(t, i + 1), station(t, i));
+    double turn = atan2(fabs(lw_v2_cross(a, b)), lw_v2_dot(a, b));
+    return 0.5*fmax(lw_v2_norm(a), lw_v2_norm(b))*tan(0.25*turn);
+}
+
 static bool is_none(lw_vec2 a) { return a.x == 0 && a.y == 0; }
 
 /* Direction of an arc with chord d at its other end. */
@@ -208,15 +218,16 @@ static double farthest(runs *r, const lw_vec2 *p, size_t n, double most)
 
 lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n)
 {
-    lw_stray stray = { NAN, NAN };
+    lw_stray stray = { NAN, NAN, NAN };
     size_t n_drawn;
     lw_vec2 *drawn = curve_of(t, &n_drawn);
     runs found = { 0 }, wanted = { 0 };
     if (drawn && make_runs(curve, n, t->closed, &found) && make_runs(drawn, n_drawn, t->closed, &wanted)) {
-        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0) };
+        stray = (lw_stray){ 0, farthest(&wanted, curve, n, 0), 0 };
         for (size_t i = 0; i < t->n; i++) {
             lw_vec2 p = station(t, i);
             stray.to_curve = farthest(&found, &p, 1, stray.to_curve);
+            stray.unsure = fmax(stray.unsure, 2*arc_height(t, i));
         }
     }
     free(found.box);

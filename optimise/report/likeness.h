@@ -24,8 +24,9 @@ typedef struct lw_likeness {
 lw_status lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out);
 
 /* How far curve and target are apart [m]: the greatest distance of a station from the curve, and of a place of the
- * curve from the curve through the stations. */
-typedef struct lw_stray { double to_curve, to_target; } lw_stray;
+ * curve from the curve through the stations.  Between few stations that curve is a guess: `unsure` is twice the greatest
+ * height of an arc through three stations over its chords. */
+typedef struct lw_stray { double to_curve, to_target, unsure; } lw_stray;
 
 /* NaN without memory.  n >= 2. */
 lw_stray lw_likeness_stray(const lw_target *t, const lw_vec2 *curve, size_t n);

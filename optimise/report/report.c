@@ -396,7 +396,7 @@ static lw_status report_with(const lw_plan *plan, const lw_target *t, const lw_f
     r->input_turns_per_period = plan->input_turns_per_period;
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
-    r->stray = (lw_stray){ NAN, NAN };
+    r->stray = (lw_stray){ NAN, NAN, NAN };
     lw_posture posture;
     lw_status st = lw_plan_write(plan, c->dim, modes, c->input[0], &r->linkage);
     if (st == LW_OK)

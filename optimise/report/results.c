@@ -80,6 +80,20 @@ static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_rep
         m[i] = isnan(all[i]) ? INFINITY : all[i];
 }
 
+#define TWIN 0.02                  /* relative: a row that is better than one before it by no more, in no measure, is its twin */
+
+/* Does the row with report b add nothing to the one with a? */
+static bool is_twin(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
+{
+    double m[MEASURES], first[MEASURES];
+    measures(t, ca, a, first);
+    measures(t, cb, b, m);
+    bool twin = lw_candidate_links(ca) == lw_candidate_links(cb) && same_type(ca, cb);
+    for (int k = 0; k < MEASURES && twin; k++)
+        twin = !(m[k] < first[k] - TWIN*fabs(first[k]));
+    return twin;
+}
+
 /* The front of the candidates that can be results: of each the one with the least error among those with no more links,
  * and the best in each measure of those that are not rough. */
 typedef struct front { int least[LW_LINK_MAX + 1], best[MEASURES]; } front;
@@ -152,12 +166,14 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 
 #define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
-/* How far the curve is from the target [m].  Between the stations the target is an interpolation, which is less exact than
- * a linkage that meets all of many stations. */
+/* How far the curve is from the target [m].  Between the stations the target is an interpolation.  It is less exact than a
+ * linkage that meets all of many stations; one that meets all of a few may leave it as far as other curves through them do. */
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*lw_candidate_links(c);
-    return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
+    if (!(r->error_max < SAME_CURVE*t->extent))
+        return lw_fit_report_stray(r);
+    bool drawn_by_it = (int)t->n >= 4*lw_candidate_links(c);
+    return drawn_by_it ? r->stray.to_curve : fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
 }
 
 /* Less is better. */
@@ -190,7 +206,10 @@ static void order_front(const lw_target *t, const lw_fit *fit, int most, const l
         int now = out->candidate[i];
         out->n = n;
         to_come -= is_best(f, now);
-        if (is_best(f, now) || n + to_come < most || first_with_its_links(out, fit, now))
+        bool twin = false;
+        for (int k = 0; k < n && !twin; k++)
+            twin = is_twin(t, &fit->candidate[out->candidate[k]], &all[out->candidate[k]], &fit->candidate[now], &all[now]);
+        if (!twin && (is_best(f, now) || n + to_come < most || first_with_its_links(out, fit, now)))
             out->candidate[n++] = now;
     }
     out->n = n;
