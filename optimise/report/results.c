@@ -159,7 +159,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
 #define EVEN         8             /* a longest link of so many shortest ones costs nothing; ...                      */
 #define PER_RATIO    0.85          /* ... beyond that twice as many count as 1.8 times the error: a short link multiplies play and tolerances */
-#define PER_MISS     0.5           /* beyond LW_NEAR twice the error counts as 2.8 times                            */
+#define PER_MISS     0.65          /* beyond LW_NEAR twice the error counts as 3.1 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.2           /* for each link more                                                            */
 #define ROCKING      0.1           /* an input that has to be reversed                                              */
@@ -170,10 +170,10 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
  * linkage that meets all of many stations; one that meets all of a few may leave it as far as other curves through them do. */
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    if (!(r->error_max < SAME_CURVE*t->extent))
-        return lw_fit_report_stray(r);
-    bool drawn_by_it = (int)t->n >= 4*lw_candidate_links(c);
-    return drawn_by_it ? r->stray.to_curve : fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
+    bool few = (int)t->n < 4*lw_candidate_links(c), drawn_by_it = !few && r->error_max < SAME_CURVE*t->extent;
+    if (few && r->error_max < LW_EXACT_ENOUGH*t->extent)
+        return fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
+    return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
 }
 
 /* Less is better. */
