@@ -517,6 +517,7 @@ TEST(a_straight_arm_is_singular)
         CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
         CHECK_INT(p.rank, 2);
         CHECK(isinf(p.condition) && p.manipulability == 0);
+        CHECK(p.freedoms == 2 && r.freedoms == 2);              /* turn and place: different rates of both drives show */
         CHECK_NEAR(p.singular[0], sqrt(5), 1e-14, 0);
         CHECK_INT(lw_robot_drive(&r, (const double[]){ 0.3, 0.5 }, &e), LW_OK);
         CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
@@ -524,6 +525,44 @@ TEST(a_straight_arm_is_singular)
         CHECK_INT(lw_robot_drive(&r, (const double[]){ 0, 0 }, &e), LW_OK);
     }
     CHECK_INT(lw_robot_move(&r, lw_v3(2.1, 0, 0), NULL, &e), LW_OPEN);
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
+/* Three legs prismatic, revolute, spherical at home: the point moves up and down only, and the plate tilts about x and y.  By hand: the ball of
+ * leg i stays in the leg's plane, so z_i = rate of slide i at radius 0.2. */
+TEST(a_plate_that_tilts_at_home)
+{
+    static char text[4096];
+    int n = 0;
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    n += snprintf(text + n, sizeof text - (size_t)n, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"plate\"}");
+    for (int i = 0; i < 3; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {\"name\": \"s%d\"}, {\"name\": \"l%d\"}", i, i);
+    n += snprintf(text + n, sizeof text - (size_t)n, "], \"joints\": [");
+    for (int i = 0; i < 3; i++) {
+        double c = cos(2*LW_PI*i/3), s = sin(2*LW_PI*i/3);
+        n += snprintf(text + n, sizeof text - (size_t)n, "%s{\"name\": \"P%d\", \"kind\": \"t\", \"links\": [\"ground\", \"s%d\"], \"at\": [%.17g, %.17g, 0.5], \"axis\": [0, 0, 1]}, "
+                        "{\"name\": \"R%d\", \"links\": [\"s%d\", \"l%d\"], \"at\": [%.17g, %.17g, 0.5], \"axis\": [%.17g, %.17g, 0]}, "
+                        "{\"name\": \"S%d\", \"kind\": \"b\", \"links\": [\"l%d\", \"plate\"], \"at\": [%.17g, %.17g, 0]}", i ? ", " : "",
+                        i, i, 0.4*c, 0.4*s, i, i, i, 0.4*c, 0.4*s, -s, c, i, i, 0.2*c, 0.2*s);
+    }
+    n += snprintf(text + n, sizeof text - (size_t)n, "], \"drives\": [{\"joint\": \"P0\"}, {\"joint\": \"P1\"}, {\"joint\": \"P2\"}], \"tracers\": "
+                    "[{\"name\": \"T\", \"link\": \"plate\", \"at\": [0, 0, 0]}]}");
+    CHECK_INT(lw_spatial_read(text, (size_t)n, "3-PRS", &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK(isinf(p.condition));
+    CHECK_INT(p.freedoms, 3);
+    CHECK_INT(r.freedoms, 3);
+    for (int i = 0; i < 3; i++) {
+        CHECK_NEAR(p.jacobian[2][i], 1.0/3, 1e-13, 0);
+        CHECK_NEAR(p.jacobian[3][i], sin(2*LW_PI*i/3)*2/3/0.2, 1e-12, 0);
+        CHECK_NEAR(p.jacobian[4][i], -cos(2*LW_PI*i/3)*2/3/0.2, 1e-12, 0);
+    }
     lw_robot_free(&r);
     lw_spatial_free(&m);
 }

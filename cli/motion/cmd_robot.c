@@ -166,6 +166,7 @@ static void json_pose(const job *j, FILE *f, const lw_robot_pose *p)
     cli_json_real(&w, "condition", p->condition);
     cli_json_real(&w, "isotropy", 1/p->condition);
     cli_json_real(&w, "manipulability", p->manipulability);
+    cli_json_int(&w, "tool_freedoms", p->freedoms);
     cli_json_reals(&w, "moved_mass", p->mass, p->mass[0] > 0 ? 3 : 0);
     cli_json_end(&w);
 }
@@ -203,6 +204,16 @@ static void print_pose(const job *j, FILE *f, const lw_robot_pose *p)
         print_direction(f, lw_m3_column(&p->axes, i));
     }
     fprintf(f, "\ncondition %.9g, isotropy %.6g, manipulability %.6g\n", p->condition, 1/p->condition, p->manipulability);
+    if (isinf(p->condition)) {
+        fprintf(f, "here the tool's point cannot move in");
+        for (int i = 0, n = 0; i < p->rank; i++)
+            if (p->singular[i] <= 0) {
+                fprintf(f, n++ ? "; " : " ");
+                print_direction(f, lw_m3_column(&p->axes, i));
+            }
+        fprintf(f, p->freedoms < j->r.freedoms ? ": a singular posture, place and turn of the tool have %d of %d freedoms\n"
+                : ": place and turn of the tool together have all %d of %d freedoms, the drives turn it instead\n", p->freedoms, j->r.freedoms);
+    }
     if (p->mass[0] > 0) {
         fprintf(f, "mass that a force on the tool moves [kg]");
         for (int i = 0; i < 3; i++) {
@@ -263,9 +274,14 @@ static void print_budget(const job *j, FILE *f, const lw_robot_pose *p, const lw
         fprintf(f, "%-40s %12.5g %12.5g  %.1f %%\n", source_name(s, name, sizeof name), s->worst/u, s->rms/u,
                 b->rms > 0 ? 100*s->rms*s->rms/(b->rms*b->rms) : 0);
     }
-    fprintf(f, "%-40s %12.5g %12.5g  [%s]\nworst towards ", "all together", b->worst/u, b->rms/u, j->unit);
+    fprintf(f, "%-40s %12.5g %12.5g  [%s]\n", "all together", b->worst/u, b->rms/u, j->unit);
+    if (!(b->worst > 0)) {
+        fputs("nothing moves the tool: give the sources by --joint-gap, --gear-play, --slide-play or elastic links\n", f);
+        return;
+    }
+    fputs("worst towards ", f);
     print_direction(f, b->direction);
-    fprintf(f, "; greatest contributor: %s\n", b->n ? source_name(&b->source[0], name, sizeof name) : "none");
+    fprintf(f, "; greatest contributor: %s\n", source_name(&b->source[0], name, sizeof name));
 }
 
 static void json_budget(const job *j, FILE *f, const lw_robot_pose *p, const lw_budget *b)

@@ -117,8 +117,8 @@ static lw_vec3 moved(lw_robot *r, const double *x)
     return lw_space_point_velocity(&r->space, r->follow.z.frame, r->space.tracer[r->tool], x);
 }
 
-/* Displacement of the tool when rows are off by `off` (n_row, which is zeroed again).  *fits: cleared where a row that depends
- * on others is off: their joints cannot all be closed then. */
+/* Displacement of the tool when rows are off by `off` (n_row, which is zeroed again); rounding counts as none.  *fits: cleared
+ * where a row that depends on others is off: their joints cannot all be closed then. */
 static lw_vec3 by_rows(lw_robot *r, double *off, double *x, double *l, bool *fits)
 {
     double most = 0, left = 0;
@@ -129,7 +129,9 @@ static lw_vec3 by_rows(lw_robot *r, double *off, double *x, double *l, bool *fit
     *fits = *fits && left <= 1e-9*most;
     lw_space_rows_solve(&r->follow.z, NULL, off, true, x, l);
     memset(off, 0, (size_t)r->follow.z.n_row*sizeof *off);
-    return moved(r, x);
+    lw_vec3 d = moved(r, x);
+    double rounding = 1e-13*most*r->space.unit;
+    return lw_v3(fabs(d.x) > rounding ? d.x : 0, fabs(d.y) > rounding ? d.y : 0, fabs(d.z) > rounding ? d.z : 0);
 }
 
 /* The greatest |A d| over |d| = 1 and the sum of squares of A. */

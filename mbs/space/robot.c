@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/linalg.h"
+#include "base/rank.h"
 #include "base/suggest.h"
 #include "base/vec3.h"
 
@@ -48,9 +49,11 @@ static void find_rank(lw_robot *r)
     for (int i = 0; i < r->n_drive; i++)
         near.drive[i] = here.drive[i] + step*(1 + 0.1*i)*(drive_turns(r, i) ? 1 : r->space.unit);
     lw_robot_drive(r, near.drive, &e);
-    int rank = lw_robot_measure(r, &near, &e) == LW_OK ? near.rank : 0;
+    if (lw_robot_measure(r, &near, &e) != LW_OK)
+        near.rank = near.freedoms = 0;
     lw_robot_reset(r);
-    r->rank = here.rank > rank ? here.rank : rank;
+    r->rank = here.rank > near.rank ? here.rank : near.rank;
+    r->freedoms = here.freedoms > near.freedoms ? here.freedoms : near.freedoms;
 }
 
 lw_status lw_robot_make(const lw_spatial *m, const char *tool, lw_robot *r, lw_error *e)
@@ -233,6 +236,20 @@ static void fill_masses(const lw_robot *r, lw_robot_pose *out)
         out->mass[i] = 1/value[i];
 }
 
+/* Rank of the whole Jacobian, lengths over the robot's size. */
+static int rank_of_all(const lw_robot *r, const lw_robot_pose *p)
+{
+    double number[6*LW_ROBOT_DRIVES + 3*(6 + LW_ROBOT_DRIVES)];      /* lw_rank_doubles */
+    int place[LW_ROBOT_DRIVES];
+    lw_rank a;
+    lw_rank_place(&a, 6, r->n_drive, number, place);
+    for (int k = 0; k < 6; k++)
+        for (int i = 0; i < r->n_drive; i++)
+            a.a[k + 6*i] = p->jacobian[k][i]/(k < 3 ? r->space.unit : 1)*(drive_turns(r, i) ? 1 : r->space.unit);
+    lw_rank_factor(&a, 1e-9);
+    return a.rank;
+}
+
 lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
 {
     double tensor[6], square[3];
@@ -244,6 +261,7 @@ lw_status lw_robot_measure(lw_robot *r, lw_robot_pose *out, lw_error *e)
     if (s != LW_OK)
         return s;
     tool_pose(r, &out->place, &out->turn);
+    out->freedoms = rank_of_all(r, out);
     fill_tensor(r->n_drive, out->jacobian, tensor);
     principal(tensor, square, &out->axes);
     out->manipulability = 1;

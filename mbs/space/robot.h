@@ -18,6 +18,7 @@ typedef struct lw_robot {
     int    tool;                                 /* tracer                                              */
     int    n_drive;
     int    rank;                                 /* of the tool's velocity, where it is not singular: 2 in a plane */
+    int    freedoms;                             /* of the tool's velocity and turn together, where they are not singular */
     bool   turns;                                /* six freedoms or more, in the plane three: the tool's turn is a part of its pose */
     lw_space space;
     lw_space_follow follow;                      /* the drives as inputs                                */
@@ -40,6 +41,7 @@ typedef struct lw_robot_pose {
     double  jacobian[6][LW_ROBOT_DRIVES];        /* [m/rad], [m/m]; below [rad/rad], [rad/m]            */
     double  singular[3];                         /* singular values of the upper three rows, the greatest first */
     int     rank;                                /* of those rows, where they are not singular: 2 where the tool moves in a plane */
+    int     freedoms;                            /* rank of all six rows: of velocity and turn together  */
     double  condition;                           /* greatest over least of `rank` singular values; infinite in a singular posture */
     double  manipulability;                      /* their product (Yoshikawa 1985)                      */
     lw_mat3 axes;                                /* columns: directions that belong to them             */
