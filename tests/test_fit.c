@@ -79,17 +79,22 @@ static void check_list(const lw_target *t, const lw_fit_options *o, const lw_fit
 
 /* ---- published problems ----------------------------------------------------------------------------- */
 
-static void read_target(const char *name, lw_target *t)
+static void read_file(const char *path, lw_target *t)
 {
-    char path[128];
     static char text[8192];
     lw_error e = { .text = "" };
-    snprintf(path, sizeof path, "catalogues/data/paths/%s.csv", name);
     FILE *f = fopen(path, "r");
     size_t n = f ? fread(text, 1, sizeof text, f) : 0;
     if (f)
         fclose(f);
     CHECK_INT(lw_target_read(text, n, path, NULL, t, &e), LW_OK);
+}
+
+static void read_target(const char *name, lw_target *t)
+{
+    char path[128];
+    snprintf(path, sizeof path, "catalogues/data/paths/%s.csv", name);
+    read_file(path, t);
 }
 
 typedef struct published {
@@ -293,6 +298,50 @@ TEST(crossings_and_cusps_are_followed)
     CHECK(best_of(&p, 2) < 2e-3);                        /* rms of a hundredth of the size           */
     p = curve(24, cusp);
     CHECK(best_of(&p, 2) < 2e-3);
+}
+
+/* How much farther the point is from the target between the first station and the last than twice what it is at a station. */
+static double excess(const lw_target *t, const lw_candidate *c)
+{
+    enum { STEPS = 500 };
+    double most = 0, off = 0;
+    for (size_t i = 0; i < t->n; i++) {
+        lw_vec2 p = coupler_point(c, c->intended.mode[0], c->input[i]);
+        off = fmax(off, hypot(p.x - t->x[i], p.y - t->y[i]));
+    }
+    for (int k = 0; k <= STEPS; k++) {
+        double least = INFINITY, input = c->input[0] + (c->input[t->n - 1] - c->input[0])*k/STEPS;
+        lw_vec2 p = coupler_point(c, c->intended.mode[0], input);
+        for (size_t i = 1; i < t->n; i++)
+            least = lw_v2_nearer(p, lw_v2(t->x[i - 1], t->y[i - 1]), lw_v2(t->x[i], t->y[i]), least);
+        most = fmax(most, least);
+    }
+    return most - 2*off;
+}
+
+/* Without limits a list begins with linkages that stay near a drawn curve between its stations too, even if others have a
+ * smaller error at the stations. */
+TEST(a_drawn_curve_is_followed_between_its_stations)
+{
+    lw_target t;
+    lw_fit fit;
+    lw_error e = { .text = "" };
+    lw_fit_options o = lw_fit_options_default();
+    o.max_rounds = 5;
+    read_file("examples/letters/X.csv", &t);
+    CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_OK);
+    double allowed = lw_stray_allowed(t.n)*t.size, least = INFINITY;
+    bool strays = false;
+    for (int i = 0; i < fit.n; i++) {
+        const lw_candidate *c = &fit.candidate[i];
+        bool now = !c->mode_of && excess(&t, c) > 1.05*allowed;
+        CHECK(c->mode_of || now || !strays || excess(&t, c) > 0.95*allowed);
+        strays |= now;
+        least = fmin(least, c->objective);
+    }
+    CHECK(strays && least < fit.candidate[0].objective);
+    lw_fit_free(&fit);
+    lw_target_free(&t);
 }
 
 /* Order, size and place are not what a path is. */

@@ -108,7 +108,8 @@ static const cli_option options[] = {
       "unit in that of the target", 0, 0, NULL, NULL },
     { "unlimited", 0, CLI_FLAG, offsetof(settings, unlimited), NULL, NULL,
       "no limit holds by default: sizes up to 10 diagonals, any ratio of lengths, any transmission angle, change "
-      "points, --through-limits; results are listed by their error alone", 0, 0, NULL, NULL },
+      "points, --through-limits; results are listed by their error alone, but those that leave a target of 32 points or "
+      "more between its points come last", 0, 0, NULL, NULL },
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
       "greatest acceleration of the point allowed, with respect to the input [unit/rad^2]; with --task function, of "
       "the output angle", 0, 1e300, NULL, NULL },

@@ -294,19 +294,30 @@ static void refine_variables(const lw_problem *coarse, const lw_problem *fine, d
     memcpy(x, to, sizeof *x*(size_t)fine->n_dim);
 }
 
-/* How far the curve of a closed target leaves the target beyond what results may, in sizes of the target; at most 0: not
- * beyond.  The inputs of the stations are in work. */
+/* A target of so many stations is a curve, not a few points: without limits too, linkages that follow it come first. */
+#define DRAWN 32
+
+/* Does the tracer pass this phase between the first station and the last? */
+static bool is_between(const lw_problem *p, const lw_work *w, double phase)
+{
+    double after = fmod(p->intended.sense*(phase - w->phase[0]), 2*LW_PI);
+    return p->closed || after + (after < 0)*2*LW_PI <= p->intended.sense*(w->phase[p->n - 1] - w->phase[0]);
+}
+
+/* How far the curve leaves the target between the stations beyond what results may, in sizes of the target; at most 0: not
+ * beyond.  The phases of the stations are in work. */
 static double strays(const lw_search *s, const lw_problem *p, const double *x, lw_work *w)
 {
     double most = 0, off = 0;
-    if (!s->o->spec.within_limits || !p->closed || !p->intended.turns || !lw_task_has_place(p->task))
+    bool matters = s->o->spec.within_limits || p->n >= DRAWN, whole = p->closed && p->intended.turns;
+    if (!matters || !(whole || (!p->closed && p->timing == LW_TIMING_FREE)) || !lw_task_has_place(p->task))
         return 0;
     for (size_t k = 0; k < p->n; k++)
         off = fmax(off, hypot(w->jac.x[k] - p->x[k], w->jac.y[k] - p->y[k]));
     lw_timing_sample(p, x, w);
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
-        double least = INFINITY;
-        for (size_t k = 0, to = p->n - 1; k < p->n && least > most; to = k++)
+        double least = is_between(p, w, w->turn[j]) ? INFINITY : 0;
+        for (size_t k = !p->closed, to = p->closed ? p->n - 1 : 0; k < p->n && least > most; to = k++)
             least = lw_v2_nearer(lw_v2(w->curve_x[j], w->curve_y[j]), lw_v2(p->x[to], p->y[to]), lw_v2(p->x[k], p->y[k]), least);
         most = fmax(most, least);
     }
