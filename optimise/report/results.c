@@ -167,12 +167,14 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
 /* How far the curve is from the target [m].  Between the stations the target is an interpolation.  It is less exact than a
- * linkage that meets all of many stations; one that meets all of a few may leave it as far as other curves through them do. */
+ * linkage that meets all of many stations.  A four-bar that meets all of a few may leave it as far as other curves through
+ * them do; more links meet a few whatever lies between. */
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
-    bool few = (int)t->n < 4*lw_candidate_links(c), drawn_by_it = !few && r->error_max < SAME_CURVE*t->extent;
-    if (few && r->error_max < LW_EXACT_ENOUGH*t->extent)
+    int links = lw_candidate_links(c);
+    if (links <= 4 && t->n < 16 && r->error_max < LW_EXACT_ENOUGH*t->extent)
         return fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
+    bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*links;
     return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
 }
 
