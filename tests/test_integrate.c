@@ -2,6 +2,7 @@
  * continuous solution, events against closed forms, and what happens at the limits. */
 #include "mbs/ode/integrate.h"
 #include "mbs/ode/integrate_table_internal.h"
+#include "base/rng.h"
 #include "tests/check.h"
 #include "tests/ode_problems.h"
 #include "base/vec2.h"
@@ -245,7 +246,7 @@ TEST(zeros_of_the_cosine)
         lw_ode ode = { .n = 2, .rate = oscillator, .n_event = 2, .event = two_levels, .direction = { 0, -1 } };
         lw_ode_options o = { .relative = 1e-13, .absolute = tolerance, .greatest = 2.5 };
         lw_integrator w;
-        double y[2] = { 1.0, 0.0 }, work[62];
+        double y[2] = { 1.0, 0.0 }, work[64];
         CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0.0, y, NULL), LW_OK);
         lw_ode_stop stop;
         double want[] = { LW_PI/3, LW_PI/2, 3*LW_PI/2, 7*LW_PI/3, 5*LW_PI/2, 7*LW_PI/2 };
@@ -306,7 +307,7 @@ TEST(bouncing_ball)
     lw_ode ode = { .n = 2, .rate = falling, .n_event = 1, .event = ground, .direction = { -1 } };
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
-    double y[2] = { 1.0, 0.0 }, work[62], r = 0.7, t0 = sqrt(2.0/9.81), sum = 1.0, power = 1.0;
+    double y[2] = { 1.0, 0.0 }, work[64], r = 0.7, t0 = sqrt(2.0/9.81), sum = 1.0, power = 1.0;
     CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0.0, y, NULL), LW_OK);
     for (int k = 0; k < 40; k++) {
         lw_ode_stop stop = LW_ODE_STEP;
@@ -328,6 +329,43 @@ static lw_status peak(void *context, double t, const double *y, double *g)
     g[0] = sin(t) - 0.9;
     g[1] = t - 2.0, g[2] = 2.0*(t - 2.0);
     return LW_OK;
+}
+
+static lw_status above(void *context, double t, const double *y, double *g)
+{
+    (void)t;
+    *g = *(const double *)context + y[0];
+    return LW_OK;
+}
+
+/* An oscillator that dips below a level by a little, once each turn: all dips are found, in whatever part of a step they
+ * are, and those that end just above it are none. */
+TEST(grazing)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 9);
+    for (int trial = 0; trial < 400; trial++) {
+        lw_ode_options o = lw_ode_options_default();
+        o.relative = o.absolute = pow(10, lw_rng_range(&rng, -13, -5));
+        double phase = lw_rng_range(&rng, 0.1, 3), least = fmax(1e-8, 1e3*o.relative);      /* else the error hides it */
+        double depth = least*pow(0.1/least, lw_rng_range(&rng, 0, 1))*(trial%4 ? 1 : -1), level = 1 - depth;
+        double y[2] = { cos(phase), -sin(phase) }, work[64], half = depth > 0 ? acos(level) : 0;
+        lw_ode ode = { .n = 2, .context = &level, .rate = oscillator, .n_event = 1, .event = above, .direction = { -1 } };
+        lw_integrator w;
+        lw_ode_stop stop = LW_ODE_STEP;
+        int n = 0, all = depth > 0 ? (int)((20 + phase + half + LW_PI)/(2*LW_PI)) : 0;
+        if (cos(phase) + level < 0)
+            continue;
+        CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, y, NULL), LW_OK);
+        while (stop != LW_ODE_END && lw_integrate_step(&w, 20, &stop, NULL) == LW_OK) {
+            if (stop != LW_ODE_EVENT)
+                continue;
+            CHECK_NEAR(w.t, LW_PI*(2*n++ + 1) - half - phase, 1e2*o.relative/half + 1e-9, 0);
+            CHECK_INT(lw_integrate_restart(&w, NULL, NULL), LW_OK);
+        }
+        CHECK_INT(stop, LW_ODE_END);
+        CHECK_INT(n, all);
+    }
 }
 
 TEST(crossings_within_a_step_and_at_once)

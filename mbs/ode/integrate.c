@@ -13,7 +13,7 @@ lw_ode_options lw_ode_options_default(void)
 
 size_t lw_integrate_work(int n, int n_event)
 {
-    return (size_t)n*(16 + 8 + 6) + (size_t)n_event;
+    return (size_t)n*(16 + 8 + 6) + 2*(size_t)n_event;
 }
 
 static void divide_workspace(lw_integrator *w, double *work)
@@ -27,6 +27,7 @@ static void divide_workspace(lw_integrator *w, double *work)
     for (int i = 0; i < 8; i++, work += n)
         w->c[i] = work;
     w->g_try = work;
+    w->g_old = work + w->ode->n_event;
 }
 
 static lw_status rate_at(lw_integrator *w, double t, const double *y, double *dy)
@@ -258,6 +259,7 @@ static lw_status look_at_events(lw_integrator *w, lw_error *e)
         return lw_error_set(e, s, "the events cannot be judged at t = %.9g s: %s", w->t, lw_status_text(s));
     for (int i = 0; i < w->ode->n_event; i++)
         w->side[i] = w->g_try[i] < 0.0 ? -1 : 1;
+    memcpy(w->g_old, w->g_try, sizeof(double)*(size_t)w->ode->n_event);
     return LW_OK;
 }
 
@@ -531,40 +533,181 @@ static lw_status act(lw_integrator *w, double ta, const crossing *found, int n, 
     return LW_OK;
 }
 
+/* Event functions at a time inside the step, or at its end. */
+typedef struct event_sample { double t, g[LW_EVENT_MAX]; } event_sample;
+
+static bool is_least(int side, double a, double b, double c)
+{
+    a *= side, b *= side, c *= side;
+    return b > 0.0 && b <= a && b <= c && (b < a || b < c);
+}
+
+/* May an event function that is a, b, c at three times in order cross 0 about the second and come back?  A smooth one
+ * goes no farther below b than it rises beside it. */
+static bool may_dip(int side, double a, double b, double c)
+{
+    return is_least(side, a, b, c) && side*b < side*(side*a > side*c ? a : c) - side*b;
+}
+
+static bool counts(const lw_integrator *w, int event)
+{
+    return !w->ode->direction[event] || w->ode->direction[event] != w->side[event];
+}
+
+/* Seek the extreme of one event function by golden sections, until it is past 0 (*t, its values in g_try) or cannot be.
+ * LW_NOTHING: it is not. */
+static lw_status seek_dip(lw_integrator *w, int event, const event_sample *a, const event_sample *b, const event_sample *c,
+                          double *t)
+{
+    const double golden = 0.381966011250105, shortest = 1e-5*fabs(w->h_done);
+    double ta = a->t, tb = b->t, tc = c->t, ga = a->g[event], gb = b->g[event], gc = c->g[event];
+    int side = w->side[event];
+    bool skewed;
+    do {
+        bool after = fabs(tc - tb) > fabs(tb - ta);
+        double g;
+        *t = tb + golden*((after ? tc : ta) - tb);
+        lw_status s = g_at(w, event, *t, &g, w->stage);
+        if (s != LW_OK || side_of(g) != side)
+            return s;
+        bool nearer = side*g < side*gb;
+        if (nearer == after)
+            ta = nearer ? tb : *t, ga = nearer ? gb : g;
+        else
+            tc = nearer ? tb : *t, gc = nearer ? gb : g;
+        if (nearer)
+            tb = *t, gb = g;
+        skewed = fmin(fabs(tb - ta), fabs(tc - tb)) < 0.2*fabs(tc - ta);     /* then they do not show how far it goes */
+    } while (fabs(tc - ta) > shortest && (skewed || may_dip(side, ga, gb, gc)));
+    return LW_NOTHING;
+}
+
+/* Find events that cross 0 between a and c about b and come back.  near: b is close to a or c, and tells nothing of how far
+ * they go. */
+static lw_status find_dips(lw_integrator *w, const event_sample *a, const event_sample *b, const event_sample *c, bool near,
+                           bool *ended)
+{
+    const lw_ode *ode = w->ode;
+    for (int i = 0; i < ode->n_event && !*ended; i++) {
+        crossing found[LW_EVENT_MAX];
+        event_sample dip = *b;
+        lw_status s = LW_OK;
+        int n = 0;
+        if (!counts(w, i))
+            continue;
+        if (!near || !(w->side[i]*b->g[i] < 0.0 && w->side[i]*a->g[i] > 0.0)) {
+            if (!(near ? is_least : may_dip)(w->side[i], a->g[i], b->g[i], c->g[i]))
+                continue;
+            s = seek_dip(w, i, a, b, c, &dip.t);
+            memcpy(dip.g, w->g_try, sizeof(double)*(size_t)ode->n_event);
+        }
+        if (s == LW_NOTHING)
+            continue;
+        if (s == LW_OK)
+            s = collect(w, dip.g, a->t, dip.t, found, &n);
+        if (s == LW_OK)
+            s = act(w, a->t, found, n, ended);
+        if (s == LW_OK && !*ended)                       /* it is passing, and comes back */
+            s = collect(w, c->g, dip.t, c->t, found, &n);
+        if (s == LW_OK && !*ended)
+            s = act(w, dip.t, found, n, ended);
+        if (s != LW_OK)
+            return s;
+    }
+    return LW_OK;
+}
+
+/* May one cross 0 and come back between b and the samples a, c beside it; or, at an end of the step, between this and the
+ * sample inside?  far: the one behind that. */
+static bool suspects(const lw_integrator *w, const event_sample *a, const event_sample *b, const event_sample *c)
+{
+    for (int i = 0; i < w->ode->n_event; i++)
+        if (counts(w, i) && may_dip(w->side[i], a->g[i], b->g[i], c->g[i]))
+            return true;
+    return false;
+}
+
+static bool suspects_end(const lw_integrator *w, const event_sample *end, const event_sample *inside, const event_sample *far)
+{
+    for (int i = 0; i < w->ode->n_event; i++)
+        if (counts(w, i) && w->side[i]*end->g[i] < w->side[i]*inside->g[i] && may_dip(w->side[i], far->g[i], end->g[i], far->g[i]))
+            return true;
+    return false;
+}
+
+/* The same at an end of the step: a sample close to it shows whether the extreme is in this step. */
+static lw_status find_dips_at_end(lw_integrator *w, const event_sample *end, const event_sample *inside,
+                                  const event_sample *far, bool *ended)
+{
+    const double share = 1e-4;
+    if (!suspects_end(w, end, inside, far))
+        return LW_OK;
+    event_sample beside = { .t = end->t + share*(inside->t - end->t) };
+    lw_status s = g_at(w, 0, beside.t, beside.g, w->stage);
+    memcpy(beside.g, w->g_try, sizeof(double)*(size_t)w->ode->n_event);
+    bool first = end->t == w->t_old;
+    return s == LW_OK ? find_dips(w, first ? end : inside, &beside, first ? inside : end, true, ended) : s;
+}
+
 /* Find events between t_old and t.  Passing ones are reported to `seen`; the step ends at the first other one (*ended,
- * w->events). */
+ * w->events).  Where there may be one, the samples are taken again, of the continuous solution. */
 static lw_status find_events(lw_integrator *w, bool *ended)
 {
     const lw_ode *ode = w->ode;
-    double ta = w->t_old, t_end = w->t, h = w->h_done;
+    size_t bytes = sizeof(double)*(size_t)ode->n_event;
     crossing found[LW_EVENT_MAX];
+    event_sample at[SAMPLES + 1];
+    bool exact = false;
+    signed char first[LW_EVENT_MAX];
+    memcpy(first, w->side, sizeof first);
+    at[0].t = w->t_old;
+    memcpy(at[0].g, w->g_old, bytes);
     for (int k = 1; k <= SAMPLES; k++) {
-        double x = (double)k/SAMPLES, tb = k < SAMPLES ? w->t_old + x*h : t_end;
-        double *y = w->y;
-        if (k < SAMPLES)
-            cubic(w, x, y = w->stage);
-        lw_status s = ode->event(ode->context, tb, y, w->g_try);
+        double x = (double)k/SAMPLES, *y = k < SAMPLES ? w->stage : w->y;
+        bool change = false;
+        lw_status s = LW_OK;
+        at[k].t = k < SAMPLES ? w->t_old + x*w->h_done : w->t;
+        if (k < SAMPLES && !exact)
+            cubic(w, x, y);
+        else if (k < SAMPLES)
+            s = lw_integrate_dense(w, at[k].t, y);
+        if (s == LW_OK)
+            s = ode->event(ode->context, at[k].t, y, w->g_try);
         if (s != LW_OK)
             return s;
-        bool change = false;
+        memcpy(at[k].g, w->g_try, bytes);
         for (int i = 0; i < ode->n_event; i++) {
             if (isnan(w->g_try[i]))
                 return LW_E_NUMERIC;
             change = change || side_of(w->g_try[i]) != w->side[i];
         }
-        if (change) {
-            int n = 0;
-            double g[LW_EVENT_MAX];
-            memcpy(g, w->g_try, sizeof(double)*(size_t)ode->n_event);
-            s = collect(w, g, ta, tb, found, &n);
-            if (s == LW_OK)
-                s = act(w, ta, found, n, ended);
-            if (s != LW_OK || *ended)
-                return s;
-            memcpy(w->g_try, g, sizeof(double)*(size_t)ode->n_event);
+        if (!exact && (change || (k > 1 && suspects(w, &at[k - 2], &at[k - 1], &at[k]))
+                       || (k == 2 && suspects_end(w, &at[0], &at[1], &at[2]))
+                       || (k == SAMPLES && suspects_end(w, &at[k], &at[k - 1], &at[k - 2])))) {
+            exact = true;
+            k = 0;
+            continue;
         }
-        ta = tb;
+        if (k == 2 || (k == 1 && change))
+            s = find_dips_at_end(w, &at[0], &at[1], &at[k], ended);
+        if (s == LW_OK && !*ended && k > 1)
+            s = find_dips(w, &at[k - 2], &at[k - 1], &at[k], false, ended);
+        if (s == LW_OK && !*ended && change) {
+            int n = 0;
+            s = collect(w, at[k].g, at[k - 1].t, at[k].t, found, &n);
+            if (s == LW_OK)
+                s = act(w, at[k - 1].t, found, n, ended);
+        }
+        for (int i = 0; i < ode->n_event; i++)
+            if (w->side[i] != first[i])
+                at[0].g[i] = NAN;                        /* it began on the other side */
+        if (s == LW_OK && !*ended && k == SAMPLES)
+            s = find_dips_at_end(w, &at[k], &at[k - 1], &at[k - 2], ended);
+        if (s != LW_OK || *ended)
+            return s;
     }
+    memcpy(w->g_try, at[SAMPLES].g, bytes);
+    memcpy(w->g_old, at[SAMPLES].g, bytes);
     return LW_OK;
 }
 
@@ -676,6 +819,8 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
         memcpy(w->low, w->y_step, bytes);
         return s;
     }
+    for (int i = 0; found && i < w->ode->n_event; i++)
+        w->g_old[i] = NAN;                               /* unknown until the restart */
     *stop = found ? LW_ODE_EVENT : last ? LW_ODE_END : LW_ODE_STEP;
     return LW_OK;
 }

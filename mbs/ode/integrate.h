@@ -64,7 +64,7 @@ typedef struct lw_integrator {
     unsigned long long events;       /* bit i: event i happened at t                                */
     long    n_step, n_refused, n_rate;
     /* private to the integrator */
-    double *k[16], *stage, *c[8], *low, *y_step, *g_try;
+    double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old;
     double  t_low, t_step, h_done, err_old, moved, rounding;
     signed char side[LW_EVENT_MAX];
     bool    dense;
@@ -84,7 +84,8 @@ lw_status lw_integrate_start(lw_integrator *w, const lw_ode *ode, const lw_ode_o
 lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e);
 
 /* One step towards t_end (which may lie before t).  Events are checked at the end of a step and at three
- * points inside; two crossings of one event that are closer together are not seen.
+ * points inside.  Where an event function comes near 0 between these and goes back, its extreme is sought: two crossings of
+ * one event are seen unless they are closer together than 1e-5 of the step.
  * LW_STOPPED: max_step used up; LW_E_NUMERIC: steps too short to move t, or numbers not finite. */
 lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, lw_error *e);
 
