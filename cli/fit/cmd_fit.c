@@ -12,7 +12,7 @@
 #include "cli/program/progress.h"
 
 typedef struct settings {
-    const char *tolerance, *type, *bounds, *solver, *save, *plot, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
+    const char *tolerance, *type, *bounds, *solver, *save, *plot, *length_unit, *angle_unit, *joints, *topology, *resume,
     *gear_ratios, *stations,
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
@@ -55,11 +55,8 @@ static const cli_option options[] = {
       "number of evaluations of the objective, for each number of links above four; as many again with sliders, and as "
       "many again with slots or gears", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
-      "also start from the linkages in this file: results that an earlier fit wrote with -o or --json, or a linkage of "
-      "your own", 0, 0, NULL, NULL },
-    { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
-      "also start from the coupler curves of a catalogue that are most like the target ('linkwright help catalogue "
-      "curves')", 0, 0, NULL, NULL },
+      "also start from the linkages in this file: results that an earlier fit or 'catalogue nearest' wrote with -o or --json, "
+      "or a linkage of your own", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto" LW_TASK_WORDS, "auto",
       "what is wanted: a point on a path, a function (output angle for each input angle), or a motion (point and angle "
       "of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL, NULL },
@@ -448,10 +445,6 @@ static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_
                  o->freedoms%2 ? "even" : "odd", o->links - 1, o->links);
     if (st == LW_OK && s->resume)
         st = cli_fit_start_read(s->resume, &set->start, e);
-    if (st == LW_OK && s->atlas)
-        st = cli_fit_start_nearest(s->atlas, &set->target,
-                                   o->links > 4 ? o->links : lw_mechanism_least_links(o->freedoms),
-                                   &set->start, e);
     o->n_start = set->start.n;
     o->start = set->start.linkage;
     return st;

@@ -78,9 +78,6 @@ void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
 /* Add the linkages of a file that cli_read_linkage accepts, all results in it (fit_start.c). */
 lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e);
 
-/* Add the linkages of a catalogue, with at most `links` links, whose curves are nearest to a target with points. */
-lw_status cli_fit_start_nearest(const char *path, const lw_target *t, int links, cli_fit_start *s, lw_error *e);
-
 /* Candidate of result i. */
 const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i);
 
