@@ -91,6 +91,39 @@ TEST(bouncing_ball)
     lw_model_free(&d.model);
 }
 
+/* A pendulum whose disc grazes a floor, a small disc or the end of a rope while it swings through: its loose run, which
+ * takes a few steps a swing, strikes whenever the fine one does. */
+TEST(grazing_passes)
+{
+    static const char *const contact = "'contacts': [{'name': 'c', 'links': ['ground', 'b'], 'restitution': %.17g}]";
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 12);
+    for (int trial = 0; trial < 30; trial++) {
+        double length = lw_rng_range(&rng, 0.5, 1.5), from = lw_rng_range(&rng, -2.2, -0.5), x = length*sin(from);
+        double depth = length*pow(10, lw_rng_range(&rng, -6, -2)), e = lw_rng_range(&rng, 0.5, 0.9), y = -length*cos(from);
+        char text[1500], shape[200] = "", own[300];
+        if (trial%3 == 0)
+            snprintf(shape, sizeof shape, "{'line': [[-1, %.17g], [1, %.17g]]}", depth - length - 0.05, depth - length - 0.05);
+        else if (trial%3 == 1)
+            snprintf(shape, sizeof shape, "{'circle': [0, %.17g], 'radius': 0.003}", depth - length - 0.053);
+        snprintf(own, sizeof own, trial%3 < 2 ? contact : "'ropes': [{'name': 'c', 'links': ['ground', 'b'], "
+                 "'restitution': %.17g, 'at': [[0, 0.7], [%.17g, %.17g]], 'length': %.17g}]", e, x, y, length + 0.7 - depth);
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [%s]}, {'name': 'b', 'mass': 1, "
+                 "'centre': [%.17g, %.17g], 'inertia': 0.01, 'shapes': [{'circle': [%.17g, %.17g], 'radius': 0.05}]}], "
+                 "'joints': [{'name': 'A', 'links': ['ground', 'b'], 'at': [0, 0]}], %s, "
+                 "'input': {'joint': 'A', 'speed': %.17g}, 'gravity': [0, -9.81]}", shape, x, y, x, y, own,
+                 lw_rng_range(&rng, -1, 1));
+        drun_read_format(&d, text, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 2, 2), LW_OK);
+        double angle = d.q[2];
+        int struck = d.report.n_event_seen;
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-6, 2, 2), LW_OK);
+        CHECK_INT(d.report.n_event_seen, struck);
+        CHECK_NEAR(d.q[2], angle, 1e-3, 0);
+        lw_model_free(&d.model);
+    }
+}
+
 TEST(block_on_incline)
 {
     const char *incline = FREE("{'line': [[0, 0], [2, 1]]}", "'mass': 2, 'centre': [0.95, 0.6], 'inertia': 0.02",
