@@ -10,9 +10,12 @@
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
 enum { SANITIZED = true };
 #define STACK "8192"
-#else
+#elif defined __OPTIMIZE__
 enum { SANITIZED = false };
 #define STACK "256"
+#else                                        /* each variable of each block has bytes of its own */
+enum { SANITIZED = false };
+#define STACK "1024"
 #endif
 
 typedef struct row {
