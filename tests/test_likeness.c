@@ -96,6 +96,21 @@ TEST(corners_stay_corners)
     }
 }
 
+/* A rounded rectangle whose stations stand on its corners only: its sides are straight. */
+TEST(straight_sides_between_rounded_corners)
+{
+    enum { EACH = 6 };
+    static const double centre[4][2] = { { 80, 30 }, { -80, 30 }, { -80, -30 }, { 80, -30 } };
+    lw_vec2 p[4*EACH], side[2] = { { -80, 40 }, { 80, 40 } };
+    lw_target t;
+    for (int c = 0; c < 4; c++)
+        for (int i = 0; i < EACH; i++)
+            p[c*EACH + i] = lw_v2_add(lw_v2(centre[c][0], centre[c][1]), lw_v2_polar(10, LW_PI/2*(c + (double)i/(EACH - 1))));
+    make_of(p, 4*EACH, 1, &t);
+    CHECK_NEAR(lw_likeness_stray(&t, side, 2).to_target, 0, 1e-12, 0);
+    lw_target_free(&t);
+}
+
 TEST(an_open_line_and_its_double)
 {
     lw_vec2 a[N], b[2] = { { 2, 0 }, { 0, 0 } };

@@ -5,6 +5,7 @@
 
 enum { N = LW_LIKENESS_POINTS, PIECES = 8 };
 #define CORNER 0.7              /* a target that turns more than this at a station has a corner there [rad] */
+#define LONGER 4                /* a chord so many times longer than its neighbour is a straight line that an arc touches */
 
 /* ---- the curve of a target ---------------------------------------------------------------------------- */
 
@@ -20,8 +21,8 @@ static lw_vec2 unit(lw_vec2 a)
     return l > 0 ? lw_v2_scale(a, 1/l) : a;
 }
 
-/* Direction of the curve at a station: that of the circle through it and its neighbours, along a/a^2 + b/b^2; (0, 0)
- * at corners, ends, and where two stations are one. */
+/* Direction of the curve at a station: that of the circle through it and its neighbours, along a/a^2 + b/b^2, or of a chord
+ * much longer than the other; (0, 0) at corners, ends, and where two stations are one. */
 static lw_vec2 tangent(const lw_target *t, size_t i)
 {
     static const lw_vec2 none = { 0, 0 };
@@ -31,6 +32,8 @@ static lw_vec2 tangent(const lw_target *t, size_t i)
     double a2 = lw_v2_dot(a, a), b2 = lw_v2_dot(b, b);
     if (!(a2 > 0 && b2 > 0) || lw_v2_dot(a, b) < cos(CORNER)*sqrt(a2*b2))
         return none;
+    if (fmax(a2, b2) > LONGER*LONGER*fmin(a2, b2))
+        return unit(a2 > b2 ? a : b);
     return unit(lw_v2_add(lw_v2_scale(a, 1/a2), lw_v2_scale(b, 1/b2)));
 }
 
