@@ -212,6 +212,20 @@ TEST(governor)
     lw_spatial_free(&m);
 }
 
+/* Long runs of the conservative examples, at the tolerance that a user gets without asking. */
+TEST(a_hundred_seconds_keep_energy)
+{
+    static const char *const file[] = { "bricard", "sarrus", "slider-crank", "top" };
+    for (int i = 0; i < 4; i++) {
+        lw_spatial m;
+        load_spatial(file[i], &m);
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 100, 20, lw_dynamics_options_default().relative);
+        CHECK(q.energy_error < 1e-9*q.energy_scale);
+        CHECK(k.off < 1e-12);
+        lw_spatial_free(&m);
+    }
+}
+
 /* ---- DELTA ---- */
 
 /* 400 mm along x through the middle in 100 ms at 160 m/s^2, bars as slender rods: torques at the start, their peaks and
