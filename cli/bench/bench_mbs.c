@@ -211,7 +211,7 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
             if (st == LW_OK && row->seconds > CLI_MBS_TOO_SLOW)
                 break;
         }
-    if (st == LW_OK && m->small)             /* what is passed to other programs holds no more */
+    if (st == LW_OK)
         st = cli_mbs_peers(b, p, m, &r, e);
     free(r.value);
     lw_model_free(m);

@@ -121,23 +121,26 @@ static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const l
     lw_dynamics *d;
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_bytes mjcf = { 0 };
-    const lw_linkage *k;
-    double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     const char *more = beyond(m);
     o.formulation = LW_FORMULATION_INDEX1;
     lw_status st = LW_OK;
     if (more)
         st = lw_error_set(e, LW_E_KIND, "'%s' has %s, which cannot be passed to other programs", p->name, more);
     if (st == LW_OK)
-        st = lw_model_small(m, &k, e);
-    if (st == LW_OK)
-        st = lw_export_mjcf(LW_VIEW(k), NULL, &mjcf, e);
+        st = lw_export_mjcf(&m->linkage, NULL, &mjcf, e);
     if (st == LW_OK)
         st = lw_dynamics_make(m, &o, &d, e);
     if (st == LW_OK) {
-        lw_dynamics_start(d, q, v);
-        write_bodies(lw_dynamics_system(d), m, q, v, f);
-        write_loads(lw_dynamics_system(d), m, f);
+        const lw_system *s = lw_dynamics_system(d);
+        double *q = calloc(2*(size_t)s->n_q + 1, sizeof *q), *v = q + s->n_q;
+        if (q) {
+            lw_dynamics_start(d, q, v);
+            write_bodies(s, m, q, v, f);
+        } else {
+            st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+        }
+        free(q);
+        write_loads(s, m, f);
         fprintf(f, "run %.17g %d %.17g %.17g\nmjcf\n%s", p->to, n_moment, b->time, CLI_MBS_TOO_SLOW, mjcf.data);
         lw_dynamics_free(d);
     }
