@@ -438,6 +438,26 @@ TEST(rows_of_loops)
     }
 }
 
+/* Ten times through the flat posture at loose tolerances: long steps over it do not end on the other branch. */
+TEST(rows_of_loops_at_loose_tolerances)
+{
+    static const double tolerance[] = { 1e-4, 1e-5, 1e-6 };
+    double n = 400, y[2] = { 0, 1 };
+    drun_exact(&(lw_ode){ .n = 2, .context = &n, .rate = row_rate }, 0, y, 10);
+    for (int t = 0; t < 3; t++) {
+        lw_model m;
+        kept k;
+        lw_dynamics_report r;
+        lw_error e = { 0 };
+        read_row((int)n, &m);
+        CHECK_INT(run(&m, 10, tolerance[t], &k, &r, &e), LW_OK);
+        for (int i = 0; i <= n; i++)
+            CHECK_NEAR(k.q[3*i + 2], y[0], 1e3*tolerance[t], 0);
+        free(k.q);
+        lw_model_free(&m);
+    }
+}
+
 /* A rope drawn horizontally comes to rest hanging down.  Its first frequencies there are those of a hanging chain,
  * j/2 sqrt(g/L) with the zeros j of J_0, and the links in line with the vertical. */
 TEST(rope_at_rest)

@@ -10,6 +10,7 @@
 #include "mbs/ode/cvode.h"
 #include "mbs/ode/integrate.h"
 
+static const double rounding = 1e-12;        /* of velocities and forces, scaled, with its factors */
 static const double hold_most = 30;          /* greatest correction of velocities, over the error allowed in a step */
 
 double lw_run_held(lw_run *run, const double *q, const double *v)
@@ -27,10 +28,8 @@ double lw_run_held(lw_run *run, const double *q, const double *v)
     return off/(2*kinetic);
 }
 
-static const double near = 2*LW_SINGULAR_STEP_HALF;  /* root of the least pivot beside a singular posture */
-
-/* Project y after an explicit step, and hold its energy.  Beside a singular posture a projection multiplies errors; other
- * guards hold there (step_over_singular, take_back). */
+/* Project y after an explicit step, and hold its energy.  At the distance theta from a singular posture rounding over
+ * theta^3 adds to what moves; where that reaches the tolerance it says nothing of the step. */
 static lw_status project_and_hold_energy(void *context, double t, double *y)
 {
     lw_run *run = context;
@@ -39,7 +38,8 @@ static lw_status project_and_hold_energy(void *context, double t, double *y)
     double *v = y + d->n_q, held = s == LW_OK ? lw_run_held(run, y, v) : 0;
     for (int i = 0; i < d->n_v; i++)
         v[i] -= v[i]*held;
-    return s == LW_OK && d->weak < near*near ? LW_NOTHING : s;
+    double theta = pow(rounding/(d->o.relative + d->o.absolute), 1.0/3);
+    return s == LW_OK && d->weak < theta*theta ? LW_NOTHING : s;
 }
 
 /* ---- one solver or the other ---------------------------------------------------------------------- */
@@ -216,7 +216,7 @@ static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
 {
     const lw_dynamics *d = run->d;
     lw_integrator *e = &w->explicit_one;
-    double after = lw_run_energy(run, e->y), length = e->t - e->t_old;
+    double near = 2*LW_SINGULAR_STEP_HALF, after = lw_run_energy(run, e->y), length = e->t - e->t_old;
     double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, e->y + d->n_q));
     double allowed = most_energy*(d->o.relative + d->o.absolute)*scale + 1e-13*fabs(after);
     if (d->weak > near*near || fabs(after - lw_run_energy(run, e->y_old)) <= allowed || *taken == most_taken) {
