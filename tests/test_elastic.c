@@ -819,6 +819,7 @@ TEST(refused)
         { "{'section': {'shape': 'round', 'diameter': 0.1}, 'material': 'steel', 'segments': 2, 'frequency': 3}", "auto" },
         { "{'section': {'shape': 'round', 'diameter': 0.1}, 'material': 'steel', 'damping': {'ratio': 0.1}}", "at" },
         { "{'section': {'shape': 'round', 'diameter': 0.1}, 'material': 'steel', 'axis': [[0, 0], [0, 0]]}", "length 0" },
+        { "{'section': {'shape': 'round', 'diameter': 0.1}, 'material': 'steel', 'axis': [[0, 0], [1e-14, 0]]}", "length 1e-14" },
         { "{'section': {'shape': 'round', 'diameter': 0.1}, 'material': 'steel'}, 'mass': 2, 'centre': [0, 0]", "leave" },
     };
     for (int i = 0; i < (int)(sizeof bad/sizeof *bad); i++) {

@@ -43,8 +43,9 @@ static lw_status read_axis(const lw_json_node *n, double metre, bool space, lw_e
         if (!space)
             p->axis[i] = lw_v3(flat.x, flat.y, 0);
         p->n_axis++;
-        if (s == LW_OK && i > 0 && !(lw_v3_norm(lw_v3_sub(p->axis[i], p->axis[i - 1])) > 0))
-            s = lw_json_fault(&point, e, "the axis has a part of length 0");
+        double length = i > 0 ? lw_v3_norm(lw_v3_sub(p->axis[i], p->axis[i - 1])) : 1;
+        if (s == LW_OK && !(length > LW_ELASTIC_SHORTEST))
+            s = lw_json_fault(&point, e, "a part of the axis has length %g m, which is no bar (shorter than %g m)", length, LW_ELASTIC_SHORTEST);
     }
     return s;
 }

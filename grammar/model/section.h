@@ -22,6 +22,8 @@ typedef struct lw_section {
 
 typedef struct lw_material { double e, g, density; } lw_material;       /* [N/m^2] [N/m^2] [kg/m^3] */
 
+#define LW_ELASTIC_SHORTEST 1e-9     /* shorter than this [m] is no bar */
+
 /* A link that bends and stretches: a bar along its axis, or a frame of straight bars (mbs/elastic). */
 typedef struct lw_elastic {
     bool   given;                    /* otherwise the link is rigid */

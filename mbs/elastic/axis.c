@@ -31,11 +31,11 @@ static lw_status default_axis(const char *name, const lw_elastic_places *p, lw_v
 {
     lw_vec3 line[2];
     double size = farthest(p->at, p->n_joint, line);
-    if (!(size > 0))
+    if (!(size > LW_ELASTIC_SHORTEST))
         size = farthest(p->at, p->n, line);
-    if (!(size > 0))
-        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has no length: all its joints and tracers are at one place; put "
-                            "a tracer at its other end, or give its \"axis\" as a list of points", name);
+    if (!(size > LW_ELASTIC_SHORTEST))
+        return lw_error_set(e, LW_E_ARG, "the elastic link \"%s\" has no length: all its joints and tracers are within %g m of one "
+                            "place; put a tracer at its other end, or give its \"axis\" as a list of points", name, LW_ELASTIC_SHORTEST);
     lw_vec3 u = lw_v3_scale(lw_v3_sub(line[1], line[0]), 1/size);
     double least = 0, most = size;
     for (int i = 0; i < p->n; i++) {
