@@ -7,6 +7,16 @@ TEST(several_inputs_without_a_range)
     expect("$P trace examples/space/delta-elastic.json -n 2", 4, NULL, "singular posture");
 }
 
+/* A stretched arm loses directions; a posture that is not singular has no such line.  The budget without sources says so. */
+TEST(robots)
+{
+    expect("$P robot jacobian examples/space/arm.json", 0, "the tool's point cannot move in (0.000000, 1.000000, 0.000000); (0.000000, "
+           "0.000000, 1.000000): a singular posture, place and turn of the tool have 3 of 6 freedoms", NULL);
+    expect("$P robot jacobian examples/space/delta.json --tool-at 0,0,-1 | grep -c 'cannot move'", 1, "0", NULL);
+    expect("$P robot budget examples/space/delta.json", 3, NULL, "nothing lets the tool stray");
+    expect("$P convert examples/space/delta-elastic.json --format acf", 3, NULL, "is elastic, which is not written to ADAMS");
+}
+
 TEST(traces)
 {
     expect("$P trace examples/space/slider-crank.json -n 4 --tracer P", 0, "\n0,0.1999", NULL);
