@@ -331,7 +331,7 @@ static int run_budget(const cli_call *call)
     return code;
 }
 
-#define SMALL 1e-6               /* of the robot's size: ways of the tool below this are none */
+#define SMALL 1e-6               /* over the robot's size: a tool that moves less far does not move */
 
 /* ---- workspace ------------------------------------------------------------------------------------------- */
 

@@ -10,7 +10,7 @@
 #include "mbs/ode/cvode.h"
 #include "mbs/ode/integrate.h"
 
-static const double rounding = 1e-12;        /* of velocities and forces, scaled, with its factors */
+static const double rounding = 1e-12;        /* error of a projected velocity at the distance 1 from a singular posture, scaled */
 static const double hold_most = 30;          /* greatest correction of velocities, over the error allowed in a step */
 
 double lw_run_held(lw_run *run, const double *q, const double *v)
@@ -28,8 +28,8 @@ double lw_run_held(lw_run *run, const double *q, const double *v)
     return off/(2*kinetic);
 }
 
-/* Project y after an explicit step, and hold its energy.  At the distance theta from a singular posture rounding over
- * theta^3 adds to what moves; where that reaches the tolerance it says nothing of the step. */
+/* Project y after an explicit step, and hold its energy.  At the distance theta from a singular posture, rounding errors of a
+ * projection grow by 1/theta^3.  Where they reach the tolerance, how far y moves does not tell the error of the step. */
 static lw_status project_and_hold_energy(void *context, double t, double *y)
 {
     lw_run *run = context;

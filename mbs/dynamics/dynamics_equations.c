@@ -786,7 +786,8 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 /* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
 static const double damped = 500, damped_reduced = 3e3;      /* the same where an implicit method of high order serves; of one coordinate */
 static const double stiff = 1e4, stiff_space = 1e6;          /* where no implicit method with exact derivatives is known */
-/* Tolerance from which an implicit method of low order serves states that decay so fast: a smaller one needs short steps anyway. */
+/* Tolerance (1e-8, as computed) from which an implicit method of low order serves states that decay so fast.  A smaller one needs
+ * short steps anyway. */
 static const double states_from = 0.9e-8;
 enum { most_looked = 400 };              /* dampers and motors that are looked at, evenly spread */
 

@@ -141,7 +141,7 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     for (double half = LW_SINGULAR_STEP_HALF; s == LW_OK && solved != LW_OK && half > shortest_half; half *= 0.5) {
         s = begin_gap(&z, half, good, angle, place, first);
         solved = s == LW_OK ? lw_passage_solve(&z, y, &tail) : s;
-        s = s == LW_OPEN ? LW_OK : s;        /* a shorter gap may begin behind it */
+        s = s == LW_OPEN ? LW_OK : s;        /* the place before a shorter gap may be good */
         if (solved == LW_OK && tail < best)
             best = tail, best_half = half;
         solved = solved == LW_OK && tail > wanted ? LW_OPEN : solved;
@@ -545,8 +545,8 @@ static lw_status step_over(lw_run *run, double weak, double place, double *t, do
     return LW_OK;
 }
 
-/* How fast the root w of the least pivot at (t, y) falls along the motion, from its value shortly ahead.  Between two steps
- * it may have gone through 0, or over a peak. */
+/* How fast the root w of the least pivot falls along the motion at (t, y), from its value shortly ahead.  Its values after two
+ * steps do not tell: between them it may have been 0, or greater. */
 static lw_status find_fall(lw_run *run, double t, const double *y, double ahead, double w, double *rate)
 {
     lw_dynamics *d = run->d;

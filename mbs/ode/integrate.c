@@ -554,8 +554,8 @@ static bool counts(const lw_integrator *w, int event)
     return !w->ode->direction[event] || w->ode->direction[event] != w->side[event];
 }
 
-/* Seek the extreme of one event function by golden sections, until it is past 0 (*t, its values in g_try) or cannot be.
- * LW_NOTHING: it is not. */
+/* Seek the extreme of one event function by golden sections, until a value past 0 is found (its time *t, all functions in g_try),
+ * or none can be.  LW_NOTHING: there is none. */
 static lw_status seek_dip(lw_integrator *w, int event, const event_sample *a, const event_sample *b, const event_sample *c,
                           double *t)
 {
@@ -577,13 +577,13 @@ static lw_status seek_dip(lw_integrator *w, int event, const event_sample *a, co
             tc = nearer ? tb : *t, gc = nearer ? gb : g;
         if (nearer)
             tb = *t, gb = g;
-        skewed = fmin(fabs(tb - ta), fabs(tc - tb)) < 0.2*fabs(tc - ta);     /* then they do not show how far it goes */
+        skewed = fmin(fabs(tb - ta), fabs(tc - tb)) < 0.2*fabs(tc - ta);     /* then the three values do not show how deep the extreme is */
     } while (fabs(tc - ta) > shortest && (skewed || may_dip(side, ga, gb, gc)));
     return LW_NOTHING;
 }
 
-/* Find events that cross 0 between a and c about b and come back.  near: b is close to a or c, and tells nothing of how far
- * they go. */
+/* Find events that cross 0 near b and come back, all between a and c.  near: b is so close to a or c that the three values do not
+ * show how deep the extreme is. */
 static lw_status find_dips(lw_integrator *w, const event_sample *a, const event_sample *b, const event_sample *c, bool near,
                            bool *ended)
 {
@@ -617,8 +617,7 @@ static lw_status find_dips(lw_integrator *w, const event_sample *a, const event_
     return LW_OK;
 }
 
-/* May one cross 0 and come back between b and the samples a, c beside it; or, at an end of the step, between this and the
- * sample inside?  far: the one behind that. */
+/* May an event function cross 0 near the sample b and come back? */
 static bool suspects(const lw_integrator *w, const event_sample *a, const event_sample *b, const event_sample *c)
 {
     for (int i = 0; i < w->ode->n_event; i++)
@@ -627,6 +626,7 @@ static bool suspects(const lw_integrator *w, const event_sample *a, const event_
     return false;
 }
 
+/* May one cross 0 and come back between an end of the step and the sample inside next to it?  far: the sample after that. */
 static bool suspects_end(const lw_integrator *w, const event_sample *end, const event_sample *inside, const event_sample *far)
 {
     for (int i = 0; i < w->ode->n_event; i++)

@@ -26,7 +26,7 @@ typedef struct lw_ode {
     /* jac[i + n*j] = d dy_i / d y_j, zeroed before; for implicit methods only; NULL: by differences  */
     lw_status (*jacobian)(void *context, double t, const double *y, const double *dy, double *jac);
     /* correct y after every accepted step (constraints, energy).  A step that this moves by more than its allowed error is
-     * repeated shorter; LW_NOTHING: y is right, and how far it moved says nothing.  NULL: none         */
+     * repeated shorter; after LW_NOTHING, which means success too, that is not looked at.  NULL: none  */
     lw_status (*project)(void *context, double t, double *y);
     int   n_event;                   /* event functions, watched for zero crossings                 */
     lw_status (*event)(void *context, double t, const double *y, double *g);             /* g (n_event) */

@@ -92,7 +92,7 @@ double lw_panel_value(const double *c, double x)
 {
     double z = 2*(2*x - 1), b1 = 0, b2 = 0;
     for (int k = N - 1; k > 0; k--) {
-        double b = (c[k] - b2) + z*b1;       /* in this order it waits for b1 a third less */
+        double b = (c[k] - b2) + z*b1;       /* in this order one operation less has to wait for b1 */
         b2 = b1;
         b1 = b;
     }

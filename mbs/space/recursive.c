@@ -453,7 +453,7 @@ static void add_shifted(lw_articulated *to, const lw_articulated *i, lw_vec3 d)
     b[0] = lw_v3_add(i->b[0], lw_v3(c[0].x, c[1].x, c[2].x));
     b[1] = lw_v3_add(i->b[1], lw_v3(c[0].y, c[1].y, c[2].y));
     b[2] = lw_v3_add(i->b[2], lw_v3(c[0].z, c[1].z, c[2].z));
-    lw_vec3 p[3];                            /* d x M is seen from both sides: half of it in either */
+    lw_vec3 p[3];                            /* J stays symmetric, so the terms of b before and after the shift may be averaged */
     for (int k = 0; k < 3; k++) {
         p[k] = lw_v3_cross(d, lw_v3_scale(lw_v3_add(i->b[k], b[k]), 0.5));
         to->b[k] = lw_v3_add(to->b[k], b[k]);

@@ -37,7 +37,7 @@ static lw_vec2 tangent(const lw_target *t, size_t i)
     return unit(lw_v2_add(lw_v2_scale(a, 1/a2), lw_v2_scale(b, 1/b2)));
 }
 
-/* Height of the arc through a station and its neighbours over the longer of the two chords, as if both were so long; 0 at ends. */
+/* Height over its chord of an arc that turns as the target does at a station; its chord is the longer of the two there.  0 at ends. */
 static double arc_height(const lw_target *t, size_t i)
 {
     if (!t->closed && (i == 0 || i + 1 == t->n))

@@ -80,9 +80,9 @@ static void measures(const lw_target *t, const lw_candidate *c, const lw_fit_rep
         m[i] = isnan(all[i]) ? INFINITY : all[i];
 }
 
-#define TWIN 0.02                  /* relative: a row that is better than one before it by no more, in no measure, is its twin */
+#define TWIN 0.02                  /* a row has to be better than each row before it, by this part in at least one measure */
 
-/* Does the row with report b add nothing to the one with a? */
+/* Is b, which comes after a, a linkage of the same type and number of links that is not better in any measure? */
 static bool is_twin(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb, const lw_fit_report *b)
 {
     double m[MEASURES], first[MEASURES];
@@ -166,9 +166,9 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 
 #define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
-/* How far the curve is from the target [m].  Between the stations the target is an interpolation.  It is less exact than a
- * linkage that meets all of many stations.  A four-bar that meets all of a few may leave it as far as other curves through
- * them do; more links meet a few whatever lies between. */
+/* How far the curve is from the target [m].  Between the stations the target is an interpolation.  If a linkage meets all of
+ * many stations, its curve is more exact than that.  If a four-bar meets all of a few stations, it may leave the interpolation
+ * as far as other smooth curves through them do.  Longer linkages may not: they can meet a few stations with any curve. */
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     int links = lw_candidate_links(c);
