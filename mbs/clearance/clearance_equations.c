@@ -37,7 +37,7 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
                  + (size_t)c->n_stop, all = u + c_max;
     size_t columns = 2*u*(size_t)c->s.n_body;
     size_t n = columns + 3*q + 3*q + rows*q + 3*rows + q + u*u + u + c_max*u + 3*c_max + all + 4*u
-             + (size_t)c->n_friction*(all + 2*(size_t)c->n_friction) + lw_rank_doubles((int)all, (int)all)
+             + (size_t)c->n_friction*all + lw_friction_doubles(c->n_friction, 2) + lw_rank_doubles((int)all, (int)all)
              + lw_rank_doubles((int)c_max + 1, (int)u);
     memset(w, 0, sizeof *w);
     w->c = c;
@@ -56,7 +56,7 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
     w->series = take(&p, 3*q), w->jac = take(&p, rows*q), w->phi = take(&p, 3*rows), w->row = take(&p, q);
     w->mass = take(&p, u*u), w->load = take(&p, u), w->a = take(&p, c_max*u);
     w->off = take(&p, c_max), w->wanted = take(&p, c_max), w->lambda = take(&p, c_max), w->answer = take(&p, all);
-    w->response = take(&p, (size_t)c->n_friction*(all + 2*(size_t)c->n_friction));
+    w->response = take(&p, (size_t)c->n_friction*all + lw_friction_doubles(c->n_friction, 2));
     w->y = take(&p, 2*u), w->rate = take(&p, 2*u);
     lw_rank_place(&w->kkt, (int)all, (int)all, p, w->ints);
     p += lw_rank_doubles((int)all, (int)all);

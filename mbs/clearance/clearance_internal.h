@@ -62,7 +62,7 @@ typedef struct lw_clearance_work {
     double  *mass, *load;                /* (n_u*n_u), (n_u) */
     double  *a, *off, *wanted, *lambda;  /* rows (n_c*n_u), residuals, wanted rates, multipliers */
     double  *answer;                     /* (n_u + n_c) */
-    double  *response;                   /* (n_friction*(n_u + n_c + 2*n_friction)) answer to friction of 1 N */
+    double  *response;                   /* n_friction*(n_u + n_c): answer to friction of 1 N; lw_friction_doubles */
     int      friction_row[LW_JOINT_MAX]; /* first row of each joint with friction */
     lw_error undetermined;               /* set where friction leaves a reaction undetermined */
     double   heaviest;                   /* greatest entry of the mass matrix: scale of the rows */

@@ -376,16 +376,17 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
 {
     int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
     double *response = d->touch ? d->touch->response : d->response;
-    double size[LW_JOINT_MAX], unit_power[LW_JOINT_MAX];
+    int dim = d->space ? 3 : 2;
+    double *size = response + (size_t)n*(size_t)stride + lw_friction_doubles(n, dim), *unit_power = size + n;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
     lw_status s = LW_OK;
     for (int j = 0; s == LW_OK && j < n; j++) {
-        double *to = response + j*stride;
+        double *to = response + (size_t)j*(size_t)stride;
         unit_power[j] = j < joints ? unit_friction(d, &d->friction[j], q, v, d->force) : lw_mbs_touch_slip(d, j - joints, v, d->force);
         s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_v);
     }
     if (s == LW_OK)
-        s = lw_friction_add(&(lw_friction_scene){ d, d->space ? 3 : 2, reaction_of, rubbing }, n, d->friction, response, t, d->n_v, a,
+        s = lw_friction_add(&(lw_friction_scene){ d, dim, reaction_of, rubbing }, n, d->friction, response, t, d->n_v, a,
                             d->n_c, l, size, d->touch ? &d->touch->determinant : &d->friction_determinant, d->e);
     if (!d->touch && !(d->friction_determinant > d->least_determinant))
         d->least_determinant = d->friction_determinant;

@@ -78,7 +78,7 @@ struct lw_dynamics {
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *small_v, *stop_v, *a, *l, *l_each, *hold;
     double  friction_determinant, least_determinant;    /* of the friction equations, without contacts; the least of a run */
-    double *response;                         /* n_friction x (n_v + n_c + 2*n_friction): a and l for friction of 1 N */
+    double *response;                         /* n_friction x (n_v + n_c): a and l for friction of 1 N; lw_friction_doubles; 2*n_friction */
     double *start_q, *start_v, *start_z, *drawn_q;   /* drawn_q: of the drawing, closed */
     double *speed_rows;                       /* (n_c + inputs) x n_v: rows that decide the velocities of the start */
     bool   *at_rest;                          /* (inputs) without a speed, which start at rest */

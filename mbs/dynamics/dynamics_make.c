@@ -45,9 +45,8 @@ static lw_status reserve_lists(lw_dynamics *d, lw_error *e)
 {
     size_t joints = (size_t)d->s.n_joint, inputs = (size_t)(d->s.n_input + d->s.n_tie) + 1;
     d->stop = calloc(2*joints, sizeof *d->stop);
-    size_t slips = d->model->n_contact ? LW_JOINT_MAX : 0;
-    d->friction = calloc(joints + slips, sizeof *d->friction);
-    d->friction_row = calloc(joints + slips, sizeof *d->friction_row);
+    d->friction = calloc(joints + 1, sizeof *d->friction);
+    d->friction_row = calloc(joints + 1, sizeof *d->friction_row);
     d->driven = calloc(2*inputs, sizeof *d->driven);
     d->driven_measure = d->driven + inputs;
     d->at_rest = calloc(inputs, sizeof *d->at_rest);
@@ -90,7 +89,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         { &d->small, c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
         { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
         { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
-        { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 3*(size_t)d->n_friction) },
+        { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 2) + lw_friction_doubles(d->n_friction, 3) },
     };
     const int_piece ints[] = { { &d->kept, c }, { &d->place, c },
                                { &d->rank_ints, dense*lw_rank_ints((int)v, (int)speeds) } };
@@ -497,8 +496,6 @@ static lw_status check_large(const lw_dynamics *d, lw_error *e)
     if (d->n_velocity > 0)
         return lw_error_set(e, LW_E_KIND, "links have a \"velocity\" in models with at most %d links, none of them elastic",
                             LW_LINK_MAX);
-    if (d->n_friction > LW_JOINT_MAX)
-        return lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
     return LW_OK;
 }
 

@@ -312,7 +312,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *v, lw_erro
 {
     lw_spatial_scene *c = d->space;
     int n_l = c->drives.n_row;
-    double size[LW_JOINT_MAX];
+    double *size = d->response + (size_t)c->n_rub*(size_t)n_l + lw_friction_doubles(c->n_rub, 3);
     for (int j = 0; j < c->n_rub; j++) {
         lw_spatial_rub(c, &d->friction[j], v, c->drive_f);
         carry(d, d->response + j*n_l);
@@ -698,8 +698,6 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         d->has_zero_mass = false;
     if (st == LW_OK && d->n_stop > LW_EVENT_MAX/2)
         st = lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
-    if (st == LW_OK && d->n_friction > LW_JOINT_MAX)
-        st = lw_error_set(e, LW_E_KIND, "friction in more than %d joints", LW_JOINT_MAX);
     if (st == LW_OK)
         st = lw_mbs_reserve(d, e);
     if (st == LW_OK && rest)

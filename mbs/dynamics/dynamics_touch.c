@@ -596,9 +596,6 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
         const lw_touch *p = &w->list.touch[w->row[k].touch];
         if (w->row[k].tangent || p->slips == 0)
             continue;
-        if (d->n_friction + slipping == LW_JOINT_MAX)
-            return lw_error_set(run->e, LW_E_KIND, "more than %d rigid places slip at t = %.9g s; give the contacts a "
-                                "\"stiffness\"", LW_JOINT_MAX - d->n_friction, t);
         int at = d->n_friction + slipping++;
         d->friction[at] = (lw_friction_joint){ .joint = -1 };
         d->friction_row[at] = d->n_row + d->n_driven + d->n_resting + k;
@@ -606,8 +603,7 @@ static lw_status set_states(lw_run *run, double t, const closed *c, bool lets_go
     w->n_slip = slipping;
     free(w->response);
     size_t rows = (size_t)(d->n_row + d->n_driven + d->n_resting + n), rubs = (size_t)(d->n_friction + slipping);
-    size_t all = rubs*((size_t)d->n_q + rows + 2*rubs);
-    w->response = calloc(all + 1, sizeof *w->response);
+    w->response = calloc(rubs*((size_t)d->n_q + rows + 2) + lw_friction_doubles((int)rubs, 2) + 1, sizeof *w->response);
     return w->response ? LW_OK : LW_E_MEMORY;
 }
 

@@ -206,7 +206,7 @@ static lw_status run_one(lw_run *run)
     if ((s == LW_E_NUMERIC || lost) && d->n_friction && (d->weak < LW_SINGULAR_NEAR || run->jam != 0))
         s = d->least_determinant < no_determinant
           ? lw_error_set(run->e, s, "at t = %.9g s friction jams the linkage: near a singular posture reactions grow without limit, "
-                         "and the equations of friction lose their solution (determinant %.2g; 1 without friction: Painleve's "
+                         "and the equations of friction lose their solution (least pivot %.2g; 1 without friction: Painleve's "
                          "paradox); %s", r->t, fmax(0, d->least_determinant), d->o.formulation == LW_FORMULATION_AUTO
                          ? "no formulation goes on from there; lower the coefficient or the radius of the pins, or drive the "
                          "linkage through the posture" : "another formulation may go on (auto tries them all)")

@@ -265,7 +265,7 @@ static lw_status by_newton(const lw_reduced *r, balance *z, double *size)
         for (int j = 0; j < n; j++)
             response[j + k*n] = lw_v2_sub(response[j + k*n], rest[j]);
     }
-    return lw_friction_sizes(n, 0, 2, &rest[0].x, &response[0].x, size, NULL);
+    return lw_friction_sizes(n, 0, 2, &rest[0].x, &response[0].x, size, r->friction->work, NULL);
 }
 
 /* Sizes from those of the last evaluation on; *q: force of the friction. */

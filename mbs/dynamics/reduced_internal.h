@@ -139,6 +139,7 @@ typedef struct lw_reduced_friction {
     lw_reduced_group group[LW_DYAD_MAX];
     lw_reversal_cell cell[LW_REVERSAL_CELLS];
     lw_vec2 response[LW_JOINT_MAX*LW_JOINT_MAX];     /* scratch */
+    double work[LW_JOINT_MAX*(LW_JOINT_MAX + 2)];
 } lw_reduced_friction;
 
 /* Friction at the registers: adds its force to *q and gives its power.  mass: M.  LW_OPEN: the reactions are not

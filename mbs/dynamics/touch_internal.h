@@ -16,7 +16,7 @@ struct lw_touching {
     int     n_row, row_max;
     lw_touch_row *row;                   /* (row_max)                                                  */
     int     n_slip;                      /* rigid places that slip; they follow the joints in d->friction */
-    double *response;                    /* (n_friction + n_slip)*(n_q + n_c)                          */
+    double *response;                    /* as that of lw_dynamics, n_slip more                         */
     double  determinant;                 /* of the friction equations; 1 without friction              */
     int     sense;                       /* its sign after the last event; 0: not known yet            */
     bool    captured;                    /* rows are all near places, closed or not (dynamics_capture.c) */

@@ -25,10 +25,15 @@ lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e)
     d->n_stop = 0;                           /* they are places too */
     w->row_max = 2*rigid;
     w->row = calloc((size_t)w->row_max + 1, sizeof *w->row);
+    int most = d->s.n_joint + w->row_max + 1;            /* places that slip follow the joints with friction */
+    lw_friction_joint *friction = realloc(d->friction, (size_t)most*sizeof *friction);
+    d->friction = friction ? friction : d->friction;
+    int *row = realloc(d->friction_row, (size_t)most*sizeof *row);
+    d->friction_row = row ? row : d->friction_row;
     w->determinant = 1;
     w->events = compliant <= EVENTS_MOST;
     w->last = -INFINITY;
-    return s != LW_OK || w->row ? s : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    return s != LW_OK || (w->row && friction && row) ? s : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
 void lw_mbs_touch_free(lw_dynamics *d)

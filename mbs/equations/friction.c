@@ -6,7 +6,7 @@
 #include "base/real.h"
 #include "base/vec3.h"
 
-static const double singular = 1e-3;         /* a determinant below this: the reactions are not determined */
+static const double singular = 1e-3;         /* a pivot or determinant below this: the reactions are not determined */
 
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j)
 {
@@ -47,11 +47,56 @@ static double size_of(const double *r, int dim, bool is_signed)
     return is_signed ? r[0] : dim == 2 ? hypot(r[0], r[1]) : lw_v3_norm(lw_v3(r[0], r[1], r[2]));
 }
 
-lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
-                            double *determinant)
+static void swap(double *a, double *b)
 {
-    double matrix[LW_JOINT_MAX*LW_JOINT_MAX], diag[LW_JOINT_MAX], left[LW_JOINT_MAX], scale = 0;
-    assert(n > 0 && n <= LW_JOINT_MAX && (dim == 2 || dim == 3));
+    double was = *a;
+    *a = *b, *b = was;
+}
+
+/* Solve A x = b (n x n by columns) in place; x is in b.  The joints get their friction one by one, each time the one with the
+ * greatest pivot.  A pivot is the factor by which that changes the determinant, which is linear in the friction of a joint, so
+ * the reactions stay determined along the way if no pivot reaches 0.  Returns the least pivot, or the first that is too small;
+ * then b is of no use.  The sign of the determinant alone would not tell: that of two lost joints is positive, and that of
+ * many harmless ones is small.  taken: n doubles. */
+static double solve_in_turn(long n, double *a, double *taken, double *b)
+{
+    double least = INFINITY;
+    for (long k = 0; k < n; k++) {
+        long p = k;
+        for (long i = k + 1; i < n; i++)
+            p = a[i + n*i] > a[p + n*p] ? i : p;
+        for (long i = 0; p != k && i < n; i++)
+            swap(a + k + n*i, a + p + n*i);
+        for (long i = 0; p != k && i < n; i++)
+            swap(a + i + n*k, a + i + n*p);
+        swap(b + k, b + p);
+        taken[k] = (double)p;
+        const double *pivot = a + n*k;
+        if (!(pivot[k] > singular))
+            return pivot[k];
+        least = fmin(least, pivot[k]);
+        for (long j = k + 1; j <= n; j++) {
+            double *to = j < n ? a + n*j : b, by = to[k]/pivot[k];
+            for (long i = k + 1; by != 0 && i < n; i++)   /* joints of links that do not touch: 0 */
+                to[i] -= by*pivot[i];
+        }
+    }
+    for (long k = n - 1; k >= 0; k--) {
+        b[k] /= a[k + n*k];
+        for (long i = 0; i < k; i++)
+            b[i] -= b[k]*a[i + n*k];
+    }
+    for (long k = n - 1; k >= 0; k--)
+        swap(b + k, b + (long)taken[k]);
+    return least;
+}
+
+lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
+                            double *work, double *determinant)
+{
+    const long w = n;                         /* products of two numbers of joints may pass an int */
+    double *matrix = work, *diag = work + w*w, *left = diag + w, scale = 0;
+    assert(n > 0 && (dim == 2 || dim == 3));
     for (int j = 0; j < n; j++) {
         size[j] = size_of(rest + dim*j, dim, j >= n - n_signed);
         scale = fmax(scale, fabs(size[j]));
@@ -62,28 +107,32 @@ lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, co
             double r[3] = { rest[dim*j], rest[dim*j + 1], dim == 3 ? rest[dim*j + 2] : 0 };
             for (int k = 0; k < n; k++)
                 for (int x = 0; x < dim; x++)
-                    r[x] += size[k]*response[dim*(j + n*k) + x];
+                    r[x] += size[k]*response[dim*(j + w*k) + x];
             bool is_signed = j >= n - n_signed;
             double norm = size_of(r, dim, is_signed);
             left[j] = norm - size[j];
             off = fmax(off, fabs(left[j]));
             for (int k = 0; k < n; k++) {
-                const double *by = response + dim*(j + n*k);
+                const double *by = response + dim*(j + w*k);
                 double dot = r[0]*by[0] + r[1]*by[1];
                 for (int x = 2; x < dim; x++)
                     dot += r[x]*by[x];
-                matrix[j + n*k] = (j == k) - (is_signed ? by[0] : norm > 0 ? dot/norm : 0);
+                matrix[j + w*k] = (j == k) - (is_signed ? by[0] : norm > 0 ? dot/norm : 0);
             }
         }
         if (off <= 1e-13*scale && !(determinant && pass == 0))
             return LW_OK;
-        lw_qr_factor(n, n, matrix, diag);
-        double value = lw_qr_determinant(n, diag);
+        double value;
+        if (n_signed) {
+            lw_qr_factor(n, n, matrix, diag);
+            value = lw_qr_determinant(n, diag);
+            lw_qr_solve(n, n, matrix, diag, left);
+        } else
+            value = solve_in_turn(w, matrix, diag, left);
         if (determinant)
             *determinant = value;
         if (!((n_signed ? fabs(value) : value) > singular))
             break;
-        lw_qr_solve(n, n, matrix, diag, left);
         for (int j = 0; j < n; j++) {
             size[j] += left[j];
             if (j < n - n_signed)
@@ -97,17 +146,18 @@ lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, co
 lw_status lw_friction_add(const lw_friction_scene *scene, int n, const lw_friction_joint *joint, double *response, double t,
                           int n_a, double *a, int n_l, double *l, double *size, double *determinant, lw_error *e)
 {
-    const int stride = n_a + n_l, dim = scene->dim;
+    const long stride = n_a + n_l, w = n;
+    const int dim = scene->dim;
     int n_signed = 0;
-    assert(n > 0 && n <= LW_JOINT_MAX);
-    double rest[3*LW_JOINT_MAX], *change = response + n*stride;
+    assert(n > 0);
+    double *change = response + w*stride, *rest = change + dim*w*w, *work = rest + dim*n;
     for (int j = 0; j < n; j++) {
         n_signed += joint[j].joint < 0;
         scene->reaction(scene->context, j, l, rest + dim*j);
         for (int k = 0; k < n; k++)
-            scene->reaction(scene->context, j, response + k*stride + n_a, change + dim*(j + n*k));
+            scene->reaction(scene->context, j, response + k*stride + n_a, change + dim*(j + w*k));
     }
-    lw_status found = lw_friction_sizes(n, n_signed, dim, rest, change, size, determinant);
+    lw_status found = lw_friction_sizes(n, n_signed, dim, rest, change, size, work, determinant);
     if (found != LW_OK && n_signed > 0)      /* the caller of contacts knows what follows */
         return LW_OPEN;
     if (found != LW_OK)

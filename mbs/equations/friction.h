@@ -3,9 +3,9 @@
  * Friction along the measure of joint j is -mu N_j tanh(v/speed), with N_j the size of its reaction R_j [N].
  * Accelerations and reactions are affine in the N,
  *     R_j = R0_j + sum over k of N_k R_jk,
- * so N_j = |R_j| is a small system, one equation a joint with friction, solved by Newton's method.  Its matrix is I
- * without friction; where its determinant reaches 0, rigid bodies with friction leave the reactions undetermined
- * (Painleve 1895). */
+ * so N_j = |R_j| is a dense system, one equation a joint with friction, solved by Newton's method.  Its matrix is I
+ * without friction; where its determinant reaches 0 as joint after joint gets its friction, rigid bodies with friction leave
+ * the reactions undetermined (Painleve 1895). */
 #ifndef LW_MBS_EQUATIONS_FRICTION_H
 #define LW_MBS_EQUATIONS_FRICTION_H
 
@@ -38,11 +38,12 @@ double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const d
 /* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
 lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);
 
-/* Sizes N of n reactions of `dim` numbers, 2 in the plane, 3 in space; n <= LW_JOINT_MAX.  The last n_signed are forces along one
- * direction, the first number, which keep their sign.  rest (n x dim): R0; response[dim*(j + n*k)]: R_jk; size (n): N.
- * *determinant, unless NULL: 1 without friction.  LW_E_NUMERIC: they are not determined. */
+/* Sizes N of n reactions of `dim` numbers, 2 in the plane, 3 in space.  The last n_signed are forces along one direction, the
+ * first number, which keep their sign.  rest (n x dim): R0; response[dim*(j + n*k)]: R_jk; size (n): N; work: n*(n + 2).
+ * *determinant, unless NULL, is 1 without friction: the least pivot, or with n_signed > 0 the determinant.  LW_E_NUMERIC: they
+ * are not determined. */
 lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, const double *response, double *size,
-                            double *determinant);
+                            double *work, double *determinant);
 
 /* The scene of joints with friction: the reaction [N] of joint j of them in multipliers, out (dim); its name. */
 typedef struct lw_friction_scene {
@@ -52,8 +53,13 @@ typedef struct lw_friction_scene {
     const char *(*name)(const void *context, int j);
 } lw_friction_scene;
 
+static inline size_t lw_friction_doubles(int n, int dim)
+{
+    return (size_t)n*((size_t)(dim + 1)*(size_t)n + (size_t)dim + 2);
+}
+
 /* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.  response: n times
- * (n_a + n_l), the a and l that the friction of each joint causes for a reaction of 1 N; behind them dim*n*n doubles of
+ * (n_a + n_l), the a and l that the friction of each joint causes for a reaction of 1 N; behind them lw_friction_doubles of
  * scratch.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the error names the first joint.
  * LW_OPEN: the same, with a contact among them. */
 lw_status lw_friction_add(const lw_friction_scene *scene, int n, const lw_friction_joint *joint, double *response, double t,
