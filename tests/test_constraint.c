@@ -118,7 +118,7 @@ static bool at_home(const lw_problem *p, const double *x)
     return f < 1e-20;
 }
 
-/* A sample's condition, or the least between its neighbours, `fine`, where it is the least of them. */
+/* A sample's condition, or the least near it, `fine`, where it is less than its neighbours: a second extreme may lie beyond them. */
 static void check_sample(const double *g, const double *want, size_t k, bool round, double fine, double off)
 {
     enum { N = LW_CURVE_SAMPLES };
@@ -190,7 +190,7 @@ TEST(conditions_are_those_of_single_postures)
                 CHECK(fmin(apart(&p, at_end, st.input[0]), apart(&p, at_end, st.input[8])) < 1e-6);
             conditions_at(&p, &m, input, round ? &m.mode : mode, limit, most, &sine[k], &acceleration[k]);
             fine[0][k] = fine[1][k] = INFINITY;
-            for (int i = -24; i <= 24; i++) {
+            for (int i = -40; i <= 40; i++) {
                 double place = (double)k + i/24.0, s, a;
                 place = round ? place : fmin(fmax(place, 0), N - 1);
                 input = round ? 2*LW_PI*place/N : lw_problem_input_at(&p, work, place/(N - 1), mode, &leg);

@@ -468,7 +468,7 @@ static void move_postures(const lw_problem *p, lw_work *w, const motion *m, size
     double part[POSTURES] = { 0 };
     lw_cycle_point at[POSTURES];
     for (size_t i = 0; i < n; i++)
-        part[i] = place[i]/(p->intended.turns ? POSTURES : POSTURES - 1);
+        part[i] = p->intended.turns ? place[i]/POSTURES : fmin(fmax(place[i]/(POSTURES - 1), 0), 1);
     points_at(p, w, p->intended.turns ? &turn : m, n, part, at);
     for (size_t i = 0; i < n; i++) {
         w->check_at[first + i] = at[i];
@@ -495,15 +495,24 @@ static double vertex(double before, double now, double after, double *least)
     return at;
 }
 
-/* Move each sample that is less than both neighbours to the extreme between them, whose value g becomes: two nets, each
- * of a quarter of the spacing before, then parabolas.  The posture of sample k is then at place[k].  Only the
+/* How far from sample k, which is less than both neighbours, its extreme may lie on one side, 1 or -1, in samples: as far as the
+ * neighbour, or half a sample farther, where samples that rise may hide another extreme before the next limit. */
+static double reach(const lw_problem *p, const lw_work *w, const double *g, size_t k, int side)
+{
+    size_t next = (k + (size_t)(POSTURES + side)) % POSTURES, beyond = (next + (size_t)(POSTURES + side)) % POSTURES;
+    bool ends = !p->intended.turns && (next == 0 || next == POSTURES - 1);
+    return ends || changes(p, w, side > 0 ? next : beyond) || !(g[beyond] > g[next]) ? 1 : 1.5;
+}
+
+/* Move each sample that is less than both neighbours to the least extreme within 1.5 samples, whose value g becomes: two nets,
+ * each of a quarter of the spacing before, then parabolas.  The posture of sample k is then at place[k].  Only the
  * least of many; not those that would stay above `enough` if the bend of the three samples went on. */
 static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, const motion *m, condition *of,
                           double enough, double *g, double *place)
 {
-    enum { MOST = POSTURES/6 };
+    enum { NET = 10, MOST = POSTURES/NET };
     size_t at[MOST], n = 0;
-    double best[MOST], value[POSTURES];
+    double best[MOST], lo[MOST], hi[MOST], value[POSTURES];
     bool round = p->intended.turns;
     for (size_t k = 0; k < POSTURES; k++)
         place[k] = (double)k;
@@ -521,21 +530,26 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
     }
     if (n == 0)
         return;
-    lw_cycle_point sample[6*MOST];
-    memcpy(sample, w->check_at, sizeof *sample*6*n);
-    for (size_t i = 0; i < n; i++)
+    lw_cycle_point sample[NET*MOST];
+    memcpy(sample, w->check_at, sizeof *sample*NET*n);
+    for (size_t i = 0; i < n; i++) {
         best[i] = (double)at[i];
+        lo[i] = best[i] - reach(p, w, g, at[i], -1);
+        hi[i] = best[i] + reach(p, w, g, at[i], 1);
+    }
     for (double h = 0.25; h > 0.01; h *= 0.25) {
-        static const double net[6] = { -3, -2, -1, 1, 2, 3 };
-        spread_net(p, w, m, n, best, h, 6, net);
-        of(p, x, w, 6*n, value);
+        static const double net[NET] = { -6, -5, -3, -2, -1, 1, 2, 3, 5, 6 };
+        spread_net(p, w, m, n, best, h, NET, net);
+        of(p, x, w, NET*n, value);
         for (size_t i = 0; i < n; i++) {
             double from = best[i];
-            for (size_t q = 6*i; q < 6*i + 6; q++)
-                if (value[q] < g[at[i]]) {
+            for (size_t q = NET*i; q < NET*(i + 1); q++) {
+                double now = from + h*net[q % NET];
+                if (value[q] < g[at[i]] && now >= lo[i] && now <= hi[i]) {
                     g[at[i]] = value[q];
-                    best[i] = from + h*net[q % 6];
+                    best[i] = now;
                 }
+            }
         }
     }
     for (double h = 1.0/16; h > 5e-4; h *= 0.2) {
@@ -544,8 +558,8 @@ static void seek_extremes(const lw_problem *p, const double *x, lw_work *w, cons
         for (size_t i = 0; i < n; i++)
             best[i] += h*vertex(value[3*i], value[3*i + 1], value[3*i + 2], &g[at[i]]);
     }
-    memcpy(w->check_at, sample, sizeof *sample*6*n);
-    for (size_t k = 0; k < 6*n; k++) {
+    memcpy(w->check_at, sample, sizeof *sample*NET*n);
+    for (size_t k = 0; k < NET*n; k++) {
         w->check_c[k] = sample[k].c;
         w->check_s[k] = sample[k].s;
     }
