@@ -349,6 +349,51 @@ TEST(splines)
     lw_target_free(&t);
 }
 
+/* A spline of a DXF through n points at equal angles of a circle of radius 10, `turns` of it. */
+static lw_target fit_arc(int n, double turns, const char *more)
+{
+    char text[4096];
+    int at = snprintf(text, sizeof text, HEAD "0\nSPLINE\n71\n3\n74\n%d\n%s", n, more);
+    for (int i = 0; i < n; i++) {
+        double a = 2*LW_PI*turns*i/(n - 1);
+        at += snprintf(text + at, sizeof text - (size_t)at, "11\n%.15g\n21\n%.15g\n31\n0\n", 10*cos(a), 10*sin(a));
+    }
+    snprintf(text + at, sizeof text - (size_t)at, TAIL);
+    return read_text(lw_target_read_dxf, text);
+}
+
+/* How far the stations are from that circle. */
+static double off_circle(const lw_target *t)
+{
+    double off = 0;
+    for (size_t k = 0; k < t->n; k++)
+        off = fmax(off, fabs(hypot(1e3*t->x[k], 1e3*t->y[k]) - 10));
+    return off;
+}
+
+/* Cubic splines leave a circle by h^4/384 if their ends are right (de Boor 2001), by some h^2/40 if these are natural.  Given directions
+ * count as slopes of 1 over the chords, which are shorter than the arcs by h^2/24: that is as much again. */
+TEST(splines_through_fit_points)
+{
+    double h = LW_PI/8;
+    lw_target round = fit_arc(17, 1, "70\n1\n"), half = fit_arc(9, 0.5, "12\n0\n22\n3\n13\n0\n23\n-3\n"), bare = fit_arc(9, 0.5, "");
+    CHECK_INT(round.closed, 1);
+    CHECK_INT(half.closed + bare.closed, 0);
+    CHECK(off_circle(&round) < 10*pow(h, 4)/384*1.5 + 3e-4);
+    CHECK(off_circle(&half) < 10*pow(h, 4)/384*3);
+    CHECK(off_circle(&bare) > 10*h*h/100 && off_circle(&bare) < 10*h*h/20);
+    lw_target_free(&round);
+    lw_target_free(&half);
+    lw_target_free(&bare);
+    /* three points with equal chords: half-way up the natural spline is at (1.5, 2.75) */
+    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nSPLINE\n71\n3\n11\n0\n21\n0\n11\n0\n21\n0\n11\n3\n21\n4\n11\n6\n21\n0\n" TAIL);
+    double least = INFINITY;
+    for (size_t k = 1; k < t.n; k++)
+        least = lw_v2_nearer(lw_v2(1.5e-3, 2.75e-3), lw_v2(t.x[k-1], t.y[k-1]), lw_v2(t.x[k], t.y[k]), least);
+    CHECK_NEAR(1e3*least, 0, 2e-3, 0);
+    lw_target_free(&t);
+}
+
 TEST(straight_shapes)
 {
     static const double rect[][2] = { { 1, -2 }, { 11, -2 }, { 11, -7 }, { 1, -7 } }, line[][2] = { { 1, -2 }, { 4,

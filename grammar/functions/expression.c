@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/real.h"
+#include "base/spline.h"
 #include "base/vec2.h"
 #include "grammar/functions/expression_internal.h"
 #include "grammar/text/text_internal.h"
@@ -114,7 +115,7 @@ static lw_status spell_table(parser *p, size_t at, const lw_argument *a, int n, 
         spline->x[i] = a[1 + 2*i].o.value;
         spline->y[i] = a[2 + 2*i].o.value;
     }
-    lw_spline_bend((int)m, spline->x, spline->y, block + 3*m, spline->bend);
+    lw_spline_bend((int)m, spline->x, spline->y, (const double[]){ NAN, NAN }, block + 3*m, spline->bend);
     for (size_t i = 0; i < m; i++)
         if (!isfinite(spline->bend[i])) {
             free(block);

@@ -44,7 +44,4 @@ double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a
 int lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, int order,
                 double p[LW_SERIES_ORDER_MAX + 1]);
 
-/* Second derivatives of the natural cubic spline through the n >= 2 points, x rising.  work (n). */
-void lw_spline_bend(int n, const double *x, const double *y, double *work, double *bend);
-
 #endif

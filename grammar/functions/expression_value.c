@@ -8,20 +8,6 @@
 
 /* ---- pieces ------------------------------------------------------------------------------------ */
 
-void lw_spline_bend(int n, const double *x, const double *y, double *work, double *bend)
-{
-    bend[0] = work[0] = 0;
-    for (int i = 1; i < n - 1; i++) {                      /* Thomas' elimination of the three rows */
-        double h0 = x[i] - x[i-1], h1 = x[i+1] - x[i];
-        double pivot = 2*(h0 + h1) - h0*work[i-1];
-        work[i] = h1/pivot;
-        bend[i] = (6*((y[i+1] - y[i])/h1 - (y[i] - y[i-1])/h0) - h0*bend[i-1])/pivot;
-    }
-    bend[n-1] = 0;
-    for (int i = n - 2; i > 0; i--)
-        bend[i] -= work[i]*bend[i+1];
-}
-
 /* The slope at the end of piece i at point k, which is i or i + 1. */
 static double spline_slope(const lw_spline *s, int i, int k)
 {

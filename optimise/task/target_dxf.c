@@ -7,6 +7,7 @@
 
 #include "base/number.h"
 #include "base/real.h"
+#include "base/spline.h"
 #include "grammar/text/text_internal.h"
 #include "optimise/task/target_outline_internal.h"
 
@@ -15,6 +16,8 @@
 #define ENTITY_MAX 2000000             /* entities drawn, those of blocks each time                    */
 #define DEGREE_MAX 15                  /* of splines                                                   */
 #define SPAN_STEPS 128                 /* points on each polynomial of a spline                        */
+#define SAME_POINT 1e-9                /* of the extent: fit points of a spline that are one                       */
+#define SEAM       60                  /* points before and after a closed spline: ends matter less by 2 at least for each  */
 
 typedef struct group { int code; const char *text; size_t size; long line; } group;
 
@@ -339,6 +342,67 @@ static lw_vec2 spline_point(int degree, const double *knot, const double *x, con
     return lw_v2(p[degree][0]/p[degree][2], p[degree][1]/p[degree][2]);
 }
 
+/* Take out points that stand twice, to rounding, one after the other or at both ends of a closed curve. */
+static size_t without_twins(double *x, double *y, size_t n, bool closed)
+{
+    size_t kept = 0;
+    double near = 0;
+    for (size_t i = 0; i < n; i++)
+        near = fmax(near, SAME_POINT*hypot(x[i] - x[0], y[i] - y[0]));
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || hypot(x[i] - x[kept-1], y[i] - y[kept-1]) > near) {
+            x[kept] = x[i];
+            y[kept++] = y[i];
+        }
+    return closed && kept > 1 && hypot(x[kept-1] - x[0], y[kept-1] - y[0]) <= near ? kept - 1 : kept;
+}
+
+/* Draw a spline that is given by the n points which it fits: the cubic one over the lengths of the chords, as CAD programs do.  A
+ * closed one is smooth at its seam too: it is the middle of one whose points are repeated so often that its ends do not matter. */
+static lw_status draw_through(reader *r, const entity *n, const place *in, double *x, double *y, size_t n_point, bool closed)
+{
+    static const int code[] = { 12, 22, 13, 23 };
+    const char *fault = NULL;
+    double way[4] = { 0 }, slope[2][2];
+    size_t count = without_twins(x, y, n_point, closed), more = 0;
+    closed &= count > 2;
+    more = closed ? SEAM : 0;
+    lw_status s = take(r, n, code, way, 4);
+    size_t all = count + 2*more + closed;
+    double *u = s == LW_OK ? malloc(6*(all + 1)*sizeof *u) : NULL;
+    if (!u)
+        return s == LW_OK ? no_memory(r) : s;
+    double *p = u + all, *q = p + all, *work = q + all, *bend_p = work + all, *bend_q = bend_p + all;
+    for (size_t i = 0; i < all; i++) {
+        size_t from = (i + SEAM*count - more) % count;
+        p[i] = x[from];
+        q[i] = y[from];
+        u[i] = i == 0 ? 0 : u[i-1] + hypot(p[i] - p[i-1], q[i] - q[i-1]);
+    }
+    for (int end = 0; end < 2; end++) {
+        double size = closed ? 0 : hypot(way[2*end], way[2*end + 1]);
+        for (int d = 0; d < 2; d++)
+            slope[d][end] = size > 0 ? way[2*end + d]/size : NAN;
+    }
+    if (all < 2)
+        fault = "this spline has no control points and less than two fit points";
+    else {
+        lw_spline_bend((int)all, u, p, slope[0], work, bend_p);
+        lw_spline_bend((int)all, u, q, slope[1], work, bend_q);
+        begin(r, n, in);
+        for (size_t i = more; i + 1 < all - more; i++)
+            for (int k = i > more; k <= SPAN_STEPS; k++) {
+                double at = u[i] + (u[i+1] - u[i])*k/SPAN_STEPS;
+                lw_vec2 point = lw_v2(lw_spline_value(u, p, bend_p, (int)i, at), lw_spline_value(u, q, bend_q, (int)i, at));
+                add(r, &in->m, point, head(r, n)->line);
+            }
+        if (closed)
+            lw_outlines_close(&r->out);
+    }
+    free(u);
+    return fault ? lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, head(r, n)->line, 1, "%s", fault) : LW_OK;
+}
+
 static lw_status draw_spline(reader *r, const entity *n, const place *in)
 {
     size_t room = n->last - n->first, n_knot, nx, ny, n_weight;
@@ -360,6 +424,17 @@ static lw_status draw_spline(reader *r, const entity *n, const place *in)
         free(knot);
         return s;
     }
+    if (nx == 0) {
+        s = take_list(r, n, 11, x, room, &nx);
+        if (s == LW_OK)
+            s = take_list(r, n, 21, y, room, &ny);
+        if (s == LW_OK && nx != ny)
+            s = lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, line, 1, "the fit points of this spline do not have two coordinates each");
+        if (s == LW_OK)
+            s = draw_through(r, n, in, x, y, nx, (int)value(r, n, 70) & 1);
+        free(knot);
+        return s;
+    }
     bool rising = true;
     for (size_t i = 1; i < n_knot; i++)
         rising = rising && knot[i] >= knot[i-1];
@@ -367,9 +442,7 @@ static lw_status draw_spline(reader *r, const entity *n, const place *in)
         weight[i] = n_weight == nx ? weight[i] : 1;
         rising = rising && weight[i] > 0;
     }
-    if (nx == 0)
-        fault = "this spline has no control points; convert it to one with control points, or to a polyline";
-    else if (degree < 1 || degree > DEGREE_MAX)
+    if (degree < 1 || degree > DEGREE_MAX)
         fault = "the degree of this spline is not between 1 and 15";
     else if (nx != ny || nx < (size_t)degree + 1 || n_knot != nx + (size_t)degree + 1 || !rising)
         fault = "the knots, weights and control points of this spline do not belong together";
