@@ -349,6 +349,46 @@ static void put_row(const lw_problem *p, const lw_work *w, const motion *m, doub
 
 /* ---- margins and accelerations -------------------------------------------------------------------------------- */
 
+static void margins_at(const lw_problem *p, const double *x, lw_work *w, const double *c, const double *s, size_t n,
+                       double *margin, double *slope);
+
+#define DIFFERENCE 2e-7             /* step of differences, of sizes and angles */
+
+/* Set the slopes of margins that belong to a higher group, which are not known, by central differences; `slope` is as margins_at has
+ * it. */
+static void higher_slopes(const lw_problem *p, const double *x, lw_work *w, const double *c, const double *s, size_t n, double *slope)
+{
+    size_t ld = w->posture.ld, rows = (size_t)p->n_dim;
+    double at[LW_VAR_MAX], value[2][POSTURES], by_c[POSTURES], by_s[POSTURES];
+    memcpy(at, x, sizeof *at*(size_t)p->n_var);
+    for (size_t first = 0, m; first < n; first += m) {
+        m = n - first < POSTURES ? n - first : POSTURES;
+        for (size_t d = 0; d <= rows; d++) {
+            double *of = slope + d*ld + first, h = d < rows ? DIFFERENCE*fmax(1, fabs(x[d])) : DIFFERENCE;
+            bool any = false;
+            for (size_t k = 0; k < m; k++)
+                any |= isnan(of[k]);
+            for (int side = 0; side < 2 && any; side++) {
+                double by = side ? h : -h, turn_c = cos(by), turn_s = sin(by);
+                memcpy(by_c, c + first, sizeof *c*m);
+                memcpy(by_s, s + first, sizeof *s*m);
+                for (size_t k = 0; k < m && d == rows; k++) {
+                    bool slides = p->plan.input_is_slider;
+                    by_c[k] = slides ? c[first + k] + by : c[first + k]*turn_c - s[first + k]*turn_s;
+                    by_s[k] = slides ? s[first + k] : s[first + k]*turn_c + c[first + k]*turn_s;
+                }
+                if (d < rows)
+                    at[d] = x[d] + by;
+                margins_at(p, at, w, by_c, by_s, m, value[side], NULL);
+                if (d < rows)
+                    at[d] = x[d];
+            }
+            for (size_t k = 0; k < m && any; k++)
+                of[k] = isnan(of[k]) ? (value[1][k] - value[0][k])/(2*h) : of[k];
+        }
+    }
+}
+
 /* Least margin over all outputs of n postures at c, s; with `slope` its derivatives. */
 static void margins_at(const lw_problem *p, const double *x, lw_work *w, const double *c, const double *s, size_t n,
                        double *margin, double *slope)
@@ -367,6 +407,8 @@ static void margins_at(const lw_problem *p, const double *x, lw_work *w, const d
                 slope[d*ld + k] = to[d*ld + k];
         }
     }
+    if (slope && p->plan.n_higher > 0)
+        higher_slopes(p, x, w, c, s, n, slope);
 }
 
 /* 1 - |P''|^2 / limit^2. P'' is the difference of exact tangents 1e-4 rad apart (error 1e-8). For a function it is that
@@ -605,7 +647,7 @@ static void transmissions(const lw_problem *p, const double *x, lw_work *w, cons
     size_t n = lw_problem_transmission_postures(p), from[POSTURES], row[POSTURES];
     margins(p, x, w, n, g);
     if (n == POSTURES) {                                      /* else the postures are those of the extremes */
-        seek_extremes(p, x, w, m, margins, INFINITY, g, place);
+        seek_extremes(p, x, w, m, margins, enough + sine*sine, g, place);
         lower_changes(p, w, 0, g, from);
     }
     for (size_t k = 0; k < n && n < POSTURES; k++)
@@ -1055,7 +1097,7 @@ static bool find_stations(const lw_problem *p, const double *x, bool settled, lw
     return true;
 }
 
-static void all_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
+void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
                            lw_work *w)
 {
     size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear, nv = (size_t)p->n_var;
@@ -1103,50 +1145,6 @@ static void all_conditions(const lw_problem *p, const double *x, bool settled, d
     }
     if (p->n_zone > 0)
         zones(p, x, w, &between, enough, g, j);
-}
-
-/* Only the conditions on the transmission angle of a turning input, which need no stations. */
-static void transmissions_alone(const lw_problem *p, const double *x, double *g, lw_work *w)
-{
-    motion turn = { .moves = false };
-    sample(p, w, &turn, lw_problem_transmission_postures(p));
-    transmissions(p, x, w, &turn, ALL_ROWS, g, NULL);
-}
-
-/* Replace rows that are not known by central differences: those of the margin of a higher group.  Of a turning input
- * these are the transmission angles, and all else need not be computed. */
-static void by_differences(const lw_problem *p, const double *x, double *j, lw_work *w)
-{
-    size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var, first = (size_t)(p->n_linear + p->n_side);
-    bool any = false, alone = p->intended.turns && p->min_transmission > 0 && !lw_problem_must_close(p);
-    double at[LW_VAR_MAX];
-    size_t last = alone ? first + lw_problem_transmission_postures(p) : m;
-    for (size_t i = first*nv; i < last*nv && !any; i++)
-        any = isnan(j[i]);
-    memcpy(at, x, sizeof at[0]*nv);
-    for (size_t v = 0; any && v < nv; v++) {
-        double h = 2e-7*fmax(1, fabs(x[v]));
-        for (int side = -1; side <= 1; side += 2) {
-            double *g = side < 0 ? w->g_down : w->g_up;
-            at[v] = x[v] + side*h;
-            if (alone)
-                transmissions_alone(p, at, g + first, w);
-            else
-                all_conditions(p, at, false, ALL_ROWS, g, NULL, w);
-        }
-        at[v] = x[v];
-        for (size_t i = first; i < last; i++)
-            if (isnan(j[i*nv + v]))
-                j[i*nv + v] = (w->g_up[i] - w->g_down[i])/(2*h);
-    }
-}
-
-void lw_problem_conditions(const lw_problem *p, const double *x, bool settled, double enough, double *g, double *j,
-                           lw_work *w)
-{
-    all_conditions(p, x, settled, enough, g, j, w);
-    if (j && p->plan.n_higher > 0)
-        by_differences(p, x, j, w);
 }
 
 void lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work)

@@ -73,7 +73,6 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
         w->slope[i] = piece(base, &at, lw_problem_is_nonlinear(p) ? postures*v*(size_t)(p->n_dim + 1) : 0);
     w->g_now = piece(base, &at, g*v);
     w->g_up = piece(base, &at, g*v);
-    w->g_down = piece(base, &at, g*v);
     size_t rows = lw_problem_is_nonlinear(p) ? g : 0, variables = (size_t)p->n_var;
     w->g_row = piece(base, &at, rows*variables*v);
     w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*variables*v);
