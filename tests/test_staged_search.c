@@ -72,6 +72,14 @@ TEST(more_links_are_never_worse)
     lw_target_free(&t);
 }
 
+/* A target that no linkage of these stages meets, so that no search ends early. */
+static void make_unmet(const lw_linkage *k, lw_target *t)
+{
+    six_bar_target(k, 18, true, t);
+    for (int i = 0; i < 18; i += 3)
+        t->x[i] += i % 2 ? 0.4 : -0.4;
+}
+
 /* A time limit that does not end the search makes parts of it. */
 TEST(stages_are_searched_in_parts)
 {
@@ -80,21 +88,56 @@ TEST(stages_are_searched_in_parts)
     lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
                          { .links = 8, .families = lw_families_of(NULL, 0) } };
     lw_fit_options o = options(LW_TIMING_FREE, 0);
-    lw_staged_search s[2];
+    lw_staged_search s;
     lw_target t;
     o.budget = 8000;
-    o.max_rounds = 1;
+    o.max_rounds = 8;
     o.max_seconds = 1e4;
-    six_bar_target(&k, 18, true, &t);
-    for (int i = 0; i < 18; i += 3)                      /* not to be met: no search ends early       */
-        t.x[i] += i % 2 ? 0.4 : -0.4;
-    for (int i = 0; i < 2; i++)
-        CHECK_INT(lw_staged_search_run(&t, &o, stage, 2 + i, &s[i], NULL), LW_OK);
-    CHECK_INT(s[0].stage[1].n_part, 1);                  /* nothing to choose from                    */
-    CHECK_INT(s[1].stage[1].n_part, 3);
-    CHECK_INT(s[1].stage[2].n_part, 3);
-    lw_staged_search_free(&s[0]);
-    lw_staged_search_free(&s[1]);
+    make_unmet(&k, &t);
+    CHECK_INT(lw_staged_search_run(&t, &o, stage, 3, &s, NULL), LW_OK);
+    CHECK_INT(s.stage[0].n_part, 4);                     /* an eighth, another, a quarter, half of its rounds */
+    CHECK_INT(s.stage[1].n_part, 3);                     /* a quarter, half, a quarter of its evaluations     */
+    CHECK_INT(s.stage[2].n_part, 3);
+    lw_staged_search_free(&s);
+    lw_target_free(&t);
+}
+
+/* A user who stops the search after so many rounds. */
+typedef struct stopper { int rounds, most, stop; } stopper;
+
+static void count_round(void *context, double done, double seconds, double best)
+{
+    (void)done, (void)seconds, (void)best;
+    stopper *s = context;
+    s->stop = ++s->rounds >= s->most;
+}
+
+/* Under a time limit a search that is stopped later has done all that one stopped earlier has, and found nothing worse. */
+TEST(more_time_is_never_worse)
+{
+    lw_linkage k = six_bar();
+    lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) } };
+    double least[2] = { INFINITY, INFINITY };
+    lw_target t;
+    make_unmet(&k, &t);
+    for (int most = 2; most <= 17; most += 5) {
+        lw_fit_options o = options(LW_TIMING_FREE, 0);
+        stopper stop = { .most = most };
+        lw_staged_search s;
+        o.max_rounds = 8;
+        o.max_seconds = 1e4;
+        o.progress = count_round;
+        o.context = &stop;
+        o.interrupt = &stop.stop;
+        CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s, NULL), LW_STOPPED);
+        CHECK_INT(stop.rounds, most);
+        for (int links = 4; links <= 6; links += 2) {
+            CHECK(best_of(&s, links) <= least[links/2 - 2]*(1 + 1e-9));
+            least[links/2 - 2] = best_of(&s, links);
+        }
+        lw_staged_search_free(&s);
+    }
     lw_target_free(&t);
 }
 

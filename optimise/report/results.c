@@ -291,16 +291,25 @@ static bool is_stopped(const lw_results_effort *o)
     return (o->interrupt && *o->interrupt) || (o->until > 0 && lw_clock_wall() > o->until);
 }
 
+/* The report that the candidate has, or a new one. */
+static lw_status report_of(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
+{
+    if (c->report) {
+        *r = *c->report;
+        return LW_OK;
+    }
+    lw_status st = lw_fit_report_make(t, s, c, r, NULL);
+    return st == LW_OK ? find_spread(t, s, c, r) : st;
+}
+
 static void make_report(void *context, size_t i, int thread)
 {
     (void)thread;
     reports *c = context;
     lw_fit_report *r = &c->report[i];
-    if (c->any && is_stopped(c->effort))
+    if (c->any && !c->fit->candidate[i].report && is_stopped(c->effort))
         return;
-    c->status[i] = lw_fit_report_make(c->t, c->s, &c->fit->candidate[i], r, NULL);
-    if (c->status[i] == LW_OK)
-        c->status[i] = find_spread(c->t, c->s, &c->fit->candidate[i], r);
+    c->status[i] = report_of(c->t, c->s, &c->fit->candidate[i], r);
     c->made[i] = c->status[i] == LW_OK;
     bool passed = c->made[i] && (r->verified || (c->may_fail && c->may_fail[i] && r->meets));
     c->usable[i] = passed && !(r->broken & ~c->s->by_default);
@@ -382,6 +391,24 @@ lw_status lw_fit_results_make(const lw_target *t, const lw_fit_spec *s, const lw
     if (st != LW_OK)
         lw_fit_results_free(out);
     return st;
+}
+
+static void keep_report(void *context, size_t i, int thread)
+{
+    (void)thread;
+    reports *c = context;
+    lw_candidate *of = &c->fit->candidate[i];
+    lw_fit_report *r = of->report || is_stopped(c->effort) ? NULL : malloc(sizeof *r);
+    if (r && report_of(c->t, c->s, of, r) == LW_OK)
+        of->report = r;
+    else
+        free(r);
+}
+
+void lw_fit_results_keep(const lw_target *t, const lw_fit_spec *s, lw_fit *fit, const lw_results_effort *effort)
+{
+    reports work = { .t = t, .s = s, .fit = fit, .effort = effort };
+    lw_parallel(effort->jobs > 0 ? effort->jobs : lw_core_count(), (size_t)fit->n, keep_report, &work);
 }
 
 void lw_fit_results_free(lw_fit_results *r)

@@ -35,6 +35,7 @@ void lw_candidate_free(lw_candidate *c)
     free(c->input);
     free(c->mode_of);
     free(c->own);
+    free(c->report);
     memset(c, 0, sizeof *c);
 }
 

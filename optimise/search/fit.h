@@ -45,6 +45,7 @@ typedef struct lw_fit_options {
                                   * a search must all have the same target and options, and max_seconds 0 */
     long        starts;          /* starts of each candidate in a round; 0: by the type              */
     int         max_rounds;      /* 0: by the size of the problem                                   */
+    double      rounds_from, rounds_to;      /* with `types`: only this part of the rounds, 0 to 1; rounds_to 0: to the end */
     int         n_result;        /* most results (10)                                               */
     const volatile int *interrupt;   /* the search stops when it becomes nonzero; NULL: nothing stops it */
     /* Called after each round, may be NULL; done in [0, 1], best objective so far. */
@@ -82,6 +83,7 @@ typedef struct lw_candidate {
     int     part_number;         /* of the options of the search                                    */
     double  seconds;             /* when it was found                                               */
     lw_stop stop;                /* why its improvement ended                                       */
+    struct lw_fit_report *report;    /* made before, plain data; NULL: not yet                      */
 } lw_candidate;
 
 /* The outcome of one family of lw_fit_options.families. */

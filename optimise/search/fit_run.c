@@ -75,6 +75,9 @@ static long budget_of(const lw_search *s)
     return s->o->budget > 0 ? s->o->budget : LW_FIT_BUDGET;
 }
 
+/* This part of the rounds, as their number. */
+static int part_of(int rounds, double part) { return (int)ceil(rounds*part - 1e-9); }
+
 static double done_part(const lw_search *s, int rounds)
 {
     double rounded = (s->round + 1.0)/rounds;
@@ -116,9 +119,11 @@ static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
 {
     double least = INFINITY;
     lw_found shown = { .f = INFINITY, .beyond = INT_MAX };
-    int rounds = rounds_of(s);
+    int rounds = rounds_of(s), first = part_of(rounds, s->o->rounds_from);
+    if (s->o->rounds_to > 0)
+        rounds = part_of(rounds, s->o->rounds_to);
     *stop = LW_STOP_EVALS;
-    for (s->round = 0; s->round < rounds && s->n_job > 0; s->round++) {
+    for (s->round = first; s->round < rounds && s->n_job > 0; s->round++) {
         lw_status st = lw_search_round(s, e);
         if (st == LW_OK && s->no_memory)
             st = LW_E_MEMORY;

@@ -13,7 +13,8 @@ enum {
     PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
     CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
     AGAIN = 8,              /* linkages that a stage found before and starts from again              */
-    FIRST = 4,              /* the first part of a stage's budget: one in so many                    */
+    FIRST = 4,              /* under a time limit, the first part of a stage's budget: one in so many, ... */
+    FIRST_TYPES = 8,        /* ... and of the rounds of four-link types                             */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
     PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
@@ -21,7 +22,6 @@ enum {
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
-#define FIRST_TIME 0.5       /* of its share of a time limit, for the first part of a stage          */
 #define LEAST_PART 0.02      /* of a time limit, that is worth another part of the search            */
 #define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
@@ -221,25 +221,27 @@ static lw_status run_search(const lw_target *t, const lw_fit_options *o, int sea
     return lw_fit_run(t, &mine, fit, e);
 }
 
-/* Run the searches of four-link types.  Each gets an equal part of the time that is left. */
-static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, double seconds, lw_stage_result *r,
+/* Seconds of a search that may last until `end`. */
+static double seconds_until(double end)
+{
+    return end > 0 ? fmax(1e-3, end - lw_clock_wall()) : 0;
+}
+
+/* Run the searches of four-link types, until `end` at most. */
+static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, double end, lw_stage_result *r,
                            lw_staged_search *out, lw_error *e)
 {
-    double end = lw_clock_wall() + seconds;
     bool whole = o->spec.exclude_drag_link, stopped = false, any = false, again = false;
     const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec) };
     lw_status st = LW_OK;
     for (int i = CRANKS; i < SEARCHES; i++) {
         lw_fit fit;
         lw_error why = { .text = "" };
-        int to_come = 0;
         if (i == BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, &again)) != LW_OK)
             return st;
         if (!wanted[i] || (i == BOTH_WAYS && !again))
             continue;
-        for (int k = i; k < SEARCHES; k++)
-            to_come += wanted[k];
-        o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/to_come) : 0;
+        o->max_seconds = seconds_until(end);
         st = run_search(t, o, i, whole, &fit, &why);
         if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
             st = run_search(t, o, i, true, &fit, &why);
@@ -253,7 +255,7 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
                 *e = why;
             return st;
         }
-        if (st == LW_STOPPED && o->interrupt && *o->interrupt)
+        if (st == LW_STOPPED)
             break;
     }
     return stopped ? LW_STOPPED : LW_OK;
@@ -261,19 +263,27 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
 
 /* The rows that a person would see of the first `of_each` candidates of every number of links, and of `mine` of those with
  * `links` links; *seen: these candidates, which belong to `all`.  LW_E_MEMORY. */
-static lw_status make_rows(const lw_target *t, const lw_fit_options *o, const lw_fit *all, int of_each, int links, int mine,
+static lw_status make_rows(const lw_target *t, const lw_fit_options *o, lw_fit *all, int of_each, int links, int mine,
                            double until, lw_fit *seen, lw_fit_results *rows)
 {
     const lw_results_effort effort = { .jobs = o->jobs, .until = until, .interrupt = o->interrupt };
-    int n[LW_LINK_MAX + 1] = { 0 };
+    int n[LW_LINK_MAX + 1] = { 0 }, *of = malloc(sizeof *of*((size_t)all->n + 1));
     *seen = (lw_fit){ .candidate = malloc(sizeof *seen->candidate*((size_t)all->n + 1)) };
-    if (!seen->candidate)
+    if (!of || !seen->candidate) {
+        free(of);
         return LW_E_MEMORY;
-    for (int i = 0; i < all->n; i++) {
-        int of = lw_candidate_links(&all->candidate[i]);
-        if (n[of]++ < (of == links ? mine : of_each))
-            seen->candidate[seen->n++] = all->candidate[i];
     }
+    for (int i = 0; i < all->n; i++) {
+        int its = lw_candidate_links(&all->candidate[i]);
+        if (n[its]++ < (its == links ? mine : of_each)) {
+            of[seen->n] = i;
+            seen->candidate[seen->n++] = all->candidate[i];
+        }
+    }
+    lw_fit_results_keep(t, &o->spec, seen, &effort);
+    for (int i = 0; i < seen->n; i++)
+        all->candidate[of[i]].report = seen->candidate[i].report;
+    free(of);
     return lw_fit_results_make(t, &o->spec, seen, o->spec.by_default ? ROWS : all->n, NULL, &effort, rows, NULL);
 }
 
@@ -320,9 +330,8 @@ static lw_status run_families(const lw_target *t, const lw_fit_options *o, const
  * search has a quarter of the budget, and so has the search both ways if the best curve strays.  The search that found the
  * first of the rows that a person would see now has the rest. */
 static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_search_stage *stage, bool grows, bool in_part,
-                           double seconds, lw_stage_result *r, lw_staged_search *out, lw_error *e)
+                           double end, lw_stage_result *r, lw_staged_search *out, lw_error *e)
 {
-    double end = lw_clock_wall() + seconds;
     bool compact = can_be_compact(o), again = false, stopped = false, exact = false;
     long left = o->budget, part = (left + PARTS - 1)/PARTS, sweep = o->sweep;
     int search[PARTS], first_part = r->n_part;
@@ -330,7 +339,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
         lw_fit seen = { 0 };
         lw_fit_results rows = { 0 };
         lw_status st = grows || r->n_part > 0 ? make_rows(t, o, &out->fit, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
-                                                          seconds > 0 ? end : 0, &seen, &rows) : LW_OK;
+                                                          end, &seen, &rows) : LW_OK;
         if (st == LW_OK && k == 2)
             st = strays(t, &o->spec, &out->fit, stage->links, &again);
         if (st == LW_OK) {
@@ -339,7 +348,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
                       : best_search(&seen, &rows, stage->links, first_part, search, k);
             o->budget = last || part > left ? left : part;
             o->sweep = sweep == 0 && (in_part || compact) ? o->budget/2 : sweep;
-            o->max_seconds = seconds > 0 ? fmax(1e-3, (end - lw_clock_wall())/(last ? 1 : k < 2 ? 3 - k : 2)) : 0;
+            o->max_seconds = seconds_until(end);
             left -= o->budget;
             st = run_families(t, o, stage, grows, search[k], &seen, &rows, r, out, e);
         } else
@@ -350,7 +359,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
             return st;
         stopped |= st == LW_STOPPED;
         exact |= r->stop == LW_STOP_F_TARGET;
-        if (o->interrupt && *o->interrupt)
+        if (st == LW_STOPPED)
             break;
     }
     return stopped ? LW_STOPPED : LW_OK;
@@ -371,9 +380,9 @@ static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unle
     return st;
 }
 
-/* Search a stage, for the first time or again, with this budget. */
+/* Search a stage, for the first time or again, with this budget and until `end` at most. */
 static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int before,
-                           long budget, bool in_part, double seconds, lw_stage_result *r,
+                           long budget, bool in_part, double end, lw_stage_result *r,
                            lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
@@ -381,8 +390,8 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     double start = lw_clock_wall();
     mine.families = NULL;
     mine.budget = budget;
-    lw_status st = stage->families.make ? run_parts(t, &mine, stage, grows, in_part, seconds, r, out, e)
-                                        : run_types(t, &mine, stage->links, seconds, r, out, e);
+    lw_status st = stage->families.make ? run_parts(t, &mine, stage, grows, in_part, end, r, out, e)
+                                        : run_types(t, &mine, stage->links, end, r, out, e);
     r->n_part += stage->families.make == NULL;
     r->seconds += lw_clock_wall() - start;
     return st;
@@ -395,7 +404,7 @@ static bool same(const lw_candidate *a, const lw_candidate *b)
         && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
 }
 
-/* Keep `most` candidates, and `each` of every number of links. */
+/* Keep `most` candidates, `each` of every number of links, and all that have a report: rows may be among them. */
 static void shorten(lw_staged_search *s, int most, int each)
 {
     lw_fit *f = &s->fit;
@@ -404,7 +413,7 @@ static void shorten(lw_staged_search *s, int most, int each)
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        if ((n < most || seen[links] < each) && (n == 0 || !same(c, &f->candidate[n - 1]))) {
+        if ((n < most || seen[links] < each || c->report) && (n == 0 || !same(c, &f->candidate[n - 1]))) {
             f->candidate[n++] = *c;
             seen[links]++;
         } else {
@@ -414,26 +423,15 @@ static void shorten(lw_staged_search *s, int most, int each)
     f->n = n;
 }
 
-/* Part of the time that is left for stage i of n: more links take longer and gain more, as the square of the links beyond
- * two.  A stage that ends earlier leaves its time to the others. */
-static double part_of_time(const lw_search_stage *stage, int i, int n)
-{
-    double mine = 1, all = 0;
-    for (int k = i; k < n; k++) {
-        double part = stage[k].unless > 0 ? 4 : (stage[k].links - 2.0)*(stage[k].links - 2.0);    /* as four links */
-        mine = k == i ? part : mine;
-        all += part;
-    }
-    return all > 0 ? mine/all : 1;
-}
-
 /* ---- which stage gets the next evaluations -------------------------------------------------------- */
 
-/* Under a time limit several stages with families are searched in parts, each twice as large as the one before, the first
- * a quarter of the stage's budget.  The stage whose last part lowered the logarithm of the error most per evaluation has
+/* Under a time limit stages are searched in parts, each twice as large as the one before, the first a quarter of the stage's
+ * budget or an eighth of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the error most per evaluation has
  * the next part.  If time does not end it before, each has its own budget in the end, the last part of more links after
- * all of fewer. */
+ * all of fewer.  No part depends on the time limit, and what was found is kept: so a search with more time does all that one
+ * with less does, and then more. */
 typedef struct contest {
+    long   whole[LW_STAGE_MAX];      /* budget of each                                              */
     long   part[LW_STAGE_MAX];       /* budget of the last part of each                             */
     long   left[LW_STAGE_MAX];       /* of its budget; 0: it takes no part any more                 */
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
@@ -471,26 +469,28 @@ static int winner(const contest *c, int n)
     return best;
 }
 
-/* Search stage i, and see what it gained. */
+/* Search stage i, and see what it gained.  Of four-link types the budget is a part of the rounds. */
 static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int i, long budget,
-                          double seconds, contest *c, lw_staged_search *out, lw_error *e)
+                          double end, contest *c, lw_staged_search *out, lw_error *e)
 {
     lw_stage_result *r = &out->stage[i];
-    double before = least_of(&out->fit, stage[i].links);
-    long spent = r->evals, whole = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
-    lw_status st = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0, budget, budget < whole, seconds, r,
+    lw_fit_options mine = *o;
+    double before = least_of(&out->fit, stage[i].links), whole = (double)c->whole[i];
+    long spent = r->evals;
+    if (!stage[i].families.make) {
+        mine.rounds_from = (whole - (double)c->left[i])/whole;
+        mine.rounds_to = (whole - (double)(c->left[i] - budget))/whole;
+    }
+    lw_status st = run_stage(t, &mine, &stage[i], i > 0 ? stage[i].links - 2 : 0, budget, budget < c->whole[i], end, r,
                              out, e);
     double after = least_of(&out->fit, stage[i].links);
     spent = r->evals - spent;
-    if (stage[i].families.make) {
-        c->part[i] = budget;
-        c->left[i] = r->stop != LW_STOP_F_TARGET ? c->left[i] - budget : 0;
-        c->rate[i] = !(after < before) || spent == 0 ? 0
-                   : log((fmin(before, 1e300) + ROUNDING)/(after + ROUNDING))/(double)spent;
-        for (int k = 0; k < out->n_stage; k++)            /* better linkages to add a dyad to: as promising  */
-            if (stage[k].links == stage[i].links + 2)
-                c->rate[k] = fmax(c->rate[k], c->rate[i]);
-    }
+    c->part[i] = budget;
+    c->left[i] = r->stop != LW_STOP_F_TARGET ? c->left[i] - budget : 0;
+    c->rate[i] = !(after < before) || spent == 0 || isinf(before) ? 0 : log((before + ROUNDING)/(after + ROUNDING))/(double)spent;
+    for (int k = 0; k < out->n_stage; k++)                /* better linkages to add a dyad to: as promising  */
+        if (stage[k].links == stage[i].links + 2)
+            c->rate[k] = fmax(c->rate[k], c->rate[i]);
     return st;
 }
 
@@ -498,45 +498,39 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
                                lw_staged_search *out, lw_error *e)
 {
     lw_status st = LW_OK;
-    double start = lw_clock_wall();
+    const double end = o->max_seconds > 0 ? lw_clock_wall() + o->max_seconds : 0;
     contest c = { .part = { 0 } };
-    int rivals = 0;
     memset(out, 0, sizeof *out);
     n_stage = n_stage < LW_STAGE_MAX ? n_stage : LW_STAGE_MAX;
-    for (int i = 0; i < n_stage; i++)
-        rivals += stage[i].families.make != NULL && !(stage[i].unless > 0);
-    bool in_parts = rivals > 1 && o->max_seconds > 0;
     for (;;) {
         bool first = out->n_stage < n_stage, enough = false;
-        double left = o->max_seconds > 0 ? fmax(o->max_seconds - (lw_clock_wall() - start), 1e-3) : 0;
         int i = first ? out->n_stage : winner(&c, n_stage);
-        if (i < 0 || (!first && o->max_seconds > 0 && left <= LEAST_PART*o->max_seconds))
+        bool over = end > 0 && end - lw_clock_wall() <= LEAST_PART*o->max_seconds;
+        if (i < 0 || (over && (!first || out->fit.n > 0)))
             break;
-        if (first && stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
+        if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
         }
-        if (enough) {
-            n_stage = out->n_stage;
+        if (enough) {                                     /* neither this stage nor those after it             */
+            n_stage = out->n_stage < n_stage ? out->n_stage : n_stage;
+            for (int k = i; k < n_stage; k++)
+                c.left[k] = 0;
             continue;
         }
-        long budget = next_part(&c, i);
         if (first) {
             out->stage[out->n_stage++] = (lw_stage_result){ .links = stage[i].links, .best = INFINITY };
-            budget = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
-            if (stage[i].families.make) {
-                c.left[i] = budget;
-                budget = in_parts ? (budget + FIRST - 1)/FIRST : budget;
-            }
+            c.whole[i] = c.left[i] = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
         }
-        double share = !first ? 1 : part_of_time(stage, i, n_stage)*(in_parts && stage[i].families.make ? FIRST_TIME : 1);
-        lw_status now = run_part(t, o, stage, i, budget, left*share, &c, out, e);
+        long first_of = end <= 0 ? 1 : stage[i].families.make ? FIRST : FIRST_TYPES;
+        long budget = first ? (c.whole[i] + first_of - 1)/first_of : next_part(&c, i);
+        lw_status now = run_part(t, o, stage, i, budget, end, &c, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_staged_search_free(out);
             return now;
         }
         st = now == LW_STOPPED ? now : st;
-        if (now == LW_STOPPED && ((o->interrupt && *o->interrupt) || !first))
+        if (now == LW_STOPPED && o->interrupt && *o->interrupt)
             break;
     }
     shorten(out, 2*lw_fit_kept(o), o->spec.by_default ? 2*lw_fit_kept(o) : OF_EACH);

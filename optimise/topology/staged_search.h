@@ -3,9 +3,11 @@
  * The best linkages of a stage with two links fewer, and a dyad added, are starts of the next stage; so more links
  * are never worse than fewer.  The caller says which families a stage has.
  *
- * Under a time limit several stages with families are searched in parts of doubling size that start again from their best
- * linkages; the stage that gains most per evaluation has the next part.  Otherwise each has its budget at once.  With default
- * limits a stage divides its budget among a search for all linkages, one for small cranks, and the better of the two. */
+ * Under a time limit stages are searched in parts of doubling size that start again from their best linkages; the stage that
+ * gains most per evaluation has the next part.  The limit does not change the parts, and rows found are kept: more time is never
+ * worse.  Without a limit each stage has its budget at once.  With default limits a stage divides its budget among a search
+ * for all linkages, one for small cranks, and the better of the two.
+ */
 #ifndef LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 #define LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 
