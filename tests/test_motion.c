@@ -201,9 +201,12 @@ static bool closes_at(const lw_plan *plan, const double *dim, const double *mode
     return lw_posture_solve(plan, dim, mode, input, 0, &posture) == LW_OK;
 }
 
-/* Samples close where an arc says so and nowhere else. */
+/* Samples close where an arc says so and nowhere else.  The motion of a slider without a limit is cut. */
 static void check_samples(const lw_plan *plan, const double *dim, const lw_motion *m, double size, int n)
 {
+    double cut = INFINITY;
+    for (int i = 0; i < m->n_arc && plan->input_is_slider; i++)
+        cut = !m->arc[i].limit[0] ? -m->arc[i].first : !m->arc[i].limit[1] ? m->arc[i].last : cut;
     for (int i = 0; i < n; i++) {
         double mode[LW_MODE_MAX], t = plan->input_is_slider ? (8.0*i/n - 4.0)*size : 2.0*LW_PI*i/n;
         for (int bits = 0; bits < 1 << plan->n_dyad; bits++) {
@@ -215,7 +218,7 @@ static void check_samples(const lw_plan *plan, const double *dim, const lw_motio
                 double middle = 0.5*(m->arc[a].first + m->arc[a].last), half = m->arc[a].last - middle;
                 inside = half - fabs(plan->input_is_slider ? t - middle : remainder(t - middle, 2.0*LW_PI));
             }
-            if (fabs(inside) > 1e-9)
+            if (fabs(inside) > 1e-9 && fabs(t) < cut)
                 CHECK_INT(closes_at(plan, dim, mode, t), inside > 0.0);
         }
     }
