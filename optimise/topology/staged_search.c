@@ -437,6 +437,14 @@ typedef struct contest {
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
 } contest;
 
+/* Budget of the first part of a stage; a large budget does not make it longer. */
+static long first_part(const lw_search_stage *stage, long whole, bool in_parts)
+{
+    long usual = stage->families.make && whole > LW_FIT_BUDGET ? LW_FIT_BUDGET : whole;
+    int parts = stage->families.make ? FIRST : FIRST_TYPES;
+    return in_parts ? (usual + parts - 1)/parts : whole;
+}
+
 /* Budget of the next part of stage i. */
 static long next_part(const contest *c, int i)
 {
@@ -522,8 +530,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             out->stage[out->n_stage++] = (lw_stage_result){ .links = stage[i].links, .best = INFINITY };
             c.whole[i] = c.left[i] = stage[i].budget > 0 ? stage[i].budget : o->budget > 0 ? o->budget : LW_FIT_BUDGET;
         }
-        long first_of = end <= 0 ? 1 : stage[i].families.make ? FIRST : FIRST_TYPES;
-        long budget = first ? (c.whole[i] + first_of - 1)/first_of : next_part(&c, i);
+        long budget = first ? first_part(&stage[i], c.whole[i], end > 0) : next_part(&c, i);
         lw_status now = run_part(t, o, stage, i, budget, end, &c, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_staged_search_free(out);
