@@ -1,4 +1,5 @@
 /* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and a message, or with all output.
+ * The same holds with few files, files of no size, and little memory.
  *
  * One row a command, with measured times taken out of what it prints.  Each row runs undisturbed first, which tells
  * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
@@ -83,7 +84,9 @@ static const char *const rows[] = {
     "$C draw examples/space/delta.json -f svg -o $D/o",
     "$C draw examples/space/bricard.json -f html -n 4 -o $D/o",
     "$C draw examples/hoeken.json examples/chebyshev.json -f svg -o $D/o",
-    "$C draw examples/hoeken.json -f gif -n 4 -o $D/o",
+    "$C draw examples/hoeken.json -f gif -n 4 -o $D/o && cksum < $D/o",
+    "$C draw examples/hoeken.json -f png -o $D/o && cksum < $D/o",
+    "$C draw examples/hoeken.json -f pdf -o $D/o && cksum < $D/o",
     "$C simulate examples/elastic-cantilever.json --to 0.001 -n 2",
     "$C simulate examples/elastic-frame.json --analysis static",
     "$C simulate examples/dynamics/boxes.json --to 0.01 -n 2",
@@ -137,25 +140,53 @@ static long count_calls(const char *kind)
     return n;
 }
 
-static void fail_one(const char *command, const char *kind, long n, const ran *whole, const char *whole_file)
+/* Run the command while something fails: the same output with code 0, or the reason with another. */
+static void disturb(const char *command, const char *by, const ran *whole, const char *whole_file)
 {
-    char fault[64], *file;
-    snprintf(fault, sizeof fault, "%s:%ld", kind, n);
-    setenv("LW_FAIL", fault, 1);
+    char *file;
     ran r = run_once(command, &file);
-    unsetenv("LW_FAIL");
     bool same = r.code == whole->code && strcmp(r.out, whole->out) == 0 && strcmp(file, whole_file) == 0;
     bool said = (r.code == MEMORY_ERROR || r.code == WRITE_ERROR) && strstr(r.err, "linkwright") != NULL;
     bool kept = file[0] == 0 || strcmp(file, whole_file) == 0 || strstr(file, "\"complete\": false") != NULL;
     if (!kept)
         fprintf(stderr, "$D/o is not whole: ");
     if (!kept || (!same && !said))
-        fprintf(stderr, "LW_FAIL=%s %s\n  ended with %d, output %s, and said: %s\n", fault, command, r.code,
+        fprintf(stderr, "%s %s\n  ended with %d, output %s, and said: %s\n", by, command, r.code,
                 strcmp(r.out, whole->out) ? "differs" : "is the same", r.err);
     CHECK(kept && (same || said));
     ran_free(&r);
     free(file);
 }
+
+static void fail_one(const char *command, const char *kind, long n, const ran *whole, const char *whole_file)
+{
+    char fault[64];
+    snprintf(fault, sizeof fault, "%s:%ld", kind, n);
+    setenv("LW_FAIL", fault, 1);
+    disturb(command, fault, whole, whole_file);
+    unsetenv("LW_FAIL");
+}
+
+#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__        /* which need files and terabytes themselves */
+static const char *const limits[] = { "--nofile=4", "--nofile=6", "--fsize=0", "--data=2000000", "--data=10000000" };
+
+static void limit_each(const char *command, const ran *whole, const char *whole_file)
+{
+    char limited[600], program[300];
+    snprintf(program, sizeof program, "%s", getenv("C"));
+    for (size_t k = 0; k < sizeof limits/sizeof *limits; k++) {
+        snprintf(limited, sizeof limited, "prlimit %s %s", limits[k], program);
+        setenv("C", limited, 1);
+        disturb(command, limits[k], whole, whole_file);
+    }
+    setenv("C", program, 1);
+}
+#else
+static void limit_each(const char *command, const ran *whole, const char *whole_file)
+{
+    (void)command; (void)whole; (void)whole_file;
+}
+#endif
 
 static void fail_each(const char *command)
 {
@@ -176,6 +207,7 @@ static void fail_each(const char *command)
         for (long n = 1; n <= n_call; n = n < n_first ? n + 1 : (long)(step*(double)n))
             fail_one(command, kinds[k], n, &whole, file);
     }
+    limit_each(command, &whole, file);
     ran_free(&whole);
     free(file);
 }

@@ -3,8 +3,10 @@
 
 #include <cairo-pdf.h>
 #include <cairo.h>
+#include <errno.h>
 #include <pthread.h>
 #include <string.h>
+#include <unistd.h>
 #include "base/library.h"
 #include "base/real.h"
 
@@ -38,10 +40,26 @@ static void load(void)
     not_loaded.status = lw_library_load("libcairo.so.2", call, (int)(sizeof call/sizeof *call), &not_loaded);
 }
 
+/* fontconfig skips each of its files that it cannot open, and takes another font without a word: see that it can open some. */
+static lw_status need_files(lw_error *e)
+{
+    enum { N_PIPE = 4 };                         /* its files include others, three deep */
+    int end[N_PIPE][2], n = 0, why = 0;
+    while (n < N_PIPE && pipe(end[n]) == 0)
+        n++;
+    if (n < N_PIPE)
+        why = errno;
+    for (int i = 0; i < n; i++) {
+        close(end[i][0]);
+        close(end[i][1]);
+    }
+    return why == 0 ? LW_OK : lw_error_set(e, LW_E_IO, "the files of fonts cannot be opened: %s", strerror(why));
+}
+
 static lw_status need_cairo(lw_error *e)
 {
     pthread_once(&loading, load);
-    return not_loaded.status == LW_OK ? LW_OK
+    return not_loaded.status == LW_OK ? need_files(e)
          : lw_error_set(e, not_loaded.status, "pictures other than SVG need cairo: %s", not_loaded.text);
 }
 

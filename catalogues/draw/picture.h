@@ -1,6 +1,6 @@
 /* catalogues/draw/picture.h - the bridge to cairo: a drawing as PNG, PDF, or pixels. Files contain no dates and no
  * paths: the same drawing gives the same bytes with the same cairo and fonts. cairo is loaded with the first
- * picture. LW_E_IO: cairo is missing; LW_E_MEMORY; LW_E_NUMERIC with the text of cairo. */
+ * picture. LW_E_IO: cairo is missing, or no more files can be opened; LW_E_MEMORY; LW_E_NUMERIC with the text of cairo. */
 #ifndef LW_CATALOGUES_DRAW_PICTURE_H
 #define LW_CATALOGUES_DRAW_PICTURE_H
 

@@ -38,7 +38,8 @@ static size_t fault_offset(const char *text, size_t size, const json_error_t *er
 }
 
 /* jansson reports most failures to allocate as errors of the text, and loses a byte of a long string or number without
- * any error. Two readings of one text then differ. */
+ * any error. Two readings of one text then differ, unless memory is used up for good: a string that it has no memory for is
+ * called an invalid token, which no string of a text is. */
 lw_status lw_json_load(const char *text, size_t size, size_t flags, json_t **root, json_error_t *fault)
 {
     json_error_t again;
@@ -48,7 +49,7 @@ lw_status lw_json_load(const char *text, size_t size, size_t flags, json_t **roo
     json_t *second = json_loadb(text, size, flags, &again);
     lw_c_locale_leave(old);
     bool same = *root ? json_equal(*root, second) : !second && fault->text[0] && strcmp(fault->text, again.text) == 0 &&
-                json_error_code(fault) != json_error_out_of_memory;
+                json_error_code(fault) != json_error_out_of_memory && strncmp(fault->text, "invalid token near '\"", 20) != 0;
     lw_status s = !same ? LW_E_MEMORY : *root ? LW_OK : LW_E_NOTATION;
     json_decref(second);
     if (s != LW_OK) {
