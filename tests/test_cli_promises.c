@@ -445,6 +445,10 @@ TEST(bad_outputs)
     expect("echo mine > $D/mine; ln $D/mine $D/q.partial; for c in 'chains --links 6' 'numbers --loops 3'; do $P $c -o $D/q; "
            "test $? = 2 || exit 1; done; grep -q mine $D/mine && test ! -e $D/q", 0, "", "linkwright did not finish it");
     expect("$P chains --links 10 | head -n 1 > $D/rows; test -s $D/rows", 0, "", NULL);
+    demand("n=$D/$(printf %0250d 0); for o in \"-o $n\" \"--plot $n.svg\" \"--plot ${n%000000}.svg\"; do "
+           "$P simulate examples/pendulum.json --to 1 $o 2> $D/said; test $? = 2 && grep -q 'name is too long' $D/said || exit 1; done; "
+           "$P simulate examples/pendulum.json --to 1 -o ${n%000} -q && rm ${n%000} && mkdir $D/long-names && cp examples/ellipse.csv $n.csv && "
+           "$P fit $n.csv --save $D/long-names 2> $D/said; test $? = 2 && grep -q 'become too long' $D/said && rm $n.csv", "long names");
 }
 
 /* No command and no action is missing from the tables; bench and studio have tests of their own kind. */

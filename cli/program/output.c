@@ -292,14 +292,23 @@ int cli_may_write(const cli_call *call, const char *path)
     return CLI_DONE;
 }
 
-/* A run that is stopped writes `path`.partial: no file of the user may have this name. */
+static bool is_too_long(const char *path)
+{
+    struct stat st;
+    return lstat(path, &st) != 0 && errno == ENAMETOOLONG;
+}
+
+/* A run that is stopped writes `path`.partial: the name may not be too long, and no file of the user may have it. */
 static int may_write_partial(const cli_call *call, const char *path)
 {
     char partial[LW_PATH_SIZE + 16];
     struct stat st;
     snprintf(partial, sizeof partial, "%s.partial", path);
     bool device = strcmp(path, "-") == 0 || (stat(path, &st) == 0 && !S_ISREG(st.st_mode));
-    if (device || lstat(partial, &st) != 0 || (S_ISREG(st.st_mode) && (st.st_size == 0 || lw_file_is_own(partial))))
+    if (!device && is_too_long(partial))
+        return cli_usage(call, "%.80s...: the name is too long, because a run that is stopped adds .partial to it; choose a "
+                         "shorter one", path);
+    if (device || path != call->common.output || lstat(partial, &st) != 0 || (S_ISREG(st.st_mode) && (st.st_size == 0 || lw_file_is_own(partial))))
         return CLI_DONE;
     bool resumes = false;
     for (const cli_option *o = call->command->options; o && o->name; o++)
@@ -336,8 +345,8 @@ int cli_may_write_in(const cli_call *call, const char *folder, const char *forma
     if (n < sizeof path)
         n += (size_t)vsnprintf(path + n, sizeof path - n, format, arg);
     va_end(arg);
-    if (n >= LW_PATH_SIZE)
-        return cli_usage(call, "%s: the names of files in this folder become too long; choose a shorter one", folder);
+    if (n >= LW_PATH_SIZE || is_too_long(path))
+        return cli_usage(call, "%.80s: the names of files in this folder become too long; choose a shorter one", folder);
     if (call->common.output && same_place(path, call->common.output))
         return cli_usage(call, "-o %s is also one of the files that go into the folder %s; name another file",
                          call->common.output, folder);
@@ -423,7 +432,9 @@ int cli_check_outputs(const cli_call *call)
         bool continued = cli_given(&call->parsed, "resume");         /* keep the listing so far */
         code = continued ? CLI_DONE : cli_may_write(call, path[i]);
         if (code == CLI_DONE && !continued)
-            code = path[i] == call->common.output ? may_write_partial(call, path[i]) : try_output(call, path[i]);
+            code = may_write_partial(call, path[i]);
+        if (code == CLI_DONE && !continued && path[i] != call->common.output)
+            code = try_output(call, path[i]);
     }
     return code == CLI_DONE ? check_ends(call) : code;
 }
