@@ -179,18 +179,20 @@ static lw_status take(lw_staged_search *out, lw_stage_result *r, int n_start, lw
     return st;
 }
 
-static bool can_stray(const lw_target *t, const lw_fit_spec *s)
+/* May a search both ways find better linkages?  Of open targets it is made in later parts of a stage only: short searches lost more by
+ * its time than they gained. */
+static bool can_stray(const lw_target *t, const lw_fit_spec *s, bool later)
 {
-    return t->closed && s->by_default & LW_LIMIT_MOTION && lw_task_has_place(s->task) && s->timing == LW_TIMING_FREE;
+    return (t->closed || later) && s->by_default & LW_LIMIT_MOTION && lw_task_has_place(s->task) && s->timing == LW_TIMING_FREE;
 }
 
-/* Does the curve of the linkage with `links` links and the least error leave the closed target between the stations?
+/* Does the curve of the linkage with `links` links and the least error leave the target between the stations?
  * Then a search without timing, which compares both ways, finds better ones. */
-static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool *out)
+static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool later, bool *out)
 {
     const lw_candidate *best = NULL;
     *out = false;
-    for (int i = 0; i < all->n && can_stray(t, s); i++)
+    for (int i = 0; i < all->n && can_stray(t, s, later); i++)
         if (lw_candidate_links(&all->candidate[i]) == links
             && (!best || all->candidate[i].objective < best->objective))
             best = &all->candidate[i];
@@ -212,12 +214,13 @@ static bool can_be_compact(const lw_fit_options *o)
  * the target too, if the best curve strays.  Of families all together instead of the first two. */
 enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, SEARCHES };
 
-static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, bool whole, lw_fit *fit, lw_error *e)
+static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, bool whole, bool later, lw_fit *fit,
+                            lw_error *e)
 {
     static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_WHOLE };
     lw_fit_options mine = *o;
     mine.part = whole && search == OTHERS ? LW_FIT_WHOLE : part[search];
-    mine.both_ways = search == BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec));
+    mine.both_ways = search == BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec, later));
     return lw_fit_run(t, &mine, fit, e);
 }
 
@@ -232,19 +235,19 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
                            lw_staged_search *out, lw_error *e)
 {
     bool whole = o->spec.exclude_drag_link, stopped = false, any = false, again = false;
-    const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec) };
+    const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec, false) };
     lw_status st = LW_OK;
     for (int i = CRANKS; i < SEARCHES; i++) {
         lw_fit fit;
         lw_error why = { .text = "" };
-        if (i == BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, &again)) != LW_OK)
+        if (i == BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, false, &again)) != LW_OK)
             return st;
         if (!wanted[i] || (i == BOTH_WAYS && !again))
             continue;
         o->max_seconds = seconds_until(end);
-        st = run_search(t, o, i, whole, &fit, &why);
+        st = run_search(t, o, i, whole, false, &fit, &why);
         if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
-            st = run_search(t, o, i, true, &fit, &why);
+            st = run_search(t, o, i, true, false, &fit, &why);
         bool found = st >= 0;
         if (found && take(out, r, 0, &fit, e) != LW_OK)
             return LW_E_MEMORY;
@@ -301,7 +304,7 @@ static int best_search(const lw_fit *seen, const lw_fit_results *rows, int links
 
 /* Search the families of a stage once, from the best linkages found before. */
 static lw_status run_families(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, bool grows,
-                              int search, const lw_fit *seen, const lw_fit_results *rows, lw_stage_result *r,
+                              int search, bool later, const lw_fit *seen, const lw_fit_results *rows, lw_stage_result *r,
                               lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
@@ -319,7 +322,7 @@ static lw_status run_families(const lw_target *t, const lw_fit_options *o, const
     lw_families all = lw_families_join(&pair);
     mine.families = &all;
     mine.part_number = r->n_part++;
-    st = run_search(t, &mine, search, true, &fit, e);
+    st = run_search(t, &mine, search, true, later, &fit, e);
     if (st >= 0 && take(out, r, more->n, &fit, e) != LW_OK)
         st = LW_E_MEMORY;
     free(more);
@@ -341,7 +344,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
         lw_status st = grows || r->n_part > 0 ? make_rows(t, o, &out->fit, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
                                                           end, &seen, &rows) : LW_OK;
         if (st == LW_OK && k == 2)
-            st = strays(t, &o->spec, &out->fit, stage->links, &again);
+            st = strays(t, &o->spec, &out->fit, stage->links, first_part > 0, &again);
         if (st == LW_OK) {
             bool last = !compact || k > 2 || (k == 2 && !again);
             search[k] = k == 0 ? OTHERS : k == 1 ? COMPACT : !last ? BOTH_WAYS
@@ -350,7 +353,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
             o->sweep = sweep == 0 && (in_part || compact) ? o->budget/2 : sweep;
             o->max_seconds = seconds_until(end);
             left -= o->budget;
-            st = run_families(t, o, stage, grows, search[k], &seen, &rows, r, out, e);
+            st = run_families(t, o, stage, grows, search[k], first_part > 0, &seen, &rows, r, out, e);
         } else
             lw_error_set(e, st, "no memory for reports");
         lw_fit_results_free(&rows);
