@@ -202,6 +202,8 @@ static void draw_weld(sketch *k, int joint)
     lw_label_map_disc(&k->map, at, 8*k->u, 3);
 }
 
+enum { MANY_CORNERS = 64 };                              /* the lines between all of them would fill the plate again and again */
+
 static void draw_link(sketch *k, int link)
 {
     const lw_shape_node *node = k->node;
@@ -209,7 +211,7 @@ static void draw_link(sketch *k, int link)
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
     for (int i = 0; i < n; i++) {
         p[i] = pixel_of(k, 0, node[i].at);
-        for (int j = 0; j < i; j++)
+        for (int j = n > MANY_CORNERS && i > 0 ? i - 1 : 0; j < i; j++)
             lw_label_map_line(&k->map, p[j], p[i], 1);
     }
     lw_symbol_link(k->d, bearer(linkage(k), link, link), p, n, link_ink(linkage(k), link), k->u);

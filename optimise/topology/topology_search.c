@@ -263,14 +263,19 @@ static void sum_mechanisms(const plan *p, lw_topology_search *out)
     }
 }
 
+/* [s] a station: what the second simulation of a result takes on a machine that is busy with other work, too */
+#define STATION_TIME 6e-5
+
 /* Search; of a time limit, part of which the plan has taken since `start`, leave some for the second simulations of the
  * results. */
 static lw_status run_stages(const lw_target *t, const lw_fit_options *o, double start, const plan *p,
                             lw_staged_search *found, lw_error *e)
 {
     lw_fit_options mine = *o;
-    if (o->max_seconds > 0)
-        mine.max_seconds = fmax(1e-3, o->max_seconds - fmin(0.3, 0.05*o->max_seconds) - (lw_clock_wall() - start));
+    if (o->max_seconds > 0) {
+        double kept = fmax(fmin(0.3, 0.05*o->max_seconds), fmin(STATION_TIME*t->n, 0.3*o->max_seconds));
+        mine.max_seconds = fmax(1e-3, o->max_seconds - kept - (lw_clock_wall() - start));
+    }
     return lw_staged_search_run(t, &mine, p->stage, p->n_stage, found, e);
 }
 
