@@ -8,7 +8,6 @@
 #include "optimise/search/fit_internal.h"
 
 enum { CHOICE = 40 };
-#define SHORT 3             /* a time limit that leaves no time to choose [s]                    */
 
 lw_fit_options lw_fit_options_default(void)
 {
@@ -20,8 +19,6 @@ int lw_fit_kept(const lw_fit_options *o)
 {
     int results = o->n_result > 0 ? o->n_result : 1;
     int choice = o->spec.tolerance > 0 ? LW_POOL_MAX : CHOICE;
-    if (o->max_seconds > 0 && o->max_seconds < SHORT)        /* their second simulations count too          */
-        choice = results;
     return o->spec.by_default && results < choice ? choice : results;
 }
 

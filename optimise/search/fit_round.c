@@ -23,6 +23,7 @@ enum {
     FULL_STEPS = 120,       /* of the LW_KEEP best                                                   */
     POLISH_STEPS = 1500,
     COSTLY = 2,             /* how many are improved further where conditions on the motion cost most */
+    SHORT_ROUND = 64,       /* jobs                                                                  */
     POLISH = 8              /* finds of a round that are polished                                    */
 };
 enum { BEYOND_MOST = 13 };      /* a soft transmission angle may fall to 0, but not the other conditions   */
@@ -539,6 +540,8 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
         return lw_error_set(e, st, "%s", lw_status_text(st));
     if ((st = update_candidates(s, e)) != LW_OK)
         return st;
+    if (s->o->whole_rounds && s->n_job <= SHORT_ROUND && lw_search_stopped(s))
+        return LW_OK;
     polish_list *list = new_list(s);
     st = list ? polish_round(s, list, e) : lw_error_set(e, LW_E_MEMORY, "no memory for the finds of a round");
     free(list);

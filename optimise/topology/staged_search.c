@@ -224,6 +224,14 @@ static lw_status run_search(const lw_target *t, const lw_fit_options *o, int sea
     return lw_fit_run(t, &mine, fit, e);
 }
 
+static bool any_with(const lw_fit *f, int links)
+{
+    for (int i = 0; i < f->n; i++)
+        if (lw_candidate_links(&f->candidate[i]) == links)
+            return true;
+    return false;
+}
+
 /* Seconds of a search that may last until `end`. */
 static double seconds_until(double end)
 {
@@ -245,6 +253,7 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
         if (!wanted[i] || (i == BOTH_WAYS && !again))
             continue;
         o->max_seconds = seconds_until(end);
+        o->whole_rounds = any_with(&out->fit, links);
         st = run_search(t, o, i, whole, false, &fit, &why);
         if (st == LW_E_ARG && i == OTHERS && !whole && !any)     /* no type can turn: this says it, or gives way */
             st = run_search(t, o, i, true, false, &fit, &why);
@@ -352,6 +361,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
             o->budget = last || part > left ? left : part;
             o->sweep = sweep == 0 && (in_part || compact) ? o->budget/2 : sweep;
             o->max_seconds = seconds_until(end);
+            o->whole_rounds = any_with(&out->fit, stage->links);
             left -= o->budget;
             st = run_families(t, o, stage, grows, search[k], first_part > 0, &seen, &rows, r, out, e);
         } else
