@@ -39,8 +39,8 @@ typedef struct lw_fit_options {
     const lw_solver *solver;     /* local solver that improves starts; NULL: lm                     */
     uint64_t    seed;            /* 1                                                               */
     int         part_number;     /* with `families`: of a search in parts; each draws starts of its own */
-    bool        whole_rounds;    /* there are results of other searches with as many links: a short round that time ends counts as not begun, so
-                                  * that a search with more time finds all that one with less does  */
+    bool        whole_rounds;    /* other searches have results with as many links: a short round that time ends counts as
+                                  * not begun, so that a search with more time finds all that one with less does */
     int         jobs;            /* threads; < 1: one per core                                      */
     double      max_seconds;     /* 0: no limit                                                     */
     const lw_sharing *sharing;   /* who runs the loops of a round; NULL: the threads of this process.  Processes that share
