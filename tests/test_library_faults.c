@@ -13,6 +13,7 @@
 #include <unistd.h>
 #include "linkwright.h"
 #include "tests/check.h"
+#include "tests/temporary.h"
 
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
 #define OWN_MALLOC 0
@@ -289,12 +290,206 @@ static lw_status chain(sum *s)
     return st;
 }
 
+/* ---- which mechanisms exist, and a catalogue of them ---- */
+
+static lw_status add_mechanism(void *context, const lw_mechanism *m)
+{
+    char *text = NULL;
+    lw_status st = lw_mechanism_to_text(m, "sentence", &text, NULL);
+    if (st == LW_OK)
+        add(context, text, strlen(text));
+    lw_free(text);
+    return st;
+}
+
+static lw_status add_chain(void *context, const lw_chain *c)
+{
+    lw_mechanism *m = NULL;
+    lw_choices all = lw_choices_default();
+    lw_status st = lw_mechanism_of_chain(c, &m);
+    if (st == LW_OK)
+        st = lw_enumerate_mechanisms(m, &all, add_mechanism, context, NULL, NULL);
+    lw_mechanism_destroy(m);
+    return st;
+}
+
+static lw_status add_structure(void *context, const char *structure, const char *derivation)
+{
+    add(context, structure, strlen(structure));
+    add(context, derivation, strlen(derivation));
+    return LW_OK;
+}
+
+static lw_status lists(sum *s)
+{
+    lw_enumeration six = lw_enumeration_default(6, 1);
+    six.jobs = 1;
+    lw_status st = lw_enumerate_chains(&six, add_chain, s, NULL);
+    return st == LW_OK ? lw_enumerate_structures(4, 1, add_structure, s) : st;
+}
+
+static lw_status add_row(void *context, int n, const char *const *name, const lw_value *value)
+{
+    (void)name;
+    for (int i = 0; i < n; i++)
+        if (value[i].kind == LW_VALUE_TEXT || value[i].kind == LW_VALUE_BLOB)
+            add(context, value[i].text, value[i].size);
+    return LW_OK;
+}
+
+static lw_status add_hit(void *context, const lw_catalogue_hit *hit)
+{
+    add(context, &hit->distance, sizeof hit->distance);
+    return LW_OK;
+}
+
+static lw_status catalogue(sum *s)
+{
+    char path[300];
+    lw_catalogue *c = NULL;
+    lw_target *t = NULL;
+    lw_catalogue_work work = { .jobs = 1, .seed = 1 };
+    snprintf(path, sizeof path, "%s/c.db", temporary_folder());
+    remove(path);
+    lw_status st = lw_catalogue_open(path, true, 1, &c, NULL);
+    if (st == LW_OK)
+        st = lw_catalogue_add_chains(c, 6, 1, "r", &work, NULL, NULL);
+    if (st == LW_OK)
+        st = lw_catalogue_add_curves(c, "fourbar", 4, 20, &work, NULL);
+    if (st == LW_OK)
+        st = lw_catalogue_query(c, "links=6", "mechanisms", NULL, NULL, 0, add_row, s, NULL);
+    if (st == LW_OK)
+        st = lw_target_load("examples/ellipse.csv", NULL, &t, NULL);
+    if (st == LW_OK)
+        st = lw_catalogue_nearest(c, t, NULL, 3, add_hit, s, NULL);
+    if (st == LW_OK)
+        st = lw_catalogue_check(c, NULL);
+    lw_target_destroy(t);
+    lw_catalogue_close(c);
+    return st;
+}
+
+/* ---- motions, pictures and exports of one linkage ---- */
+
+static lw_status curves(sum *s)
+{
+    lw_linkage *linkage = NULL;
+    lw_motion_curves *m = NULL;
+    lw_mobility_info freedom;
+    double x[20] = { 0 }, y[20] = { 0 };
+    lw_status st = lw_linkage_load("examples/klann.json", &linkage, NULL);
+    if (st == LW_OK)
+        st = lw_linkage_analyse_mobility(linkage, 1e-9, 1, &freedom, NULL);
+    if (st == LW_OK)
+        st = lw_motion_curves_create(linkage, 2, 1, &m, NULL);
+    if (st == LW_OK)
+        st = lw_motion_curves_trace(m, 0, 0, 20, NULL, x, y);
+    add(s, x, sizeof x);
+    add(s, y, sizeof y);
+    lw_motion_curves_destroy(m);
+    lw_linkage_destroy(linkage);
+    return st;
+}
+
+static lw_status pictures(sum *s)
+{
+    static const char *const kinds[] = { "svg", "png", "pdf" }, *const formats[] = { "json", "pyslvs", "adams", "mjcf" };
+    lw_linkage *linkage = NULL;
+    lw_picture *picture = NULL;
+    char *data = NULL;
+    size_t size;
+    lw_status st = lw_linkage_load("examples/hoeken.json", &linkage, NULL);
+    for (size_t i = 0; i < 4 && st == LW_OK; i++) {
+        st = lw_linkage_export(linkage, formats[i], &data, &size, NULL);
+        if (st == LW_OK)
+            add(s, data, size);
+        lw_free(data);
+        data = NULL;
+    }
+    if (st == LW_OK)
+        st = lw_picture_of_linkage(linkage, NULL, "Hoeken", &picture, NULL);
+    for (size_t i = 0; i < 3 && st == LW_OK; i++) {
+        st = lw_picture_write(picture, kinds[i], 400, 300, &data, &size, NULL);
+        if (st == LW_OK)
+            add(s, data, size);
+        lw_free(data);
+        data = NULL;
+    }
+    lw_picture_destroy(picture);
+    lw_linkage_destroy(linkage);
+    return st;
+}
+
+/* ---- runs in pieces, with clearance, and of axes ---- */
+
+static lw_status pieces(sum *s)
+{
+    lw_model *m = NULL;
+    lw_stepper *run = NULL;
+    char *saved = NULL;
+    size_t size;
+    lw_simulation_options o = lw_simulation_options_default();
+    lw_status st = lw_model_load("examples/pendulum.json", &m, NULL);
+    if (st == LW_OK)
+        st = lw_stepper_create(m, &o, &run, NULL);
+    if (st == LW_OK)
+        st = lw_stepper_advance(run, 0.05, NULL);
+    if (st == LW_OK)
+        st = lw_stepper_save(run, &saved, &size);
+    if (st == LW_OK)
+        st = lw_stepper_advance(run, 0.1, NULL);
+    if (st == LW_OK)
+        add(s, &lw_stepper_sample(run)->kinetic, sizeof(double));
+    if (st == LW_OK)
+        st = lw_stepper_restore(run, saved, size, NULL);
+    if (st == LW_OK)
+        st = lw_stepper_advance(run, 0.1, NULL);
+    if (st == LW_OK)
+        add(s, &lw_stepper_sample(run)->kinetic, sizeof(double));
+    lw_free(saved);
+    lw_stepper_destroy(run);
+    lw_model_destroy(m);
+    return st;
+}
+
+static lw_status clearance(sum *s)
+{
+    lw_model *m = NULL;
+    lw_clearance_settings o = lw_clearance_settings_default();
+    lw_clearance_outcome pins[8] = { { 0 } };
+    int n = 0;
+    o.time = 0.005;
+    o.settle = 0.001;
+    lw_status st = lw_model_load("examples/clearance-four-bar.json", &m, NULL);
+    if (st == LW_OK)
+        st = lw_simulate_clearance(m, &o, NULL, NULL, pins, 8, &n, NULL);
+    for (int i = 0; i < n && i < 8; i++)
+        add(s, &pins[i].force_most, sizeof pins[i].force_most);
+    lw_model_destroy(m);
+    return st;
+}
+
+static lw_status cycle(sum *s)
+{
+    lw_work_cycle *c = NULL;
+    lw_status st = lw_work_cycle_load("examples/cycles/gantry.json", &c, NULL);
+    for (int i = 0; st == LW_OK && i < lw_work_cycle_count(c, 'm'); i++) {
+        double t[3];
+        st = lw_work_cycle_times(c, i, &t[0], &t[1], &t[2]);
+        add(s, t, sizeof t);
+    }
+    lw_work_cycle_destroy(c);
+    return st;
+}
+
 /* The first allocations fail one by one, further ones at growing distances. */
 static const struct { const char *name; int first, density; lw_status (*run)(sum *s); } calls[] = {
     { "vibrations", 40, 4, vibrations }, { "simulation", 40, 4, simulation }, { "fit", 40, 4, fit }, { "exact", 40, 4, exact },
     { "chain", 40, 4, chain }, { "postures of a higher group", 40, 4, group }, { "fit by lm-gsl", 3, 1, fit_gsl },
     { "space", 12, 2, space }, { "family", 12, 2, family }, { "drives", 12, 2, drives }, { "contact", 12, 1, contact },
     { "elastic", 12, 1, elastic }, { "states", 12, 1, states },
+    { "lists", 12, 2, lists }, { "catalogue", 12, 1, catalogue }, { "motion curves", 12, 2, curves }, { "pictures", 12, 2, pictures },
+    { "run in pieces", 12, 2, pieces }, { "clearance", 12, 2, clearance }, { "work cycle", 12, 2, cycle },
     { "fit by slsqp", 3, 1, fit_slsqp }, { "fit by lbfgs", 3, 1, fit_lbfgs }, { "fit with six links", 3, 1, fit_six },
 };
 
@@ -321,6 +516,7 @@ static int run_child(int i, long n, outcome *out)
 
 TEST(each_allocation_fails)
 {
+    temporary_folder();                              /* of the children, too */
     outcome *out = mmap(NULL, 2*sizeof *out, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     for (size_t i = 0; i < sizeof calls/sizeof *calls; i++) {
         CHECK_INT(run_child((int)i, 0, &out[0]), 0);
