@@ -42,6 +42,7 @@ static size_t fault_offset(const char *text, size_t size, const json_error_t *er
  * called an invalid token, which no string of a text is. */
 lw_status lw_json_load(const char *text, size_t size, size_t flags, json_t **root, json_error_t *fault)
 {
+    static const char lost_string[] = "invalid token near '\"";
     json_error_t again;
     lw_c_locale old = lw_c_locale_enter();          /* jansson reads numbers by strtod */
     *fault = again = (json_error_t){ .line = 0 };
@@ -49,7 +50,8 @@ lw_status lw_json_load(const char *text, size_t size, size_t flags, json_t **roo
     json_t *second = json_loadb(text, size, flags, &again);
     lw_c_locale_leave(old);
     bool same = *root ? json_equal(*root, second) : !second && fault->text[0] && strcmp(fault->text, again.text) == 0 &&
-                json_error_code(fault) != json_error_out_of_memory && strncmp(fault->text, "invalid token near '\"", 20) != 0;
+                json_error_code(fault) != json_error_out_of_memory &&
+                strncmp(fault->text, lost_string, sizeof lost_string - 1) != 0;
     lw_status s = !same ? LW_E_MEMORY : *root ? LW_OK : LW_E_NOTATION;
     json_decref(second);
     if (s != LW_OK) {
