@@ -75,6 +75,14 @@ static lw_status begin_gap(lw_passage *z, double half, double good, double angle
     return s;
 }
 
+/* Move the posture q for so long at the velocities v.  way (n_v): work. */
+static void go_straight(lw_dynamics *d, double time, double *q, const double *v, double *way)
+{
+    for (int i = 0; i < d->n_v; i++)
+        way[i] = time*v[i];
+    d->eq.move(d->eq.context, q, way);
+}
+
 /* Reactions have poles in singular postures.  Where their friction grows with them, its equations lose their solution on
  * the way, and the linkage jams.  Returns which share of the way from the state `from` to y behind the singular posture that
  * is; 0: they do not.  scratch (n). */
@@ -166,7 +174,12 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     double allowed = fmin(1e-6, 100*run->d->o.relative + 1e-9)*fmax(run->r->energy_scale, 1e-300);
     if (s == LW_OK && !(fabs(lw_run_energy(run, y) - before) <= allowed))
         s = LW_OPEN;
-    double share = s == LW_OK ? jams(run, place, first, y, run->state) : 0;
+    if (s == LW_OPEN || s == LW_E_NUMERIC) { /* no motion was found behind it: does friction jam on the way there? */
+        end = 2*place - good;
+        memcpy(y, first, n*sizeof *y);
+        go_straight(run->d, end - good, y, first + run->d->n_q, run->state);
+    }
+    double share = s >= 0 || s == LW_E_NUMERIC ? jams(run, place, first, y, run->state) : 0;
     if (share > 0)
         run->jam = run->r->t = good + share*(end - good), s = LW_E_NUMERIC;
     if (s == LW_OK)
@@ -551,13 +564,11 @@ static lw_status find_fall(lw_run *run, double t, const double *y, double ahead,
 {
     lw_dynamics *d = run->d;
     size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v;
-    double *q = malloc((n_q + n_v)*sizeof *q), *way = q + n_q;
+    double *q = malloc((n_q + n_v)*sizeof *q);
     if (!q)
         return LW_E_MEMORY;
     memcpy(q, y, n_q*sizeof *q);
-    for (size_t i = 0; i < n_v; i++)
-        way[i] = ahead*y[n_q + i];
-    d->eq.move(d->eq.context, q, way);
+    go_straight(d, ahead, q, y + n_q, q + n_q);
     lw_status s = lw_mbs_rows(d, t + ahead, q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, false);
