@@ -154,8 +154,9 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 }
 
 /* Properties that a designer weighs against the error of a linkage; each is a logarithm, so that 0.7 counts as twice the error. */
-#define COMPACT      1.5           /* a link no longer than this many targets costs nothing; ...                    */
-#define PER_SIZE     0.85          /* ... beyond that twice the length counts as 1.8 times the error, ...           */
+#define COMPACT      1.5           /* the longest link, in sizes of the target: ...                                 */
+#define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, ...           */
+#define PER_LESS     0.1           /* ... below it half the length counts as 0.93 times the error                   */
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
 #define EVEN         8             /* a longest link of so many shortest ones costs nothing; ...                      */
 #define PER_RATIO    0.85          /* ... beyond that twice as many count as 1.8 times the error: a short link multiplies play and tolerances */
@@ -178,6 +179,12 @@ static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fi
     return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
 }
 
+static double cost_of_size(double bulk)
+{
+    double most = fmax(bulk, 0.1)/COMPACT;
+    return PER_LESS*log(fmin(1, most)) + PER_SIZE*(log(fmax(1, most)) + log(fmax(1, bulk/BULKY)));
+}
+
 /* Less is better. */
 static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
@@ -185,7 +192,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
     if (t->extent > 0 && isfinite(lw_fit_report_stray(r)))
         error = (distance_of(t, c, r) + (isnan(r->spread) ? 0 : r->spread) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
     return log(error + LW_EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
-         + PER_SIZE*(log(fmax(1, bulk/COMPACT)) + log(fmax(1, bulk/BULKY))) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
+         + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
          + (t->extent > 0 ? PER_RATIO*log(fmax(1, r->length_most/r->length_least/EVEN)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
