@@ -141,6 +141,30 @@ TEST(more_time_is_never_worse)
     lw_target_free(&t);
 }
 
+/* Small linkages are among those kept, though many larger ones of many parts have less error. */
+TEST(small_linkages_are_kept)
+{
+    enum { N = 15 };
+    double px[N], py[N];
+    for (int i = 0; i < N; i++)
+        px[i] = i/(N - 1.0), py[i] = 0;
+    lw_fit_options o = lw_fit_options_default();
+    lw_search_stage stage = { .links = 4 };
+    lw_target t;
+    lw_staged_search s;
+    int small = 0;
+    o.spec.by_default = LW_LIMIT_ALL;
+    o.max_rounds = 8;
+    o.max_seconds = 1e4;                                /* so that it searches in parts */
+    CHECK_INT(lw_target_make(N, px, py, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
+    CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &s, NULL), LW_OK);
+    for (int i = 0; i < s.fit.n; i++)
+        small += s.fit.candidate[i].part == LW_FIT_COMPACT;
+    CHECK_INT(small, lw_fit_kept(&o));
+    lw_staged_search_free(&s);
+    lw_target_free(&t);
+}
+
 TEST(threads_do_not_change_the_answer)
 {
     lw_linkage k = six_bar();

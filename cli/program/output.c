@@ -308,7 +308,8 @@ static int may_write_partial(const cli_call *call, const char *path)
     if (!device && is_too_long(partial))
         return cli_usage(call, "%.80s...: the name is too long, because a run that is stopped adds .partial to it; choose a "
                          "shorter one", path);
-    if (device || path != call->common.output || lstat(partial, &st) != 0 || (S_ISREG(st.st_mode) && (st.st_size == 0 || lw_file_is_own(partial))))
+    if (device || path != call->common.output || lstat(partial, &st) != 0
+        || (S_ISREG(st.st_mode) && (st.st_size == 0 || lw_file_is_own(partial))))
         return CLI_DONE;
     bool resumes = false;
     for (const cli_option *o = call->command->options; o && o->name; o++)

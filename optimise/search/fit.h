@@ -18,7 +18,7 @@
  * `crank_only` without drag links asks for, and one in the others: so it is never worse than that.  LW_FIT_COMPACT: in
  * cranks no larger than LW_COMPACT_SIZE, or of a function with no greater ratio of lengths than LW_COMPACT_RATIO, which a
  * search that only lowers the error passes by. */
-typedef enum lw_fit_part { LW_FIT_WHOLE, LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT } lw_fit_part;
+typedef enum lw_fit_part { LW_FIT_WHOLE, LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_PARTS } lw_fit_part;
 #define LW_COMPACT_SIZE  1.5         /* diagonals of the target                                     */
 #define LW_COMPACT_RATIO 8
 
@@ -82,7 +82,8 @@ typedef struct lw_candidate {
                                   *                                 ((n_station + n_sample)*n_dyad) */
     int     n_dyad;
     long    evals;               /* of the start and improvement that led here                      */
-    int     part_number;         /* of the options of the search                                    */
+    lw_fit_part part;            /* of the options of the search, and ...                           */
+    int     part_number;         /* ... this one                                                    */
     double  seconds;             /* when it was found                                               */
     lw_stop stop;                /* why its improvement ended                                       */
     struct lw_fit_report *report;    /* made before, plain data; NULL: not yet                      */

@@ -137,7 +137,8 @@ bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
         return false;
     *out = (lw_candidate){ .intended = p->intended,
                            .n_dim = p->n_dim, .objective = c->f*p->scale, .beyond = c->beyond, .evals = c->evals,
-                           .seconds = c->seconds, .stop = c->stop, .part_number = s->o->part_number };
+                           .seconds = c->seconds, .stop = c->stop, .part = s->o->part,
+                           .part_number = s->o->part_number };
     lw_problem_to_dims(p, c->x, out->dim);
     out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
     out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;

@@ -417,18 +417,22 @@ static bool same(const lw_candidate *a, const lw_candidate *b)
         && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
 }
 
-/* Keep `most` candidates, `each` of every number of links, and all that have a report: rows may be among them. */
-static void shorten(lw_staged_search *s, int most, int each)
+/* Keep `most` candidates, `each` of every number of links, `of_part` of these from each part of the types or dimensions: small
+ * linkages and those without a crank may be first in another measure than the error.  And keep all that have a report: rows may
+ * be among them. */
+static void shorten(lw_staged_search *s, int most, int each, int of_part)
 {
     lw_fit *f = &s->fit;
     int n = 0;
-    int seen[LW_LINK_MAX + 1] = { 0 };
+    int seen[LW_LINK_MAX + 1] = { 0 }, seen_of[LW_LINK_MAX + 1][LW_FIT_PARTS] = { 0 };
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        if ((n < most || seen[links] < each || c->report) && (n == 0 || !same(c, &f->candidate[n - 1]))) {
+        bool wanted = n < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report;
+        if (wanted && (n == 0 || !same(c, &f->candidate[n - 1]))) {
             f->candidate[n++] = *c;
             seen[links]++;
+            seen_of[links][c->part]++;
         } else {
             lw_candidate_free(c);
         }
@@ -439,8 +443,8 @@ static void shorten(lw_staged_search *s, int most, int each)
 /* ---- which stage gets the next evaluations -------------------------------------------------------- */
 
 /* Under a time limit stages are searched in parts, each twice as large as the one before, the first a quarter of the stage's
- * budget or an eighth of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the error most per evaluation has
- * the next part.  If time does not end it before, each has its own budget in the end, the last part of more links after
+ * budget or an eighth of its rounds.  After the first parts, the stage whose last part lowered the logarithm of the error most
+ * per evaluation has the next part.  If time does not end it before, each has its own budget in the end, the last part of more links after
  * all of fewer.  No part depends on the time limit, and what was found is kept: so a search with more time does all that one
  * with less does, and then more. */
 typedef struct contest {
@@ -553,7 +557,8 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
         if (now == LW_STOPPED && o->interrupt && *o->interrupt)
             break;
     }
-    shorten(out, 2*lw_fit_kept(o), o->spec.by_default ? 2*lw_fit_kept(o) : OF_EACH);
+    int kept = lw_fit_kept(o);
+    shorten(out, 2*kept, o->spec.by_default ? 2*kept : OF_EACH, o->spec.by_default ? kept : 0);
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 
