@@ -149,6 +149,14 @@ TEST(every_eight_bar_moves)
     CHECK(n_moved > 200);
 }
 
+/* Three sliders keep two links parallel whose angle the input sets: its Jacobian is singular everywhere. Rounding took this for
+ * another posture. */
+TEST(sliders_that_lock_the_input)
+{
+    eight_bars_from(61, moves, 3, 1);
+    eight_bars_from(150, moves, 3, 1);
+}
+
 /* ---- derivatives ---------------------------------------------------------------------------------------- */
 
 #define LANES 3

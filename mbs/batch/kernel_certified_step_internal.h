@@ -23,6 +23,7 @@
 #define COARSE_LAST 1e-14                  /* with the old inverse follows, which must be this short   */
 #define FINE 1e-24                         /* after this squared step none follows                     */
 #define ROUNDING 1e-30                     /* divided by the margin: squared step left by rounding     */
+#define SINGULAR 1e-24                     /* a smaller margin is that of a singular Jacobian and rounding */
 #define CONTRACTION 0.7
 #define GEARED_MOST 0.5                    /* largest turn in a box of a group with gears             */
 
@@ -419,7 +420,7 @@ LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
         measure_of(n, w);
     f->margin = less8(w->margin, f->margin);
     if (f->fine)
-        most = more8(all8(1e-20), ROUNDING/more8(w->margin, all8(LW_TINY)));
+        most = more8(all8(1e-20), ROUNDING/more8(w->margin, all8(SINGULAR)));
     put_group(&f->k, w, 0);
     keep_rows(f, w);
     quarter_of(n, w, f->bend + inverse_at(f, w->g));
@@ -427,7 +428,8 @@ LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
         pushes(w, f->push + inverse_at(f, w->g));
     for (int c = 0; c < n; c++)                              /* 0 for a singular Jacobian */
         row += w->inv[c]*w->inv[c];
-    f->certified &= (mask)(last <= most) & (mask)(row > 0);
+    mask singular = ~(mask)(row > 0) | ((mask)(w->margin >= 0) & (mask)(w->margin < SINGULAR));      /* < 0: a rack ends */
+    f->certified &= (mask)(last <= most) & ~singular;
     if (f->past_seed)
         certify(n, f, w, t);
 }
