@@ -70,13 +70,13 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->posture.jt = w->posture.tt = NULL;
     w->posture.ld = postures;
     for (int i = 0; i < 4; i++)
-        w->slope[i] = piece(base, &at, lw_problem_is_nonlinear(p) ? postures*v*(size_t)(p->n_dim + 1) : 0);
+        w->slope[i] = piece(base, &at, postures*v*(size_t)(p->n_dim + 1));
     w->g_now = piece(base, &at, g*v);
     w->g_up = piece(base, &at, g*v);
-    size_t rows = lw_problem_is_nonlinear(p) ? g : 0, variables = (size_t)p->n_var;
-    w->g_row = piece(base, &at, rows*variables*v);
-    w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*variables*v);
-    w->step_b = piece(base, &at, (2*variables + (size_t)p->n_linear + rows)*v);
+    size_t variables = (size_t)p->n_var;                /* for all conditions that a search may add later */
+    w->g_row = piece(base, &at, g*variables*v);
+    w->step_a = piece(base, &at, (2*variables + (size_t)p->n_linear + g)*variables*v);
+    w->step_b = piece(base, &at, (2*variables + (size_t)p->n_linear + g)*v);
     w->step_h = piece(base, &at, 4*variables*variables*v);
     w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
     w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);
