@@ -489,6 +489,92 @@ TEST(rope_at_rest)
     free(q);
 }
 
+/* An arch of n links of length and mass 1 whose pins lie on the line of thrust of their weights, turned over: it stands in
+ * equilibrium, which is not stable; side -1: it hangs in it. */
+static void read_arch(int n, double side, lw_model *m)
+{
+    text t = { 0 };
+    put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground'");
+    lw_vec2 at = { 0, 0 }, along = { 0, 0 };
+    for (int pass = 0; pass < 2; pass++) {
+        at = lw_v2(0, 0);
+        for (int i = 0; i < n; i++, at = lw_v2_add(at, along)) {
+            double turn = atan2(side*(0.5*(n - 1) - i), 0.4*n);
+            along = lw_v2(cos(turn), sin(turn));
+            if (pass == 0)
+                put(&t, ",{'name': 'l%d', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.0833}", i, at.x + along.x/2,
+                    at.y + along.y/2);
+            else
+                put(&t, "{'name': 'J%d', 'links': ['%s%.0d', 'l%d'], 'at': [%.17g, %.17g]},", i,
+                    i == 0 ? "ground" : i == 1 ? "l0" : "l", i > 1 ? i - 1 : 0, i, at.x, at.y);
+        }
+        put(&t, pass == 0 ? "], 'joints': [" : "{'name': 'end', 'links': ['l%d', 'ground'], 'at': [%.17g, %.17g]}]}", n - 1, at.x, at.y);
+    }
+    read_text(&t, m);
+}
+
+/* Standing arches fall without a false end, and keep their energy; hanging ones stay. */
+TEST(arches_in_equilibrium)
+{
+    for (int n = 100; n <= 1000; n *= 10)
+        for (int side = -1; side <= 1; side += 2) {
+            lw_model m;
+            kept k;
+            lw_dynamics_report r;
+            lw_error e = { 0 };
+            read_arch(n, side, &m);
+            CHECK_INT(run(&m, 1, 1e-10, &k, &r, &e), LW_OK);
+            CHECK_TEXT(e.text, "");
+            CHECK(k.off < 1e-12);
+            CHECK(k.energy[1] - k.energy[0] < 1e-10*n*n*9.81);
+            for (int i = 0; side < 0 && i < n; i++)
+                CHECK_NEAR(k.q[3*i + 2], 0, 1e-8, 0);
+            free(k.q);
+            lw_model_free(&m);
+        }
+}
+
+/* Where the middles of the n links of the model, which is freed, are at rest. */
+static void rest_of(lw_model *m, int n, lw_vec2 *middle)
+{
+    lw_dynamics *d;
+    lw_error e = { 0 };
+    lw_rest rest = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(lw_dynamics_make(m, &o, &d, &e), LW_OK);
+    double *q = calloc(3*(size_t)n, sizeof *q);
+    CHECK_INT(lw_statics_rest(d, 0, q, &rest, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK(rest.stable);
+    for (int b = 0; b < n; b++)
+        middle[b] = lw_system_point(lw_dynamics_system(d), b, lw_v2(0, 0), q);
+    free(q);
+    lw_dynamics_free(d);
+    lw_model_free(m);
+}
+
+/* A standing arch comes to rest as the hanging one, a long row of upright cranks hanging down. */
+TEST(large_models_at_rest)
+{
+    enum { ARCH = 1000, ROW = 3000 };
+    lw_model m;
+    lw_vec2 *at = calloc(2*ROW + 1, sizeof *at);
+    for (int k = 0; k < 2; k++) {
+        read_arch(ARCH, k ? 1 : -1, &m);
+        rest_of(&m, ARCH, at + k*ARCH);
+    }
+    for (int b = 0; b < ARCH; b++) {
+        CHECK_NEAR(at[ARCH + b].x, at[b].x, 1e-7, 0);
+        CHECK_NEAR(at[ARCH + b].y, at[b].y, 1e-7, 0);
+    }
+    read_row(ROW, &m);
+    rest_of(&m, 2*ROW + 1, at);
+    for (int i = 0; i <= ROW; i++)
+        CHECK_NEAR(at[i].y, -0.5, 1e-9, 0);
+    free(at);
+}
+
 /* n four-bars side by side, with friction in each pin. */
 static void read_copies(int n, double radius, lw_model *m)
 {

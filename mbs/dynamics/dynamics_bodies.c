@@ -208,8 +208,11 @@ static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 }
 
 /* A step over a singular posture can end on the other motion curve that meets there.  Then the energy has changed by
- * more than the error of a step.  Take such a step back and begin again with a shorter one; *taken: how often so far. */
+ * more than the error of a step.  Take such a step back and begin again with a shorter one; *taken: how often so far.
+ * A linkage at rest moves by the errors allowed alone: its energy changes by theirs, and by
+ * the rounding of its coordinates. */
 static const double most_energy = 100;       /* change of the energy over its scale and the tolerance */
+static const double rounded = 1e-13;         /* of coordinates after a step, over the greatest one */
 static const int    most_taken = 6;
 
 static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
@@ -218,7 +221,15 @@ static lw_status take_back(lw_run *run, stepper *w, double *y, int *taken)
     lw_integrator *e = &w->explicit_one;
     double near = 2*LW_SINGULAR_STEP_HALF, after = lw_run_energy(run, e->y), length = e->t - e->t_old;
     double scale = fmax(run->r->energy_scale, d->eq.kinetic(d->eq.context, e->y + d->n_q));
-    double allowed = most_energy*(d->o.relative + d->o.absolute)*scale + 1e-13*fabs(after);
+    double farthest = 0, force = 0;
+    for (int i = 0; i < d->n_q; i++)
+        farthest = fmax(farthest, fabs(e->y[i]));
+    for (int i = 0; i < d->n_v; i++) {
+        force += fabs(d->force[i]);
+        y[i] = d->o.absolute;
+    }
+    double least = d->eq.kinetic(d->eq.context, y) + rounded*farthest*force;
+    double allowed = most_energy*(d->o.relative + d->o.absolute)*scale + 2*sqrt(scale*least) + least;
     if (d->weak > near*near || fabs(after - lw_run_energy(run, e->y_old)) <= allowed || *taken == most_taken) {
         *taken = 0;
         return LW_NOTHING;

@@ -23,6 +23,7 @@ typedef struct search {
 static const int most_newton = 30, most_parts = 400, most_downhill = 2000;
 static const double longest = 0.5;           /* step of Newton's method, in radians or sizes of the model */
 static const double settled = 1e-13;         /* the same when it has converged, over the greatest coordinate */
+static const double rounded = 1e-10;         /* the same when steps no longer become shorter */
 
 static double greatest(const double *x, int n)
 {
@@ -70,6 +71,13 @@ static void move(search *s)
         s->l[k] += s->step[s->n + k];
 }
 
+/* Is a step of this size the last one that Newton's method needs?  before: size of the step before it. */
+static bool is_last(const search *s, double size, double before)
+{
+    double all = fmax(1, greatest(s->q, s->n_q));
+    return size <= settled*all || (size < rounded*all && size > 0.3*before);
+}
+
 static lw_status look_at_limits(const search *s) { return lw_limits_check(s->d->o.stop, s->d->o.until, true, s->t, NULL); }
 
 /* Newton's method under these loads. */
@@ -82,12 +90,12 @@ static lw_status balance(search *s, loads w, int *iterations)
         lw_status st = find_residual(s, w);
         if (st != LW_OK)
             return LW_OPEN;
-        double size = newton_step(s, 0), all = fmax(1, greatest(s->q, s->n_q));
+        double size = newton_step(s, 0);
         ++*iterations;
         if (!(size < longest) || (pass > 3 && size > 2*before))
             return LW_OPEN;
         move(s);
-        if (size <= settled*all || (pass > 2 && size < 1e-10*all && size > 0.3*before))
+        if (is_last(s, size, pass > 2 ? before : INFINITY))
             return find_residual(s, w) == LW_OK ? LW_OK : LW_OPEN;
         before = size;
     }
@@ -150,7 +158,7 @@ static double work_of_step(search *s, double size)
 static lw_status downhill(search *s, lw_rest *r)
 {
     lw_dynamics *d = s->d;
-    double mass = 0, unit = 0;
+    double mass = 0, unit = 0, before = INFINITY;
     int good = 0;
     for (int i = 0; i < s->n; i++)
         unit = fmax(unit, d->eq.mass[i] > 0 ? fabs(d->eq.weight[i])/d->eq.mass[i] : 0);
@@ -166,8 +174,9 @@ static lw_status downhill(search *s, lw_rest *r)
         r->iterations++;
         if (size < longest) {
             move(s);
-            if (size <= settled && mass < 1e-6*unit)
+            if (mass < 1e-6*unit && is_last(s, size, before))
                 return LW_OK;
+            before = mass > 0 ? INFINITY : size;
             if (lw_mbs_project_q(d, s->t, s->q, longest) == LW_OK && work_of_step(s, size) >= 0) {
                 good++;                          /* slowly down: with too little mass Newton's step leads to a saddle */
                 mass = size < 1e-6 ? 0.1*mass : good > 3 ? 0.5*mass : mass;
@@ -231,12 +240,14 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
             moved = fmax(moved, fabs(s->q[i] - saddle[i]));
         st = st == LW_OK && moved < 1e-6 ? LW_OPEN : st;
     }
-    if (st == LW_OPEN) {
+    bool moves = false;                          /* a long chain follows short pushes only */
+    for (double push = 0.01; st == LW_OPEN && !moves && push > 1e-7; push *= 0.1) {
         memcpy(s->q, saddle, (size_t)s->n_q*sizeof *saddle);
         for (int i = 0; i < s->n; i++)
-            away[i] *= 0.01;
-        d->eq.move(d->eq.context, s->q, away);
-        st = lw_mbs_project_q(d, s->t, s->q, 1) == LW_OK ? downhill(s, r) : LW_OPEN;
+            s->step[i] = push*away[i];
+        d->eq.move(d->eq.context, s->q, s->step);
+        moves = lw_mbs_project_q(d, s->t, s->q, 1) == LW_OK;
+        st = moves ? downhill(s, r) : LW_OPEN;
     }
     free(saddle);
     return st;
