@@ -710,6 +710,41 @@ TEST(drives_share_a_load)
     lw_spatial_free(&m);
 }
 
+/* A weight half-way between two equal slides: each carries half of its force and moment, whichever rows the solver keeps.  Fifty of
+ * them are a large model. */
+TEST(redundant_slides_share_alike)
+{
+    static char text[40000];
+    for (int large = 0; large < 2; large++) {
+        int copies = large ? 50 : 1, used = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\"");
+        for (int i = 0; i < copies; i++)
+            used += snprintf(text + used, sizeof text - (size_t)used, ", {\"name\": \"b%d\", \"mass\": 2, \"centre\": [0.5, %d, 0.2], \"inertia\": "
+                             "[0.1, 0.2, 0.25]}", i, i);
+        for (int i = 0; i < 2*copies; i++)
+            used += snprintf(text + used, sizeof text - (size_t)used, "%s{\"name\": \"%c%d\", \"kind\": \"prismatic\", \"links\": "
+                             "[\"ground\", \"b%d\"], \"at\": [%d, %d, 0], \"axis\": [0, 0, 1]}", i ? ", " : "], \"joints\": [", "AB"[i%2], i/2, i/2, i%2, i/2);
+        for (int i = 0; i < 2*copies; i++)
+            used += snprintf(text + used, sizeof text - (size_t)used, "%s{\"joint\": \"%c%d\", \"stiffness\": 1e3}", i ? ", " : "], \"springs\": [",
+                             "AB"[i%2], i/2);
+        snprintf(text + used, sizeof text - (size_t)used, "], \"gravity\": [1, 2, 0]}");
+        lw_spatial m;
+        read_spatial(text, strlen(text), "slides", &m);
+        for (int way = 0; way < 3; way++) {
+            formulation = way == 1 ? LW_FORMULATION_INDEX1 : way == 2 ? LW_FORMULATION_RADAU : LW_FORMULATION_AUTO;
+            lw_dynamics_report q = run(&m, way ? LW_ANALYSIS_TRANSIENT : LW_ANALYSIS_STATIC, 1e-3, 1, 1e-10);
+            CHECK_INT(q.redundant, 5*copies);
+            for (int j = 0; j < (large ? 16 : 2); j++) {
+                const lw_spatial_reaction *r = &k.at[k.n - 1].joint[j];
+                double want[6] = { -1, -2, 0, 0.4, -0.2, 0 }, *v = want;
+                CHECK_NEAR(lw_v3_norm(lw_v3_sub(r->force, lw_v3(v[0], v[1], v[2]))), 0, 1e-10, 0);
+                CHECK_NEAR(lw_v3_norm(lw_v3_sub(r->moment, lw_v3(v[3], v[4], v[5]))), 0, 1e-10, 0);
+            }
+        }
+        formulation = LW_FORMULATION_AUTO;
+        lw_spatial_free(&m);
+    }
+}
+
 /* A pendulum falls on a rigid stop, bounces and comes to rest on it: as the same model in the plane, and each bounce keeps the
  * square of the restitution of the energy. */
 static double planar_bounce[101];

@@ -774,12 +774,74 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
     return s;
 }
 
+void lw_mbs_dependence(lw_dynamics *d, double *x)
+{
+    double *push = d->hold, *change = d->small_v;
+    for (int i = 0; i < d->n_kept; i++)
+        x[d->kept[i]] = 0;
+    memset(push, 0, (size_t)d->n_v*sizeof *push);
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    add_rows(d, 1, x, push);
+    fast_solve(d, push, d->rhs, change, d->l_each);
+    for (int i = 0; i < d->n_kept; i++)
+        x[d->kept[i]] = -d->l_each[d->kept[i]];
+}
+
+/* The transpose of that, N the map from the values of the rows left out: their rows of out (n_c) = N^T x; returns |N^T x|^2. */
+static double across_dependence(lw_dynamics *d, const double *x, double *out)
+{
+    double sum = 0;
+    fast_solve(d, NULL, x, d->small_v, d->l_each);
+    for (int r = 0; r < d->n_c; r++)
+        if (d->place[r] < 0) {
+            out[r] = x[r] - row_dot(d, r, d->small_v);
+            sum += out[r]*out[r];
+        }
+    return sum;
+}
+
+/* Conjugate gradients on min |l - N y|: as many passes as rows are left out at most, mostly far fewer. */
+void lw_mbs_least_norm(lw_dynamics *d, double *l)
+{
+    double *way = d->l_each + d->n_c, *along = way + d->n_c, before = 0, all = 0;
+    for (int r = 0; r < d->n_c; r++)
+        all += l[r]*l[r];
+    if (!isfinite(all) || d->by_rank || d->n_kept >= d->n_c || (d->touch && d->touch->captured)
+        || lw_mbs_factor(d, !d->large) != LW_OK)
+        return;
+    if (d->by_rank) {
+        memset(d->hold, 0, (size_t)d->n_v*sizeof *d->hold);
+        add_rows(d, 1, l, d->hold);
+        lw_rank_solve(&d->rank_of, d->hold, l);
+        return;
+    }
+    memset(along, 0, (size_t)d->n_c*sizeof *along);
+    for (int pass = d->n_kept; pass <= d->n_c; pass++) {
+        double now = across_dependence(d, l, way), square = 0;
+        if (!(now > 1e-28*all) || (now < 1e-20*all && now > 0.25*before && pass > d->n_kept))            /* rounding */
+            return;
+        for (int r = 0; r < d->n_c; r++)
+            if (d->place[r] < 0)
+                way[r] = along[r] = way[r] + (before > 0 ? now/before : 0)*along[r];
+        before = now;
+        lw_mbs_dependence(d, way);
+        for (int r = 0; r < d->n_c; r++)
+            square += way[r]*way[r];
+        for (int r = 0; r < d->n_c; r++)
+            l[r] -= now/square*way[r];
+    }
+}
+
 lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
 {
     lw_status s = lw_mbs_measure(d, t, q, v, work, m);
     if (s == LW_OK)
         s = lw_mbs_factor(d, !m->unique);
-    return s == LW_OK ? lw_mbs_solve(d, t, q, v, d->a, d->l, NULL) : s;
+    if (s == LW_OK)
+        s = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
+    if (s == LW_OK)
+        lw_mbs_least_norm(d, d->l);
+    return s;
 }
 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */

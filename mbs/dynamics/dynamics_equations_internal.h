@@ -177,6 +177,13 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
 /* The same with accelerations and reactions, of least norm.  LW_OPEN: a singular posture, which has none. */
 lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
 
+/* Rows left out as dependent, factored: the rows kept of x (n_c) become such that J^T x = 0, from those left out. */
+void lw_mbs_dependence(lw_dynamics *d, double *x);
+
+/* Of all l (n_c) that push alike, J^T l, the one of least norm; l is that of the last factors, the rows are those of lw_mbs_rows.
+ * In a singular posture, and of captured contacts, l stays. */
+void lw_mbs_least_norm(lw_dynamics *d, double *l);
+
 /* x and l of M x + J^T l = force, J x = rhs; factored.  force NULL: 0. */
 lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l);
 

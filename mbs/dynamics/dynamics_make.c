@@ -87,7 +87,7 @@ lw_status lw_mbs_reserve(lw_dynamics *d, lw_error *e)
         { &d->phi, c }, { &d->jac, c*LW_ROW_SIZE }, { &d->jac_by_mass, c*LW_ROW_SIZE }, { &d->rhs, speeds }, { &d->by_mass, v },
         { &d->rank_work, dense*lw_rank_doubles((int)v, (int)speeds) }, { &d->null, dense*v*v }, { &d->mass_null, dense*v*v },
         { &d->small, c + v }, { &d->force, v }, { &d->bias, v }, { &d->q_try, q }, { &d->v_try, v }, { &d->small_v, v },
-        { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
+        { &d->stop_v, v }, { &d->a, v }, { &d->l, c }, { &d->l_each, 3*c }, { &d->hold, v }, { &d->start_q, q }, { &d->drawn_q, q },
         { &d->start_v, v }, { &d->start_z, (size_t)d->eq.n_z }, { &d->along_null, v },
         { &d->speed_rows, dense*speeds*v }, { &d->response, (size_t)d->n_friction*(v + c + 2) + lw_friction_doubles(d->n_friction, 3) },
     };
@@ -643,13 +643,13 @@ void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, do
     }
 }
 
-/* Add the joint of a row to a list of names, once. */
+/* Add the joint of a row to a list of names, once; "..." where there is no room for more. */
 static void add_name(const lw_dynamics *d, int row, const char **last, char *text, size_t size)
 {
     const char *name = d->eq.name(d->eq.context, LW_NAMED_ROW, row);
     size_t used = strlen(text);
-    if (!*last || strcmp(name, *last) != 0)
-        snprintf(text + used, size - used, " %s", name);
+    if ((!*last || strcmp(name, *last) != 0) && (used < 4 || strcmp(text + used - 4, " ...") != 0))
+        snprintf(text + used, size - used, " %s", used + strlen(name) + 6 < size ? name : "...");
     *last = name;
 }
 
@@ -658,18 +658,20 @@ void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
 {
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;
     const char *last = NULL;
-    double *x = d->l_each;
+    double *x = d->l_each + (d->large ? d->n_c : 0);
     *text = '\0';
-    bool none = !d->large && (d->rank == d->n_c || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK
-                              || lw_mbs_factor(d, true) != LW_OK);
+    bool none = d->rank == d->n_c || lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, !d->large) != LW_OK;
+    for (int r = 0; r < d->n_c; r++)                     /* large models: some vector of the null space, which touches all its rows */
+        x[r] = 1 + sin(r);
+    if (d->large && !none)
+        lw_mbs_dependence(d, x);
     for (int r = 0; r < d->n_row && !none; r++) {
-        double left = 0;
-        if (d->large)                        /* the joints whose rows were left out */
-            left = d->place[r] < 0;
-        else {
+        double left = fabs(x[r]);
+        if (!d->large) {
             memset(x, 0, (size_t)d->n_c*sizeof *x);
             x[r] = 1;
             lw_rank_null_part(&d->rank_of, x);
+            left = 0;
             for (int i = 0; i < d->n_c; i++)
                 left = fmax(left, fabs(x[i]));
         }

@@ -712,6 +712,8 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     d->eq.state_rates(d->eq.context, g.t, g.q, g.v, g.dx);
     lw_status s = lw_run_begin(run, state(&g, run->y));
     memcpy(g.a, d->a, n*sizeof *g.a);
+    if (s == LW_OK && d->n_kept < d->n_c)                /* multipliers of the rows kept alone, not those of least norm */
+        s = lw_mbs_accelerate(d, g.t, g.q, g.v, d->a, d->l, NULL);
     if (s == LW_OK && alpha && (s = lw_run_rate(run, g.t, run->y, rate)) == LW_OK)
         g.power_old = run->has_work ? rate[q + n] : 0;
     memcpy(g.aux, g.a, n*sizeof *g.a);

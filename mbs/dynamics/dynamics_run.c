@@ -124,6 +124,8 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
     lw_moment m;
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[d->n_q + d->n_v] : 0, &m);
+    if (s == LW_OK)
+        lw_mbs_least_norm(d, d->l);
     return s == LW_OK ? hand_out(run, &m) : s;
 }
 

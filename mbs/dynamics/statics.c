@@ -109,6 +109,7 @@ lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment
     if (d->large) {
         memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
         lw_mbs_linear(d, d->force, d->rhs, d->a, d->l);
+        lw_mbs_least_norm(d, d->l);
     } else
         lw_rank_solve(&d->rank_of, d->force, d->l);
     return sink(context, &m);
