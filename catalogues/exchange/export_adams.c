@@ -502,6 +502,6 @@ lw_status lw_export_adams_commands(const lw_assembly *linkage, const lw_export_o
 
 lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_error *e)
 {
-    lw_status s = lw_export_space_loads(m, "ADAMS", e);      /* the dataset that the commands run has to exist */
+    lw_status s = lw_export_space_loads(m, "ADAMS", true, e);      /* the dataset that the commands run has to exist */
     return s == LW_OK ? put_commands(m->name, lw_space_weighed(m), out, e) : s;
 }

@@ -10,7 +10,7 @@ double lw_export_constant(const lw_expression *x) { return x ? lw_expression_val
 bool lw_space_weighed(const lw_spatial *m)
 {
     for (int i = 0; i < m->n_link; i++)
-        if (i != m->ground && m->body[i].mass > 0)
+        if (i != m->ground && (m->body[i].mass > 0 || (m->elastic && m->elastic[i].given)))
             return true;
     return false;
 }
@@ -21,12 +21,14 @@ static bool varies(const lw_expression *x)
     return x && lw_expression_variables(x, &which) > 0;
 }
 
-lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_error *e)
+lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool beams, lw_error *e)
 {
-    for (int i = 0; i < m->n_link; i++)
-        if (m->elastic && m->elastic[i].given)
-            return lw_error_set(e, LW_E_KIND, "link '%s' is elastic, which is not written to %s: give it a mass "
-                                "instead in a copy of the file to export the rest", m->body[i].name, format);
+    for (int i = 0; i < m->n_link; i++) {
+        const lw_elastic *p = m->elastic ? &m->elastic[i] : NULL;
+        if (p && p->given && !(beams && p->n_node == 0 && p->pieces == 0))
+            return lw_error_set(e, LW_E_KIND, "link '%s' is %s, which is not written to %s: give it a mass instead in a copy of the "
+                                "file to export the rest", m->body[i].name, beams ? "a superelement" : "elastic", format);
+    }
     for (int j = 0; j < m->n_joint; j++)
         if (lw_spatial_has_clearance(&m->joint[j]) || m->joint[j].friction.coefficient > 0)
             return lw_error_set(e, LW_E_KIND, "joint '%s' has %s, which is not written to %s: take it out of a copy of the file to "
@@ -75,7 +77,7 @@ static lw_status twists(lw_dynamics *d, const lw_spatial *m, lw_space_twist *out
     return room ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
-lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_error *e)
+lw_status lw_export_space_start(const lw_spatial *m, const lw_spatial *expanded, lw_space_twist **out, lw_error *e)
 {
     bool moves = false, driven = false;
     for (int i = 0; i < m->n_link; i++)
@@ -96,8 +98,8 @@ lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_er
     lw_status s = lw_dynamics_make_spatial(m, &o, &d, e);
     if (s != LW_OK)
         return s;
-    *out = calloc((size_t)m->n_link, sizeof **out);
-    s = *out ? twists(d, m, *out, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    *out = calloc((size_t)expanded->n_link, sizeof **out);
+    s = *out ? twists(d, expanded, *out, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_dynamics_free(d);
     return s;
 }

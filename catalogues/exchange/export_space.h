@@ -1,7 +1,7 @@
 /* catalogues/exchange/export_space.h - a spatial model as a file that another program runs.
  *
  * As catalogues/exchange/export.h: text in SI units, out is freed after a failure, LW_E_KIND names what the format
- * cannot express: laws and forces that are not constant, elastic links, stops that rebound. */
+ * cannot express: laws and forces that are not constant, elastic links in MJCF, superelements, stops that rebound. */
 #ifndef LW_CATALOGUES_EXCHANGE_EXPORT_SPACE_H
 #define LW_CATALOGUES_EXCHANGE_EXPORT_SPACE_H
 
@@ -13,7 +13,8 @@
  * controls are the coordinates of their joints. Velocities at the start are in the keyframe. */
 lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e);
 
-/* A dataset of ADAMS/Solver, and the commands that run it. Motions of inputs are written in the words of ADAMS;
+/* A dataset of ADAMS/Solver, and the commands that run it. An elastic link is a part for each node (link i of the expanded model,
+ * mbs/elastic/expand_space.h, is part i + 1) and a BEAM for each element. Motions of inputs are written in the words of ADAMS;
  * LW_E_KIND also: a motion has others (profile, table), a joint has a stop. */
 lw_status lw_export_space_adams(const lw_spatial *m, lw_bytes *out, lw_error *e);
 lw_status lw_export_space_adams_commands(const lw_spatial *m, lw_bytes *out, lw_error *e);
@@ -33,14 +34,15 @@ typedef struct lw_space_tree {
 lw_status lw_space_tree_make(const lw_spatial *m, lw_space_tree *t, lw_error *e);
 void      lw_space_tree_free(lw_space_tree *t);
 
-/* Velocities at the start, of each link (n_link): of its point at the origin [m/s] and of its turn [rad/s]. *out: to be
+/* Velocities at the start, of each link (n_link) of m with its elastic links expanded (m itself without those): of its point at
+ * the origin [m/s] and of its turn [rad/s]. *out: to be
  * freed; NULL: all links start at rest. LW_E_KIND: some input has a motion and another a speed; failures of
  * lw_dynamics_make_spatial. */
 typedef struct lw_space_twist { lw_vec3 velocity, omega; } lw_space_twist;
-lw_status lw_export_space_start(const lw_spatial *m, lw_space_twist **out, lw_error *e);
+lw_status lw_export_space_start(const lw_spatial *m, const lw_spatial *expanded, lw_space_twist **out, lw_error *e);
 
-/* LW_E_KIND, naming it: a law, a force that varies, an elastic link. */
-lw_status lw_export_space_loads(const lw_spatial *m, const char *format, lw_error *e);
+/* LW_E_KIND, naming it: a law, a force that varies, an elastic link (beams: a superelement). */
+lw_status lw_export_space_loads(const lw_spatial *m, const char *format, bool beams, lw_error *e);
 
 bool lw_space_weighed(const lw_spatial *m);      /* Has a link a mass? */
 

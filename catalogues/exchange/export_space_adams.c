@@ -6,11 +6,13 @@
 
 #include "base/real.h"
 #include "catalogues/exchange/export_space.h"
+#include "mbs/elastic/expand_space.h"
 
 #define DIGITS 15
 
 typedef struct writer {
-    const lw_spatial *m;
+    const lw_spatial *m;                       /* elastic links expanded                                  */
+    const lw_spatial_expansion *expansion;
     lw_bytes         *out;
     bool              weighed;                 /* the model has masses                                    */
     int               part;                    /* a marker is part times the part's number, plus a count  */
@@ -260,6 +262,40 @@ static void put_loads(writer *w)
     }
 }
 
+/* The elements of elastic links: I lies where x of J, along the beam, ends.  ADAMS measures the strains in J, not half-way. */
+static void put_beams(writer *w)
+{
+    const lw_spatial *m = w->m;
+    int id = 0;
+    for (int k = 0; k < w->expansion->n_chain; k++) {
+        const lw_elastic_chain *c = &w->expansion->chain[k];
+        const lw_section *q = &c->elastic->section;
+        const lw_material *p = &c->elastic->material;
+        for (int i = 0; i + 1 < c->n_node; i++) {
+            const lw_spatial_beam *b = &m->beam[c->first_beam + i];
+            const char *name = m->body[b->link[0]].name;
+            int at[2];
+            for (int end = 0; end < 2; end++)
+                at[end] = put_marker(w, b->link[end], m->body[b->link[end]].centre, &b->axes, name);
+            put_name(w, name, " beam");
+            put_id(w, "BEAM/", ++id);
+            put_id(w, ", I = ", at[1]);
+            put_id(w, ", J = ", at[0]);
+            put_key(w, ", LENGTH = ", b->length);
+            put_key(w, "\n, AREA = ", q->area);
+            put_key(w, ", IXX = ", q->it);
+            put_key(w, ", IYY = ", q->iy);
+            put_key(w, ", IZZ = ", q->iz);
+            put_key(w, "\n, ASY = ", q->zeta_y);
+            put_key(w, ", ASZ = ", q->zeta_z);
+            put_key(w, ", EMODULUS = ", p->e);
+            put_key(w, ", GMODULUS = ", p->g);
+            put_key(w, ", CRATIO = ", b->damping);
+            put(w, "\n");
+        }
+    }
+}
+
 /* ---- motion ----------------------------------------------------------------------------------------- */
 
 /* An expression of t in the words of ADAMS: false if it has others. */
@@ -360,7 +396,7 @@ static void put_requests(writer *w)
 static lw_status reserve(writer *w, lw_error *e)
 {
     const lw_spatial *m = w->m;
-    int most = 2 + 2*m->n_joint + m->n_tracer + 2*m->n_spring + 4*m->n_force;
+    int most = 2 + 2*m->n_joint + m->n_tracer + 2*m->n_spring + 4*m->n_force + 2*(m->n_beam > 0);
     for (w->part = 100; w->part <= most; w->part *= 10)
         continue;
     w->count = calloc((size_t)m->n_link, sizeof *w->count);
@@ -373,38 +409,51 @@ static lw_status reserve(writer *w, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_export_space_adams(const lw_spatial *m, lw_bytes *out, lw_error *e)
+static lw_status write(writer *w, const lw_spatial *given, lw_error *e)
 {
-    writer w = { .m = m, .out = out, .weighed = lw_space_weighed(m) };
-    lw_status s = reserve(&w, e);
-    if (s == LW_OK)
-        s = lw_export_space_loads(m, "ADAMS", e);
+    const lw_spatial *m = w->m;
+    lw_status s = reserve(w, e);
     if (s == LW_OK)
         s = check(m, e);
     if (s == LW_OK)
-        s = lw_export_space_start(m, &w.twist, e);
+        s = lw_export_space_start(given, m, &w->twist, e);
     if (s == LW_OK) {
-        put(&w, "ADAMS/View model name: ");
-        put(&w, m->name[0] ? m->name : "model");
-        put(&w, "\n!\nUNITS/FORCE = NEWTON, MASS = KILOGRAM, LENGTH = METER, TIME = SECOND\n");
-        w.origin = w.part*(m->ground + 1) + 1;
+        put(w, "ADAMS/View model name: ");
+        put(w, m->name[0] ? m->name : "model");
+        put(w, "\n!\nUNITS/FORCE = NEWTON, MASS = KILOGRAM, LENGTH = METER, TIME = SECOND\n");
+        w->origin = w->part*(m->ground + 1) + 1;
         for (int i = 0; i < m->n_link; i++)
-            put_part(&w, i);
-        put(&w, "!\n");
+            put_part(w, i);
+        put(w, "!\n");
     }
     for (int j = 0; s == LW_OK && j < m->n_joint; j++)
-        s = put_joint(&w, j, e);
-    if (s == LW_OK)
-        put_loads(&w);
-    for (int i = 0; s == LW_OK && i < m->n_input; i++)
-        s = put_motion(&w, i, e);
+        s = put_joint(w, j, e);
     if (s == LW_OK) {
-        put_requests(&w);
-        put(&w, "!\nRESULTS/\n!\nEND\n");
-        s = lw_bytes_end(out, e);
+        put_beams(w);
+        put_loads(w);
     }
+    for (int i = 0; s == LW_OK && i < m->n_input; i++)
+        s = put_motion(w, i, e);
+    if (s == LW_OK) {
+        put_requests(w);
+        put(w, "!\nRESULTS/\n!\nEND\n");
+        s = lw_bytes_end(w->out, e);
+    }
+    return s;
+}
+
+lw_status lw_export_space_adams(const lw_spatial *m, lw_bytes *out, lw_error *e)
+{
+    lw_spatial_expansion x = { 0 };
+    writer w = { .m = m->n_elastic ? &x.model : m, .expansion = &x, .out = out, .weighed = lw_space_weighed(m) };
+    lw_status s = lw_export_space_loads(m, "ADAMS", true, e);
+    if (s == LW_OK && m->n_elastic)
+        s = lw_spatial_expand(m, false, &x, e);
+    if (s == LW_OK)
+        s = write(&w, m, e);
     if (s != LW_OK)
         lw_bytes_free(out);
+    lw_spatial_expansion_free(&x);
     free(w.count);
     free(w.at);
     free(w.tracer);

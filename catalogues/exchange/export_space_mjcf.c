@@ -640,11 +640,11 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
     for (int i = 0; w.weighed && i < m->n_link; i++)
         w.mass = (i ? w.mass : 0) + (i == m->ground ? 0 : m->body[i].mass);
     if (s == LW_OK)
-        s = lw_export_space_loads(m, "MJCF", e);
+        s = lw_export_space_loads(m, "MJCF", false, e);
     if (s == LW_OK)
         s = check(&w, e);
     if (s == LW_OK)
-        s = lw_export_space_start(m, &w.twist, e);
+        s = lw_export_space_start(m, m, &w.twist, e);
     if (s == LW_OK && !list_owners(&w))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
