@@ -6,7 +6,7 @@
 #include "tests/clearance_models.h"
 #include "tests/spatial_models.h"
 
-typedef struct sample { double t, energy, distance, force, turn; lw_vec3 tracer; } sample;
+typedef struct sample { double t, energy, distance, force, turn; lw_vec3 tracer, omega, reaction, moment; } sample;
 typedef struct kept { lw_dynamics *d; int n; sample at[512]; lw_space_contact contact[12]; } kept;
 
 static kept k;
@@ -27,6 +27,7 @@ static lw_status keep_moment(void *context, const lw_moment *moment)
     if (s->model->n_tracer)
         p->tracer = lw_space_point_at(o.frame, s->tracer[0]);
     p->turn = s->model->n_input ? o.input[0] : 0;
+    p->omega = lw_space_omega(o.frame, 0, o.v), p->reaction = o.joint[0].force, p->moment = o.joint[0].moment;
     return st;
 }
 
@@ -49,16 +50,18 @@ static lw_dynamics_report run(const lw_spatial *m, lw_formulation f, double to, 
     return r;
 }
 
-/* A ball of mass 2 kg in a socket at the origin. */
-static void read_ball(const char *clearance, const char *rest, lw_spatial *m)
+/* A ball of mass 2 kg in a socket at the origin; more: parts of the model. */
+static void read_ball_with(const char *clearance, const char *rest, const char *more, lw_spatial *m)
 {
     char text[2048];
     int n = snprintf(text, sizeof text, "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"ball\", \"mass\": 2, \"centre\": "
                      "[0, 0, 0], \"inertia\": [0.01, 0.01, 0.01]%s}], \"joints\": [{\"name\": \"S\", \"kind\": \"spherical\", "
                      "\"links\": [\"ground\", \"ball\"], \"at\": [0, 0, 0], \"clearance\": {%s}}], \"tracers\": [{\"name\": \"P\", "
-                     "\"link\": \"ball\", \"at\": [0, 0, 0]}]}", rest, clearance);
+                     "\"link\": \"ball\", \"at\": [0, 0, 0]}]%s}", rest, clearance, more);
     read_spatial(text, (size_t)n, "ball", m);
 }
+
+static void read_ball(const char *clearance, const char *rest, lw_spatial *m) { read_ball_with(clearance, rest, "", m); }
 
 static lw_vec3 random_direction(lw_rng *r)
 {
@@ -187,16 +190,17 @@ static lw_status keep_plane(void *context, const lw_clearance_sample *s)
     return LW_OK;
 }
 
-/* The four-bar of the source in the plane by mbs/clearance/clearance.h and in space. */
-TEST(as_in_the_plane)
+/* The four-bar of the source in the plane by mbs/clearance/clearance.h and in space; friction: where pin and bush touch. */
+static void compare_with_the_plane(double friction)
 {
-    static const double seconds = 0.06;
+    static const double seconds = 0.06, radius = 0.02;
     lw_model p;
     char text[4096];
     size_t n = 0;
     lw_error e = { 0 };
     CHECK_INT(paper_c("m", 1, 0, false, &p, &e), LW_OK);
     int joint = 2;
+    p.clearance[joint].friction = friction, p.clearance[joint].friction_speed = 0.05, p.friction[joint].radius = radius;
     const lw_assembly *a = &p.linkage;
     n += (size_t)snprintf(text + n, sizeof text - n, "{\"linkwright\": 1, \"ground\": \"%s\", \"gravity\": [%.17g, 0, %.17g], \"links\": [",
                           a->link_name[a->ground], p.gravity.x, p.gravity.y);
@@ -215,8 +219,9 @@ TEST(as_in_the_plane)
                               a->link_name[a->joint[j].link[0]], a->link_name[a->joint[j].link[1]], a->joint[j].at.x, a->joint[j].at.y);
         if (j == joint)
             n += (size_t)snprintf(text + n, sizeof text - n, ", \"clearance\": {\"model\": \"impact\", \"gap\": %.17g, \"stiffness\": "
-                                  "%.17g, \"exponent\": %.17g, \"damping\": %.17g, \"depth\": %.17g}", c->gap, c->stiffness, c->exponent,
-                                  c->damping, c->depth);
+                                  "%.17g, \"exponent\": %.17g, \"damping\": %.17g, \"depth\": %.17g, \"friction\": %g, \"friction_speed\": "
+                                  "0.05}, \"friction\": {\"coefficient\": 0, \"radius\": %g}", c->gap, c->stiffness, c->exponent,
+                                  c->damping, c->depth, friction, radius);
         n += (size_t)snprintf(text + n, sizeof text - n, "}");
     }
     snprintf(text + n, sizeof text - n, "], \"inputs\": [{\"joint\": \"%s\", \"value\": %.17g, \"speed\": %.17g}]}",
@@ -241,6 +246,114 @@ TEST(as_in_the_plane)
     CHECK_NEAR(k.contact[0].distance_most, r.joint[0].distance_most, 1e-7, 0);
     lw_clearance_free(scene);
     lw_model_free(&p);
+    lw_spatial_free(&m);
+}
+
+TEST(as_in_the_plane) { compare_with_the_plane(0); }
+TEST(friction_as_in_the_plane) { compare_with_the_plane(0.3); }
+
+/* A ball of weight W that spins in its socket climbs until its weight acts beside the contact by the friction circle: the drag slows
+ * it by R W sin(atan(mu)).  Dampers along three axes take what is left of the climb, which would whirl. */
+TEST(a_ball_spins_down)
+{
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 0);
+    for (int trial = 0; trial < 3; trial++) {
+        char rest[400];
+        lw_spatial m;
+        double mu = 0.1 + 0.2*trial, radius = 0.02, weight = 20, turn[2];
+        lw_vec3 down = random_direction(&r), side = random_direction(&r);
+        lw_vec3 axis = lw_v3_cross(down, side), spin = lw_v3_scale(axis, 100/lw_v3_norm(axis));
+        snprintf(rest, sizeof rest, ", \"angular_velocity\": [%.17g, %.17g, %.17g]", spin.x, spin.y, spin.z);
+        read_ball_with("\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6, \"damping\": 2000, \"depth\": 1e-6", rest,
+                       ", \"dampers\": [{\"links\": [\"ground\", \"ball\"], \"at\": [[9, 0, 0], [0, 0, 0]], \"damping\": 900}, {\"links\": "
+                       "[\"ground\", \"ball\"], \"at\": [[0, 9, 0], [0, 0, 0]], \"damping\": 900}, {\"links\": [\"ground\", \"ball\"], "
+                       "\"at\": [[0, 0, 9], [0, 0, 0]], \"damping\": 900}]", &m);
+        m.gravity = lw_v3_scale(down, weight/2);
+        m.joint[0].friction = (lw_friction){ mu, radius, trial ? 0.01 : 0 };
+        lw_dynamics_report q = run(&m, LW_FORMULATION_AUTO, 1, 4, 1e-10, false);
+        for (int i = 0; i < 2; i++)
+            turn[i] = lw_v3_dot(k.at[i ? 4 : 2].omega, lw_v3_scale(spin, 0.01));
+        CHECK_NEAR((turn[0] - turn[1])/0.5, radius*weight*sin(atan(mu))/0.01, 0, 1e-6);
+        CHECK_NEAR(lw_v3_norm(k.at[4].reaction), weight, 0, 1e-6);
+        CHECK_NEAR(lw_v3_norm(k.at[4].moment), radius*weight*sin(atan(mu)), 0, 1e-6);
+        CHECK(q.energy_error < 1e-6*q.energy_scale);
+        CHECK_INT(q.smooth_friction, trial == 0);
+        lw_spatial_free(&m);
+    }
+}
+
+typedef struct matrix { double by_q[12][12], by_v[12][12]; } matrix;
+
+static void add_entry(void *context, int row, int column, double by_q, double by_v)
+{
+    matrix *to = context;
+    to->by_q[row][column] += by_q, to->by_v[row][column] += by_v;
+}
+
+/* Of contact with friction, slow and fast against its speed: by differences. */
+TEST(derivatives_of_friction)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, \"centre\": [0.2, 0.1, -0.3], "
+        "\"inertia\": [0.3, 0.2, 0.25]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [-0.1, 0.3, 0.2], \"inertia\": [0.1, 0.15, 0.12]}], "
+        "\"joints\": [{\"name\": \"F\", \"kind\": \"free\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0]}, {\"name\": \"S\", \"kind\": "
+        "\"spherical\", \"links\": [\"a\", \"b\"], \"at\": [0, 0, 0], \"friction\": {\"coefficient\": 0.4, \"radius\": 0.05, \"speed\": 0.3}, "
+        "\"clearance\": {\"model\": \"hunt-crossley\", \"gap\": 0.01, \"stiffness\": 3000, \"exponent\": 1.5, \"restitution\": 0.8}}]}";
+    const double h = 1e-6;
+    lw_rng r;
+    lw_spatial m, open;
+    lw_space s;
+    lw_space_forces f;
+    lw_error e;
+    lw_space_frame frame[3];
+    lw_rng_seed(&r, check_seed(), 0);
+    read_spatial(text, sizeof text - 1, "friction", &m);
+    CHECK_INT(lw_spatial_open(&m, &open, &e), LW_OK);
+    CHECK_INT(lw_space_make(&open, &s, &e), LW_OK);
+    CHECK_INT(lw_space_forces_make(&s, &f, &e), LW_OK);
+    f.contact[0].phase = LW_CONTACT_FULL, f.contact[0].struck = 0.5;
+    for (int trial = 0; trial < 6; trial++) {
+        double q[14], at[14], by[12], v[12], force[2][12], power, work = 0, most = 0, off = 0;
+        matrix d = { { { 0 } }, { { 0 } } };
+        for (int i = 0; i < 12; i++)
+            v[i] = (trial < 3 ? 1 : 1e-4)*lw_rng_range(&r, -1, 1), by[i] = lw_rng_range(&r, -0.5, 0.5);
+        memcpy(q, s.start, sizeof q);
+        lw_space_move(&s, q, by);
+        lw_space_place(&s, q, frame);                    /* the ball beyond its gap */
+        lw_vec3 apart = lw_v3_sub(lw_space_point_at(frame, f.contact[0].end[1]), lw_space_point_at(frame, f.contact[0].end[0]));
+        apart = lw_v3_sub(apart, lw_v3_scale(random_direction(&r), 0.013));
+        q[7] -= apart.x/s.unit, q[8] -= apart.y/s.unit, q[9] -= apart.z/s.unit;
+        lw_space_place(&s, q, frame);
+        lw_space_forces_apply(&f, 0, frame, v, force[0], &power, &(lw_space_sink){ &d, add_entry, NULL });
+        for (int side = 0; side < 2; side++) {           /* of the force with friction, less that without: its power */
+            f.contact[0].friction.coefficient = side ? 0.4 : 0;
+            double own;
+            lw_space_forces_apply(&f, 0, frame, v, force[side], &own, NULL);
+            for (int i = 0; i < 12; i++)
+                work += (side ? 1 : -1)*force[side][i]*v[i];
+            work -= (side ? 1 : -1)*own;
+        }
+        CHECK_NEAR(work, 0, 1e-12, 0);
+        for (int i = 0; i < 24; i++) {
+            for (int side = 0; side < 2; side++) {
+                double w[12], step[12] = { 0 };
+                memcpy(at, q, sizeof at), memcpy(w, v, sizeof w);
+                *(i < 12 ? &step[i] : &w[i - 12]) += side ? h : -h;
+                lw_space_move(&s, at, step);
+                lw_space_place(&s, at, frame);
+                lw_space_forces_apply(&f, 0, frame, w, force[side], NULL, NULL);
+            }
+            for (int a = 0; a < 12; a++) {
+                double want = i < 12 ? d.by_q[a][i] : d.by_v[a][i - 12];
+                most = fmax(most, fabs(want));
+                off = fmax(off, fabs((force[1][a] - force[0][a])/(2*h) - want));
+            }
+        }
+        CHECK_NEAR(off, 0, 1e-7*most, 0);
+    }
+    lw_space_forces_free(&f);
+    lw_space_free(&s);
+    lw_spatial_open_free(&open);
     lw_spatial_free(&m);
 }
 
@@ -306,7 +419,7 @@ TEST(refused)
         { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4}", "stiffness" },
         { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 0, \"stiffness\": 1e6}", "greater than 0" },
         { "\"kind\": \"spherical\", \"clearance\": {\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e6, \"friction\": 0.1}",
-          "friction between pin and bush" },
+          "give the joint \"friction\"" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         char text[1024];

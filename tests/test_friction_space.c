@@ -297,8 +297,6 @@ TEST(refused)
         { "\"kind\": \"planar\", \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.1}", "has no friction here" },
         { "\"kind\": \"spherical\", \"friction\": {\"coefficient\": 0.1}", "needs the \"radius\"" },
         { "\"kind\": \"prismatic\", \"axis\": [0, 0, 1], \"friction\": {\"coefficient\": 0.1, \"radius\": 1}", "only joints that turn" },
-        { "\"kind\": \"spherical\", \"friction\": {\"coefficient\": 0.1, \"radius\": 1}, \"clearance\": {\"model\": \"impact\", \"gap\": "
-          "1e-4, \"stiffness\": 1e6}", "keep one of the two" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         char text[1024];

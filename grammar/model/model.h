@@ -50,6 +50,9 @@ typedef struct lw_force {                /* on one link; the reaction goes to gr
     lw_expression *fx, *fy, *torque;     /* [N] [N m], each may be NULL                            */
 } lw_force;
 
+/* Where ideal friction is asked for and a formulation cannot do it, it is regularised by this speed [m/s]. */
+#define LW_FRICTION_SPEED 0.001
+
 typedef struct lw_friction {             /* Coulomb; of a joint                                    */
     double coefficient;                  /* 0: none                                                */
     double radius;                       /* of a pin [m]; torque mu radius |reaction|              */

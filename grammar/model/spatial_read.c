@@ -372,9 +372,18 @@ static lw_status read_clearance(const lw_json_node *joint, const lw_spatial *m, 
     if (s == LW_OK && j->clearance.model == LW_CLEARANCE_LINK)
         s = lw_json_fault(&n, e, "the model \"link\" is known in the plane only; in space take \"impact\", \"mlsd\", "
                                  "\"hunt-crossley\", \"lankarani-nikravesh\", or \"zero\" for a joint without clearance");
-    if (s == LW_OK && j->clearance.friction > 0)
-        s = lw_json_fault(&n, e, "friction between pin and bush is known in the plane only; leave \"friction\" out");
     return s;
+}
+
+/* Friction of a clearance is that of its joint: kept there, with the radius at which it acts. */
+static lw_status take_contact_friction(const lw_json_node *joint, lw_spatial_joint *j, lw_error *e)
+{
+    if (!(j->clearance.friction > 0))
+        return LW_OK;
+    j->friction.coefficient = j->clearance.friction, j->friction.speed = j->clearance.friction_speed;
+    return j->friction.radius > 0 ? LW_OK
+         : lw_json_fault(joint, e, "friction of a clearance acts at the radius of the pin or ball: give the joint \"friction\": "
+                                   "{\"coefficient\": %g, \"radius\": ...}", j->clearance.friction);
 }
 
 static lw_status read_friction(const lw_json_node *n, const lw_spatial *m, lw_spatial_joint *j, lw_error *e)
@@ -383,8 +392,6 @@ static lw_status read_friction(const lw_json_node *n, const lw_spatial *m, lw_sp
     if (!known)
         return lw_json_fault(n, e, "a %s joint has no friction here; revolute, prismatic, cylindrical, spherical and universal joints "
                                    "have", lw_spatial_kind_of(j->kind)->word);
-    if (lw_spatial_has_clearance(j))
-        return lw_json_fault(n, e, "a joint with clearance has no friction in space; keep one of the two");
     return lw_read_friction(n, m->units.metre, j->kind != LW_SPATIAL_PRISMATIC, &j->friction, e);
 }
 
@@ -417,6 +424,8 @@ static lw_status read_joint(const lw_json_node *joint, lw_spatial *m, lw_error *
         s = read_clearance(joint, m, j, e);
     if (s == LW_OK && lw_json_member(joint, "friction", &n))
         s = read_friction(&n, m, j, e);
+    if (s == LW_OK)
+        s = take_contact_friction(joint, j, e);
     m->n_joint++;
     return s;
 }

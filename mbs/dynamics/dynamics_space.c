@@ -55,7 +55,7 @@ static void find_special_joints(lw_dynamics *d)
         lw_spatial_measure of = lw_space_stop_measure(&c->s, j);
         int number = lw_spatial_number(c, of);
         double unit = lw_space_scale(&c->s, of);
-        if (m->joint[j].friction.coefficient > 0)
+        if (m->joint[j].friction.coefficient > 0 && !m->joint[j].opened)
             d->friction[d->n_friction++] = (lw_friction_joint){
                 .joint = j, .coefficient = m->joint[j].friction.coefficient, .ideal = !(m->joint[j].friction.speed > 0),
                 .speed = m->joint[j].friction.speed > 0 ? m->joint[j].friction.speed : LW_FRICTION_SPEED,
@@ -376,7 +376,8 @@ static void find_reactions(lw_spatial_scene *c, const double *v, const double *l
         lw_vec3 d = lw_v3_sub(lw_space_point_at(c->frame, p->end[1]), lw_space_point_at(c->frame, p->end[0]));
         lw_space_touch at = lw_space_touch_of(&c->f, c->frame, v, i);
         lw_vec3 *to = &c->joint[p->joint].force;
-        *to = lw_v3_sub(*to, lw_v3_scale(d, at.distance > 0 ? at.force/at.distance : 0));
+        *to = lw_v3_add(lw_v3_sub(*to, lw_v3_scale(d, at.distance > 0 ? at.force/at.distance : 0)), at.drag);
+        c->joint[p->joint].moment = lw_v3_add(c->joint[p->joint].moment, lw_v3_cross(at.arm, at.drag));
     }
 }
 

@@ -70,6 +70,10 @@ static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
                             "rigid links without first-order states, and in statics of rigid links with a freedom");
     for (int i = 0; i < d->n_friction; i++)
         d->ideal_friction = d->ideal_friction || d->friction[i].ideal;
+    for (int i = 0; d->space && i < d->space->model->n_contact; i++) {
+        const lw_friction *f = &d->space->model->joint[d->space->model->contact[i]].friction;
+        d->ideal_friction = d->ideal_friction || (f->coefficient > 0 && !(f->speed > 0));
+    }
     r->no_friction = !settles && (a == LW_ANALYSIS_STATIC || a == LW_ANALYSIS_QUASISTATIC)
                      && (d->n_friction || lw_mbs_touch_rubs(d) || (d->space && d->space->n_rub));
     if (d->eq.n_z && (postures || a == LW_ANALYSIS_STATIC))

@@ -21,9 +21,6 @@ typedef struct lw_friction_joint {
     double part;
 } lw_friction_joint;
 
-/* Where ideal friction is asked for and a formulation cannot do it, it is regularised by this speed [m/s]. */
-#define LW_FRICTION_SPEED 0.001
-
 /* The friction that a model gives joint j. */
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);
 

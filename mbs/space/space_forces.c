@@ -74,11 +74,14 @@ lw_status lw_space_forces_make(const lw_space *s, lw_space_forces *f, lw_error *
         f->conservative = f->conservative && m->beam[i].damping == 0;
     for (int i = 0; i < m->n_contact; i++) {
         const lw_spatial_joint *j = &m->joint[m->contact[i]];
-        f->contact[i] = (lw_space_contact){ .joint = m->contact[i], .law = &j->clearance };
+        f->contact[i] = (lw_space_contact){ .joint = m->contact[i], .law = &j->clearance, .friction = j->friction };
+        if (!(j->friction.speed > 0))
+            f->contact[i].friction.speed = LW_FRICTION_SPEED;
         for (int k = 0; k < 2; k++)
             f->contact[i].end[k] = lw_space_point_of(s, j->link[k], j->at);
         bool impact = j->clearance.model == LW_CLEARANCE_IMPACT || j->clearance.model == LW_CLEARANCE_MLSD;
-        f->conservative = f->conservative && (impact ? j->clearance.damping == 0 : j->clearance.restitution == 1);
+        f->conservative = f->conservative && j->friction.coefficient == 0
+                       && (impact ? j->clearance.damping == 0 : j->clearance.restitution == 1);
     }
     const double g[] = { m->gravity.x, m->gravity.y, m->gravity.z };
     for (int i = 0; i < s->n_v; i++)
@@ -348,26 +351,124 @@ lw_spatial_measure lw_space_stop_measure(const lw_space *s, int joint)
     return (lw_spatial_measure){ lw_spatial_kind_of(s->joint[joint].kind)->turns ? LW_OF_TURN : LW_OF_SLIDE, joint };
 }
 
-/* The force of pin and bush along the distance of their centres. */
+/* ---- friction of contacts --------------------------------------------------------------------------------- */
+
+/* Bodies of a contact at one moment, or how all of it changes: places of the centres and arms from the centres of mass to them,
+ * velocities, angular velocities. */
+typedef struct contact_bodies { lw_vec3 at[2], arm[2], v[2], omega[2]; } contact_bodies;
+
+typedef struct contact_rub { lw_vec3 drag, arm; double power, force[12], by_x[12][12], by_v[12][12]; } contact_rub;
+
+/* (tanh(u/s)/u - 1/(s cosh^2(u/s)))/u^2: what the slope of friction loses across the slip. */
+static double lost_slope(double slip, double speed, double part)
+{
+    double a = slip/speed;
+    return a < 1e-3 ? 2/(3*speed*speed*speed) : (part/slip - (1 - part*part)/speed)/(slip*slip);
+}
+
+/* Friction where the surfaces touch, at the radius R of the pin along the line n of the centres: the points there of pin and bush
+ * slip by u across n, and the drag on the pin is -coefficient |load| tanh(|u|/speed) u/|u|. */
+static bool find_rub(const lw_space_forces *f, const lw_space_frame *frame, const double *v, const lw_space_contact *p,
+                     bool derivatives, contact_rub *out)
+{
+    if (!(p->friction.coefficient > 0) || p->phase == LW_CONTACT_APART || !v)
+        return false;
+    const lw_vec3 none = lw_v3(0, 0, 0);
+    contact_bodies b;
+    for (int k = 0; k < 2; k++) {
+        int body = p->end[k].body;
+        b.at[k] = lw_space_point_at(frame, p->end[k]);
+        b.arm[k] = lw_v3_sub(b.at[k], frame[body + 1].at);
+        b.v[k] = body < 0 ? none : lw_v3_scale(lw_v3(v[6*body], v[6*body + 1], v[6*body + 2]), f->s->unit);
+        b.omega[k] = body < 0 ? none : lw_space_omega(frame, body, v);
+    }
+    lw_vec3 d = lw_v3_sub(b.at[1], b.at[0]), slip = none, rates = none, reach[2];
+    double r = lw_v3_norm(d), by_depth, by_rate;
+    if (r == 0)
+        return false;
+    lw_vec3 n = lw_v3_scale(d, 1/r);
+    for (int k = 0; k < 2; k++) {
+        reach[k] = lw_v3_add(b.arm[k], lw_v3_scale(n, p->friction.radius + (k ? 0 : r)));
+        slip = lw_v3_add(slip, lw_v3_scale(lw_v3_add(b.v[k], lw_v3_cross(b.omega[k], reach[k])), k ? 1 : -1));
+        rates = lw_v3_add(rates, lw_v3_scale(lw_v3_add(b.v[k], lw_v3_cross(b.omega[k], b.arm[k])), k ? 1 : -1));
+    }
+    double along = lw_v3_dot(n, slip), rate = lw_v3_dot(n, rates);
+    double load = lw_contact_gradient(p->law, p->phase, r - p->law->gap, rate, p->struck, &by_depth, &by_rate);
+    lw_vec3 u = lw_v3_sub(slip, lw_v3_scale(n, along));
+    double size = lw_v3_norm(u), speed = p->friction.speed, part = tanh(size/speed), factor = size > 0 ? part/size : 1/speed;
+    double press = p->friction.coefficient*fabs(load), lost = lost_slope(size, speed, part);
+    out->drag = lw_v3_scale(u, -press*factor);
+    out->arm = lw_v3_scale(n, p->friction.radius);
+    out->power = lw_v3_dot(out->drag, u);
+    for (int k = 0; k < 2; k++) {
+        lw_vec3 push = lw_v3_scale(out->drag, k ? 1 : -1), moment = lw_v3_cross(reach[k], push);
+        const double all[6] = { push.x, push.y, push.z, moment.x, moment.y, moment.z };
+        memcpy(out->force + 6*k, all, sizeof all);
+    }
+    for (int c = 0; c < 24 && derivatives; c++) {        /* a displacement or turn, then a velocity, of one body */
+        contact_bodies by = { { none, none }, { none, none }, { none, none }, { none, none } };
+        int moved = c%12/6;
+        lw_vec3 e = lw_v3(c%3 == 0, c%3 == 1, c%3 == 2), d_slip = none, d_rates = none, d_reach[2];
+        if (c%6 >= 3 && c < 12)
+            by.at[moved] = by.arm[moved] = lw_v3_cross(e, b.arm[moved]), by.omega[moved] = lw_v3_cross(e, b.omega[moved]);
+        else
+            *(c < 12 ? &by.at[moved] : c%6 < 3 ? &by.v[moved] : &by.omega[moved]) = e;
+        lw_vec3 dd = lw_v3_sub(by.at[1], by.at[0]);
+        double dr = lw_v3_dot(n, dd);
+        lw_vec3 dn = lw_v3_scale(lw_v3_sub(dd, lw_v3_scale(n, dr)), 1/r);
+        for (int k = 0; k < 2; k++) {
+            d_reach[k] = lw_v3_add(by.arm[k], lw_v3_scale(dn, p->friction.radius + (k ? 0 : r)));
+            d_reach[k] = lw_v3_add(d_reach[k], lw_v3_scale(n, k ? 0 : dr));
+            lw_vec3 turned = lw_v3_add(lw_v3_cross(by.omega[k], reach[k]), lw_v3_cross(b.omega[k], d_reach[k]));
+            d_slip = lw_v3_add(d_slip, lw_v3_scale(lw_v3_add(by.v[k], turned), k ? 1 : -1));
+            turned = lw_v3_add(lw_v3_cross(by.omega[k], b.arm[k]), lw_v3_cross(b.omega[k], by.arm[k]));
+            d_rates = lw_v3_add(d_rates, lw_v3_scale(lw_v3_add(by.v[k], turned), k ? 1 : -1));
+        }
+        double d_load = by_depth*dr + by_rate*(lw_v3_dot(dn, rates) + lw_v3_dot(n, d_rates));
+        lw_vec3 du = lw_v3_sub(d_slip, lw_v3_scale(n, lw_v3_dot(dn, slip) + lw_v3_dot(n, d_slip)));
+        du = lw_v3_sub(du, lw_v3_scale(dn, along));
+        double by_u = press*lost*lw_v3_dot(u, du) - copysign(p->friction.coefficient, load)*d_load*factor;
+        lw_vec3 d_drag = lw_v3_add(lw_v3_scale(u, by_u), lw_v3_scale(du, -press*factor));
+        for (int k = 0; k < 2; k++) {
+            lw_vec3 m = lw_v3_add(lw_v3_cross(d_reach[k], out->drag), lw_v3_cross(reach[k], d_drag));
+            const double all[6] = { d_drag.x, d_drag.y, d_drag.z, m.x, m.y, m.z };
+            for (int a = 0; a < 6; a++)
+                (c < 12 ? out->by_x : out->by_v)[6*k + a][c%12] = k ? all[a] : -all[a];
+        }
+    }
+    return true;
+}
+
+/* The force of pin and bush along the distance of their centres, and friction. */
 static void push_contact(sum *s, int i)
 {
     const lw_space_contact *p = &s->f->contact[i];
     double by_depth, by_rate;
     measure at;
+    contact_rub rub;
     if (p->phase == LW_CONTACT_APART)
         return;
     length_of(s->f, s->frame, p->end, s->v, s->sink != NULL, &at);
     double depth = at.value - p->law->gap, load = lw_contact_gradient(p->law, p->phase, depth, at.rate, p->struck, &by_depth, &by_rate);
     push(s, &at, -load, -by_depth, -by_rate);
     s->power -= (load - lw_contact_spring(p->law, depth))*at.rate;
+    if (!find_rub(s->f, s->frame, s->v, p, s->sink != NULL, &rub))
+        return;
+    lw_space_add_element(s->f->s, s->frame, 2, (const int[2]){ p->end[0].body, p->end[1].body }, rub.force, &rub.by_x[0][0],
+                         &rub.by_v[0][0], s->force, s->sink);
+    s->power += rub.power;
 }
 
 lw_space_touch lw_space_touch_of(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i)
 {
     const lw_space_contact *p = &f->contact[i];
     measure at = { .rate = 0 };
+    contact_rub rub = { .power = 0 };
     length_of(f, frame, p->end, v, false, &at);
-    return (lw_space_touch){ at.value, at.rate, lw_contact_force(p->law, p->phase, at.value - p->law->gap, at.rate, p->struck) };
+    if (!find_rub(f, frame, v, p, false, &rub))
+        rub.drag = rub.arm = lw_v3(0, 0, 0);
+    return (lw_space_touch){ at.value, at.rate, lw_contact_force(p->law, p->phase, at.value - p->law->gap, at.rate, p->struck),
+                             rub.drag, rub.arm };
 }
 
 /* So far beyond its end a piece ends, over the clearance: rounding of lengths is less. */

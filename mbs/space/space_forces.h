@@ -15,6 +15,7 @@
 typedef struct lw_space_contact {
     int     joint;
     const lw_clearance *law;
+    lw_friction friction;                /* where the surfaces touch; its speed is set                            */
     lw_space_point end[2];               /* centres of the bush and of the pin                                    */
     lw_contact_phase phase;
     double  struck;                      /* rate at which contact began [m/s]                                     */
@@ -25,8 +26,9 @@ typedef struct lw_space_contact {
     long    losses;                      /* times at which contact was lost                                       */
 } lw_space_contact;
 
-/* At one moment: the distance of the centres and its rate, the force that presses pin and bush together [N]. */
-typedef struct lw_space_touch { double distance, rate, force; } lw_space_touch;
+/* At one moment: the distance of the centres and its rate, the force that presses pin and bush together [N]; friction on the pin
+ * [N] and where it acts, from the pin's centre [m]. */
+typedef struct lw_space_touch { double distance, rate, force; lw_vec3 drag, arm; } lw_space_touch;
 
 typedef struct lw_space_forces {
     const lw_space *s;
