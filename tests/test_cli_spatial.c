@@ -14,7 +14,7 @@ TEST(robots)
            "0.000000, 1.000000): a singular posture, place and turn of the tool have 3 of 6 freedoms", NULL);
     expect("$P robot jacobian examples/space/delta.json --tool-at 0,0,-1 | grep -c 'cannot move'", 1, "0", NULL);
     expect("$P robot budget examples/space/delta.json", 3, NULL, "nothing lets the tool stray");
-    expect("$P convert examples/space/delta-elastic.json --format acf", 3, NULL, "is elastic, which is not written to ADAMS");
+    expect("$P convert examples/space/superelement.json --format acf", 3, NULL, "is a superelement, which is not written to ADAMS");
 }
 
 TEST(traces)
