@@ -157,6 +157,26 @@ TEST(elastic_links_bend)
     lw_spatial_free(&m);
 }
 
+/* A frame of three bars whose joint lies beside the second: three bars along its axis, and an arm. */
+TEST(elastic_frames_have_corners)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"f\", \"elastic\": {\"section\": {\"shape\": \"round\", "
+        "\"diameter\": 0.02}, \"material\": \"steel\", \"axis\": [[0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1]]}}], \"joints\": [{\"name\": \"A\", "
+        "\"kind\": \"fixed\", \"links\": [\"ground\", \"f\"], \"at\": [0.5, 0, 1.2]}]}";
+    lw_spatial m;
+    lw_error e = { 0 };
+    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "frame", &m, &e), LW_OK);
+    lw_space_scene s = make_scene(&m, 0);
+    CHECK_INT(s.n_shape, 4);
+    for (int i = 0; i < 3 && i < s.n_shape; i++)
+        for (int k = 0; k < 2; k++)
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[i].p[k], m.elastic[1].axis[i + k])), 0, 0, 0);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[3].p[0], lw_v3(0.5, 0, 1))), 0, 1e-15, 0);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(s.shape[3].p[1], lw_v3(0.5, 0, 1.2))), 0, 1e-15, 0);
+    lw_space_scene_free(&s);
+    lw_spatial_free(&m);
+}
+
 TEST(files)
 {
     lw_spatial m;

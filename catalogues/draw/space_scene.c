@@ -217,12 +217,20 @@ static void add_line(lw_space_scene *s, int link, const lw_vec3 *p, int n)
         add_bar(s, link, p[a], p[b]);
 }
 
-/* Rigid arms from a node of an elastic link to what acts beside its axis. */
-static void add_node(lw_space_scene *s, int link, lw_vec3 centre, const lw_vec3 *p, int n)
+/* Rigid arms to what acts beside a line of bars, from the nearest point of it. */
+static void add_arms(lw_space_scene *s, int link, const lw_vec3 *line, int n_line, const lw_vec3 *p, int n)
 {
-    for (int i = 0; i < n; i++)
-        if (lw_v3_norm(lw_v3_sub(p[i], centre)) > 1e-6*s->radius)
-            add_bar(s, link, centre, p[i]);
+    for (int i = 0; i < n; i++) {
+        lw_vec3 best = line[0];
+        for (int k = 0; k + 1 < n_line; k++) {
+            lw_vec3 along = lw_v3_sub(line[k + 1], line[k]);
+            double part = lw_v3_dot(lw_v3_sub(p[i], line[k]), along)/lw_v3_dot(along, along);
+            lw_vec3 foot = lw_v3_add(line[k], lw_v3_scale(along, fmin(fmax(part, 0), 1)));
+            best = lw_v3_norm(lw_v3_sub(p[i], foot)) < lw_v3_norm(lw_v3_sub(p[i], best)) ? foot : best;
+        }
+        if (lw_v3_norm(lw_v3_sub(p[i], best)) > 1e-6*s->radius)
+            add_bar(s, link, best, p[i]);
+    }
 }
 
 static bool is_node(const lw_spatial *m, int link)
@@ -238,8 +246,13 @@ static void add_link(const lw_spatial *m, int link, lw_space_scene *s)
     lw_vec3 p[LW_SPACE_POINTS], normal;
     double near = 1e-6*s->radius;
     int n = points_of(m, link, near, p);
+    const lw_elastic *bent = m->elastic && m->elastic[link].n_axis > 0 ? &m->elastic[link] : NULL;
     if (is_node(m, link)) {
-        add_node(s, link, m->body[link].centre, p, n);
+        add_arms(s, link, &m->body[link].centre, 1, p, n);
+    } else if (bent) {
+        for (int i = 0; i + 1 < bent->n_axis; i++)
+            add_bar(s, link, bent->axis[i], bent->axis[i + 1]);
+        add_arms(s, link, bent->axis, bent->n_axis, p, n);
     } else if (n < 3) {
         add_line(s, link, p, n);
     } else if (are_flat(p, n, near, &normal)) {
@@ -348,6 +361,8 @@ lw_status lw_space_scene_make(const lw_spatial *m, const lw_space_scene_options 
 {
     size_t n_frame = o->n_frame + 1, n_link = (size_t)m->n_link, n_tracer = (size_t)m->n_tracer;
     size_t n_shape = LW_SPACE_POINTS*n_link + 2*(size_t)m->n_joint + n_tracer + (size_t)m->n_beam;
+    for (int i = 0; m->elastic && i < m->n_link; i++)
+        n_shape += (size_t)m->elastic[i].n_axis;
     *s = (lw_space_scene){ .n_link = m->n_link, .n_tracer = m->n_tracer, .up = { 0, 0, 1 }, .stop = o->stop };
     snprintf(s->title, sizeof s->title, "%s", o->title ? o->title : m->name);
     s->shape = calloc(n_shape + 1, sizeof *s->shape);
