@@ -172,6 +172,85 @@ TEST(mixed_agree)
     }
 }
 
+/* n four-bars whose rods share the pin at the crank's end. */
+static void read_star(int n, lw_model *m)
+{
+    text t = { 0 };
+    put(&t, "{'linkwright': 1, 'gravity': [0, -9.81], 'links': ['ground', {'name': 'c', 'mass': 1, 'centre': [0.5, 0], 'inertia': 0.1}");
+    for (int i = 0; i < n; i++) {
+        double a = 2*LW_PI*(i + 0.5)/n, x = 5*cos(a) + 2.5*cos(a + 2), y = 5*sin(a) + 2.5*sin(a + 2);
+        put(&t, ",{'name': 'r%d', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 1},{'name': 'k%d', 'mass': 1, 'centre': "
+            "[%.17g, %.17g], 'inertia': 1}", i, 0.5*(x + 1), 0.5*y, i, 0.5*(x + 5*cos(a)), 0.5*(y + 5*sin(a)));
+    }
+    put(&t, "], 'joints': [{'name': 'A', 'links': ['ground', 'c'], 'at': [0, 0]}");
+    for (int i = 0; i < n; i++) {
+        double a = 2*LW_PI*(i + 0.5)/n, x = 5*cos(a) + 2.5*cos(a + 2), y = 5*sin(a) + 2.5*sin(a + 2);
+        put(&t, ",{'name': 'B%d', 'links': ['c', 'r%d'], 'at': [1, 0]},{'name': 'C%d', 'links': ['r%d', 'k%d'], 'at': [%.17g, %.17g]}"
+            ",{'name': 'D%d', 'links': ['k%d', 'ground'], 'at': [%.17g, %.17g]}", i, i, i, i, i, x, y, i, i, 5*cos(a), 5*sin(a));
+    }
+    put(&t, "], 'input': {'joint': 'A', 'speed': 1}}");
+    read_text(&t, m);
+}
+
+/* A link with many pins: rows divided among welded parts give what IDA gives with the whole matrix. */
+TEST(many_links_on_one_pin)
+{
+    lw_model m;
+    kept explicit, implicit;
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    read_star(40, &m);
+    CHECK_INT(run(&m, 0.5, 1e-11, &explicit, &r, &e), LW_OK);
+    CHECK(explicit.off < 1e-13);
+    CHECK_NEAR(explicit.energy[1] - explicit.energy[0], 0, 1e-9*r.energy_scale, 0);
+    CHECK_INT(run_by(LW_FORMULATION_GGL, &m, 0.5, 1e-9, &implicit, &r, &e), LW_OK);
+    for (int i = 0; i < explicit.n_q; i++)
+        CHECK_NEAR(implicit.q[i], explicit.q[i], 1e-6, 0);
+    CHECK_NEAR(implicit.joint.force.x, explicit.joint.force.x, 1e-3, 1e-4);
+    CHECK_NEAR(implicit.joint.force.y, explicit.joint.force.y, 1e-3, 1e-4);
+    free(explicit.q), free(implicit.q);
+    lw_model_free(&m);
+}
+
+/* A plate on n upright cranks of 1 m, which together have mass 1. */
+static void read_plate(int n, lw_model *m)
+{
+    text t = { 0 };
+    put(&t, "{'linkwright': 1, 'gravity': [3, -9.81], 'links': ['ground', {'name': 'plate', 'mass': 2, 'centre': [0.5, 1.2], "
+        "'inertia': 1}");
+    for (int i = 0; i < n; i++)
+        put(&t, ",{'name': 'c%d', 'mass': %.17g, 'centre': [%.17g, 0.5], 'inertia': %.17g}", i, 1./n, (double)i/(n - 1), 0.1/n);
+    put(&t, "], 'joints': [");
+    for (int i = 0; i < n; i++)
+        put(&t, "%s{'name': 'A%d', 'links': ['ground', 'c%d'], 'at': [%.17g, 0]},{'name': 'B%d', 'links': ['c%d', 'plate'], 'at': "
+            "[%.17g, 1]}", i ? "," : "", i, i, (double)i/(n - 1), i, i, (double)i/(n - 1));
+    put(&t, "], 'input': {'joint': 'A0', 'speed': 1}}");
+    read_text(&t, m);
+}
+
+/* Most of the rows of a plate on many cranks depend on others; it moves as on two. */
+TEST(many_redundant_pins_on_one_link)
+{
+    enum { N = 40 };
+    lw_model m;
+    kept many, two;
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    read_plate(2, &m);
+    CHECK_INT(run(&m, 0.7, 1e-11, &two, &r, &e), LW_OK);
+    lw_model_free(&m);
+    read_plate(N, &m);
+    CHECK_INT(run(&m, 0.7, 1e-11, &many, &r, &e), LW_OK);
+    CHECK_INT(r.redundant, N - 2);
+    CHECK(many.off < 1e-12);
+    for (int k = 0; k < 3; k++)
+        CHECK_NEAR(many.q[k]*many.unit, two.q[k]*two.unit, 1e-9, 0);
+    for (int i = 0; i < N; i++)
+        CHECK_NEAR(many.q[3*(i + 1) + 2], two.q[5], 1e-9, 0);
+    free(many.q), free(two.q);
+    lw_model_free(&m);
+}
+
 /* ---- driven -------------------------------------------------------------------------------------------------- */
 
 enum { MOMENTS = 41 };

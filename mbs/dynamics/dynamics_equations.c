@@ -103,20 +103,26 @@ static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
 static void form_schur(lw_dynamics *d)
 {
     double *value = d->schur.value;
-    memset(value, 0, (size_t)(d->schur.n_entry + d->n_kept)*sizeof *value);
+    memset(value, 0, (size_t)(d->schur.n_entry + d->schur.n)*sizeof *value);
     for (int i = 0; i < d->n_kept; i++) {
         int row = d->kept[i];
         const double *jac = d->jac + row*LW_ROW_SIZE;
         double *to = d->jac_by_mass + row*LW_ROW_SIZE;
         for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++, jac += LW_BLOCK, to += LW_BLOCK) {
             const double *m = d->by_mass + LW_BLOCK*d->row_block[row][k];
-            to[0] = jac[0]*m[0], to[1] = jac[1]*m[1], to[2] = jac[2]*m[2];
+            double n = d->n_weld ? d->parts[d->row_block[row][k]] : 1;
+            to[0] = jac[0]*m[0]*n, to[1] = jac[1]*m[1]*n, to[2] = jac[2]*m[2]*n;
         }
     }
     for (int p = 0; p < d->n_pair; p++) {
         const lw_row_pair *pair = &d->pair[p];
         const double *a = d->jac + pair->row, *b = d->jac_by_mass + pair->other;
         value[pair->to] += a[0]*b[0] + a[1]*b[1] + a[2]*b[2];
+    }
+    for (int i = 0; i < d->n_weld; i++) {
+        const lw_weld *w = &d->weld[i];
+        double x = w->at_row ? d->jac_by_mass[w->from] : d->by_mass[w->from];
+        value[w->to] += w->at_row || x != 0 ? w->by*x : w->by > 0;        /* no mass that could move: any diagonal */
     }
 }
 
@@ -150,23 +156,26 @@ static void add_rows(const lw_dynamics *d, double sign, const double *l, double 
     }
 }
 
-/* x = M^-1 (Q - J^T l), J x = rhs */
+/* x = M^-1 (Q - J^T l), J x = rhs.  Welds magnify rounding: what rows lack then is solved for again. */
 static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
-    double *b = d->small;
+    double *b = d->small, *push = d->bias;
     for (int i = 0; i < d->n_v; i++)
         x[i] = force ? force[i]*d->by_mass[i] : 0;
-    for (int i = 0; i < d->n_kept; i++)
-        b[i] = row_dot(d, d->kept[i], x) - rhs[d->kept[i]];
-    lw_cholesky_solve(&d->schur, b);
     memset(l, 0, (size_t)d->n_c*sizeof *l);
-    for (int i = 0; i < d->n_kept; i++)
-        l[d->kept[i]] = b[i];
-    double *push = d->bias;
-    memset(push, 0, (size_t)d->n_v*sizeof *push);
-    add_rows(d, -1, l, push);
-    for (int i = 0; i < d->n_v; i++)
-        x[i] += push[i]*d->by_mass[i];
+    for (int pass = 0; pass < (d->n_weld ? 2 : 1); pass++) {
+        if (d->n_weld)
+            memset(b, 0, (size_t)d->schur.n*sizeof *b);
+        for (int i = 0; i < d->n_kept; i++)
+            b[d->unknown[i]] = row_dot(d, d->kept[i], x) - rhs[d->kept[i]];
+        lw_cholesky_solve(&d->schur, b);
+        for (int i = 0; i < d->n_kept; i++)
+            l[d->kept[i]] += b[d->unknown[i]];
+        memset(push, 0, (size_t)d->n_v*sizeof *push);
+        add_rows(d, -1, l, push);
+        for (int i = 0; i < d->n_v; i++)
+            x[i] = (force ? force[i]*d->by_mass[i] : 0) + push[i]*d->by_mass[i];
+    }
 }
 
 /* ---- by rank ------------------------------------------------------------------------------ */
@@ -556,31 +565,95 @@ static void find_row_blocks(lw_dynamics *d)
         lw_mbs_touch_bodies(d, row);
 }
 
-/* The kept rows of each block: those of block b at list[at[b]] .. list[at[b + 1] - 1], with their place in row_block. */
-typedef struct block_rows { int *at; struct block_row { int kept, slot; } *list; } block_rows;
+/* A block with many rows makes J M^-1 J^T full over these.  It counts as parts of equal mass instead, each with a few of the rows
+ * and welded to another by LW_BLOCK rows more.  The solution is the same: no force acts between parts that move alike, so the
+ * right-hand sides of welds are 0. */
+enum { MANY_ROWS = 48, PART_ROWS = 8 };
 
-static bool list_block_rows(const lw_dynamics *d, block_rows *r)
+/* Which unknowns (kept rows, then welds) meet which part: part p meets list[at[p]] .. list[at[p + 1] - 1], unknown i part
+ * part[i*LW_ROW_BLOCKS + k] in slot k: of a row as in row_block, of a weld its two sides. */
+typedef struct part_rows { int n, n_unknown, *part, *at; struct part_row { int unknown, slot; } *list; } part_rows;
+
+static void free_part_rows(part_rows *r)
+{
+    free(r->part);
+    free(r->at);
+    free(r->list);
+}
+
+/* Divide the blocks; d->parts: into how many. */
+static bool count_parts(lw_dynamics *d, part_rows *r, bool divide)
 {
     int n = d->eq.n_block;
-    r->at = calloc((size_t)n + 2, sizeof *r->at);
-    r->list = malloc(((size_t)d->n_kept*LW_ROW_BLOCKS + 1)*sizeof *r->list);
-    if (!r->at || !r->list)
+    free(d->parts);
+    d->parts = calloc((size_t)n + 1, sizeof *d->parts);
+    if (!d->parts)
         return false;
-    for (int i = 0; i < d->n_kept; i++)
+    for (int i = 0; divide && i < d->n_kept; i++)
         for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
-            r->at[d->row_block[d->kept[i]][k] + 2]++;
-    for (int b = 0; b < n; b++)
-        r->at[b + 2] += r->at[b + 1];
-    for (int i = 0; i < d->n_kept; i++)
-        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
-            r->list[r->at[d->row_block[d->kept[i]][k] + 1]++] = (struct block_row){ i, k };
+            d->parts[d->row_block[d->kept[i]][k]]++;
+    r->n = 0;
+    for (int b = 0; b < n; b++) {
+        d->parts[b] = d->parts[b] > MANY_ROWS ? (d->parts[b] + PART_ROWS - 1)/PART_ROWS : 1;
+        r->n += d->parts[b];
+    }
+    r->n_unknown = d->n_kept + LW_BLOCK*(r->n - n);
     return true;
 }
 
-/* Analyse the pattern of J M^-1 J^T, which has an entry where two kept rows share a block. */
-static bool analyse(lw_dynamics *d, const block_rows *r)
+/* The part, 1 .. n, to which part p is welded; 0: to none.  Welds make a tree of few levels that keeps to the order of the rows, and
+ * so of neighbouring links: a chain would be as sparse, but magnify rounding. */
+static int welded_to(int p, int n)
 {
-    int n = d->n_kept;
+    int root = 1;
+    while (2*root <= n)
+        root *= 2;
+    if (p == root)
+        return 0;
+    do {
+        int low = p & -p;
+        p += p & 2*low ? -low : low;
+    } while (p > n);
+    return p;
+}
+
+static bool list_part_rows(const lw_dynamics *d, part_rows *r)
+{
+    int n = d->eq.n_block, weld = d->n_kept, *next = calloc(2*((size_t)n + 1), sizeof *next), *first = next ? next + n + 1 : NULL;
+    size_t size = (size_t)r->n_unknown*LW_ROW_BLOCKS + 1;
+    r->part = malloc(size*sizeof *r->part);
+    r->at = calloc((size_t)r->n + 2, sizeof *r->at);
+    r->list = malloc(size*sizeof *r->list);
+    bool ok = next && r->part && r->at && r->list;
+    for (size_t i = 0; ok && i < size; i++)
+        r->part[i] = -1;
+    for (int b = 0, p = 0; ok && b < n; b++) {
+        first[b] = p;
+        for (int i = 1, to; i <= d->parts[b]; i++, p++)
+            for (int k = 0; k < LW_BLOCK && (to = welded_to(i, d->parts[b])) > 0; k++, weld++)
+                r->part[weld*LW_ROW_BLOCKS] = p, r->part[weld*LW_ROW_BLOCKS + 1] = first[b] + to - 1;
+    }
+    for (int i = 0; ok && i < d->n_kept; i++)
+        for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++) {
+            int b = d->row_block[d->kept[i]][k];
+            r->part[i*LW_ROW_BLOCKS + k] = first[b] + (d->parts[b] > 1 ? next[b]++/PART_ROWS : 0);
+        }
+    free(next);
+    for (int i = 0; ok && i < (int)size; i++)
+        if (r->part[i] >= 0)
+            r->at[r->part[i] + 2]++;
+    for (int p = 0; ok && p < r->n; p++)
+        r->at[p + 2] += r->at[p + 1];
+    for (int i = 0; ok && i < (int)size; i++)
+        if (r->part[i] >= 0)
+            r->list[r->at[r->part[i] + 1]++] = (struct part_row){ i/LW_ROW_BLOCKS, i%LW_ROW_BLOCKS };
+    return ok;
+}
+
+/* Analyse the pattern of J M^-1 J^T, which has an entry where two unknowns share a part. */
+static bool analyse(lw_dynamics *d, const part_rows *r)
+{
+    int n = r->n_unknown;
     int *at = calloc((size_t)n + 2, sizeof *at), *mark = malloc(((size_t)n + 1)*sizeof *mark), *near = NULL;
     bool ok = at && mark;
     for (int pass = 0; ok && pass < 2; pass++) {             /* count, then list */
@@ -588,9 +661,9 @@ static bool analyse(lw_dynamics *d, const block_rows *r)
             mark[i] = -1;
         for (int i = 0, used = 0; i < n; i++) {
             mark[i] = i;
-            for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[d->kept[i]][k] >= 0; k++)
-                for (int b = d->row_block[d->kept[i]][k], p = r->at[b]; p < r->at[b + 1]; p++) {
-                    int j = r->list[p].kept;
+            for (int k = 0; k < LW_ROW_BLOCKS && r->part[i*LW_ROW_BLOCKS + k] >= 0; k++)
+                for (int b = r->part[i*LW_ROW_BLOCKS + k], p = r->at[b]; p < r->at[b + 1]; p++) {
+                    int j = r->list[p].unknown;
                     if (mark[j] == i)
                         continue;
                     mark[j] = i;
@@ -611,47 +684,70 @@ static bool analyse(lw_dynamics *d, const block_rows *r)
     return ok;
 }
 
-/* Put the kept rows in the order of elimination, and list the pairs that share a block. */
-static bool order_rows(lw_dynamics *d, const block_rows *r)
+/* What two unknowns that share a part add to their entry `to`: x and y are theirs, block is that of the part. */
+static void add_pair(lw_dynamics *d, const int *row, const struct part_row *x, const struct part_row *y, int block, int to)
 {
-    int n = d->n_kept, count = 0, *old = malloc(2*((size_t)n + 1)*sizeof *old), *place = old ? old + n : NULL;
+    bool welds[2] = { x->unknown >= d->n_kept, y->unknown >= d->n_kept };
+    if (!welds[0] && !welds[1]) {
+        d->pair[d->n_pair++] = (lw_row_pair){ row[x->unknown]*LW_ROW_SIZE + LW_BLOCK*x->slot,
+                                              row[y->unknown]*LW_ROW_SIZE + LW_BLOCK*y->slot, to };
+        return;
+    }
+    const struct part_row *w = welds[0] ? x : y, *other = welds[0] ? y : x;
+    int i = (w->unknown - d->n_kept)%LW_BLOCK;
+    if (!welds[0] || !welds[1])
+        d->weld[d->n_weld++] = (lw_weld){ true, row[other->unknown]*LW_ROW_SIZE + LW_BLOCK*other->slot + i, to, w->slot ? -1 : 1 };
+    else if (i == (other->unknown - d->n_kept)%LW_BLOCK)
+        d->weld[d->n_weld++] = (lw_weld){ false, LW_BLOCK*block + i, to, (w->slot == other->slot ? 1 : -1)*d->parts[block] };
+}
+
+/* Put the kept rows in the order of elimination, and list the pairs of unknowns that share a part. */
+static bool order_rows(lw_dynamics *d, const part_rows *r)
+{
+    int n = d->n_kept, all = r->n_unknown, m = 0, *old = malloc((size_t)(n + all + 1)*sizeof *old), *place = old ? old + n : NULL;
+    size_t count = 0;
     if (!old)
         return false;
     memcpy(old, d->kept, (size_t)n*sizeof *old);
-    for (int i = 0; i < n; i++) {
-        place[d->schur.order[i]] = i;
-        d->kept[i] = old[d->schur.order[i]];
-        d->place[d->kept[i]] = i;
+    for (int i = 0; i < all; i++) {
+        int unknown = d->schur.order[i];
+        place[unknown] = i;
+        if (unknown < n) {
+            d->kept[m] = old[unknown];
+            d->unknown[m] = i;
+            d->place[old[unknown]] = m++;
+        }
     }
-    for (int b = 0; b < d->eq.n_block; b++) {
-        int m = r->at[b + 1] - r->at[b];
-        count += m*(m + 1)/2;
+    for (int b = 0; b < r->n; b++) {
+        size_t met = (size_t)(r->at[b + 1] - r->at[b]);
+        count += met*(met + 1)/2;
     }
     free(d->pair);
-    d->pair = malloc(((size_t)count + 1)*sizeof *d->pair);
-    d->n_pair = 0;
-    for (int b = 0; d->pair && b < d->eq.n_block; b++)
+    free(d->weld);
+    d->pair = malloc((count + 1)*sizeof *d->pair);
+    d->weld = malloc((all > n ? count + 1 : 1)*sizeof *d->weld);
+    d->n_pair = d->n_weld = 0;
+    for (int block = 0, b = 0, in = 0; d->pair && d->weld && b < r->n; b++, in++) {
+        if (in == d->parts[block])
+            block++, in = 0;
         for (int p = r->at[b]; p < r->at[b + 1]; p++)
             for (int q = r->at[b]; q <= p; q++) {
-                const struct block_row *x = &r->list[p], *y = &r->list[q];
-                int i = place[x->kept], j = place[y->kept], low = i < j ? i : j, high = i < j ? j : i;
-                d->pair[d->n_pair++] = (lw_row_pair){ old[x->kept]*LW_ROW_SIZE + LW_BLOCK*x->slot,
-                                                      old[y->kept]*LW_ROW_SIZE + LW_BLOCK*y->slot,
-                                                      lw_cholesky_entry(&d->schur, low, high) };
+                int i = place[r->list[p].unknown], j = place[r->list[q].unknown];
+                add_pair(d, old, &r->list[p], &r->list[q], block, lw_cholesky_entry(&d->schur, i < j ? i : j, i < j ? j : i));
             }
+    }
     free(old);
-    return d->pair != NULL;
+    return d->pair && d->weld;
 }
 
-/* Prepare the fast way for the rows in kept. */
-static lw_status prepare_kept(lw_dynamics *d)
+/* Prepare the fast way for the rows in kept; divide: blocks with many rows into parts. */
+static lw_status prepare_kept(lw_dynamics *d, bool divide)
 {
-    block_rows r = { 0 };
+    part_rows r = { 0 };
     for (int i = 0; i < d->n_c; i++)
         d->place[i] = -1;
-    bool ok = list_block_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
-    free(r.at);
-    free(r.list);
+    bool ok = count_parts(d, &r, divide) && list_part_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
+    free_part_rows(&r);
     return ok ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
 }
 
@@ -664,33 +760,36 @@ static lw_status keep_basis(lw_dynamics *d)
     assert(d->n_kept <= d->n_c);
     memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
     qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
-    return prepare_kept(d);
+    return prepare_kept(d, false);
 }
 
 /* The same without a rank-revealing factorisation: leave out rows whose pivots vanish.  A pivot is the square of the
- * distance of a row from those eliminated before it. */
-static lw_status keep_independent(lw_dynamics *d)
+ * distance of a row from those eliminated before it.  LW_NOTHING: it is that of a weld, which says nothing about rows. */
+static lw_status keep_independent(lw_dynamics *d, bool divide)
 {
-    bool *dependent = malloc((size_t)d->n_c + 1);
-    int n = 0;
+    int n = 0, n_dependent = 0;
     d->n_kept = d->n_c;
     for (int r = 0; r < d->n_c; r++)
         d->kept[r] = r;
-    lw_status s = dependent ? prepare_kept(d) : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK) {
-        form_schur(d);
-        lw_cholesky_factor(&d->schur, least_share, dependent);
-        for (int i = 0; i < d->n_kept; i++)
-            if (!dependent[i])
-                d->kept[n++] = d->kept[i];
-        if (n < d->n_kept) {
-            d->n_kept = n;
-            qsort(d->kept, (size_t)n, sizeof *d->kept, compare);
-            s = prepare_kept(d);
-        }
-    }
+    lw_status s = prepare_kept(d, divide);
+    bool *dependent = s == LW_OK ? malloc((size_t)d->schur.n + 1) : NULL;
+    if (!dependent)
+        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    form_schur(d);
+    lw_cholesky_factor(&d->schur, least_share, dependent);
+    for (int i = 0; i < d->schur.n; i++)
+        n_dependent += dependent[i];
+    for (int i = 0; i < d->n_kept; i++)
+        if (!dependent[d->unknown[i]])
+            d->kept[n++] = d->kept[i];
     free(dependent);
-    return s;
+    if (n_dependent > d->n_kept - n)
+        return LW_NOTHING;
+    if (n == d->n_kept)
+        return LW_OK;
+    d->n_kept = n;
+    qsort(d->kept, (size_t)n, sizeof *d->kept, compare);
+    return prepare_kept(d, true);
 }
 
 lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n)
@@ -702,7 +801,7 @@ lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n)
     for (int r = first; r < d->n_c; r++)
         d->kept[n++] = r;
     d->n_kept = n;
-    return prepare_kept(d);
+    return prepare_kept(d, false);
 }
 
 /* Rows of contacts give way by this share, so that those which depend on others share the load. */
@@ -738,7 +837,8 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
     if (s != LW_OK)
         return s;
     if (d->large) {
-        s = keep_independent(d);
+        s = keep_independent(d, true);
+        s = s == LW_NOTHING ? keep_independent(d, false) : s;
         set_rank(d, d->n_kept);
         return s;
     }

@@ -28,6 +28,9 @@
 /* Two kept rows that share a block: their derivatives by it in jac, and the entry of schur that they add to. */
 typedef struct lw_row_pair { int row, other, to; } lw_row_pair;
 
+/* What a weld between two parts of a block adds to entry `to` of schur: `by` times an entry of jac_by_mass, or of by_mass. */
+typedef struct lw_weld { bool at_row; int from, to; double by; } lw_weld;
+
 struct lw_dynamics {
     const lw_model      *model;               /* that of the caller, or `expansion.model` or `rigid` */
     lw_elastic_expansion         expansion;           /* elastic links as chains of elements */
@@ -61,9 +64,12 @@ struct lw_dynamics {
     bool    weighed;                          /* by_mass is a metric: links of a large model have no mass */
     /* rows of the fast way */
     int     n_kept, *kept, *place;            /* rows in the order of elimination; place among them, -1: left out */
-    int     n_pair;
+    int     *unknown;                         /* (n_kept) place in schur: that of kept, unless there are welds */
+    int     n_pair, n_weld;
     lw_row_pair *pair;
-    lw_cholesky schur;                        /* J M^-1 J^T over the kept rows */
+    lw_weld *weld;
+    int     *parts;                           /* (n_block) equal parts into which blocks are divided */
+    lw_cholesky schur;                        /* J M^-1 J^T over the kept rows, and welds */
     lw_row_blocks *row_block;                  /* (n_c) */
     /* at the posture last factored */
     lw_body_frame *frames;                    /* (n_body + 1) */
