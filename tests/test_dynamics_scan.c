@@ -345,17 +345,51 @@ static lw_status carried_rate(void *context, double t, const double *y, double *
     return LW_OK;
 }
 
-/* Write such a model and its equations, with its start in y. */
-static void write_carried(int k, carried *z, double y[4])
+static lw_status crank_rate(void *context, double t, const double *y, double *g)
+{
+    (void)context, (void)t;
+    *g = y[2];
+    return LW_OK;
+}
+
+/* Angle at which the crank first turns back when it starts from y at this speed; infinite: not within 1.5 s.  *when: the time. */
+static double turns_back_at(const carried *z, const double y[4], double speed, double *when)
+{
+    lw_ode ode = { .n = 4, .context = (void *)z, .rate = carried_rate, .n_event = 1, .event = crank_rate };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double work[256];
+    o.relative = o.absolute = 1e-14;
+    CHECK(lw_integrate_work(4, 1) <= 256);
+    CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, (double[]){ y[0], y[1], speed, y[3] }, NULL), LW_OK);
+    while (stop == LW_ODE_STEP && lw_integrate_step(&w, 1.5, &stop, NULL) == LW_OK) {
+    }
+    *when = w.t;
+    return stop == LW_ODE_EVENT ? w.y[0] : INFINITY;
+}
+
+/* Write such a model and its equations, with its start in y.  beyond: it starts below the flat posture, and turns back so far
+ * behind it, at the time *when; NAN: it starts anywhere. */
+static void write_carried(int k, double beyond, carried *z, double y[4], double *when)
 {
     double start = between(0.3, 1.2), length = between(1.5, 3), m[2] = { between(0.5, 2), between(0.5, 2) };
     double r[2] = { between(0.2, 0.8), between(0.2, 0.8) }, own[2] = { between(0.05, 0.5), between(0.05, 0.5) };
     double hang = between(-2, 2), at = between(0.2, 1.3), speed = between(1, 5)*(k%2 ? -1 : 1);
-    double cx = cos(start), cy = sin(start);
+    double cx, cy;
     *z = (carried){ .carried = between(0.5, 2), .mass = between(0.3, 1), .arm = between(0.3, 1),
                     .inertia = between(0.02, 0.2) };
     z->crank = own[0] + m[0]*r[0]*r[0] + own[1] + m[1]*r[1]*r[1];
     z->moment = m[0]*r[0] + m[1]*r[1];
+    if (!isnan(beyond)) {
+        double slow = 0.2, fast = 8;
+        memcpy(y, (double[]){ -start, hang, 0, 0 }, 4*sizeof *y);
+        for (int i = 0; i < 60; i++)
+            *(turns_back_at(z, y, 0.5*(slow + fast), when) < beyond ? &slow : &fast) = 0.5*(slow + fast);
+        start = -start, speed = slow;
+        CHECK_NEAR(turns_back_at(z, y, slow, when), beyond, 1e-10, 0);
+    }
+    cx = cos(start), cy = sin(start);
     used = 0;
     put("{'linkwright': 1, 'links': ['ground'");
     for (int i = 0; i < 2; i++)
@@ -396,15 +430,17 @@ static double growth_of_errors(const carried *z, double y[4], double to)
     return most;
 }
 
+/* Runs of them, and the error that they may have over the tolerance and the growth of errors. */
+static const struct { lw_formulation f; double tolerance, off; } run[] = {
+    { LW_FORMULATION_AUTO, 1e-6, 10 }, { LW_FORMULATION_AUTO, 1e-8, 10 }, { LW_FORMULATION_AUTO, 1e-10, 10 },
+    { LW_FORMULATION_AUTO, 1e-12, 100 }, { LW_FORMULATION_CVODE, 1e-8, 1000 }, { LW_FORMULATION_GGL, 1e-8, 1000 } };
+
 /* The error falls with the tolerance, over and over singular postures; it is some tolerances times the growth of errors. */
 TEST(two_freedoms)
 {
-    static const struct { lw_formulation f; double tolerance, off; } run[] = {
-        { LW_FORMULATION_AUTO, 1e-6, 10 }, { LW_FORMULATION_AUTO, 1e-8, 10 }, { LW_FORMULATION_AUTO, 1e-10, 10 },
-        { LW_FORMULATION_AUTO, 1e-12, 100 }, { LW_FORMULATION_CVODE, 1e-8, 1000 }, { LW_FORMULATION_GGL, 1e-8, 1000 } };
-    /* a step's error that its estimate missed; steps around a singular posture that ended on the other branch; a way that
-     * turns back beside one */
-    static const struct { uint64_t seed; int k; } hard[] = { { 99, 268 }, { 99, 48 }, { 5, 29 }, { 5, 131 } };
+    /* a step's error that its estimate missed; steps around a singular posture that ended on the other branch; ways that
+     * turn back beside one */
+    static const struct { uint64_t seed; int k; } hard[] = { { 99, 268 }, { 99, 48 }, { 5, 29 }, { 5, 131 }, { 31, 153 } };
     enum { N_HARD = sizeof hard/sizeof *hard };
     int failed = 0, n = models(5);
     for (int i = 0; i < n + N_HARD; i++) {
@@ -412,7 +448,7 @@ TEST(two_freedoms)
         carried z;
         double y[4], start;
         seed_with(i < n ? check_seed() : hard[i - n].seed, 14, k);
-        write_carried(k, &z, y);
+        write_carried(k, NAN, &z, y, NULL);
         start = y[0];
         double growth = fmax(1, growth_of_errors(&z, y, 2));
         drun_read_text(&d, text);
@@ -431,4 +467,28 @@ TEST(two_freedoms)
         lw_model_free(&d.model);
     }
     CHECK_INT(failed, 0);
+}
+
+/* Motions that turn back shortly behind a flat posture, in it, or before it, keep to the tolerance as well. */
+TEST(turning_back)
+{
+    static const double beyond[] = { 0.02, 5e-3, 1e-3, 3e-5, 0, -3e-4, -0.01 };
+    enum { N = sizeof beyond/sizeof *beyond };
+    for (int k = 0; k < models(2)*N; k++) {
+        carried z;
+        double y[4], start, when;
+        seed_model(16, k/N);
+        write_carried(k/N, beyond[k%N], &z, y, &when);
+        start = y[0];
+        double to = when + 0.5, growth = fmax(1, growth_of_errors(&z, y, to));
+        drun_read_text(&d, text);
+        d.o.max_step = 50000;
+        for (int r = 0; r < 6; r++) {
+            CHECK_INT(drun_to(&d, run[r].f, run[r].tolerance, to, 20), LW_OK);
+            CHECK_INT(d.n_moment, 21);
+            CHECK_NEAR(d.q[2], y[0] - start, run[r].off*run[r].tolerance*growth, 0);
+            CHECK_NEAR(d.q[5], y[0] - start, run[r].off*run[r].tolerance*growth, 0);
+        }
+        lw_model_free(&d.model);
+    }
 }

@@ -51,7 +51,7 @@ static void weights(const lw_passage *z, int first, int last, double x, double w
     memset(weight, 0, LW_PASSAGE_NODES*sizeof *weight);
     for (int k = first; k <= last; k++)
         for (int p = 0; p < LW_PANEL_NODES; p++) {
-            double product = (x - z->anchor)*z->rule->whole[p], at = z->anchor + (x - z->anchor)*z->rule->at[p];
+            double product = (x - z->anchor)*z->rule->gauss[p], at = z->anchor + (x - z->anchor)*z->rule->gauss_at[p];
             for (int j = first; j <= last; j++)
                 product *= j == k ? 1 : (at - z->at[j])/(z->at[k] - z->at[j]);
             weight[k] += product;
@@ -78,29 +78,60 @@ void lw_passage_state(const lw_passage *z, double x, double *y)
 
 lw_status lw_passage_guess(lw_passage *z)
 {
+    double weight[LW_PASSAGE_NODES], t = z->start;
+    const double *from = z->begun;
+    size_t n = (size_t)z->run->n;
     lw_status s = LW_OK;
     for (int k = 0; k < LW_PASSAGE_NODES && s == LW_OK; k++) {
-        double *to = z->state + k*z->run->n;
-        memcpy(to, z->begun, (size_t)z->run->n*sizeof *to);
-        s = lw_passage_integrate(z->run, z->start, z->start + z->length*z->at[k], to, true);
+        double *to = z->state + (size_t)k*n, at = z->start + z->length*z->at[k];
+        if (k < LW_PASSAGE_SIDE) {
+            memcpy(to, from, n*sizeof *to);
+            s = lw_passage_integrate(z->run, t, at, to, false);
+        } else {
+            weights(z, 0, k - 1, z->at[k], weight);
+            state_in_gap(z, weight, to);
+            s = lw_run_project(z->run, at, to);
+        }
+        if (s == LW_OK)
+            s = lw_run_rate(z->run, at, to, z->rate + (size_t)k*n);
+        from = to;
+        t = at;
     }
     return s;
 }
 
-/* The zero is that of the cubic t(pivot) through two nodes on either side of the least one. */
-bool lw_passage_centre(lw_passage *z)
+/* Roots of the least pivot at the nodes.  false: there is none. */
+static bool pivots(const lw_passage *z, double pivot[LW_PASSAGE_NODES])
 {
     lw_dynamics *d = z->run->d;
-    double pivot[LW_PASSAGE_NODES], at = 0;
-    int least = 0, use[4];
     for (int k = 0; k < LW_PASSAGE_NODES; k++) {
         d->by_rank = false;                  /* else the pivot is not found */
         if (lw_mbs_rows(d, z->start + z->length*z->at[k], z->state + k*z->run->n) != LW_OK)
             return false;
         lw_mbs_factor(d, false);
         pivot[k] = sqrt(fmax(d->weak, 0));
-        least = pivot[k] < pivot[least] ? k : least;
     }
+    return true;
+}
+
+bool lw_passage_is_clear(const lw_passage *z, double least)
+{
+    double pivot[LW_PASSAGE_NODES];
+    bool clear = pivots(z, pivot);
+    for (int k = 0; k < LW_PASSAGE_NODES; k++)
+        clear = clear && pivot[k] > least;
+    return clear;
+}
+
+/* The zero is that of the cubic t(pivot) through two nodes on either side of the least one. */
+bool lw_passage_centre(lw_passage *z)
+{
+    double pivot[LW_PASSAGE_NODES], at = 0;
+    int least = 0, use[4];
+    if (!pivots(z, pivot))
+        return false;
+    for (int k = 0; k < LW_PASSAGE_NODES; k++)
+        least = pivot[k] < pivot[least] ? k : least;
     if (least < 2 || least > LW_PASSAGE_NODES - 3)
         return false;
     for (int i = 0; i < 4; i++)
@@ -119,6 +150,27 @@ bool lw_passage_centre(lw_passage *z)
     return true;
 }
 
+/* Near its turn the pivot's root is a parabola, with a part of third order: through two nodes on either side, inside the others but
+ * well apart from the singular posture. */
+bool lw_passage_centre_turn(lw_passage *z, double *t, double *beyond, double *bend)
+{
+    enum { OUTER = 5, INNER = 8, LAST = LW_PASSAGE_NODES - 1 };
+    double pivot[LW_PASSAGE_NODES], x = z->at[LAST - OUTER] - 0.5, u = z->at[LAST - INNER] - 0.5;
+    if (!pivots(z, pivot))
+        return false;
+    double odd = pivot[LAST - OUTER] - pivot[OUTER], odd_in = pivot[LAST - INNER] - pivot[INNER];
+    double even = pivot[LAST - OUTER] + pivot[OUTER], even_in = pivot[LAST - INNER] + pivot[INNER];
+    double slope = 0.5*(odd_in*x*x*x - odd*u*u*u)/(u*x*(x*x - u*u)), curve = 0.5*(even - even_in)/(x*x - u*u);
+    double off = -0.5*slope/curve;
+    if (!(curve > 0 && fabs(off) < 0.2))
+        return false;
+    *bend = 2*curve/(z->length*z->length);
+    *beyond = curve*(x*x + off*off) - 0.5*even;
+    z->length *= 1 + 2*off;
+    *t = z->start + 0.5*z->length;
+    return true;
+}
+
 lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
 {
     lw_run *run = z->run;
@@ -128,10 +180,7 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
         weights(z, 0, LW_PASSAGE_NODES - 1, z->at[k], weight[k]);
     for (int pass = 0; change > settled && !(change < unsettled && change > 0.5*before) && pass < 150; pass++) {
         for (int k = 0; k < LW_PASSAGE_NODES; k++) {
-            double t = z->start + z->length*z->at[k];
-            lw_status s = lw_run_project(run, t, z->state + k*n);
-            if (s == LW_OK)
-                s = lw_run_rate(run, t, z->state + k*n, z->rate + k*n);
+            lw_status s = lw_run_rate(run, z->start + z->length*z->at[k], z->state + k*n, z->rate + k*n);
             if (s != LW_OK)
                 return s;
         }
@@ -139,6 +188,9 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
         change = 0;
         for (int k = 0; k < LW_PASSAGE_NODES; k++) {
             state_in_gap(z, weight[k], y);
+            lw_status s = lw_run_project(run, z->start + z->length*z->at[k], y);
+            if (s != LW_OK)
+                return s;
             for (int i = 0; i < both; i++)
                 change = fmax(change, fabs(y[i] - z->state[k*n + i])/(1 + fabs(y[i])));
             memcpy(z->state + k*n, y, (size_t)n*sizeof *y);
@@ -150,9 +202,27 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
     weights(z, 1, LW_PASSAGE_NODES - 2, 1, whole);
     state_in_gap(z, whole, run->state);
     lw_passage_state(z, 1, y);
+    lw_status s = lw_run_project(run, z->start + z->length, y);    /* away with rounding across the motion curve */
+    if (s == LW_OK)
+        s = lw_run_project(run, z->start + z->length, run->state);
     for (int i = 0; i < both; i++)
         *tail = fmax(*tail, fabs(y[i] - run->state[i])/(1 + fabs(y[i])));
-    return change < unsettled ? LW_OK : LW_OPEN;
+    return s != LW_OK ? s : change < unsettled ? LW_OK : LW_OPEN;
+}
+
+bool lw_passage_meets(const lw_passage *z, double tolerance)
+{
+    lw_dynamics *d = z->run->d;
+    double off = 0;
+    for (int k = -2; k <= 2; k++) {
+        double x = 0.5 + 0.05*k;
+        lw_passage_state(z, x, z->run->state);
+        if (lw_mbs_rows(d, z->start + z->length*x, z->run->state) != LW_OK)
+            return false;
+        for (int i = 0; i < d->n_c; i++)
+            off = fmax(off, fabs(d->phi[i]));
+    }
+    return lw_passage_fits(off, tolerance);
 }
 
 /* ---- forces in it ------------------------------------------------------------------------------------------- */
@@ -161,7 +231,7 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
  * from the state there; the accelerations are the rates of that polynomial.  Multipliers have at most a simple pole, so
  * the product of multiplier and time from the pole is a polynomial too (mbs/dynamics/dynamics_driven.c). */
 static const double longest_window = 0.3, shortest_window = 0.03;    /* half of it, scaled: about radians */
-static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 12 and 10: good, and too far apart, relative */
+static const double agreed = 1e-9, disagreed = 1e-5;     /* orders 20 and 18: good, and too far apart, relative */
 static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
 static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
 static const double least_apart = 1e-3;      /* nearer to a singular posture multipliers are rounding */
@@ -245,21 +315,6 @@ static double forces_at_anchor(const lw_passage *z, double *l)
     return off;
 }
 
-/* Do the states on the way satisfy the rows?  Else motion curves come near each other and do not meet. */
-static bool meets(const lw_passage *z)
-{
-    lw_dynamics *d = z->run->d;
-    double off = 0;
-    for (int k = -2; k <= 2; k++) {
-        double x = 0.5 + 0.05*k;
-        lw_passage_state(z, x, z->run->state);
-        if (lw_mbs_rows(d, z->start + z->length*x, z->run->state) != LW_OK)
-            return false;
-        off = fmax(off, greatest(d->phi, d->n_c));
-    }
-    return lw_passage_fits(off, 10*d->o.absolute);
-}
-
 lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
@@ -297,7 +352,7 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
                     solved = solved && (centred = lw_passage_centre(&z));
             }
             crosses = crosses || centred;
-            double off = solved && meets(&z) ? forces_at_anchor(&z, l) : INFINITY;
+            double off = solved && lw_passage_meets(&z, 10*d->o.absolute) ? forces_at_anchor(&z, l) : INFINITY;
             if (!(off < best))
                 continue;
             best = off;

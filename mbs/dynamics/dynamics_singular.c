@@ -24,10 +24,17 @@
 
 /* With more freedoms, or where no curve is found: one step whose nodes lie well on both sides of the singular posture,
  * from some distance before it to the same distance behind it.  The motion itself is smooth there.  The state at the
- * end must have the energy of the state before. */
-static const double unresolved = 1e-8;       /* difference of orders 12 and 10 that is still allowed, scaled */
+ * end must have the energy of the state before.
+ *
+ * Motions that turn back near the singular posture meet it twice within a short time, or just not.  Their step has the turn in
+ * its middle, and no node between the two times. */
+static const double unresolved = 1e-8;       /* difference of orders 20 and 18, and of energies, that is still allowed, scaled */
 static const double resolved = 1e-13;        /* such a difference that a shorter gap need not improve */
 static const double shortest_half = 0.01;    /* half the length of a gap, scaled: rounding grows in shorter ones */
+static const double longest_turn = 0.4;      /* the same about a turn */
+static const double turn_outside = 1.2;      /* a turn so far behind, over half the length, is outside of the gap */
+static const double clear_of_crossing = 0.1, clear_of_turn = 0.015;    /* least distance of a node from a singular posture, over half the length */
+static const double turn_before = 0.01;      /* a turn so far before a singular posture loses no digits */
 static const double beside_jam = 0.5;        /* root of the least pivot above which friction does not jam */
 static const double half_explicit = 0.03;    /* half the length of an explicit step, where there is no polynomial */
 
@@ -47,6 +54,66 @@ static lw_status state_on_the_way(void *context, double t, double *y)
     return LW_OK;
 }
 
+/* Move the posture q for so long at the velocities v and the accelerations a, NULL: 0.  way (n_v): work. */
+static void go_straight(lw_dynamics *d, double time, double *q, const double *v, const double *a, double *way)
+{
+    for (int i = 0; i < d->n_v; i++)
+        way[i] = time*(v[i] + (a ? 0.5*time*a[i] : 0));
+    d->eq.move(d->eq.context, q, way);
+}
+
+/* The greatest velocity of the state y. */
+static double fastest(const lw_dynamics *d, const double *y)
+{
+    double most = 0;
+    for (int i = 0; i < d->n_v; i++)
+        most = fmax(most, fabs(y[d->n_q + i]));
+    return most;
+}
+
+/* How the root w of the least pivot goes on from the time t: w - rate s + bend s^2/2 after the time s. */
+typedef struct approach { double t, w, rate, bend; } approach;
+
+/* Its numbers from w a little time before and behind (t, y).  Its values after two steps do not tell: between them it may have
+ * been 0, or greater. */
+static lw_status find_approach(lw_run *run, double t, const double *y, double w, approach *a)
+{
+    lw_dynamics *d = run->d;
+    size_t n = (size_t)run->n, n_q = (size_t)d->n_q;
+    double *rate = malloc(2*n*sizeof *rate), *q = rate ? rate + n : NULL, root[2] = { 0 };
+    double little = 0.1*w/fastest(d, y);
+    lw_status s = rate ? lw_run_rate(run, t, y, rate) : LW_E_MEMORY;
+    for (int i = 0; i < 2 && s == LW_OK; i++) {
+        double time = i ? little : -little;
+        memcpy(q, y, n_q*sizeof *q);
+        go_straight(d, time, q, y + n_q, rate + n_q, rate);
+        d->by_rank = false;                  /* else the pivot is not found */
+        s = lw_mbs_rows(d, t + time, q);
+        if (s == LW_OK)
+            s = lw_mbs_factor(d, false);
+        root[i] = sqrt(fmax(d->weak, 0));
+    }
+    free(rate);
+    *a = (approach){ t, w, (root[0] - root[1])/(2*little), (root[0] + root[1] - 2*w)/(little*little) };
+    return s;
+}
+
+/* Where the motion turns back near the singular posture: at the time t, so far behind it, negative: before it; infinite: it does
+ * not.  bend as above. */
+typedef struct turn { double t, beyond, bend; } turn;
+
+static turn foretold_turn(const approach *a)
+{
+    bool turns = a->bend > 0 && a->rate > 0;
+    return (turn){ a->t + a->rate/a->bend, turns ? a->rate*a->rate/(2*a->bend) - a->w : INFINITY, a->bend };
+}
+
+/* Time from a->t to the singular posture, or to where the motion turns back before it. */
+static double time_to_it(const approach *a)
+{
+    return 2*a->w/(a->rate + sqrt(fmax(a->rate*a->rate - 2*a->bend*a->w, 0)));
+}
+
 /* Is the state before the gap about half its length from the singular posture?  Else the way there has led over another
  * one, or the motion turns back. */
 static bool is_apart(const lw_passage *z, double half)
@@ -57,30 +124,22 @@ static bool is_apart(const lw_passage *z, double half)
         && d->weak > 0.1*half*half && d->weak < 10*half*half;
 }
 
-/* Begin at half the length from the singular posture, before or behind `good`, which is `angle` from it.  LW_OPEN: there is no
- * such place. */
-static lw_status begin_gap(lw_passage *z, double half, double good, double angle, double place, const double *first)
+/* Begin at half the length from the singular posture, before or behind `good`, where the state is `first`.  back: where the motion
+ * turns back near the posture, found better here, is put into the middle; NULL: the posture.  LW_OPEN: there is no such place. */
+static lw_status begin_gap(lw_passage *z, double half, turn *back, const approach *a, double good, const double *first)
 {
-    lw_status s = LW_OK;
+    double middle = back ? back->t : a->t + time_to_it(a), before;
+    before = back ? sqrt(2*(half + back->beyond)/back->bend) : (middle - a->t)*half/a->w;
+    z->start = middle - before > z->run->d->o.from ? middle - before : good;
+    z->length = 2*(middle - z->start);
     memcpy(z->begun, first, (size_t)z->run->n*sizeof *first);
-    z->start = place - (place - good)*half/angle;
-    if (z->start > z->run->d->o.from) {
-        s = lw_passage_integrate(z->run, good, z->start, z->begun, false);
-        s = s == LW_E_NUMERIC || (s == LW_OK && !is_apart(z, half)) ? LW_OPEN : s;
-    } else
-        z->start = good;
-    z->length = 2*(place - z->start);
-    if (s == LW_OK && lw_passage_guess(z) == LW_OK && lw_passage_centre(z))
-        lw_passage_guess(z);
-    return s;
-}
-
-/* Move the posture q for so long at the velocities v.  way (n_v): work. */
-static void go_straight(lw_dynamics *d, double time, double *q, const double *v, double *way)
-{
-    for (int i = 0; i < d->n_v; i++)
-        way[i] = time*v[i];
-    d->eq.move(d->eq.context, q, way);
+    lw_status s = z->start == good ? LW_OK : lw_passage_integrate(z->run, good, z->start, z->begun, false);
+    if (s == LW_E_NUMERIC || (s == LW_OK && z->start != good && !is_apart(z, half)))
+        return LW_OPEN;
+    for (int pass = back ? 2 : 1; s == LW_OK && (s = lw_passage_guess(z)) == LW_OK && pass > 0; pass--)
+        if (!(back ? lw_passage_centre_turn(z, &back->t, &back->beyond, &back->bend) : lw_passage_centre(z)))
+            s = LW_OPEN;
+    return s == LW_E_NUMERIC ? LW_OPEN : s;
 }
 
 /* Reactions have poles in singular postures.  Where their friction grows with them, its equations lose their solution on
@@ -127,10 +186,47 @@ static lw_status jumped(lw_run *run, double fall, double t, const double *y)
     return LW_OK;
 }
 
-lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y)
+/* Half the length of the gap tried in turn k; even ones are about a turn. */
+static double half(int k) { return k%2 ? ldexp(LW_SINGULAR_STEP_HALF, -(k/2)) : longest_turn*pow(0.7, k/2); }
+
+/* Find the longest gap whose polynomial is resolved, from y at `good`, and the state at its end, y.  LW_OPEN: there is none.
+ * first (n): y; z: as begun. */
+static lw_status find_gap(lw_passage *z, const approach *a, double good, const double *first, double *y)
+{
+    lw_run *run = z->run;
+    double before = lw_run_energy(run, y), best = INFINITY, tail = 0, relative = run->d->o.relative;
+    turn back = foretold_turn(a), best_back = back;
+    int best_k = 0;
+    for (int k = 0; half(k & ~1) > shortest_half; k++) {
+        if (k%2 ? half(k) < shortest_half || back.beyond < turn_outside*half(k) : back.beyond > 0.5*half(k))
+            continue;
+        turn here = back;
+        lw_status s = begin_gap(z, half(k), k%2 ? NULL : &here, a, good, first);
+        s = s == LW_OK ? lw_passage_solve(z, y, &tail) : s;
+        if (s == LW_STOPPED || s == LW_E_MEMORY)
+            return s;
+        if (s != LW_OK || !lw_passage_is_clear(z, (k%2 ? clear_of_crossing : clear_of_turn)*half(k))
+            || !lw_passage_meets(z, fmax(10*run->d->o.absolute, 3*tail)))
+            continue;
+        back = here;                         /* known better now */
+        tail = fmax(tail, fabs(lw_run_energy(run, y) - before)/fmax(run->r->energy_scale, 1e-300));
+        if (tail <= fmax(resolved, 0.01*relative))
+            return LW_OK;
+        if (tail < best)
+            best = tail, best_k = k, best_back = back;
+    }
+    if (!(best < fmax(unresolved, 10*relative)))
+        return LW_OPEN;
+    lw_status s = begin_gap(z, half(best_k), best_k%2 ? NULL : &best_back, a, good, first);
+    return s == LW_OK ? lw_passage_solve(z, y, &tail) : s;
+}
+
+/* From y at time `good` over the singular posture met at about `place`, which the motion comes near as `a` tells.  stuck: there is no
+ * other way on. */
+static lw_status step_over(lw_run *run, double good, const approach *a, bool stuck, double place, double *t, double *y)
 {
     size_t n = (size_t)run->n;
-    double before = lw_run_energy(run, y), angle = sqrt(weak), tail = 0, *old = run->state;
+    double before = lw_run_energy(run, y), *old = run->state;
     double *first = malloc(n*(4 + 2*LW_PASSAGE_NODES)*sizeof *first);
     lw_passage z = { .run = run, .start = good };
     lw_status s = first ? lw_passage_begin(&z) : LW_E_MEMORY;
@@ -144,24 +240,11 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     run->state = z.state + LW_PASSAGE_NODES*n;
     memcpy(first, y, n*sizeof *first);
     run->e->text[0] = '\0';
-    lw_status solved = LW_OPEN;
-    double end = good, best = INFINITY, best_half = 0, wanted = fmax(resolved, 0.01*run->d->o.relative);
-    for (double half = LW_SINGULAR_STEP_HALF; s == LW_OK && solved != LW_OK && half > shortest_half; half *= 0.5) {
-        s = begin_gap(&z, half, good, angle, place, first);
-        solved = s == LW_OK ? lw_passage_solve(&z, y, &tail) : s;
-        s = s == LW_OPEN ? LW_OK : s;        /* the place before a shorter gap may be good */
-        if (solved == LW_OK && tail < best)
-            best = tail, best_half = half;
-        solved = solved == LW_OK && tail > wanted ? LW_OPEN : solved;
-    }
-    if (s == LW_OK && solved != LW_OK && best < fmax(unresolved, 10*run->d->o.relative)) {
-        s = begin_gap(&z, best_half, good, angle, place, first);
-        solved = s == LW_OK ? lw_passage_solve(&z, y, &tail) : s;
-    }
-    end = z.start + z.length;
-    if (s == LW_OK && solved != LW_OK) {     /* no polynomial */
+    s = find_gap(&z, a, good, first, y);
+    double end = z.start + z.length;
+    if (s == LW_OPEN && (stuck || a->w <= half_explicit)) {    /* else there may be a polynomial from nearer */
         z.rule = NULL;
-        z.start = angle > half_explicit ? place - (place - good)*half_explicit/angle : good;
+        z.start = fmax(good, place - half_explicit/a->rate);
         memcpy(z.begun, first, n*sizeof *first);
         s = z.start > good ? lw_passage_integrate(run, good, z.start, z.begun, false) : LW_OK;
         end = 2*place - z.start;
@@ -171,13 +254,13 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
     }
     if (s == LW_OK)
         s = lw_run_project(run, end, y);
-    double allowed = fmin(1e-6, 100*run->d->o.relative + 1e-9)*fmax(run->r->energy_scale, 1e-300);
+    double allowed = fmin(1e-6, (stuck ? 100 : 10)*(run->d->o.relative + 1e-11))*fmax(run->r->energy_scale, 1e-300);
     if (s == LW_OK && !(fabs(lw_run_energy(run, y) - before) <= allowed))
         s = LW_OPEN;
     if (s == LW_OPEN || s == LW_E_NUMERIC) { /* no motion was found behind it: does friction jam on the way there? */
         end = 2*place - good;
         memcpy(y, first, n*sizeof *y);
-        go_straight(run->d, end - good, y, first + run->d->n_q, run->state);
+        go_straight(run->d, end - good, y, first + run->d->n_q, NULL, run->state);
     }
     double share = s >= 0 || s == LW_E_NUMERIC ? jams(run, place, first, y, run->state) : 0;
     if (share > 0)
@@ -195,9 +278,20 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
 }
 
+lw_status lw_run_singular_step(lw_run *run, double good, double weak, double place, double *t, double *y)
+{
+    approach a;
+    double w = sqrt(weak);
+    if (find_approach(run, good, y, w, &a) != LW_OK || !(a.rate > 0))
+        a = (approach){ good, w, w/(place - good), 0 };
+    return step_over(run, good, &a, true, place, t, y);
+}
+
 /* ---- through it on a curve ---------------------------------------------------------------------------------- */
 
-enum { N_KNOWN = LW_PASSAGE_NODES + 6 };
+enum { N_SIDE = 6, N_PLACES = 2*N_SIDE, N_KNOWN = N_PLACES + 6 };
+
+static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };     /* as fractions of half the length */
 
 static const double outside = 0.55;          /* distance from the middle beyond which the rows serve again */
 static const double longest_half = 0.3;           /* half of the longest curve, scaled: about radians */
@@ -328,17 +422,17 @@ static lw_status look_back(crossing *z, const double *q, const double *v)
 }
 
 /* Add places on this side, then beyond, each predicted from its nearest neighbours. */
-static lw_status collect(crossing *z, double q[LW_PASSAGE_NODES][LW_SYSTEM_Q_MAX], double x[LW_PASSAGE_NODES])
+static lw_status collect(crossing *z, double q[N_PLACES][LW_SYSTEM_Q_MAX], double x[N_PLACES])
 {
     int inner = 0;
-    while (inner < LW_PASSAGE_SIDE - 1 && lw_passage_node[inner]*z->half < z->at)
+    while (inner < N_SIDE - 1 && node[inner]*z->half < z->at)
         inner++;
     z->known.n = z->n_visited = 5;
-    for (int k = 0; k < LW_PASSAGE_NODES; k++) {
+    for (int k = 0; k < N_PLACES; k++) {
         /* before the middle: from the start backwards, then forwards; then behind the middle */
-        int m = k < LW_PASSAGE_SIDE - inner ? inner + k : k < LW_PASSAGE_SIDE ? LW_PASSAGE_SIDE - 1 - k : k - LW_PASSAGE_SIDE;
-        int to = k < LW_PASSAGE_SIDE ? m : LW_PASSAGE_SIDE + m;
-        if (add_place(z, z->at + (k < LW_PASSAGE_SIDE ? -1 : 1)*lw_passage_node[m]*z->half, NULL) != LW_OK)
+        int m = k < N_SIDE - inner ? inner + k : k < N_SIDE ? N_SIDE - 1 - k : k - N_SIDE;
+        int to = k < N_SIDE ? m : N_SIDE + m;
+        if (add_place(z, z->at + (k < N_SIDE ? -1 : 1)*node[m]*z->half, NULL) != LW_OK)
             return LW_NOTHING;
         x[to] = z->visited[z->n_visited - 1];
         memcpy(q[to], z->q, (size_t)z->d->n_q*sizeof(double));
@@ -366,15 +460,15 @@ static bool closes(crossing *z)
 /* Find the longest curve that satisfies the rows. */
 static lw_status find_curve(crossing *z)
 {
-    static const int order[LW_PASSAGE_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less */
-    double q[LW_PASSAGE_NODES][LW_SYSTEM_Q_MAX], x[LW_PASSAGE_NODES];
+    static const int order[N_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less */
+    double q[N_PLACES][LW_SYSTEM_Q_MAX], x[N_PLACES];
     for (z->half = longest_half; z->at < z->half; z->half *= 0.5) {
         if (collect(z, q, x) != LW_OK)
             return LW_NOTHING;
         z->path.n = 0;
-        for (int k = 0; k < LW_PASSAGE_SIDE; k++)
+        for (int k = 0; k < N_SIDE; k++)
             for (int side = 0; side < 2; side++)
-                add(&z->path, x[order[k] + side*LW_PASSAGE_SIDE], q[order[k] + side*LW_PASSAGE_SIDE]);
+                add(&z->path, x[order[k] + side*N_SIDE], q[order[k] + side*N_SIDE]);
         if (closes(z))
             return LW_OK;
     }
@@ -546,41 +640,10 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
     return s;
 }
 
-/* With more freedoms there is no curve: go over by one step. */
-static lw_status step_over(lw_run *run, double weak, double place, double *t, double *y)
-{
-    double end = place;
-    lw_status s = lw_run_singular_step(run, *t, weak, place, &end, y);
-    if (s != LW_OK)
-        return s == LW_STOPPED ? s : LW_NOTHING;
-    run->r->t = *t = end;
-    lw_run_watch(run, y);
-    return LW_OK;
-}
-
-/* How fast the root w of the least pivot falls along the motion at (t, y), from its value shortly ahead.  Its values after two
- * steps do not tell: between them it may have been 0, or greater. */
-static lw_status find_fall(lw_run *run, double t, const double *y, double ahead, double w, double *rate)
-{
-    lw_dynamics *d = run->d;
-    size_t n_q = (size_t)d->n_q, n_v = (size_t)d->n_v;
-    double *q = malloc((n_q + n_v)*sizeof *q);
-    if (!q)
-        return LW_E_MEMORY;
-    memcpy(q, y, n_q*sizeof *q);
-    go_straight(d, ahead, q, y + n_q, q + n_q);
-    lw_status s = lw_mbs_rows(d, t + ahead, q);
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, false);
-    *rate = s == LW_OK ? (w - sqrt(fmax(d->weak, 0)))/ahead : 0;
-    free(q);
-    return s;
-}
-
 lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *before, double *t, double *y)
 {
     const lw_dynamics *d = run->d;
-    double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0, place = *t;
+    double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t;
     bool one = d->freedom == 1 && !d->space && !d->n_driven && !d->n_friction && !d->eq.n_z;
     bool stops = one ? d->n_resting > 0 : d->n_stop > 0;
     double from = one ? beside : 2*LW_SINGULAR_STEP_HALF, reach = one ? longest_half : 3*LW_SINGULAR_STEP_HALF;
@@ -596,22 +659,24 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     run->apart = w > beside ? 0 : run->apart;
     if (stops || w > from || near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
-    double rate = fall/since;
-    if (!one && (find_fall(run, *t, y, 0.1*w/rate, w, &rate) != LW_OK || !(rate > 0)))
+    approach a = { *t, w, fall/since, 0 };
+    if (!one && (find_approach(run, *t, y, w, &a) != LW_OK || !(a.rate > 0) || foretold_turn(&a).beyond < -turn_before))
         return LW_NOTHING;
-    for (int i = 0; i < d->n_v; i++)
-        fastest = fmax(fastest, fabs(y[d->n_q + i]));
-    if (fastest*w/rate > reach)
+    double place = *t + time_to_it(&a);
+    if (fastest(d, y)*(place - *t) > reach)
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;
-    place += w/rate;
     if (!one && w < LW_SINGULAR_STEP_HALF && before) {        /* the state before is known better */
         memcpy(y, before, (size_t)run->n*sizeof *y);
         *t -= since;
-        weak = pow((place - *t)*rate, 2);
     }
-    lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, weak, place, t, y);
+    lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, *t, &a, false, place, t, y);
+    if (s == LW_OK && !one) {
+        run->r->t = *t;
+        lw_run_watch(run, y);
+    }
+    s = one || s == LW_OK || s == LW_STOPPED ? s : LW_NOTHING;
     if (s == LW_NOTHING)
         *run->e = was;
     else

@@ -50,6 +50,8 @@ lw_status lw_panel_rule_make(lw_panel_rule *r)
     }
     for (int g = 0; g < N; g++) {
         gsl_integration_glfixed_point(0, 1, (size_t)g, &y, &w, gauss);
+        r->gauss_at[g] = y;
+        r->gauss[g] = w;
         chebyshev(y, t);
         for (int k = 0; k < N; k++)
             one[k] += w*t[k];
