@@ -251,6 +251,31 @@ TEST(many_redundant_pins_on_one_link)
     lw_model_free(&m);
 }
 
+/* A row turns through flat postures like a pendulum.  Steps over these do not grow shorter and shorter where rounding, not their
+ * length, limits them: 222 steps in all, not 608. */
+TEST(a_row_passes_flat_postures_at_a_tight_tolerance)
+{
+    enum { N = 40, STEPS = 20000 };
+    lw_model m;
+    kept k;
+    lw_dynamics_report r;
+    lw_error e = { 0 };
+    double by = 9.81*(0.5*(N + 1) + N)/((N + 1)/3. + N), h = 5./STEPS, turn = LW_PI/2, rate = 1;
+    for (int i = 0; i < STEPS; i++) {                        /* by Runge and Kutta */
+        double a = -by*cos(turn), b = -by*cos(turn + 0.5*h*rate), c = -by*cos(turn + 0.5*h*rate + 0.25*h*h*a);
+        double d = -by*cos(turn + h*rate + 0.5*h*h*b);
+        turn += h*rate + h*h/6*(a + b + c);
+        rate += h/6*(a + 2*b + 2*c + d);
+    }
+    read_row(N, &m);
+    CHECK_INT(run(&m, 5, 1e-11, &k, &r, &e), LW_OK);
+    CHECK_NEAR(k.q[2], turn - LW_PI/2, 1e-8, 0);
+    CHECK(k.off < 1e-12);
+    CHECK(r.steps < 400);
+    free(k.q);
+    lw_model_free(&m);
+}
+
 /* ---- driven -------------------------------------------------------------------------------------------------- */
 
 enum { MOMENTS = 41 };

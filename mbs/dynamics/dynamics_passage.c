@@ -8,6 +8,7 @@
 
 static const double settled = 1e-14;         /* change of the states in a pass, scaled, that ends the iteration */
 static const double unsettled = 1e-9;        /* the same where rounding lets it fall no further */
+static const int    lingers = 20;            /* passes in which the change does not halve: rounding, or no convergence */
 
 lw_status lw_passage_integrate(lw_run *run, double t, double end, double *y, bool fixed)
 {
@@ -175,10 +176,10 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
 {
     lw_run *run = z->run;
     int n = run->n, both = run->d->n_q + run->d->n_v;
-    double before = INFINITY, change = INFINITY, weight[LW_PASSAGE_NODES][LW_PASSAGE_NODES], whole[LW_PASSAGE_NODES];
+    double before = INFINITY, change = INFINITY, least = INFINITY, weight[LW_PASSAGE_NODES][LW_PASSAGE_NODES], whole[LW_PASSAGE_NODES];
     for (int k = 0; k < LW_PASSAGE_NODES; k++)
         weights(z, 0, LW_PASSAGE_NODES - 1, z->at[k], weight[k]);
-    for (int pass = 0; change > settled && !(change < unsettled && change > 0.5*before) && pass < 150; pass++) {
+    for (int pass = 0, since = 0; change > settled && !(change < unsettled && change > 0.5*before) && pass - since < lingers; pass++) {
         for (int k = 0; k < LW_PASSAGE_NODES; k++) {
             lw_status s = lw_run_rate(run, z->start + z->length*z->at[k], z->state + k*n, z->rate + k*n);
             if (s != LW_OK)
@@ -197,6 +198,8 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
         }
         if (!(change < 0.1))
             return LW_OPEN;
+        if (change < 0.5*least)
+            least = change, since = pass;
     }
     *tail = 0;
     weights(z, 1, LW_PASSAGE_NODES - 2, 1, whole);
@@ -207,6 +210,7 @@ lw_status lw_passage_solve(lw_passage *z, double *y, double *tail)
         s = lw_run_project(run, z->start + z->length, run->state);
     for (int i = 0; i < both; i++)
         *tail = fmax(*tail, fabs(y[i] - run->state[i])/(1 + fabs(y[i])));
+    z->rounding = change;
     return s != LW_OK ? s : change < unsettled ? LW_OK : LW_OPEN;
 }
 

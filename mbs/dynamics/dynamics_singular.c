@@ -210,7 +210,7 @@ static lw_status find_gap(lw_passage *z, const approach *a, double good, const d
             continue;
         back = here;                         /* known better now */
         tail = fmax(tail, fabs(lw_run_energy(run, y) - before)/fmax(run->r->energy_scale, 1e-300));
-        if (tail <= fmax(resolved, 0.01*relative))
+        if (tail <= fmax(fmax(resolved, 0.01*relative), 0.1*z->rounding))     /* rounding grows in a shorter gap */
             return LW_OK;
         if (tail < best)
             best = tail, best_k = k, best_back = back;
