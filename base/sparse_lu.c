@@ -65,8 +65,8 @@ lw_sparse_lu *lw_sparse_lu_create(const lw_columns *pattern, bool saddle, bool i
     f->is_complex = is_complex;
     klu_defaults(&f->common);
     f->common.ordering = saddle;             /* 0: AMD, 1: COLAMD */
-    f->symbolic = klu_analyze(pattern->n, pattern->at, pattern->row, &f->common);
-    if (f->symbolic)
+    f->symbolic = pattern->n ? klu_analyze(pattern->n, pattern->at, pattern->row, &f->common) : NULL;
+    if (f->symbolic || pattern->n == 0)          /* KLU refuses systems without unknowns */
         return f;
     free(f);
     return NULL;
@@ -90,6 +90,8 @@ bool lw_sparse_lu_factor(lw_sparse_lu *f, const double *value)
 {
     int *at = f->pattern->at, *row = f->pattern->row;
     double *a = (double *)(uintptr_t)value;
+    if (f->pattern->n == 0)
+        return true;
     if (f->numeric && (f->is_complex ? klu_z_refactor : klu_refactor)(at, row, a, f->symbolic, f->numeric, &f->common)
         && (f->is_complex ? klu_z_rgrowth : klu_rgrowth)(at, row, a, f->symbolic, f->numeric, &f->common)
         && f->common.rgrowth > weak_pivots)
@@ -101,5 +103,6 @@ bool lw_sparse_lu_factor(lw_sparse_lu *f, const double *value)
 
 void lw_sparse_lu_solve(lw_sparse_lu *f, double *b)
 {
-    (f->is_complex ? klu_z_solve : klu_solve)(f->symbolic, f->numeric, f->pattern->n, 1, b, &f->common);
+    if (f->pattern->n)
+        (f->is_complex ? klu_z_solve : klu_solve)(f->symbolic, f->numeric, f->pattern->n, 1, b, &f->common);
 }

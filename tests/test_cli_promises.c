@@ -359,6 +359,51 @@ TEST(odd_streams_and_names)
     expect("printf '\\000' > $D/empty; $P catalogue add $D/six.db $D/empty", 3, NULL, "this is no text");
 }
 
+/* `command` with `to` in the place of `from`. */
+static void replace(const char *command, const char *from, const char *to, char line[600])
+{
+    const char *at = strstr(command, from);
+    snprintf(line, 600, "%.*s%s%s", (int)(at - command), command, to, at + strlen(from));
+}
+
+/* A pipe gives its text once: the answer is that to the file, and an error is said without waiting for more. */
+TEST(inputs_that_are_read_once)
+{
+    char line[2200], plain[600], piped[600], name[40];
+    for (int i = 0; i < N_ROW; i++) {
+        const row *r = &rows[i];
+        if (!r->input || strstr(r->input, ".db") || strstr(r->small, "draw $D/six.g6"))    /* databases; pictures need the kind first */
+            continue;
+        snprintf(name, sizeof name, "$D/once%s", strrchr(r->input, '.'));
+        replace(with_program(r->small, plain), r->input, name, piped);
+        snprintf(line, sizeof line, "p=%s; rm -f $p; mkfifo $p; hide() { sed \"s|%s|INPUT|g; s|$p|INPUT|g\" | "
+                 "grep -v 'seconds'; }; cat %s > $p & timeout 60 %s -q > $D/p; c=$?; kill $! 2> /dev/null; test $c = 0 && "
+                 "hide < $D/p > $D/p1 && %s -q | hide > $D/o1; cmp $D/o1 $D/p1 || exit 1; printf '\"?' > $p & "
+                 "timeout 60 %s; c=$?; kill $! 2> /dev/null; test $c = 3 -o $c = 1", name, r->input, r->input, piped, plain, piped);
+        demand(line, r->small);
+    }
+    expect("$P fit examples/ellipse.csv --starts 20 --rounds 1 --json -q > $D/start.json && for from in $D/start.json -; do $P fit examples/figure-eight.csv "
+           "--start-from $from --starts 5 --rounds 1 -q --json < $D/start.json | grep -v 'seconds\\|command' > $D/by$(basename $from); done; "
+           "cmp $D/by- $D/bystart.json", 0, NULL, NULL);
+}
+
+/* An output that cannot be written ends the work at once: these would go on for minutes at least. */
+TEST(failed_outputs_end_the_work)
+{
+    static const char *const slow[] = { "$P trace examples/jansen.json -n 1e7", "$P trace examples/jansen.json -n 1e7 --json",
+        "$P trace examples/space/bricard.json -n 1e7", STREAM "$P grammar explain", "$P chains --links 16",
+        "$P simulate examples/space/governor.json --to 1e5 -n 1e6",
+        "$P catalogue query $D/six.db 'WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n+1 FROM x) SELECT n FROM x' --sql" };
+    char line[800], bounded[600];
+    for (size_t i = 0; i < sizeof slow/sizeof *slow; i++) {
+        replace(slow[i], "$P", "timeout 100 $P", bounded);
+        snprintf(line, sizeof line, "%s -q -o /dev/full; test $? = 3", bounded);
+        demand(line, slow[i]);
+    }
+    demand("trap '' PIPE; { timeout 100 $P trace examples/jansen.json -n 1e7 -q; echo $? > $D/code; } | head -n 1; test $(cat $D/code) = 3",
+           "a pipe that nobody reads, and no SIGPIPE");
+}
+
 /* --json prints JSON: one value, or one a line. */
 TEST(json_is_json)
 {

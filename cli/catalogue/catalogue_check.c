@@ -6,6 +6,7 @@
 #include "catalogues/build/build.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/data.h"
+#include "cli/program/file_kind.h"
 #include "cli/program/json.h"
 #include "cli/program/progress.h"
 
@@ -199,14 +200,8 @@ static int check_store(const cli_call *call, lw_store *store)
 /* A file is a catalogue by its first bytes or by its name; any other file is a table. */
 static bool is_catalogue(const char *path)
 {
-    char head[16] = "";
-    FILE *f = fopen(path, "rb");
-    size_t n = f ? fread(head, 1, sizeof head, f) : 0;
     const char *dot = strrchr(path, '.');
-    if (f)
-        fclose(f);
-    return (n == sizeof head && memcmp(head, "SQLite format 3", sizeof head) == 0)
-        || (dot && (strcmp(dot, ".db") == 0 || strcmp(dot, ".sqlite") == 0));
+    return cli_is_catalogue(path) || (dot && (strcmp(dot, ".db") == 0 || strcmp(dot, ".sqlite") == 0));
 }
 
 int cli_catalogue_check(const cli_call *call)

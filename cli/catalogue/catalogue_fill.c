@@ -7,6 +7,7 @@
 #include "catalogues/build/build.h"
 #include "catalogues/store/drive_store.h"
 #include "cli/catalogue/catalogue.h"
+#include "cli/program/file_kind.h"
 #include "cli/program/mpi_jobs.h"
 
 #define CONTINUE "; the same command goes on from here"
@@ -98,17 +99,6 @@ static lw_status add_parts(const cli_call *call, const char *text, size_t size, 
     return status;
 }
 
-/* Is it an SQLite file? */
-static bool is_catalogue(const char *file)
-{
-    char head[16];
-    FILE *f = fopen(file, "rb");
-    bool is = f && fread(head, sizeof head, 1, f) == 1 && memcmp(head, "SQLite format 3", sizeof head) == 0;
-    if (f)
-        fclose(f);
-    return is;
-}
-
 /* The curves of another catalogue. */
 static lw_status add_curves(const cli_call *call, const char *file, lw_error *e)
 {
@@ -141,7 +131,7 @@ int cli_catalogue_add(const cli_call *call)
     size_t size;
     cli_catalogue_watch w = cli_catalogue_watch_begin(call, "add", "linkages");
     lw_build_control control = control_of(call, &w);
-    if (is_catalogue(file))
+    if (cli_is_catalogue(file))
         return cli_catalogue_watch_end(&w, add_curves(call, file, &e) == LW_OK ? CLI_DONE : cli_fail(call, &e));
     lw_status status = cli_read_file(file, "results of fit or linkages (JSON)", &text, &size, &e);
     if (status == LW_OK && lw_drive_parts_is(text, size)) {

@@ -207,7 +207,7 @@ static int run(const cli_call *call)
         return cli_usage(call, "--json has no meaning here; 'linkwright trace --json' prints the curves");
     if (choose_kind(call, &kind, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    bool chains = !file || s->format >= PICTURES || (strcmp(file, "-") != 0 && holds_topologies(file));
+    bool chains = !file || s->format >= PICTURES || (cli_can_read_again(file) && holds_topologies(file));
     const char *wrong = misplaced(call, chains);
     if (wrong)
         return cli_usage(call, "--%s is for %s, and this %s", wrong, chains ? "linkages" : "chains and mechanisms",

@@ -3,6 +3,7 @@
 
 #include "cli/fit/fit.h"
 #include "cli/program/model.h"
+#include "cli/program/output.h"
 
 enum { START_MAX = 256 };
 
@@ -16,14 +17,17 @@ static lw_status add_start(cli_fit_start *s, const lw_linkage *linkage, lw_error
     return LW_OK;
 }
 
-lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e)
+/* Results from the first on, or the one linkage of the text. */
+static lw_status add_starts(const char *path, const char *text, size_t size, cli_fit_start *s, lw_error *e)
 {
-    for (int which = 0; which < START_MAX; which++) {
+    for (int which = 0; ; which++) {
         lw_linkage k;
         lw_error why = { .text = "" };
-        lw_status st = cli_read_linkage(path, which == 0 ? 0 : which + 1, &k, &why);
-        if (st != LW_OK && which > 0)
-            break;                                       /* a single linkage, or the last result was read */
+        lw_status st = cli_linkage_text(path, which == 0 ? 0 : which + 1, text, size, &k, &why);
+        if (st == LW_E_ARG && which > 0)
+            return LW_OK;                                /* a single linkage, or the last result was read */
+        if (st == LW_OK && which == START_MAX)
+            return lw_error_at(e, LW_E_ARG, path, 0, 0, "it holds more than %d linkages, too many to start from", START_MAX);
         if (st != LW_OK) {
             *e = why;
             return st;
@@ -33,5 +37,15 @@ lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e)
         if ((st = add_start(s, &k, e)) != LW_OK)
             return st;
     }
-    return LW_OK;
+}
+
+lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status st = cli_read_file(path, "linkages to start from (JSON)", &text, &size, e);
+    if (st == LW_OK)
+        st = add_starts(path, text, size, s, e);
+    free(text);
+    return st;
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include "base/file.h"
 #include "cli/program/command.h"
 #include "grammar/topology/notation.h"
@@ -17,6 +18,22 @@ bool cli_is_target(const char *text, size_t size)
         return false;
     lw_target_free(&t);
     return true;
+}
+
+bool cli_can_read_again(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
+}
+
+bool cli_is_catalogue(const char *path)
+{
+    char head[16];
+    FILE *f = cli_can_read_again(path) ? fopen(path, "rb") : NULL;
+    bool is = f && fread(head, sizeof head, 1, f) == 1 && memcmp(head, "SQLite format 3", sizeof head) == 0;
+    if (f)
+        fclose(f);
+    return is;
 }
 
 /* ---- kinds of files ------------------------------------------------------------------------------- */
@@ -79,7 +96,7 @@ bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e)
     };
     char *text = NULL, command[600], what[160] = "";
     size_t size, n = sizeof rows/sizeof *rows;
-    if (!wanted || strcmp(path, "-") == 0 || lw_file_read(path, &text, &size, NULL) != LW_OK)
+    if (!wanted || !cli_can_read_again(path) || lw_file_read(path, &text, &size, NULL) != LW_OK)
         return false;
     cli_kind_of_file kind = kind_of_text(text, size, path);
     bool foreign = kind == CLI_BINARY && lw_refuse_foreign(text, size, path, e) != LW_OK;

@@ -7,6 +7,12 @@
 /* Is this the text of a target (CSV)? */
 bool cli_is_target(const char *text, size_t size);
 
+/* Is it a plain file? A pipe gives its text once: who reads it to find out what it is loses it, or waits for ever. */
+bool cli_can_read_again(const char *path);
+
+/* Is it an SQLite file? */
+bool cli_is_catalogue(const char *path);
+
 /* If the file is of a known kind (command.h) that is not among those wanted, set e: what it is, and the command that
  * reads it.  Call it after reading the file has failed. */
 bool cli_wrong_kind(const char *path, unsigned wanted, lw_error *e);

@@ -21,7 +21,7 @@ static lw_status hint(const char *path, const char *text, size_t size, lw_status
     return s;
 }
 
-static lw_status linkage_from_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage, lw_error *e)
+lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage, lw_error *e)
 {
     return hint(path, text, size, lw_linkage_read_result(text, size, path, which, linkage, e), e);
 }
@@ -32,7 +32,7 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *linkage, lw_
     size_t size = 0;
     lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
     if (s == LW_OK)
-        s = linkage_from_text(path, which, text, size, linkage, e);
+        s = cli_linkage_text(path, which, text, size, linkage, e);
     free(text);
     return s;
 }

@@ -24,6 +24,9 @@ lw_status cli_any_model_text(const char *text, size_t size, const char *path, in
                              struct lw_spatial **spatial, lw_error *e);
 void      cli_free_spatial(struct lw_spatial *m);                  /* NULL is fine */
 
+/* cli_read_linkage of text in memory. LW_E_ARG: it has no result `which`. */
+lw_status cli_linkage_text(const char *path, int which, const char *text, size_t size, lw_linkage *linkage, lw_error *e);
+
 /* A planar linkage of any size, or a spatial model, from text in memory. */
 lw_status cli_any_linkage_text(const char *path, int which, const char *text, size_t size, lw_assembly *linkage,
                                struct lw_spatial **spatial, lw_error *e);

@@ -105,11 +105,57 @@ enum { TEMPORARY_MAX = 8 };
 static char temporary[TEMPORARY_MAX][sizeof ((lw_output *)0)->temp];
 static char partial_name[LW_PATH_SIZE + 16];     /* what the first becomes then, as far as it is written */
 
+/* ---- an output that fails ends the work ------------------------------------------------------------ */
+
+/* The output is written through a stream that notices the first failure. A command may work for hours between two looks at
+ * ferror, and all that time for nothing. */
+static struct { FILE *shown, *real; } watched;
+
+static void end_after_failed_write(void);
+
+static ssize_t pass_on(void *real, const char *data, size_t n)
+{
+    size_t done = fwrite(data, 1, n, real);
+    if (done < n)
+        end_after_failed_write();
+    return (ssize_t)done;
+}
+
+static int close_real(void *real)
+{
+    FILE *f = watched.real ? real : NULL;        /* NULL: unwatch keeps it open */
+    watched.shown = watched.real = NULL;
+    return f ? fclose(f) : 0;
+}
+
+static void watch(lw_output *o)
+{
+    FILE *f = watched.shown || isatty(fileno(o->f)) ? NULL
+            : fopencookie(o->f, "wb", (cookie_io_functions_t){ .write = pass_on, .close = close_real });
+    if (!f)
+        return;                                  /* a terminal shows each line at once, and takes all */
+    setvbuf(o->f, NULL, _IONBF, 0);
+    watched.real = o->f;
+    o->f = watched.shown = f;
+}
+
+/* Give o its own stream back, which knows whether a write has failed. */
+static void unwatch(lw_output *o)
+{
+    if (!o->f || o->f != watched.shown)
+        return;
+    FILE *real = watched.real;
+    watched.real = NULL;
+    fclose(o->f);
+    o->f = real;
+}
+
 static lw_status open_path(const char *path, lw_output *o, lw_error *e)
 {
     lw_output_clean(path);
     lw_status s = lw_output_open(o, path, e);
     if (s == LW_OK) {
+        watch(o);
         snprintf(partial_name, sizeof partial_name, "%s.partial", o->path);
         strcpy(temporary[0], o->temp);
     }
@@ -153,6 +199,7 @@ static lw_status commit(lw_output *o, bool partial, lw_error *e)
     bool file = temporary[0][0];                 /* a pipe that nobody reads may hold the program up */
     if (file)
         cli_hold();
+    unwatch(o);
     lw_status s = (partial ? lw_output_commit_partial : lw_output_commit)(o, e);
     if (file) {
         temporary[0][0] = 0;
@@ -178,9 +225,10 @@ int cli_close(const cli_call *call, lw_output *o, int code)
     lw_error e = { 0 };
     if (lost)
         return close_lost(o, code);
+    unwatch(o);
     code = cli_end_code(code);
     bool partial = o->temp[0] && code != CLI_DONE && code != CLI_NOTHING;
-    if (partial && !o->partial && ftello(o->f) == 0) {
+    if (partial && !o->partial && !ferror(o->f) && ftello(o->f) == 0) {
         lw_output_abandon(o);
         return code;
     }
@@ -484,11 +532,16 @@ static void set_timer(double seconds)
         timer_settime(timer, 0, &t, NULL);
 }
 
+/* The number of the first signal if it is none: the output cannot be written, as a program that gets SIGPIPE. */
+#define WRITE_FAILED SIGPIPE
+
 /* A phase that does not look at the flag, for example one inside a foreign library, is ended by force. */
 static void end_now(void)
 {
-    static const char text[] = "linkwright: stopped; what was begun is lost, what was written before is kept\n";
-    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+    static const char stopped[] = "linkwright: stopped; what was begun is lost, what was written before is kept\n",
+                      failed[] = "linkwright: the output cannot be written\n";
+    bool wrote = interrupted != WRITE_FAILED;
+    if (write(STDERR_FILENO, wrote ? stopped : failed, wrote ? sizeof stopped - 1 : sizeof failed - 1) < 0)
         errno = 0;
     for (int i = 0; i < TEMPORARY_MAX; i++)
         if (temporary[i][0] && !(i == 0 && lw_output_keep(temporary[0], partial_name)))
@@ -496,24 +549,38 @@ static void end_now(void)
     _exit(cli_end_code(CLI_DONE));
 }
 
+/* Set the flag, end standard input, and give the command the time to stop in order. */
+static void begin_end(int number)
+{
+    int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    clock_gettime(CLOCK_MONOTONIC, &forced_end);
+    long end = forced_end.tv_nsec + (long)(1e9*GRACE);
+    forced_end.tv_sec += end/1000000000;
+    forced_end.tv_nsec = end%1000000000;
+    interrupted = number;
+    if (nothing >= 0) {
+        dup2(nothing, STDIN_FILENO);             /* a waiting read is restarted and meets the end */
+        close(nothing);
+    }
+    if (timed && !finishing)
+        timer_settime(timer, TIMER_ABSTIME, &(struct itimerspec){ .it_value = forced_end }, NULL);
+}
+
+static void end_after_failed_write(void)
+{
+    int was = errno;
+    if (interrupted == 0)
+        begin_end(WRITE_FAILED);
+    errno = was;
+}
+
 static void on_signal(int number)
 {
     int was = errno;
     if (interrupted == 0) {
-        int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
-        clock_gettime(CLOCK_MONOTONIC, &forced_end);
-        long end = forced_end.tv_nsec + (long)(1e9*GRACE);
-        forced_end.tv_sec += end/1000000000;
-        forced_end.tv_nsec = end%1000000000;
-        interrupted = number;
+        begin_end(number);
         if (number != SIGALRM)
             signal(number, SIG_DFL);
-        if (nothing >= 0) {
-            dup2(nothing, STDIN_FILENO);         /* a waiting read is restarted and meets the end */
-            close(nothing);
-        }
-        if (timed && !finishing)
-            timer_settime(timer, TIMER_ABSTIME, &(struct itimerspec){ .it_value = forced_end }, NULL);
     } else if (number == SIGALRM && !finishing) {
         end_now();
     }
@@ -548,7 +615,8 @@ const volatile sig_atomic_t *cli_stop_flag(void)
 const char *cli_stop_text(lw_stop s)
 {
     int number = interrupted;
-    return s != LW_STOP_USER || number == 0 ? lw_stop_text(s) : number == SIGALRM ? lw_stop_text(LW_STOP_TIME)
+    return s != LW_STOP_USER || number == 0 ? lw_stop_text(s) : number == WRITE_FAILED ? "an output that cannot be written"
+         : number == SIGALRM ? lw_stop_text(LW_STOP_TIME)
          : number == SIGINT ? "signal SIGINT (Ctrl-C)" : number == SIGTERM ? "signal SIGTERM" : "signal SIGHUP";
 }
 
@@ -559,6 +627,8 @@ int cli_end_code(int code)
         code = CLI_NUMERIC;
     if (number == SIGALRM)
         return code == CLI_DONE || code == CLI_NOTHING ? CLI_LIMIT : code;
+    if (number == WRITE_FAILED)
+        return code == CLI_DONE || code == CLI_NOTHING || code == CLI_LIMIT ? CLI_BAD_INPUT : code;
     return number ? 128 + number : code;
 }
 
