@@ -165,18 +165,20 @@ TEST(all_with_given_pins_are_found)
     }
 }
 
-TEST(all_triples_are_found)
+/* Find all linkages through nine points; each real one is traced.  Returns how many are the bar above; *clean: of these,
+ * without defect. */
+static int find_all(const double *x, const double *y, int *clean)
 {
-    double x[9], y[9];
     lw_target t;
     lw_exact found;
     lw_fit_options o = options(0, 0);
-    int own = 0, clean = 0;
-    points_of(x, y);
+    int own = 0;
+    *clean = 0;
     CHECK_INT(lw_target_make(9, x, y, NULL, NULL, NULL, 0, &t, NULL), LW_OK);
     CHECK_INT(lw_exact_run(&t, &o, &found, NULL), LW_OK);
     CHECK_INT(found.n_general, 1442);
     CHECK_INT(found.n_triple, 1442);
+    CHECK_INT(found.n_singular, 0);
     CHECK(found.complete);
     CHECK_INT(found.n_real, 3*found.n_real_triple);               /* three cognates each ...                   */
     CHECK_INT(found.fit.n, found.n_real_triple);                  /* ... of which the best is listed           */
@@ -188,13 +190,36 @@ TEST(all_triples_are_found)
               : r.verified || (found.defect[i] & LW_DEFECT_ORDER && strstr(r.fault, "out of order")));
         if (traces_the_curve(&found.fit.candidate[i])) {
             own++;
-            clean += found.defect[i] == 0;
+            *clean += found.defect[i] == 0;
         }
     }
-    CHECK_INT(own, 1);
-    CHECK_INT(clean, 1);
     lw_exact_free(&found);
     lw_target_free(&t);
+    return own;
+}
+
+TEST(all_triples_are_found)
+{
+    double x[9], y[9];
+    int clean;
+    points_of(x, y);
+    CHECK_INT(find_all(x, y, &clean), 1);
+    CHECK_INT(clean, 1);
+}
+
+/* Points near a straight line: linkages many times as large as the target, and solutions so near to singular ones that the
+ * equations are not exact enough in double precision.  Two of 1442 had been counted twice, and a real one was missing. */
+TEST(all_triples_near_a_line_are_found)
+{
+    double x[9], y[9];
+    int clean;
+    lw_rng own;
+    lw_rng_seed(&own, 6, 77);
+    for (int j = 0; j < 9; j++) {
+        x[j] = j + 0.05*lw_rng_normal(&own);
+        y[j] = 0.05*lw_rng_normal(&own);
+    }
+    CHECK_INT(find_all(x, y, &clean), 0);
 }
 
 TEST(threads_do_not_matter)

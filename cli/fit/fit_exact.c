@@ -76,6 +76,7 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
     }
     if (x->n_general > 0) {
         bool nine = x->n_theory > LW_EXACT_FIVE_MAX;
+        long missing = x->n_theory - x->n_triple;
         fprintf(f, nine ? "%ld Roberts triples through these points over the complex numbers, of %d at most (Wampler, "
                           "Morgan & Sommese 1992); %ld of them real (three four-bars each)\n"
                         : "%ld solutions with these fixed pins over the complex numbers, of %d at most (Morgan & Wampler "
@@ -83,9 +84,10 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
         if (x->complete)
             fprintf(f, "complete: as many different ones were found as there can be\n");
         else
-            fprintf(f, "not known to be complete: from %ld solutions at general points, of %d, %ld were reached here; the other "
-                    "%ld, real ones among them, may be missing or lie at infinity\n", x->n_general, x->n_theory, x->n_triple,
-                    x->n_theory - x->n_triple);
+            fprintf(f, "not known to be complete: of %d solutions at general points %ld were known, and %ld different ones were reached "
+                    "here; of the other %ld the paths of %ld end at infinity or at a solution that is not isolated or multiple, %ld were "
+                    "lost, real ones perhaps among them\n", x->n_theory, x->n_general, x->n_triple, missing, x->n_singular,
+                    missing - x->n_singular);
     }
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
@@ -140,6 +142,7 @@ void cli_fit_exact_json(const cli_fit_set *s, cli_json *j)
     } else if (x->n_general > 0) {
         cli_json_int(j, "general_roberts_triples", x->n_general);
         cli_json_int(j, "roberts_triples", x->n_triple);
+        cli_json_int(j, "singular_ends", x->n_singular);
         cli_json_int(j, "real_roberts_triples", x->n_real_triple);
     }
     cli_json_array(j, "guides");

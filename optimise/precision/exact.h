@@ -66,6 +66,7 @@ typedef struct lw_exact {
                                     * fixed pins given: 36 solutions; 0: other tasks                */
     long      n_general;           /* of these found at general complex points ...                  */
     long      n_triple, n_real_triple;     /* ... and at those of the target, complex and real       */
+    long      n_singular;          /* of those not found there: their paths end at infinity or at a singular solution */
     bool      complete;            /* all linkages were found, as far as theory knows their number    */
     char      choice[256];         /* which dimensions were free and how they were chosen; "" none     */
 } lw_exact;

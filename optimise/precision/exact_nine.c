@@ -6,8 +6,9 @@
  * multiplied by s and their conjugates by s^, so each pair (s, s^) is a path from p to (s q, s^ q^), and by that to
  * q.  All known solutions are followed back and forth on four paths until all 1442 at p are known.  From there they
  * are followed to the target's points.  Of each triple (six solutions: three cognates, each with its two guides in
- * either order) one is followed.  A path that passes near a singular solution may be lost; then all are followed once
- * more on another way, on which other paths are difficult.
+ * either order) one is followed.  A path that passes near a singular solution may be lost; then the conjugates of what was
+ * found are added, and if some are still missing all are followed once more on another way, on which other paths are
+ * difficult.
  *
  * Five points with both fixed pins given (Morgan & Wampler 1990: at most 36 solutions over the complex numbers) go the
  * same way: the fixed pins belong to the points, and there are no cognates, so that each solution is one of its own. */
@@ -23,20 +24,21 @@
 enum {
     TRIPLES = 1442, FIVES = 36, CAPACITY = 1600, PATHS = 4, PATHS_MAX = 10, ROUND = 96, AIMED = 48, TRIES = 3, ROUTES = 4
 };
-#define SAME 1e-6               /* of the sum of the fixed pins: one triple                              */
-#define REAL 1e-7               /* a number and the conjugate of its partner                             */
+#define SAME 1e-9               /* of the sum of the fixed pins: one triple                              */
+#define REAL 1e-9               /* a number and the conjugate of its partner                             */
 
 typedef struct triple {
     lw_cx    v[8], key[2];
     unsigned used;              /* bits: paths followed from here                                        */
     int      tries;             /* to follow it to the target's points; TRIES: given up, or arrived       */
     int      arrived;           /* number of the solution there; -1                                      */
+    lw_track end;               /* of the last path there                                                */
 } triple;
 
 typedef struct task {
     int   set, i, path;          /* path -1: to the target's points                                      */
     lw_cx v[8];
-    bool  ok;
+    lw_track end;
 } task;
 
 typedef struct nine {
@@ -194,7 +196,7 @@ static void follow(void *context, size_t job, int thread)
     const triple *from = &s->of[k->set][k->i];
     long steps = 0;
     (void)thread;
-    k->ok = false;
+    k->end = LW_TRACK_LOST;
     if (stopped(s))
         return;
     memcpy(k->v, from->v, sizeof k->v);
@@ -203,14 +205,14 @@ static void follow(void *context, size_t job, int thread)
         const lw_cx *turn = s->route > 0 ? s->by[s->route - 1] : same;
         lw_nine p = scaled(&s->at[0], turn, s->points);
         scale_solution(k->v, turn);
-        k->ok = lw_nine_track(&p, &s->wanted, care[from->tries], k->v, &steps);
+        k->end = lw_nine_track(&p, &s->wanted, care[from->tries], k->v, &steps);
         return;
     }
     const lw_cx *by = s->by[k->path];
     lw_nine q = scaled(&s->at[1], by, s->points);
     if (k->set == 1)
         scale_solution(k->v, by);
-    k->ok = k->set == 0 ? lw_nine_track(&s->at[0], &q, 1, k->v, &steps) : lw_nine_track(&q, &s->at[0], 1, k->v, &steps);
+    k->end = k->set == 0 ? lw_nine_track(&s->at[0], &q, 1, k->v, &steps) : lw_nine_track(&q, &s->at[0], 1, k->v, &steps);
     for (int i = 0; i < 8 && k->set == 0; i++)
         k->v[i] = cx_mul(k->v[i], cx_inverse(by[i & 1]));
 }
@@ -218,6 +220,18 @@ static void follow(void *context, size_t job, int thread)
 static void give(nine *s, int set, int i, int path)
 {
     s->job[s->n_task++] = (task){ .set = set, .i = i, .path = path };
+}
+
+/* The target's points are real, so each solution there with all numbers replaced by the conjugates of their partners is
+ * one, too. */
+static void add_conjugates(nine *s)
+{
+    for (int i = 0; i < s->n[2]; i++) {
+        lw_cx v[8];
+        for (int k = 0; k < 8; k++)
+            v[k] = cx_conj(s->of[2][i].v[k ^ 1]);
+        number_of(s, 2, v);
+    }
 }
 
 /* List what to follow next: solutions at p to the target's points, and all solutions on paths not used yet; at last, if
@@ -238,6 +252,8 @@ static void choose(nine *s)
         s->n_path++;
         choose(s);
     }
+    if (s->n_task == 0 && s->n[2] < s->all)
+        add_conjugates(s);
     if (s->n_task == 0 && s->n[2] < s->all && s->route + 1 < ROUTES) {
         s->route++;                                      /* another way permutes the solutions, and leads to all */
         for (int i = 0; i < s->n[0]; i++) {
@@ -253,8 +269,9 @@ static void choose(nine *s)
 static int arrive(nine *s, const task *k)
 {
     triple *from = &s->of[0][k->i];
-    int before = s->n[2], at = k->ok ? number_of(s, 2, k->v) : -1;
+    int before = s->n[2], at = k->end == LW_TRACK_ARRIVED ? number_of(s, 2, k->v) : -1;
     from->tries++;
+    from->end = k->end;
     if (at < 0)
         return -1;
     for (int i = 0; i < s->n[0] && at < before; i++)
@@ -366,7 +383,7 @@ static void take_in(nine *s, lw_ranking *r, lw_exact *out)
             continue;
         }
         s->of[t->set][t->i].used |= 1u << t->path;
-        int at = t->ok ? number_of(s, 1 - t->set, t->v) : -1;
+        int at = t->end == LW_TRACK_ARRIVED ? number_of(s, 1 - t->set, t->v) : -1;
         if (at >= 0)
             s->of[1 - t->set][at].used |= 1u << t->path;
     }
@@ -407,6 +424,9 @@ lw_status lw_nine_solve(const lw_vec2 *p, const lw_vec2 *pivot, const lw_fit_opt
         out->n_general = s->n[0];
         out->n_theory = s->all;
         out->complete = s->n[2] == s->all;
+        for (int i = 0; i < s->n[0]; i++)
+            out->n_singular += s->of[0][i].arrived < 0 && s->of[0][i].end == LW_TRACK_SINGULAR;
+        out->n_singular = fmin(out->n_singular, s->all - s->n[2]);
         out->fit.starts = s->n[0];
     }
     free(memory);

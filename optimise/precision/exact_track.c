@@ -47,14 +47,65 @@ void lw_nine_equation(const lw_cx *v, lw_cx d, lw_cx dh, lw_cx *f, lw_cx by[8], 
     *by_dh = cx_add(cx_add(fa1x, cx_mul(fd1, cx_add(xa, d))), cx_add(fa2y, cx_mul(fd2, cx_add(yb, d))));
 }
 
+/* ---- the same in twice the precision ----------------------------------------------------------------------- */
+
+/* A number is hi + lo, |lo| at most half a unit in the last place of hi (Dekker 1971; products by fma). */
+typedef struct twice { double hi, lo; } twice;
+typedef struct cx2 { twice re, im; } cx2;
+
+static twice two_sum(double a, double b)
+{
+    double s = a + b, v = s - a;
+    return (twice){ s, (a - (s - v)) + (b - v) };
+}
+
+static twice add2(twice a, twice b)
+{
+    twice s = two_sum(a.hi, b.hi), t = two_sum(a.lo, b.lo);
+    twice u = two_sum(s.hi, s.lo + t.hi);
+    return two_sum(u.hi, u.lo + t.lo);
+}
+
+static twice mul2(twice a, twice b)
+{
+    double p = a.hi*b.hi;
+    return two_sum(p, fma(a.hi, b.hi, -p) + (a.hi*b.lo + a.lo*b.hi));
+}
+
+static twice neg2(twice a)        { return (twice){ -a.hi, -a.lo }; }
+static cx2   cx2_add(cx2 a, cx2 b) { return (cx2){ add2(a.re, b.re), add2(a.im, b.im) }; }
+static cx2   cx2_sub(cx2 a, cx2 b) { return (cx2){ add2(a.re, neg2(b.re)), add2(a.im, neg2(b.im)) }; }
+static cx2   cx2_of(lw_cx a)       { return (cx2){ { a.re, 0 }, { a.im, 0 } }; }
+
+static cx2 cx2_mul(cx2 a, cx2 b)
+{
+    return (cx2){ add2(mul2(a.re, b.re), neg2(mul2(a.im, b.im))), add2(mul2(a.re, b.im), mul2(a.im, b.re)) };
+}
+
+/* The value of lw_nine_equation: near a solution the products cancel, and what is left decides how near it is. */
+static lw_cx equation_twice(const lw_cx *v, lw_cx at, lw_cx at_hat)
+{
+    cx2 d = cx2_of(at), h = cx2_of(at_hat), dd = cx2_mul(d, h), w[8];
+    for (int i = 0; i < 8; i++)
+        w[i] = cx2_of(v[i]);
+    cx2 a1 = cx2_mul(w[X], cx2_sub(h, w[AH])), b1 = cx2_mul(w[XH], cx2_sub(d, w[A]));
+    cx2 a2 = cx2_mul(w[Y], cx2_sub(h, w[BH])), b2 = cx2_mul(w[YH], cx2_sub(d, w[B]));
+    cx2 d1 = cx2_add(cx2_add(cx2_mul(h, cx2_sub(w[X], w[A])), cx2_mul(d, cx2_sub(w[XH], w[AH]))), dd);
+    cx2 d2 = cx2_add(cx2_add(cx2_mul(h, cx2_sub(w[Y], w[B])), cx2_mul(d, cx2_sub(w[YH], w[BH]))), dd);
+    cx2 e = cx2_sub(cx2_mul(a1, b2), cx2_mul(a2, b1)), n = cx2_sub(cx2_mul(b1, d2), cx2_mul(b2, d1));
+    cx2 nh = cx2_sub(cx2_mul(a2, d1), cx2_mul(a1, d2));
+    cx2 f = cx2_add(cx2_mul(n, nh), cx2_mul(e, cx2_add(n, nh)));
+    return (lw_cx){ f.re.hi, f.im.hi };
+}
+
 /* ---- a system of eight --------------------------------------------------------------------------------- */
 
 typedef struct system8 {
     lw_cx m[8][8], f[8], by_t[8];
 } system8;
 
-/* At t between the points of `from` and `to`. */
-static void set_up(const lw_nine *from, const lw_nine *to, double t, const lw_cx *v, system8 *s)
+/* At t between the points of `from` and `to`; fine: values in twice the precision. */
+static void set_up(const lw_nine *from, const lw_nine *to, double t, const lw_cx *v, bool fine, system8 *s)
 {
     static const int fixed[4] = { A, AH, B, BH };
     int points = from->pivots ? 4 : 8;
@@ -70,6 +121,8 @@ static void set_up(const lw_nine *from, const lw_nine *to, double t, const lw_cx
         lw_cx d = cx_add(from->d[j], cx_scale(step, t)), dh = cx_add(from->dh[j], cx_scale(steph, t));
         lw_nine_equation(v, d, dh, &s->f[j], s->m[j], &by_d, &by_dh);
         s->by_t[j] = cx_add(cx_mul(by_d, step), cx_mul(by_dh, steph));
+        if (fine)
+            s->f[j] = equation_twice(v, d, dh);
     }
 }
 
@@ -130,12 +183,12 @@ static bool solve(system8 *s, lw_cx z[8], lw_cx w[8])
 /* ---- tracking ---------------------------------------------------------------------------------------------- */
 
 #define AIM      1e-3          /* what the predictor may be off, of the numbers' own size         */
-#define NEAR     1e-7          /* corrections end below this ...                                   */
-#define NEAR_YET 1e-5          /* ... or this, with care: nearly singular ones keep some rounding */
-#define SETTLED  1e-6          /* what a solution may be off in the end                             */
-#define LEAST    1e-9          /* shortest step                                                    */
-#define FAR      1e7           /* solutions beyond are taken to go to infinity                     */
-enum { STEPS = 3000 };
+#define NEAR     1e-7          /* corrections end below this                                       */
+#define SETTLED  1e-11         /* what a solution may be off in the end                             */
+#define LEAST    1e-13         /* shortest step                                                    */
+#define FAR      1e12          /* solutions beyond are taken to go to infinity                     */
+#define ARRIVING 0.999         /* a path that goes on from here, but not to the end, ends at a singular solution */
+enum { STEPS = 6000 };
 
 static double relative(const lw_cx *step, const lw_cx *v)
 {
@@ -147,41 +200,42 @@ static double relative(const lw_cx *step, const lw_cx *v)
 
 /* Newton's method at t from v, with the tangent there.  Returns the first correction, or INFINITY if it does not
  * converge. */
-static double correct(const lw_nine *from, const lw_nine *to, double t, int most, double near, lw_cx *v, lw_cx *tangent)
+static double correct(const lw_nine *from, const lw_nine *to, double t, int most, bool fine, lw_cx *v, lw_cx *tangent)
 {
     double first = 0, before = INFINITY;
     for (int pass = 0; pass < most; pass++) {
         system8 s;
         lw_cx step[8];
-        set_up(from, to, t, v, &s);
+        set_up(from, to, t, v, fine, &s);
         if (!solve(&s, step, tangent))
             return INFINITY;
         double size = relative(step, v);
-        if (!(size < 0.1) || (pass > 0 && !(size < 0.2*before) && size > near))
+        if (!(size < 0.1) || (pass > 0 && !(size < 0.2*before) && size > NEAR))
             return INFINITY;
         for (int i = 0; i < 8; i++)
             v[i] = cx_sub(v[i], step[i]);
         if (pass == 0)
             first = size;
         before = size;
-        if (size < near)
+        if (size < NEAR)
             break;
     }
-    if (!(before < near))
+    if (!(before < NEAR))
         return INFINITY;
     for (int i = 0; i < 8; i++)
         tangent[i] = cx_neg(tangent[i]);
     return first;
 }
 
-/* Newton's method until it stops improving: nearly singular solutions keep some rounding. */
-static bool settle(const lw_nine *from, const lw_nine *to, lw_cx *v)
+/* Newton's method until it stops improving, with the equations in twice the precision: so the solution is exact to
+ * rounding as far as its matrix is regular in double precision. */
+static bool settle(const lw_nine *to, lw_cx *v)
 {
     double before = INFINITY;
-    for (int pass = 0; pass < 12; pass++) {
+    for (int pass = 0; pass < 40; pass++) {
         system8 s;
         lw_cx step[8], tangent[8];
-        set_up(from, to, 1, v, &s);
+        set_up(to, to, 0, v, true, &s);
         if (!solve(&s, step, tangent))
             return false;
         double size = relative(step, v);
@@ -209,23 +263,24 @@ static void predict(const lw_cx *v0, const lw_cx *d0, const lw_cx *v1, const lw_
         v[i] = cx_add(cx_add(cx_scale(v0[i], a), cx_scale(d0[i], b)), cx_add(cx_scale(v1[i], c), cx_scale(d1[i], d)));
 }
 
-bool lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[8], long *steps)
+lw_track lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[8], long *steps)
 {
     lw_cx v0[8], d0[8] = { { 0, 0 } }, d1[8], next[8], dn[8];
-    double t = 0, h = 1e-3, before = 0, aim = AIM*care, near = care < 1 ? NEAR_YET : NEAR;
-    if (!(correct(from, to, 0, 6, 1e-9, v, d1) < INFINITY))
-        return false;
+    double t = 0, h = 1e-3, before = 0, aim = AIM*care;
+    bool fine = care < 1;
+    if (!(correct(from, to, 0, 6, fine, v, d1) < INFINITY))
+        return LW_TRACK_LOST;
     memcpy(v0, v, sizeof v0);
     for (int k = 0; k < STEPS && t < 1; k++) {
         bool last = t + h >= 1;
         double step = last ? 1 - t : h;
         predict(v0, d0, v, d1, before, step, next);
-        double off = correct(from, to, t + step, 3, near, next, dn);
+        double off = correct(from, to, t + step, 3, fine, next, dn);
         ++*steps;
         if (!(off < 100*aim)) {
             h = 0.4*step;
             if (h < LEAST)
-                return false;
+                break;
             continue;
         }
         memcpy(v0, v, sizeof v0);
@@ -238,7 +293,7 @@ bool lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[
         h = step*fmin(2, fmax(0.3, grow));
         for (int i = 0; i < 8; i++)
             if (!(cx_norm1(v[i]) < FAR))
-                return false;
+                return LW_TRACK_SINGULAR;
     }
-    return t >= 1 && settle(from, to, v);
+    return t >= 1 && settle(to, v) ? LW_TRACK_ARRIVED : t > ARRIVING ? LW_TRACK_SINGULAR : LW_TRACK_LOST;
 }

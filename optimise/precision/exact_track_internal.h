@@ -32,8 +32,15 @@ typedef struct lw_nine { lw_cx d[8], dh[8]; bool pivots; lw_cx pivot[4]; } lw_ni
 /* The equation of one point at v = (x x^ a a^ y y^ b b^), its derivatives by v, d and d^. */
 void lw_nine_equation(const lw_cx *v, lw_cx d, lw_cx dh, lw_cx *f, lw_cx by[8], lw_cx *by_d, lw_cx *by_dh);
 
+/* How a path ends. */
+typedef enum lw_track {
+    LW_TRACK_ARRIVED,            /* at a regular solution, exact to rounding                        */
+    LW_TRACK_SINGULAR,           /* at infinity, or just before the end: at a singular solution there */
+    LW_TRACK_LOST                /* on the way                                                      */
+} lw_track;
+
 /* Follow the solution v while the points move on straight lines from `from` to `to`.  care: 1, or less for smaller
- * steps. false: v goes to infinity or to a singular solution.  The steps are added to *steps. */
-bool lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[8], long *steps);
+ * steps and equations in twice the precision.  The steps are added to *steps. */
+lw_track lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[8], long *steps);
 
 #endif
