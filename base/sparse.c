@@ -344,3 +344,160 @@ void lw_cholesky_solve(const lw_cholesky *c, double *b)
         b[i] = sum*c->diag[i];
     }
 }
+
+/* ---- the same factor from rows ---------------------------------------------------------------------- */
+
+bool lw_row_fronts_make(lw_row_fronts *f, const lw_cholesky *c, int n_row, const int *at, const int *column)
+{
+    size_t n = (size_t)c->n, rows = (size_t)n_row, entries = (size_t)at[n_row], passed = 0, most = 0;
+    int *ints = malloc(((rows + 1) + entries + (n + 1) + rows + 4*n + 1)*sizeof *ints);
+    *f = (lw_row_fronts){ .n_row = n_row, .at = ints, .to = malloc((n + 1)*sizeof *f->to), .size = malloc((n + 1)*sizeof *f->size) };
+    if (!ints || !f->to || !f->size) {
+        lw_row_fronts_free(f);
+        return false;
+    }
+    f->column = f->at + rows + 1;
+    f->first = f->column + entries;
+    f->row = f->first + n + 1;
+    f->child = f->row + rows;
+    f->sibling = f->child + n;
+    f->height = f->sibling + n;
+    f->place = f->height + n;
+    memcpy(f->at, at, (rows + 1)*sizeof *at);
+    memcpy(f->column, column, entries*sizeof *column);
+    memset(f->first, 0, (n + 1)*sizeof *f->first);
+    for (int pass = 0; pass < 2; pass++) {                   /* count, then list */
+        for (int i = 0; i < n_row; i++) {
+            int low = c->n;
+            for (int k = at[i]; k < at[i + 1]; k++)
+                low = column[k] < low ? column[k] : low;
+            if (low < c->n && pass)
+                f->row[f->place[low]++] = i;
+            else if (low < c->n)
+                f->first[low + 1]++;
+        }
+        for (int k = 0; k < c->n && !pass; k++) {
+            f->place[k] = f->first[k];
+            f->first[k + 1] += f->first[k];
+        }
+    }
+    for (int k = 0; k < c->n; k++)
+        f->child[k] = f->sibling[k] = -1;
+    for (int k = 0; k < c->n; k++) {
+        size_t others = (size_t)(c->at[k + 1] - c->at[k]), m = (size_t)(f->first[k + 1] - f->first[k]);
+        for (int j = f->child[k]; j >= 0; j = f->sibling[j])
+            m += (size_t)f->height[j];
+        f->height[k] = (int)(m < others ? m : others);
+        f->to[k] = passed;
+        passed += (size_t)f->height[k]*others;
+        most = m*(others + 1) > most ? m*(others + 1) : most;
+        if (others > 0) {
+            int parent = c->list[c->at[k]];
+            f->sibling[k] = f->child[parent];
+            f->child[parent] = k;
+        }
+    }
+    f->pass = malloc((passed + 1)*sizeof *f->pass);
+    f->front = malloc((most + 1)*sizeof *f->front);
+    if (f->pass && f->front)
+        return true;
+    lw_row_fronts_free(f);
+    return false;
+}
+
+void lw_row_fronts_free(lw_row_fronts *f)
+{
+    free(f->at);
+    free(f->to);
+    free(f->pass);
+    free(f->front);
+    free(f->size);
+    memset(f, 0, sizeof *f);
+}
+
+/* Gather the rows of front k, of w columns, into f->front.  Returns how many there are. */
+static int gather(lw_row_fronts *f, const lw_cholesky *c, const double *entry, int k, int w)
+{
+    int m = 0;
+    f->place[k] = 0;
+    for (int j = 1; j < w; j++)
+        f->place[c->list[c->at[k] + j - 1]] = j;
+    for (int i = f->first[k]; i < f->first[k + 1]; i++, m++) {
+        double *to = f->front + (size_t)m*(size_t)w;
+        memset(to, 0, (size_t)w*sizeof *to);
+        for (int p = f->at[f->row[i]]; p < f->at[f->row[i] + 1]; p++)
+            to[f->place[f->column[p]]] += entry[p];
+    }
+    for (int j = f->child[k]; j >= 0; j = f->sibling[j]) {
+        int others = c->at[j + 1] - c->at[j];
+        for (int i = 0; i < f->height[j]; i++, m++) {
+            double *to = f->front + (size_t)m*(size_t)w;
+            memset(to, 0, (size_t)w*sizeof *to);
+            for (int p = 0; p < others; p++)
+                to[f->place[c->list[c->at[j] + p]]] = f->pass[f->to[j] + (size_t)i*(size_t)others + (size_t)p];
+        }
+    }
+    return m;
+}
+
+/* Norm of column j of m rows of w numbers, from row i on. */
+static double column_norm(const double *a, int i, int m, int w, int j)
+{
+    double sum = 0;
+    for (; i < m; i++)
+        sum += a[i*w + j]*a[i*w + j];
+    return sqrt(sum);
+}
+
+/* Reflect m rows of w numbers so that column first + i ends at row i. */
+static void reflect(double *a, int m, int w, int first)
+{
+    for (int i = 0; i < m - 1 && first + i < w; i++) {
+        int j = first + i;
+        double norm = column_norm(a, i, m, w, j);
+        if (!(norm > 0))
+            continue;
+        double lead = a[i*w + j] + (a[i*w + j] >= 0 ? norm : -norm), by = lead*(lead > 0 ? norm : -norm);
+        a[i*w + j] = lead;                                   /* the vector; its square over 2 is |lead| norm */
+        for (int k = j + 1; k < w; k++) {
+            double sum = 0;
+            for (int r = i; r < m; r++)
+                sum += a[r*w + j]*a[r*w + k];
+            sum /= by;
+            for (int r = i; r < m; r++)
+                a[r*w + k] -= sum*a[r*w + j];
+        }
+        a[i*w + j] = lead > 0 ? -norm : norm;
+        for (int r = i + 1; r < m; r++)
+            a[r*w + j] = 0;
+    }
+}
+
+double lw_row_fronts_factor(lw_row_fronts *f, lw_cholesky *c, const double *entry, double tolerance, bool *dependent)
+{
+    double least = 1;
+    memset(f->size, 0, (size_t)c->n*sizeof *f->size);
+    for (int p = 0; p < f->at[f->n_row]; p++)
+        f->size[f->column[p]] += entry[p]*entry[p];
+    for (int k = 0; k < c->n; k++) {
+        int w = 1 + c->at[k + 1] - c->at[k], m = gather(f, c, entry, k, w);
+        double *row = c->value + c->at[k], pivot = column_norm(f->front, 0, m, w, 0), share = f->size[k] > 0 ? pivot*pivot/f->size[k] : 0;
+        bool left_out = dependent && !(share > tolerance);
+        if (dependent)
+            dependent[k] = left_out;
+        reflect(f->front, m, w, left_out);
+        if (!left_out) {
+            least = fmin(least, share);
+            if (!(pivot > 0))
+                return 0;
+            memcpy(row, f->front + 1, (size_t)(w - 1)*sizeof *row);
+        } else
+            memset(row, 0, (size_t)(w - 1)*sizeof *row);
+        c->diag[k] = left_out ? 0 : 1/f->front[0];
+        int from = !left_out, rows = m < w - left_out ? m : w - left_out;
+        f->height[k] = rows > from ? rows - from : 0;
+        for (int i = 0; i < f->height[k]; i++)
+            memcpy(f->pass + f->to[k] + (size_t)i*(size_t)(w - 1), f->front + (size_t)(from + i)*(size_t)w + 1, (size_t)(w - 1)*sizeof *f->pass);
+    }
+    return least;
+}

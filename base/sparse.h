@@ -64,4 +64,24 @@ double lw_cholesky_factor(lw_cholesky *c, double tolerance, bool *dependent);
 /* Solve S x = b in place, both in the order of elimination. */
 void lw_cholesky_solve(const lw_cholesky *c, double *b);
 
+/* The same factor of S = A^T A from the rows of A, by Householder's reflections of the rows that meet at each column (George & Liu
+ * 1987; Liu 1986): pivots and solutions have the digits of A, where forming S loses twice as many. */
+typedef struct lw_row_fronts {
+    int     n_row;
+    int    *at, *column;         /* (n_row + 1), entries of each row: columns in the order of elimination     */
+    int    *first, *row;         /* (n + 1), (n_row) rows by their first column                               */
+    int    *child, *sibling;     /* (n) fronts that pass rows on to a front; -1: none                         */
+    int    *height, *place;      /* (n) rows passed on; place of a column in a front                          */
+    size_t *to;                  /* (n) where in pass                                                         */
+    double *pass, *front, *size; /* rows passed on; the front at hand; (n) squares of the columns' norms      */
+} lw_row_fronts;
+
+/* Rows of A by their entries: those of row i are at[i] .. at[i + 1] - 1, in columns column[] of c, which are given as places in
+ * the order of elimination; each row's columns meet in c.  Takes copies.  false: out of memory; then *f is empty. */
+bool lw_row_fronts_make(lw_row_fronts *f, const lw_cholesky *c, int n_row, const int *at, const int *column);
+void lw_row_fronts_free(lw_row_fronts *f);
+
+/* As lw_cholesky_factor, of A with these entries. */
+double lw_row_fronts_factor(lw_row_fronts *f, lw_cholesky *c, const double *entry, double tolerance, bool *dependent);
+
 #endif

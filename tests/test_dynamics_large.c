@@ -1,6 +1,7 @@
 /* tests/test_dynamics_large.c - models of any size: the sparse way alone gives the motion that both ways give together on
  * models small enough for both; long chains and rows of loops keep their energy. */
 #include "mbs/analysis/freedoms.h"
+#include "mbs/dynamics/follow.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
@@ -403,6 +404,54 @@ TEST(rows_of_loops_turn_through_flat_postures)
 }
 
 /* Mobility by sparse factors and by rank-revealing ones. */
+/* A tower of n four-bars, each on the rung of the one below, with legs leaning to either side in turn; every left leg is
+ * driven by the same angle. */
+static void read_tower(int n, lw_model *m)
+{
+    text t = { 0 };
+    const double lean = 80*LW_PI/180;
+    put(&t, "{'linkwright': 1, 'ground': 'ground', 'links': ['ground'");
+    for (int i = 0; i < n; i++)
+        put(&t, ",'a%d','b%d','r%d'", i, i, i);
+    put(&t, "], 'joints': [");
+    lw_vec2 p = { 0, 0 };
+    char below[16] = "ground";
+    for (int i = 0; i < n; i++) {
+        lw_vec2 top = lw_v2_add(p, lw_v2_polar(1, i % 2 ? LW_PI - lean : lean));
+        put(&t, "%s{'name': 'A%d', 'links': ['%s', 'a%d'], 'at': [%.17g, %.17g]},", i ? "," : "", i, below, i, p.x, p.y);
+        put(&t, "{'name': 'B%d', 'links': ['%s', 'b%d'], 'at': [%.17g, %.17g]},", i, below, i, p.x + 1, p.y);
+        put(&t, "{'name': 'C%d', 'links': ['a%d', 'r%d'], 'at': [%.17g, %.17g]},", i, i, i, top.x, top.y);
+        put(&t, "{'name': 'D%d', 'links': ['b%d', 'r%d'], 'at': [%.17g, %.17g]}", i, i, i, top.x + 1, top.y);
+        snprintf(below, sizeof below, "r%d", i);
+        p = top;
+    }
+    put(&t, "], 'tracers': [{'name': 'T', 'link': '%s', 'at': [%.17g, %.17g]}], 'inputs': [", below, p.x, p.y);
+    for (int i = 0; i < n; i++)
+        put(&t, "%s{'joint': 'A%d', 'value': 0, 'motion': '0.3*t'}", i ? "," : "", i);
+    put(&t, "]}");
+    read_text(&t, m);
+}
+
+/* Its rows have a condition of about n^2, whose square is beyond a double: it was called singular.  The top by a formula. */
+TEST(tall_towers_are_not_singular)
+{
+    for (int n = 50; n <= 5000; n *= 10) {
+        lw_model m;
+        lw_follow *f;
+        lw_error e = { 0 };
+        read_tower(n, &m);
+        CHECK_INT(lw_follow_create(&m, lw_prescribed_motion_of_model, &m, 0, NULL, &f, &e), LW_OK);
+        CHECK_INT(lw_follow_to(f, 1, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        const lw_system *s = lw_follow_system(f);
+        lw_vec2 top = lw_system_point(s, s->tracer_body[0], s->tracer_arm[0], lw_follow_series(f));
+        CHECK_NEAR(top.x, -n*sin(80*LW_PI/180)*sin(0.3), 1e-8*n, 0);
+        CHECK_NEAR(top.y, n*sin(80*LW_PI/180)*cos(0.3), 1e-8*n, 0);
+        lw_follow_free(f);
+        lw_model_free(&m);
+    }
+}
+
 TEST(mobility_agrees)
 {
     static const char *const name[] = { "slider-crank", "jansen", "klann", "geared-five-bar", "andrews", "trammel", "loader",

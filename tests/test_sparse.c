@@ -1,4 +1,5 @@
-/* base/sparse: random systems against their own products, the order of elimination against known fill. */
+/* base/sparse: random systems against their own products, the order of elimination against known fill, factors of rows against
+ * solutions that are known. */
 #include "base/rng.h"
 #include "base/sparse.h"
 #include "tests/check.h"
@@ -87,5 +88,171 @@ TEST(no_fill)
         for (int i = 0; i < n; i++)
             sum += order[i];
         CHECK_INT(sum, n*(n - 1)/2);
+    }
+}
+
+/* ---- symmetric systems -------------------------------------------------------------------------------- */
+
+enum { ROWS = 90, COLUMNS = 40, ENTRIES = 3 };
+
+/* The system A^T A of rows with ENTRIES columns each: its pattern, and both ways to factor it. */
+typedef struct square {
+    int    n_row, at[ROWS + 1], column[ROWS*ENTRIES];
+    double entry[ROWS*ENTRIES];
+    lw_cholesky c;
+    lw_row_fronts f;
+} square;
+
+static void make_square(square *s)
+{
+    static bool meet[COLUMNS][COLUMNS];
+    static int near_at[COLUMNS + 1], near[COLUMNS*COLUMNS], place[COLUMNS], column[ROWS*ENTRIES];
+    memset(meet, 0, sizeof meet);
+    for (int r = 0; r < s->n_row; r++)
+        for (int p = s->at[r]; p < s->at[r + 1]; p++)
+            for (int q = s->at[r]; q < s->at[r + 1]; q++)
+                meet[s->column[p]][s->column[q]] = true;
+    for (int i = 0; i < COLUMNS; i++) {
+        near_at[i + 1] = near_at[i];
+        for (int j = 0; j < COLUMNS; j++)
+            if (i != j && meet[i][j])
+                near[near_at[i + 1]++] = j;
+    }
+    CHECK(lw_cholesky_make(&s->c, COLUMNS, near_at, near));
+    for (int k = 0; k < COLUMNS; k++)
+        place[s->c.order[k]] = k;
+    for (int p = 0; p < s->at[s->n_row]; p++)
+        column[p] = place[s->column[p]];
+    CHECK(lw_row_fronts_make(&s->f, &s->c, s->n_row, s->at, column));
+}
+
+static void free_square(square *s)
+{
+    lw_row_fronts_free(&s->f);
+    lw_cholesky_free(&s->c);
+}
+
+static void random_square(square *s, lw_rng *rng)
+{
+    *s = (square){ .n_row = ROWS };
+    for (int r = 0; r < ROWS; r++) {
+        s->at[r + 1] = s->at[r] + ENTRIES;
+        for (int k = 0; k < ENTRIES; k++) {              /* different columns; every column is in some row */
+            s->column[s->at[r] + k] = k == 0 ? r % COLUMNS : (r + 1 + k*7 + 13*(int)(lw_rng_uniform(rng)*3)) % COLUMNS;
+            s->entry[s->at[r] + k] = lw_rng_uniform(rng) - 0.5;
+        }
+    }
+}
+
+/* Both factors solve the same systems, with as near a pivot. */
+TEST(factors_of_rows_and_of_their_square_agree)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, 5, 0);
+    for (int trial = 0; trial < 20; trial++) {
+        square s;
+        double b[2][COLUMNS], least[2];
+        random_square(&s, &rng);
+        make_square(&s);
+        memset(s.c.value, 0, (size_t)(s.c.n_entry + COLUMNS)*sizeof *s.c.value);
+        for (int r = 0; r < ROWS; r++)
+            for (int p = s.at[r]; p < s.at[r + 1]; p++)
+                for (int q = s.at[r]; q < s.at[r + 1]; q++) {
+                    int i = s.f.column[p], j = s.f.column[q];
+                    if (i <= j)
+                        s.c.value[lw_cholesky_entry(&s.c, i, j)] += s.entry[p]*s.entry[q];
+                }
+        for (int k = 0; k < COLUMNS; k++)
+            b[0][k] = b[1][k] = lw_rng_uniform(&rng);
+        least[0] = lw_cholesky_factor(&s.c, 0, NULL);
+        lw_cholesky_solve(&s.c, b[0]);
+        least[1] = lw_row_fronts_factor(&s.f, &s.c, s.entry, 0, NULL);
+        lw_cholesky_solve(&s.c, b[1]);
+        CHECK(least[0] > 0);
+        CHECK_NEAR(least[1], least[0], 1e-12, 1e-9);
+        for (int k = 0; k < COLUMNS; k++)
+            CHECK_NEAR(b[1][k], b[0][k], 1e-9, 1e-9);
+        free_square(&s);
+    }
+}
+
+/* The second difference with a condition of 1e9: its square is singular to all digits.  x of least norm with A^T x = A^T 1 is 1,
+ * since A is square. */
+TEST(factors_of_rows_keep_their_digits)
+{
+    square s = { .n_row = COLUMNS };
+    for (int r = 0; r < COLUMNS; r++) {
+        s.at[r + 1] = s.at[r];
+        for (int k = 0; k < 3 && r + k < COLUMNS; k++) {
+            s.column[s.at[r + 1]] = r + k;
+            s.entry[s.at[r + 1]++] = k == 0 ? 1 : k == 1 ? -3 : 2;     /* (1 - x) (1 - 2 x): the inverse grows as 2^n */
+        }
+    }
+    make_square(&s);
+    double b[COLUMNS] = { 0 }, off = 0;
+    for (int r = 0; r < COLUMNS; r++)
+        for (int p = s.at[r]; p < s.at[r + 1]; p++)
+            b[s.f.column[p]] += s.entry[p];
+    CHECK(lw_row_fronts_factor(&s.f, &s.c, s.entry, 0, NULL) > 0);
+    lw_cholesky_solve(&s.c, b);
+    for (int r = 0; r < COLUMNS; r++) {
+        double x = 0;
+        for (int p = s.at[r]; p < s.at[r + 1]; p++)
+            x += s.entry[p]*b[s.f.column[p]];
+        off = fmax(off, fabs(x - 1));
+    }
+    CHECK(off < 1e-4);                           /* 2^40 times the rounding */
+    free_square(&s);
+}
+
+/* A column that depends on another is left out; the others still solve. */
+TEST(dependent_columns_of_rows)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, 6, 0);
+    for (int trial = 0; trial < 20; trial++) {
+        square s;
+        bool dependent[COLUMNS];
+        double x[COLUMNS], b[COLUMNS] = { 0 }, left[ROWS] = { 0 };
+        int n = 0;
+        random_square(&s, &rng);
+        for (int r = 0; r < ROWS; r++) {         /* column 2 is twice column 0 */
+            int zero = -1, two = -1;
+            for (int p = s.at[r]; p < s.at[r + 1]; p++) {
+                zero = s.column[p] == 0 ? p : zero;
+                two = s.column[p] == 2 ? p : two;
+            }
+            if (zero >= 0 && two < 0) {
+                two = zero == s.at[r] ? zero + 1 : s.at[r];
+                s.column[two] = 2;
+            }
+            if (two >= 0)
+                s.entry[two] = zero >= 0 ? 2*s.entry[zero] : 0;
+        }
+        make_square(&s);
+        CHECK(lw_row_fronts_factor(&s.f, &s.c, s.entry, 1e-20, dependent) > 0);
+        for (int k = 0; k < COLUMNS; k++)
+            n += dependent[k];
+        CHECK_INT(n, 1);
+        for (int k = 0; k < COLUMNS; k++)
+            x[k] = lw_rng_uniform(&rng);
+        for (int pass = 0; pass < 2; pass++) {   /* b = A^T A x, then the residual of the solution */
+            double y[ROWS] = { 0 };
+            for (int r = 0; r < ROWS; r++)
+                for (int p = s.at[r]; p < s.at[r + 1]; p++)
+                    y[r] += s.entry[p]*x[s.f.column[p]];
+            if (pass == 0) {
+                memcpy(left, y, sizeof left);
+                for (int r = 0; r < ROWS; r++)
+                    for (int p = s.at[r]; p < s.at[r + 1]; p++)
+                        b[s.f.column[p]] += s.entry[p]*y[r];
+                lw_cholesky_solve(&s.c, b);
+                for (int k = 0; k < COLUMNS; k++)
+                    x[k] = dependent[k] ? 0 : b[k];
+            } else
+                for (int r = 0; r < ROWS; r++)
+                    CHECK_NEAR(y[r], left[r], 1e-8, 0);
+        }
+        free_square(&s);
     }
 }

@@ -13,6 +13,8 @@
 static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
 static const double least_pivot_large = 1e-9;     /* the same of large models: singular */
 static const double least_share = 1e-10;    /* relative pivot below which a row of a large model depends on others */
+static const double least_share_rows = LW_RANK_TOLERANCE*LW_RANK_TOLERANCE;      /* the same if factors come from the rows */
+static const double few_digits = 1e-8;      /* relative error of a solution, from which on they do */
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
@@ -124,6 +126,18 @@ static void form_schur(lw_dynamics *d)
         double x = w->at_row ? d->jac_by_mass[w->from] : d->by_mass[w->from];
         value[w->to] += w->at_row || x != 0 ? w->by*x : w->by > 0;        /* no mass that could move: any diagonal */
     }
+}
+
+/* Factor J M^-1 J^T over the kept rows. */
+static double factor_kept(lw_dynamics *d, double tolerance, bool *dependent)
+{
+    if (!d->by_fronts) {
+        form_schur(d);
+        return lw_cholesky_factor(&d->schur, tolerance, dependent);
+    }
+    for (int i = 0; i < d->fronts.at[d->fronts.n_row]; i++)
+        d->front_value[i] = d->jac[d->front_entry[2*i]]*sqrt(d->by_mass[d->front_entry[2*i + 1]]);
+    return lw_row_fronts_factor(&d->fronts, &d->schur, d->front_value, tolerance, dependent);
 }
 
 static double row_dot(const lw_dynamics *d, int row, const double *x)
@@ -276,10 +290,9 @@ lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
 {
     d->by_rank = !d->large && (by_rank || d->has_zero_mass);
     if (!d->by_rank) {
-        form_schur(d);
-        d->weak = lw_cholesky_factor(&d->schur, 0, NULL)/(d->weak_scale > 0 ? d->weak_scale : 1);
+        d->weak = factor_kept(d, 0, NULL)/(d->weak_scale > 0 ? d->weak_scale : 1);
         if (d->large)
-            return d->weak > least_pivot_large ? LW_OK : LW_OPEN;
+            return d->weak > (d->by_fronts ? least_share_rows : least_pivot_large) ? LW_OK : LW_OPEN;
         d->by_rank = !(d->weak > least_pivot);
     }
     if (!d->by_rank)
@@ -740,10 +753,21 @@ static bool order_rows(lw_dynamics *d, const part_rows *r)
     return d->pair && d->weld;
 }
 
+void lw_mbs_free_fronts(lw_dynamics *d)
+{
+    lw_row_fronts_free(&d->fronts);
+    free(d->front_entry);
+    free(d->front_value);
+    d->front_entry = NULL;
+    d->front_value = NULL;
+    d->by_fronts = false;
+}
+
 /* Prepare the fast way for the rows in kept; divide: blocks with many rows into parts. */
 static lw_status prepare_kept(lw_dynamics *d, bool divide)
 {
     part_rows r = { 0 };
+    lw_mbs_free_fronts(d);
     for (int i = 0; i < d->n_c; i++)
         d->place[i] = -1;
     bool ok = count_parts(d, &r, divide) && list_part_rows(d, &r) && analyse(d, &r) && order_rows(d, &r);
@@ -763,33 +787,103 @@ static lw_status keep_basis(lw_dynamics *d)
     return prepare_kept(d, false);
 }
 
+/* Let factors come from the kept rows: their entries by velocities. */
+static lw_status take_fronts(lw_dynamics *d)
+{
+    size_t most = (size_t)d->n_kept*LW_ROW_BLOCKS*LW_BLOCK;
+    int *at = calloc((size_t)d->n_v + 2, sizeof *at), *column = malloc((most + 1)*sizeof *column);
+    lw_mbs_free_fronts(d);
+    d->front_entry = malloc(2*(most + 1)*sizeof *d->front_entry);
+    d->front_value = malloc((most + 1)*sizeof *d->front_value);
+    d->by_fronts = at && column && d->front_entry && d->front_value;
+    for (int pass = 0; d->by_fronts && pass < 2; pass++) {   /* count, then list */
+        for (int i = 0; i < d->n_kept; i++) {
+            int row = d->kept[i];
+            for (int k = 0; k < LW_ROW_BLOCKS && d->row_block[row][k] >= 0; k++)
+                for (int c = 0; c < LW_BLOCK; c++) {
+                    int v = LW_BLOCK*d->row_block[row][k] + c, to = pass ? at[v + 1]++ : at[v + 2]++;
+                    if (pass) {
+                        column[to] = i;
+                        d->front_entry[2*to] = row*LW_ROW_SIZE + LW_BLOCK*k + c;
+                        d->front_entry[2*to + 1] = v;
+                    }
+                }
+        }
+        for (int v = 0; v < d->n_v && !pass; v++)
+            at[v + 2] += at[v + 1];
+    }
+    d->by_fronts = d->by_fronts && lw_row_fronts_make(&d->fronts, &d->schur, d->n_v, at, column);
+    free(at);
+    free(column);
+    return d->by_fronts ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+}
+
+/* Does a solution of the rows, which leave no freedom, have few digits?  That of J x = J (1, 1, ...). */
+static bool loses_digits(lw_dynamics *d)
+{
+    double off = 0;
+    for (int i = 0; i < d->n_v; i++)
+        d->hold[i] = 1;
+    lw_mbs_times(d, d->hold, d->rhs);
+    fast_solve(d, NULL, d->rhs, d->hold, d->l_each);
+    for (int i = 0; i < d->n_v; i++)
+        off = fmax(off, fabs(d->hold[i] - 1));
+    return !(off < few_digits);
+}
+
 /* The same without a rank-revealing factorisation: leave out rows whose pivots vanish.  A pivot is the square of the
- * distance of a row from those eliminated before it.  LW_NOTHING: it is that of a weld, which says nothing about rows. */
+ * distance of a row from those eliminated before it.  dependent (n_c): of each row, whether it is left out.  Returns how many
+ * are kept; -1: the pivot of a weld vanishes, which says nothing about rows. */
+static int find_dependent(lw_dynamics *d, double tolerance, bool *pivot_vanishes, bool *dependent)
+{
+    int n = 0, vanished = 0;
+    factor_kept(d, tolerance, pivot_vanishes);
+    for (int i = 0; i < d->schur.n; i++)
+        vanished += pivot_vanishes[i];
+    for (int i = 0; i < d->n_kept; i++) {
+        dependent[d->kept[i]] = pivot_vanishes[d->unknown[i]];
+        n += !dependent[d->kept[i]];
+    }
+    return vanished > d->n_kept - n ? -1 : n;
+}
+
+/* Prepare the fast way for all rows but those left out; NULL: for all. */
+static lw_status prepare_rows(lw_dynamics *d, const bool *left_out, bool divide)
+{
+    d->n_kept = 0;
+    for (int r = 0; r < d->n_c; r++)
+        if (!left_out || !left_out[r])
+            d->kept[d->n_kept++] = r;
+    return prepare_kept(d, divide);
+}
+
+/* Leave out dependent rows.  The square of a long linkage that is all driven can lose all digits though no row depends on others;
+ * then the rows themselves are factored, and as many are kept as the rows alone and the inputs have it.
+ * LW_NOTHING: blocks cannot be divided. */
 static lw_status keep_independent(lw_dynamics *d, bool divide)
 {
-    int n = 0, n_dependent = 0;
-    d->n_kept = d->n_c;
-    for (int r = 0; r < d->n_c; r++)
-        d->kept[r] = r;
-    lw_status s = prepare_kept(d, divide);
-    bool *dependent = s == LW_OK ? malloc((size_t)d->schur.n + 1) : NULL;
-    if (!dependent)
-        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
-    form_schur(d);
-    lw_cholesky_factor(&d->schur, least_share, dependent);
-    for (int i = 0; i < d->schur.n; i++)
-        n_dependent += dependent[i];
-    for (int i = 0; i < d->n_kept; i++)
-        if (!dependent[d->unknown[i]])
-            d->kept[n++] = d->kept[i];
-    free(dependent);
-    if (n_dependent > d->n_kept - n)
-        return LW_NOTHING;
-    if (n == d->n_kept)
-        return LW_OK;
-    d->n_kept = n;
-    qsort(d->kept, (size_t)n, sizeof *d->kept, compare);
-    return prepare_kept(d, true);
+    lw_status s = prepare_rows(d, NULL, divide);
+    size_t size = s == LW_OK ? (size_t)d->schur.n + (size_t)d->n_c + 1 : 1;
+    bool *vanishes = malloc(3*size), *dependent = vanishes + size, *by_rows = dependent + size;
+    if (s != LW_OK || !vanishes) {
+        free(vanishes);
+        return s != LW_OK ? s : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    }
+    int n = find_dependent(d, least_share, vanishes, dependent), wanted = d->rank_alone + d->n_driven;
+    d->by_rank = false;
+    if (!d->space && d->n_driven && d->rank_alone >= 0 && wanted == d->n_v && (n < wanted || loses_digits(d))) {
+        s = prepare_rows(d, NULL, false);
+        s = s == LW_OK ? take_fronts(d) : s;
+        if (s == LW_OK && find_dependent(d, least_share_rows, vanishes, by_rows) == wanted) {
+            if (wanted < d->n_c)
+                s = prepare_rows(d, by_rows, false);
+            s = s == LW_OK && !d->by_fronts ? take_fronts(d) : s;
+        } else if (s == LW_OK)
+            s = n < 0 ? LW_NOTHING : prepare_rows(d, dependent, true);
+    } else if (n < d->n_c)
+        s = n < 0 ? LW_NOTHING : prepare_rows(d, dependent, true);
+    free(vanishes);
+    return s;
 }
 
 lw_status lw_mbs_arrange_touch(lw_dynamics *d, const int *kept, int n)

@@ -71,6 +71,11 @@ struct lw_dynamics {
     int     *parts;                           /* (n_block) equal parts into which blocks are divided */
     lw_cholesky schur;                        /* J M^-1 J^T over the kept rows, and welds */
     lw_row_blocks *row_block;                  /* (n_c) */
+    bool    by_fronts;                        /* the factor of schur comes from the rows: for large linkages that are all driven, */
+    lw_row_fronts fronts;                     /* whose rows are so weak that J M^-1 J^T loses their digits */
+    int    *front_entry;                      /* of each entry of fronts: (index in jac, velocity) */
+    double *front_value;
+    int     rank_alone;                       /* rank of the rows of the system alone; -1: not known */
     /* at the posture last factored */
     lw_body_frame *frames;                    /* (n_body + 1) */
     double *phi, *jac, *rhs;                  /* (n_c) (n_c*LW_ROW_SIZE), in blocks by row_block; (n_c) */
@@ -129,6 +134,8 @@ void lw_mbs_system_rows(const lw_dynamics *d, const double *q);
 
 /* Row r of the rows in force with its zeros, into out (n_v). */
 void lw_mbs_row(const lw_dynamics *d, int r, double *out);
+
+void      lw_mbs_free_fronts(lw_dynamics *d);
 
 /* Factor the rows of lw_mbs_rows.  LW_OPEN: a singular posture. */
 lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank);

@@ -128,6 +128,7 @@ void lw_dynamics_free(lw_dynamics *d)
         free(array[i]);
     lw_mbs_touch_free(d);
     lw_cholesky_free(&d->schur);
+    lw_mbs_free_fronts(d);
     lw_forces_free(&d->f);
     lw_system_free(&d->s);
     lw_elastic_expansion_free(&d->expansion);
@@ -291,6 +292,7 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     memcpy(d->a, q, (size_t)d->n_q*sizeof *q);
     /* first without motions: close a posture that is not quite closed */
     d->n_driven = 0;
+    d->rank_alone = -1;
     lw_status s = d->large ? LW_NOTHING : lw_system_adjust(&d->s, q, &d->adjusted, e);
     if (s < 0)
         return s;
@@ -304,7 +306,7 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     for (int i = 0; i < d->n_q; i++)
         d->moved = fmax(d->moved, fabs(q[i] - d->a[i]));
     memcpy(d->drawn_q, q, (size_t)d->n_q*sizeof *q);
-    int rank = d->rank;
+    int rank = d->rank_alone = d->rank;
     d->n_driven = driven;
     s = lw_mbs_arrange(d, d->o.from, q);
     if (s == LW_OK && d->rank < rank + driven)
