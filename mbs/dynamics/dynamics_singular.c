@@ -142,21 +142,46 @@ static lw_status begin_gap(lw_passage *z, double half, turn *back, const approac
     return s == LW_E_NUMERIC ? LW_OPEN : s;
 }
 
+enum { PLACES = 400, COARSE = 8 };           /* on the way over a singular posture; every eighth is looked at first */
+
+/* Does friction jam at this place of the way from the state `from` to y?  left: how far it is from that, by the rows and by the
+ * friction.  scratch (n). */
+static bool jams_at(lw_run *run, double t, const double *from, const double *y, int place, double left[2], double *scratch)
+{
+    lw_dynamics *d = run->d;
+    lw_status s = LW_OK;
+    for (int i = 0; i < run->n; i++)
+        scratch[i] = from[i] + (y[i] - from[i])*place/PLACES;
+    left[0] = left[1] = 0;
+    if (lw_mbs_rows(d, t, scratch) == LW_OK && lw_mbs_factor(d, true) == LW_OK) {
+        s = lw_mbs_solve(d, t, scratch, scratch + d->n_q, d->a, d->l, NULL);
+        left[0] = d->rank_of.weakest, left[1] = d->friction_determinant;
+    }
+    return s == LW_E_NUMERIC;
+}
+
 /* Reactions have poles in singular postures.  Where their friction grows with them, its equations lose their solution on
  * the way, and the linkage jams.  Returns which share of the way from the state `from` to y behind the singular posture that
- * is; 0: they do not.  scratch (n). */
+ * is; 0: they do not.  All places are looked at beside those that are nearest to a singular posture or to jamming.  At a
+ * distance of x places from a pole the determinant of friction is 1 - c/x; c < 1/2 is too narrow to be seen. */
 static double jams(lw_run *run, double t, const double *from, const double *y, double *scratch)
 {
-    enum { PLACES = 400 };
-    lw_dynamics *d = run->d;
+    static const double clear = 1 - 0.5/(COARSE/2);
     lw_error was = *run->e;
+    double left[3][2] = { { INFINITY, INFINITY }, { INFINITY, INFINITY } };
     int found = 0;
-    for (int k = 1; k < PLACES && !found && d->n_friction && !d->touch; k++) {
-        for (int i = 0; i < run->n; i++)
-            scratch[i] = from[i] + (y[i] - from[i])*k/PLACES;
-        if (lw_mbs_rows(d, t, scratch) == LW_OK && lw_mbs_factor(d, true) == LW_OK
-            && lw_mbs_solve(d, t, scratch, scratch + d->n_q, d->a, d->l, NULL) == LW_E_NUMERIC)
-            found = k;
+    for (int k = 0; k <= PLACES + COARSE && !found && run->d->n_friction && !run->d->touch; k += COARSE) {
+        bool within = k > 0 && k < PLACES, jam = false;
+        left[2][0] = left[2][1] = INFINITY;
+        if (k <= PLACES)
+            jam = jams_at(run, t, from, y, k, left[2], scratch) && within;
+        bool dip = k > 0 && ((left[1][0] <= left[0][0] && left[1][0] <= left[2][0])
+                             || (left[1][1] <= left[0][1] && left[1][1] <= left[2][1] && left[1][1] < clear));
+        int first = dip ? k - 2*COARSE : k - COARSE, last = k < PLACES ? k : PLACES;
+        for (int i = first > 0 ? first : 1; (dip || jam) && i < last && !found; i++)
+            found = jams_at(run, t, from, y, i, (double[2]){ 0 }, scratch) ? i : 0;
+        found = found == 0 && jam ? k : found;
+        memmove(left, left + 1, 2*sizeof *left);
     }
     *run->e = was;
     return (double)found/PLACES;
