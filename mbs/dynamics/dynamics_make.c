@@ -386,11 +386,42 @@ static lw_status hold_speed(lw_dynamics *d, int i)
     return lw_mbs_arrange(d, d->o.from, d->start_q);
 }
 
-/* The same for a large model, with least kinetic energy. */
+/* How far the velocities of the start are from those that links are given. */
+static double velocities_off(const lw_dynamics *d)
+{
+    double off = 0;
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_body *from = &d->model->body[d->s.link[b]];
+        const double *v = d->start_v + 3*b;
+        if (from->has_velocity)
+            off = fmax(off, fmax(fabs(v[2] - from->omega), hypot(v[0] - from->velocity.x/d->s.unit, v[1] - from->velocity.y/d->s.unit)));
+    }
+    return off;
+}
+
+/* Velocities that links are given into start_v; by_mass is 0 there: they are kept. */
+static void take_velocities(lw_dynamics *d)
+{
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_body *from = &d->model->body[d->s.link[b]];
+        double rate[3] = { from->velocity.x/d->s.unit, from->velocity.y/d->s.unit, from->omega };
+        for (int i = 0; from->has_velocity && i < 3; i++) {
+            d->start_v[3*b + i] = rate[i];
+            d->by_mass[3*b + i] = 0;
+        }
+    }
+}
+
+/* The same for a large model, with least kinetic energy beside the velocities that are given. */
 static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
 {
     int driven = d->n_driven;
-    lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
+    double *by_mass = malloc(((size_t)d->n_v + 1)*sizeof *by_mass);
+    if (!by_mass)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    memcpy(by_mass, d->by_mass, (size_t)d->n_v*sizeof *by_mass);
+    take_velocities(d);
+    lw_status s = d->n_velocity ? lw_mbs_arrange(d, d->o.from, d->start_q) : lw_mbs_rows(d, d->o.from, d->start_q);
     for (int given = 1; given >= 0; given--)
         for (int i = 0; s == LW_OK && i < d->s.n_input; i++)
             if (d->model->has_speed[i] == (bool)given && !d->model->motion[i] && !d->o.hold_inputs) {
@@ -411,10 +442,17 @@ static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
             d->rhs[d->n_row + k] = d->model->has_speed[d->driven[k]]
                                  ? d->model->speed[d->driven[k]]/lw_system_joint_unit(&d->s, j) : 0;
         }
+        lw_mbs_times(d, d->start_v, d->l_each);
+        for (int r = 0; r < d->n_c; r++)
+            d->rhs[r] -= d->l_each[r];
         if (s == LW_OK)
-            s = lw_mbs_linear(d, NULL, d->rhs, d->start_v, d->l_each);
+            s = lw_mbs_linear(d, NULL, d->rhs, d->hold, d->l_each);
+        for (int k = 0; k < d->n_v; k++)
+            d->start_v[k] += d->hold[k];
     }
     d->n_driven = driven;
+    memcpy(d->by_mass, by_mass, (size_t)d->n_v*sizeof *by_mass);
+    free(by_mass);
     if (s == LW_OK)
         s = lw_mbs_arrange(d, d->o.from, d->start_q);
     if (s == LW_OK)
@@ -423,6 +461,7 @@ static lw_status find_velocities_large(lw_dynamics *d, lw_error *e)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
     for (int i = 0; i < d->s.n_input; i++)
         d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
+    d->moved_rate = fmax(d->moved_rate, velocities_off(d));
     return s == LW_OPEN ? lw_error_set(e, LW_E_NUMERIC, "the posture at the start is singular; start it from a posture "
                                        "nearby") : s;
 }
@@ -456,13 +495,7 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         s = lw_mbs_project_v(d, d->o.from, d->start_v);
     for (int i = 0; i < d->s.n_input; i++)
         d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
-    for (int b = 0; b < d->s.n_body; b++) {
-        const lw_body *from = &d->model->body[d->s.link[b]];
-        const double *v = d->start_v + 3*b;
-        if (from->has_velocity)
-            d->moved_rate = fmax(d->moved_rate, fmax(fabs(v[2] - from->omega), hypot(v[0] - from->velocity.x/d->s.unit,
-                                                                                   v[1] - from->velocity.y/d->s.unit)));
-    }
+    d->moved_rate = fmax(d->moved_rate, velocities_off(d));
     for (int i = 0; s == LW_OK && i < d->n_q; i++)
         if (!isfinite(d->start_v[i]))
             return lw_error_set(e, LW_E_NUMERIC, "no velocities at the start satisfy the constraints");
@@ -493,11 +526,10 @@ static void find_special_joints(lw_dynamics *d)
 static lw_status check_large(const lw_dynamics *d, lw_error *e)
 {
     if (d->n_stop > 0)
-        return lw_error_set(e, LW_E_KIND, "rigid stops are possible with at most %d links, none of them elastic; give the stop "
-                            "at joint \"%s\" a \"stiffness\"", LW_LINK_MAX, d->model->linkage.joint[d->stop[0].joint].name);
-    if (d->n_velocity > 0)
-        return lw_error_set(e, LW_E_KIND, "links have a \"velocity\" in models with at most %d links, none of them elastic",
-                            LW_LINK_MAX);
+        return lw_error_set(e, LW_E_KIND, "rigid stops are not possible in models with elastic links; give the stop at joint \"%s\" "
+                            "a \"stiffness\"", d->model->linkage.joint[d->stop[0].joint].name);
+    if (d->n_velocity > 0 && d->elastic)
+        return lw_error_set(e, LW_E_KIND, "links have no \"velocity\" in models with elastic links; give inputs a \"speed\"");
     return LW_OK;
 }
 
@@ -594,8 +626,6 @@ lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
         return s;
     if (d->large && !d->rows_only && (s = check_large(d, e)) != LW_OK)
         return s;
-    if (d->n_stop > LW_EVENT_MAX/2)
-        return lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if ((s = lw_mbs_reserve(d, e)) != LW_OK)
         return s;
     d->e = e;

@@ -671,6 +671,20 @@ static lw_status check_progress(lw_run *run, double t)
          : lw_error_set(run->e, LW_E_NUMERIC, "contacts close and open without end at t = %.9g s", t);
 }
 
+/* Putting y on the constraints can move open gaps by rounding: their closure is an event from there on. */
+static void note_gaps(lw_dynamics *d, const double *y)
+{
+    d->eq.place(d->eq.context, y);
+    for (int i = 0; i < d->touch->list.n; i++) {
+        lw_touch *p = &d->touch->list.touch[i];
+        lw_touch_motion m;
+        if (!is_rigid(p) || (p->state != LW_TOUCH_APART && p->state != LW_TOUCH_PASSIVE))
+            continue;
+        lw_touch_at(p, &d->eq, d->frames, NULL, &m);
+        p->passed = fmax(p->passed, -m.gap);
+    }
+}
+
 lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events)
 {
     lw_dynamics *d = run->d;
@@ -713,6 +727,8 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
         s = lw_mbs_arrange(d, t, y);
     if (s == LW_OK)
         s = lw_run_project(run, t, y);
+    if (s == LW_OK)
+        note_gaps(d, y);
     if (s == LW_OK)
         y[2*d->n_q] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
     return s;

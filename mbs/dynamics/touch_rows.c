@@ -5,12 +5,14 @@
 #include <string.h>
 #include "base/real.h"
 
+enum { STOPS_MOST = 16 };       /* more rigid stops are places too: each would be an event and, where it rests, hold a row alone */
 enum { EVENTS_MOST = 40 };      /* with more compliant places the steps, not events, find where contacts begin */
 
 lw_status lw_mbs_touch_make(lw_dynamics *d, lw_error *e)
 {
     const lw_model *m = d->model;
-    if (m->n_contact == 0 && m->n_rope == 0)
+    bool many = !d->elastic && (d->large ? d->n_stop > 0 : d->n_stop > STOPS_MOST);
+    if (m->n_contact == 0 && m->n_rope == 0 && !many)
         return LW_OK;
     struct lw_touching *w = d->touch = calloc(1, sizeof *w);
     if (!w)
