@@ -161,6 +161,14 @@ TEST(small_linkages_are_kept)
     for (int i = 0; i < s.fit.n; i++)
         small += s.fit.candidate[i].part == LW_FIT_COMPACT;
     CHECK(2*small > lw_fit_kept(&o));                   /* less the same linkages found again */
+    lw_fit_report *r = malloc(sizeof *r);
+    double least = INFINITY;                            /* and those of middle size are fitted: a straight line has many exact large ones */
+    for (int i = 0; i < s.fit.n && r; i++)
+        if (s.fit.candidate[i].beyond == 0 && lw_fit_report_make(&t, &o.spec, &s.fit.candidate[i], r, NULL) == LW_OK && r->turns
+            && r->size < 2.5 && r->transmission_min > 30*LW_PI/180)
+            least = fmin(least, r->error_max);
+    CHECK(least < 1e-4);
+    free(r);
     lw_staged_search_free(&s);
     lw_target_free(&t);
 }

@@ -53,12 +53,13 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
 static bool covers(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
                    const lw_fit_report *b)
 {
-    return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && !(bulk_of(t, b) < SMALLER*bulk_of(t, a))
-        && !(lw_fit_report_stray(b) < SMALLER*lw_fit_report_stray(a))
+    return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns
+        && !(bulk_of(t, b) < SMALLER*bulk_of(t, a)) && !(lw_fit_report_stray(b) < SMALLER*lw_fit_report_stray(a))
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
-/* Is c, with report r, so much worse than the candidate with the least error and no more links that nobody wants it? */
+/* Is c, with report r, so much worse than the candidate with the least error and no more links (of inputs that turn, if its turns)
+ * that nobody wants it? */
 static bool is_rough(const lw_target *t, const lw_fit *fit, const lw_fit_report *all, int least, const lw_candidate *c,
                      const lw_fit_report *r)
 {
@@ -94,9 +95,9 @@ static bool is_twin(const lw_target *t, const lw_candidate *ca, const lw_fit_rep
     return twin;
 }
 
-/* The front of the candidates that can be results: of each the one with the least error among those with no more links,
- * and the best in each measure of those that are not rough. */
-typedef struct front { int least[LW_LINK_MAX + 1], best[MEASURES]; } front;
+/* The front of the candidates that can be results: of each the one with the least error among those with no more links ([1]: and
+ * whose input turns), and the best in each measure of those that are not rough. */
+typedef struct front { int least[LW_LINK_MAX + 1][2], best[MEASURES]; } front;
 
 static bool is_best(const front *f, int i)
 {
@@ -111,7 +112,7 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
 {
     double least[MEASURES], m[MEASURES];
     for (int i = 0; i <= LW_LINK_MAX; i++)
-        f->least[i] = -1;
+        f->least[i][0] = f->least[i][1] = -1;
     for (int k = 0; k < MEASURES; k++) {
         f->best[k] = -1;
         least[k] = INFINITY;
@@ -121,12 +122,15 @@ static void find_front(const lw_target *t, const lw_fit *fit, const lw_fit_repor
         if (!usable[i] || bits(all[i].broken) > bits(broken))
             continue;
         for (int n = lw_candidate_links(c); n <= LW_LINK_MAX; n++)
-            f->least[n] = f->least[n] < 0 || c->objective < fit->candidate[f->least[n]].objective ? i : f->least[n];
+            for (int turns = 0; turns <= all[i].turns; turns++) {
+                int *least_of = &f->least[n][turns];
+                *least_of = *least_of < 0 || c->objective < fit->candidate[*least_of].objective ? i : *least_of;
+            }
     }
     for (int i = 0; i < fit->n; i++) {
         const lw_candidate *c = &fit->candidate[i];
         if (!usable[i] || bits(all[i].broken) > bits(broken)
-            || is_rough(t, fit, all, f->least[lw_candidate_links(c)], c, &all[i]))
+            || is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]))
             continue;
         measures(t, c, &all[i], m);
         for (int k = 0; k < MEASURES && k < most - 1; k++)
@@ -147,7 +151,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
         return true;
     if (!s->by_default)
         return out->n < most;
-    bool wanted = !is_rough(t, fit, all, f->least[lw_candidate_links(c)], c, &all[i]);
+    bool wanted = !is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]);
     for (int k = 0; k < out->n && wanted && !is_best(f, i); k++)
         wanted = !covers(t, &fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
     return wanted;

@@ -616,15 +616,31 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e)
 
 /* ---- the front ------------------------------------------------------------------------------------------- */
 
-/* What a find is fitted again with: this part of its size at most, or this least transmission angle; the first VARIANTS,
- * or all if the smallest linkage within a tolerance is asked for. */
-static const struct { double size, transmission_deg; } variants[] = {
-    { 0.6, 0 }, { 0.35, 0 }, { 0.2, 0 }, { 1, 30 }, { 1, 40 }, { 0.5, 35 }, { 0.3, 35 }, { 0.8, 0 }, { 0.7, 0 }, { 0.5, 0 }, { 0.42, 0 },
-    { 0.29, 0 }, { 0.24, 0 }
-};
-enum { VARIANTS = 7, ALL_VARIANTS = sizeof variants/sizeof *variants, WIDENED = 3 };
+/* A find is fitted again in chains, one for each of these least transmission angles [deg]: every fit begins with the linkage of
+ * the one before, whose size is the most times SHRINK (SHRINK_LESS if the smallest linkage within a tolerance is asked for). */
+static const double chain_angle[] = { 0, 30, 40 };
+enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, LONG_CHAIN = 16, FAILURES = 2 };
+#define SHRINK       0.8
+#define SHRINK_LESS  0.88
+#define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
+#define MUCH_WORSE   100         /* ... the objective so many times that of the find                 */
+#define NO_SMALLER   1.02
+#define TWIN         0.01        /* relative difference of f of linkages that differ little           */
 
-static int variants_of(const lw_search *s) { return s->o->spec.tolerance > 0 ? ALL_VARIANTS : VARIANTS; }
+typedef struct chain {
+    lw_found     find[LONG_CHAIN];           /* the first is given; f INFINITY: none                 */
+    double       size[LONG_CHAIN];           /* of each; 0: none                                     */
+    long         spent;
+    lw_variables of;
+    lw_status    status;
+} chain;
+
+typedef struct chain_list {
+    lw_search *s;
+    int        n;
+    double     until;                        /* wall clock; 0: no limit                              */
+    chain      item[WIDENED*CHAINS];
+} chain_list;
 
 /* Lower the upper bounds of the sizes to `most`. */
 static void limit_size(lw_problem *p, double most)
@@ -638,73 +654,154 @@ static void limit_size(lw_problem *p, double most)
     }
 }
 
-static double size_of(const lw_problem *p, const double *x)
+/* Make the whole linkage smaller; one whose longest dimensions alone are cut may not close. */
+static void scale_linkage(const lw_problem *p, double factor, double *x)
 {
-    double most = 0;
     for (int i = 0; i < p->n_dim; i++)
-        if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
-            most = fmax(most, fabs(x[i]));
-    return most;
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE)
+            x[i] *= factor;
 }
 
-static void fit_variant(void *context, size_t job, int thread)
+/* Fit *c again with a size of `most` at most.  false, *c untouched but for its evaluations: no linkage was found, or its error is
+ * so great that nobody wants it. */
+static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough, const lw_lm_options *o, void *work, lw_found *c)
 {
-    polish_list *list = context;
+    limit_size(p, most);
+    for (int scaled = 0; scaled < 2; scaled++) {
+        lw_found now = *c;
+        if (scaled)
+            scale_linkage(p, most/fmax(most, lw_search_longest(p, now.x)), now.x);
+        if (lw_lm_feasible(p, now.x, work))
+            improve(s, p, o, true, work, &now);
+        else
+            now.f = INFINITY;
+        c->evals = now.evals;
+        if (now.f <= f_rough) {
+            *c = now;
+            return true;
+        }
+    }
+    return false;
+}
+
+static void run_chain(void *context, size_t job, int thread)
+{
+    chain_list *list = context;
     lw_search *s = list->s;
-    polish *l = &list->item[job];
-    lw_problem *p = lw_search_problem(s, thread, l->find.candidate, false, &l->status);
+    chain *l = &list->item[job];
+    lw_problem *p = lw_search_problem(s, thread, l->find[0].candidate, false, &l->status);
     void *work = s->bench[thread].work;
     lw_lm_options o = lw_lm_options_default();
-    int k = (int)job % variants_of(s);
-    double f = l->find.f;
-    l->find.f = INFINITY;
-    if (!p || (s->o->max_seconds > 0 && lw_clock_wall() > list->until) || (list->interrupt && *list->interrupt))
+    bool fine = s->o->spec.tolerance > 0;
+    int length = fine ? LONG_CHAIN : CHAIN, angle = (int)job % CHAINS, failed = 0;
+    lw_found now = l->find[0];
+    l->find[0].f = INFINITY;
+    if (!p)
         return;
     o.max_steps = POLISH_STEPS;
     o.f_tol = 1e-9;
     o.until = list->until;
-    o.interrupt = list->interrupt;
+    o.interrupt = s->o->interrupt;
     l->of = lw_pool_variables(p);
-    p->intended = l->find.intended;
+    l->spent = -now.evals;
+    p->intended = now.intended;
     p->transmission_is_soft = false;
-    p->min_transmission = fmax(p->min_transmission, variants[k].transmission_deg*LW_PI/180);
-    if (variants[k].size < 1)
-        limit_size(p, variants[k].size*size_of(p, l->find.x));
+    p->min_transmission = fmax(p->min_transmission, chain_angle[angle]*LW_PI/180);
+    now.gentle = chain_angle[angle];
     lw_problem_work_intended(p, work);
-    if (!lw_lm_feasible(p, l->find.x, work))
-        return;
-    l->spent = -l->find.evals;
-    improve(s, p, &o, true, work, &l->find);
-    l->spent = (l->spent + l->find.evals)*lw_search_effort(s, p).cost;
-    judge(s, p, work, &l->find);
-    if (!(l->find.f >= f*(1 - HIT)))
-        l->find.f = INFINITY;
+    double most = lw_search_longest(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
+    for (int k = angle == 0; k < length && failed < FAILURES; k++) {
+        if ((o.until > 0 && lw_clock_wall() > o.until) || (o.interrupt && *o.interrupt))
+            break;
+        if (!fit_smaller(s, p, most*pow(fine ? SHRINK_LESS : SHRINK, k), f_rough, &o, work, &now)) {
+            failed++;
+            continue;
+        }
+        failed = 0;
+        l->find[k] = now;
+        l->size[k] = lw_search_longest(p, now.x);
+        judge(s, p, work, &l->find[k]);
+    }
+    l->spent = (l->spent + now.evals)*lw_search_effort(s, p).cost;
+}
+
+/* Is a find in another chain, or earlier in this one, as good in error, size and transmission angle? */
+static bool is_dominated(const chain_list *list, int chain_of, int at)
+{
+    const lw_found *mine = &list->item[chain_of].find[at];
+    for (int i = 0; i < list->n; i++)
+        for (int k = 0; k < LONG_CHAIN; k++) {
+            const lw_found *c = &list->item[i].find[k];
+            bool before = i < chain_of || (i == chain_of && k < at);
+            if (list->item[i].size[k] > 0 && isfinite(c->f) && c->beyond <= mine->beyond && i % CHAINS >= chain_of % CHAINS
+                && list->item[i].size[k] <= NO_SMALLER*list->item[chain_of].size[at]
+                && (before ? c->f <= mine->f*(1 + HIT) : c->f < mine->f*(1 - HIT)))
+                return true;
+        }
+    return false;
+}
+
+/* The finds to begin chains with, which keep the conditions as well as the best does: those that are smaller than all better ones,
+ * then others of another error. */
+static int choose_widened(lw_search *s, int *which)
+{
+    const lw_found *item = s->pool.item;
+    int chosen = 0;
+    double least = INFINITY;
+    for (int smaller = 1; smaller >= 0; smaller--)
+        for (int i = 0; i < s->pool.n && chosen < WIDENED && item[i].beyond == item[0].beyond; i++) {
+            lw_status st;
+            const lw_problem *p = lw_search_made(s, 0, item[i].candidate, false, &st);
+            double size = p ? lw_search_longest(p, item[i].x) : INFINITY;
+            bool twin = false;
+            for (int k = 0; k < chosen && !twin; k++)
+                twin = which[k] == i || (!smaller && fabs(item[which[k]].f - item[i].f) <= TWIN*item[i].f);
+            if (twin || (smaller && !(size < SHRINK*least)))
+                continue;
+            least = fmin(least, size);
+            which[chosen++] = i;
+        }
+    return chosen;
+}
+
+static chain_list *new_chains(lw_search *s)
+{
+    chain_list *list = calloc(1, sizeof *list);
+    int which[WIDENED];
+    int n = list ? choose_widened(s, which) : 0;
+    for (int i = 0; i < n*CHAINS; i++) {
+        chain *l = &list->item[list->n++];
+        for (int k = 0; k < LONG_CHAIN; k++)
+            l->find[k].f = INFINITY;
+        l->find[0] = s->pool.item[which[i/CHAINS]];
+    }
+    if (list)
+        list->s = s;
+    return list;
 }
 
 lw_status lw_search_widen(lw_search *s)
 {
-    lw_status st = LW_OK;
     lw_pool *pool = &s->pool;
-    bool called_off = s->o->interrupt && *s->o->interrupt;
-    if (!lw_search_widens(s) || called_off)
+    if (!lw_search_widens(s) || (s->o->interrupt && *s->o->interrupt))
         return LW_OK;
-    polish_list *list = new_list(s);
+    int left = s->o->both_ways ? lw_fit_kept(s->o) : LW_SEARCH_LEFT;        /* ordered stations may hide the nearest curves   */
+    chain_list *list = new_chains(s);
     if (!list)
         return LW_E_MEMORY;
-    int left = s->o->both_ways ? lw_fit_kept(s->o) : LW_SEARCH_LEFT;        /* ordered stations may hide the nearest curves   */
     pool->n = pool->n < left ? pool->n : left;
-    for (int i = 0; i < pool->n && list->n < WIDENED*variants_of(s); i++)
-        for (int k = 0; k < variants_of(s); k++)
-            take(&pool->item[i], list);
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
-    st = run_list(s, list, fit_variant);
+    const lw_loop loop = { s->n_thread, (size_t)list->n, run_chain, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
+    lw_status st = lw_loop_run(&loop, s->o->sharing);
     for (int i = 0; i < list->n && st == LW_OK; i++) {
-        if ((st = list->item[i].status) != LW_OK)
-            break;
-        lw_pool_put(pool, &list->item[i].find, &list->item[i].of);
-        s->evals += list->item[i].spent;
+        chain *l = &list->item[i];
+        st = l->status;
+        s->evals += l->spent;
+        for (int k = 0; k < LONG_CHAIN && st == LW_OK; k++)
+            if (l->size[k] > 0 && !is_dominated(list, i, k))
+                lw_pool_put(pool, &l->find[k], &l->of);
     }
     free(list);
     return st;

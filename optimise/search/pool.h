@@ -13,6 +13,7 @@ typedef struct lw_found {
     int     candidate;           /* of the search: which problem x belongs to                       */
     lw_intended_motion intended;
     bool    polished;
+    double  gentle;              /* least transmission angle that it was fitted with beyond that of the problem [deg] */
     int     beyond;              /* 0: it keeps all conditions; else how far it is from that, in steps of LW_BEYOND */
     long    evals;
     double  seconds;

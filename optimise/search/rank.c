@@ -129,6 +129,15 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         c->input[k] = from + step;
 }
 
+double lw_search_longest(const lw_problem *p, const double *x)
+{
+    double most = 0;
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
+            most = fmax(most, fabs(x[i]));
+    return most;
+}
+
 bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
 {
     lw_work *w;
@@ -137,6 +146,7 @@ bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
         return false;
     *out = (lw_candidate){ .intended = p->intended,
                            .n_dim = p->n_dim, .objective = c->f*p->scale, .beyond = c->beyond, .evals = c->evals,
+                           .longest = lw_search_longest(p, c->x)*p->unit, .gentle = c->gentle,
                            .seconds = c->seconds, .stop = c->stop, .part = s->o->part,
                            .part_number = s->o->part_number };
     lw_problem_to_dims(p, c->x, out->dim);
@@ -168,20 +178,20 @@ bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
     return true;
 }
 
-/* Is find a, which has the same curve as b, a linkage so much smaller that it is the better one? */
+/* Find a, whose error is not less, has the same curve as b.  Is it a smaller linkage, which is the better one if the errors are the
+ * same (a cognate), and else another result? */
 static bool is_smaller(lw_search *s, const lw_found *a, const lw_found *b)
 {
-    const lw_found *find[2] = { a, b };
-    double size[2] = { 0, 0 };
     lw_status st;
-    for (int k = 0; k < 2; k++) {
-        const lw_problem *p = lw_search_made(s, 0, find[k]->candidate, false, &st);
-        for (int i = 0; p && i < p->n_dim; i++)
-            if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
-                size[k] = fmax(size[k], fabs(find[k]->x[i]));
-    }
-    return s->o->spec.by_default && a->beyond == b->beyond && size[0] < SMALLER*size[1]
-        && fabs(a->f - b->f) <= SAME_ERROR*b->f;
+    const lw_problem *p = lw_search_made(s, 0, a->candidate, false, &st);
+    double size = p ? lw_search_longest(p, a->x) : INFINITY;
+    p = lw_search_made(s, 0, b->candidate, false, &st);
+    return s->o->spec.by_default && p && a->beyond == b->beyond && size < SMALLER*lw_search_longest(p, b->x);
+}
+
+static bool is_as_exact(const lw_found *a, const lw_found *b)
+{
+    return fabs(a->f - b->f) <= SAME_ERROR*b->f;
 }
 
 lw_status lw_search_rank(lw_search *s, lw_fit *out)
@@ -206,7 +216,9 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
             lw_candidate instead;
             fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, seen[k].of)
                                                         : !same_curves(t, &seen[k], n);
-            if (fresh || !is_smaller(s, c, seen[k].of) || !lw_search_fill(s, c, &instead))
+            bool smaller = !fresh && is_smaller(s, c, seen[k].of), exact = is_as_exact(c, seen[k].of);
+            fresh |= !exact && (smaller || c->gentle > seen[k].of->gentle);
+            if (fresh || !smaller || !exact || !lw_search_fill(s, c, &instead))
                 continue;
             lw_candidate_free(&out->candidate[k]);
             out->candidate[k] = instead;

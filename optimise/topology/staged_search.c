@@ -15,6 +15,7 @@ enum {
     AGAIN = 8,              /* linkages that a stage found before and starts from again              */
     FIRST = 4,              /* under a time limit, the first part of a stage's budget: one in so many, ... */
     FIRST_TYPES = 8,        /* ... and of the rounds of four-link types                             */
+    UNLESS = 3,             /* the first part of a stage with `unless`, with or without a time limit: so many times less */
     OF_EACH = 4,            /* candidates of every number of links that are kept, in case the best has a defect */
     ROWS = 24,              /* rows that the next search starts from, with default limits            */
     PARTS = 4,              /* small cranks have one of so many parts of a budget, and all others one, at first  */
@@ -22,6 +23,7 @@ enum {
 };
 #define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
 #define ROUNDING 1e-20      /* objectives below this are not compared                                */
+#define NO_SMALLER 1.02      /* sizes that differ less are alike                                      */
 #define LEAST_PART 0.02      /* of a time limit, that is worth another part of the search            */
 #define STRAY    0.02       /* sizes of the target that a curve may leave it beside 1.5 times its greatest error */
 
@@ -186,14 +188,15 @@ static bool can_stray(const lw_target *t, const lw_fit_spec *s, bool later)
     return (t->closed || later) && s->by_default & LW_LIMIT_MOTION && lw_task_has_place(s->task) && s->timing == LW_TIMING_FREE;
 }
 
-/* Does the curve of the linkage with `links` links and the least error leave the target between the stations?
- * Then a search without timing, which compares both ways, finds better ones. */
-static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool later, bool *out)
+/* Does the curve of the linkage (of those found by the searches for cranks, or of all) with `links` links and the least error leave
+ * the target between the stations?  Then a search without timing, which compares both ways, finds better ones. */
+static lw_status strays(const lw_target *t, const lw_fit_spec *s, const lw_fit *all, int links, bool cranks, bool later, bool *out)
 {
     const lw_candidate *best = NULL;
     *out = false;
     for (int i = 0; i < all->n && can_stray(t, s, later); i++)
         if (lw_candidate_links(&all->candidate[i]) == links
+            && (!cranks || all->candidate[i].part == LW_FIT_CRANKS || all->candidate[i].part == LW_FIT_COMPACT)
             && (!best || all->candidate[i].objective < best->objective))
             best = &all->candidate[i];
     lw_fit_report *r = best ? malloc(sizeof *r) : NULL;
@@ -210,17 +213,18 @@ static bool can_be_compact(const lw_fit_options *o)
     return o->spec.by_default & limit;
 }
 
-/* The searches of a stage.  Of four-link types: the cranks, then the others; small cranks; then once more, from the curve to
- * the target too, if the best curve strays.  Of families all together instead of the first two. */
-enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, SEARCHES };
+/* The searches of a stage.  Of four-link types: the cranks, then the others; small cranks; then cranks and others once more, from
+ * the curve to the target too, if the best curve strays.  Those of the cranks do not depend on the others: a search of all is
+ * never worse than one of cranks alone.  Of families all together instead of cranks and others. */
+enum { CRANKS, OTHERS, COMPACT, BOTH_WAYS, OTHERS_BOTH_WAYS, SEARCHES };
 
 static lw_status run_search(const lw_target *t, const lw_fit_options *o, int search, bool whole, bool later, lw_fit *fit,
                             lw_error *e)
 {
-    static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_WHOLE };
+    static const lw_fit_part part[SEARCHES] = { LW_FIT_CRANKS, LW_FIT_OTHERS, LW_FIT_COMPACT, LW_FIT_CRANKS, LW_FIT_OTHERS };
     lw_fit_options mine = *o;
-    mine.part = whole && search == OTHERS ? LW_FIT_WHOLE : part[search];
-    mine.both_ways = search == BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec, later));
+    mine.part = whole && search != COMPACT ? LW_FIT_WHOLE : part[search];
+    mine.both_ways = search >= BOTH_WAYS || (search == COMPACT && o->families && can_stray(t, &o->spec, later));
     return lw_fit_run(t, &mine, fit, e);
 }
 
@@ -243,14 +247,14 @@ static lw_status run_types(const lw_target *t, lw_fit_options *o, int links, dou
                            lw_staged_search *out, lw_error *e)
 {
     bool whole = o->spec.exclude_drag_link, stopped = false, any = false, again = false;
-    const bool wanted[SEARCHES] = { !whole, true, can_be_compact(o), can_stray(t, &o->spec, false) };
+    const bool both = can_stray(t, &o->spec, false), wanted[SEARCHES] = { !whole, true, can_be_compact(o), both, both && !whole };
     lw_status st = LW_OK;
     for (int i = CRANKS; i < SEARCHES; i++) {
         lw_fit fit;
         lw_error why = { .text = "" };
-        if (i == BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, false, &again)) != LW_OK)
+        if (i >= BOTH_WAYS && wanted[i] && (st = strays(t, &o->spec, &out->fit, links, i == BOTH_WAYS && !whole, false, &again)) != LW_OK)
             return st;
-        if (!wanted[i] || (i == BOTH_WAYS && !again))
+        if (!wanted[i] || (i >= BOTH_WAYS && !again))
             continue;
         o->max_seconds = seconds_until(end);
         o->whole_rounds = any_with(&out->fit, links);
@@ -353,7 +357,7 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
         lw_status st = grows || r->n_part > 0 ? make_rows(t, o, &out->fit, NEAREST, stage->links, k < 2 ? NEAREST : out->fit.n,
                                                           end, &seen, &rows) : LW_OK;
         if (st == LW_OK && k == 2)
-            st = strays(t, &o->spec, &out->fit, stage->links, first_part > 0, &again);
+            st = strays(t, &o->spec, &out->fit, stage->links, false, first_part > 0, &again);
         if (st == LW_OK) {
             bool last = !compact || k > 2 || (k == 2 && !again);
             search[k] = k == 0 ? OTHERS : k == 1 ? COMPACT : !last ? BOTH_WAYS
@@ -417,10 +421,22 @@ static bool same(const lw_candidate *a, const lw_candidate *b)
         && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
 }
 
+/* Has one of the first n candidates, whose errors are not greater, as many links, no greater size and no less transmission angle? */
+static bool is_dominated(const lw_fit *f, int n, const lw_candidate *c)
+{
+    bool dominated = false;
+    for (int k = 0; k < n && !dominated; k++) {
+        const lw_candidate *a = &f->candidate[k];
+        dominated = lw_candidate_links(a) == lw_candidate_links(c) && a->intended.turns >= c->intended.turns
+                 && a->longest <= NO_SMALLER*c->longest && a->gentle >= c->gentle;
+    }
+    return dominated;
+}
+
 /* Keep `most` candidates, `each` of every number of links, `of_part` of these from each part of the types or dimensions: small
- * linkages and those without a crank may be first in another measure than the error.  And keep all that have a report: rows may
- * be among them. */
-static void shorten(lw_staged_search *s, int most, int each, int of_part)
+ * linkages and those without a crank may be first in another measure than the error.  And keep those that none before is as good as
+ * in size and transmission angle (front), and all that have a report: rows may be among them. */
+static void shorten(lw_staged_search *s, int most, int each, int of_part, bool front)
 {
     lw_fit *f = &s->fit;
     int n = 0;
@@ -428,7 +444,8 @@ static void shorten(lw_staged_search *s, int most, int each, int of_part)
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        bool wanted = n < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report;
+        bool wanted = n < most || seen[links] < each || seen_of[links][c->part] < of_part || c->report
+                   || (front && !is_dominated(f, n, c));
         if (wanted && (n == 0 || !same(c, &f->candidate[n - 1]))) {
             f->candidate[n++] = *c;
             seen[links]++;
@@ -454,12 +471,13 @@ typedef struct contest {
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
 } contest;
 
-/* Budget of the first part of a stage; a large budget does not make it longer. */
+/* Budget of the first part of a stage; a large budget does not make it longer.  A stage that is left out if a linkage is near enough
+ * has parts without a time limit, too: the later ones are left out as well. */
 static long first_part(const lw_search_stage *stage, long whole, bool in_parts)
 {
     long usual = stage->families.make && whole > LW_FIT_BUDGET ? LW_FIT_BUDGET : whole;
-    int parts = stage->families.make ? FIRST : FIRST_TYPES;
-    return in_parts ? (usual + parts - 1)/parts : whole;
+    int parts = (in_parts ? stage->families.make ? FIRST : FIRST_TYPES : 1)*(stage->unless > 0 ? UNLESS : 1);
+    return parts > 1 ? (usual + parts - 1)/parts : whole;
 }
 
 /* Budget of the next part of stage i. */
@@ -558,7 +576,7 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             break;
     }
     int kept = lw_fit_kept(o);
-    shorten(out, 2*kept, o->spec.by_default ? 2*kept : OF_EACH, o->spec.by_default ? kept : 0);
+    shorten(out, 2*kept, o->spec.by_default ? 2*kept : OF_EACH, o->spec.by_default ? kept : 0, o->spec.by_default);
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 

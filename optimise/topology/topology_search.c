@@ -192,10 +192,8 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
     make_stages(o, p);
     if (p->n_stage == 0 && p->set.uncounted > 0)
         return lw_error_set(e, LW_NOTHING, "the time ended while mechanisms were still counted: none was searched; give it longer, or fewer links");
-    for (int i = 1; i < p->n_stage && may_go_on(o); i++) {
+    for (int i = 1; i < p->n_stage && may_go_on(o); i++)
         p->stage[i].unless = o->fit.spec.tolerance > 0 ? o->fit.spec.tolerance : LW_NEAR*t->extent;
-        p->stage[i].budget = o->fit.budget > 0 ? o->fit.budget/3 : 0;
-    }
     return choose_point_links(t, &o->fit.spec, p, e);
 }
 
