@@ -13,13 +13,13 @@
 static const double rounding = 1e-12;        /* error of a projected velocity at the distance 1 from a singular posture, scaled */
 static const double hold_most = 30;          /* greatest correction of velocities, over the error allowed in a step */
 
-double lw_run_held(lw_run *run, const double *q, const double *v)
+double lw_run_held(lw_run *run, const double *q, const double *v, const double *rigid)
 {
     lw_dynamics *d = run->d;
     double fastest = 0;
     if (run->has_work)
         return 0;
-    double kinetic = d->eq.kinetic(d->eq.context, v), off = kinetic + d->eq.potential(d->eq.context, q) - run->energy0;
+    double all = d->eq.kinetic(d->eq.context, v), kinetic = rigid ? all - d->eq.kinetic(d->eq.context, rigid) : all, off = all + d->eq.potential(d->eq.context, q) - run->energy0;
     for (int i = 0; i < d->n_v; i++)
         fastest = fmax(fastest, fabs(v[i]));
     if (!(kinetic > 0) || !(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))
@@ -28,16 +28,27 @@ double lw_run_held(lw_run *run, const double *q, const double *v)
     return off/(2*kinetic);
 }
 
-/* Project y after an explicit step, and hold its energy.  At the distance theta from a singular posture, rounding errors of a
+void lw_run_hold(lw_run *run, double t, double *q, double *v)
+{
+    lw_dynamics *d = run->d;
+    double *rigid = d->eq.keep_momenta ? d->hold : NULL;
+    run->keeps_momenta = rigid != NULL;
+    if (rigid)
+        d->eq.keep_momenta(d->eq.context, t, q, v, rigid);
+    double part = lw_run_held(run, q, v, rigid);
+    for (int i = 0; i < d->n_v; i++)
+        v[i] -= (v[i] - (rigid ? rigid[i] : 0))*part;
+}
+
+/* Project y after an explicit step, and hold its momenta and energy.  At the distance theta from a singular posture, rounding errors of a
  * projection grow by 1/theta^3.  Where they reach the tolerance, how far y moves does not tell the error of the step. */
 static lw_status project_and_hold_energy(void *context, double t, double *y)
 {
     lw_run *run = context;
     lw_dynamics *d = run->d;
     lw_status s = lw_run_project(run, t, y);
-    double *v = y + d->n_q, held = s == LW_OK ? lw_run_held(run, y, v) : 0;
-    for (int i = 0; i < d->n_v; i++)
-        v[i] -= v[i]*held;
+    if (s == LW_OK)
+        lw_run_hold(run, t, y, y + d->n_q);
     double theta = pow(rounding/(d->o.relative + d->o.absolute), 1.0/3);
     return s == LW_OK && d->weak < theta*theta ? LW_NOTHING : s;
 }

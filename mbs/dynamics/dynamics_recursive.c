@@ -32,6 +32,7 @@ typedef struct motion {
     lw_space_extra *extra;
     double (*wanted)[3], *near;              /* (extra) */
     double *body, *shown, *free;             /* states of the bodies (run->n), the second after steps; scratch (n_u) */
+    double *turned;                          /* scratch (n_x): coordinates without whole turns */
     double least, first;                     /* least pivot of the loops in the last step, at the start */
 } motion;
 
@@ -152,7 +153,15 @@ static lw_status project(void *context, double t, double *y)
     if (s != LW_OK)
         return s;
     d->eq.accept(d->eq.context, q);
-    double held = lw_run_held(m->run, q, v);
+    if (d->eq.keep_momenta) {
+        lw_run_hold(m->run, t, q, v);
+        lw_recursive_of_bodies(&m->r, q, v, m->turned, u);
+        for (int i = 0; i < d->space->s.n_body; i++)     /* place and quaternion of a body that flies, which may be turned */
+            if (m->r.body[i].n_u == 6)
+                memcpy(y + m->r.body[i].x, m->turned + m->r.body[i].x, 7*sizeof *y);
+        return LW_OK;
+    }
+    double held = lw_run_held(m->run, q, v, NULL);
     for (int k = 0; k < m->r.n_u; k++)
         u[k] -= u[k]*held;
     return LW_OK;
@@ -346,13 +355,14 @@ static lw_status run_recursive(lw_run *run)
     lw_status s = make(&m, run->d, run->e);
     if (s == LW_OK) {
         int n = m.r.n_x + m.r.n_u + run->has_work + run->d->eq.n_z;
-        double *y = calloc(2*(size_t)n + lw_integrate_work(n, 0) + 3*(size_t)run->n + 2*(size_t)m.r.n_u + 1, sizeof *y);
+        double *y = calloc(2*(size_t)n + lw_integrate_work(n, 0) + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + 1, sizeof *y);
         s = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
         if (y) {
             m.body = y + 2*n + lw_integrate_work(n, 0);
             m.shown = m.body + run->n;
             run->y = m.shown + run->n;
             m.free = run->y + run->n;
+            m.turned = m.free + m.r.n_u;
             s = run_one(&m, y, y + 2*n);
         }
         free(y);

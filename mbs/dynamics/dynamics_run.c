@@ -137,6 +137,8 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
         if (at > t)
             break;
         s = state_at(context, at, run->y);
+        if (s == LW_OK && run->keeps_momenta)            /* between steps, too */
+            run->d->eq.keep_momenta(run->d->eq.context, at, run->y, run->y + run->d->n_q, run->d->hold);
         if (s == LW_OK || s == LW_OPEN)
             s = lw_run_show(run, at, run->y);
         run->next += s == LW_OK;             /* a sample that failed may come from another step */
@@ -176,6 +178,8 @@ static void note_start(lw_run *run, const double *y)
     run->potential0 = d->eq.potential(d->eq.context, y);
     run->energy0 = run->potential0 + d->eq.kinetic(d->eq.context, y + d->n_q) - (run->has_work ? y[d->n_q + d->n_v] : 0);
     double size = 0;
+    if (d->eq.note_momenta)
+        d->eq.note_momenta(d->eq.context, d->o.from, y, y + d->n_q);
     run->momentum0 = d->eq.momentum ? d->eq.momentum(d->eq.context, y, y + d->n_q, &size) : 0;
     run->r->momentum_scale = d->eq.momentum ? fmax(size, 1e-300) : 0;
     run->next = 0;

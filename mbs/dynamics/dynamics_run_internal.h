@@ -22,6 +22,7 @@ typedef struct lw_run {
     double  kink;                    /* the next time at which the loads have a kink; infinite: none */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
+    bool    keeps_momenta;               /* steps keep those of parts that fly (lw_run_hold) */
     double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
     double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere */
     double  ahead;                   /* time to the singular posture foretold [s]; 0: none */
@@ -84,9 +85,13 @@ void lw_run_watch(lw_run *run, const double *y);
 /* Kinetic and potential energy at y less the work done since the start [J], which is constant. */
 double lw_run_energy(const lw_run *run, const double *y);
 
-/* The part of all velocities to take away after an explicit step to (q, v) for a conservative model to keep its energy, which
- * constraints at rest allow; 0 where the correction is greater than the error allowed in a step. */
-double lw_run_held(lw_run *run, const double *q, const double *v);
+/* The part of v less rigid to take away after an explicit step to (q, v) for a conservative model to keep its energy, which
+ * constraints at rest allow; 0 where the correction is greater than the error allowed in a step.  rigid (n_v): a part of v that
+ * stays, orthogonal to the rest in the metric of the masses; NULL: none. */
+double lw_run_held(lw_run *run, const double *q, const double *v, const double *rigid);
+
+/* Take it away, and put q and v on the momenta of parts that fly first. */
+void lw_run_hold(lw_run *run, double t, double *q, double *v);
 
 /* Fills r->unknowns and r->why; returns the status. */
 lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why);

@@ -102,6 +102,10 @@ typedef struct lw_equations {
     double (*potential)(void *context, const double *q);
     /* A momentum that the scene keeps, and its size for comparison.  NULL: none is known. */
     double (*momentum)(void *context, const double *q, const double *v, double *size);
+    /* Momenta of parts that nothing joins to the ground: note them at the start of a run; put v on them at time t, and rigid (n_v)
+     * is the part of v by which these move as one body.  Bodies that fly alone are turned in q, too.  NULL: there are none. */
+    void   (*note_momenta)(void *context, double t, const double *q, const double *v);
+    void   (*keep_momenta)(void *context, double t, double *q, double *v, double *rigid);
     /* Move q by a small displacement (n_v), on the manifold of coordinates; q' = G v. */
     void   (*move)(void *context, double *q, const double *by);
     /* Velocities while q is moved by a displacement `by` that changes with the given rates, which they replace.  NULL: they are

@@ -102,7 +102,7 @@ lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_err
         }
     for (int i = 0; i < c->n_idle; i++)
         put_spin(c, i);
-    return LW_OK;
+    return lw_flying_make(&c->s, &c->flying, e);
 }
 
 void lw_spatial_scene_hold(lw_spatial_scene *c, int body, lw_vec3 axis)
@@ -120,6 +120,7 @@ void lw_spatial_scene_free(lw_spatial_scene *c)
     free(c->drive_l);
     free(c->drive_f);
     free(c->joint);
+    lw_flying_free(&c->flying);
     free(c->frame);
     free(c->idle);
     free(c->slots);
@@ -496,8 +497,26 @@ static bool has_expressions(const lw_spatial_scene *c)
     return any;
 }
 
+static void note_momenta(void *context, double t, const double *q, const double *v)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_flying_note(&c->s, c->frame, v, t, &c->flying);
+}
+
+static void keep_momenta(void *context, double t, double *q, double *v, double *rigid)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    if (c->f.held)                           /* the caller's loads change them */
+        memset(rigid, 0, (size_t)c->s.n_v*sizeof *rigid);
+    else
+        lw_flying_hold(&c->s, t, q, c->frame, v, rigid, &c->flying);
+}
+
 lw_equations lw_spatial_equations(lw_spatial_scene *c)
 {
+    bool flies = c->flying.n > 0 && c->n_idle == 0;
     return (lw_equations){ .n_q = c->s.n_q, .n_v = c->s.n_v, .n_block = 2*c->s.n_body, .n_row = c->s.n_row + c->n_idle,
                            .n_damper = lw_space_dampers(&c->s), .mass = c->mass, .weight = c->f.weight, .unit = c->s.unit,
                            .conservative = c->f.conservative, .smooth = true, .exact = true, .context = c, .name = name,
@@ -510,5 +529,6 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
                            .watch = c->model->n_contact ? watch : NULL, .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
+                           .note_momenta = flies ? note_momenta : NULL, .keep_momenta = flies ? keep_momenta : NULL,
                            .potential = potential, .move = move, .along = along, .rates = rates, .column = column, .accept = accept };
 }

@@ -3,6 +3,7 @@
 #define LW_MBS_EQUATIONS_EQUATIONS_SPACE_H
 
 #include "mbs/equations/equations.h"
+#include "mbs/equations/flying.h"
 #include "mbs/equations/friction.h"
 #include "mbs/space/space_follow.h"
 #include "mbs/space/space_forces.h"
@@ -18,6 +19,7 @@ typedef struct lw_spatial_scene {
     int             n_idle;                      /* spins of links between ball joints, which rows after the joints' hold */
     lw_space_extra *idle;                        /* (n_body) */
     lw_space_slots *slots;                       /* (n_row) */
+    lw_flying       flying;                      /* bodies that nothing joins to the ground */
     double         *mass;                        /* (n_v) with an inertia for each spin that is held */
     lw_space_follow follow;                      /* postures along the inputs that have a motion; memory NULL: not made */
     int             massless;                    /* a body whose mass or inertia was made up; -1: none */
