@@ -42,7 +42,7 @@ LIBS    += $(shell mpicc --showme:link)
 endif
 COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(STACK) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) $(LEVEL) -MMD -MP
 
-# mbs/batch/kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
+# kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
 # gcc must not split a loop's selections into paths that each take their own square root; vectors are passed to
 # inlined functions only; the other two passes take a third of the compile time and gain nothing.  Nor do those of KERNEL_LEAN
@@ -54,7 +54,7 @@ KERNEL   = $(if $(filter -O2,$(CFLAGS)),-O3) -mprefer-vector-width=512 -Wno-psab
 KERNEL_LEAN = $(if $(filter %/kernel_higher.c %/kernel_continuation.c,$<),-fno-gcse -fno-tree-vrp -fno-ipa-cp -fno-tree-sink \
            -fno-tree-loop-distribution -fno-tree-loop-distribute-patterns -fno-split-loops -fno-unswitch-loops \
            -fno-tree-slp-vectorize -fno-schedule-insns2 -fno-code-hoisting)
-HOT_SRC := $(wildcard mbs/batch/kernel*.c)
+HOT_SRC := $(wildcard mbs/batch/kernel*.c mbs/space/kernel*.c)
 LIB_SRC := $(filter-out $(HOT_SRC),$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
 LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/%.o)
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c studio/*.c))
@@ -79,11 +79,11 @@ MAKEFLAGS += --no-builtin-rules
 
 # ---- building ------------------------------------------------------------------------------------
 define KERNEL_RULE
-$B/mbs/batch/%-$(1).o: mbs/batch/%.c
+$B/mbs/$(2)/%-$(1).o: mbs/$(2)/%.c
 	@mkdir -p $$(@D)
 	$$(COMPILE) $$(KERNEL) $$(KERNEL_CFLAGS) -march=$(1) -DLW_ISA=$(subst -,_,$(1)) -DLW_ISA_NAME='"$(1)"' -c $$< -o $$@
 endef
-$(foreach isa,$(ISAS),$(eval $(call KERNEL_RULE,$(isa))))
+$(foreach isa,$(ISAS),$(foreach room,batch space,$(eval $(call KERNEL_RULE,$(isa),$(room)))))
 # the web pages' style sheets and scripts as C texts, line by line
 $B/catalogues/pages/page.o $B/catalogues/pages/atlas_html.o $B/catalogues/pages/space_page.o: $B/catalogues/pages/page_files.h
 $B/catalogues/pages/page_files.h: $(wildcard catalogues/pages/*.css catalogues/pages/*.js)

@@ -5,6 +5,8 @@
 #include "mbs/dynamics/dynamics_space.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
+#include "mbs/equations/equations_space.h"
+#include "mbs/space/kernel_tree_internal.h"
 #include "tests/spatial_models.h"
 
 typedef struct sample { double t, input, input_rate, drive[8], energy, q[64], v[64]; lw_vec3 tracer, linear,
@@ -564,6 +566,19 @@ TEST(every_joint_keeps_energy)
     lw_spatial_free(&m);
 }
 
+/* Swap the links of every joint. */
+static void swap_links(lw_spatial *m)
+{
+    for (int j = 0; j < m->n_joint; j++) {
+        lw_spatial_joint *p = &m->joint[j];
+        int link = p->link[0];
+        lw_vec3 axis = p->axis;
+        p->link[0] = p->link[1], p->link[1] = link;
+        if (p->kind == LW_SPATIAL_UNIVERSAL)
+            p->axis = p->second, p->second = axis;
+    }
+}
+
 /* The same motion in the coordinates of the joints as in those of the bodies: joints of every kind, either link first, in an
  * open chain and in a loop closed by each kind, which cuts the joint with the fewest rows; an input that is driven. */
 TEST(recursive_and_bodies_agree)
@@ -575,14 +590,8 @@ TEST(recursive_and_bodies_agree)
         sample by[2];
         lw_error e;
         read_spatial(every_kind, strlen(every_kind), "kinds", &m);
-        for (int j = 0; i%2 && j < m.n_joint; j++) {
-            lw_spatial_joint *p = &m.joint[j];
-            int link = p->link[0];
-            lw_vec3 axis = p->axis;
-            p->link[0] = p->link[1], p->link[1] = link;
-            if (p->kind == LW_SPATIAL_UNIVERSAL)
-                p->axis = p->second, p->second = axis;
-        }
+        if (i%2)
+            swap_links(&m);
         m.joint = realloc(m.joint, sizeof *m.joint*((size_t)m.n_joint + 1));
         m.joint[m.n_joint++] = (lw_spatial_joint){ .name = "closing", .kind = closing[i/2], .link = { m.n_link - 1, m.ground },
             .at = { 2, 0.2, 0.1 }, .axis = { 0.6, 0, 0.8 }, .second = { 0, 1, 0 }, .lead = 0.3 };
@@ -603,6 +612,78 @@ TEST(recursive_and_bodies_agree)
         lw_spatial_free(&m);
     }
     formulation = LW_FORMULATION_AUTO;
+}
+
+/* Rates of eight states together are those of one state after the other, in every instruction set to the bit: joints of every
+ * kind, either link first, a free body, springs and dampers. */
+TEST(eight_states_at_once)
+{
+    for (int i = 0; i < 4; i++) {
+        lw_spatial m;
+        lw_spatial_scene c;
+        lw_recursive r;
+        lw_tree_stages s;
+        lw_error e;
+        lw_rng rng;
+        lw_rng_seed(&rng, 7, (uint64_t)i);
+        read_spatial(every_kind, strlen(every_kind), "kinds", &m);
+        m.n_joint_spring = 0;
+        for (int j = 0; j < m.n_spring; j++)
+            m.spring[j].damping = 3;
+        if (i%2)
+            swap_links(&m);
+        if (i/2)                             /* the first body is free */
+            m.joint[0].kind = LW_SPATIAL_FREE;
+        m.n_input = i/2 ? 0 : m.n_input;
+        CHECK_INT(lw_spatial_scene_make(&m, &c, &e), LW_OK);
+        CHECK_INT(lw_recursive_make(&c.s, c.mass, NULL, 0, &r, &e), LW_OK);
+        CHECK_INT(lw_tree_stages_make(&r, &c.f, true, &s), LW_OK);
+        const int n = r.n_x + r.n_u;
+        double y[8*64], dy[8*64], again[8*64], x[64], dx[64], q[64], v[64], force[64], power;
+        CHECK(n < 64 && c.s.n_q <= 64);
+        for (int j = 0; j < 8*n; j++)
+            y[j] = lw_rng_range(&rng, -1, 1);
+        CHECK_INT(lw_tree_stages_rates(&s, y, dy), LW_OK);
+        for (int lane = 0; lane < 8; lane++) {
+            for (int j = 0; j < n; j++)
+                x[j] = y[8*j + lane];
+            lw_recursive_place(&r, x, q);
+            lw_recursive_velocities(&r, x + r.n_x, v);
+            lw_space_forces_apply(&c.f, 0, r.frame, v, force, &power, NULL);
+            CHECK_INT(lw_recursive_factor(&r), LW_OK);
+            lw_recursive_solve(&r, force, LW_WANT_MOTION, dx + r.n_x);
+            lw_recursive_rates(&r, x, x + r.n_x, dx);
+            for (int j = 0; j < n; j++)
+                CHECK_NEAR(dy[8*j + lane], dx[j], 1e-11, 1e-11);
+            CHECK_NEAR(dy[8*n + lane], power, 1e-12, 1e-12);
+        }
+        for (int rank = 1; lw_kernels_supported(rank); rank++) {
+            s.kernel = lw_tree_kernel_of(lw_kernels_supported(rank)->isa);
+            CHECK_INT(lw_tree_stages_rates(&s, y, again), LW_OK);
+            CHECK(memcmp(again, dy, 8*sizeof *dy*(size_t)(n + 1)) == 0);
+        }
+        lw_tree_stages_free(&s);
+        lw_recursive_free(&r);
+        lw_spatial_scene_free(&c);
+        lw_spatial_free(&m);
+    }
+}
+
+/* A pendulum that turns over fast: turns are counted, though the steps could be longer than a turn. */
+TEST(a_flywheel_counts_its_turns)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [1e-3, 0, 0], "
+        "\"inertia\": [1, 1, 1]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}], "
+        "\"inputs\": [{\"joint\": \"A\", \"speed\": 200}], \"gravity\": [0, -1e-3, 0]}";
+    lw_spatial m;
+    read_spatial(text, strlen(text), "flywheel", &m);
+    formulation = LW_FORMULATION_RECURSIVE;
+    lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 10, 5, 1e-10);
+    formulation = LW_FORMULATION_AUTO;
+    for (int i = 0; i < k.n; i++)
+        CHECK_NEAR(k.at[i].input, 200*k.at[i].t, 1e-6, 0);
+    CHECK(q.energy_error < 1e-12*q.energy_scale);
+    lw_spatial_free(&m);
 }
 
 /* A bar between two balls that is not symmetric spins as it swings; a symmetric one does not, and its spin is held. */

@@ -8,9 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/ode/collocation.h"
 #include "mbs/ode/cvode.h"
 #include "mbs/ode/integrate.h"
 #include "mbs/space/recursive.h"
+#include "mbs/space/recursive_stages.h"
 
 static const double near_singular = 1e-4;    /* least pivot of the loops over that of the start */
 static const double closed = 1e-9;           /* loops that stay farther open after all passes fail [sizes, rad] */
@@ -25,10 +27,13 @@ static const double damped_from = 1e-8;      /* which grows with powers of this 
 static const double bdf_share = 0.05, bdf_share_tight = 0.005;       /* of the tolerance, for BDF steps, whose errors add up to a */
 static const double tight = 0.9e-7;          /* multiple of it, the greater the smaller it is */
 enum { MOST_DIFFERENCES = 40 };
+static const double most_turn = 3;           /* of a joint in one step: turns are counted from step to step [rad] */
 
 typedef struct motion {
     lw_run *run;
     lw_recursive r;
+    lw_tree_stages stages;                   /* of trees with simple loads */
+    const double *before;                    /* collocation: state at the beginning of the step; else NULL */
     lw_space_extra *extra;
     double (*wanted)[3], *near;              /* (extra) */
     double *body, *shown, *free;             /* states of the bodies (run->n), the second after steps; scratch (n_u) */
@@ -148,6 +153,9 @@ static lw_status project(void *context, double t, double *y)
     motion *m = context;
     lw_dynamics *d = m->run->d;
     double *q = m->body, *v = q + d->n_q, *u = y + m->r.n_x;
+    for (int k = 0; m->before && k < m->r.n_x; k++)
+        if (!(fabs(y[k] - m->before[k]) < most_turn))
+            return LW_OPEN;
     lw_recursive_normalise(&m->r, y);
     lw_status s = close_loops(m, t, y, u, q, v);
     if (s != LW_OK)
@@ -164,27 +172,57 @@ static lw_status project(void *context, double t, double *y)
     double held = lw_run_held(m->run, q, v, NULL);
     for (int k = 0; k < m->r.n_u; k++)
         u[k] -= u[k]*held;
+    for (int i = 0; i < d->n_v; i++)
+        v[i] -= v[i]*held;
     return LW_OK;
 }
 
-/* The state of the bodies at a state of the tree. */
-static lw_status to_bodies(motion *m, double t, const double *y, double *out)
+/* The state of the bodies at a state of the tree; placed: the one that was placed last. */
+static lw_status to_bodies(motion *m, double t, const double *y, bool placed, double *out)
 {
     lw_dynamics *d = m->run->d;
     int n = m->r.n_x + m->r.n_u;
-    lw_status s = place(m, t, y, y + m->r.n_x, out, out + d->n_q);
+    lw_status s = placed ? LW_OK : place(m, t, y, y + m->r.n_x, out, out + d->n_q);
+    if (placed)
+        memcpy(out, m->body, (size_t)(d->n_q + d->n_v)*sizeof *y);
     memcpy(out + d->n_q + d->n_v, y + n, (size_t)(m->run->has_work + d->eq.n_z)*sizeof *y);
     return s;
 }
 
-/* One solver or the other. */
-typedef struct stepper { motion *m; bool implicit; lw_integrator explicit_one; lw_sundials implicit_one; lw_ode ode; double *y; } stepper;
+/* One of three solvers. */
+typedef struct stepper {
+    motion *m;
+    bool implicit, staged;                   /* by BDF methods; by collocation */
+    lw_integrator explicit_one;
+    lw_sundials implicit_one;
+    lw_collocation stages;
+    lw_ode ode;
+    lw_stages_ode at_stages;
+    double *y;
+} stepper;
 
-static double time_of(const stepper *w) { return w->implicit ? w->implicit_one.t : w->explicit_one.t; }
-static const double *now(const stepper *w) { return w->implicit ? w->implicit_one.y : w->explicit_one.y; }
+static double *time_at(stepper *w) { return w->implicit ? &w->implicit_one.t : w->staged ? &w->stages.t : &w->explicit_one.t; }
+static double time_of(stepper *w) { return *time_at(w); }
+static const double *now(const stepper *w) { return w->implicit ? w->implicit_one.y : w->staged ? w->stages.y : w->explicit_one.y; }
+
+static lw_status rates(void *context, const double t[LW_STAGES], const double *y, double *dy)
+{
+    motion *m = context;
+    lw_status s = lw_run_busy(m->run, t[0]);
+    return s != LW_OK ? s : lw_tree_stages_rates(&m->stages, y, dy) == LW_OK ? LW_OK : LW_OPEN;
+}
+
+static void place_rates(void *context, const double *y, double *dy)
+{
+    lw_tree_stages_place_rates(&((const motion *)context)->stages, y, dy);
+}
 
 static lw_status restart(stepper *w, const double *y)
 {
+    if (w->staged) {
+        lw_collocation_restart(&w->stages, y);
+        return LW_OK;
+    }
     return w->implicit ? lw_cvode_restart(&w->implicit_one, y, 0, w->m->run->e) : lw_integrate_restart(&w->explicit_one, y, w->m->run->e);
 }
 
@@ -196,13 +234,27 @@ static lw_status state_at(void *context, double t, double *out)
     if (t == time_of(p))
         memcpy(p->y, now(p), (size_t)p->ode.n*sizeof *p->y);
     else {
-        lw_status s = p->implicit ? lw_sundials_dense(&p->implicit_one, t, p->y) : lw_integrate_dense(&p->explicit_one, t, p->y);
+        lw_status s = LW_OK;
+        if (p->staged)
+            lw_collocation_dense(&p->stages, t, p->y);
+        else
+            s = p->implicit ? lw_sundials_dense(&p->implicit_one, t, p->y) : lw_integrate_dense(&p->explicit_one, t, p->y);
         if (s == LW_OK)
             s = close_loops(m, t, p->y, p->y + m->r.n_x, q, q + m->run->d->n_q);
         if (s != LW_OK)
             return LW_E_NUMERIC;
     }
-    return to_bodies(m, t, p->y, out);
+    return to_bodies(m, t, p->y, false, out);
+}
+
+static lw_status step_stages(stepper *w, double end, lw_ode_stop *stop)
+{
+    double fastest = 0;
+    for (int k = 0; k < w->m->r.n_u; k++)
+        fastest = fmax(fastest, fabs(w->stages.y[w->m->r.n_x + k]));
+    w->stages.o.greatest = 0.8*most_turn/fmax(fastest, 1e-300);
+    w->m->before = w->stages.y_old;
+    return lw_collocation_step(&w->stages, end, stop, w->m->run->e);
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------------ */
@@ -218,14 +270,15 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
         m->least = 1;
         double end = lw_run_end(run, time_of(w));
-        s = w->implicit ? lw_sundials_step(&w->implicit_one, end, &stop, run->e) : lw_integrate_step(&w->explicit_one, end, &stop, run->e);
+        s = w->implicit ? lw_sundials_step(&w->implicit_one, end, &stop, run->e)
+          : w->staged ? step_stages(w, end, &stop) : lw_integrate_step(&w->explicit_one, end, &stop, run->e);
         if (s == LW_STOPPED || s == LW_E_MEMORY)
             break;
         if (s != LW_OK || m->least < near_singular*m->first) {
             s = m->r.n_row ? LW_OPEN : s;
             break;
         }
-        s = to_bodies(m, time_of(w), now(w), out);
+        s = to_bodies(m, time_of(w), now(w), !w->implicit, out);
         *t = run->r->t = time_of(w);
         stop = *t >= d->o.to ? LW_ODE_END : stop;
         if (s == LW_OK && w->implicit)
@@ -236,7 +289,7 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
             s = lw_run_samples(run, *t, state_at, w);
         memcpy(w->y, now(w), (size_t)w->ode.n*sizeof *w->y);
         if (s == LW_OK && lw_run_at_kink(run, *t)) {
-            s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
+            s = lw_run_pass_kink(run, time_at(w), state_at, w);
             stop = time_of(w) >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
             if (s == LW_OK && stop != LW_ODE_END)
                 s = restart(w, w->y);
@@ -246,18 +299,21 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
         if (s == LW_OK)
             s = lw_run_limits(run, *t, k);
     }
-    run->r->steps += w->implicit ? w->implicit_one.n_step : w->explicit_one.n_step;
-    run->r->refused += w->implicit ? w->implicit_one.n_refused : w->explicit_one.n_refused;
-    run->r->rates += w->implicit ? w->implicit_one.n_rate : w->explicit_one.n_rate;
+    run->r->steps += w->implicit ? w->implicit_one.n_step : w->staged ? w->stages.n_step : w->explicit_one.n_step;
+    run->r->refused += w->implicit ? w->implicit_one.n_refused : w->staged ? w->stages.n_refused : w->explicit_one.n_refused;
+    run->r->rates += w->implicit ? w->implicit_one.n_rate : w->staged ? w->stages.n_rate : w->explicit_one.n_rate;
     return s;
 }
 
-static bool takes_implicit(const motion *m)
+/* Decay of the fastest damped motion times the length of the run; from `damped` on dampers shorten the steps of explicit methods. */
+static double decays(const lw_dynamics *d) { return d->decay_known ? d->decay*(d->o.to - d->o.from) : 0; }
+
+static bool takes_bdf(const motion *m)
 {
     const lw_dynamics *d = m->run->d;
     double tolerance = fmax(d->o.relative, d->o.absolute);
-    return d->decay_known && m->r.n_row == 0 && m->r.n_u + d->eq.n_z <= MOST_DIFFERENCES && tolerance >= most_accurate
-        && d->decay*(d->o.to - d->o.from) > damped*fmax(1, pow(damped_from/tolerance, 0.15));
+    return m->r.n_row == 0 && m->r.n_u + d->eq.n_z <= MOST_DIFFERENCES && tolerance >= most_accurate
+        && decays(d) > damped*fmax(1, pow(damped_from/tolerance, 0.15));
 }
 
 /* out: the start to the bit, from which a run that is saved there goes on. */
@@ -287,8 +343,12 @@ static lw_status run_one(motion *m, double *y, double *work)
     lw_ode_options o = lw_ode_options_default();
     double *out = m->shown, *each = NULL, t = d->o.from;
     lw_mbs_is_stiff(d);                      /* for its decay */
-    w.implicit = takes_implicit(m);
+    bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX && m->r.n_u == m->r.n_x;
+    w.staged = (stiff || !takes_bdf(m)) && lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) == LW_OK;
+    w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
+    w.at_stages = (lw_stages_ode){ .n = w.ode.n, .n_place = m->r.n_x, .n_rate = m->r.n_u, .implicit = stiff, .context = m,
+                                   .rates = rates, .place_rates = place_rates, .project = project };
     w.y = y + ode->n;
     double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : bdf_share;
     o.relative = share*d->o.relative;
@@ -306,7 +366,9 @@ static lw_status run_one(motion *m, double *y, double *work)
     }
     if (s == LW_OK)
         s = lw_run_begin(run, out);
-    if (s == LW_OK)
+    if (s == LW_OK && w.staged)
+        lw_collocation_start(&w.stages, &w.at_stages, &o, work, t, y);
+    else if (s == LW_OK)
         s = w.implicit ? lw_cvode_make(&w.implicit_one, ode, &o, LW_CVODE_BDF, t, y, run->e)
                        : lw_integrate_start(&w.explicit_one, ode, &o, work, t, y, run->e);
     if (s == LW_OK) {
@@ -344,10 +406,13 @@ static lw_status make(motion *m, lw_dynamics *d, lw_error *e)
 static void unmake(motion *m)
 {
     lw_recursive_free(&m->r);
+    lw_tree_stages_free(&m->stages);
     free(m->extra);
     free(m->wanted);
     free(m->near);
 }
+
+static size_t work_size(int n) { return lw_integrate_work(n, 0) > lw_collocation_work(n, true) ? lw_integrate_work(n, 0) : lw_collocation_work(n, true); }
 
 static lw_status run_recursive(lw_run *run)
 {
@@ -355,10 +420,10 @@ static lw_status run_recursive(lw_run *run)
     lw_status s = make(&m, run->d, run->e);
     if (s == LW_OK) {
         int n = m.r.n_x + m.r.n_u + run->has_work + run->d->eq.n_z;
-        double *y = calloc(2*(size_t)n + lw_integrate_work(n, 0) + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + 1, sizeof *y);
+        double *y = calloc(2*(size_t)n + work_size(n) + 3*(size_t)run->n + (size_t)(m.r.n_u + m.r.n_x) + 1, sizeof *y);
         s = y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
         if (y) {
-            m.body = y + 2*n + lw_integrate_work(n, 0);
+            m.body = y + 2*n + work_size(n);
             m.shown = m.body + run->n;
             run->y = m.shown + run->n;
             m.free = run->y + run->n;

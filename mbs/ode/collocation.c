@@ -1,0 +1,452 @@
+/* mbs/ode/collocation.c - steps of Radau IIA with eight stages, eight evaluations at once. */
+#include "base/real.h"
+#include "mbs/ode/collocation.h"
+
+#include <float.h>
+#include <string.h>
+#include "mbs/ode/collocation_table_internal.h"
+
+enum { N = LW_STAGES, MOST_ITERATIONS = 14, PAIRS = N/2 };
+
+static const double exact_enough = 0.03;      /* change that the improvements still promise, over the error allowed */
+static const double best_factor = 0.15;      /* of an improvement: longer steps need more work for their length */
+static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
+static const double greatest_growth = 4, difference = 1e-7;
+
+size_t lw_collocation_work(int n, bool implicit)
+{
+    return (size_t)n*(4*N + 5) + (implicit ? (2 + 2*PAIRS)*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX : 0);
+}
+
+void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_ode_options *o, double *work, double t, const double *y)
+{
+    size_t n = (size_t)ode->n;
+    *w = (lw_collocation){ .ode = ode, .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .stale = true };
+    double **part[] = { &w->f, &w->stage, &w->c, &w->c_old };
+    for (int i = 0; i < 4; i++, work += N*n)
+        *part[i] = work;
+    w->y = work, w->y_old = work + n, w->low = work + 2*n, w->scale = work + 3*n;
+    w->lost = work + 4*n;
+    w->by = work + 5*n, w->lu = w->by + 2*LW_IMPLICIT_MAX*LW_IMPLICIT_MAX;
+    memset(w->c, 0, N*n*sizeof *y);
+    lw_collocation_restart(w, y);
+}
+
+void lw_collocation_restart(lw_collocation *w, const double *y)
+{
+    memcpy(w->y, y, (size_t)w->ode->n*sizeof *y);
+    memset(w->low, 0, (size_t)w->ode->n*sizeof *y);
+}
+
+/* ---- polynomials ------------------------------------------------------------------------------------------------ */
+
+/* Legendre polynomials at x of the step, and their integrals from its begin. */
+static void legendre_at(double x, double *p, double *integral)
+{
+    double z = 2*x - 1, below = 1, now = z;
+    p[0] = 1;
+    integral[0] = x;
+    for (int m = 1; m < N; m++) {
+        double next = ((2*m + 1)*z*now - m*below)/(m + 1);
+        p[m] = now;
+        integral[m] = (next - below)/(2*(2*m + 1));
+        below = now, now = next;
+    }
+}
+
+void lw_collocation_dense(const lw_collocation *w, double t, double *y)
+{
+    double p[N], integral[N];
+    legendre_at(w->h_done > 0 ? (t - w->t_old)/w->h_done : 0, p, integral);
+    for (int i = 0; i < w->ode->n; i++) {
+        double sum = 0;
+        for (int m = 0; m < N; m++)
+            sum += w->c[N*i + m]*integral[m];
+        y[i] = w->y_old[i] + w->h_done*sum;
+    }
+}
+
+/* out (8): sum of in[j] column[j]. */
+static inline void combine(const double (*column)[N], const double *in, double *out)
+{
+    double sum[N] = { 0 };
+#pragma GCC unroll 8
+    for (int j = 0; j < N; j++)
+        for (int k = 0; k < N; k++)
+            sum[k] += in[j]*column[j][k];
+    memcpy(out, sum, sizeof sum);
+}
+
+/* column[m][k]: polynomial m of the last step at point k of the next, of length h. */
+static void continue_polynomials(const lw_collocation *w, double h, double column[N][N])
+{
+    for (int k = 0; k < N; k++) {
+        double p[N], none[N];
+        legendre_at(1 + node[k]*h/w->h_done, p, none);
+        for (int m = 0; m < N; m++)
+            column[m][k] = p[m];
+    }
+}
+
+static void predict(lw_collocation *w, double h)
+{
+    double column[N][N];
+    continue_polynomials(w, h, column);
+    for (int m = w->degree + 1; m < N; m++)
+        memset(column[m], 0, sizeof column[m]);
+    for (int i = 0; i < w->ode->n; i++)
+        combine((const double (*)[N])column, w->c + N*i, w->f + N*i);
+}
+
+/* The degree with which the last polynomial would have met the rates of this step best. */
+static int best_degree(const lw_collocation *w, double h)
+{
+    double column[N][N], off[N] = { 0 };
+    int best = 0;
+    continue_polynomials(w, h, column);
+    for (int i = 0; i < w->ode->n; i++) {
+        double left[N];
+        memcpy(left, w->f + N*i, sizeof left);
+        for (int m = 0; m < N; m++) {
+            double sum = 0;
+            for (int k = 0; k < N; k++)
+                left[k] -= w->c[N*i + m]*column[m][k], sum += left[k]*left[k];
+            off[m] += sum*w->scale[i]*w->scale[i];
+        }
+    }
+    for (int m = 1; m < N; m++)
+        best = off[m] < off[best] ? m : best;
+    return best;
+}
+
+/* ---- improvements ----------------------------------------------------------------------------------------------- */
+
+static lw_status rates_at(lw_collocation *w, double h)
+{
+    double t[N];
+    for (int k = 0; k < N; k++)
+        t[k] = w->t_old + node[k]*h;
+    w->n_rate += N;
+    return w->ode->rates(w->ode->context, t, w->stage, w->f);
+}
+
+/* Numbers `from` to n at all points from their rates; returns the sum of squares of how far they moved, over the errors allowed. */
+static double improve(lw_collocation *w, double h, int from, int n)
+{
+    double moved = 0, sum[N];
+    for (int i = from; i < n; i++) {
+        double *stage = w->stage + N*i, most = 0;
+        combine(stage_column, w->f + N*i, sum);
+        for (int k = 0; k < N; k++) {
+            double y = w->y_old[i] + h*sum[k], by = fabs(y - stage[k]);
+            most = by > most ? by : most;
+            stage[k] = y;
+        }
+        moved += most*w->scale[i]*(most*w->scale[i]);
+    }
+    return moved;
+}
+
+/* The factors of 1 - z D - z^2 K, z = h times an eigenvalue, K and D the derivatives by x and u: lower part, then upper part with
+ * inverse diagonal, real and imaginary parts in turn. */
+static lw_status factor(lw_collocation *w, double h)
+{
+    const int n = w->ode->n_rate;
+    const double *K = w->by, *D = K + n*n;
+    for (int p = 0; p < PAIRS; p++) {
+        double *m = w->lu + 2*p*n*n, a = h*eigenvalue[p][0], b = h*eigenvalue[p][1], aa = a*a - b*b, bb = 2*a*b;
+        for (int i = 0; i < n*n; i++)
+            m[2*i] = (i%(n + 1) == 0) - a*D[i] - aa*K[i], m[2*i + 1] = -b*D[i] - bb*K[i];
+        for (int k = 0; k < n; k++) {
+            double *d = m + 2*(k*n + k), size = d[0]*d[0] + d[1]*d[1];
+            if (!(size > 1e-12))
+                return LW_OPEN;
+            d[0] /= size, d[1] /= -size;
+            for (int i = k + 1; i < n; i++) {
+                double *l = m + 2*(i*n + k), re = l[0]*d[0] - l[1]*d[1], im = l[0]*d[1] + l[1]*d[0];
+                l[0] = re, l[1] = im;
+                for (int j = k + 1; j < n; j++) {
+                    const double *u = m + 2*(k*n + j);
+                    double *to = m + 2*(i*n + j);
+                    to[0] -= re*u[0] - im*u[1], to[1] -= re*u[1] + im*u[0];
+                }
+            }
+        }
+    }
+    return LW_OK;
+}
+
+/* x (2 n, real and imaginary parts in turn): solve with the factors of eigenvalue p. */
+static void solve(const lw_collocation *w, int p, double *x)
+{
+    const int n = w->ode->n_rate;
+    const double *m = w->lu + 2*p*n*n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            const double *l = m + 2*(i*n + j);
+            x[2*i] -= l[0]*x[2*j] - l[1]*x[2*j + 1], x[2*i + 1] -= l[0]*x[2*j + 1] + l[1]*x[2*j];
+        }
+    for (int i = n - 1; i >= 0; i--) {
+        const double *d = m + 2*(i*n + i);
+        for (int j = i + 1; j < n; j++) {
+            const double *u = m + 2*(i*n + j);
+            x[2*i] -= u[0]*x[2*j] - u[1]*x[2*j + 1], x[2*i + 1] -= u[0]*x[2*j + 1] + u[1]*x[2*j];
+        }
+        double re = x[2*i]*d[0] - x[2*i + 1]*d[1];
+        x[2*i + 1] = x[2*i]*d[1] + x[2*i + 1]*d[0], x[2*i] = re;
+    }
+}
+
+/* A Newton step of u at all points; in the eigenvectors of A they separate. */
+static double newton_step(lw_collocation *w, double h)
+{
+    const int n = w->ode->n_rate, first = w->ode->n_place;
+    double x[PAIRS][2*LW_IMPLICIT_MAX], r[N], moved = 0;
+    for (int i = 0; i < n; i++) {
+        const double *stage = w->stage + N*(first + i);
+        combine(stage_column, w->f + N*(first + i), r);
+        for (int k = 0; k < N; k++)
+            r[k] = w->y_old[first + i] + h*r[k] - stage[k];
+        combine(inverse_column, r, r);
+        for (int p = 0; p < PAIRS; p++)                  /* a pair of columns with factors w1, w2 stands for w1 - i w2 */
+            x[p][2*i] = r[2*p], x[p][2*i + 1] = -r[2*p + 1];
+    }
+    for (int p = 0; p < PAIRS; p++)
+        solve(w, p, x[p]);
+    for (int i = 0; i < n; i++) {
+        double *stage = w->stage + N*(first + i), most = 0;
+        for (int p = 0; p < PAIRS; p++)
+            r[2*p] = x[p][2*i], r[2*p + 1] = -x[p][2*i + 1];
+        combine(vector_column, r, r);
+        for (int k = 0; k < N; k++) {
+            stage[k] += r[k];
+            most = fabs(r[k]) > most ? fabs(r[k]) : most;
+        }
+        moved += most*w->scale[first + i]*(most*w->scale[first + i]);
+    }
+    return moved;
+}
+
+/* Improve the states at all points from their rates; returns how far they moved, over the error allowed. */
+static double improve_all(lw_collocation *w, double h, bool implicit)
+{
+    const lw_stages_ode *o = w->ode;
+    double moved = implicit ? newton_step(w, h) : improve(w, h, o->n_place, o->n_place + o->n_rate);
+    o->place_rates(o->context, w->stage, w->f);
+    moved += improve(w, h, 0, o->n_place) + improve(w, h, o->n_place + o->n_rate, o->n);
+    return sqrt(moved/o->n);
+}
+
+/* Improve the states of a step until their error is allowed.  LW_OPEN: they do not converge fast enough. */
+static lw_status iterate(lw_collocation *w, double h)
+{
+    double last = 0, by = w->fastest*h;
+    /* integrals have the rates before the last Newton step */
+    const double most = w->ode->implicit && w->ode->n > w->ode->n_place + w->ode->n_rate ? 1 : INFINITY;
+    improve_all(w, h, false);
+    for (int i = 1; i <= MOST_ITERATIONS; i++) {
+        lw_status s = rates_at(w, h);
+        if (s != LW_OK)
+            return s;
+        double moved = improve_all(w, h, w->ode->implicit);
+        if (!isfinite(moved))
+            return LW_OPEN;
+        if (i > 1 && last > 0)
+            by = i > 2 ? fmax(moved/last, 0.5*by) : moved/last, w->fastest = by/h;
+        else if (i == 1)
+            w->fastest *= 0.5;               /* unless it is measured */
+        if ((moved*by <= exact_enough*(1 - by) && moved <= most) || (i > 2 && by > 0.5 && moved <= exact_enough))
+            return LW_OK;
+        if (i > 2 && (by > 0.9 || moved*pow(by, MOST_ITERATIONS - i) > exact_enough))
+            return LW_OPEN;
+        last = moved;
+    }
+    return LW_OPEN;
+}
+
+/* ---- the step ---------------------------------------------------------------------------------------------------- */
+
+/* Derivatives of u' in the middle of the predicted step by differences, eight at a time. */
+static lw_status differentiate(lw_collocation *w, double h)
+{
+    const lw_stages_ode *o = w->ode;
+    const int n = o->n_rate, middle = N/2;
+    double base[LW_IMPLICIT_MAX], t[N], *at = w->lost;
+    predict(w, h);
+    improve_all(w, h, false);
+    for (int i = 0; i < o->n; i++)
+        at[i] = w->stage[N*i + middle];
+    for (int k = 0; k < N; k++)
+        t[k] = w->t_old + h*node[middle];
+    for (int from = -1; from < 2*n; from += N) {         /* column -1: no change */
+        for (int i = 0; i < o->n; i++)
+            for (int k = 0; k < N; k++)
+                w->stage[N*i + k] = at[i] + (from + k == i ? difference*fmax(1, fabs(at[i])) : 0);
+        w->n_rate += N;
+        lw_status s = o->rates(o->context, t, w->stage, w->f);
+        if (s != LW_OK)
+            return s;
+        for (int i = 0; i < n; i++)
+            for (int k = 0; k < N && from + k < 2*n; k++) {
+                int c = from + k;
+                double rate = w->f[N*(n + i) + k];
+                if (c < 0)
+                    base[i] = rate;
+                else
+                    w->by[c/n*n*n + i*n + c%n] = (rate - base[i])/(difference*fmax(1, fabs(at[c])));
+            }
+    }
+    w->stale = false;
+    return LW_OK;
+}
+
+/* Rates everywhere as at the start; and how far a step of Euler's method may go before they change by as much as they are. */
+static lw_status begin(lw_collocation *w, double span)
+{
+    int n = w->ode->n;
+    double t[N], far[N] = { span }, first = 0, change[N] = { 0 };
+    for (int k = 1; k < N; k++)
+        far[k] = 0.25*far[k - 1];
+    for (int i = 0; i < N*n; i++)
+        w->stage[i] = w->y[i/N];
+    lw_status s = rates_at(w, 0);
+    if (s != LW_OK)
+        return s;
+    for (int i = 0; i < n; i++) {
+        double rate = w->c[N*i] = w->f[N*i];
+        first += rate*w->scale[i]*(rate*w->scale[i]);
+        for (int k = 0; k < N; k++)
+            w->stage[N*i + k] = w->y[i] + far[k]*rate;
+    }
+    for (int k = 0; k < N; k++)
+        t[k] = w->t + far[k];
+    w->n_rate += N;
+    s = w->ode->rates(w->ode->context, t, w->stage, w->f);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < N; k++) {
+            double by = (w->f[N*i + k] - w->c[N*i])*w->scale[i];
+            change[k] += by*by;
+        }
+    int k = 0;
+    while (k < N - 1 && (s != LW_OK || !(change[k]*far[k]*far[k] <= first)))
+        k++;
+    w->h = far[k];
+    w->h_done = 1;                           /* a constant polynomial */
+    return s == LW_OPEN ? LW_OK : s;
+}
+
+/* The polynomial of this step, to c_old; error within the step over the error allowed, from how its coefficients fall.  The rates of
+ * stiff equations follow from the states: in f errors of u are multiplied. */
+static double step_error(lw_collocation *w, double h)
+{
+    const lw_stages_ode *o = w->ode;
+    double size[N] = { 0 };
+    for (int i = 0; i < o->n; i++) {
+        double c[N], *f = w->f + N*i;
+        if (o->implicit && i >= o->n_place && i < o->n_place + o->n_rate) {
+            for (int k = 0; k < N; k++)
+                c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
+            combine(slope_column, c, f);
+        }
+        combine(legendre_column, f, c);
+        memcpy(w->c_old + N*i, c, sizeof c);
+        for (int m = 0; m < N; m++)
+            size[m] += c[m]*w->scale[i]*(c[m]*w->scale[i]);
+    }
+    double last = fmax(size[N - 1], 1e-300), fall = pow(last/fmax(size[N - 4], last), 1.0/6);
+    last = fmax(sqrt(last), sqrt(size[N - 2])*fall);
+    return h*last*fall/(2*(2*N + 1)*sqrt((double)o->n));
+}
+
+/* Take the step of length h, which is sound. */
+static lw_status arrive(lw_collocation *w, double h, double end)
+{
+    int n = w->ode->n;
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = 0; j < N; j++)
+            sum += weight[j]*w->f[N*i + j];
+        double add = h*sum + w->low[i];
+        w->y[i] = w->y_old[i] + add;
+        w->lost[i] = add - (w->y[i] - w->y_old[i]);      /* summed with compensation */
+    }
+    memcpy(w->stage, w->y, (size_t)n*sizeof *w->y);
+    lw_status s = w->ode->project(w->ode->context, end, w->y);
+    for (int i = 0; s == LW_OK && i < n; i++)
+        w->low[i] = w->y[i] == w->stage[i] ? w->lost[i] : 0;
+    return s;
+}
+
+/* One step from t_old of length h.  LW_OPEN: it fails, and *by is the part of it to try. */
+static lw_status try_step(lw_collocation *w, double h, double end, double *by)
+{
+    bool fresh = !w->ode->implicit || w->stale;
+    lw_status s = w->ode->implicit && w->stale ? differentiate(w, h) : LW_OK;
+    if (s == LW_OK && w->ode->implicit)
+        s = factor(w, h);
+    if (s != LW_OK)
+        return s;
+    predict(w, h);
+    double old = w->fastest;
+    s = iterate(w, h);
+    double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
+    double room = pow(best_factor/fmax(of, 0.01)/rising, 0.6);
+    w->stale = of > fresh_factor || s != LW_OK;
+    if (s == LW_OPEN)
+        *by = fresh ? fmax(0.2, fmin(0.6, room)) : 1;
+    if (s == LW_OK && !(error <= 1)) {
+        *by = fmax(0.2, 0.8*pow(error, -1.0/9));
+        return LW_OPEN;
+    }
+    s = s == LW_OK ? arrive(w, h, end) : s;
+    if (s != LW_OK)
+        return s;
+    w->degree = w->n_step == 0 ? N/2 : best_degree(w, h);
+    *by = fmin(greatest_growth, fmax(0.3, fmin(0.9*pow(fmax(error, 1e-9), -1.0/9), fresh ? room : fmax(1, room))));
+    double *c = w->c;
+    w->c = w->c_old, w->c_old = c;
+    w->h_done = h;
+    w->n_step++;
+    return LW_OK;
+}
+
+lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop, lw_error *e)
+{
+    double t_low = w->t_low, most = INFINITY;
+    *stop = LW_ODE_END;
+    if (t_end == w->t)
+        return LW_OK;
+    for (int i = 0; i < w->ode->n; i++)
+        w->scale[i] = 1/((w->o.absolute_each ? w->o.absolute_each[i] : w->o.absolute) + w->o.relative*fabs(w->y[i]));
+    w->t_old = w->t;
+    memcpy(w->y_old, w->y, (size_t)w->ode->n*sizeof *w->y);
+    lw_status s = w->h > 0 ? LW_OK : begin(w, t_end - w->t);
+    if (s != LW_OK)
+        return lw_error_set(e, s, "no first step is possible at t = %.9g s: %s", w->t, lw_status_text(s));
+    for (;;) {
+        if (w->o.max_step > 0 && w->n_step + w->n_refused >= w->o.max_step)
+            return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t_old, w->o.max_step);
+        double left = t_end - w->t_old - t_low, h = w->o.greatest > 0 ? fmin(w->h, w->o.greatest) : w->h, by = 0.2;
+        bool last = h*(1 + 1e-10) >= left;
+        h = last ? left : 2*h > left ? 0.5*left : h;
+        if (!(h > 4*DBL_EPSILON*fabs(w->t_old) && h > DBL_MIN))
+            return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): the motion is "
+                                "singular there, or the tolerance is below rounding", w->t_old, h);
+        double end = last ? t_end : w->t_old + (h + t_low);
+        s = try_step(w, h, end, &by);
+        if (s == LW_OK) {
+            w->h = fmin(h*by, most);
+            w->t = end;
+            w->t_low = last ? 0 : h + t_low - (end - w->t_old);
+            *stop = last ? LW_ODE_END : LW_ODE_STEP;
+            return LW_OK;
+        }
+        if (s == LW_STOPPED)
+            return s;
+        if (s != LW_OPEN)
+            return lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
+        w->n_refused++;
+        w->h = by*h;
+        most = h;
+    }
+}

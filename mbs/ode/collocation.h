@@ -1,0 +1,58 @@
+/* mbs/ode/collocation.h - ordinary differential equations y' = f(t, y) whose f is worked out at eight states at once.
+ *
+ * A step of length h is the polynomial of degree 8 that meets the equations at the eight points of Radau IIA (order 15 at the end
+ * of the step, 9 within): Y = y + h A f(Y).  Y is improved by f of all points together (van der Houwen & Sommeijer 1990), from the
+ * continued polynomial of the step before.  So a step makes few calls one after the other, and the eight states of a call go
+ * through vector instructions.  The improvements converge while h is below about 5 over the fastest rate; for stiff equations of
+ * motion (`implicit`) they are steps of Newton's method with derivatives by differences, and h has no such limit.
+ *
+ * The state is places x (n_place), rates u, and integrals of functions of these.  The caller provides all memory; nothing is
+ * allocated. */
+#ifndef LW_MBS_ODE_COLLOCATION_H
+#define LW_MBS_ODE_COLLOCATION_H
+
+#include "mbs/ode/integrate.h"
+
+enum { LW_STAGES = 8, LW_IMPLICIT_MAX = 16 };
+
+/* Number i of the state at point k is y[LW_STAGES*i + k].  Statuses as in lw_ode. */
+typedef struct lw_stages_ode {
+    int   n, n_place, n_rate;                /* n - n_place - n_rate: integrals, on which f does not depend */
+    bool  implicit;                          /* x' = u, so n_place = n_rate, at most LW_IMPLICIT_MAX */
+    void *context;
+    lw_status (*rates)(void *context, const double t[LW_STAGES], const double *y, double *dy);
+    /* x' alone, which is cheap: x is improved after u */
+    void      (*place_rates)(void *context, const double *y, double *dy);
+    lw_status (*project)(void *context, double t, double *y);        /* y (n), after every step that is accepted */
+} lw_stages_ode;
+
+typedef struct lw_collocation {
+    const lw_stages_ode *ode;
+    lw_ode_options o;                        /* relative, absolute, greatest, max_step */
+    double  t, t_old, h;                     /* end and beginning of the last step; length proposed for the next */
+    double *y, *y_old;                       /* (n) there */
+    long    n_step, n_refused, n_rate;       /* n_rate: states at which f was worked out */
+    /* private to the integrator */
+    double *f, *stage, *c, *c_old, *low, *scale, *lost;
+    double *by, *lu;                         /* derivatives of u' by x and u; factors for each complex eigenvalue of A */
+    double  h_done, t_low, fastest;          /* fastest: factor of an improvement over h */
+    int     degree;                          /* of the polynomial that predicts f */
+    bool    stale;                           /* the derivatives are to be found afresh */
+} lw_collocation;
+
+/* Doubles of workspace. */
+size_t lw_collocation_work(int n, bool implicit);
+
+/* Begin at (t, y).  ode and work belong to the caller and must outlive w. */
+void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_ode_options *o, double *work, double t, const double *y);
+
+/* Go on from y at w->t, where the caller has changed the state without changing its rates. */
+void lw_collocation_restart(lw_collocation *w, const double *y);
+
+/* One step towards t_end > t.  Statuses as of lw_integrate_step. */
+lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop, lw_error *e);
+
+/* y (n) at t between t_old and t of the last step. */
+void lw_collocation_dense(const lw_collocation *w, double t, double *y);
+
+#endif

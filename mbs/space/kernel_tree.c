@@ -1,0 +1,368 @@
+/* mbs/space/kernel_tree.c - the accelerations of an open tree in eight states at once: motion outwards, inertias and loads
+ * inwards, accelerations outwards.  The formulas are those of mbs/space/recursive.c, one value for all lanes in each register.
+ * Compiled once per instruction set. */
+#include "mbs/batch/kernel_run_internal.h"
+#include "mbs/space/kernel_tree_internal.h"
+
+#define lw_tree_kernel_here LW_OF_ISA(lw_tree_kernel, LW_ISA)
+
+/* As many lanes at a time as a register holds: more would go through memory. */
+#if defined(__AVX512F__)
+enum { WIDTH = 8 };
+#elif defined(__AVX__)
+enum { WIDTH = 4 };
+#else
+enum { WIDTH = 2 };
+#endif
+typedef double pack __attribute__((vector_size(8*WIDTH)));
+typedef double pack_anywhere __attribute__((vector_size(8*WIDTH), aligned(8), may_alias));
+typedef long long mask __attribute__((vector_size(8*WIDTH)));
+
+LW_INLINE pack pick(const double *from) { return *(const pack_anywhere *)from; }
+LW_INLINE void keep(double *to, pack v) { *(pack_anywhere *)to = v; }
+LW_INLINE pack all_lanes(double v) { return v - (pack){ 0 }; }
+LW_INLINE pack choose(mask m, pack yes, pack no) { return (pack)((m & (mask)yes) | (~m & (mask)no)); }
+LW_INLINE pack root(pack a)
+{
+    for (int k = 0; k < WIDTH; k++)
+        a[k] = sqrt(a[k]);
+    return a;
+}
+LW_INLINE bool any_lane(mask m)
+{
+    long long some = 0;
+    for (int k = 0; k < WIDTH; k++)
+        some |= m[k];
+    return some != 0;
+}
+
+static const double no_mass = 1e-13;         /* inertia along a rate, over the greatest: none */
+
+typedef struct vec { pack x, y, z; } vec;
+static const vec none;
+typedef struct screw { vec turn, move; } screw;
+typedef struct quat { pack w, x, y, z; } quat;
+typedef struct body {
+    quat  turn;
+    vec   row[3];                            /* of the turn */
+    vec   at, from_parent;
+    screw velocity, trial;                   /* trial: acceleration while the rates do not accelerate */
+    pack  j[6], m[6];                        /* inertia: moment = J alpha + B a, force = B^T alpha + M a */
+    vec   b[3];
+    screw load;                              /* then the acceleration */
+} body;
+typedef struct rate { screw axis, push; pack by_inertia, free; } rate;
+_Static_assert(sizeof(body) == LW_TREE_BODY_PACKS*sizeof(pack), "size of a body's state");
+_Static_assert(sizeof(rate) == LW_TREE_RATE_PACKS*sizeof(pack), "size of a rate's state");
+
+LW_INLINE vec add(vec a, vec b) { return (vec){ a.x + b.x, a.y + b.y, a.z + b.z }; }
+LW_INLINE vec sub(vec a, vec b) { return (vec){ a.x - b.x, a.y - b.y, a.z - b.z }; }
+LW_INLINE vec minus(vec a) { return (vec){ -a.x, -a.y, -a.z }; }
+LW_INLINE vec times(vec a, pack s) { return (vec){ s*a.x, s*a.y, s*a.z }; }
+LW_INLINE pack dot(vec a, vec b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
+LW_INLINE vec cross(vec a, vec b) { return (vec){ a.y*b.z - a.z*b.y, a.z*b.x - a.x*b.z, a.x*b.y - a.y*b.x }; }
+LW_INLINE pack by(vec a, lw_vec3 b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
+LW_INLINE vec fixed(lw_vec3 a) { return (vec){ all_lanes(a.x), all_lanes(a.y), all_lanes(a.z) }; }
+LW_INLINE vec turned(const body *b, lw_vec3 a) { return (vec){ by(b->row[0], a), by(b->row[1], a), by(b->row[2], a) }; }
+LW_INLINE vec turned_by(const body *b, vec a) { return (vec){ dot(b->row[0], a), dot(b->row[1], a), dot(b->row[2], a) }; }
+LW_INLINE screw add_screw(screw a, screw b) { return (screw){ add(a.turn, b.turn), add(a.move, b.move) }; }
+LW_INLINE screw times_screw(screw a, pack s) { return (screw){ times(a.turn, s), times(a.move, s) }; }
+LW_INLINE pack dot_screw(screw a, screw b) { return dot(a.turn, b.turn) + dot(a.move, b.move); }
+
+LW_INLINE quat quat_times(quat a, quat b)
+{
+    return (quat){ a.w*b.w - a.x*b.x - a.y*b.y - a.z*b.z, a.w*b.x + a.x*b.w + a.y*b.z - a.z*b.y,
+                   a.w*b.y - a.x*b.z + a.y*b.w + a.z*b.x, a.w*b.z + a.x*b.y - a.y*b.x + a.z*b.w };
+}
+LW_INLINE quat fixed_quat(lw_quaternion a) { return (quat){ all_lanes(a.w), all_lanes(a.x), all_lanes(a.y), all_lanes(a.z) }; }
+
+/* The matrix of a quaternion whose length is 1 but for rounding. */
+LW_INLINE void set_rows(body *b)
+{
+    quat a = b->turn;
+    pack s = 2*(2 - (a.w*a.w + a.x*a.x + a.y*a.y + a.z*a.z));
+    pack sx = s*a.x, sy = s*a.y, sz = s*a.z, xx = sx*a.x, yy = sy*a.y, zz = sz*a.z, xy = sx*a.y, xz = sx*a.z, yz = sy*a.z,
+         wx = sx*a.w, wy = sy*a.w, wz = sz*a.w;
+    b->row[0] = (vec){ 1 - yy - zz, xy - wz, xz + wy };
+    b->row[1] = (vec){ xy + wz, 1 - xx - zz, yz - wx };
+    b->row[2] = (vec){ xz - wy, yz + wx, 1 - xx - yy };
+}
+
+LW_INLINE quat angle_part(const lw_stage_body *p, pack c, pack s)
+{
+    return (quat){ c*p->part[0].w + s*p->part[1].w, c*p->part[0].x + s*p->part[1].x, c*p->part[0].y + s*p->part[1].y,
+                   c*p->part[0].z + s*p->part[1].z };
+}
+
+LW_INLINE quat unit_quat(const double *y)
+{
+    quat q = { pick(y), pick(y + 8), pick(y + 16), pick(y + 24) };
+    pack n = 1/root(q.w*q.w + q.x*q.x + q.y*q.y + q.z*q.z);
+    return (quat){ n*q.w, n*q.x, n*q.y, n*q.z };
+}
+
+/* Turn of body 1 against body 0, and the slide along directions of body 0. */
+LW_INLINE quat relative(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, vec *slide, bool *slides)
+{
+    const double *x = y + 8*p->x, *c = t->cosine + 8*p->angle + lane, *s = t->sine + 8*p->angle + lane;
+    *slides = true;
+    switch (p->kind) {
+    case LW_SPATIAL_PRISMATIC: *slide = times(fixed(p->along[0]), pick(x)); return fixed_quat(p->part[0]);
+    case LW_SPATIAL_CYLINDRICAL: *slide = times(fixed(p->along[0]), pick(x + 8)); return angle_part(p, pick(c), pick(s));
+    case LW_SPATIAL_SCREW: *slide = times(fixed(p->along[0]), p->pitch*pick(x)); return angle_part(p, pick(c), pick(s));
+    case LW_SPATIAL_PLANAR:
+        *slide = add(times(fixed(p->along[0]), pick(x)), times(fixed(p->along[1]), pick(x + 8)));
+        return angle_part(p, pick(c), pick(s));
+    case LW_SPATIAL_FREE: *slide = (vec){ pick(x), pick(x + 8), pick(x + 16) }; return unit_quat(x + 24);
+    default: break;
+    }
+    *slides = false;
+    switch (p->kind) {
+    case LW_SPATIAL_UNIVERSAL: {
+        pack c1 = pick(c + 8), s1 = pick(s + 8);
+        return quat_times(angle_part(p, pick(c), pick(s)), (quat){ c1, s1*p->second.x, s1*p->second.y, s1*p->second.z });
+    }
+    case LW_SPATIAL_SPHERICAL: return quat_times(unit_quat(x), fixed_quat(p->part[0]));
+    case LW_SPATIAL_FIXED: return fixed_quat(p->part[0]);
+    default: return angle_part(p, pick(c), pick(s));
+    }
+}
+
+/* Motions of body 1 against body 0: turns about an axis or slides along it (ground axes), or both (screw). */
+typedef struct motion { rate *rate; const double *u; vec arm, turn, slide; } motion;
+LW_INLINE void turn_about(motion *m, vec axis, double pitch)
+{
+    pack u = pick(m->u);
+    vec by_u = times(axis, u);
+    *m->rate = (rate){ .axis = { axis, cross(m->arm, axis) } };
+    m->turn = add(m->turn, by_u);
+    if (pitch != 0) {
+        m->rate->axis.move = add(m->rate->axis.move, times(axis, all_lanes(pitch)));
+        m->slide = add(m->slide, times(by_u, all_lanes(pitch)));
+    }
+    m->rate++, m->u += 8;
+}
+LW_INLINE void slide_along(motion *m, vec axis)
+{
+    m->slide = add(m->slide, times(axis, pick(m->u)));
+    *m->rate = (rate){ .axis = { none, axis } };
+    m->rate++, m->u += 8;
+}
+
+static void place(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, const body *b, body *to, rate *rates)
+{
+    vec slide;
+    bool slid;
+    quat q = relative(t, p, y, lane, &slide, &slid);
+    to->turn = quat_times(b->turn, p->back ? (quat){ q.w, -q.x, -q.y, -q.z } : q);
+    set_rows(to);
+    const body *b0 = p->back ? to : b, *b1 = p->back ? b : to;
+    vec e0 = turned(b0, p->arm[0]), e1 = turned(b1, p->arm[1]);      /* from the centres to the joint's point on body 1 */
+    e0 = slid ? add(e0, turned_by(b0, slide)) : e0;
+    to->from_parent = p->back ? sub(e1, e0) : sub(e0, e1);
+    to->at = add(b->at, to->from_parent);
+    const double *u = y + 8*(t->n_x + p->u);
+    motion m = { rates + p->u, u, p->back ? e0 : e1, none, none };
+    vec z = turned(b0, p->z), second = none;
+    switch (p->kind) {
+    case LW_SPATIAL_PRISMATIC: slide_along(&m, z); break;
+    case LW_SPATIAL_CYLINDRICAL: turn_about(&m, z, 0), slide_along(&m, z); break;
+    case LW_SPATIAL_SCREW: turn_about(&m, z, p->pitch); break;
+    case LW_SPATIAL_PLANAR:
+        slide_along(&m, turned(b0, p->along[0])), slide_along(&m, turned(b0, p->along[1])), turn_about(&m, z, 0);
+        break;
+    case LW_SPATIAL_UNIVERSAL: turn_about(&m, z, 0), turn_about(&m, second = turned(b1, p->second), 0); break;
+    case LW_SPATIAL_SPHERICAL: case LW_SPATIAL_FREE:
+        for (int k = p->kind == LW_SPATIAL_FREE ? 0 : 3; k < 6; k++) {
+            vec c = turned(b0, (lw_vec3){ k%3 == 0, k%3 == 1, k%3 == 2 });
+            if (k < 3)
+                slide_along(&m, c);
+            else
+                turn_about(&m, c, 0);
+        }
+        break;
+    case LW_SPATIAL_FIXED: break;
+    default: turn_about(&m, z, 0);
+    }
+    const vec w = b->velocity.turn;
+    to->velocity.turn = p->back ? sub(w, m.turn) : add(w, m.turn);
+    vec w0 = p->back ? to->velocity.turn : w, w1 = p->back ? w : to->velocity.turn;
+    vec c0 = cross(w0, e0), c1 = cross(w1, e1), change = sub(c0, c1), twist = cross(w0, m.turn);
+    if (p->kind == LW_SPATIAL_UNIVERSAL)
+        twist = add(cross(w0, times(z, pick(u))), cross(w1, times(second, pick(u + 8))));
+    vec rest = sub(sub(cross(w0, c0), cross(w1, c1)), cross(twist, m.arm));
+    if (slid)
+        change = add(change, m.slide), rest = add(rest, times(cross(w0, m.slide), all_lanes(2)));
+    if (p->back) {
+        change = minus(change), twist = minus(twist), rest = minus(rest);
+        for (rate *r = rates + p->u; r < m.rate; r++)
+            r->axis = (screw){ minus(r->axis.turn), minus(r->axis.move) };
+    }
+    to->velocity.move = add(b->velocity.move, change);
+    to->trial.turn = add(b->trial.turn, twist);
+    to->trial.move = add(add(b->trial.move, cross(b->trial.turn, to->from_parent)), rest);
+}
+
+LW_INLINE vec sym_times(const pack *m, vec a)
+{
+    return (vec){ m[0]*a.x + m[3]*a.y + m[4]*a.z, m[3]*a.x + m[1]*a.y + m[5]*a.z, m[4]*a.x + m[5]*a.y + m[2]*a.z };
+}
+
+/* Inertia about the centre in ground axes, and the load: what the trial acceleration and spinning need, minus the weight. */
+static void weigh(const lw_stage_body *p, body *b)
+{
+    const vec *a = b->row;
+    vec i[3];
+    for (int k = 0; k < 3; k++)
+        i[k] = (vec){ p->mass[1]*a[k].x, p->mass[2]*a[k].y, p->mass[3]*a[k].z };
+    pack *j = b->j;
+    j[0] = dot(i[0], a[0]), j[1] = dot(i[1], a[1]), j[2] = dot(i[2], a[2]);
+    j[3] = dot(i[0], a[1]), j[4] = dot(i[0], a[2]), j[5] = dot(i[1], a[2]);
+    b->m[0] = b->m[1] = b->m[2] = all_lanes(p->mass[0]);
+    b->m[3] = b->m[4] = b->m[5] = (pack){ 0 };
+    b->b[0] = b->b[1] = b->b[2] = none;
+    vec w = b->velocity.turn, need = sym_times(j, b->trial.turn);
+    b->load = (screw){ add(cross(w, sym_times(j, w)), need),
+                       sub(times(b->trial.move, all_lanes(p->mass[0])), fixed(p->weight)) };
+}
+
+/* Springs and dampers between points; returns the power of the dampers. */
+static pack pull(const lw_tree_stages *t, body *all)
+{
+    pack power = { 0 };
+    for (int i = 0; i < t->n_spring; i++) {
+        const lw_stage_spring *p = &t->spring[i];
+        vec arm[2], d = none, v = none;
+        for (int k = 0; k < 2; k++) {
+            const body *b = &all[p->body[k]];
+            vec at = add(b->at, arm[k] = turned(b, p->arm[k])), to = add(b->velocity.move, cross(b->velocity.turn, arm[k]));
+            d = k ? sub(at, d) : at, v = k ? sub(to, v) : to;
+        }
+        pack length = root(dot(d, d));
+        vec along = times(d, 1/choose(length > 0, length, all_lanes(1)));
+        pack speed = t->unit*dot(along, v);
+        pack tension = p->stiffness*(t->unit*length - p->free) + p->damping*speed;
+        vec force = times(along, t->unit*tension);
+        power -= p->damping*speed*speed;
+        for (int k = 0; k < 2; k++) {
+            screw *load = &all[p->body[k]].load;
+            vec f = k ? force : (vec){ -force.x, -force.y, -force.z };
+            load->move = add(load->move, f), load->turn = add(load->turn, cross(arm[k], f));
+        }
+    }
+    return power;
+}
+
+LW_INLINE screw inertia_times(const body *i, screw a)
+{
+    const vec *b = i->b, t = a.turn, v = a.move;
+    return (screw){ add(sym_times(i->j, t), (vec){ dot(b[0], v), dot(b[1], v), dot(b[2], v) }),
+                    add(add(times(b[0], t.x), add(times(b[1], t.y), times(b[2], t.z))), sym_times(i->m, v)) };
+}
+
+/* i -= p p^T s */
+LW_INLINE void take_away(body *i, screw p, pack s)
+{
+    vec a = times(p.turn, s), b = times(p.move, s), t = p.turn, v = p.move;
+    i->j[0] -= a.x*t.x, i->j[1] -= a.y*t.y, i->j[2] -= a.z*t.z, i->j[3] -= a.x*t.y, i->j[4] -= a.x*t.z, i->j[5] -= a.y*t.z;
+    i->m[0] -= b.x*v.x, i->m[1] -= b.y*v.y, i->m[2] -= b.z*v.z, i->m[3] -= b.x*v.y, i->m[4] -= b.x*v.z, i->m[5] -= b.y*v.z;
+    i->b[0] = sub(i->b[0], times(v, a.x)), i->b[1] = sub(i->b[1], times(v, a.y)), i->b[2] = sub(i->b[2], times(v, a.z));
+}
+
+/* The same inertia about a point -d away, added. */
+LW_INLINE void add_shifted(body *to, const body *i, vec d)
+{
+    const pack *m = i->m;
+    vec c[3] = { cross(d, (vec){ m[0], m[3], m[4] }), cross(d, (vec){ m[3], m[1], m[5] }), cross(d, (vec){ m[4], m[5], m[2] }) };
+    vec b[3] = { add(i->b[0], (vec){ c[0].x, c[1].x, c[2].x }), add(i->b[1], (vec){ c[0].y, c[1].y, c[2].y }),
+                 add(i->b[2], (vec){ c[0].z, c[1].z, c[2].z }) }, p[3];
+    for (int k = 0; k < 3; k++) {            /* J stays symmetric, so the terms of b before and after the shift may be averaged */
+        p[k] = cross(d, add(i->b[k], b[k]));
+        to->b[k] = add(to->b[k], b[k]);
+    }
+    to->j[0] += i->j[0] + p[0].x, to->j[1] += i->j[1] + p[1].y, to->j[2] += i->j[2] + p[2].z;
+    to->j[3] += i->j[3] + 0.5*(p[0].y + p[1].x), to->j[4] += i->j[4] + 0.5*(p[0].z + p[2].x);
+    to->j[5] += i->j[5] + 0.5*(p[1].z + p[2].y);
+    for (int k = 0; k < 6; k++)
+        to->m[k] += m[k];
+}
+
+/* The lanes from `lane` on, which y and dy begin with. */
+static bool rates_of_some(const lw_tree_stages *t, int lane, const double *y, double *dy)
+{
+    body *all = (body *)t->state + 1;        /* [-1]: the ground */
+    rate *rates = (rate *)(void *)(all + t->n_body);
+    pack most = { 0 };
+    all[-1] = (body){ .turn = { .w = all_lanes(1) } };
+    set_rows(&all[-1]);
+    for (int i = 0; i < t->n_body; i++) {
+        place(t, &t->body[i], y, lane, &all[t->body[i].parent], &all[i], rates);
+        weigh(&t->body[i], &all[i]);
+    }
+    pack power = pull(t, all);
+    if (t->has_work)
+        keep(dy + 8*(t->n_x + t->n_u), power);
+    for (int i = t->n_body - 1; i >= 0; i--) {
+        const lw_stage_body *p = &t->body[i];
+        body *b = &all[i], *to = &all[p->parent];
+        for (rate *r = rates + p->u + p->n_u - 1; r >= rates + p->u; r--) {
+            r->push = inertia_times(b, r->axis);
+            pack d = dot_screw(r->axis, r->push);
+            most = choose((mask)(d > most), d, most);
+            if (any_lane(~(mask)(d > no_mass*most)))
+                return false;
+            r->by_inertia = 1/d;
+            r->free = -dot_screw(r->axis, b->load)*r->by_inertia;
+            b->load = add_screw(b->load, times_screw(r->push, r->free));
+            take_away(b, r->push, r->by_inertia);
+        }
+        if (p->parent < 0)
+            continue;
+        to->load.turn = add(to->load.turn, add(b->load.turn, cross(b->from_parent, b->load.move)));
+        to->load.move = add(to->load.move, b->load.move);
+        add_shifted(to, b, b->from_parent);
+    }
+    all[-1].load = (screw){ none, none };
+    for (int i = 0; i < t->n_body; i++) {
+        const lw_stage_body *p = &t->body[i];
+        screw a = all[p->parent].load;
+        a.move = add(a.move, cross(a.turn, all[i].from_parent));
+        for (int k = p->u; k < p->u + p->n_u; k++) {
+            const rate *r = &rates[k];
+            pack du = r->free - dot_screw(r->push, a)*r->by_inertia;
+            a = add_screw(a, times_screw(r->axis, du));
+            keep(dy + 8*(t->n_x + k), du);
+        }
+        all[i].load = a;
+    }
+    return true;
+}
+
+static bool rates_of(const lw_tree_stages *t, const double *y, double *dy)
+{
+    bool sound = true;
+    for (int lane = 0; sound && lane < 8; lane += WIDTH)
+        sound = rates_of_some(t, lane, y + lane, dy + lane);
+    return sound;
+}
+
+static void place_rates(const lw_tree_stages *t, const double *y, double *dy)
+{
+    for (int i = 0; i < t->n_body; i++) {
+        const lw_stage_body *p = &t->body[i];
+        bool ball = p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE;
+        int n = ball ? p->n_u - 3 : p->n_u;
+        const double *u = y + 8*(t->n_x + p->u), *x = y + 8*(p->x + n);
+        double *to = dy + 8*p->x;
+        memcpy(to, u, 8*(size_t)n*sizeof *to);
+        if (!ball)
+            continue;
+        for (int lane = 0; lane < 8; lane += WIDTH, u += WIDTH, x += WIDTH, to += WIDTH) {
+            quat w = { { 0 }, 0.5*pick(u + 8*n), 0.5*pick(u + 8*n + 8), 0.5*pick(u + 8*n + 16) };
+            quat q = quat_times(w, (quat){ pick(x), pick(x + 8), pick(x + 16), pick(x + 24) });
+            keep(to + 8*n, q.w), keep(to + 8*n + 8, q.x), keep(to + 8*n + 16, q.y), keep(to + 8*n + 24, q.z);
+        }
+    }
+}
+
+const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, rates_of, place_rates };

@@ -1,0 +1,110 @@
+/* mbs/space/recursive_stages.c - an open tree made ready for the kernels of eight states. */
+#include "mbs/space/kernel_tree_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const lw_tree_kernel *const kernels[] = {
+#ifdef __x86_64__
+    &lw_tree_kernel_x86_64_v4, &lw_tree_kernel_x86_64_v3, &lw_tree_kernel_x86_64
+#else
+    &lw_tree_kernel_native
+#endif
+};
+
+const lw_tree_kernel *lw_tree_kernel_of(const char *isa)
+{
+    size_t i = 0;
+    while (i + 1 < sizeof kernels/sizeof *kernels && strcmp(kernels[i]->isa, isa) != 0)
+        i++;
+    return kernels[i];
+}
+
+static bool suits(const lw_recursive *r, const lw_space_forces *f)
+{
+    const lw_spatial *m = r->s->model;
+    bool stops = false, laws = false;
+    for (int i = 0; i < m->n_joint; i++)
+        stops = stops || m->joint[i].stop.has_least || m->joint[i].stop.has_greatest;
+    for (int i = 0; i < m->n_spring; i++)
+        laws = laws || m->spring[i].law;
+    return r->n_row == 0 && !stops && !laws && !f->held && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
+        && m->n_contact == 0 && m->states.n_state == 0;
+}
+
+static lw_quaternion about(lw_vec3 axis) { return (lw_quaternion){ 0, axis.x, axis.y, axis.z }; }
+
+static void put_body(const lw_recursive *r, const lw_space_forces *f, int i, lw_tree_stages *s)
+{
+    const lw_recursive_body *p = &r->body[i];
+    const lw_space_joint *j = p->joint < 0 ? NULL : &r->s->joint[p->joint];
+    const double *m = r->mass + 6*p->body, *w = f->weight + 6*p->body;
+    lw_stage_body *b = &s->body[i];
+    *b = (lw_stage_body){ .parent = p->parent, .kind = p->kind, .back = p->back, .x = p->x, .u = p->u, .n_u = p->n_u,
+                          .angle = s->n_angle, .arm = { p->arm[0], p->arm[1] }, .part = { p->fixed },
+                          .mass = { m[0], m[3], m[4], m[5] }, .weight = { w[0], w[1], w[2] } };
+    if (!j)
+        return;
+    bool universal = p->kind == LW_SPATIAL_UNIVERSAL;
+    b->z = universal ? j->x[0] : j->z[0];
+    b->second = j->x[1];
+    b->pitch = j->pitch/r->s->unit;
+    b->along[0] = p->kind == LW_SPATIAL_PLANAR ? j->x[0] : j->z[0];
+    b->along[1] = j->y[0];
+    b->part[1] = lw_quaternion_times(about(b->z), p->fixed);
+    if (lw_spatial_kind_of(p->kind)->turns || universal)
+        s->turn[s->n_angle++] = p->x + (p->kind == LW_SPATIAL_PLANAR ? 2 : 0);
+    if (universal)
+        s->turn[s->n_angle++] = p->x + 1;
+}
+
+lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s)
+{
+    const lw_spatial *m = r->s->model;
+    size_t bodies = (size_t)r->s->n_body, u = (size_t)r->n_u, springs = (size_t)m->n_spring;
+    const lw_kernels *best = lw_kernels_supported(0);
+    *s = (lw_tree_stages){ .n_body = r->s->n_body, .n_x = r->n_x, .n_u = r->n_u, .n_spring = m->n_spring, .has_work = has_work,
+                           .unit = r->s->unit, .turns = best->turns, .kernel = lw_tree_kernel_of(best->isa) };
+    if (!suits(r, f))
+        return LW_E_KIND;
+    size_t state = lw_tree_state_size(r->s->n_body, r->n_u);
+    char *at = s->memory = malloc(state + LW_SCRATCH_ALIGNMENT + bodies*sizeof *s->body + springs*sizeof *s->spring
+                                     + 3*8*(u + 1)*sizeof(double) + (u + 1)*sizeof(int));
+    if (!at)
+        return LW_E_MEMORY;
+    s->state = lw_scratch_align(at), at = (char *)s->state + state;
+    s->body = (lw_stage_body *)(void *)at, at += bodies*sizeof *s->body;
+    s->spring = (lw_stage_spring *)(void *)at, at += springs*sizeof *s->spring;
+    s->angle = (double *)(void *)at, s->cosine = s->angle + 8*(u + 1), s->sine = s->cosine + 8*(u + 1);
+    s->turn = (int *)(void *)(s->sine + 8*(u + 1));
+    for (int i = 0; i < s->n_body; i++)
+        put_body(r, f, i, s);
+    for (int i = 0; i < s->n_spring; i++) {
+        const lw_spatial_spring *p = &m->spring[i];
+        s->spring[i] = (lw_stage_spring){ .stiffness = p->stiffness, .damping = p->damping, .free = p->free };
+        for (int k = 0; k < 2; k++) {
+            lw_space_point end = f->spring_end[i][k];
+            s->spring[i].body[k] = end.body < 0 ? -1 : r->place[end.body];
+            s->spring[i].arm[k] = lw_v3_scale(end.arm, 1/r->s->unit);
+        }
+    }
+    return LW_OK;
+}
+
+void lw_tree_stages_free(lw_tree_stages *s)
+{
+    free(s->memory);
+    *s = (lw_tree_stages){ 0 };
+}
+
+lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy)
+{
+    for (int i = 0; i < s->n_angle; i++)
+        for (int k = 0; k < 8; k++)
+            s->angle[8*i + k] = 0.5*y[8*s->turn[i] + k];
+    s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
+    lw_tree_stages_place_rates(s, y, dy);
+    return s->kernel->rates(s, y, dy) ? LW_OK : LW_E_ARG;
+}
+
+void lw_tree_stages_place_rates(const lw_tree_stages *s, const double *y, double *dy) { s->kernel->place_rates(s, y, dy); }

@@ -1,0 +1,154 @@
+/* Radau IIA with eight stages: its tables, solutions in closed form, stiff equations. */
+#include "mbs/ode/collocation.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include "mbs/ode/collocation_table_internal.h"
+#include "tests/check.h"
+
+/* The stages integrate powers up to 7 exactly, the end of the step up to 14; the other matrices belong to these. */
+TEST(tables)
+{
+    for (int p = 0; p < 15; p++) {
+        double sum = 0;
+        for (int j = 0; j < 8; j++)
+            sum += weight[j]*pow(node[j], p);
+        CHECK_NEAR(sum, 1.0/(p + 1), 1e-15, 0);
+        for (int k = 0; k < 8 && p < 8; k++) {
+            double stage = 0;
+            for (int j = 0; j < 8; j++)
+                stage += stage_column[j][k]*pow(node[j], p);
+            CHECK_NEAR(stage, pow(node[k], p + 1)/(p + 1), 1e-15, 0);
+        }
+    }
+    for (int i = 0; i < 8; i++)
+        for (int j = 0; j < 8; j++) {
+            double slope = 0, vectors = 0, apply = 0, scaled = 0;
+            for (int k = 0; k < 8; k++) {
+                slope += slope_column[k][i]*stage_column[j][k];
+                vectors += vector_column[k][i]*inverse_column[j][k];
+                apply += stage_column[k][i]*vector_column[j][k];
+            }
+            double a = eigenvalue[j/2][0], b = eigenvalue[j/2][1], re = vector_column[j/2*2][i], im = vector_column[j/2*2 + 1][i];
+            scaled = j%2 ? b*re + a*im : a*re - b*im;
+            CHECK_NEAR(slope, i == j, 1e-12, 0);
+            CHECK_NEAR(vectors, i == j, 1e-12, 0);
+            CHECK_NEAR(apply, scaled, 1e-15, 0);
+        }
+}
+
+/* x'' = -w^2 (x - cos t) - c (x' + sin t) - cos t with the solution cos t + a fast part; the integral of x x'. */
+typedef struct problem { double stiffness, damping; int n_project; } problem;
+
+static lw_status rates(void *context, const double t[LW_STAGES], const double *y, double *dy)
+{
+    const problem *p = context;
+    for (int k = 0; k < 8; k++) {
+        double x = y[k], u = y[8 + k];
+        dy[k] = u;
+        dy[8 + k] = -p->stiffness*(x - cos(t[k])) - p->damping*(u + sin(t[k])) - cos(t[k]);
+        dy[16 + k] = x*u;
+    }
+    return LW_OK;
+}
+
+static void place_rates(void *context, const double *y, double *dy)
+{
+    (void)context;
+    for (int k = 0; k < 8; k++)
+        dy[k] = y[8 + k];
+}
+
+static lw_status project(void *context, double t, double *y)
+{
+    (void)t, (void)y;
+    ((problem *)context)->n_project++;
+    return LW_OK;
+}
+
+static lw_collocation w;
+static lw_error e;
+
+/* Run to t = 3 from x(0) = 1 + off; returns the greatest error of x, also within the steps, where the fast part has decayed. */
+static double run(problem *p, bool implicit, double tolerance, double off)
+{
+    lw_stages_ode ode = { .n = 3, .n_place = 1, .n_rate = 1, .implicit = implicit, .context = p, .rates = rates,
+                          .place_rates = place_rates, .project = project };
+    lw_ode_options o = lw_ode_options_default();
+    double *work = malloc(lw_collocation_work(3, true)*sizeof *work), y[3] = { 1 + off, 0, 0 }, worst = 0;
+    o.relative = o.absolute = tolerance;
+    lw_collocation_start(&w, &ode, &o, work, 0, y);
+    for (lw_ode_stop stop = LW_ODE_STEP; stop != LW_ODE_END;) {
+        lw_status s = lw_collocation_step(&w, 3, &stop, &e);
+        CHECK_INT(s, LW_OK);
+        if (s != LW_OK)
+            break;
+        for (int i = 0; i <= 8; i++) {
+            double t = w.t_old + (w.t - w.t_old)*i/8;
+            lw_collocation_dense(&w, t, y);
+            worst = t < 0.5 && off != 0 ? worst : fmax(worst, fabs(y[0] - cos(t)));
+            CHECK_NEAR(y[2], 0.5*(y[0]*y[0] - (1 + off)*(1 + off)), 100*tolerance + 1e-14, 0);
+        }
+    }
+    CHECK_NEAR(w.t, 3, 0, 0);
+    CHECK_INT(p->n_project, w.n_step);
+    free(work);
+    return worst;
+}
+
+/* Errors follow the tolerance down to rounding, and steps grow shorter slowly. */
+TEST(an_oscillator)
+{
+    for (int k = 2; k <= 14; k++) {
+        problem p = { .stiffness = 4 };
+        double tolerance = pow(10, -k), error = run(&p, false, tolerance, 0);
+        CHECK(error < 20*tolerance);
+        CHECK(w.n_step < 60 && w.n_rate < 8*400);
+    }
+}
+
+/* Where an explicit method needs some 10^5 steps, the implicit one takes a few. */
+TEST(a_stiff_damper)
+{
+    for (int k = 2; k <= 12; k += 2) {
+        problem p = { .stiffness = 1e8, .damping = 1e6 };
+        double tolerance = pow(10, -k), error = run(&p, true, tolerance, 1e-3);
+        CHECK(error < 20*tolerance);
+        CHECK(w.n_step < 120);
+    }
+}
+
+static lw_status undefined(void *context, const double t[LW_STAGES], const double *y, double *dy)
+{
+    lw_status s = rates(context, t, y, dy);
+    return s == LW_OK && t[7] > 1 ? LW_OPEN : s;
+}
+
+/* Limits, and rates that end, are said. */
+TEST(ends)
+{
+    problem p = { .stiffness = 4 };
+    lw_stages_ode ode = { .n = 3, .n_place = 1, .n_rate = 1, .context = &p, .rates = undefined, .place_rates = place_rates, .project = project };
+    lw_ode_options o = lw_ode_options_default();
+    double *work = malloc(lw_collocation_work(3, false)*sizeof *work), y[3] = { 1, 0, 0 };
+    lw_ode_stop stop;
+    lw_status s = LW_OK;
+    lw_collocation_start(&w, &ode, &o, work, 0, y);
+    while (s == LW_OK)
+        s = lw_collocation_step(&w, 3, &stop, &e);
+    CHECK_INT(s, LW_E_NUMERIC);
+    CHECK(w.t <= 1 && w.t > 0.99);
+    o.max_step = 3;
+    lw_collocation_start(&w, &ode, &o, work, 0, y);
+    for (s = LW_OK; s == LW_OK;)
+        s = lw_collocation_step(&w, 3, &stop, &e);
+    CHECK_INT(s, LW_STOPPED);
+    CHECK(w.n_step + w.n_refused == 3);
+    free(work);
+}
+
+int main(void)
+{
+    check_run();
+    return check_end();
+}
