@@ -795,8 +795,8 @@ LW_API const lw_simulation_sample *lw_stepper_sample(const lw_stepper *stepper);
 LW_API lw_status lw_stepper_set_load(lw_stepper *stepper, int link, lw_link_load load);
 LW_API lw_status lw_stepper_set_state(lw_stepper *stepper, int state, double value);
 
-/* The present as bytes, which the caller frees with lw_free; back to it.  LW_E_NOTATION: no saved run, or one of
- * another model; the stepper is unchanged. */
+/* The present as bytes, which the caller frees with lw_free; back to it.  LW_E_NOTATION: no saved run, a
+ * damaged one, or one of another model; the stepper is unchanged. */
 LW_API lw_status lw_stepper_save(const lw_stepper *stepper, char **out, size_t *size);
 LW_API lw_status lw_stepper_restore(lw_stepper *stepper, const void *bytes, size_t size, lw_error *error);
 

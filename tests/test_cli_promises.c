@@ -174,6 +174,7 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "catalogue add $D/x $D/many.json -q", "test ! -e $D/x || $P catalogue check $D/x" },
     { "catalogue html $D/endless.db -o $D/x -q", NULL },
     { "catalogue release -o $D/x --links 14 -q", NULL },
+    { "classify $D/lengths -o $D/x", "test ! -e $D/x" },
     { "simulate $D/pile.json --to 10", NULL },
     { "simulate $D/snake.json --to 10", NULL },
     { "mobility $D/row.json", NULL },
@@ -518,7 +519,7 @@ static void prepare(void)
     demand("$P chains --links 6 -o $D/six.g6 && $P catalogue build $D/six.db --links 6 -q && "
            "cp $D/six.db $D/endless.db && cp $D/six.db $D/builds.db", "");
     demand("$P chains --links 4 -f lam -o $D/four.lam && $P catalogue curves $D/curves.db --links 4 --samples 100 -q && "
-           "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv && mkdir $D/problems && "
+           "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv && mkdir $D/problems && yes '40 10 35 30' | head -n 1000000 > $D/lengths && "
            "cp examples/ellipse.csv $D/problems", "");
     /* nine points of a coupler curve: the search for all linkages through them takes minutes */
     demand("printf 'x,y\\n0.25,0\\n0.52,0.1\\n0.8,0.7\\n1.2,1\\n1.2,1.3\\n1.1,1.48\\n0.7,1.4\\n0.2,1\\n0.02,0.4\\n' > $D/nine.csv",

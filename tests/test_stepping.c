@@ -220,9 +220,11 @@ TEST(restored_runs_have_the_same_bits)
         CHECK(memcmp(&x, &y, sizeof x) == 0);
         CHECK_INT(lw_stepper_restore(a, bytes, size - 1, &e), LW_E_NOTATION);
         CHECK_INT(lw_stepper_restore(a, bytes, 5, &e), LW_E_NOTATION);
-        bytes[0] = 'x';
-        CHECK_INT(lw_stepper_restore(a, bytes, size, &e), LW_E_NOTATION);
-        bytes[0] = 'l';
+        for (size_t i = 0; i < size; i++) {                                  /* any byte that is damaged */
+            bytes[i] ^= 1;
+            CHECK_INT(lw_stepper_restore(a, bytes, size, &e), LW_E_NOTATION);
+            bytes[i] ^= 1;
+        }
         lw_model *other = motor_model("");
         lw_stepper *c = NULL;
         CHECK_INT(lw_stepper_create(other, &o, &c, &e), LW_OK);

@@ -170,7 +170,7 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
     lw_status checked = lw_text_check(text, size, file, e);
     if (checked != LW_OK)
         return checked;
-    for (int line = 1; *text; line++) {
+    for (int line = 1; *text && !cli_interrupted(); line++) {
         const char *end = text + strcspn(text, "\n"), *at = text + strspn(text, " \t\r");
         lw_fourbar_class c;
         double r[4];
@@ -199,7 +199,7 @@ static lw_status write_table(const cli_call *call, FILE *f, const char *file, co
         else
             write_open(f, r);
     }
-    if (!any)
+    if (!any && !cli_interrupted())
         return lw_error_at(e, LW_NOTHING, file, 0, 0, "the table has no line of four lengths, as 4,2,5,3");
     return LW_OK;
 }

@@ -165,6 +165,7 @@ lw_status cli_value(const cli_option *r, const char *name, const char *text, voi
     case CLI_FLAG:   *(bool *)value = true;          return LW_OK;
     case CLI_TEXT:
     case CLI_INPUT:
+    case CLI_STORE:
     case CLI_OUTPUT:
     case CLI_PLOT:
     case CLI_GIF:    *(const char **)value = text;   return LW_OK;

@@ -18,6 +18,7 @@ typedef enum cli_kind {
     CLI_FLAG,                 /* bool                                                              */
     CLI_TEXT,                 /* const char *; points into argv                                    */
     CLI_INPUT,                /* as TEXT: the name of a file that is read                          */
+    CLI_STORE,                /* as INPUT: a file that is written if there is none                  */
     CLI_OUTPUT,               /* as TEXT: the name of a file that is written                       */
     CLI_PLOT,                 /* as OUTPUT: a plot; the name ends in .svg, .pdf or .png            */
     CLI_GIF,                  /* as OUTPUT: an animation; the name ends in .gif                    */

@@ -317,7 +317,7 @@ static const char *input_that_is(const cli_call *call, const struct stat *st)
         if (is_input(call->parsed.word[i], st))
             return call->parsed.word[i];
     for (int i = 0; o && o[i].name; i++)
-        if (o[i].kind == CLI_INPUT && is_input(option_text(call, i), st))
+        if ((o[i].kind == CLI_INPUT || o[i].kind == CLI_STORE) && is_input(option_text(call, i), st))
             return option_text(call, i);
     for (int i = 0; i < n_named; i++)
         if (is_input(named[i], st))
@@ -472,7 +472,8 @@ int cli_check_outputs(const cli_call *call)
     if (call->common.output)
         path[n++] = call->common.output;
     for (int i = 0; o && o[i].name; i++)
-        if ((o[i].kind == CLI_OUTPUT || o[i].kind == CLI_PLOT || o[i].kind == CLI_GIF) && option_text(call, i))
+        if ((o[i].kind == CLI_OUTPUT || o[i].kind == CLI_PLOT || o[i].kind == CLI_GIF || o[i].kind == CLI_STORE) && option_text(call, i)
+            && !(o[i].kind == CLI_STORE && access(option_text(call, i), F_OK) == 0))
             path[n++] = option_text(call, i);
     for (int i = 0; i < n && code == CLI_DONE; i++) {
         for (int k = 0; k < i; k++)

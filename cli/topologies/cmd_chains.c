@@ -53,7 +53,7 @@ static const cli_option options[] = {
     { "keep", 0, CLI_INPUT, offsetof(settings, keep), "FILE", NULL,
       "count in parts, keep the numbers of each part in FILE, and leave out the parts that FILE holds already",
       0, 0, "count", NULL },
-    { "structures", 0, CLI_INPUT, offsetof(settings, structures), "FILE", NULL,
+    { "structures", 0, CLI_STORE, offsetof(settings, structures), "FILE", NULL,
       "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, NULL },
     { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
       "share the work among all processes that mpirun started; process 0 writes", 0, 0, NULL, "part" },

@@ -30,7 +30,7 @@ static const cli_option options[] = {
       "only structures with a planar graph", 0, 0, NULL, "non-planar" },
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
       "only structures with a non-planar graph", 0, 0, NULL, NULL },
-    { "structures", 0, CLI_INPUT, offsetof(settings, structures), "FILE", NULL,
+    { "structures", 0, CLI_STORE, offsetof(settings, structures), "FILE", NULL,
       "read the structures from FILE; if there is no such file, write it", 0, 0, NULL, "replay" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
       "count part R of M (R = 1 .. M) without storing structures, only those with fewer loops; the parts add up to all",

@@ -1,5 +1,6 @@
 #include "mbs/dynamics/stepping.h"
 
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,27 +237,37 @@ lw_status lw_stepping_set_state(lw_stepping *s, int state, double value)
 
 /* ---- save and restore ------------------------------------------------------------------------------------- */
 
-/* Bytes: head, y, loads, turns, places that touch, and for each rigid stop whether it is rested on. */
-typedef struct head { char magic[8]; uint64_t model, numbers, loads, turns, touches, stops; double t, work; } head;
+/* check: the hash of all bytes after it. Bytes: head, y, loads, turns, places that touch, and for each rigid stop whether it is rested on. */
+typedef struct head { char magic[8]; uint64_t check, model, numbers, loads, turns, touches, stops; double t, work; } head;
 
-static const char magic[8] = "lwstep2";
+static const char magic[8] = "lwstep3";
+static const size_t checked = offsetof(head, check) + sizeof(uint64_t);
 
-/* A hash (FNV-1a) of names, kinds and masses: tells models apart. */
+/* FNV-1a */
+static uint64_t hash(uint64_t h, const void *bytes, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        h = (h ^ ((const unsigned char *)bytes)[i])*1099511628211u;
+    return h;
+}
+
+static const uint64_t hash_start = 14695981039346656037u;
+
+/* A hash of names, kinds and masses: tells models apart. */
 static uint64_t fingerprint(const lw_dynamics *d)
 {
     const lw_equations *eq = &d->eq;
-    uint64_t h = 14695981039346656037u;
+    uint64_t h = hash_start;
     const struct { const void *at; size_t size; } part[] = {
         { eq->mass, (size_t)d->n_v*sizeof *eq->mass }, { eq->weight, (size_t)d->n_v*sizeof *eq->weight },
         { &eq->unit, sizeof eq->unit }
     };
     for (size_t p = 0; p < sizeof part/sizeof *part; p++)
-        for (size_t i = 0; i < part[p].size; i++)
-            h = (h ^ ((const unsigned char *)part[p].at)[i])*1099511628211u;
+        h = hash(h, part[p].at, part[p].size);
     for (int i = 0; i < eq->n_block + eq->n_z; i++) {
         bool block = i < eq->n_block;
-        for (const char *c = eq->name(eq->context, block ? LW_NAMED_BLOCK : LW_NAMED_STATE, block ? i : i - eq->n_block); *c; c++)
-            h = (h ^ (unsigned char)*c)*1099511628211u;
+        const char *name = eq->name(eq->context, block ? LW_NAMED_BLOCK : LW_NAMED_STATE, block ? i : i - eq->n_block);
+        h = hash(h, name, strlen(name));
     }
     return h;
 }
@@ -289,6 +300,8 @@ lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size)
     copy(to += (size_t)h.loads*sizeof *s->load, s->turn, (size_t)h.turns*sizeof *s->turn);
     copy(to += (size_t)h.turns*sizeof *s->turn, s->touch, (size_t)h.touches*sizeof *s->touch);
     copy(to + (size_t)h.touches*sizeof *s->touch, s->resting, (size_t)h.stops);
+    h.check = hash(hash_start, (char *)*bytes + checked, *size - checked);
+    memcpy(*bytes, &h, sizeof h);
     return LW_OK;
 }
 
@@ -301,6 +314,8 @@ lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw
     if (size != size_of(&own) || h.model != own.model || h.numbers != own.numbers || h.loads != own.loads ||
         h.turns != own.turns || h.touches != own.touches || h.stops != own.stops)
         return lw_error_set(e, LW_E_NOTATION, "this run was saved of another model, or is incomplete");
+    if (h.check != hash(hash_start, (const char *)bytes + checked, size - checked))
+        return lw_error_set(e, LW_E_NOTATION, "this saved run is damaged");
     const unsigned char *from = (const unsigned char *)bytes + sizeof h;
     memcpy(s->y, from, numbers(s)*sizeof *s->y);
     copy(s->load, from += numbers(s)*sizeof *s->y, (size_t)h.loads*sizeof *s->load);

@@ -31,8 +31,8 @@ lw_status lw_stepping_set_load(lw_stepping *s, int link, const double *load);
 /* Set a first-order state now.  LW_E_ARG: no such state, not finite. */
 lw_status lw_stepping_set_state(lw_stepping *s, int state, double value);
 
-/* The present as bytes, to be freed.  restore: LW_E_NOTATION when they are none or those of another model, *s is then
- * unchanged. */
+/* The present as bytes, to be freed.  restore: LW_E_NOTATION when they are none, damaged, or those of another model, *s is
+ * then unchanged. */
 lw_status lw_stepping_save(const lw_stepping *s, void **bytes, size_t *size);
 lw_status lw_stepping_restore(lw_stepping *s, const void *bytes, size_t size, lw_error *e);
 

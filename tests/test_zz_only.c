@@ -1,0 +1,387 @@
+/* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and a message, or with all output.
+ * The same holds with few files, files of no size, and little memory.
+ *
+ * One row a command, with measured times taken out of what it prints.  Each row runs undisturbed first, which tells
+ * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
+ * spread is taken: the first N_FIRST, then ever longer steps; fewer of searches.  LW_FAULTS=n makes the spread n times as dense;
+ * LW_FAULTS_ROW=text runs the rows that hold the text. */
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+enum { N_FIRST = 24, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+
+/* $C commands write to standard output or to $D/o, which is removed before each run. */
+static const char *const rows[] = {
+    "$C numbers --loops 4",
+    "$C structures --loops 3",
+    "$C chains --links 6 -j 1",
+    "$C chains --links 6 -j 2 -o $D/o",
+    "$C mechanisms --links 6 --joints r,t",
+    "$C mechanisms < $D/watt.g6",
+    "$C mechanisms --joints r,t --json < $D/watt.g6",
+    "$C grammar parse < $D/watt.g6",
+    "$C grammar print < $D/watt.g6",
+    "$C grammar explain < $D/watt.g6",
+    "$C grammar derive --links 6",
+    "$C grammar coverage --links 6",
+    "$C classify 40 10 35 30",
+    "$C trace examples/jansen.json -n 8",
+    "$C trace examples/klann.json -n 8 --json -o $D/o",
+    "$C mobility examples/jansen.json",
+    "$C simulate examples/dynamics/governor.json --to 0.01 -n 4",
+    "$C simulate examples/pendulum.json --to 0.1 -n 4 -o $D/o",
+    "$C simulate examples/pendulum.json --analysis linear",
+    "$C convert examples/jansen.json --format pyslvs",
+    "$C convert examples/chebyshev.json -o $D/o --format dxf",
+    "$C draw examples/jansen.json -f svg -o $D/o",
+    "$C draw examples/chebyshev.json -f html -o $D/o",
+    "$C draw --grid 2x1 -f svg -o $D/o < $D/watt.g6",
+    "$C clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01",
+    "rm -f $D/a.db; $C catalogue build $D/a.db --links 6 -q -j 1 && $P catalogue export $D/a.db",
+    ("rm -f $D/a.db; $C catalogue curves $D/a.db --links 4 --samples 40 -q -j 1 && "
+     "$P catalogue nearest $D/a.db examples/ellipse.csv"),
+    "$C catalogue query $D/six.db 'links=6'",
+    "$C catalogue query $D/six.db 'links=6' -f csv -o $D/o",
+    "$C catalogue query $D/six.db 'SELECT count(*) FROM chain' --sql",
+    "$C catalogue export $D/six.db -f lam",
+    "$C catalogue nearest $D/curves.db examples/ellipse.csv",
+    "$C catalogue check $D/six.db",
+    "rm -f $D/a.db; $C catalogue add $D/a.db $D/fit.json && $P catalogue query $D/a.db error\\<1",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 2 -j 1 --json -o $D/o",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 2 -j 2 -q",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/five.csv --exact -j 1 --json -q",
+    "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
+    "$C profile 2 --speed-limit 1 --acceleration-limit 20 -o $D/o",
+    "$C profile 1 --acceleration-limit 20 --jerk-limit 400",
+    "$C trace tests/data/linkages/triad-eight-bar.json -n 4",
+    "$C draw tests/data/linkages/triad-eight-bar.json -f svg -o $D/o",
+    "$C plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 -q",
+    "$C plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 -q --save $D/out -o $D/o --force",
+    "$C bench fit --problems $D/problems --solvers lm --seeds 0 --time 0.01 -o $D/out -q > $D/table && ls $D/out",
+    "$C bench mbs --cases pendulum --tolerance-range 1e-4:1e-4 --peers none -o $D/out -q > $D/table && ls $D/out",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --links 6 --topology watt1 --budget 1000 --starts 1 --rounds 1 --results 1 -j 2 -q",
+    "rm -rf $D/release; $C catalogue release -o $D/release --links 7 -q && cat $(find $D/release -type f | sort)",
+    "$C drive load examples/drives/lifting-arm.json --to 0.1",
+    "$C drive load examples/drives/lifting-arm.json --to 0.1 --plot $D/o.svg --force",
+    "$C drive simulate examples/drives/servo-axis.json -n 8",
+    "$C drive select examples/drives/lifting-arm.json --to 2.5 -n 20 --motors examples/drives/motors.csv --gears examples/drives/gears.csv",
+    "$C drive radius examples/drives/motors.csv --mass 20 --way 1 --json",
+    "$C profile examples/cycles/gantry.json",
+    "$C family expand examples/families/loader.json -o $D/o",
+    "$C family table examples/families/loader.json",
+    "$C family check examples/families/loader.json",
+    "$C family sweep examples/families/loader.json --vary reach=2:3:3 -n 10 -j 2",
+    "$C family optimise examples/families/loader.json --vary reach=2:3 --minimise boom_mass --max-evaluations 20",
+    "$C robot jacobian examples/space/stewart.json",
+    "$C robot budget examples/space/delta-clearance.json",
+    "$C robot workspace examples/space/delta.json --rays 3 -o $D/o",
+    "$C robot map examples/space/delta.json --places 3",
+    "$C robot map examples/space/delta-elastic.json --eigenfrequency --places 3 --plot $D/o.svg --force",
+    "$C trace examples/space/bricard.json -n 4",
+    "$C trace examples/klann.json -n 8 --geometry --plot $D/o.svg --force",
+    "$C mobility examples/space/sarrus.json",
+    "$C simulate examples/space/governor.json --to 0.01 -n 2",
+    "$C draw examples/space/delta.json -f svg -o $D/o",
+    "$C draw examples/space/bricard.json -f html -n 4 -o $D/o",
+    "$C draw examples/hoeken.json examples/chebyshev.json -f svg -o $D/o",
+    "$C draw examples/hoeken.json -f gif -n 4 -o $D/o && cksum < $D/o",
+    "$C draw examples/hoeken.json -f png -o $D/o && cksum < $D/o",
+    "$C draw examples/hoeken.json -f pdf -o $D/o && cksum < $D/o",
+    "$C simulate examples/elastic-cantilever.json --to 0.001 -n 2",
+    "$C simulate examples/elastic-frame.json --analysis static",
+    "$C simulate examples/dynamics/boxes.json --to 0.01 -n 2",
+    "$C simulate examples/dynamics/boom-cylinder.json --to 0.01 -n 2",
+    "$C simulate examples/space/governor.json --to 0.01 -n 4 --plot $D/o.svg --gif $D/o.gif --force",
+    "$C drive simulate examples/drives/servo-axis.json -n 8 --bode $D/o.svg --matrices-folder $D/out --force",
+    "$C profile 0.5 0.3 -0.8 --acceleration-limit 2 --dwell 0.2",
+    "$C mechanisms --links 6 --multiple-joints",
+    "rm -f $D/a.db; $C catalogue add $D/a.db $D/curves.db -q && $P catalogue nearest $D/a.db examples/ellipse.csv",
+    "XDG_STATE_HOME=$D XDG_CACHE_HOME=$D tests/studio_ask.py $D/bin/linkwright studio --no-browser -q --atlas $D/curves.db",
+    "$D/bin/linkwright gallery klann",
+};
+
+/* The same for each kind of output and of input file, with fewer calls that fail. */
+static const char *const outputs[] = {
+    "$C numbers --loops 4 --labelled --json",
+    "$C structures --loops 3 --derive",
+    "$C structures --loops 4 --count --part 1/2",
+    "$C structures --replay 'theta 3(1,2)'",
+    "rm -f $D/s; $C structures --loops 5 --count --structures $D/s && cksum < $D/s",
+    "$C chains --links 8 --count --by assortment",
+    "rm -f $D/k; $C chains --links 8 --count -j 1 --keep $D/k",
+    "rm -f $D/s; $C chains --links 8 --count -j 1 --structures $D/s && cksum < $D/s",
+    "$C chains --links 7 --dof 2 --fractionated --json",
+    "$C chains --links 8 --count --filter generating",
+    "$C chains --links 6 --format graph6",
+    "$C chains --links 6 --format lam",
+    "$C chains --links 6 --format sentence",
+    "$C chains --links 6 --format franke",
+    "$C chains --links 6 --format edges",
+    "$C chains --links 6 --format json",
+    "$C chains --links 6 --format dot",
+    "$C chains --links 6 --format graphml",
+    "$C mechanisms --links 4 --joints r,t --void",
+    "$C mechanisms --links 6 --input ground --assur",
+    "$C mechanisms --assur-groups 4",
+    "$C mechanisms --links 4 --joints r,t --input any --output-link --count",
+    "$C classify $D/lengths.csv",
+    "$D/bin/linkwright gallery --json",
+    "$C profile 1 --acceleration-limit 20 --jerk-limit 400 -n 5 --plot $D/x.svg && cksum < $D/x.svg",
+    "$C trace examples/chebyshev.json --cycle -n 8",
+    "$C trace examples/gallery/peaucellier.json --all-assemblies -n 2",
+    "$C trace examples/loader.json --time-range 0:0.2:0.1",
+    "$C trace examples/klann.json --explain",
+    "$C mobility examples/mobility/focal.json --json",
+    "$C simulate examples/slider-crank.json --speed 6 --balance",
+    "$C simulate examples/slider-crank.json --speed 6 --analysis quasistatic --to 0.1 -n 2",
+    "$C simulate examples/pendulum.json --analysis linear --rest --fft",
+    "$C simulate examples/andrews.json --to 0.001 -n 2 --formulation radau",
+    "$C simulate examples/dynamics/governor.json --to 0.001 -n 2 --formulation index1",
+    "$C simulate examples/pendulum.json --to 0.01 -n 2 --formulation cvode",
+    "$C simulate examples/pendulum.json --to 0.01 -n 2 --formulation ggl",
+    "$C simulate examples/elastic-cantilever.json --to 1e-4 -n 1 --formulation alpha",
+    "$C simulate examples/dynamics/boxes.json --to 0.02 -n 2 --formulation capture",
+    "$C simulate examples/space/governor.json --to 0.001 -n 1 --formulation recursive",
+    "$C simulate examples/space/superelement.json --analysis static",
+    "$C simulate examples/space/delta-clearance.json --to 1e-5 -n 1",
+    "$C simulate examples/pendulum.json --to 0.1 -n 4 --plot $D/x.svg --gif $D/x.gif && cksum < $D/x.svg && cksum < $D/x.gif",
+    "$C clearance examples/clearance-four-bar.json --speeds 80 --to 0.01 --settle 0 --passes $D/w.svg --path $D/x.svg --force-plot $D/y.svg --history $D/z.csv && cksum < $D/w.svg && cksum < $D/x.svg && cksum < $D/y.svg && cat $D/z.csv",
+    "$C clearance examples/clearance-four-bar.json --speeds 80,90 --stiffness 1e6,1e7 --to 0.01 --settle 0 --plot $D/x.svg && cksum < $D/x.svg",
+    "$C robot map examples/space/delta-clearance.json --errors --places 2",
+    "$C robot workspace examples/3-rrr.json --rays 3 --plot $D/x.svg && cksum < $D/x.svg",
+    "$C robot map examples/3-rrr.json --places 3 --plot $D/x.svg && cksum < $D/x.svg",
+    "$C drive load examples/drives/lifting-arm.json --to 0.1 -n 5 --plot $D/x.svg && cksum < $D/x.svg",
+    "$C drive select examples/drives/lifting-arm.json --to 2.5 -n 20 --motors examples/drives/motors.csv --gears examples/drives/gears.csv --amplifiers examples/drives/amplifiers.csv --plot $D/x.svg && cksum < $D/x.svg",
+    "$C drive simulate examples/drives/servo-axis.json --matrices $D/m.json --plot $D/x.svg && cat $D/m.json && cksum < $D/x.svg",
+    "$C family expand examples/families/loader.json --map $D/m.csv && cat $D/m.csv",
+    "$C family sweep examples/families/loader.json --vary reach=2:3:2 -n 5 --plot $D/x.svg && cksum < $D/x.svg",
+    "$C family sweep examples/families/loader.json --vary reach --sensitivity -n 5 -j 1",
+    "$C convert examples/chebyshev.json --format json",
+    "$C convert examples/chebyshev.json --format pmks",
+    "$C convert examples/chebyshev.json --format adams",
+    "$C convert examples/space/delta.json --format mjcf",
+    "$C convert examples/chebyshev.json --format urdf",
+    "$C convert examples/chebyshev.json --format sdf",
+    "$C convert examples/chebyshev.json --format acf",
+    "$C convert examples/chebyshev.json --format scad",
+    "$C convert examples/chebyshev.json --format step",
+    "$C convert examples/chebyshev.json --format stl",
+    "$C convert examples/chebyshev.json --format slvs",
+    "$C convert examples/chebyshev.json --format svg",
+    "$C convert examples/chebyshev.json --format poses",
+    "$C convert examples/chebyshev.json --format motiongen",
+    "$C convert $D/in.adm --format json",
+    "$C convert $D/in.pmks --format json",
+    "$C convert $D/in.pyslvs --format json",
+    "$C draw examples/hoeken.json --target examples/ellipse.csv --all-modes -f svg",
+    "$C draw --each -o $D/x.svg --force < $D/watt.g6 && cksum < $D/x-001.svg",
+    "$C draw --grid 2x1 -f pdf < $D/watt.g6 | cksum",
+    "rm -rf $D/out; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --save $D/out && ls $D/out && cat $D/out/*.json",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --plot $D/x.svg && cksum < $D/x.svg",
+    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --keep $D/k",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --start-from $D/fit.json",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --tolerances 0.1,0.05",
+    "LW_CLOCK_STEP=1e-9 $C fit examples/drawings/step-librecad.dxf --stations 8 --starts 1 --rounds 1 --results 1 -j 1 -q",
+    "rm -f $D/a.db; $C catalogue build $D/a.db --links 4 --joints r,t --multiple-joints -q -j 1 && $P catalogue export $D/a.db",
+    "rm -f $D/a.db; $C catalogue add $D/a.db examples/drives/motors.csv -q && $P catalogue query $D/a.db 'SELECT count(*) FROM motor' --sql",
+    "$C catalogue query $D/six.db --fields",
+    "$C catalogue query $D/six.db links=6 -f json",
+    "$C catalogue query $D/six.db links=6 -f table",
+    "$C catalogue export $D/six.db -f graph6",
+    "$C catalogue export $D/six.db -f sentence",
+    "$C catalogue export $D/six.db -f franke",
+    "$C catalogue export $D/six.db -f edges",
+    "$C catalogue export $D/six.db -f dot",
+    "$C catalogue export $D/six.db -f graphml",
+};
+
+enum { N_ROW = sizeof rows/sizeof *rows, N_OUTPUT = sizeof outputs/sizeof *outputs };
+
+/* Does a row run the command with this option and value (NULL: any)? */
+static bool has_option(const char *command, char letter, const char *option, const char *value)
+{
+    char part[2][64], call[64];
+    snprintf(call, sizeof call, "$C %s ", command);
+    snprintf(part[0], sizeof part[0], " --%s%s%s", option, value ? " " : "", value ? value : "");
+    snprintf(part[1], sizeof part[1], " -%c%s%s", letter, value ? " " : "", value ? value : "");
+    for (int i = 0; i < N_ROW + N_OUTPUT; i++) {
+        const char *row = i < N_ROW ? rows[i] : outputs[i - N_ROW];
+        if (strstr(row, call) && (strstr(row, part[0]) || (letter && strstr(row, part[1]))))
+            return true;
+    }
+    fprintf(stderr, "'%s --%s%s%s' has no row\n", command, option, value ? " " : "", value ? value : "");
+    return false;
+}
+
+/* The line of an option in the help of a command: those that name a file or a folder, and each format, have rows.  Pictures of
+ * chains do not depend on the notation that the chains are read in (`draw`). */
+static void check_option(const char *command, char *line)
+{
+    char letter = 0, option[32], argument[160];
+    char *at = strstr(line, "--");
+    if (sscanf(line, " -%c,", &letter) == 1 && letter == '-')
+        letter = 0;
+    if (!at || sscanf(at, "--%31[a-z-] %159s", option, argument) != 2)
+        return;
+    if (strcmp(argument, "FILE") == 0 || strcmp(argument, "FOLDER") == 0)
+        CHECK(has_option(command, letter, option, NULL));
+    if (strcmp(option, "format") == 0)
+        for (char *word = strtok(argument, "|"); word; word = strtok(NULL, "|"))
+            CHECK((strcmp(command, "draw") == 0 && !strstr("svg pdf png gif html", word)) || has_option(command, letter, option, word));
+}
+
+TEST(every_output_has_its_row)
+{
+    char words[64][48], line[128];
+    for (int i = 0, n = all_commands(words, 64); i < n; i++) {
+        words[i][strcspn(words[i], " ")] = 0;                    /* actions share the options of their command */
+        if (i > 0 && strcmp(words[i], words[i - 1]) == 0)
+            continue;
+        if (strcmp(words[i], "studio") == 0 || strcmp(words[i], "grammar") == 0 || strcmp(words[i], "mechanisms") == 0 || strcmp(words[i], "bench") == 0)
+            continue;                    /* the first has rows of another form, the notations of others are those of chains; times of bench vary */
+        snprintf(line, sizeof line, "$P help %s", words[i]);
+        ran r = run(line);
+        char *own = strstr(r.out, "\nOptions:"), *all = strstr(r.out, "\nOptions of every command:");
+        if (all)
+            *all = 0;
+        for (char *at = own ? own + 1 : NULL; at; at = strchr(at, '\n'), at += at != NULL)
+            if (strncmp(at, "  -", 3) == 0 || strncmp(at, "      --", 8) == 0) {
+                char copy[256];
+                snprintf(copy, sizeof copy, "%.*s", (int)strcspn(at, "\n"), at);
+                check_option(words[i], copy);
+            }
+        ran_free(&r);
+    }
+}
+
+TEST(every_command_has_its_row)
+{
+    char words[64][48], part[2][64];
+    for (int i = 0, n = all_commands(words, 64); i < n; i++) {
+        int found = 0;
+        snprintf(part[0], sizeof part[0], "$C %.47s ", words[i]);
+        snprintf(part[1], sizeof part[1], "bin/linkwright %.47s ", words[i]);
+        for (int k = 0; k < N_ROW; k++)
+            found += strstr(rows[k], part[0]) || strstr(rows[k], part[1]);
+        if (!found)
+            fprintf(stderr, "'%s' has no row\n", words[i]);
+        CHECK(found);
+    }
+}
+
+static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
+
+static ran run_once(const char *command, char **file)
+{
+    char line[1200], path[300];
+    snprintf(line, sizeof line, "rm -f $D/o $D/o.partial; %s", command);
+    ran r = run(line);
+    snprintf(path, sizeof path, "%s/o", getenv("D"));
+    *file = slurp(path);
+    return r;
+}
+
+/* How often the kind of call is made in an undisturbed run. */
+static long count_calls(const char *kind)
+{
+    char path[300];
+    long n = 0;
+    snprintf(path, sizeof path, "%s/calls", getenv("D"));
+    char *text = slurp(path), *at = strstr(text, kind);
+    if (at)
+        n = atol(at + strlen(kind));
+    free(text);
+    return n;
+}
+
+/* Run the command while something fails: the same output with code 0, or the reason with another. */
+static void disturb(const char *command, const char *by, const ran *whole, const char *whole_file)
+{
+    char *file;
+    ran r = run_once(command, &file);
+    bool same = r.code == whole->code && strcmp(r.out, whole->out) == 0 && strcmp(file, whole_file) == 0;
+    bool said = (r.code == MEMORY_ERROR || r.code == WRITE_ERROR) && strstr(r.err, "linkwright") != NULL;
+    bool kept = file[0] == 0 || strcmp(file, whole_file) == 0 || strstr(file, "\"complete\": false") != NULL;
+    if (!kept)
+        fprintf(stderr, "$D/o is not whole: ");
+    if (!kept || (!same && !said))
+        fprintf(stderr, "%s %s\n  ended with %d, output %s, and said: %s\n", by, command, r.code,
+                strcmp(r.out, whole->out) ? "differs" : "is the same", r.err);
+    CHECK(kept && (same || said));
+    ran_free(&r);
+    free(file);
+}
+
+static void fail_one(const char *command, const char *kind, long n, const ran *whole, const char *whole_file)
+{
+    char fault[64];
+    snprintf(fault, sizeof fault, "%s:%ld", kind, n);
+    setenv("LW_FAIL", fault, 1);
+    disturb(command, fault, whole, whole_file);
+    unsetenv("LW_FAIL");
+}
+
+#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__        /* which need files and terabytes themselves */
+static const char *const limits[] = { "--nofile=4", "--nofile=6", "--fsize=0", "--data=2000000", "--data=10000000" };
+
+static void limit_each(const char *command, const ran *whole, const char *whole_file)
+{
+    char limited[600], program[300];
+    snprintf(program, sizeof program, "%s", getenv("C"));
+    for (size_t k = 0; k < sizeof limits/sizeof *limits; k++) {
+        snprintf(limited, sizeof limited, "prlimit %s %s", limits[k], program);
+        setenv("C", limited, 1);
+        disturb(command, limits[k], whole, whole_file);
+    }
+    setenv("C", program, 1);
+}
+#else
+static void limit_each(const char *command, const ran *whole, const char *whole_file)
+{
+    (void)command; (void)whole; (void)whole_file;
+}
+#endif
+
+static void fail_each(const char *command, bool few)
+{
+    char calls[300], *file;
+    const char *denser = getenv("LW_FAULTS");
+    bool search = few || strstr(command, "C fit ") || strstr(command, "C plasma ") || strstr(command, " studio ");
+    double step = 1 + (search ? 2 : 0.6)/(denser ? atof(denser) : 1);
+    snprintf(calls, sizeof calls, "%s/calls", getenv("D"));
+    setenv("LW_CALLS_FILE", calls, 1);
+    ran whole = run_once(command, &file);
+    unsetenv("LW_CALLS_FILE");
+    if (whole.code != 0)
+        fprintf(stderr, "%s\n  said: %s", command, whole.err);
+    CHECK_INT(whole.code, 0);
+    for (size_t k = 0; k < sizeof kinds/sizeof *kinds; k++) {
+        long n_call = count_calls(kinds[k]), n_first = search ? N_FIRST_OF_SEARCH : N_FIRST;
+        n_first *= denser ? atol(denser) : 1;
+        for (long n = 1; n <= n_call; n = n < n_first ? n + 1 : (long)(step*(double)n))
+            fail_one(command, kinds[k], n, &whole, file);
+    }
+    limit_each(command, &whole, file);
+    ran_free(&whole);
+    free(file);
+}
+
+static void __attribute__((unused)) unused_faults(void)
+{
+    const char *only = getenv("LW_FAULTS_ROW");
+    expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
+           "$P chains --links 4 -f lam -o $D/four.lam && $P catalogue build $D/six.db --links 6 -q && "
+           "mkdir $D/bin && cp $C $D/bin/linkwright && mkdir $D/examples && cp -r examples/gallery $D/examples/ && "
+           "mkdir $D/problems && cp examples/ellipse.csv $D/problems && "
+           "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv && "
+           "$P catalogue curves $D/curves.db --links 4 --samples 200 -q && "
+           "$P fit examples/ellipse.csv --starts 20 --rounds 1 --json -o $D/fit.json -q && "
+           "printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);
+    expect("for f in adams pmks pyslvs; do $P convert examples/chebyshev.json --format $f > $D/$f || exit 1; done; cd $D && mv adams in.adm && "
+           "mv pmks in.pmks && mv pyslvs in.pyslvs && printf '40,10,35,30\\n1,2,3,4\\n' > lengths.csv", 0, NULL, NULL);
+    for (int i = 0; i < N_ROW + N_OUTPUT; i++) {
+        const char *row = i < N_ROW ? rows[i] : outputs[i - N_ROW];
+        if (!only || strstr(row, only))
+            fail_each(row, i >= N_ROW);
+    }
+}
