@@ -771,6 +771,11 @@ TEST(turns_are_counted)
         CHECK_NEAR(k.at[i].input, 1 + 100*LW_PI*i, 1e-9, 0);
         CHECK_NEAR(k.at[i].drive[0], k.at[i].input, 1e-9, 0);                    /* holds the spring */
     }
+    /* 6000 turns from sample to sample: rounding of the angle is above 1e-11 */
+    CHECK_INT(lw_spatial_set_motion(&m, 0, "1 + 75398.22368615503*t", &e), LW_OK);
+    run(&m, LW_ANALYSIS_TRANSIENT, 1, 2, 1e-10);
+    for (int i = 0; i < 3; i++)
+        CHECK_NEAR(k.at[i].input, 1 + 12000*LW_PI*i, 1e-9, 0);
     lw_spatial_free(&m);
 }
 

@@ -317,6 +317,7 @@ static lw_status go(lw_space_follow *f, lw_space_path *path, void *context, doub
             memcpy(f->made, f->path, (size_t)f->n_input*sizeof *f->made);
             h = last ? by : 1.6*by;
             arranged = false;
+            steps = lw_space_length(f->z.s, f->v)*fabs(by) > 1e-2 ? 0 : steps;       /* many turns are no lack of progress */
         } else if (f->z.n_kept < f->z.n_row && !arranged && fabs(by) < 1e-3*fabs(whole)) {
             st = lw_space_rows_arrange(&f->z, f->q, e);    /* the basis kept may be singular where the rows are not */
             arranged = true;

@@ -1,6 +1,7 @@
 /* mbs/space/space_solve.c - rows in force, their basis and factors. */
 #include "mbs/space/space_solve.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -350,8 +351,10 @@ void lw_space_rows_bias(const lw_space_rows_set *z, const double *v, double *out
 lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *target, double longest, double *moved)
 {
     static const double rounding = 4e-15, near = 1e-4;
-    double before = INFINITY;
+    double before = INFINITY, noise = 1e-12;
     bool chord = false;                      /* after a short step the factors are good for one more */
+    for (int i = 0; i < z->n_extra; i++)     /* rounding of a turn after many turns */
+        noise = fmax(noise, 4*DBL_EPSILON*fabs(target[i]));
     for (int round = 0; round < 30; round++) {
         lw_space_rows_fill(z, q, target);
         if (!chord && !lw_space_rows_factor(z))
@@ -371,17 +374,17 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
         double size = lw_space_length(z->s, z->step);
         if (round == 0 && moved)
             *moved = size;
-        if (!isfinite(size) || (longest > 0 && size > longest) || (round > 3 && size > before && size > 1e-12))
+        if (!isfinite(size) || (longest > 0 && size > longest) || (round > 3 && size > before && size > noise))
             return LW_OPEN;
         lw_space_move(z->s, q, z->step);
-        if (size < rounding || (size < 1e-12 && size > before/4))
+        if (size < rounding || (size < noise && size > before/4))
             return LW_OK;
         if (before < 1e-8 && size < 1e-13)
             return LW_OK;
         chord = size < near && (!chord || size < 1e-3*before);
         before = size;
     }
-    return before < 1e-11 ? LW_OK : LW_OPEN;
+    return before < 10*noise ? LW_OK : LW_OPEN;
 }
 
 /* ---- full matrix ---- */
