@@ -14,6 +14,10 @@ TEST(robots)
            "0.000000, 1.000000): a singular posture, place and turn of the tool have 3 of 6 freedoms", NULL);
     expect("$P robot jacobian examples/space/delta.json --tool-at 0,0,-1 | grep -c 'cannot move'", 1, "0", NULL);
     expect("$P robot budget examples/space/delta.json", 3, NULL, "nothing lets the tool stray");
+    expect("$P robot workspace examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");
+    expect("$P robot map examples/space/arm.json", 4, NULL, "the posture is singular, or the robot lacks this freedom");
+    expect("$P robot jacobian examples/space/arm.json --tool-at 0.1,0.1,0.9", 4, NULL, "the posture is singular, and the drives cannot move it "
+           "this way; begin from another one");
     expect("$P convert examples/space/superelement.json --format acf", 3, NULL, "is a superelement, which is not written to ADAMS");
 }
 

@@ -331,7 +331,6 @@ static int run_budget(const cli_call *call)
     return code;
 }
 
-#define SMALL 1e-6               /* over the robot's size: a tool that moves less far does not move */
 
 /* ---- workspace ------------------------------------------------------------------------------------------- */
 
@@ -340,7 +339,14 @@ static lw_vec3 direction(const job *j, double angle)
     return lw_v3_add(lw_v3_scale(j->right, cos(angle)), lw_v3_scale(j->ahead, sin(angle)));
 }
 
-/* A tool that gets nowhere has no workspace and no map. */
+/* A tool that moves less far, over the robot's size, does not move.  From a singular posture drives move it in some directions only,
+ * unless its own place is the input. */
+static bool gets_nowhere(const job *j, const lw_robot_pose *p, double far)
+{
+    return far < 1e-6*j->r.space.unit || (isinf(p->condition) && !j->r.by_tool.memory);
+}
+
+/* It has no workspace and no map. */
 static int cannot_move(job *j, const lw_robot_pose *p)
 {
     lw_error_set(&j->e, LW_OPEN, "the drives cannot move the tool from (%.9g, %.9g, %.9g) %s in the level plane%s; begin from "
@@ -433,7 +439,7 @@ static int run_workspace(const cli_call *call)
         cli_json_bool(&w, "complete", done == n + 1);
         cli_json_end(&w);
     }
-    if (code == CLI_DONE && done == n + 1 && most < SMALL*j.r.space.unit)
+    if (code == CLI_DONE && done == n + 1 && gets_nowhere(&j, &p, most))
         code = cannot_move(&j, &p);
     if (code == CLI_DONE && done == n + 1) {
         if (endless)
@@ -587,7 +593,7 @@ static int run_map(const cli_call *call)
         if (follow_ray(&j, q, near, 2*LW_PI*i/12, &far) == LW_OK)
             reach = fmax(reach, far);
     }
-    if (reach < SMALL*j.r.space.unit && !cli_interrupted())
+    if (gets_nowhere(&j, &p, reach) && !cli_interrupted())
         code = cannot_move(&j, &p), n = 0;
     reach *= 1.02;
     j.r.least = 1e-4;                        /* where ways end is not shown */

@@ -538,6 +538,9 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         lw_space_place(s, r->follow.q, r->follow.z.frame);
         h *= 0.5;
         if (h < r->least) {
+            lw_robot_pose pose;
+            if (at == 0 && lw_robot_measure(r, &pose, NULL) == LW_OK && pose.freedoms < r->freedoms)
+                snprintf(why, sizeof why, "the posture is singular, and the drives cannot move it this way; begin from another one");
             tool_pose(r, &first, &from);
             free(kept);
             free(near);
