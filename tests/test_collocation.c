@@ -45,18 +45,10 @@ static lw_status rates(void *context, const double t[LW_STAGES], const double *y
     const problem *p = context;
     for (int k = 0; k < 8; k++) {
         double x = y[k], u = y[8 + k];
-        dy[k] = u;
         dy[8 + k] = -p->stiffness*(x - cos(t[k])) - p->damping*(u + sin(t[k])) - cos(t[k]);
         dy[16 + k] = x*u;
     }
     return LW_OK;
-}
-
-static void place_rates(void *context, const double *y, double *dy)
-{
-    (void)context;
-    for (int k = 0; k < 8; k++)
-        dy[k] = y[8 + k];
 }
 
 static lw_status project(void *context, double t, double *y)
@@ -72,8 +64,7 @@ static lw_error e;
 /* Run to t = 3 from x(0) = 1 + off; returns the greatest error of x, also within the steps, where the fast part has decayed. */
 static double run(problem *p, bool implicit, double tolerance, double off)
 {
-    lw_stages_ode ode = { .n = 3, .n_place = 1, .n_rate = 1, .implicit = implicit, .context = p, .rates = rates,
-                          .place_rates = place_rates, .project = project };
+    lw_stages_ode ode = { 3, 1, implicit, p, rates, project };
     lw_ode_options o = lw_ode_options_default();
     double *work = malloc(lw_collocation_work(3, true)*sizeof *work), y[3] = { 1 + off, 0, 0 }, worst = 0;
     o.relative = o.absolute = tolerance;
@@ -128,7 +119,7 @@ static lw_status undefined(void *context, const double t[LW_STAGES], const doubl
 TEST(ends)
 {
     problem p = { .stiffness = 4 };
-    lw_stages_ode ode = { .n = 3, .n_place = 1, .n_rate = 1, .context = &p, .rates = undefined, .place_rates = place_rates, .project = project };
+    lw_stages_ode ode = { 3, 1, false, &p, undefined, project };
     lw_ode_options o = lw_ode_options_default();
     double *work = malloc(lw_collocation_work(3, false)*sizeof *work), y[3] = { 1, 0, 0 };
     lw_ode_stop stop;

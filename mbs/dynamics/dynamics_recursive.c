@@ -212,11 +212,6 @@ static lw_status rates(void *context, const double t[LW_STAGES], const double *y
     return s != LW_OK ? s : lw_tree_stages_rates(&m->stages, y, dy) == LW_OK ? LW_OK : LW_OPEN;
 }
 
-static void place_rates(void *context, const double *y, double *dy)
-{
-    lw_tree_stages_place_rates(&((const motion *)context)->stages, y, dy);
-}
-
 static lw_status restart(stepper *w, const double *y)
 {
     if (w->staged) {
@@ -249,10 +244,10 @@ static lw_status state_at(void *context, double t, double *out)
 
 static lw_status step_stages(stepper *w, double end, lw_ode_stop *stop)
 {
-    double fastest = 0;
+    double fastest = 1e-300;
     for (int k = 0; k < w->m->r.n_u; k++)
         fastest = fmax(fastest, fabs(w->stages.y[w->m->r.n_x + k]));
-    w->stages.o.greatest = 0.8*most_turn/fmax(fastest, 1e-300);
+    w->stages.o.greatest = 0.8*most_turn/fastest;
     w->m->before = w->stages.y_old;
     return lw_collocation_step(&w->stages, end, stop, w->m->run->e);
 }
@@ -343,12 +338,11 @@ static lw_status run_one(motion *m, double *y, double *work)
     lw_ode_options o = lw_ode_options_default();
     double *out = m->shown, *each = NULL, t = d->o.from;
     lw_mbs_is_stiff(d);                      /* for its decay */
-    bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX && m->r.n_u == m->r.n_x;
+    bool stiff = decays(d) > damped && m->r.n_u <= LW_IMPLICIT_MAX;
     w.staged = (stiff || !takes_bdf(m)) && lw_tree_stages_make(&m->r, &d->space->f, run->has_work, &m->stages) == LW_OK;
     w.implicit = !w.staged && takes_bdf(m);
     w.ode.project = w.implicit ? NULL : project;
-    w.at_stages = (lw_stages_ode){ .n = w.ode.n, .n_place = m->r.n_x, .n_rate = m->r.n_u, .implicit = stiff, .context = m,
-                                   .rates = rates, .place_rates = place_rates, .project = project };
+    w.at_stages = (lw_stages_ode){ w.ode.n, m->r.n_u, stiff, m, rates, project };
     w.y = y + ode->n;
     double share = !w.implicit ? 1 : fmax(d->o.relative, d->o.absolute) < tight ? bdf_share_tight : bdf_share;
     o.relative = share*d->o.relative;

@@ -11,6 +11,8 @@ enum { N = LW_STAGES, MOST_ITERATIONS = 14, PAIRS = N/2 };
 static const double exact_enough = 0.03;      /* change that the improvements still promise, over the error allowed */
 static const double best_factor = 0.15;      /* of an improvement: longer steps need more work for their length */
 static const double fresh_factor = 0.1;      /* above it derivatives are found afresh */
+static const double relax = 1.2;             /* growth of the limit that a step sets that did not converge, and its part of that step: */
+static const double less = 0.8;
 static const double greatest_growth = 4, difference = 1e-7;
 
 size_t lw_collocation_work(int n, bool implicit)
@@ -21,7 +23,7 @@ size_t lw_collocation_work(int n, bool implicit)
 void lw_collocation_start(lw_collocation *w, const lw_stages_ode *ode, const lw_ode_options *o, double *work, double t, const double *y)
 {
     size_t n = (size_t)ode->n;
-    *w = (lw_collocation){ .ode = ode, .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .stale = true };
+    *w = (lw_collocation){ .ode = ode, .o = *o, .t = t, .t_old = t, .fastest = INFINITY, .most = INFINITY, .stale = true };
     double **part[] = { &w->f, &w->stage, &w->c, &w->c_old };
     for (int i = 0; i < 4; i++, work += N*n)
         *part[i] = work;
@@ -130,6 +132,13 @@ static lw_status rates_at(lw_collocation *w, double h)
     return w->ode->rates(w->ode->context, t, w->stage, w->f);
 }
 
+/* x' = u */
+static void copy_rates(lw_collocation *w)
+{
+    size_t n = N*(size_t)w->ode->n_rate;
+    memcpy(w->f, w->stage + n, n*sizeof *w->f);
+}
+
 /* Numbers `from` to n at all points from their rates; returns the sum of squares of how far they moved, over the errors allowed. */
 static double improve(lw_collocation *w, double h, int from, int n)
 {
@@ -200,7 +209,7 @@ static void solve(const lw_collocation *w, int p, double *x)
 /* A Newton step of u at all points; in the eigenvectors of A they separate. */
 static double newton_step(lw_collocation *w, double h)
 {
-    const int n = w->ode->n_rate, first = w->ode->n_place;
+    const int n = w->ode->n_rate, first = n;
     double x[PAIRS][2*LW_IMPLICIT_MAX], r[N], moved = 0;
     for (int i = 0; i < n; i++) {
         const double *stage = w->stage + N*(first + i);
@@ -230,11 +239,11 @@ static double newton_step(lw_collocation *w, double h)
 /* Improve the states at all points from their rates; returns how far they moved, over the error allowed. */
 static double improve_all(lw_collocation *w, double h, bool implicit)
 {
-    const lw_stages_ode *o = w->ode;
-    double moved = implicit ? newton_step(w, h) : improve(w, h, o->n_place, o->n_place + o->n_rate);
-    o->place_rates(o->context, w->stage, w->f);
-    moved += improve(w, h, 0, o->n_place) + improve(w, h, o->n_place + o->n_rate, o->n);
-    return sqrt(moved/o->n);
+    const int n = w->ode->n_rate;
+    double moved = implicit ? newton_step(w, h) : improve(w, h, n, 2*n);
+    copy_rates(w);                           /* u is improved before x */
+    moved += improve(w, h, 0, n) + improve(w, h, 2*n, w->ode->n);
+    return sqrt(moved/w->ode->n);
 }
 
 /* Improve the states of a step until their error is allowed.  LW_OPEN: they do not converge fast enough. */
@@ -242,7 +251,7 @@ static lw_status iterate(lw_collocation *w, double h)
 {
     double last = 0, by = w->fastest*h;
     /* integrals have the rates before the last Newton step */
-    const double most = w->ode->implicit && w->ode->n > w->ode->n_place + w->ode->n_rate ? 1 : INFINITY;
+    const double most = w->ode->implicit && w->ode->n > 2*w->ode->n_rate ? 1 : INFINITY;
     improve_all(w, h, false);
     for (int i = 1; i <= MOST_ITERATIONS; i++) {
         lw_status s = rates_at(w, h);
@@ -312,6 +321,7 @@ static lw_status begin(lw_collocation *w, double span)
     lw_status s = rates_at(w, 0);
     if (s != LW_OK)
         return s;
+    copy_rates(w);
     for (int i = 0; i < n; i++) {
         double rate = w->c[N*i] = w->f[N*i];
         first += rate*w->scale[i]*(rate*w->scale[i]);
@@ -322,6 +332,7 @@ static lw_status begin(lw_collocation *w, double span)
         t[k] = w->t + far[k];
     w->n_rate += N;
     s = w->ode->rates(w->ode->context, t, w->stage, w->f);
+    copy_rates(w);
     for (int i = 0; i < n; i++)
         for (int k = 0; k < N; k++) {
             double by = (w->f[N*i + k] - w->c[N*i])*w->scale[i];
@@ -343,7 +354,7 @@ static double step_error(lw_collocation *w, double h)
     double size[N] = { 0 };
     for (int i = 0; i < o->n; i++) {
         double c[N], *f = w->f + N*i;
-        if (o->implicit && i >= o->n_place && i < o->n_place + o->n_rate) {
+        if (o->implicit && i >= o->n_rate && i < 2*o->n_rate) {
             for (int k = 0; k < N; k++)
                 c[k] = (w->stage[N*i + k] - w->y_old[i])/h;
             combine(slope_column, c, f);
@@ -392,8 +403,10 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
     double error = s == LW_OK ? step_error(w, h) : INFINITY, of = h*w->fastest, rising = fmax(1, fmin(3, w->fastest/old));
     double room = pow(best_factor/fmax(of, 0.01)/rising, 0.6);
     w->stale = of > fresh_factor || s != LW_OK;
-    if (s == LW_OPEN)
-        *by = fresh ? fmax(0.2, fmin(0.6, room)) : 1;
+    if (s == LW_OPEN) {
+        *by = fresh ? fmax(0.2, fmin(0.6, room)) : 1;    /* 1: with fresh derivatives */
+        w->most = fresh ? less*h : w->most;
+    }
     if (s == LW_OK && !(error <= 1)) {
         *by = fmax(0.2, 0.8*pow(error, -1.0/9));
         return LW_OPEN;
@@ -412,7 +425,7 @@ static lw_status try_step(lw_collocation *w, double h, double end, double *by)
 
 lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop, lw_error *e)
 {
-    double t_low = w->t_low, most = INFINITY;
+    double t_low = w->t_low;
     *stop = LW_ODE_END;
     if (t_end == w->t)
         return LW_OK;
@@ -435,7 +448,8 @@ lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop
         double end = last ? t_end : w->t_old + (h + t_low);
         s = try_step(w, h, end, &by);
         if (s == LW_OK) {
-            w->h = fmin(h*by, most);
+            w->h = fmin(h*by, fmax(h, w->most));
+            w->most *= relax;
             w->t = end;
             w->t_low = last ? 0 : h + t_low - (end - w->t_old);
             *stop = last ? LW_ODE_END : LW_ODE_STEP;
@@ -447,6 +461,5 @@ lw_status lw_collocation_step(lw_collocation *w, double t_end, lw_ode_stop *stop
             return lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
         w->n_refused++;
         w->h = by*h;
-        most = h;
     }
 }

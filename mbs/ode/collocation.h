@@ -6,8 +6,8 @@
  * through vector instructions.  The improvements converge while h is below about 5 over the fastest rate; for stiff equations of
  * motion (`implicit`) they are steps of Newton's method with derivatives by differences, and h has no such limit.
  *
- * The state is places x (n_place), rates u, and integrals of functions of these.  The caller provides all memory; nothing is
- * allocated. */
+ * The state is x, u with x' = u, and integrals of functions of these.  The caller provides all memory; nothing is allocated.
+ */
 #ifndef LW_MBS_ODE_COLLOCATION_H
 #define LW_MBS_ODE_COLLOCATION_H
 
@@ -17,12 +17,11 @@ enum { LW_STAGES = 8, LW_IMPLICIT_MAX = 16 };
 
 /* Number i of the state at point k is y[LW_STAGES*i + k].  Statuses as in lw_ode. */
 typedef struct lw_stages_ode {
-    int   n, n_place, n_rate;                /* n - n_place - n_rate: integrals, on which f does not depend */
-    bool  implicit;                          /* x' = u, so n_place = n_rate, at most LW_IMPLICIT_MAX */
+    int   n, n_rate;                         /* numbers in y; in x and in u alike.  f does not depend on the others */
+    bool  implicit;                          /* n_rate is at most LW_IMPLICIT_MAX */
     void *context;
+    /* dy but x' (n x LW_STAGES) */
     lw_status (*rates)(void *context, const double t[LW_STAGES], const double *y, double *dy);
-    /* x' alone, which is cheap: x is improved after u */
-    void      (*place_rates)(void *context, const double *y, double *dy);
     lw_status (*project)(void *context, double t, double *y);        /* y (n), after every step that is accepted */
 } lw_stages_ode;
 
@@ -35,7 +34,7 @@ typedef struct lw_collocation {
     /* private to the integrator */
     double *f, *stage, *c, *c_old, *low, *scale, *lost;
     double *by, *lu;                         /* derivatives of u' by x and u; factors for each complex eigenvalue of A */
-    double  h_done, t_low, fastest;          /* fastest: factor of an improvement over h */
+    double  h_done, t_low, fastest, most;    /* fastest: factor of an improvement over h; limit of h */
     int     degree;                          /* of the polynomial that predicts f */
     bool    stale;                           /* the derivatives are to be found afresh */
 } lw_collocation;

@@ -94,13 +94,6 @@ LW_INLINE quat angle_part(const lw_stage_body *p, pack c, pack s)
                    c*p->part[0].z + s*p->part[1].z };
 }
 
-LW_INLINE quat unit_quat(const double *y)
-{
-    quat q = { pick(y), pick(y + 8), pick(y + 16), pick(y + 24) };
-    pack n = 1/root(q.w*q.w + q.x*q.x + q.y*q.y + q.z*q.z);
-    return (quat){ n*q.w, n*q.x, n*q.y, n*q.z };
-}
-
 /* Turn of body 1 against body 0, and the slide along directions of body 0. */
 LW_INLINE quat relative(const lw_tree_stages *t, const lw_stage_body *p, const double *y, int lane, vec *slide, bool *slides)
 {
@@ -113,7 +106,6 @@ LW_INLINE quat relative(const lw_tree_stages *t, const lw_stage_body *p, const d
     case LW_SPATIAL_PLANAR:
         *slide = add(times(fixed(p->along[0]), pick(x)), times(fixed(p->along[1]), pick(x + 8)));
         return angle_part(p, pick(c), pick(s));
-    case LW_SPATIAL_FREE: *slide = (vec){ pick(x), pick(x + 8), pick(x + 16) }; return unit_quat(x + 24);
     default: break;
     }
     *slides = false;
@@ -122,7 +114,6 @@ LW_INLINE quat relative(const lw_tree_stages *t, const lw_stage_body *p, const d
         pack c1 = pick(c + 8), s1 = pick(s + 8);
         return quat_times(angle_part(p, pick(c), pick(s)), (quat){ c1, s1*p->second.x, s1*p->second.y, s1*p->second.z });
     }
-    case LW_SPATIAL_SPHERICAL: return quat_times(unit_quat(x), fixed_quat(p->part[0]));
     case LW_SPATIAL_FIXED: return fixed_quat(p->part[0]);
     default: return angle_part(p, pick(c), pick(s));
     }
@@ -172,15 +163,6 @@ static void place(const lw_tree_stages *t, const lw_stage_body *p, const double 
         slide_along(&m, turned(b0, p->along[0])), slide_along(&m, turned(b0, p->along[1])), turn_about(&m, z, 0);
         break;
     case LW_SPATIAL_UNIVERSAL: turn_about(&m, z, 0), turn_about(&m, second = turned(b1, p->second), 0); break;
-    case LW_SPATIAL_SPHERICAL: case LW_SPATIAL_FREE:
-        for (int k = p->kind == LW_SPATIAL_FREE ? 0 : 3; k < 6; k++) {
-            vec c = turned(b0, (lw_vec3){ k%3 == 0, k%3 == 1, k%3 == 2 });
-            if (k < 3)
-                slide_along(&m, c);
-            else
-                turn_about(&m, c, 0);
-        }
-        break;
     case LW_SPATIAL_FIXED: break;
     default: turn_about(&m, z, 0);
     }
@@ -346,23 +328,4 @@ static bool rates_of(const lw_tree_stages *t, const double *y, double *dy)
     return sound;
 }
 
-static void place_rates(const lw_tree_stages *t, const double *y, double *dy)
-{
-    for (int i = 0; i < t->n_body; i++) {
-        const lw_stage_body *p = &t->body[i];
-        bool ball = p->kind == LW_SPATIAL_SPHERICAL || p->kind == LW_SPATIAL_FREE;
-        int n = ball ? p->n_u - 3 : p->n_u;
-        const double *u = y + 8*(t->n_x + p->u), *x = y + 8*(p->x + n);
-        double *to = dy + 8*p->x;
-        memcpy(to, u, 8*(size_t)n*sizeof *to);
-        if (!ball)
-            continue;
-        for (int lane = 0; lane < 8; lane += WIDTH, u += WIDTH, x += WIDTH, to += WIDTH) {
-            quat w = { { 0 }, 0.5*pick(u + 8*n), 0.5*pick(u + 8*n + 8), 0.5*pick(u + 8*n + 16) };
-            quat q = quat_times(w, (quat){ pick(x), pick(x + 8), pick(x + 16), pick(x + 24) });
-            keep(to + 8*n, q.w), keep(to + 8*n + 8, q.x), keep(to + 8*n + 16, q.y), keep(to + 8*n + 24, q.z);
-        }
-    }
-}
-
-const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, rates_of, place_rates };
+const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, rates_of };

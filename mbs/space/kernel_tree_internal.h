@@ -8,8 +8,7 @@
 
 typedef struct lw_tree_kernel {
     const char *isa;
-    bool (*rates)(const lw_tree_stages *s, const double *y, double *dy);         /* of u and the work; false: no mass */
-    void (*place_rates)(const lw_tree_stages *s, const double *y, double *dy);
+    bool (*rates)(const lw_tree_stages *s, const double *y, double *dy);         /* false: a motion without mass */
 } lw_tree_kernel;
 
 extern const lw_tree_kernel lw_tree_kernel_x86_64, lw_tree_kernel_x86_64_v3, lw_tree_kernel_x86_64_v4, lw_tree_kernel_native;

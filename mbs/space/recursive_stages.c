@@ -28,7 +28,7 @@ static bool suits(const lw_recursive *r, const lw_space_forces *f)
         stops = stops || m->joint[i].stop.has_least || m->joint[i].stop.has_greatest;
     for (int i = 0; i < m->n_spring; i++)
         laws = laws || m->spring[i].law;
-    return r->n_row == 0 && !stops && !laws && !f->held && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
+    return r->n_row == 0 && r->n_x == r->n_u && !stops && !laws && !f->held && m->n_joint_spring + m->n_force + m->n_motor + m->n_beam + m->n_super == 0
         && m->n_contact == 0 && m->states.n_state == 0;
 }
 
@@ -103,8 +103,5 @@ lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy)
         for (int k = 0; k < 8; k++)
             s->angle[8*i + k] = 0.5*y[8*s->turn[i] + k];
     s->turns(8*(size_t)s->n_angle, s->angle, s->cosine, s->sine);
-    lw_tree_stages_place_rates(s, y, dy);
     return s->kernel->rates(s, y, dy) ? LW_OK : LW_E_ARG;
 }
-
-void lw_tree_stages_place_rates(const lw_tree_stages *s, const double *y, double *dy) { s->kernel->place_rates(s, y, dy); }

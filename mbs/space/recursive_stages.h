@@ -1,8 +1,8 @@
 /* mbs/space/recursive_stages.h - the equations of an open tree (mbs/space/recursive.h) in eight states at once.
  *
- * For integrators whose stages do not depend on each other (mbs/ode/collocation.h).  The loads are gravity and linear springs and
- * dampers between points.  Number i of a state in lane k is y[8*i + k]; a state is x, u and, if wanted, the work that dampers
- * have done [J]. */
+ * For integrators whose stages do not depend on each other (mbs/ode/collocation.h).  All joints have coordinates whose rates are
+ * their derivatives (no balls, no free bodies); the loads are gravity and linear springs and dampers between points.  Number i of
+ * a state in lane k is y[8*i + k]; a state is x, u and, if wanted, the work that dampers have done [J]. */
 #ifndef LW_MBS_SPACE_RECURSIVE_STAGES_H
 #define LW_MBS_SPACE_RECURSIVE_STAGES_H
 
@@ -38,14 +38,11 @@ typedef struct lw_tree_stages {
     void   *memory;
 } lw_tree_stages;
 
-/* r is a tree without rows, f its loads; both must outlive s.  LW_E_KIND: it has rows or other loads; LW_E_MEMORY. */
+/* r is a tree without rows, f its loads; both must outlive s.  LW_E_KIND: it has rows, balls or other loads; LW_E_MEMORY. */
 lw_status lw_tree_stages_make(const lw_recursive *r, const lw_space_forces *f, bool has_work, lw_tree_stages *s);
 void      lw_tree_stages_free(lw_tree_stages *s);
 
-/* dy of eight states y.  LW_E_ARG: a motion without mass. */
+/* dy of eight states y, but x'.  LW_E_ARG: a motion without mass. */
 lw_status lw_tree_stages_rates(lw_tree_stages *s, const double *y, double *dy);
-
-/* Only those of x. */
-void lw_tree_stages_place_rates(const lw_tree_stages *s, const double *y, double *dy);
 
 #endif
