@@ -1,6 +1,6 @@
 /* mbs/dynamics/dynamics_recursive.c - forward dynamics of a spatial model in the coordinates of its joints (mbs/space/recursive.h)
- * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short.  Open chains have no
- * constraints left; loops are closed after every step.  Near singular postures of the loops the run goes on in the
+ * by an explicit method of order 8, or BDF methods (CVODE) where dampers would keep its steps short; simple open chains by
+ * collocation with eight states at once.  Open chains have no constraints left; loops are closed after every step.  Near singular postures of the loops the run goes on in the
  * coordinates of the bodies. */
 #include "base/real.h"
 #include "mbs/dynamics/dynamics_run_internal.h"
@@ -19,8 +19,8 @@ static const double closed = 1e-9;           /* loops that stay farther open aft
 static const double same_posture = 1e-9;     /* joints that do not reproduce the posture of the start better fail */
 enum { MOST_ROWS = 48 };                     /* of loops: more are faster in the coordinates of all bodies */
 
-/* BDF methods are taken where the explicit one needs more steps for stability than they do for accuracy: about decay/6 a second
- * against powers of the tolerance; their derivatives by differences cost an evaluation for each coordinate. */
+/* BDF methods (and Newton's method of collocation) are taken where the explicit one needs more steps for stability than they do for
+ * accuracy: about decay/6 a second against powers of the tolerance; their derivatives by differences cost an evaluation for each coordinate. */
 static const double most_accurate = 0.9e-10;   /* tolerance */
 static const double damped = 1e3;            /* decay [1/s] times the length of the run, */
 static const double damped_from = 1e-8;      /* which grows with powers of this over the tolerance */
