@@ -112,6 +112,41 @@ static void count_round(void *context, double done, double seconds, double best)
     s->stop = ++s->rounds >= s->most;
 }
 
+/* Stops a search in its fourth part. */
+typedef struct in_parts { int part, stop; double done; } in_parts;
+
+static void count_part(void *context, double done, double seconds, double best)
+{
+    (void)seconds, (void)best;
+    in_parts *s = context;
+    s->part += done < s->done;
+    s->done = done;
+    s->stop = s->part == 3;
+}
+
+/* Without a budget a search goes on until the time ends: three parts are what it does without a limit. */
+TEST(time_goes_beyond_the_usual_budget)
+{
+    lw_linkage k = six_bar();
+    lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_search_stage stage = { .links = 6, .families = lw_families_of(&six, 1) };
+    lw_fit_options o = options(LW_TIMING_PRESCRIBED, 0);
+    in_parts at = { .part = 0 };
+    lw_staged_search s;
+    lw_target t;
+    make_unmet(&k, &t);
+    o.budget = 0;
+    o.max_seconds = 1e4;
+    o.progress = count_part;
+    o.context = &at;
+    o.interrupt = &at.stop;
+    CHECK_INT(lw_staged_search_run(&t, &o, &stage, 1, &s, NULL), LW_STOPPED);
+    CHECK_INT(s.fit.stop, LW_STOP_USER);
+    CHECK_INT(s.stage[0].n_part, 4);
+    lw_staged_search_free(&s);
+    lw_target_free(&t);
+}
+
 /* Under a time limit a search that is stopped later has done all that one stopped earlier has, and found nothing worse. */
 TEST(more_time_is_never_worse)
 {

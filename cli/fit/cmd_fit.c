@@ -53,7 +53,8 @@ static const cli_option options[] = {
       "joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
       "number of evaluations of the objective, for each number of links above four; as many again with sliders, and as "
-      "many again with slots or gears", 1e3, 1e12, NULL, NULL },
+      "many again with slots or gears. With --time and without --budget the search goes on until the time ends; the exit code is 0 "
+      "if it had the default", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
       "also start from the linkages in this file: results that an earlier fit or 'catalogue nearest' wrote with -o or --json, "
       "or a linkage of your own", 0, 0, NULL, NULL },
@@ -474,7 +475,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side
     o.fit.sharing = s->mpi || s->keep ? &sharing : NULL;
     o.fit.progress = show;
     o.fit.context = &progress;
-    o.fit.budget = (long)s->budget;
+    o.fit.budget = cli_given(&call->parsed, "budget") || set->seconds <= 0 ? (long)s->budget : 0;
     if (s->exact && !cli_given(&call->parsed, "type"))
         o.fit.types = NULL;                              /* chosen by the target's number of stations */
     st = s->exact ? cli_fit_exact(call, set, &o.fit, e) : lw_topology_search_run(&set->target, &o, &set->search, e);

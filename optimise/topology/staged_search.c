@@ -1,5 +1,6 @@
 #include "optimise/topology/staged_search.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -469,6 +470,7 @@ typedef struct contest {
     long   part[LW_STAGE_MAX];       /* budget of the last part of each                             */
     long   left[LW_STAGE_MAX];       /* of its budget; 0: it takes no part any more                 */
     double rate[LW_STAGE_MAX];       /* what the last part gained per evaluation                    */
+    bool   beyond;                   /* all had their budgets: time alone ends the search           */
 } contest;
 
 /* Budget of the first part of a stage; a large budget does not make it longer.  A stage that is left out if a linkage is near enough
@@ -512,6 +514,20 @@ static int winner(const contest *c, int n)
     return best;
 }
 
+/* Give the families of all stages more, unless the target is met exactly.  false: none of them can go on. */
+static bool go_beyond(contest *c, const lw_search_stage *stage, const lw_staged_search *out)
+{
+    for (int i = 0; i < out->n_stage; i++)
+        if (out->stage[i].stop == LW_STOP_F_TARGET)
+            return false;
+    for (int i = 0; i < out->n_stage; i++)
+        if (stage[i].families.make && out->stage[i].evals > 0) {
+            c->left[i] = LONG_MAX/4;
+            c->beyond = true;
+        }
+    return c->beyond;
+}
+
 /* Search stage i, and see what it gained.  Of four-link types the budget is a part of the rounds. */
 static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int i, long budget,
                           double end, contest *c, lw_staged_search *out, lw_error *e)
@@ -543,14 +559,19 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
     lw_status st = LW_OK;
     const double end = o->max_seconds > 0 ? lw_clock_wall() + o->max_seconds : 0;
     contest c = { .part = { 0 } };
+    bool asked = false;
     memset(out, 0, sizeof *out);
     n_stage = n_stage < LW_STAGE_MAX ? n_stage : LW_STAGE_MAX;
     for (;;) {
         bool first = out->n_stage < n_stage, enough = false;
         int i = first ? out->n_stage : winner(&c, n_stage);
         bool over = end > 0 && end - lw_clock_wall() <= LEAST_PART*o->max_seconds;
-        if (i < 0 || (over && (!first || out->fit.n > 0)))
+        if (i < 0 && end > 0 && o->budget <= 0 && !c.beyond && go_beyond(&c, stage, out))
+            i = winner(&c, n_stage);
+        if (i < 0 || (over && (!first || out->fit.n > 0))) {
+            st = i < 0 || c.beyond ? st : LW_STOPPED;
             break;
+        }
         if (stage[i].unless > 0 && is_enough(t, &o->spec, stage[i].unless, &out->fit, &enough) != LW_OK) {
             lw_staged_search_free(out);
             return lw_error_set(e, LW_E_MEMORY, "no memory for a report");
@@ -571,10 +592,13 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
             lw_staged_search_free(out);
             return now;
         }
-        st = now == LW_STOPPED ? now : st;
-        if (now == LW_STOPPED && o->interrupt && *o->interrupt)
+        asked = o->interrupt && *o->interrupt;
+        st = now == LW_STOPPED && (asked || !c.beyond) ? now : st;
+        if (now == LW_STOPPED && asked)
             break;
     }
+    if (end > 0 && !asked)
+        out->fit.stop = st == LW_STOPPED ? LW_STOP_TIME : c.beyond && out->fit.stop == LW_STOP_TIME ? LW_STOP_EVALS : out->fit.stop;
     int kept = lw_fit_kept(o);
     shorten(out, 2*kept, o->spec.by_default ? 2*kept : OF_EACH, o->spec.by_default ? kept : 0, o->spec.by_default);
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;

@@ -44,7 +44,8 @@ typedef struct lw_staged_search {
     lw_stage_result stage[LW_STAGE_MAX];
 } lw_staged_search;
 
-/* o->families is not used; o->budget is that of each stage.  Statuses as lw_fit_run. */
+/* o->families is not used; o->budget is that of each stage.  With budget 0 and a time limit each stage has LW_FIT_BUDGET, and
+ * then the stages of families go on until the time ends; LW_OK says that they had so much.  Other statuses as lw_fit_run. */
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
                                lw_staged_search *out, lw_error *e);
 void      lw_staged_search_free(lw_staged_search *s);
