@@ -695,7 +695,8 @@ typedef struct lw_link_load { lw_vec2 force; double torque; } lw_link_load;
  * `apply` is called in every evaluation, several times a step and not in the order of time.  It reads the motion of
  * the links and writes their loads, which are 0 before; both arrays (n_link) are in the order of the model's links, and
  * the load on ground is ignored.  The loads must depend on t and on `link` alone, smoothly.  Their work counts in the
- * energy balance.  Where derivatives are wanted (equilibrium) they are taken by central differences. */
+ * energy balance.  Where derivatives are wanted (equilibrium, implicit methods) they are taken by central differences; in
+ * models of more than 32 links only those of each load by the motion of its own link. */
 typedef struct lw_caller_force {
     void *context;
     void (*apply)(void *context, double t, const lw_link_motion *link, lw_link_load *load);

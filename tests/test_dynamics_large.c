@@ -4,6 +4,7 @@
 #include "mbs/dynamics/follow.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/statics.h"
+#include "mbs/dynamics/stepping.h"
 #include "tests/dynamics_run.h"
 
 #include "grammar/model/spatial.h"
@@ -302,6 +303,58 @@ TEST(many_redundant_pins_on_one_link)
     for (int i = 0; i < N; i++)
         CHECK_NEAR(many.q[3*(i + 1) + 2], two.q[5], 1e-9, 0);
     free(many.q), free(two.q);
+    lw_model_free(&m);
+}
+
+/* Weight and some drag as forces of the caller's own. */
+static void weight_and_drag(void *context, double t, const lw_link_motion *link, lw_link_load *load)
+{
+    const lw_model *m = context;
+    (void)t;
+    for (int l = 0; l < m->linkage.n_link; l++) {
+        load[l].force = lw_v2(-0.1*link[l].velocity.x, -9.81*m->body[l].mass - 0.1*link[l].velocity.y);
+        load[l].torque = -1e-4*link[l].angular_velocity;
+    }
+}
+
+static lw_status run_with(const lw_model *m, lw_formulation f, double *q, lw_dynamics_report *r, lw_error *e)
+{
+    kept k = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.formulation = f, o.relative = o.absolute = 1e-9, o.intervals = 4, o.to = 0.5;
+    o.force = (lw_caller_force){ (void *)(uintptr_t)m, weight_and_drag };
+    lw_status s = lw_dynamics_make(m, &o, &k.d, e);
+    if (s != LW_OK)
+        return s;
+    k.n_q = lw_dynamics_system(k.d)->n_q, k.q = q;
+    s = lw_dynamics_run(k.d, keep, &k, r, e);
+    lw_dynamics_free(k.d);
+    return s;
+}
+
+/* Stiff dampers are followed by the implicit method with a caller's force, too, and in pieces. */
+TEST(callers_force_keeps_the_implicit_method)
+{
+    lw_model m;
+    double q[2][3*6];
+    lw_dynamics_report r[2];
+    lw_error e = { 0 };
+    read_chain(6, 1, &m);
+    m.gravity = lw_v2(0, 0);
+    CHECK_INT(run_with(&m, LW_FORMULATION_AUTO, q[0], &r[0], &e), LW_OK);
+    CHECK_INT(r[0].formulation, LW_FORMULATION_RADAU);
+    CHECK_INT(run_with(&m, LW_FORMULATION_INDEX1, q[1], &r[1], &e), LW_OK);
+    CHECK(r[0].steps < r[1].steps/10);
+    for (int i = 0; i < 3*6; i++)
+        CHECK_NEAR(q[0][i], q[1][i], 1e-7, 0);
+    lw_model_free(&m);
+    read_chain(40, 0.1, &m);
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_stepping *s = NULL;
+    CHECK_INT(lw_stepping_make(&m, &o, &s, &e), LW_OK);
+    CHECK_INT(lw_stepping_advance(s, 0.1, NULL, NULL, &r[0], &e), LW_OK);
+    CHECK_INT(r[0].formulation, LW_FORMULATION_RADAU);
+    lw_stepping_free(s);
     lw_model_free(&m);
 }
 

@@ -175,6 +175,8 @@ lw_status lw_dynamics_restart(lw_dynamics *d, double from, double to, const doub
     memcpy(d->start_v, v, (size_t)d->n_v*sizeof *v);
     memcpy(d->start_z, z, (size_t)d->eq.n_z*sizeof *z);
     d->eq.place_states(d->eq.context, z);
+    if (!d->space)
+        d->eq.exact = lw_planar_exact(&d->planar);           /* forces of the caller's may have come or gone */
     free(d->reduced);
     d->reduced = NULL;
     d->decay_known = d->ideal_friction = false;

@@ -334,13 +334,12 @@ static void rates(void *context, const double *q, const double *v, double *dq)
     memcpy(dq, v, (size_t)((const lw_planar *)context)->s->n_q*sizeof *dq);
 }
 
-/* Are all derivatives known?  Not those of gears, ties and forces of the caller's. */
-static bool is_exact(const lw_planar *p)
+bool lw_planar_exact(const lw_planar *p)
 {
     bool gear = p->s->n_tie > 0;
     for (int j = 0; j < p->s->n_joint; j++)
         gear = gear || lw_joint_has_ratio(p->s->joint[j].kind);
-    return !gear && !p->f->caller.apply;
+    return !gear && lw_forces_caller_exact(p->f);
 }
 
 lw_equations lw_planar_equations(lw_planar *p)
@@ -353,7 +352,7 @@ lw_equations lw_planar_equations(lw_planar *p)
     return (lw_equations){ .n_q = p->s->n_q, .n_v = p->s->n_q, .n_block = p->s->n_body, .n_row = p->s->n_row,
                            .n_z = m->states.n_state, .z = p->f->z, .n_damper = m->n_spring + m->n_joint_spring + m->n_motor,
                            .mass = p->f->mass, .weight = p->f->weight, .unit = p->s->unit,
-                           .conservative = p->f->conservative, .exact = is_exact(p), .context = p, .name = name,
+                           .conservative = p->f->conservative, .exact = lw_planar_exact(p), .context = p, .name = name,
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,

@@ -11,4 +11,7 @@
 typedef struct lw_planar { const lw_system *s; const lw_forces *f; lw_body_frame *frames; bool hold_inputs; } lw_planar;
 lw_equations lw_planar_equations(lw_planar *p);
 
+/* Are all derivatives known?  Not those of gears and ties, nor of forces of the caller's in large models. */
+bool lw_planar_exact(const lw_planar *p);
+
 #endif

@@ -436,6 +436,8 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
     }
 }
 
+bool lw_forces_caller_exact(const lw_forces *f) { return !f->caller.apply || f->system->n_q <= LW_SYSTEM_Q_MAX; }
+
 /* Adds the generalised forces of the caller's loads; returns their power [W]. */
 static double add_caller(const lw_forces *f, double t, const double *q, const double *v, double *force)
 {
@@ -459,24 +461,26 @@ static double add_caller(const lw_forces *f, double t, const double *q, const do
     return power;
 }
 
-/* Adds the derivatives of the caller's loads by x, which is q or v, to out[row*n_q + column]: central differences. */
-static void add_caller_derivatives(const lw_forces *f, double t, const double *q, const double *v, bool by_rate,
-                                   double *out)
+/* Adds the derivatives of the caller's loads by q or v: central differences.  In large models all links are moved at once, and each
+ * load counts as one of its own link's motion. */
+static void add_caller_derivatives(const lw_forces *f, double t, const double *q, const double *v, bool by_rate, const sum *to)
 {
     const double step = 1e-6;                /* the error is about its square */
-    int n = f->system->n_q;
+    int n = to->n, passes = lw_forces_caller_exact(f) ? n : 3;
     double *x = f->caller_x, *side[2] = { x + n, x + 2*n };
-    memcpy(x, by_rate ? v : q, (size_t)n*sizeof *x);
-    for (int column = 0; column < n; column++) {
-        double middle = x[column];
+    for (int pass = 0; pass < passes; pass++) {
         for (int k = 0; k < 2; k++) {
+            memcpy(x, by_rate ? v : q, (size_t)n*sizeof *x);
             memset(side[k], 0, (size_t)n*sizeof *side[k]);
-            x[column] = middle + (k ? step : -step);
+            for (int column = pass; column < n; column += passes)
+                x[column] += k ? step : -step;
             add_caller(f, t, by_rate ? q : x, by_rate ? x : v, side[k]);
         }
-        x[column] = middle;
-        for (int row = 0; row < n; row++)
-            out[row*n + column] += (side[1][row] - side[0][row])/(2*step);
+        for (int column = pass; column < n; column += passes)
+            for (int row = passes < n ? column - pass : 0, i = 0; i < passes; i++, row++) {
+                double slope = (side[1][row] - side[0][row])/(2*step);
+                put(to, row, column, by_rate ? 0 : slope, by_rate ? slope : 0);
+            }
     }
 }
 
@@ -546,10 +550,8 @@ void lw_forces_apply(const lw_forces *f, double t, const double *q, const double
     apply_all(f, t, q, v, &to);
     if (f->caller.apply) {
         to.power += add_caller(f, t, q, v, force);
-        if (dq)
-            add_caller_derivatives(f, t, q, v, false, dq);
-        if (dv)
-            add_caller_derivatives(f, t, q, v, true, dv);
+        for (int by_rate = 0; dq && by_rate < 2; by_rate++)
+            add_caller_derivatives(f, t, q, v, by_rate, &to);
     }
     if (power)
         *power = to.power;
@@ -560,6 +562,10 @@ void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const 
 {
     sum to = { .n = f->system->n_q, .force = force, .sink = sink, .second = true };
     apply_all(f, t, q, v, &to);
+    if (f->caller.apply)
+        add_caller(f, t, q, v, force);
+    for (int by_rate = 0; f->caller.apply && by_rate < 2; by_rate++)
+        add_caller_derivatives(f, t, q, v, by_rate, &to);
     for (int i = 0; sink->add_state && i < f->model->states.n_state; i++)
         evaluate(f, f->model->states.state[i].rate, NULL, t, q, v, &(rows_of){ 1, { to.n + i }, { 1 }, true }, &to);
 }
@@ -657,6 +663,10 @@ void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink)
 {
     const lw_system *s = f->system;
     const lw_model *m = f->model;
+    for (int a = 0; f->caller.apply && a < s->n_body; a++)
+        for (int b = 0; b < s->n_body; b++)
+            if (a == b || lw_forces_caller_exact(f))
+                add_block(sink, a, b);
     for (int i = 0; i < m->n_spring; i++) {
         int body[2] = { s->body[m->spring[i].link[0]], s->body[m->spring[i].link[1]] };
         add_pair(sink, body);

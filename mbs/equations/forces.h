@@ -50,9 +50,12 @@ void      lw_forces_free(lw_forces *f);
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power);
 
-/* The same for large models; without the derivatives of the caller's forces. */
+/* The same for large models. */
 void lw_forces_derivatives(const lw_forces *f, double t, const double *q, const double *v, double *force,
                            const lw_force_sink *sink);
+
+/* Are the derivatives of the caller's forces complete?  In large models only those of the force on a link by its own motion are known. */
+bool lw_forces_caller_exact(const lw_forces *f);
 
 /* The same calls for every entry that can differ from 0, with any values, to learn the pattern. */
 void lw_forces_pattern(const lw_forces *f, const lw_force_sink *sink);
