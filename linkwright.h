@@ -658,7 +658,19 @@ LW_API lw_status lw_model_create(const lw_linkage *linkage, lw_model **out);
 LW_API lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error);
 LW_API lw_status lw_model_load(const char *path, lw_model **out, lw_error *error);
 LW_API void      lw_model_destroy(lw_model *model);
-LW_API const lw_linkage *lw_model_linkage(const lw_model *model);      /* belongs to the model; NULL: too large    */
+/* Belongs to the model.  NULL: it has more than 32 links, 64 joints, 8 inputs or 16 tracers; its parts are below. */
+LW_API const lw_linkage *lw_model_linkage(const lw_model *model);
+
+/* The parts of a model of any size, as those of a linkage.  Indices are those of samples. */
+LW_API int         lw_model_n_link(const lw_model *model);
+LW_API int         lw_model_n_joint(const lw_model *model);
+LW_API int         lw_model_n_input(const lw_model *model);
+LW_API int         lw_model_n_tracer(const lw_model *model);
+LW_API int         lw_model_ground(const lw_model *model);
+LW_API const char *lw_model_link_name(const lw_model *model, int link);
+LW_API lw_status   lw_model_joint(const lw_model *model, int joint, lw_joint_info *out);
+LW_API lw_status   lw_model_input(const lw_model *model, int input, lw_input_info *out);
+LW_API lw_status   lw_model_tracer(const lw_model *model, int tracer, lw_tracer_info *out);
 
 /* Sizes of plates in drawings for cutting and in solids [m]; 0, and for the clearance a value below 0: the usual
  * ones.  */
@@ -1321,6 +1333,9 @@ typedef struct lw_picture lw_picture;
 /* Diagram of a linkage with its curves, and the stations of a target (NULL: none).  title NULL: the linkage's name. */
 LW_API lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *target, const char *title,
                                        lw_picture **out, lw_error *error);
+/* The same of a model of any size, which must outlive the picture, with its outlines, ropes and springs. */
+LW_API lw_status lw_picture_of_model(const lw_model *model, const lw_target *target, const char *title, lw_picture **out,
+                                     lw_error *error);
 
 /* Mechanisms (n) on one page in so many columns.  caption (n): may be NULL, as may each. */
 LW_API lw_status lw_picture_of_mechanisms(int n, const lw_mechanism *const *mechanism, const char *const *caption,

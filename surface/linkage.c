@@ -176,7 +176,6 @@ lw_status lw_model_export(const lw_model *model, const char *format, const lw_pl
                           size_t *size, lw_error *error)
 {
     const lw_format *f = lw_format_find(format);
-    const lw_linkage *k;
     lw_bytes b = { 0 };
     lw_export_options o = { .model = model, .clearance = -1 };
     if (plates)
@@ -184,8 +183,8 @@ lw_status lw_model_export(const lw_model *model, const char *format, const lw_pl
     *out = NULL;
     if (!f || !f->write)
         return lw_error_set(error, LW_E_ARG, "there is no format '%s' to write", format);
-    lw_status s = lw_model_small(model, &k, error);
-    if (s == LW_OK && (s = lw_format_write(f, LW_VIEW(k), &o, &b, error)) != LW_OK)
+    lw_status s = lw_format_write(f, &model->linkage, &o, &b, error);
+    if (s != LW_OK)
         lw_bytes_free(&b);
     return s == LW_OK ? lw_surface_give(&b, out, size, error) : s;
 }
@@ -215,45 +214,77 @@ void lw_linkage_set_name(lw_linkage *linkage, const char *name)
     lw_text_clean(linkage->name, sizeof linkage->name, name);
 }
 
+/* ---- the parts of a linkage and of a model ------------------------------------------------------------------ */
+
+static lw_status joint_info(const lw_assembly *a, int joint, lw_joint_info *out)
+{
+    if (joint < 0 || joint >= a->n_joint)
+        return LW_E_ARG;
+    const lw_joint *j = &a->joint[joint];
+    *out = (lw_joint_info){ .name = j->name, .kind = (char)j->kind, .link = { j->link[0], j->link[1] }, .at = j->at,
+                            .along = j->along, .ratio = j->ratio };
+    return LW_OK;
+}
+
+static lw_status input_info(const lw_assembly *a, int input, lw_input_info *out)
+{
+    if (input < 0 || input >= a->n_input)
+        return LW_E_ARG;
+    const lw_input *i = &a->input[input];
+    *out = (lw_input_info){ .joint = i->joint, .value = i->value, .first = i->first, .last = i->last,
+                            .ratio = i->ratio };
+    return LW_OK;
+}
+
+static lw_status tracer_info_of(const lw_assembly *a, int tracer, lw_tracer_info *out)
+{
+    if (tracer < 0 || tracer >= a->n_tracer)
+        return LW_E_ARG;
+    const lw_tracer *t = &a->tracer[tracer];
+    *out = (lw_tracer_info){ .name = t->name, .link = t->link, .at = t->at, .angle = t->angle };
+    return LW_OK;
+}
+
 int lw_linkage_n_link(const lw_linkage *linkage) { return linkage->n_link; }
 int lw_linkage_n_joint(const lw_linkage *linkage) { return linkage->n_joint; }
 int lw_linkage_n_input(const lw_linkage *linkage) { return linkage->n_input; }
 int lw_linkage_n_tracer(const lw_linkage *linkage) { return linkage->n_tracer; }
 int lw_linkage_ground(const lw_linkage *linkage) { return linkage->ground; }
 
+int lw_model_n_link(const lw_model *model) { return model->linkage.n_link; }
+int lw_model_n_joint(const lw_model *model) { return model->linkage.n_joint; }
+int lw_model_n_input(const lw_model *model) { return model->linkage.n_input; }
+int lw_model_n_tracer(const lw_model *model) { return model->linkage.n_tracer; }
+int lw_model_ground(const lw_model *model) { return model->linkage.ground; }
+
 const char *lw_linkage_link_name(const lw_linkage *linkage, int link)
 {
     return link >= 0 && link < linkage->n_link ? linkage->link_name[link] : NULL;
 }
 
+const char *lw_model_link_name(const lw_model *model, int link)
+{
+    return link >= 0 && link < model->linkage.n_link ? model->linkage.link_name[link] : NULL;
+}
+
 lw_status lw_linkage_joint(const lw_linkage *linkage, int joint, lw_joint_info *out)
 {
-    if (joint < 0 || joint >= linkage->n_joint)
-        return LW_E_ARG;
-    const lw_joint *j = &linkage->joint[joint];
-    *out = (lw_joint_info){ .name = j->name, .kind = (char)j->kind, .link = { j->link[0], j->link[1] }, .at = j->at,
-                            .along = j->along, .ratio = j->ratio };
-    return LW_OK;
+    return joint_info(LW_VIEW(linkage), joint, out);
 }
 
 lw_status lw_linkage_input(const lw_linkage *linkage, int input, lw_input_info *out)
 {
-    if (input < 0 || input >= linkage->n_input)
-        return LW_E_ARG;
-    const lw_input *i = &linkage->input[input];
-    *out = (lw_input_info){ .joint = i->joint, .value = i->value, .first = i->first, .last = i->last,
-                            .ratio = i->ratio };
-    return LW_OK;
+    return input_info(LW_VIEW(linkage), input, out);
 }
 
 lw_status lw_linkage_tracer(const lw_linkage *linkage, int tracer, lw_tracer_info *out)
 {
-    if (tracer < 0 || tracer >= linkage->n_tracer)
-        return LW_E_ARG;
-    const lw_tracer *t = &linkage->tracer[tracer];
-    *out = (lw_tracer_info){ .name = t->name, .link = t->link, .at = t->at, .angle = t->angle };
-    return LW_OK;
+    return tracer_info_of(LW_VIEW(linkage), tracer, out);
 }
+
+lw_status lw_model_joint(const lw_model *model, int joint, lw_joint_info *out) { return joint_info(&model->linkage, joint, out); }
+lw_status lw_model_input(const lw_model *model, int input, lw_input_info *out) { return input_info(&model->linkage, input, out); }
+lw_status lw_model_tracer(const lw_model *model, int tracer, lw_tracer_info *out) { return tracer_info_of(&model->linkage, tracer, out); }
 
 lw_status lw_linkage_set_tracer(lw_linkage *linkage, int tracer, const lw_tracer_info *tracer_info, lw_error *error)
 {

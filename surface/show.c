@@ -23,8 +23,8 @@ struct lw_picture {
     lw_drawing drawing;
 };
 
-lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *target, const char *title, lw_picture **out,
-                                lw_error *error)
+static lw_status picture_of(const lw_assembly *parts, const lw_model *model, const lw_target *target, const char *title,
+                            lw_picture **out, lw_error *error)
 {
     lw_scene_options o = lw_scene_options_default();
     lw_picture *p = calloc(1, sizeof *p);
@@ -32,13 +32,26 @@ lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *targ
     if (!p)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     o.title = title;
+    o.model = model;
     p->moves = true;
-    lw_status s = lw_scene_make(linkage, target && target->x ? target : NULL, &o, &p->scene, error);
+    lw_status s = lw_scene_make_any(parts, model, target && target->x ? target : NULL, &o, &p->scene, error);
     if (s == LW_OK)
         *out = p;
     else
         lw_picture_destroy(p);
     return s;
+}
+
+lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *target, const char *title, lw_picture **out,
+                                lw_error *error)
+{
+    return picture_of(LW_VIEW(linkage), NULL, target, title, out, error);
+}
+
+lw_status lw_picture_of_model(const lw_model *model, const lw_target *target, const char *title, lw_picture **out,
+                              lw_error *error)
+{
+    return picture_of(&model->linkage, model, target, title, out, error);
 }
 
 lw_status lw_picture_of_mechanisms(int n, const lw_mechanism *const *mechanism, const char *const *caption, int columns,

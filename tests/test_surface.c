@@ -298,6 +298,90 @@ static lw_status see_mode(void *n, const lw_vibration_info *mode)
     return LW_OK;
 }
 
+static lw_status see_sample(void *context, const lw_simulation_sample *sample)
+{
+    *(lw_vec2 *)context = sample->tracer[0];
+    return LW_OK;
+}
+
+/* A row of parallelograms with more parts than a linkage holds: its parts, run, stepper, picture and exports. */
+TEST(models_of_any_size)
+{
+    enum { N = 60 };
+    char *text = malloc(200*(2*N + 1)*4), *at = text, *out = NULL;
+    at += sprintf(at, "{\"linkwright\": 1, \"links\": [\"ground\", \"c0\"");
+    for (int i = 1; i <= N; i++)
+        at += sprintf(at, ", \"c%d\", \"r%d\"", i, i);
+    at += sprintf(at, "], \"joints\": [{\"links\": [\"ground\", \"c0\"], \"name\": \"A0\", \"at\": [0, 0]}");
+    for (int i = 1; i <= N; i++)
+        at += sprintf(at, ", {\"links\": [\"ground\", \"c%d\"], \"name\": \"A%d\", \"at\": [%d, 0]}, {\"links\": [\"c%d\", \"r%d\"], \"name\": "
+                      "\"B%d\", \"at\": [%d, 1]}, {\"links\": [\"r%d\", \"c%d\"], \"name\": \"C%d\", \"at\": [%d, 1]}", i, i, i, i - 1, i, i,
+                      i - 1, i, i, i, i);
+    at += sprintf(at, "], \"input\": {\"joint\": \"A0\", \"value\": 0, \"motion\": \"0.5*t\"}, \"tracers\": [{\"name\": \"P\", \"link\": \"c%d\","
+                  " \"at\": [%d, 1]}]}", N, N);
+    lw_model *m = NULL;
+    lw_simulation *run = NULL;
+    lw_stepper *stepper = NULL;
+    lw_picture *picture = NULL;
+    lw_joint_info joint;
+    lw_input_info input;
+    lw_tracer_info tracer;
+    lw_simulation_report report;
+    lw_error e = { 0 };
+    size_t size;
+    lw_vec2 end = { 0, 0 };
+    CHECK_INT(lw_model_parse(text, (size_t)(at - text), NULL, &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK(lw_model_linkage(m) == NULL);
+    CHECK_INT(lw_model_n_link(m), 2*N + 2);
+    CHECK_INT(lw_model_n_joint(m), 3*N + 1);
+    CHECK_INT(lw_model_n_input(m), 1);
+    CHECK_INT(lw_model_n_tracer(m), 1);
+    CHECK_TEXT(lw_model_link_name(m, lw_model_ground(m)), "ground");
+    CHECK_TEXT(lw_model_link_name(m, 2*N), "c60");
+    CHECK(lw_model_link_name(m, 2*N + 2) == NULL);
+    CHECK_INT(lw_model_joint(m, 3*N, &joint), LW_OK);
+    CHECK_TEXT(joint.name, "C60");
+    CHECK_NEAR(joint.at.x, N, 0, 0);
+    CHECK_INT(lw_model_joint(m, 3*N + 1, &joint), LW_E_ARG);
+    CHECK_INT(lw_model_input(m, 0, &input), LW_OK);
+    CHECK_INT(input.joint, 0);
+    CHECK_INT(lw_model_tracer(m, 0, &tracer), LW_OK);
+    CHECK_INT(lw_model_tracer(m, 1, &tracer), LW_E_ARG);
+    CHECK_TEXT(lw_model_link_name(m, tracer.link), "c60");
+    lw_simulation_options o = lw_simulation_options_default();
+    o.intervals = 4;
+    CHECK_INT(lw_simulation_create(m, &o, &run, &e), LW_OK);
+    CHECK_INT(lw_simulation_run(run, see_sample, &end, &report, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_NEAR(end.x, N - sin(0.5), 1e-9, 0);
+    CHECK_NEAR(end.y, cos(0.5), 1e-9, 0);
+    lw_simulation_destroy(run);
+    for (int link = 0; link < lw_model_n_link(m); link++) {
+        bool crank = lw_model_link_name(m, link)[0] == 'c';
+        int i = atoi(lw_model_link_name(m, link) + 1);
+        if (link != lw_model_ground(m))
+            CHECK_INT(lw_model_set_mass(m, link, 1, (lw_vec2){ crank ? i : i - 0.5, crank ? 0.5 : 1 }, 0.1), LW_OK);
+    }
+    CHECK_INT(lw_stepper_create(m, &o, &stepper, &e), LW_OK);
+    CHECK_INT(lw_stepper_advance(stepper, 0.5, &e), LW_OK);
+    CHECK_NEAR(lw_stepper_sample(stepper)->link[2*N].angle, 0.25, 1e-9, 0);
+    lw_stepper_destroy(stepper);
+    static const char *const formats[] = { "json", "pyslvs", "pmks", "adams", "mjcf", "urdf", "sdf", "slvs", "poses", "motiongen" };
+    for (size_t i = 0; i < sizeof formats/sizeof *formats; i++) {
+        CHECK_INT(lw_model_export(m, formats[i], NULL, &out, &size, &e), LW_OK);
+        CHECK(size > 10*(3*N + 1));                  /* each joint is there */
+        lw_free(out);
+    }
+    CHECK_INT(lw_picture_of_model(m, NULL, NULL, &picture, &e), LW_OK);
+    CHECK_INT(lw_picture_write(picture, "svg", 0, 0, &out, &size, &e), LW_OK);
+    CHECK_HAS(out, "<svg");
+    lw_free(out);
+    lw_picture_destroy(picture);
+    lw_model_destroy(m);
+    free(text);
+}
+
 /* A mass matrix that GSL cannot factor, which its handler hears of, and loads beyond all bounds. */
 static void *vibrate(void *unused)
 {

@@ -552,8 +552,9 @@ static int run_large(const job *j)
     lw_error e = { 0 };
     for (size_t i = 0; i < sizeof small/sizeof *small; i++)
         if (cli_given(&call->parsed, small[i]))
-            return cli_usage(call, "--%s is for linkages of at most %d links, %d joints, %d inputs and %d tracers", small[i],
-                             LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
+            return cli_usage(call, "--%s is for linkages of at most %d links, %d joints, %d inputs and %d tracers: it needs steps that are "
+                             "shown not to jump, which larger ones do not have", small[i], LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX,
+                             LW_TRACER_MAX);
     if (s->explain)
         return explain_large(call, j->m);
     if (s->range && read_range(s, range, &e) != LW_OK)

@@ -300,7 +300,8 @@ int cli_simulate_linear(const cli_call *call, lw_model *m, lw_spatial *space, co
     const lw_linkage *small;
     bool large = space || m->n_elastic || lw_model_small(m, &small, NULL) != LW_OK;
     if (large && o->fft)
-        lw_error_set(&e, LW_E_KIND, "--fft is for models of at most %d rigid links", LW_LINK_MAX);
+        lw_error_set(&e, LW_E_KIND, "--fft compares all modes and is for models of at most %d rigid links; larger ones give the "
+                     "slowest modes", LW_LINK_MAX);
     if (e.status != LW_OK || (large ? open_large(l, &e) : open_small(l, &e)) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
         free_linear(l);
         return cli_fail(call, &e);

@@ -213,11 +213,10 @@ lw_status lw_counterweights_find(const lw_model *m, const lw_system *s, size_t n
 {
     balance b = { .m = m, .s = s, .n_posture = n_posture, .q = q };
     double p[UNKNOWNS] = { 0 };
-    const lw_linkage *small;
     *out = (lw_counterweights){ .n = 0 };
-    lw_status fits = lw_model_small(m, &small, e);
-    if (fits != LW_OK)
-        return fits;
+    if (!m->small)
+        return lw_error_set(e, LW_E_KIND, "counterweights are chosen link by link, each from all postures, for at most %d links and %d "
+                            "joints; this model has %d and %d", LW_LINK_MAX, LW_JOINT_MAX, m->linkage.n_link, m->linkage.n_joint);
     if (m->n_elastic)
         return lw_error_set(e, LW_E_KIND, "counterweights are found for rigid links; make the elastic ones rigid (--rigid)");
     find_links(&b);

@@ -8,8 +8,8 @@ from typing import Callable, Optional, Union
 import numpy as np
 
 from ._c import ffi, lib
-from ._core import Calls, check, fill, interruptible, new_error, plain
-from .linkage import Linkage
+from ._core import Calls, Error, chars, check, fill, interruptible, new_error, plain, take_bytes
+from .linkage import Linkage, inputs_of, joints_of, picture, tracers_of
 
 
 class Simulation:
@@ -92,7 +92,44 @@ class Model:
 
     @property
     def linkage(self) -> Linkage:
-        return Linkage(ffi.cast("lw_linkage *", lib.lw_model_linkage(self._handle)), owner=self)
+        """Error: the model has more than 32 links, 64 joints, 8 inputs or 16 tracers."""
+        found = lib.lw_model_linkage(self._handle)
+        if found == ffi.NULL:
+            raise Error("the model has more parts than a Linkage holds (32 links, 64 joints, 8 inputs, 16 tracers): "
+                        "use links, joints, inputs, tracers, export and picture of the model", "LW_E_KIND")
+        return Linkage(ffi.cast("lw_linkage *", found), owner=self)
+
+    @property
+    def links(self) -> int:
+        return lib.lw_model_n_link(self._handle)
+
+    @property
+    def link_names(self) -> list[str]:
+        return [ffi.string(lib.lw_model_link_name(self._handle, i)).decode() for i in range(self.links)]
+
+    @property
+    def joints(self) -> list[dict]:
+        return joints_of("model", self._handle)
+
+    @property
+    def inputs(self) -> list[dict]:
+        return inputs_of("model", self._handle)
+
+    @property
+    def tracers(self) -> list[dict]:
+        return tracers_of("model", self._handle)
+
+    def export(self, format: str) -> bytes:
+        """As Linkage.export, with masses and loads where the format holds them; for models of any size."""
+        out, size, error = ffi.new("char **"), ffi.new("size_t *"), new_error()
+        check(lib.lw_model_export(self._handle, format.encode(), ffi.NULL, out, size, error), error)
+        return take_bytes(out[0], size[0])
+
+    def picture(self, kind: str = "svg", title: Optional[str] = None, width: int = 0, height: int = 0) -> bytes:
+        """As Linkage.picture, for models of any size."""
+        out, error, keep = ffi.new("lw_picture **"), new_error(), []
+        check(lib.lw_picture_of_model(self._handle, ffi.NULL, chars(title, keep), out, error), error)
+        return picture(out[0], kind, width, height)
 
     @property
     def states(self) -> list[str]:
@@ -131,9 +168,8 @@ class Model:
             options["from"] = options.pop("from_")
         fill(what, {**options, "to": to, "intervals": n}, keep, special=("stop", "force"))
         what.stop = stop
-        linkage = lib.lw_model_linkage(self._handle)
-        links, joints = lib.lw_linkage_n_link(linkage), lib.lw_linkage_n_joint(linkage)
-        inputs, tracers = lib.lw_linkage_n_input(linkage), lib.lw_linkage_n_tracer(linkage)
+        links, joints, inputs, tracers = (getattr(lib, "lw_model_n_" + what)(self._handle)
+                                          for what in ("link", "joint", "input", "tracer"))
         states = lib.lw_model_n_state(self._handle)
 
         def visit(s):
@@ -187,7 +223,7 @@ class Stepper:
             options["from"] = options.pop("from_")
         fill(what, options, keep, special=("stop", "force"))
         self._model, self._names = model, model.states
-        self._links = lib.lw_linkage_n_link(lib.lw_model_linkage(model._handle))
+        self._links = model.links
         check(lib.lw_stepper_create(model._handle, what, out, error), error)
         self._handle = ffi.gc(out[0], lib.lw_stepper_destroy)
 

@@ -34,6 +34,30 @@ def picture(handle, kind, width=0, height=0):
     return take_bytes(out[0], size[0])
 
 
+def _parts(owner, what, handle):
+    """Infos of all joints, inputs or tracers of a linkage or a model."""
+    info, found = ffi.new(f"lw_{what}_info *"), []
+    for i in range(getattr(lib, f"lw_{owner}_n_{what}")(handle)):
+        check(getattr(lib, f"lw_{owner}_{what}")(handle, i, info))
+        found.append(plain(info[0]))
+    return found
+
+
+def joints_of(owner, handle):
+    joints = _parts(owner, "joint", handle)
+    for joint in joints:
+        joint["kind"] = joint["kind"].decode()
+    return joints
+
+
+def inputs_of(owner, handle):
+    return _parts(owner, "input", handle)
+
+
+def tracers_of(owner, handle):
+    return _parts(owner, "tracer", handle)
+
+
 class Trace(NamedTuple):
     """A tracer's path: arrays (n)."""
 
@@ -138,30 +162,20 @@ class Linkage:
         """Gruebler's count; analyse_mobility() tells what is true of these lengths."""
         return lib.lw_linkage_mobility(self._handle)
 
-    def _list(self, what):
-        info, found = ffi.new(f"lw_{what}_info *"), []
-        for i in range(getattr(lib, f"lw_linkage_n_{what}")(self._handle)):
-            check(getattr(lib, f"lw_linkage_{what}")(self._handle, i, info))
-            found.append(plain(info[0]))
-        return found
-
     @property
     def joints(self) -> list[dict]:
         """name, kind (r t p g f), link, at, along, ratio of each."""
-        joints = self._list("joint")
-        for joint in joints:
-            joint["kind"] = joint["kind"].decode()
-        return joints
+        return joints_of("linkage", self._handle)
 
     @property
     def inputs(self) -> list[dict]:
         """joint, value, first, last, ratio of each."""
-        return self._list("input")
+        return inputs_of("linkage", self._handle)
 
     @property
     def tracers(self) -> list[dict]:
         """name, link, at, angle of each."""
-        return self._list("tracer")
+        return tracers_of("linkage", self._handle)
 
     def set_tracer(self, tracer: int, link: int, at: tuple[float, float], angle: float = 0,
                    name: Optional[str] = None) -> None:

@@ -137,6 +137,28 @@ def test_errors_carry_the_text_and_the_place(tmp_path):
         lw.fit(lw.Target.load(EXAMPLES / "ellipse.csv"), seconds=1)
 
 
+def test_models_of_any_size():
+    n = 40
+    joints = [{"name": "A0", "links": ["ground", "c0"], "at": [0, 0]}]
+    for i in range(1, n + 1):
+        joints += [{"name": f"A{i}", "links": ["ground", f"c{i}"], "at": [i, 0]},
+                   {"name": f"B{i}", "links": [f"c{i - 1}", f"r{i}"], "at": [i - 1, 1]},
+                   {"name": f"C{i}", "links": [f"r{i}", f"c{i}"], "at": [i, 1]}]
+    model = lw.Model.from_dict({"linkwright": 1, "ground": "ground", "joints": joints,
+                                "input": {"joint": "A0", "value": 0, "motion": "0.5*t"},
+                                "tracers": [{"name": "P", "link": f"c{n}", "at": [n, 1]}]})
+    with pytest.raises(lw.Error):
+        model.linkage
+    assert model.links == len(model.link_names) == 2*n + 2
+    assert [j["name"] for j in model.joints] == [j["name"] for j in joints]
+    assert model.inputs[0]["joint"] == 0 and model.tracers[0]["link"] == model.link_names.index(f"c{n}")
+    run = model.simulate(to=1, n=4)
+    assert run.link.shape == (5, 2*n + 2, 6)
+    assert np.allclose(run.tracer[-1, 0], [n - math.sin(0.5), math.cos(0.5)], atol=1e-9)
+    assert len(model.export("pmks").splitlines()) > 2*n           # one for each pin
+    assert b"<svg" in model.picture("svg")
+
+
 def test_pendulum_keeps_its_energy_and_obeys_a_force_of_ones_own():
     model = lw.Model.load(EXAMPLES / "pendulum.json")
     run = model.simulate(to=2, n=50)
