@@ -15,7 +15,7 @@
 
 /* ---- runs -------------------------------------------------------------------------------------------------- */
 
-typedef struct record { const lw_space *s; lw_dynamics *d; int n; double energy[401]; lw_vec3 at[401], linear[401], angular[401]; double stress; } record;
+typedef struct record { const lw_space *s; lw_dynamics *d; int n; double energy[401]; lw_vec3 at[401], linear[401], angular[401]; int nodes; lw_space_inner inner[64]; } record;
 
 static lw_status keep(void *context, const lw_moment *moment)
 {
@@ -28,9 +28,8 @@ static lw_status keep(void *context, const lw_moment *moment)
     r->energy[r->n] = o.kinetic + o.potential;
     lw_space_momentum(r->s, o.frame, o.v, &r->linear[r->n], &r->angular[r->n]);
     if (lw_dynamics_spatial_elastic(r->d)) {
-        lw_space_inner inner[64];
-        lw_dynamics_space_inner(r->d, &o, 0, inner);
-        r->stress = inner[0].stress;
+        lw_dynamics_space_inner(r->d, &o, 0, r->inner);
+        r->nodes = lw_dynamics_spatial_elastic(r->d)->chain[0].n_bound;
     }
     r->n++;
     return LW_OK;
@@ -160,7 +159,7 @@ TEST(height)
         z[k] = r.at[0].z;
         CHECK_NEAR(z[k], exact, 0, 1e-7);
         if (k < 2)
-            CHECK_NEAR(fabs(r.stress), stress, 0, 1e-6);
+            CHECK_NEAR(fabs(r.inner[0].stress), stress, 0, 1e-6);
     }
     CHECK_NEAR(z[2], z[0], 1e-12, 0);
 }
@@ -410,16 +409,17 @@ static lw_status read_bar(lw_spatial *m, const char *elastic, double gravity, do
 #define BAR "'section': {'shape': 'box', 'width': 0.05, 'height': 0.08, 'wall': 0.004}, 'height': [0, 0, 1], 'material': " STEEL \
             ", 'axis': [[0, 0, 0], [2, 0, 0]]"
 
+static record sagged;
+
 static double sag(const char *elastic, double gravity, double force)
 {
-    static record r;
     lw_spatial m;
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_STATIC;
     if (read_bar(&m, elastic, gravity, force) != LW_OK)
         return NAN;
-    run(&m, o, &r);
-    return r.at[0].z;
+    run(&m, o, &sagged);
+    return sagged.at[0].z;
 }
 
 static void write_matrix(const char *path, int n, const double *a)
@@ -446,6 +446,13 @@ TEST(condensed)
         char text[500];
         snprintf(text, sizeof text, BAR ", 'segments': 20, 'superelements': %d", pieces);
         CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-9, 0);
+        CHECK_INT(sagged.nodes, pieces + 1);
+        for (int i = 0; i <= pieces; i++) {  /* statics of a bar: what hangs beyond a node */
+            double beyond = 2 - 2.0*i/pieces, line = 0.1*7850*(0.05*0.08 - 0.042*0.072);
+            CHECK_NEAR(sagged.inner[i].shear[0], -line*beyond - 1, 1e-5, 0);
+            CHECK_NEAR(sagged.inner[i].bending[1], -line*beyond*beyond/2 - beyond, 1e-5, 0);
+            CHECK_NEAR(sagged.inner[i].normal, 0, 1e-4, 0);
+        }
         read_bar(&m, text, 0, 0);
         frequencies(&m, false, 4, f[1]);
         double error = f[1][0]/f[0][0] - 1;                          /* of a cubic: 0.5 % */
@@ -612,6 +619,11 @@ TEST(condensed_swing)
             lost = fmax(lost, fabs(r.energy[i] - r.energy[0]));
         }
         CHECK(modes < 0 || (worst < before && lost < 1e-5));
+        if (modes >= 0) {                    /* nothing pulls at the free end; the bar weighs 24 N */
+            const lw_space_inner *end = &r.inner[r.nodes - 1];
+            CHECK_NEAR(end->normal, 0, 1e-4, 0);
+            CHECK_NEAR(hypot(end->shear[0], end->shear[1]), 0, 1e-4, 0);
+        }
         before = modes < 0 ? before : worst;
     }
 }
@@ -679,7 +691,7 @@ TEST(superelement_derivatives)
         node[i] = (lw_beam_node){ .at = lw_v3_add(at[i], away) };
         node[i].turn = lw_quaternion_matrix(lw_quaternion_times(lw_quaternion_of_vector(about), lw_quaternion_of_matrix(&turn[i])));
     }
-    lw_superelement p = { N, NULL, at, stiffness, mass, first, lump, 0, { 0.2, -0.1, 0.3 } };
+    lw_superelement p = { .n = N, .at = at, .stiffness = stiffness, .mass = mass, .first = first, .lump = lump, .beside = { 0.2, -0.1, 0.3 } };
     CHECK_INT(lw_super_make(&p, turn, lw_v3(1, -2, 9), &s), LW_OK);
     lw_super_at(&s, node, force[0], by_x, by_v, &power);
     double h = 1e-5;

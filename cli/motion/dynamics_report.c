@@ -109,9 +109,9 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
         cli_note(c, "%d spin%s of links between ball joints %s held", idle, idle == 1 ? "" : "s", idle == 1 ? "is" : "are");
     const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);
     for (int k = 0; x && k < x->n_chain; k++)
-        if (x->chain[k].condensed) {
+        if (x->chain[k].elastic->n_node > 0) {
             const char *name = lw_dynamics_space(d)->model->body[x->chain[k].link].name;           /* of node 0, NAME.0 */
-            cli_note(c, "elastic link \"%.*s\" is condensed: its inner forces are known at its joints only, as their reactions",
+            cli_note(c, "elastic link \"%.*s\" has no section: its inner forces are known at its joints only, as their reactions",
                      (int)strlen(name) - 2, name);
         }
     if (lw_dynamics_many_drives(d))

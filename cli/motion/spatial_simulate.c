@@ -97,7 +97,7 @@ static void add_inner(run *r)
     static const char *const of[] = { "normal", "shear_y", "shear_z", "torque", "bending_y", "bending_z" };
     const lw_elastic_chain *c;
     for (int k = 0; (c = chain_of(r, k)); k++)
-        for (int i = 0; i < c->n_node && !c->condensed; i++) {
+        for (int i = 0; i < c->n_bound && c->elastic->n_node == 0; i++) {
             for (int p = 0; p < 6; p++)
                 add(r, r->m->body[c->node[i]].name, of[p], p < 3 ? "N" : "N m", 1);
             add(r, r->m->body[c->node[i]].name, "stress", "N/m^2", 1);
@@ -161,7 +161,7 @@ static double *put_inner(const run *r, const lw_space_moment *o, double *to)
     const lw_elastic_chain *c;
     for (int k = 0; (c = chain_of(r, k)); k++) {
         lw_dynamics_space_inner(r->d, o, k, r->inner);
-        for (int i = 0; i < c->n_node && !c->condensed; i++) {
+        for (int i = 0; i < c->n_bound && c->elastic->n_node == 0; i++) {
             const lw_space_inner *p = &r->inner[i];
             const double all[] = { p->normal, p->shear[0], p->shear[1], p->torque, p->bending[0], p->bending[1], p->stress };
             memcpy(to, all, sizeof all);

@@ -133,6 +133,7 @@ typedef struct lw_superelement {
     double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
     double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
     double   damping;                    /* [s]                                                        */
+    lw_mat3  section[2];                 /* of a bar: axes of its section at its two ends in the posture, x along it */
     lw_vec3  beside;                     /* first moment about the first node that the nodes' places do not give `first` [kg m] */
 } lw_superelement;
 

@@ -421,24 +421,53 @@ const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d)
     return d->elastic && d->space ? &d->spatial_expansion : NULL;
 }
 
+/* Add what acts at one end of a part of a bar to the node there: force and moment of the part on its first node, or of the node
+ * on the part at its second. */
+static void add_inner(const lw_elastic_chain *c, int node, int nodes, const lw_mat3 *axes, lw_vec3 force, lw_vec3 moment, lw_space_inner *to)
+{
+    double share = node == 0 || node == nodes - 1 ? 1 : 0.5;
+    lw_vec3 f = lw_m3_unapply(axes, force), m = lw_m3_unapply(axes, moment);
+    double stress = lw_section_stress_space(&c->elastic->section, f.x, m.y, m.z);
+    to->normal += share*f.x;
+    to->shear[0] += share*f.y, to->shear[1] += share*f.z;
+    to->torque += share*m.x;
+    to->bending[0] += share*m.y, to->bending[1] += share*m.z;
+    to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+}
+
+/* Of a condensed bar: the superelement with its weight pushes its nodes, whose lumps it also accelerates. */
+static void add_inner_of_piece(const lw_dynamics *d, const lw_space_moment *m, const lw_elastic_chain *c, int i, lw_space_inner *out)
+{
+    const lw_space *s = &d->space->s;
+    const lw_superelement *p = &d->space->model->super[c->first_beam + i];
+    const double *push = lw_space_super(&d->space->f, m->frame, m->v, c->first_beam + i);
+    for (int end = 0; end < 2; end++) {
+        int b = s->body_of[p->link[end]];
+        const double *a = m->a + 6*b, *f = push + 6*end, sign = end ? -1 : 1;
+        lw_mat3 start = lw_quaternion_matrix(s->axes[b]), axes;
+        lw_vec3 column[3], force = lw_v3_sub(lw_v3(f[0], f[1], f[2]), lw_v3_scale(lw_v3(a[0], a[1], a[2]), s->unit*p->lump[end]));
+        for (int k = 0; k < 3; k++)
+            column[k] = lw_m3_apply(&m->frame[b + 1].turn, lw_m3_unapply(&start, lw_m3_column(&p->section[end], k)));
+        axes = lw_m3_columns(column[0], column[1], column[2]);
+        add_inner(c, i + end, c->n_bound, &axes, lw_v3_scale(force, sign), lw_v3_scale(lw_v3(f[3], f[4], f[5]), sign), &out[i + end]);
+    }
+}
+
 void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int chain, lw_space_inner *out)
 {
     const lw_elastic_chain *c = &d->spatial_expansion.chain[chain];
     memset(out, 0, (size_t)c->n_node*sizeof *out);
-    for (int i = 0; i + 1 < c->n_node && !c->condensed; i++) {
+    for (int i = 0; i + 1 < c->n_bound && c->elastic->n_node == 0; i++) {
         lw_beam_space_state z;
+        if (c->condensed) {
+            add_inner_of_piece(d, m, c, i, out);
+            continue;
+        }
         lw_space_beam(&d->space->f, m->frame, m->v, c->first_beam + i, false, &z);
         for (int end = 0; end < 2; end++) {
-            lw_space_inner *to = &out[i + end];
             const double *about = z.force + 3 + 6*end, sign = end ? -1 : 1;
-            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5;
-            lw_vec3 moment = lw_v3_scale(lw_m3_unapply(&z.frame, lw_v3(about[0], about[1], about[2])), sign);
-            double stress = lw_section_stress_space(&c->elastic->section, z.inner[0], moment.y, moment.z);
-            to->normal += share*z.inner[0];
-            to->shear[0] += share*z.inner[1], to->shear[1] += share*z.inner[2];
-            to->torque += share*moment.x;
-            to->bending[0] += share*moment.y, to->bending[1] += share*moment.z;
-            to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
+            lw_vec3 force = lw_m3_apply(&z.frame, lw_v3(z.inner[0], z.inner[1], z.inner[2]));
+            add_inner(c, i + end, c->n_bound, &z.frame, force, lw_v3_scale(lw_v3(about[0], about[1], about[2]), sign), &out[i + end]);
         }
     }
 }

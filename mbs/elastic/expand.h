@@ -15,7 +15,7 @@ typedef struct lw_elastic_chain {
     const lw_elastic *elastic;       /* the model's */
     int    n_node, *node;            /* links of the expanded model, along the axis */
     int    n_bound;                  /* condensed: of the nodes, how many are places; those behind them carry modes */
-    int    first_beam;               /* element i is between nodes i and i + 1: beam[first_beam + i] */
+    int    first_beam;               /* element i is between nodes i and i + 1: beam[first_beam + i]; of a condensed bar super[] */
     bool   condensed;                /* superelements between the nodes instead (in space) */
     double length, mass;             /* [m] [kg] */
     double frequency;                /* up to which elements chosen by themselves are good to 1 %; 0: their number was given [Hz] */

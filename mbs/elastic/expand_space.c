@@ -246,7 +246,7 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
     double total, rigid[6], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
     lw_vec3 centre;
     *p = (lw_superelement){ n, calloc((size_t)n, sizeof *p->link), calloc((size_t)n, sizeof *p->at), stiffness, mass,
-                            calloc(18*(size_t)n, sizeof *p->first), lump, damping, { 0, 0, 0 } };
+                            calloc(18*(size_t)n, sizeof *p->first), lump, damping, { { { { 0, 0, 0 } } } }, { 0, 0, 0 } };
     lw_status s = lump && inertia && p->link && p->at && p->first ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < n; i++)
         p->link[i] = link[i], p->at[i] = to->body[link[i]].centre;
@@ -338,6 +338,7 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     lw_status s = all.node && mesh.model.body && mesh.model.beam ? fill_nodes(w, c, kept, NULL, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = fill_chain(&part, 0, e);
+    c->first_beam = w->x->model.n_super;
     for (int i = 0, first = 0; s == LW_OK && i + 1 < kept->n_node; i++) {
         int last = first + 1;
         double *stiffness, *mass;
@@ -356,6 +357,9 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
             free(stiffness), free(mass);
             lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
         }
+        if (s == LW_OK)
+            for (int end = 0; end < 2; end++)
+                w->x->model.super[c->first_beam + i].section[end] = mesh.model.beam[end ? last - 1 : first].axes;
         first = last;
     }
     free(all.node), free(mesh.model.body), free(mesh.model.beam);

@@ -686,6 +686,13 @@ static void push_beam(sum *s, int i)
     s->power += at.power;
 }
 
+const double *lw_space_super(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i)
+{
+    double power;
+    lw_super_at(&f->super[i], super_nodes(f, frame, v, i), f->super_work, NULL, NULL, &power);
+    return f->super_work;
+}
+
 static void push_super(sum *s, int i)
 {
     const lw_space *space = s->f->s;

@@ -102,6 +102,9 @@ void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n,
 void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
                    lw_beam_space_state *out);
 
+/* Force and moment of superelement i on each of its nodes at one moment, with its weight (6n; scratch of f), ground axes [N] [N m]. */
+const double *lw_space_super(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i);
+
 /* Entries of the mass matrix besides its diagonal, of beam elements with consistent mass; true: there are any.  sink NULL:
  * only find out. */
 bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink);
