@@ -21,15 +21,17 @@ static bool prepare(double *v, size_t n)
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
 {
     size_t size = (size_t)n;
-    if (!prepare(k, size*size) || !prepare(m, size*size))
+    if (!prepare(k, size*size) || (m && !prepare(m, size*size)))
         return LW_E_ARG;
-    gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m, size, size);
+    gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m ? m : k, size, size);
     gsl_vector_view values = gsl_vector_view_array(w, size);
     lw_gsl_begin();                        /* a mass matrix that is not positive is an error of GSL */
     gsl_matrix *vectors = gsl_matrix_alloc(size, size);
-    gsl_eigen_gensymmv_workspace *work = vectors ? gsl_eigen_gensymmv_alloc(size) : NULL;
-    lw_status s = work ? LW_OK : LW_E_MEMORY;
-    if (s == LW_OK && gsl_eigen_gensymmv(&a.matrix, &b.matrix, &values.vector, vectors, work) != GSL_SUCCESS)
+    gsl_eigen_gensymmv_workspace *work = vectors && m ? gsl_eigen_gensymmv_alloc(size) : NULL;
+    gsl_eigen_symmv_workspace *plain = vectors && !m ? gsl_eigen_symmv_alloc(size) : NULL;
+    lw_status s = work || plain ? LW_OK : LW_E_MEMORY;
+    if (s == LW_OK && (m ? gsl_eigen_gensymmv(&a.matrix, &b.matrix, &values.vector, vectors, work)
+                         : gsl_eigen_symmv(&a.matrix, &values.vector, vectors, plain)) != GSL_SUCCESS)
         s = LW_E_NUMERIC;
     if (s == LW_OK)
         gsl_eigen_gensymmv_sort(&values.vector, vectors, GSL_EIGEN_SORT_VAL_ASC);
@@ -38,6 +40,8 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
             x[j*size + i] = gsl_matrix_get(vectors, i, j);
     if (work)
         gsl_eigen_gensymmv_free(work);
+    if (plain)
+        gsl_eigen_symmv_free(plain);
     if (vectors)
         gsl_matrix_free(vectors);
     lw_gsl_end();

@@ -4,7 +4,7 @@
 
 #include "base/status.h"
 
-/* K x = w M x for symmetric K (n*n) and symmetric positive definite M, by rows.  w (n) rising; x[k*n + i] is
+/* K x = w M x for symmetric K (n*n) and symmetric positive definite M (NULL: 1), by rows.  w (n) rising; x[k*n + i] is
  * component i of vector k.  K, M are overwritten.  LW_E_NUMERIC: M is not positive definite; LW_E_ARG:
  * a coefficient is not finite, here and below. */
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x);

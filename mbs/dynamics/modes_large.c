@@ -30,18 +30,30 @@ typedef struct lanczos {
     double *b;                       /* (n + c) */
 } lanczos;
 
+/* a.b as eight sums side by side: one sum waits for each addition. */
+static double dot(int n, const double *a, const double *b)
+{
+    enum { LANES = 8 };
+    double sum[LANES] = { 0 };
+    int i = 0;
+    for (; i + LANES <= n; i += LANES)
+        for (int k = 0; k < LANES; k++)
+            sum[k] += a[i + k]*b[i + k];
+    return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7])) + lw_dot(n - i, a + i, b + i);
+}
+
 /* x loses its part along the modes found and along the first k vectors, twice; returns its length in the metric of the
  * masses, and M x in heavy. */
 static double orthogonal(lanczos *z, double *x, double *heavy, int k)
 {
     for (int twice = 0; twice < 2; twice++) {
         for (int j = 0; j < z->n_found; j++) {
-            double part = lw_dot(z->n, x, z->found_heavy + (size_t)j*(size_t)z->n);
+            double part = dot(z->n, x, z->found_heavy + (size_t)j*(size_t)z->n);
             for (int i = 0; i < z->n; i++)
                 x[i] -= part*z->found[(size_t)j*(size_t)z->n + (size_t)i];
         }
         for (int j = 0; j < k; j++) {
-            double part = lw_dot(z->n, x, z->heavy + (size_t)j*(size_t)z->n);
+            double part = dot(z->n, x, z->heavy + (size_t)j*(size_t)z->n);
             for (int i = 0; i < z->n; i++)
                 x[i] -= part*z->basis[(size_t)j*(size_t)z->n + (size_t)i];
         }
@@ -64,20 +76,19 @@ static void apply(lanczos *z, const double *from, double *x)
     memcpy(x, z->b, (size_t)z->n*sizeof *x);
 }
 
-/* Eigenvalues w of the tridiagonal matrix, their vectors at work + 2 k k, and their order by size; how many of the greatest have
+/* Eigenvalues w of the tridiagonal matrix, their vectors at work + k k, and their order by size; how many of the greatest have
  * converged, at most `wanted`. */
 static int ritz(int k, const double *alpha, const double *beta, int wanted, double *work, double *w, int *order)
 {
-    double *a = work, *unit = a + (size_t)k*(size_t)k, *vectors = unit + (size_t)k*(size_t)k;
+    double *a = work, *vectors = a + (size_t)k*(size_t)k;
     int good = 0;
-    memset(work, 0, 2*(size_t)k*(size_t)k*sizeof *work);
+    memset(work, 0, (size_t)k*(size_t)k*sizeof *work);
     for (int i = 0; i < k; i++) {
         a[i*k + i] = alpha[i];
-        unit[i*k + i] = 1;
         if (i + 1 < k)
             a[i*k + i + 1] = a[(i + 1)*k + i] = beta[i];
     }
-    if (k == 0 || lw_eigen_symmetric(k, a, unit, w, vectors) != LW_OK)
+    if (k == 0 || lw_eigen_symmetric(k, a, NULL, w, vectors) != LW_OK)
         return 0;
     for (int i = 0; i < k; i++) {
         int at = i;
@@ -97,9 +108,9 @@ static lw_status look_at_limits(const lanczos *z) { return lw_limits_check(z->d-
  * greatest |1/(w^2 + s)| first and at most `wanted`; returns how many.  -1: out of memory. */
 static int one_run(lanczos *z, lw_rng *rng, int wanted)
 {
-    int n = z->n, k = 0, look = 10, good = 0, *order;
+    int n = z->n, k = 0, look = wanted > 10 ? wanted : 10, good = 0, *order;
     size_t m = (size_t)z->most;
-    double *work = calloc(3*m*m + 5*m + 4, sizeof *work), *alpha = work + 3*m*m, *beta = alpha + m + 1, *w = beta + m + 1;
+    double *work = calloc(2*m*m + 5*m + 4, sizeof *work), *alpha = work + 2*m*m, *beta = alpha + m + 1, *w = beta + m + 1;
     if (!work)
         return -1;
     order = (int *)(void *)(w + m + 1);
@@ -126,7 +137,7 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
     if (good < wanted)
         good = ritz(k, alpha, beta, wanted, work, w, order);
     for (int pick = 0; pick < good; pick++) {
-        const double *vector = work + 2*(size_t)k*(size_t)k + (size_t)order[pick]*(size_t)k;
+        const double *vector = work + (size_t)k*(size_t)k + (size_t)order[pick]*(size_t)k;
         double *to = z->found + (size_t)z->n_found*(size_t)n, *heavy = z->found_heavy + (size_t)z->n_found*(size_t)n;
         memset(to, 0, (size_t)n*sizeof *to);
         for (int j = 0; j < k; j++)
@@ -219,8 +230,8 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
         lw_tangent_mass(z->tangent, z->q, x, z->heavy);
         for (int i = 0; i < m; i++) {
             const double *y = z->found + (size_t)i*(size_t)n;
-            v->stiffness[i*m + j] = lw_dot(n, y, k);
-            v->damping[i*m + j] = lw_dot(n, y, c);
+            v->stiffness[i*m + j] = dot(n, y, k);
+            v->damping[i*m + j] = dot(n, y, c);
             v->mass[i*m + j] = are_modes ? i == j : lw_dot(n, y, z->heavy);
         }
     }
