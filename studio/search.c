@@ -316,14 +316,14 @@ lw_status studio_search_news(studio *s, const json_t *ask, studio_reply *r, lw_e
     long after = (long)fmin(fmax(studio_real(ask, "after", -1), -1), 1e15);
     struct timespec until;
     lw_status st = LW_OK;
-    clock_gettime(CLOCK_REALTIME, &until);
+    clock_gettime(CLOCK_MONOTONIC, &until);                 /* a clock that is set does not hold the page up */
     until.tv_sec += (time_t)WAIT;
     pthread_mutex_lock(&s->lock);
     studio_search *q;
     int waited = 0;
     while ((q = find(s, ask, e)) && q->version <= after && !q->over && !s->closing && waited != ETIMEDOUT) {
         q->asked = lw_clock_wall();
-        waited = pthread_cond_timedwait(&s->news, &s->lock, &until);
+        waited = pthread_cond_clockwait(&s->news, &s->lock, CLOCK_MONOTONIC, &until);
     }
     if (q) {
         q->asked = lw_clock_wall();

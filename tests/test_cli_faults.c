@@ -239,7 +239,7 @@ TEST(every_output_has_its_row)
             continue;
         if (strcmp(words[i], "studio") == 0 || strcmp(words[i], "grammar") == 0 || strcmp(words[i], "mechanisms") == 0 || strcmp(words[i], "bench") == 0)
             continue;                    /* the first has rows of another form, the notations of others are those of chains; times of bench vary */
-        snprintf(line, sizeof line, "$P help %s", words[i]);
+        snprintf(line, sizeof line, "$P help %.47s", words[i]);
         ran r = run(line);
         char *own = strstr(r.out, "\nOptions:"), *all = strstr(r.out, "\nOptions of every command:");
         if (all)

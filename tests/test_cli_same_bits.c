@@ -36,7 +36,7 @@ static const char *const rows[] = {
     "$C simulate examples/space/delta.json --to 0.02 -n 2",
     "$C simulate examples/space/superelement.json --analysis static",
     "$C robot jacobian examples/space/delta.json --tool-at 0.2,0,-0.65",
-    "$C robot map examples/space/delta-elastic.json --places 2 --eigenfrequency",
+    "$C robot map examples/space/delta-elastic.json --places 3 --eigenfrequency",
     "$C robot budget examples/space/delta-clearance.json --gear-play 0.02",
     "$C drive load examples/drives/lifting-arm.json --to 2.5 -n 20",
     "$C drive simulate examples/drives/servo-axis.json",

@@ -162,6 +162,15 @@ static void reach_by_slide(group_builder *q, const lw_tie *r)
     add_term(q, p, (term){ 1, dir, -1, -1, disp, -1 });
 }
 
+/* The number of a link's direction, -1 for the ground's. */
+static int direction_of(group_builder *q, int link)
+{
+    const lw_topology *t = q->b->t;
+    if (in_group(q, link))
+        return q->dir[link];
+    return link == t->k->ground ? -1 : add_dir(q, (lw_higher_dir){ -1, -1, (short)q->b->p->link_dir[link], -1, -1, 0 });
+}
+
 static void reach_by_pin(group_builder *q, const lw_tie *r)
 {
     lw_higher *g = q->g;
@@ -170,7 +179,7 @@ static void reach_by_pin(group_builder *q, const lw_tie *r)
     path_to(q, r->a, t->pin[r->joint], 1, &q->at[r->b]);
     if (t->driven < 0 && t->pin[r->joint] == t->pin[t->input_joint] && lw_joint_has(in, r->a)
         && lw_joint_has(in, r->b)) {
-        int from = q->dir[r->a];
+        int from = direction_of(q, r->a);        /* a link that is known already, or of the group */
         q->dir[r->b] = add_dir(q, (lw_higher_dir){ g->dir[from].root, (short)from, (short)q->b->input_reg, -1, -1,
                                                    r->b == in->link[1] ? 1 : -1 });
         return;
@@ -240,15 +249,6 @@ static void set_loops(group_builder *q)
 }
 
 /* ---- gears -------------------------------------------------------------------------------------------- */
-
-/* The number of a link's direction, -1 for the ground's. */
-static int direction_of(group_builder *q, int link)
-{
-    const lw_topology *t = q->b->t;
-    if (in_group(q, link))
-        return q->dir[link];
-    return link == t->k->ground ? -1 : add_dir(q, (lw_higher_dir){ -1, -1, (short)q->b->p->link_dir[link], -1, -1, 0 });
-}
 
 static int disp_number(const group_builder *q, int joint)
 {
