@@ -2,6 +2,9 @@
  */
 #include "cli/bench/bench_mbs.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <stdlib.h>
 #include <string.h>
 
@@ -370,6 +373,10 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
 
 lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e)
 {
+#ifdef __GLIBC__                             /* memory stays with the process: pages are not cleared anew for every repetition */
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
+#endif
     lw_status st = choose(cases, &b->wanted, e);
     cli_progress line = cli_progress_begin(b->call, "bench", "problems");
     for (int i = 0; cli_mbs_problems[i].name && st == LW_OK && !cli_interrupted(); i++) {

@@ -328,4 +328,4 @@ static bool rates_of(const lw_tree_stages *t, const double *y, double *dy)
     return sound;
 }
 
-const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, rates_of };
+const lw_tree_kernel lw_tree_kernel_here = { LW_ISA_NAME, WIDTH, rates_of };

@@ -134,6 +134,7 @@ lw_status lw_recursive_make(const lw_space *s, const double *mass, const lw_spac
         cut_rows += kept[j] ? 0 : lw_spatial_kind_of(s->joint[j].kind)->rows;
     r->n_row = cut_rows + n_extra;
     r->n_u = first.n_u;
+    free(first.memory);                      /* before, so that its pages serve again */
     if (st == LW_OK)
         st = reserve(s, r, e);
     if (st == LW_OK)
@@ -141,7 +142,6 @@ lw_status lw_recursive_make(const lw_space *s, const double *mass, const lw_spac
     for (int j = 0; st == LW_OK && j < s->n_joint; j++)
         if (!kept[j] && lw_spatial_kind_of(s->joint[j].kind)->rows > 0)
             r->cut[r->n_cut++] = j;
-    free(first.memory);
     free(kept);
     r->rank = r->n_row;
     return st;

@@ -28,6 +28,7 @@
 #ifndef LW_TESTS_BENCH_PEER_H
 #define LW_TESTS_BENCH_PEER_H
 
+#include <malloc.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -133,6 +134,8 @@ static inline peer_scene *peer_read(void)
 {
     static peer_scene scene;
     char line[1024];
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);      /* as `bench mbs` does: memory stays with the process */
+    mallopt(M_MMAP_THRESHOLD, 1 << 30);
     while (fgets(line, sizeof line, stdin)) {
         if (strcmp(line, "mjcf\n") == 0) {
             scene.xml[fread(scene.xml, 1, PEER_XML - 1, stdin)] = 0;
