@@ -193,10 +193,11 @@ static lw_status run_forward(forward *z, lw_formulation f, double tolerance, int
  * the exact curve in all samples, or a status.  Without friction and stops all formulations agree in time. */
 TEST(one_freedom)
 {
-    int failed = 0, runs = 0;
-    for (int i = 0; i < models(7); i++) {
-        int k = i == 6 ? 93 : i;                 /* 93: with a stop; a step went to the other branch */
-        seed_model(13, k);
+    int failed = 0, runs = 0, n = models(7);
+    for (int i = 0; i <= n; i++) {
+        /* 93: with a stop; a step went to the other branch.  Last: a sample within a step over a flat posture */
+        int k = i == n ? 24 : i == 6 ? 93 : i;
+        seed_with(i == n ? 77 : check_seed(), 13, k);
         forward z = { .slider = k%3 == 2, .n_crank = 2 + k%3 };
         int extra = k/3%4;                       /* none, damper, friction, stop */
         write_linkage(z.slider, z.n_crank, between(0.3, 1.2));
@@ -497,7 +498,7 @@ TEST(turning_back)
 {
     static const double beyond[] = { 0.02, 5e-3, 1e-3, 3e-5, 0, -3e-4, -0.01 };
     enum { N = sizeof beyond/sizeof *beyond };
-    for (int k = 0; k < models(2)*N; k++) {
+    for (int k = 0; k < models(2*N); k++) {
         carried z;
         double y[4], start, when;
         seed_model(16, k/N);

@@ -211,30 +211,39 @@ static lw_status prepare_dense(lw_integrator *w)
     return w->o.fixed > 0.0 ? LW_OK : check_dense(w);
 }
 
-/* State at t within the last step by steps from its nearer end, or from the other one. */
+/* State at t within the last step by steps from both ends.  One of these ways may lead over a place where f is not known well, and
+ * off the solution: the state that is nearer to the continuous solution is taken. */
 static lw_status integrate_within(lw_integrator *w, double t, double *y)
 {
     lw_ode ode = *w->ode;
     lw_ode_options o = w->o;
     lw_integrator inner;
-    lw_status s = LW_NOTHING;
+    lw_status found = LW_NOTHING;
+    double x = (t - w->t_old)/w->h_done, least = INFINITY;
     ode.n_event = 0;
     ode.project = NULL;
     o.max_step = 200;
-    for (int k = 0; k < 2 && s != LW_OK && s != LW_STOPPED; k++) {
-        bool from_end = (fabs(w->t - t) < fabs(t - w->t_old)) == (k == 0);
+    for (int from_end = 0; from_end < 2; from_end++) {
         lw_ode_stop stop = LW_ODE_STEP;
-        s = lw_integrate_start(&inner, &ode, &o, w->inner, from_end ? w->t : w->t_old, from_end ? w->y : w->y_old, NULL);
+        double apart = 0.0;
+        lw_status s = lw_integrate_start(&inner, &ode, &o, w->inner, from_end ? w->t : w->t_old, from_end ? w->y : w->y_old, NULL);
         inner.h = fabs(t - inner.t);
         while (s == LW_OK && stop != LW_ODE_END)
             s = lw_integrate_step(&inner, t, &stop, NULL);
         w->n_rate += inner.n_rate;
-        if (s == LW_STOPPED && inner.n_step + inner.n_refused >= o.max_step)
-            s = LW_E_NUMERIC;                /* not by the caller */
+        if (s == LW_STOPPED && inner.n_step + inner.n_refused < o.max_step)
+            return s;                        /* by the caller */
+        for (int i = 0; s == LW_OK && i < ode.n; i++)
+            apart = fmax(apart, fabs(inner.y[i] - dense_value(w, i, x))/allowed(w, i, fabs(w->y[i])));
+        if (s != LW_OK || !(apart < least))
+            continue;
+        least = apart;
+        found = LW_OK;
+        memcpy(w->k[2], inner.y, sizeof(double)*(size_t)ode.n);
     }
-    if (s == LW_OK)
-        memcpy(y, inner.y, sizeof(double)*(size_t)ode.n);
-    return s;
+    if (found == LW_OK)
+        memcpy(y, w->k[2], sizeof(double)*(size_t)ode.n);
+    return found;
 }
 
 lw_status lw_integrate_dense(lw_integrator *w, double t, double *y)

@@ -3,7 +3,7 @@
  *
  * DOP853 (Hairer, Norsett & Wanner 1993, section II.10; Dormand & Prince): twelve evaluations per step, an error
  * estimate from embedded methods of orders 5 and 3, and a continuous solution of order 7 for four more evaluations.  Where that
- * one is less accurate than the step, states within it are integrated anew from the nearer end.
+ * one is less accurate than the step, states within it are integrated anew from its ends.
  * The state is summed with compensation, so that 1e7 steps do not lose digits.  Not for stiff problems: steps are
  * limited to about 6 divided by the fastest rate (mbs/ode/cvode.h has no such limit).
  *
