@@ -32,8 +32,8 @@ static const cli_option options[] = {
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
-      "with --dof 2, numbers from 5. Without it 4; and 6, with a third of the budget, if every four-bar leaves a path "
-      "by more than 2 % of its diagonal, or by more than --tolerance", 4, 10, NULL, NULL },
+      "with --dof 2, numbers from 5. Without it 4; and 6 if every four-bar leaves a path by more than 2 % of its diagonal, "
+      "or by more than --tolerance: with a third of the budget, and with the rest if that finds none nearer", 4, 10, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
       "of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "

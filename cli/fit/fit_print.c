@@ -45,7 +45,18 @@ static void limits_row(const lw_fit_report *r, FILE *f)
         fprintf(f, "     beyond the limits: %s\n", r->broken_text);
 }
 
-static void table_row(const cli_fit_set *s, int i, FILE *f)
+/* Width of the column of types. */
+static int title_width(const cli_fit_set *s)
+{
+    size_t width = 16;
+    for (int i = 0; i < s->search.results.n; i++) {
+        size_t own = strlen(lw_family_title(cli_fit_candidate(s, i)->family));
+        width = own > width ? own : width;
+    }
+    return (int)width;
+}
+
+static void table_row(const cli_fit_set *s, int i, int width, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
     const lw_candidate *c = cli_fit_candidate(s, i);
@@ -53,7 +64,7 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     char class[24] = "-";
     if (r->has_class)
         snprintf(class, sizeof class, "%s%s", r->barker.symbol, cli_fit_near_change_point(r) ? "*" : "");
-    fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class);
+    fprintf(f, "%3d  %-*s %-6s", i + 1, width, lw_family_title(c->family), class);
     if (!lw_task_has_place(s->spec.task))
         fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
     else
@@ -174,18 +185,18 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
 
 void cli_fit_table(const cli_fit_set *s, FILE *f)
 {
+    const int width = title_width(s);
     fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, lw_task_table[s->spec.task].name,
             lw_timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
     if (!lw_task_has_place(s->spec.task))
-        fprintf(f, "  #  type             class  mean[deg]  max[deg] @point   objective  transm.    "
-                "input  dimensions\n");
+        fprintf(f, "  #  %-*s class  mean[deg]  max[deg] @point   objective  transm.    input  dimensions\n", width, "type");
     else
-        fprintf(f, "  #  type             class  of path       mean       max @point %s     stray   objective  "
-                "transm.    input  size  dimensions [%s, rad]\n",
+        fprintf(f, "  #  %-*s class  of path       mean       max @point %s     stray   objective  "
+                "transm.    input  size  dimensions [%s, rad]\n", width, "type",
                 s->spec.task == LW_TASK_MOTION ? " mean[deg]  max[deg]" : "",
                 s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->search.results.n; i++)
-        table_row(s, i, f);
+        table_row(s, i, width, f);
     print_marks(s, f);
     if (s->has_tolerances)
         print_robustness(s, f);

@@ -33,8 +33,10 @@ static double bulk_of(const lw_target *t, const lw_fit_report *r)
     return t->extent > 0 ? r->size/t->extent : 0.25*r->length_most/r->length_least;
 }
 
-/* A result is worth a row beside a better one if it is smaller or strays less by this factor, or ... */
+/* A result is worth a row beside one with less error if it is smaller or strays less by this factor, or ... */
 #define SMALLER 0.8
+/* (beside one that a designer would rather build by this) */
+#define MUCH_SMALLER 0.7
 /* ... its least transmission angle is greater by this, as long as the other has less than enough [rad]. */
 #define GENTLER (5*LW_PI/180)
 #define ENOUGH  (45*LW_PI/180)
@@ -49,12 +51,13 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
         || !a->family->type || strcmp(a->family->type, b->family->type) == 0;
 }
 
-/* Is the result with report a, whose error is less, at least as good in all else as far as it matters? */
-static bool covers(const lw_target *t, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
+/* Is the result with report a at least as good as b as far as it matters: b is neither smaller nor nearer by `factor`? */
+static bool covers(const lw_target *t, double factor, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
                    const lw_fit_report *b)
 {
     return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns
-        && !(bulk_of(t, b) < SMALLER*bulk_of(t, a)) && !(lw_fit_report_stray(b) < SMALLER*lw_fit_report_stray(a))
+        && !(bulk_of(t, b) < factor*bulk_of(t, a)) && !(lw_fit_report_stray(b) < factor*lw_fit_report_stray(a))
+        && !(cb->objective < factor*factor*ca->objective)
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
@@ -153,7 +156,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
         return out->n < most;
     bool wanted = !is_rough(t, fit, all, f->least[lw_candidate_links(c)][all[i].turns], c, &all[i]);
     for (int k = 0; k < out->n && wanted && !is_best(f, i); k++)
-        wanted = !covers(t, &fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
+        wanted = !covers(t, SMALLER, &fit->candidate[out->candidate[k]], &out->report[k], c, &all[i]);
     return wanted;
 }
 
@@ -219,10 +222,13 @@ static void order_front(const lw_target *t, const lw_fit *fit, int most, const l
         int now = out->candidate[i];
         out->n = n;
         to_come -= is_best(f, now);
-        bool twin = false;
-        for (int k = 0; k < n && !twin; k++)
-            twin = is_twin(t, &fit->candidate[out->candidate[k]], &all[out->candidate[k]], &fit->candidate[now], &all[now]);
-        if (!twin && (is_best(f, now) || n + to_come < most || first_with_its_links(out, fit, now)))
+        bool twin = false, covered = false;
+        for (int k = 0; k < n && !twin; k++) {
+            const lw_candidate *better = &fit->candidate[out->candidate[k]];
+            twin = is_twin(t, better, &all[out->candidate[k]], &fit->candidate[now], &all[now]);
+            covered |= covers(t, MUCH_SMALLER, better, &all[out->candidate[k]], &fit->candidate[now], &all[now]);
+        }
+        if (!twin && (is_best(f, now) || (!covered && n + to_come < most) || first_with_its_links(out, fit, now)))
             out->candidate[n++] = now;
     }
     out->n = n;

@@ -619,7 +619,7 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e)
 /* A find is fitted again in chains, one for each of these least transmission angles [deg]: every fit begins with the linkage of
  * the one before, whose size is the most times SHRINK (SHRINK_LESS if the smallest linkage within a tolerance is asked for). */
 static const double chain_angle[] = { 0, 30, 40 };
-enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, LONG_CHAIN = 16, FAILURES = 2 };
+enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, LONG_CHAIN = 16, FAILURES = 2, FRONT = 24 };
 #define SHRINK       0.8
 #define SHRINK_LESS  0.88
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
@@ -630,6 +630,7 @@ enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, 
 typedef struct chain {
     lw_found     find[LONG_CHAIN];           /* the first is given; f INFINITY: none                 */
     double       size[LONG_CHAIN];           /* of each; 0: none                                     */
+    double       exact;                      /* f below which a find is more exact than anybody asked for */
     long         spent;
     lw_variables of;
     lw_status    status;
@@ -710,6 +711,10 @@ static void run_chain(void *context, size_t job, int thread)
     now.gentle = chain_angle[angle];
     lw_problem_work_intended(p, work);
     double most = lw_search_longest(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
+    if (fine) {                                          /* beyond the tolerance in the mean, or far within: nobody asked for it */
+        f_rough = (double)p->n*pow(s->o->spec.tolerance/p->unit, 2);
+        l->exact = f_rough/(MUCH_WORSE*MUCH_WORSE);
+    }
     for (int k = angle == 0; k < length && failed < FAILURES; k++) {
         if ((o.until > 0 && lw_clock_wall() > o.until) || (o.interrupt && *o.interrupt))
             break;
@@ -785,7 +790,7 @@ lw_status lw_search_widen(lw_search *s)
     lw_pool *pool = &s->pool;
     if (!lw_search_widens(s) || (s->o->interrupt && *s->o->interrupt))
         return LW_OK;
-    int left = s->o->both_ways ? lw_fit_kept(s->o) : LW_SEARCH_LEFT;        /* ordered stations may hide the nearest curves   */
+    int left = s->o->both_ways ? LW_POOL_MAX - FRONT : LW_SEARCH_LEFT;      /* ordered stations may hide the nearest curves   */
     chain_list *list = new_chains(s);
     if (!list)
         return LW_E_MEMORY;
@@ -800,7 +805,7 @@ lw_status lw_search_widen(lw_search *s)
         st = l->status;
         s->evals += l->spent;
         for (int k = 0; k < LONG_CHAIN && st == LW_OK; k++)
-            if (l->size[k] > 0 && !is_dominated(list, i, k))
+            if (l->size[k] > 0 && l->find[k].f >= l->exact && !is_dominated(list, i, k))
                 lw_pool_put(pool, &l->find[k], &l->of);
     }
     free(list);

@@ -18,8 +18,9 @@
 typedef struct lw_search_stage {
     int              links;
     lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
-    double           unless;         /* > 0: this stage and all after it are left out if a linkage of those before, which keeps all conditions, is
-                                      * this near to the target [m] (lw_fit_report_misses)          */
+    double           unless;         /* > 0: this stage and all after it end, or are left out, as soon as a linkage that keeps all
+                                      * conditions is this near to the target [m] (lw_fit_report_misses).  A third of its budget,
+                                      * or of the first part of it, is searched before it looks again */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
     /* Write the name of a linkage with an added dyad.  false: the linkage is not wanted.  NULL: names come from the
      * parent. */
