@@ -630,7 +630,6 @@ enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, 
 typedef struct chain {
     lw_found     find[LONG_CHAIN];           /* the first is given; f INFINITY: none                 */
     double       size[LONG_CHAIN];           /* of each; 0: none                                     */
-    double       exact;                      /* f below which a find is more exact than anybody asked for */
     long         spent;
     lw_variables of;
     lw_status    status;
@@ -711,10 +710,8 @@ static void run_chain(void *context, size_t job, int thread)
     now.gentle = chain_angle[angle];
     lw_problem_work_intended(p, work);
     double most = lw_search_longest(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
-    if (fine) {                                          /* beyond the tolerance in the mean, or far within: nobody asked for it */
+    if (fine)                                            /* beyond the tolerance in the mean: nobody asked for it   */
         f_rough = (double)p->n*pow(s->o->spec.tolerance/p->unit, 2);
-        l->exact = f_rough/(MUCH_WORSE*MUCH_WORSE);
-    }
     for (int k = angle == 0; k < length && failed < FAILURES; k++) {
         if ((o.until > 0 && lw_clock_wall() > o.until) || (o.interrupt && *o.interrupt))
             break;
@@ -805,7 +802,7 @@ lw_status lw_search_widen(lw_search *s)
         st = l->status;
         s->evals += l->spent;
         for (int k = 0; k < LONG_CHAIN && st == LW_OK; k++)
-            if (l->size[k] > 0 && l->find[k].f >= l->exact && !is_dominated(list, i, k))
+            if (l->size[k] > 0 && !is_dominated(list, i, k))
                 lw_pool_put(pool, &l->find[k], &l->of);
     }
     free(list);
