@@ -222,7 +222,7 @@ TEST(stopped_pictures)
     static const char *const models[] = { "examples/dynamics/governor.json", "examples/space/governor.json" };
     for (size_t i = 0; i < sizeof models/sizeof *models; i++) {
         char line[600];
-        snprintf(line, sizeof line, "cp docs/pictures/leg.svg $D/whole.svg; $P simulate %s --to 10 --max-steps 200 --plot $D/whole.svg "
+        snprintf(line, sizeof line, "cp docs/pictures/leg.svg $D/whole.svg; $P simulate %s --to 10 --max-steps 50 --plot $D/whole.svg "
                  "--force > $D/rows; test $? = 5 && cmp docs/pictures/leg.svg $D/whole.svg && grep -q '<polyline' $D/whole.partial.svg && "
                  "rm $D/whole.partial.svg", models[i]);
         demand(line, models[i]);

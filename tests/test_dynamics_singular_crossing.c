@@ -319,7 +319,8 @@ static void count(void *context, double t, const lw_link_motion *link, lw_link_l
     c->after += halt && c->calls > c->at;
 }
 
-/* Ctrl-C in the middle of a step ends the run at the next evaluation, however long the step would be repeated. */
+/* Ctrl-C in the middle of a step ends the run at the next evaluation, however long the step would be repeated.  Implicit methods first
+ * end the derivatives that they are working out, two differences for each of the 15 places and velocities. */
 TEST(stopped_within_a_step)
 {
     drun_read(&d, "examples/two-four-bars.json");
@@ -331,7 +332,7 @@ TEST(stopped_within_a_step)
             d.o.force = (lw_caller_force){ .context = &c, .apply = count };
             CHECK_INT(drun_to(&d, all[f], 1e-10, 1e6, 1000000), LW_STOPPED);
             CHECK_HAS(d.e.text, "stopped at");
-            CHECK(c.calls >= at && c.after <= 2);
+            CHECK(c.calls >= at && c.after <= (all[f] == LW_FORMULATION_GGL ? 2*2*15 : 2));
             CHECK(d.n_moment >= 1 && d.report.t < 10);
         }
     lw_model_free(&d.model);

@@ -470,9 +470,12 @@ static int by_plan(const job *j, cli_trace *t)
     int code;
     if (prepare(j, t, &e) != LW_OK)
         return cli_fail(j->call, &e);
-    if (t->motion.change_point && make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) == LW_OK) {
+    lw_status st = t->motion.change_point ? make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) : LW_NOTHING;
+    if (st == LW_OK) {
         cli_note(j->call, "traced along its motion curves, because it passes change points");
         code = print_curves(j->call, c, NULL);
+    } else if (st == LW_E_MEMORY) {
+        code = cli_fail(j->call, &e);
     } else {
         cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
         if (t->motion.change_point)

@@ -211,10 +211,24 @@ static void put_matrices(cli_json *j, const char *key, const lw_state_matrices *
     cli_json_end(j);
 }
 
+/* The matrices of the whole; *known: it has a period. */
+static lw_status find_whole(const job *b, lw_state_matrices *m, bool *known, lw_error *e)
+{
+    lw_error why = { 0 };
+    lw_status s = lw_servo_closed(&b->servo, m, &why);
+    *known = s == LW_OK;
+    if (s == LW_OK || s == LW_E_KIND)
+        return LW_OK;
+    *e = why;
+    return s;
+}
+
 static lw_status write_matrices(const job *b, const char *path, lw_error *e)
 {
     lw_state_matrices plant, whole;
-    lw_error none = { 0 };
+    bool known = false;
+    if (find_whole(b, &whole, &known, e) != LW_OK)
+        return e->status;
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -224,7 +238,7 @@ static lw_status write_matrices(const job *b, const char *path, lw_error *e)
     cli_json j = cli_json_begin(f, 2);
     cli_json_object(&j, NULL);
     put_matrices(&j, "plant", &plant);
-    if (lw_servo_closed(&b->servo, &whole, &none) == LW_OK)
+    if (known)
         put_matrices(&j, "whole", &whole);
     cli_json_end(&j);
     lw_status s = fclose(f) == 0 ? lw_file_write(path, text, size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -279,12 +293,12 @@ static lw_status write_tables(const char *folder, const char *system, const lw_s
 static lw_status write_folder(const job *b, const char *folder, lw_error *e)
 {
     lw_state_matrices m;
-    lw_error none = { 0 };
+    bool known = false;
     lw_servo_plant(&b->servo, &m);
     lw_status s = write_tables(folder, "plant", &m, e);
-    if (s == LW_OK && lw_servo_closed(&b->servo, &m, &none) == LW_OK)
-        s = write_tables(folder, "whole", &m, e);
-    return s;
+    if (s == LW_OK)
+        s = find_whole(b, &m, &known, e);
+    return s == LW_OK && known ? write_tables(folder, "whole", &m, e) : s;
 }
 
 static int check_folder(const cli_call *call, const char *folder)

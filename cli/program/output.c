@@ -227,8 +227,8 @@ int cli_close(const cli_call *call, lw_output *o, int code)
         return close_lost(o, code);
     unwatch(o);
     code = cli_end_code(code);
-    bool partial = o->temp[0] && code != CLI_DONE && code != CLI_NOTHING;
-    if (partial && !o->partial && !ferror(o->f) && ftello(o->f) == 0) {
+    bool partial = o->temp[0] && code != CLI_DONE && code != CLI_NOTHING && !ferror(o->f);     /* else the error names the file */
+    if (partial && !o->partial && ftello(o->f) == 0) {
         lw_output_abandon(o);
         return code;
     }
