@@ -9,7 +9,7 @@
 #include "base/rng.h"
 #include "tests/cli_run.h"
 
-enum { N_FIRST = 10, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+enum { N_FIRST = 5, N_FIRST_OF_SEARCH = 3, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
 
 /* $C commands write to standard output or to $D/o, which is removed before each run. */
 static const char *const rows[] = {
@@ -350,7 +350,7 @@ static void fail_each(const char *command, bool few)
     lw_rng_seed(&rng, check_seed(), strlen(command));
     const char *denser = getenv("LW_FAULTS");
     bool search = few || strstr(command, "C fit ") || strstr(command, "C plasma ") || strstr(command, " studio ");
-    double step = 1 + (search ? 2 : 1)/(denser ? atof(denser) : 1);
+    double step = 1 + (search ? 2 : 1.5)/(denser ? atof(denser) : 1);
     snprintf(calls, sizeof calls, "%s/calls", getenv("D"));
     setenv("LW_CALLS_FILE", calls, 1);
     ran whole = run_once(command, &file);
