@@ -170,7 +170,7 @@ static void add_rows(const lw_dynamics *d, double sign, const double *l, double 
     }
 }
 
-/* x = M^-1 (Q - J^T l), J x = rhs.  Welds magnify rounding: what rows lack then is solved for again. */
+/* x = M^-1 (Q - J^T l), J x = rhs.  Welds magnify rounding, so with welds the remaining error of J x is corrected once. */
 static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
     double *b = d->small, *push = d->bias;
@@ -697,7 +697,7 @@ static bool analyse(lw_dynamics *d, const part_rows *r)
     return ok;
 }
 
-/* What two unknowns that share a part add to their entry `to`: x and y are theirs, block is that of the part. */
+/* List the products that unknowns x and y, which share a part of `block`, add to entry `to` of schur. */
 static void add_pair(lw_dynamics *d, const int *row, const struct part_row *x, const struct part_row *y, int block, int to)
 {
     bool welds[2] = { x->unknown >= d->n_kept, y->unknown >= d->n_kept };
@@ -787,7 +787,7 @@ static lw_status keep_basis(lw_dynamics *d)
     return prepare_kept(d, false);
 }
 
-/* Let factors come from the kept rows: their entries by velocities. */
+/* Prepare factors from the kept rows themselves: list the entries of each column (velocity). */
 static lw_status take_fronts(lw_dynamics *d)
 {
     size_t most = (size_t)d->n_kept*LW_ROW_BLOCKS*LW_BLOCK;
@@ -818,7 +818,7 @@ static lw_status take_fronts(lw_dynamics *d)
     return d->by_fronts ? LW_OK : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
 }
 
-/* Does a solution of the rows, which leave no freedom, have few digits?  That of J x = J (1, 1, ...). */
+/* Does solving with the rows, which leave no freedom, lose digits?  Solve J x = J (1, 1, ...), whose solution is known. */
 static bool loses_digits(lw_dynamics *d)
 {
     double off = 0;
@@ -857,18 +857,17 @@ static lw_status prepare_rows(lw_dynamics *d, const bool *left_out, bool divide)
     return prepare_kept(d, divide);
 }
 
-/* Leave out dependent rows.  The square of a long linkage that is all driven can lose all digits though no row depends on others;
- * then the rows themselves are factored, and as many are kept as the rows alone and the inputs have it.
- * LW_NOTHING: blocks cannot be divided. */
+/* Leave out dependent rows.  In a long linkage whose inputs drive every freedom, J M^-1 J^T can lose all digits though no row depends
+ * on others.  Then factor the rows themselves, if that keeps as many rows as the rank of the system without inputs and the
+ * number of inputs require.  LW_NOTHING: blocks cannot be divided. */
 static lw_status keep_independent(lw_dynamics *d, bool divide)
 {
     lw_status s = prepare_rows(d, NULL, divide);
     size_t size = s == LW_OK ? (size_t)d->schur.n + (size_t)d->n_c + 1 : 1;
-    bool *vanishes = malloc(3*size), *dependent = vanishes + size, *by_rows = dependent + size;
-    if (s != LW_OK || !vanishes) {
-        free(vanishes);
+    bool *vanishes = s == LW_OK ? malloc(3*size) : NULL;
+    if (!vanishes)
         return s != LW_OK ? s : lw_error_set(d->e, LW_E_MEMORY, "out of memory");
-    }
+    bool *dependent = vanishes + size, *by_rows = dependent + size;
     int n = find_dependent(d, least_share, vanishes, dependent), wanted = d->rank_alone + d->n_driven;
     d->by_rank = false;
     if (!d->space && d->n_driven && d->rank_alone >= 0 && wanted == d->n_v && (n < wanted || loses_digits(d))) {
@@ -981,7 +980,8 @@ void lw_mbs_dependence(lw_dynamics *d, double *x)
         x[d->kept[i]] = -d->l_each[d->kept[i]];
 }
 
-/* The transpose of that, N the map from the values of the rows left out: their rows of out (n_c) = N^T x; returns |N^T x|^2. */
+/* lw_mbs_dependence is a linear map N from the values of the rows left out to all rows.  Write N^T x into the rows of out (n_c) that
+ * are left out.  Returns |N^T x|^2. */
 static double across_dependence(lw_dynamics *d, const double *x, double *out)
 {
     double sum = 0;
@@ -994,7 +994,7 @@ static double across_dependence(lw_dynamics *d, const double *x, double *out)
     return sum;
 }
 
-/* Conjugate gradients on min |l - N y|: as many passes as rows are left out at most, mostly far fewer. */
+/* Minimise |l - N y| over y by conjugate gradients.  They need one pass for each row left out at most, and mostly far fewer. */
 void lw_mbs_least_norm(lw_dynamics *d, double *l)
 {
     double *way = d->l_each + d->n_c, *along = way + d->n_c, before = 0, all = 0;

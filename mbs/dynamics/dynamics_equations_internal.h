@@ -28,7 +28,7 @@
 /* Two kept rows that share a block: their derivatives by it in jac, and the entry of schur that they add to. */
 typedef struct lw_row_pair { int row, other, to; } lw_row_pair;
 
-/* What a weld between two parts of a block adds to entry `to` of schur: `by` times an entry of jac_by_mass, or of by_mass. */
+/* A weld between two parts of a block adds `by` times an entry of jac_by_mass (at_row) or of by_mass to entry `to` of schur. */
 typedef struct lw_weld { bool at_row; int from, to; double by; } lw_weld;
 
 struct lw_dynamics {
@@ -190,11 +190,11 @@ lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double
 /* The same with accelerations and reactions, of least norm.  LW_OPEN: a singular posture, which has none. */
 lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
 
-/* Rows left out as dependent, factored: the rows kept of x (n_c) become such that J^T x = 0, from those left out. */
+/* x (n_c) has values in the rows left out as dependent.  Fill in its values in the rows kept, so that J^T x = 0; factored. */
 void lw_mbs_dependence(lw_dynamics *d, double *x);
 
-/* Of all l (n_c) that push alike, J^T l, the one of least norm; l is that of the last factors, the rows are those of lw_mbs_rows.
- * In a singular posture, and of captured contacts, l stays. */
+/* Replace the multipliers l (n_c) by those of least norm that have the same generalised forces J^T l.  Call it after lw_mbs_rows.
+ * In a singular posture, and with captured contacts, l does not change. */
 void lw_mbs_least_norm(lw_dynamics *d, double *l);
 
 /* x and l of M x + J^T l = force, J x = rhs; factored.  force NULL: 0. */

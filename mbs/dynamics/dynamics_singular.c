@@ -74,15 +74,15 @@ static double fastest(const lw_dynamics *d, const double *y)
 /* How the root w of the least pivot goes on from the time t: w - rate s + bend s^2/2 after the time s. */
 typedef struct approach { double t, w, rate, bend; } approach;
 
-/* Its numbers from w a little time before and behind (t, y).  Its values after two steps do not tell: between them it may have
- * been 0, or greater. */
+/* Find rate and bend of w at (t, y) by differences over a short time.  Its values at the ends of steps are not enough: between them
+ * it may have been 0, or greater. */
 static lw_status find_approach(lw_run *run, double t, const double *y, double w, approach *a)
 {
     lw_dynamics *d = run->d;
     size_t n = (size_t)run->n, n_q = (size_t)d->n_q;
     double *rate = malloc(2*n*sizeof *rate), *q = rate ? rate + n : NULL, root[2] = { 0 };
     double little = 0.1*w/fastest(d, y);
-    lw_status s = rate ? lw_run_rate(run, t, y, rate) : LW_E_MEMORY;
+    lw_status s = rate ? lw_run_rate(run, t, y, rate) : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     for (int i = 0; i < 2 && s == LW_OK; i++) {
         double time = i ? little : -little;
         memcpy(q, y, n_q*sizeof *q);
@@ -98,8 +98,8 @@ static lw_status find_approach(lw_run *run, double t, const double *y, double w,
     return s;
 }
 
-/* Where the motion turns back near the singular posture: at the time t, so far behind it, negative: before it; infinite: it does
- * not.  bend as above. */
+/* The motion turns back near the singular posture at the time t.  beyond: distance of the turn behind the posture; negative: before
+ * it; infinite: there is no turn.  bend as above. */
 typedef struct turn { double t, beyond, bend; } turn;
 
 static turn foretold_turn(const approach *a)
@@ -307,7 +307,10 @@ lw_status lw_run_singular_step(lw_run *run, double good, double weak, double pla
 {
     approach a;
     double w = sqrt(weak);
-    if (find_approach(run, good, y, w, &a) != LW_OK || !(a.rate > 0))
+    lw_status s = find_approach(run, good, y, w, &a);
+    if (s == LW_E_MEMORY || s == LW_STOPPED)
+        return s;
+    if (s != LW_OK || !(a.rate > 0))
         a = (approach){ good, w, w/(place - good), 0 };
     return step_over(run, good, &a, true, place, t, y);
 }
@@ -685,7 +688,10 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
     if (stops || w > from || near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
     approach a = { *t, w, fall/since, 0 };
-    if (!one && (find_approach(run, *t, y, w, &a) != LW_OK || !(a.rate > 0) || foretold_turn(&a).beyond < -turn_before))
+    lw_status s = one ? LW_OK : find_approach(run, *t, y, w, &a);
+    if (s == LW_E_MEMORY || s == LW_STOPPED)
+        return s;
+    if (s != LW_OK || !(a.rate > 0) || foretold_turn(&a).beyond < -turn_before)
         return LW_NOTHING;
     double place = *t + time_to_it(&a);
     if (fastest(d, y)*(place - *t) > reach)
@@ -696,7 +702,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, const double *befor
         memcpy(y, before, (size_t)run->n*sizeof *y);
         *t -= since;
     }
-    lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, *t, &a, false, place, t, y);
+    s = one ? cross_on_curve(run, t, y) : step_over(run, *t, &a, false, place, t, y);
     if (s == LW_OK && !one) {
         run->r->t = *t;
         lw_run_watch(run, y);
