@@ -84,10 +84,9 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
         if (x->complete)
             fprintf(f, "complete: as many different ones were found as there can be\n");
         else
-            fprintf(f, "not known to be complete: of %d solutions at general points %ld were known, and %ld different ones were reached "
-                    "here; of the other %ld the paths of %ld end at infinity or at a solution that is not isolated or multiple, %ld were "
-                    "lost, real ones perhaps among them\n", x->n_theory, x->n_general, x->n_triple, missing, x->n_singular,
-                    missing - x->n_singular);
+            fprintf(f, "not known to be complete: %ld of the %d solutions at general points were known, and %ld different ones were found "
+                    "here. Of the other %ld, %ld paths end at infinity or at a singular solution, and %ld were lost; real solutions may be "
+                    "among them\n", x->n_general, x->n_theory, x->n_triple, missing, x->n_singular, missing - x->n_singular);
     }
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);

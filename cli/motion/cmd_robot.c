@@ -331,7 +331,6 @@ static int run_budget(const cli_call *call)
     return code;
 }
 
-
 /* ---- workspace ------------------------------------------------------------------------------------------- */
 
 static lw_vec3 direction(const job *j, double angle)
@@ -339,14 +338,14 @@ static lw_vec3 direction(const job *j, double angle)
     return lw_v3_add(lw_v3_scale(j->right, cos(angle)), lw_v3_scale(j->ahead, sin(angle)));
 }
 
-/* A tool that moves less far, over the robot's size, does not move.  From a singular posture drives move it in some directions only,
- * unless its own place is the input. */
+/* Can the drives not move the tool?  It counts as moved if it goes farther than 1e-6 of the robot's size.  From a singular posture the
+ * drives move it in some directions only, unless the tool's own place is the input. */
 static bool gets_nowhere(const job *j, const lw_robot_pose *p, double far)
 {
     return far < 1e-6*j->r.space.unit || (isinf(p->condition) && !j->r.by_tool.memory);
 }
 
-/* It has no workspace and no map. */
+/* Report a tool that cannot move: it has no workspace and no map. */
 static int cannot_move(job *j, const lw_robot_pose *p)
 {
     lw_error_set(&j->e, LW_OPEN, "the drives cannot move the tool from (%.9g, %.9g, %.9g) %s in the level plane%s; begin from "

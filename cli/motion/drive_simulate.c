@@ -211,7 +211,7 @@ static void put_matrices(cli_json *j, const char *key, const lw_state_matrices *
     cli_json_end(j);
 }
 
-/* The matrices of the whole; *known: it has a period. */
+/* Find the matrices of the closed loop.  *known is false if its sampling times have no common period. */
 static lw_status find_whole(const job *b, lw_state_matrices *m, bool *known, lw_error *e)
 {
     lw_error why = { 0 };

@@ -7,7 +7,7 @@
 /* Is this the text of a target (CSV)? */
 bool cli_is_target(const char *text, size_t size);
 
-/* Is it a plain file? A pipe gives its text once: who reads it to find out what it is loses it, or waits for ever. */
+/* Is it a plain file?  A pipe can be read only once: a second read gets nothing, or waits for ever. */
 bool cli_can_read_again(const char *path);
 
 /* Is it an SQLite file? */
