@@ -21,7 +21,7 @@ LIBDIR  ?= $(PREFIX)/lib
 STAGES   = base grammar enumerate mbs optimise catalogues surface     # each includes only those before it
 
 PKGS     = gsl nlopt jansson sqlite3
-LATE     = igraph cairo        # loaded when they are first called (base/library.h): 2 ms a start instead of 7
+LATE     = igraph cairo        # loaded when they are first called, as libmicrohttpd is (base/library.h)
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
            libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev libsuitesparse-dev libmicrohttpd-dev
 PEERS    = g++ libsimbody-dev libmujoco-dev                         # optional: measured beside by `bench mbs`
@@ -33,7 +33,6 @@ STACK    = $(if $(filter tests/%,$<)$(findstring sanitize,$(CFLAGS)),,-Wframe-la
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) $(LATE) 2>/dev/null)
 # as needed: only a test links one of those that are loaded late
-SERVER   = -lmicrohttpd        # of the program only: linkwright studio
 PRIVATE  = -lplanarity -lgif -lklu $(SUNDIALS) -lpthread -ldl -lm       # those without a .pc file
 LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) $(LATE) 2>/dev/null) $(PRIVATE)
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
@@ -114,20 +113,19 @@ $B/install/liblinkwright.a: $(LIB_OBJ)
 	@mkdir -p $(@D)
 	rm -f $@; $(LD) -r $(LIB_OBJ) -o $(@:.a=.o) && $(OBJCOPY) --localize-hidden $(@:.a=.o) && ar rcs $@ $(@:.a=.o)
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) $(SERVER) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
            lw_kernels_supported timer_settime
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) $(SERVER) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/tests/test_flexible_crank $B/tests/test_elastic: $B/cli/bench/flexible_crank.o
 STUDIO_OBJ := $(patsubst %.c,$B/%.o,$(wildcard studio/*.c))
 $B/tests/test_studio $B/tests/fuzz/fuzz_studio: $(STUDIO_OBJ)
 $B/tests/fuzz/fuzz_answers: $B/cli/program/kept_answers.o
-$B/tests/test_studio $B/tests/fuzz/fuzz_studio: LIBS += $(SERVER)
 # the page in Chromium, where there is one
 $B/tests/test_studio_page: tests/browser/studio.sh
 	@mkdir -p $(@D)
@@ -229,7 +227,7 @@ fuzz:      # FUZZ_SECONDS=60 for each target
 	    CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all" run-fuzz
 run-fuzz: $B/liblinkwright.a $(FUZZ:=.o) $(STUDIO_OBJ) $B/cli/program/kept_answers.o
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
-	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(filter-out $(FUZZ:=.o),$(filter %.o,$^)) $B/liblinkwright.a $(LIBS) $(SERVER) -o $B/$$t && mkdir -p $B/found/$$t && \
+	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $(filter-out $(FUZZ:=.o),$(filter %.o,$^)) $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
 	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
 bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done

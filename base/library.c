@@ -3,11 +3,12 @@
 #include <dlfcn.h>
 #include <string.h>
 
-lw_status lw_library_load(const char *file, const lw_library_call *call, int n, lw_error *e)
+lw_status lw_library_load(const char *file, const char *package, const lw_library_call *call, int n, lw_error *e)
 {
     void *library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
     if (!library)
-        return lw_error_set(e, LW_E_IO, "the library %s cannot be loaded: %s", file, dlerror());
+        return lw_error_set(e, LW_E_IO, "%s cannot be loaded: %s; the package %s of Debian holds it", file, dlerror(),
+                            package);
     for (int i = 0; i < n; i++)
         if (!dlsym(library, call[i].name)) {
             dlclose(library);

@@ -1,10 +1,9 @@
 /* base/library.h - foreign libraries that are loaded when their first function is called.
  *
- * Starting the program takes 2 ms of processor time; with igraph and cairo linked, which bring forty more
- * libraries, 7 ms (median of 30 starts).  Commands are stages of pipes and often start by the hundred, and few of
- * them need either library.  So igraph and cairo are loaded late.  A packager must name them: debian/rules does so
- * with a small program that links both.  A bridge keeps a struct of function pointers, filled once under its own
- * lock:
+ * Commands are stages of pipes and often start by the hundred, and few of them need igraph, cairo or libmicrohttpd.
+ * These bring forty more libraries, and with them a start takes four times the processor time.  So they are loaded late.
+ * A packager must name them: debian/rules does so with a small program that links them.  A bridge keeps a struct of
+ * function pointers, filled once under its own lock:
  *
  *     #define CALLS(X) X(create) X(destroy)
  *     static struct { ... __typeof__(cairo_create) *create; } cairo;
@@ -18,7 +17,8 @@
 typedef struct lw_library_call { const char *name; void *pointer; } lw_library_call;
 
 /* Load `file` ("libcairo.so.2", as the system looks libraries up) and fill the pointers of call (n).  It stays loaded
- * until the process ends.  LW_E_IO: it is not there, or lacks one of the functions; then no pointer is changed. */
-lw_status lw_library_load(const char *file, const lw_library_call *call, int n, lw_error *e);
+ * until the process ends.  LW_E_IO: it is not there, or lacks one of the functions; then no pointer is changed, and the
+ * message names the package of Debian that holds it. */
+lw_status lw_library_load(const char *file, const char *package, const lw_library_call *call, int n, lw_error *e);
 
 #endif

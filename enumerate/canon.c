@@ -184,7 +184,8 @@ static pthread_mutex_t igraph_lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* Loaded with the first graph that needs it (base/library.h); most commands need none. */
 #if IGRAPH_VERSION_MAJOR == 0 && IGRAPH_VERSION_MINOR == 10
-#define IGRAPH_FILE "libigraph.so.3"
+#define IGRAPH_FILE    "libigraph.so.3"
+#define IGRAPH_PACKAGE "libigraph3"
 #else
 #error "igraph 0.10 is known here; see bliss_label about the sense of permutations, and name the file of the other"
 #endif
@@ -200,14 +201,14 @@ static struct {
 #undef X
 } igraph;
 
-static lw_status need_igraph(void)
+static lw_status need_igraph(lw_error *e)
 {
     static const lw_library_call call[] = {
 #define X(f) { "igraph_" #f, &igraph.f },
         CALLS(X)
 #undef X
     };
-    return igraph.create ? LW_OK : lw_library_load(IGRAPH_FILE, call, (int)(sizeof call/sizeof *call), NULL);
+    return igraph.create ? LW_OK : lw_library_load(IGRAPH_FILE, IGRAPH_PACKAGE, call, (int)(sizeof call/sizeof *call), e);
 }
 
 typedef struct bliss {
@@ -316,7 +317,7 @@ static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_sym
 static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, lw_symmetry_group *group)
 {
     pthread_mutex_lock(&igraph_lock);
-    lw_status status = need_igraph();
+    lw_status status = need_igraph(NULL);
     if (status == LW_OK) {
         igraph_error_handler_t *before = igraph.set_error_handler(igraph.error_handler_ignore);
         igraph_error_t error = to ? bliss_label(g, rank, to) : bliss_group(g, rank, group);

@@ -6,14 +6,39 @@
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <stdio.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
+#include "base/library.h"
 #include "base/number.h"
 #include "grammar/text/json_internal.h"
 #include "studio_files.h"          /* studio_files: the page's files as texts, made by the Makefile */
 
 #define MOST_BYTES (8u << 20)      /* of a request */
+
+/* libmicrohttpd brings the libraries of encrypted connections, so it is loaded with the first server (base/library.h). */
+#define CALLS(X) \
+    X(add_response_header) X(create_response_from_buffer) X(destroy_response) X(get_daemon_info) X(lookup_connection_value) \
+    X(queue_response) X(start_daemon) X(stop_daemon)
+
+static struct {
+#define X(f) __typeof__(MHD_##f) *f;
+    CALLS(X)
+#undef X
+} http;
+static pthread_once_t loading = PTHREAD_ONCE_INIT;
+static lw_error       not_loaded;                /* status LW_OK: it is loaded */
+
+static void load(void)
+{
+    static const lw_library_call call[] = {
+#define X(f) { "MHD_" #f, &http.f },
+        CALLS(X)
+#undef X
+    };
+    not_loaded.status = lw_library_load("libmicrohttpd.so.12", "libmicrohttpd12", call, (int)(sizeof call/sizeof *call), &not_loaded);
+}
 
 /* ---- answers ------------------------------------------------------------------------------------------------ */
 
@@ -122,9 +147,9 @@ static bool is_here(const studio *s, const char *text, const char *before)
 /* NULL: the request may be answered.  Else why not.  *rest: the address behind the token. */
 static const char *forbidden(const studio *s, struct MHD_Connection *c, const char *url, const char **rest)
 {
-    const char *host = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Host");
-    const char *origin = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Origin");
-    const char *site = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Sec-Fetch-Site");
+    const char *host = http.lookup_connection_value(c, MHD_HEADER_KIND, "Host");
+    const char *origin = http.lookup_connection_value(c, MHD_HEADER_KIND, "Origin");
+    const char *site = http.lookup_connection_value(c, MHD_HEADER_KIND, "Sec-Fetch-Site");
     size_t n = STUDIO_TOKEN_SIZE - 1;
     if (!host || !is_here(s, host, ""))
         return "the request names another host";
@@ -156,23 +181,23 @@ static enum MHD_Result send_reply(struct MHD_Connection *c, studio_reply *r)
     };
     if (r->body.failed)
         refuse(r, MHD_HTTP_INTERNAL_SERVER_ERROR, "out of memory");
-    struct MHD_Response *response = MHD_create_response_from_buffer(r->body.size, r->body.data ? r->body.data : "",
+    struct MHD_Response *response = http.create_response_from_buffer(r->body.size, r->body.data ? r->body.data : "",
                                                                     MHD_RESPMEM_MUST_COPY);
     lw_bytes_free(&r->body);
     if (!response)
         return MHD_NO;
-    enum MHD_Result done = MHD_add_response_header(response, "Content-Type", r->type);
+    enum MHD_Result done = http.add_response_header(response, "Content-Type", r->type);
     for (size_t i = 0; i < sizeof headers/sizeof *headers && done == MHD_YES; i++)
-        done = MHD_add_response_header(response, headers[i][0], headers[i][1]);
+        done = http.add_response_header(response, headers[i][0], headers[i][1]);
     if (done == MHD_YES)
-        done = MHD_queue_response(c, (unsigned)r->status, response);
-    MHD_destroy_response(response);
+        done = http.queue_response(c, (unsigned)r->status, response);
+    http.destroy_response(response);
     return done;
 }
 
 static bool says_too_large(struct MHD_Connection *c)
 {
-    const char *size = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Content-Length");
+    const char *size = http.lookup_connection_value(c, MHD_HEADER_KIND, "Content-Length");
     return size && (strlen(size) > 9 || strtol(size, NULL, 10) > (long)MOST_BYTES);
 }
 
@@ -201,7 +226,7 @@ static enum MHD_Result handle(void *context, struct MHD_Connection *c, const cha
         return MHD_YES;
     }
     bool post = strcmp(method, "POST") == 0, get = strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0;
-    const char *type = MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Content-Type");
+    const char *type = http.lookup_connection_value(c, MHD_HEADER_KIND, "Content-Type");
     if (q->too_large)
         refuse(&r, MHD_HTTP_CONTENT_TOO_LARGE, "the request is larger than 8 MB");
     else if (q->body.failed)
@@ -241,14 +266,17 @@ static lw_status make_token(char token[STUDIO_TOKEN_SIZE], lw_error *e)
 
 static lw_status listen_here(studio *s, int port, lw_error *e)
 {
+    pthread_once(&loading, load);
+    if (not_loaded.status != LW_OK)
+        return lw_error_set(e, not_loaded.status, "the studio needs libmicrohttpd: %s", not_loaded.text);
     struct sockaddr_in here = { .sin_family = AF_INET, .sin_port = htons((uint16_t)port),
                                 .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
-    s->daemon = MHD_start_daemon(MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD, 0, NULL, NULL, handle, s,
+    s->daemon = http.start_daemon(MHD_USE_THREAD_PER_CONNECTION | MHD_USE_INTERNAL_POLLING_THREAD, 0, NULL, NULL, handle, s,
                                  MHD_OPTION_SOCK_ADDR, (struct sockaddr *)&here, MHD_OPTION_CONNECTION_LIMIT, 64u,
                                  MHD_OPTION_CONNECTION_TIMEOUT, 120u, MHD_OPTION_NOTIFY_COMPLETED, done, s, MHD_OPTION_END);
     if (!s->daemon)
         return lw_error_set(e, LW_E_IO, "cannot listen on port %d of 127.0.0.1: %s", port, strerror(errno));
-    const union MHD_DaemonInfo *info = MHD_get_daemon_info(s->daemon, MHD_DAEMON_INFO_BIND_PORT);
+    const union MHD_DaemonInfo *info = http.get_daemon_info(s->daemon, MHD_DAEMON_INFO_BIND_PORT);
     s->port = port ? port : info ? info->port : 0;
     return LW_OK;
 }
@@ -294,7 +322,7 @@ void studio_stop(studio *s)
     pthread_cond_broadcast(&s->news);
     pthread_mutex_unlock(&s->lock);
     if (s->daemon)
-        MHD_stop_daemon(s->daemon);
+        http.stop_daemon(s->daemon);
     studio_searches_end(s);
     studio_atlas_end(s);
     pthread_cond_destroy(&s->news);

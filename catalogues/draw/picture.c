@@ -37,7 +37,7 @@ static void load(void)
         CALLS(X)
 #undef X
     };
-    not_loaded.status = lw_library_load("libcairo.so.2", call, (int)(sizeof call/sizeof *call), &not_loaded);
+    not_loaded.status = lw_library_load("libcairo.so.2", "libcairo2", call, (int)(sizeof call/sizeof *call), &not_loaded);
 }
 
 /* fontconfig skips each of its files that it cannot open, and takes another font without a word: see that it can open some. */
