@@ -442,10 +442,10 @@ TEST(condensed)
     CHECK(whole < -1e-6);
     read_bar(&m, BAR ", 'segments': 20", 0, 0);
     frequencies(&m, false, 4, f[0]);
-    for (int pieces = 1; pieces <= 5; pieces += pieces) {
+    for (int pieces = 1; pieces <= 5; pieces = 2*pieces + pieces/2) {        /* 1, 2, 5 */
         char text[500];
         snprintf(text, sizeof text, BAR ", 'segments': 20, 'superelements': %d", pieces);
-        CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-9, 0);
+        CHECK_NEAR(sag(text, -0.1, -1)/whole, 1, 1e-10, 0);
         CHECK_INT(sagged.nodes, pieces + 1);
         for (int i = 0; i <= pieces; i++) {  /* statics of a bar: what hangs beyond a node */
             double beyond = 2 - 2.0*i/pieces, line = 0.1*7850*(0.05*0.08 - 0.042*0.072);

@@ -75,12 +75,12 @@ TEST(delta_poses)
         lw_vec3 at = n == 0 ? lw_v3(0.2, 0, -0.65) : random_place(&rng);
         CHECK_INT(lw_robot_move(&r, at, NULL, &e), LW_OK);
         CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
-        CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-10, 0);
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-14, 0);
         double level = lw_v3_norm(lw_quaternion_vector(p.turn));
-        CHECK_NEAR(level, 0, 1e-9, 0);                                  /* the plate does not turn */
+        CHECK_NEAR(level, 0, 1e-14, 0);                                  /* the plate does not turn */
         double angle[3];
         for (int i = 0; i < 3; i++) {
-            CHECK_NEAR(p.drive[i], closed_angle(i, at) - closed_angle(i, home), 1e-9, 0);
+            CHECK_NEAR(p.drive[i], closed_angle(i, at) - closed_angle(i, home), 1e-14, 0);
             angle[i] = p.drive[i];
         }
         for (int i = 0; i < 3; i++) {                                    /* J against differences of the closed form */
@@ -99,7 +99,7 @@ TEST(delta_poses)
             CHECK_INT(lw_robot_move(&r, home, NULL, &e), LW_OK);
             CHECK_INT(lw_robot_drive(&r, angle, &e), LW_OK);
             CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
-            CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-10, 0);
+            CHECK_NEAR(lw_v3_norm(lw_v3_sub(p.place, at)), 0, 1e-14, 0);
         }
     }
     lw_robot_free(&r);
@@ -212,7 +212,7 @@ static void unit_forces(const char *file)
         for (int i = 0; i < r.n_drive; i++) {
             lw_spatial_measure drive = m.n_drive ? m.drive[i] : m.input[i].measure;
             double torque = l[r.space.n_row + f->n_idle + i]/lw_space_scale(&r.space, drive);
-            CHECK_NEAR(torque, p.jacobian[k][i], 1e-12, 1e-10);
+            CHECK_NEAR(torque, p.jacobian[k][i], 1e-12, 0);
         }
     }
     free(force);

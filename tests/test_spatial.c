@@ -1,8 +1,10 @@
 /* Spatial models: what is read and refused, postures along inputs, mobility of linkages whose answer is known. */
+#include <unistd.h>
 #include "base/rng.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"
 #include "tests/spatial_models.h"
+#include "tests/temporary.h"
 
 /* ---- reading ----------------------------------------------------------------------------------------------- */
 
@@ -52,6 +54,125 @@ TEST(refuses_what_no_model_has)
         CHECK_HAS(e.text, bad[i].says);
         CHECK_INT(e.line, bad[i].line);
         CHECK(e.column > 0);
+    }
+}
+
+/* ---- meshes ------------------------------------------------------------------------------------------------- */
+
+static void put_float(FILE *f, float x)
+{
+    fwrite(&x, 4, 1, f);
+}
+
+/* A cube of edge 1 beside the origin, its faces outwards or inwards, the first `n` triangles; as bytes. */
+static void write_cube(const char *path, bool outwards, uint32_t n)
+{
+    static const int face[6][4] = { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } };
+    char head[80] = "solid is not what this is";
+    FILE *f = fopen(path, "wb");
+    fwrite(head, 80, 1, f);
+    fwrite(&n, 4, 1, f);
+    for (uint32_t i = 0; i < n; i++) {
+        const int *q = face[i/2], corner[3] = { q[0], q[i%2 ? 2 : 1], q[i%2 ? 3 : 2] };
+        for (int k = 0; k < 3; k++)
+            put_float(f, 0);
+        for (int k = 0; k < 3; k++) {
+            int c = corner[outwards ? k : 2 - k];
+            put_float(f, 2 + (float)(c & 1));
+            put_float(f, (float)(c >> 1 & 1));
+            put_float(f, (float)(c >> 2));
+        }
+        put_float(f, 0);
+        fseek(f, -2, SEEK_CUR);
+    }
+    fclose(f);
+    CHECK_INT(truncate(path, 84 + 50*(long)n), 0);
+}
+
+static lw_vec3 on_torus(int i, int k, int n, int around)
+{
+    double a = 2*LW_PI*(i%n)/n, b = 2*LW_PI*(k%around)/around, r = 0.3 + 0.1*cos(b);
+    return lw_v3(0.2 + r*cos(a), r*sin(a) - 0.1, 0.1*sin(b) + 0.7);
+}
+
+/* Write the torus; integrals over its faces by a rule of degree 3 and Gauss's theorem:
+ * volume, first moments, xx, yy, zz, xy, xz, yz. */
+static void write_torus(const char *path, double sum[10])
+{
+    enum { N = 24, AROUND = 10 };
+    static const double rule[4][4] = { { 1./3, 1./3, 1./3, -27./48 }, { 0.6, 0.2, 0.2, 25./48 }, { 0.2, 0.6, 0.2, 25./48 }, { 0.2, 0.2, 0.6, 25./48 } };
+    FILE *f = fopen(path, "w");
+    memset(sum, 0, 10*sizeof *sum);
+    fprintf(f, "solid torus\n");
+    for (int t = 0; t < 2*N*AROUND; t++) {
+        int i = t/2/AROUND, k = t/2%AROUND;
+        lw_vec3 p[3] = { on_torus(i, k, N, AROUND), on_torus(i + 1, k + t%2, N, AROUND), on_torus(i + !(t%2), k + 1, N, AROUND) };
+        fprintf(f, "facet normal 0 0 0\n outer loop\n");
+        for (int c = 0; c < 3; c++)
+            fprintf(f, "  vertex %.17g %.17g %.17g\n", p[c].x, p[c].y, p[c].z);
+        fprintf(f, " endloop\nendfacet\n");
+        lw_vec3 area = lw_v3_scale(lw_v3_cross(lw_v3_sub(p[1], p[0]), lw_v3_sub(p[2], p[0])), 0.5);
+        for (int g = 0; g < 4; g++) {
+            const double *r = rule[g];
+            double x = r[0]*p[0].x + r[1]*p[1].x + r[2]*p[2].x, y = r[0]*p[0].y + r[1]*p[1].y + r[2]*p[2].y;
+            double z = r[0]*p[0].z + r[1]*p[1].z + r[2]*p[2].z, ax = r[3]*area.x, ay = r[3]*area.y, az = r[3]*area.z;
+            const double by[10] = { x*ax, x*x/2*ax, y*y/2*ay, z*z/2*az, x*x*x/3*ax, y*y*y/3*ay, z*z*z/3*az, x*x*y/2*ax, x*x*z/2*ax, y*y*z/2*ay };
+            for (int m = 0; m < 10; m++)
+                sum[m] += by[m];
+        }
+    }
+    fprintf(f, "endsolid\n");
+    fclose(f);
+}
+
+/* The mass of closed meshes is that of their polyhedron; meshes with holes and inside out are refused. */
+TEST(mass_of_meshes)
+{
+    char path[2][300], text[700];
+    lw_spatial m;
+    lw_error e;
+    double s[10];
+    for (int i = 0; i < 2; i++)
+        snprintf(path[i], sizeof path[i], "%s/%s.stl", temporary_folder(), i ? "torus" : "cube");
+    write_cube(path[0], true, 12);
+    snprintf(text, sizeof text, ", \"mesh\": {\"file\": \"%s\", \"density\": 1, \"at\": [0, 0, 1]}, \"frame\": {\"x\": [0, 1, 0], \"y\": [0, 0, 1]}", path[0]);
+    CHECK_INT(read_pendulum(text, ", \"axis\": [0, 0, 1]", "", &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    const lw_spatial_body *b = &m.body[1];
+    CHECK_NEAR(b->mass, 1, 1e-12, 0);
+    CHECK_NEAR(b->centre.x, 0.5, 1e-12, 0);
+    CHECK_NEAR(b->centre.y, 2.5, 1e-12, 0);
+    CHECK_NEAR(b->centre.z, 1.5, 1e-12, 0);
+    for (int i = 0; i < 6; i++)
+        CHECK_NEAR(b->inertia[i], i < 3 ? 1./6 : 0, 1e-12, 0);
+    lw_spatial_free(&m);
+
+    write_torus(path[1], s);
+    snprintf(text, sizeof text, ", \"mass\": 5, \"mesh\": {\"file\": \"%s\", \"unit\": \"cm\"}", path[1]);
+    CHECK_INT(read_pendulum(text, ", \"axis\": [0, 0, 1]", "", &m, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    b = &m.body[1];
+    double xx = s[4] - s[1]*s[1]/s[0], yy = s[5] - s[2]*s[2]/s[0], zz = s[6] - s[3]*s[3]/s[0], scale = 5/s[0]*1e-4;
+    const double want[6] = { yy + zz, xx + zz, xx + yy, s[1]*s[2]/s[0] - s[7], s[1]*s[3]/s[0] - s[8], s[2]*s[3]/s[0] - s[9] };
+    CHECK_NEAR(s[0], 2*LW_PI*LW_PI*0.3*0.01, 0, 0.08);            /* the polyhedron is inside the torus */
+    CHECK_NEAR(b->mass, 5, 0, 0);
+    CHECK_NEAR(b->centre.x, 0.01*s[1]/s[0], 0, 1e-12);
+    CHECK_NEAR(b->centre.z, 0.01*s[3]/s[0], 0, 1e-12);
+    for (int i = 0; i < 6; i++)
+        CHECK_NEAR(b->inertia[i], scale*want[i], 1e-12*scale*want[2], 0);
+    lw_spatial_free(&m);
+
+    static const struct { bool outwards; uint32_t n; const char *says, *more; } bad[] = {
+        { true, 11, "not closed", ", \"density\": 1}" }, { false, 12, "inwards", ", \"density\": 1}" }, { true, 0, "no triangles", ", \"density\": 1}" },
+        { true, 12, "\"density\"", "}" }, { true, 12, "greater than 0", ", \"density\": -1}" }, { true, 12, "keep one", ", \"density\": 1}, \"mass\": 2" },
+        { true, 12, "follow from its mesh", ", \"density\": 1}, \"mass\": 1, \"centre\": [0, 0, 0]" },
+        { true, 12, "unit of length", ", \"density\": 1, \"unit\": \"parsec\"}" },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        write_cube(path[0], bad[i].outwards, bad[i].n);
+        snprintf(text, sizeof text, ", \"mesh\": {\"file\": \"%s\"%s", path[0], bad[i].more);
+        CHECK_INT(read_pendulum(text, ", \"axis\": [0, 0, 1]", "", &m, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, bad[i].says);
     }
 }
 

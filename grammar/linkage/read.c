@@ -1,4 +1,5 @@
 /* grammar/linkage/read.c - pairs, lists, numbers in a range, names of links and joints. */
+#include "base/file.h"
 #include "base/real.h"
 #include "base/vec3.h"
 #include "grammar/linkage/read_internal.h"
@@ -14,6 +15,26 @@
 lw_status lw_read_need(const lw_json_node *object, const char *key, lw_json_node *out, lw_error *e)
 {
     return lw_json_member(object, key, out) ? LW_OK : lw_json_fault(object, e, "\"%s\" is missing", key);
+}
+
+lw_status lw_read_beside(const lw_json_node *object, const char *key, const char *ending, const char *what, char *path, char **text,
+                         size_t *size, lw_json_node *at, lw_error *e)
+{
+    lw_status s = lw_read_need(object, key, at, e);
+    if (s == LW_OK)
+        s = lw_json_expect(at, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    const char *name = lw_json_text(at), *file = at->json->file ? at->json->file : "", *end = strrchr(file, '/');
+    size_t length = strlen(name), tail = strlen(ending);
+    if (length <= tail || strcmp(name + length - tail, ending) != 0)
+        return lw_json_fault(at, e, "\"%s\" names %s, NAME%s", key, what, ending);
+    int folder = end && *name != '/' ? (int)(end - file) + 1 : 0;
+    if (snprintf(path, LW_PATH_SIZE, "%.*s%s", folder, file, name) >= LW_PATH_SIZE)
+        return lw_json_fault(at, e, "the path is too long");
+    if (lw_file_read(path, text, size, e) != LW_OK)
+        return lw_json_fault(at, e, "the file \"%.200s\" cannot be read", path);
+    return LW_OK;
 }
 
 lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_error *e)

@@ -14,6 +14,11 @@ lw_status lw_read_need(const lw_json_node *object, const char *key, lw_json_node
 /* A list of `least` to `most` elements; SIZE_MAX: as many as memory holds. */
 lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_error *e);
 
+/* The file that a required member names, NAME + ending (".mtx"), beside the file of the JSON text.  path (LW_PATH_SIZE) is where it
+ * is; what: "a file of the Matrix Market".  *text is to be freed. */
+lw_status lw_read_beside(const lw_json_node *object, const char *key, const char *ending, const char *what, char *path, char **text,
+                         size_t *size, lw_json_node *at, lw_error *e);
+
 /* [x, y] times unit, within LW_COORDINATE_MAX. */
 lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e);
 

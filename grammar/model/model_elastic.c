@@ -88,19 +88,9 @@ static lw_status read_matrix(const lw_json_node *object, const char *key, int no
     size_t size;
     int n = 0;
     double most = 0, skew = 0;
-    lw_status s = lw_read_need(object, key, &at, e);
-    if (s == LW_OK)
-        s = lw_json_expect(&at, LW_JSON_TEXT, e);
+    lw_status s = lw_read_beside(object, key, ".mtx", "a file of the Matrix Market", path, &text, &size, &at, e);
     if (s != LW_OK)
         return s;
-    const char *name = lw_json_text(&at), *file = at.json->file ? at.json->file : "", *end = strrchr(file, '/');
-    if (!*name || strlen(name) < 5 || strcmp(name + strlen(name) - 4, ".mtx") != 0)
-        return lw_json_fault(&at, e, "\"%s\" names a file of the Matrix Market, NAME.mtx", key);
-    int folder = end && *name != '/' ? (int)(end - file) + 1 : 0;
-    if (snprintf(path, sizeof path, "%.*s%s", folder, file, name) >= (int)sizeof path)
-        return lw_json_fault(&at, e, "the path is too long");
-    if (lw_file_read(path, &text, &size, e) != LW_OK)
-        return lw_json_fault(&at, e, "the file \"%.200s\" cannot be read", path);
     s = lw_matrix_market_read(text, size, path, &n, out, e);
     free(text);
     for (int i = 0; s == LW_OK && i < n*n; i++) {

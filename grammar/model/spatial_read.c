@@ -8,7 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/suggest.h"
+#include "grammar/model/mesh.h"
 #include "grammar/model/model_internal.h"
 
 static lw_status has_memory(const void *p, lw_error *e)
@@ -129,6 +131,21 @@ static lw_reading reading_of(lw_spatial *m);
 
 /* ---- links ------------------------------------------------------------------------------------- */
 
+/* Entries xx, yy, zz, xy, xz, yz of frame I frame^T. */
+static void turn_tensor(const double given[6], const lw_mat3 *frame, double out[6])
+{
+    lw_vec3 r[3];                            /* rows of frame I */
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 f = frame->row[i];
+        r[i] = lw_v3(given[0]*f.x + given[3]*f.y + given[4]*f.z, given[3]*f.x + given[1]*f.y + given[5]*f.z,
+                     given[4]*f.x + given[5]*f.y + given[2]*f.z);
+    }
+    for (int i = 0; i < 3; i++)
+        out[i] = lw_v3_dot(r[i], frame->row[i]);
+    out[3] = lw_v3_dot(r[0], frame->row[1]), out[4] = lw_v3_dot(r[0], frame->row[2]);
+    out[5] = lw_v3_dot(r[1], frame->row[2]);
+}
+
 /* The tensor in ground axes; refuse what no body can have. */
 static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, double out[6], lw_error *e)
 {
@@ -157,25 +174,55 @@ static lw_status read_inertia(const lw_json_node *link, const lw_mat3 *frame, do
             return lw_json_fault(&n, e, "no body has this inertia: its principal values are %.6g, %.6g, %.6g kg m^2; "
                                         "none may be negative or exceed the sum of the "
                                         "others", value[0], value[1], value[2]);
-    lw_vec3 r[3];                            /* rows of frame I, then of frame I frame^T */
-    for (int i = 0; i < 3; i++) {
-        lw_vec3 f = frame->row[i];
-        r[i] = lw_v3(given[0]*f.x + given[3]*f.y + given[4]*f.z, given[3]*f.x + given[1]*f.y + given[5]*f.z,
-                     given[4]*f.x + given[5]*f.y + given[2]*f.z);
-    }
-    for (int i = 0; i < 3; i++)
-        out[i] = lw_v3_dot(r[i], frame->row[i]);
-    out[3] = lw_v3_dot(r[0], frame->row[1]), out[4] = lw_v3_dot(r[0], frame->row[2]);
-    out[5] = lw_v3_dot(r[1], frame->row[2]);
+    turn_tensor(given, frame, out);
+    return LW_OK;
+}
+
+/* "mesh": the surface of the body, its axes those of the link's frame; the mass is the link's own or follows from a "density". */
+static lw_status read_mesh(const lw_json_node *mesh, const lw_mat3 *frame, double metre, lw_spatial_body *b, lw_error *e)
+{
+    static const char *const known[] = { "file", "density", "unit", "at" };
+    char path[LW_PATH_SIZE], *text = NULL;
+    size_t size;
+    lw_units units = { .metre = metre };
+    lw_json_node n;
+    lw_vec3 at = { 0 };
+    lw_mesh_integrals found;
+    double density = 0;
+    bool has_density = false;
+    const lw_number_key key = { "density", 1, LW_POSITIVE, &density, &has_density };
+    lw_status s = lw_json_expect(mesh, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(mesh, known, COUNT(known), e)) == LW_OK)
+        s = lw_read_numbers(mesh, &key, 1, e);
+    if (s == LW_OK && has_density == b->given)
+        s = lw_json_fault(mesh, e, "a mesh needs a \"density\" [kg/m^3], or the link a \"mass\" [kg]%s", has_density ? "; keep one" : "");
+    if (s == LW_OK && lw_json_member(mesh, "at", &n))
+        s = lw_read_triple(&n, metre, &at, e);
+    if (s == LW_OK && lw_json_member(mesh, "unit", &n) && (s = lw_json_expect(&n, LW_JSON_TEXT, e)) == LW_OK &&
+        !lw_units_set_length(&units, lw_json_text(&n)))
+        s = lw_json_fault(&n, e, "unknown unit of length \"%s\"", lw_json_text(&n));
+    if (s == LW_OK && (s = lw_read_beside(mesh, "file", ".stl", "a mesh of triangles", path, &text, &size, &n, e)) == LW_OK)
+        s = lw_mesh_read(text, size, path, &found, e);
+    free(text);
+    if (s != LW_OK)
+        return s;
+    double unit = units.metre;
+    if (has_density)
+        b->mass = density*found.volume*unit*unit*unit;
+    for (int i = 0; i < 6; i++)
+        found.inertia[i] *= b->mass/found.volume*unit*unit;
+    turn_tensor(found.inertia, frame, b->inertia);
+    b->centre = lw_v3_add(at, lw_m3_apply(frame, lw_v3_scale(found.centre, unit)));
+    b->given = true;
     return LW_OK;
 }
 
 static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "mass", "centre", "inertia", "frame", "velocity", "angular_velocity",
-                                         "elastic" };
+                                         "elastic", "mesh" };
     lw_spatial_body *b = &m->body[m->n_link];
-    lw_json_node n, centre, elastic;
+    lw_json_node n, centre, elastic, mesh;
     lw_mat3 frame;
     const lw_number_key mass = { "mass", 1, LW_NOT_NEGATIVE, &b->mass, &b->given };
     lw_status s = read_new_name(link, "link", NAMES(m->body, m->n_link, lw_spatial_body), b->name, e);
@@ -190,6 +237,13 @@ static lw_status read_link(const lw_json_node *link, lw_spatial *m, lw_error *e)
     if (s == LW_OK && (s = read_frame(link, &frame, e)) == LW_OK &&
         (s = read_inertia(link, &frame, b->inertia, e)) == LW_OK)
         s = lw_read_numbers(link, &mass, 1, e);
+    if (s == LW_OK && lw_json_member(link, "mesh", &mesh)) {
+        if (has_centre || has_inertia || lw_json_member(link, "elastic", &n))
+            return lw_json_fault(&mesh, e, "the centre and inertia of link \"%s\" follow from its mesh; leave out \"%s\"", b->name,
+                                 has_centre ? "centre" : has_inertia ? "inertia" : "elastic");
+        s = read_mesh(&mesh, &frame, m->units.metre, b, e);
+        has_centre = true;
+    }
     if (s == LW_OK && lw_json_member(link, "elastic", &elastic)) {
         if ((s = lw_elastic_check_link(link, &elastic, false, e)) == LW_OK)
             s = lw_elastic_read(&elastic, m->units.metre, true, &m->elastic[m->n_link - 1], e);
