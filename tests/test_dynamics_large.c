@@ -895,6 +895,65 @@ TEST(friction_in_any_number_of_joints)
     }
 }
 
+/* Velocities of all rows of a run. */
+typedef struct rates { int n, rows; double *v; } rates;
+
+static lw_status keep_rates(void *context, const lw_moment *m)
+{
+    rates *r = context;
+    memcpy(r->v + r->rows++*r->n, m->v, (size_t)r->n*sizeof *r->v);
+    return LW_OK;
+}
+
+static void run_rates(const lw_model *m, lw_formulation f, double tolerance, double to, int rows, rates *r)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_dynamics_report report;
+    lw_dynamics *d;
+    lw_error e = { 0 };
+    o.formulation = f;
+    o.to = to, o.intervals = rows, o.relative = o.absolute = tolerance;
+    CHECK_INT(lw_dynamics_make(m, &o, &d, &e), LW_OK);
+    *r = (rates){ .n = lw_dynamics_system(d)->n_q };
+    r->v = calloc((size_t)(r->n*(rows + 1)), sizeof *r->v);
+    CHECK_INT(lw_dynamics_run(d, keep_rates, r, &report, &e), LW_OK);
+    CHECK_INT(r->rows, rows + 1);
+    lw_dynamics_free(d);
+}
+
+static double greatest_difference(int n, const double *a, const double *b)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(a[i] - b[i]));
+    return most;
+}
+
+/* Rows within the steps of radau are not much farther off than those at which steps end. */
+TEST(rows_within_steps)
+{
+    enum { ROWS = 360 };
+    lw_model m;
+    rates exact, all, end;
+    read_chain(10, 0, &m);
+    run_rates(&m, LW_FORMULATION_INDEX1, 1e-11, 0.35, ROWS, &exact);
+    for (double tolerance = 1e-4; tolerance > 1e-9; tolerance *= 1e-2) {
+        double within = 0, at_ends = 0;
+        run_rates(&m, LW_FORMULATION_RADAU, tolerance, 0.35, ROWS, &all);
+        for (int k = 1; k <= ROWS; k++)
+            within = fmax(within, greatest_difference(all.n, all.v + k*all.n, exact.v + k*exact.n));
+        for (int k = 30; k <= ROWS; k += 30) {
+            run_rates(&m, LW_FORMULATION_RADAU, tolerance, 0.35*k/ROWS, 1, &end);
+            at_ends = fmax(at_ends, greatest_difference(end.n, end.v + end.n, exact.v + k*exact.n));
+            free(end.v);
+        }
+        CHECK(within < 3*at_ends);
+        free(all.v);
+    }
+    free(exact.v);
+    lw_model_free(&m);
+}
+
 TEST(refusals_say_why)
 {
     lw_model m;

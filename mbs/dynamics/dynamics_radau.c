@@ -10,8 +10,8 @@
  * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit
  * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
  * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
- * put on the constraints.  Samples of rigid links in the plane lie on the polynomial through the stages, whose error is of the order
- * of the error estimate.  Steps of other models end at the samples, where positions, velocities, accelerations and multipliers are those of
+ * put on the constraints.  Samples of rigid links in the plane lie on the polynomials through the stages, whose error is of the order
+ * of the error estimate; that of v begins at v at the start, and so has an order more than the slope of that of q.  Steps of other models end at the samples, where positions, velocities, accelerations and multipliers are those of
  * the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency.
  *
  * Generalised alpha (Chung & Hulbert 1993; with turns Bruels & Cardona 2010) is the same with one stage at the end of the step,
@@ -52,6 +52,7 @@ typedef struct stages {
     double  T[MOST_STAGES][MOST_STAGES], TI[MOST_STAGES][MOST_STAGES];     /* eigenvectors of A^-1 and their inverse */
     double  t, h, h_old, work;
     double *q, *v, *a, *l, *x, *dx;          /* at t; l of the kept rows; states and their rates */
+    double *v_old;                           /* (n) v at the start of the last step */
     double *z, *zl, *zx;                     /* (s n) displacements of the stages, (s c) l there, (s n_x) changes of states */
     double *last, *last_l, *last_x;          /* those of the last step */
     double *xi, *scale;                      /* (n_x) states of a stage; sizes of states */
@@ -293,22 +294,18 @@ static void predict_alpha(stages *g)
     memcpy(g->zl, g->l, (size_t)g->c*sizeof *g->l);
 }
 
-/* The polynomials of the stages at `at` of the step: one is 1 at its stage and 0 at the others (l), and at 0 too (b, with slope db). */
-typedef struct polynomials { double b[MOST_STAGES], db[MOST_STAGES], l[MOST_STAGES]; } polynomials;
+/* The polynomials of the stages at `at` of the step: one is 1 at its stage and 0 at the others (l), and at 0 too (b). */
+typedef struct polynomials { double b[MOST_STAGES], l[MOST_STAGES]; } polynomials;
 
 static polynomials polynomials_at(const stages *g, double at)
 {
     polynomials p;
     for (int j = 0; j < g->s; j++) {
-        double value = 1, slope = 0;
-        for (int i = 0; i < g->s; i++) {
-            double by = 1/(g->at[j] - g->at[i]), f = (at - g->at[i])*by;
-            slope = i == j ? slope : slope*f + value*by;
-            value *= i == j ? 1 : f;
-        }
+        double value = 1;
+        for (int i = 0; i < g->s; i++)
+            value *= i == j ? 1 : (at - g->at[i])/(g->at[j] - g->at[i]);
         p.l[j] = value;
         p.b[j] = value*at/g->at[j];
-        p.db[j] = (slope*at + value)/g->at[j];
     }
     return p;
 }
@@ -484,15 +481,12 @@ static double error_of(stages *g)
 static void place_within(stages *g, double part)
 {
     double *by = g->e;
+    polynomials p = polynomials_at(g, part);
     for (int i = 0; i < g->n; i++)
         by[i] = 0;
-    for (int j = 0; j < g->s; j++) {
-        double basis = part/g->at[j];
-        for (int i = 0; i < g->s; i++)
-            basis *= i == j ? 1 : (part - g->at[i])/(g->at[j] - g->at[i]);
+    for (int j = 0; j < g->s; j++)
         for (int i = 0; i < g->n; i++)
-            by[i] += basis*g->z[j*g->n + i];
-    }
+            by[i] += p.b[j]*g->z[j*g->n + i];
     memcpy(g->qi, g->q, (size_t)g->n_q*sizeof *g->qi);
     g->run->d->eq.move(g->run->d->eq.context, g->qi, by);
 }
@@ -532,6 +526,7 @@ static lw_status accept(stages *g, double t)
     for (int i = 0; i < n && g->alpha; i++)
         g->aux[i] = auxiliary(g, g->z[i], g->v[i], auxiliary_old(g, i));
     for (int i = 0; i < n; i++) {
+        g->v_old[i] = g->v[i];
         g->v[i] = g->vi[(g->s - 1)*n + i];
         g->a[i] = g->ai[(g->s - 1)*n + i];
     }
@@ -579,27 +574,32 @@ static lw_status show(stages *g)
     return lw_run_show_solved(g->run, g->t, g->run->y);
 }
 
-/* State at t, a time within the last step, by the polynomial through its stages. */
+/* State at t, a time within the last step, by the polynomials through its stages. */
 static lw_status state_at(void *context, double t, double *y)
 {
     stages *g = context;
     int n = g->n, s = g->s;
-    double at = 1 + (t - g->t)/g->h_old, w[MOST_STAGES*MOST_STAGES], work[MOST_STAGES];
+    double at = 1 + (t - g->t)/g->h_old, w[MOST_STAGES*MOST_STAGES], work[MOST_STAGES], v_by[MOST_STAGES] = { 0 }, first = 1;
     polynomials p = polynomials_at(g, at);
     state(g, y);
     if (at >= 1)
         return LW_OK;
     for (int k = 0; k < s; k++) {
         work[k] = g->h_old*g->power[k];
-        for (int j = 0; j < s; j++)
+        first -= p.b[k];
+        for (int j = 0; j < s; j++) {
             w[j*s + k] = g->w[k][j];
+            v_by[j] += (p.b[k] - (k == s - 1))*g->w[k][j]/g->h_old;
+        }
     }
     solve_small(s, w, work);
+    for (int i = 0; i < n; i++)
+        y[n + i] += first*g->v_old[i];
     for (int j = 0; j < s; j++) {
         double by = p.b[j] - (j == s - 1);
         for (int i = 0; i < n; i++) {
             y[i] += by*g->last[j*n + i];
-            y[n + i] = (j ? y[n + i] : 0) + p.db[j]*g->last[j*n + i]/g->h_old;
+            y[n + i] += v_by[j]*g->last[j*n + i];
         }
         y[2*n] += g->run->has_work ? by*work[j] : 0;
         for (int i = 0; i < g->n_x; i++)
@@ -695,12 +695,12 @@ static lw_status run_implicit(lw_run *run, bool alpha)
         set_method(&g);
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece && !d->eq.next_kink;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *memory = calloc(2*(size_t)run->n + 2*q + 4*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
+    double *memory = calloc(2*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     double *rate = p + run->n;
     run->y = p, p += 2*run->n;
-    g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c, g.aux = p, p += n;
+    g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c, g.aux = p, p += n, g.v_old = p, p += n;
     g.x = p, p += x, g.dx = p, p += x, g.aux_x = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
     g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;
     g.zl = p, p += s_c, g.last_l = p, p += s_c, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
