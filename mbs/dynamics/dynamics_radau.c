@@ -10,9 +10,10 @@
  * v' = W (v - v0)/h in the stages, so the unknowns are Z, l and the changes of the first-order states x alone; T is the unit
  * matrix but for turns in space, and Newton's method takes it for that.  In the eigenvectors of W one real and one or two
  * complex sparse systems remain (tangent.c), whose entries are m M + c C + K with m = (w/h)^2, c = w/h.  After each step v is
- * put on the constraints.  Samples of rigid links in the plane lie on the polynomials through the stages, whose error is of the order
- * of the error estimate; that of v begins at v at the start, and so has an order more than the slope of that of q.  Steps of other models end at
- * the samples, where positions, velocities, accelerations and multipliers are those of the last stage: accelerations found afresh from a posture would show its error times the square of the highest frequency.
+ * put on the constraints.  Samples of rigid links in the plane lie on the polynomials through the stages, whose error is of the
+ * order of the error estimate; that of v begins at v at the start, and so has an order more than the slope of that of q.  Steps of
+ * other models end at the samples, where positions, velocities, accelerations and multipliers are those of the last stage:
+ * accelerations found afresh from a posture would show its error times the square of the highest frequency.
  *
  * Generalised alpha (Chung & Hulbert 1993; with turns Bruels & Cardona 2010) is the same with one stage at the end of the step,
  *
