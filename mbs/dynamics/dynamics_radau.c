@@ -446,6 +446,7 @@ static void embedded_error(stages *g)
             e += w*g->error[k]*g->zx[k*g->n_x + i];
         g->b[n + i] = e/g->scale[i];
     }
+    lw_tangent_damp(&g->pair[0], w, g->e, g->b);
 }
 
 /* The same of generalised alpha: h^3 v'' (beta + (am - af)/2 - 1/6), where the change of a is h v''. */

@@ -131,6 +131,18 @@ void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, doub
         eq->more_mass(eq->context, q, &(lw_force_sink){ .context = &(product){ x, out }, .add = multiply });
 }
 
+void lw_tangent_damp(const lw_tangent *t, double by, const double *x, double *out)
+{
+    const lw_columns *a = &t->columns;
+    by /= t->weight_im;
+    for (int j = 0; j < t->n; j++) {
+        for (int k = a->at[j]; k < a->at[j + 1]; k++)
+            if (a->row[k] < t->n + t->z)
+                out[a->row[k]] += by*t->value[2*k + 1]*x[j];
+        out[j] -= by*t->mass_im*t->d->eq.mass[j]*x[j];
+    }
+}
+
 static void put_rows(lw_tangent *t, const double *l)
 {
     const lw_dynamics *d = t->d;

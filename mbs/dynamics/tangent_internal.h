@@ -49,6 +49,9 @@ void lw_tangent_solve(lw_tangent *t, double *b);
 /* out (n) = M x, of consistent masses where they are asked for. */
 void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, double *out);
 
+/* out (n + z) += by C x, below it -by f_v x, x (n), from the imaginary parts of a complex matrix as it was filled last. */
+void lw_tangent_damp(const lw_tangent *t, double by, const double *x, double *out);
+
 /* Accelerations a and multipliers of the kept rows l at rest: M a + J^T l = Q, J a = 0.  Leaves Q in d->force. */
 lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const double *still, double *a, double *l);
 
