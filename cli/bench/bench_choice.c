@@ -278,7 +278,8 @@ static void free_scene(scene *s)
 
 /* ---- runs --------------------------------------------------------------------------------------------------------- */
 
-typedef struct motion { int n, n_moment; double *q; } motion;        /* q[k*n + i] at moment k */
+/* q[k*n + i] at moment k; by: the formulation at the end of the run. */
+typedef struct motion { int n, n_moment; double *q; lw_formulation by; } motion;
 
 static lw_status keep(void *context, const lw_moment *m)
 {
@@ -312,6 +313,7 @@ static lw_status run_once(const scene *s, const lw_dynamics_options *o, motion *
         row->energy = r.energy_error/r.energy_scale;
         row->steps = r.steps, row->rates = r.rates;
     }
+    k->by = r.formulation;
     lw_dynamics_free(d);
     return st;
 }
@@ -342,7 +344,7 @@ typedef struct study {
     lw_formulation by[2];
     int    n_exact;
     double known;                         /* what the two differ by */
-    lw_formulation chosen[TOLERANCES];    /* by `auto` at 1e-k */
+    lw_formulation chosen[TOLERANCES];    /* by `auto` at 1e-k, at the end of its run; AUTO: not run */
 } study;
 
 static lw_dynamics_options options(const study *y, lw_formulation f, double tolerance)
@@ -358,19 +360,15 @@ static lw_dynamics_options options(const study *y, lw_formulation f, double tole
     return o;
 }
 
-/* Which formulations can do the model, and which does `auto` take at 1e-k? */
-static lw_status look(study *y, const cli_mbs *b, lw_error *e)
+/* Which formulations can do the model? */
+static lw_status look(study *y, lw_error *e)
 {
     lw_dynamics *d;
-    lw_status st = LW_OK;
-    for (int k = b->loosest; k <= b->tightest && st == LW_OK; k++) {
-        lw_dynamics_options o = options(y, LW_FORMULATION_AUTO, pow(10, -k));
-        st = make(&y->scene, &o, &d, e);
-        if (st == LW_OK) {
-            y->chosen[k] = lw_dynamics_choice(d)->formulation;
-            y->got.n = y->scene.in_space ? lw_dynamics_space(d)->n_q : lw_dynamics_system(d)->n_q;
-            lw_dynamics_free(d);
-        }
+    lw_dynamics_options first = options(y, LW_FORMULATION_AUTO, 1e-6);
+    lw_status st = make(&y->scene, &first, &d, e);
+    if (st == LW_OK) {
+        y->got.n = y->scene.in_space ? lw_dynamics_space(d)->n_q : lw_dynamics_system(d)->n_q;
+        lw_dynamics_free(d);
     }
     for (int f = 1; f <= LW_FORMULATION_GGL && st == LW_OK; f++) {
         lw_error why = { 0 };
@@ -424,7 +422,9 @@ static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_erro
         lw_dynamics_options o = options(y, f, row->tolerance);
         lw_status st = run_once(&y->scene, &o, &y->got, NULL, &why);
         row->error = st == LW_OK && y->n_exact > 0 ? apart(&y->got, exact, y->scene.in_space) : NAN;
-        row->hard = y->s->hard && f == y->chosen[k];
+        row->hard = y->s->hard && f == LW_FORMULATION_AUTO;
+        if (f == LW_FORMULATION_AUTO)
+            y->chosen[k] = y->got.by;
         double until = lw_clock_wall() + b->time;
         motion none = { 0 };
         for (int i = 0; i < REPEAT_MAX && st == LW_OK && (i == 0 || lw_clock_wall() < until) && !cli_interrupted(); i++)
@@ -438,15 +438,14 @@ static lw_status run_formulation(cli_mbs *b, study *y, lw_formulation f, lw_erro
     return LW_OK;
 }
 
-/* Least time of formulation f for an error, between two tolerances by their logarithms; f AUTO: of rows that `auto` takes. */
+/* Least time of formulation f for an error, between two tolerances by their logarithms, unless `auto` takes two formulations at them. */
 static double time_for(const cli_mbs *b, const study *y, lw_formulation f, double error)
 {
     double least = INFINITY;
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i], *last = i ? r - 1 : r;
         int k = (int)lrint(-log10(r->tolerance));
-        const char *name = lw_formulation_name(f ? f : y->chosen[k]);
-        if (strcmp(r->problem, y->s->name) || strcmp(r->solver, name))
+        if (strcmp(r->problem, y->s->name) || strcmp(r->solver, lw_formulation_name(f)))
             continue;
         if (r->error <= error)
             least = fmin(least, r->seconds);
@@ -461,17 +460,23 @@ static void compare(const cli_mbs *b, const study *y, double *worst)
 {
     char took[80] = "";
     for (int k = b->loosest; k <= b->tightest; k++)
-        if (k == b->loosest || y->chosen[k] != y->chosen[k - 1])
+        if (y->chosen[k] && (k == b->loosest || y->chosen[k] != y->chosen[k - 1]))
             snprintf(took + strlen(took), sizeof took - strlen(took), "%s%s", *took ? ", " : "", lw_formulation_name(y->chosen[k]));
     printf("| %s | %s |", y->s->name, took);
     for (int i = 0; i < LEVELS; i++) {
         double own = time_for(b, y, LW_FORMULATION_AUTO, level[i]), best = INFINITY;
         lw_formulation by = LW_FORMULATION_AUTO;
+        bool own_is_one = strchr(took, ',') == NULL;     /* then the rows of that formulation are the same runs, measured again */
         for (int k = 0; k < y->n_formulation; k++) {
             double t = time_for(b, y, y->formulation[k], level[i]);
+            if (own_is_one && y->formulation[k] == y->chosen[b->loosest]) {
+                own = fmin(own, t);
+                continue;
+            }
             by = t < best ? y->formulation[k] : by;
             best = fmin(best, t);
         }
+        best = fmin(best, own);
         if (!isfinite(best) || level[i] < 3*y->known)
             fputs(" - |", stdout);
         else if (own <= best)
@@ -513,24 +518,44 @@ static lw_status save_hard(const cli_mbs *b, const char *folder, lw_error *e)
     return st == LW_NOTHING ? LW_OK : st;
 }
 
-lw_status cli_mbs_choice(cli_mbs *b, const char *folder, lw_error *e)
+/* Does an entry of the list take the model? */
+static bool is_asked(const char *cases, const char *name)
+{
+    bool asked = false;
+    for (; *cases && !asked; cases += strcspn(cases, ","), cases += *cases == ',') {
+        char text[64];
+        int length = (int)strcspn(cases, ",");
+        snprintf(text, sizeof text, "%.*s", length > 7 ? length - 7 : 0, cases + 7);
+        asked = strncmp(cases, "choice", 6) == 0 && (length == 6 || strstr(name, text));
+    }
+    return asked;
+}
+
+lw_status cli_mbs_choice(cli_mbs *b, const char *cases, const char *folder, lw_error *e)
 {
     lw_status st = LW_OK;
     double worst = 1;
+    int n = 0;
+    for (size_t i = 0; i < sizeof subjects/sizeof *subjects; i++)
+        n += is_asked(cases, subjects[i].name);
+    if (n == 0)
+        return lw_error_set(e, LW_E_ARG, "no model of choice has this text in its name");
     fputs("Time of `auto` [ms] for an error of, and how many times that of the fastest where that is another one:\n\n"
           "| model | `auto` takes | 0.001 | 0.0001 | 1e-06 | 1e-08 | references differ |\n|---|---|---|---|---|---|---|\n", stdout);
     for (size_t i = 0; i < sizeof subjects/sizeof *subjects && st == LW_OK && !cli_interrupted(); i++) {
+        if (!is_asked(cases, subjects[i].name))
+            continue;
         study *y = calloc(1, sizeof *y);
         if (!y)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
         y->s = &subjects[i];
         st = read_subject(y->s, &y->scene, e);
         if (st == LW_OK) {
-            st = look(y, b, e);
+            st = look(y, e);
             if (st == LW_OK)
                 find_exact(y);
-            for (int k = 0; k < y->n_formulation && st == LW_OK; k++)
-                st = run_formulation(b, y, y->formulation[k], e);
+            for (int k = 0; k <= y->n_formulation && st == LW_OK; k++)
+                st = run_formulation(b, y, k ? y->formulation[k - 1] : LW_FORMULATION_AUTO, e);
             if (st == LW_OK)
                 compare(b, y, &worst);
             fflush(stdout);

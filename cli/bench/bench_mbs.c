@@ -356,7 +356,8 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
         char word[64];
         int i = 0;
         snprintf(word, sizeof word, "%.*s", (int)strcspn(list, ","), list);
-        while (i < n && strcmp(names[i], word) != 0)
+        size_t length = strncmp(word, "choice:", 7) == 0 ? 6 : strlen(word);
+        while (i < n && !(strlen(names[i]) == length && strncmp(names[i], word, length) == 0))
             i++;
         const char *near = lw_suggest(word, names, n);
         if (i == n)
@@ -384,7 +385,7 @@ lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_erro
         if (!(b->wanted >> i & 1))
             continue;
         cli_progress_show(&line, i, 6, p->name);
-        st = strcmp(p->name, "choice") == 0 ? cli_mbs_choice(b, folder, e) : p->file ? run_model(b, p, e) : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
+        st = strcmp(p->name, "choice") == 0 ? cli_mbs_choice(b, cases, folder, e) : p->file ? run_model(b, p, e) : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
            : strcmp(p->name, "flexible-crank") == 0 ? run_flexible(b, p, e) : run_clearance(b, p, e);
     }
     cli_progress_end(&line);
