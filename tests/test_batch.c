@@ -252,6 +252,38 @@ TEST(places_at_once_are_those_of_each)
     }
 }
 
+/* Tangents alone have the bits that they have beside a Jacobian. */
+TEST(tangents_alone_are_those_of_the_jacobian)
+{
+    static subject q;
+    static lanes l;
+    static double jac[2][LW_DIM_MAX*MAX], of[2][4][MAX];
+    static const size_t some[] = { 1, 7, 8, 25, 130, MAX };
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 14);
+    for (int trial = 0; trial < 44; trial++) {
+        if (trial < 22)
+            random_type(&r, &lw_type_table[trial%11], &q.k);
+        else
+            random_grown(&r, 1 + trial%3, &q.k);
+        plan_of(&q, true);
+        draw_lanes(&r, &q, &l);
+        for (size_t i = 0; i < sizeof some/sizeof *some; i++)
+            for (int pin = 0; pin < 2; pin++) {
+                lw_lanes in = { .n = some[i], .c = l.c, .s = l.s, .dim = q.dim, .mode = q.mode };
+                int which = 0;
+                for (int j = 0; j < LW_JOINT_MAX && pin; j++)
+                    which = q.p.joint_point[j] >= 0 ? LW_BATCH_JOINT(j) : which;
+                for (int with = 0; with < 2; with++)
+                    lw_batch_jacobian(&q.p, &in, which, work, &(lw_jacobian){
+                        .x = of[with][0], .y = of[with][1], .tx = of[with][2], .ty = of[with][3], .ld = MAX,
+                        .jx = with ? jac[0] : NULL, .jy = with ? jac[1] : NULL });
+                for (int k = 0; k < 4; k++)
+                    CHECK(memcmp(of[0][k], of[1][k], some[i]*sizeof(double)) == 0);
+            }
+    }
+}
+
 TEST(turns_are_cosines_and_sines)
 {
     static subject q;

@@ -236,6 +236,9 @@ static void gradients(subject *q, lw_rng *r)
     }
     lw_jacobian out = { x, y, NULL, NULL, m, jx, jy, jt, tx, ty, NULL, LANES, NULL, NULL };
     lw_batch_jacobian(&q->p, &(lw_lanes){ LANES, c, s, q->dim, 0, q->mode, 0 }, which, work, &out);
+    lw_jacobian tangents = { .x = x, .y = y, .margin = m, .tx = gx, .ty = gy, .ld = LANES };
+    lw_batch_jacobian(&q->p, &(lw_lanes){ LANES, c, s, q->dim, 0, q->mode, 0 }, which, work, &tangents);
+    CHECK(memcmp(gx, tx, sizeof gx) == 0 && memcmp(gy, ty, sizeof gy) == 0);        /* alone, with the same bits */
     for (int l = 0; l < LANES; l++)
         if (!(m[l] > 0.05) || fabs(x[l]) + fabs(y[l]) > 100)
             return;

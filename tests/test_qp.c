@@ -189,6 +189,43 @@ TEST(agrees_where_rows_depend_on_each_other)
     CHECK(solved > 200 && solved < 1400);
 }
 
+/* Rows a few 1e-6 apart, and a last row that with positive weights adds up with them to 0 = 0 - `gap`: no point meets all of
+ * them if the gap is positive, whatever rounding does. */
+TEST(knows_contradictions_of_nearly_parallel_rows)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 4);
+    for (int trial = 0; trial < 400; trial++) {
+        bool contradicts = trial % 2;
+        program q = { .n = 2 + trial/2 % (N - 1) };
+        double p[N], along[N];
+        draw_hessian(&rng, &q);
+        for (int i = 0; i < q.n; i++) {
+            q.g[i] = lw_rng_normal(&rng);
+            along[i] = lw_rng_normal(&rng);
+        }
+        double *last = q.a + q.n*q.n;
+        q.b[q.n] = contradicts ? 0.5 : -0.5;
+        for (int j = 0; j < q.n; j++) {
+            double weight = lw_rng_range(&rng, 0.5, 2);
+            for (int i = 0; i < q.n; i++) {
+                q.a[j*q.n + i] = along[i] + 5e-6*lw_rng_normal(&rng);
+                last[i] -= weight*q.a[j*q.n + i];
+            }
+            q.b[j] = lw_rng_normal(&rng);
+            q.b[q.n] -= weight*q.b[j];
+        }
+        q.m = q.n + 1;
+        bool solved = solve(&q, p);
+        CHECK_INT(solved, !contradicts);
+        double far = 0;
+        for (int i = 0; i < q.n; i++)
+            far = fmax(far, fabs(p[i]));
+        if (solved)
+            CHECK(violation(&q, p) <= 1e-12*(1 + far));
+    }
+}
+
 /* Bounds, as the fit uses them: the box clips a diagonal problem; equal bounds hold a variable. */
 TEST(clips_to_a_box)
 {

@@ -6,7 +6,7 @@
 /* Does the loop of its own compute this? It knows no pins, no derivatives of margins, and no places alone. */
 static bool is_fast(const lw_plan *p, int which, const lw_jacobian *out)
 {
-    return which >= 0 && p->output_fast_dyad[which].applies && !(out && (out->jm || !out->jx));
+    return which >= 0 && p->output_fast_dyad[which].applies && !(out && (out->jm || !(out->jx || out->tx)));
 }
 
 static void set_ground(const run *k, bool fast) { ground_rows(k, fast ? 0 : k->nb); }
@@ -225,15 +225,16 @@ static void kernel_frame(const lw_plan *plan, const lw_lanes *in, int which, voi
 
 /* ---- Jacobian --------------------------------------------------------------------------------------------- */
 
-/* Clear the adjoints.  Derivatives by the dimensions will go to `row`, by the input to `input`. */
+/* Clear the adjoints.  Derivatives by the dimensions will go to `row`, by the input to `input`.  row NULL: those by the
+ * dimensions are not wanted; all of them go to one spare row. */
 static void clear_adjoints(run *k, size_t n, double *row, size_t ld, double *input)
 {
     const lw_plan *p = k->plan;
-    k->row = row;
-    k->row_row = ld;
+    k->row = row ? row : k->spare + 2*k->nb;
+    k->row_row = row ? ld : 0;
     memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
     memset(input, 0, n*sizeof(double));
-    for (int i = 0; i < p->n_dim; i++)
+    for (int i = 0; row && i < p->n_dim; i++)
         memset(row + (size_t)i*ld, 0, n*sizeof(double));
 }
 
@@ -288,11 +289,13 @@ static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, 
         move_out(k, n, direction_of(p, which), out->u, out->v, 0, 0);
     if (out->jm)
         margin_component(k, which, n, out, k->spare + k->nb);
-    if (!out->jx)
+    if (!out->jx && !out->tx)
         return;
     double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), *scrap = k->spare + k->nb;
     component(k, which, n, lw_v2(c, -s), 0, out->jx, out->ld, out->tx ? out->tx : scrap);
-    component(k, which, n, lw_v2(s, c), 0, out->jy, out->ld, out->ty ? out->ty : scrap);
+    component(k, which, n, lw_v2(s, c), 0, out->jx ? out->jy : NULL, out->ld, out->ty ? out->ty : scrap);
+    if (!out->jx)
+        return;
     fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
     fill(out->jy + (size_t)p->i_y0*out->ld, 1, n);
     for (size_t i = 0; i < n; i++) {
@@ -332,7 +335,7 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     size_t n_dim = (size_t)k->plan->n_dim;
     rows t = tail_places(k);
     lw_jacobian to = { t.x, t.y, t.u, t.v, t.margin, out->jx ? tail_row(k, 8) : NULL, tail_row(k, 8 + n_dim),
-                       out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, tail_row(k, 5), tail_row(k, 6), tail_row(k, 7),
+                       out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, out->jx || out->tx ? tail_row(k, 5) : NULL, tail_row(k, 6), tail_row(k, 7),
                        LW_GROUP, out->jm ? tail_row(k, 9 + 3*n_dim) : NULL, tail_row(k, 8 + 3*n_dim) };
     block_jacobian(k, &lanes, which, 0, LW_GROUP, &to);
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
@@ -395,7 +398,7 @@ static void kernel_jacobians(const lw_plan *plan, const lw_lanes *in, int n, con
 {
     bool only_places = n > 1 && !plan->n_higher && in->n >= LW_GROUP;
     for (int i = 0; i < n; i++)
-        only_places &= !out[i].jx && !out[i].jm && !out[i].u && (which[i] < 0 || !out[i].margin);
+        only_places &= !out[i].jx && !out[i].tx && !out[i].jm && !out[i].u && (which[i] < 0 || !out[i].margin);
     if (only_places) {
         places(plan, in, n, which, work, out);
         return;

@@ -187,9 +187,12 @@ LW_INLINE double fast_inverse(const lane *z)
     return (firm ? 1.0 : 0.0)/(firm ? z->y : 1.0);
 }
 
+/* The derivatives of a loop: by the input alone; by all dimensions; of the angle, too. */
+enum { TANGENT, JACOBIAN, JACOBIAN_ANGLE };
+
 /* u, v, margin and rows of missing dimensions may be spare rows. */
 LW_INLINE void fast_jacobian(const run *k, const number_rows *r, size_t n, const rows *out, const bar_rows bar[3],
-                              const int angle, const int pin, const int dyad)
+                              const int form, const int pin, const int dyad)
 {
     const double *c = k->c, *s = pin ? k->s : k->c;
     const numbers g = numbers_at(r, 0);
@@ -204,9 +207,14 @@ LW_INLINE void fast_jacobian(const run *k, const number_rows *r, size_t n, const
         lw_vec2 p = fast_point(&z, &g), d = lw_v2_turn(z.u, lw_v2(g.ct, g.st));
         bars ox = fast_back(ci, si, &g, &z, inv, by_d2, lw_v2(g.ct, -g.st), 0, pin, dyad);
         bars oy = fast_back(ci, si, &g, &z, inv, by_d2, lw_v2(g.st, g.ct), 0, pin, dyad);
-        put_bars(&bx, &ox, g.y0 - p.y, i, pin, dyad);
-        put_bars(&by, &oy, p.x - g.x0, i, pin, dyad);
-        if (angle) {
+        if (form == TANGENT) {
+            bx.input[i] = ox.input;
+            by.input[i] = oy.input;
+        } else {
+            put_bars(&bx, &ox, g.y0 - p.y, i, pin, dyad);
+            put_bars(&by, &oy, p.x - g.x0, i, pin, dyad);
+        }
+        if (form == JACOBIAN_ANGLE) {
             bars ot = fast_back(ci, si, &g, &z, inv, by_d2, lw_v2(0, 0), 1, pin, dyad);
             put_bars(&bt, &ot, 1, i, pin, dyad);
         }
@@ -336,6 +344,11 @@ void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
     const number_rows r = fast_rows(k, which);
     rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare + k->nb,
                 out->margin ? out->margin : k->margin };
+    if (!out->jx) {
+        const bar_rows tangent[3] = { { .input = out->tx }, { .input = out->ty ? out->ty : k->spare + 2*k->nb } };
+        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, tangent, TANGENT);
+        return;
+    }
     if (p->n_output > 1 || p->n_link > 4)                  /* otherwise it depends on all */
         clear_others(p, which, n, out);
     bar_rows bar[3] = { fast_bars(k, which, out->jx, out->ld, out->tx),
@@ -344,9 +357,9 @@ void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
         bar[2] = fast_bars(k, which, out->jt, out->ld, out->tt);
         fill(out->jt + (size_t)p->i_x0*out->ld, 0, n);
         fill(out->jt + (size_t)p->i_y0*out->ld, 0, n);
-        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, bar, 1);
+        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, bar, JACOBIAN_ANGLE);
     } else
-        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, bar, 0);
+        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, bar, JACOBIAN);
     fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
     fill(out->jx + (size_t)p->i_y0*out->ld, 0, n);
     fill(out->jy + (size_t)p->i_x0*out->ld, 0, n);

@@ -427,12 +427,14 @@ static void shift_inputs(const lw_problem *p, lw_work *w, size_t n, double by, s
     }
 }
 
-/* Tangents and Jacobian of n of the scratch's postures. */
-static void tangents(const lw_problem *p, const double *x, lw_work *w, size_t n, double *tx, double *ty)
+/* Tangents of n of the scratch's postures, and on request their Jacobian. */
+static void tangents(const lw_problem *p, const double *x, lw_work *w, size_t n, bool with_jacobian, double *tx, double *ty)
 {
     lw_jacobian j = w->posture;
     j.tx = tx;
     j.ty = ty;
+    if (!with_jacobian)
+        j.jx = j.jy = NULL;
     jacobian(p, x, w, 0, w->posture_c, w->posture_s, n, &j);
 }
 
@@ -457,7 +459,7 @@ static void acceleration_slopes(const lw_problem *p, const double *x, lw_work *w
     for (int i = -1; i <= 1; i++) {
         double a = (i == 0 ? -2 : 1)/(h*h), v = i/(2*h);
         shift_inputs(p, w, whole_groups(p, n), i*h, 0);
-        tangents(p, x, w, whole_groups(p, n), w->posture_u, w->posture_v);
+        tangents(p, x, w, whole_groups(p, n), true, w->posture_u, w->posture_v);
         for (size_t d = 0; d < rows; d++)
             for (int part = 0; part < parts; part++) {
                 const double *restrict from = part % 2 == 0 ? (d + 1 < rows ? w->posture.jx + d*ld : w->posture_u)
@@ -482,10 +484,10 @@ static void find_accelerations(const lw_problem *p, const double *x, lw_work *w,
         ux = w->posture_x + lanes;
         uy = w->posture_y + lanes;
     }
-    tangents(p, x, w, at_once ? 2*lanes : lanes, w->posture_x, w->posture_y);
+    tangents(p, x, w, at_once ? 2*lanes : lanes, false, w->posture_x, w->posture_y);
     if (!at_once) {
         shift_inputs(p, w, lanes, -h, 0);
-        tangents(p, x, w, lanes, w->posture_u, w->posture_v);
+        tangents(p, x, w, lanes, false, w->posture_u, w->posture_v);
     }
     for (size_t k = 0; k < n; k++) {
         double vx = w->posture_x[k], vy = w->posture_y[k];

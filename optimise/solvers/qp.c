@@ -7,6 +7,7 @@
 
 #define ROUNDING_ROW  1e-13      /* of a . p - b, relative to its terms                                            */
 #define ROUNDING_STEP 1e-14      /* of p, relative to its way, in the metric of H                                  */
+#define LITTLE        1e-4       /* of a row's square: less outside the active rows is worked out twice            */
 #define DEPENDENT     1e-22      /* a row with less of its square outside the active rows depends on them          */
 
 /* These functions work column by column, because the operations of one column do not depend on each other. */
@@ -46,8 +47,8 @@ static void backward(int n, const double *l, double *v)         /* v = L^-T v */
     }
 }
 
-/* The active conditions: rows L^-1 a as columns of an orthonormal matrix q and a triangle r. Both are recomputed at
- * every change, which is cheap for so few unknowns. */
+/* The active conditions: rows L^-1 a as columns of an orthonormal matrix q and a triangle r.  Both are recomputed from the
+ * first row that changes on, which is cheap for so few unknowns. */
 typedef struct active {
     int    n, count;
     int    row[LW_QP_MAX];
@@ -56,40 +57,51 @@ typedef struct active {
     double size;                                /* largest |L'p| so far                  */
 } active;
 
-static void remake(active *w, const double *l, const double *a)
+/* Take from v its parts along the first `count` orthonormal vectors, which become part[k*stride], and return the square of the
+ * rest.  Where little is left, rounding has left parts along them: then they are taken once more. */
+static double take_out(const active *w, int count, double *v, double *part, int stride)
 {
     int n = w->n;
-    for (int k = 0; k < w->count; k++) {
+    double whole = lw_dot(n, v, v), rest = whole;
+    for (int k = 0; k < count; k++)
+        part[k*stride] = 0;
+    for (int pass = 0; count > 0 && pass < 2 && (pass == 0 || rest < LITTLE*whole); pass++) {
+        for (int k = 0; k < count; k++) {
+            double along = lw_dot(n, w->q + k*n, v);
+            part[k*stride] += along;
+            for (int c = 0; c < n; c++)
+                v[c] -= along*w->q[k*n + c];
+        }
+        rest = lw_dot(n, v, v);
+    }
+    return rest;
+}
+
+static void remake(active *w, int first, const double *l, const double *a)
+{
+    int n = w->n;
+    for (int k = first; k < w->count; k++) {
         double *v = w->q + k*n;
         memcpy(v, a + w->row[k]*n, sizeof(double)*(size_t)n);
         forward(n, l, v);
-        for (int i = 0; i < k; i++) {
-            w->r[i*n + k] = lw_dot(n, w->q + i*n, v);
-            for (int c = 0; c < n; c++)
-                v[c] -= w->r[i*n + k]*w->q[i*n + c];
-        }
-        w->r[k*n + k] = sqrt(lw_dot(n, v, v));
+        w->r[k*n + k] = sqrt(take_out(w, k, v, w->r + k, n));
         for (int c = 0; c < n; c++)
             v[c] /= w->r[k*n + k];
     }
 }
 
-/* Split y = L^-1 a_p into its part z outside the active space and the change d of the multipliers. */
+/* Split y = L^-1 a_p into its part z outside the active space and the change d of the multipliers; returns the square of z. */
 static double split(const active *w, const double *y, double *z, double *d)
 {
     int n = w->n;
     memcpy(z, y, sizeof(double)*(size_t)n);
-    for (int k = 0; k < w->count; k++) {
-        d[k] = lw_dot(n, w->q + k*n, y);
-        for (int c = 0; c < n; c++)
-            z[c] -= d[k]*w->q[k*n + c];
-    }
+    double z2 = take_out(w, w->count, z, d, 1);
     for (int k = w->count - 1; k >= 0; k--) {
         for (int i = k + 1; i < w->count; i++)
             d[k] -= w->r[k*n + i]*d[i];
         d[k] /= w->r[k*n + k];
     }
-    return lw_dot(n, z, z);
+    return z2;
 }
 
 static void drop(active *w, int k, const double *l, const double *a)
@@ -99,7 +111,7 @@ static void drop(active *w, int k, const double *l, const double *a)
         w->u[i - 1] = w->u[i];
     }
     w->count--;
-    remake(w, l, a);
+    remake(w, k, l, a);
 }
 
 static double gap_of(int n, int j, const double *a, const double *b, const double *p)
@@ -121,23 +133,37 @@ static double rounding(const active *w, int j, const double *l, const double *a,
     return ROUNDING_ROW*scale + ROUNDING_STEP*sqrt(lw_dot(n, y, y))*w->size;
 }
 
+static bool is_active(const active *w, int j)
+{
+    for (int k = 0; k < w->count; k++)
+        if (w->row[k] == j)
+            return true;
+    return false;
+}
+
+/* The condition that is violated most, by more than rounding, and its gap; -1: there is none. */
 static int most_violated(const active *w, int m, const double *l, const double *a, const double *b,
                          const double *p, double *gap)
 {
-    int worst = -1, n = w->n;
-    double least = 0;
-    for (int j = 0; j < m; j++) {
-        double s = gap_of(n, j, a, b, p);
-        bool passed_over = s >= least;
-        for (int k = 0; k < w->count && !passed_over; k++)
-            passed_over = w->row[k] == j;
-        if (!passed_over && s < -rounding(w, j, l, a, b, p)) {
-            least = s;
-            worst = j;
+    int n = w->n, last = -1;
+    double within = -INFINITY;                  /* rows up to here, and up to `last` at it, are violated within rounding */
+    for (int i = 0; i <= m; i++) {
+        int worst = -1;
+        double least = 0;
+        for (int j = 0; j < m; j++) {
+            double s = gap_of(n, j, a, b, p);
+            if (s < least && (s > within || (s == within && j > last)) && !is_active(w, j)) {
+                least = s;
+                worst = j;
+            }
         }
+        *gap = least;
+        if (worst < 0 || least < -rounding(w, worst, l, a, b, p))
+            return worst;
+        within = least;
+        last = worst;
     }
-    *gap = least;
-    return worst;
+    return -1;
 }
 
 static void grow(active *w, const double *l, const double *p)
@@ -205,7 +231,7 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
             assert(w->count < n);
             w->row[w->count] = j;
             w->u[w->count++] = u_new;
-            remake(w, l, a);
+            remake(w, w->count - 1, l, a);
             return true;
         }
         drop(w, leave, l, a);
