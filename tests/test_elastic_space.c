@@ -391,6 +391,117 @@ TEST(rigid)
     lw_spatial_free(&m);
 }
 
+/* ---- line loads ----------------------------------------------------------------------------------------------- */
+
+/* What a load of density q[0] at `from` to q[1] at `to` does to a cantilever of 2 m: shear force and bending moment at its clamp,
+ * deflection of its end by bending and shear; sums of point loads. */
+static void cantilever_under(double from, double to, const double q[2], double bending, double shearing, double out[3])
+{
+    enum { N = 20000 };
+    out[0] = out[1] = out[2] = 0;
+    for (int i = 0; i < N; i++) {
+        double part = (i + 0.5)/N, x = from + part*(to - from), force = (q[0] + part*(q[1] - q[0]))*fabs(to - from)/N;
+        out[0] += force;
+        out[1] += force*x;
+        out[2] += force*(x*x*(6 - x)/(6*bending) + x/shearing);
+    }
+}
+
+/* Clamped bars under even and linear loads on all of their axis and on parts of it, either way, in both planes: whole bars, also of as
+ * few elements as the load has ends, and condensed ones.  A rigid body feels the same at its joint. */
+TEST(line_loads)
+{
+    static const struct { double from, to, q[2]; } rows[] = {
+        { 0, 2, { 1, 1 } }, { 0, 2, { 0, 1 } }, { 2, 0, { 0.5, -1 } }, { 0.5, 1.5, { 2, 2 } }, { 1.5, 0.4, { 1, 3 } },
+    };
+    static const char *const how[] = { "'segments': 1", "'segments': 9", "'segments': 9, 'superelements': 1" };
+    static record got;
+    const double u[3] = { 2./3, -1./3, 2./3 }, y[3] = { 1/sqrt(5), 2/sqrt(5), 0 };
+    lw_vec3 z = lw_v3_cross(lw_v3(u[0], u[1], u[2]), lw_v3(y[0], y[1], y[2]));
+    double shearing = 210e9/2.6*0.02*0.03/1.2, ei[2] = { 210e9*0.02*pow(0.03, 3)/12, 210e9*0.03*pow(0.02, 3)/12 };
+    for (size_t i = 0; i < 3*sizeof rows/sizeof *rows; i++) {
+        double from = rows[i/3].from, to = rows[i/3].to, plane[2] = { 1e-2, -2e-2 }, want[2][3], q[3][2];
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        for (int k = 0; k < 2; k++) {
+            double by[2] = { plane[k]*rows[i/3].q[0], plane[k]*rows[i/3].q[1] };
+            cantilever_under(from, to, by, ei[k], shearing, want[k]);
+            const double axis[3] = { z.x, z.y, z.z };
+            for (int c = 0; c < 3; c++)
+                q[c][k] = rows[i/3].q[k]*(plane[0]*y[c] + plane[1]*axis[c]);
+        }
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': {'shape': 'rectangle', 'width': "
+                            "0.02, 'height': 0.03}, 'height': [%.17g, %.17g, 0], 'material': " STEEL ", 'axis': [[0, 0, 0], [%.17g, %.17g, %.17g]], %s}}], "
+                            "'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', "
+                            "'link': 'bar', 'at': [%.17g, %.17g, %.17g]}], 'forces': [{'link': 'bar', 'along': [[%.17g, %.17g, %.17g], [%.17g, %.17g, "
+                            "%.17g]], 'fx': [%.17g, %.17g], 'fy': ['%.17g', %.17g], 'fz': [%.17g, '%.17g']}]}", y[0], y[1], 2*u[0], 2*u[1], 2*u[2],
+                            how[i%3], 2*u[0], 2*u[1], 2*u[2], from*u[0], from*u[1], from*u[2], to*u[0], to*u[1], to*u[2], q[0][0], q[0][1],
+                            q[1][0], q[1][1], q[2][0], q[2][1]), LW_OK);
+        CHECK_TEXT(e.text, "");
+        o.analysis = LW_ANALYSIS_STATIC;
+        run(&m, o, &got);
+        lw_vec3 moved = lw_v3_sub(got.at[0], lw_v3(2*u[0], 2*u[1], 2*u[2]));
+        double size = (i%3 ? 1 : 3)*fabs(want[1][2]);      /* the shear in an element under a linear load is left out */
+        CHECK_NEAR(lw_v3_dot(moved, lw_v3(y[0], y[1], y[2])), want[0][2], 2e-5*size, 0);
+        CHECK_NEAR(lw_v3_dot(moved, z), want[1][2], 2e-5*size, 0);
+        CHECK_NEAR(got.inner[0].shear[0], want[0][0], 1e-7, 0);
+        CHECK_NEAR(got.inner[0].shear[1], want[1][0], 1e-7, 0);
+        CHECK_NEAR(got.inner[0].bending[1], want[0][1], 1e-7, 0);
+        CHECK_NEAR(got.inner[0].bending[0], -want[1][1], 1e-7, 0);
+        for (int k = 0; k < 2; k++) {
+            CHECK_NEAR(got.inner[got.nodes - 1].shear[k], 0, 1e-7, 0);
+            CHECK_NEAR(got.inner[got.nodes - 1].bending[k], 0, 1e-7, 0);
+        }
+    }
+    static const struct { const char *force, *says; lw_status status; } bad[] = {
+        { "'along': [[0, 0, 0], [1, 0.1, 0]], 'fz': 1", "straight part", LW_E_ARG }, { "'along': [[0, 0, 0], [0, 0, 0]], 'fz': 1", "no length", LW_E_NOTATION },
+        { "'along': [[0, 0, 0], [1, 0, 0]]", "[N/m]", LW_E_NOTATION }, { "'along': [[0, 0, 0], [1, 0, 0]], 'fz': 1, 'tx': 1", "spread", LW_E_NOTATION },
+        { "'along': [[0, 0, 0], [1, 0, 0]], 'fz': [1, 2, 3]", "list of 2", LW_E_NOTATION }, { "'along': [[0, 0, 0]], 'fz': 1", "list of 2", LW_E_NOTATION },
+        { "'along': [[0, 0, 0], [3, 0, 0]], 'fz': 1", "straight part", LW_E_ARG },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        lw_dynamics *d;
+        lw_status st = read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', 'elastic': {'section': " SQUARE ", 'material': " STEEL
+                                 ", 'axis': [[0, 0, 0], [2, 0, 0]]}}], 'joints': [{'name': 'A', 'kind': 'fixed', 'links': ['ground', 'bar'], 'at': "
+                                 "[0, 0, 0]}], 'forces': [{'link': 'bar', %s}]}", bad[i].force);
+        if (st == LW_OK) {
+            st = lw_dynamics_make_spatial(&m, &o, &d, &e);
+            lw_spatial_free(&m);
+        }
+        CHECK_INT(st, bad[i].status);
+        CHECK_HAS(e.text, bad[i].says);
+    }
+}
+
+/* A free body, rigid or elastic, under a load along it that grows: F/m, and the turn about its centre by the load's moment. */
+TEST(a_line_load_pushes_a_body)
+{
+    static record got;
+    for (int elastic = 0; elastic < 2; elastic++) {
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        double mass = 7850*0.01*2, turning = mass*(4 + 0.01)/12;
+        char body[300];
+        snprintf(body, sizeof body, elastic ? "'elastic': {'section': " SQUARE ", 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': 20}"
+                 : "'mass': 157, 'centre': [1, 0, 0], 'inertia': [0.26166666666666666, %.17g, %.17g]", turning, turning);
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'bar', %s}], 'joints': [{'name': 'O', 'kind': 'free', 'links': "
+                            "['ground', 'bar'], 'at': [0, 0, 0]}], 'tracers': [{'name': 'P', 'link': 'bar', 'at': [1, 0, 0]}], 'forces': "
+                            "[{'link': 'bar', 'along': [[0, 0, 0], [2, 0, 0]], 'frame': 'link', 'fz': ['0', '3*t']}]}", body), LW_OK);
+        CHECK_TEXT(e.text, "");
+        o.to = 0.5;
+        o.intervals = 1;
+        run(&m, o, &got);
+        /* F = 3 t at 4/3 m: p = 3/2 t^2, L about the centre -t^2/2 about y */
+        CHECK_NEAR(got.linear[1].z, 0.375, elastic ? 1e-5 : 1e-6, 0);
+        CHECK_NEAR(got.angular[1].y + lw_v3_cross(got.at[1], got.linear[1]).y*-1, -0.125, elastic ? 1e-5 : 1e-9, 0);
+    }
+}
+
 /* ---- superelements -------------------------------------------------------------------------------------------- */
 
 /* A bar of 2 m along x, clamped at 0, with a tracer and a force at its end; `more` belongs to "elastic". */
@@ -625,6 +736,34 @@ TEST(condensed_swing)
             CHECK_NEAR(hypot(end->shear[0], end->shear[1]), 0, 1e-4, 0);
         }
         before = modes < 0 ? before : worst;
+    }
+}
+
+/* A shaft that is turned faster and faster about its axis, whole and condensed: the torque at its driven end accelerates all of it,
+ * nothing acts on its free end.  The angle 5 t^3 is slow against its vibrations (800 Hz, damped). */
+TEST(condensed_shaft)
+{
+    static record got;
+    for (int pieces = 0; pieces <= 2; pieces++) {
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        char more[60] = "";
+        if (pieces)
+            snprintf(more, sizeof more, ", 'superelements': %d", pieces);
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'shaft', 'elastic': {'section': {'shape': 'round', 'diameter': 0.1}, "
+                            "'material': " STEEL ", 'axis': [[0, 0, 0], [1, 0, 0]], 'segments': 8, 'damping': 2e-4%s}}], 'joints': [{'name': 'A', 'kind': "
+                            "'revolute', 'links': ['ground', 'shaft'], 'at': [0, 0, 0], 'axis': [1, 0, 0]}], 'input': {'joint': 'A', 'motion': '5*t^3'}, "
+                            "'tracers': [{'name': 'P', 'link': 'shaft', 'at': [1, 0, 0]}]}", more), LW_OK);
+        CHECK_TEXT(e.text, "");
+        o.to = 0.1;
+        o.intervals = 1;
+        o.relative = o.absolute = 1e-9;
+        run(&m, o, &got);
+        double torque = 7850*LW_PI*pow(0.1, 4)/32*30*0.1;
+        /* of the whole bar, half an element at either end is the joint's and the free end's own */
+        CHECK_NEAR(-got.inner[0].torque/torque, pieces ? 1 : 15./16, 2e-4, 0);
+        CHECK_NEAR(-got.inner[got.nodes - 1].torque/torque, pieces ? 0 : 1./16, 2e-4, 0);
     }
 }
 

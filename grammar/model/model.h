@@ -42,12 +42,18 @@ typedef struct lw_joint_spring {
     lw_expression *law;
 } lw_joint_spring;
 
+/* Is this the first of the two forces, one after the other, at the ends of a load spread over the line between them?  The forces push
+ * a rigid body as the load does; elastic links spread them again (mbs/elastic/expand.h). */
+typedef enum lw_line_load { LW_LINE_NONE, LW_LINE_EVEN, LW_LINE_VARYING, LW_LINE_SECOND } lw_line_load;
+
 typedef struct lw_force {                /* on one link; the reaction goes to ground               */
     char    name[LW_NAME_SIZE];
     int     link;
     lw_vec2 at;
     bool    follows;                     /* directions turn with the link                          */
     lw_expression *fx, *fy, *torque;     /* [N] [N m], each may be NULL                            */
+    lw_line_load line;
+    int     part;                        /* of an expanded model: 1 + the element whose load this is; 0: none */
 } lw_force;
 
 /* Where ideal friction is asked for and a formulation cannot do it, it is regularised by this speed [m/s]. */
@@ -213,6 +219,9 @@ typedef enum lw_quantity {
 static inline int lw_variable(lw_quantity q, int index) { return 32*index + (int)q; }
 static inline lw_quantity lw_variable_quantity(int variable) { return (lw_quantity)(variable%32); }
 static inline int lw_variable_index(int variable) { return variable/32; }
+
+/* weight[0] of[0] + weight[1] of[1], of which either may be NULL; both: *out is unchanged.  LW_E_NOTATION: too long together. */
+lw_status lw_expression_mix(const double weight[2], lw_expression *const of[2], lw_expression **out, lw_error *e);
 
 /* Read a model.  LW_E_NOTATION with line and column, for expressions too; m needs no _free after a failure. */
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);

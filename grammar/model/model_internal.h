@@ -41,6 +41,11 @@ typedef struct lw_reading {
 lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
                              lw_expression **out, lw_error *e);
 
+/* An optional density of a line load, in the direction `key`: one expression, or [at its start, at its end], linear in between (*varies
+ * becomes true).  first, second: the forces at its ends that push a rigid body alike. */
+lw_status lw_read_line_load(const lw_json_node *object, const char *key, const lw_reading *r, double length, lw_expression **first,
+                            lw_expression **second, bool *varies, lw_error *e);
+
 /* Put the expression in the text, of t and of profiles, in the place of an input's motion. */
 lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *const *profile, lw_expression **motion, bool *has_speed,
                             lw_error *e);

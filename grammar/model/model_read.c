@@ -348,12 +348,38 @@ static lw_status read_spring(const lw_json_node *object, size_t index, lw_model 
     return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
 }
 
+/* A load on the line between two places, in the last force of the model, as forces at its ends. */
+static lw_status read_line(const lw_json_node *object, const lw_json_node *along, const lw_reading *r, lw_model *m, lw_error *e)
+{
+    static const char *const other[] = { "at", "torque" };
+    lw_force *f = &m->force[m->n_force - 1], *end = f + 1;
+    lw_json_node n;
+    bool varies = false;
+    *end = *f;
+    m->n_force++;
+    lw_status s = lw_read_list(along, 2, 2, e);
+    for (int i = 0; s == LW_OK && i < 2; i++) {
+        n = lw_json_element(along, (size_t)i);
+        s = lw_read_pair(&n, m->linkage.units.metre, &f[i].at, e);
+    }
+    for (int i = 0; s == LW_OK && i < COUNT(other); i++)
+        if (lw_json_member(object, other[i], &n))
+            return lw_json_fault(&n, e, "a force \"along\" a line is spread over it and has \"fx\" and \"fy\" [N/m] only");
+    double length = lw_v2_norm(lw_v2_sub(end->at, f->at));
+    if (s == LW_OK && !(length > 0))
+        s = lw_json_fault(along, e, "this line has no length");
+    if (s == LW_OK && (s = lw_read_line_load(object, "fx", r, length, &f->fx, &end->fx, &varies, e)) == LW_OK)
+        s = lw_read_line_load(object, "fy", r, length, &f->fy, &end->fy, &varies, e);
+    f->line = varies ? LW_LINE_VARYING : LW_LINE_EVEN, end->line = LW_LINE_SECOND;
+    return s != LW_OK || f->fx || f->fy ? s : lw_json_fault(object, e, "a force along a line needs \"fx\" or \"fy\" [N/m]");
+}
+
 static lw_status read_force(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
 {
-    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "torque" };
+    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "torque", "along" };
     static const char *const frames[] = { "plane", "link" };
     lw_force *f = &m->force[m->n_force++];
-    lw_json_node n;
+    lw_json_node n, along;
     const lw_reading r = reading_of(m);
     int frame = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
@@ -364,6 +390,8 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     if (s == LW_OK && lw_json_member(object, "frame", &n))
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
+    if (s == LW_OK && lw_json_member(object, "along", &along))
+        return read_line(object, &along, &r, m, e);
     if (s == LW_OK && (s = lw_read_expression(object, "fx", &r, LW_OF_STATE, &f->fx, e)) == LW_OK &&
         (s = lw_read_expression(object, "fy", &r, LW_OF_STATE, &f->fy, e)) == LW_OK)
         s = lw_read_expression(object, "torque", &r, LW_OF_STATE, &f->torque, e);
@@ -437,7 +465,7 @@ static lw_status reserve_loads(const lw_json_node *root, lw_model *m, lw_error *
     m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
     m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
     m->states.rotor = calloc(motors, sizeof *m->states.rotor);
-    m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
+    m->force = calloc(2*count_list(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
     m->contact = calloc(count_list(root, "contacts") + 1, sizeof *m->contact);
     m->rope = calloc(count_list(root, "ropes") + 1, sizeof *m->rope);

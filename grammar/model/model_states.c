@@ -84,6 +84,19 @@ static lw_status generate(const lw_json_node *object, const lw_generated *word, 
                       : lw_json_fault(object, e, "the expressions here are too long together: %s", inner.text);
 }
 
+lw_status lw_expression_mix(const double weight[2], lw_expression *const of[2], lw_expression **out, lw_error *e)
+{
+    const lw_generated word[] = { { "a", of[0], 0 }, { "b", of[1], 0 } };
+    char text[80];
+    if (!of[0] && !of[1])
+        return LW_OK;
+    if (of[0] && of[1])
+        snprintf(text, sizeof text, "%.17g*a + (%.17g)*b", weight[0], weight[1]);
+    else
+        snprintf(text, sizeof text, "%.17g*%s", weight[of[0] ? 0 : 1], of[0] ? "a" : "b");
+    return parse_generated(text, word, COUNT(word), out, e);
+}
+
 static int variable_of_state(int i) { return lw_variable(LW_QUANTITY_STATE, i); }
 
 static int find_state(const lw_states *z, const char *name, const char *what)
@@ -200,33 +213,59 @@ static int look_up_variable(void *context, const char *word, const char *name, c
 }
 
 /* Numbers are expressions too. */
-lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
-                             lw_expression **out, lw_error *e)
+static lw_status read_expression(const lw_json_node *n, const lw_reading *r, lw_expression_scope scope, lw_expression **out, lw_error *e)
 {
-    lw_json_node n;
     lw_error inner = { 0 };
     look l = { r, scope };
     lw_expression_words words = { &l, look_up_variable, insert_signal, scope == LW_OF_STATE ? integrate : NULL,
                                   r->profile ? find_profile : NULL };
     char digits[LW_NUMBER_SIZE];
     double value;
-    if (!lw_json_member(object, key, &n))
-        return LW_OK;
-    const char *text = lw_json_text(&n);
-    if (lw_json_kind_of(&n) == LW_JSON_NUMBER) {
-        lw_json_number(&n, &value, e);
+    const char *text = lw_json_text(n);
+    if (lw_json_kind_of(n) == LW_JSON_NUMBER) {
+        lw_json_number(n, &value, e);
         lw_number_print(value, digits);
         text = digits;
     }
     if (!text)
-        return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
+        return lw_json_fault(n, e, "a number or an expression \"...\" is expected here");
     lw_status s = lw_expression_parse_words(text, strlen(text), &words, out, &inner);
     if (s == LW_OK)
         return s;
     *out = NULL;
     if (s != LW_E_NOTATION)
         return lw_error_set(e, s, "%s", inner.text);
-    return lw_json_fault_inside(&n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
+    return lw_json_fault_inside(n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
+}
+
+lw_status lw_read_expression(const lw_json_node *object, const char *key, const lw_reading *r, lw_expression_scope scope,
+                             lw_expression **out, lw_error *e)
+{
+    lw_json_node n;
+    return lw_json_member(object, key, &n) ? read_expression(&n, r, scope, out, e) : LW_OK;
+}
+
+lw_status lw_read_line_load(const lw_json_node *object, const char *key, const lw_reading *r, double length, lw_expression **first,
+                            lw_expression **second, bool *varies, lw_error *e)
+{
+    lw_json_node n, part;
+    lw_expression *density[2] = { NULL, NULL };
+    if (!lw_json_member(object, key, &n))
+        return LW_OK;
+    bool both = lw_json_kind_of(&n) == LW_JSON_ARRAY;
+    lw_status s = both ? lw_read_list(&n, 2, 2, e) : LW_OK;
+    for (int i = 0; s == LW_OK && i < 1 + both; i++) {
+        part = both ? lw_json_element(&n, (size_t)i) : n;
+        s = read_expression(&part, r, LW_OF_STATE, &density[i], e);
+    }
+    for (int i = 0; s == LW_OK && i < 2; i++)
+        s = lw_expression_mix((const double[]){ both ? length*(2 - i)/6 : length/2, length*(1 + i)/6 }, density, i ? second : first, e);
+    if (s == LW_E_NOTATION && e->line == 0)
+        s = lw_json_fault(&n, e, "the expressions here are too long together");
+    *varies = *varies || both;
+    lw_expression_free(density[0]);
+    lw_expression_free(density[1]);
+    return s;
 }
 
 lw_status lw_motion_replace(const char *text, const int *n_profile, lw_moves *const *profile, lw_expression **motion, bool *has_speed,

@@ -105,6 +105,8 @@ typedef struct lw_spatial_force {        /* on one link; the reaction goes to gr
     lw_vec3 at;
     bool    follows;                     /* directions turn with the link                              */
     lw_expression *force[3], *torque[3]; /* [N] [N m], each may be NULL                                */
+    lw_line_load line;
+    int     part;                        /* of an expanded model: 1 + the element whose load this is; 0: none */
 } lw_spatial_force;
 
 typedef struct lw_spatial_motor {        /* torque-speed line at a joint, as lw_motor                  */
@@ -132,6 +134,7 @@ typedef struct lw_superelement {
     double  *mass;                       /* (6n x 6n) less the masses and inertias of the nodes        */
     double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
     double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
+    double  *turning;                    /* (6n) inertias of the nodes in ground axes of the posture, as lw_spatial_body's */
     double   damping;                    /* [s]                                                        */
     lw_mat3  section[2];                 /* of a bar: axes of its section at its two ends in the posture, x along it */
     lw_vec3  beside;                     /* first moment about the first node that the nodes' places do not give `first` [kg m] */

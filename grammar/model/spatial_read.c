@@ -747,13 +747,41 @@ static lw_status read_damper(const lw_json_node *n, size_t i, lw_spatial *m, lw_
     return read_spring_or_damper(n, i, m, true, e);
 }
 
+/* A load on the line between two places, in the last force of the model, as forces at its ends. */
+static lw_status read_line(const lw_json_node *object, const lw_json_node *along, const lw_reading *r, lw_spatial *m, lw_error *e)
+{
+    static const char *const other[] = { "at", "tx", "ty", "tz" }, *const key[] = { "fx", "fy", "fz" };
+    lw_spatial_force *f = &m->force[m->n_force - 1], *end = f + 1;
+    lw_json_node n;
+    bool varies = false, any = false;
+    *end = *f;
+    m->n_force++;
+    lw_status s = lw_read_list(along, 2, 2, e);
+    for (int i = 0; s == LW_OK && i < 2; i++) {
+        n = lw_json_element(along, (size_t)i);
+        s = lw_read_triple(&n, m->units.metre, &f[i].at, e);
+    }
+    for (int i = 0; s == LW_OK && i < COUNT(other); i++)
+        if (lw_json_member(object, other[i], &n))
+            return lw_json_fault(&n, e, "a force \"along\" a line is spread over it and has \"fx\", \"fy\", \"fz\" [N/m] only");
+    double length = lw_v3_norm(lw_v3_sub(end->at, f->at));
+    if (s == LW_OK && !(length > 0))
+        s = lw_json_fault(along, e, "this line has no length");
+    for (int i = 0; s == LW_OK && i < 3; i++) {
+        s = lw_read_line_load(object, key[i], r, length, &f->force[i], &end->force[i], &varies, e);
+        any = any || f->force[i];
+    }
+    f->line = varies ? LW_LINE_VARYING : LW_LINE_EVEN, end->line = LW_LINE_SECOND;
+    return s != LW_OK || any ? s : lw_json_fault(object, e, "a force along a line needs one of \"fx\", \"fy\", \"fz\" [N/m]");
+}
+
 static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
 {
     const lw_reading r = reading_of(m);
-    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "fz", "tx", "ty", "tz" };
+    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "fz", "tx", "ty", "tz", "along" };
     static const char *const frames[] = { "ground", "link" };
     lw_spatial_force *f = &m->force[m->n_force++];
-    lw_json_node n;
+    lw_json_node n, along;
     int frame = 0, forces = 0, torques = 0;
     lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
@@ -763,6 +791,8 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_spatial
     if (s == LW_OK && lw_json_member(object, "frame", &n))
         s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
     f->follows = frame == 1;
+    if (s == LW_OK && lw_json_member(object, "along", &along))
+        return read_line(object, &along, &r, m, e);
     for (int i = 0; s == LW_OK && i < 3; i++) {
         s = lw_read_expression(object, known[4 + i], &r, LW_OF_STATE, &f->force[i], e);
         if (s == LW_OK)
@@ -923,7 +953,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
     size_t motors = count_list(root, "motors") + 1;
     m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
     m->joint_spring = calloc(springs + motors, sizeof *m->joint_spring);
-    m->force = calloc(count_list(root, "forces") + 1, sizeof *m->force);
+    m->force = calloc(2*count_list(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
     m->states.rotor = calloc(motors, sizeof *m->states.rotor);
     if (!m->joint || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor || !m->states.rotor)

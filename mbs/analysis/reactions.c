@@ -73,6 +73,34 @@ lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m)
     return r;
 }
 
+/* The share of line loads that an element puts on a node; *about: its moment there. */
+static lw_vec2 line_loads(const lw_dynamics *d, const lw_moment *m, int element, int link, double *about)
+{
+    const lw_forces *f = lw_dynamics_forces(d);
+    lw_vec2 sum = { 0, 0 };
+    *about = 0;
+    for (int i = 0; i < f->model->n_force; i++) {
+        double moment;
+        if (f->model->force[i].part != element + 1 || f->model->force[i].link != link)
+            continue;
+        sum = lw_v2_add(sum, lw_forces_applied(f, i, m->t, m->q, m->v, &moment));
+        *about += moment;
+    }
+    return sum;
+}
+
+/* The axis of an element, half-way between the turns of its nodes. */
+static lw_vec2 element_axis(const lw_dynamics *d, const lw_moment *m, int element)
+{
+    const lw_forces *f = lw_dynamics_forces(d);
+    const lw_beam *b = &f->model->beam[element];
+    const int *body = f->system->body;
+    double turn = 0;
+    for (int end = 0; end < 2; end++)
+        turn += body[b->link[end]] < 0 ? 0 : 0.5*m->q[3*body[b->link[end]] + 2];
+    return lw_v2_polar(1, b->direction + turn);
+}
+
 void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_inner_force *out)
 {
     const lw_elastic_chain *c = &lw_dynamics_elastic(d)->chain[chain];
@@ -82,11 +110,13 @@ void lw_reactions_inner(const lw_dynamics *d, const lw_moment *m, int chain, lw_
         lw_forces_beam(lw_dynamics_forces(d), c->first_beam + i, m->q, m->v, false, &z);
         for (int end = 0; end < 2; end++) {
             lw_inner_force *to = &out[i + end];
-            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5;
-            double stress = lw_section_stress(&c->elastic->section, z.normal, z.moment[end]);
-            to->normal += share*z.normal;
-            to->shear += share*z.shear;
-            to->moment += share*z.moment[end];
+            double share = i + end == 0 || i + end == c->n_node - 1 ? 1 : 0.5, sign = end ? -1 : 1, about;
+            lw_vec2 load = line_loads(d, m, c->first_beam + i, c->node[i + end], &about), along = element_axis(d, m, c->first_beam + i);
+            double normal = z.normal + sign*lw_v2_dot(load, along), moment = z.moment[end] + sign*about;
+            double stress = lw_section_stress(&c->elastic->section, normal, moment);
+            to->normal += share*normal;
+            to->shear += share*(z.shear + sign*lw_v2_cross(along, load));
+            to->moment += share*moment;
             to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
         }
     }

@@ -421,6 +421,30 @@ const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d)
     return d->elastic && d->space ? &d->spatial_expansion : NULL;
 }
 
+/* The share of line loads that part i of a chain puts on a node (in space, force and moment in ground axes): what is spread beside the
+ * node, to be added to what the part without load does there. */
+static void add_line_loads(const lw_dynamics *d, const lw_space_moment *m, int part, int link, lw_vec3 *force, lw_vec3 *moment)
+{
+    const lw_spatial *model = d->space->model;
+    for (int i = 0; i < model->n_force; i++) {
+        lw_vec3 about;
+        if (model->force[i].part != part + 1 || model->force[i].link != link)
+            continue;
+        *force = lw_v3_add(*force, lw_space_applied(&d->space->f, i, m->t, m->frame, m->v, &about));
+        *moment = lw_v3_add(*moment, about);
+    }
+}
+
+/* Rate of the angular momentum of a node's share of a superelement, ground axes. */
+static lw_vec3 turning_rate(const lw_space *s, const lw_space_moment *m, int b, const double *j)
+{
+    const double *w = m->v + 6*b + 3, *a = m->a + 6*b + 3;
+    lw_mat3 start = lw_quaternion_matrix(s->axes[b]), inertia = { { { j[0], j[3], j[4] }, { j[3], j[1], j[5] }, { j[4], j[5], j[2] } } };
+    lw_vec3 omega = lw_m3_apply(&start, lw_v3(w[0], w[1], w[2])), alpha = lw_m3_apply(&start, lw_v3(a[0], a[1], a[2]));
+    lw_vec3 rate = lw_v3_add(lw_m3_apply(&inertia, alpha), lw_v3_cross(omega, lw_m3_apply(&inertia, omega)));
+    return lw_m3_apply(&m->frame[b + 1].turn, lw_m3_unapply(&start, rate));
+}
+
 /* Add what acts at one end of a part of a bar to the node there: force and moment of the part on its first node, or of the node
  * on the part at its second. */
 static void add_inner(const lw_elastic_chain *c, int node, int nodes, const lw_mat3 *axes, lw_vec3 force, lw_vec3 moment, lw_space_inner *to)
@@ -449,7 +473,9 @@ static void add_inner_of_piece(const lw_dynamics *d, const lw_space_moment *m, c
         for (int k = 0; k < 3; k++)
             column[k] = lw_m3_apply(&m->frame[b + 1].turn, lw_m3_unapply(&start, lw_m3_column(&p->section[end], k)));
         axes = lw_m3_columns(column[0], column[1], column[2]);
-        add_inner(c, i + end, c->n_bound, &axes, lw_v3_scale(force, sign), lw_v3_scale(lw_v3(f[3], f[4], f[5]), sign), &out[i + end]);
+        lw_vec3 moment = lw_v3_sub(lw_v3(f[3], f[4], f[5]), turning_rate(s, m, b, p->turning + 6*end));
+        add_line_loads(d, m, c->first_beam + i, p->link[end], &force, &moment);
+        add_inner(c, i + end, c->n_bound, &axes, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
     }
 }
 
@@ -465,9 +491,10 @@ void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int
         }
         lw_space_beam(&d->space->f, m->frame, m->v, c->first_beam + i, false, &z);
         for (int end = 0; end < 2; end++) {
-            const double *about = z.force + 3 + 6*end, sign = end ? -1 : 1;
-            lw_vec3 force = lw_m3_apply(&z.frame, lw_v3(z.inner[0], z.inner[1], z.inner[2]));
-            add_inner(c, i + end, c->n_bound, &z.frame, force, lw_v3_scale(lw_v3(about[0], about[1], about[2]), sign), &out[i + end]);
+            const double *on = z.force + 6*end, sign = end ? -1 : 1;
+            lw_vec3 force = lw_v3(on[0], on[1], on[2]), moment = lw_v3(on[3], on[4], on[5]);
+            add_line_loads(d, m, c->first_beam + i, c->node[i + end], &force, &moment);
+            add_inner(c, i + end, c->n_bound, &z.frame, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
         }
     }
 }

@@ -90,6 +90,29 @@ int lw_elastic_axis_node(const lw_elastic_axis *a, lw_vec3 at)
     return best;
 }
 
+/* With q0 the mean of the density along an element of length h and -d, d what its ends have besides, the nodes get h q0/2 at h/6
+ * from each, and -h d/5, h d/5 at h/12: the fixed-end forces of a slender beam, h^2 q0/12 and h^2 d/60 their moments.  The arms turn
+ * with the nodes.  Shear changes the moments of d, which fall as h^3. */
+int lw_elastic_line_pushes(const lw_elastic_axis *a, int i, lw_vec3 at, lw_vec3 to, bool varies, lw_elastic_push push[4])
+{
+    double s = along(a, at), t = along(a, to), way = lw_v3_norm(lw_v3_sub(to, at)), tiny = same_place*a->length;
+    lw_vec3 off[2] = { lw_v3_sub(lw_elastic_axis_point(a, s), at), lw_v3_sub(lw_elastic_axis_point(a, t), to) };
+    if (lw_v3_norm(off[0]) > tiny || lw_v3_norm(off[1]) > tiny || fabs(fabs(t - s) - way) > tiny)
+        return -1;
+    double from = a->node[i], end = a->node[i + 1], h = end - from, middle = 0.5*(from + end), x = (middle - s)/(t - s);
+    if (middle < fmin(s, t) || middle > fmax(s, t))
+        return 0;
+    lw_vec3 p = lw_elastic_axis_point(a, from), along_h = lw_v3_sub(lw_elastic_axis_point(a, end), p);
+    double mean = h/2/way, more = (t > s ? h/5 : -h/5)*3*h/(way*way);     /* densities are (4 - 6 x, 6 x - 2)/way of the forces */
+    for (int k = 0; k < 2; k++) {
+        push[k*(1 + varies)] = (lw_elastic_push){ lw_v3_add(p, lw_v3_scale(along_h, k ? 5/6. : 1/6.)),
+                                                  { varies ? mean*(4 - 6*x) : 2*mean, varies ? mean*(6*x - 2) : 0 } };
+        if (varies)
+            push[2*k + 1] = (lw_elastic_push){ lw_v3_add(p, lw_v3_scale(along_h, k ? 11/12. : 1/12.)), { k ? -more : more, k ? more : -more } };
+    }
+    return varies ? 4 : 2;
+}
+
 /* ---- number of elements -------------------------------------------------------------------------------- */
 
 /* Longest element times wave number for errors below 1 %: of a lumped chain in bending (a cantilever's first mode, whose

@@ -52,6 +52,32 @@ static lw_status find_places(const lw_model *m, int link, lw_elastic_places *p, 
     return LW_OK;
 }
 
+lw_status lw_expression_list_mix(lw_expression_list *list, const double weight[2], lw_expression *const of[2], lw_expression **x, lw_error *e)
+{
+    lw_expression **more = realloc(list->x, (size_t)(list->n + 1)*sizeof *more);
+    if (!more)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    list->x = more;
+    *x = NULL;
+    lw_status s = lw_expression_mix(weight, of, x, e);
+    list->x[list->n] = *x;
+    list->n += s == LW_OK && *x;
+    return s;
+}
+
+void lw_expression_list_free(lw_expression_list *list)
+{
+    for (int i = 0; i < list->n; i++)
+        lw_expression_free(list->x[i]);
+    free(list->x);
+}
+
+lw_status lw_elastic_line_off_axis(const char *force, const char *link, lw_error *e)
+{
+    return lw_error_set(e, LW_E_ARG, "the line of the force \"%s\" is not on one straight part of the axis of the elastic link \"%s\"; give one "
+                        "force for each part", force, link);
+}
+
 lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e)
 {
     c->length = a->length;
@@ -82,6 +108,8 @@ static lw_status reserve(work *w, int links, int beams, lw_error *e)
     lw_model *to = &w->x->model;
     lw_status s = lw_assembly_copy(&m->linkage, &to->linkage);
     size_t n = (size_t)links + 1, springs = (size_t)m->n_spring + 1, forces = (size_t)m->n_force + 1;
+    for (int i = 0; i < m->n_force; i++)
+        forces += m->force[i].line == LW_LINE_EVEN || m->force[i].line == LW_LINE_VARYING ? 4*(size_t)beams : 0;
     char (*names)[LW_NAME_SIZE] = s == LW_OK ? calloc(n, sizeof *names) : NULL;
     to->body = calloc(n, sizeof *to->body);
     to->elastic = calloc(n, sizeof *to->elastic);
@@ -97,8 +125,6 @@ static lw_status reserve(work *w, int links, int beams, lw_error *e)
     memcpy(to->body, m->body, (size_t)m->linkage.n_link*sizeof *to->body);
     if (m->n_spring)
         memcpy(to->spring, m->spring, (size_t)m->n_spring*sizeof *to->spring);
-    if (m->n_force)
-        memcpy(to->force, m->force, (size_t)m->n_force*sizeof *to->force);
     if (m->states.n_rotor)
         memcpy(to->states.rotor, m->states.rotor, (size_t)m->states.n_rotor*sizeof *to->states.rotor);
     free(to->linkage.link_name);
@@ -112,7 +138,7 @@ static void share(const lw_model *m, lw_model *to)
 {
     to->motion = m->motion, to->has_speed = m->has_speed, to->speed = m->speed;
     to->gravity = m->gravity;
-    to->n_spring = m->n_spring, to->n_joint_spring = m->n_joint_spring, to->n_force = m->n_force, to->n_motor = m->n_motor;
+    to->n_spring = m->n_spring, to->n_joint_spring = m->n_joint_spring, to->n_motor = m->n_motor;
     to->joint_spring = m->joint_spring, to->motor = m->motor;
     to->states.n_state = m->states.n_state, to->states.n_signal = m->states.n_signal, to->states.n_rotor = m->states.n_rotor;
     to->states.state = m->states.state, to->states.signal = m->states.signal;
@@ -176,10 +202,44 @@ static void attach(work *w)
     for (int i = 0; i < to->states.n_rotor; i++)
         to->states.rotor[i].link = node_for(w, to->states.rotor[i].link, k->joint[to->states.rotor[i].joint].at);
     for (int i = 0; i < to->n_force; i++)
-        to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
+        if (!to->force[i].part)
+            to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
     for (int i = 0; i < to->n_spring; i++)
         for (int end = 0; end < 2; end++)
             to->spring[i].link[end] = node_for(w, to->spring[i].link[end], to->spring[i].at[end]);
+}
+
+/* Forces of a line load on the nodes of its link; other forces are copied. */
+static lw_status spread_force(work *w, int *i, lw_error *e)
+{
+    const lw_force *p = &w->m->force[*i];
+    lw_model *to = &w->x->model;
+    int chain = 0;
+    while (chain < w->x->n_chain && w->x->chain[chain].link != p->link)
+        chain++;
+    if (p->line == LW_LINE_NONE || chain == w->x->n_chain) {
+        to->force[to->n_force++] = *p;
+        return LW_OK;
+    }
+    const lw_elastic_chain *c = &w->x->chain[chain];
+    lw_vec3 end[2] = { lw_v3(p->at.x, p->at.y, 0), lw_v3(p[1].at.x, p[1].at.y, 0) };
+    lw_elastic_push push[4];
+    lw_status s = LW_OK;
+    for (int k = 0; s == LW_OK && k + 1 < c->n_node; k++) {
+        int n = lw_elastic_line_pushes(&w->axis[chain], k, end[0], end[1], p->line == LW_LINE_VARYING, push);
+        if (n < 0)
+            return lw_elastic_line_off_axis(p->name, w->m->linkage.link_name[c->link], e);
+        for (int j = 0; s == LW_OK && j < n; j++) {
+            lw_force *f = &to->force[to->n_force++];
+            *f = *p;
+            f->link = c->node[k + 2*j/n], f->at = lw_v2(push[j].place.x, push[j].place.y), f->part = 1 + c->first_beam + k;
+            f->fx = f->fy = NULL;
+            if ((s = lw_expression_list_mix(&w->x->own, push[j].weight, (lw_expression *[]){ p->fx, p[1].fx }, &f->fx, e)) == LW_OK)
+                s = lw_expression_list_mix(&w->x->own, push[j].weight, (lw_expression *[]){ p->fy, p[1].fy }, &f->fy, e);
+        }
+    }
+    ++*i;
+    return s;
 }
 
 lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error *e)
@@ -204,6 +264,8 @@ lw_status lw_elastic_expand(const lw_model *m, lw_elastic_expansion *x, lw_error
         share(m, &x->model);
     for (int k = 0; s == LW_OK && k < x->n_chain; k++)
         s = fill_chain(&w, k, e);
+    for (int i = 0; s == LW_OK && i < m->n_force; i++)
+        s = spread_force(&w, &i, e);
     if (s == LW_OK)
         attach(&w);
     for (int k = 0; w.axis && k < m->n_elastic; k++)
@@ -221,6 +283,7 @@ void lw_elastic_expansion_free(lw_elastic_expansion *x)
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);
     lw_assembly_free(&x->model.linkage);
+    lw_expression_list_free(&x->own);
     memset(x, 0, sizeof *x);
 }
 

@@ -2,7 +2,7 @@
  *
  * An elastic link becomes n elements between n + 1 nodes, which are links with lumped masses: half the mass of each element
  * and half of its rotary inertia rho I h at either end.  Joints, tracers, springs and forces of the link act on the node at
- * their place; beside the axis, through a rigid arm from the nearest point of it.  All other links, joints, tracers and
+ * their place; beside the axis, through a rigid arm from the nearest point of it; a load along a line on the nodes that it covers.  All other links, joints, tracers and
  * inputs keep their indices, so expressions stay valid; node 0 of a link has the index of the link. */
 #ifndef LW_MBS_ELASTIC_EXPAND_H
 #define LW_MBS_ELASTIC_EXPAND_H
@@ -22,10 +22,13 @@ typedef struct lw_elastic_chain {
     double first;                    /* first bending frequency with hinged ends (Euler & Bernoulli) [Hz] */
 } lw_elastic_chain;
 
+typedef struct lw_expression_list { int n; lw_expression **x; } lw_expression_list;
+
 typedef struct lw_elastic_expansion {
     lw_model model;                  /* shares expressions and names with the model it comes from, which must outlive it */
     int      n_chain;
     lw_elastic_chain *chain;
+    lw_expression_list own;          /* of loads that are spread over elements */
 } lw_elastic_expansion;
 
 /* LW_E_ARG: an axis that does not follow from the joints, or has no length (the link is named).  x needs
@@ -36,6 +39,13 @@ void      lw_elastic_expansion_free(lw_elastic_expansion *x);
 /* The same model with its elastic links as rigid bars of the same mass; *rigid needs lw_elastic_rigid_free. */
 lw_status lw_elastic_rigid(const lw_model *m, lw_model *rigid, lw_error *e);
 void      lw_elastic_rigid_free(lw_model *rigid);
+
+/* Make *x the mix of two expressions (lw_expression_mix); the list owns it. */
+lw_status lw_expression_list_mix(lw_expression_list *list, const double weight[2], lw_expression *const of[2], lw_expression **x, lw_error *e);
+void      lw_expression_list_free(lw_expression_list *list);
+
+/* Why lw_elastic_line_pushes refuses. */
+lw_status lw_elastic_line_off_axis(const char *force, const char *link, lw_error *e);
 
 /* Copy the data of the axis into the chain, and allocate its nodes. */
 lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e);

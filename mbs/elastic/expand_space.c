@@ -56,6 +56,13 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
             kept = kept || i == (k*(n - 1) + pieces/2)/pieces;
         for (int k = 0; k < at->n; k++)
             kept = kept || i == lw_elastic_axis_node(full, at->at[k]);
+        for (int k = 0; k < w->m->n_force; k++) {        /* those that a line load covers */
+            const lw_spatial_force *f = &w->m->force[k];
+            if (f->link == w->x->chain[chain].link && (f->line == LW_LINE_EVEN || f->line == LW_LINE_VARYING)) {
+                int one = lw_elastic_axis_node(full, f->at), other = lw_elastic_axis_node(full, f[1].at);
+                kept = kept || (i >= one && i <= other) || (i >= other && i <= one);
+            }
+        }
         if (kept)
             a->node[a->n_node++] = full->node[i];
     }
@@ -140,7 +147,7 @@ static lw_status plan_chain(work *w, int chain, lw_error *e)
 static void *copy(const void *from, int n, int more, size_t size)
 {
     void *to = calloc((size_t)(n + more) + 1, size);
-    if (to && n > 0)
+    if (to && from && n > 0)
         memcpy(to, from, (size_t)n*size);
     return to;
 }
@@ -150,13 +157,17 @@ static lw_status reserve(work *w, int nodes, int beams, lw_error *e)
 {
     const lw_spatial *m = w->m;
     lw_spatial *to = &w->x->model;
+    int pushes = 0;
     *to = *m;
     to->n_elastic = 0, to->elastic = NULL;
     to->body = copy(m->body, m->n_link, nodes, sizeof *m->body);
     to->joint = copy(m->joint, m->n_joint, 0, sizeof *m->joint);
     to->tracer = copy(m->tracer, m->n_tracer, 0, sizeof *m->tracer);
     to->spring = copy(m->spring, m->n_spring, 0, sizeof *m->spring);
-    to->force = copy(m->force, m->n_force, 0, sizeof *m->force);
+    for (int i = 0; i < m->n_force; i++)
+        pushes += m->force[i].line == LW_LINE_EVEN || m->force[i].line == LW_LINE_VARYING ? 4*beams : 0;
+    to->force = copy(NULL, m->n_force, pushes, sizeof *m->force);
+    to->n_force = 0;
     to->beam = copy(NULL, 0, beams, sizeof *to->beam);
     to->super = copy(NULL, 0, beams + m->n_elastic, sizeof *to->super);
     to->states.rotor = copy(m->states.rotor, m->states.n_rotor, 0, sizeof *m->states.rotor);
@@ -246,13 +257,13 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
     double total, rigid[6], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
     lw_vec3 centre;
     *p = (lw_superelement){ n, calloc((size_t)n, sizeof *p->link), calloc((size_t)n, sizeof *p->at), stiffness, mass,
-                            calloc(18*(size_t)n, sizeof *p->first), lump, damping, { { { { 0, 0, 0 } } } }, { 0, 0, 0 } };
+                            calloc(18*(size_t)n, sizeof *p->first), lump, inertia, damping, { { { { 0, 0, 0 } } } }, { 0, 0, 0 } };
     lw_status s = lump && inertia && p->link && p->at && p->first ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < n; i++)
         p->link[i] = link[i], p->at[i] = to->body[link[i]].centre;
     if (s == LW_OK) {
         lw_super_rigid_mass(n, p->at, mass, &total, &centre, rigid);
-        lw_super_lump(n, mass, total, lump, inertia);
+        lw_super_lump(n, p->at, mass, total, centre, rigid, lump, inertia);
         for (int i = 0; i < 36*n*n; i++)
             if (i/(6*n)%6 < 3)
                 p->first[i/(6*n)%6*6*n + i%(6*n)] += mass[i];
@@ -278,7 +289,6 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
         for (int k = 0; k < 3; k++)
             mass[(6*i + k)*(6*n + 1)] -= lump[i];
     }
-    free(inertia);
     return s;
 }
 
@@ -423,10 +433,45 @@ static void attach(work *w)
     for (int i = 0; i < to->n_tracer; i++)
         to->tracer[i].link = node_for(w, to->tracer[i].link, to->tracer[i].at);
     for (int i = 0; i < to->n_force; i++)
-        to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
+        if (!to->force[i].part)
+            to->force[i].link = node_for(w, to->force[i].link, to->force[i].at);
     for (int i = 0; i < to->n_spring; i++)
         for (int end = 0; end < 2; end++)
             to->spring[i].link[end] = node_for(w, to->spring[i].link[end], to->spring[i].at[end]);
+}
+
+/* Forces of a line load on the nodes of its link; other forces are copied. */
+static lw_status spread_force(work *w, int *i, lw_error *e)
+{
+    const lw_spatial_force *p = &w->m->force[*i];
+    lw_spatial *to = &w->x->model;
+    int chain = 0;
+    while (chain < w->x->n_chain && w->x->chain[chain].link != p->link)
+        chain++;
+    if (p->line == LW_LINE_NONE || chain == w->x->n_chain) {
+        to->force[to->n_force++] = *p;
+        return LW_OK;
+    }
+    const lw_elastic_chain *c = &w->x->chain[chain];
+    lw_elastic_push push[4];
+    lw_status s = LW_OK;
+    if (c->elastic->n_node > 0)
+        return lw_error_set(e, LW_E_ARG, "the force \"%s\" along a line acts on the elastic link \"%s\", of which only nodes are known; give forces at its "
+                            "nodes", p->name, w->m->body[c->link].name);
+    for (int k = 0; s == LW_OK && k + 1 < c->n_bound; k++) {
+        int n = lw_elastic_line_pushes(&w->axis[chain], k, p->at, p[1].at, p->line == LW_LINE_VARYING, push);
+        if (n < 0)
+            return lw_elastic_line_off_axis(p->name, w->m->body[c->link].name, e);
+        for (int j = 0; s == LW_OK && j < n; j++) {
+            lw_spatial_force *f = &to->force[to->n_force++];
+            *f = *p;
+            f->link = c->node[k + 2*j/n], f->at = push[j].place, f->part = 1 + c->first_beam + k;
+            for (int x = 0; s == LW_OK && x < 3; x++)
+                s = lw_expression_list_mix(&w->x->own, push[j].weight, (lw_expression *[]){ p->force[x], p[1].force[x] }, &f->force[x], e);
+        }
+    }
+    ++*i;
+    return s;
 }
 
 lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansion *x, lw_error *e)
@@ -449,6 +494,8 @@ lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansio
     for (int k = 0; s == LW_OK && k < x->n_chain; k++)
         s = x->chain[k].elastic->n_node > 0 ? fill_matrices(&w, k, e) : x->chain[k].condensed ? fill_pieces(&w, k, e)
           : fill_chain(&w, k, e);
+    for (int i = 0; s == LW_OK && i < m->n_force; i++)
+        s = spread_force(&w, &i, e);
     if (s == LW_OK)
         attach(&w);
     for (int k = 0; w.axis && w.full && w.keep && k < m->n_elastic; k++)
@@ -463,12 +510,13 @@ void lw_spatial_expansion_free(lw_spatial_expansion *x)
         free(x->chain[k].node);
     for (int k = 0; k < x->model.n_super; k++) {
         lw_superelement *p = &x->model.super[k];
-        free(p->link), free(p->at), free(p->stiffness), free(p->mass), free(p->first), free(p->lump);
+        free(p->link), free(p->at), free(p->stiffness), free(p->mass), free(p->first), free(p->lump), free(p->turning);
     }
     void *const own[] = { x->chain, x->model.super, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
                           x->model.beam, x->model.states.rotor };
     for (size_t i = 0; i < sizeof own/sizeof *own; i++)
         free(own[i]);
+    lw_expression_list_free(&x->own);
     memset(x, 0, sizeof *x);
 }
 

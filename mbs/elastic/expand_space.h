@@ -11,6 +11,7 @@ typedef struct lw_spatial_expansion {
     lw_spatial model;                /* shares expressions with the model it comes from, which must outlive it */
     int        n_chain;
     lw_elastic_chain *chain;
+    lw_expression_list own;          /* of loads that are spread over elements */
 } lw_spatial_expansion;
 
 /* modes: those of condensed links are coordinates, of nodes behind the others of their link; their mass is not diagonal, so runs in

@@ -343,17 +343,32 @@ void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *t
     }
 }
 
-void lw_super_lump(int n, const double *mass, double total, double *lump, double *inertia)
+void lw_super_lump(int n, const lw_vec3 *at, const double *mass, double total, lw_vec3 centre, const double rigid[6], double *lump,
+                   double *inertia)
 {
     static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
     int rows = 6*n;
-    double sum = 0;
+    double sum = 0, lacks[6], value[3];
+    lw_mat3 axes;
+    memcpy(lacks, rigid, sizeof lacks);
     for (int i = 0; i < rows; i++)
         sum += i%6 < 3 ? mass[i*rows + i]/3 : 0;
     for (int i = 0; i < n; i++) {
         const double *block = mass + 6*i*rows + 6*i;
+        lw_vec3 away = lw_v3_sub(at[i], centre);
+        const double x[3] = { away.x, away.y, away.z }, square = lw_v3_dot(away, away);
         lump[i] = total/sum*(block[0] + block[rows + 1] + block[2*rows + 2])/3;
-        for (int k = 0; k < 6; k++)
-            inertia[6*i + k] = total/sum*block[(3 + entry[k][0])*rows + 3 + entry[k][1]];
+        for (int k = 0; k < 6; k++) {
+            int a = entry[k][0], b = entry[k][1];
+            inertia[6*i + k] = total/sum*block[(3 + a)*rows + 3 + b];
+            lacks[k] -= inertia[6*i + k] + lump[i]*((a == b ? square : 0) - x[a]*x[b]);
+        }
+    }
+    lw_m3_principal(lacks, value, &axes);
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 axis = lw_m3_column(&axes, i);
+        const double x[3] = { axis.x, axis.y, axis.z };
+        for (int k = 0; k < 6*n && value[i] > 0; k++)
+            inertia[k] += value[i]/n*x[entry[k%6][0]]*x[entry[k%6][1]];
     }
 }

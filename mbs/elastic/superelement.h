@@ -41,7 +41,10 @@ void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double 
 /* Mass, centre [m] and inertia about it (as in lw_spatial_body) of a mass matrix when the body moves as a rigid one. */
 void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6]);
 
-/* Share the mass among the nodes in proportion to the diagonal, their inertias too: mass (n), inertia (6n). */
-void lw_super_lump(int n, const double *mass, double total, double *lump, double *inertia);
+/* Share the mass among the nodes in proportion to the diagonal, their inertias too: lump (n), inertia (6n).  What the nodes then lack of the
+ * inertia of the rigid body (total, centre, rigid) they get in equal parts, so that a shaft turns as it should; a bar in few pieces has too
+ * much of it across its axis. */
+void lw_super_lump(int n, const lw_vec3 *at, const double *mass, double total, lw_vec3 centre, const double rigid[6], double *lump,
+                   double *inertia);
 
 #endif

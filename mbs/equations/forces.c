@@ -436,6 +436,20 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
     }
 }
 
+lw_vec2 lw_forces_applied(const lw_forces *f, int i, double t, const double *q, const double *v, double *moment)
+{
+    const lw_force *p = &f->model->force[i];
+    const lw_expression *x[3] = { p->fx, p->fy, p->torque };
+    int body = f->system->body[p->link];
+    double value[3];
+    for (int k = 0; k < 3; k++)
+        value[k] = x[k] ? evaluate(f, x[k], NULL, t, q, v, NULL, &(sum){ .n = f->system->n_q }) : 0;
+    lw_vec2 u = body < 0 ? lw_v2(1, 0) : lw_v2_polar(1, q[3*body + 2]), force = lw_v2(value[0], value[1]);
+    force = p->follows ? lw_v2_turn(force, u) : force;
+    *moment = value[2] + lw_v2_cross(lw_v2_turn(f->force_arm[i], u), force);
+    return force;
+}
+
 bool lw_forces_caller_exact(const lw_forces *f) { return !f->caller.apply || f->system->n_q <= LW_SYSTEM_Q_MAX; }
 
 /* Adds the generalised forces of the caller's loads; returns their power [W]. */

@@ -72,6 +72,9 @@ lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t
 /* An element of the model at a moment (mbs/elastic/beam.h). */
 void lw_forces_beam(const lw_forces *f, int beam, const double *q, const double *v, bool derivatives, lw_beam_state *out);
 
+/* Force i of the model: force and moment about its body's centre [N] [N m]. */
+lw_vec2 lw_forces_applied(const lw_forces *f, int i, double t, const double *q, const double *v, double *moment);
+
 /* Strain energy of all elements [J]. */
 double lw_forces_strain(const lw_forces *f, const double *q);
 

@@ -563,6 +563,29 @@ static void push_component(sum *s, int i, int k, bool torque, lw_vec3 e)
     }
 }
 
+lw_vec3 lw_space_applied(const lw_space_forces *f, int i, double t, const lw_space_frame *frame, const double *v, lw_vec3 *moment)
+{
+    const lw_spatial_force *p = &f->s->model->force[i];
+    lw_space_point at = f->force_at[i];
+    double value[6] = { 0 };
+    *moment = lw_v3(0, 0, 0);
+    if (at.body < 0)
+        return *moment;
+    for (int k = 0; k < 6; k++) {
+        const lw_expression *x = k < 3 ? p->force[k] : p->torque[k - 3];
+        value[k] = x ? evaluate(f, x, t, frame, v, 0, 0, NULL).value : 0;
+    }
+    const lw_mat3 *turn = &frame[at.body + 1].turn;
+    lw_mat3 axes = lw_quaternion_matrix(f->s->axes[at.body]);
+    lw_vec3 force = lw_v3(value[0], value[1], value[2]), torque = lw_v3(value[3], value[4], value[5]);
+    if (p->follows) {
+        force = lw_m3_apply(turn, lw_m3_unapply(&axes, force));
+        torque = lw_m3_apply(turn, lw_m3_unapply(&axes, torque));
+    }
+    *moment = lw_v3_add(torque, lw_v3_cross(lw_m3_apply(turn, at.arm), force));
+    return force;
+}
+
 /* Gravity, and what spinning bodies add. */
 static void push_bodies(sum *s)
 {

@@ -102,6 +102,9 @@ void lw_space_add_element(const lw_space *s, const lw_space_frame *frame, int n,
 void lw_space_beam(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, bool derivatives,
                    lw_beam_space_state *out);
 
+/* Force i of the model: force and moment about the centre of its body, ground axes [N] [N m]. */
+lw_vec3 lw_space_applied(const lw_space_forces *f, int i, double t, const lw_space_frame *frame, const double *v, lw_vec3 *moment);
+
 /* Force and moment of superelement i on each of its nodes at one moment, with its weight (6n; scratch of f), ground axes [N] [N m]. */
 const double *lw_space_super(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i);
 
