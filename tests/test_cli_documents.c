@@ -15,7 +15,8 @@
 /* Commands that search or draw samples until they are told to stop. */
 static bool is_long(const char *command)
 {
-    static const char *const word[] = { "linkwright fit ", "linkwright bench ", "linkwright catalogue curves " };
+    static const char *const word[] = { "linkwright fit ", "linkwright bench ", "linkwright catalogue curves ", "linkwright catalogue release ",
+                                        "linkwright family optimise " };
     for (size_t i = 0; i < sizeof word/sizeof *word; i++)
         if (strncmp(command, word[i], strlen(word[i])) == 0)
             return strstr(command, "--time") == NULL;

@@ -48,8 +48,8 @@ static const char *const rows[] = {
     "$C catalogue nearest $D/curves.db examples/ellipse.csv",
     "$C catalogue check $D/six.db",
     "rm -f $D/a.db; $C catalogue add $D/a.db $D/fit.json && $P catalogue query $D/a.db error\\<1",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 2 -j 1 --json -o $D/o",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 2 -j 2 -q",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 2 -j 1 --json -o $D/o",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --min-transmission-angle 0 --starts 1 --rounds 1 --results 2 -j 2 -q",
     "LW_CLOCK_STEP=1e-9 $C fit $D/five.csv --exact -j 1 --json -q",
     "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
     "$C profile 2 --speed-limit 1 --acceleration-limit 20 -o $D/o",
@@ -60,7 +60,7 @@ static const char *const rows[] = {
     "$C plasma $D/four.lam --target $D/five.csv --first 5 --budget 1000 --points 4 -q --save $D/out -o $D/o --force",
     "$C bench fit --problems $D/problems --solvers lm --seeds 0 --time 0.01 -o $D/out -q > $D/table && ls $D/out",
     "$C bench mbs --cases pendulum --tolerance-range 1e-4:1e-4 --peers none -o $D/out -q > $D/table && ls $D/out",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --links 6 --topology watt1 --budget 1000 --starts 1 --rounds 1 --results 1 -j 2 -q",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --links 6 --topology watt1 --budget 1000 --starts 1 --rounds 1 --results 1 -j 2 -q",
     "rm -rf $D/release; $C catalogue release -o $D/release --links 7 -q && cat $(find $D/release -type f | sort)",
     "$C drive load examples/drives/lifting-arm.json --to 0.1",
     "$C drive load examples/drives/lifting-arm.json --to 0.1 --plot $D/o.svg --force",
@@ -177,12 +177,12 @@ static const char *const outputs[] = {
     "$C draw examples/hoeken.json --target examples/ellipse.csv --all-modes -f svg",
     "rm -f $D/x-*; $C draw --each -o $D/x.svg < $D/six.g6 && cat $D/x-*.svg | cksum",
     "$C draw --grid 2x1 -f pdf -o $D/x.pdf --force < $D/watt.g6 && cksum < $D/x.pdf",
-    "rm -rf $D/out; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --save $D/out && ls $D/out && cat $D/out/*.json",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --plot $D/x.svg && cksum < $D/x.svg",
-    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --keep $D/k",
-    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --start-from $D/fit.json",
+    "rm -rf $D/out; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q --save $D/out && ls $D/out && cat $D/out/*.json",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q --plot $D/x.svg && cksum < $D/x.svg",
+    "rm -f $D/k; LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q --keep $D/k",
+    "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q --start-from $D/fit.json",
     "LW_CLOCK_STEP=1e-9 $C fit $D/timed.csv --starts 1 --rounds 1 --results 1 -j 1 -q --tolerances 0.1,0.05",
-    "LW_CLOCK_STEP=1e-9 $C fit examples/drawings/step-librecad.dxf --stations 8 --starts 1 --rounds 1 --results 1 -j 1 -q",
+    "LW_CLOCK_STEP=1e-9 $C fit examples/drawings/step-librecad.dxf --stations 8 --unlimited --starts 1 --rounds 1 --results 1 -j 1 -q",
     "rm -f $D/a.db; $C catalogue build $D/a.db --links 4 --joints r,t --multiple-joints -q -j 1 && $P catalogue export $D/a.db",
     "rm -f $D/a.db; $C catalogue add $D/a.db examples/drives/motors.csv -q && $P catalogue query $D/a.db 'SELECT count(*) FROM motor' --sql",
     "$C catalogue query $D/six.db --fields",
@@ -274,10 +274,12 @@ static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_creat
 
 static ran run_once(const char *command, char **file)
 {
-    char line[1200], path[300];
-    snprintf(line, sizeof line, "rm -f $D/o $D/o.partial; %s", command);
-    ran r = run(line);
+    char path[300], partial[320];
     snprintf(path, sizeof path, "%s/o", getenv("D"));
+    snprintf(partial, sizeof partial, "%s.partial", path);
+    remove(path);
+    remove(partial);
+    ran r = run(command);
     *file = slurp(path);
     return r;
 }

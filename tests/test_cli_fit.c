@@ -136,7 +136,7 @@ TEST(tolerances_choose_the_smallest)
     CHECK(i > 0 && member(json_array_get(json_object_get(root, "results"), 0), "size") == least);
     json_decref(root);
     json_decref(best);
-    expect("$P fit examples/walking-foot.csv --rounds 1 --tolerance 1um", 0, "four-bar",
+    expect("$P fit examples/walking-foot.csv --rounds 1 --links 4 --tolerance 1um", 0, "four-bar",
            "no linkage found stays within 0.001 mm");
     expect("$P fit examples/walking-foot.csv --tolerance 1yd", 3, "", "--tolerance takes a length above 0");
 }
@@ -171,8 +171,8 @@ TEST(limits_that_nothing_keeps_give_way)
 TEST(both_simulations_come_to_one_objective)
 {
     static const char *const run[] = {
-        "$P fit examples/letters/S.csv --timing none --rounds 1 --json -q",
-        "$P fit examples/letter-s.csv --timing none --rounds 1 --json -q",
+        "$P fit examples/letters/S.csv --links 4 --timing none --rounds 1 --json -q",
+        "$P fit examples/letter-s.csv --links 4 --timing none --rounds 1 --json -q",
     };
     for (size_t k = 0; k < sizeof run/sizeof *run; k++) {
         json_t *root = json_of(run[k]), *r;
@@ -189,15 +189,15 @@ TEST(both_simulations_come_to_one_objective)
 /* Killed in the middle, a kept fit goes on and finds the same; the file belongs to this search only. */
 TEST(a_kept_fit_survives_a_kill)
 {
-    expect("$P fit examples/figure-eight.csv --rounds 1 -q -o $D/whole.json", 0, NULL, NULL);
-    expect("$P fit examples/figure-eight.csv --rounds 1 -q -o $D/cut.json --keep $D/kept & "
+    expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/whole.json", 0, NULL, NULL);
+    expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/cut.json --keep $D/kept & "
            "until test $(grep -ac '^task' $D/kept 2>&1 || echo 0) -ge 1; do sleep 0.01; done 2> /dev/null; kill -9 $!; wait $!; "
            "test ! -e $D/cut.json && grep -ac '^task' $D/kept > $D/before", 0, NULL, NULL);
-    expect("$P fit examples/figure-eight.csv --rounds 1 -q -o $D/cut.json --keep $D/kept --jobs 1 && for f in whole cut; do grep "
+    expect("$P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/cut.json --keep $D/kept --jobs 1 && for f in whole cut; do grep "
            "-v '\"seconds\"\\|\"command\"' $D/$f.json > $D/$f; done; cmp $D/whole $D/cut && echo same", 0, "same\n", NULL);
     expect("test $(grep -ac '^task' $D/kept) -gt $(cat $D/before)", 0, NULL, NULL);
     expect("$P fit examples/ellipse.csv --rounds 1 -q --keep $D/kept", 3, NULL, "another command");
-    expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --rounds 1 -q -o $D/again.json --keep "
+    expect("printf x >> $D/kept; truncate -s -9 $D/kept; $P fit examples/figure-eight.csv --links 4 --rounds 1 -q -o $D/again.json --keep "
            "$D/kept && grep -v '\"seconds\"\\|\"command\"' $D/again.json | cmp - $D/whole && echo same", 0, "same\n", NULL);
     expect("$P fit examples/ellipse.csv --keep $D/more --time 5", 2, NULL, "--budget");
 }

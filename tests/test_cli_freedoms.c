@@ -188,7 +188,7 @@ TEST(a_timing_tells_the_inputs_apart)
  * that of two inputs, one with that of all three (Burnside: (12 + 3 2 + 2 0)/6). */
 TEST(three_freedoms_too)
 {
-    json_t *root = json_of("$P fit $D/m1.csv --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
+    json_t *root = json_of("$P fit $D/m1.csv --unlimited --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
                            "-q");
     const json_t *six = at(root, "topologies", 0), *eight = at(root, "topologies", 1);
     CHECK_INT(integer(six, "chains"), 1);                                  /* a ring: two pins at the ground  */
@@ -258,9 +258,9 @@ TEST(found_again)
 
 TEST(threads_change_nothing)
 {
-    expect("$P fit $D/m1.csv --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 1 | "
+    expect("$P fit $D/m1.csv --unlimited --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 1 | "
            "grep -v 'command\\|seconds' > $D/one; "
-           "$P fit $D/m1.csv --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 2 | "
+           "$P fit $D/m1.csv --unlimited --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 2 | "
            "grep -v 'command\\|seconds' | diff - $D/one", 0, "", "");
 }
 

@@ -6,7 +6,8 @@
 /* What a user compares; times of a run are not. */
 static const char *const rows[] = {
     "$C fit examples/ellipse.csv --starts 20 --rounds 1 --json | grep -v seconds",
-    "$C fit examples/walking-foot.csv --links 6 --budget 1000 --starts 10 --rounds 1 --results 3 --json | grep -v seconds",
+    "$C fit examples/walking-foot.csv --unlimited --links 6 --budget 1000 --starts 10 --rounds 1 --results 3 --json | grep -v seconds",
+    "$C fit $D/timed.csv --unlimited --links 6 --topology watt1,stephenson3 --budget 1000 --starts 1 --rounds 1 --json | grep -v seconds",
     "$C fit $D/five.csv --exact --json | grep -v seconds",
     "$C trace examples/klann.json -n 24",
     "$C trace examples/jansen.json -n 24 --json",
@@ -63,7 +64,8 @@ TEST(prepare)
 {
     expect("mkdir $D/locale; for l in de_DE tr_TR; do localedef -i $l -f UTF-8 $D/locale/$l.UTF-8 || exit 1; done; "
            "LOCPATH=$D/locale LC_ALL=de_DE.UTF-8 bash -c 'printf \"%.1f\\n\" 1,5'", 0, "1,5", NULL);
-    expect("printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv", 0, NULL, NULL);
+    expect("printf 'x,y\\n0,0\\n30,11\\n61,14\\n90,9\\n120,-6\\n' > $D/five.csv && "
+           "printf 'x,y,angle\\n0,0,0\\n30,11,0.3\\n61,14,0.6\\n90,9,0.9\\n120,-6,1.2\\n' > $D/timed.csv", 0, NULL, NULL);
 }
 
 TEST(same_everywhere)

@@ -34,7 +34,7 @@ TEST(smaller_mechanisms_are_searched_if_time_ends_while_larger_are_counted)
 /* Six links with sliders too: the report says how many families the budget did not reach. */
 TEST(a_small_budget_is_accounted_for)
 {
-    const char *fit = "$P fit $D/t.csv --links 6 --joints r,t --budget 1000 --rounds 1 --json -q";
+    const char *fit = "$P fit $D/t.csv --unlimited --links 6 --joints r,t --budget 1000 --rounds 1 --json -q";
     json_t *root = json_of(fit), *t = json_array_get(json_object_get(root, "topologies"), 0);
     check_accounts(t, (const long[]){ 6, 2, 5 });
     CHECK_INT(integer(t, "fitted"), 435);
@@ -69,7 +69,7 @@ TEST(higher_groups_end_for_any_threads)
 
 TEST(only_the_topologies_asked_for)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 6 --topology watt1 --budget 5000 --json");
+    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 6 --topology watt1 --budget 5000 --json");
     json_t *results = json_object_get(root, "results");
     size_t six = 0;
     for (size_t i = 0; i < json_array_size(results); i++) {
@@ -222,7 +222,7 @@ static long count_by_blocks(int links, int n2)
  * since the slot tells the links apart; in four of them ground and tracer link share a pin. */
 TEST(slots_are_counted_as_blocks)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,p --rounds 1 --starts 32 --budget 1000 --json");
+    json_t *root = json_of("$P fit $D/t.csv --unlimited --links 4 --joints r,p --rounds 1 --starts 32 --budget 1000 --json");
     json_t *list = json_object_get(root, "topologies");
     json_t *three = json_array_get(list, 0), *four = json_array_get(list, 1);
     CHECK_INT(json_array_size(list), 2);
