@@ -115,6 +115,29 @@ TEST(pendulum_and_stop)
     lw_model_free(&d.model);
 }
 
+/* A mass at 1 m/s meets a spring and damper at 0.5 m: z'' + c z' + k z = 0 from there until the force is 0, then it flies back.  The
+ * damper makes the force jump. */
+TEST(damped_stop)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0], 'inertia': 1}], 'joints': [{"
+        "'name': 'S', 'kind': 't', 'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0], 'stop': {'greatest': 0.5, 'stiffness': 2000,"
+        "'damping': 40}}], 'input': {'joint': 'S', 'speed': 1}, 'tracers': [{'name': 'P', 'link': 'a', 'at': [0, 0]}]}";
+    static const lw_formulation each[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL, LW_FORMULATION_RADAU };
+    const double b = 20, w = sqrt(2000 - b*b), end = atan2(2*b*w, b*b - w*w)/w;       /* z'' = 0: tan(w t) = 2 b w/(b^2 - w^2) */
+    const double z = exp(-b*end)*sin(w*end)/w, speed = exp(-b*end)*(cos(w*end) - b/w*sin(w*end));
+    CHECK_NEAR(2000*z + 40*speed, 0, 1e-9, 0);
+    for (int f = 0; f < 4; f++)
+        for (int k = 0; k < 6; k++) {
+            double tolerance = pow(10, -6 - 2*(k%3)), to = 1, off = (f == 1 || f == 2 ? 300 : 100)*tolerance + 1e-10;     /* BDF */
+            drun_read_format(&d, text, 0, 0);
+            CHECK_INT(drun_to(&d, each[f], tolerance, to, k < 3 ? 40 : 1), LW_OK);
+            CHECK_NEAR(d.v[0]*d.system.unit, speed, off, 0);
+            CHECK_NEAR(d.tracer[d.n_moment - 1].x, 0.5 + z + speed*(to - 0.5 - end), off, 0);
+            lw_system_free(&d.system);
+            lw_model_free(&d.model);
+        }
+}
+
 /* ---- friction ---------------------------------------------------------------------------------- */
 
 static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 3, 'centre': [0, 0]}],"

@@ -759,6 +759,23 @@ TEST(captured_with_states_and_compliance)
     }
 }
 
+/* A disc that rests is pushed for 1 ms in the middle of the run. */
+TEST(short_pulse)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_CAPTURE };
+    drun_read_format(&d, "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [{'line': [[0, 0], [1, 0]]}]}, {'name': 'puck', 'mass': 2,"
+                     "'centre': [0, 0.2], 'inertia': 1, 'shapes': [{'circle': [0, 0.2], 'radius': 0.2}]}], 'joints': [{'name': 'F', 'kind': 'n',"
+                     "'links': ['ground', 'puck']}], 'contacts': [{'links': ['ground', 'puck']}], 'gravity': [0, -9.81], 'forces': [{'link':"
+                     "'puck', 'at': [0, 0.2], 'fx': 'step(t, 0.5, 0, 0.5005, 1000) - step(t, 0.5005, 0, 0.501, 1000)'}]}", 0, 0);
+    for (int f = 0; f < 2; f++)
+        for (int n = 1; n <= 2; n++) {
+            CHECK_INT(drun_to(&d, each[f], 1e-8, 1, n), LW_OK);
+            CHECK_NEAR(d.v[0]*d.system.unit, 0.25, 1e-6, 0);
+            CHECK_NEAR(d.t[n], 1, 0, 0);
+        }
+    lw_model_free(&d.model);
+}
+
 int main(void)
 {
     check_run();

@@ -450,6 +450,25 @@ TEST(gradients_at_kinks)
     }
 }
 
+/* Kinks whose time is known, one after the other; at 1.5 two operands change over that are not chosen. */
+TEST(kinks_of_the_time)
+{
+    static const struct { const char *text; double at[5]; } known[] = {
+        { "abs(2*t - 1)", { 0.5, INFINITY } }, { "max(0, min(t - 1, 2 - t))", { 1, 1.5, 2, INFINITY } },
+        { "min(t, 3 - t, 1)*sin(t)", { 1, 1.5, 2, INFINITY } }, { "abs(abs(t - 2) - 1)", { 1, 2, 3, INFINITY } },
+        { "step(mod(t, 1), 0.25, 0, 0.5, 1)", { 0.25, 0.5, 1, 1.25, 1.5 } }, { "max(abs(t - 1), 2*sign(t - 2))", { 1, 2, 3, INFINITY } },
+        { "max(x(P), t)", { INFINITY } }, { "t^2", { INFINITY } } };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_expression *x = parse(known[i].text);
+        double t = 0;
+        for (int k = 0; x && k < 5 && t < INFINITY; k++) {
+            t = lw_expression_next_kink(x, 0, t + 1e-12);
+            CHECK(t == known[i].at[k] || fabs(t - known[i].at[k]) < 1e-9);
+        }
+        lw_expression_free(x);
+    }
+}
+
 TEST(locale_does_not_matter)
 {
     static const char *const names[] = { "de_DE.UTF-8", "fi_FI.UTF-8", "fr_FR.UTF-8", "tr_TR.UTF-8" };

@@ -107,6 +107,30 @@ TEST(runs_stop_at_kinks)
     }
 }
 
+/* Forces of 0.5 N s within 1 ms, in a second in which nothing else happens: the cart of 2 kg goes on at 0.25 m/s.  Samples before,
+ * in and behind the pulse, or one at the end alone. */
+TEST(short_pulses_are_seen)
+{
+    static const char *const pulse[] = { "step(t, 0.5, 0, 0.5005, 1000) - step(t, 0.5005, 0, 0.501, 1000)",
+        "max(0, min(2e6*(t - 0.5), 2e6*(0.501 - t)))", "500*max(0, sign(t - 0.5)*sign(0.501 - t))" };
+    static const struct { lw_formulation f; double off; } way[] = { { LW_FORMULATION_AUTO, 1e-8 }, { LW_FORMULATION_REDUCED, 1e-8 },
+        { LW_FORMULATION_INDEX1, 1e-8 }, { LW_FORMULATION_CVODE, 1e-6 }, { LW_FORMULATION_GGL, 1e-6 }, { LW_FORMULATION_RADAU, 1e-8 },
+        { LW_FORMULATION_ALPHA, 1e-4 } };
+    for (int p = 0; p < 3; p++)
+        for (int f = 0; f < 7; f++)
+            for (int n = 1; n <= 2000; n = n == 1 ? 2 : 1000*n) {
+                char rest[400];
+                snprintf(rest, sizeof rest, "'input': {'joint': 'S', 'speed': 0}, 'forces': [{'link': 'cart', 'at': [0, 0], 'fx': '%s'}]",
+                         pulse[p]);
+                read_model("", rest);
+                CHECK_INT(drun_to(&d, way[f].f, 1e-8, 1, n), LW_OK);
+                CHECK_NEAR(d.v[0]*d.system.unit, 0.25, way[f].off, 0);
+                CHECK_NEAR(d.t[d.n_moment - 1], 1, 0, 0);
+                lw_system_free(&d.system);
+                lw_model_free(&d.model);
+            }
+}
+
 static void refused(const char *profiles, const char *rest, const char *why)
 {
     char text[2000];

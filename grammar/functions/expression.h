@@ -68,8 +68,8 @@ double lw_expression_gradient(const lw_expression *x, const double *v, double *d
 void lw_expression_series(const lw_expression *x, int order, const double *v, double *out);
 
 /* The first time after t at which the expression has a kink whose place depends on t alone: where a profile changes its
- * phase, at the ends of step and havsin, the points of tables, zeros of abs and sign, steps of mod; t_variable: the
- * caller's number of t.  Infinite: none. */
+ * phase, at the ends of step and havsin, the points of tables, zeros of abs and sign, steps of mod, where min and
+ * max change over; t_variable: the caller's number of t.  Infinite: none. */
 double lw_expression_next_kink(const lw_expression *x, int t_variable, double t);
 
 /* The text as it was given. */

@@ -246,8 +246,8 @@ static double passes(double a, double b, double u, double t)
     return b != 0 && at > t ? at : INFINITY;
 }
 
-/* The first kink of an operation whose operand is a + b t near t. */
-static double own_kink(const lw_expression *x, const lw_expression_node *n, double a, double b, double modulus, double t)
+/* The first kink of an operation whose operands are a + b t and c + d t near t. */
+static double own_kink(const lw_expression *x, const lw_expression_node *n, double a, double b, double c, double d, double t)
 {
     double next = INFINITY;
     switch (n->op) {
@@ -263,8 +263,10 @@ static double own_kink(const lw_expression *x, const lw_expression_node *n, doub
         return b > 0 ? (lw_moves_next_kink(x->moves[n->index], a + b*t) - a)/b : INFINITY;
     case LW_OP_MOD:
         for (int side = -1; side <= 1; side++)
-            next = fmin(next, passes(a, b, modulus*(floor((a + b*t)/modulus) + side), t));
+            next = fmin(next, passes(a, b, c*(floor((a + b*t)/c) + side), t));
         return next;
+    case LW_OP_MIN: case LW_OP_MAX:
+        return passes(a - c, b - d, 0, t);
     default:
         return INFINITY;
     }
@@ -286,8 +288,9 @@ double lw_expression_next_kink(const lw_expression *x, int t_variable, double t)
         bool p = n->a.node < 0 || of[n->a.node].is, q = n->b.node < 0 || of[n->b.node].is;
         double a = n->a.node < 0 ? n->a.value : of[n->a.node].a, b = n->a.node < 0 ? 0 : of[n->a.node].b;
         double c = n->b.node < 0 ? n->b.value : of[n->b.node].a, d = n->b.node < 0 ? 0 : of[n->b.node].b;
-        if (p && (q || n->op != LW_OP_MOD) && b != 0)
-            next = fmin(next, own_kink(x, n, a, b, c, t));
+        bool chooses = n->op == LW_OP_MIN || n->op == LW_OP_MAX;
+        if (p && (q || !(chooses || n->op == LW_OP_MOD)) && (b != 0 || chooses))
+            next = fmin(next, own_kink(x, n, a, b, c, d, t));
         of[i].is = p && q;
         switch (n->op) {
         case LW_OP_NEGATE:   of[i].a = -a, of[i].b = -b; break;
@@ -300,6 +303,20 @@ double lw_expression_next_kink(const lw_expression *x, int t_variable, double t)
             of[i].is = p && q && d == 0 && c != 0;
             of[i].a = a - c*floor(later/c);
             of[i].b = b;
+            break;
+        }
+        case LW_OP_MIN: case LW_OP_MAX: {    /* the one that is chosen behind t */
+            double more = a - c + (b - d)*t;
+            bool first = (more != 0 ? more < 0 : b < d) == (n->op == LW_OP_MIN);
+            of[i].a = first ? a : c;
+            of[i].b = first ? b : d;
+            break;
+        }
+        case LW_OP_ABS: case LW_OP_SIGN: {
+            double value = a + b*t, sign = value > 0 || (value == 0 && b > 0) ? 1 : value < 0 || b < 0 ? -1 : 0;
+            of[i].is = p;
+            of[i].a = n->op == LW_OP_ABS ? sign*a : sign;
+            of[i].b = n->op == LW_OP_ABS ? sign*b : 0;
             break;
         }
         default:             of[i].is = false;

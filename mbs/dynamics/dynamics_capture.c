@@ -516,7 +516,7 @@ static lw_status show(capture *g, double *y)
         s = lw_mbs_factor_touch(d);
     if (s == LW_OK)
         s = lw_mbs_project_v(d, g->t, y + d->n_q);
-    return s == LW_OK ? lw_run_show_solved(g->run, g->t, y) : s;
+    return s == LW_OK ? lw_run_show_solved(g->run, lw_run_time(d, g->run->next), y) : s;      /* a kink there is passed already */
 }
 
 static lw_status run_steps(capture *g, double *y)
@@ -528,7 +528,7 @@ static lw_status run_steps(capture *g, double *y)
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
-        double speed = look(g, 0, &missing), pull = 0, end = lw_run_time(d, run->next);
+        double speed = look(g, 0, &missing), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_end(run, g->t));
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i]));
         h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(part*g->size*pull))));
@@ -568,7 +568,9 @@ static lw_status run_steps(capture *g, double *y)
             if (list->touch[i].state == LW_TOUCH_APART)
                 lw_touch_choose_side(&list->touch[i], d->frames, false);
         lw_run_watch(run, fill_state(g, y));
-        if (g->t >= end) {
+        if (lw_run_at_kink(run, g->t))
+            s = lw_run_pass_kink(run, &g->t, NULL, NULL);
+        if (g->t >= lw_run_time(d, run->next)) {
             s = show(g, y);
             run->next++;
         }

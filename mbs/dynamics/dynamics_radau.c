@@ -70,6 +70,7 @@ typedef struct stages {
     bool    may_leave;                       /* for index1 */
     int     n_watched;                       /* steps since watched_t */
     double  watched_t, explicit_step;        /* step of an explicit method that follows the fastest vibration; 0: not known */
+    double *side;                            /* (2 n_switch) sides of the switches: at the start of the step, within it */
 } stages;
 
 /* x (n): A x = b, A by columns, overwritten. */
@@ -385,7 +386,7 @@ static lw_status iterate(stages *g)
     lw_dynamics *d = g->run->d;
     /* contacts of the stages may throw Newton's method far; whole turns away, it would find the posture again */
     double before = 0, wanted = 0.005*tolerance(g), far = d->eq.next_piece ? 0.3 : 1e3;
-    if (d->o.relative < 1e-9)                /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
+    if (d->o.relative < 1e-9 || d->eq.n_switch)          /* velocities too, which are differences of stages over h; rounding of rows is 2e-16 */
         wanted = fmax(wanted*fmin(1, g->h/g->way->real), 4e-16);
     g->contraction = 0;
     for (int pass = 0; pass < most_newton; pass++) {
@@ -521,6 +522,45 @@ static double piece_end(stages *g)
     return ends ? high : 1;
 }
 
+/* Has a switch another side at `part` of the step than at its start? */
+static bool switched(stages *g, double part)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    double *now = g->side + eq->n_switch, *v = g->e;
+    bool other = false;
+    place_within(g, part);
+    polynomials p = polynomials_at(g, part);
+    for (int i = 0; i < g->n; i++) {
+        v[i] = 0;
+        for (int j = 0; j < g->s; j++)
+            v[i] += p.db[j]*g->z[j*g->n + i]/g->h;
+    }
+    eq->switches(eq->context, g->qi, v, now);
+    for (int i = 0; i < eq->n_switch; i++)
+        other = other || (now[i] > 0) != (g->side[i] > 0);
+    return other;
+}
+
+/* The last part of the step before a switch changes, and in *beyond the first one behind; 1: none does. */
+static double switch_within(stages *g, double *beyond)
+{
+    const lw_equations *eq = &g->run->d->eq;
+    double low = 0, high = 1;
+    bool ends = false;
+    eq->switches(eq->context, g->q, g->v, g->side);
+    for (int k = 0; k < g->s && !ends; k++) {
+        high = g->at[k];
+        ends = switched(g, high);
+        low = ends ? low : high;
+    }
+    for (int pass = 0; ends && pass < 60 && high - low > 1e-15; pass++) {
+        double middle = 0.5*(low + high);
+        *(switched(g, middle) ? &high : &low) = middle;
+    }
+    *beyond = high;
+    return ends ? low : 1;
+}
+
 /* Take the stages as the step to t + h. */
 static lw_status accept(stages *g, double t)
 {
@@ -576,8 +616,8 @@ static lw_status show(stages *g)
     lw_dynamics *d = g->run->d;
     memcpy(d->a, g->a, (size_t)g->n*sizeof *d->a);
     lw_tangent_spread(d, g->l);
-    g->run->next++;
-    return lw_run_show_solved(g->run, g->t, g->run->y);
+    double t = lw_run_time(d, g->run->next++);           /* a kink there may be passed already */
+    return lw_run_show_solved(g->run, t, g->run->y);
 }
 
 /* State at t, a time within the last step, by the polynomials through its stages. */
@@ -614,10 +654,12 @@ static lw_status state_at(void *context, double t, double *y)
     return lw_run_project(g->run, t, y);
 }
 
-/* A step towards the next sample (dense: the end): as long as h, or evenly divided where few steps remain. */
+/* A step towards the next sample (dense: the end) or kink: as long as h, or evenly divided where few steps remain. */
 static double next_step(const stages *g, double h, double *end)
 {
-    *end = g->dense ? g->run->d->o.to : lw_run_time(g->run->d, g->run->next);
+    *end = lw_run_end(g->run, g->t);
+    if (!g->dense)
+        *end = fmin(*end, lw_run_time(g->run->d, g->run->next));
     double left = *end - g->t;
     if (left <= h*(1 + 1e-9))
         return left;
@@ -706,27 +748,91 @@ static lw_status leave(stages *g)
     return s;
 }
 
+/* Accelerations, multipliers and rates of states at the present state, as at the start and behind a kink of the loads. */
+static lw_status begin_again(stages *g)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    double *rate = run->y + run->n;
+    lw_status s = lw_run_rate(run, g->t, state(g, run->y), rate);
+    if (s != LW_OK)
+        return s;
+    memcpy(g->a, rate + g->n_q, (size_t)g->n*sizeof *g->a);
+    memcpy(g->aux, g->a, (size_t)g->n*sizeof *g->a);
+    memcpy(g->dx, rate + lw_run_states(run), (size_t)g->n_x*sizeof *g->dx);
+    memset(g->aux_x, 0, (size_t)g->n_x*sizeof *g->aux_x);
+    for (int k = 0; k < g->c; k++)
+        g->l[k] = d->l[d->kept[k]];
+    g->power_old = run->has_work ? rate[g->n_q + g->n] : 0;
+    g->since = 0;
+    return LW_OK;
+}
+
+/* Hand out the samples of the last step, and begin again behind a kink. */
+static lw_status end_step(stages *g)
+{
+    lw_run *run = g->run;
+    bool kink = lw_run_at_kink(run, g->t);
+    lw_status s = LW_OK;
+    if (kink)
+        s = lw_run_pass_kink(run, &g->t, g->dense ? state_at : NULL, g);
+    else if (g->dense)
+        s = lw_run_samples(run, g->t, state_at, g);
+    if (s == LW_OK && !g->dense && run->next <= run->d->o.intervals && g->t >= lw_run_time(run->d, run->next))
+        s = show(g);
+    return s == LW_OK && kink && g->t < run->d->o.to ? begin_again(g) : s;
+}
+
 /* A step to the end of a piece may end so far beyond it (equations.h, piece_left), and is not shorter than this part of an
  * ordinary one, because differences of places over the length of a step are velocities. */
 static const double beyond_most = 1e-3, least_part = 1e-3;
+
+/* A switch so near, in parts of an ordinary step, is passed with the acceleration before it. */
+static const double beside_switch = 1e-5;
+
+/* Forces jump where a damped stop is touched.  A step over it would not see its error in the velocities, which is of first order: steps
+ * end before a switch and begin behind it.  The step to be taken instead of the present one, which ends before the time `limit`; 0:
+ * the present one; < 0: the switch is passed, and the next step begins.  h: an ordinary step; passed: one was passed just before. */
+static double step_to_switch(stages *g, double h, double limit, bool passed)
+{
+    lw_dynamics *d = g->run->d;
+    double beyond, part = switch_within(g, &beyond), near = beside_switch*h;
+    if (part == 1)
+        return 0;
+    if (part*g->h > near)
+        return part*g->h - 0.3*near;
+    double across = beyond*g->h + 1e-5*near;
+    if (passed || across > 2*near || g->t + across >= limit)
+        return 0;
+    for (int i = 0; i < g->n; i++) {
+        g->e[i] = across*(g->v[i] + 0.5*across*g->a[i]);
+        g->v[i] += across*g->a[i];
+    }
+    d->eq.move(d->eq.context, g->q, g->e);
+    g->t += across;
+    return -1;
+}
 
 static lw_status run_steps(stages *g)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
-    double h = 1e-4*(d->o.to - d->o.from), end, error_old = 1, to_piece = 0;      /* step to the end of a piece; 0: none */
+    double h = 1e-4*(d->o.to - d->o.from), end, error_old = 1;
+    double to_piece = 0, to_switch = 0;                  /* steps to the end of a piece, to a switch; 0: none */
+    bool passed = false;                                 /* a switch just before this step */
     lw_status s = LW_OK;
     for (long k = 1; s == LW_OK && run->next <= d->o.intervals; k++) {
         g->h = next_step(g, h, &end);
-        if (to_piece > 0)
-            g->h = to_piece, end = 0;
+        double limit = g->t + g->h;
+        if (to_piece > 0 || to_switch > 0)
+            g->h = to_piece > 0 ? to_piece : to_switch, end = 0;
         if (!(g->h > 1e-14*fmax(fabs(g->t), d->o.to - d->o.from)))
             return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the steps become too short: the motion jumps, or an "
                                 "elastic link buckles", g->t);
         s = solve_stages(g);
         if (s == LW_OPEN) {
             h = 0.3*g->h;
-            to_piece = 0;
+            to_piece = to_switch = 0;
             run->r->refused++;
             g->since = 0;
             s = LW_OK;
@@ -737,10 +843,17 @@ static lw_status run_steps(stages *g)
         double error = fmax(error_of(g), 1e-6), root = -1.0/(g->alpha ? 3 : g->s + 1), factor = 0.9*pow(error, root);
         if (error > 1) {
             h = g->h*fmax(factor, 0.2);
-            to_piece = 0;
+            to_piece = to_switch = 0;
             run->r->refused++;
             continue;
         }
+        double other = d->eq.n_switch ? step_to_switch(g, h, limit, passed) : 0;
+        passed = other < 0;
+        to_switch = fmax(other, 0);
+        if (other < 0)
+            s = begin_again(g);
+        if (other != 0)
+            continue;
         double part = d->eq.piece_left ? piece_end(g) : 1;
         if (part < 1 && !(to_piece > 0 && (piece_left_within(g, 1) > -beyond_most || to_piece <= least_part*h))) {
             to_piece = fmax(part*g->h, least_part*h);    /* once more, to where a piece of the forces ends */
@@ -761,7 +874,7 @@ static lw_status run_steps(stages *g)
             d->eq.next_piece(d->eq.context, g->q, g->v, false);
         if (s == LW_OK) {
             lw_run_watch(run, state(g, run->y));
-            s = g->dense ? lw_run_samples(run, end > 0 ? end : g->t, state_at, g) : end > 0 ? show(g) : LW_OK;
+            s = end_step(g);
         }
         if (s == LW_OK)
             s = lw_run_limits(run, g->t, 0);
@@ -785,32 +898,23 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     g.may_leave = !alpha && d->o.formulation == LW_FORMULATION_AUTO && d->elastic && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
                && !lw_mbs_is_stiff(d);
     g.watched_t = g.t;
-    g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece && !d->eq.next_kink;
+    g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;
-    double *memory = calloc(2*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 8, sizeof *memory), *p = memory;
+    double *memory = calloc(2*(size_t)run->n + 2*q + 5*n + 5*s_n + 5*x + 3*s_x + c + 3*s_c + 6*all + 2*(size_t)d->eq.n_switch + 8, sizeof *memory), *p = memory;
     if (!memory)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    double *rate = p + run->n;
     run->y = p, p += 2*run->n;
     g.q = p, p += q, g.qi = p, p += q, g.v = p, p += n, g.a = p, p += n, g.e = p, p += n, g.l = p, p += c, g.aux = p, p += n, g.v_old = p, p += n;
     g.x = p, p += x, g.dx = p, p += x, g.aux_x = p, p += x, g.xi = p, p += x, g.scale = p, p += x;
     g.z = p, p += s_n, g.last = p, p += s_n, g.vi = p, p += s_n, g.ai = p, p += s_n, g.zx = p, p += s_x, g.last_x = p, p += s_x;
-    g.zl = p, p += s_c, g.last_l = p, p += s_c, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
+    g.zl = p, p += s_c, g.last_l = p, p += s_c, g.side = p, p += 2*d->eq.n_switch, g.r = p, p += s_n + s_x + s_c, g.b = p, p += all, g.pair_b = p;
     lw_dynamics_start(d, g.q, g.v);
     memcpy(g.x, d->start_z, x*sizeof *g.x);
     for (int i = 0; i < g.n_x; i++)
         g.scale[i] = d->eq.state_scale(d->eq.context, i);
-    d->eq.place_states(d->eq.context, g.x);
-    d->eq.state_rates(d->eq.context, g.t, g.q, g.v, g.dx);
     lw_status s = lw_run_begin(run, state(&g, run->y));
-    memcpy(g.a, d->a, n*sizeof *g.a);
-    if (s == LW_OK && d->n_kept < d->n_c)                /* multipliers of the rows kept alone, not those of least norm */
-        s = lw_mbs_accelerate(d, g.t, g.q, g.v, d->a, d->l, NULL);
-    if (s == LW_OK && alpha && (s = lw_run_rate(run, g.t, run->y, rate)) == LW_OK)
-        g.power_old = run->has_work ? rate[q + n] : 0;
-    memcpy(g.aux, g.a, n*sizeof *g.a);
-    for (int k = 0; k < g.c; k++)
-        g.l[k] = d->l[d->kept[k]];
+    if (s == LW_OK)
+        s = begin_again(&g);
     for (int k = 0; s == LW_OK && k <= g.s/2; k++)
         if (lw_tangent_make(d, k > 0, false, k ? &g.pair[k - 1] : &g.real) != LW_OK)
             s = lw_error_set(run->e, LW_E_MEMORY, "out of memory");

@@ -167,7 +167,7 @@ bool lw_run_at_kink(const lw_run *run, double t)
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context)
 {
     double after = fmin(run->kink + beside_kink(run->kink), run->d->o.to);
-    lw_status s = lw_run_samples(run, after, state_at, context);
+    lw_status s = state_at ? lw_run_samples(run, after, state_at, context) : LW_OK;
     *t = after;
     return s;
 }

@@ -71,11 +71,11 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y);
 typedef lw_status lw_run_state_at(void *context, double t, double *y);
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
 
-/* Where the next step from t must end: just before a kink of the loads (models with profiles), or at the end. */
+/* Where the next step from t must end: just before a kink of the loads or motions, or at the end. */
 double lw_run_end(lw_run *run, double t);
 
-/* Is t, the end of a step, just before a kink?  Then pass_kink hands out the samples up to it and sets *t to just behind
- * it, where the solver must begin anew. */
+/* Is t, the end of a step, just before a kink?  Then pass_kink hands out the samples up to it (state_at NULL: none)
+ * and sets *t to just behind it, where the solver must begin anew. */
 bool      lw_run_at_kink(const lw_run *run, double t);
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context);
 

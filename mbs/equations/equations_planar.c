@@ -296,6 +296,11 @@ static double damper(void *context, int k, const double *q, const double *v, dou
 
 static double next_kink(void *context, double t) { return lw_model_next_kink(((const lw_planar *)context)->f->model, t); }
 
+static void switches(void *context, const double *q, const double *v, double *side)
+{
+    lw_forces_stop_sides(((const lw_planar *)context)->f, q, v, side);
+}
+
 static const char *name(void *context, lw_named what, int i)
 {
     const lw_planar *d = context;
@@ -342,6 +347,14 @@ bool lw_planar_exact(const lw_planar *p)
     return !gear && lw_forces_caller_exact(p->f);
 }
 
+static bool has_expressions(const lw_model *m)
+{
+    bool any = m->n_force + m->n_spring + m->n_joint_spring + m->states.n_state > 0;
+    for (int i = 0; i < m->linkage.n_input; i++)
+        any = any || m->motion[i];
+    return any;
+}
+
 lw_equations lw_planar_equations(lw_planar *p)
 {
     _Static_assert(LW_ROW_SIZE == LW_SYSTEM_ROW_SIZE, "rows of the layer are those of planar systems");
@@ -357,7 +370,8 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = consistent ? more_mass : NULL, .damper = damper,
-                           .next_kink = m->n_profile ? next_kink : NULL, .place_states = place_states,
+                           .next_kink = has_expressions(m) ? next_kink : NULL,
+                           .n_switch = p->f->n_stop, .switches = switches, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,
                            .kinetic = kinetic, .potential = potential, .momentum = keeps_momentum(p) ? momentum : NULL,
                            .move = move, .rates = rates };

@@ -390,6 +390,18 @@ static void apply_stops(const lw_forces *f, const double *q, const double *v, su
     }
 }
 
+void lw_forces_stop_sides(const lw_forces *f, const double *q, const double *v, double *side)
+{
+    lw_measure m;
+    for (int i = 0; i < f->n_stop; i++) {
+        const lw_joint_stop *p = &f->model->stop[f->stop_joint[i]];
+        double sense;
+        lw_measure_joint(f->system, f->stop_joint[i], q, v, false, &m);
+        double in = depth(p, m.value, &sense);
+        side[i] = in > 0 ? p->stiffness*in - sense*p->damping*m.rate : -1;
+    }
+}
+
 static void apply_motors(const lw_forces *f, const double *q, const double *v, sum *to)
 {
     lw_measure m;

@@ -69,6 +69,9 @@ double lw_forces_signal(const lw_forces *f, int i, double t, const double *q, co
  * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3]);
 
+/* side (n_stop) > 0 where a compliant stop pushes. */
+void lw_forces_stop_sides(const lw_forces *f, const double *q, const double *v, double *side);
+
 /* An element of the model at a moment (mbs/elastic/beam.h). */
 void lw_forces_beam(const lw_forces *f, int beam, const double *q, const double *v, bool derivatives, lw_beam_state *out);
 
