@@ -114,6 +114,22 @@ TEST(selections)
     expect("$P drive radius examples/drives/paper-d.csv --mass 200 --way 4 --wanted-acceleration 2 --json", 0, "\"possible\": true", NULL);
 }
 
+/* Shoulder of an arm with two links, by the formula: I1 + m1 c1^2 + I2 + m2 (L^2 + c2^2 + 2 L c2 cos q2), q2 from 0 to pi; friction does not count. */
+TEST(inertia_of_an_arm)
+{
+    expect("printf '%s' '{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 3, \"centre\": [0.4, 0], "
+           "\"inertia\": 0.1}, {\"name\": \"b\", \"mass\": 2, \"centre\": [1.3, 0], \"inertia\": 0.05}], \"joints\": [{\"name\": \"S\", \"links\": "
+           "[\"ground\", \"a\"], \"at\": [0, 0], \"friction\": {\"coefficient\": 0.2, \"radius\": 0.05}}, {\"name\": \"E\", \"links\": [\"a\", \"b\"], "
+           "\"at\": [1, 0]}], \"inputs\": [{\"joint\": \"S\", \"motion\": \"t\"}, {\"joint\": \"E\", \"motion\": \"pi*t\"}]}' > $D/arm.json", 0, NULL, NULL);
+    ran r = run("$P drive load $D/arm.json -n 10 --json");
+    double fixed = 0.1 + 3*0.16 + 0.05 + 2*(1 + 0.09), least = figure(r.out, "\"reflected_inertia\": [");
+    CHECK_NEAR(least, fixed - 2*2*0.3, 1e-9, 0);
+    char *elbow = strstr(r.out, "\"reflected_inertia\": [");
+    CHECK_NEAR(strtod(strchr(elbow, ',') + 1, NULL), fixed + 2*2*0.3, 1e-9, 0);
+    CHECK_NEAR(figure(strchr(elbow, ']'), "\"reflected_inertia\": ["), 0.05 + 2*0.09, 1e-9, 0);
+    ran_free(&r);
+}
+
 TEST(wrong_use)
 {
     expect("$P drive select " ARM, 2, NULL, "--motors is missing");

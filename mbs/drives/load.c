@@ -5,6 +5,7 @@
 #include <string.h>
 #include "base/real.h"
 #include "mbs/analysis/reactions.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/dynamics_space.h"
 
 static lw_status make_room(int n, const lw_load_options *o, lw_loads *out, lw_error *e)
@@ -51,7 +52,34 @@ static void widen(double range[2], double x)
 
 /* ---- planar ------------------------------------------------------------------------------------------------------ */
 
-typedef struct planar_run { lw_dynamics *d; lw_loads *out; double *drive, last; } planar_run;
+typedef struct planar_run { lw_dynamics *d; lw_loads *out; double *drive; } planar_run;
+
+/* With fewer drives the reflected inertia is found at every sample, with n times as many at every nth. */
+enum { DRIVES_EACH = 32 };
+
+/* Twice the kinetic energy at unit rate of one drive, the others at rest: what its torque rises by, but for friction, when only its
+ * acceleration rises by 1.  Inputs that are tied to others move with them. */
+static lw_status reflect_planar(planar_run *r, const lw_moment *m)
+{
+    lw_dynamics *d = r->d;
+    const lw_system *sys = lw_dynamics_system(d);
+    const lw_assembly *k = &lw_dynamics_model(d)->linkage;
+    double *rate = calloc((size_t)(d->n_v + 2*d->n_c) + 1, sizeof *rate), *wanted = rate + d->n_v, *l = wanted + d->n_c;
+    lw_status s = rate ? lw_mbs_rows(d, m->t, m->q) : LW_E_MEMORY;
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
+        lw_measure count;
+        wanted[d->n_row + i] = 1;
+        s = lw_mbs_linear(d, NULL, wanted, rate, l);
+        wanted[d->n_row + i] = 0;
+        lw_measure_joint(sys, k->input[d->driven[i]].joint, m->q, rate, false, &count);
+        if (s == LW_OK)
+            widen(r->out->load[d->driven[i]].inertia, 2*d->eq.kinetic(d->eq.context, rate)/(count.rate*count.rate));
+    }
+    free(rate);
+    return s == LW_OPEN ? LW_OK : s;         /* a singular posture: without limit */
+}
 
 static lw_status take_planar(void *context, const lw_moment *m)
 {
@@ -59,17 +87,16 @@ static lw_status take_planar(void *context, const lw_moment *m)
     const lw_system *sys = lw_dynamics_system(r->d);
     const lw_assembly *k = &lw_dynamics_model(r->d)->linkage;
     lw_reactions_driving(r->d, m, r->drive);
-    for (int i = 0; r->out && i < k->n_input; i++) {
+    for (int i = 0; i < k->n_input; i++) {
         lw_measure count;
         lw_load *l = &r->out->load[i];
         lw_measure_joint(sys, k->input[i].joint, m->q, m->v, false, &count);
         speed_of(r->out, i)[l->n] = count.rate;
         torque_of(r->out, i)[l->n++] = r->drive[i];
     }
-    return LW_OK;
+    return (r->out->load[0].n - 1)%(1 + (size_t)r->d->n_driven/DRIVES_EACH) == 0 ? reflect_planar(r, m) : LW_OK;
 }
 
-/* drive (n_input): of the last sample. */
 static lw_status run_planar(const lw_model *m, const lw_load_options *o, lw_loads *out, double *drive, lw_error *e)
 {
     lw_dynamics_options d = lw_dynamics_options_default();
@@ -98,45 +125,10 @@ static void accelerate(const lw_expression *motion, double factor, double from, 
     }
 }
 
-/* Reflected inertia of input i: what its torque rises by when only its acceleration rises.  An acceleration that begins
- * at a sample changes neither the posture nor the speeds there. */
-static lw_status find_inertia(const lw_model *m, int i, const lw_load_options *o, lw_loads *out, double *drive, lw_error *e)
-{
-    enum { PLACES = 9 };
-    const double extra = 1000;
-    int n = m->linkage.n_input;
-    const char *motion = lw_expression_text(m->motion[i]);
-    size_t size = strlen(motion) + 128;
-    lw_model copy = *m;
-    char *text = malloc(size);
-    copy.motion = malloc((size_t)n*sizeof *copy.motion);
-    lw_status s = text && copy.motion ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int k = 1; s == LW_OK && k <= PLACES; k++) {
-        int row = (int)((long long)o->intervals*k/PLACES);
-        lw_load_options part = *o;
-        if (row == 0)
-            continue;
-        part.to = o->from + row*out->load[i].step;
-        part.intervals = row;
-        snprintf(text, size, "%s + %.17g*max(t - %.17g, 0)^2", motion, extra/2, part.to);
-        memcpy(copy.motion, m->motion, (size_t)n*sizeof *copy.motion);
-        copy.motion[i] = NULL;
-        s = lw_model_drive(&copy, i, text, e);
-        if (s == LW_OK)
-            s = run_planar(&copy, &part, NULL, drive, e);
-        if (s == LW_OK)
-            widen(out->load[i].inertia, (drive[i] - out->load[i].torque[row])/extra);
-        lw_expression_free(copy.motion[i]);
-    }
-    free(copy.motion);
-    free(text);
-    return s;
-}
-
 lw_status lw_loads_planar(const lw_model *m, const lw_load_options *o, lw_loads *out, lw_error *e)
 {
     *out = (lw_loads){ 0 };
-    int n = m->linkage.n_input, n_free = lw_assembly_free_inputs(&m->linkage);
+    int n = m->linkage.n_input;
     lw_status s = make_room(n, o, out, e);
     double *drive = s == LW_OK ? malloc((size_t)n*sizeof *drive) : NULL;
     if (s == LW_OK && !drive)
@@ -153,8 +145,6 @@ lw_status lw_loads_planar(const lw_model *m, const lw_load_options *o, lw_loads 
             accelerate(m->motion[i], 1, o->from, &out->load[i], acceleration_of(out, i));
         else if (m->motion[0])                                         /* tied to the first */
             accelerate(m->motion[0], m->linkage.input[i].ratio, o->from, &out->load[i], acceleration_of(out, i));
-        if (i < n_free && m->motion[i])
-            s = find_inertia(m, i, o, out, drive, e);
     }
     free(drive);
     return s;
