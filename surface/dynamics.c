@@ -391,19 +391,20 @@ lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_call
     const lw_system *sys = lw_dynamics_system(simulation->d);
     postures p = { .simulation = simulation, .most = (size_t)simulation->o.intervals + 1 };
     lw_dynamics_report r;
-    lw_counterweights found;
+    lw_counterweights found = { .n = 0 };
     p.q = calloc(p.most*(size_t)sys->n_q + 1, sizeof *p.q);
     lw_status s = p.q ? lw_dynamics_run(simulation->d, keep, &p, &r, error)
                       : lw_error_set(error, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = lw_counterweights_find(simulation->model, sys, p.n, p.q, &found, error);
     free(p.q);
-    if (s != LW_OK)
-        return s;
-    *before = found.deviation_before;
-    *after = found.deviation_after;
-    for (int i = 0; i < found.n && s == LW_OK; i++)
+    if (s == LW_OK) {
+        *before = found.deviation_before;
+        *after = found.deviation_after;
+    }
+    for (int i = 0; s == LW_OK && i < found.n; i++)
         s = visit(context, &found.weight[i]);
+    lw_counterweights_free(&found);
     return s;
 }
 

@@ -97,7 +97,15 @@ TEST(balanced)
            "  d = json.loads(run(m, '--json'))\n"
            "  i = d['columns'].index('shaking.fx')\n"
            "  return max(math.hypot(r[i], r[i + 1]) for r in d['rows'])\n"
-           "for m in watt, stephenson, json.load(open(jansen)):\n"
+           "def legs(m, n):\n"                       /* all on one crank */
+           "  own = lambda l, i: l if l in ('ground', 'crank') else l + str(i)\n"
+           "  k = dict(linkwright=1, links=['ground', 'crank'], joints=m['joints'][:1], input=m['input'])\n"
+           "  for i in range(n):\n"
+           "    k['links'] += [own(l, i) for l in m['links'] if own(l, i) != l]\n"
+           "    k['joints'] += [dict(j, name=j['name'] + str(i), links=[own(l, i) for l in j['links']]) for j in m['joints'][1:]]\n"
+           "  return k\n"
+           "leg = json.load(open(jansen))\n"
+           "for m in watt, stephenson, leg, legs(json.load(open(jansen)), 8):\n"
            "  for k, l in enumerate(m['links'][1:], 1):\n"
            "    at = [j['at'] for j in m['joints'] if l in j['links']]\n"
            "    m['links'][k] = dict(name=l, mass=.5 + .3*k, inertia=.01, centre=[sum(x)/len(at) + .01*k for x in zip(*at)])\n"
@@ -109,7 +117,7 @@ TEST(balanced)
            "    l['centre'] = [(l['mass']*a + c['mass']*b)/all for a, b in zip(l['centre'], c['at'])]\n"
            "    l['mass'] = all\n"
            "  print(len(w['counterweights']), w['balanced'], before > 1e-2, shaking(m) < 1e-10*before)\n"
-           "EOF\npython3 $D/b.py $P $D examples/jansen.json", 0, "3 True True True\n3 True True True\n4 True True True\n", NULL);
+           "EOF\npython3 $D/b.py $P $D examples/jansen.json", 0, "3 True True True\n3 True True True\n4 True True True\n18 True True True\n", NULL);
 }
 
 TEST(wrong)

@@ -103,9 +103,6 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     c->call = call;
     c->json = call->common.json;
     c->keep = s->balance || s->plot || s->gif;
-    if (s->balance && !c->model->small)
-        return lw_error_set(e, LW_E_KIND, "--balance is for linkages of at most %d links, %d joints, %d inputs and %d tracers: it tries a "
-                            "counterweight on each link, with all postures", LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
     lw_status st = cli_simulate_speed(c->model, s->speed, call->parsed.word[0], e);
     if (st != LW_OK)
         return st;

@@ -9,7 +9,7 @@ lw_status cli_simulate_balance(cli_simulate *c, FILE *f, lw_error *e)
     const lw_model *model = lw_dynamics_elastic(c->d) ? c->model : lw_dynamics_model(c->d);      /* elastic: refused */
     lw_status s = lw_counterweights_find(model, lw_dynamics_system(c->d), c->n_row, c->q, &found, e);
     if (s != LW_OK)
-        return s;
+        return lw_counterweights_free(&found), s;
     cli_json j = cli_json_begin(f, 1);
     cli_json_object(&j, NULL);
     cli_json_text(&j, "length_unit", k->units.length[0] ? k->units.length : "m");
@@ -29,5 +29,6 @@ lw_status cli_simulate_balance(cli_simulate *c, FILE *f, lw_error *e)
     cli_json_real(&j, "moved_after", found.deviation_after);
     cli_json_bool(&j, "balanced", found.balanced);
     cli_json_end(&j);
+    lw_counterweights_free(&found);
     return LW_OK;
 }

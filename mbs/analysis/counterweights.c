@@ -5,42 +5,42 @@
 #include "base/rank.h"
 #include "base/real.h"
 
-#define UNKNOWNS (2*LW_LINK_MAX + 2)
+/* A link that carries a counterweight: its body, its pin, distance of the weight from the pin, mass of it. */
+typedef struct carrier { int body, joint; bool floats; double radius, weight; } carrier;
 
 typedef struct balance {
     const lw_model  *m;
     const lw_system *s;
     size_t n_posture;
     const double *q;                      /* (n_posture*n_q) */
-    int    n_link, body[LW_LINK_MAX], joint[LW_LINK_MAX];
-    bool   floats[LW_LINK_MAX];
-    double radius[LW_LINK_MAX], weight[LW_LINK_MAX];     /* of the counterweights: distance from the pin, mass */
-    double mass;                          /* of all moving links */
+    int      n_link;
+    carrier *link;                        /* (2 n_joint of room, n_link) */
+    double   mass;                        /* of all moving links */
+    lw_vec2 *still;                       /* (n_posture) sum of m c */
+    lw_vec2 *turn;                        /* (n_posture*n_body) directions of the links */
+    lw_rank  r;                           /* of the columns of all carriers */
+    double  *memory, *rhs;                /* (2 n_posture) */
+    int     *ints;
 } balance;
 
 /* Distance of a counterweight from its pin: that of the farthest other joint of the link. */
-static double radius_of(const balance *b, int l)
+static double radius_of(const balance *b, int body, int joint)
 {
     const lw_assembly *linkage = &b->m->linkage;
-    int link = b->s->link[b->body[l]];
+    int link = b->s->link[body];
     double farthest = 0;
     for (int j = 0; j < linkage->n_joint; j++)
         if (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link)
-            farthest = fmax(farthest, lw_v2_norm(lw_v2_sub(linkage->joint[j].at, linkage->joint[b->joint[l]].at)));
+            farthest = fmax(farthest, lw_v2_norm(lw_v2_sub(linkage->joint[j].at, linkage->joint[joint].at)));
     return farthest > 0 ? farthest : b->s->unit;
 }
 
 static void add_link(balance *b, int body, int joint, bool floats)
 {
-    int l = b->n_link++;
-    b->body[l] = body;
-    b->joint[l] = joint;
-    b->floats[l] = floats;
-    b->weight[l] = 0;
-    b->radius[l] = radius_of(b, l);
+    b->link[b->n_link++] = (carrier){ .body = body, .joint = joint, .floats = floats, .radius = radius_of(b, body, joint) };
 }
 
-/* Links on ground pins, and the mass of all. */
+/* Links on ground pins, and what does not change with the counterweights. */
 static void find_links(balance *b)
 {
     for (int j = 0; j < b->s->n_joint; j++) {
@@ -50,24 +50,28 @@ static void find_links(balance *b)
     }
     for (int i = 0; i < b->s->n_body; i++)
         b->mass += b->m->body[b->s->link[i]].mass;
+    for (size_t k = 0; k < b->n_posture; k++) {
+        const double *q = b->q + k*(size_t)b->s->n_q;
+        for (int i = 0; i < b->s->n_body; i++) {
+            b->still[k] = lw_v2_add(b->still[k], lw_v2_scale(lw_system_point(b->s, i, lw_v2(0, 0), q), b->m->body[b->s->link[i]].mass));
+            b->turn[k*(size_t)b->s->n_body + (size_t)i] = lw_v2_polar(1, q[3*i + 2]);
+        }
+    }
 }
 
-/* The pin that counterweight l is placed from, at posture q. */
-static lw_vec2 pin_of(const balance *b, int l, const double *q)
-{
-    const lw_system_joint *p = &b->s->joint[b->joint[l]];
-    return lw_system_point(b->s, b->body[l], p->arm[p->body[1] == b->body[l]], q);
-}
+static lw_vec2 turn_of(const balance *b, size_t posture, int body) { return b->turn[posture*(size_t)b->s->n_body + (size_t)body]; }
 
-/* Sum of m c at posture q, with the m J of the counterweights on floating links. */
-static lw_vec2 moment_of(const balance *b, const double *q)
+/* Sum of m c in a posture, with the m J of the counterweights on floating links. */
+static lw_vec2 moment_of(const balance *b, size_t posture)
 {
-    lw_vec2 sum = { 0, 0 };
-    for (int i = 0; i < b->s->n_body; i++)
-        sum = lw_v2_add(sum, lw_v2_scale(lw_system_point(b->s, i, lw_v2(0, 0), q), b->m->body[b->s->link[i]].mass));
+    lw_vec2 sum = b->still[posture];
     for (int l = 0; l < b->n_link; l++)
-        if (b->floats[l])
-            sum = lw_v2_add(sum, lw_v2_scale(pin_of(b, l, q), b->weight[l]));
+        if (b->link[l].floats) {
+            const lw_system_joint *p = &b->s->joint[b->link[l].joint];
+            lw_vec2 arm = p->arm[p->body[1] == b->link[l].body];
+            lw_vec2 pin = lw_system_point(b->s, b->link[l].body, arm, b->q + posture*(size_t)b->s->n_q);
+            sum = lw_v2_add(sum, lw_v2_scale(pin, b->link[l].weight));
+        }
     return sum;
 }
 
@@ -78,10 +82,9 @@ static double deviation(const balance *b, const double *p)
     double sum = 0;
     for (int pass = 0; pass < 2; pass++)
         for (size_t i = 0; i < b->n_posture; i++) {
-            const double *q = b->q + i*(size_t)b->s->n_q;
-            lw_vec2 z = moment_of(b, q);
+            lw_vec2 z = moment_of(b, i);
             for (int l = 0; p && l < b->n_link; l++)
-                z = lw_v2_add(z, lw_v2_turn(lw_v2(p[2*l], p[2*l + 1]), lw_v2_polar(1, q[3*b->body[l] + 2])));
+                z = lw_v2_add(z, lw_v2_turn(lw_v2(p[2*l], p[2*l + 1]), turn_of(b, i, b->link[l].body)));
             lw_vec2 d = lw_v2_sub(z, mean);
             if (pass == 0)
                 mean = lw_v2_add(mean, lw_v2_scale(z, 1.0/(double)b->n_posture));
@@ -91,152 +94,255 @@ static double deviation(const balance *b, const double *p)
     return sqrt(sum/(double)b->n_posture);
 }
 
-static lw_status solve(const balance *b, double *p)
+/* The columns of a link (end 0, 1: its p.x, p.y), x and y of all postures. */
+static void columns_of(const balance *b, int body, double *x, double *y)
+{
+    for (size_t i = 0; i < b->n_posture; i++) {
+        lw_vec2 u = turn_of(b, i, body);
+        x[2*i] = u.x, x[2*i + 1] = u.y;
+        y[2*i] = -u.y, y[2*i + 1] = u.x;
+    }
+}
+
+/* Factor the columns of the links chosen, with two for the place of the centre at rest. */
+static lw_status factor(balance *b)
 {
     int m = 2*(int)b->n_posture, n = 2*b->n_link + 2;
-    lw_rank r;
-    double *memory = calloc(lw_rank_doubles(m, n) + (size_t)m, sizeof *memory);
-    int *ints = calloc(lw_rank_ints(m, n), sizeof *ints);
-    if (!memory || !ints) {
-        free(memory);
-        free(ints);
+    free(b->memory), free(b->ints);
+    b->memory = calloc(lw_rank_doubles(m, n) + (size_t)m, sizeof *b->memory);
+    b->ints = calloc(lw_rank_ints(m, n), sizeof *b->ints);
+    if (!b->memory || !b->ints)
         return LW_E_MEMORY;
-    }
-    double *rhs = memory + lw_rank_doubles(m, n);
-    lw_rank_place(&r, m, n, memory, ints);
-    for (int i = 0; i < (int)b->n_posture; i++) {
-        const double *q = b->q + (size_t)i*(size_t)b->s->n_q;
-        lw_vec2 z = moment_of(b, q);
-        rhs[2*i] = -z.x;
-        rhs[2*i + 1] = -z.y;
-        for (int l = 0; l < b->n_link; l++) {
-            lw_vec2 u = lw_v2_polar(1, q[3*b->body[l] + 2]);
-            r.a[2*i + m*2*l] = u.x;
-            r.a[2*i + 1 + m*2*l] = u.y;
-            r.a[2*i + m*(2*l + 1)] = -u.y;
-            r.a[2*i + 1 + m*(2*l + 1)] = u.x;
-        }
-        r.a[2*i + m*(n - 2)] = -1;
-        r.a[2*i + 1 + m*(n - 1)] = -1;
-    }
-    lw_rank_factor(&r, 1e-9);
-    lw_rank_solve(&r, rhs, p);
-    free(memory);
-    free(ints);
+    b->rhs = b->memory + lw_rank_doubles(m, n);
+    lw_rank_place(&b->r, m, n, b->memory, b->ints);
+    for (int l = 0; l < b->n_link; l++)
+        columns_of(b, b->link[l].body, b->r.a + (size_t)m*2*(size_t)l, b->r.a + (size_t)m*(2*(size_t)l + 1));
+    for (size_t i = 0; i < b->n_posture; i++)
+        for (size_t end = 0; end < 2; end++)
+            b->r.a[2*i + end + (size_t)m*((size_t)n - 2 + end)] = -1;
+    lw_rank_factor(&b->r, 1e-9);
     return LW_OK;
 }
 
-/* Is the common centre of mass still? */
-static bool is_still(const balance *b, const double *p, double before)
+/* p (2 n_link + 2) for the masses of the counterweights so far. */
+static void solve(balance *b, double *p)
 {
-    return deviation(b, p) <= 1e-9*fmax(before, b->mass*b->s->unit);
+    for (size_t i = 0; i < b->n_posture; i++) {
+        lw_vec2 z = moment_of(b, i);
+        b->rhs[2*i] = -z.x, b->rhs[2*i + 1] = -z.y;
+    }
+    lw_rank_solve(&b->r, b->rhs, p);
 }
+
+/* The deviation below which the common centre of mass is still. */
+static double still_below(const balance *b, double before) { return 1e-9*fmax(before, b->mass*b->s->unit); }
+
+static bool is_still(const balance *b, const double *p, double before) { return deviation(b, p) <= still_below(b, before); }
 
 /* Find masses of the counterweights on floating links that fit their products p, by repetition; false: they do not
  * converge. */
-static bool find_weights(balance *b, double *p, lw_status *status)
+static bool find_weights(balance *b, double *p)
 {
     for (int round = 0; round < 400; round++) {
         double change = 0, most = 0;
         for (int l = 0; l < b->n_link; l++) {
-            double weight = b->floats[l] ? hypot(p[2*l], p[2*l + 1])/b->radius[l] : 0;
-            change = fmax(change, fabs(weight - b->weight[l]));
+            carrier *c = &b->link[l];
+            double weight = c->floats ? hypot(p[2*l], p[2*l + 1])/c->radius : 0;
+            change = fmax(change, fabs(weight - c->weight));
             most = fmax(most, weight);
-            b->weight[l] = weight;
+            c->weight = weight;
         }
         if (change <= 1e-14*most)
             return true;
-        if (!(most < 1e6*b->mass) || (*status = solve(b, p)) != LW_OK)
+        if (!(most < 1e6*b->mass))
             return false;
+        solve(b, p);
     }
     return false;
 }
 
-/* Add the floating link whose counterweight leaves the least deviation; false: none helps. */
-static bool add_floating(balance *b, double *p, lw_status *status)
+/* ---- floating links ------------------------------------------------------------------------------------------ */
+
+/* Complex vectors over the postures: x is the real part.  Sum of conj(a) b. */
+static lw_vec2 product(size_t n, const lw_vec2 *a, const lw_vec2 *b)
 {
-    const lw_system *s = b->s;
-    int best_body = -1, best_joint = -1;
-    double least = 0.9*deviation(b, p), p_tried[UNKNOWNS];
-    for (int j = 0; j < s->n_joint; j++)
+    lw_vec2 sum = { 0, 0 };
+    for (size_t i = 0; i < n; i++)
+        sum = lw_v2_add(sum, lw_v2(lw_v2_dot(a[i], b[i]), lw_v2_cross(a[i], b[i])));
+    return sum;
+}
+
+static double square(size_t n, const lw_vec2 *a) { return product(n, a, a).x; }
+
+static void take_part_out(size_t n, const lw_vec2 *unit, lw_vec2 *b)
+{
+    lw_vec2 by = product(n, unit, b);
+    for (size_t i = 0; i < n; i++)
+        b[i] = lw_v2_sub(b[i], lw_v2_turn(by, unit[i]));
+}
+
+/* A link that has or may get a counterweight; its turns, less what those chosen before can do (n_posture). */
+typedef struct candidate { int body, joint; bool chosen; lw_vec2 *turn; } candidate;
+
+/* left: what the counterweights chosen leave of the motion of the centre (n_posture). */
+typedef struct pursuit { size_t n_posture; int n; candidate *all; lw_vec2 *left; } pursuit;
+
+/* Choose a vector (n_posture; made of length 1): what it can do is taken out of what is left and out of the other candidates.  One
+ * nearly in the span of those before it can do nothing. */
+static void choose(pursuit *p, lw_vec2 *vector)
+{
+    double size = sqrt(square(p->n_posture, vector));
+    if (!(size > 1e-9*sqrt((double)p->n_posture)))
+        return;
+    for (size_t i = 0; i < p->n_posture; i++)
+        vector[i] = lw_v2_scale(vector[i], 1/size);
+    take_part_out(p->n_posture, vector, p->left);
+    for (int k = 0; k < p->n; k++)
+        if (!p->all[k].chosen)
+            take_part_out(p->n_posture, vector, p->all[k].turn);
+}
+
+static void add_candidate(const balance *b, pursuit *p, int body, int joint)
+{
+    p->all[p->n] = (candidate){ body, joint, false, p->left + p->n_posture*((size_t)p->n + 2) };
+    for (size_t i = 0; i < p->n_posture; i++)
+        p->all[p->n].turn[i] = turn_of(b, i, body);
+    p->n++;
+}
+
+/* The candidate that leaves the least of `still` [kg m], if that is less than 0.9 of what is left; -1: there is none. */
+static int best_candidate(const pursuit *p)
+{
+    double all = square(p->n_posture, p->left), least = 0.81*all;
+    int best = -1;
+    for (int k = 0; k < p->n; k++) {
+        double size = p->all[k].chosen ? 0 : square(p->n_posture, p->all[k].turn);
+        lw_vec2 by = product(p->n_posture, p->all[k].turn, p->left);
+        double without = size > 1e-18*(double)p->n_posture ? all - lw_v2_dot(by, by)/size : INFINITY;
+        if (without < least)
+            least = without, best = k;
+    }
+    return best;
+}
+
+/* Add floating links, the one that helps most first, until the centre is still (deviation `still` or less) or none helps. */
+static lw_status choose_floating(balance *b, double still)
+{
+    size_t n = b->n_posture, most = (size_t)(b->n_link + b->s->n_body);
+    pursuit p = { .n_posture = n, .all = calloc(most, sizeof *p.all), .left = calloc((most + 2)*n, sizeof *p.left) };
+    bool *known = calloc((size_t)b->s->n_body, sizeof *known);
+    bool room = p.all && p.left && known;
+    int n_ground = b->n_link;
+    for (int l = 0; room && l < n_ground; l++) {
+        add_candidate(b, &p, b->link[l].body, b->link[l].joint);
+        known[b->link[l].body] = true;
+    }
+    for (int j = 0; room && j < b->s->n_joint; j++)
         for (int end = 0; end < 2; end++) {
-            int body = s->joint[j].body[end];
-            bool known = body < 0 || !lw_joint_turns(s->joint[j].kind) || b->n_link == LW_LINK_MAX;
-            for (int l = 0; l < b->n_link; l++)
-                known = known || b->body[l] == body;
-            if (known)
+            int body = b->s->joint[j].body[end];
+            if (body < 0 || !lw_joint_turns(b->s->joint[j].kind) || known[body])
                 continue;
-            add_link(b, body, j, true);
-            *status = solve(b, p_tried);
-            double left = *status == LW_OK ? deviation(b, p_tried) : INFINITY;
-            b->n_link--;
-            if (left < least) {
-                least = left;
-                best_body = body, best_joint = j;
-            }
+            add_candidate(b, &p, body, j);
+            known[body] = true;
         }
-    if (best_body < 0)
-        return false;
-    add_link(b, best_body, best_joint, true);
-    *status = solve(b, p);
-    return *status == LW_OK;
+    for (size_t i = 0; room && i < n; i++) {
+        p.left[i] = b->still[i];
+        p.left[n + i] = lw_v2(1, 0);
+    }
+    if (room)
+        choose(&p, p.left + n);                          /* the place of the centre is free */
+    for (int k = 0; room && k < p.n && (k < n_ground || sqrt(square(n, p.left)/(double)n) > still); k++) {
+        int next = k < n_ground ? k : best_candidate(&p);
+        if (next < 0)
+            break;
+        p.all[next].chosen = true;
+        choose(&p, p.all[next].turn);
+        if (k >= n_ground)
+            add_link(b, p.all[next].body, p.all[next].joint, true);
+    }
+    free(p.all), free(p.left), free(known);
+    return room ? LW_OK : LW_E_MEMORY;
 }
 
 /* Add counterweights on floating links.  Where their masses do not converge, put them further out. */
-static lw_status let_float(balance *b, double *p, double before)
+static lw_status let_float(balance *b, double *p, double *found, double before)
 {
-    balance ground = *b;
-    double alone[UNKNOWNS], found[UNKNOWNS];
-    lw_status s = LW_OK;
-    memcpy(alone, p, sizeof alone);
-    while (!is_still(b, p, before) && add_floating(b, p, &s))
-        ;
-    if (s != LW_OK || b->n_link == ground.n_link)
+    int n_ground = b->n_link;
+    if (is_still(b, p, before))
+        return LW_OK;
+    lw_status s = choose_floating(b, still_below(b, before));
+    if (s != LW_OK || b->n_link == n_ground || (s = factor(b)) != LW_OK)
         return s;
-    memcpy(found, p, sizeof found);
-    for (int tries = 0; s == LW_OK && tries < 6; tries++) {
-        memcpy(p, found, sizeof found);
-        if (find_weights(b, p, &s))
-            return s;
-        for (int l = ground.n_link; l < b->n_link; l++) {
-            b->radius[l] *= 2;
-            b->weight[l] = 0;
+    solve(b, found);
+    for (int tries = 0; tries < 6; tries++) {
+        memcpy(p, found, (2*(size_t)b->n_link + 2)*sizeof *p);
+        if (find_weights(b, p))
+            return LW_OK;
+        for (int l = n_ground; l < b->n_link; l++) {
+            b->link[l].radius *= 2;
+            b->link[l].weight = 0;
         }
     }
-    *b = ground;
-    memcpy(p, alone, sizeof alone);
+    b->n_link = n_ground;
+    s = factor(b);
+    if (s == LW_OK)
+        solve(b, p);
     return s;
+}
+
+/* ---- all of it ----------------------------------------------------------------------------------------------- */
+
+void lw_counterweights_free(lw_counterweights *c)
+{
+    free(c->weight);
+    *c = (lw_counterweights){ .n = 0 };
+}
+
+static lw_status find(balance *b, double *p, double *found, lw_counterweights *out)
+{
+    out->deviation_before = deviation(b, NULL);
+    lw_status s = factor(b);
+    if (s == LW_OK) {
+        solve(b, p);
+        s = let_float(b, p, found, out->deviation_before);
+    }
+    out->weight = calloc((size_t)b->n_link, sizeof *out->weight);
+    if (s != LW_OK || !out->weight)
+        return LW_E_MEMORY;
+    out->deviation_after = deviation(b, p);
+    out->balanced = is_still(b, p, out->deviation_before);
+    out->n = b->n_link;
+    for (int l = 0; l < b->n_link; l++) {
+        const carrier *c = &b->link[l];
+        lw_vec2 w = lw_v2(p[2*l], p[2*l + 1]), pin = b->m->linkage.joint[c->joint].at;
+        double product_of = lw_v2_norm(w);
+        lw_vec2 at = lw_v2_add(pin, lw_v2_scale(w, product_of > 0 ? c->radius/product_of : 0));
+        out->weight[l] = (lw_counterweight){ .link = b->s->link[c->body], .joint = c->joint, .product = product_of,
+                                             .mass = product_of/c->radius, .at = at };
+    }
+    return LW_OK;
 }
 
 lw_status lw_counterweights_find(const lw_model *m, const lw_system *s, size_t n_posture, const double *q,
                                  lw_counterweights *out, lw_error *e)
 {
     balance b = { .m = m, .s = s, .n_posture = n_posture, .q = q };
-    double p[UNKNOWNS] = { 0 };
+    size_t bodies = (size_t)s->n_body, room = (size_t)s->n_joint + bodies + 1;
     *out = (lw_counterweights){ .n = 0 };
-    if (!m->small)
-        return lw_error_set(e, LW_E_KIND, "counterweights are chosen link by link, each from all postures, for at most %d links and %d "
-                            "joints; this model has %d and %d", LW_LINK_MAX, LW_JOINT_MAX, m->linkage.n_link, m->linkage.n_joint);
     if (m->n_elastic)
         return lw_error_set(e, LW_E_KIND, "counterweights are found for rigid links; make the elastic ones rigid (--rigid)");
-    find_links(&b);
-    if (b.n_link == 0)
-        return lw_error_set(e, LW_E_KIND, "no link turns about a pin at the ground, where a counterweight could sit");
-    if (n_posture < (size_t)(s->n_body + 2))
-        return lw_error_set(e, LW_E_ARG, "too few postures to balance over: at least %d are needed",
-                            s->n_body + 2);
-    out->deviation_before = deviation(&b, NULL);
-    if (solve(&b, p) != LW_OK || let_float(&b, p, out->deviation_before) != LW_OK)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    out->deviation_after = deviation(&b, p);
-    out->balanced = is_still(&b, p, out->deviation_before);
-    out->n = b.n_link;
-    for (int l = 0; l < b.n_link; l++) {
-        lw_vec2 w = lw_v2(p[2*l], p[2*l + 1]), pin = m->linkage.joint[b.joint[l]].at;
-        double product = lw_v2_norm(w);
-        lw_vec2 at = lw_v2_add(pin, lw_v2_scale(w, product > 0 ? b.radius[l]/product : 0));
-        out->weight[l] = (lw_counterweight){ .link = s->link[b.body[l]], .joint = b.joint[l], .product = product,
-                                             .mass = product/b.radius[l], .at = at };
+    if (n_posture < bodies + 2)
+        return lw_error_set(e, LW_E_ARG, "too few postures to balance over: at least %zu are needed", bodies + 2);
+    b.link = calloc(room, sizeof *b.link);
+    b.still = calloc(n_posture*(bodies + 1), sizeof *b.still);
+    double *p = calloc(4*room + 4, sizeof *p);
+    lw_status st = LW_E_MEMORY;
+    if (b.link && b.still && p) {
+        b.turn = b.still + n_posture;
+        find_links(&b);
+        st = b.n_link ? find(&b, p, p + 2*room + 2, out) : LW_E_KIND;
     }
-    return LW_OK;
+    free(b.link), free(b.still), free(b.memory), free(b.ints), free(p);
+    return st == LW_E_MEMORY ? lw_error_set(e, st, "out of memory")
+         : st == LW_E_KIND ? lw_error_set(e, st, "no link turns about a pin at the ground, where a counterweight could sit") : st;
 }
