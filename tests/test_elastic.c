@@ -454,6 +454,17 @@ TEST(inner_forces_and_frame)
                          "'forces': [{'link': 'L', 'at': [1, 0.5], 'fx': 100}]}"), LW_OK);
     CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
     CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
+    lw_model stiff;
+    CHECK_INT(lw_elastic_rigid(&s.m, &stiff, &s.e), LW_OK);
+    double lumped = 0, middle[2] = { 0 }, sum = 0;
+    for (int i = 0; i < 13; i++) {           /* its nodes have this much more inertia than the bar */
+        const lw_body *node = &lw_dynamics_elastic(s.d)->model.body[lw_dynamics_elastic(s.d)->chain[0].node[i]];
+        sum += node->mass, middle[0] += node->mass*node->centre.x, middle[1] += node->mass*node->centre.y;
+        lumped += node->inertia + node->mass*lw_v2_dot(node->centre, node->centre);
+    }
+    lumped -= (middle[0]*middle[0] + middle[1]*middle[1])/sum;
+    CHECK_NEAR(lw_dynamics_elastic(s.d)->chain[0].too_much, lumped/stiff.body[1].inertia - 1, 1e-9, 0);
+    lw_elastic_rigid_free(&stiff);
     CHECK_INT(lw_dynamics_elastic(s.d)->chain[0].n_node, 13);
     double shear = 1.2*f*b/(210e9/2.6*0.01), stretch = f*a/(210e9*0.01);
     CHECK_NEAR(tracer(&s, 0, s.q).x - 1, f*b*b*a/ei + f*b*b*b/(3*ei) + shear + stretch, 0, 1e-4);

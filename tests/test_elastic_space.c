@@ -614,6 +614,31 @@ TEST(condensed)
         CHECK_NEAR(f[2][i], f[1][i], 0, 1e-9);
 }
 
+/* Lumps at the nodes of n elements have 1 + 2/n^2 times the inertia of a slender bar, and this is told. */
+TEST(lumps_have_too_much_inertia)
+{
+    for (int n = 1; n <= 16; n *= 2) {
+        lw_spatial m;
+        lw_spatial_expansion x;
+        lw_error e;
+        char text[300];
+        snprintf(text, sizeof text, "'section': {'shape': 'round', 'diameter': 0.002}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': %d", n);
+        read_bar(&m, text, 0, 0);
+        CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+        CHECK_NEAR(x.chain[0].too_much, 2.0/n/n, 1e-5, 0);
+        lw_spatial_expansion_free(&x);
+        lw_spatial_free(&m);
+    }
+    lw_spatial m;
+    lw_spatial_expansion x;
+    lw_error e;
+    read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
+    CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+    CHECK(x.chain[0].too_much > 2);
+    lw_spatial_expansion_free(&x);
+    lw_spatial_free(&m);
+}
+
 /* Craig and Bampton's modes: the frequencies come from above to those of the whole bar, clamped and free, ever nearer with more
  * modes, and much nearer than Guyan's; at rest the ends stay where Guyan has them; matrices of a mesh are the same. */
 TEST(craig_bampton)

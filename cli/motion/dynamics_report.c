@@ -84,6 +84,28 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     cli_json_end(j);
 }
 
+/* In time the masses of an elastic link lie at its nodes; few of them are another body.  Names are of node 0, NAME.0. */
+static void note_lumps(const cli_call *c, const lw_dynamics *d)
+{
+    static const double told = 0.05;             /* of the inertia; the time of a swing is off by up to a half of it */
+    const lw_spatial_expansion *space = lw_dynamics_spatial_elastic(d);
+    const lw_elastic_expansion *plane = lw_dynamics_elastic(d);
+    const lw_elastic_chain *worst = NULL;
+    int links = 0, n = space ? space->n_chain : plane && lw_dynamics_model(d) ? plane->n_chain : 0;
+    for (int k = 0; k < n && lw_dynamics_in_time(d); k++) {
+        const lw_elastic_chain *one = space ? &space->chain[k] : &plane->chain[k];
+        links += one->too_much > told;
+        worst = one->too_much > (worst ? worst->too_much : told) ? one : worst;
+    }
+    if (!worst)
+        return;
+    const char *name = space ? lw_dynamics_space(d)->model->body[worst->link].name : plane->model.linkage.link_name[worst->link];
+    cli_note(c, "%d elastic link%s at few nodes, where masses lie in time: the %d of \"%.*s\" have %.3g times its inertia about its centre of mass, "
+             "and its motion is as far off; take more %s", links, links == 1 ? " has its mass" : "s have their masses", worst->n_node,
+             (int)strlen(name) - 2, name, 1 + worst->too_much,
+             worst->elastic->n_node > 0 ? "nodes" : worst->condensed ? "\"superelements\"" : "\"segments\"");
+}
+
 static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)
 {
     char text[1024];
@@ -108,6 +130,7 @@ static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamic
     if (idle)
         cli_note(c, "%d spin%s of links between ball joints %s held", idle, idle == 1 ? "" : "s", idle == 1 ? "is" : "are");
     const lw_spatial_expansion *x = lw_dynamics_spatial_elastic(d);
+    note_lumps(c, d);
     for (int k = 0; x && k < x->n_chain; k++)
         if (x->chain[k].elastic->n_node > 0) {
             const char *name = lw_dynamics_space(d)->model->body[x->chain[k].link].name;           /* of node 0, NAME.0 */

@@ -169,6 +169,9 @@ const char *lw_dynamics_input_name(const lw_dynamics *d, int i);
 int  lw_dynamics_idle(const lw_dynamics *d);
 bool lw_dynamics_many_drives(const lw_dynamics *d);
 
+/* Is the run one with inertia: not at rest, not quasi-static? */
+bool lw_dynamics_in_time(const lw_dynamics *d);
+
 /* A link that has no mass or no inertia, for which a static analysis made some up; NULL: all have. */
 const char *lw_dynamics_massless(const lw_dynamics *d);
 

@@ -14,6 +14,11 @@ static const double nudge = 0.02;        /* distance at which the rank is checke
 
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_model *lw_dynamics_model(const lw_dynamics *d) { return d->model; }
+bool lw_dynamics_in_time(const lw_dynamics *d)
+{
+    return d->o.analysis != LW_ANALYSIS_STATIC && d->o.analysis != LW_ANALYSIS_QUASISTATIC;
+}
+
 const lw_elastic_expansion *lw_dynamics_elastic(const lw_dynamics *d) { return d->elastic ? &d->expansion : NULL; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d) { return &d->f; }

@@ -178,6 +178,16 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
         for (int end = 0; end < 2; end++)
             add_mass(&to->body[b->link[end]], 0.5*mass, 0.5*mass*i_over_a);
     }
+    /* 2/n^2 for n elements in line: lumps at the ends of each instead of a uniform bar */
+    double sum = 0, first[2] = { 0 }, second = 0;
+    for (int i = 0; i + 1 < c->n_node; i++) {
+        const lw_beam *b = &to->beam[c->first_beam + i];
+        lw_vec2 at = lw_v2_sub(lw_v2_scale(lw_v2_add(to->body[b->link[0]].centre, to->body[b->link[1]].centre), 0.5), to->body[c->node[0]].centre);
+        sum += b->mass, first[0] += b->mass*at.x, first[1] += b->mass*at.y;
+        second += b->mass*(lw_v2_dot(at, at) + b->length*b->length/12 + b->gyration);
+        c->too_much += b->mass*b->length*b->length/6;
+    }
+    c->too_much /= second - (first[0]*first[0] + first[1]*first[1])/sum;
     return LW_OK;
 }
 

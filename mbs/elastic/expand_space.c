@@ -14,6 +14,8 @@ typedef struct work {
     lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; axis has those that are kept */
     int                 **keep;      /* per chain with its own matrices: their nodes that are kept, ascending */
     bool                  modes;     /* of condensed links are coordinates; otherwise as many coordinates of inner nodes */
+    lw_vec3               from;      /* a place of the chain being filled */
+    lw_spatial_body       whole;     /* of its parts: mass, first moment and inertia about that place */
 } work;
 
 /* Places of the link at which something acts: joints, tracers, ends of springs, forces. */
@@ -203,6 +205,57 @@ static void add_inertia(lw_spatial_body *b, const lw_mat3 *axes, const double va
         }
 }
 
+/* Add a body with its inertia about its centre of mass to one with its first moment and its inertia about `from`. */
+static void add_body(double mass, lw_vec3 place, const double inertia[6], lw_vec3 from, lw_spatial_body *to)
+{
+    lw_vec3 at = lw_v3_sub(place, from);
+    const double about[6] = { at.y*at.y + at.z*at.z, at.x*at.x + at.z*at.z, at.x*at.x + at.y*at.y, -at.x*at.y, -at.x*at.z, -at.y*at.z };
+    to->mass += mass;
+    to->centre = lw_v3_add(to->centre, lw_v3_scale(at, mass));
+    for (int k = 0; k < 6; k++)
+        to->inertia[k] += inertia[k] + mass*about[k];
+}
+
+/* Inertia about the centre of mass of such a sum; returns the centre. */
+static lw_vec3 about_centre(const lw_spatial_body *sum, lw_vec3 from, double inertia[6])
+{
+    lw_vec3 c = lw_v3_scale(sum->centre, 1/sum->mass);
+    lw_spatial_body less = { .mass = 0 };
+    add_body(-sum->mass, c, sum->inertia, lw_v3(0, 0, 0), &less);
+    memcpy(inertia, less.inertia, sizeof less.inertia);
+    return lw_v3_add(from, c);
+}
+
+/* Add an element as a uniform bar. */
+static void add_bar(const lw_spatial *m, const lw_spatial_beam *b, lw_vec3 from, lw_spatial_body *to)
+{
+    lw_spatial_body bar = { .mass = b->mass };
+    double length = b->length*b->length/12, iy = b->gyration[0], iz = b->gyration[1];
+    add_inertia(&bar, &b->axes, (const double[]){ b->mass*(iy + iz), b->mass*(length + iy), b->mass*(length + iz) });
+    add_body(b->mass, lw_v3_scale(lw_v3_add(m->body[b->link[0]].centre, m->body[b->link[1]].centre), 0.5), bar.inertia, from, to);
+}
+
+/* lw_elastic_chain.too_much */
+static double too_much_inertia(const work *w, const lw_elastic_chain *c)
+{
+    lw_spatial_body lumped = { .mass = 0 };
+    double is[6], has[6], value[3], most = 0;
+    lw_mat3 axes;
+    for (int i = 0; i < c->n_node; i++) {
+        const lw_spatial_body *b = &w->x->model.body[c->node[i]];
+        add_body(b->mass, b->centre, b->inertia, w->from, &lumped);
+    }
+    about_centre(&lumped, w->from, is);
+    about_centre(&w->whole, w->from, has);
+    lw_m3_principal(has, value, &axes);
+    for (int i = 0; i < 3; i++) {
+        lw_vec3 e = lw_m3_column(&axes, i);
+        double now = is[0]*e.x*e.x + is[1]*e.y*e.y + is[2]*e.z*e.z + 2*(is[3]*e.x*e.y + is[4]*e.x*e.z + is[5]*e.y*e.z);
+        most = value[i] > 0 ? fmax(most, now/value[i] - 1) : most;
+    }
+    return most;
+}
+
 /* Nodes of a chain as links without mass, at the given places. */
 static lw_status fill_nodes(work *w, lw_elastic_chain *c, const lw_elastic_axis *axis, const int *keep, lw_error *e)
 {
@@ -241,6 +294,7 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
             return s;
         lw_beam_space_stiffness(q, &p->material, h, b->stiffness);
         const double inertia[3] = { 0.5*line*(q->iy + q->iz), 0.5*line*q->iy, 0.5*line*q->iz };
+        add_bar(to, b, w->from, &w->whole);
         for (int end = 0; end < 2; end++) {
             to->body[b->link[end]].mass += 0.5*b->mass;
             add_inertia(&to->body[b->link[end]], &b->axes, inertia);
@@ -250,9 +304,10 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
 }
 
 /* A superelement between the nodes link of the model; takes the matrices over, of which the mass loses the lumps at the nodes. */
-static lw_status add_superelement(lw_spatial *to, int n, const int *link, double damping, double *stiffness, double *mass, lw_error *e)
+static lw_status add_superelement(work *w, int n, const int *link, double damping, double *stiffness, double *mass, lw_error *e)
 {
     static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    lw_spatial *to = &w->x->model;
     lw_superelement *p = &to->super[to->n_super++];
     double total, rigid[6], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
     lw_vec3 centre;
@@ -263,6 +318,7 @@ static lw_status add_superelement(lw_spatial *to, int n, const int *link, double
         p->link[i] = link[i], p->at[i] = to->body[link[i]].centre;
     if (s == LW_OK) {
         lw_super_rigid_mass(n, p->at, mass, &total, &centre, rigid);
+        add_body(total, centre, rigid, w->from, &w->whole);
         lw_super_lump(n, p->at, mass, total, centre, rigid, lump, inertia);
         for (int i = 0; i < 36*n*n; i++)
             if (i/(6*n)%6 < 3)
@@ -362,7 +418,7 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
         for (int k = 0; k < 2 + modes/6; k++)
             link[k] = c->node[k < 2 ? i + k : c->n_bound + i*(modes/6) + k - 2];
         if (s == LW_OK)
-            s = add_superelement(&w->x->model, 2 + modes/6, link, c->elastic->damping, stiffness, mass, e);
+            s = add_superelement(w, 2 + modes/6, link, c->elastic->damping, stiffness, mass, e);
         else {
             free(stiffness), free(mass);
             lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
@@ -400,7 +456,7 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
         lw_super_modal_nodes(c->n_bound, modes/6, at, stiffness, mass);
     free(keep), free(at);
     if (s == LW_OK)
-        return add_superelement(&w->x->model, c->n_node, c->node, p->damping, stiffness, mass, e);
+        return add_superelement(w, c->n_node, c->node, p->damping, stiffness, mass, e);
     free(stiffness), free(mass);
     return s;
 }
@@ -478,7 +534,7 @@ lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansio
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_spatial_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), modes };
+    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), modes, { 0, 0, 0 }, { .mass = 0 } };
     int more = 0;
     lw_status s = x->chain && w.axis && w.full && w.keep ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->n_link; l++) {
@@ -491,9 +547,14 @@ lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansio
     }
     if (s == LW_OK)
         s = reserve(&w, more, more, e);
-    for (int k = 0; s == LW_OK && k < x->n_chain; k++)
+    for (int k = 0; s == LW_OK && k < x->n_chain; k++) {
+        w.whole = (lw_spatial_body){ .mass = 0 };
+        w.from = x->chain[k].elastic->n_node > 0 ? x->chain[k].elastic->node[0] : lw_elastic_axis_point(&w.axis[k], 0);
         s = x->chain[k].elastic->n_node > 0 ? fill_matrices(&w, k, e) : x->chain[k].condensed ? fill_pieces(&w, k, e)
           : fill_chain(&w, k, e);
+        if (s == LW_OK)
+            x->chain[k].too_much = too_much_inertia(&w, &x->chain[k]);
+    }
     for (int i = 0; s == LW_OK && i < m->n_force; i++)
         s = spread_force(&w, &i, e);
     if (s == LW_OK)
@@ -534,24 +595,12 @@ static void join(const lw_spatial_expansion *x, const lw_elastic_chain *c, lw_sp
         lw_super_rigid_mass(c->elastic->n_node, c->elastic->node, c->elastic->mass, &b->mass, &b->centre, b->inertia);
         return;
     }
-    for (int i = 0; i + 1 < c->n_node; i++) {
-        const lw_spatial_beam *beam = &m->beam[c->first_beam + i];
-        lw_vec3 middle = lw_v3_scale(lw_v3_add(m->body[beam->link[0]].centre, m->body[beam->link[1]].centre), 0.5);
-        b->mass += beam->mass;
-        b->centre = lw_v3_add(b->centre, lw_v3_scale(middle, beam->mass));
-    }
-    b->centre = lw_v3_scale(b->centre, 1/b->mass);
-    for (int i = 0; i + 1 < c->n_node; i++) {
-        const lw_spatial_beam *beam = &m->beam[c->first_beam + i];
-        lw_vec3 middle = lw_v3_scale(lw_v3_add(m->body[beam->link[0]].centre, m->body[beam->link[1]].centre), 0.5);
-        lw_vec3 d = lw_v3_sub(middle, b->centre);
-        double length = beam->length*beam->length/12, iy = beam->gyration[0], iz = beam->gyration[1];
-        const double own[3] = { beam->mass*(iy + iz), beam->mass*(length + iy), beam->mass*(length + iz) };
-        add_inertia(b, &beam->axes, own);
-        const double far[6] = { d.y*d.y + d.z*d.z, d.x*d.x + d.z*d.z, d.x*d.x + d.y*d.y, -d.x*d.y, -d.x*d.z, -d.y*d.z };
-        for (int k = 0; k < 6; k++)
-            b->inertia[k] += beam->mass*far[k];
-    }
+    lw_spatial_body sum = { .mass = 0 };
+    lw_vec3 from = m->body[c->node[0]].centre;
+    for (int i = 0; i + 1 < c->n_node; i++)
+        add_bar(m, &m->beam[c->first_beam + i], from, &sum);
+    b->mass = sum.mass;
+    b->centre = about_centre(&sum, from, b->inertia);
 }
 
 lw_status lw_spatial_rigid(const lw_spatial *m, lw_spatial *rigid, lw_error *e)
