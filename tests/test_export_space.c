@@ -34,7 +34,8 @@ static const char *const closing[] = {
     "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]}], 'joints': ["
     "{'name': 'C', 'kind': 'cylindrical', 'links': ['a', 'ground'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0]},"
     "{'name': 'H', 'kind': 'screw', 'links': ['ground', 'a'], 'at': [0, 0.5, 0], 'axis': [1, 0, 0], 'lead': 0.3}],"
-    "'gravity': [5, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}]",
+    "'gravity': [5, 0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [1, 0, 0]}], 'forces': [{'name': 'wind', 'link': 'a', "
+    "'along': [[0, 0.5, 0], [0.6, 0.7, 0.1]], 'fx': [1, 4], 'fz': 2}]",
     "'links': ['ground', {'name': 'a', 'mass': 2, 'centre': [0.3, 0.2, 0], 'inertia': [0.1, 0.2, 0.2]},{'name': 'b', "
     "'mass': 1, 'centre': [0.3, 0.9, 0], 'inertia': [0.1, 0.1, 0.1]},{'name': 'c', 'mass': 1, 'centre': [0, 0, 0], "
     "'inertia': [0.1, 0.1, 0.1]},{'name': 'd', 'mass': 1, 'centre': [0, 0, 1], 'inertia': [0.1, 0.1, 0.1], 'velocity': "

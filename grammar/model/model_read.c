@@ -356,6 +356,7 @@ static lw_status read_line(const lw_json_node *object, const lw_json_node *along
     lw_json_node n;
     bool varies = false;
     *end = *f;
+    snprintf(end->name, sizeof end->name, "%.*s end", (int)sizeof end->name - 5, f->name);
     m->n_force++;
     lw_status s = lw_read_list(along, 2, 2, e);
     for (int i = 0; s == LW_OK && i < 2; i++) {
