@@ -87,7 +87,7 @@ TEST(first_answers_keep_the_default_limits)
                 CHECK(most <= 20*least*(1 + 1e-6));
                 CHECK(2*(least + most) <= sum*(1 - 1e-3*(1 - 1e-6)));      /* a crank, and how far from none */
                 CHECK_NEAR(member(r, "length_most"), most, 0, 1e-9);
-                CHECK(member(r, "size_over_path") <= 9 && json_is_null(json_object_get(r, "beyond_limits")));
+                CHECK(member(r, "size_over_path") <= 6*1.01 && json_is_null(json_object_get(r, "beyond_limits")));
             }
             json_decref(root);
         }
@@ -139,6 +139,86 @@ TEST(tolerances_choose_the_smallest)
     expect("$P fit examples/walking-foot.csv --rounds 1 --links 4 --tolerance 1um", 0, "four-bar",
            "no linkage found stays within 0.001 mm");
     expect("$P fit examples/walking-foot.csv --tolerance 1yd", 3, "", "--tolerance takes a length above 0");
+}
+
+/* A crane of 12 m within 10 mm: the first row is near the smallest known, and no smaller one is found where none is asked for.  A crank
+ * that goes to and fro has the transmission angle of its way, of which the law of cosines gives the rest. */
+TEST(cranes_within_a_tolerance_are_small)
+{
+    static const char line[] = "awk 'BEGIN { print \"x [m],y [m]\"; for (i = 0; i < 25; i++) print 6 + i*0.5 \",15\" }' > $D/crane.csv; ";
+    char command[400];
+    int to_and_fro = 0;
+    snprintf(command, sizeof command, "%s$P fit $D/crane.csv --rounds 8 --tolerance 10mm --json -q", line);
+    json_t *root = json_of(command), *rows = json_object_get(root, "results"), *r;
+    size_t i;
+    CHECK(member(json_array_get(rows, 0), "size_over_path") < 1.2);          /* found: 1.06; 1.55 before chains measured arms */
+    json_array_foreach(rows, i, r) {
+        json_t *of = json_object_get(r, "dimensions"), *inputs = json_object_get(r, "inputs");
+        double r1 = member(of, "r1"), r2 = member(of, "r2"), r3 = member(of, "r3"), r4 = member(of, "r4"), least = 2;
+        double from = json_number_value(json_array_get(inputs, 0)), to = json_number_value(json_array_get(inputs, json_array_size(inputs) - 1));
+        bool turns = strcmp(json_string_value(json_object_get(r, "input_motion")), "turns") == 0;
+        for (int k = 0; k <= 3600; k++) {
+            double a = turns ? k*6.283185307179586/3600 : from + (to - from)*k/3600;
+            double d2 = r1*r1 + r2*r2 - 2*r1*r2*cos(a), angle = acos((r3*r3 + r4*r4 - d2)/(2*r3*r4));
+            least = fmin(least, fmin(angle, 3.141592653589793 - angle));
+        }
+        CHECK(member(r, "stray") <= 0.01 && least > 20*3.14159265358979/180 - 1e-3);
+        CHECK_NEAR(member(r, "transmission_min"), least, 0, 2e-3);
+        to_and_fro += !turns && strcmp(json_string_value(json_object_get(r, "class")), "GCRR") == 0;
+    }
+    CHECK(to_and_fro > 0);
+    json_decref(root);
+}
+
+/* The needle of a sewing machine, 30 mm up and down: a crank of 0.07 mm with an arm of 115 mm moves it nearly so, but nobody can make
+ * it.  The first row is near the target in time, too. */
+TEST(arms_count_among_the_lengths)
+{
+    json_t *root = json_of("awk 'BEGIN { print \"# closed\"; print \"x [mm],y [mm],angle [deg]\"; for (i = 0; i < 36; i++) "
+                           "printf \"0,%.6f,%d\\n\", 15*cos(i*3.14159265358979/18), 10*i }' > $D/needle.csv; "
+                           "$P fit $D/needle.csv --rounds 4 --json -q");
+    json_t *rows = json_object_get(root, "results"), *r;
+    size_t i;
+    CHECK(json_array_size(rows) > 0 && member(json_array_get(rows, 0), "error_max") < 1);
+    json_array_foreach(rows, i, r) {
+        json_t *of = json_object_get(r, "dimensions");
+        double least = fmin(fmin(member(of, "r1"), member(of, "r2")), fmin(member(of, "r3"), member(of, "r4")));
+        CHECK(hypot(member(of, "cx"), member(of, "cy")) <= 20*least*(1 + 1e-6));
+        CHECK(member(r, "size_over_path") <= 6*1.01);
+    }
+    json_decref(root);
+    expect("$P fit $D/needle.csv --rounds 4 2>&1 >/dev/null", 0, "the first row misses the target by", NULL);
+}
+
+/* Five poses of a lamp that four-bars meet within a few tenths of a percent: four-bars near a change point, which have less error
+ * but are left out, do not lead to six links. */
+TEST(six_links_are_left_out_where_four_are_near)
+{
+    json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n300,0,0\n290,80,0\n260,150,0\n210,215,0\n140,265,0\n' | "
+                           "$P fit - --rounds 12 --budget 2e4 --json -q"), *r;
+    size_t i;
+    CHECK(json_array_size(json_object_get(root, "results")) > 0);
+    json_array_foreach(json_object_get(root, "results"), i, r)
+        CHECK_INT(integer(r, "links"), 4);
+    json_decref(root);
+}
+
+/* A bicycle's wheel within 1e-4 of its path: rows beside it are smaller or have another angle, not longer and nearer still,
+ * but for the best in a measure. */
+TEST(rows_end_where_errors_no_longer_matter)
+{
+    json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 4 --json -q"), *rows = json_object_get(root, "results"), *r;
+    size_t i;
+    int idle = 0;
+    double fine = INFINITY;                                  /* size of the smallest row that is fine                  */
+    double extent = member(json_array_get(rows, 0), "size")/member(json_array_get(rows, 0), "size_over_path");
+    json_array_foreach(rows, i, r)
+        if (member(r, "error_max") <= 1e-4*extent && member(r, "stray") <= 1e-4*extent) {
+            idle += member(r, "size") > 1.5*fine && member(r, "transmission_min") < 0.79;
+            fine = fmin(fine, member(r, "size"));
+        }
+    CHECK(isfinite(fine) && idle <= 3);
+    json_decref(root);
 }
 
 /* With coarse tolerances a linkage that spreads less comes first; the sum of stray and spread of the first row falls. */

@@ -534,10 +534,18 @@ static void warn(const cli_call *call, const cli_fit_set *set)
             links = set->search.found.stage[i].links > links ? set->search.found.stage[i].links : links;
         double misses = lw_fit_report_misses(&set->target, r), m = set->target.units.metre;
         const char *unit = set->target.units.length[0] ? set->target.units.length : "units";
+        int nearest = 0;
+        for (int i = 1; i < found->n; i++)
+            if (lw_fit_report_misses(&set->target, &found->report[i]) < lw_fit_report_misses(&set->target, &found->report[nearest]))
+                nearest = i;
+        double least_miss = lw_fit_report_misses(&set->target, &found->report[nearest]);
         if (r->error_max <= 1e-6*set->target.extent)
             cli_note(call, "%s: the first row meets every point; between them it leaves a smooth line through them (straight at corners) "
                      "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points", set->path, misses/m, unit,
                      100*misses/set->target.extent);
+        else if (least_miss <= LW_NEAR*set->target.extent)
+            cli_note(call, "%s: the first row misses the target by %.3g %s, %.2g %% of its diagonal; row %d, by %.3g %s", set->path,
+                     misses/m, unit, 100*misses/set->target.extent, nearest + 1, least_miss/m, unit);
         else
             cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
                      "diagonal; %s", set->path, misses/m, unit, 100*misses/set->target.extent,

@@ -707,17 +707,12 @@ static void closure(const lw_problem *p, const double *x, lw_work *w, double *g,
 
 /* ---- lengths between points of one link ------------------------------------------------------------------------ */
 
-static lw_vec2 point_on_link(const double *x, const int at[2])
-{
-    return lw_v2(at[0] >= 0 ? x[at[0]] : 0, at[1] >= 0 ? x[at[1]] : 0);
-}
-
 /* 1 - d/most, or d/least - 1. */
 static void sides(const lw_problem *p, const double *x, double *g, double *j)
 {
     for (int i = 0; i < p->n_side; i++, g++) {
         const lw_side *s = &p->side[i];
-        lw_vec2 span = lw_v2_sub(point_on_link(x, s->to), point_on_link(x, s->from));
+        lw_vec2 span = lw_v2_sub(lw_point_on_link(x, s->to), lw_point_on_link(x, s->from));
         double d = lw_v2_norm(span), by = (s->most ? -1 : 1)/s->limit;
         *g = (s->most ? 1 : -1) + by*d;
         if (!j)

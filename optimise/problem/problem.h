@@ -102,6 +102,26 @@ static inline lw_aim lw_problem_aim(const lw_problem *p, int k)
                  : (lw_aim){ path ? p->x : NULL, path ? p->y : NULL, p->theta, p->wa, p->wb, p->i_tool0 };
 }
 
+/* The point of a link with these variables as coordinates in its frame; -1: 0. */
+static inline lw_vec2 lw_point_on_link(const double *x, const int of[2])
+{
+    return lw_v2(of[0] >= 0 ? x[of[0]] : 0, of[1] >= 0 ? x[of[1]] : 0);
+}
+
+/* A short link beside a long one multiplies play and tolerances.  Up to a ratio of LW_EVEN this costs nothing; beyond, the linkage
+ * counts as larger by this factor. */
+#define LW_EVEN 8
+static inline double lw_uneven(double longest, double shortest)
+{
+    return fmax(1, longest/(LW_EVEN*shortest));
+}
+
+/* Size of a linkage, scaled: greatest distance between a pin and another pin or tracer of its link, or greatest coordinate on a link. */
+double lw_problem_size(const lw_problem *p, const double *x);
+
+/* The factor lw_uneven of the lengths that are variables. */
+double lw_problem_uneven(const lw_problem *p, const double *x);
+
 const char *lw_problem_variable(const lw_problem *p, int i);         /* its name                   */
 int         lw_problem_index(const lw_problem *p, const char *name); /* -1: no such variable       */
 

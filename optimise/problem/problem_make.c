@@ -288,6 +288,22 @@ static bool has_named_bound(const lw_fit_spec *s, const char *name)
     return i < s->n_bound;
 }
 
+/* Add rows: the arms of the points, to the corners of their boxes, are at most `ratio` times each of these n lengths. */
+static void arm_rows(const lw_fit_spec *s, const int *length, int n, lw_problem *p)
+{
+    for (int d = 0; d < p->n_dim; d++) {
+        lw_dim_role role = p->plan.dim[d].role;
+        bool arm = (role == LW_ROLE_CX || role == LW_ROLE_CY) && p->lo[d] < p->hi[d];
+        if (!arm || has_named_bound(s, p->plan.dim[d].name) || p->n_linear + 2*n > LW_LINEAR_MAX)
+            continue;
+        for (int i = 0; i < n; i++)
+            for (int sign = -1; sign <= 1; sign += 2) {
+                p->linear[p->n_linear][length[i]] = sqrt(0.5)*s->length_ratio;
+                p->linear[p->n_linear++][d] = sign;
+            }
+    }
+}
+
 /* Add rows: every length is at most `ratio` times every other.  The default ratio gives way to bounds of single lengths.
  * With too many lengths for rows, the default becomes a lower bound of each. */
 static lw_status ratio_rows(const lw_fit_spec *s, lw_problem *p, lw_error *e)
@@ -308,6 +324,8 @@ static lw_status ratio_rows(const lw_fit_spec *s, lw_problem *p, lw_error *e)
                 p->linear[p->n_linear][length[i]] = s->length_ratio;
                 p->linear[p->n_linear++][length[j]] = -1;
             }
+    if (lw_task_has_place(p->task))
+        arm_rows(s, length, n, p);
     return LW_OK;
 }
 
@@ -334,10 +352,44 @@ static void points_of_link(const lw_problem *p, int link, link_points *out)
     }
 }
 
-/* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;
- * distances of tracers from the pins of their links, at most its upper end. */
-static lw_status make_sides(const lw_fit_spec *s, lw_problem *p, lw_error *e)
+double lw_problem_size(const lw_problem *p, const double *x)
 {
+    double most = 0;
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
+            most = fmax(most, fabs(x[i]));
+    for (int l = 0; l < p->plan.n_link && lw_task_has_place(p->task); l++) {
+        link_points of;
+        points_of_link(p, p->plan.link[l], &of);
+        for (int b = 1; b < of.n; b++)
+            for (int a = 0; a < b && a < of.pins; a++)
+                most = fmax(most, lw_v2_norm(lw_v2_sub(lw_point_on_link(x, of.of[a]), lw_point_on_link(x, of.of[b]))));
+    }
+    return most;
+}
+
+double lw_problem_uneven(const lw_problem *p, const double *x)
+{
+    double most = 0, least = INFINITY;
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH) {
+            most = fmax(most, x[i]);
+            least = fmin(least, x[i]);
+        }
+    return most > 0 ? lw_uneven(most, least) : 1;
+}
+
+/* Bound the lengths that are no variables: sides of links with three and more pins, within the range of the lengths;
+ * distances of tracers from the pins of their links, at most its upper end.  If the smallest linkage within a tolerance is asked
+ * for, the default range bounds them, too. */
+static lw_status make_sides(const lw_target *t, const lw_fit_spec *spec, lw_problem *p, lw_error *e)
+{
+    lw_fit_spec range = *spec;
+    const lw_fit_spec *s = &range;
+    if (!(spec->length_hi > 0) && spec->tolerance > 0) {
+        default_range(t, spec, &range);
+        range.length_lo = 0;
+    }
     for (int l = 0; l < p->plan.n_link && s->length_hi > 0 && !s->dimensions_only && lw_task_has_place(p->task);
          l++) {
         link_points of;
@@ -348,7 +400,7 @@ static lw_status make_sides(const lw_fit_spec *s, lw_problem *p, lw_error *e)
                 bool pins = b < of.pins && s->length_lo > 0;
                 for (int most = 1; most >= (pins ? 0 : 1) && !variable; most--) {
                     if (p->n_side == LW_SIDE_MAX)
-                        return lw_error_set(e, LW_E_KIND, "it has too many lengths to bound each of them");
+                        return !(spec->length_hi > 0) ? LW_OK : lw_error_set(e, LW_E_KIND, "it has too many lengths to bound each of them");
                     lw_side *side = &p->side[p->n_side++];
                     *side = (lw_side){ .most = most, .limit = (most ? s->length_hi : s->length_lo)/p->unit };
                     memcpy(side->from, of.of[a], sizeof side->from);
@@ -447,7 +499,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
                                                   : s->max_acceleration*turns*turns/p->unit;
     turning_rows(s->class_margin, p);
     scale_zones(s, p);
-    if ((st = ratio_rows(s, p, e)) != LW_OK || (st = make_sides(s, p, e)) != LW_OK)
+    if ((st = ratio_rows(s, p, e)) != LW_OK || (st = make_sides(t, s, p, e)) != LW_OK)
         lw_problem_free(p);
     return st;
 }

@@ -222,6 +222,8 @@ static void measure_between_stations(const lw_target *t, const lw_plan *plan, co
 static double folded(double angle) { return fmin(angle, LW_PI - angle); }
 
 /* Describe the circuit of station 0. */
+/* The input of an open target turns if the linkage was made for it, or can turn within the limits.  Else it goes to and fro
+ * between the ends of the target. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
                              const lw_motion *m, lw_motion_limits *limits, lw_fit_report *r)
 {
@@ -230,7 +232,8 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
     if (at < 0)
         return;
     const lw_arc *a = &m->arc[at];
-    r->turns = a->turns;
+    double first = folded(a->transmission_min), last = folded(a->transmission_max);     /* to rounding */
+    r->turns = a->turns && (t->closed || c->intended.turns || fmin(first, last) >= s->min_transmission);
     describe_arc(plan, c, a, r);
     if (r->turns)
         lw_motion_limits_run(plan, s, c->dim, a->mode, a->first, a->last, SAMPLES, limits);
@@ -238,7 +241,6 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
         measure_between_stations(t, plan, s, c, limits);
     if (!r->turns)
         return;
-    double first = folded(a->transmission_min), last = folded(a->transmission_max);     /* to rounding */
     r->transmission_min = fmin(first, last);
     r->transmission_max = a->transmission_min < LW_PI/2 && a->transmission_max > LW_PI/2 ? LW_PI/2 : fmax(first, last);
 }

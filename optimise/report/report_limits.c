@@ -9,7 +9,7 @@
 
 #define AT_LIMIT 1e-3             /* relative: nearer than this, a limit is active                                  */
 #define KEPT     1.01             /* limits are kept to this factor                                                */
-#define ARM      1.5              /* a coupler point may lie in the corner of its box                               */
+#define ARM      1.5              /* the arm of a point to the second pin of its link may be longer than that to the first */
 
 static bool on_link(const lw_joint *j, int link)
 {
@@ -105,10 +105,11 @@ static void judge(const lw_target *t, const lw_fit_spec *s, lw_fit_report *r)
                r->transmission_min*180/LW_PI);
     if (s->class_margin > 0 && r->has_class && r->barker.margin*KEPT < s->class_margin)
         broken(r, LW_LIMIT_MARGIN, "it is only %.3g perimeters from a change point", r->barker.margin);
-    if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && r->length_most > KEPT*s->length_ratio*r->length_least)
-        broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", r->length_most/r->length_least);
+    double most = lw_task_has_place(s->task) ? fmax(r->length_most, r->size/ARM) : r->length_most;
+    if (s->by_default & LW_LIMIT_RATIO && s->n_bound == 0 && most > KEPT*s->length_ratio*r->length_least)
+        broken(r, LW_LIMIT_RATIO, "one of its lengths is %.3g times another", fmax(most, r->size)/r->length_least);
     if (s->max_size > 0 && t->extent > 0 && s->n_bound == 0 && !(s->length_hi > 0)
-        && r->size > ARM*s->max_size*t->extent)
+        && r->size > KEPT*s->max_size*t->extent)
         broken(r, LW_LIMIT_SIZE, "it is %.3g times as large as the target", r->size/t->extent);
 }
 

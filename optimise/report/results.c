@@ -51,13 +51,21 @@ static bool same_type(const lw_candidate *a, const lw_candidate *b)
         || !a->family->type || strcmp(a->family->type, b->family->type) == 0;
 }
 
+/* Does the linkage stay so near the target that nobody would build it for less error? */
+#define FINE 1e-4                  /* of the target, and an angle [rad]                                    */
+static bool is_fine(const lw_target *t, const lw_fit_report *r)
+{
+    return t->extent > 0 && lw_fit_report_misses(t, r) <= FINE*t->extent && !(r->angle_max > FINE);
+}
+
 /* Is the result with report a at least as good as b as far as it matters: b is neither smaller nor nearer by `factor`? */
 static bool covers(const lw_target *t, double factor, const lw_candidate *ca, const lw_fit_report *a, const lw_candidate *cb,
                    const lw_fit_report *b)
 {
     return lw_candidate_links(ca) <= lw_candidate_links(cb) && same_type(ca, cb) && a->turns >= b->turns
-        && !(bulk_of(t, b) < factor*bulk_of(t, a)) && !(lw_fit_report_stray(b) < factor*lw_fit_report_stray(a))
-        && !(cb->objective < factor*factor*ca->objective)
+        && !(bulk_of(t, b) < factor*bulk_of(t, a))
+        && (is_fine(t, a) || !(lw_fit_report_stray(b) < factor*lw_fit_report_stray(a)
+                               || cb->objective < factor*factor*ca->objective))
         && (a->transmission_min >= ENOUGH || !(b->transmission_min > a->transmission_min + GENTLER));
 }
 
@@ -165,8 +173,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 #define PER_SIZE     0.85          /* ... beyond this twice the length counts as 1.8 times the error, ...           */
 #define PER_LESS     0.1           /* ... below it half the length counts as 0.93 times the error                   */
 #define BULKY        3             /* ... and beyond this as 3.2 times                                              */
-#define EVEN         8             /* a longest link of so many shortest ones costs nothing; ...                      */
-#define PER_RATIO    0.85          /* ... beyond that twice as many count as 1.8 times the error: a short link multiplies play and tolerances */
+#define PER_RATIO    0.85          /* beyond LW_EVEN, twice the ratio of longest to shortest link counts as 1.8 times the error */
 #define PER_MISS     0.65          /* beyond LW_NEAR twice the error counts as 3.1 times                            */
 #define PER_ANGLE    1.15          /* for each radian that the least transmission angle lacks of ENOUGH: 1.65 at 20 degrees */
 #define PER_LINK     0.2           /* for each link more                                                            */
@@ -174,7 +181,7 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 
 #define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
-/* How far the curve is from the target [m].  Between the stations the target is an interpolation.  If a linkage meets all of
+/* How far the linkage is from the target [m]: the curve, and the point at the stations.  Between the stations the target is an interpolation.  If a linkage meets all of
  * many stations, its curve is more exact than that.  If a four-bar meets all of a few stations, it may leave the interpolation
  * as far as other smooth curves through them do.  Longer linkages may not: they can meet a few stations with any curve. */
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
@@ -183,7 +190,7 @@ static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fi
     if (links <= 4 && t->n < 16 && r->error_max < LW_EXACT_ENOUGH*t->extent)
         return fmax(r->stray.to_curve, r->stray.to_target - r->stray.unsure);
     bool drawn_by_it = r->error_max < SAME_CURVE*t->extent && (int)t->n >= 4*links;
-    return drawn_by_it ? r->stray.to_curve : lw_fit_report_stray(r);
+    return drawn_by_it ? r->stray.to_curve : fmax(r->error_max, lw_fit_report_stray(r));
 }
 
 static double cost_of_size(double bulk)
@@ -200,7 +207,7 @@ static double cost_of(const lw_target *t, const lw_candidate *c, const lw_fit_re
         error = (distance_of(t, c, r) + (isnan(r->spread) ? 0 : r->spread) + (t->theta ? 0.5*error*t->extent : 0))/t->extent;
     return log(error + LW_EXACT_ENOUGH) + (t->extent > 0 ? PER_MISS*log(fmax(1, error/LW_NEAR)) : 0)
          + cost_of_size(bulk) + PER_ANGLE*fmax(0, ENOUGH - r->transmission_min)
-         + (t->extent > 0 ? PER_RATIO*log(fmax(1, r->length_most/r->length_least/EVEN)) : 0)
+         + (t->extent > 0 ? PER_RATIO*log(lw_uneven(r->length_most, r->length_least)) : 0)
          + PER_LINK*lw_candidate_links(c) + (r->turns ? 0 : ROCKING);
 }
 
@@ -243,11 +250,14 @@ static void leave_out(lw_fit_results *out, int candidate, const char *fault)
     snprintf(l->fault, sizeof l->fault, "%s", fault);
 }
 
-/* Both candidates are within the tolerance: does i come before k, because it is simpler, or else smaller? */
+/* Both candidates are within the tolerance: does i come before k, because it is simpler, or else smaller?  A linkage with lengths
+ * of more than LW_EVEN to one counts as larger. */
 static bool simpler(const lw_fit *fit, const lw_fit_report *all, int i, int k)
 {
     int links = lw_candidate_links(&fit->candidate[i]) - lw_candidate_links(&fit->candidate[k]);
-    return links != 0 ? links < 0 : all[i].size < all[k].size;
+    const lw_fit_report *a = &all[i], *b = &all[k];
+    return links != 0 ? links < 0
+         : a->size*lw_uneven(a->length_most, a->length_least) < b->size*lw_uneven(b->length_most, b->length_least);
 }
 
 /* Put the candidates that stay within the tolerance into `order`, the simplest and smallest first.  A candidate after

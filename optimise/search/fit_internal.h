@@ -151,9 +151,6 @@ lw_status lw_search_widen(lw_search *s);
 /* ---- rank.c: the pool as candidates for the caller, best first, each curve once */
 lw_status lw_search_rank(lw_search *s, lw_fit *out);
 
-/* Greatest length or coordinate of a linkage, scaled, without the place of its first pivot. */
-double lw_search_longest(const lw_problem *p, const double *x);
-
 /* Fill `out` with one find; false: no memory, which s->no_memory tells, or no inputs suit its stations. */
 bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out);
 

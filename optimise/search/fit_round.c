@@ -617,19 +617,21 @@ lw_status lw_search_order_stations(lw_search *s, lw_fit *out, lw_error *e)
 /* ---- the front ------------------------------------------------------------------------------------------- */
 
 /* A find is fitted again in chains, one for each of these least transmission angles [deg]: every fit begins with the linkage of
- * the one before, whose size is the most times SHRINK (SHRINK_LESS if the smallest linkage within a tolerance is asked for). */
+ * the one before, whose size is the most times SHRINK.  If the smallest linkage within a tolerance is asked for, the steps are
+ * finer, and chains go on in smaller steps from the smallest linkages of all chains, which may be of a better kind. */
 static const double chain_angle[] = { 0, 30, 40 };
 enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, LONG_CHAIN = 16, FAILURES = 2, FRONT = 24 };
 #define SHRINK       0.8
-#define SHRINK_LESS  0.88
+static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
 #define MUCH_WORSE   100         /* ... the objective so many times that of the find                 */
-#define NO_SMALLER   1.02
+#define STEP         0.9         /* sizes of finds that are kept beside each other                    */
+#define STEP_WITHIN  0.98
 #define TWIN         0.01        /* relative difference of f of linkages that differ little           */
 
 typedef struct chain {
     lw_found     find[LONG_CHAIN];           /* the first is given; f INFINITY: none                 */
-    double       size[LONG_CHAIN];           /* of each; 0: none                                     */
+    double       size[LONG_CHAIN];           /* of each; 0: none.  With a tolerance uneven ones count as larger */
     long         spent;
     lw_variables of;
     lw_status    status;
@@ -639,6 +641,7 @@ typedef struct chain_list {
     lw_search *s;
     int        n;
     double     until;                        /* wall clock; 0: no limit                              */
+    double     shrink;                       /* factor of the size from step to step                 */
     chain      item[WIDENED*CHAINS];
 } chain_list;
 
@@ -652,6 +655,9 @@ static void limit_size(lw_problem *p, double most)
         p->hi[i] = fmax(fmin(p->hi[i], most), p->lo[i] < 0 ? 0 : p->lo[i]);
         p->lo[i] = p->lo[i] < 0 ? fmax(p->lo[i], -most) : p->lo[i];
     }
+    for (int i = 0; i < p->n_side; i++)
+        if (p->side[i].most)
+            p->side[i].limit = fmin(p->side[i].limit, most);
 }
 
 /* Make the whole linkage smaller; one whose longest dimensions alone are cut may not close. */
@@ -670,7 +676,7 @@ static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough
     for (int scaled = 0; scaled < 2; scaled++) {
         lw_found now = *c;
         if (scaled)
-            scale_linkage(p, most/fmax(most, lw_search_longest(p, now.x)), now.x);
+            scale_linkage(p, most/fmax(most, lw_problem_size(p, now.x)), now.x);
         if (lw_lm_feasible(p, now.x, work))
             improve(s, p, o, true, work, &now);
         else
@@ -682,6 +688,15 @@ static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough
         }
     }
     return false;
+}
+
+/* Greatest distance of a station that is settled. */
+static double miss(const lw_problem *p, const lw_work *w)
+{
+    double most = 0;
+    for (size_t k = 0; k < p->n; k++)
+        most = fmax(most, hypot(w->jac.x[k] - p->x[k], w->jac.y[k] - p->y[k]));
+    return most;
 }
 
 static void run_chain(void *context, size_t job, int thread)
@@ -709,38 +724,72 @@ static void run_chain(void *context, size_t job, int thread)
     p->min_transmission = fmax(p->min_transmission, chain_angle[angle]*LW_PI/180);
     now.gentle = chain_angle[angle];
     lw_problem_work_intended(p, work);
-    double most = lw_search_longest(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
+    double most = lw_problem_size(p, now.x), f_rough = fmax(MUCH_WORSE*now.f, ROUGH*ROUGH*(double)p->n);
+    const double tolerance = s->o->spec.tolerance/p->unit;
     if (fine)                                            /* beyond the tolerance in the mean: nobody asked for it   */
-        f_rough = (double)p->n*pow(s->o->spec.tolerance/p->unit, 2);
+        f_rough = (double)p->n*tolerance*tolerance;
     for (int k = angle == 0; k < length && failed < FAILURES; k++) {
         if ((o.until > 0 && lw_clock_wall() > o.until) || (o.interrupt && *o.interrupt))
             break;
-        if (!fit_smaller(s, p, most*pow(fine ? SHRINK_LESS : SHRINK, k), f_rough, &o, work, &now)) {
+        if (!fit_smaller(s, p, most*pow(list->shrink, k), f_rough, &o, work, &now)) {
+            failed++;
+            continue;
+        }
+        l->find[k] = now;
+        judge(s, p, work, &l->find[k]);
+        if (fine && !(isfinite(l->find[k].f) && miss(p, work) <= tolerance)) {
+            l->find[k].f = INFINITY;
             failed++;
             continue;
         }
         failed = 0;
-        l->find[k] = now;
-        l->size[k] = lw_search_longest(p, now.x);
-        judge(s, p, work, &l->find[k]);
+        l->size[k] = lw_problem_size(p, now.x)*(fine ? lw_problem_uneven(p, now.x) : 1);
     }
     l->spent = (l->spent + now.evals)*lw_search_effort(s, p).cost;
 }
 
-/* Is a find in another chain, or earlier in this one, as good in error, size and transmission angle? */
-static bool is_dominated(const chain_list *list, int chain_of, int at)
+/* One find of the chains that is not taken yet. */
+typedef struct place { int chain, at; } place;
+
+static const lw_found *found_at(const chain_list *list, place of) { return &list->item[of.chain].find[of.at]; }
+static double size_at(const chain_list *list, place of) { return list->item[of.chain].size[of.at]; }
+
+/* The find with the least f of those not taken, and of equal ones the one with the greatest angle; chain -1: none. */
+static place next_find(const chain_list *list, bool taken[][LONG_CHAIN])
 {
-    const lw_found *mine = &list->item[chain_of].find[at];
+    place best = { -1, 0 };
     for (int i = 0; i < list->n; i++)
         for (int k = 0; k < LONG_CHAIN; k++) {
             const lw_found *c = &list->item[i].find[k];
-            bool before = i < chain_of || (i == chain_of && k < at);
-            if (list->item[i].size[k] > 0 && isfinite(c->f) && c->beyond <= mine->beyond && i % CHAINS >= chain_of % CHAINS
-                && list->item[i].size[k] <= NO_SMALLER*list->item[chain_of].size[at]
-                && (before ? c->f <= mine->f*(1 + HIT) : c->f < mine->f*(1 - HIT)))
-                return true;
+            if (taken[i][k] || !(list->item[i].size[k] > 0) || !isfinite(c->f))
+                continue;
+            double than = best.chain >= 0 ? found_at(list, best)->f : INFINITY;
+            bool gentler = best.chain >= 0 && i % CHAINS > best.chain % CHAINS;
+            if (gentler ? c->f <= than*(1 + HIT) : c->f < than*(best.chain >= 0 ? 1 - HIT : 1))
+                best = (place){ i, k };
         }
-    return false;
+    return best;
+}
+
+/* Put finds into the pool that are smaller by `step` than all those with less f, or have a greater angle: the pool keeps the least f,
+ * and would lose the smallest linkages if others filled it. */
+static void put_front(const chain_list *list, double step, lw_pool *pool)
+{
+    bool taken[WIDENED*CHAINS][LONG_CHAIN] = { { false } };
+    place kept[WIDENED*CHAINS*LONG_CHAIN];
+    int n = 0;
+    for (place now; (now = next_find(list, taken)).chain >= 0; ) {
+        const lw_found *c = found_at(list, now);
+        bool wanted = true;
+        taken[now.chain][now.at] = true;
+        for (int i = 0; i < n && wanted; i++)
+            wanted = !(found_at(list, kept[i])->beyond <= c->beyond && kept[i].chain % CHAINS >= now.chain % CHAINS
+                       && size_at(list, kept[i])*step <= size_at(list, now));
+        if (!wanted)
+            continue;
+        kept[n++] = now;
+        lw_pool_put(pool, c, &list->item[now.chain].of);
+    }
 }
 
 /* The finds to begin chains with, which keep the conditions as well as the best does: those that are smaller than all better ones,
@@ -754,7 +803,7 @@ static int choose_widened(lw_search *s, int *which)
         for (int i = 0; i < s->pool.n && chosen < WIDENED && item[i].beyond == item[0].beyond; i++) {
             lw_status st;
             const lw_problem *p = lw_search_made(s, 0, item[i].candidate, false, &st);
-            double size = p ? lw_search_longest(p, item[i].x) : INFINITY;
+            double size = p ? lw_problem_size(p, item[i].x) : INFINITY;
             bool twin = false;
             for (int k = 0; k < chosen && !twin; k++)
                 twin = which[k] == i || (!smaller && fabs(item[which[k]].f - item[i].f) <= TWIN*item[i].f);
@@ -766,20 +815,55 @@ static int choose_widened(lw_search *s, int *which)
     return chosen;
 }
 
-static chain_list *new_chains(lw_search *s)
+/* The smallest finds of the chains, one of each chain, into first[]; returns their number. */
+static int choose_smallest(const chain_list *list, lw_found *first)
 {
-    chain_list *list = calloc(1, sizeof *list);
-    int which[WIDENED];
-    int n = list ? choose_widened(s, which) : 0;
-    for (int i = 0; i < n*CHAINS; i++) {
-        chain *l = &list->item[list->n++];
+    double size[WIDENED];
+    int chosen = 0;
+    for (int i = 0; i < list->n; i++) {
+        const chain *l = &list->item[i];
+        int last = LONG_CHAIN - 1;
+        while (last >= 0 && !(l->size[last] > 0))
+            last--;
+        if (last < 0 || (chosen == WIDENED && !(l->size[last] < size[chosen - 1])))
+            continue;
+        int at = chosen < WIDENED ? chosen++ : chosen - 1;
+        for (; at > 0 && l->size[last] < size[at - 1]; at--) {
+            size[at] = size[at - 1];
+            first[at] = first[at - 1];
+        }
+        size[at] = l->size[last];
+        first[at] = l->find[last];
+    }
+    return chosen;
+}
+
+/* Make the list one of chains that begin with these n finds. */
+static void begin_chains(chain_list *list, const lw_found *first, int n)
+{
+    list->n = n*CHAINS;
+    for (int i = 0; i < list->n; i++) {
+        chain *l = &list->item[i];
+        memset(l, 0, sizeof *l);
         for (int k = 0; k < LONG_CHAIN; k++)
             l->find[k].f = INFINITY;
-        l->find[0] = s->pool.item[which[i/CHAINS]];
+        l->find[0] = first[i/CHAINS];
     }
-    if (list)
-        list->s = s;
-    return list;
+}
+
+/* Run the chains and put what they find into the pool. */
+static lw_status run_chains(lw_search *s, chain_list *list)
+{
+    const lw_loop loop = { s->n_thread, (size_t)list->n, run_chain, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
+    lw_status st = lw_loop_run(&loop, s->o->sharing);
+    for (int i = 0; i < list->n && st == LW_OK; i++) {
+        chain *l = &list->item[i];
+        st = l->status;
+        s->evals += l->spent;
+    }
+    if (st == LW_OK)
+        put_front(list, s->o->spec.tolerance > 0 ? STEP_WITHIN : STEP, &s->pool);
+    return st;
 }
 
 lw_status lw_search_widen(lw_search *s)
@@ -788,22 +872,26 @@ lw_status lw_search_widen(lw_search *s)
     if (!lw_search_widens(s) || (s->o->interrupt && *s->o->interrupt))
         return LW_OK;
     int left = s->o->both_ways ? LW_POOL_MAX - FRONT : LW_SEARCH_LEFT;      /* ordered stations may hide the nearest curves   */
-    chain_list *list = new_chains(s);
+    chain_list *list = calloc(1, sizeof *list);
+    lw_found first[WIDENED];
+    int which[WIDENED], n = choose_widened(s, which);
     if (!list)
         return LW_E_MEMORY;
+    for (int i = 0; i < n; i++)
+        first[i] = pool->item[which[i]];
+    list->s = s;
     pool->n = pool->n < left ? pool->n : left;
     list->until = lw_search_end(s) + lw_search_widening(s) + 0.5*lw_search_grace(s);
     if (s->o->max_seconds <= 0)
         list->until = lw_search_stopped(s) ? lw_clock_wall() + lw_search_grace(s) : 0;
-    const lw_loop loop = { s->n_thread, (size_t)list->n, run_chain, list, { { list->item, sizeof *list->item }, { NULL, 0 } } };
-    lw_status st = lw_loop_run(&loop, s->o->sharing);
-    for (int i = 0; i < list->n && st == LW_OK; i++) {
-        chain *l = &list->item[i];
-        st = l->status;
-        s->evals += l->spent;
-        for (int k = 0; k < LONG_CHAIN && st == LW_OK; k++)
-            if (l->size[k] > 0 && !is_dominated(list, i, k))
-                lw_pool_put(pool, &l->find[k], &l->of);
+    bool fine = s->o->spec.tolerance > 0;
+    int passes = fine ? (int)(sizeof shrink_within/sizeof *shrink_within) : 1;
+    lw_status st = LW_OK;
+    for (int pass = 0; pass < passes && st == LW_OK; pass++) {
+        n = pass > 0 ? choose_smallest(list, first) : n;
+        begin_chains(list, first, n);
+        list->shrink = fine ? shrink_within[pass] : SHRINK;
+        st = run_chains(s, list);
     }
     free(list);
     return st;

@@ -129,15 +129,6 @@ static void put_input(const lw_problem *p, const lw_work *w, size_t k, double in
         c->input[k] = from + step;
 }
 
-double lw_search_longest(const lw_problem *p, const double *x)
-{
-    double most = 0;
-    for (int i = 0; i < p->n_dim; i++)
-        if (p->plan.dim[i].kind != LW_DIM_ANGLE && i != p->plan.i_x0 && i != p->plan.i_y0)
-            most = fmax(most, fabs(x[i]));
-    return most;
-}
-
 bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
 {
     lw_work *w;
@@ -146,7 +137,7 @@ bool lw_search_fill(lw_search *s, const lw_found *c, lw_candidate *out)
         return false;
     *out = (lw_candidate){ .intended = p->intended,
                            .n_dim = p->n_dim, .objective = c->f*p->scale, .beyond = c->beyond, .evals = c->evals,
-                           .longest = lw_search_longest(p, c->x)*p->unit, .gentle = c->gentle,
+                           .longest = lw_problem_size(p, c->x)*p->unit, .gentle = c->gentle,
                            .seconds = c->seconds, .stop = c->stop, .part = s->o->part,
                            .part_number = s->o->part_number };
     lw_problem_to_dims(p, c->x, out->dim);
@@ -184,9 +175,9 @@ static bool is_smaller(lw_search *s, const lw_found *a, const lw_found *b)
 {
     lw_status st;
     const lw_problem *p = lw_search_made(s, 0, a->candidate, false, &st);
-    double size = p ? lw_search_longest(p, a->x) : INFINITY;
+    double size = p ? lw_problem_size(p, a->x) : INFINITY;
     p = lw_search_made(s, 0, b->candidate, false, &st);
-    return s->o->spec.by_default && p && a->beyond == b->beyond && size < SMALLER*lw_search_longest(p, b->x);
+    return s->o->spec.by_default && p && a->beyond == b->beyond && size < SMALLER*lw_problem_size(p, b->x);
 }
 
 static bool is_as_exact(const lw_found *a, const lw_found *b)

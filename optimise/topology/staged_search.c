@@ -383,15 +383,17 @@ static lw_status run_parts(const lw_target *t, lw_fit_options *o, const lw_searc
     return stopped ? LW_STOPPED : LW_OK;
 }
 
-/* Is one of the linkages found near enough to the target to leave a stage out? */
+/* Is one of the linkages found near enough to the target to leave a stage out?  Those that break limits do not count. */
 static lw_status is_enough(const lw_target *t, const lw_fit_spec *s, double unless, const lw_fit *all, bool *enough)
 {
     lw_fit_report *r = malloc(sizeof *r);
     lw_status st = r ? LW_OK : LW_E_MEMORY;
     *enough = false;
-    for (int i = 0; i < all->n && i < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
+    for (int i = 0, seen = 0; i < all->n && seen < NEAREST && !*enough && st == LW_OK && all->candidate[i].beyond == 0; i++) {
         st = lw_fit_report_make(t, s, &all->candidate[i], r, NULL);
-        *enough = st == LW_OK && r->verified && !r->broken && lw_fit_report_misses(t, r) <= unless;
+        bool usable = st == LW_OK && r->verified && !r->broken;
+        seen += usable;
+        *enough = usable && lw_fit_report_misses(t, r) <= unless;
         st = st == LW_E_MEMORY ? st : LW_OK;
     }
     free(r);
