@@ -530,10 +530,13 @@ static bool switched(stages *g, double part)
     bool other = false;
     place_within(g, part);
     polynomials p = polynomials_at(g, part);
+    double first = 1;
+    for (int j = 0; j < g->s; j++)
+        first -= p.b[j];
     for (int i = 0; i < g->n; i++) {
-        v[i] = 0;
+        v[i] = first*g->v[i];
         for (int j = 0; j < g->s; j++)
-            v[i] += p.db[j]*g->z[j*g->n + i]/g->h;
+            v[i] += p.b[j]*g->vi[j*g->n + i];
     }
     eq->switches(eq->context, g->qi, v, now);
     for (int i = 0; i < eq->n_switch; i++)
