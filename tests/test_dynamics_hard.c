@@ -132,6 +132,7 @@ TEST(damped_stop)
             drun_read_format(&d, text, 0, 0);
             CHECK_INT(drun_to(&d, each[f], tolerance, to, k < 3 ? 40 : 1), LW_OK);
             CHECK_NEAR(d.v[0]*d.system.unit, speed, off, 0);
+            CHECK(d.report.energy_error < 10*off);
             CHECK_NEAR(d.tracer[d.n_moment - 1].x, 0.5 + z + speed*(to - 0.5 - end), off, 0);
             lw_system_free(&d.system);
             lw_model_free(&d.model);

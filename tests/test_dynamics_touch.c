@@ -759,6 +759,33 @@ TEST(captured_with_states_and_compliance)
     }
 }
 
+/* A pin with friction beside a rope or a contact that stays open: the motion is that without them.  A rope that ends the swing is
+ * tight at its length. */
+TEST(friction_in_a_joint)
+{
+    static const char format[] = "{'linkwright': 1, 'links': [{'name': 'ground', 'shapes': [{'line': [[0, -3], [1, -3]]}]}, {'name': 'bob', 'mass': 1,"
+        "'centre': [1, 0], 'inertia': 0.1, 'shapes': [{'circle': [1, 0], 'radius': 0.1}]}], 'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at':"
+        "[0, 0], 'friction': {'coefficient': 0.2, 'radius': 0.05, 'speed': 0.1}}], 'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at':"
+        "[1, 0]}]%s}";
+    static const char *const beside[] = { "", ", 'contacts': [{'links': ['ground', 'bob'], 'friction': 0.3}]",
+        ", 'ropes': [{'links': ['ground', 'bob'], 'at': [[0, 1], [1, 0]], 'length': 2.5}]",
+        ", 'ropes': [{'links': ['ground', 'bob'], 'at': [[0, 1], [1, 0]], 'length': 1.9}]" };
+    double free = 0;
+    for (int k = 0; k < 4; k++) {
+        char text[2000];
+        snprintf(text, sizeof text, format, beside[k]);
+        drun_read_format(&d, text, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1.2, 20), LW_OK);
+        if (k < 3)
+            CHECK_NEAR(d.q[2], k ? free : d.q[2], 1e-8, 0);
+        free = k ? free : d.q[2];
+        for (int i = 0; k == 3 && i <= 20; i++)
+            CHECK(hypot(d.tracer[i].x, d.tracer[i].y - 1) < 1.9 + 1e-9);
+        lw_model_free(&d.model);
+    }
+    CHECK(free < -1.5);
+}
+
 /* A disc that rests is pushed for 1 ms in the middle of the run. */
 TEST(short_pulse)
 {

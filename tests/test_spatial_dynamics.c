@@ -931,6 +931,28 @@ TEST(a_pendulum_bounces)
     lw_spatial_free(&m);
 }
 
+/* A slider meets a compliant stop: its damper pushes but does not pull, so the slider leaves while the spring is still pressed
+ * (test_dynamics_hard.c, damped_stop). */
+TEST(a_damped_stop)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0, 0], \"inertia\": "
+        "[1, 1, 1]}], \"joints\": [{\"name\": \"S\", \"kind\": \"prismatic\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": "
+        "[1, 0, 0], \"stop\": {\"greatest\": 0.5, \"stiffness\": 2000, \"damping\": 40}}], \"inputs\": [{\"joint\": \"S\", \"speed\": 1}]}";
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_RADAU };
+    const double b = 20, w = sqrt(2000 - b*b), end = atan2(2*b*w, b*b - w*w)/w;
+    const double z = exp(-b*end)*sin(w*end)/w, speed = exp(-b*end)*(cos(w*end) - b/w*sin(w*end));
+    lw_spatial m;
+    read_spatial(text, strlen(text), "text", &m);
+    for (int f = 0; f < 3; f++) {
+        formulation = each[f];
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 1, 1e-9);
+        CHECK_NEAR(k.at[1].input, 0.5 + z + speed*(0.5 - end), 1e-7, 0);
+        CHECK(q.energy_error < 1e-6*q.energy_scale);
+    }
+    formulation = LW_FORMULATION_AUTO;
+    lw_spatial_free(&m);
+}
+
 TEST(refuses_what_it_cannot)
 {
     static const struct { const char *link, *joint, *more, *says; } bad[] = {

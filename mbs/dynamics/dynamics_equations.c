@@ -397,7 +397,7 @@ static lw_status add_friction(lw_dynamics *d, double t, const double *q, const d
                               double *power)
 {
     int joints = d->n_friction, n = joints + (d->touch ? d->touch->n_slip : 0), stride = d->n_v + d->n_c;
-    double *response = d->touch ? d->touch->response : d->response;
+    double *response = d->touch && d->touch->response ? d->touch->response : d->response;       /* before the run: none */
     int dim = d->space ? 3 : 2;
     double *size = response + (size_t)n*(size_t)stride + lw_friction_doubles(n, dim), *unit_power = size + n;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);

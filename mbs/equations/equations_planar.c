@@ -371,7 +371,7 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = consistent ? more_mass : NULL, .damper = damper,
                            .next_kink = has_expressions(m) ? next_kink : NULL,
-                           .n_switch = p->f->n_stop, .switches = switches, .place_states = place_states,
+                           .n_switch = 2*p->f->n_stop, .switches = switches, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,
                            .kinetic = kinetic, .potential = potential, .momentum = keeps_momentum(p) ? momentum : NULL,
                            .move = move, .rates = rates };

@@ -497,6 +497,21 @@ static bool has_expressions(const lw_spatial_scene *c)
     return any;
 }
 
+static void switches(void *context, const double *q, const double *v, double *side)
+{
+    lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_stop_sides(&c->f, c->frame, v, side);
+}
+
+static int count_switches(const lw_spatial_scene *c)
+{
+    int n = 0;
+    for (int i = 0; i < c->model->n_joint; i++)
+        n += 2*(c->model->joint[i].stop.stiffness > 0);
+    return n;
+}
+
 static void note_momenta(void *context, double t, const double *q, const double *v)
 {
     lw_spatial_scene *c = context;
@@ -526,6 +541,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,
+                           .n_switch = count_switches(c), .switches = switches,
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
                            .watch = c->model->n_contact ? watch : NULL, .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,

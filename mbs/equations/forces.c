@@ -398,7 +398,8 @@ void lw_forces_stop_sides(const lw_forces *f, const double *q, const double *v, 
         double sense;
         lw_measure_joint(f->system, f->stop_joint[i], q, v, false, &m);
         double in = depth(p, m.value, &sense);
-        side[i] = in > 0 ? p->stiffness*in - sense*p->damping*m.rate : -1;
+        side[2*i] = in > 0 ? in : -1;
+        side[2*i + 1] = in > 0 ? p->stiffness*in - sense*p->damping*m.rate : -1;
     }
 }
 

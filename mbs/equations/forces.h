@@ -69,7 +69,7 @@ double lw_forces_signal(const lw_forces *f, int i, double t, const double *q, co
  * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3]);
 
-/* side (n_stop) > 0 where a compliant stop pushes. */
+/* side (2 n_stop): > 0 where a compliant stop is touched, and where it pushes. */
 void lw_forces_stop_sides(const lw_forces *f, const double *q, const double *v, double *side);
 
 /* An element of the model at a moment (mbs/elastic/beam.h). */

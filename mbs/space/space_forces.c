@@ -471,6 +471,20 @@ lw_space_touch lw_space_touch_of(const lw_space_forces *f, const lw_space_frame 
                              rub.drag, rub.arm };
 }
 
+void lw_space_stop_sides(const lw_space_forces *f, const lw_space_frame *frame, const double *v, double *side)
+{
+    measure at;
+    for (int i = 0, n = 0; i < f->s->model->n_joint; i++) {
+        const lw_joint_stop *p = &f->s->model->joint[i].stop;
+        if (!elastic_stop(p))
+            continue;
+        measure_of(f, frame, lw_space_stop_measure(f->s, i), v, false, &at);
+        double depth = beyond(p, at.value);
+        side[n++] = depth == 0 ? -1 : 1;
+        side[n++] = depth == 0 ? -1 : copysign(1, depth)*(p->stiffness*depth + p->damping*at.rate);
+    }
+}
+
 /* So far beyond its end a piece ends, over the clearance: rounding of lengths is less. */
 static const double late = 1e-9;
 
@@ -774,11 +788,12 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
         if (!elastic_stop(p))
             continue;
         measure_of(f, frame, lw_space_stop_measure(space, i), v, sink, &at);
-        double depth = beyond(p, at.value);
+        double depth = beyond(p, at.value), load = p->stiffness*depth + p->damping*at.rate;
         if (depth == 0)
             continue;
-        push(&s, &at, -(p->stiffness*depth + p->damping*at.rate), -p->stiffness, -p->damping);
-        s.power -= p->damping*at.rate*at.rate;
+        bool held = load*depth > 0;          /* the damper of a stop pushes but does not pull */
+        push(&s, &at, held ? -load : 0, held ? -p->stiffness : 0, held ? -p->damping : 0);
+        s.power += held ? -p->damping*at.rate*at.rate : p->stiffness*depth*at.rate;
     }
     for (int i = 0; i < m->n_contact; i++)
         push_contact(&s, i);

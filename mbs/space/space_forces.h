@@ -70,6 +70,9 @@ void lw_space_forces_apply(const lw_space_forces *f, double t, const lw_space_fr
 /* Contact i of pin and bush; v NULL: at rest. */
 lw_space_touch lw_space_touch_of(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i);
 
+/* side (two for each compliant stop, in the order of the joints): > 0 where it is touched, and where it pushes. */
+void lw_space_stop_sides(const lw_space_forces *f, const lw_space_frame *frame, const double *v, double *side);
+
 /* Laws of contact have smooth pieces.  How far the posture is from the end of one, over its clearance, the least of all
  * contacts; < 0 beyond it, 1 without contacts.  Take the pieces that begin at this posture and these velocities; start: from
  * the posture alone. */
