@@ -1,4 +1,5 @@
-/* base/eigen.c - bridge to GSL's eigenvalues. */
+/* base/eigen.c - bridge to GSL's eigenvalues; the QL method. */
+#include <float.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <stdbool.h>
@@ -46,6 +47,73 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
         gsl_matrix_free(vectors);
     lw_gsl_end();
     return s;
+}
+
+/* Columns a and b (n) of the vectors turn. */
+static void turn(int n, double *restrict a, double *restrict b, double c, double s)
+{
+    for (int i = 0; i < n; i++) {
+        double x = a[i], y = b[i];
+        a[i] = c*x - s*y;
+        b[i] = s*x + c*y;
+    }
+}
+
+/* One QL step with Wilkinson's shift on rows l to m. */
+static void step_ql(double *d, double *e, int l, int m, int rows, double *x)
+{
+    double g = (d[l + 1] - d[l])/(2*e[l]), s = 1, c = 1, p = 0;
+    g = d[m] - d[l] + e[l]/(g + copysign(sqrt(g*g + 1), g));
+    for (int i = m - 1; i >= l; i--) {
+        double f = s*e[i], b = c*e[i], r = sqrt(f*f + g*g);
+        e[i + 1] = r;
+        if (r == 0) {                        /* it has come apart here */
+            d[i + 1] -= p;
+            e[m] = 0;
+            return;
+        }
+        s = f/r, c = g/r;
+        g = d[i + 1] - p;
+        r = (d[i] - g)*s + 2*c*b;
+        p = s*r;
+        d[i + 1] = g + p;
+        g = c*r - b;
+        turn(rows, x + (size_t)i*(size_t)rows, x + (size_t)(i + 1)*(size_t)rows, c, s);
+    }
+    d[l] -= p;
+    e[l] = g;
+    e[m] = 0;
+}
+
+lw_status lw_eigen_tridiagonal(int n, double *diagonal, double *beside, int rows, double *x)
+{
+    enum { MOST = 60 };                      /* steps for an eigenvalue; two are usual */
+    double scale = 0;
+    for (int i = 0; i < n; i++)
+        scale = fmax(scale, fmax(fabs(diagonal[i]), i + 1 < n ? fabs(beside[i]) : 0));
+    for (int i = 0; i < n; i++)
+        if (!isfinite(diagonal[i]) || (i + 1 < n && !isfinite(beside[i])))
+            return LW_E_ARG;
+    if (!(scale > 0))
+        return LW_OK;
+    for (int i = 0; i < n; i++) {            /* squares stay in range */
+        diagonal[i] /= scale;
+        beside[i] = i + 1 < n ? beside[i]/scale : 0;
+    }
+    for (int l = 0, steps = 0; l < n;) {
+        int m = l;
+        while (m + 1 < n && fabs(beside[m]) > DBL_EPSILON*(fabs(diagonal[m]) + fabs(diagonal[m + 1])))
+            m++;
+        if (m == l)
+            l++, steps = 0;
+        else if (++steps > MOST)
+            return LW_E_NUMERIC;
+        else
+            step_ql(diagonal, beside, l, m, rows, x);
+    }
+    for (int i = 0; i < n; i++)
+        diagonal[i] *= scale;
+    return LW_OK;
 }
 
 lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_re, double *x_im)

@@ -1,4 +1,5 @@
-/* tests/test_linalg.c - the small QR against known systems and against the definition. */
+/* tests/test_linalg.c - the small QR, and eigenvalues of tridiagonal matrices, against known systems and against the definition. */
+#include "base/eigen.h"
 #include "base/linalg.h"
 #include "tests/check.h"
 
@@ -99,4 +100,46 @@ TEST(tells_a_singular_matrix)
     CHECK_NEAR(lw_qr_determinant(2, d), 0.0, 0, 0);
     CHECK_NEAR(lw_qr_factor(2, 2, column, d), 0.0, 0, 0);
     CHECK(isnan(lw_qr_factor(2, 2, nan, d)));
+}
+
+/* The second difference has the eigenvalues 2 cos(k pi/(n + 1)) and vectors sin(i k pi/(n + 1)) sqrt(2/(n + 1)), at any scale; random matrices, some of
+ * which come apart, satisfy the definition; single rows of the vectors are those of whole ones. */
+TEST(tridiagonal_matrices)
+{
+    enum { N = 30 };
+    uint64_t seed = check_seed();
+    for (int trial = 0; trial < 300; trial++) {
+        double a[N], b[N] = { 0 }, w[N], left[N], x[N*N] = { 0 }, last[N] = { 0 };
+        double scale = trial%3 == 0 ? 1e-200 : trial%3 == 1 ? 1 : 1e150;
+        bool closed = trial < 3;
+        int n = closed ? N : 1 + trial%N;
+        for (int i = 0; i < n; i++) {
+            a[i] = closed ? 0 : scale*uniform(&seed);
+            b[i] = i == n - 1 ? 0 : closed ? scale : trial%5 && i%4 == 3 ? 0 : scale*uniform(&seed);
+            x[i*n + i] = 1;
+        }
+        last[n - 1] = 1;
+        memcpy(w, a, sizeof w), memcpy(left, b, sizeof left);
+        CHECK_INT(lw_eigen_tridiagonal(n, w, left, n, x), LW_OK);
+        double same[N], other[N];
+        memcpy(same, a, sizeof same), memcpy(other, b, sizeof other);
+        CHECK_INT(lw_eigen_tridiagonal(n, same, other, 1, last), LW_OK);
+        for (int k = 0; k < n; k++) {
+            double length = 0;
+            for (int i = 0; i < n; i++) {
+                double product = a[i]*x[k*n + i] + (i ? b[i - 1]*x[k*n + i - 1] : 0) + (i < n - 1 ? b[i]*x[k*n + i + 1] : 0);
+                CHECK_NEAR(product/scale, w[k]/scale*x[k*n + i], 1e-13, 0);
+                length += x[k*n + i]*x[k*n + i];
+            }
+            CHECK_NEAR(length, 1, 1e-13, 0);
+            CHECK(same[k] == w[k] && last[k] == x[k*n + n - 1]);
+            int order = 1;                               /* from the greatest on */
+            for (int i = 0; i < n; i++)
+                order += w[i] > w[k];
+            if (closed)
+                CHECK_NEAR(w[k]/scale, 2*cos(order*acos(-1)/(n + 1)), 1e-14, 0);
+        }
+    }
+    double nan[2] = { NAN, 1 }, one[2] = { 1, 0 }, unit[2] = { 1, 0 };
+    CHECK_INT(lw_eigen_tridiagonal(2, nan, one, 1, unit), LW_E_ARG);
 }

@@ -76,19 +76,17 @@ static void apply(lanczos *z, const double *from, double *x)
     memcpy(x, z->b, (size_t)z->n*sizeof *x);
 }
 
-/* Eigenvalues w of the tridiagonal matrix, their vectors at work + k k, and their order by size; how many of the greatest have
- * converged, at most `wanted`. */
-static int ritz(int k, const double *alpha, const double *beta, int wanted, double *work, double *w, int *order)
+/* Eigenvalues w of the tridiagonal matrix and their order by size; how many of the greatest have converged, at most `wanted`.
+ * vectors (k rows): the last component of each eigenvector, or with rows = k whole vectors. */
+static int ritz(int k, const double *alpha, const double *beta, int wanted, int rows, double *beside, double *vectors, double *w, int *order)
 {
-    double *a = work, *vectors = a + (size_t)k*(size_t)k;
     int good = 0;
-    memset(work, 0, (size_t)k*(size_t)k*sizeof *work);
-    for (int i = 0; i < k; i++) {
-        a[i*k + i] = alpha[i];
-        if (i + 1 < k)
-            a[i*k + i + 1] = a[(i + 1)*k + i] = beta[i];
-    }
-    if (k == 0 || lw_eigen_symmetric(k, a, NULL, w, vectors) != LW_OK)
+    memset(vectors, 0, (size_t)k*(size_t)rows*sizeof *vectors);
+    for (int i = k - rows; i < k; i++)
+        vectors[i*rows + i - (k - rows)] = 1;
+    memcpy(w, alpha, (size_t)k*sizeof *w);
+    memcpy(beside, beta, (size_t)k*sizeof *beside);
+    if (k == 0 || lw_eigen_tridiagonal(k, w, beside, rows, vectors) != LW_OK)
         return 0;
     for (int i = 0; i < k; i++) {
         int at = i;
@@ -97,7 +95,7 @@ static int ritz(int k, const double *alpha, const double *beta, int wanted, doub
         order[at] = i;
     }
     while (good < wanted && good < k && fabs(w[order[good]]) > 0
-           && fabs(beta[k - 1]*vectors[order[good]*k + k - 1]) <= 1e-10*fabs(w[order[good]]))
+           && fabs(beta[k - 1]*vectors[order[good]*rows + rows - 1]) <= 1e-10*fabs(w[order[good]]))
         good++;
     return good;
 }
@@ -110,10 +108,10 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
 {
     int n = z->n, k = 0, look = wanted > 10 ? wanted : 10, good = 0, *order;
     size_t m = (size_t)z->most;
-    double *work = calloc(2*m*m + 5*m + 4, sizeof *work), *alpha = work + 2*m*m, *beta = alpha + m + 1, *w = beta + m + 1;
+    double *work = calloc(m*m + 6*m + 5, sizeof *work), *alpha = work + m*m, *beta = alpha + m + 1, *w = beta + m + 1, *beside = w + m + 1;
     if (!work)
         return -1;
-    order = (int *)(void *)(w + m + 1);
+    order = (int *)(void *)(beside + m + 1);
     for (int i = 0; i < n; i++)
         z->heavy[i] = lw_rng_uniform(rng) - 0.5;
     for (int i = 0; i < n; i++)
@@ -129,15 +127,14 @@ static int one_run(lanczos *z, lw_rng *rng, int wanted)
         beta[k] = size = orthogonal(z, x, heavy, k + 1);
         least = 1e-13*fabs(alpha[0]);
         if (k + 1 == look && look < z->most) {
-            look += look/2;
-            good = ritz(k + 1, alpha, beta, wanted, work, w, order);
+            look += look/8 + 2;
+            good = ritz(k + 1, alpha, beta, wanted, 1, beside, work, w, order);
             size = good < wanted ? size : 0;
         }
     }
-    if (good < wanted)
-        good = ritz(k, alpha, beta, wanted, work, w, order);
+    good = ritz(k, alpha, beta, wanted, k, beside, work, w, order);
     for (int pick = 0; pick < good; pick++) {
-        const double *vector = work + (size_t)k*(size_t)k + (size_t)order[pick]*(size_t)k;
+        const double *vector = work + (size_t)order[pick]*(size_t)k;
         double *to = z->found + (size_t)z->n_found*(size_t)n, *heavy = z->found_heavy + (size_t)z->n_found*(size_t)n;
         memset(to, 0, (size_t)n*sizeof *to);
         for (int j = 0; j < k; j++)
@@ -181,6 +178,12 @@ static lw_status find_modes(lanczos *z, int wanted, int room)
     return z->n_found > 0 ? LW_OK : LW_NOTHING;
 }
 
+static void see_damping(void *context, int row, int column, double by_q, double by_v)
+{
+    (void)row, (void)column, (void)by_q;
+    *(bool *)context |= by_v != 0;
+}
+
 /* x^T A y of all pairs of modes for A = K or C, by columns of the derivatives. */
 typedef struct product { const double *x; double *k, *c; } product;
 
@@ -215,6 +218,13 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
 {
     lw_dynamics *d = z->d;
     int n = z->n, m = z->n_found;
+    for (int i = 0; i < m*m && are_modes; i++) {
+        v->mass[i] = i/m == i%m;
+        v->damping[i] = 0;
+        v->stiffness[i] = i/m == i%m ? z->value[i/m] : 0;
+    }
+    if (are_modes && d->eq.conservative)
+        return true;
     for (int j = 0; j < m; j++) {
         const double *x = z->found + (size_t)j*(size_t)n;
         product p = { x, k, c };
@@ -255,7 +265,12 @@ lw_status lw_modes_about(lw_dynamics *d, int wanted, lw_tangent *kept, double t,
     modes->redundant = d->n_c - d->n_kept;
     if (modes->freedom <= 0)
         return lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
-    int aim = d->eq.conservative ? wanted : 2*wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
+    bool damped = false;
+    if (!d->eq.conservative && lw_mbs_rows(d, t, q) == LW_OK) {
+        memset(d->v_try, 0, n*sizeof *d->v_try);
+        d->eq.derivatives(d->eq.context, t, q, d->v_try, d->force, &(lw_force_sink){ .context = &damped, .add = see_damping });
+    }
+    int aim = damped ? 2*wanted : wanted, room = aim + 4 < modes->freedom ? aim + 4 : modes->freedom;
     bool small = !d->elastic && modes->freedom <= 2*LW_MODES_DEFAULT;
     room = small ? modes->freedom : room;
     int most = 2*room + 20 < modes->freedom ? 2*room + 20 : modes->freedom;
