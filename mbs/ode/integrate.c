@@ -184,7 +184,7 @@ static lw_status check_dense(lw_integrator *w)
     lw_status s = rate_at(w, w->t_old + x*w->h_done, y, f);
     for (int i = 0; i < w->ode->n; i++)
         most = fmax(most, fabs(dense_slope(w, i, x) - w->h_done*f[i])/allowed(w, i, fabs(w->y[i])));
-    w->rough = s != LW_OK || !(most < over_error);
+    w->rough = s != LW_OK ? INFINITY : most < over_error ? 0 : most/8;
     return s == LW_STOPPED ? s : LW_OK;
 }
 
@@ -207,23 +207,26 @@ static lw_status prepare_dense(lw_integrator *w)
         }
     }
     w->dense = true;
-    w->rough = false;
+    w->rough = 0;
     return w->o.fixed > 0.0 ? LW_OK : check_dense(w);
 }
 
-/* State at t within the last step by steps from both ends.  One of these ways may lead over a place where f is not known well, and
- * off the solution: the state that is nearer to the continuous solution is taken. */
+/* State at t within the last step by steps from its nearer end.  That way may lead over a place where f is not known well, and
+ * off the solution: where the continuous solution is not as near as its error tells, or not near at all, both ends are tried, and the
+ * state that is nearer to it is taken. */
 static lw_status integrate_within(lw_integrator *w, double t, double *y)
 {
     lw_ode ode = *w->ode;
     lw_ode_options o = w->o;
     lw_integrator inner;
     lw_status found = LW_NOTHING;
+    const double near = 1000;
     double x = (t - w->t_old)/w->h_done, least = INFINITY;
     ode.n_event = 0;
     ode.project = NULL;
     o.max_step = 200;
-    for (int from_end = 0; from_end < 2; from_end++) {
+    for (int k = 0; k < 2 && !(least <= fmin(w->rough, near)); k++) {
+        bool from_end = (x > 0.5) == (k == 0);
         lw_ode_stop stop = LW_ODE_STEP;
         double apart = 0.0;
         lw_status s = lw_integrate_start(&inner, &ode, &o, w->inner, from_end ? w->t : w->t_old, from_end ? w->y : w->y_old, NULL);

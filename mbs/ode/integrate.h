@@ -3,7 +3,7 @@
  *
  * DOP853 (Hairer, Norsett & Wanner 1993, section II.10; Dormand & Prince): twelve evaluations per step, an error
  * estimate from embedded methods of orders 5 and 3, and a continuous solution of order 7 for four more evaluations.  Where that
- * one is less accurate than the step, states within it are integrated anew from its ends.
+ * one is less accurate than the step, states within it are integrated anew from the nearer end.
  * The state is summed with compensation, so that 1e7 steps do not lose digits.  Not for stiff problems: steps are
  * limited to about 6 divided by the fastest rate (mbs/ode/cvode.h has no such limit).
  *
@@ -68,7 +68,8 @@ typedef struct lw_integrator {
     double *k[16], *stage, *c[8], *low, *y_step, *g_try, *g_old, *inner;
     double  t_low, t_step, h_done, err_old, moved, rounding;
     signed char side[LW_EVENT_MAX];
-    bool    dense, rough;            /* the continuous solution is known; it is not accurate enough */
+    bool    dense;                   /* the continuous solution is known */
+    double  rough;                   /* its error over that allowed in a step, if it is not accurate enough; else 0 */
 } lw_integrator;
 
 /* Doubles of workspace. */
