@@ -1,5 +1,6 @@
 /* Spatial models: what is read and refused, postures along inputs, mobility of linkages whose answer is known. */
 #include <unistd.h>
+#include "base/clock.h"
 #include "base/rng.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"
@@ -229,6 +230,50 @@ TEST(mobility_is_real)
         CHECK_INT(got.idle, known[i].idle);
         CHECK_INT(got.n_redundant, known[i].redundant);
         CHECK(got.residual < 1e-12 && !got.shaky);
+        lw_space_mobility_free(&got);
+        lw_spatial_free(&m);
+    }
+}
+
+/* n four-bars in a row, rods with a ball at one end and a universal joint at the other. */
+static void read_space_row(int n, lw_spatial *m)
+{
+    char *at = NULL;
+    size_t size = 0;
+    lw_error e = { 0 };
+    FILE *f = open_memstream(&at, &size);
+    fprintf(f, "{'linkwright': 1, 'joints': [");
+    for (int i = 0; i <= n; i++)
+        fprintf(f, "%s{'name': 'A%d', 'kind': 'revolute', 'links': ['ground', 'c%d'], 'at': [%d, 0, 0], 'axis': [0, 1, 0]}", i ? ", " : "",
+            i, i, i);
+    for (int i = 0; i < n; i++)
+        fprintf(f, ", {'name': 'B%d', 'kind': 'spherical', 'links': ['c%d', 'r%d'], 'at': [%d, 0, 1]}"
+            ", {'name': 'C%d', 'kind': 'universal', 'links': ['r%d', 'c%d'], 'at': [%d, 0, 1], 'axis': [0, 0, 1], 'second_axis': [0, 1, 0]}",
+            i, i, i + 1, i, i, i + 1, i + 1, i + 1);
+    fprintf(f, "], 'input': {'joint': 'A0'}}");
+    fclose(f);
+    for (size_t i = 0; i < size; i++)
+        at[i] = at[i] == '\'' ? '"' : at[i];
+    CHECK_INT(lw_spatial_read(at, size, "row", m, &e), LW_OK);
+    free(at);
+}
+
+/* A row of loops moves with one freedom, however long: 4 loops by full matrices, more rows than LW_SPACE_MANY_ROWS by sparse ones (in seconds
+ * where full ones take hours). */
+TEST(long_rows_of_loops_move)
+{
+    for (int n = 4; n <= 1000; n = n == 4 ? 40 : n*25) {
+        lw_spatial m;
+        lw_space_mobility got;
+        lw_error e = { 0 };
+        double from = lw_clock_cpu();
+        read_space_row(n, &m);
+        CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
+        CHECK_INT(got.count, 1);
+        CHECK_INT(got.freedom, 1);
+        CHECK_INT(got.n_redundant, 0);
+        CHECK(got.moved > 3e-3 && !got.shaky);
+        CHECK(lw_clock_cpu() - from < 20);
         lw_space_mobility_free(&got);
         lw_spatial_free(&m);
     }

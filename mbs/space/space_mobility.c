@@ -111,10 +111,9 @@ static bool find_regular(search *x, uint64_t seed, lw_space_mobility *m)
     lw_space_rows_fill(&x->z, s->start, NULL);
     if (!lw_space_rows_factor(&x->z) || x->z.weak < LW_SPACE_CLEAR_SHARE)
         return false;
-    memset(x->b, 0, (size_t)s->n_row*sizeof *x->b);
     for (int i = 0; i < s->n_v; i++)
         x->v[i] = 2*lw_rng_uniform(&rng) - 1;
-    lw_space_rows_solve(&x->z, x->v, x->b, true, x->by, x->z.small);
+    lw_space_rows_solve(&x->z, x->v, NULL, true, x->by, x->b);
     double most = lw_space_length(s, x->by);
     for (int i = 0; i < s->n_v; i++)
         x->by[i] *= length/most;
