@@ -72,5 +72,6 @@ TEST(parts_of_models)
     expect("$P draw examples/dynamics/boxes.json -q | grep -c '<polygon[^>]*class=\"link\"'", 0, "3", NULL);
     expect("$P draw examples/dynamics/rope.json -q | grep -c 'class=\"link\"[^>]*stroke=\"#b87a00\"'", 0, "1", NULL);
     expect("$P draw examples/andrews.json -q | grep -c '<polyline points=.*class=.link.*#b87a00'", 0, "1", NULL);
-
+    expect("$P draw examples/elastic-frame.json -q | grep -c '<polyline points=.[-0-9.]*,[-0-9.]* [-0-9.]*,[-0-9.]* [-0-9.]*,[-0-9.]* "
+           "[-0-9.]*,[-0-9.]*. class=.link. [^>]*fill=.none'", 0, "1", NULL);            /* three bars, not a plate */
 }

@@ -204,8 +204,38 @@ static void draw_weld(sketch *k, int joint)
 
 enum { MANY_CORNERS = 64 };                              /* the lines between all of them would fill the plate again and again */
 
+/* The bars of an elastic link along its axis, and arms from it to the points beside it. */
+static void draw_elastic(sketch *k, int link, const lw_elastic *e)
+{
+    lw_bearer b = bearer(linkage(k), link, link);
+    lw_vec2 *p = k->corner;
+    for (int i = 0; i < e->n_axis; i++) {
+        p[i] = pixel_of(k, 0, lw_v2(e->axis[i].x, e->axis[i].y));
+        if (i > 0)
+            lw_label_map_line(&k->map, p[i - 1], p[i], 1);
+    }
+    lw_symbol_frame(k->d, b, p, e->n_axis, link_ink(linkage(k), link), k->u);
+    int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
+    for (int i = 0; i < n; i++) {
+        lw_vec2 at = pixel_of(k, 0, k->node[i].at), best = p[0];
+        for (int j = 0; j + 1 < e->n_axis; j++) {
+            lw_vec2 along = lw_v2_sub(p[j + 1], p[j]);
+            double part = lw_v2_dot(lw_v2_sub(at, p[j]), along)/lw_v2_dot(along, along);
+            lw_vec2 foot = lw_v2_add(p[j], lw_v2_scale(along, fmin(fmax(part, 0), 1)));
+            best = lw_v2_norm(lw_v2_sub(at, foot)) < lw_v2_norm(lw_v2_sub(at, best)) ? foot : best;
+        }
+        if (lw_v2_norm(lw_v2_sub(at, best)) > k->u)
+            lw_symbol_frame(k->d, b, (lw_vec2[]){ best, at }, 2, link_ink(linkage(k), link), 0.6*k->u);
+    }
+}
+
 static void draw_link(sketch *k, int link)
 {
+    const lw_elastic *e = k->s->model && k->s->model->elastic ? &k->s->model->elastic[link] : NULL;
+    if (e && e->given && e->n_axis > 1) {
+        draw_elastic(k, link, e);
+        return;
+    }
     const lw_shape_node *node = k->node;
     lw_vec2 *p = k->corner;
     int n = lw_body_shapes_nodes(k->s, link, k->node, k->room);
@@ -971,6 +1001,8 @@ lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_dra
     lw_box path;
     lw_status status = lw_label_map_make(&k.map, o->width, o->height, e);
     int nodes = 2*(s->linkage.n_joint + s->linkage.n_tracer);
+    for (int i = 0; s->model && s->model->elastic && i < s->linkage.n_link; i++)
+        nodes = s->model->elastic[i].n_axis > nodes ? s->model->elastic[i].n_axis : nodes;
     k.room = nodes > LW_NODE_MAX ? nodes : LW_NODE_MAX;
     k.node = malloc((size_t)k.room*sizeof *k.node);
     k.corner = malloc((size_t)k.room*sizeof *k.corner);

@@ -146,7 +146,7 @@ static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, cons
 /* A bar that bends is a line through its points instead; false: the shape is no such bar. */
 static bool paint_bend(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene, size_t frame)
 {
-    bool bar = scene && s->kind == LW_SHAPE_PATH && s->role == LW_ROLE_LINK && s->n == 2 && s->panel >= 0 && s->panel < d->n_view;
+    bool bar = scene && s->kind == LW_SHAPE_PATH && s->role == LW_ROLE_LINK && !s->closed && s->panel >= 0 && s->panel < d->n_view;
     for (int i = 0; bar && i < scene->n_bend; i++) {
         const lw_bent_bar *b = &scene->bend[i];
         if (b->link != s->link)

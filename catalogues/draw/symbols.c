@@ -238,6 +238,11 @@ static double area(const lw_vec2 *p, int n)
     return fabs(a);
 }
 
+void lw_symbol_frame(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink ink, double u)
+{
+    stroke(lw_drawing_path(d, LW_ROLE_LINK, p, (size_t)n, false), b, ink, 5*u);
+}
+
 void lw_symbol_link(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink ink, double u)
 {
     lw_vec2 sorted[LW_NODE_MAX], corner[2*LW_NODE_MAX];
