@@ -502,6 +502,35 @@ TEST(a_line_load_pushes_a_body)
     }
 }
 
+/* A four-bar with an elastic coupler and rocker whose crank turns at once, so that the rigid model has no freedom: all parts move at the
+ * start as those of the rigid model do, and have its momentum; then the bars bend little. */
+TEST(driven_from_the_start)
+{
+    static record bent, stiff;
+    for (int i = 0; i < 2; i++) {
+        lw_spatial m;
+        lw_error e;
+        lw_dynamics_options o = lw_dynamics_options_default();
+        CHECK_INT(read_text(&m, &e, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 0.2, 'centre': [0.05, 0, 0], 'inertia': [1e-4, 1e-4, "
+                            "1e-4]}, {'name': 'coupler', 'elastic': {'section': " SQUARE ", 'material': " STEEL ", 'axis': [[0.1, 0, 0], [0.4, 0, 0.2]], "
+                            "'segments': 4}}, {'name': 'rocker', 'elastic': {'section': " SQUARE ", 'material': " STEEL ", 'axis': [[0.4, 0, 0.2], [0.35, 0, "
+                            "0]], 'segments': 4}}], 'joints': [{'name': 'O', 'kind': 'revolute', 'links': ['ground', 'crank'], 'at': [0, 0, 0], 'axis': [0, "
+                            "-1, 0]}, {'name': 'A', 'kind': 'revolute', 'links': ['crank', 'coupler'], 'at': [0.1, 0, 0], 'axis': [0, 1, 0]}, {'name': 'B', "
+                            "'kind': 'spherical', 'links': ['coupler', 'rocker'], 'at': [0.4, 0, 0.2]}, {'name': 'D', 'kind': 'revolute', 'links': ['rocker', "
+                            "'ground'], 'at': [0.35, 0, 0], 'axis': [0, 1, 0]}], 'input': {'joint': 'O', 'motion': '30*t'}, 'tracers': [{'name': 'P', 'link': "
+                            "'coupler', 'at': [0.25, 0, 0.1]}]}"), LW_OK);
+        CHECK_TEXT(e.text, "");
+        o.to = 0.01;
+        o.intervals = 10;
+        o.rigid = i == 1;
+        run(&m, o, i ? &stiff : &bent);
+    }
+    CHECK(lw_v3_norm(stiff.linear[0]) > 10);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent.linear[0], stiff.linear[0])), 0, 1e-9, 0);
+    for (int k = 0; k < bent.n; k++)                  /* a thick bar: quasi-static bending is some um */
+        CHECK_NEAR(lw_v3_norm(lw_v3_sub(bent.at[k], stiff.at[k])), 0, 5e-5, 0);
+}
+
 /* ---- superelements -------------------------------------------------------------------------------------------- */
 
 /* A bar of 2 m along x, clamped at 0, with a tracer and a force at its end; `more` belongs to "elastic". */

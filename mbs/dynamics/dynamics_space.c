@@ -763,7 +763,7 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         bound_tolerance(d);
     if (st == LW_OK && (d->elastic || open))
         st = start_as_rigid(d, given, e);
-    else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && d->freedom > 0 && !rest)
+    else if (st == LW_OK && (st = find_posture(d, e)) == LW_OK && (d->freedom > 0 || d->o.closed) && !rest)
         st = find_velocities(d, e);
     if (st == LW_OK)
         st = lw_mbs_start_states(d, e);
