@@ -511,6 +511,31 @@ TEST(line_loads)
     }
 }
 
+/* A cantilever under a force that stays square to its end, P L^2/EI = 2: the elastica from the end backwards is an initial value problem,
+ * phi' = -P xi/EI, xi' = cos phi, eta' = sin phi.  Such a force has no potential, so whether the bar is stable is not known. */
+TEST(a_force_that_turns_with_its_end)
+{
+    scene s;
+    lw_rest r;
+    double phi = 0, xi = 0, eta = 0, ei = 210e9*1e-4/12, load = 2*ei/4, h = 2/2000.;
+    for (int i = 0; i < 2000; i++) {             /* the middle of each step */
+        double middle = phi - h/2*load*xi/ei, along = xi + h/2*cos(phi);
+        xi += h*cos(middle), eta += h*sin(middle);
+        phi -= h*load*along/ei;
+    }
+    CHECK_INT(read_scene(&s, "{'linkwright': 1, 'links': ['ground', {'name': 'beam', 'elastic': {'section': " SQUARE ", 'material': 'steel', "
+                         "'segments': 64}}], 'joints': [{'name': 'A', 'kind': 'f', 'links': ['ground', 'beam'], 'at': [0, 0]}], 'tracers': [{"
+                         "'name': 'P', 'link': 'beam', 'at': [2, 0]}], 'forces': [{'link': 'beam', 'at': [2, 0], 'frame': 'link', 'fy': %.17g}]}", load),
+              LW_OK);
+    CHECK_INT(open_scene(&s, LW_ANALYSIS_STATIC), LW_OK);
+    CHECK_INT(lw_statics_rest(s.d, 0, s.q, &r, &s.e), LW_OK);
+    CHECK(r.unknown && !r.stable);
+    CHECK_NEAR(tracer(&s, 0, s.q).x, xi*cos(phi) + eta*sin(phi), 6e-3, 0);          /* shear and stretch: P L/GA = 2e-3 */
+    CHECK_NEAR(tracer(&s, 0, s.q).y, eta*cos(phi) - xi*sin(phi), 6e-3, 0);
+    CHECK(tracer(&s, 0, s.q).y > 0.9);
+    close_scene(&s);
+}
+
 /* ---- the turning cantilever -------------------------------------------------------------------------------------- */
 
 /* Across its plane of rotation a cantilever feels the centrifugal force m W^2 x along itself alone.  Rates over

@@ -118,7 +118,7 @@ static lw_status rest(cli_simulate *c, double t, lw_error *e)
     if (s != LW_OK)
         return free(q), s;
     cli_note(c->call, "at rest after %d iterations, force left %.3g J, %s", r.iterations, r.residual,
-             r.stable ? "stable" : "not stable");
+             lw_rest_text(&r));
     s = lw_statics_moment(c->d, t, q, cli_simulate_row, c, e);
     free(q);
     return s;

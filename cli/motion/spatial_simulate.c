@@ -460,7 +460,7 @@ int cli_spatial_simulate(const cli_call *call, lw_spatial *m, const lw_dynamics_
         if (explain)
             note_contacts(call, &r, o->from, r.report.t);
         if (r.report.formulation == LW_FORMULATION_AUTO && r.report.samples > 0)
-            cli_note(call, "at rest after %d iterations, %s", r.rest.iterations, r.rest.stable ? "stable" : "not stable");
+            cli_note(call, "at rest after %d iterations, %s", r.rest.iterations, lw_rest_text(&r.rest));
         bool limit = st == LW_STOPPED && r.report.samples > 0;
         if (limit)
             cli_note(call, "%s; the rows so far are kept", e.text);

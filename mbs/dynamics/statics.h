@@ -8,7 +8,11 @@ typedef struct lw_rest {
     int    iterations;
     double residual;            /* greatest force left along the constraints [J] */
     bool   stable;              /* the stiffness is positive definite; else a saddle or a neutral equilibrium */
+    bool   unknown;             /* whether it is: large models and elastic links under forces without a potential; stable is false */
 } lw_rest;
+
+/* "stable", ... */
+const char *lw_rest_text(const lw_rest *r);
 
 /* Equilibrium nearest downhill from the start of d, inputs with a motion held at their values at t: q (n_q).
  * Newton's method on the reduced forces, with a shifted matrix where it is not positive definite.  LW_NOTHING: no

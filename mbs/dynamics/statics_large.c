@@ -253,6 +253,12 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
     return st;
 }
 
+const char *lw_rest_text(const lw_rest *r)
+{
+    return r->unknown ? "whether stable is not known: a force that turns with its link or depends on others has no potential" : r->stable ? "stable"
+         : "not stable";
+}
+
 lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
 {
     search s;
@@ -268,8 +274,9 @@ lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r,
         r->residual = greatest(s.residual, s.n);
         st = lw_modes_about(d, 4, NULL, t, q, &modes, &ignored);
         r->stable = st == LW_NOTHING;
+        r->unknown = st == LW_E_KIND;
         if (st != LW_OK) {
-            st = st == LW_NOTHING ? LW_OK : st;
+            st = st == LW_NOTHING || st == LW_E_KIND ? LW_OK : st;
             break;
         }
         int worst = -1;
