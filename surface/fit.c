@@ -473,6 +473,7 @@ static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_resul
                                     .input = lw_fit_report_input(report), .stray = lw_fit_report_stray(report),
                                     .size = r->extent > 0 ? report->size/r->extent : 0,
                                     .error_mean = report->error_mean, .error_max = report->error_max,
+                                    .angle_mean = report->angle_mean, .angle_max = report->angle_max,
                                     .error_percent = report->error_percent };
     }
     return s;

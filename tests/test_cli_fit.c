@@ -203,6 +203,25 @@ TEST(six_links_are_left_out_where_four_are_near)
     json_decref(root);
 }
 
+/* Who waits several times longer, since no four-bar is near, is told why, and how to leave this out. */
+TEST(six_links_are_announced)
+{
+    expect("$P fit examples/figure-eight.csv --rounds 1 --budget 1e3 2>&1 >/dev/null", 0, "no four-bar found is near enough, so six links", NULL);
+    expect("$P fit examples/walking-foot.csv --rounds 1 2>&1 >/dev/null | wc -c", 0, "0\n", "");
+}
+
+/* The page has the angle errors of the table and of JSON. */
+TEST(pages_show_errors_of_angles)
+{
+    json_t *root = json_of("printf 'x [mm],y [mm],theta [deg]\n0,0,0\n-30,40,8\n-80,100,20\n-150,170,36\n-240,230,55\n' > $D/bonnet.csv; "
+                           "$P fit $D/bonnet.csv --rounds 1 --json -q --save $D/bonnet --results 2");
+    char text[64];
+    snprintf(text, sizeof text, "%.4g</td>",
+             180/3.14159265358979*member(json_array_get(json_object_get(root, "results"), 0), "angle_error_max"));
+    expect("grep -o 'Largest angle error .deg.\">[^<]*</td>' $D/bonnet/index.html | head -1", 0, text, NULL);
+    json_decref(root);
+}
+
 /* A bicycle's wheel within 1e-4 of its path: rows beside it are smaller or have another angle, not longer and nearer still,
  * but for the best in a measure. */
 TEST(rows_end_where_errors_no_longer_matter)

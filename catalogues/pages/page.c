@@ -15,7 +15,7 @@
 /* ==== the table of results ==================================================================================== */
 
 typedef enum column {
-    TYPE, CLASS, INPUT, MEAN, MAX, STRAY, PERCENT, OBJECTIVE, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, DOWNLOAD, N_COLUMN
+    TYPE, CLASS, INPUT, MEAN, MAX, ANGLE_MEAN, ANGLE_MAX, STRAY, PERCENT, OBJECTIVE, TRANSMISSION, SIZE, LIMITS, DIMENSIONS, DOWNLOAD, N_COLUMN
 } column;
 
 static const struct { const char *title; bool number, length; } columns[N_COLUMN] = {
@@ -24,6 +24,8 @@ static const struct { const char *title; bool number, length; } columns[N_COLUMN
     [INPUT]      = { "Input", false, false },
     [MEAN]       = { "Mean error", true, true },
     [MAX]        = { "Largest error", true, true },
+    [ANGLE_MEAN] = { "Mean angle error [deg]", true, false },
+    [ANGLE_MAX]  = { "Largest angle error [deg]", true, false },
     [STRAY]      = { "Stray", true, true },
     [PERCENT]    = { "% of path", true, false },
     [OBJECTIVE]  = { "Objective", true, false },
@@ -45,6 +47,8 @@ static double number_in(const lw_page_result *r, column c)
     switch (c) {
     case MEAN:      return r->error_mean/units_of(r)->metre;
     case MAX:       return r->error_max/units_of(r)->metre;
+    case ANGLE_MEAN: case ANGLE_MAX:
+        return r->angle_mean == 0 && r->angle_max == 0 ? NAN : (c == ANGLE_MAX ? r->angle_max : r->angle_mean)*180/LW_PI;
     case STRAY:     return r->size > 0 ? r->stray/units_of(r)->metre : NAN;
     case SIZE:      return r->size > 0 ? r->size : NAN;
     case PERCENT:   return r->error_percent;

@@ -86,7 +86,7 @@ static const cli_option options[] = {
     { "max-size", 0, CLI_REAL, offsetof(settings, max_size), "S", "6",
       "without the two ranges above: most length and coordinate, in diagonals of the target", 0.1, 1e9, NULL, NULL },
     { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", "20",
-      "the longest length is at most R times the shortest", 1, 1e9, NULL, NULL },
+      "the longest length is at most R times the shortest; so is the arm of a point", 1, 1e9, NULL, NULL },
     { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
       "limits of single dimensions, as r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
     { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
@@ -103,7 +103,7 @@ static const cli_option options[] = {
       "curve may stray", 0, 0, NULL, NULL },
     { "tolerance", 0, CLI_TEXT, offsetof(settings, tolerance), "E", NULL,
       "list the simplest linkages, then the smallest, that stray from the target by E at most, as 1mm; without a "
-      "unit in that of the target", 0, 0, NULL, NULL },
+      "unit in that of the target. One whose lengths differ by a factor of more than 8 counts as larger", 0, 0, NULL, NULL },
     { "unlimited", 0, CLI_FLAG, offsetof(settings, unlimited), NULL, NULL,
       "no limit holds by default: sizes up to 10 diagonals, any ratio of lengths, any transmission angle, change "
       "points, --through-limits; results are listed by their error alone, but those that leave a target of 32 points or "
@@ -385,15 +385,43 @@ static lw_status check_conditions(const settings *s, bool range_given, lw_error 
 
 /* ---- one target --------------------------------------------------------------------------------- */
 
-typedef struct shown { cli_progress line; double metre2; } shown;
+typedef struct shown {
+    const cli_call *call;
+    cli_progress    line;
+    const char     *path;
+    double          best;
+    int             links, part;            /* of the search in stages; 0: another                      */
+    bool            goes_on;                /* to six links, where no four-bar is near                  */
+} shown;
 
+/* A search has parts, and how many is not known: their percents are no time left. */
 static void show(void *context, double done, double seconds, double best)
 {
     shown *s = context;
-    char note[64];
+    char note[128];
     (void)seconds;
-    snprintf(note, sizeof note, "best objective %.6g", best);
-    cli_progress_show(&s->line, 100*done, 100, note);
+    s->best = fmin(s->best, best);
+    if (s->links == 0) {
+        cli_progress_show(&s->line, 100*done, 100, NULL);
+        return;
+    }
+    int n = snprintf(note, sizeof note, "%d links, part %d: %.0f %%", s->links, s->part, 100*done);
+    if (isfinite(s->best))
+        snprintf(note + n, sizeof note - (size_t)n, ", best objective %.6g", s->best);
+    cli_progress_tell(&s->line, note);
+}
+
+static void begun(void *context, int links)
+{
+    shown *s = context;
+    if (s->goes_on && links > 4 && s->links == 4) {
+        cli_progress_end(&s->line);
+        cli_note(s->call, "%s: no four-bar found is near enough, so six links are searched, too, which takes several times as long; "
+                 "'--links 4' leaves them out", s->path);
+        s->goes_on = false;
+    }
+    s->links = links;
+    s->part++;
 }
 
 /* A number from the command line, or else from the task file. */
@@ -455,7 +483,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side
 {
     const settings *s = call->settings;
     const lw_sharing sharing = { cli_share_loop, together };
-    shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
+    shown progress = { .call = call, .line = cli_progress_begin(call, "fit", "percent"), .path = set->path, .best = INFINITY };
     lw_topology_search_options o = lw_topology_search_options_default();
     lw_status st = topologies(call, set, &o, e);
     if (st != LW_OK)
@@ -474,7 +502,9 @@ static lw_status search(const cli_call *call, cli_fit_set *set, cli_side_by_side
     o.fit.interrupt = s->mpi ? &together->stop : cli_stop_flag();
     o.fit.sharing = s->mpi || s->keep ? &sharing : NULL;
     o.fit.progress = show;
+    o.fit.begun = begun;
     o.fit.context = &progress;
+    progress.goes_on = o.more;
     o.fit.budget = cli_given(&call->parsed, "budget") || set->seconds <= 0 ? (long)s->budget : 0;
     if (s->exact && !cli_given(&call->parsed, "type"))
         o.fit.types = NULL;                              /* chosen by the target's number of stations */
@@ -882,16 +912,18 @@ const cli_command cli_fit_command = {
         "The search looks for dimensions with the smallest sum, over all points, of\n"
         "    A |P - T|^2 + B (alpha - theta)^2       P, alpha: point and angle of the linkage; T, theta: of the "
         "target\n"
-        "By default a result is a linkage that can be built: the input turns fully on a closed target and passes\n"
-        "no limit and no dead point on an open one, the curve stays near the target between the points, transmission angles are\n"
-        "20 degrees or more, lengths differ by a factor of 20 at most and are at most 6 diagonals of the target, and\n"
-        "a four-bar is 1e-3 perimeters from a change point. Every limit is one option; giving one replaces that default\n"
-        "only; --unlimited switches all off. The rows are a front: none is worse than another in error, size, transmission\n"
-        "angle and number of links. The first row weighs them: half the error counts as much as 0.45 of the size (beyond 1.5\n"
-        "diagonals of the target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. Below 1.5\n"
-        "diagonals a smaller one comes first where the rest is nearly alike. An error below 1/1000 of the target counts as none,\n"
+        "By default a result is a linkage that can be built: the input turns fully on a closed target and passes no limit\n"
+        "and no dead point on an open one, the curve stays near the target between the points, transmission angles are 20\n"
+        "degrees or more (of an open target on the way between its ends if the input rocks), lengths and arms of points\n"
+        "differ by a factor of 20 at most and are at most 6 diagonals of the target, and a four-bar is 1e-3 perimeters\n"
+        "from a change point. Every limit is one option; giving one replaces that default only; --unlimited switches all\n"
+        "off. The rows are a front: none is worse than another in error, size, transmission angle and number of links.\n"
+        "The first row weighs them: half the error counts as much as 0.45 of the size (beyond 1.5 diagonals of the\n"
+        "target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. Below 1.5 diagonals\n"
+        "a smaller one comes first where the rest is nearly alike. An error below 1/1000 of the target counts as none,\n"
         "one above 1/50 more. Of a function the ratio of the longest to the shortest length stands for the size, 4 for a\n"
-        "diagonal. --tolerance says instead how much error is as good as none.\n"
+        "diagonal. Less error than 1/10000 of the target is no reason for a row. --tolerance says instead how much error\n"
+        "is as good as none.\n"
         "\n"
         "Every result is simulated a second time by independent code before it is printed. The table of results\n"
         "goes to standard output; with -o FILE the results go to FILE as JSON too, with --json they replace the\n"

@@ -113,13 +113,17 @@ static void describe(const cli_fit_set *s, int i, sheet *h)
                  cli_fit_near_change_point(r) ? ", near a change point" : "");
     snprintf(h->file[i], sizeof h->file[i], "%s-%d.json", s->name, i + 1);
     lw_fit_report_active(r, h->limits[i], sizeof h->limits[i]);
+    size_t at = strlen(h->limits[i]);
+    if (r->broken)
+        snprintf(h->limits[i] + at, sizeof h->limits[i] - at, "%sbeyond: %s", at ? "; " : "", r->broken_text);
     h->result[i] = (lw_page_result){
-        .input = lw_fit_report_input(r), .limits = r->n_active ? h->limits[i] : NULL,
+        .input = lw_fit_report_input(r), .limits = h->limits[i][0] ? h->limits[i] : NULL,
         .stray = lw_fit_report_stray(r), .size = s->target.extent > 0 ? r->size/s->target.extent : 0,
         .scene = &h->scene[i], .type = lw_family_title(c->family),
         .class_name = r->has_class ? h->class_name[i] : NULL, .linkage = &r->linkage, .file = h->file[i],
         .transmission_min = r->transmission_min, .objective = c->objective,
-        .error_mean = r->error_mean, .error_max = r->error_max, .error_percent = r->error_percent
+        .error_mean = r->error_mean, .error_max = r->error_max, .error_percent = r->error_percent,
+        .angle_mean = r->angle_mean, .angle_max = r->angle_max
     };
 }
 

@@ -13,15 +13,28 @@ cli_progress cli_progress_begin(const cli_call *call, const char *what, const ch
                            .unit = unit, .start = now, .shown = now + FIRST_AFTER - SHOW_EVERY };
 }
 
+static bool is_due(cli_progress *p)
+{
+    double now = lw_clock_wall();
+    if (!p->on || now - p->shown < SHOW_EVERY)
+        return false;
+    p->shown = now;
+    return true;
+}
+
+/* The line has n characters now: wipe what is left of the one before. */
+static void wipe_rest(cli_progress *p, int n)
+{
+    if (n < p->width)
+        fprintf(stderr, "%*s", p->width - n, "");
+    p->width = n;
+}
+
 void cli_progress_show(cli_progress *p, double done, double total, const char *note)
 {
-    if (!p->on)
+    if (!is_due(p))
         return;
-    double now = lw_clock_wall(), spent = now - p->start;
-    if (now - p->shown < SHOW_EVERY)
-        return;
-    p->shown = now;
-    double rate = spent > 0 ? done/spent : 0;
+    double spent = p->shown - p->start, rate = spent > 0 ? done/spent : 0;
     int n = fprintf(stderr, "\r%s: %.0f", p->what, done);
     if (total > 0)
         n += fprintf(stderr, " of %.0f", total);
@@ -30,9 +43,13 @@ void cli_progress_show(cli_progress *p, double done, double total, const char *n
         n += fprintf(stderr, ", %.0f s left", (total - done)/rate);
     if (note)
         n += fprintf(stderr, ", %s", note);
-    if (n < p->width)
-        fprintf(stderr, "%*s", p->width - n, "");
-    p->width = n;
+    wipe_rest(p, n);
+}
+
+void cli_progress_tell(cli_progress *p, const char *note)
+{
+    if (is_due(p))
+        wipe_rest(p, fprintf(stderr, "\r%s: %.0f s, %s", p->what, p->shown - p->start, note));
 }
 
 void cli_progress_end(cli_progress *p)

@@ -19,6 +19,9 @@ cli_progress cli_progress_begin(const cli_call *call, const char *what, const ch
  * from one thread only. */
 void cli_progress_show(cli_progress *p, double done, double total, const char *note);
 
+/* The same for work whose end is not known: the seconds since the beginning, and the note. */
+void cli_progress_tell(cli_progress *p, const char *note);
+
 void cli_progress_end(cli_progress *p);       /* wipes the line */
 
 #endif

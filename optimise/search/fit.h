@@ -52,6 +52,8 @@ typedef struct lw_fit_options {
     const volatile int *interrupt;   /* the search stops when it becomes nonzero; NULL: nothing stops it */
     /* Called after each round, may be NULL; done in [0, 1], best objective so far. */
     void      (*progress)(void *context, double done, double seconds, double best);
+    /* Called before each part of a search in stages, of linkages with so many links; may be NULL.  `done` begins again. */
+    void      (*begun)(void *context, int links);
     /* Called after each round that found something better, for work-precision curves; may be NULL. */
     void      (*improved)(void *context, long evals, double seconds, double best);
     /* Called after each round whose best find is better than that of the rounds before; may be NULL. */

@@ -81,7 +81,7 @@ typedef struct lw_fit_spec {
                                         * several pins are lengths too; tracers are at most hi from the pins */
     bool      dimensions_only;         /* the range bounds the variables that are lengths, and nothing else */
     double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
-    double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
+    double    length_ratio;            /* of the longest length, or arm of a point, to the shortest length, 0: not asked */
     lw_carrier carrier[LW_ALSO_MAX];   /* of the target's further points                          */
     int       n_zone;
     lw_zone   zone[LW_ZONE_MAX];

@@ -542,6 +542,8 @@ static lw_status run_part(const lw_target *t, const lw_fit_options *o, const lw_
         mine.rounds_from = (whole - (double)c->left[i])/whole;
         mine.rounds_to = (whole - (double)(c->left[i] - budget))/whole;
     }
+    if (o->begun)
+        o->begun(o->context, stage[i].links);
     lw_status st = run_stage(t, &mine, &stage[i], i > 0 ? stage[i].links - 2 : 0, budget, budget < c->whole[i], end, r,
                              out, e);
     double after = least_of(&out->fit, stage[i].links);
