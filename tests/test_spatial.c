@@ -1,6 +1,5 @@
 /* Spatial models: what is read and refused, postures along inputs, mobility of linkages whose answer is known. */
 #include <unistd.h>
-#include "base/clock.h"
 #include "base/rng.h"
 #include "mbs/space/space_mobility.h"
 #include "mbs/space/space_trace.h"
@@ -266,14 +265,12 @@ TEST(long_rows_of_loops_move)
         lw_spatial m;
         lw_space_mobility got;
         lw_error e = { 0 };
-        double from = lw_clock_cpu();
         read_space_row(n, &m);
         CHECK_INT(lw_space_mobility_find(&m, 1e-12, check_seed(), NULL, &got, &e), LW_OK);
         CHECK_INT(got.count, 1);
         CHECK_INT(got.freedom, 1);
         CHECK_INT(got.n_redundant, 0);
         CHECK(got.moved > 3e-3 && !got.shaky);
-        CHECK(lw_clock_cpu() - from < 20);
         lw_space_mobility_free(&got);
         lw_spatial_free(&m);
     }
