@@ -117,7 +117,7 @@ $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 # the program for tests of limits and faults: the environment sets its clock, its end by a signal, the call that fails, and
 # its instruction set
 WRAPPED  = malloc calloc realloc aligned_alloc strdup strndup open_memstream fsync rename pthread_create write fflush fclose \
-           lw_kernels_supported timer_settime
+           lw_kernels_supported timer_settime dlopen gp_New
 $B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/tests/fail_at_call.o $B/tests/fake_processor.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAPPED:%=-Wl,--wrap=%) $^ $(LIBS) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
@@ -176,7 +176,8 @@ shared: $B/liblinkwright.so
 samples: $(SAMPLES)                # each checks its own result
 	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
 run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $B/tests/test_python $B/tests/test_studio_page samples   # replay.o named: else a second make misses it
-	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS) $B/tests/test_python $B/tests/test_studio_page
+	@LW_PROGRAM=$B/linkwright tests/run.sh $(LONGEST) $(filter-out $(LONGEST),$(TESTS)) $B/tests/test_python $B/tests/test_studio_page
+LONGEST  = $(patsubst %,$B/tests/test_%,cli_faults cli_promises cli_fit staged_search cli_search)     # first, so that the last ones end together
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
 	    --results 1 --quiet --json -o $B/foot.json

@@ -184,8 +184,7 @@ static pthread_mutex_t igraph_lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* Loaded with the first graph that needs it (base/library.h); most commands need none. */
 #if IGRAPH_VERSION_MAJOR == 0 && IGRAPH_VERSION_MINOR == 10
-#define IGRAPH_FILE    "libigraph.so.3"
-#define IGRAPH_PACKAGE "libigraph3"
+#define IGRAPH_FILE "libigraph.so.3"
 #else
 #error "igraph 0.10 is known here; see bliss_label about the sense of permutations, and name the file of the other"
 #endif
@@ -208,7 +207,7 @@ static lw_status need_igraph(lw_error *e)
         CALLS(X)
 #undef X
     };
-    return igraph.create ? LW_OK : lw_library_load(IGRAPH_FILE, IGRAPH_PACKAGE, call, (int)(sizeof call/sizeof *call), e);
+    return igraph.create ? LW_OK : lw_library_load(IGRAPH_FILE, "libigraph3", call, (int)(sizeof call/sizeof *call), e);
 }
 
 typedef struct bliss {
@@ -326,6 +325,18 @@ static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, 
     }
     pthread_mutex_unlock(&igraph_lock);
     return status;
+}
+
+lw_status lw_graph_error(lw_error *e, lw_status s)
+{
+    if (s >= LW_OK || !e || e->text[0])
+        return s;
+    if (s == LW_E_IO) {
+        pthread_mutex_lock(&igraph_lock);
+        (void)need_igraph(e);
+        pthread_mutex_unlock(&igraph_lock);
+    }
+    return e->text[0] ? s : lw_error_set(e, s, "%s", lw_status_text(s));
 }
 
 lw_status lw_graph_label(const lw_graph *g, uint8_t *to)

@@ -16,7 +16,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "base/status.h"
+#include "base/error.h"
 #include "grammar/topology/chain.h"
 #include "grammar/topology/structure.h"
 
@@ -39,6 +39,10 @@ void lw_graph_refine(const lw_graph *g, uint64_t *colour);
 /* Canonical labelling: vertex i has place to[i] in the canonical form.  to (g->n).
  * LW_E_MEMORY; LW_E_IO: igraph, which is loaded when it is first needed, is not installed. */
 lw_status lw_graph_label(const lw_graph *g, uint8_t *to);
+
+/* Unless e holds a message, tell in it what a status of these functions, or of what is built on them, means; returns s.
+ * LW_E_IO is igraph that is not installed: which package to install. */
+lw_status lw_graph_error(lw_error *e, lw_status s);
 
 /* The canonical form itself, for chains and for structures. */
 lw_status lw_chain_canonical(const lw_chain *c, lw_chain *form);

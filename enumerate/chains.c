@@ -1,6 +1,7 @@
 /* enumerate/chains.c - see chains.h: the set of structures, the walk over it, visiting, tables of counts. */
 #include <stdlib.h>
 #include <string.h>
+#include "enumerate/canon.h"
 #include "enumerate/chains_internal.h"
 #include "enumerate/distinct.h"
 
@@ -54,7 +55,7 @@ lw_status lw_chains_create_within(int n_link, int dof, int most_circles, int n_t
         return LW_OK;
     }
     free(made);
-    return lw_error_set(e, status, status == LW_STOPPED ? "stopped while the structures were grown" : "out of memory");
+    return status == LW_STOPPED ? lw_error_set(e, status, "stopped while the structures were grown") : lw_graph_error(e, status);
 }
 
 void lw_chains_free(lw_chains *chains)
@@ -104,7 +105,7 @@ static lw_chain the_ring(const lw_chains *chains)
 typedef struct relay {
     lw_chain_item   item;
     lw_chain        chain;
-    bool          (*wanted)(const lw_chain *c);
+    lw_filter_chain *wanted;
     lw_chain_visit *visit;
     void           *context;
 } relay;
@@ -113,7 +114,10 @@ static lw_status relay_weighting(void *context, const uint8_t *weight)
 {
     relay *r = context;
     lw_status status = lw_structure_chain(r->item.structure, weight, &r->chain);
-    if (status != LW_OK || (r->wanted && !r->wanted(&r->chain)))
+    bool keep = true;
+    if (status == LW_OK && r->wanted)
+        status = r->wanted(&r->chain, &keep);
+    if (status != LW_OK || !keep)
         return status;
     r->item.weight = weight;
     return r->visit(r->context, &r->item);
@@ -123,17 +127,20 @@ lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, s
                             lw_chain_visit *visit, void *context)
 {
     const lw_filter *f = how->filter;
+    bool keep = true;
     relay r = { .wanted = f && !f->structure ? f->chain : NULL, .visit = visit, .context = context };
     r.item = (lw_chain_item){ .chain = &r.chain, .index = lw_walk_index(how, k), .weighting = w };
     if (!chains->structures) {
         r.chain = the_ring(chains);
-        return !f || f->chain(&r.chain) ? visit(context, &r.item) : LW_OK;
+        lw_status asked = f ? f->chain(&r.chain, &keep) : LW_OK;
+        return asked == LW_OK && keep ? visit(context, &r.item) : asked;
     }
     lw_structure s;
     lw_structures_get(chains->structures, chains->numbers.n_loop, r.item.index, &s);
-    if (f && f->structure && !f->structure(&s))
-        return LW_OK;
-    lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
+    lw_status status = f && f->structure ? f->structure(&s, &keep) : LW_OK;
+    if (status != LW_OK || !keep)
+        return status;
+    status = lw_weighting_prepare(w, &s, chains->numbers.dof);
     r.item.structure = lw_weighting_structure(w);
     return status == LW_OK ? lw_weighting_each(w, relay_weighting, &r) : status;
 }
@@ -160,9 +167,11 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
         return lw_walk_structure(chains, how, k, w, tally_item, tally);
     lw_structure s;
     lw_structures_get(chains->structures, chains->numbers.n_loop, lw_walk_index(how, k), &s);
-    if (f && !distinct && !f->structure(&s))
-        return LW_OK;
-    lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
+    bool keep = true;
+    lw_status status = f && !distinct ? f->structure(&s, &keep) : LW_OK;
+    if (status != LW_OK || !keep)
+        return status;
+    status = lw_weighting_prepare(w, &s, chains->numbers.dof);
     return status != LW_OK ? status : distinct ? lw_distinct_count(w, tally)
          : generating ? lw_weighting_excess(w, tally) : lw_weighting_count(w, tally);
 }

@@ -4,60 +4,71 @@
 #include "enumerate/filter.h"
 #include "grammar/topology/planar.h"
 
-static bool rows_planar(int n, const uint32_t *row)
-{
-    bool planar = false;
-    return lw_planar_test(n, row, &planar) == LW_OK && planar;
-}
-
-static bool chain_planar(const lw_chain *c)
+static lw_status chain_planar(const lw_chain *c, bool *keep)
 {
     uint32_t row[LW_LINK_MAX];
     for (int i = 0; i < c->n_link; i++)
         row[i] = lw_chain_neighbours(c, i);
-    return rows_planar(c->n_link, row);
+    return lw_planar_test(c->n_link, row, keep);
 }
 
 /* Binary links and parallel lines do not affect planarity. */
-static bool structure_planar(const lw_structure *s)
+static lw_status structure_planar(const lw_structure *s, bool *keep)
 {
     uint32_t row[LW_CIRCLE_MAX];
     lw_structure_rows(s, row);
-    return rows_planar(s->n_circle, row);
+    return lw_planar_test(s->n_circle, row, keep);
 }
 
-static bool chain_not_planar(const lw_chain *c) { return !chain_planar(c); }
-static bool structure_not_planar(const lw_structure *s) { return !structure_planar(s); }
+static lw_status chain_not_planar(const lw_chain *c, bool *keep)
+{
+    bool planar = false;
+    lw_status status = chain_planar(c, &planar);
+    *keep = !planar;
+    return status;
+}
 
-static bool chain_asymmetric(const lw_chain *c)
+static lw_status structure_not_planar(const lw_structure *s, bool *keep)
+{
+    bool planar = false;
+    lw_status status = structure_planar(s, &planar);
+    *keep = !planar;
+    return status;
+}
+
+static lw_status chain_asymmetric(const lw_chain *c, bool *keep)
 {
     lw_graph g;
     lw_symmetry_group group;
     lw_graph_of_chain(c, &g);
-    bool trivial = lw_graph_group(&g, &group) == LW_OK && group.n_generator == 0;
+    lw_status status = lw_graph_group(&g, &group);
+    *keep = group.n_generator == 0;
     lw_symmetry_group_free(&group);
-    return trivial;
+    return status;
 }
 
-static bool chain_no_dyad(const lw_chain *c)
+static lw_status chain_no_dyad(const lw_chain *c, bool *keep)
 {
+    *keep = true;
     for (int i = 0; i < c->n_link; i++)
         for (uint32_t rest = lw_chain_neighbours(c, i); rest && lw_chain_degree(c, i) == 2; rest &= rest - 1)
             if (lw_chain_degree(c, __builtin_ctz(rest)) == 2)
-                return false;
-    return true;
+                *keep = false;
+    return LW_OK;
 }
 
-static bool chain_every(const lw_chain *c)
+static lw_status chain_every(const lw_chain *c, bool *keep)
 {
     (void)c;
-    return true;
+    *keep = true;
+    return LW_OK;
 }
 
-static bool structure_every(const lw_structure *s)
+static lw_status structure_every(const lw_structure *s, bool *keep)
 {
     (void)s;
-    return true;
+    *keep = true;
+    return LW_OK;
 }
 
 const lw_filter lw_filters[] = {

@@ -4,12 +4,17 @@
 #define LW_ENUMERATE_FILTER_H
 
 #include <stdbool.h>
+#include "base/status.h"
 #include "grammar/topology/structure.h"
+
+/* *keep: keep this one.  LW_E_MEMORY, LW_E_IO: igraph is not installed. */
+typedef lw_status lw_filter_chain(const lw_chain *c, bool *keep);
+typedef lw_status lw_filter_structure(const lw_structure *s, bool *keep);
 
 typedef struct lw_filter {
     const char *name, *text;                        /* "planar", "the graph can be drawn without crossings" */
-    bool (*chain)(const lw_chain *c);               /* true: keep this chain                                */
-    bool (*structure)(const lw_structure *s);       /* NULL, or the answer if it is the same for all chains of a
+    lw_filter_chain     *chain;
+    lw_filter_structure *structure;                 /* NULL, or the answer if it is the same for all chains of a
                                                        structure; then counting needs no listing            */
 } lw_filter;
 

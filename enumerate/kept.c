@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include "base/bytes.h"
 #include "base/parallel.h"
+#include "enumerate/canon.h"
 #include "enumerate/kept.h"
 
 #define PART_STRUCTURES 4096         /* structures of one part: about a second of work with nine loops */
@@ -354,7 +355,7 @@ static void count_part(void *context, size_t job, int thread)
         status = lw_kept_add(r->k, r->part[job], &table, r->e);
         r->done++;
     } else if (status != LW_STOPPED && r->status == LW_OK) {
-        (void)lw_error_set(r->e, status, "%s", lw_status_text(status));
+        (void)lw_graph_error(r->e, status);
     }
     if (r->status == LW_OK)
         r->status = status;

@@ -434,8 +434,9 @@ lw_status lw_structures_stored(const char *path, int loops, int n_thread, lw_str
         return status;
     status = lw_structures_create_while(loops, n_thread, tick, context, set);
     if (status != LW_OK)
-        (void)lw_error_set(e, status, status == LW_STOPPED ? "stopped while the structures with %d loops were grown"
-                           : "the structures with %d loops do not fit into memory", loops);
+        (void)(status == LW_E_IO ? lw_graph_error(e, status)
+             : lw_error_set(e, status, status == LW_STOPPED ? "stopped while the structures with %d loops were grown"
+                            : "the structures with %d loops do not fit into memory", loops));
     if (!path || status != LW_OK) {
         if (path)
             lw_output_abandon(&o);

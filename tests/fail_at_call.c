@@ -3,11 +3,13 @@
  *     LW_FAIL=malloc:3        the third call that takes memory fails
  *     LW_CALLS_FILE=path      a program that ends writes how often each kind was called to this file: "malloc 12"
  *     LW_FAIL_SHOW=1          shows where the call came from
+ *     LW_HIDE=igraph          libraries with this in their name, of those loaded late, are not there
  *
- * Kinds: malloc (malloc, calloc, realloc, aligned_alloc, strdup, strndup, open_memstream), fsync, rename,
- * pthread_create, write (write, fflush, fclose, and writes of SQLite), jansson and sqlite (what these take).
+ * Kinds: malloc (malloc, calloc, realloc, aligned_alloc, strdup, strndup, open_memstream, and gp_New of libplanarity),
+ * fsync, rename, pthread_create, write (write, fflush, fclose, and writes of SQLite), jansson and sqlite (what these take).
  * The linker sends the calls of linkwright's own files here (--wrap in the Makefile).  Calls inside other shared
  * libraries stay out of reach: GSL, NLopt, igraph, SUNDIALS, libplanarity, cairo, giflib and the C library itself. */
+#include <dlfcn.h>
 #include <errno.h>
 #include <execinfo.h>
 #include <jansson.h>
@@ -51,6 +53,7 @@ WRAP(void *, aligned_alloc, (size_t by, size_t n), (by, n), MEMORY, NULL, ENOMEM
 WRAP(char *, strdup, (const char *text), (text), MEMORY, NULL, ENOMEM)
 WRAP(char *, strndup, (const char *text, size_t n), (text, n), MEMORY, NULL, ENOMEM)
 WRAP(FILE *, open_memstream, (char **text, size_t *n), (text, n), MEMORY, NULL, ENOMEM)
+WRAP(void *, gp_New, (void), (), MEMORY, NULL, ENOMEM)
 WRAP(int, fsync, (int fd), (fd), SYNC, -1, EIO)
 WRAP(int, rename, (const char *from, const char *to), (from, to), RENAME, -1, EIO)
 WRAP(int, pthread_create, (pthread_t *t, const pthread_attr_t *a, void *(*run)(void *), void *data), (t, a, run, data),
@@ -67,6 +70,14 @@ int __wrap_fclose(FILE *f)
     if (lost)
         errno = ENOSPC;
     return lost ? EOF : code;
+}
+
+void *__real_dlopen(const char *file, int mode);
+void *__wrap_dlopen(const char *file, int mode);
+void *__wrap_dlopen(const char *file, int mode)
+{
+    const char *hidden = getenv("LW_HIDE");
+    return __real_dlopen(hidden && strstr(file, hidden) ? "hidden.so.0" : file, mode);
 }
 
 static void *jansson_malloc(size_t n) { return fails(JANSSON, ENOMEM) ? NULL : __real_malloc(n); }

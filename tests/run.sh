@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Run test programs, as many at a time as there are processors, and add up their results.
+# Run test programs, one more at a time than there are processors, since some wait, and add up their results.
 #     tests/run.sh PROGRAM...
 # The last line of a program is "<name>: N passed, M failed".  A program counts as failed if it crashes, prints no such
 # line, leaves a file in its folder for temporary files, or runs for more than LW_TEST_SECONDS (an hour: only a program
@@ -29,7 +29,7 @@ run_one() {
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 export -f run_one
 
-printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(nproc)" bash -c 'run_one "$0" "$1"' "$logs"
+printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(($(nproc) + 1))" bash -c 'run_one "$0" "$1"' "$logs"
 cat "$logs"/*.sum 2>/dev/null | awk '
     { passed += $2; failed += $4 }
     END { printf "%d passed, %d failed\n", passed, failed; exit failed > 0 || passed == 0 }'

@@ -13,7 +13,7 @@ static int circuits(const lw_linkage *k, uint64_t seed)
     lw_circuits c;
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 40, seed, NULL, &c, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 40, seed, &c, &e), LW_OK);
     CHECK(c.since == 40 && !c.full && c.closed <= c.draws);
     for (int i = 0; i < c.n; i++)
         CHECK(lw_motion_curve_worst(c.curve[i]) <= 1e-12*s.unit);
@@ -77,7 +77,7 @@ TEST(both_branches_at_a_change_point)
     lw_error e = { 0 };
     fourbar_linkage(&l, k, 1, 0.5);
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 30, 1, NULL, &c, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 30, 1, &c, &e), LW_OK);
     CHECK_INT(c.n, 2);
     for (int i = 0; i < c.n; i++) {
         int n, crossings = 0;

@@ -393,7 +393,9 @@ TEST(failed_outputs_end_the_work)
 {
     static const char *const slow[] = { "$P trace examples/jansen.json -n 1e7", "$P trace examples/jansen.json -n 1e7 --json",
         "$P trace examples/space/bricard.json -n 1e7", STREAM "$P grammar explain", "$P chains --links 16",
-        "$P simulate examples/space/governor.json --to 1e5 -n 1e6",
+        "$P simulate examples/space/governor.json --to 1e5 -n 1e6", "$P robot map examples/space/delta.json --places 1000",
+        "$P robot workspace examples/space/delta.json --rays 100000", "$P family sweep examples/families/loader.json --vary reach=2:3:1000000",
+        "$P family sweep examples/families/loader.json --vary reach=2:3:1000000 --json", "$P drive simulate examples/drives/servo-axis.json -n 1e6 --to 1e5",
         "$P catalogue query $D/six.db 'WITH RECURSIVE x(n) AS (SELECT 1 UNION ALL SELECT n+1 FROM x) SELECT n FROM x' --sql" };
     char line[800], bounded[600];
     for (size_t i = 0; i < sizeof slow/sizeof *slow; i++) {
@@ -401,6 +403,8 @@ TEST(failed_outputs_end_the_work)
         snprintf(line, sizeof line, "%s -q -o /dev/full; test $? = 3", bounded);
         demand(line, slow[i]);
     }
+    demand("{ timeout 100 $P robot map examples/space/delta.json --places 1000 -q; echo $? > $D/code; } | head -n 1 | "
+           "grep -q units && test $(cat $D/code) -ge 3", "a pipe that is closed after one of the slow rows");
     demand("trap '' PIPE; { timeout 100 $P trace examples/jansen.json -n 1e7 -q; echo $? > $D/code; } | head -n 1; test $(cat $D/code) = 3",
            "a pipe that nobody reads, and no SIGPIPE");
 }

@@ -232,7 +232,8 @@ static lw_status describe(const job *j, entry *x)
     lw_status s = lw_mechanism_from_chain(c, &m);
     if (s == LW_OK)
         s = count_symmetry(c, x);
-    r->planar = j->planar->chain(c);
+    if (s == LW_OK)
+        s = j->planar->chain(c, &r->planar);
     if (s == LW_OK)
         s = print_chain(c, &m, x, place);
     if (s == LW_OK && j->what->pictures)
@@ -274,7 +275,7 @@ static lw_status write_block(job *j)
     for (int i = 0; i < j->n && s == LW_OK; i++) {
         entry *x = &j->entry[i];
         if (x->status != LW_OK)
-            s = lw_error_set(&j->e, x->status, "%s", x->e.text[0] ? x->e.text : lw_status_text(x->status));
+            s = x->e.text[0] ? lw_error_set(&j->e, x->status, "%s", x->e.text) : lw_graph_error(&j->e, x->status);
         else
             s = lw_store_put_chain(t->store, &x->row, &j->e);
         j->counts->done += s == LW_OK;
@@ -312,9 +313,11 @@ static lw_status write_structures(job *j)
         lw_structures_derive(set, loops, i, &d);
         lw_structure_print(&one, form, sizeof form);
         lw_derivation_print(&d, derivation, sizeof derivation);
-        lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, j->planar->structure(&one), form,
-                                 derivation };
-        s = lw_build_stopped(j->control) ? LW_STOPPED : lw_store_put_structure(j->transaction.store, &t, &j->e);
+        bool planar;
+        s = lw_build_stopped(j->control) ? LW_STOPPED : lw_graph_error(&j->e, j->planar->structure(&one, &planar));
+        lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, planar, form, derivation };
+        if (s == LW_OK)
+            s = lw_store_put_structure(j->transaction.store, &t, &j->e);
     }
     return s;
 }

@@ -96,8 +96,7 @@ lw_status lw_build_curves(lw_store *s, const lw_curve_maker *maker, lw_atlas_kin
         status = lw_build_sweep_draw(&b, b.sweep.segments, control, tree);
         if (status == LW_STOPPED)
             return status;
-        status = status != LW_OK ? lw_error_set(e, status, "%s", lw_status_text(status))
-                                 : lw_build_sweep_put(&b, s, tree, counts, e);
+        status = status != LW_OK ? lw_graph_error(e, status) : lw_build_sweep_put(&b, s, tree, counts, e);
     }
     return status;
 }

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "catalogues/build/build.h"
+#include "enumerate/canon.h"
 
 typedef struct lw_build_transaction {
     lw_store *store;
@@ -55,7 +56,7 @@ static inline bool lw_build_goes_on(const lw_build_control *c, double done, doub
 static inline lw_status lw_build_fault(lw_status s, const lw_error *found, lw_error *e)
 {
     if (s != LW_OK && !found->text[0])
-        lw_error_set(e, s, "%s", lw_status_text(s));
+        lw_graph_error(e, s);
     else if (s != LW_OK && e)
         *e = *found;
     return s;

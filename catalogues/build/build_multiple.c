@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "catalogues/build/build_internal.h"
+#include "enumerate/canon.h"
 #include "enumerate/multiple.h"
 #include "grammar/topology/planar.h"
 
@@ -61,7 +62,7 @@ static lw_status take(void *context, const lw_multiple *found)
         s = lw_planar_test(graph.n_link, ties, &row.planar);
     }
     if (s != LW_OK)
-        return lw_error_set(j->e, s, "%s", lw_status_text(s));
+        return lw_graph_error(j->e, s);
     row.joints = lw_multiple_joints(&m);
     row.loops = row.joints - m.n_link + 1;
     lw_multiple_print(&m, pins, sizeof pins);

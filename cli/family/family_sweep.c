@@ -233,7 +233,7 @@ static void write_csv(const sweep *s, FILE *f)
     bool failed = false;
     for (size_t k = 0; k < s->n; k++)
         failed = failed || s->why[k][0];
-    fprintf(f, "# %s\n# units: ", s->call->line);
+    fputs("# units: ", f);
     for (int i = 0; i < s->n_vary; i++)
         fprintf(f, "%s%s", i ? "," : "", s->vary[i].unit);
     for (int i = 0; i < s->n_measure; i++)
@@ -265,10 +265,8 @@ static void write_csv(const sweep *s, FILE *f)
     }
 }
 
-static void write_json(const sweep *s, FILE *f)
+static void write_json(const sweep *s, cli_json j)
 {
-    cli_json j = cli_json_begin(f, 2);
-    cli_json_head(&j, s->call->line);
     cli_json_array(&j, "columns");
     for (int i = 0; i < s->n_vary; i++)
         cli_json_text(&j, NULL, s->vary[i].name);
@@ -390,12 +388,10 @@ static lw_status make_differences(sweep *s, double *base_point, lw_error *e)
     return st;
 }
 
-static void write_sensitivities(const sweep *s, FILE *f, const double *base_point, const double *base)
+static void write_sensitivities(const sweep *s, FILE *f, cli_json j, const double *base_point, const double *base)
 {
     bool json = s->call->common.json;
-    cli_json j = cli_json_begin(f, 2);
     if (json) {
-        cli_json_head(&j, s->call->line);
         cli_json_array(&j, "figures");
         for (int i = 0; i < s->n_measure; i++) {
             cli_json_object(&j, NULL);
@@ -407,8 +403,7 @@ static void write_sensitivities(const sweep *s, FILE *f, const double *base_poin
         cli_json_end(&j);
         cli_json_array(&j, "sensitivities");
     } else {
-        fprintf(f, "# %s\n# percent of change of a figure for one percent of change of a "
-                   "parameter\nparameter,base,unit", s->call->line);
+        fputs("# percent of change of a figure for one percent of change of a parameter\nparameter,base,unit", f);
         for (int i = 0; i < s->n_measure; i++) {
             fputc(',', f);
             put_quoted(f, s->measure[i].text);
@@ -491,13 +486,21 @@ int cli_family_sweep(const cli_call *call)
         st = o->sensitivity ? make_differences(s, base_point, &e) : o->samples > 0 ? make_samples(s, o->samples, &e)
             : make_grid(s, &e);
     bool opened = st == LW_OK && (st = cli_open(call, &out, &e)) == LW_OK;        /* before the long work */
+    cli_json j = { 0 };
+    if (opened && call->common.json) {           /* a first line, so that an output that takes none ends the work */
+        j = cli_json_begin(out.f, 2);
+        cli_json_head(&j, call->line);
+    } else if (opened)
+        fprintf(out.f, "# %s\n", call->line);
     if (opened && (st = compute(s, &e)) != LW_OK)
         lw_output_abandon(&out);
     else if (opened) {
         if (o->sensitivity)
-            write_sensitivities(s, out.f, base_point, base);
+            write_sensitivities(s, out.f, j, base_point, base);
+        else if (call->common.json)
+            write_json(s, j);
         else
-            (call->common.json ? write_json : write_csv)(s, out.f);
+            write_csv(s, out.f);
         code = cli_close(call, &out, CLI_DONE);
         char partial[LW_PATH_SIZE + 16];
         const char *to = o->plot ? cli_picture_path(call, o->plot, code, partial) : NULL;

@@ -260,10 +260,10 @@ static void keep_posture_stretch(cli_curve_trace *t)
 
 static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all, lw_error *e)
 {
-    lw_motion_curve_options o = { .input = 0 };
+    lw_motion_curve_options o = { .input = 0, .stop = cli_stop_flag() };
     lw_status st = LW_OK;
     if (all) {
-        st = lw_circuits_find(&t->s, &o, 300, call->common.seed, cli_stop_flag(), &t->curves, e);
+        st = lw_circuits_find(&t->s, &o, 300, call->common.seed, &t->curves, e);
         if (st == LW_OK)
             cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
                      t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,

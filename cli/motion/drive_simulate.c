@@ -117,7 +117,7 @@ static void print_text(const job *b, FILE *f)
             fprintf(f, b->im[k] > 0 ? "  %.9g +- %.9g i\n" : "  %.9g\n", b->re[k], b->im[k]);
 }
 
-static void print_rows(const job *b, FILE *f)
+static void print_head(const job *b, FILE *f)
 {
     fputs("# units:", f);
     for (int c = 0; c < COLUMNS; c++)
@@ -126,6 +126,10 @@ static void print_rows(const job *b, FILE *f)
     for (int c = 0; c < COLUMNS; c++)
         fprintf(f, "%s%s", c ? "," : "", columns[c]);
     fputc('\n', f);
+}
+
+static void print_rows(const job *b, FILE *f)
+{
     for (size_t r = 0; r < b->n_row; r++)
         for (int c = 0; c < COLUMNS; c++) {
             char text[LW_NUMBER_SIZE];
@@ -134,12 +138,10 @@ static void print_rows(const job *b, FILE *f)
         }
 }
 
-static void print_json(const job *b, FILE *f, bool rows)
+static void print_json(const job *b, cli_json j, bool rows)
 {
     figure figures[N_FIGURE];
-    cli_json j = cli_json_begin(f, 2);
     fill_figures(b, figures);
-    cli_json_head(&j, b->call->line);
     for (int i = 0; i < N_FIGURE; i++)
         cli_json_real(&j, figures[i].key, figures[i].value);
     cli_json_array(&j, "loops");
@@ -454,7 +456,7 @@ static lw_status analyse(job *b, lw_error *e)
 
 static bool is_unstable(const job *b) { return b->n_pole > 0 && b->re[0] > 1e-9*fabs(b->re[b->n_pole - 1]); }
 
-static lw_status run_job(job *b, const char *file, lw_error *e)
+static lw_status read_job(job *b, const char *file, lw_error *e)
 {
     const cli_drive_settings *s = b->call->settings;
     char *text = NULL;
@@ -473,10 +475,12 @@ static lw_status run_job(job *b, const char *file, lw_error *e)
     b->row = malloc(((size_t)s->steps + 1)*COLUMNS*sizeof *b->row);
     if (!b->row)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    st = analyse(b, e);
-    if (st != LW_OK)
-        return st;
-    st = lw_servo_run(&b->servo, &b->o, keep, b, &b->r, e);
+    return analyse(b, e);
+}
+
+static lw_status run_job(job *b, lw_error *e)
+{
+    lw_status st = lw_servo_run(&b->servo, &b->o, keep, b, &b->r, e);
     if (st == LW_E_NUMERIC && is_unstable(b)) {
         char why[sizeof e->text];
         snprintf(why, sizeof why, "%.300s", e->text);
@@ -499,16 +503,29 @@ int cli_drive_simulate(const cli_call *call)
     job *b = calloc(1, sizeof *b);
     if (b)
         b->call = call;
-    lw_status st = b ? run_job(b, call->parsed.word[1], &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    lw_status st = b ? read_job(b, call->parsed.word[1], &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK)
         st = cli_open(call, &o, &e);
+    cli_json j = { 0 };
+    if (st == LW_OK) {                           /* an output that takes no line ends the work */
+        if (call->common.json) {
+            j = cli_json_begin(o.f, 2);
+            cli_json_head(&j, call->line);
+        } else if (rows)
+            print_head(b, o.f);
+        st = run_job(b, &e);
+        if (st != LW_OK && ferror(o.f))
+            lw_error_at(&e, LW_E_IO, o.path, 0, 0, "cannot be written");
+        if (st != LW_OK)
+            lw_output_abandon(&o);
+    }
     int code = st == LW_OK ? CLI_DONE : cli_fail(call, &e);
     if (st == LW_OK) {
         if (is_unstable(b))
             cli_note(call, "the loop is unstable: its pole %.6g %+.6g i 1/s grows; what is printed holds within the limits of "
                      "the amplifier", b->re[0], fabs(b->im[0]));
         if (call->common.json)
-            print_json(b, o.f, rows);
+            print_json(b, j, rows);
         else if (rows)
             print_rows(b, o.f);
         else

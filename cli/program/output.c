@@ -108,21 +108,39 @@ static char partial_name[LW_PATH_SIZE + 16];     /* what the first becomes then,
 /* ---- an output that fails ends the work ------------------------------------------------------------ */
 
 /* The output is written through a stream that notices the first failure. A command may work for hours between two looks at
- * ferror, and all that time for nothing. */
-static struct { FILE *shown, *real; } watched;
+ * ferror, and all that time for nothing. Lines are held to be written together, but for HELD seconds at most, so that rows that
+ * take long are written, and fail, one by one. */
+#define HELD 0.1
+static struct { FILE *shown, *real; double last; size_t n; char held[8192]; } watched;
 
 static void end_after_failed_write(void);
 
+static bool write_held(FILE *real, const char *data, size_t n)
+{
+    bool done = fwrite(watched.held, 1, watched.n, real) == watched.n && fwrite(data, 1, n, real) == n;
+    watched.n = 0;
+    if (!done)
+        end_after_failed_write();
+    return done;
+}
+
 static ssize_t pass_on(void *real, const char *data, size_t n)
 {
-    size_t done = fwrite(data, 1, n, real);
-    if (done < n)
-        end_after_failed_write();
-    return (ssize_t)done;
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC_COARSE, &t);
+    double now = (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+    if (watched.n + n > sizeof watched.held || now - watched.last > HELD) {
+        watched.last = now;
+        return write_held(real, data, n) ? (ssize_t)n : 0;
+    }
+    memcpy(watched.held + watched.n, data, n);
+    watched.n += n;
+    return (ssize_t)n;
 }
 
 static int close_real(void *real)
 {
+    write_held(real, NULL, 0);
     FILE *f = watched.real ? real : NULL;        /* NULL: unwatch keeps it open */
     watched.shown = watched.real = NULL;
     return f ? fclose(f) : 0;
@@ -135,6 +153,8 @@ static void watch(lw_output *o)
     if (!f)
         return;                                  /* a terminal shows each line at once, and takes all */
     setvbuf(o->f, NULL, _IONBF, 0);
+    setvbuf(f, NULL, _IOLBF, sizeof watched.held);
+    watched.last = 0;
     watched.real = o->f;
     o->f = watched.shown = f;
 }

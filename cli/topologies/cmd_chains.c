@@ -10,6 +10,7 @@
 #include "cli/program/progress.h"
 #include "cli/program/resume.h"
 #include "cli/program/topology.h"
+#include "enumerate/canon.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
 #include "enumerate/fractionated.h"
@@ -206,17 +207,19 @@ static lw_status say_how_long(task *t, lw_error *error)
 /* ---- counting ------------------------------------------------------------------------------------- */
 
 /* Is this fractionated chain in our part of the work, and does it pass the filter? */
-static bool wanted(task *t, const lw_chain *c)
+static lw_status ask_wanted(task *t, const lw_chain *c, bool *wanted)
 {
-    bool mine = t->at++ % (uint64_t)t->how.n_part == (uint64_t)t->how.part;
-    return mine && (!t->how.filter || t->how.filter->chain(c));
+    *wanted = t->at++ % (uint64_t)t->how.n_part == (uint64_t)t->how.part;
+    return *wanted && t->how.filter ? t->how.filter->chain(c, wanted) : LW_OK;
 }
 
 static lw_status count_fractionated(void *context, const lw_chain *c, int n_bridge)
 {
     task *t = context;
-    if (!wanted(t, c))
-        return LW_OK;
+    bool wanted;
+    lw_status asked = ask_wanted(t, c, &wanted);
+    if (asked != LW_OK || !wanted)
+        return asked;
     t->n_fractionated++;
     t->n_bridged += n_bridge > 0;
     return t->n_fractionated % 256 || tick(t, 1) ? LW_OK : LW_STOPPED;
@@ -454,8 +457,10 @@ static lw_status write_fractionated(void *context, const lw_chain *c, int n_brid
     task *t = context;
     char text[LW_NOTATION_SIZE];
     (void)n_bridge;
-    if (!wanted(t, c))
-        return LW_OK;
+    bool wanted;
+    lw_status asked = ask_wanted(t, c, &wanted);
+    if (asked != LW_OK || !wanted)
+        return asked;
     if (t->skip_fractionated > 0) {
         t->skip_fractionated--;
         return LW_OK;
@@ -476,7 +481,7 @@ static lw_status find_resume(task *t, lw_error *e)
     if (t->how.skip > table.total.n_chain)
         t->skip_fractionated = t->how.skip - table.total.n_chain;
     lw_chain_table_free(&table);
-    return status == LW_OK ? LW_OK : lw_error_set(e, status, "%s", lw_status_text(status));
+    return lw_graph_error(e, status);
 }
 
 static lw_status add_text(void *context, const char *text, size_t size)
@@ -572,8 +577,8 @@ static lw_status list_all(task *t, lw_error *e)
         return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1,
                            "another chain comes here, so "
                            "this is a listing of something else; --resume needs the same options as before");
-    if (status < 0 && e->status == LW_OK)
-        (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
+    if (status == LW_E_IO && e->status == LW_OK && ferror(t->out.f))
+        (void)lw_error_set(e, status, "cannot write the chains");
     return status;
 }
 
@@ -610,9 +615,7 @@ static int enumerate(task *t, lw_error *e)
                                                                                              e)) != LW_OK)
         return cli_fail(t->call, e);
     status = t->s->count ? count_all(t) : list_all(t, e);
-    if (status < 0 && e->status == LW_OK)
-        (void)lw_error_set(e, status, "%s", lw_status_text(status));
-    return finish(t, status, e);
+    return finish(t, lw_graph_error(e, status), e);
 }
 
 /* Work of the other processes: the same structures, then tasks from process 0. */

@@ -4,6 +4,7 @@
 
 #include "cli/program/json.h"
 #include "cli/program/topology.h"
+#include "enumerate/canon.h"
 #include "enumerate/derive.h"
 #include "grammar/topology/growth.h"
 
@@ -278,7 +279,7 @@ static int derive_all(const cli_call *call)
     if (s == LW_E_MEMORY)
         lw_error_set(&j.e, s, "the mechanisms that are reached with %d links do not fit into memory",
                      how.n_link);
-    if (s < 0) {
+    if (lw_graph_error(&j.e, s) < 0) {
         lw_output_abandon(&j.out);
         return cli_fail(call, &j.e);
     }
@@ -344,7 +345,8 @@ static int run_coverage(const cli_call *call)
     }
     if (call->common.json)
         cli_json_end(&w);
-    return cli_close(call, &j.out, cli_watch_end(&j.watch, s == LW_OK ? CLI_DONE : s == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &j.e)));
+    return cli_close(call, &j.out, cli_watch_end(&j.watch, s == LW_OK ? CLI_DONE : s == LW_STOPPED ? CLI_LIMIT
+                                                        : (lw_graph_error(&j.e, s), cli_fail(call, &j.e))));
 }
 
 /* ---- the command ------------------------------------------------------------------------------- */

@@ -5,6 +5,7 @@
 #include "cli/program/json.h"
 #include "cli/program/topology.h"
 #include "enumerate/assur.h"
+#include "enumerate/canon.h"
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 #include "enumerate/multiple.h"
@@ -186,9 +187,7 @@ static lw_status take_steps(job *j, const lw_mechanism *m)
     if (s == LW_E_ARG && !j->e.text[0])
         lw_error_set(&j->e, s, "these steps do not go together with this chain: inputs at the ground and outputs want "
                      "a ground link, --joints a letter for each freedom that occurs");
-    if (s == LW_E_MEMORY)
-        lw_error_set(&j->e, s, "out of memory");
-    return s;
+    return lw_graph_error(&j->e, s);
 }
 
 static lw_status from_input(void *context, const lw_mechanism *m, lw_error *e)
@@ -331,7 +330,7 @@ static int run_job(job *j)
                                    from_input, j);
     } else {
         lw_status s = run_lists(j);
-        if (s < 0) {
+        if (lw_graph_error(&j->e, s) < 0) {
             lw_output_abandon(&j->out);
             return cli_watch_end(&j->watch, cli_fail(call, &j->e));
         }

@@ -7,6 +7,7 @@
 #include "cli/program/mpi_jobs.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
+#include "enumerate/canon.h"
 #include "enumerate/estimate.h"
 #include "enumerate/filter.h"
 #include "enumerate/structures.h"
@@ -95,7 +96,7 @@ static void write_counts(const cli_call *call, FILE *f, int loops, const lw_stru
     }
 }
 
-static size_t walk(const cli_call *call, FILE *f, const lw_structures *set)
+static int walk(const cli_call *call, FILE *f, const lw_structures *set)
 {
     const settings *s = call->settings;
     const lw_filter *filter = lw_filter_find(s->planar ? "planar" : s->non_planar ? "non-planar" : "");
@@ -105,7 +106,11 @@ static size_t walk(const cli_call *call, FILE *f, const lw_structures *set)
         lw_structure structure;
         lw_derivation d;
         lw_structures_get(set, s->loops, k, &structure);
-        if (filter && !filter->structure(&structure))
+        bool keep = true;
+        lw_error e = { .text = "" };
+        if (lw_graph_error(&e, filter ? filter->structure(&structure, &keep) : LW_OK) != LW_OK)
+            return cli_fail(call, &e);
+        if (!keep)
             continue;
         n++;
         by_circles[structure.n_circle].n++;
@@ -115,7 +120,7 @@ static size_t walk(const cli_call *call, FILE *f, const lw_structures *set)
     }
     if (s->count)
         write_counts(call, f, s->loops, by_circles, false);
-    return n;
+    return n > 0 || s->count ? CLI_DONE : CLI_NOTHING;
 }
 
 static int replay(const cli_call *call)
@@ -192,8 +197,7 @@ static int run(const cli_call *call)
             status = lw_error_set(&e, LW_E_ARG, "%s holds more than %d loops, which --part grows from", s->structures, stored);
         if (status != LW_OK) {
             lw_structures_free(set);
-            if (e.status == LW_OK)
-                lw_error_set(&e, status, "%s", lw_status_text(status));
+            lw_graph_error(&e, status);
         }
     }
     cli_progress_end(&w.progress);
@@ -206,7 +210,7 @@ static int run(const cli_call *call)
         code = cli_close(call, &o, CLI_DONE);
     }
     else
-        code = cli_close(call, &o, walk(call, o.f, set) > 0 || s->count ? CLI_DONE : CLI_NOTHING);
+        code = cli_close(call, &o, walk(call, o.f, set));
     lw_structures_free(set);
     return code;
 }

@@ -58,9 +58,9 @@ static double equations(closer *c, const double *q)
 }
 
 /* Newton's method with least-norm steps, none longer than 1. */
-static bool close_up(closer *c, double *q)
+static bool close_up(closer *c, double *q, const volatile sig_atomic_t *stop)
 {
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60 && !(stop && *stop); i++) {
         double most = equations(c, q), length = 0.0;
         if (most < 1e-14)
             return true;
@@ -113,10 +113,10 @@ static lw_status add_crossing(const lw_system *s, const lw_motion_curve_options 
 {
     double q[LW_SYSTEM_Q_MAX];
     lw_status status = LW_OK;
-    for (int i = first; i < c->n && status != LW_E_MEMORY; i++) {
+    for (int i = first; i < c->n && status != LW_E_MEMORY && status != LW_STOPPED; i++) {
         int n;
         lw_motion_curve_events(c->curve[i], &n);
-        for (int event = 0; event < n && !c->full && status != LW_E_MEMORY; event++)
+        for (int event = 0; event < n && !c->full && status != LW_E_MEMORY && status != LW_STOPPED; event++)
             if (lw_motion_curve_other(c->curve[i], event, q) && !known(c, q))
                 status = add_curve(s, o, q, c);
     }
@@ -124,8 +124,9 @@ static lw_status add_crossing(const lw_system *s, const lw_motion_curve_options 
 }
 
 lw_status lw_circuits_find(const lw_system *s, const lw_motion_curve_options *o, int patience, uint64_t seed,
-                         const volatile sig_atomic_t *stop, lw_circuits *c, lw_error *e)
+                           lw_circuits *c, lw_error *e)
 {
+    const volatile sig_atomic_t *stop = o->stop;
     closer by;
     lw_rng r;
     double q[LW_SYSTEM_Q_MAX];
@@ -142,7 +143,7 @@ lw_status lw_circuits_find(const lw_system *s, const lw_motion_curve_options *o,
     while (status == LW_OK && !c->full && c->since < patience && c->draws < 20*patience && !(stop && *stop)) {
         draw(&r, s, q);
         c->draws++;
-        if (!close_up(&by, q))
+        if (!close_up(&by, q, stop) || (stop && *stop))
             continue;
         c->closed++;
         c->since++;

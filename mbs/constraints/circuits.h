@@ -21,11 +21,11 @@ typedef struct lw_circuits {
     bool       full;                       /* more than LW_CIRCUIT_MAX were found                      */
 } lw_circuits;
 
-/* The search ends after `patience` closed postures without a new curve, after 20 times as many draws, or when *stop
- * is set (stop may be NULL).  The same seed gives the same curves.  Fails as lw_motion_curve_create for the drawn
+/* The search ends after `patience` closed postures without a new curve, after 20 times as many draws, or when
+ * *o->stop is set: the curves found so far stay.  The same seed gives the same curves.  Fails as lw_motion_curve_create for the drawn
  * posture. */
 lw_status lw_circuits_find(const lw_system *s, const lw_motion_curve_options *o, int patience, uint64_t seed,
-                         const volatile sig_atomic_t *stop, lw_circuits *c, lw_error *e);
+                           lw_circuits *c, lw_error *e);
 void      lw_circuits_free(lw_circuits *c);
 
 #endif

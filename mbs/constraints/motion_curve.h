@@ -12,6 +12,7 @@
 #ifndef LW_MBS_CONSTRAINTS_MOTION_CURVE_H
 #define LW_MBS_CONSTRAINTS_MOTION_CURVE_H
 
+#include <signal.h>
 #include "mbs/constraints/system.h"
 
 typedef enum lw_motion_curve_event_kind {
@@ -39,6 +40,7 @@ typedef struct lw_motion_curve_options {
     int    input;             /* the free input                                                     */
     double reach;             /* largest distance of links from the middle, in sizes; 0: 30          */
     int    most_segments;     /* 0: 20000                                                          */
+    const volatile sig_atomic_t *stop;     /* may be NULL; nonzero: LW_STOPPED at the next step            */
 } lw_motion_curve_options;
 
 typedef struct lw_motion_curve lw_motion_curve;

@@ -25,6 +25,7 @@ struct lw_motion_curve {
     const lw_system *s;
     lw_continuation         f;                   /* on the curve                                            */
     lw_continuation         driven;              /* all inputs given                                        */
+    const volatile sig_atomic_t *stop;
     int               n, input, most;
     double            reach;
     lw_motion_curve_node   *node;

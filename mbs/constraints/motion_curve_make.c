@@ -28,6 +28,7 @@ static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_mo
     b->n = s->n_q;
     b->input = o->input;
     b->reach = o->reach > 0.0 ? o->reach : 30.0;
+    b->stop = o->stop;
     b->most = o->most_segments > 0 ? o->most_segments : 20000;
     b->series = calloc((size_t)(LW_MOTION_CURVE_ORDER + 1 + 3)*(size_t)b->n, sizeof *b->series);
     if (!b->series || !lw_continuation_create(s, rest, n_rest, true, &b->f)

@@ -256,6 +256,8 @@ static lw_status go(lw_motion_curve *b, int way, lw_motion_curve_end *end)
     for (;;) {
         double h, before = from_start(b, b->node[here].q, b->a);
         int far;
+        if (b->stop && *b->stop)
+            return LW_STOPPED;
         if (b->n_segment >= b->most) {
             *end = LW_MOTION_CURVE_STOPPED;
             return LW_OK;
@@ -335,7 +337,7 @@ lw_status lw_motion_curve_walk(lw_motion_curve *b, lw_error *e)
         }
     }
     if (s != LW_OK)
-        return lw_error_set(e, s, "out of memory");
+        return lw_error_set(e, s, s == LW_STOPPED ? "stopped before the whole motion was known" : "out of memory");
     b->end = end[0] > end[1] ? end[0] : end[1];
     b->before = malloc((size_t)(b->n_segment + 1)*sizeof *b->before);
     if (!b->before)

@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "base/growable_array.h"
+#include "enumerate/canon.h"
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 
@@ -588,7 +589,7 @@ lw_status lw_mechanism_set_make(const lw_mechanism_request *request, lw_mechanis
     else if (why.text[0] && e)
         *e = why;
     else
-        lw_error_set(e, st, "out of memory");
+        lw_graph_error(e, st);
     if (st != LW_OK)
         lw_mechanism_set_free(set);
     return st;
