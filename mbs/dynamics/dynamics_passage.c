@@ -344,9 +344,13 @@ lw_status lw_run_singular_forces(lw_run *run, double t, const double *y)
             for (int pass = 0; solved && pass < 2; pass++) {
                 z.anchor = (t - z.start)/z.length;
                 for (int k = 0; k < LW_PASSAGE_NODES && solved; k++) {
-                    double *to = memcpy(z.state + (size_t)k*n, y, n*sizeof *y);
-                    for (size_t i = 0; i < n_v; i++)
-                        way[i] = z.length*(z.at[k] - z.anchor)*y[n_q + i];
+                    double *to = memcpy(z.state + (size_t)k*n, y, n*sizeof *y), by = z.length*(z.at[k] - z.anchor);
+                    const double *a = kept + n_v + n_c;      /* some digits of it serve a first guess */
+                    for (size_t i = 0; i < n_v; i++) {
+                        double gain = apart > least_apart ? by*a[i] : 0;
+                        way[i] = by*(y[n_q + i] + 0.5*gain);
+                        to[n_q + i] += gain;
+                    }
                     d->eq.move(d->eq.context, to, way);
                     solved = lw_run_project(run, z.start + z.length*z.at[k], to) == LW_OK;
                 }
