@@ -195,8 +195,16 @@ TEST(slow_rows)
     free(scene);
 }
 
+TEST(models_of_choice)
+{
+    expect("$P bench mbs --peers none --cases choice:set-valued --tolerance-range 1e-4:1e-4 --time 0.001 -q", 0,
+           "| block stops, set-valued | reduced |", NULL);
+    expect("$P bench mbs --peers none --cases choice:set-valued --tolerance-range 1e-4:1e-4 --time 0.001 -q | grep -c '| pendulum'", 1, "0", NULL);
+}
+
 TEST(wrong_use)
 {
+    expect("$P bench mbs --cases choice:nothing", 2, NULL, "no model of choice has this text in its name");
     expect("$P bench mbs --cases andrew", 2, NULL, "did you mean 'andrews'");
     expect("$P bench mbs --json", 2, NULL, "--json has no meaning here");
     expect("$P bench mbz", 2, NULL, "did you mean 'mbs'?");
