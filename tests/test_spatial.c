@@ -306,6 +306,42 @@ static double turn_of(const lw_space_follow *f, int joint)
     return lw_space_measure(f->z.s, f->z.frame, (lw_spatial_measure){ LW_OF_TURN, joint }, 0, NULL);
 }
 
+static lw_status itself(void *context, double u, double (*out)[3])
+{
+    (void)context;
+    out[0][0] = u, out[0][1] = 1, out[0][2] = 0;
+    return LW_OK;
+}
+
+/* All cranks of a row turn alike, beside flat postures and beyond them too. */
+TEST(cranks_of_long_rows_turn_alike)
+{
+    static const double place[] = { 0.6, 1.5, 4.6, 20 };
+    enum { LOOPS = 300 };
+    lw_spatial m;
+    lw_space s;
+    lw_space_follow f;
+    lw_error e = { 0 };
+    read_space_row(LOOPS, &m);
+    CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
+    CHECK_INT(lw_space_follow_make(&s, &(lw_spatial_measure){ LW_OF_TURN, 0 }, 1, false, &f, &e), LW_OK);
+    for (size_t k = 0; k < sizeof place/sizeof *place; k++) {
+        double off[2] = { 0, 0 };
+        CHECK_INT(lw_space_follow_to(&f, itself, NULL, place[k], &e), LW_OK);
+        lw_space_follow_second(&f);
+        for (int b = 0; b < s.n_body; b++) {
+            const double *w = f.v + 6*b + 3, *a = f.a + 6*b + 3;
+            bool crank = m.body[s.link_of[b]].name[0] == 'c';
+            off[0] = fmax(off[0], fabs(lw_v3_norm(lw_v3(w[0], w[1], w[2])) - crank));
+            off[1] = fmax(off[1], lw_v3_norm(lw_v3(a[0], a[1], a[2])));
+        }
+        CHECK(off[0] < 1e-8 && off[1] < 1e-7);
+    }
+    lw_space_follow_free(&f);
+    lw_space_free(&s);
+    lw_spatial_free(&m);
+}
+
 /* Inverse kinematics of the DELTA (l_u .35, l_l .75, R - r .15; worked out from its closed form), and back. */
 TEST(delta_postures)
 {

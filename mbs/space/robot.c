@@ -142,7 +142,8 @@ static lw_status fill_jacobian(lw_robot *r, double jacobian[6][LW_ROBOT_DRIVES],
         double *v = r->column + (size_t)i*(size_t)s->n_v;
         memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
         f->rhs[first + i] = 1/lw_space_scale(s, measure_of(r, i));
-        lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l);
+        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l))
+            return lw_error_set(e, LW_OPEN, "the posture is too near to a singular one to find how the drives move the tool");
         lw_vec3 p = lw_space_point_velocity(s, f->z.frame, s->tracer[r->tool], v);
         lw_vec3 w = lw_space_omega(f->z.frame, s->tracer[r->tool].body, v);
         double of[] = { p.x, p.y, p.z, w.x, w.y, w.z };

@@ -192,8 +192,8 @@ static bool tangent(lw_space_follow *f, double *v)
     if (!lw_space_rows_factor_near(&f->z))
         return false;
     wanted(f, 1);
-    lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l);
-    return true;
+    return lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l)
+           || (lw_space_rows_factor(&f->z) && lw_space_rows_solve(&f->z, NULL, f->rhs, true, v, f->l));
 }
 
 void lw_space_follow_second(lw_space_follow *f)
@@ -278,8 +278,12 @@ static lw_status cannot(lw_space_follow *f, lw_space_path *path, void *context, 
                                  of.of == LW_OF_TURN ? "rad" : "m");
         used = used < sizeof where ? used : sizeof where - 1;
     }
-    double gap = known ? lw_space_gap(f, want, &joint, &angle) : 0;
+    bool small = f->z.n_row <= LW_SPACE_MANY_ROWS;       /* the search for the gap takes full matrices */
+    double gap = known && small ? lw_space_gap(f, want, &joint, &angle) : 0;
     free(want), free(got);
+    if (!small)
+        return lw_error_set(e, LW_OPEN, "the motion cannot be followed beyond %s: a joint would open there, or the posture is singular "
+                            "or too near to it", where);
     if (joint >= 0 && gap > 1e-7)
         return lw_error_set(e, LW_OPEN, "the joints cannot be closed beyond %s: at the inputs wanted, joint \"%s\" "
                                         "stays %.3g %s "

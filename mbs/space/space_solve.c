@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double small_change = 1e-10;    /* a refinement that changes the multipliers by less, relative, leaves rounding only */
+static const int most_refined = 8;           /* corrections */
 static const double least_share = 1e-11;     /* pivot over its diagonal below which a row depends on others */
 
 double lw_space_length(const lw_space *s, const double *by)
@@ -300,10 +302,10 @@ void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l,
     }
 }
 
-/* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that */
-static void improve(lw_space_rows_set *z, const double *rhs, double *x, double *l)
+/* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that.  Returns the greatest change of l. */
+static double improve(lw_space_rows_set *z, const double *rhs, double *x, double *l)
 {
-    double *b = z->small;
+    double *b = z->small, most = 0;
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
         const double *jac = z->jac + r*LW_SPACE_ROW;
@@ -323,17 +325,21 @@ static void improve(lw_space_rows_set *z, const double *rhs, double *x, double *
             for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
                 to[c] -= b[i]*jac[6*k + c];
         }
+        most = fmax(most, fabs(b[i]));
     }
+    return most;
 }
 
-void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l)
+bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l)
 {
     for (int i = 0; i < z->s->n_v; i++)
         x[i] = f ? f[i]*z->weight[i] : 0;
     memset(l, 0, (size_t)z->n_row*sizeof *l);
-    improve(z, rhs, x, l);
-    if (refine)
-        improve(z, rhs, x, l);
+    double first = improve(z, rhs, x, l), change = refine ? INFINITY : 0;
+    /* the pivots do not tell how much long rows of loops magnify rounding: more corrections where one is not small */
+    for (int pass = 0; refine && pass < most_refined && (pass == 0 || change > small_change*first); pass++)
+        change = improve(z, rhs, x, l);
+    return change <= small_change*first;
 }
 
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l)
@@ -359,6 +365,7 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
         lw_space_rows_fill(z, q, target);
         if (!chord && !lw_space_rows_factor(z))
             return LW_OPEN;
+        noise = fmax(noise, 8*DBL_EPSILON/sqrt(z->weak));    /* rounding of the rows, magnified near a singular posture */
         memset(z->step, 0, (size_t)z->s->n_v*sizeof *z->step);
         double *b = z->small;
         for (int i = 0; i < z->n_kept; i++)

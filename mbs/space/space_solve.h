@@ -55,9 +55,9 @@ bool lw_space_rows_factor(lw_space_rows_set *z);       /* false: singular */
 /* The same for solves that refine: factors of a posture so near that these leave rounding only are kept. */
 bool lw_space_rows_factor_near(lw_space_rows_set *z);
 
-/* x and l (n_row, 0 for rows left out; not z->small) of the system above; f, rhs NULL: 0.  Factored.  `refine`: once more for the
- * rounding. */
-void lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
+/* x and l (n_row, 0 for rows left out; not z->small) of the system above; f, rhs NULL: 0.  Factored.  `refine`: corrected for the
+ * rounding, once or until little changes.  false: it does not converge, the factors are too inexact. */
+bool lw_space_rows_solve(lw_space_rows_set *z, const double *f, const double *rhs, bool refine, double *x, double *l);
 
 /* l of J^T l = f in the metric of W, for f that the rows can carry. */
 void lw_space_rows_carry(lw_space_rows_set *z, const double *f, double *l);
