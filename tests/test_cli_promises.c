@@ -181,6 +181,7 @@ static const struct { const char *slow, *then; } long_runs[] = {
     { "draw $D/whip.json -f svg -o $D/x", "test ! -e $D/x" },
     { "draw $D/whip.json -f html -o $D/x", "test ! -e $D/x" },
     { "trace $D/whip.json -n 2 -o $D/x", "test ! -e $D/x" },
+    { "trace examples/gallery/strandbeest.json --all-assemblies", NULL },
     { "simulate $D/rope.json --analysis static", NULL },
     { "simulate $D/rope.json --analysis linear --rest", NULL },
     { "structures --loops 10", NULL },

@@ -184,7 +184,7 @@ void cli_trace_csv(cli_trace *t)
     char lead[64];
     snprintf(lead, sizeof lead, "input %s", t->plan.input_is_slider ? length : t->k.units.angle);
     cli_rows_units(&t->rows, lead, t->timed ? "s" : t->plan.input_is_slider ? length : "rad");
-    for (int i = 0; i < t->n_piece; i++) {
+    for (int i = 0; i < t->n_piece && !cli_rows_stopped(&t->rows); i++) {       /* turnings take longer than rows */
         csv_arc(t, &t->piece[i]);
         csv_turnings(t, &t->piece[i]);
     }
