@@ -115,6 +115,40 @@ TEST(pendulum_and_stop)
     lw_model_free(&d.model);
 }
 
+/* A five-bar with a heavy link whose joint bounces on its stop, rests and leaves, three times.  When it leaves, force and acceleration
+ * pass 0, where rounding decides their signs: the stop held the joint until it pressed again, or was struck and left without end. */
+TEST(leaves_at_rounding)
+{
+    static const char text[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1.1708440085774376, 'centre': [-0.13558758994303427, "
+        "0.38454020211557755], 'inertia': 0.090610219576114}, {'name': 'b', 'mass': 0.9243288700235086, 'centre': "
+        "[0.35287247759896667, 0.8767525649476808], 'inertia': 0.07892615355784346}, {'name': 'c', 'mass': 251.06772139655345, "
+        "'centre': [0.858754387342009, 0.9653845128148961], 'inertia': 21.815187385765512}, {'name': 'd', 'mass': "
+        "2.5891115256656594, 'centre': [1.1811005886596302, 0.3938158507092898], 'inertia': 0.09880729671147104}], 'joints': "
+        "[{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [-0.2, 0.6]}, "
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [0.6, 1.2], 'stop': {'least': -0.29201578986157845, 'greatest': "
+        "0.4350642069312127, 'restitution': 0.5}}, {'name': 'D', 'links': ['c', 'd'], 'at': [1.3, 0.6]}, {'name': 'E', 'links': "
+        "['d', 'ground'], 'at': [1, 0]}], 'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'd', 'at': "
+        "[1.2811005886596303, 0.3938158507092898]}], 'inputs': [{'joint': 'A', 'speed': 3.2805579759898205}, {'joint': 'B', "
+        "'speed': 1.513550568284554}], 'springs': [{'name': 'S', 'links': ['ground', 'd'], 'at': [[0.938685031167585, "
+        "1.8955170586199555], [1.1811005886596302, 0.3938158507092898]], 'stiffness': 2.772402612589362}, {'name': 'SJ', "
+        "'joint': 'E', 'law': '-10*sin(displacement)-rate*abs(rate)'}], 'forces': [{'link': 'd', 'at': [1.1811005886596302, "
+        "0.3938158507092898], 'fx': 'step(t,0.3,0,0.5,4)', 'fy': '2*cos(3*t)-0.5*vy(P)*abs(vy(P))', 'torque': "
+        "-1.4271000299051053, 'frame': 'plane'}, {'link': 'a', 'at': [-0.13558758994303427, 0.38454020211557755], 'torque': "
+        "'-10*integral(q(A)-0.3)'}]}";
+    static const struct { lw_formulation f; double tolerance, off; } way[] = { { LW_FORMULATION_INDEX1, 1e-12, 1e-9 }, { LW_FORMULATION_INDEX1,
+        1e-6, 1e-6 }, { LW_FORMULATION_INDEX1, 1e-8, 1e-7 }, { LW_FORMULATION_INDEX1, 1e-9, 1e-7 }, { LW_FORMULATION_INDEX1, 1e-10, 1e-8 },
+        { LW_FORMULATION_AUTO, 1e-9, 1e-7 }, { LW_FORMULATION_CVODE, 1e-10, 1e-6 } };
+    double turn = 0;
+    drun_read_format(&d, text, 0, 0);
+    for (int k = 0; k < 7; k++) {
+        CHECK_INT(drun_to(&d, way[k].f, way[k].tolerance, 1, 1), LW_OK);
+        turn = k ? turn : d.q[2];
+        CHECK_NEAR(d.q[2], turn, way[k].off, 0);
+    }
+    lw_model_free(&d.model);
+}
+
 /* A mass at 1 m/s meets a spring and damper at 0.5 m: z'' + c z' + k z = 0 from there until the force is 0, then it flies back.  The
  * damper makes the force jump. */
 TEST(damped_stop)

@@ -102,7 +102,7 @@ double lw_clearance_stop_press(const lw_clearance_work *w, int i);
 
 /* Impacts, rests and departures of stops at (t, y = (u, du)); *flight: duration of the shortest bounce that begins [s],
  * 0: none. */
-lw_status lw_clearance_strike(lw_clearance_work *w, double t, double *y, double *flight, lw_error *e);
+lw_status lw_clearance_strike(lw_clearance_work *w, double t, double *y, unsigned long long events, double *flight, lw_error *e);
 
 /* Acceleration of the centres of journal i by a unit force, the larger of x and y [1/kg]; 0 where a massless link
  * leaves it undetermined. */

@@ -317,11 +317,11 @@ static lw_status sample_step(lw_clearance_work *w, lw_integrator *in, double *ne
 }
 
 /* Apply impacts, rests and departures of stops */
-static lw_status take_strikes(lw_clearance_work *w, lw_integrator *in, lw_error *e)
+static lw_status take_strikes(lw_clearance_work *w, lw_integrator *in, unsigned long long events, lw_error *e)
 {
     double flight, least = 2e-14*fmax(fabs(in->t), 1e-6);
     memcpy(w->y, in->y, 2*sizeof(double)*(size_t)w->n_u);
-    lw_status s = lw_clearance_strike(w, in->t, w->y, &flight, e);
+    lw_status s = lw_clearance_strike(w, in->t, w->y, events, &flight, e);
     if (s == LW_OK)
         s = lw_integrate_restart(in, w->y, e);
     if (s == LW_OK && flight > 0.0)
@@ -338,7 +338,7 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
     unsigned long long events = in->events;
     in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
     unsigned long long stops = events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_stop);
-    lw_status s = stops ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
+    lw_status s = stops ? take_strikes(w, in, stops, e) : lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
         if (!in->ode->passing[PER_JOURNAL*i + CONTACT] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
             change_phase(w, in, i);
@@ -406,7 +406,7 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
     if (s != LW_OK)
         return s;
     double flight;
-    if ((s = lw_clearance_strike(w, 0.0, u, &flight, e)) != LW_OK)
+    if ((s = lw_clearance_strike(w, 0.0, u, 0, &flight, e)) != LW_OK)
         return s;
     memcpy(w->y, u, 2*sizeof(double)*(size_t)w->n_u);
     if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC && w->undetermined.status == LW_OK)

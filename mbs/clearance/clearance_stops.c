@@ -68,10 +68,10 @@ static const char *name(void *context, int i)
     return w->c->m->linkage.joint[w->stop[i].joint].name;
 }
 
-lw_status lw_clearance_strike(lw_clearance_work *w, double t, double *y, double *flight, lw_error *e)
+lw_status lw_clearance_strike(lw_clearance_work *w, double t, double *y, unsigned long long events, double *flight, lw_error *e)
 {
     double change[LW_SYSTEM_Q_MAX], gradient[LW_SYSTEM_Q_MAX];
-    lw_stops stops = { .context = w, .n_stop = w->c->n_stop, .n = w->n_u, .v = w->n_u, .stop = w->stop, .name = name,
+    lw_stops stops = { .context = w, .n_stop = w->c->n_stop, .n = w->n_u, .v = w->n_u, .stop = w->stop, .name = name, .due = events,
                        .change = change, .gradient = gradient,
                        .least_bounce = LW_STOP_LEAST_BOUNCE, .passed_is_error = true, .gap = gap, .motion = motion,
                        .impulse = impulse, .pressure = pressure, .arrange = arrange, .note = note };

@@ -306,7 +306,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             }
             s = d->touch ? lw_run_touch(run, time_of(w), y, w->explicit_one.events)
               : w->sticks ? lw_run_stick(run, time_of(w), y, w->explicit_one.events)
-                         : lw_run_strike(run, time_of(w), y, &changed);
+                         : lw_run_strike(run, time_of(w), y, w->implicit ? w->implicit_one.events : w->explicit_one.events, &changed);
             if (s == LW_OK)
                 s = restart(w, y, run->flight, run->e);
             if (w->sticks)
@@ -353,7 +353,7 @@ static lw_status run_bodies(lw_run *run, bool implicit)
     if ((w.sticks = !implicit && lw_stick_suits(d)))
         lw_run_stick_begin(run);
     lw_status s = d->touch ? lw_run_touch(run, d->o.from, y, 0) : w.sticks ? lw_run_stick(run, d->o.from, y, 0)
-                : lw_run_strike(run, d->o.from, y, &changed);
+                : lw_run_strike(run, d->o.from, y, 0, &changed);
     if (s == LW_OK)
         s = lw_run_begin(run, y);
     if (s == LW_OK)

@@ -102,8 +102,8 @@ lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknow
  * the forces' smooth piece, where they have pieces. */
 lw_status lw_run_stop_events(void *context, double t, const double *y, double *g);
 
-/* Apply the impacts, rests and departures at t; *changed is set if y or the rows changed. */
-lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed);
+/* Apply the impacts, rests and departures at t, where events happened; *changed is set if y or the rows changed. */
+lw_status lw_run_strike(lw_run *run, double t, double *y, unsigned long long events, bool *changed);
 
 /* ---- dynamics_stick.c: friction of joints in space that stick ----------------------------------------- */
 

@@ -67,9 +67,11 @@ static lw_status motion(void *context, int i, double t, const double *y, double 
     d->eq.place(d->eq.context, y);
     *out = (lw_gap){ .value = gap_of(d, i, g) };
     out->acceleration = d->stop[i].sign*d->eq.measure_bias(d->eq.context, d->stop[i].measure, y + d->n_q);
+    out->size = fabs(out->acceleration);
     for (int k = 0; k < d->n_v; k++) {
         out->rate += g[k]*y[d->n_q + k];
         out->acceleration += g[k]*d->a[k];
+        out->size += fabs(g[k]*d->a[k]);
     }
     return s;
 }
@@ -131,11 +133,11 @@ static void note(void *context, int i, double t, bool impact, double rate)
     r->n_event_seen++;
 }
 
-lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed)
+lw_status lw_run_strike(lw_run *run, double t, double *y, unsigned long long events, bool *changed)
 {
     lw_dynamics *d = run->d;
     bool implicit = run->r->formulation == LW_FORMULATION_CVODE;      /* its error hides low bounces */
-    lw_stops stops = { .context = run, .n_stop = d->n_stop, .n = d->n_v, .v = d->n_q, .stop = d->stop, .name = name,
+    lw_stops stops = { .context = run, .n_stop = d->n_stop, .n = d->n_v, .v = d->n_q, .stop = d->stop, .name = name, .due = events,
                        .change = d->stop_v, .gradient = d->small_v,
                        .least_bounce = implicit ? fmax(LW_STOP_LEAST_BOUNCE, d->o.absolute) : LW_STOP_LEAST_BOUNCE,
                        .gap = gap, .motion = motion, .impulse = impulse, .pressure = pressure, .arrange = arrange,

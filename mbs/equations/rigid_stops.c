@@ -5,6 +5,7 @@
 
 static const double passed = 1e-6;           /* a gap below minus this: the stop is passed, scaled */
 static const double still = 1e-13;           /* a rate below this over the greatest velocity is rounding */
+static const double even = 1e-9;             /* an acceleration below this over its terms is 0 where a force has just passed 0 */
 
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop)
 {
@@ -44,6 +45,8 @@ lw_gap lw_rigid_stop_motion(const lw_system *s, const lw_rigid_stop *stop, const
     }
     lw_system_measure_series(s, stop->joint, 2, series, out);
     gap.acceleration = 2*stop->sign*out[2];
+    for (int i = 0; i < n; i++)
+        gap.size += fabs(row[i]*a[i]);
     return gap;
 }
 
@@ -73,12 +76,13 @@ static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g
     return LW_OK;
 }
 
-static bool closes(const lw_stops *s, const double *y, const lw_gap *gap)
+static bool closes(const lw_stops *s, int i, const double *y, const lw_gap *gap)
 {
     double fastest = 0;
     for (int k = 0; k < s->n; k++)
         fastest = fmax(fastest, fabs(y[s->v + k]));
-    return gap->rate <= 0 && !(gap->rate >= -still*fastest && gap->acceleration >= 0);
+    double least = i < 64 && s->due >> i & 1 ? -even*gap->size : 0;
+    return gap->rate <= 0 && !(gap->rate >= -still*fastest && gap->acceleration >= least);
 }
 
 static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, lw_error *e)
@@ -95,7 +99,7 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
                                     s->name(s->context, i), t);
             continue;
         }
-        if (st == LW_OK && !closes(s, y, &gap))
+        if (st == LW_OK && !closes(s, i, y, &gap))
             continue;
         if (st == LW_OK && s->note)
             s->note(s->context, i, t, true, gap.rate);
@@ -108,8 +112,8 @@ static lw_status strike_all(const lw_stops *s, double t, double *y, bool *any, l
     return LW_OK;
 }
 
-/* Leaves the first stop that would have to pull. */
-static lw_status leave_one(const lw_stops *s, double t, double *y, bool *any)
+/* Leaves the first stop that would have to pull; `due` counts in the first pass. */
+static lw_status leave_one(const lw_stops *s, double t, double *y, bool first, bool *any)
 {
     for (int i = 0; i < s->n_stop; i++) {
         double press;
@@ -118,7 +122,7 @@ static lw_status leave_one(const lw_stops *s, double t, double *y, bool *any)
         lw_status st = s->pressure(s->context, i, t, y, &press);
         if (st != LW_OK)
             return st;
-        if (press > 0)
+        if (press > 0 && !(first && i < 64 && s->due >> i & 1))
             continue;
         if (s->note)
             s->note(s->context, i, t, false, 0);
@@ -147,14 +151,17 @@ static lw_status find_flight(const lw_stops *s, double t, const double *y, doubl
     return LW_OK;
 }
 
-lw_status lw_stops_strike(const lw_stops *s, double t, double *y, bool *changed, double *flight, lw_error *e)
+lw_status lw_stops_strike(const lw_stops *stops, double t, double *y, bool *changed, double *flight, lw_error *e)
 {
+    lw_stops own = *stops, *s = &own;
     *changed = false;
+    for (int i = 0; i < s->n_stop && i < 64; i++)        /* events of the others are impacts */
+        s->due &= ~((unsigned long long)!s->stop[i].resting << i);
     for (int pass = 0; pass < 100; pass++) {
         bool any = false;
         lw_status st = strike_all(s, t, y, &any, e);
         if (st == LW_OK)
-            st = leave_one(s, t, y, &any);
+            st = leave_one(s, t, y, pass == 0, &any);
         if (st != LW_OK)
             return st;
         if (!any)

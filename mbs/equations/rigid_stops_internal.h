@@ -23,7 +23,7 @@ typedef struct lw_rigid_stop {
     bool   resting;
 } lw_rigid_stop;
 
-typedef struct lw_gap { double value, rate, acceleration; } lw_gap;
+typedef struct lw_gap { double value, rate, acceleration, size; } lw_gap;      /* size: of the terms that add up to acceleration */
 
 /* The rigid stops of a model into stop (2*LW_JOINT_MAX), by joint; returns how many. */
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop);
@@ -44,6 +44,7 @@ typedef struct lw_stops {
     const char *(*name)(void *context, int i);       /* of the joint of stop i */
     double  least_bounce;                /* a bounce below this height counts as rest, scaled */
     bool    passed_is_error;             /* a stop that is passed already: an error, else it is ignored */
+    unsigned long long due;              /* bit i: event i has just happened; where stop i rests its force passed 0, and it leaves, whatever rounding says */
     double    (*gap)(void *context, int i, const double *y);
     /* Gap i with its rate and acceleration; its gradient by the velocities in g (n). */
     lw_status (*motion)(void *context, int i, double t, const double *y, double *g, lw_gap *gap);
@@ -60,6 +61,6 @@ typedef struct lw_stops {
 /* Impacts, rests and departures at (t, y), until there are none.  *changed: there were some.  *flight: duration of the
  * shortest bounce that begins [s], 0: none.  LW_E_NUMERIC: a stop is hit by what cannot give way, or impacts do not
  * end; LW_E_ARG: a stop is passed. */
-lw_status lw_stops_strike(const lw_stops *s, double t, double *y, bool *changed, double *flight, lw_error *e);
+lw_status lw_stops_strike(const lw_stops *stops, double t, double *y, bool *changed, double *flight, lw_error *e);
 
 #endif
