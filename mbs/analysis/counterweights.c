@@ -14,7 +14,7 @@ typedef struct balance {
     size_t n_posture;
     const double *q;                      /* (n_posture*n_q) */
     int      n_link;
-    carrier *link;                        /* (2 n_joint of room, n_link) */
+    carrier *link;                        /* (n_link; room for all pins and bodies) */
     double   mass;                        /* of all moving links */
     lw_vec2 *still;                       /* (n_posture) sum of m c */
     lw_vec2 *turn;                        /* (n_posture*n_body) directions of the links */
