@@ -100,8 +100,8 @@ static void note_lumps(const cli_call *c, const lw_dynamics *d)
     if (!worst)
         return;
     const char *name = space ? lw_dynamics_space(d)->model->body[worst->link].name : plane->model.linkage.link_name[worst->link];
-    cli_note(c, "%d elastic link%s at few nodes, where masses lie in time: the %d of \"%.*s\" have %.3g times its inertia about its centre of mass, "
-             "and its motion is as far off; take more %s", links, links == 1 ? " has its mass" : "s have their masses", worst->n_node,
+    cli_note(c, "in time the masses of elastic links lie at their nodes, and %d link%s too few: the %d nodes of \"%.*s\" have %.3g times its inertia "
+             "about its centre of mass, and its motion is as far off; take more %s", links, links == 1 ? " has" : "s have", worst->n_node,
              (int)strlen(name) - 2, name, 1 + worst->too_much,
              worst->elastic->n_node > 0 ? "nodes" : worst->condensed ? "\"superelements\"" : "\"segments\"");
 }
