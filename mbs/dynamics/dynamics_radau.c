@@ -679,7 +679,7 @@ static double next_step(const stages *g, double h, double *end)
  * radau, of 3 and of 5 stages, over that of an explicit one (1.4 and 2.3 to 3.2 of 51 coordinates).  looser: with this multiple of the
  * tolerance index1 is still more accurate, because its steps are short for stability. */
 enum { WATCHED = 32, PASSES = 12 };
-static const double trial = 1e-6, explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 100;
+static const double trial = 1e-6, explicit_angle = 4.5, cost[2] = { 1.3, 2.4 }, looser = 10;
 
 /* The power method for -da/dq or (by_v) -da/dv: the square of the greatest frequency, or the fastest decay.  0: unknown. */
 static double greatest(stages *g, bool by_v)
