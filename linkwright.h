@@ -251,11 +251,13 @@ LW_API int       lw_chain_links_with(const lw_chain *chain, int n_joint);       
 LW_API int       lw_chain_mobility(const lw_chain *chain);        /* F = 3 (P - 1) - 2 n1 - n2; a count, no proof */
 LW_API int       lw_chain_loops(const lw_chain *chain);           /* L = n1 + n2 - P + 1                        */
 LW_API bool      lw_chain_is_connected(const lw_chain *chain);
-LW_API bool      lw_chain_is_planar(const lw_chain *chain);       /* its graph can be drawn without crossings     */
 LW_API bool      lw_chain_is_fractionated(const lw_chain *chain); /* it falls apart at one link                   */
 
 /* Can it move: connected, every link with two joints, no rigid part?  LW_E_ARG with a text that names the links. */
 LW_API lw_status lw_chain_check(const lw_chain *chain, lw_error *error);
+
+/* Can its graph be drawn without crossings? */
+LW_API lw_status lw_chain_is_planar(const lw_chain *chain, bool *planar);
 
 /* The same chain but for the numbers of its links? */
 LW_API lw_status lw_chain_is_isomorphic(const lw_chain *a, const lw_chain *b, bool *same);

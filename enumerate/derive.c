@@ -22,15 +22,11 @@ typedef struct growth { const lw_derive *how; level at[LW_LINK_MAX + 1]; } growt
 
 static int by_bytes(const void *a, const void *b) { return memcmp(a, b, sizeof(lw_mechanism)); }
 
-static bool is_planar(const lw_mechanism *m)
+static lw_status test_planar(const lw_mechanism *m, bool *planar)
 {
     lw_chain c;
-    uint32_t row[LW_LINK_MAX];
-    bool planar = false;
     lw_mechanism_chain(m, &c);
-    for (int i = 0; i < c.n_link; i++)
-        row[i] = lw_chain_neighbours(&c, i);
-    return lw_planar_test(c.n_link, row, &planar) == LW_OK && planar;
+    return lw_planar_chain(&c, planar);
 }
 
 /* Sort and keep each form once. */
@@ -49,8 +45,10 @@ static void prune(level *l)
 static lw_status keep(growth *g, const lw_mechanism *m)
 {
     level *l = &g->at[m->n_link];
-    if (g->how->regions && !is_planar(m))
-        return LW_OK;
+    bool planar = true;
+    lw_status s = g->how->regions ? test_planar(m, &planar) : LW_OK;
+    if (s != LW_OK || !planar)
+        return s;
     if (l->n == l->room)
         prune(l);
     if (2*l->n >= l->room) {
@@ -172,8 +170,11 @@ static lw_status cover(void *context, const lw_chain_item *item)
     c->n_chain++;
     c->n_reached += reach == LW_REACHED || reach == LW_REACHED_NO_REGIONS;
     c->n_reached_by_regions += reach == LW_REACHED;
-    c->n_planar += reach == LW_REACHED || (reach == LW_NOT_CORE && is_planar(&m));
-    return LW_OK;
+    bool planar = reach == LW_REACHED;
+    if (reach == LW_NOT_CORE)
+        s = test_planar(&m, &planar);
+    c->n_planar += planar;
+    return s;
 }
 
 static bool goes_on(void *stop, double done)

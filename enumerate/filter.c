@@ -4,14 +4,6 @@
 #include "enumerate/filter.h"
 #include "grammar/topology/planar.h"
 
-static lw_status chain_planar(const lw_chain *c, bool *keep)
-{
-    uint32_t row[LW_LINK_MAX];
-    for (int i = 0; i < c->n_link; i++)
-        row[i] = lw_chain_neighbours(c, i);
-    return lw_planar_test(c->n_link, row, keep);
-}
-
 /* Binary links and parallel lines do not affect planarity. */
 static lw_status structure_planar(const lw_structure *s, bool *keep)
 {
@@ -23,7 +15,7 @@ static lw_status structure_planar(const lw_structure *s, bool *keep)
 static lw_status chain_not_planar(const lw_chain *c, bool *keep)
 {
     bool planar = false;
-    lw_status status = chain_planar(c, &planar);
+    lw_status status = lw_planar_chain(c, &planar);
     *keep = !planar;
     return status;
 }
@@ -72,7 +64,7 @@ static lw_status structure_every(const lw_structure *s, bool *keep)
 }
 
 const lw_filter lw_filters[] = {
-    { "planar",     "the graph can be drawn without crossings", chain_planar,     structure_planar     },
+    { "planar",     "the graph can be drawn without crossings", lw_planar_chain,     structure_planar     },
     { "non-planar", "the graph cannot",                         chain_not_planar, structure_not_planar },
     { "asymmetric", "no two links are alike",                   chain_asymmetric, NULL                 },
     { "no-dyad",    "no two binary links in a row, so rules 1 to 4 of paper F cannot make the chain last",

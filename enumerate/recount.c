@@ -67,28 +67,22 @@ static chain_numbers *numbers_of(lw_recount *r, int n_link, int dof)
     return n;
 }
 
-static bool is_planar(const lw_chain *c)
-{
-    uint32_t row[LW_LINK_MAX];
-    bool planar = true;
-    for (int i = 0; i < c->n_link; i++)
-        row[i] = lw_chain_neighbours(c, i);
-    return lw_planar_test(c->n_link, row, &planar) != LW_OK || planar;
-}
-
 static lw_status tally_fractionated(void *context, const lw_chain *c, int n_bridge)
 {
     chain_numbers *n = context;
     uint8_t lowest[LW_LINK_MAX];
     int n_class = 0;
+    bool planar = true;
     lw_status s = lw_chain_orbits(c, lowest, &n_class);
+    if (s == LW_OK)
+        s = lw_planar_chain(c, &planar);
     if (n->n_fractionated < FRACTIONATED_MAX)
         for (int i = 0; i < c->n_link; i++)
             if (lw_chain_degree(c, i) < LW_LOOP_MAX + 2)
                 n->of_fractionated[n->n_fractionated].n_with[lw_chain_degree(c, i)]++;
     n->n_fractionated++;
     n->n_bridged += n_bridge > 0;
-    n->n_fractionated_nonplanar += !is_planar(c);
+    n->n_fractionated_nonplanar += !planar;
     n->n_fractionated_ground += (uint64_t)n_class;
     return s;
 }

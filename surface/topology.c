@@ -51,13 +51,9 @@ int lw_chain_links_with(const lw_chain *chain, int n_joint)
     return n_joint >= 0 && n_joint < LW_LINK_MAX ? n_with[n_joint] : 0;
 }
 
-bool lw_chain_is_planar(const lw_chain *chain)
+lw_status lw_chain_is_planar(const lw_chain *chain, bool *planar)
 {
-    uint32_t row[LW_LINK_MAX];
-    bool planar = false;
-    for (int i = 0; i < chain->n_link; i++)
-        row[i] = lw_chain_neighbours(chain, i);
-    return lw_planar_test(chain->n_link, row, &planar) == LW_OK && planar;
+    return lw_planar_chain(chain, planar);
 }
 
 bool lw_chain_is_fractionated(const lw_chain *chain) { return lw_chain_cut_links(chain) != 0; }

@@ -242,16 +242,16 @@ TEST(bad_models)
 
 TEST(time_is_a_limit)
 {
-    expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 5 -o $D/cut.csv", 5, "", NULL);
+    expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 8 -o $D/cut.csv", 5, "", NULL);
     expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
            "\\n", NULL);
-    expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 5 --json -o $D/cut.json; c=$?; "
+    expect("LW_CLOCK_STEP=0.01 $C trace examples/jansen.json -n 1000 --time 8 --json -o $D/cut.json; c=$?; "
            "tail -n 1 $D/cut.json.partial; exit $c", 5, "}", NULL);
 }
 
 TEST(ctrl_c_keeps_what_is_there)
 {
-    expect("LW_SIGNAL=2 LW_SIGNAL_AT=500 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "",
+    expect("LW_SIGNAL=2 LW_SIGNAL_AT=800 $C trace examples/jansen.json -n 1000 --time 1e9 -o $D/cut.csv", 130, "",
            NULL);
     expect("tail -c 1 $D/cut.csv.partial | od -c; test $(wc -l < $D/cut.csv.partial) -gt 400 -a ! -e $D/cut.csv", 0,
            "\\n", NULL);

@@ -61,7 +61,9 @@ TEST(chains_are_made_asked_and_written)
     CHECK_INT(lw_chain_links_with(c, 2), 4);
     CHECK_INT(lw_chain_joint_freedom(c, 0, 2), 0);
     CHECK_INT(lw_chain_joint_freedom(c, 0, 99), 0);
-    CHECK(lw_chain_is_planar(c) && !lw_chain_is_fractionated(c));
+    bool planar = false;
+    CHECK_INT(lw_chain_is_planar(c, &planar), LW_OK);
+    CHECK(planar && !lw_chain_is_fractionated(c));
     CHECK_INT(lw_chain_orbits(c, lowest, &n_class), LW_OK);
     CHECK_INT(n_class, 1);
     static const char *const notations[] = { "graph6", "lam", "sentence", "franke", "edges", "json" };

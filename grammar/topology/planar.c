@@ -59,6 +59,14 @@ lw_status lw_planar_test(int n, const uint32_t *adjacent, bool *planar)
     return s;
 }
 
+lw_status lw_planar_chain(const lw_chain *c, bool *planar)
+{
+    uint32_t row[LW_LINK_MAX];
+    for (int i = 0; i < c->n_link; i++)
+        row[i] = lw_chain_neighbours(c, i);
+    return lw_planar_test(c->n_link, row, planar);
+}
+
 static bool connected(int n, const uint32_t *adjacent)
 {
     uint32_t seen = 1, front = 1;

@@ -31,6 +31,9 @@ typedef struct lw_regions {
  * LW_E_ARG when a mask holds its own vertex or a vertex >= n, or is not symmetric. */
 lw_status lw_planar_test(int n, const uint32_t *adjacent, bool *planar);
 
+/* The same of the graph of a chain. */
+lw_status lw_planar_chain(const lw_chain *c, bool *planar);
+
 /* The regions of a connected planar graph with two vertices or more; v - e + a = 2 (Makkonen 1999,
  * eq. 6).  The same masks give the same drawing.  LW_NOTHING when the graph is not planar; LW_E_ARG
  * as above and when it is not connected. */

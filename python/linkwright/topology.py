@@ -93,7 +93,9 @@ class Chain(_Topology):
     @property
     def is_planar(self) -> bool:
         """Can its graph be drawn without crossings?"""
-        return self._get("is_planar")
+        planar = ffi.new("bool *")
+        check(lib.lw_chain_is_planar(self._handle, planar))
+        return planar[0]
 
     @property
     def is_fractionated(self) -> bool:
