@@ -313,7 +313,7 @@ static lw_status write_structures(job *j)
         lw_structures_derive(set, loops, i, &d);
         lw_structure_print(&one, form, sizeof form);
         lw_derivation_print(&d, derivation, sizeof derivation);
-        bool planar;
+        bool planar = false;
         s = lw_build_stopped(j->control) ? LW_STOPPED : lw_graph_error(&j->e, j->planar->structure(&one, &planar));
         lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, planar, form, derivation };
         if (s == LW_OK)
