@@ -11,7 +11,7 @@ static const char *const files[] = { "examples/hoeken.json", "examples/chebyshev
                                      "examples/jansen.json", "examples/geared-five-bar.json",
                                      "examples/scott-russell.json" };
 
-static bool read(const char *file, lw_linkage *k)
+static bool read_model(const char *file, lw_linkage *k)
 {
     char *text = NULL;
     size_t size;
@@ -69,7 +69,7 @@ int main(void)
         static lw_linkage k;
         static lw_system s;
         lw_motion_curve *b = NULL;
-        if (!read(files[i], &k) || lw_system_make(&k, NULL, 0, &s, NULL) != LW_OK)
+        if (!read_model(files[i], &k) || lw_system_make(&k, NULL, 0, &s, NULL) != LW_OK)
             continue;
         double curve = whole_curve(&s, &b);
         if (b)
