@@ -385,7 +385,8 @@ lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_erro
         if (!(b->wanted >> i & 1))
             continue;
         cli_progress_show(&line, i, 6, p->name);
-        st = strcmp(p->name, "choice") == 0 ? cli_mbs_choice(b, cases, folder, e) : p->file ? run_model(b, p, e) : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
+        st = strcmp(p->name, "choice") == 0 ? cli_mbs_choice(b, cases, folder, e) : p->file ? run_model(b, p, e)
+           : strncmp(p->name, "space-", 6) == 0 ? cli_mbs_space(b, p, e)
            : strcmp(p->name, "flexible-crank") == 0 ? run_flexible(b, p, e) : run_clearance(b, p, e);
     }
     cli_progress_end(&line);

@@ -221,9 +221,8 @@ static void measure_between_stations(const lw_target *t, const lw_plan *plan, co
 /* A transmission angle in [0, pi] as one in [0, pi/2]. */
 static double folded(double angle) { return fmin(angle, LW_PI - angle); }
 
-/* Describe the circuit of station 0. */
-/* The input of an open target turns if the linkage was made for it, or can turn within the limits.  Else it goes to and fro
- * between the ends of the target. */
+/* Describe the circuit of station 0.  The input of an open target turns if the linkage was made for it, or can turn within the
+ * limits.  Else it goes to and fro between the ends of the target. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
                              const lw_motion *m, lw_motion_limits *limits, lw_fit_report *r)
 {

@@ -181,9 +181,10 @@ static bool is_wanted(const lw_target *t, const lw_fit_spec *s, const lw_fit *fi
 
 #define SAME_CURVE   1e-5          /* stations met so well, by a linkage with few dimensions, were drawn by that linkage   */
 
-/* How far the linkage is from the target [m]: the curve, and the point at the stations.  Between the stations the target is an interpolation.  If a linkage meets all of
- * many stations, its curve is more exact than that.  If a four-bar meets all of a few stations, it may leave the interpolation
- * as far as other smooth curves through them do.  Longer linkages may not: they can meet a few stations with any curve. */
+/* How far the linkage is from the target [m]: the curve, and the point at the stations.  Between the stations the target is an
+ * interpolation.  If a linkage meets all of many stations, its curve is more exact than that.  If a four-bar meets all of a few
+ * stations, it may leave the interpolation as far as other smooth curves through them do.  Longer linkages may not: they can meet
+ * a few stations with any curve. */
 static double distance_of(const lw_target *t, const lw_candidate *c, const lw_fit_report *r)
 {
     int links = lw_candidate_links(c);
