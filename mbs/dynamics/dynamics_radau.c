@@ -454,16 +454,31 @@ static void embedded_error(stages *g)
     lw_tangent_damp(&g->pair[0], w, g->e, g->b);
 }
 
+/* out += by C e, from the derivatives of the forces, C = -dQ/dv. */
+typedef struct damping { double by; const double *e; double *out; } damping;
+
+static void add_damping(void *context, int row, int column, double by_q, double by_v)
+{
+    damping *c = context;
+    (void)by_q;
+    c->out[row] -= c->by*by_v*c->e[column];
+}
+
 /* The same of generalised alpha: h^3 v'' (beta + (am - af)/2 - 1/6), where the change of a is h v''. */
 static void alpha_error(stages *g)
 {
+    lw_dynamics *d = g->run->d;
     double part = g->beta + 0.5*(g->am - g->af) - 1.0/6, weight = (1 - g->am)/((1 - g->af)*g->beta);
     for (int i = 0; i < g->n; i++) {
-        double old = auxiliary_old(g, i);
-        g->b[i] = g->run->d->eq.mass[i]*weight*part*(auxiliary(g, g->z[i], g->v[i], old) - old);
+        double old = auxiliary_old(g, i), change = part*(auxiliary(g, g->z[i], g->v[i], old) - old);
+        g->e[i] = g->h*g->h*change;
+        g->b[i] = d->eq.mass[i]*weight*change;
     }
     for (int i = 0; i < g->n_x; i++)
         g->b[g->n + i] = g->gamma/g->beta*part*g->h*(auxiliary(g, g->zx[i], g->dx[i], g->aux_x[i]) - g->aux_x[i])/g->scale[i];
+    damping c = { g->gamma/(g->beta*g->h), g->e, g->b };
+    if (!d->eq.conservative)
+        d->eq.derivatives(d->eq.context, g->t + g->h, g->qi, g->vi, d->force, &(lw_force_sink){ .context = &c, .add = add_damping });
 }
 
 /* Error of the step, over the tolerance: filtered by the real matrix. */
