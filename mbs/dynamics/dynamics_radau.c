@@ -454,7 +454,8 @@ static void embedded_error(stages *g)
     lw_tangent_damp(&g->pair[0], w, g->e, g->b);
 }
 
-/* out += by C e, from the derivatives of the forces, C = -dQ/dv. */
+/* out += by C e, from the derivatives of the forces, C = -dQ/dv.  (The matrix of generalised alpha is real and does not tell C apart,
+ * as lw_tangent_damp needs it.) */
 typedef struct damping { double by; const double *e; double *out; } damping;
 
 static void add_damping(void *context, int row, int column, double by_q, double by_v)
@@ -808,9 +809,10 @@ static const double beyond_most = 1e-3, least_part = 1e-3;
 /* A switch so near, in parts of an ordinary step, is passed with the acceleration before it. */
 static const double beside_switch = 1e-5;
 
-/* Forces jump where a damped stop is touched.  A step over it would not see its error in the velocities, which is of first order: steps
- * end before a switch and begin behind it.  The step to be taken instead of the present one, which ends before the time `limit`; 0:
- * the present one; < 0: the switch is passed, and the next step begins.  h: an ordinary step; passed: one was passed just before. */
+/* Forces jump where a damped stop is touched.  A step over it would not see its error in the velocities, which is of first order.  So a
+ * step ends just before a switch, and the next one begins just behind it.  Returns the length of the step to take instead of the present
+ * one; 0: the present one has no switch; < 0: the switch has been passed, begin the next step.  h: length of an ordinary step; limit:
+ * time that a step may not pass; passed: the step before this one ended so. */
 static double step_to_switch(stages *g, double h, double limit, bool passed)
 {
     lw_dynamics *d = g->run->d;
@@ -827,6 +829,9 @@ static double step_to_switch(stages *g, double h, double limit, bool passed)
         g->v[i] += across*g->a[i];
     }
     d->eq.move(d->eq.context, g->q, g->e);
+    for (int i = 0; i < g->n_x; i++)
+        g->x[i] += across*g->dx[i];
+    g->work += across*g->power_old;
     g->t += across;
     return -1;
 }
