@@ -1,4 +1,4 @@
-/* base/eigen.h - eigenvalues, by GSL but for tridiagonal matrices. */
+/* base/eigen.h - eigenvalues, by GSL; those of tridiagonal matrices, for which GSL has no function of its own, by our QL method. */
 #ifndef LW_BASE_EIGEN_H
 #define LW_BASE_EIGEN_H
 

@@ -64,7 +64,7 @@ static lw_status structure_every(const lw_structure *s, bool *keep)
 }
 
 const lw_filter lw_filters[] = {
-    { "planar",     "the graph can be drawn without crossings", lw_planar_chain,     structure_planar     },
+    { "planar",     "the graph can be drawn without crossings", lw_planar_chain,  structure_planar     },
     { "non-planar", "the graph cannot",                         chain_not_planar, structure_not_planar },
     { "asymmetric", "no two links are alike",                   chain_asymmetric, NULL                 },
     { "no-dyad",    "no two binary links in a row, so rules 1 to 4 of paper F cannot make the chain last",

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "grammar/topology/structure.h"
 
-/* *keep: keep this one.  LW_E_MEMORY, LW_E_IO: igraph is not installed. */
+/* *keep becomes true: keep this one.  LW_E_MEMORY; LW_E_IO: igraph is not installed. */
 typedef lw_status lw_filter_chain(const lw_chain *c, bool *keep);
 typedef lw_status lw_filter_structure(const lw_structure *s, bool *keep);
 

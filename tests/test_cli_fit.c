@@ -222,8 +222,8 @@ TEST(pages_show_errors_of_angles)
     json_decref(root);
 }
 
-/* A bicycle's wheel within 1e-4 of its path: rows beside it are smaller or have another angle, not longer and nearer still,
- * but for the best in a measure. */
+/* Beside a luffing crane within 1e-4 of its path, rows are smaller or have another angle, not larger and nearer still, but for the
+ * best in a measure. */
 TEST(rows_end_where_errors_no_longer_matter)
 {
     json_t *root = json_of("$P fit examples/jobs/luffing-crane.csv --rounds 4 --json -q"), *rows = json_object_get(root, "results"), *r;

@@ -86,7 +86,7 @@ static const cli_option options[] = {
     { "max-size", 0, CLI_REAL, offsetof(settings, max_size), "S", "6",
       "without the two ranges above: most length and coordinate, in diagonals of the target", 0.1, 1e9, NULL, NULL },
     { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", "20",
-      "the longest length is at most R times the shortest; so is the arm of a point", 1, 1e9, NULL, NULL },
+      "the longest length, or arm of a point, is at most R times the shortest length", 1, 1e9, NULL, NULL },
     { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
       "limits of single dimensions, as r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
     { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
@@ -103,7 +103,7 @@ static const cli_option options[] = {
       "curve may stray", 0, 0, NULL, NULL },
     { "tolerance", 0, CLI_TEXT, offsetof(settings, tolerance), "E", NULL,
       "list the simplest linkages, then the smallest, that stray from the target by E at most, as 1mm; without a "
-      "unit in that of the target. One whose lengths differ by a factor of more than 8 counts as larger", 0, 0, NULL, NULL },
+      "unit in that of the target. A linkage whose lengths differ by more than a factor of 8 counts as larger", 0, 0, NULL, NULL },
     { "unlimited", 0, CLI_FLAG, offsetof(settings, unlimited), NULL, NULL,
       "no limit holds by default: sizes up to 10 diagonals, any ratio of lengths, any transmission angle, change "
       "points, --through-limits; results are listed by their error alone, but those that leave a target of 32 points or "
@@ -394,20 +394,20 @@ typedef struct shown {
     bool            goes_on;                /* to six links, where no four-bar is near                  */
 } shown;
 
-/* A search has parts, and how many is not known: their percents are no time left. */
+/* How many parts a search has is not known before its end, so the percents of a part do not give the time that is left. */
 static void show(void *context, double done, double seconds, double best)
 {
     shown *s = context;
-    char note[128];
+    char note[128], found[64] = "";
     (void)seconds;
     s->best = fmin(s->best, best);
+    if (isfinite(s->best))
+        snprintf(found, sizeof found, "best objective %.6g", s->best);
     if (s->links == 0) {
-        cli_progress_show(&s->line, 100*done, 100, NULL);
+        cli_progress_show(&s->line, 100*done, 100, *found ? found : NULL);
         return;
     }
-    int n = snprintf(note, sizeof note, "%d links, part %d: %.0f %%", s->links, s->part, 100*done);
-    if (isfinite(s->best))
-        snprintf(note + n, sizeof note - (size_t)n, ", best objective %.6g", s->best);
+    snprintf(note, sizeof note, "%d links, part %d: %.0f %%%s%s", s->links, s->part, 100*done, *found ? ", " : "", found);
     cli_progress_tell(&s->line, note);
 }
 
@@ -574,7 +574,7 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                      "by %.3g %s, %.2g %% of the target's diagonal. If that matters, add points", set->path, misses/m, unit,
                      100*misses/set->target.extent);
         else if (least_miss <= LW_NEAR*set->target.extent)
-            cli_note(call, "%s: the first row misses the target by %.3g %s, %.2g %% of its diagonal; row %d, by %.3g %s", set->path,
+            cli_note(call, "%s: the first row misses the target by %.3g %s, %.2g %% of its diagonal; row %d misses it by %.3g %s", set->path,
                      misses/m, unit, 100*misses/set->target.extent, nearest + 1, least_miss/m, unit);
         else
             cli_note(call, "%s: no linkage found follows the target well: the first row misses it by %.3g %s, %.2g %% of its "
@@ -922,8 +922,8 @@ const cli_command cli_fit_command = {
         "target; beyond 3 as 0.65 of it), 35 degrees of transmission angle (up to 45), or 3.5 links. Below 1.5 diagonals\n"
         "a smaller one comes first where the rest is nearly alike. An error below 1/1000 of the target counts as none,\n"
         "one above 1/50 more. Of a function the ratio of the longest to the shortest length stands for the size, 4 for a\n"
-        "diagonal. Less error than 1/10000 of the target is no reason for a row. --tolerance says instead how much error\n"
-        "is as good as none.\n"
+        "diagonal. Beside a row within 1/10000 of the target, none is listed for still less error. --tolerance says instead\n"
+        "how much error is as good as none.\n"
         "\n"
         "Every result is simulated a second time by independent code before it is printed. The table of results\n"
         "goes to standard output; with -o FILE the results go to FILE as JSON too, with --json they replace the\n"

@@ -84,7 +84,8 @@ void cli_dynamics_tail(cli_json *j, const lw_dynamics *d, const lw_dynamics_repo
     cli_json_end(j);
 }
 
-/* In time the masses of an elastic link lie at its nodes; few of them are another body.  Names are of node 0, NAME.0. */
+/* In a run in time the mass of an elastic link is lumped at its nodes; say where these are so few that its inertia is wrong.  The name of
+ * a link is that of its node 0, NAME.0. */
 static void note_lumps(const cli_call *c, const lw_dynamics *d)
 {
     static const double told = 0.05;             /* of the inertia; the time of a swing is off by up to a half of it */
@@ -100,8 +101,8 @@ static void note_lumps(const cli_call *c, const lw_dynamics *d)
     if (!worst)
         return;
     const char *name = space ? lw_dynamics_space(d)->model->body[worst->link].name : plane->model.linkage.link_name[worst->link];
-    cli_note(c, "in time the masses of elastic links lie at their nodes, and %d link%s too few: the %d nodes of \"%.*s\" have %.3g times its inertia "
-             "about its centre of mass, and its motion is as far off; take more %s", links, links == 1 ? " has" : "s have", worst->n_node,
+    cli_note(c, "the mass of elastic links is lumped at their nodes, and %d link%s too few of them: the %d nodes of \"%.*s\" have %.3g times its inertia "
+             "about its centre of mass, so that it moves too slowly; take more %s", links, links == 1 ? " has" : "s have", worst->n_node,
              (int)strlen(name) - 2, name, 1 + worst->too_much,
              worst->elastic->n_node > 0 ? "nodes" : worst->condensed ? "\"superelements\"" : "\"segments\"");
 }

@@ -42,8 +42,8 @@ typedef struct lw_joint_spring {
     lw_expression *law;
 } lw_joint_spring;
 
-/* Is this the first of the two forces, one after the other, at the ends of a load spread over the line between them?  The forces push
- * a rigid body as the load does; elastic links spread them again (mbs/elastic/expand.h). */
+/* A line load is stored as two forces, one after the other, at the ends of its line.  Together they act on a rigid body as the load does;
+ * on elastic links they are spread over the line again (mbs/elastic/expand.h).  EVEN, VARYING: the first of them; SECOND: the other. */
 typedef enum lw_line_load { LW_LINE_NONE, LW_LINE_EVEN, LW_LINE_VARYING, LW_LINE_SECOND } lw_line_load;
 
 typedef struct lw_force {                /* on one link; the reaction goes to ground               */

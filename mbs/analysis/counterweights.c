@@ -94,7 +94,7 @@ static double deviation(const balance *b, const double *p)
     return sqrt(sum/(double)b->n_posture);
 }
 
-/* The columns of a link (end 0, 1: its p.x, p.y), x and y of all postures. */
+/* The columns x, y (2 n_posture) of the unknowns p.x, p.y of a link. */
 static void columns_of(const balance *b, int body, double *x, double *y)
 {
     for (size_t i = 0; i < b->n_posture; i++) {
@@ -210,7 +210,7 @@ static void add_candidate(const balance *b, pursuit *p, int body, int joint)
     p->n++;
 }
 
-/* The candidate that leaves the least of `still` [kg m], if that is less than 0.9 of what is left; -1: there is none. */
+/* The candidate that leaves the least motion of the centre, if that is less than 0.9 of what is left; -1: there is none. */
 static int best_candidate(const pursuit *p)
 {
     double all = square(p->n_posture, p->left), least = 0.81*all;

@@ -73,7 +73,7 @@ lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m)
     return r;
 }
 
-/* The share of line loads that an element puts on a node; *about: its moment there. */
+/* Force of the line loads that an element passes on to a node; *about: their moment there. */
 static lw_vec2 line_loads(const lw_dynamics *d, const lw_moment *m, int element, int link, double *about)
 {
     const lw_forces *f = lw_dynamics_forces(d);

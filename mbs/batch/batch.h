@@ -51,7 +51,8 @@ void lw_batch_frame(const lw_plan *plan, const lw_lanes *in, int which, void *wo
 /* Compute positions and their exact derivatives, for dim_stride = mode_stride = 0 only.  jx[d*ld + k] is the
  * derivative of x by dim[d] in lane k; jy of y; jt of the angle of the output's link [rad], jm of the margin.  tx, ty,
  * tt, tm: derivatives of x, y, the angle and the margin by the input.  jt, jm, u, v and all t. may be NULL; so may jx,
- * and jy, jt and tt are then not written either; tx and ty alone cost less, with the same bits.  jm is NaN in lanes where a higher group has the least margin.
+ * and jy, jt and tt are then not written either; tx and ty alone cost less, with the same bits.  jm is NaN in lanes where a
+ * higher group has the least margin.
  *     `which` is an output, or LW_BATCH_JOINT(j): the pin of joint j, which the plan must work out
  * (lw_plan.joint_point).  A pin has no angle: u, v and jt are NULL; its margin is the least of the whole plan. */
 #define LW_BATCH_JOINT(j) (-1 - (j))

@@ -175,7 +175,8 @@ static void reflect(spatial_run *r, const lw_space_moment *o)
     for (int i = 0; i < r->out->n; i++) {
         memset(f->rhs, 0, (size_t)f->z.n_row*sizeof *f->rhs);
         f->rhs[s->n_row + f->n_idle + i] = 1/lw_space_scale(s, drive_of(r->m, i));
-        lw_space_rows_solve(&f->z, NULL, f->rhs, true, f->v_try, f->l);
+        if (!lw_space_rows_solve(&f->z, NULL, f->rhs, true, f->v_try, f->l))
+            return;
         widen(r->out->load[i].inertia, 2*lw_space_kinetic(s, f->v_try));
     }
 }

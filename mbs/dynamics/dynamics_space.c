@@ -421,8 +421,7 @@ const lw_spatial_expansion *lw_dynamics_spatial_elastic(const lw_dynamics *d)
     return d->elastic && d->space ? &d->spatial_expansion : NULL;
 }
 
-/* The share of line loads that part i of a chain puts on a node (in space, force and moment in ground axes): what is spread beside the
- * node, to be added to what the part without load does there. */
+/* Add the line loads that a part of a chain passes on to a node, in ground axes, to force and moment of the part on that node. */
 static void add_line_loads(const lw_dynamics *d, const lw_space_moment *m, int part, int link, lw_vec3 *force, lw_vec3 *moment)
 {
     const lw_spatial *model = d->space->model;

@@ -68,6 +68,12 @@ static lw_status settle(lw_dynamics *d, double t, double *q, lw_rest *r, lw_erro
                                          "ever");
 }
 
+const char *lw_rest_text(const lw_rest *r)
+{
+    return r->unknown ? "stability not known, since a force that turns with its link or depends on other quantities has no potential"
+         : r->stable ? "stable" : "not stable";
+}
+
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
 {
     lw_vibration v;

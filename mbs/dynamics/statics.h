@@ -8,10 +8,10 @@ typedef struct lw_rest {
     int    iterations;
     double residual;            /* greatest force left along the constraints [J] */
     bool   stable;              /* the stiffness is positive definite; else a saddle or a neutral equilibrium */
-    bool   unknown;             /* whether it is: large models and elastic links under forces without a potential; stable is false */
+    bool   unknown;             /* stability is not known: large models and elastic links under forces without a potential; stable is false */
 } lw_rest;
 
-/* "stable", ... */
+/* "stable", "not stable", or that and why it is not known. */
 const char *lw_rest_text(const lw_rest *r);
 
 /* Equilibrium nearest downhill from the start of d, inputs with a motion held at their values at t: q (n_q).

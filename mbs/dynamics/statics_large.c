@@ -253,12 +253,6 @@ static lw_status leave_saddle(search *s, const lw_mode *mode, lw_rest *r)
     return st;
 }
 
-const char *lw_rest_text(const lw_rest *r)
-{
-    return r->unknown ? "whether stable is not known: a force that turns with its link or depends on others has no potential" : r->stable ? "stable"
-         : "not stable";
-}
-
 lw_status lw_statics_rest_large(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
 {
     search s;

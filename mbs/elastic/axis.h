@@ -32,8 +32,8 @@ int     lw_elastic_axis_node(const lw_elastic_axis *a, lw_vec3 at);
  * node, weight[0] of the force at the start of the line load and weight[1] of that at its end (lw_line_load). */
 typedef struct lw_elastic_push { lw_vec3 place; double weight[2]; } lw_elastic_push;
 
-/* Pushes of the element after node i by the line load from `at` to `to`: those of its first node, then as many of its second.  Returns
- * how many in all, at most 4; 0: the load is elsewhere.  LW_E_ARG is told by -1: the line is not on one straight part of the axis. */
+/* Forces on the element after node i by the line load from `at` to `to`: those on its first node, then as many on its second.  Returns
+ * how many in all, at most 4; 0: the load is elsewhere; -1: the line is not on one straight part of the axis. */
 int lw_elastic_line_pushes(const lw_elastic_axis *a, int i, lw_vec3 at, lw_vec3 to, bool varies, lw_elastic_push push[4]);
 
 #endif

@@ -72,6 +72,14 @@ void lw_expression_list_free(lw_expression_list *list)
     free(list->x);
 }
 
+int lw_elastic_chain_of(const lw_elastic_chain *chain, int n, int link)
+{
+    int k = 0;
+    while (k < n && chain[k].link != link)
+        k++;
+    return k;
+}
+
 lw_status lw_elastic_line_off_axis(const char *force, const char *link, lw_error *e)
 {
     return lw_error_set(e, LW_E_ARG, "the line of the force \"%s\" is not on one straight part of the axis of the elastic link \"%s\"; give one "
@@ -194,10 +202,8 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
 /* The node of an elastic link nearest along the axis to `at`; other links stay. */
 static int node_for(const work *w, int link, lw_vec2 at)
 {
-    for (int k = 0; k < w->x->n_chain; k++)
-        if (w->x->chain[k].link == link)
-            return w->x->chain[k].node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))];
-    return link;
+    int k = lw_elastic_chain_of(w->x->chain, w->x->n_chain, link);
+    return k < w->x->n_chain ? w->x->chain[k].node[lw_elastic_axis_node(&w->axis[k], lw_v3(at.x, at.y, 0))] : link;
 }
 
 static void attach(work *w)
@@ -224,9 +230,7 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
 {
     const lw_force *p = &w->m->force[*i];
     lw_model *to = &w->x->model;
-    int chain = 0;
-    while (chain < w->x->n_chain && w->x->chain[chain].link != p->link)
-        chain++;
+    int chain = lw_elastic_chain_of(w->x->chain, w->x->n_chain, p->link);
     if (p->line == LW_LINE_NONE || chain == w->x->n_chain) {
         to->force[to->n_force++] = *p;
         return LW_OK;

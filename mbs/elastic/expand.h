@@ -2,8 +2,8 @@
  *
  * An elastic link becomes n elements between n + 1 nodes, which are links with lumped masses: half the mass of each element
  * and half of its rotary inertia rho I h at either end.  Joints, tracers, springs and forces of the link act on the node at
- * their place; beside the axis, through a rigid arm from the nearest point of it; a load along a line on the nodes that it covers.  All other links, joints, tracers and
- * inputs keep their indices, so expressions stay valid; node 0 of a link has the index of the link. */
+ * their place; beside the axis, through a rigid arm from the nearest point of it; a load along a line on the nodes that it
+ * covers.  All other links, joints, tracers and inputs keep their indices, so expressions stay valid; node 0 of a link has the index of the link. */
 #ifndef LW_MBS_ELASTIC_EXPAND_H
 #define LW_MBS_ELASTIC_EXPAND_H
 
@@ -48,6 +48,9 @@ void      lw_expression_list_free(lw_expression_list *list);
 
 /* Why lw_elastic_line_pushes refuses. */
 lw_status lw_elastic_line_off_axis(const char *force, const char *link, lw_error *e);
+
+/* Which of these n chains is that of the link; n: it is not elastic. */
+int lw_elastic_chain_of(const lw_elastic_chain *chain, int n, int link);
 
 /* Copy the data of the axis into the chain, and allocate its nodes. */
 lw_status lw_elastic_chain_take(lw_elastic_chain *c, const lw_elastic_axis *a, lw_error *e);

@@ -464,18 +464,15 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
 /* The node of an elastic link nearest along the axis to `at`; other links stay. */
 static int node_for(const work *w, int link, lw_vec3 at)
 {
-    for (int k = 0; k < w->x->n_chain; k++) {
-        const lw_elastic_chain *c = &w->x->chain[k];
-        int best = 0;
-        const lw_vec3 *node = c->elastic->node;
-        if (c->link != link)
-            continue;
-        for (int i = 1; c->elastic->n_node > 0 && i < c->n_bound; i++)
-            if (lw_v3_norm(lw_v3_sub(node[w->keep[k][i]], at)) < lw_v3_norm(lw_v3_sub(node[w->keep[k][best]], at)))
-                best = i;
-        return c->node[c->elastic->n_node > 0 ? best : lw_elastic_axis_node(&w->axis[k], at)];
-    }
-    return link;
+    int k = lw_elastic_chain_of(w->x->chain, w->x->n_chain, link), best = 0;
+    if (k == w->x->n_chain)
+        return link;
+    const lw_elastic_chain *c = &w->x->chain[k];
+    const lw_vec3 *node = c->elastic->node;
+    for (int i = 1; c->elastic->n_node > 0 && i < c->n_bound; i++)
+        if (lw_v3_norm(lw_v3_sub(node[w->keep[k][i]], at)) < lw_v3_norm(lw_v3_sub(node[w->keep[k][best]], at)))
+            best = i;
+    return c->node[c->elastic->n_node > 0 ? best : lw_elastic_axis_node(&w->axis[k], at)];
 }
 
 static void attach(work *w)
@@ -501,9 +498,7 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
 {
     const lw_spatial_force *p = &w->m->force[*i];
     lw_spatial *to = &w->x->model;
-    int chain = 0;
-    while (chain < w->x->n_chain && w->x->chain[chain].link != p->link)
-        chain++;
+    int chain = lw_elastic_chain_of(w->x->chain, w->x->n_chain, p->link);
     if (p->line == LW_LINE_NONE || chain == w->x->n_chain) {
         to->force[to->n_force++] = *p;
         return LW_OK;

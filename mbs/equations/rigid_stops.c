@@ -5,7 +5,7 @@
 
 static const double passed = 1e-6;           /* a gap below minus this: the stop is passed, scaled */
 static const double still = 1e-13;           /* a rate below this over the greatest velocity is rounding */
-static const double even = 1e-9;             /* an acceleration below this over its terms is 0 where a force has just passed 0 */
+static const double even = 1e-9;             /* an acceleration below this over its terms is rounding where a force has just passed 0 */
 
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop)
 {
@@ -76,12 +76,14 @@ static lw_status strike(const lw_stops *s, int i, double t, double *y, double *g
     return LW_OK;
 }
 
+static bool is_due(const lw_stops *s, int i) { return i < 64 && s->due >> i & 1; }
+
 static bool closes(const lw_stops *s, int i, const double *y, const lw_gap *gap)
 {
     double fastest = 0;
     for (int k = 0; k < s->n; k++)
         fastest = fmax(fastest, fabs(y[s->v + k]));
-    double least = i < 64 && s->due >> i & 1 ? -even*gap->size : 0;
+    double least = is_due(s, i) ? -even*gap->size : 0;
     return gap->rate <= 0 && !(gap->rate >= -still*fastest && gap->acceleration >= least);
 }
 
@@ -122,7 +124,7 @@ static lw_status leave_one(const lw_stops *s, double t, double *y, bool first, b
         lw_status st = s->pressure(s->context, i, t, y, &press);
         if (st != LW_OK)
             return st;
-        if (press > 0 && !(first && i < 64 && s->due >> i & 1))
+        if (press > 0 && !(first && is_due(s, i)))
             continue;
         if (s->note)
             s->note(s->context, i, t, false, 0);

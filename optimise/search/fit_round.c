@@ -625,8 +625,8 @@ enum { CHAINS = sizeof chain_angle/sizeof *chain_angle, WIDENED = 4, CHAIN = 9, 
 static const double shrink_within[] = { 0.88, 0.96, 0.985 };
 #define ROUGH        0.05        /* sizes of the target: a chain ends where the error is more, and ... */
 #define MUCH_WORSE   100         /* ... the objective so many times that of the find                 */
-#define STEP         0.9         /* sizes of finds that are kept beside each other                    */
-#define STEP_WITHIN  0.98
+#define STEP         0.9         /* a find is kept beside better ones if its size is so much less, ...  */
+#define STEP_WITHIN  0.98        /* ... or so much if the smallest within a tolerance is asked for    */
 #define TWIN         0.01        /* relative difference of f of linkages that differ little           */
 
 typedef struct chain {
@@ -690,7 +690,7 @@ static bool fit_smaller(lw_search *s, lw_problem *p, double most, double f_rough
     return false;
 }
 
-/* Greatest distance of a station that is settled. */
+/* Greatest distance of the point from a station, at the inputs that were found last. */
 static double miss(const lw_problem *p, const lw_work *w)
 {
     double most = 0;
