@@ -290,6 +290,19 @@ static bool is_known(const char *key, const char *const *known, int n_known)
     return strncmp(key, "x-", 2) == 0;
 }
 
+/* The keys as one text, "a, b, c"; those that do not fit are "...". */
+static void list_keys(const char *const *known, int n_known, char *out, size_t size)
+{
+    size_t at = 0;
+    out[0] = 0;
+    for (int i = 0; i < n_known; i++) {
+        bool fits = at + strlen(known[i]) + sizeof ", , ..." <= size;
+        at += (size_t)snprintf(out + at, size - at, "%s%s", i > 0 ? ", " : "", fits ? known[i] : "...");
+        if (!fits)
+            return;
+    }
+}
+
 lw_status lw_json_known_keys(const lw_json_node *object, const char *const *known, int n_known, lw_error *e)
 {
     const char *key;
@@ -299,8 +312,10 @@ lw_status lw_json_known_keys(const lw_json_node *object, const char *const *know
         if (!is_known(key, known, n_known)) {
             lw_json_node n = { object->json, object, key, index, value };
             const char *near = lw_suggest(key, known, n_known);
-            return key_fault(&n, e, "this key is not known%s%s%s; keys of your own begin with \"x-\"",
-                             near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+            char list[400];
+            list_keys(known, n_known, list, sizeof list);
+            return key_fault(&n, e, "this key is not known%s%s%s; known here: %s; keys of your own begin with \"x-\"",
+                             near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "", list);
         }
         index++;
     }
