@@ -3,7 +3,8 @@
 #     tests/run.sh PROGRAM...
 # The last line of a program is "<name>: N passed, M failed".  A program counts as failed if it crashes, prints no such
 # line, leaves a file in its folder for temporary files, or runs for more than LW_TEST_SECONDS (an hour: only a program
-# that hangs runs so long).  The other programs still run.  The very last line is the sum; the exit code is 0 if nothing
+# that hangs runs so long).  LW_TEST_TIMES=FILE adds a line to FILE for each program: seconds of the user, of the system,
+# elapsed.  The other programs still run.  The very last line is the sum; the exit code is 0 if nothing
 # failed.
 set -u
 logs=$(mktemp -d) || exit 1
@@ -12,7 +13,8 @@ trap 'rm -rf "$logs"' EXIT
 run_one() {
     local log=$1/$(basename "$2") code summary left
     mkdir "$log.tmp"
-    TMPDIR=$log.tmp timeout "${LW_TEST_SECONDS:-3600}" "$2" > "$log" 2>&1
+    TIMEFORMAT="%U %S %R $(basename "$2")"
+    { time TMPDIR=$log.tmp timeout "${LW_TEST_SECONDS:-3600}" "$2" > "$log" 2>&1; } 2>> "${LW_TEST_TIMES:-/dev/null}"
     code=$?
     left=$(ls -A "$log.tmp")
     rm -rf "$log.tmp"
