@@ -149,6 +149,24 @@ TEST(leaves_at_rounding)
     lw_model_free(&d.model);
 }
 
+/* A mass of 1 is pressed on its stop by a state 1 - t: it leaves at t = 1, and then flies by (t - 1)^3/6.  The pressure at the stop
+ * is that of the state at the time that is looked at, not at the last one of a step. */
+TEST(pressed_by_a_state)
+{
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0]}], 'joints': [{'name': 'S', 'kind': 't', "
+        "'links': ['ground', 'a'], 'at': [0, 0], 'along': [1, 0], 'stop': {'least': 0}}], 'input': {'joint': 'S', 'speed': 0}, 'states': [{'name': "
+        "'u', 'rate': '-1', 'start': 1}], 'forces': [{'link': 'a', 'at': [0, 0], 'fx': '-state(u)'}], 'tracers': [{'name': 'P', 'link': 'a', "
+        "'at': [0, 0]}]}", 0, 0);
+    for (int f = 1; f < 3; f++)
+        for (int n = 1; n <= 7; n += 2) {
+            CHECK_INT(drun_to(&d, all[f], 1e-10, 2, n), LW_OK);
+            CHECK_INT(d.report.n_event_seen, 2);                     /* rests at the start, leaves */
+            CHECK_NEAR(d.report.event[1].t, 1, f == 1 ? 1e-12 : 1e-8, 0);
+            CHECK_NEAR(d.tracer[n].x, 1.0/6, f == 1 ? 1e-10 : 1e-8, 0);
+        }
+    lw_model_free(&d.model);
+}
+
 /* A mass at 1 m/s meets a spring and damper at 0.5 m: z'' + c z' + k z = 0 from there until the force is 0, then it flies back.  The
  * damper makes the force jump.  Beside it a mass is pushed by a state that counts the time: x'' = t, so that no time is lost there. */
 TEST(damped_stop)

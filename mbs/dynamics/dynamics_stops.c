@@ -42,6 +42,7 @@ lw_status lw_run_stop_events(void *context, double t, const double *y, double *g
     if (d->eq.piece_left)
         g[d->n_stop] = d->eq.piece_left(d->eq.context, y);
     d->eq.place(d->eq.context, y);
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));
     for (int i = 0; i < d->n_stop; i++)
         if (!d->stop[i].resting)
             g[i] = gap_of(d, i, NULL);
@@ -143,6 +144,7 @@ lw_status lw_run_strike(lw_run *run, double t, double *y, unsigned long long eve
                        .gap = gap, .motion = motion, .impulse = impulse, .pressure = pressure, .arrange = arrange,
                        .note = note };
     double before = d->eq.kinetic(d->eq.context, y + d->n_q);
+    d->eq.place_states(d->eq.context, y + lw_run_states(run));       /* forces decide whether a stop is rested on */
     lw_status s = lw_stops_strike(&stops, t, y, changed, &run->flight, run->e);
     if (run->has_work && *changed)
         y[d->n_q + d->n_v] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
