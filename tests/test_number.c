@@ -107,6 +107,57 @@ TEST(short_where_short_is_exact)
     CHECK_TEXT(text, "7");
 }
 
+/* What printf writes in the first of 15, 16, 17 digits that strtod reads back as v. */
+static void print_by_libc(double v, double unit, char text[LW_NUMBER_SIZE])
+{
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, LW_NUMBER_SIZE, "%.*g", digits, v/unit);
+        if (!isfinite(v/unit) || strtod(text, NULL)*unit == v)
+            break;
+    }
+}
+
+static bool prints_as_libc(double v, double unit)
+{
+    char text[LW_NUMBER_SIZE], want[LW_NUMBER_SIZE];
+    lw_number_print_in(v, unit, text);
+    print_by_libc(v, unit, want);
+    if (strcmp(text, want) != 0)
+        printf("    %a in %g: %s, printf %s\n", v, unit, text, want);
+    return strcmp(text, want) == 0;
+}
+
+/* Every magnitude, few digits, whole numbers, powers of 2 and 10 with their neighbours, ties. */
+TEST(same_text_as_printf)
+{
+    lw_rng r;
+    int wrong = 0;
+    lw_rng_seed(&r, check_seed(), 2);
+    for (int i = 0; i < 60000 && wrong < 10; i++) {
+        uint64_t bits = lw_rng_bits(&r);
+        double v, u = lw_rng_normal(&r);
+        memcpy(&v, &bits, sizeof v);
+        wrong += isfinite(v) && !prints_as_libc(v, 1);
+        wrong += !prints_as_libc(ldexp(u, i % 240 - 140), 1) + !prints_as_libc(round(1e4*u)/1e4, 1)
+               + !prints_as_libc(round(u*ldexp(1, i % 64)), 1) + !prints_as_libc((double)(bits >> i % 64), 1)
+               + !prints_as_libc(u, 0.001) + !prints_as_libc(round(1e3*u)*0.001, 0.001) + !prints_as_libc(u, 3.14159265358979323846/180)
+               + !prints_as_libc((double)(bits % (1 << 20))*ldexp(1, -(i % 60)), 1);
+    }
+    for (int e = -330; e <= 310; e++)
+        for (int k = 0; k < 4; k++) {
+            double v = k < 2 ? ldexp(1, 3*e) : pow(10, e);
+            for (int step = -3; step <= 3 && isfinite(v); step++) {
+                double w = v;
+                for (int i = 0; i < abs(step); i++)
+                    w = nextafter(w, step < 0 ? 0 : INFINITY);
+                wrong += !prints_as_libc(k % 2 ? -w : w, 1);
+            }
+        }
+    for (int e = -1074; e <= 1023; e++)
+        wrong += !prints_as_libc(ldexp(1, e), 1) + !prints_as_libc(nextafter(ldexp(1, e), 0), 1);
+    CHECK_INT(wrong, 0);
+}
+
 /* Written in another unit and read back: the bits again or their neighbour. */
 TEST(units_cost_one_rounding_at_most)
 {
