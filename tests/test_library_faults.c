@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "linkwright.h"
+#include "optimise/topology/packed_mechanism.h"
 #include "tests/check.h"
 #include "tests/temporary.h"
 
@@ -532,6 +533,27 @@ TEST(each_allocation_fails)
         }
     }
     munmap(out, 2*sizeof *out);
+}
+
+/* Two mechanisms are compared by their forms: a labelling without memory is no form that differs.  The first allocations are igraph's. */
+TEST(a_form_without_memory_is_a_failure)
+{
+    static lw_graph form, again;
+    static const lw_linkage four = { .n_link = 4, .n_joint = 4, .n_tracer = 1, .tracer = { { .link = 2 } },
+        .joint = { { .kind = LW_JOINT_REVOLUTE, .link = { 0, 1 } }, { .kind = LW_JOINT_REVOLUTE, .link = { 1, 2 } },
+                   { .kind = LW_JOINT_REVOLUTE, .link = { 2, 3 } }, { .kind = LW_JOINT_REVOLUTE, .link = { 3, 0 } } } };
+    lw_linkage tied = four;
+    CHECK_INT(lw_linkage_canonical_form(&four, &form), LW_OK);
+    for (int n = 1; n <= 5 && OWN_MALLOC; n++) {
+        fail_at = n_call + n;
+        lw_status st = lw_linkage_canonical_form(&four, &again);
+        fail_at = 0;
+        CHECK_INT(st, LW_E_MEMORY);
+        CHECK(lw_linkage_canonical_form(&four, &again) == LW_OK && memcmp(&form, &again, sizeof form) == 0);
+    }
+    tied.n_input = 2;
+    tied.input[1] = (lw_input){ .joint = 3, .ratio = 0.123456789 };
+    CHECK_INT(lw_linkage_canonical_form(&tied, &again), LW_NOTHING);
 }
 
 /* ---- little stack ------------------------------------------------------------------------------------ */

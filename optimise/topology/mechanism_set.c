@@ -175,19 +175,28 @@ static void tie_inputs(const chain_job *job, const lw_mechanism *m, int first, i
     }
 }
 
-/* Is it the same as a mechanism listed before, by a symmetry, or seen from another input?  If not, add its form to
- * the n forms. */
-static bool listed_before(const chain_job *job, const lw_packed_mechanism *f, lw_graph *form, int *n)
+/* Sketch the mechanism and find the form of the linkage.  LW_NOTHING: there is none.  LW_E_MEMORY, LW_E_IO. */
+static lw_status form_of(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, lw_graph *form)
 {
     lw_linkage k;
-    if (lw_packed_mechanism_sketch(job->chain, f, &job->request->ratio, &k) != LW_OK
-        || !lw_linkage_canonical_form(&k, &form[*n]))
-        return false;
-    for (int i = 0; i < *n; i++)
-        if (memcmp(&form[i], &form[*n], sizeof *form) == 0)
-            return true;
-    ++*n;
-    return false;
+    lw_status st = lw_packed_mechanism_sketch(c, f, r, &k);
+    if (st == LW_OK)
+        return lw_linkage_canonical_form(&k, form);
+    return st == LW_E_MEMORY ? st : LW_NOTHING;
+}
+
+/* *listed: is it the same as a mechanism listed before, by a symmetry, or seen from another input?  If not, add its form to
+ * the n forms. */
+static lw_status look_up(const chain_job *job, const lw_packed_mechanism *f, lw_graph *form, int *n, bool *listed)
+{
+    lw_status st = form_of(job->chain, f, &job->request->ratio, &form[*n]);
+    *listed = false;
+    if (st != LW_OK)
+        return st == LW_NOTHING ? LW_OK : st;
+    for (int i = 0; i < *n && !*listed; i++)
+        *listed = memcmp(&form[i], &form[*n], sizeof *form) == 0;
+    *n += !*listed;
+    return LW_OK;
 }
 
 static lw_status add_tied(chain_job *job, const lw_packed_mechanism *f, lw_pair_outcome *outcome)
@@ -210,7 +219,7 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
     lw_pair_outcome outcome = LW_PAIR_NO_PLAN;
     lw_status st = LW_OK;
     int codes = 1, n = 0;
-    bool pins = true;
+    bool pins = true, listed;
     for (int i = 0; i < m->n_input; i++) {
         codes *= i > 0 ? job->request->ratio.tie.n : 1;
         pins = pins && lw_joint_turns(m->kind[m->input[i]]);
@@ -223,7 +232,8 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
         for (int code = 0; code < codes && st == LW_OK; code++) {
             lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
             tie_inputs(job, m, first, code, &f);
-            if (!listed_before(job, &f, form, &n))
+            st = look_up(job, &f, form, &n, &listed);
+            if (st == LW_OK && !listed)
                 st = add_tied(job, &f, &outcome);
         }
     }
@@ -260,11 +270,12 @@ static lw_status add_geared(chain_job *job, const lw_mechanism *m, lw_pair_outco
     lw_graph *form = malloc(sizeof *form*(size_t)(sets + 1));
     *outcome = sets > 0 ? LW_PAIR_NO_PLAN : LW_PAIR_NO_CARRIER;
     for (job->ratio = 1; form && st == LW_OK && job->ratio <= sets; job->ratio++) {
-        lw_pair_outcome now;
+        lw_pair_outcome now = LW_PAIR_NO_PLAN;
+        bool listed;
         f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
-        if (listed_before(job, &f, form, &n))
-            continue;
-        st = add_pair(job, m, &now);
+        st = look_up(job, &f, form, &n, &listed);
+        if (st == LW_OK && !listed)
+            st = add_pair(job, m, &now);
         if (*outcome != LW_PAIR_FITTED && now != LW_PAIR_NO_PLAN)
             *outcome = now;
     }
@@ -308,7 +319,10 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
         return LW_E_MEMORY;
     for (job->turned = 0; st == LW_OK && job->turned < 1u << slots; job->turned++) {
         lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, 0);
-        if (slots == 0 || !listed_before(job, &f, form, &n)) {
+        bool listed = false;
+        if (slots > 0)
+            st = look_up(job, &f, form, &n, &listed);
+        if (st == LW_OK && !listed) {
             variants++;
             st = visit_variant(job, m);
         }
@@ -394,25 +408,29 @@ static unsigned outline_of(const lw_numbered_chain *c, const lw_packed_mechanism
     return sum;
 }
 
-bool lw_mechanism_set_name(void *context, const lw_linkage *linkage, char *name, size_t size)
+lw_status lw_mechanism_set_name(void *context, const lw_linkage *linkage, char *name, size_t size)
 {
     const lw_mechanism_set *set = context;
     unsigned outline = outline_of_linkage(linkage);
     lw_graph form, other_form;
-    lw_linkage l;
-    if (!lw_linkage_canonical_form(linkage, &form))
-        return true;
+    lw_status st = lw_linkage_canonical_form(linkage, &form);
+    if (st != LW_OK)
+        return st == LW_NOTHING ? LW_OK : st;
     for (int i = 0; i < set->n; i++)
         for (int n = 0; set->stage[i].links == linkage->n_link && n < set->stage[i].n_family; n++) {
             const lw_packed_mechanism *f = &set->stage[i].family[n];
             const lw_numbered_chain *c = &set->stage[i].list[f->chain];
-            if (outline_of(c, f) == outline && lw_packed_mechanism_sketch(c, f, &set->ratio, &l) == LW_OK
-                && lw_linkage_canonical_form(&l, &other_form) && memcmp(&form, &other_form, sizeof form) == 0) {
+            if (outline_of(c, f) != outline)
+                continue;
+            st = form_of(c, f, &set->ratio, &other_form);
+            if (st != LW_OK && st != LW_NOTHING)
+                return st;
+            if (st == LW_OK && memcmp(&form, &other_form, sizeof form) == 0) {
                 lw_packed_mechanism_name(c, f, &set->ratio, false, name, size);
-                return true;
+                return LW_OK;
             }
         }
-    return set->every;
+    return set->every ? LW_OK : LW_NOTHING;
 }
 
 /* ---- a number of links ------------------------------------------------------------------------------------ */

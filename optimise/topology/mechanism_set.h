@@ -89,7 +89,8 @@ lw_families lw_mechanism_stage_pins(const lw_mechanism_stage *s);
 lw_families lw_mechanism_stage_others(const lw_mechanism_stage *s);
 
 /* Write the name of the mechanism in the set that the linkage is one of, by chain, ground link and tracer link (an
- * lw_search_stage.name with an lw_mechanism_set as context).  false: it is none of the mechanisms requested. */
-bool lw_mechanism_set_name(void *set, const lw_linkage *linkage, char *name, size_t size);
+ * lw_search_stage.name with an lw_mechanism_set as context).  LW_NOTHING: it is none of the mechanisms requested;
+ * LW_E_MEMORY, LW_E_IO as lw_graph_label. */
+lw_status lw_mechanism_set_name(void *set, const lw_linkage *linkage, char *name, size_t size);
 
 #endif

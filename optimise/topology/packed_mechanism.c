@@ -281,7 +281,7 @@ static bool is_rack(const lw_linkage *linkage, int joint)
     return lw_linkage_gear(linkage, joint, &g, NULL) == LW_OK && (g.slider[0] >= 0 || g.slider[1] >= 0);
 }
 
-bool lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form)
+lw_status lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form)
 {
     lw_graph g = { .n = linkage->n_link };
     uint8_t to[LW_GRAPH_MAX];
@@ -298,15 +298,18 @@ bool lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form)
         else
             g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
     }
-    if ((linkage->n_input > 1 && !add_rates(linkage, &g)) || lw_graph_label(&g, to) != LW_OK)
-        return false;
+    if (linkage->n_input > 1 && !add_rates(linkage, &g))
+        return LW_NOTHING;
+    lw_status st = lw_graph_label(&g, to);
+    if (st != LW_OK)
+        return st;
     *form = (lw_graph){ .n = g.n };
     for (int i = 0; i < g.n; i++) {
         form->colour[to[i]] = g.colour[i];
         for (int l = 0; l < g.n; l++)
             form->tie[to[i]][to[l]] = g.tie[i][l];
     }
-    return true;
+    return LW_OK;
 }
 
 /* ---- ratios ---------------------------------------------------------------------------------------------- */

@@ -75,8 +75,8 @@ void lw_packed_mechanism_name(const lw_numbered_chain *c, const lw_packed_mechan
 void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechanism *p, char *key, size_t size);
 
 /* The canonical form of a linkage: links as vertices with colours for ground and tracer, more vertices for slots,
- * gears and tied inputs.  Two linkages of one topology have equal forms.  false: out of memory, or ratios that no
- * form can hold. */
-bool lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form);
+ * gears and tied inputs.  Two linkages of one topology have equal forms.  LW_NOTHING: ratios that no form can hold.
+ * LW_E_MEMORY, LW_E_IO as lw_graph_label. */
+lw_status lw_linkage_canonical_form(const lw_linkage *linkage, lw_graph *form);
 
 #endif

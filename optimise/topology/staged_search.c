@@ -47,7 +47,7 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
     }
 }
 
-/* LW_OK, with a child or without one, or LW_E_MEMORY. */
+/* LW_OK, with a child or without one; a failure of the name; LW_E_MEMORY. */
 static lw_status grow_one(const lw_target *t, const lw_fit_spec *s, const lw_search_stage *stage, const lw_candidate *c,
                           const lw_fit_report *r, lw_rng *rng, starts *to)
 {
@@ -60,8 +60,9 @@ static lw_status grow_one(const lw_target *t, const lw_fit_spec *s, const lw_sea
     if (st != LW_OK)
         return st == LW_E_MEMORY ? st : LW_OK;
     snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
-    if (stage->name && !stage->name(stage->context, &g->linkage, name, sizeof name))
-        return LW_OK;
+    st = stage->name ? stage->name(stage->context, &g->linkage, name, sizeof name) : LW_OK;
+    if (st != LW_OK)
+        return st == LW_NOTHING ? LW_OK : st;
     snprintf(g->linkage.name, sizeof g->linkage.name, "%.*s", (int)sizeof g->linkage.name - 1, name);
     memcpy(g->name, name, sizeof name);
     to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,

@@ -22,9 +22,9 @@ typedef struct lw_search_stage {
                                       * conditions is this near to the target [m] (lw_fit_report_misses).  A third of its budget,
                                       * or of the first part of it, is searched before it looks again */
     long             budget;         /* of the stage; 0: that of lw_fit_options                      */
-    /* Write the name of a linkage with an added dyad.  false: the linkage is not wanted.  NULL: names come from the
-     * parent. */
-    bool           (*name)(void *context, const lw_linkage *linkage, char *name, size_t size);
+    /* Write the name of a linkage with an added dyad.  LW_NOTHING: the linkage is not wanted; a failure ends the search.
+     * NULL: names come from the parent. */
+    lw_status      (*name)(void *context, const lw_linkage *linkage, char *name, size_t size);
     void            *context;
 } lw_search_stage;
 
