@@ -304,6 +304,7 @@ static int run(const cli_command *c, int argc, char **argv)
         if (cli_timed_out())
             cli_note(&call, "stopped by --time");
     }
+    cli_end_folders(code);
     free(call.parsed.word);
     free(settings);
     free(line);

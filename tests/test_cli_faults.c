@@ -304,7 +304,9 @@ TEST(missing_libraries)
         snprintf(line, sizeof line, "export LW_HIDE=%s; %s", missing[i].library, missing[i].command);
         expect(line, 3, "", missing[i].package);
     }
-    expect("rm -rf $D/hidden $D/hidden.db; ls -d $D/hidden* && exit 1; rm -r $D/one", 0, "", NULL);
+    expect("test ! -e $D/hidden/SHA256SUMS && rm -r $D/hidden && rm -f $D/hidden.db; ls -d $D/hidden* && exit 1; rm -r $D/one", 0, "", NULL);
+    expect("LW_HIDE=igraph $C catalogue release -o $D/hidden --links 7", 3, "", "a part of the data set, which has no SHA256SUMS");
+    expect("rm -r $D/hidden", 0, "", NULL);
 }
 
 static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };

@@ -42,9 +42,9 @@ int cli_catalogue_release(const cli_call *call)
         code = cli_catalogue_watch_end(&w, CLI_DONE);
     else
         code = cli_catalogue_watch_end(&w, cli_fail(call, &e));
-    if (status == LW_STOPPED)
-        cli_note(call, "the data set is not complete and has no SHA256SUMS; the same command goes on");
-    else if (status == LW_OK)
+    if (status != LW_OK)
+        cli_note(call, "files that are in %s are a part of the data set, which has no SHA256SUMS; the same command goes on", folder);
+    else
         cli_note(call, "complete: check it with 'cd %s && sha256sum -c SHA256SUMS'", folder);
     return code;
 }

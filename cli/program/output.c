@@ -509,6 +509,31 @@ int cli_check_outputs(const cli_call *call)
     return code == CLI_DONE ? check_ends(call) : code;
 }
 
+/* A folder that this command made, and those it made before. */
+typedef struct made_folder { struct made_folder *before; char path[]; } made_folder;
+static made_folder *last_made;
+
+static void keep_made(const char *path)
+{
+    size_t size = strlen(path) + 1;
+    made_folder *made = malloc(sizeof *made + size);
+    if (!made)
+        return;                                  /* it stays if the command fails */
+    made->before = last_made;
+    memcpy(made->path, path, size);
+    last_made = made;
+}
+
+void cli_end_folders(int code)
+{
+    for (made_folder *before; last_made; last_made = before) {
+        before = last_made->before;
+        if (code != CLI_DONE)
+            rmdir(last_made->path);
+        free(last_made);
+    }
+}
+
 int cli_make_folder(const cli_call *call, const char *folder)
 {
     char path[LW_PATH_SIZE];
@@ -520,7 +545,10 @@ int cli_make_folder(const cli_call *call, const char *folder)
         if (end && end != '/')
             continue;
         *at = 0;
-        error = mkdir(path, 0777) == 0 || errno == EEXIST ? 0 : errno;
+        if (mkdir(path, 0777) == 0)
+            keep_made(path);
+        else if (errno != EEXIST)
+            error = errno;
         *at = end;
         if (!end)
             break;

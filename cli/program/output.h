@@ -43,6 +43,9 @@ int cli_add_input(const cli_call *call, const char *path);
 /* Make the folder and those above it. CLI_BAD_INPUT with a message: this failed, or the folder cannot be written. */
 int cli_make_folder(const cli_call *call, const char *folder);
 
+/* The command ends with `code`: unless this is CLI_DONE, remove those of the folders it made that are empty. */
+void cli_end_folders(int code);
+
 /* Does the name of a file end in one of the words, as in "svg pdf png"? NULL does not. */
 bool cli_ends_in(const char *path, const char *words);
 
