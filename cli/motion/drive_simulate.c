@@ -22,6 +22,7 @@ typedef struct job {
     lw_servo_report  r;
     size_t     n_row;
     double    *row;                      /* (n_row * COLUMNS) */
+    FILE      *f;                        /* gets each row at once; NULL: none does */
     int        n_pole;                   /* of the whole; < 0: not found */
     double     re[POLES], im[POLES];
     char       why[200];                 /* why they are not */
@@ -31,13 +32,24 @@ typedef struct job {
 static const char *const columns[COLUMNS] = { "t", "wanted", "wanted_speed", "position", "speed", "error", "motor_position",
                                               "motor_speed", "current", "voltage", "torque", "heat" };
 
+static void print_row(const double *row, FILE *f)
+{
+    for (int c = 0; c < COLUMNS; c++) {
+        char text[LW_NUMBER_SIZE];
+        lw_number_print(row[c], text);
+        fprintf(f, "%s%s", text, c + 1 < COLUMNS ? "," : "\n");
+    }
+}
+
 static lw_status keep(void *context, const lw_servo_row *row)
 {
     job *b = context;
     const double x[COLUMNS] = { row->t, row->wanted.x, row->wanted.v, row->position, row->speed, row->error,
                                 row->motor_position, row->motor_speed, row->current, row->voltage, row->torque, row->heat };
     memcpy(b->row + b->n_row++*COLUMNS, x, sizeof x);
-    return LW_OK;
+    if (b->f)
+        print_row(x, b->f);
+    return b->f && ferror(b->f) ? LW_E_IO : LW_OK;
 }
 
 static const char *unit_of(const lw_servo *s, int column)
@@ -126,16 +138,6 @@ static void print_head(const job *b, FILE *f)
     for (int c = 0; c < COLUMNS; c++)
         fprintf(f, "%s%s", c ? "," : "", columns[c]);
     fputc('\n', f);
-}
-
-static void print_rows(const job *b, FILE *f)
-{
-    for (size_t r = 0; r < b->n_row; r++)
-        for (int c = 0; c < COLUMNS; c++) {
-            char text[LW_NUMBER_SIZE];
-            lw_number_print(b->row[r*COLUMNS + (size_t)c], text);
-            fprintf(f, "%s%s", text, c + 1 < COLUMNS ? "," : "\n");
-        }
 }
 
 static void print_json(const job *b, cli_json j, bool rows)
@@ -494,7 +496,7 @@ int cli_drive_simulate(const cli_call *call)
     const cli_drive_settings *s = call->settings;
     lw_error e = { 0 };
     lw_output o;
-    bool rows = cli_given(&call->parsed, "steps");
+    bool rows = cli_given(&call->parsed, "steps"), part = false;
     if (cli_given(&call->parsed, "to") && !(s->to > 0))
         return cli_usage(call, "--to must be greater than 0");
     int folder = s->folder ? check_folder(call, s->folder) : CLI_DONE;
@@ -511,24 +513,27 @@ int cli_drive_simulate(const cli_call *call)
         if (call->common.json) {
             j = cli_json_begin(o.f, 2);
             cli_json_head(&j, call->line);
-        } else if (rows)
+        } else if (rows) {
             print_head(b, o.f);
+            b->f = o.f;
+        }
         st = run_job(b, &e);
         if (st != LW_OK && ferror(o.f))
             lw_error_at(&e, LW_E_IO, o.path, 0, 0, "cannot be written");
-        if (st != LW_OK)
+        part = st != LW_OK && b->f && b->n_row > 0 && !ferror(o.f);
+        if (st != LW_OK && !part)
             lw_output_abandon(&o);
     }
-    int code = st == LW_OK ? CLI_DONE : cli_fail(call, &e);
+    int code = st == LW_OK ? CLI_DONE : part && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
+    if (part)
+        code = cli_close(call, &o, code);
     if (st == LW_OK) {
         if (is_unstable(b))
             cli_note(call, "the loop is unstable: its pole %.6g %+.6g i 1/s grows; what is printed holds within the limits of "
                      "the amplifier", b->re[0], fabs(b->im[0]));
         if (call->common.json)
             print_json(b, j, rows);
-        else if (rows)
-            print_rows(b, o.f);
-        else
+        else if (!rows)
             print_text(b, o.f);
         code = cli_close(call, &o, code);
         if (code == CLI_DONE && ((s->matrices && write_matrices(b, s->matrices, &e) != LW_OK) ||
