@@ -529,6 +529,49 @@ TEST(a_straight_arm_is_singular)
     lw_spatial_free(&m);
 }
 
+/* A head on two belts: r a = x + y, r b = x - y; and a pointer behind a belt of a ratio that no teeth have, which is turned many
+ * times and put back. */
+TEST(robots_with_couplings)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\"}, {\"name\": \"b\"}], \"joints\": "
+        "[{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": "
+        "[\"ground\", \"b\"], \"at\": [1, 0, 0], \"axis\": [0, 0, 1]}], \"couplings\": [{\"name\": \"belt\", \"terms\": [{\"joint\": \"A\", "
+        "\"factor\": 0.617}, {\"joint\": \"B\", \"factor\": -1}]}], \"drives\": [{\"joint\": \"A\"}], \"tracers\": [{\"name\": \"T\", \"link\": "
+        "\"b\", \"at\": [1.5, 0, 0]}]}";
+    lw_spatial m;
+    lw_robot r;
+    lw_robot_pose p;
+    lw_error e = { 0 };
+    if (!make("examples/space/corexy.json", &m, &r))
+        return;
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.12, -0.07, 0), NULL, &e), LW_OK);
+    CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+    CHECK_NEAR(p.drive[0], 0.05/0.008, 1e-9, 0);
+    CHECK_NEAR(p.drive[1], 0.19/0.008, 1e-9, 0);
+    for (int i = 0; i < 2; i++) {
+        CHECK_NEAR(p.jacobian[0][i], 0.004, 1e-14, 0);
+        CHECK_NEAR(p.jacobian[1][i], i ? -0.004 : 0.004, 1e-14, 0);
+    }
+    CHECK_INT(lw_robot_move(&r, lw_v3(0.25, 0, 0), NULL, &e), LW_OPEN);
+    CHECK_HAS(e.text, "the stop of joint \"X\"");
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+    CHECK_INT(lw_spatial_read(text, sizeof text - 1, "belt", &m, &e), LW_OK);
+    CHECK_INT(lw_robot_make(&m, NULL, &r, &e), LW_OK);
+    for (int i = 0; i < 4; i++) {
+        double to = (const double[]){ 40, -25, 3, 100 }[i];
+        if (i == 2)
+            lw_robot_reset(&r);
+        CHECK_INT(lw_robot_drive(&r, &to, &e), LW_OK);
+        CHECK_INT(lw_robot_measure(&r, &p, &e), LW_OK);
+        CHECK_NEAR(p.place.x, 1 + 0.5*cos(0.617*to), 1e-11, 0);
+        CHECK_NEAR(p.place.y, 0.5*sin(0.617*to), 1e-11, 0);
+        CHECK_NEAR(p.jacobian[5][0], 0.617, 1e-13, 0);
+    }
+    lw_robot_free(&r);
+    lw_spatial_free(&m);
+}
+
 /* Three legs prismatic, revolute, spherical at home: the point moves up and down only, and the plate tilts about x and y.  By hand: the ball of
  * leg i stays in the leg's plane, so z_i = rate of slide i at radius 0.2. */
 TEST(a_plate_that_tilts_at_home)

@@ -778,6 +778,95 @@ TEST(turns_are_counted)
     lw_spatial_free(&m);
 }
 
+/* ---- couplings -------------------------------------------------------------------------------------------------- */
+
+static const lw_formulation in_time[] = { LW_FORMULATION_RECURSIVE, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                          LW_FORMULATION_GGL, LW_FORMULATION_RADAU };
+
+/* Two belts on a bridge and a carriage: r a = x + y, r b = x - y, so the torques are r/2 (Fx +- Fy) and those of the pulleys. */
+TEST(a_gantry_on_two_belts)
+{
+    static const double r = 0.008, head = 0.4, both = 1.6, pulley = 8e-5;
+    lw_spatial m;
+    lw_error e = { 0 };
+    load_spatial("corexy", &m);
+    CHECK_INT(lw_spatial_set_motion(&m, 0, "0.1*sin(5*t)", &e), LW_OK);
+    CHECK_INT(lw_spatial_set_motion(&m, 1, "0.2*t^2 - 0.05*t", &e), LW_OK);
+    lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 10, 1e-10);
+    CHECK_INT(q.formulation, LW_FORMULATION_DRIVEN);
+    for (int i = 0; i < k.n; i++) {
+        double t = k.at[i].t, ax = -2.5*sin(5*t), ay = 0.4;
+        for (int d = 0; d < 2; d++)
+            CHECK_NEAR(k.at[i].drive[d], r/2*(head*ax + (d ? -1 : 1)*both*ay) + pulley*(ax + (d ? -ay : ay))/r, 1e-12, 1e-10);
+        double x = 0.1*sin(5*t), y = 0.2*t*t - 0.05*t;
+        for (int d = 0; d < 2; d++) {        /* the pulleys turn about z: a quaternion of half the angle, several turns */
+            double turn = (x + (d ? -y : y))/r;
+            CHECK_NEAR(fabs(k.at[i].q[7*d + 3]), fabs(cos(turn/2)), 1e-11, 0);
+            CHECK_NEAR(k.at[i].q[7*d + 3]*k.at[i].q[7*d + 6], 0.5*sin(turn), 1e-11, 0);
+        }
+    }
+    lw_spatial_free(&m);
+}
+
+/* Bevel differential under constant torques: the rates of cage and wheels have constant accelerations, in all formulations. */
+TEST(a_differential_under_torques)
+{
+    static const double cage = 0.02 + 2*0.002 + 1e-4 + 0.3*0.05*0.05, wheels = 2*0.002 + 2e-4*23*23/(17.*17);
+    for (size_t f = 0; f < sizeof in_time/sizeof *in_time; f++) {
+        lw_spatial m;
+        load_spatial("differential", &m);
+        formulation = in_time[f];
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 1, 4, 1e-9);
+        double allowed = f == 2 || f == 3 ? 2e-5 : 2e-8;          /* errors of BDF methods add up */
+        CHECK_INT(q.formulation, formulation);
+        CHECK_INT(q.freedom, 2);
+        CHECK_INT(q.redundant, 0);
+        CHECK(k.off < 1e-12 && k.off_rate < 1e-10);
+        for (int i = 0; i < k.n; i++) {
+            double t = k.at[i].t, c = 30*t + 0.15/cage*t*t, l = 11*t - 0.35/wheels*t*t;
+            CHECK_NEAR(k.at[i].input, c, allowed, 0);
+            CHECK_NEAR(k.at[i].input_rate, 30 + 0.3/cage*t, allowed, 0);
+            for (int w = 0; w < 2; w++) {    /* half the angle of a wheel from its quaternion, whose sign is free */
+                const double *p = k.at[i].q + 7*(w + 1) + 3;
+                CHECK_NEAR(p[0]*p[1], 0.5*sin(c + (w ? -l : l)), allowed, 0);
+                CHECK_NEAR(p[0]*p[0], 0.5 + 0.5*cos(c + (w ? -l : l)), allowed, 0);
+            }
+        }
+        CHECK(q.energy_error < allowed*q.energy_scale);
+        lw_spatial_free(&m);
+    }
+    formulation = LW_FORMULATION_AUTO;
+}
+
+/* A ratio that no teeth have, over hundreds of turns, driven and free: the second wheel is where the first one says. */
+TEST(couplings_count_turns)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0, 0], \"inertia\": "
+        "[1, 1, 1]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [1, 0, 0], \"inertia\": [1, 2, 2]}], \"joints\": [{\"name\": \"A\", \"links\": "
+        "[\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [1, 0, 0], "
+        "\"axis\": [0, 1, 0]}], \"couplings\": [{\"name\": \"belt\", \"terms\": [{\"joint\": \"A\", \"factor\": 0.73714159}, {\"joint\": \"B\", "
+        "\"factor\": 1}]}], \"input\": {\"joint\": \"A\", \"speed\": 200}}";
+    for (int way = 0; way < 3; way++) {
+        lw_spatial m;
+        lw_error e = { 0 };
+        read_spatial(text, strlen(text), "belt", &m);
+        formulation = way == 1 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO;
+        if (way == 2)
+            CHECK_INT(lw_spatial_set_motion(&m, 0, "200*t", &e), LW_OK);
+        lw_dynamics_report q = run(&m, LW_ANALYSIS_TRANSIENT, 10, 5, 1e-11);
+        CHECK_INT(q.formulation, way == 0 ? LW_FORMULATION_RECURSIVE : way == 1 ? LW_FORMULATION_INDEX1 : LW_FORMULATION_DRIVEN);
+        for (int i = 0; i < k.n; i++) {
+            double turn = -0.73714159*200*k.at[i].t;
+            const double *p = k.at[i].q + 7 + 3;
+            CHECK_NEAR(k.at[i].input, 200*k.at[i].t, 1e-8, 0);
+            CHECK_NEAR(p[0]*p[2], 0.5*sin(turn), 1e-8, 0);
+            CHECK_NEAR(p[0]*p[0], 0.5 + 0.5*cos(turn), 1e-8, 0);
+        }
+        lw_spatial_free(&m);
+    }
+    formulation = LW_FORMULATION_AUTO;
+}
+
 /* A weight hung on three springs: at rest where the potential is least. */
 TEST(a_weight_comes_to_rest)
 {
@@ -1002,6 +1091,9 @@ TEST(derivatives_of_forces_and_rows)
         "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1.2, \"centre\": [0.3, 0.1, 0.2], \"inertia\": [0.02, "
         "0.03, 0.04, 0.002, -0.003, 0.001]}, {\"name\": \"b\", \"mass\": 0.7, \"centre\": [0.6, 0.4, 0.1], \"inertia\": [0.01, 0.02, 0.02, "
         "0.001, 0.002, -0.003]}, {\"name\": \"c\", \"mass\": 0.9, \"centre\": [0.9, 0.2, 0.5], \"inertia\": [0.03, 0.02, 0.025]}], "
+        "\"couplings\": [{\"name\": \"rack\", \"terms\": [{\"joint\": \"T\", \"factor\": -1.3}, {\"joint\": \"C\", \"coordinate\": \"slide\", "
+        "\"factor\": 0.4}, {\"joint\": \"C\", \"coordinate\": \"turn\", \"factor\": 0.7}]}, {\"name\": \"mesh\", \"terms\": [{\"joint\": \"H\", "
+        "\"coordinate\": \"turn\", \"factor\": 3}, {\"joint\": \"E\", \"factor\": -2}]}], "
         "\"joints\": [{\"name\": \"C\", \"kind\": \"cylindrical\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [1, 2, -1], "
         "\"stop\": {\"least\": -1e-9, \"greatest\": 1e-9, \"stiffness\": 7, \"damping\": 0.3}}, "
         "{\"name\": \"H\", \"kind\": \"screw\", \"links\": [\"a\", \"b\"], \"at\": [0.4, 0.2, 0.1], \"axis\": [0.3, -1, 0.5], \"lead\": 0.4}, "
@@ -1026,7 +1118,8 @@ TEST(derivatives_of_forces_and_rows)
     enum { N = 18, ALL = 19, ROWS = 40 };
     double by_q[ALL*ALL] = { 0 }, by_v[ALL*ALL] = { 0 }, q[21], v[N], force[2][ALL], phi[ROWS], jac[2][ROWS*LW_SPACE_ROW], h = 1e-5;
     lw_space_frame frame[4];
-    lw_space_bend bend[LW_SPACE_BENDS];
+    lw_space_bend bend[LW_COUPLING_TERMS*LW_SPACE_BENDS];
+    double sum[2], of_sum[2][6*LW_SPACE_SIDES], turns[6] = { 0 };
     read_spatial(text, strlen(text), "derivatives", &m);
     lw_rng_seed(&rng, check_seed(), 0);
     CHECK_INT(lw_space_make(&m, &s, &e), LW_OK);
@@ -1046,7 +1139,7 @@ TEST(derivatives_of_forces_and_rows)
     lw_space_state_start(&f, 0.3, frame, v, force[0]);
     CHECK_NEAR(force[0][0], 0.4, 0, 0);
     lw_space_forces_apply(&f, 0.3, frame, v, force[0], NULL, &(lw_space_sink){ &(matrix){ ALL, by_q, by_v }, add_entry, add_entry });
-    double most = 0, off_q = 0, off_v = 0, off_h = 0;
+    double most = 0, off_q = 0, off_v = 0, off_h = 0, off_c = 0, rest[2] = { 0 };
     for (int i = 0; i < N; i++) {
         double at[21], w[N];
         for (int side = 0; side < 2; side++) {
@@ -1078,6 +1171,31 @@ TEST(derivatives_of_forces_and_rows)
                         off_h = fmax(off_h, fabs(d - change[6*body + c%6]));
                 }
             }
+        for (int j = 0; j < s.n_coupling; j++) {
+            const lw_space_coupling *c = &s.coupling[j];
+            double change[N] = { 0 };
+            for (int b = lw_space_coupling_bends(&s, frame, j, bend) - 1; b >= 0; b--)
+                if (bend[b].b == i)
+                    change[bend[b].a] += bend[b].h;
+            for (int side = 0; side < 2; side++) {
+                memset(by, 0, sizeof by);
+                by[i] = side ? h : -h;
+                memcpy(at, q, sizeof at);
+                lw_space_move(&s, at, by);
+                lw_space_place(&s, at, frame);
+                lw_space_coupling_row(&s, j, frame, turns, &sum[side], of_sum[side]);
+            }
+            lw_space_place(&s, q, frame);
+            lw_space_coupling_row(&s, j, frame, turns, phi, of_sum[0]);
+            double first = 0, bias = 0;
+            for (int a = 0; a < 6*LW_SPACE_SIDES; a++)
+                if (c->body[a/6] >= 0) {
+                    first += 6*c->body[a/6] + a%6 == i ? of_sum[0][a] : 0;
+                    bias += v[6*c->body[a/6] + a%6]*change[6*c->body[a/6] + a%6]*v[i];
+                }
+            off_c = fmax(off_c, fabs((sum[1] - sum[0])/(2*h) - first));
+            rest[j] += bias;
+        }
         for (int side = 0; side < 2; side++) {
             memcpy(w, v, sizeof w);
             w[i] += side ? h : -h;
@@ -1099,6 +1217,13 @@ TEST(derivatives_of_forces_and_rows)
     CHECK_NEAR(off_q, 0, 1e-7*most, 0);
     CHECK_NEAR(off_v, 0, 1e-7*most, 0);
     CHECK_NEAR(off_h, 0, 1e-7, 0);
+    CHECK_INT(s.n_coupling, 2);
+    CHECK_NEAR(off_c, 0, 1e-8, 0);
+    lw_space_place(&s, q, frame);
+    for (int j = 0; j < 2; j++) {
+        CHECK_NEAR(lw_space_coupling_bias(&s, j, frame, v), -rest[j], 1e-9, 0);
+        CHECK(fabs(rest[j]) > 1e-2);
+    }
     lw_space_forces_free(&f);
     lw_space_free(&s);
     lw_spatial_free(&m);

@@ -120,6 +120,9 @@ static void mark_loaded(const lw_spatial *m, bool *loaded)
             loaded[m->joint_spring[i].measure.index] = true;
     for (int i = 0; i < m->n_motor; i++)
         loaded[m->motor[i].joint] = true;
+    for (int i = 0; i < m->n_coupling; i++)
+        for (int k = 0; k < m->coupling[i].n; k++)
+            loaded[m->coupling[i].of[k].index] = true;
 }
 
 /* Revolute and spherical joints last: other programs close a loop at these with points alone, at the others with a

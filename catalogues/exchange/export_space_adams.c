@@ -183,6 +183,13 @@ static lw_status check(const lw_spatial *m, lw_error *e)
         if (!lw_spatial_kind_of(m->joint[m->motor[i].joint].kind)->turns)
             return lw_error_set(e, LW_E_KIND, "motor '%s' moves a slide, which is not written to ADAMS",
                                 m->motor[i].name);
+    for (int i = 0; i < m->n_coupling; i++)
+        for (int k = 0; k < m->coupling[i].n; k++) {
+            lw_spatial_kind kind = m->joint[m->coupling[i].of[k].index].kind;
+            if (k >= 3 || (kind != LW_SPATIAL_REVOLUTE && kind != LW_SPATIAL_PRISMATIC && kind != LW_SPATIAL_CYLINDRICAL))
+                return lw_error_set(e, LW_E_KIND, "coupling '%s' has no form in ADAMS, which knows two or three revolute, prismatic or "
+                                    "cylindrical joints", m->coupling[i].name);
+        }
     return LW_OK;
 }
 
@@ -259,6 +266,25 @@ static void put_loads(writer *w)
         put_action(w, p->link, p->at, lw_v3(v[0], v[1], v[2]), p->follows ? p->link : m->ground, p->name,
                    ", TRANSLATION");
         put_action(w, p->link, p->at, lw_v3(v[3], v[4], v[5]), p->follows ? p->link : m->ground, p->name, ", ROTATION");
+    }
+}
+
+/* Couplings: scales times displacements, I relative to J, are 0. */
+static void put_couplers(writer *w)
+{
+    for (int i = 0; i < w->m->n_coupling; i++) {
+        const lw_spatial_coupling *c = &w->m->coupling[i];
+        put_name(w, c->name, "");
+        put_id(w, "COUPLER/", i + 1);
+        for (int k = 0; k < c->n; k++)
+            put_id(w, k ? ", " : ", JOINTS = ", c->of[k].index + 1);
+        for (int k = 0; k < c->n; k++) {
+            put(w, k ? ":" : "\n, TYPE = ");
+            put(w, c->of[k].of == LW_OF_TURN ? "R" : "T");
+        }
+        for (int k = 0; k < c->n; k++)
+            put_key(w, k ? ", " : "\n, SCALES = ", c->factor[k]);
+        put(w, "\n");
     }
 }
 
@@ -429,6 +455,7 @@ static lw_status write(writer *w, const lw_spatial *given, lw_error *e)
     for (int j = 0; s == LW_OK && j < m->n_joint; j++)
         s = put_joint(w, j, e);
     if (s == LW_OK) {
+        put_couplers(w);
         put_beams(w);
         put_loads(w);
     }

@@ -460,6 +460,11 @@ static void put_closures(writer *w)
         case LW_SPATIAL_FREE:        break;
         }
     }
+    for (int i = 0; i < w->m->n_coupling; i++) {
+        put_tag(w, 2, "<tendon");
+        put_name(w, "tendon1", w->m->coupling[i].name, " coupling");
+        put(w, "/>");
+    }
     put(w, "\n  </equality>");
 }
 
@@ -488,6 +493,11 @@ static lw_status check(const writer *w, lw_error *e)
             return lw_error_set(e, LW_E_KIND, "motor '%s' acts at a joint by which a loop is closed, which has no form "
                                 "in MJCF",
                                 m->motor[i].name);
+    for (int i = 0; i < m->n_coupling; i++)
+        for (int k = 0; k < m->coupling[i].n; k++)
+            if (!w->tree.in_tree[m->coupling[i].of[k].index])
+                return lw_error_set(e, LW_E_KIND, "coupling '%s' acts at joint '%s', by which a loop is closed, which has no form in MJCF",
+                                    m->coupling[i].name, m->joint[m->coupling[i].of[k].index].name);
     for (int j = 0; j < m->n_joint; j++) {
         const lw_joint_stop *stop = &m->joint[j].stop;
         bool stops = stop->has_least || stop->has_greatest;
@@ -499,14 +509,29 @@ static lw_status check(const writer *w, lw_error *e)
     return LW_OK;
 }
 
-static void put_springs(writer *w)
+/* Springs between points; the sum of a coupling is the length of a tendon, which an equality keeps. */
+static void put_tendons(writer *w)
 {
-    put(w, w->m->n_spring ? "\n  <tendon>" : "");
+    bool any = w->m->n_spring + w->m->n_coupling > 0;
+    put(w, any ? "\n  <tendon>" : "");
+    for (int i = 0; i < w->m->n_coupling; i++) {
+        const lw_spatial_coupling *c = &w->m->coupling[i];
+        put(w, "\n    <fixed");
+        put_name(w, "name", c->name, " coupling");
+        put(w, ">");
+        for (int k = 0; k < c->n; k++) {
+            put(w, "\n      <joint");
+            put_coordinate(w, "joint", c->of[k]);
+            put_attribute(w, "coef", c->factor[k]);
+            put(w, "/>");
+        }
+        put(w, "\n    </fixed>");
+    }
     for (int i = 0; i < w->m->n_spring; i++) {
         const lw_spatial_spring *p = &w->m->spring[i];
         lw_mjcf_spring(w->out, p->name, p->free, p->stiffness, p->damping, 0.005*w->size);
     }
-    put(w, w->m->n_spring ? "\n  </tendon>" : "");
+    put(w, any ? "\n  </tendon>" : "");
 }
 
 /* The step of time: a fifth of the shortest time 1/omega of a spring on the lightest body, at most STEP. */
@@ -653,7 +678,7 @@ lw_status lw_export_space_mjcf(const lw_spatial *m, lw_bytes *out, lw_error *e)
         put_links(&w);
         put(&w, "\n  </worldbody>");
         put_closures(&w);
-        put_springs(&w);
+        put_tendons(&w);
         put_actuators(&w);
         put_keyframe(&w);
         put(&w, "\n</mujoco>\n");

@@ -359,7 +359,7 @@ static lw_status follow_ray(job *j, const double *q, const double *near, double 
 {
     lw_robot *r = &j->r;
     memcpy(r->follow.q, q, (size_t)r->space.n_q*sizeof *q);
-    memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_extra*sizeof *near);
+    memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_near*sizeof *near);
     return lw_robot_reach(r, direction(j, angle), 4*r->space.unit, far, &j->e);
 }
 
@@ -384,7 +384,7 @@ static int run_workspace(const cli_call *call)
     int code = begin(call, &j), n = j.s->rays;
     if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
         code = cli_fail(call, &j.e);
-    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_extra : 0;
+    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_near : 0;
     double *q = malloc((n_q + n_near + 2*(size_t)n + 3)*sizeof *q), *near = q + n_q, *x = near + n_near, *y = x + n + 1;
     if (code == CLI_DONE && (!q || cli_open(call, &o, &j.e) != LW_OK))
         code = cli_fail(call, &j.e);
@@ -560,7 +560,7 @@ static int run_map(const cli_call *call)
     int code = begin(call, &j), n = j.s->grid, lost = 0;
     if (code == CLI_DONE && lw_robot_measure(&j.r, &p, &j.e) != LW_OK)
         code = cli_fail(call, &j.e);
-    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_extra : 0;
+    size_t n_q = code == CLI_DONE ? (size_t)j.r.space.n_q : 0, n_near = code == CLI_DONE ? (size_t)j.r.follow.z.n_near : 0;
     size_t most = (size_t)n*(size_t)n;
     double *q = malloc((n_q + n_near + 3*most + 1)*sizeof *q), *near = q + n_q, reach = 0;
     map m = { near + n_near, near + n_near + most, near + n_near + 2*most, 0, j.s->frequency, j.s->budget };

@@ -12,12 +12,17 @@ static const char *verdict(const lw_space_mobility *m)
          : "moves";
 }
 
+static const char *name_of(const lw_spatial *m, int joint)
+{
+    return joint < m->n_joint ? m->joint[joint].name : m->coupling[joint - m->n_joint].name;
+}
+
 static void write_text(FILE *f, const lw_spatial *model, const lw_space_mobility *m)
 {
     lw_vec3 normal;
     fprintf(f, "%-16s%s\n", "verdict", verdict(m));
-    fprintf(f, "%-16s%d = 6*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count, m->n_body,
-            m->n_row);
+    fprintf(f, "%-16s%d = 6*%d - %d  (freedoms of the links less rows of the joints%s)\n", "count", m->count, m->n_body,
+            m->n_row, model->n_coupling ? " and couplings" : "");
     fprintf(f, "%-16s%d", "freedom", m->freedom);
     if (m->idle > 0 && m->freedom > 0)
         fprintf(f, "  (%d without idle spins)", m->freedom - m->idle);
@@ -36,7 +41,7 @@ static void write_text(FILE *f, const lw_spatial *model, const lw_space_mobility
     fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->n_row, m->freedom > 0 ? ", along the motion" : "");
     fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
     for (int i = 0; i < m->n_redundant; i++)
-        fprintf(f, "%-16s%s of %s\n", "", m->redundant[i].row, model->joint[m->redundant[i].joint].name);
+        fprintf(f, "%-16s%s of %s\n", "", m->redundant[i].row, name_of(model, m->redundant[i].joint));
     if (lw_spatial_is_planar(model, &normal))
         fprintf(f, "%-16saxes are parallel to [%.6g, %.6g, %.6g]: the motion is planar; written with two numbers a "
                    "place, it "
@@ -60,7 +65,7 @@ static void write_json(FILE *f, const lw_spatial *model, const lw_space_mobility
     cli_json_array(&j, "redundant");
     for (int i = 0; i < m->n_redundant; i++) {
         cli_json_object(&j, NULL);
-        cli_json_text(&j, "joint", model->joint[m->redundant[i].joint].name);
+        cli_json_text(&j, "joint", name_of(model, m->redundant[i].joint));
         cli_json_text(&j, "row", m->redundant[i].row);
         cli_json_end(&j);
     }

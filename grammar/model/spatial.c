@@ -34,7 +34,7 @@ void lw_spatial_free(lw_spatial *m)
         lw_moves_free(&m->profile[i]);
     for (int i = 0; m->elastic && i < m->n_link; i++)
         lw_elastic_free(&m->elastic[i]);
-    void *const array[] = { m->profile, m->body, m->joint, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
+    void *const array[] = { m->profile, m->body, m->joint, m->coupling, m->input, m->drive, m->tracer, m->spring, m->joint_spring,
                             m->force, m->motor, m->elastic, m->beam };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
@@ -95,6 +95,24 @@ double lw_spatial_size(const lw_spatial *m)
         if (place_of(m, k, &p))
             size = fmax(size, lw_v3_norm(lw_v3_sub(p, middle)));
     return size > 1e-9 ? size : 1;
+}
+
+int lw_spatial_coupling_parts(const lw_spatial *m, const lw_spatial_coupling *c)
+{
+    int part[3*LW_COUPLING_TERMS], n = 0;
+    for (int i = 0; i < c->n; i++) {
+        const int *link = m->joint[c->of[i].index].link;
+        bool slides = c->of[i].of == LW_OF_SLIDE;
+        const int of[] = { 2*link[0] + 1, 2*link[1] + !slides, 2*link[0] };      /* turns are odd */
+        for (int k = 0; k < 2 + slides; k++) {
+            int seen = 0;
+            while (seen < n && part[seen] != of[k])
+                seen++;
+            if (seen == n && of[k]/2 != m->ground)
+                part[n++] = of[k];
+        }
+    }
+    return n;
 }
 
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size)

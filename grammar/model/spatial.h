@@ -81,6 +81,15 @@ typedef struct lw_spatial_input {
     double speed;                /* at t = 0; afterwards the input runs freely                         */
 } lw_spatial_input;
 
+/* A gear pair, belt or rope: the sum of factor times measure [rad] [m] keeps its value of the posture of the file. */
+#define LW_COUPLING_TERMS 4
+typedef struct lw_spatial_coupling {
+    char   name[LW_NAME_SIZE];
+    int    n;                            /* terms, 2 or more                                           */
+    lw_spatial_measure of[LW_COUPLING_TERMS];       /* of joints, each once                            */
+    double factor[LW_COUPLING_TERMS];    /* not 0; of turns [m/rad] where the sum is a length          */
+} lw_spatial_coupling;
+
 /* The value of an input less its measure: joints measure 0 in the posture of the file, whatever value that has. */
 static inline double lw_spatial_offset(const lw_spatial_input *in) { return in->measure.of >= LW_OF_X ? 0 : in->value; }
 
@@ -142,10 +151,11 @@ typedef struct lw_superelement {
 
 typedef struct lw_spatial {
     char    name[64];
-    int     n_link, n_joint, n_input, n_drive, n_tracer, n_spring, n_joint_spring, n_force, n_motor;
+    int     n_link, n_joint, n_coupling, n_input, n_drive, n_tracer, n_spring, n_joint_spring, n_force, n_motor;
     int     ground;
     lw_spatial_body         *body;       /* (n_link)                                                   */
     lw_spatial_joint        *joint;
+    lw_spatial_coupling     *coupling;
     lw_spatial_input        *input;
     lw_spatial_measure      *drive;      /* what motors move when the inputs are elsewhere (a tool); else none */
     lw_spatial_tracer       *tracer;
@@ -195,6 +205,11 @@ lw_status lw_spatial_set_motion(lw_spatial *m, int i, const char *motion, lw_err
 /* The greatest distance of a joint, tracer or centre of mass from the middle of them, at least 1e-9 m: the size that
  * tolerances refer to. */
 double lw_spatial_size(const lw_spatial *m);
+
+/* A coupling depends on places and turns of links: a turn on the turns of both links, a slide on place and turn of the first
+ * link and on the place of the second.  How many it depends on, the ground not counted; at most LW_COUPLING_PARTS may be. */
+#define LW_COUPLING_PARTS 4
+int lw_spatial_coupling_parts(const lw_spatial *m, const lw_spatial_coupling *c);
 
 /* A name for messages: "A", or "x of P" of a tracer. */
 void lw_spatial_measure_name(const lw_spatial *m, lw_spatial_measure of, char *text, size_t size);

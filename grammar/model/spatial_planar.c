@@ -54,8 +54,8 @@ static bool counts_backwards(const plane *w, int j)
 static const char *beyond(const plane *w, double flat)
 {
     const lw_spatial *m = w->m;
-    if (m->n_force || m->n_motor || m->states.n_state || m->states.n_signal || m->n_profile || m->n_drive)
-        return "forces, motors, states, profiles or drives";
+    if (m->n_force || m->n_motor || m->states.n_state || m->states.n_signal || m->n_profile || m->n_drive || m->n_coupling)
+        return "forces, motors, states, profiles, drives or couplings";
     for (int j = 0; j < m->n_joint; j++) {
         const lw_joint_stop *p = &m->joint[j].stop;
         if (m->joint[j].kind != LW_SPATIAL_REVOLUTE && m->joint[j].kind != LW_SPATIAL_PRISMATIC && m->joint[j].kind != LW_SPATIAL_FIXED)

@@ -631,6 +631,45 @@ static lw_status read_drives(const lw_json_node *root, lw_spatial *m, lw_error *
     return s;
 }
 
+/* "couplings": gears, belts and ropes as sums of turns and slides that stay as they are. */
+static lw_status read_coupling(const lw_json_node *object, size_t index, lw_spatial *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "terms" }, *const known_of_term[] = { "joint", "coordinate", "factor" };
+    lw_spatial_coupling *c = &m->coupling[index];
+    lw_json_node all;
+    double length = 0;                       /* of slides, in the unit of the file */
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = read_new_name(object, "coupling", NAMES(m->coupling, m->n_coupling, lw_spatial_coupling), c->name, e)) == LW_OK &&
+        (s = lw_read_need(object, "terms", &all, e)) == LW_OK)
+        s = lw_read_list(&all, 2, LW_COUPLING_TERMS, e);
+    m->n_coupling++;
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i), n;
+        lw_spatial_measure *of = &c->of[c->n];
+        double *factor = &c->factor[c->n];
+        if ((s = lw_json_expect(&one, LW_JSON_OBJECT, e)) == LW_OK &&
+            (s = lw_json_known_keys(&one, known_of_term, COUNT(known_of_term), e)) == LW_OK &&
+            (s = read_measure(&one, m, false, "a coupling", of, e)) == LW_OK && (s = lw_read_need(&one, "factor", &n, e)) == LW_OK)
+            s = lw_json_number(&n, factor, e);
+        if (s == LW_OK && !(fabs(*factor) > 1e-9 && fabs(*factor) < 1e9))
+            s = lw_json_fault(&n, e, "a factor lies between 1e-9 and 1e9, or is negative");
+        for (int k = 0; s == LW_OK && k < c->n; k++)
+            if (c->of[k].of == of->of && c->of[k].index == of->index)
+                s = lw_json_fault(&one, e, "this is a term already");
+        if (s == LW_OK && of->of == LW_OF_SLIDE)
+            length = m->units.metre;
+        c->n++;
+    }
+    for (int i = 0; s == LW_OK && length > 0 && i < c->n; i++)
+        c->factor[i] *= c->of[i].of == LW_OF_TURN ? length : 1;
+    if (s == LW_OK && lw_spatial_coupling_parts(m, c) > LW_COUPLING_PARTS)
+        s = lw_json_fault(object, e, "coupling \"%s\" depends on %d places and turns of links, and %d are possible: divide it into two "
+                          "couplings with a shaft between them, a link of its own that turns in the ground", c->name,
+                          lw_spatial_coupling_parts(m, c), LW_COUPLING_PARTS);
+    return s;
+}
+
 static lw_status read_tracer(const lw_json_node *tracer, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "name", "link", "at", "frame" };
@@ -933,7 +972,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input", "inputs",
                                          "drives", "tracers", "$schema", "gravity", "springs", "dampers", "forces",
-                                         "motors", "profiles", "states", "controllers", "cylinders" };
+                                         "motors", "profiles", "states", "controllers", "cylinders", "couplings" };
     const lw_reading r = reading_of(m);
     lw_json_node n;
     lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
@@ -950,6 +989,7 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
         return s;
     size_t springs = count_list(root, "springs") + count_list(root, "dampers") + 1;
     m->joint = calloc(count_list(root, "joints") + 1, sizeof *m->joint);
+    m->coupling = calloc(count_list(root, "couplings") + 1, sizeof *m->coupling);
     m->tracer = calloc(count_list(root, "tracers") + 1, sizeof *m->tracer);
     size_t motors = count_list(root, "motors") + 1;
     m->spring = calloc(springs + count_list(root, "cylinders"), sizeof *m->spring);
@@ -957,10 +997,11 @@ static lw_status read_root(const lw_json_node *root, lw_spatial *m, lw_error *e)
     m->force = calloc(2*count_list(root, "forces") + 1, sizeof *m->force);
     m->motor = calloc(motors, sizeof *m->motor);
     m->states.rotor = calloc(motors, sizeof *m->states.rotor);
-    if (!m->joint || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor || !m->states.rotor)
+    if (!m->joint || !m->coupling || !m->tracer || !m->spring || !m->joint_spring || !m->force || !m->motor || !m->states.rotor)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if ((s = lw_read_need(root, "joints", &n, e)) == LW_OK && (s = lw_read_list(&n, 1, SIZE_MAX, e)) == LW_OK &&
         (s = read_each(root, "joints", m, take_joint, e)) == LW_OK && (s = check_connected(root, m, e)) == LW_OK &&
+        (s = read_each(root, "couplings", m, read_coupling, e)) == LW_OK &&
         (s = read_each(root, "tracers", m, take_tracer, e)) == LW_OK &&
         (s = lw_moves_read_profiles(root, &m->n_profile, &m->profile, e)) == LW_OK && (s = read_inputs(root, m, e)) == LW_OK)
         s = read_drives(root, m, e);

@@ -73,7 +73,7 @@ static double missing_rates(motion *m, const double *v)
         const lw_recursive_row *row = &m->r.row[i];
         int extra = i - (m->r.n_row - m->r.n_extra);
         double rate = extra >= 0 ? m->wanted[extra][1] : 0;
-        for (int k = 0; k < LW_SPACE_ROW; k++)
+        for (int k = 0; k < 6*LW_SPACE_SIDES; k++)
             rate -= row->body[k/6] < 0 ? 0 : row->jac[k]*v[6*row->body[k/6] + k%6];
         m->r.l[i] = rate;
         most = fmax(most, fabs(rate));
@@ -89,7 +89,7 @@ static lw_status close_loops(motion *m, double t, double *x, double *u, double *
         lw_status s = place(m, t, x, u, q, v);
         if (s != LW_OK || m->r.n_row == 0)
             return s;
-        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, NULL);
+        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, m->run->d->space->f.turn, NULL);
         for (int i = 0; i < m->r.n_row; i++)
             off = fmax(off, fabs(m->r.row[i].phi));
         if (!(off < 0.1))
@@ -136,7 +136,7 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
             return lw_error_set(run->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
                                 d->eq.name(d->eq.context, LW_NAMED_BLOCK, i/LW_BLOCK), t);
     if (m->r.n_row)
-        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, v);
+        lw_recursive_rows(&m->r, m->near, (const double (*)[3])m->wanted, d->space->f.turn, v);
     if ((s = factor(m)) != LW_OK)
         return s;
     lw_recursive_solve(&m->r, d->force, LW_WANT_MOTION, dy + m->r.n_x);

@@ -275,13 +275,13 @@ static void carry(lw_dynamics *d, double *l)
     double *f = c->drive_f, *rest = f + d->n_v;
     if (c->many_drives) {
         int joints = c->s.n_row + c->n_idle;
-        for (int i = 0; i < joints*LW_SPACE_ROW; i++)
+        for (int i = 0; i < z->at[joints]; i++)
             z->jac[i] *= cheap;
         memcpy(rest, f, (size_t)d->n_v*sizeof *f);
         c->drives_least.rank.most = z->n_kept;
         lw_space_dense_factor(z, &c->drives_least, 1e-10);
         lw_rank_solve(&c->drives_least.rank, rest, l);
-        for (int i = 0; i < joints*LW_SPACE_ROW; i++)
+        for (int i = 0; i < z->at[joints]; i++)
             z->jac[i] /= cheap;
         for (int i = 0; i < joints; i++)
             l[i] *= cheap;

@@ -28,7 +28,7 @@ typedef int lw_row_blocks[LW_ROW_BLOCKS];    /* each once, -1 after the last */
 
 /* The derivative by velocity coordinate b of entry a of a row of J, where it is not 0. */
 typedef struct lw_bend { int a, b; double h; } lw_bend;
-#define LW_BEND_MAX 72
+#define LW_BEND_MAX 288
 
 /* Takes derivatives of forces; they are sums, so an entry may come several times. */
 typedef struct lw_force_sink {

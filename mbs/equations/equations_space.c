@@ -100,6 +100,13 @@ lw_status lw_spatial_scene_make(const lw_spatial *m, lw_spatial_scene *c, lw_err
             t->joint = j;
             set_slots(t, c->s.joint[j].body, lw_space_row_turns(&c->s, j, k));
         }
+    for (int i = 0; i < c->s.n_coupling; i++) {
+        const lw_space_coupling *p = &c->s.coupling[i];
+        lw_space_slots *t = &c->slots[c->s.n_joint_row + i];
+        *t = (lw_space_slots){ .joint = c->s.n_joint + i };
+        for (int k = 0; k < p->n_part; k++, t->n++)
+            t->from[k] = LW_BLOCK*p->part[k], t->block[k] = 2*p->body[p->part[k]/2] + p->part[k]%2;
+    }
     for (int i = 0; i < c->n_idle; i++)
         put_spin(c, i);
     return lw_flying_make(&c->s, &c->flying, e);
@@ -223,12 +230,18 @@ static void rows(void *context, double *phi, double *jac, lw_row_blocks *block)
     (void)block;
     _Static_assert(LW_ROW_SIZE == LW_SPACE_ROW, "rows of two bodies fill rows of the layer");
     lw_space_rows(&c->s, c->frame, phi, jac);
-    for (int r = 0; r < c->s.n_row; r++) {
+    for (int r = 0; r < c->s.n_joint_row; r++) {
         double *to = jac + r*LW_ROW_SIZE;
         const lw_space_slots *t = &c->slots[r];
         for (int k = 0; k < t->n; k++)
             if (t->from[k] > LW_BLOCK*k)
                 memcpy(to + LW_BLOCK*k, to + t->from[k], LW_BLOCK*sizeof *to);
+    }
+    for (int i = 0, r = c->s.n_joint_row; i < c->s.n_coupling; i++, r++) {
+        double all[6*LW_SPACE_SIDES];
+        lw_space_coupling_row(&c->s, i, c->frame, c->f.turn, &phi[r], all);
+        for (int k = 0; k < c->slots[r].n; k++)
+            memcpy(jac + r*LW_ROW_SIZE + LW_BLOCK*k, all + c->slots[r].from[k], LW_BLOCK*sizeof *jac);
     }
     for (int i = 0; i < c->n_idle; i++) {
         double *to = jac + (c->s.n_row + i)*LW_ROW_SIZE;
@@ -247,8 +260,11 @@ static void bias(void *context, const double *v, double *out)
 static int bends(void *context, int row, lw_bend *out)
 {
     const lw_spatial_scene *c = context;
-    lw_space_bend each[LW_SPACE_BENDS];
-    int joint = c->slots[row].joint, n = joint < 0 ? 0 : lw_space_row_bends(&c->s, c->frame, joint, row - c->s.joint[joint].row, each);
+    lw_space_bend each[LW_BEND_MAX];
+    _Static_assert(LW_BEND_MAX == LW_COUPLING_TERMS*LW_SPACE_BENDS, "rows of couplings have the most second derivatives");
+    int joint = c->slots[row].joint, n = joint < 0 ? 0
+          : joint >= c->s.n_joint ? lw_space_coupling_bends(&c->s, c->frame, joint - c->s.n_joint, each)
+          : lw_space_row_bends(&c->s, c->frame, joint, row - c->s.joint[joint].row, each);
     for (int i = 0; i < n; i++)
         out[i] = (lw_bend){ each[i].a, each[i].b, each[i].h };
     return n;
@@ -480,8 +496,10 @@ static const char *name(void *context, lw_named what, int i)
                           : lw_spatial_numbered(c, what == LW_NAMED_MEASURE ? i : 0);
     switch (what) {
     case LW_NAMED_BLOCK: return c->model->body[c->s.link_of[i/2]].name;
-    case LW_NAMED_ROW:   return c->slots[i].joint < 0 ? c->model->body[c->s.link_of[c->idle[i - c->s.n_row].body]].name
-                                                      : c->model->joint[c->slots[i].joint].name;
+    case LW_NAMED_ROW:
+        return c->slots[i].joint < 0 ? c->model->body[c->s.link_of[c->idle[i - c->s.n_row].body]].name
+             : c->slots[i].joint >= c->s.n_joint ? c->model->coupling[c->slots[i].joint - c->s.n_joint].name
+             : c->model->joint[c->slots[i].joint].name;
     case LW_NAMED_INPUT: case LW_NAMED_MEASURE:
         return of.of < LW_OF_X ? c->model->joint[of.index].name : c->model->tracer[of.index].name;
     case LW_NAMED_STATE: return c->model->states.state[i].name;

@@ -9,7 +9,7 @@
 #include "mbs/space/space_forces.h"
 
 /* Where a row of the layer finds its derivatives among the 12 of mbs/space/space.h: n groups of three. */
-typedef struct lw_space_slots { int joint, n, from[LW_ROW_BLOCKS], block[LW_ROW_BLOCKS]; } lw_space_slots;
+typedef struct lw_space_slots { int joint /* n_joint + i: coupling i; -1: a spin */, n, from[LW_ROW_BLOCKS], block[LW_ROW_BLOCKS]; } lw_space_slots;
 
 typedef struct lw_spatial_scene {
     const lw_spatial *model;

@@ -132,7 +132,7 @@ lw_status lw_recursive_make(const lw_space *s, const double *mass, const lw_spac
         st = grow(&first, kept, e);
     for (int j = 0; j < s->n_joint; j++)
         cut_rows += kept[j] ? 0 : lw_spatial_kind_of(s->joint[j].kind)->rows;
-    r->n_row = cut_rows + n_extra;
+    r->n_row = cut_rows + s->n_coupling + n_extra;
     r->n_u = first.n_u;
     free(first.memory);                      /* before, so that its pages serve again */
     if (st == LW_OK)
@@ -501,7 +501,14 @@ static lw_status factor_masses(lw_recursive *r)
 
 /* ---- loops ---------------------------------------------------------------------------------------------------- */
 
-void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wanted)[3], const double *v)
+/* The body of the sides from `first` on: none. */
+static void leave_out(lw_recursive_row *row, int first)
+{
+    for (int k = first; k < LW_SPACE_SIDES; k++)
+        row->body[k] = -1;
+}
+
+void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wanted)[3], const double *turn, const double *v)
 {
     double phi[6], jac[6*LW_SPACE_ROW], bias[6];
     int n = 0;
@@ -513,13 +520,21 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
             lw_space_joint_bias(r->s, r->cut[i], r->frame, v, bias);
         for (int k = 0; k < rows; k++, n++) {
             r->row[n] = (lw_recursive_row){ .body = { j->body[0], j->body[1] }, .phi = phi[k], .bias = v ? bias[k] : 0 };
-            memcpy(r->row[n].jac, jac + k*LW_SPACE_ROW, sizeof r->row[n].jac);
+            leave_out(&r->row[n], 2);
+            memcpy(r->row[n].jac, jac + k*LW_SPACE_ROW, LW_SPACE_ROW*sizeof *jac);
         }
+    }
+    for (int i = 0; i < r->s->n_coupling; i++, n++) {
+        lw_recursive_row *p = &r->row[n];
+        memcpy(p->body, r->s->coupling[i].body, sizeof p->body);
+        lw_space_coupling_row(r->s, i, r->frame, turn, &p->phi, p->jac);
+        p->bias = v ? lw_space_coupling_bias(r->s, i, r->frame, v) : 0;
     }
     for (int i = 0; i < r->n_extra; i++, n++) {
         lw_recursive_row *p = &r->row[n];
         const lw_space_extra *x = &r->extra[i];
         *p = (lw_recursive_row){ .phi = 0 };
+        leave_out(p, 2);
         lw_space_bodies(r->s, x, p->body);
         if (x->spin)
             p->jac[3] = x->axis.x, p->jac[4] = x->axis.y, p->jac[5] = x->axis.z;
@@ -529,7 +544,7 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
         }
     }
     for (int i = 0; i < n; i++)
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < LW_SPACE_SIDES; k++) {
             const double *j = r->row[i].jac + 6*k;
             lw_screw *pull = &r->row[i].pull[k];
             *pull = (lw_screw){ { 0, 0, 0 }, { j[0], j[1], j[2] } };
@@ -541,16 +556,20 @@ void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wante
 /* A row of Y: what the pulls of a row leave at each rate, going inwards. */
 static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
 {
-    int place[2], last = -1;
+    int place[LW_SPACE_SIDES], last = -1;
     memset(y, 0, (size_t)r->n_u*sizeof *y);
     memset(r->pull, 0, (size_t)r->s->n_body*sizeof *r->pull);
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < LW_SPACE_SIDES; k++) {
         place[k] = row->body[k] < 0 ? -1 : r->place[row->body[k]];
         if (place[k] >= 0)
             r->pull[place[k]] = screw_add(r->pull[place[k]], row->pull[k]);
     }
-    while (place[0] >= 0 || place[1] >= 0) {
+    for (;;) {
         last = place[0] > place[1] ? place[0] : place[1];
+        for (int k = 2; k < LW_SPACE_SIDES; k++)
+            last = place[k] > last ? place[k] : last;
+        if (last < 0)
+            return;
         const lw_recursive_body *p = &r->body[last];
         lw_screw g = r->pull[last];
         for (int k = p->u + p->n_u - 1; k >= p->u; k--) {
@@ -562,7 +581,7 @@ static void halve(lw_recursive *r, const lw_recursive_row *row, double *y)
             g.turn = lw_v3_add(g.turn, lw_v3_cross(p->from_parent, g.move));
             r->pull[p->parent] = screw_add(r->pull[p->parent], g);
         }
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < LW_SPACE_SIDES; k++)
             place[k] = place[k] == last ? p->parent : place[k];
     }
 }
@@ -688,7 +707,7 @@ void lw_recursive_solve(lw_recursive *r, const double *force, lw_recursive_want 
     for (int i = 0; i < r->n_row; i++) {
         const lw_recursive_row *row = &r->row[i];
         double is = 0, goal = want == LW_WANT_CLOSED ? -row->phi : want == LW_WANT_MOTION ? row->bias : r->l[i];
-        for (int k = 0; force && k < 2; k++)
+        for (int k = 0; force && k < LW_SPACE_SIDES; k++)
             if (row->body[k] >= 0)
                 is += screw_dot(row->pull[k], r->body[r->place[row->body[k]]].a);
         r->l[i] = is - goal;

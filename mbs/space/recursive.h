@@ -38,7 +38,11 @@ typedef struct lw_recursive_body {           /* in the order of the tree, parent
     lw_screw      load, a;
 } lw_recursive_body;
 
-typedef struct lw_recursive_row { int body[2]; double jac[LW_SPACE_ROW], phi, bias; lw_screw pull[2]; } lw_recursive_row;
+typedef struct lw_recursive_row {
+    int      body[LW_SPACE_SIDES];           /* -1: ground, or none */
+    double   jac[6*LW_SPACE_SIDES], phi, bias;
+    lw_screw pull[LW_SPACE_SIDES];
+} lw_recursive_row;
 
 typedef struct lw_recursive {
     const lw_space *s;
@@ -79,8 +83,8 @@ void lw_recursive_normalise(const lw_recursive *r, double *x);
 bool lw_recursive_wrap(const lw_recursive *r, double *x);
 
 /* Rows at the posture and velocities placed last, with the angle near which extra i counts and its wanted value (over its unit)
- * and second rate: phi, jac, bias. */
-void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wanted)[3], const double *v);
+ * and second rate, and turns (n_joint) near which couplings count: phi, jac, bias.  Rows of joints that are cut, couplings, extras. */
+void lw_recursive_rows(lw_recursive *r, const double *near, const double (*wanted)[3], const double *turn, const double *v);
 
 /* Factor the masses and the rows at the posture placed last.  LW_OPEN: a singular posture; LW_E_ARG: a motion without mass. */
 lw_status lw_recursive_factor(lw_recursive *r);

@@ -123,7 +123,7 @@ static double offset_of(const lw_robot *r, int i)
 void lw_robot_reset(lw_robot *r)
 {
     memcpy(r->follow.q, r->start, (size_t)r->space.n_q*sizeof *r->start);
-    memset(r->follow.z.near, 0, (size_t)r->follow.z.n_extra*sizeof *r->follow.z.near);
+    memset(r->follow.z.near, 0, (size_t)r->follow.z.n_near*sizeof *r->follow.z.near);
     r->follow.u = 0;
 }
 
@@ -411,6 +411,8 @@ static void take_posture(lw_robot *r, const double *q)
         double *near = &r->follow.z.near[r->follow.n_idle + i];
         *near = lw_space_measure(&r->space, r->follow.z.frame, measure_of(r, i), *near, NULL);
     }
+    if (r->space.n_coupling)
+        lw_space_count_turns(&r->space, r->follow.z.frame, r->follow.z.near + r->follow.z.n_extra);
 }
 
 /* Is the posture reached one in which the robot may be? */
@@ -445,6 +447,8 @@ static bool pull_tool(lw_robot *r, lw_vec3 place, bool *end, char why[120])
     lw_space_follow *f = &r->by_tool;
     lw_quaternion turn;
     memcpy(f->q, r->follow.q, (size_t)r->space.n_q*sizeof *f->q);
+    if (r->space.n_coupling)
+        memcpy(f->z.near + f->z.n_extra, r->follow.z.near + r->follow.z.n_extra, (size_t)r->space.n_joint*sizeof *f->z.near);
     tool_pose(r, &r->begin, &turn);
     r->goal = place;
     f->u = 0;
@@ -505,7 +509,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
     double *kept = malloc(2*(size_t)s->n_q*sizeof *kept);
     if (!kept)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    double *near = malloc((size_t)r->follow.z.n_extra*sizeof *near + 1);
+    double *near = malloc((size_t)r->follow.z.n_near*sizeof *near + 1);
     if (!near) {
         free(kept);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -516,7 +520,7 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         double next = fmin(at + h, length), part = next/length;
         lw_quaternion now = lw_quaternion_times(lw_quaternion_of_vector(lw_v3_scale(spin, part)), from);
         memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
-        memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_extra*sizeof *near);
+        memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_vec3 to_go = lw_v3_add(first, lw_v3_scale(way, part));
         bool end = false;
         if (r->by_tool.memory ? pull_tool(r, to_go, &end, why) : close_tool(r, to_go, &now, why)) {
@@ -531,11 +535,11 @@ lw_status lw_robot_move(lw_robot *r, lw_vec3 place, const lw_quaternion *turn, l
         }
         if (end) {
             memcpy(kept, r->follow.q, (size_t)s->n_q*sizeof *kept);
-            memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_extra*sizeof *near);
+            memcpy(near, r->follow.z.near, (size_t)r->follow.z.n_near*sizeof *near);
             h = 0;
         }
         memcpy(r->follow.q, kept, (size_t)s->n_q*sizeof *kept);
-        memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_extra*sizeof *near);
+        memcpy(r->follow.z.near, near, (size_t)r->follow.z.n_near*sizeof *near);
         lw_space_place(s, r->follow.q, r->follow.z.frame);
         h *= 0.5;
         if (h < r->least) {

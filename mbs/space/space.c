@@ -15,7 +15,7 @@ void lw_space_free(lw_space *s)
 static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
 {
     size_t links = (size_t)m->n_link, joints = (size_t)m->n_joint, tracers = (size_t)m->n_tracer;
-    size_t bytes = joints*sizeof *s->joint + (tracers + 1)*sizeof *s->tracer + links*sizeof *s->axes +
+    size_t bytes = joints*sizeof *s->joint + (size_t)m->n_coupling*sizeof *s->coupling + (tracers + 1)*sizeof *s->tracer + links*sizeof *s->axes +
                    links*14*sizeof(double) + 2*links*sizeof(int);
     char *at = s->memory = calloc(1, bytes);
     if (!at)
@@ -26,6 +26,7 @@ static lw_status reserve(const lw_spatial *m, lw_space *s, lw_error *e)
     s->axes = (lw_quaternion *)(void *)at, at += links*sizeof *s->axes;
     s->tracer = (lw_space_point *)(void *)at, at += (tracers + 1)*sizeof *s->tracer;
     s->joint = (lw_space_joint *)(void *)at, at += joints*sizeof *s->joint;
+    s->coupling = (lw_space_coupling *)(void *)at, at += (size_t)m->n_coupling*sizeof *s->coupling;
     s->body_of = (int *)(void *)at, at += links*sizeof(int);
     s->link_of = (int *)(void *)at;
     return LW_OK;
@@ -106,6 +107,60 @@ static void make_joint(lw_space *s, int i)
     }
 }
 
+/* Place of a body among those of a coupling; -1: the ground, or one too many. */
+static int side_of(lw_space_coupling *c, int body)
+{
+    int k = 0;
+    while (k < LW_SPACE_SIDES && c->body[k] >= 0 && c->body[k] != body)
+        k++;
+    if (body < 0 || k == LW_SPACE_SIDES)
+        return -1;
+    c->body[k] = body;
+    return k;
+}
+
+static void add_part(lw_space_coupling *c, int side, bool turns)
+{
+    int i = 0, part = 2*side + turns;
+    while (i < c->n_part && c->part[i] != part)
+        i++;
+    if (side >= 0 && i == c->n_part && i < LW_COUPLING_PARTS)
+        c->part[c->n_part++] = part;
+}
+
+static lw_status make_coupling(lw_space *s, int i, lw_error *e)
+{
+    const lw_spatial_coupling *p = &s->model->coupling[i];
+    lw_space_coupling *c = &s->coupling[i];
+    double most = 0;
+    *c = (lw_space_coupling){ .n = p->n, .body = { -1, -1, -1, -1 } };
+    if (lw_spatial_coupling_parts(s->model, p) > LW_COUPLING_PARTS)       /* elastic links have a body for each node */
+        return lw_error_set(e, LW_E_KIND, "coupling \"%s\" depends on too many nodes of elastic links: divide it into two couplings with "
+                            "a shaft between them, a link of its own that turns in the ground", p->name);
+    for (int k = 0; k < p->n; k++) {
+        lw_space_term *t = &c->term[k];
+        bool turn = p->of[k].of == LW_OF_TURN;
+        *t = (lw_space_term){ .joint = s->joint[p->of[k].index], .turn = turn, .index = p->of[k].index,
+                              .factor = p->factor[k]*(turn ? 1 : s->unit) };
+        for (int end = 0; end < 2; end++)
+            t->side[end] = side_of(c, t->joint.body[end]);
+        if (!turn && t->side[1] >= 0) {
+            const lw_spatial_joint *j = &s->model->joint[t->index];
+            const double *q = s->start + 7*t->joint.body[1];
+            t->joint.arm[1] = lw_v3(0, 0, 0);
+            t->start = lw_v3_dot(j->axis, lw_v3_sub(lw_v3(q[0], q[1], q[2]), lw_v3_scale(j->at, 1/s->unit)));
+        }
+        add_part(c, t->side[0], true);
+        add_part(c, t->side[1], turn);
+        if (!turn)
+            add_part(c, t->side[0], false);
+        most = fmax(most, fabs(t->factor));
+    }
+    for (int k = 0; k < c->n; k++)
+        c->term[k].factor /= most;
+    return LW_OK;
+}
+
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
 {
     memset(s, 0, sizeof *s);
@@ -132,7 +187,12 @@ lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e)
         make_joint(s, i);
     for (int i = 0; i < m->n_tracer; i++)
         s->tracer[i] = lw_space_point_of(s, m->tracer[i].link, m->tracer[i].at);
-    return LW_OK;
+    s->n_joint_row = s->n_row;
+    for (; st == LW_OK && s->n_coupling < m->n_coupling; s->n_coupling++, s->n_row++)
+        st = make_coupling(s, s->n_coupling, e);
+    if (st != LW_OK)
+        lw_space_free(s);
+    return st;
 }
 
 void lw_space_place(const lw_space *s, const double *q, lw_space_frame *frame)

@@ -3,14 +3,16 @@
  * Lengths are in multiples of `unit`, the size of the model, as in the plane (mbs/constraints/system.h).  A body has 7
  * coordinates, its centre of mass in ground axes and a quaternion w, x, y, z of any length that turns its principal axes
  * to ground axes; and 6 velocities, that of the centre in ground axes and omega [rad/s] in principal axes.  So the mass
- * matrix is diagonal and constant, m m m I1 I2 I3 [kg m^2], and forces are energies [J].  A row touches two bodies at
- * most; its derivatives by their velocities are 12 numbers.  Frames, points and values of measures are in SI units. */
+ * matrix is diagonal and constant, m m m I1 I2 I3 [kg m^2], and forces are energies [J].  A row of a joint touches two bodies at
+ * most; its derivatives by their velocities are 12 numbers.  That of a coupling touches four bodies, in 24 numbers.  Frames, points
+ * and values of measures are in SI units. */
 #ifndef LW_MBS_SPACE_SPACE_H
 #define LW_MBS_SPACE_SPACE_H
 
 #include "grammar/model/spatial.h"
 
 #define LW_SPACE_ROW 12          /* derivatives of a row: by 6 velocities of each of two bodies */
+#define LW_SPACE_SIDES 4         /* most bodies of a row, that of a coupling */
 
 /* A body's place; [0] of an array of frames is the ground, [b + 1] body b. */
 typedef struct lw_space_frame { lw_vec3 at; lw_mat3 turn; } lw_space_frame;
@@ -26,6 +28,21 @@ typedef struct lw_space_joint {
     double  pitch;               /* screw: slide per radian [m]                                       */
 } lw_space_joint;
 
+/* The sum of factor times measure less its value in the posture of the file, over the greatest factor.  A slide is measured at
+ * the centre of its second body, which keeps the turn of this body out of the row. */
+typedef struct lw_space_term {
+    lw_space_joint joint;
+    bool    turn;
+    double  factor, start;       /* of a slide over `unit`                                            */
+    int     index, side[2];      /* its joint; places of the two bodies in the row, -1: ground         */
+} lw_space_term;
+
+typedef struct lw_space_coupling {
+    int  n, body[LW_SPACE_SIDES];            /* bodies, -1 after the last                              */
+    int  n_part, part[LW_COUPLING_PARTS];    /* groups of three of the 24 derivatives that are not 0   */
+    lw_space_term term[LW_COUPLING_TERMS];
+} lw_space_coupling;
+
 /* A point of a body, in its axes; of the ground for body -1. */
 typedef struct lw_space_point { int body; lw_vec3 arm; } lw_space_point;
 
@@ -34,10 +51,12 @@ typedef struct lw_space_extra { bool spin; lw_spatial_measure measure; int body;
 
 typedef struct lw_space {
     const lw_spatial *model;
-    int     n_body, n_q, n_v, n_joint, n_row;
+    int     n_body, n_q, n_v, n_joint, n_coupling;
+    int     n_joint_row, n_row;  /* rows of joints; and couplings, one each                           */
     double  unit;
     int    *body_of, *link_of;   /* (n_link) body of a link, -1: ground; (n_body)                     */
     lw_space_joint *joint;       /* (n_joint)                                                         */
+    lw_space_coupling *coupling; /* (n_coupling)                                                      */
     lw_space_point *tracer;      /* (n_tracer)                                                        */
     lw_quaternion *axes;         /* (n_body) principal axes in the posture of the file                */
     double  *mass;               /* (n_v) diagonal of the mass matrix [kg m^2]                        */
@@ -47,7 +66,7 @@ typedef struct lw_space {
 } lw_space;
 
 /* The model must outlive s.  Elastic links are rigid bars of the same mass (mbs/elastic/expand_space.h).  LW_E_MEMORY;
- * LW_E_ARG: an elastic link without an axis. */
+ * LW_E_ARG: an elastic link without an axis; LW_E_KIND: a coupling of more parts of bodies than it can have. */
 lw_status lw_space_make(const lw_spatial *m, lw_space *s, lw_error *e);
 void      lw_space_free(lw_space *s);
 
@@ -60,16 +79,23 @@ lw_vec3 lw_space_point_at(const lw_space_frame *frame, lw_space_point p);
 lw_vec3 lw_space_point_velocity(const lw_space *s, const lw_space_frame *frame, lw_space_point p, const double *v);
 lw_vec3 lw_space_omega(const lw_space_frame *frame, int body, const double *v);      /* in ground axes */
 
-/* Bodies of a row of joint `j` or of an extra: two, -1 where there is none. */
+/* Bodies of an extra: two, -1 where there is none. */
 void lw_space_bodies(const lw_space *s, const lw_space_extra *x, int body[2]);
 
-/* Rows phi (n_row) and jac (n_row x 12) of the joints. */
+/* Rows phi (n_joint_row) and jac (n_joint_row x 12) of the joints. */
 void lw_space_rows(const lw_space *s, const lw_space_frame *frame, double *phi, double *jac);
-/* The right-hand side of J a = out for the joints' rows, which velocities cause (n_row). */
+/* The right-hand side of J a = out for the rows of joints and couplings, which velocities cause (n_row). */
 void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out);
 /* The same for one joint. */
 void lw_space_joint_rows(const lw_space *s, int joint, const lw_space_frame *frame, double *phi, double *jac);
 void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *frame, const double *v, double *out);
+
+/* The row of a coupling and its derivatives (24), with turns (n_joint) near which angles count. */
+void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac);
+double lw_space_coupling_bias(const lw_space *s, int coupling, const lw_space_frame *frame, const double *v);
+
+/* Count turns (n_joint) on to a posture that is less than half a turn away. */
+void lw_space_count_turns(const lw_space *s, const lw_space_frame *frame, double *turn);
 
 /* A measure over its unit (lw_space_scale), its derivatives (12; may be NULL).  Angles are the ones nearest to
  * `near`. */
@@ -79,12 +105,13 @@ double lw_space_measure_bias(const lw_space *s, const lw_space_frame *frame, lw_
 double lw_space_scale(const lw_space *s, lw_spatial_measure of);      /* 1 of turns, unit of lengths */
 
 /* Its second derivatives over the unit, by the 12 coordinates of its bodies along their motions: derivative by b of entry a
- * of the first derivatives.  And those of row k of a joint, of which there are at most LW_SPACE_BENDS, by velocity
- * coordinates of the model; returns how many. */
+ * of the first derivatives.  And those of row k of a joint, of which there are at most LW_SPACE_BENDS, and of a coupling, at most
+ * LW_COUPLING_TERMS times as many, by velocity coordinates of the model; returns how many. */
 typedef struct lw_space_bend { int a, b; double h; } lw_space_bend;
 #define LW_SPACE_BENDS 72
 void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12]);
 int  lw_space_row_bends(const lw_space *s, const lw_space_frame *frame, int joint, int k, lw_space_bend *out);
+int  lw_space_coupling_bends(const lw_space *s, const lw_space_frame *frame, int coupling, lw_space_bend *out);
 
 /* The coordinate that a stop or a motor acts on: the turn of a joint, or its slide if it does not turn. */
 lw_spatial_measure lw_space_stop_measure(const lw_space *s, int joint);
@@ -105,7 +132,7 @@ void lw_space_normalise(const lw_space *s, double *q);
 /* Does row k of a joint depend on the turns of its bodies alone? */
 bool lw_space_row_turns(const lw_space *s, int joint, int k);
 
-/* Name of a row: "x" "y" "z" of a point, "turn 1", "across 1", ... */
+/* Name of a row: "x" "y" "z" of a point, "turn 1", "across 1", ...; "sum" of coupling *joint - n_joint. */
 const char *lw_space_row_name(const lw_space *s, int row, int *joint);
 
 #endif

@@ -241,6 +241,8 @@ static lw_status try_step(lw_space_follow *f, lw_space_path *path, void *context
     memcpy(f->q, f->q_try, (size_t)s->n_q*sizeof *f->q);
     memcpy(f->v, f->v_try, (size_t)s->n_v*sizeof *f->v);
     memcpy(f->z.near, f->target, (size_t)f->z.n_extra*sizeof *f->z.near);
+    if (s->n_coupling)
+        lw_space_count_turns(s, f->z.frame, f->z.near + f->z.n_extra);
     f->u += h;
     if (f->passed)
         f->passed(f->passed_by, f->q);
@@ -427,13 +429,14 @@ double lw_space_gap(const lw_space_follow *f, const double *value, int *joint, b
         for (int i = 0; i < f->n_input; i++)
             target[f->n_idle + i] = value[i]/lw_space_scale(s, f->z.extra[f->n_idle + i].measure);
         memcpy(q, f->q, (size_t)s->n_q*sizeof *q);
+        memcpy(z.near, f->z.near, (size_t)z.n_near*sizeof *z.near);
         double weight = 1e3;                 /* inputs are kept more exactly than joints */
         for (int round = 0; round < 60; round++) {
             lw_space_rows_fill(&z, q, target);
             for (int r = s->n_row; r < z.n_row; r++) {
                 z.phi[r] *= weight;
-                for (int i = 0; i < LW_SPACE_ROW; i++)
-                    z.jac[r*LW_SPACE_ROW + i] *= weight;
+                for (int i = z.at[r]; i < z.at[r + 1]; i++)
+                    z.jac[i] *= weight;
             }
             lw_space_dense_factor(&z, &d, 1e-6);
             memcpy(b, z.phi, (size_t)z.n_row*sizeof *b);

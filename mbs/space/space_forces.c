@@ -99,9 +99,7 @@ void lw_space_forces_free(lw_space_forces *f)
 
 void lw_space_forces_accept(lw_space_forces *f, const lw_space_frame *frame)
 {
-    for (int j = 0; j < f->s->n_joint; j++)
-        if (lw_spatial_kind_of(f->s->joint[j].kind)->turns)
-            f->turn[j] = lw_space_measure(f->s, frame, (lw_spatial_measure){ LW_OF_TURN, j }, f->turn[j], NULL);
+    lw_space_count_turns(f->s, frame, f->turn);
 }
 
 /* ---- measures --------------------------------------------------------------------------------------------- */

@@ -185,9 +185,9 @@ static lw_status name_redundant(search *x, lw_space_mobility *m, lw_error *e)
     lw_space_rows_fill(&x->z, m->freedom > 0 ? x->q : s->start, NULL);
     for (int r = 0; r < rows; r++) {
         memset(row, 0, (size_t)n*sizeof *row);
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < LW_SPACE_SIDES; k++)
             for (int i = 0; x->z.body[r][k] >= 0 && i < 6; i++)
-                row[6*x->z.body[r][k] + i] = x->z.jac[r*LW_SPACE_ROW + 6*k + i];
+                row[6*x->z.body[r][k] + i] = x->z.jac[x->z.at[r] + 6*k + i];
         double before = 0, after = 0;
         for (int i = 0; i < n; i++)
             before += row[i]*row[i];

@@ -5,7 +5,7 @@
 #include "mbs/space/space_solve.h"
 
 /* A row that follows from rows before it. */
-typedef struct lw_space_redundant { int joint; const char *row; } lw_space_redundant;
+typedef struct lw_space_redundant { int joint; const char *row; } lw_space_redundant;     /* joint: as in lw_space_row_name */
 
 typedef struct lw_space_mobility {
     int    count;                /* 6 bodies less rows                                                     */

@@ -221,10 +221,26 @@ void lw_space_joint_bias(const lw_space *s, int joint, const lw_space_frame *fra
         *to = -scale*(line_bias(&z, &n, z0) - j->pitch*angle_bias(j, &z, &n));
 }
 
+double lw_space_coupling_bias(const lw_space *s, int coupling, const lw_space_frame *frame, const double *v)
+{
+    const lw_space_coupling *c = &s->coupling[coupling];
+    double sum = 0;
+    for (int i = 0; i < c->n; i++) {
+        const lw_space_term *t = &c->term[i];
+        ends n = ends_of(s, &t->joint, frame);
+        rates z = rates_of(&t->joint, &n, frame, v);
+        sum -= t->factor*(t->turn ? angle_bias(&t->joint, &z, &n)
+                                  : line_bias(&z, &n, lw_m3_apply(n.turn[0], t->joint.z[0]))/s->unit);
+    }
+    return sum;
+}
+
 void lw_space_bias(const lw_space *s, const lw_space_frame *frame, const double *v, double *out)
 {
     for (int i = 0; i < s->n_joint; i++)
         lw_space_joint_bias(s, i, frame, v, out + s->joint[i].row);
+    for (int i = 0; i < s->n_coupling; i++)
+        out[s->n_joint_row + i] = lw_space_coupling_bias(s, i, frame, v);
 }
 
 /* ---- measures ---------------------------------------------------------------------------------------------- */
@@ -291,6 +307,35 @@ void lw_space_measured(const lw_space *s, const lw_space_frame *frame, lw_spatia
     for (int k = 0; k < 2; k++)
         for (int i = 0; body[k] >= 0 && i < 6; i++)
             *rate += scale*jac[6*k + i]*v[6*body[k] + i];
+}
+
+/* ---- couplings -------------------------------------------------------------------------------------------- */
+
+void lw_space_coupling_row(const lw_space *s, int coupling, const lw_space_frame *frame, const double *turn, double *phi, double *jac)
+{
+    const lw_space_coupling *c = &s->coupling[coupling];
+    memset(jac, 0, LW_SPACE_SIDES*6*sizeof *jac);
+    *phi = 0;
+    for (int i = 0; i < c->n; i++) {
+        const lw_space_term *t = &c->term[i];
+        ends n = ends_of(s, &t->joint, frame);
+        double value, row[LW_SPACE_ROW];
+        if (t->turn)
+            value = angle_of(&t->joint, &n, turn[t->index], row);
+        else
+            line_row(&n, lw_m3_apply(n.turn[0], t->joint.z[0]), 1/s->unit, &value, row);
+        *phi += t->factor*(value - t->start);
+        for (int k = 0; k < LW_SPACE_ROW; k++)
+            if (t->side[k/6] >= 0)
+                jac[6*t->side[k/6] + k%6] += t->factor*row[k];
+    }
+}
+
+void lw_space_count_turns(const lw_space *s, const lw_space_frame *frame, double *turn)
+{
+    for (int j = 0; j < s->n_joint; j++)
+        if (lw_spatial_kind_of(s->joint[j].kind)->turns)
+            turn[j] = lw_space_measure(s, frame, (lw_spatial_measure){ LW_OF_TURN, j }, turn[j], NULL);
 }
 
 /* ---- second derivatives ------------------------------------------------------------------------------------- */
@@ -394,6 +439,30 @@ int lw_space_row_bends(const lw_space *s, const lw_space_frame *frame, int joint
     return count;
 }
 
+int lw_space_coupling_bends(const lw_space *s, const lw_space_frame *frame, int coupling, lw_space_bend *out)
+{
+    const lw_space_coupling *c = &s->coupling[coupling];
+    int count = 0;
+    for (int i = 0; i < c->n; i++) {
+        const lw_space_term *t = &c->term[i];
+        ends n = ends_of(s, &t->joint, frame);
+        for (int b = 0; b < 12; b++) {
+            double change[12];
+            small d = unit_displacement(s, b);
+            if (t->side[b/6] < 0)
+                continue;
+            if (t->turn)
+                angle_change(&t->joint, &n, &d, change);
+            else
+                line_change(&t->joint, &n, lw_v3_scale(t->joint.z[0], 1/s->unit), &d, change);
+            for (int a = 0; a < 12; a++)
+                if (change[a] != 0 && t->side[a/6] >= 0)
+                    out[count++] = (lw_space_bend){ 6*t->joint.body[a/6] + a%6, 6*t->joint.body[b/6] + b%6, t->factor*change[a] };
+        }
+    }
+    return count;
+}
+
 void lw_space_measure_bends(const lw_space *s, const lw_space_frame *frame, lw_spatial_measure of, double h[12][12])
 {
     const lw_space_joint *j = of.of >= LW_OF_X ? NULL : &s->joint[of.index];
@@ -444,8 +513,8 @@ const char *lw_space_row_name(const lw_space *s, int row, int *joint)
         *joint = i;
         return name_of_row(&s->joint[i], k);
     }
-    *joint = -1;
-    return "";
+    *joint = s->n_joint + row - s->n_joint_row;
+    return row >= s->n_joint_row && row < s->n_row ? "sum" : "";
 }
 
 bool lw_space_row_turns(const lw_space *s, int joint, int k)

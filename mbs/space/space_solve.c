@@ -36,11 +36,29 @@ void lw_space_rows_free(lw_space_rows_set *z)
 static void find_bodies(lw_space_rows_set *z)
 {
     const lw_space *s = z->s;
+    for (int r = 0; r < z->n_row; r++)
+        for (int k = 0; k < LW_SPACE_SIDES; k++)
+            z->body[r][k] = -1;
+    for (int r = 0; r < z->n_row; r++)
+        z->at[r + 1] = z->at[r] + (r >= s->n_joint_row && r < s->n_row ? 6*LW_SPACE_SIDES : LW_SPACE_ROW);
     for (int j = 0; j < s->n_joint; j++)
         for (int k = 0; k < lw_spatial_kind_of(s->joint[j].kind)->rows; k++)
-            memcpy(z->body[s->joint[j].row + k], s->joint[j].body, sizeof z->body[0]);
+            memcpy(z->body[s->joint[j].row + k], s->joint[j].body, sizeof s->joint[j].body);
+    for (int i = 0; i < s->n_coupling; i++)
+        memcpy(z->body[s->n_joint_row + i], s->coupling[i].body, sizeof z->body[0]);
     for (int i = 0; i < z->n_extra; i++)
         lw_space_bodies(s, &z->extra[i], z->body[s->n_row + i]);
+}
+
+/* How many bodies row r has derivatives for. */
+static int sides_of(const lw_space_rows_set *z, int r) { return (z->at[r + 1] - z->at[r])/6; }
+
+static int side_of(const lw_space_rows_set *z, int r, int body)
+{
+    int k = 0;
+    while (z->body[r][k] != body)
+        k++;
+    return 6*k;
 }
 
 lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int n_extra, const double *weight,
@@ -51,23 +69,26 @@ lw_status lw_space_rows_make(const lw_space *s, const lw_space_extra *extra, int
     z->s = s;
     z->n_extra = n_extra;
     z->n_row = s->n_row + n_extra;
-    size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1;
-    size_t q_size = (size_t)s->n_q, doubles_all = rows*(2*LW_SPACE_ROW + 2) + 3*v + x + 2*q_size;
+    z->n_near = n_extra + (s->n_coupling ? s->n_joint : 0);
+    size_t rows = (size_t)z->n_row + 1, v = (size_t)s->n_v, x = (size_t)n_extra + 1, near = (size_t)z->n_near + 1;
+    size_t q_size = (size_t)s->n_q, jac = (rows + (size_t)s->n_coupling)*LW_SPACE_ROW;
+    size_t doubles_all = 2*(jac + rows) + 3*v + near + 2*q_size;
     size_t bytes = doubles_all*sizeof(double) + ((size_t)s->n_body + 1)*sizeof *z->frame +
-                   x*sizeof *z->extra + rows*(sizeof *z->body + 2*sizeof(int));
+                   x*sizeof *z->extra + rows*(sizeof *z->body + 3*sizeof(int));
     char *at = z->memory = calloc(1, bytes);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     double **const doubles[] = { &z->jac, &z->jac_w, &z->phi, &z->small, &z->weight, &z->full, &z->step,
                                  &z->near, &z->filled, &z->factored };
-    const size_t sizes[] = { rows*LW_SPACE_ROW, rows*LW_SPACE_ROW, rows, rows, v, v, v, x, q_size, q_size };
+    const size_t sizes[] = { jac, jac, rows, rows, v, v, v, near, q_size, q_size };
     for (size_t i = 0; i < sizeof doubles/sizeof *doubles; i++) {
         *doubles[i] = (double *)(void *)at;
         at += sizes[i]*sizeof(double);
     }
     z->frame = (lw_space_frame *)(void *)at, at += ((size_t)s->n_body + 1)*sizeof *z->frame;
     z->extra = (lw_space_extra *)(void *)at, at += x*sizeof *z->extra;
-    z->body = (int (*)[2])(void *)at, at += rows*sizeof *z->body;
+    z->body = (int (*)[LW_SPACE_SIDES])(void *)at, at += rows*sizeof *z->body;
+    z->at = (int *)(void *)at, at += rows*sizeof(int);
     z->kept = (int *)(void *)at, at += rows*sizeof(int);
     z->place = (int *)(void *)at;
     if (n_extra)
@@ -88,9 +109,11 @@ void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *tar
     memcpy(z->filled, q, (size_t)s->n_q*sizeof *q);
     lw_space_place(s, q, z->frame);
     lw_space_rows(s, z->frame, z->phi, z->jac);
+    for (int i = 0, r = s->n_joint_row; i < s->n_coupling; i++, r++)
+        lw_space_coupling_row(s, i, z->frame, z->near + z->n_extra, &z->phi[r], z->jac + z->at[r]);
     for (int i = 0; i < z->n_extra; i++) {
         const lw_space_extra *x = &z->extra[i];
-        double *jac = z->jac + (s->n_row + i)*LW_SPACE_ROW, *phi = &z->phi[s->n_row + i];
+        double *jac = z->jac + z->at[s->n_row + i], *phi = &z->phi[s->n_row + i];
         if (x->spin) {
             *phi = 0;
             memset(jac, 0, LW_SPACE_ROW*sizeof *jac);
@@ -105,8 +128,8 @@ void lw_space_rows_fill(lw_space_rows_set *z, const double *q, const double *tar
 static void weigh(lw_space_rows_set *z)
 {
     for (int r = 0; r < z->n_row; r++) {
-        double *jac = z->jac + r*LW_SPACE_ROW, *to = z->jac_w + r*LW_SPACE_ROW;
-        for (int k = 0; k < 2; k++) {
+        double *jac = z->jac + z->at[r], *to = z->jac_w + z->at[r];
+        for (int k = 0; k < sides_of(z, r); k++) {
             const double *w = z->weight + 6*z->body[r][k];
             for (int i = 6*k; i < 6*k + 6; i++)
                 to[i] = z->body[r][k] < 0 ? 0 : jac[i]*w[i - 6*k];
@@ -160,19 +183,19 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
     z->n_pair = 0;
     if (n == 0)
         return LW_OK;
-    int *first = calloc((size_t)nb + 2, sizeof *first), *list = malloc(2*(size_t)n*sizeof *list + sizeof *list);
+    int *first = calloc((size_t)nb + 2, sizeof *first), *list = malloc(LW_SPACE_SIDES*(size_t)n*sizeof *list + sizeof *list);
     int *mark = malloc(((size_t)n + 1)*sizeof *mark), *near_at = malloc(((size_t)n + 1)*sizeof *near_at), *near = NULL;
     int *order = malloc((size_t)n*sizeof *order);
     bool good = first && list && mark && near_at && order;
     if (good) {                              /* kept rows of each body */
         for (int i = 0; i < n; i++)
-            for (int k = 0; k < 2; k++)
+            for (int k = 0; k < LW_SPACE_SIDES; k++)
                 if (z->body[z->kept[i]][k] >= 0)
                     first[z->body[z->kept[i]][k] + 2]++;
         for (int b = 2; b <= nb + 1; b++)
             first[b] += first[b - 1];
         for (int i = 0; i < n; i++)
-            for (int k = 0; k < 2; k++)
+            for (int k = 0; k < LW_SPACE_SIDES; k++)
                 if (z->body[z->kept[i]][k] >= 0)
                     list[first[z->body[z->kept[i]][k] + 1]++] = i;
         size_t most = 0;
@@ -192,7 +215,7 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
         for (int i = 0; i < n; i++) {
             near_at[i] = at;
             mark[i] = i;
-            for (int k = 0; k < 2; k++) {
+            for (int k = 0; k < LW_SPACE_SIDES; k++) {
                 int b = z->body[z->kept[i]][k];
                 for (int p = b < 0 ? 0 : first[b]; b >= 0 && p < first[b + 1]; p++)
                     if (mark[list[p]] != i) {
@@ -216,8 +239,7 @@ static lw_status analyse(lw_space_rows_set *z, lw_error *e)
             for (int p = first[b]; p < first[b + 1]; p++)
                 for (int o = first[b]; o <= p; o++) {
                     int row = order[list[p]], other = order[list[o]], i = z->place[row], j = z->place[other];
-                    int side = z->body[row][0] == b ? 0 : 6, other_side = z->body[other][0] == b ? 0 : 6;
-                    z->pair[z->n_pair++] = (lw_space_pair){ row*LW_SPACE_ROW + side, other*LW_SPACE_ROW + other_side,
+                    z->pair[z->n_pair++] = (lw_space_pair){ z->at[row] + side_of(z, row, b), z->at[other] + side_of(z, other, b),
                                                             lw_cholesky_entry(&z->schur, i < j ? i : j, i < j ? j
                                                                               : i) };
                 }
@@ -292,9 +314,9 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
 void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x)
 {
     for (int r = 0; r < z->n_row; r++) {
-        const double *jac = z->jac + r*LW_SPACE_ROW;
+        const double *jac = z->jac + z->at[r];
         double f = sign*l[r];
-        for (int k = 0; f != 0 && k < 2; k++) {
+        for (int k = 0; f != 0 && k < sides_of(z, r); k++) {
             double *to = x + 6*z->body[r][k];
             for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
                 to[i] += f*jac[6*k + i];
@@ -308,9 +330,9 @@ static double improve(lw_space_rows_set *z, const double *rhs, double *x, double
     double *b = z->small, most = 0;
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
-        const double *jac = z->jac + r*LW_SPACE_ROW;
+        const double *jac = z->jac + z->at[r];
         b[i] = rhs ? -rhs[r] : 0;
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < sides_of(z, r); k++)
             if (z->body[r][k] >= 0)
                 b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
     }
@@ -318,9 +340,9 @@ static double improve(lw_space_rows_set *z, const double *rhs, double *x, double
         lw_cholesky_solve(&z->schur, b);
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
-        const double *jac = z->jac_w + r*LW_SPACE_ROW;
+        const double *jac = z->jac_w + z->at[r];
         l[r] += b[i];
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < sides_of(z, r); k++) {
             double *to = x + 6*z->body[r][k];
             for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
                 to[c] -= b[i]*jac[6*k + c];
@@ -374,9 +396,9 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
             lw_cholesky_solve(&z->schur, b);
         for (int i = 0; i < z->n_kept; i++) {
             int r = z->kept[i];
-            for (int k = 0; k < 2; k++)
+            for (int k = 0; k < sides_of(z, r); k++)
                 for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
-                    z->step[6*z->body[r][k] + c] -= b[i]*z->jac_w[r*LW_SPACE_ROW + 6*k + c];
+                    z->step[6*z->body[r][k] + c] -= b[i]*z->jac_w[z->at[r] + 6*k + c];
         }
         double size = lw_space_length(z->s, z->step);
         if (round == 0 && moved)
@@ -419,9 +441,9 @@ void lw_space_dense_factor(const lw_space_rows_set *z, lw_space_dense *d, double
 {
     memset(d->rank.a, 0, (size_t)d->n_v*(size_t)d->n_row*sizeof *d->rank.a);
     for (int r = 0; r < d->n_row; r++)
-        for (int k = 0; k < 2; k++)
+        for (int k = 0; k < sides_of(z, r); k++)
             for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
-                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[r*LW_SPACE_ROW + 6*k + i]*
+                d->rank.a[6*z->body[r][k] + i + r*d->n_v] = z->jac[z->at[r] + 6*k + i]*
                                                          sqrt(z->weight[6*z->body[r][k] + i]);
     lw_rank_factor(&d->rank, least);
 }

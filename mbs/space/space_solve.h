@@ -22,13 +22,15 @@ typedef struct lw_space_pair { int row, other, to; } lw_space_pair;
 
 typedef struct lw_space_rows_set {
     const lw_space *s;
-    int      n_row, n_extra;             /* rows in force: those of the joints, then the extras           */
+    int      n_row, n_extra;             /* rows in force: joints, couplings, extras                      */
     lw_space_extra *extra;
     double  *weight;                     /* (n_v) W                                                        */
-    double  *near;                       /* (n_row - joints' rows) angle near which each measure counts    */
+    int      n_near;                     /* n_extra, and with couplings n_joint                            */
+    double  *near;                       /* (n_near) angle near which each measure counts; turns of joints for couplings */
     lw_space_frame *frame;               /* (n_body + 1) at the posture placed last                        */
-    double  *phi, *jac, *jac_w;          /* (n_row) (n_row x 12), and times W                              */
-    int    (*body)[2];                   /* (n_row)                                                        */
+    double  *phi, *jac, *jac_w;          /* (n_row); derivatives of row r from at[r] to at[r + 1], six for each body; times W */
+    int     *at;                         /* (n_row + 1): 12 for a row, 24 for that of a coupling           */
+    int    (*body)[LW_SPACE_SIDES];      /* (n_row) -1: ground, or none                                    */
     int      n_kept, *kept, *place;      /* a basis in the order of elimination; place in it, -1: left out */
     int      n_pair;
     lw_space_pair *pair;
