@@ -283,7 +283,8 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             s = s != LW_OPEN ? s : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the forces of contact are undetermined; "
                                                 "give the contacts a \"stiffness\"", redecided);
             stop = LW_ODE_STEP;
-        }
+        } else if (d->touch && s == LW_E_NUMERIC)
+            lw_run_touch_jams(run, time_of(w));
         if (s == LW_OK && w->implicit)
             s = check_progress(run, w, &n_stuck);
         run->r->t = time_of(w);

@@ -124,6 +124,8 @@ lw_status lw_run_touch_events(void *context, double t, const double *y, double *
 
 /* Impacts at (t, y), then the states of all places.  events: bits of the event functions that crossed 0. */
 lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long events);
+/* A run has ended at t: give the reason if friction makes the force of a contact grow without limit there. */
+void      lw_run_touch_jams(lw_run *run, double t);
 
 /* LW_E_ARG: shapes overlap at t.  The coordinates are those placed last. */
 lw_status lw_run_touch_check(lw_run *run, double t);

@@ -31,7 +31,7 @@ static const double late = 1e-14;            /* events happen where a gap is bel
 static const double still = 1e-12, no_slip = 1e-10;
 static const double trace = 1e-11;           /* share of the speed that free accelerations may change          */
 static const double least_share = 1e-6;      /* pivot of a row that depends on others, over its diagonal       */
-static const double undetermined = 2e-3;     /* the friction equations below this determinant have no use      */
+static const double undetermined = 2e-6;     /* the friction equations below this determinant have no use      */
 enum { PASSES = 400, TOGETHER = 100, STALLED_MOST = 5000 };
 
 static bool is_rigid(const lw_touch *p) { return !(p->surface->stiffness > 0); }
@@ -644,15 +644,15 @@ static lw_status decide(lw_run *run, double t, double *y, closed *c, bool undeci
         s = find_forces(c, tiny);
         if ((s == LW_OK && !undecided) || (s != LW_OK && s != LW_NOTHING))
             return s;
+        bool impulsive, known = s == LW_OK;
         undecided = false;
-        bool impulsive;
         s = solve_impulses(run, t, c, speed, v, &impulsive);
         *any = *any || impulsive;
         if (s == LW_NOTHING)
             break;
         if (s == LW_OK && !impulsive) {
             set_laws(d, c, speed);
-            return LW_OK;
+            return known ? find_forces(c, tiny) : LW_OK;     /* impulses are known to fewer digits */
         }
     }
     return lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s no forces of rigid contact with friction go on with the motion "
@@ -732,4 +732,15 @@ lw_status lw_run_touch(lw_run *run, double t, double *y, unsigned long long even
     if (s == LW_OK)
         y[2*d->n_q] += d->eq.kinetic(d->eq.context, y + d->n_q) - before;
     return s;
+}
+
+void lw_run_touch_jams(lw_run *run, double t)
+{
+    const struct lw_touching *w = run->d->touch;
+    const lw_touch *first = NULL;
+    for (int k = 0; k < w->n_row && !first; k++)
+        first = w->list.touch[w->row[k].touch].slips != 0 ? &w->list.touch[w->row[k].touch] : NULL;
+    if (first && fabs(w->determinant) < undetermined)
+        lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s friction leaves the force of contact \"%s\" undetermined for rigid bodies "
+                     "(Painleve's paradox); give the contacts a \"stiffness\"", t, lw_touch_name(run->d->model, first));
 }

@@ -6,7 +6,8 @@
 #include "base/real.h"
 #include "base/vec3.h"
 
-static const double singular = 1e-3;         /* a pivot or determinant below this: the reactions are not determined */
+static const double singular = 1e-3;         /* a pivot below this: the reactions are not determined */
+static const double singular_signed = 1e-6;  /* the same of a determinant with contacts, where a slip may end before it is 0 */
 
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j)
 {
@@ -131,7 +132,7 @@ lw_status lw_friction_sizes(int n, int n_signed, int dim, const double *rest, co
             value = solve_in_turn(w, matrix, diag, left);
         if (determinant)
             *determinant = value;
-        if (!((n_signed ? fabs(value) : value) > singular))
+        if (!(n_signed ? fabs(value) > singular_signed : value > singular))
             break;
         for (int j = 0; j < n; j++) {
             size[j] += left[j];
