@@ -51,7 +51,21 @@ static void find_bodies(lw_space_rows_set *z)
 }
 
 /* How many bodies row r has derivatives for. */
-static int sides_of(const lw_space_rows_set *z, int r) { return (z->at[r + 1] - z->at[r])/6; }
+static inline int sides_of(const lw_space_rows_set *z, int r) { return z->at[r + 1] - z->at[r] == LW_SPACE_ROW ? 2 : LW_SPACE_SIDES; }
+
+/* x += f times row r of `jac` (J or J W). */
+static inline void add_row(const lw_space_rows_set *z, int r, const double *jac, double f, double *x)
+{
+    jac += z->at[r];
+    for (int k = 0; k < 2; k++) {
+        double *to = x + 6*z->body[r][k];
+        for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
+            to[i] += f*jac[6*k + i];
+    }
+    for (int k = 2; k < sides_of(z, r) && z->body[r][k] >= 0; k++)
+        for (int i = 0; i < 6; i++)
+            x[6*z->body[r][k] + i] += f*jac[6*k + i];
+}
 
 static int side_of(const lw_space_rows_set *z, int r, int body)
 {
@@ -313,15 +327,9 @@ lw_status lw_space_rows_arrange(lw_space_rows_set *z, const double *q, lw_error 
 
 void lw_space_rows_add(const lw_space_rows_set *z, double sign, const double *l, double *x)
 {
-    for (int r = 0; r < z->n_row; r++) {
-        const double *jac = z->jac + z->at[r];
-        double f = sign*l[r];
-        for (int k = 0; f != 0 && k < sides_of(z, r); k++) {
-            double *to = x + 6*z->body[r][k];
-            for (int i = 0; z->body[r][k] >= 0 && i < 6; i++)
-                to[i] += f*jac[6*k + i];
-        }
-    }
+    for (int r = 0; r < z->n_row; r++)
+        if (l[r] != 0)
+            add_row(z, r, z->jac, sign*l[r], x);
 }
 
 /* l -= (J W J^T)^-1 (rhs - J x), x changed by W J^T of that.  Returns the greatest change of l. */
@@ -332,21 +340,18 @@ static double improve(lw_space_rows_set *z, const double *rhs, double *x, double
         int r = z->kept[i];
         const double *jac = z->jac + z->at[r];
         b[i] = rhs ? -rhs[r] : 0;
-        for (int k = 0; k < sides_of(z, r); k++)
+        for (int k = 0; k < 2; k++)
             if (z->body[r][k] >= 0)
                 b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
+        for (int k = 2; k < sides_of(z, r) && z->body[r][k] >= 0; k++)
+            b[i] += dot6(jac + 6*k, x + 6*z->body[r][k]);
     }
     if (z->n_kept)
         lw_cholesky_solve(&z->schur, b);
     for (int i = 0; i < z->n_kept; i++) {
         int r = z->kept[i];
-        const double *jac = z->jac_w + z->at[r];
         l[r] += b[i];
-        for (int k = 0; k < sides_of(z, r); k++) {
-            double *to = x + 6*z->body[r][k];
-            for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
-                to[c] -= b[i]*jac[6*k + c];
-        }
+        add_row(z, r, z->jac_w, -b[i], x);
         most = fmax(most, fabs(b[i]));
     }
     return most;
@@ -394,12 +399,8 @@ lw_status lw_space_rows_close(lw_space_rows_set *z, double *q, const double *tar
             b[i] = z->phi[z->kept[i]];
         if (z->n_kept)
             lw_cholesky_solve(&z->schur, b);
-        for (int i = 0; i < z->n_kept; i++) {
-            int r = z->kept[i];
-            for (int k = 0; k < sides_of(z, r); k++)
-                for (int c = 0; z->body[r][k] >= 0 && c < 6; c++)
-                    z->step[6*z->body[r][k] + c] -= b[i]*z->jac_w[z->at[r] + 6*k + c];
-        }
+        for (int i = 0; i < z->n_kept; i++)
+            add_row(z, z->kept[i], z->jac_w, -b[i], z->step);
         double size = lw_space_length(z->s, z->step);
         if (round == 0 && moved)
             *moved = size;
