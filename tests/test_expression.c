@@ -457,14 +457,46 @@ TEST(kinks_of_the_time)
         { "abs(2*t - 1)", { 0.5, INFINITY } }, { "max(0, min(t - 1, 2 - t))", { 1, 1.5, 2, INFINITY } },
         { "min(t, 3 - t, 1)*sin(t)", { 1, 1.5, 2, INFINITY } }, { "abs(abs(t - 2) - 1)", { 1, 2, 3, INFINITY } },
         { "step(mod(t, 1), 0.25, 0, 0.5, 1)", { 0.25, 0.5, 1, 1.25, 1.5 } }, { "max(abs(t - 1), 2*sign(t - 2))", { 1, 2, 3, INFINITY } },
-        { "max(x(P), t)", { INFINITY } }, { "t^2", { INFINITY } } };
+        { "max(x(P), t)", { INFINITY } }, { "t^2", { INFINITY } }, { "sign(sin(pi*t))", { 1, 2, 3, 4, 5 } },
+        { "mod(t^2, 4)", { 2, 2.8284271247461903, 3.4641016151377544, 4, 4.47213595499958 } }, { "abs(log(t + 1) - 0.5)", { 0.6487212707001282, INFINITY } },
+        { "max(0, cos(pi*t))*x(P)", { 0.5, 1.5, 2.5, 3.5, 4.5 } }, { "abs(sin(t)^2)", { INFINITY } },
+        { "sign(tan(pi*t))", { 0.5, 1, 1.5, 2, 2.5 } }, { "table(2*sin(pi*t), -2, 0, 1, 3, 2, 1)", { 1.0/6, 5.0/6, 13.0/6, 17.0/6, 25.0/6 } } };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_expression *x = parse(known[i].text);
         double t = 0;
         for (int k = 0; x && k < 5 && t < INFINITY; k++) {
-            t = lw_expression_next_kink(x, 0, t + 1e-12);
+            t = lw_expression_next_kink(x, 0, t + 1e-12, 20);
             CHECK(t == known[i].at[k] || fabs(t - known[i].at[k]) < 1e-9);
         }
+        lw_expression_free(x);
+    }
+}
+
+/* Between samples of a calm interval a function changes by less than the samples show, or by little: looked at a thousand times as
+ * densely.  A smooth function takes few intervals. */
+TEST(calm_intervals)
+{
+    static const struct { const char *text; int most; } known[] = {
+        { "exp(-((t - 0.5)/1e-3)^2)", 100 }, { "1/(1 + ((t - 2.1)/1e-4)^2)", 100 }, { "tanh(1000*(t - 1))", 100 }, { "sin(3*t)^50", 100 },
+        { "exp(-(sin(3*t)/1e-3)^2)", 300 }, { "sin(10*t)", 40 }, { "cosh(t)^3", 20 }, { "sqrt(t + 1)*atan2(t, 2)", 4 }, { "hypot(sin(t), 2)", 20 },
+        { "2^(-3*t)", 20 }, { "asin(t/4)", 4 }, { "t^3 - 2*t", 4 }, { "acos(t/4) + log(1 + t)", 4 } };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_expression *x = parse(known[i].text);
+        int n = 0;
+        for (double t = 0; x && t < 3 && n < 1000; n++) {
+            double end = lw_expression_calm(x, 0, 0, t, 3), low = INFINITY, high = -INFINITY;
+            CHECK(end > t && end <= 3);
+            for (int k = 0; k <= LW_CALM_SAMPLES; k++) {
+                double at = t + (end - t)*k/LW_CALM_SAMPLES, f = lw_expression_value(x, &at);
+                low = fmin(low, f), high = fmax(high, f);
+            }
+            for (int k = 0; k < 1000*LW_CALM_SAMPLES; k++) {
+                double at = t + (end - t)*k/(1000*LW_CALM_SAMPLES), f = lw_expression_value(x, &at), room = high - low + 1e-3*fabs(f) + 1e-8;
+                CHECK(f > low - room && f < high + room);
+            }
+            t = end;
+        }
+        CHECK(n <= known[i].most);
         lw_expression_free(x);
     }
 }

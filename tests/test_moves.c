@@ -131,6 +131,36 @@ TEST(short_pulses_are_seen)
             }
 }
 
+/* The same of smooth pulses, narrower than any first guess of a step: their impulse over the mass is the speed, at each tolerance, in
+ * each formulation; and of humps and a square wave of sines, whose kinks are found. */
+TEST(smooth_pulses_are_seen)
+{
+    const double root_pi = sqrt(LW_PI);
+    const struct { const char *text; double speed; } pulse[] = {
+        { "500*exp(-((t - 0.4973)/1e-3)^2)", 0.25*root_pi }, { "5e5*exp(-((t - 0.9)/1e-6)^2)", 0.25*root_pi },
+        { "50*(tanh((t - 0.5)/1e-3) - tanh((t - 0.51)/1e-3))", 0.5 },
+        { "500/(1 + ((t - 0.3)/1e-4)^2)", 0.025*(atan(3e3) + atan(7e3)) },
+        { "max(0, sin(4*pi*t))", 0.5/LW_PI }, { "sign(sin(5*t))", 0.5*(2*LW_PI/5 - 1) }, { "state(u)", 0.125*root_pi*(1 - 0.4) } };
+    static const struct { lw_formulation f; double off; } way[] = { { LW_FORMULATION_REDUCED, 30 }, { LW_FORMULATION_INDEX1, 30 },
+        { LW_FORMULATION_CVODE, 100 }, { LW_FORMULATION_GGL, 100 }, { LW_FORMULATION_RADAU, 30 }, { LW_FORMULATION_ALPHA, 100 } };     /* tolerances */
+    for (int p = 0; p < 7; p++)
+        for (int f = p == 6; f < 6; f++)
+            for (int k = 0; k < 4; k++) {
+                char rest[500];
+                snprintf(rest, sizeof rest, "'input': {'joint': 'S', 'speed': 0}, 'states': [{'name': 'u', 'rate': '250*exp(-((t - 0.4)/1e-3)^2)', "
+                         "'start': 0}], 'forces': [{'link': 'cart', 'at': [0, 0], 'fx': '%s'}]", pulse[p].text);
+                if (f == 0)                                  /* it knows no states */
+                    snprintf(rest, sizeof rest, "'input': {'joint': 'S', 'speed': 0}, 'forces': [{'link': 'cart', 'at': [0, 0], 'fx': '%s'}]",
+                             pulse[p].text);
+                read_model("", rest);
+                double tolerance = k < 2 ? 1e-4 : f < 5 ? 1e-8 : 1e-5;       /* alpha is for loose ones */
+                CHECK_INT(drun_to(&d, way[f].f, tolerance, 1, k % 2 ? 50 : 1), LW_OK);
+                CHECK_NEAR(d.v[0]*d.system.unit, pulse[p].speed, way[f].off*tolerance, 0);
+                lw_system_free(&d.system);
+                lw_model_free(&d.model);
+            }
+}
+
 static void refused(const char *profiles, const char *rest, const char *why)
 {
     char text[2000];

@@ -67,10 +67,18 @@ double lw_expression_gradient(const lw_expression *x, const double *v, double *d
  * (abs, min, ends of step) the derivatives are those from the right. */
 void lw_expression_series(const lw_expression *x, int order, const double *v, double *out);
 
-/* The first time after t at which the expression has a kink whose place depends on t alone: where a profile changes its
+/* The first time between t and end at which the expression has a kink whose place depends on t alone: where a profile changes its
  * phase, at the ends of step and havsin, the points of tables, zeros of abs and sign, steps of mod, where min and
  * max change over; t_variable: the caller's number of t.  Infinite: none. */
-double lw_expression_next_kink(const lw_expression *x, int t_variable, double t);
+double lw_expression_next_kink(const lw_expression *x, int t_variable, double t, double end);
+
+/* The end of an interval from t on in which functions of t alone have no pulse between LW_CALM_SAMPLES evenly spaced samples; none of
+ * their kinks is between t and end.  from: the start of the run, to judge what is small. */
+#define LW_CALM_SAMPLES 8
+double lw_expression_calm(const lw_expression *x, int t_variable, double from, double t, double end);
+
+/* Takes an expression of a model, or NULL. */
+typedef void lw_expression_sink(void *context, const lw_expression *x);
 
 /* The text as it was given. */
 const char *lw_expression_text(const lw_expression *x);

@@ -48,32 +48,26 @@ lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error
     return *linkage ? LW_OK : lw_assembly_linkage(&m->linkage, &any, e);
 }
 
-static double earlier(double than, const lw_expression *x, double t)
+void lw_states_expressions(const lw_states *s, lw_expression_sink *see, void *context)
 {
-    double at = x ? lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t) : than;
-    return at < than ? at : than;
-}
-
-double lw_states_next_kink(const lw_states *s, double t)
-{
-    double next = INFINITY;
     for (int i = 0; i < s->n_state; i++)
-        next = earlier(next, s->state[i].rate, t);
-    return next;
+        see(context, s->state[i].rate);
 }
 
-double lw_model_next_kink(const lw_model *m, double t)
+void lw_model_expressions(const lw_model *m, lw_expression_sink *see, void *context)
 {
-    double next = INFINITY;
     for (int i = 0; i < m->linkage.n_input; i++)
-        next = earlier(next, m->motion[i], t);
+        see(context, m->motion[i]);
     for (int i = 0; i < m->n_spring; i++)
-        next = earlier(next, m->spring[i].law, t);
+        see(context, m->spring[i].law);
     for (int i = 0; i < m->n_joint_spring; i++)
-        next = earlier(next, m->joint_spring[i].law, t);
-    for (int i = 0; i < m->n_force; i++)
-        next = earlier(earlier(earlier(next, m->force[i].fx, t), m->force[i].fy, t), m->force[i].torque, t);
-    return fmin(next, lw_states_next_kink(&m->states, t));
+        see(context, m->joint_spring[i].law);
+    for (int i = 0; i < m->n_force; i++) {
+        see(context, m->force[i].fx);
+        see(context, m->force[i].fy);
+        see(context, m->force[i].torque);
+    }
+    lw_states_expressions(&m->states, see, context);
 }
 
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e)

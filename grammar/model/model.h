@@ -237,10 +237,9 @@ lw_status lw_model_small(const lw_model *m, const lw_linkage **linkage, lw_error
 /* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
 
-/* The first time after t at which the rate of a state, or a motion, force, law or rate has a kink (lw_expression_next_kink);
- * infinite: none. */
-double lw_states_next_kink(const lw_states *s, double t);
-double lw_model_next_kink(const lw_model *m, double t);
+/* Show the rates of states; motions, forces, laws and rates: NULL where one is missing. */
+void lw_states_expressions(const lw_states *s, lw_expression_sink *see, void *context);
+void lw_model_expressions(const lw_model *m, lw_expression_sink *see, void *context);
 
 /* A model of a linkage alone: no masses, no loads.  LW_E_MEMORY: m is empty. */
 lw_status lw_model_from_assembly(const lw_assembly *linkage, lw_model *m);

@@ -271,7 +271,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     if (s == LW_OK && w->sticks)
         memset(w->explicit_one.side, 1, (size_t)d->n_friction);
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
-        s = step(w, lw_run_end(run, time_of(w)), &stop, run->e);
+        s = step(w, w->implicit ? lw_run_near(run, time_of(w)) : lw_run_end(run, time_of(w)), &stop, run->e);
         s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (d->touch && s != LW_OK && s != LW_STOPPED && time_of(w) > redecided) {
             redecided = time_of(w);          /* rows of places have become dependent: choose others */
@@ -296,7 +296,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             continue;
         }
         s = LW_OK;
-        stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
+        stop = lw_run_stop(run, time_of(w), stop);
         lw_run_watch(run, state(w));
         s = lw_run_samples(run, time_of(w), state_at, w);
         if (s == LW_OK && stop == LW_ODE_EVENT) {
@@ -324,7 +324,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s == LW_OK && lw_run_at_kink(run, time_of(w))) {
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
             s = lw_run_pass_kink(run, w->implicit ? &w->implicit_one.t : &w->explicit_one.t, state_at, w);
-            stop = time_of(w) >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
             if (s == LW_OK && stop != LW_ODE_END)
                 s = restart(w, y, 0, run->e);
         }
@@ -332,7 +332,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             s = lw_run_limits(run, time_of(w), n);
         if (s == LW_OK && stop != LW_ODE_END) {
             s = pass_singular(run, w, weak, y);
-            stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
+            stop = lw_run_stop(run, time_of(w), stop);
         }
     }
     free(f.y);

@@ -528,7 +528,7 @@ static lw_status run_steps(capture *g, double *y)
     lw_status s = LW_OK;
     while (s == LW_OK && run->next <= d->o.intervals) {
         bool missing = false;
-        double speed = look(g, 0, &missing), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_end(run, g->t));
+        double speed = look(g, 0, &missing), pull = 0, end = fmin(lw_run_time(d, run->next), lw_run_near(run, g->t));
         for (int i = 0; i < d->n_v; i++)
             pull = fmax(pull, fabs(d->a[i]));
         h = fmin(longest, fmin(2*h, part*g->size/fmax(speed, sqrt(part*g->size*pull))));

@@ -448,7 +448,7 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
     if (s != LW_OK)
         return s;
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
-        s = lw_sundials_step(w, lw_run_end(run, w->t), &stop, run->e);
+        s = lw_sundials_step(w, lw_run_near(run, w->t), &stop, run->e);
         run->r->t = w->t;
         if (s == LW_E_NUMERIC && w->n_step > g->since + worth_restart) {
             s = after_failure(g, w, y, dy);
@@ -457,6 +457,7 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
         }
         if (s != LW_OK)
             break;
+        stop = lw_run_stop(run, w->t, stop);
         unpack(g, w->y, run->y);
         if (d->eq.accept)
             d->eq.accept(d->eq.context, run->y);
@@ -467,13 +468,13 @@ static lw_status run_ida(ggl *g, lw_sundials *w, double *y, double *dy)
         if (s == LW_OK && lw_run_at_kink(run, w->t)) {
             unpack(g, w->y, run->state);
             s = lw_run_pass_kink(run, &w->t, state_at, g);
-            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
             if (s == LW_OK && stop != LW_ODE_END)
                 s = begin_again(g, w, w->t, y, dy);
         }
         if (s == LW_OK && stop != LW_ODE_END) {
             s = pass_singular(g, w, y, dy);
-            stop = w->t >= d->o.to ? LW_ODE_END : stop;
+            stop = lw_run_stop(run, w->t, stop);
         }
     }
     run->r->steps += w->n_step;

@@ -676,7 +676,7 @@ static lw_status state_at(void *context, double t, double *y)
 /* A step towards the next sample (dense: the end) or kink: as long as h, or evenly divided where few steps remain. */
 static double next_step(const stages *g, double h, double *end)
 {
-    *end = lw_run_end(g->run, g->t);
+    *end = g->alpha ? lw_run_near(g->run, g->t) : lw_run_end(g->run, g->t);
     if (!g->dense)
         *end = fmin(*end, lw_run_time(g->run->d, g->run->next));
     double left = *end - g->t;

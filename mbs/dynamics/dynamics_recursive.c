@@ -264,7 +264,7 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
     *t = time_of(w);
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
         m->least = 1;
-        double end = lw_run_end(run, time_of(w));
+        double end = w->implicit ? lw_run_near(run, time_of(w)) : lw_run_end(run, time_of(w));
         s = w->implicit ? lw_sundials_step(&w->implicit_one, end, &stop, run->e)
           : w->staged ? step_stages(w, end, &stop) : lw_integrate_step(&w->explicit_one, end, &stop, run->e);
         if (s == LW_STOPPED || s == LW_E_MEMORY)
@@ -275,7 +275,7 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
         }
         s = to_bodies(m, time_of(w), now(w), !w->implicit, out);
         *t = run->r->t = time_of(w);
-        stop = *t >= d->o.to ? LW_ODE_END : stop;
+        stop = lw_run_stop(run, *t, stop);
         if (s == LW_OK && w->implicit)
             d->eq.accept(d->eq.context, out);
         if (s == LW_OK)
@@ -285,7 +285,7 @@ static lw_status run_steps(motion *m, stepper *w, double *t, double *out)
         memcpy(w->y, now(w), (size_t)w->ode.n*sizeof *w->y);
         if (s == LW_OK && lw_run_at_kink(run, *t)) {
             s = lw_run_pass_kink(run, time_at(w), state_at, w);
-            stop = time_of(w) >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            stop = lw_run_stop(run, time_of(w), LW_ODE_STEP);
             if (s == LW_OK && stop != LW_ODE_END)
                 s = restart(w, w->y);
         }

@@ -299,8 +299,19 @@ static lw_status rest_until(motion *m, double *end, double *sense)
     each.greatest = 0.01*(o->to - o->from);
     if (s == LW_OK)
         s = lw_integrate_start(&w, &ode, &each, memory, m->w->t, start, m->run->e);
-    while (s == LW_OK && stop == LW_ODE_STEP)
-        s = lw_integrate_step(&w, o->to, &stop, m->run->e);
+    lw_timed timed = m->run->timed;
+    while (s == LW_OK && w.t < o->to && stop != LW_ODE_EVENT) {
+        s = lw_integrate_step(&w, lw_timed_end(&timed, w.t), &stop, m->run->e);
+        if (s == LW_OK && stop != LW_ODE_EVENT && lw_timed_at_kink(&timed, w.t)) {
+            w.t = lw_timed_behind(&timed);
+            w.t_low = 0;
+            s = lw_integrate_restart(&w, NULL, m->run->e);
+            if (s == LW_OK && (w.side[0] < 0 || w.side[1] < 0)) {        /* the loads jump */
+                stop = LW_ODE_EVENT;
+                w.events = w.side[0] < 0 ? 1 : 2;
+            }
+        }
+    }
     if (s == LW_OK && stop == LW_ODE_EVENT) {
         *end = w.t;
         *sense = w.events & 1 ? -1 : 1;
@@ -484,6 +495,7 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
         if (s != LW_OK)
             break;
         run->r->t = w->t;
+        stop = lw_run_stop(run, w->t, stop);
         s = stay_off(m, w, y);
         if (s == LW_OPEN) {
             taken_back = true;
@@ -503,12 +515,12 @@ static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *befor
             s = lw_run_limits(run, w->t, k);
         if (s == LW_OK && stop == LW_ODE_EVENT) {
             s = change_friction(m, w->events & 1);
-            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
             longest = 0;
         }
         if (s == LW_OK && lw_run_at_kink(run, w->t)) {
             s = lw_run_pass_kink(run, &w->t, state_at, m);
-            stop = w->t >= d->o.to ? LW_ODE_END : LW_ODE_STEP;
+            stop = lw_run_stop(run, w->t, LW_ODE_STEP);
             if (s == LW_OK && m->r->friction)
                 s = find_press(m, w->t, w->y);
             if (s == LW_OK && stop != LW_ODE_END)

@@ -146,27 +146,9 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
     return s;
 }
 
-/* So near a kink loads are not evaluated: times of kinks are rounded. */
-static double beside_kink(double kink) { return 8*DBL_EPSILON*fmax(fabs(kink), 1e-3); }
-
-double lw_run_end(lw_run *run, double t)
-{
-    const lw_dynamics *d = run->d;
-    if (!d->eq.next_kink)
-        return d->o.to;
-    while (run->kink - beside_kink(run->kink) <= t)
-        run->kink = d->eq.next_kink(d->eq.context, fmax(t, run->kink) + 2*beside_kink(fmax(fabs(t), fabs(run->kink))));
-    return fmin(d->o.to, run->kink - beside_kink(run->kink));
-}
-
-bool lw_run_at_kink(const lw_run *run, double t)
-{
-    return run->d->eq.next_kink && t >= run->kink - beside_kink(run->kink) && t < run->d->o.to;
-}
-
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context)
 {
-    double after = fmin(run->kink + beside_kink(run->kink), run->d->o.to);
+    double after = lw_timed_behind(&run->timed);
     lw_status s = state_at ? lw_run_samples(run, after, state_at, context) : LW_OK;
     *t = after;
     return s;
@@ -185,7 +167,8 @@ static void note_start(lw_run *run, const double *y)
     run->next = 0;
     lw_run_watch(run, y);
     run->next = 1;
-    run->kink = d->o.from;
+    run->timed = (lw_timed){ .expressions = d->eq.expressions, .context = d->eq.context, .from = d->o.from, .to = d->o.to,
+                              .kink = d->o.from, .calm = d->o.from };
 }
 
 lw_status lw_run_begin(lw_run *run, const double *y)

@@ -3,6 +3,8 @@
 #define LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 
 #include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/equations/timed.h"
+#include "mbs/ode/integrate.h"
 
 /* The state y of a run: q (n_q), v (n_v), where some is done the work of what the potential does not hold, and the
  * first-order states z (n_z). */
@@ -19,7 +21,7 @@ typedef struct lw_run {
     long    shown;                   /* samples that an earlier formulation handed out, which are left out, */
     double *last_shown;              /* and the posture (n_q) of the last of them; NULL: none will follow */
     bool    refused;                 /* the sink ended the run */
-    double  kink;                    /* the next time at which the loads have a kink; infinite: none */
+    lw_timed timed;                  /* where steps must end because of functions of time */
     double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
     bool    keeps_momenta;               /* steps keep those of parts that fly (lw_run_hold) */
@@ -71,12 +73,18 @@ lw_status lw_run_show_solved(lw_run *run, double t, const double *y);
 typedef lw_status lw_run_state_at(void *context, double t, double *y);
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
 
-/* Where the next step from t must end: just before a kink of the loads or motions, or at the end. */
-double lw_run_end(lw_run *run, double t);
+/* Where the next step from t must end (near: of a method that evaluates loads at the end of a step alone), and for what it has
+ * ended: LW_ODE_END at the end of the run alone. */
+static inline double lw_run_end(lw_run *run, double t) { return lw_timed_end(&run->timed, t); }
+static inline double lw_run_near(lw_run *run, double t) { return lw_timed_near(&run->timed, t); }
+static inline lw_ode_stop lw_run_stop(const lw_run *run, double t, lw_ode_stop stop)
+{
+    return t >= run->d->o.to ? LW_ODE_END : stop == LW_ODE_END ? LW_ODE_STEP : stop;
+}
 
-/* Is t, the end of a step, just before a kink?  Then pass_kink hands out the samples up to it (state_at NULL: none)
- * and sets *t to just behind it, where the solver must begin anew. */
-bool      lw_run_at_kink(const lw_run *run, double t);
+/* Just before a kink, where the solver must begin anew: hand out the samples up to it (state_at NULL: none) and set *t to just
+ * behind it. */
+static inline bool lw_run_at_kink(const lw_run *run, double t) { return lw_timed_at_kink(&run->timed, t); }
 lw_status lw_run_pass_kink(lw_run *run, double *t, lw_run_state_at *state_at, void *context);
 
 /* Compare energy and momentum at y with those of the start. */

@@ -7,6 +7,7 @@
 #include <string.h>
 #include "base/vector.h"
 #include "mbs/equations/limits_internal.h"
+#include "mbs/equations/timed.h"
 
 enum { ORDER = LW_SERIES_ORDER_MAX, NODES = 2*(ORDER + 1) };
 
@@ -208,8 +209,10 @@ static lw_status advance(lw_follow *f, double last, lw_error *e)
     lw_dynamics *d = f->d;
     double sign = last >= f->near.t ? 1 : -1;
     double far = reach(f, &f->near), h = fmin(far, fmax(beyond*fabs(last - f->near.t), 1e-3*fmin(far, 1))), kink = INFINITY;
-    if (d->eq.next_kink && sign > 0 && f->motion == lw_mbs_driven_inputs)
-        kink = d->eq.next_kink(d->eq.context, f->near.t + 1e-12*fmax(fabs(f->near.t), 1e-3)) - f->near.t;
+    if (sign > 0 && f->motion == lw_mbs_driven_inputs) {
+        lw_timed timed = { .expressions = d->eq.expressions, .context = d->eq.context, .from = d->o.from };
+        kink = lw_timed_next_kink(&timed, f->near.t + 1e-12*fmax(fabs(f->near.t), 1e-3), f->near.t + farther*h) - f->near.t;
+    }
     double top = kink > 0 ? fmin(kink, f->smallest + farther*h) : farther*h, before = 0;
     bool chosen = false;
     for (h = fmin(h, top); h > f->smallest; h *= 0.7) {

@@ -20,6 +20,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include "base/error.h"
+#include "grammar/functions/expression.h"
 
 #define LW_BLOCK      3                      /* velocities of a block */
 #define LW_ROW_BLOCKS 4                      /* most blocks that a row touches */
@@ -86,8 +87,8 @@ typedef struct lw_equations {
     void   (*more_mass)(void *context, const double *q, const lw_force_sink *sink);
     /* Damper k as a coefficient [SI] and the gradient g (n_v, zeroed) of its measure in SI units, at (q, v). */
     double (*damper)(void *context, int k, const double *q, const double *v, double *g);
-    /* The next time after t at which forces or motions have a kink.  NULL: never. */
-    double (*next_kink)(void *context, double t);
+    /* Show the expressions of forces, motions and states (timed.h).  NULL: there are none. */
+    void   (*expressions)(void *context, lw_expression_sink *see, void *of);
     /* Forces have smooth pieces, such as contacts that are open or closed.  How far a posture is from the end of its piece,
      * < 0 beyond it; take the piece that begins at (q, v), or at the start of a run.  NULL: there is one piece only. */
     double (*piece_left)(void *context, const double *q);

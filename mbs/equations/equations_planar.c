@@ -294,7 +294,10 @@ static double damper(void *context, int k, const double *q, const double *v, dou
     return c;
 }
 
-static double next_kink(void *context, double t) { return lw_model_next_kink(((const lw_planar *)context)->f->model, t); }
+static void expressions(void *context, lw_expression_sink *see, void *of)
+{
+    lw_model_expressions(((const lw_planar *)context)->f->model, see, of);
+}
 
 static void switches(void *context, const double *q, const double *v, double *side)
 {
@@ -370,7 +373,7 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = consistent ? more_mass : NULL, .damper = damper,
-                           .next_kink = has_expressions(m) ? next_kink : NULL,
+                           .expressions = has_expressions(m) ? expressions : NULL,
                            .n_switch = 2*p->f->n_stop, .switches = switches, .place_states = place_states,
                            .state_rates = state_rates, .state_start = state_start, .state_scale = state_scale,
                            .kinetic = kinetic, .potential = potential, .momentum = keeps_momentum(p) ? momentum : NULL,

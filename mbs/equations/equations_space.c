@@ -379,25 +379,21 @@ double lw_spatial_rub(const lw_spatial_scene *c, const lw_friction_joint *f, con
     }
 }
 
-static double earlier(double than, const lw_expression *x, double t)
-{
-    return x ? fmin(than, lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), t)) : than;
-}
-
-static double next_kink(void *context, double t)
+static void expressions(void *context, lw_expression_sink *see, void *of)
 {
     const lw_spatial *m = ((const lw_spatial_scene *)context)->model;
-    double next = INFINITY;
     for (int i = 0; i < m->n_input; i++)
-        next = earlier(next, m->input[i].motion, t);
+        see(of, m->input[i].motion);
     for (int i = 0; i < m->n_spring; i++)
-        next = earlier(next, m->spring[i].law, t);
+        see(of, m->spring[i].law);
     for (int i = 0; i < m->n_joint_spring; i++)
-        next = earlier(next, m->joint_spring[i].law, t);
+        see(of, m->joint_spring[i].law);
     for (int i = 0; i < m->n_force; i++)
-        for (int k = 0; k < 3; k++)
-            next = earlier(earlier(next, m->force[i].force[k], t), m->force[i].torque[k], t);
-    return fmin(next, lw_states_next_kink(&m->states, t));
+        for (int k = 0; k < 3; k++) {
+            see(of, m->force[i].force[k]);
+            see(of, m->force[i].torque[k]);
+        }
+    lw_states_expressions(&m->states, see, of);
 }
 
 static double piece_left(void *context, const double *q)
@@ -562,7 +558,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .n_switch = count_switches(c), .switches = switches,
                            .piece_left = c->model->n_contact ? piece_left : NULL,
                            .next_piece = c->model->n_contact ? next_piece : NULL,
-                           .watch = c->model->n_contact ? watch : NULL, .next_kink = has_expressions(c) ? next_kink : NULL, .kinetic = kinetic,
+                           .watch = c->model->n_contact ? watch : NULL, .expressions = has_expressions(c) ? expressions : NULL, .kinetic = kinetic,
                            .note_momenta = flies ? note_momenta : NULL, .keep_momenta = flies ? keep_momenta : NULL,
                            .potential = potential, .move = move, .along = along, .rates = rates, .column = column, .accept = accept };
 }

@@ -1,0 +1,59 @@
+#include "base/real.h"
+#include "mbs/equations/timed.h"
+
+#include <float.h>
+#include "grammar/model/model.h"
+
+/* Loads are not evaluated so near to a kink, because its time is rounded. */
+static double beside(double kink) { return 8*DBL_EPSILON*fmax(fabs(kink), 1e-3); }
+
+typedef struct search { double from, t, end, found; } search;
+
+static void find_kink(void *context, const lw_expression *x)
+{
+    search *s = context;
+    s->found = x ? fmin(s->found, lw_expression_next_kink(x, lw_variable(LW_QUANTITY_T, 0), s->t, fmin(s->end, s->found))) : s->found;
+}
+
+static void find_calm(void *context, const lw_expression *x)
+{
+    search *s = context;
+    s->found = x ? fmin(s->found, lw_expression_calm(x, lw_variable(LW_QUANTITY_T, 0), s->from, s->t, s->found)) : s->found;
+}
+
+double lw_timed_next_kink(const lw_timed *w, double t, double end)
+{
+    search s = { w->from, t, end, INFINITY };
+    if (w->expressions)
+        w->expressions(w->context, find_kink, &s);
+    return s.found;
+}
+
+double lw_timed_end(lw_timed *w, double t)
+{
+    if (!w->expressions)
+        return w->to;
+    while (w->kink - beside(w->kink) <= t)
+        w->kink = lw_timed_next_kink(w, fmax(t, w->kink) + 2*beside(fmax(fabs(t), fabs(w->kink))), w->to);
+    double end = fmin(w->to, w->kink - beside(w->kink));
+    if (w->calm <= t) {
+        search s = { w->from, t, end, end };
+        w->expressions(w->context, find_calm, &s);
+        w->calm = s.found;
+        w->spacing = (s.found - t)/LW_CALM_SAMPLES;
+    }
+    return fmin(end, w->calm);
+}
+
+double lw_timed_near(lw_timed *w, double t)
+{
+    double end = lw_timed_end(w, t);
+    return !w->expressions || end - t < 1.5*w->spacing ? end : t + w->spacing;
+}
+
+bool lw_timed_at_kink(const lw_timed *w, double t)
+{
+    return w->expressions && t >= w->kink - beside(w->kink) && t < w->to;
+}
+
+double lw_timed_behind(const lw_timed *w) { return fmin(w->kink + beside(w->kink), w->to); }

@@ -1,0 +1,28 @@
+/* mbs/equations/timed.h - where steps in time must end for the sake of functions of time alone: at their kinks, where a solver
+ * begins anew, and so often that no pulse lies between two steps. */
+#ifndef LW_MBS_EQUATIONS_TIMED_H
+#define LW_MBS_EQUATIONS_TIMED_H
+
+#include <stdbool.h>
+#include "grammar/functions/expression.h"
+
+typedef struct lw_timed {
+    void  (*expressions)(void *context, lw_expression_sink *see, void *of);      /* shows the functions; NULL: there are none */
+    void   *context;
+    double  from, to;                        /* of the run */
+    double  kink, calm, spacing;             /* the next kink; until when no pulse lies between samples that are so far apart */
+} lw_timed;
+
+/* The first kink between t and end; infinite: none. */
+double lw_timed_next_kink(const lw_timed *w, double t, double end);
+
+/* Where the next step from t must end: just before a kink, within the interval that is calm, or at the end of the run.  near: of
+ * a method that evaluates the functions at the end of a step alone. */
+double lw_timed_end(lw_timed *w, double t);
+double lw_timed_near(lw_timed *w, double t);
+
+/* Is t, the end of a step, just before a kink?  The time just behind the kink, at most the end of the run. */
+bool   lw_timed_at_kink(const lw_timed *w, double t);
+double lw_timed_behind(const lw_timed *w);
+
+#endif
