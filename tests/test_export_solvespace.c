@@ -103,3 +103,32 @@ TEST(refusals)
     CHECK_HAS(e.text, "gears and welds");
     CHECK(b.data == NULL);
 }
+
+/* Its handles count 32767 points and lines: n bars on the ground need 2 n - 1. */
+TEST(as_many_points_as_it_can_number)
+{
+    static const int n[] = { 10800, 16400 };
+    for (int i = 0; i < 2; i++) {
+        lw_assembly a = { .n_link = n[i] + 1, .n_joint = n[i], .n_tracer = n[i], .units = lw_units_si() };
+        lw_bytes b = { 0 };
+        lw_error e = { 0 };
+        a.link_name = calloc(a.n_link, sizeof *a.link_name);
+        a.joint = calloc(a.n_joint, sizeof *a.joint);
+        a.input = calloc(1, sizeof *a.input);
+        a.tracer = calloc(a.n_tracer, sizeof *a.tracer);
+        for (int k = 0; k < n[i]; k++) {
+            a.joint[k] = (lw_joint){ .kind = LW_JOINT_REVOLUTE, .link = { 0, k + 1 }, .at = { 2*(k % 100), 2*(k/100) } };
+            a.tracer[k] = (lw_tracer){ .link = k + 1, .at = { 2*(k % 100), 2*(k/100) + 1 } };
+            snprintf(a.joint[k].name, sizeof a.joint[k].name, "J%d", k);
+            snprintf(a.tracer[k].name, sizeof a.tracer[k].name, "P%d", k);
+            snprintf(a.link_name[k + 1], sizeof a.link_name[k], "L%d", k);
+        }
+        strcpy(a.link_name[0], "ground");
+        CHECK_INT(lw_export_solvespace(&a, NULL, &b, &e), i ? LW_E_KIND : LW_OK);
+        CHECK(i ? b.data == NULL : strstr((char *)b.data, "AddConstraint") != NULL);
+        if (i)
+            CHECK_HAS(e.text, "up to 32767 points and lines");
+        lw_bytes_free(&b);
+        lw_assembly_free(&a);
+    }
+}

@@ -1,5 +1,6 @@
 /* Mobility, the check, and what a posture says about its inputs. */
-#include "grammar/linkage/linkage.h"
+#include "base/rng.h"
+#include "grammar/linkage/assembly.h"
 #include "tests/check.h"
 
 static void add_link(lw_linkage *k, const char *name) { strcpy(k->link_name[k->n_link++], name); }
@@ -183,4 +184,46 @@ TEST(a_link_with_one_joint_points_to_its_tracer)
     k.tracer[0].link = 1;
     k.tracer[0].at = lw_v2(1, 0);
     CHECK_NEAR(lw_linkage_posture_input(&k, 0), -LW_PI/2, 0, 1e-15);
+}
+
+/* 300 pendulums of pins, sliders and slots, some with a second joint or tracers: all inputs at once are those asked one by one. */
+TEST(many_inputs_at_once)
+{
+    enum { N = 300 };
+    lw_assembly a = { .n_link = N + 1, .n_joint = 2*N, .n_input = N, .n_tracer = N, .units = lw_units_si() };
+    bool given[N];
+    lw_rng r;
+    lw_error e;
+    lw_rng_seed(&r, check_seed(), 0);
+    a.link_name = calloc(a.n_link, sizeof *a.link_name);
+    a.joint = calloc(a.n_joint, sizeof *a.joint);
+    a.input = calloc(a.n_input, sizeof *a.input);
+    a.tracer = calloc(a.n_tracer, sizeof *a.tracer);
+    for (int i = 0; i < 2*N; i++) {
+        lw_joint *j = &a.joint[i];
+        bool slides = i >= N && lw_rng_bits(&r)%2;
+        snprintf(j->name, sizeof j->name, "J%d", i);
+        j->kind = slides ? lw_rng_bits(&r)%2 ? LW_JOINT_SLIDER : LW_JOINT_SLOT : LW_JOINT_REVOLUTE;
+        j->link[0] = i < N ? (int)(lw_rng_bits(&r)%(unsigned)(i + 1)) : (int)(lw_rng_bits(&r)%N);
+        j->link[1] = i < N ? i + 1 : j->link[0] + 1 + (int)(lw_rng_bits(&r)%(unsigned)(N - j->link[0]));
+        j->at = lw_v2(lw_rng_normal(&r), lw_rng_normal(&r));
+        j->along = slides ? lw_v2_polar(1, lw_rng_normal(&r)) : lw_v2(0, 0);
+    }
+    for (int i = 0; i <= N; i++)
+        snprintf(a.link_name[i], sizeof a.link_name[i], "L%d", i);
+    for (int i = 0; i < N; i++) {
+        given[i] = i % 5 == 0;
+        a.input[i] = (lw_input){ .joint = i, .value = 99 };
+        snprintf(a.tracer[i].name, sizeof a.tracer[i].name, "P%d", i);
+        a.tracer[i].link = (int)(lw_rng_bits(&r)%(N + 1));
+        a.tracer[i].at = lw_v2(lw_rng_normal(&r), lw_rng_normal(&r));
+    }
+    CHECK_INT(lw_assembly_check(&a, &e), LW_OK);
+    CHECK_INT(lw_assembly_set_inputs(&a, given), LW_OK);
+    for (int i = 0; i < N; i++)
+        CHECK_NEAR(a.input[i].value, given[i] ? 99 : lw_assembly_posture_input(&a, i), 0, 0);
+    a.input[N - 1].joint = 17;
+    CHECK_INT(lw_assembly_check(&a, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "joint \"J17\" is driven twice");
+    lw_assembly_free(&a);
 }

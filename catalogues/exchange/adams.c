@@ -619,8 +619,8 @@ static lw_status finish(reader *r)
     lw_error why = { 0 };
     if (s == LW_OK && lw_assembly_check(k, &why) != LW_OK)
         s = lw_error_at(r->e, LW_E_NOTATION, r->file, 1, 1, "%s", why.text);
-    for (int i = 0; s == LW_OK && i < k->n_input; i++)
-        k->input[i].value = lw_assembly_posture_input(k, k->input[i].joint);
+    if (s == LW_OK && lw_assembly_set_inputs(k, NULL) != LW_OK)
+        s = lw_error_set(r->e, LW_E_MEMORY, "out of memory");
     return s;
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/owners.h"
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/export_space.h"
@@ -22,6 +23,7 @@ typedef struct writer {
     int              *n_marker;                /* (n_link)                                               */
     int             (*at)[2];                  /* (n_joint) markers of a joint on its two links          */
     int              *tracer;                  /* (n_tracer)                                             */
+    lw_owners         joints, tracers;         /* of each link                                           */
     int               stride;                  /* between the first markers of two links; 0: numbers without gaps */
     int               last;                    /* marker number                                          */
     int               origin;                  /* marker of the ground's origin                          */
@@ -113,13 +115,13 @@ static void put_parts(writer *w)
         put(w, "\n");
         if (body && body->mass > 0)
             put_marker(w, link, body->centre, NULL, 0, "centre of mass");
-        for (int j = 0; j < k->n_joint; j++)
-            for (int side = 0; side < 2; side++)
-                if (k->joint[j].link[side] == link && !lw_joint_has_ratio(k->joint[j].kind))
-                    put_joint_marker(w, j, side);
-        for (int t = 0; t < k->n_tracer; t++)
-            if (k->tracer[t].link == link)
-                w->tracer[t] = put_marker(w, link, k->tracer[t].at, NULL, k->tracer[t].angle, k->tracer[t].name);
+        for (int at = w->joints.start[link]; at < w->joints.start[link + 1]; at++)
+            if (!lw_joint_has_ratio(k->joint[w->joints.entry[at]/2].kind))
+                put_joint_marker(w, w->joints.entry[at]/2, w->joints.entry[at]%2);
+        for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++) {
+            const lw_tracer *t = &k->tracer[w->tracers.entry[at]];
+            w->tracer[w->tracers.entry[at]] = put_marker(w, link, t->at, NULL, t->angle, t->name);
+        }
         if (link == k->ground)
             w->origin = put_marker(w, link, lw_v2(0, 0), NULL, 0, "origin");
     }
@@ -320,21 +322,21 @@ static void put_loads(writer *w)
 
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
-/* How far the input can move to either side of the posture; *turns: a full turn.  LW_OK or LW_E_MEMORY. */
+/* How far the input can move to either side of the posture; *turns: a full turn. LW_OK or LW_E_MEMORY. */
 static lw_status input_way(const lw_assembly *linkage, const lw_model *m, int input, double *down, double *up, bool *turns)
 {
     const lw_input *in = &linkage->input[input];
     bool slider = lw_joint_slides(linkage->joint[in->joint].kind);
     lw_scene scene;
-    *down = *up = slider ? 0.1*lw_export_size(linkage) : 0.1;
     *turns = false;
     if (in->first < in->last) {
         *down = in->value - in->first;
         *up = in->last - in->value;
         return LW_OK;
     }
+    *down = *up = slider ? 0.1*lw_export_size(linkage) : 0.1;
     const lw_scene_options o = { .n_frame = 181, .n_curve_point = 8 };
-    if (lw_assembly_free_inputs(linkage) != 1)
+    if (linkage->n_input > 1 && linkage->input[1].ratio == 0)          /* several move by themselves */
         return LW_OK;
     lw_status s = lw_scene_make_any(linkage, m, NULL, &o, &scene, NULL);
     if (s != LW_OK)
@@ -428,17 +430,16 @@ lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o
     w->m = w->given = o ? o->model : NULL;
     w->n_marker = calloc((size_t)linkage->n_link + (size_t)linkage->n_tracer + 1, sizeof *w->n_marker);
     w->at = calloc((size_t)linkage->n_joint + 1, sizeof *w->at);
-    if (!w->n_marker || !w->at) {
-        free(w->n_marker), free(w->at), free(w);
-        return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
-    }
-    w->tracer = w->n_marker + linkage->n_link;
+    lw_status s = lw_assembly_check(linkage, e);
+    if (s == LW_OK && !(w->n_marker && w->at && LW_OWNERS(&w->joints, linkage->n_link, linkage->joint, linkage->n_joint, link, 2)
+                        && LW_OWNERS(&w->tracers, linkage->n_link, linkage->tracer, linkage->n_tracer, link, 1)))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
+    w->tracer = w->n_marker ? w->n_marker + linkage->n_link : NULL;
     w->stride = 100;
     if (linkage->n_joint > LW_JOINT_MAX)                       /* a link may have more than a hundred: one after the other */
         w->stride = 0;
     w->weighed = lw_export_weighed(linkage, w->m);
     w->out = out;
-    lw_status s = lw_assembly_check(linkage, e);
     if (s == LW_OK)
         s = check_loads(w, e);
     if (s == LW_OK) {
@@ -462,6 +463,7 @@ lw_status lw_export_adams(const lw_assembly *linkage, const lw_export_options *o
     } else {
         lw_bytes_free(out);
     }
+    lw_owners_free(&w->joints), lw_owners_free(&w->tracers);
     free(w->n_marker), free(w->at), free(w);
     return s;
 }

@@ -126,7 +126,7 @@ static void put_reference(writer *w, int joint)
         put(w, "\"");
     }
     for (; input < no_input; input++)
-        if (*input < lw_assembly_free_inputs(k) && is_driven(w, *input))
+        if (k->input[*input].ratio == 0 && is_driven(w, *input))
             put_attribute(w, "armature", drive_inertia(w, joint));
 }
 

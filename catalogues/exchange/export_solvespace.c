@@ -10,6 +10,7 @@
 
 #define MM        1000.0
 #define DIGITS    15
+#define REQUESTS  0x7fffu                           /* their numbers are the upper half of a handle; the first bit is taken */
 
 enum { COINCIDENT = 20, DISTANCE = 30, LINE_DISTANCE = 32, ON_LINE = 42, FIXED = 200 };   /* types of its constraints */
 
@@ -22,7 +23,8 @@ typedef struct writer {
     sketch_point      *p;
     int              (*on)[2][2];                /* of a joint: point on its two links; or two points of its line on
                                                   * link[0], two of link[1] on that line                         */
-    int               *group;                    /* of points on one pin                                         */
+    int              *group;                    /* of points on one pin                                         */
+    int              *first, *last, *next;      /* points of a link, rising; -1: none, the end                  */
     unsigned           request, constraint;
     double             size;                     /* [mm]                                                         */
 } writer;
@@ -103,9 +105,15 @@ static void put_constraint(writer *w, int type, double value, unsigned a, unsign
 static int point_of(writer *w, int link, lw_vec2 at)
 {
     lw_vec2 p = lw_v2_scale(at, MM);
-    for (int i = 0; i < w->n; i++)
-        if (w->p[i].link == link && lw_v2_norm(lw_v2_sub(w->p[i].at, p)) < 1e-9*w->size)
+    for (int i = w->first[link]; i >= 0; i = w->next[i])
+        if (fabs(w->p[i].at.x - p.x) < 1e-9*w->size && lw_v2_norm(lw_v2_sub(w->p[i].at, p)) < 1e-9*w->size)
             return i;
+    if (w->first[link] < 0)
+        w->first[link] = w->n;
+    else
+        w->next[w->last[link]] = w->n;
+    w->last[link] = w->n;
+    w->next[w->n] = -1;
     w->p[w->n] = (sketch_point){ .at = p, .link = link };
     return w->n++;
 }
@@ -113,7 +121,9 @@ static int point_of(writer *w, int link, lw_vec2 at)
 static void collect(writer *w)
 {
     const lw_assembly *k = w->k;
-    for (int j = 0; j < k->n_joint; j++) {
+    for (int i = 0; i < k->n_link; i++)
+        w->first[i] = -1;
+    for (int j = 0; j < k->n_joint && w->n - k->n_link <= (int)REQUESTS; j++) {
         const lw_joint *p = &k->joint[j];
         lw_vec2 half = lw_v2_scale(p->along, 0.25*w->size/MM);
         if (lw_joint_turns(p->kind)) {
@@ -126,7 +136,7 @@ static void collect(writer *w)
         w->on[j][1][0] = point_of(w, p->link[1], p->at);
         w->on[j][1][1] = lw_joint_has_slot(p->kind) ? w->on[j][1][0] : point_of(w, p->link[1], lw_v2_add(p->at, half));
     }
-    for (int t = 0; t < k->n_tracer; t++)
+    for (int t = 0; t < k->n_tracer && w->n - k->n_link <= (int)REQUESTS; t++)
         point_of(w, k->tracer[t].link, k->tracer[t].at);
 }
 
@@ -134,15 +144,20 @@ static void collect(writer *w)
 static bool base_line(const writer *w, int link, int base[2])
 {
     double most = 0;
-    for (int i = 0; i < w->n; i++)
-        for (int j = 0; w->p[i].link == link && j < i; j++) {
+    lw_vec2 lo = { INFINITY, INFINITY }, hi = { -INFINITY, -INFINITY };        /* of the points before i: no search where even */
+    for (int i = w->first[link]; i >= 0; i = w->next[i]) {                     /* its corners are nearer than two points were */
+        lw_vec2 p = w->p[i].at, far = { fmax(p.x - lo.x, hi.x - p.x), fmax(p.y - lo.y, hi.y - p.y) };
+        for (int j = w->first[link]; j != i && lw_v2_norm(far)*(1 + 1e-9) > most; j = w->next[j]) {
             double d = lw_v2_norm(lw_v2_sub(w->p[i].at, w->p[j].at));
-            if (w->p[j].link == link && d > most) {
+            if (d > most) {
                 most = d;
                 base[0] = j;
                 base[1] = i;
             }
         }
+        lo = lw_v2(fmin(lo.x, p.x), fmin(lo.y, p.y));
+        hi = lw_v2(fmax(hi.x, p.x), fmax(hi.y, p.y));
+    }
     return most > 0;
 }
 
@@ -187,22 +202,26 @@ static void put_link(writer *w, int link)
         w->p[base[0]].entity = line | 1;
         w->p[base[1]].entity = line | 2;
     }
-    for (int i = 0; i < w->n; i++)
-        if (w->p[i].link == link && i != base[0] && i != base[1])
+    for (int i = w->first[link]; i >= 0; i = w->next[i])
+        if (i != base[0] && i != base[1])
             put_point(w, &w->p[i]);
-    for (int i = 0; i < w->n; i++) {
-        if (w->p[i].link != link)
-            continue;
+    for (int i = w->first[link]; i >= 0; i = w->next[i])
         if (ground)
             put_constraint(w, FIXED, 0, w->p[i].entity, 0, 0);
         else if (i != base[0] && i != base[1] && has_line)
             hold(w, &w->p[i], &w->p[base[0]], &w->p[base[1]], line);
-    }
     if (!ground && has_line)
         put_constraint(w, DISTANCE, lw_v2_norm(lw_v2_sub(w->p[base[0]].at, w->p[base[1]].at)), line | 1, line | 2, 0);
 }
 
 /* ---- joints -------------------------------------------------------------------------------------------------- */
+
+static int group_of(int *group, int i)
+{
+    while (group[i] != i)
+        i = group[i] = group[group[i]];
+    return i;
+}
 
 /* Join pins that share a link and a place once: a point already joined to another is not joined again. */
 static void put_pins(writer *w)
@@ -211,13 +230,11 @@ static void put_pins(writer *w)
     for (int i = 0; i < w->n; i++)
         group[i] = i;
     for (int j = 0; j < w->k->n_joint; j++) {
-        int a = group[w->on[j][0][0]], b = group[w->on[j][1][0]];
+        int a = group_of(group, w->on[j][0][0]), b = group_of(group, w->on[j][1][0]);
         if (!lw_joint_turns(w->k->joint[j].kind) || a == b)
             continue;
         put_constraint(w, COINCIDENT, 0, w->p[w->on[j][0][0]].entity, w->p[w->on[j][1][0]].entity, 0);
-        for (int i = 0; i < w->n; i++)
-            if (group[i] == b)
-                group[i] = a;
+        group[b] = a;
     }
 }
 
@@ -271,8 +288,13 @@ lw_status lw_export_solvespace(const lw_assembly *linkage, const lw_export_optio
     w.p = malloc(points*sizeof *w.p);
     w.on = calloc((size_t)linkage->n_joint + 1, sizeof *w.on);
     w.group = malloc(points*sizeof *w.group);
-    if (w.p && w.on && w.group) {
+    w.next = malloc(points*sizeof *w.next);
+    w.first = malloc((size_t)linkage->n_link*sizeof *w.first);
+    w.last = malloc((size_t)linkage->n_link*sizeof *w.last);
+    bool room = w.p && w.on && w.group && w.next && w.first && w.last;
+    if (room)
         collect(&w);
+    if (room && w.n - linkage->n_link <= (int)REQUESTS) {
         put_head(&w);
         for (int link = 0; link < linkage->n_link; link++)
             put_link(&w, link);
@@ -281,8 +303,13 @@ lw_status lw_export_solvespace(const lw_assembly *linkage, const lw_export_optio
             if (!lw_joint_turns(linkage->joint[j].kind))
                 put_slide(&w, j);
         s = lw_bytes_end(out, e);
-    } else
+    } else if (!room)
         s = lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch");
-    free(w.p), free(w.on), free(w.group);
+    if (s == LW_OK && (w.n - linkage->n_link > (int)REQUESTS || w.request > REQUESTS)) {
+        lw_bytes_free(out);
+        s = lw_error_set(e, LW_E_KIND, "a sketch of SolveSpace numbers up to %u points and lines, and this linkage needs more",
+                         REQUESTS);
+    }
+    free(w.p), free(w.on), free(w.group), free(w.next), free(w.first), free(w.last);
     return s;
 }

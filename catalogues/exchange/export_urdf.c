@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/owners.h"
 #include "base/real.h"
 #include "catalogues/exchange/export.h"
 #include "catalogues/exchange/tree.h"
@@ -18,6 +19,8 @@ typedef struct writer {
     const lw_model   *m;
     lw_bytes         *out;
     lw_export_tree    tree;
+    lw_owners         joints, tracers;         /* of each link                                            */
+    lw_owners         inputs, springs;         /* of each joint                                           */
     lw_vec2          *rod;                     /* (n_joint + n_tracer) scratch                            */
     double            size;
     bool              sdf, weighed;
@@ -77,12 +80,10 @@ static void find_rods(const writer *w, int link, rods *r)
     lw_vec2 sum = { 0, 0 };
     r->n = 0;
     r->to = w->rod;
-    for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].link[0] == link || k->joint[j].link[1] == link)
-            add_rod(w, r, link, k->joint[j].at);
-    for (int t = 0; t < k->n_tracer; t++)
-        if (k->tracer[t].link == link)
-            add_rod(w, r, link, k->tracer[t].at);
+    for (int at = w->joints.start[link]; at < w->joints.start[link + 1]; at++)
+        add_rod(w, r, link, k->joint[w->joints.entry[at]/2].at);
+    for (int at = w->tracers.start[link]; at < w->tracers.start[link + 1]; at++)
+        add_rod(w, r, link, k->tracer[w->tracers.entry[at]].at);
     r->mass = STEEL*(r->n > 0 ? 4*area*radius/3 : 4*LW_PI/3*8*radius*radius*radius);      /* a ball at the joint */
     r->inertia = 0.4*r->mass*radius*radius*(r->n > 0 ? 1 : 4);
     for (int i = 0; i < r->n; i++) {
@@ -152,20 +153,13 @@ static void put_link(writer *w, int link)
 
 /* ---- joints --------------------------------------------------------------------------------------- */
 
-static const lw_input *input_of(const lw_assembly *linkage, int joint)
-{
-    for (int i = 0; i < linkage->n_input; i++)
-        if (linkage->input[i].joint == joint)
-            return &linkage->input[i];
-    return NULL;
-}
-
 /* Write one joint. turns: about z, else along the joint's line; `more` distinguishes the two halves of a slot. */
 static void put_joint(writer *w, int j, const char *more, const char *type, const char *parent, const char *parent_more,
                       const char *child, const char *child_more, lw_vec2 at, double sign)
 {
     const lw_joint *p = &w->k->joint[j];
-    const lw_input *in = input_of(w->k, j);
+    const int *input = w->inputs.start + j;
+    const lw_input *in = input[0] < input[1] ? &w->k->input[w->inputs.entry[input[0]]] : NULL;
     bool slides = strcmp(type, "prismatic") == 0, fixed = strcmp(type, "fixed") == 0, free = true;
     double low = slides ? -10*w->size : -1e9, high = -low, damping = 0, stiffness = 0, pull = 0;
     double axis[3] = { slides ? sign*p->along.x : 0, slides ? sign*p->along.y : 0, slides ? 0 : sign };
@@ -174,12 +168,12 @@ static void put_joint(writer *w, int j, const char *more, const char *type, cons
         high = in->last - in->value;
         free = false;
     }
-    for (int i = 0; w->m && i < w->m->n_joint_spring; i++)
-        if (w->m->joint_spring[i].joint == j) {
-            damping += w->m->joint_spring[i].damping;
-            stiffness += w->m->joint_spring[i].stiffness;
-            pull += w->m->joint_spring[i].stiffness*w->m->joint_spring[i].free;
-        }
+    for (int i = w->m ? w->springs.start[j] : 0; w->m && i < w->springs.start[j + 1]; i++) {
+        const lw_joint_spring *spring = &w->m->joint_spring[w->springs.entry[i]];
+        damping += spring->damping;
+        stiffness += spring->stiffness;
+        pull += spring->stiffness*spring->free;
+    }
     bool around = !slides && free && !w->sdf;
     put_name(w, "  <joint name=\"", p->name, more, "\" type=\"");
     put(w, around && !fixed ? "continuous" : type);
@@ -299,6 +293,23 @@ static void put_note(writer *w, int loops)
     put(w, " -->\n");
 }
 
+static bool find_owners(writer *w)
+{
+    const lw_assembly *k = w->k;
+    return LW_OWNERS(&w->joints, k->n_link, k->joint, k->n_joint, link, 2)
+        && LW_OWNERS(&w->tracers, k->n_link, k->tracer, k->n_tracer, link, 1)
+        && LW_OWNERS(&w->inputs, k->n_joint, k->input, k->n_input, joint, 1)
+        && (!w->m || LW_OWNERS(&w->springs, k->n_joint, w->m->joint_spring, w->m->n_joint_spring, joint, 1));
+}
+
+static void free_writer(writer *w)
+{
+    lw_export_tree_free(&w->tree);
+    lw_owners_free(&w->joints), lw_owners_free(&w->tracers);
+    lw_owners_free(&w->inputs), lw_owners_free(&w->springs);
+    free(w->rod);
+}
+
 static lw_status write_robot(const lw_assembly *linkage, const lw_export_options *o, bool sdf, lw_bytes *out,
                              lw_error *e)
 {
@@ -309,10 +320,11 @@ static lw_status write_robot(const lw_assembly *linkage, const lw_export_options
         s = lw_export_span(linkage, w.m, &w.tree, e);
     if (s == LW_OK)
         s = check(&w, e);
-    if (s == LW_OK && !(w.rod = malloc(((size_t)linkage->n_joint + (size_t)linkage->n_tracer + 1)*sizeof *w.rod)))
+    if (s == LW_OK && !(find_owners(&w)
+                        && (w.rod = malloc(((size_t)linkage->n_joint + (size_t)linkage->n_tracer + 1)*sizeof *w.rod))))
         s = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s != LW_OK) {
-        lw_export_tree_free(&w.tree);
+        free_writer(&w);
         return s;
     }
     int loops = 0;
@@ -336,8 +348,7 @@ static lw_status write_robot(const lw_assembly *linkage, const lw_export_options
             put_pair(&w, j, linkage->joint[j].link[turned], linkage->joint[j].link[!turned]);
     }
     put(&w, sdf ? "</model>\n</sdf>\n" : "</robot>\n");
-    lw_export_tree_free(&w.tree);
-    free(w.rod);
+    free_writer(&w);
     return lw_bytes_end(out, e);
 }
 

@@ -45,6 +45,8 @@ double    lw_assembly_tie_unit(const lw_assembly *a, int i, double metre);
 lw_status lw_assembly_read_result(const char *text, size_t size, const char *file, int which, lw_assembly *a, lw_error *e);
 char     *lw_assembly_write(const lw_assembly *a, int indent);      /* as lw_linkage_write */
 double    lw_assembly_posture_input(const lw_assembly *a, int joint);
+/* Set the values of the inputs, but those given (n_input; NULL: none), from the posture. LW_E_MEMORY. */
+lw_status lw_assembly_set_inputs(lw_assembly *a, const bool *given);
 lw_status lw_assembly_check(const lw_assembly *a, lw_error *e);
 
 /* As lw_linkage_gear; *contact is the pitch point (lw_linkage_contact) unless NULL.  LW_E_KIND: more than

@@ -1,5 +1,6 @@
 /* grammar/linkage/linkage.c - mobility, inputs, and the values of inputs in the posture. */
 #include "base/real.h"
+#include "base/owners.h"
 #include "grammar/linkage/assembly.h"
 
 #include <stdbool.h>
@@ -40,11 +41,16 @@ static bool slides_on(const lw_joint *j, int link)
     return lw_joint_slides(j->kind) && (lw_joint_holds_rotation(j->kind) || j->link[0] == link);
 }
 
-/* The x axis of a link, from one of its pins; not normalised. */
-static lw_vec2 x_axis(const lw_assembly *assembly, int joint, int link)
+/* The joints and the tracers of each link. */
+typedef struct link_parts { lw_owners joint, tracer; } link_parts;
+
+/* The x axis of a link, from one of its pins; not normalised.  parts NULL: search all joints and tracers. */
+static lw_vec2 x_axis(const lw_assembly *assembly, const link_parts *parts, int joint, int link)
 {
     lw_vec2 from = assembly->joint[joint].at;
-    for (int i = 0; i < assembly->n_joint; i++) {
+    int first = parts ? parts->joint.start[link] : 0, last = parts ? parts->joint.start[link + 1] : assembly->n_joint;
+    for (int at = first; at < last; at++) {
+        int i = parts ? parts->joint.entry[at]/2 : at;
         const lw_joint *j = &assembly->joint[i];
         if (i == joint || !carries(j, link) || !lw_joint_has_position(j->kind))
             continue;
@@ -54,20 +60,23 @@ static lw_vec2 x_axis(const lw_assembly *assembly, int joint, int link)
         if (d.x != 0 || d.y != 0)
             return d;
     }
+    if (parts)
+        return parts->tracer.start[link] == parts->tracer.start[link + 1] ? lw_v2(1, 0)
+             : lw_v2_sub(assembly->tracer[parts->tracer.entry[parts->tracer.start[link]]].at, from);
     for (int i = 0; i < assembly->n_tracer; i++)
         if (assembly->tracer[i].link == link)
             return lw_v2_sub(assembly->tracer[i].at, from);
     return lw_v2(1, 0);
 }
 
-double lw_assembly_posture_input(const lw_assembly *assembly, int joint)
+static double posture_input(const lw_assembly *assembly, const link_parts *parts, int joint)
 {
     const lw_joint *j = &assembly->joint[joint];
     if (!lw_joint_turns(j->kind))
         return 0;
     double direction[2];
     for (int i = 0; i < 2; i++) {
-        lw_vec2 x = x_axis(assembly, joint, j->link[i]);
+        lw_vec2 x = x_axis(assembly, parts, joint, j->link[i]);
         direction[i] = j->link[i] == assembly->ground ? 0 : atan2(x.y, x.x);
     }
     if (j->link[0] == assembly->ground)
@@ -76,6 +85,24 @@ double lw_assembly_posture_input(const lw_assembly *assembly, int joint)
         return direction[0];
     double turn = remainder(direction[1] - direction[0], 2*LW_PI);
     return turn <= -LW_PI ? LW_PI : turn;
+}
+
+double lw_assembly_posture_input(const lw_assembly *assembly, int joint)
+{
+    return posture_input(assembly, NULL, joint);
+}
+
+lw_status lw_assembly_set_inputs(lw_assembly *a, const bool *given)
+{
+    link_parts parts = { { NULL, NULL }, { NULL, NULL } };
+    bool ok = LW_OWNERS(&parts.joint, a->n_link, a->joint, a->n_joint, link, 2)
+           && LW_OWNERS(&parts.tracer, a->n_link, a->tracer, a->n_tracer, link, 1);
+    for (int i = 0; ok && i < a->n_input; i++)
+        if (!given || !given[i])
+            a->input[i].value = posture_input(a, &parts, a->input[i].joint);
+    lw_owners_free(&parts.joint);
+    lw_owners_free(&parts.tracer);
+    return ok ? LW_OK : LW_E_MEMORY;
 }
 
 /* ---- the same of a linkage ------------------------------------------------------------------------ */

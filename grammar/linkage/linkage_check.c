@@ -133,7 +133,8 @@ static lw_status check_joint(const lw_assembly *assembly, const lw_joint *j, lw_
     return check_direction(j, e);
 }
 
-static lw_status check_input(const lw_assembly *assembly, int i, lw_error *e)
+/* driven: which joints the inputs before drive (n_joint) */
+static lw_status check_input(const lw_assembly *assembly, int i, bool *driven, lw_error *e)
 {
     const lw_input *in = &assembly->input[i];
     if (!in_range(in->joint, assembly->n_joint))
@@ -143,9 +144,9 @@ static lw_status check_input(const lw_assembly *assembly, int i, lw_error *e)
     if (!lw_joint_can_drive(j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' cannot be driven; an input is a pin "
                             "('r') or a slider ('t')", j->name, (char)j->kind);
-    for (int h = 0; h < i; h++)
-        if (assembly->input[h].joint == in->joint)
-            return lw_error_set(e, LW_E_ARG, "joint \"%s\" is driven twice; drop one input", j->name);
+    if (driven[in->joint])
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" is driven twice; drop one input", j->name);
+    driven[in->joint] = true;
     if (!sane(in->value) || !sane(in->first) || !sane(in->last) || !sane(in->ratio))
         return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" has a number that is not finite",
                             j->name);
@@ -166,6 +167,19 @@ static lw_status check_tracer(const lw_assembly *assembly, const lw_tracer *t, l
     if (!sane(t->at.x) || !sane(t->at.y) || !sane(t->angle))
         return lw_error_set(e, LW_E_ARG, "tracer \"%s\" has a number that is not finite", t->name);
     return LW_OK;
+}
+
+static lw_status check_inputs(const lw_assembly *assembly, lw_linkage_place *place, lw_error *e)
+{
+    bool few[FEW] = { false }, *driven = assembly->n_joint > FEW ? calloc((size_t)assembly->n_joint, sizeof *driven) : few;
+    lw_status s = driven ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < assembly->n_input && s == LW_OK; i++) {
+        *place = (lw_linkage_place){ LW_PART_INPUT, i };
+        s = check_input(assembly, i, driven, e);
+    }
+    if (driven != few)
+        free(driven);
+    return s;
 }
 
 /* ---- the whole -------------------------------------------------------------------------------- */
@@ -226,11 +240,8 @@ lw_status lw_assembly_find_fault(const lw_assembly *assembly, lw_linkage_place *
         if ((s = check_joint(assembly, &assembly->joint[i], e)) != LW_OK)
             return s;
     }
-    for (int i = 0; i < assembly->n_input; i++) {
-        *place = (lw_linkage_place){ LW_PART_INPUT, i };
-        if ((s = check_input(assembly, i, e)) != LW_OK)
-            return s;
-    }
+    if ((s = check_inputs(assembly, place, e)) != LW_OK)
+        return s;
     for (int i = 0; i < assembly->n_tracer; i++) {
         *place = (lw_linkage_place){ LW_PART_TRACER, i };
         if ((s = check_tracer(assembly, &assembly->tracer[i], e)) != LW_OK)

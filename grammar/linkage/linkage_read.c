@@ -462,9 +462,12 @@ lw_status lw_assembly_read_root(const lw_json_node *root, lw_assembly *assembly,
         return lw_error_set(e, found, "%s", fault.text);
     if (s == LW_OK && found != LW_OK)
         s = fault_at(root, place, fault.text, e);
-    for (int i = 0; s == LW_OK && i < assembly->n_input; i++)
-        if (!input_has_value(root, i))
-            assembly->input[i].value = lw_assembly_posture_input(assembly, assembly->input[i].joint);
+    bool *given = s == LW_OK ? malloc((size_t)assembly->n_input + 1) : NULL;
+    for (int i = 0; given && i < assembly->n_input; i++)
+        given[i] = input_has_value(root, i);
+    if (s == LW_OK && (!given || lw_assembly_set_inputs(assembly, given) != LW_OK))
+        s = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    free(given);
     return s;
 }
 

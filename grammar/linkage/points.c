@@ -185,9 +185,7 @@ static lw_status fill(const lw_points *p, const lw_cursor *end, lw_assembly *lin
         return lw_cursor_fail(end, "no link is called ground; the fixed link must be");
     if (lw_assembly_check(linkage, &inner) != LW_OK)
         return lw_cursor_fail(&p->point[0].where, "%s", inner.text);
-    for (int i = 0; i < linkage->n_input; i++)
-        linkage->input[i].value = lw_assembly_posture_input(linkage, linkage->input[i].joint);
-    return LW_OK;
+    return lw_assembly_set_inputs(linkage, NULL);
 }
 
 lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_assembly *linkage)
