@@ -26,7 +26,7 @@ static lw_status keep(void *context, const lw_moment *moment)
         return st;
     r->at[r->n] = lw_space_point_at(o.frame, r->s->tracer[0]);
     r->energy[r->n] = o.kinetic + o.potential;
-    lw_space_momentum(r->s, o.frame, o.v, &r->linear[r->n], &r->angular[r->n]);
+    lw_dynamics_space_momentum(r->d, &o, &r->linear[r->n], &r->angular[r->n]);
     if (lw_dynamics_spatial_elastic(r->d)) {
         lw_dynamics_space_inner(r->d, &o, 0, r->inner);
         r->nodes = lw_dynamics_spatial_elastic(r->d)->chain[0].n_bound;
@@ -601,21 +601,11 @@ TEST(condensed)
     }
     lw_spatial_expansion x;
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, true, &x, &e), LW_OK);
+    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
     lw_superelement *p = x.model.super;
     char path[2][300], text[1000];
-    for (int i = 0; i < 2; i++) {            /* the mass with its lumps */
-        static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
-        const lw_spatial_body *b = &x.model.body[p->link[i]];
-        for (int k = 0; k < 3; k++)
-            p->mass[(6*i + k)*13] += p->lump[i];
-        for (int k = 0; k < 6; k++) {
-            int row = 6*i + 3 + entry[k][0], column = 6*i + 3 + entry[k][1];
-            p->mass[12*row + column] += b->inertia[k];
-            p->mass[12*column + row] += row == column ? 0 : b->inertia[k];
-        }
+    for (int i = 0; i < 2; i++)
         snprintf(path[i], sizeof path[i], "%s/%s.mtx", temporary_folder(), i ? "mass" : "stiffness");
-    }
     double most = 0, rigid = 0;              /* rigid motions cause no force */
     for (int k = 0; k < 6; k++)
         for (int i = 0; i < 12; i++) {
@@ -632,7 +622,7 @@ TEST(condensed)
         }
     CHECK(rigid < 1e-9*most);
     write_matrix(path[0], 12, p->stiffness);
-    write_matrix(path[1], 12, p->mass);
+    write_matrix(path[1], 12, p->rate);
     lw_spatial_expansion_free(&x);
     frequencies(&m, false, 4, f[1]);
     snprintf(text, sizeof text, "'nodes': [[0, 0, 0], [2, 0, 0]], 'stiffness': '%s', 'mass': '%s'", path[0], path[1]);
@@ -653,7 +643,7 @@ TEST(lumps_have_too_much_inertia)
         char text[300];
         snprintf(text, sizeof text, "'section': {'shape': 'round', 'diameter': 0.002}, 'material': " STEEL ", 'axis': [[0, 0, 0], [2, 0, 0]], 'segments': %d", n);
         read_bar(&m, text, 0, 0);
-        CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+        CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
         CHECK_NEAR(x.chain[0].too_much, 2.0/n/n, 1e-5, 0);
         lw_spatial_expansion_free(&x);
         lw_spatial_free(&m);
@@ -662,7 +652,7 @@ TEST(lumps_have_too_much_inertia)
     lw_spatial_expansion x;
     lw_error e;
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 1", 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, false, &x, &e), LW_OK);
+    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
     CHECK(x.chain[0].too_much > 2);
     lw_spatial_expansion_free(&x);
     lw_spatial_free(&m);
@@ -713,24 +703,16 @@ TEST(craig_bampton)
     }
     lw_spatial_expansion x;
     read_bar(&m, BAR ", 'segments': 20, 'superelements': 10", 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, true, &x, &e), LW_OK);
+    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_OK);
     for (int k = 0; k < PIECES; k++)
         for (int i = 0; i < 144; i++) {
             int to = (6*k + i/12)*ROWS + 6*k + i%12;
             matrix[0][to] += x.model.super[k].stiffness[i];
-            matrix[1][to] += x.model.super[k].mass[i] + (i%13 == 0 && i/13%6 < 3 ? x.model.super[k].lump[i/13/6] : 0);
+            matrix[1][to] += x.model.super[k].rate[i];
         }
     char nodes[1000] = "", path[2][300], text[2000];
-    for (int i = 0; i <= PIECES; i++) {
-        static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
-        int b = i < PIECES ? x.model.super[i].link[0] : x.model.super[i - 1].link[1];
-        for (int k = 0; k < 6; k++) {        /* what all pieces lumped there */
-            int row = 6*i + 3 + entry[k][0], column = 6*i + 3 + entry[k][1];
-            matrix[1][ROWS*row + column] += x.model.body[b].inertia[k];
-            matrix[1][ROWS*column + row] += row == column ? 0 : x.model.body[b].inertia[k];
-        }
+    for (int i = 0; i <= PIECES; i++)
         snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "%s[%.17g, 0, 0]", i ? ", " : "", 2.*i/PIECES);
-    }
     lw_spatial_expansion_free(&x);
     frequencies(&m, false, 4, whole);
     double before = INFINITY;
@@ -751,7 +733,7 @@ TEST(craig_bampton)
     CHECK(before < 1e-3);
     snprintf(text, sizeof text, "'nodes': [%s], 'stiffness': '%s', 'mass': '%s', 'modes': 60", nodes, path[0], path[1]);
     read_bar(&m, text, 0, 0);
-    CHECK_INT(lw_spatial_expand(&m, true, &x, &e), LW_E_ARG);
+    CHECK_INT(lw_spatial_expand(&m, &x, &e), LW_E_ARG);
     CHECK(strstr(e.text, "9 inner nodes, which has 54") != NULL);
     lw_spatial_expansion_free(&x);
     lw_spatial_free(&m);
@@ -861,7 +843,7 @@ TEST(condensed_elastica)
 TEST(superelement_derivatives)
 {
     enum { N = 4, ROWS = 6*N };
-    double stiffness[ROWS*ROWS], mass[ROWS*ROWS], first[3*ROWS], lump[N], force[3][ROWS], by_x[ROWS*ROWS], by_v[ROWS*ROWS], power;
+    double stiffness[ROWS*ROWS], first[3*ROWS], lump[N], force[3][ROWS], by_x[ROWS*ROWS], by_v[ROWS*ROWS], power;
     lw_vec3 at[N];
     lw_mat3 turn[N];
     lw_beam_node node[N];
@@ -869,7 +851,7 @@ TEST(superelement_derivatives)
     lw_super s;
     lw_rng_seed(&rng, check_seed(), 0);
     for (int i = 0; i < ROWS*ROWS; i++)
-        stiffness[i] = mass[i] = lw_rng_range(&rng, -1, 1);
+        stiffness[i] = lw_rng_range(&rng, -1, 1);
     for (int i = 0; i < ROWS; i++)
         for (int j = 0; j < i; j++)
             stiffness[ROWS*i + j] = stiffness[ROWS*j + i];
@@ -884,7 +866,7 @@ TEST(superelement_derivatives)
         node[i] = (lw_beam_node){ .at = lw_v3_add(at[i], away) };
         node[i].turn = lw_quaternion_matrix(lw_quaternion_times(lw_quaternion_of_vector(about), lw_quaternion_of_matrix(&turn[i])));
     }
-    lw_superelement p = { .n = N, .at = at, .stiffness = stiffness, .mass = mass, .first = first, .lump = lump, .beside = { 0.2, -0.1, 0.3 } };
+    lw_superelement p = { .n = N, .at = at, .stiffness = stiffness, .first = first, .lump = lump, .beside = { 0.2, -0.1, 0.3 } };
     CHECK_INT(lw_super_make(&p, turn, lw_v3(1, -2, 9), &s), LW_OK);
     lw_super_at(&s, node, force[0], by_x, by_v, &power);
     double h = 1e-5;
@@ -915,6 +897,96 @@ TEST(superelement_derivatives)
         twist = lw_v3_add(twist, lw_v3_add(lw_v3(f[3], f[4], f[5]), lw_v3_cross(node[i].at, lw_v3(f[0], f[1], f[2]))));
     }
     CHECK(lw_v3_norm(pull) < 1e-12 && lw_v3_norm(twist) < 1e-12);
+    lw_super_free(&s);
+}
+
+/* Nodes of a superelement, and their accelerations, after a time t (to its second order). */
+static void move_nodes(int n, const lw_beam_node *node, const lw_vec3 *rate, double t, lw_beam_node *out)
+{
+    for (int i = 0; i < n; i++) {
+        lw_vec3 turn = lw_v3_add(lw_v3_scale(node[i].omega, t), lw_v3_scale(rate[2*i + 1], t*t/2));
+        out[i].at = lw_v3_add(node[i].at, lw_v3_add(lw_v3_scale(node[i].v, t), lw_v3_scale(rate[2*i], t*t/2)));
+        out[i].turn = lw_quaternion_matrix(lw_quaternion_times(lw_quaternion_of_vector(turn), lw_quaternion_of_matrix(&node[i].turn)));
+        out[i].v = lw_v3_add(node[i].v, lw_v3_scale(rate[2*i], t));
+        out[i].omega = lw_v3_add(node[i].omega, lw_v3_scale(rate[2*i + 1], t));
+    }
+}
+
+/* Inertia of a superelement between three nodes and one that carries modes, of any matrices, in any motion: its momenta are the
+ * derivatives of its energy by velocities; its forces follow from these by Lagrange's equations, where rates of angular velocities are
+ * not those of coordinates: d/dt(dT/dw) + dT/dw x w - dT/d(turn); momentum and angular momentum are kept. */
+TEST(superelement_inertia)
+{
+    enum { N = 4, ROWS = 6*N };
+    double stiffness[ROWS*ROWS], rate[ROWS*ROWS], parts[9*ROWS*ROWS], first[3*ROWS] = { 0 }, lump[N] = { 0 }, force[ROWS], p[3][ROWS];
+    lw_vec3 at[N], a[2*N];
+    lw_mat3 turn[N];
+    lw_beam_node node[N], near[N];
+    lw_rng rng;
+    lw_super s;
+    const double h = 1e-5;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int i = 0; i < 9*ROWS*ROWS; i++) {
+        int k = i/(ROWS*ROWS), row = i/ROWS%ROWS, column = i%ROWS;
+        parts[i] = k > 2 && row > column ? parts[k*ROWS*ROWS + column*ROWS + row] : lw_rng_range(&rng, -1, 1);
+        if (k == 0)
+            rate[i] = row > column ? rate[column*ROWS + row] : lw_rng_range(&rng, -1, 1), stiffness[i] = 0;
+    }
+    for (int i = 0; i < N; i++) {
+        double x[15];
+        for (int k = 0; k < 15; k++)
+            x[k] = lw_rng_range(&rng, -.4, .4);
+        at[i] = i == 3 ? at[0] : lw_v3(i, x[0], x[1]);
+        turn[i] = lw_quaternion_matrix(lw_quaternion_of_vector(lw_v3(x[2], x[3], x[4])));
+        node[i] = (lw_beam_node){ .at = lw_v3_add(at[i], lw_v3(x[5], x[6], x[7])), .v = lw_v3(x[8], x[9], 5*x[10]), .omega = lw_v3(x[11], 5*x[12], x[13]) };
+        lw_quaternion about = lw_quaternion_of_vector(lw_v3(2 + x[14], x[1], x[2]));
+        node[i].turn = lw_quaternion_matrix(lw_quaternion_times(about, lw_quaternion_of_matrix(&turn[i])));
+        a[2*i] = lw_v3(3*x[3], -x[6], x[9]), a[2*i + 1] = lw_v3(x[1], 4*x[8], -x[12]);
+    }
+    lw_superelement own = { .n = N, .n_bound = 3, .at = at, .stiffness = stiffness, .rate = rate, .turn = parts, .first = first, .lump = lump };
+    CHECK_INT(lw_super_make(&own, turn, lw_v3(0, 0, 0), &s), LW_OK);
+    double energy = lw_super_inertia(&s, node, a, force, p[0]), twice = 0;
+    for (int way = 0; way < 2; way++) {
+        move_nodes(N, node, a, way ? h : -h, near);
+        lw_super_inertia(&s, near, NULL, NULL, p[1 + way]);
+    }
+    lw_vec3 pull = { 0, 0, 0 }, twist = { 0, 0, 0 }, rates[2] = { { 0, 0, 0 }, { 0, 0, 0 } };
+    for (int c = 0; c < ROWS; c++) {
+        double by_v[2], by_x[2];
+        lw_beam_node *k = &node[c/6], old = *k;
+        for (int way = 0; way < 2; way++) {
+            lw_vec3 by = lw_v3_scale(lw_v3(c%3 == 0, c%3 == 1, c%3 == 2), way ? h : -h);
+            *(c%6 < 3 ? &k->v : &k->omega) = lw_v3_add(c%6 < 3 ? old.v : old.omega, by);
+            by_v[way] = lw_super_inertia(&s, node, NULL, NULL, NULL);
+            *k = old;
+            if (c%6 < 3)
+                k->at = lw_v3_add(old.at, by);
+            else
+                k->turn = lw_quaternion_matrix(lw_quaternion_times(lw_quaternion_of_vector(by), lw_quaternion_of_matrix(&old.turn)));
+            by_x[way] = lw_super_inertia(&s, node, NULL, NULL, NULL);
+            *k = old;
+        }
+        CHECK_NEAR(p[0][c], (by_v[1] - by_v[0])/(2*h), 1e-8, 0);
+        const double *q = p[0] + 6*(c/6) + 3, w[3] = { old.omega.x, old.omega.y, old.omega.z };
+        double across = c%6 < 3 ? 0 : q[(c + 1)%3]*w[(c + 2)%3] - q[(c + 2)%3]*w[(c + 1)%3];
+        CHECK_NEAR(force[c], (p[2][c] - p[1][c])/(2*h) + across - (by_x[1] - by_x[0])/(2*h), 1e-7, 0);
+        twice += p[0][c]*(c%6 < 3 ? c%3 == 0 ? old.v.x : c%3 == 1 ? old.v.y : old.v.z : w[c%3]);
+    }
+    CHECK_NEAR(twice, 2*energy, 1e-12, 0);
+    for (int i = 0; i < N; i++) {
+        const double *f = force + 6*i, *now = p[0] + 6*i;
+        pull = lw_v3_add(pull, lw_v3(f[0], f[1], f[2]));
+        twist = lw_v3_add(twist, lw_v3_add(lw_v3(f[3], f[4], f[5]), lw_v3_cross(node[i].at, lw_v3(f[0], f[1], f[2]))));
+        for (int way = 0; way < 2; way++) {
+            const double *m = p[1 + way] + 6*i;
+            lw_vec3 push = lw_v3_scale(lw_v3(m[0], m[1], m[2]), (way ? 1 : -1)/(2*h)), spin = lw_v3_scale(lw_v3(m[3], m[4], m[5]), (way ? 1 : -1)/(2*h));
+            rates[0] = lw_v3_add(rates[0], push);
+            rates[1] = lw_v3_add(rates[1], lw_v3_add(spin, lw_v3_cross(node[i].at, push)));
+        }
+        rates[1] = lw_v3_add(rates[1], lw_v3_cross(node[i].v, lw_v3(now[0], now[1], now[2])));
+    }
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(pull, rates[0])), 0, 1e-7, 0);
+    CHECK_NEAR(lw_v3_norm(lw_v3_sub(twist, rates[1])), 0, 1e-7, 0);
     lw_super_free(&s);
 }
 

@@ -40,7 +40,7 @@ static lw_status keep(void *context, const lw_moment *moment)
         s->q[i] = o->q[i];
     for (int i = 0; i < m->n_joint && i < 16; i++)
         s->joint[i] = o->joint[i];
-    lw_space_momentum(to->s, o->frame, o->v, &s->linear, &s->angular);
+    lw_dynamics_space_momentum(to->d, o, &s->linear, &s->angular);
     to->off = fmax(to->off, o->off);
     to->off_rate = fmax(to->off_rate, o->off_rate);
     return LW_OK;

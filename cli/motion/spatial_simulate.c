@@ -272,7 +272,7 @@ static lw_status put_row(void *context, const lw_moment *moment)
         *to++ = moment->z[i];
     for (int i = 0; i < m->states.n_signal; i++)
         *to++ = lw_dynamics_space_signal(r->d, i, o);
-    lw_space_momentum(s, o->frame, o->v, &linear, &angular);
+    lw_dynamics_space_momentum(r->d, o, &linear, &angular);
     to = put(put(to, linear), angular);
     *to++ = o->kinetic, *to++ = o->potential, *to++ = o->work, *to++ = o->off, *to++ = o->off_rate;
     for (int i = 0; i < r->n_column; i++)

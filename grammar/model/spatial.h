@@ -137,10 +137,12 @@ typedef struct lw_spatial_beam {
 
 /* A body with stiffness and mass between its nodes, which are links; elastic links become these, too. */
 typedef struct lw_superelement {
-    int      n, *link;                   /* (n) nodes                                                  */
+    int      n, *link;                   /* (n) nodes, of which those from n_bound on carry modes       */
+    int      n_bound;
     lw_vec3 *at;                         /* (n) in the posture [m]                                     */
     double  *stiffness;                  /* (6n x 6n) by displacement and turn of each node, about ground axes of the posture */
-    double  *mass;                       /* (6n x 6n) less the masses and inertias of the nodes        */
+    double  *rate;                       /* (6n x 6n) all mass, by velocities of the nodes and rates of modes (mbs/elastic/superelement.c) */
+    double  *turn;                       /* (9 x 6n x 6n) its parts where the frame turns; NULL: 0         */
     double  *first;                      /* (3 x 6n) first moment of all mass by e (mbs/elastic/superelement.h): its weight */
     double  *lump;                       /* (n) masses of the nodes, whose weight is in `first` [kg]   */
     double  *turning;                    /* (6n) inertias of the nodes in ground axes of the posture, as lw_spatial_body's */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/sparse.h"
+#include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/equations/friction.h"
 
@@ -451,6 +452,12 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     if (acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
     lw_status s = LW_OK;
+    if (d->eq.more_inertia) {
+        s = lw_tangent_accelerate(d, q, v, d->force, a, l);
+        if (s == LW_OK && d->n_friction && power)
+            *power += lw_mbs_rub(d, q, v, d->hold);
+        return s;
+    }
     if (d->weighed && (s = lw_mbs_linear(d, NULL, d->rhs, a, l)) == LW_OK)       /* all is driven: a follows from rows alone, */
         for (int i = 0; i < d->n_v; i++)                 /* and what the metric adds to the masses must not count */
             d->force[i] += a[i]*(1/d->by_mass[i] - d->eq.mass[i]);

@@ -99,6 +99,7 @@ struct lw_dynamics {
     lw_status reduced_status;
     char    not_reduced[128];                 /* and if not, why */
     struct lw_panel_rule *rule;               /* of the quadrature formulation */
+    struct lw_tangent *masses;                /* those that depend on the posture, with the rows; NULL: not yet made */
     double  settling;                         /* damping of all motion [1/s] at held inputs, statics of contacts only; 0: none */
     double  decay;                            /* fastest decay by dampers at the start [1/s] */
     bool    decay_known;

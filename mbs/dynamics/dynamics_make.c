@@ -7,6 +7,7 @@
 #include <string.h>
 #include "mbs/constraints/adjust.h"
 #include "mbs/dynamics/follow_internal.h"
+#include "mbs/dynamics/tangent_internal.h"
 #include "mbs/dynamics/touch_internal.h"
 #include "mbs/ode/integrate.h"
 
@@ -131,6 +132,9 @@ void lw_dynamics_free(lw_dynamics *d)
                             d->driven, d->at_rest, d->reduced, d->rule };
     for (size_t i = 0; i < sizeof array/sizeof *array; i++)
         free(array[i]);
+    if (d->masses)
+        lw_tangent_free(d->masses);
+    free(d->masses);
     lw_mbs_touch_free(d);
     lw_cholesky_free(&d->schur);
     lw_mbs_free_fronts(d);

@@ -244,6 +244,8 @@ static lw_status residuals(stages *g)
         }
         for (int i = 0; i < n; i++)
             r[i] = d->eq.mass[i]*g->ai[k*n + i] - d->force[i];
+        if (d->eq.more_inertia)
+            d->eq.more_inertia(d->eq.context, g->qi, g->vi + k*n, g->ai + k*n, r);
         lw_tangent_push(d, g->zl + k*g->c, r);
         for (int i = 0; i < g->c; i++)
             r[first + i] = d->phi[d->kept[i]];
@@ -433,7 +435,6 @@ static lw_status solve_stages(stages *g)
 /* Right-hand side, in b, for the errors of the step by the embedded formula of order s. */
 static void embedded_error(stages *g)
 {
-    lw_dynamics *d = g->run->d;
     int n = g->n;
     double w = g->way->real/g->h;
     for (int i = 0; i < n; i++) {
@@ -443,8 +444,9 @@ static void embedded_error(stages *g)
             ev += g->error[k]*(g->vi[k*n + i] - g->v[i]);
         }
         g->e[i] = eq;
-        g->b[i] = d->eq.mass[i]*(w*w*eq + w*ev);
+        g->r[i] = w*w*eq + w*ev;
     }
+    lw_tangent_mass_filled(&g->real, g->r, g->b);
     for (int i = 0; i < g->n_x; i++) {
         double e = g->dx[i];
         for (int k = 0; k < g->s; k++)
@@ -473,8 +475,9 @@ static void alpha_error(stages *g)
     for (int i = 0; i < g->n; i++) {
         double old = auxiliary_old(g, i), change = part*(auxiliary(g, g->z[i], g->v[i], old) - old);
         g->e[i] = g->h*g->h*change;
-        g->b[i] = d->eq.mass[i]*weight*change;
+        g->r[i] = weight*change;
     }
+    lw_tangent_mass_filled(&g->real, g->r, g->b);
     for (int i = 0; i < g->n_x; i++)
         g->b[g->n + i] = g->gamma/g->beta*part*g->h*(auxiliary(g, g->zx[i], g->dx[i], g->aux_x[i]) - g->aux_x[i])/g->scale[i];
     damping c = { g->gamma/(g->beta*g->h), g->e, g->b };
@@ -939,7 +942,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     if (s == LW_OK)
         s = begin_again(&g);
     for (int k = 0; s == LW_OK && k <= g.s/2; k++)
-        if (lw_tangent_make(d, k > 0, false, k ? &g.pair[k - 1] : &g.real) != LW_OK)
+        if (lw_tangent_make(d, k > 0, d->eq.more_inertia, k ? &g.pair[k - 1] : &g.real) != LW_OK)
             s = lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     g.real.rubs = g.pair[0].rubs = g.pair[1].rubs = d->n_friction > 0;
     if (s == LW_OK)

@@ -434,16 +434,6 @@ static void add_line_loads(const lw_dynamics *d, const lw_space_moment *m, int p
     }
 }
 
-/* Rate of the angular momentum of a node's share of a superelement, ground axes. */
-static lw_vec3 turning_rate(const lw_space *s, const lw_space_moment *m, int b, const double *j)
-{
-    const double *w = m->v + 6*b + 3, *a = m->a + 6*b + 3;
-    lw_mat3 start = lw_quaternion_matrix(s->axes[b]), inertia = { { { j[0], j[3], j[4] }, { j[3], j[1], j[5] }, { j[4], j[5], j[2] } } };
-    lw_vec3 omega = lw_m3_apply(&start, lw_v3(w[0], w[1], w[2])), alpha = lw_m3_apply(&start, lw_v3(a[0], a[1], a[2]));
-    lw_vec3 rate = lw_v3_add(lw_m3_apply(&inertia, alpha), lw_v3_cross(omega, lw_m3_apply(&inertia, omega)));
-    return lw_m3_apply(&m->frame[b + 1].turn, lw_m3_unapply(&start, rate));
-}
-
 /* Add what acts at one end of a part of a bar to the node there: force and moment of the part on its first node, or of the node
  * on the part at its second. */
 static void add_inner(const lw_elastic_chain *c, int node, int nodes, const lw_mat3 *axes, lw_vec3 force, lw_vec3 moment, lw_space_inner *to)
@@ -458,21 +448,22 @@ static void add_inner(const lw_elastic_chain *c, int node, int nodes, const lw_m
     to->stress = fabs(stress) > fabs(to->stress) ? stress : to->stress;
 }
 
-/* Of a condensed bar: the superelement with its weight pushes its nodes, whose lumps it also accelerates. */
+/* Of a condensed bar: the superelement with its weight pushes its nodes, less what it takes for its motion. */
 static void add_inner_of_piece(const lw_dynamics *d, const lw_space_moment *m, const lw_elastic_chain *c, int i, lw_space_inner *out)
 {
     const lw_space *s = &d->space->s;
     const lw_superelement *p = &d->space->model->super[c->first_beam + i];
-    const double *push = lw_space_super(&d->space->f, m->frame, m->v, c->first_beam + i);
+    double load[12];
+    memcpy(load, lw_space_super(&d->space->f, m->frame, m->v, c->first_beam + i), sizeof load);
+    const double *takes = lw_space_super_inertia(&d->space->f, m->frame, m->v, m->a, c->first_beam + i);
     for (int end = 0; end < 2; end++) {
         int b = s->body_of[p->link[end]];
-        const double *a = m->a + 6*b, *f = push + 6*end, sign = end ? -1 : 1;
+        const double *f = load + 6*end, *g = takes + 6*end, sign = end ? -1 : 1;
         lw_mat3 start = lw_quaternion_matrix(s->axes[b]), axes;
-        lw_vec3 column[3], force = lw_v3_sub(lw_v3(f[0], f[1], f[2]), lw_v3_scale(lw_v3(a[0], a[1], a[2]), s->unit*p->lump[end]));
+        lw_vec3 column[3], force = lw_v3(f[0] - g[0], f[1] - g[1], f[2] - g[2]), moment = lw_v3(f[3] - g[3], f[4] - g[4], f[5] - g[5]);
         for (int k = 0; k < 3; k++)
             column[k] = lw_m3_apply(&m->frame[b + 1].turn, lw_m3_unapply(&start, lw_m3_column(&p->section[end], k)));
         axes = lw_m3_columns(column[0], column[1], column[2]);
-        lw_vec3 moment = lw_v3_sub(lw_v3(f[3], f[4], f[5]), turning_rate(s, m, b, p->turning + 6*end));
         add_line_loads(d, m, c->first_beam + i, p->link[end], &force, &moment);
         add_inner(c, i + end, c->n_bound, &axes, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
     }
@@ -496,6 +487,11 @@ void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int
             add_inner(c, i + end, c->n_bound, &z.frame, lw_v3_scale(force, sign), lw_v3_scale(moment, sign), &out[i + end]);
         }
     }
+}
+
+void lw_dynamics_space_momentum(const lw_dynamics *d, const lw_space_moment *m, lw_vec3 *linear, lw_vec3 *angular)
+{
+    lw_space_momentum(&d->space->f, m->frame, m->v, linear, angular);
 }
 
 void lw_space_links(const lw_space *s, const lw_space_moment *m, lw_frame_motion *out)
@@ -590,7 +586,7 @@ static lw_status expand(lw_dynamics *d, const lw_spatial **m, lw_error *e)
     if (!(*m)->n_elastic)
         return LW_OK;
     d->elastic = !d->o.rigid;
-    lw_status st = d->elastic ? lw_spatial_expand(*m, d->o.analysis == LW_ANALYSIS_STATIC, &d->spatial_expansion, e) : lw_spatial_rigid(*m, &d->spatial_rigid, e);
+    lw_status st = d->elastic ? lw_spatial_expand(*m, &d->spatial_expansion, e) : lw_spatial_rigid(*m, &d->spatial_rigid, e);
     *m = d->elastic ? &d->spatial_expansion.model : &d->spatial_rigid;
     return st;
 }
@@ -736,10 +732,8 @@ lw_status lw_dynamics_prepare_spatial(lw_dynamics *d, const lw_spatial *m, lw_er
         st = hold_spins(d, given, e);
     if (st == LW_OK) {
         lw_mbs_take_equations(d, lw_spatial_equations(d->space));
-        bool consistent = d->o.analysis == LW_ANALYSIS_STATIC;       /* superelements have lumps at their nodes in time */
-        for (int i = 0; i < m->n_beam; i++)
-            consistent = consistent || m->beam[i].consistent;
-        d->eq.more_mass = consistent ? d->eq.more_mass : NULL;
+        for (int i = 0; i < m->n_beam; i++)                          /* modes and statics alone know such masses */
+            d->eq.more_inertia = m->beam[i].consistent ? NULL : d->eq.more_inertia;
         d->n_input = m->n_input;
         st = reserve_lists(d, e);
     }

@@ -40,6 +40,9 @@ lw_status lw_dynamics_place_on_rigid(lw_dynamics *d, const lw_space *rigid, cons
  * along y and z [N], torque and bending moments about y and z [N m]; the greatest stress, N/A + M/W [N/m^2]. */
 typedef struct lw_space_inner { double normal, shear[2], torque, bending[2], stress; } lw_space_inner;
 
+/* Linear momentum, and angular momentum about the origin (ground axes). */
+void lw_dynamics_space_momentum(const lw_dynamics *d, const lw_space_moment *m, lw_vec3 *linear, lw_vec3 *angular);
+
 /* out (n_node of the chain).  Of a condensed bar at its interface nodes: with what its weight adds up to there, exact at rest.  Of
  * a superelement with its own matrices: 0, it has no section. */
 void lw_dynamics_space_inner(const lw_dynamics *d, const lw_space_moment *m, int chain, lw_space_inner *out);

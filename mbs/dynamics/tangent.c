@@ -56,7 +56,9 @@ lw_status lw_tangent_make(lw_dynamics *d, bool is_complex, bool consistent, lw_t
     t->value = ok ? calloc(width_of(t)*((size_t)t->columns.at[t->columns.n] + 1), sizeof *t->value) : NULL;
     t->lu = t->value ? lw_sparse_lu_create(&t->columns, t->c > 0, is_complex) : NULL;
     t->kept = t->lu ? malloc(((size_t)t->c + 1)*sizeof *t->kept) : NULL;
-    if (!t->kept)
+    bool more = consistent && d->eq.more_mass;
+    t->heavy = t->kept && more ? calloc((size_t)t->columns.at[t->columns.n] + 1, sizeof *t->heavy) : NULL;
+    if (!t->kept || (more && !t->heavy))
         return LW_E_MEMORY;
     memcpy(t->kept, d->kept, (size_t)t->c*sizeof *t->kept);
     return LW_OK;
@@ -75,6 +77,7 @@ void lw_tangent_free(lw_tangent *t)
     lw_sparse_lu_free(t->lu);
     lw_columns_free(&t->columns);
     free(t->value);
+    free(t->heavy);
     free(t->pair);
     free(t->kept);
     memset(t, 0, sizeof *t);
@@ -111,6 +114,7 @@ static void put_mass(void *context, int row, int column, double by_q, double by_
     lw_tangent *t = context;
     (void)by_v;
     put(t, row, column, t->mass_re*by_q, t->mass_im*by_q);
+    t->heavy[lw_columns_find(&t->columns, row, column)] += by_q;
 }
 
 typedef struct product { const double *x; double *out; } product;
@@ -131,6 +135,16 @@ void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, doub
         eq->more_mass(eq->context, q, &(lw_force_sink){ .context = &(product){ x, out }, .add = multiply });
 }
 
+void lw_tangent_mass_filled(const lw_tangent *t, const double *x, double *out)
+{
+    for (int i = 0; i < t->n; i++)
+        out[i] = t->d->eq.mass[i]*x[i];
+    for (int j = 0; t->heavy && j < t->n; j++)
+        for (int k = t->columns.at[j]; k < t->columns.at[j + 1]; k++)
+            if (t->columns.row[k] < t->n)
+                out[t->columns.row[k]] += t->heavy[k]*x[j];
+}
+
 void lw_tangent_damp(const lw_tangent *t, double by, const double *x, double *out)
 {
     const lw_columns *a = &t->columns;
@@ -138,7 +152,7 @@ void lw_tangent_damp(const lw_tangent *t, double by, const double *x, double *ou
     for (int j = 0; j < t->n; j++) {
         for (int k = a->at[j]; k < a->at[j + 1]; k++)
             if (a->row[k] < t->n + t->z)
-                out[a->row[k]] += by*t->value[2*k + 1]*x[j];
+                out[a->row[k]] += by*(t->value[2*k + 1] - (t->heavy ? t->mass_im*t->heavy[k] : 0))*x[j];
         out[j] -= by*t->mass_im*t->d->eq.mass[j]*x[j];
     }
 }
@@ -155,9 +169,27 @@ static void put_rows(lw_tangent *t, const double *l)
                 put(t, LW_BLOCK*d->row_block[row][b] + i, t->n + t->z + k, x, 0);
                 put(t, t->n + t->z + k, LW_BLOCK*d->row_block[row][b] + i, x, 0);
             }
-        for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0) - 1; e >= 0; e--)
+        for (int e = (l && row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0) - 1; e >= 0; e--)
             put(t, bend[e].a, bend[e].b, l[k]*bend[e].h, 0);
     }
+}
+
+/* Weights are m; the scale is that of the diagonal. */
+static void put_masses(lw_tangent *t, const double *q, const double m[2])
+{
+    const lw_equations *eq = &t->d->eq;
+    for (int i = 0; i < t->n; i++)
+        put(t, i, i, m[0]*eq->mass[i], m[1]*eq->mass[i]);
+    t->mass_re = m[0];
+    t->mass_im = m[1];
+    if (t->heavy) {
+        memset(t->heavy, 0, (size_t)t->columns.at[t->columns.n]*sizeof *t->heavy);
+        eq->more_mass(eq->context, q, &(lw_force_sink){ .context = t, .add = put_mass });
+    }
+    double most = 0;
+    for (int i = 0; i < t->n; i++)
+        most = fmax(most, fabs(t->value[width_of(t)*(size_t)lw_columns_find(&t->columns, i, i)]));
+    t->scale = most > 0 ? most : 1;
 }
 
 void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *v, const double *l, const double m[2],
@@ -173,18 +205,9 @@ void lw_tangent_fill(lw_tangent *t, double time, const double *q, const double *
         lw_tangent_spread(d, l);
         lw_mbs_rub_slopes(d, q, v, &(lw_force_sink){ .context = t, .add = put_force });
     }
-    for (int i = 0; i < t->n; i++)
-        put(t, i, i, m[0]*d->eq.mass[i], m[1]*d->eq.mass[i]);
     for (int i = 0; i < t->z; i++)
         put(t, t->n + i, t->n + i, c[0], c[1]);
-    t->mass_re = m[0];
-    t->mass_im = m[1];
-    if (t->consistent && d->eq.more_mass)
-        d->eq.more_mass(d->eq.context, q, &(lw_force_sink){ .context = t, .add = put_mass });
-    double most = 0;                             /* of the diagonal */
-    for (int i = 0; i < t->n; i++)
-        most = fmax(most, fabs(t->value[width_of(t)*(size_t)lw_columns_find(&t->columns, i, i)]));
-    t->scale = most > 0 ? most : 1;
+    put_masses(t, q, m);
     put_rows(t, l);
 }
 
@@ -218,6 +241,61 @@ void lw_tangent_spread(lw_dynamics *d, const double *l)
     memset(d->l, 0, (size_t)d->n_c*sizeof *d->l);
     for (int k = 0; k < d->n_kept; k++)
         d->l[d->kept[k]] = l[k];
+}
+
+static const int most_passes = 60;
+
+lw_status lw_tangent_accelerate(lw_dynamics *d, const double *q, const double *v, const double *force, double *a, double *l)
+{
+    lw_tangent *t = d->masses;
+    if (!t && !(t = d->masses = calloc(1, sizeof *t)))
+        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    int n = d->n_v, first = n + d->eq.n_z, all = first + d->n_kept;
+    lw_status s = lw_tangent_renew(d, false, true, t);
+    double *b = s == LW_OK ? malloc((size_t)(all + 1)*sizeof *b) : NULL, before = INFINITY;
+    if (!b)
+        return lw_error_set(d->e, LW_E_MEMORY, "out of memory");
+    memset(t->value, 0, (size_t)t->columns.at[t->columns.n]*sizeof *t->value);
+    put_masses(t, q, (const double[]){ 1, 0 });
+    for (int i = n; i < first; i++)
+        put(t, i, i, 1, 0);
+    put_rows(t, NULL);
+    memset(a, 0, (size_t)n*sizeof *a);
+    memset(l, 0, (size_t)d->n_c*sizeof *l);
+    s = lw_sparse_lu_factor(t->lu, t->value) ? LW_NOTHING : LW_OPEN;
+    for (int pass = 0; s == LW_NOTHING; pass++) {            /* the first solves, the next ones refine; friction takes more */
+        double change = 0, size = 0;
+        memset(b, 0, (size_t)all*sizeof *b);
+        d->eq.more_inertia(d->eq.context, q, v, a, b);
+        for (int i = 0; i < n; i++)
+            b[i] = force[i] - d->eq.mass[i]*a[i] - b[i];
+        if (d->n_friction) {
+            if (l != d->l)
+                memcpy(d->l, l, (size_t)d->n_c*sizeof *l);
+            lw_mbs_rub(d, q, v, b);
+        }
+        for (int k = 0; k < d->n_kept; k++) {
+            int row = d->kept[k];
+            for (int c = 0; c < LW_ROW_SIZE && d->row_block[row][c/LW_BLOCK] >= 0; c++)
+                b[LW_BLOCK*d->row_block[row][c/LW_BLOCK] + c%LW_BLOCK] -= l[row]*d->jac[row*LW_ROW_SIZE + c];
+            b[first + k] = d->rhs[row] - lw_mbs_row_rate(d, row, a);
+        }
+        lw_tangent_solve(t, b);
+        for (int i = 0; i < n; i++) {
+            a[i] += b[i];
+            change = fmax(change, fabs(b[i]));
+            size = fmax(size, fabs(a[i]));
+        }
+        for (int k = 0; k < d->n_kept; k++)
+            l[d->kept[k]] += b[first + k];
+        if (!(change < INFINITY) || pass == most_passes)
+            s = LW_OPEN;
+        else if (pass > 0 && (change <= 4e-16*size || (change <= 1e-12*size && change > 0.3*before)))
+            s = LW_OK;
+        before = change;
+    }
+    free(b);
+    return s;
 }
 
 lw_status lw_tangent_at_rest(lw_dynamics *d, double t, const double *q, const double *still, double *a, double *l)

@@ -27,6 +27,7 @@ typedef struct lw_tangent {
     bool    failed;
     double  weight_re, weight_im;        /* of C, while it is filled; */
     double  mass_re, mass_im;            /* of M */
+    double *heavy;                       /* entries of M besides its diagonal, as filled last; NULL: there are none */
 } lw_tangent;
 
 /* LW_E_MEMORY.  t needs lw_tangent_free, after a failure too. */
@@ -48,6 +49,13 @@ void lw_tangent_solve(lw_tangent *t, double *b);
 
 /* out (n) = M x, of consistent masses where they are asked for. */
 void lw_tangent_mass(const lw_tangent *t, const double *q, const double *x, double *out);
+
+/* The same with the masses as they were filled last. */
+void lw_tangent_mass_filled(const lw_tangent *t, const double *x, double *out);
+
+/* Accelerations a and multipliers l (n_c) at (t, q, v) of masses that depend on q: M a + J^T l = force, J a = d->rhs, the rows those at
+ * hand; friction, if any, under l.  LW_OPEN: not found. */
+lw_status lw_tangent_accelerate(lw_dynamics *d, const double *q, const double *v, const double *force, double *a, double *l);
 
 /* out (n + z) += by C x, below it -by f_v x, x (n), from the imaginary parts of a complex matrix as it was filled last. */
 void lw_tangent_damp(const lw_tangent *t, double by, const double *x, double *out);

@@ -62,7 +62,8 @@ lw_mid_frame lw_mid_frame_of(const lw_mat3 *a, const lw_mat3 *b)
     lw_quaternion first = lw_quaternion_of_matrix(a), second = lw_quaternion_of_matrix(b);
     lw_vec3 g = lw_quaternion_vector(lw_quaternion_unit(lw_quaternion_times(lw_quaternion_inverse(first), second)));
     lw_quaternion middle = lw_quaternion_times(first, lw_quaternion_of_vector(lw_v3_scale(g, 0.5)));
-    return (lw_mid_frame){ lw_quaternion_matrix(middle), g, factors_of(0.25*lw_v3_dot(g, g)).q };
+    factors z = factors_of(0.25*lw_v3_dot(g, g));
+    return (lw_mid_frame){ lw_quaternion_matrix(middle), g, z.q, z.dq, z.k, z.n };
 }
 
 static strain strain_of(const lw_beam_space *b, const lw_beam_node node[2])

@@ -34,8 +34,9 @@ typedef struct lw_beam_space_state {
 } lw_beam_space_state;
 
 /* The frame half-way between the rotations of two nodes, axes: those of the frame in the axes of each node.  g: rotation vector from
- * the first to the second; small turns t of the nodes, in the frame's axes, turn it by (t0 + t1)/2 - q g x (t1 - t0). */
-typedef struct lw_mid_frame { lw_mat3 turn; lw_vec3 g; double q; } lw_mid_frame;
+ * the first to the second; small turns t of the nodes, in the frame's axes, turn it by (t0 + t1)/2 - q g x (t1 - t0), and change g by
+ * k (t1 - t0) + n g (g . (t1 - t0)).  dq: derivative of q by |g|^2/4. */
+typedef struct lw_mid_frame { lw_mat3 turn; lw_vec3 g; double q, dq, k, n; } lw_mid_frame;
 lw_mid_frame lw_mid_frame_of(const lw_mat3 *first, const lw_mat3 *second);
 
 void lw_beam_space_stiffness(const lw_section *s, const lw_material *m, double h, double out[6]);

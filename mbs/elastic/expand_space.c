@@ -13,7 +13,6 @@ typedef struct work {
     lw_elastic_axis      *axis;      /* per chain */
     lw_elastic_axis      *full;      /* per chain that is condensed: all nodes; axis has those that are kept */
     int                 **keep;      /* per chain with its own matrices: their nodes that are kept, ascending */
-    bool                  modes;     /* of condensed links are coordinates; otherwise as many coordinates of inner nodes */
     lw_vec3               from;      /* a place of the chain being filled */
     lw_spatial_body       whole;     /* of its parts: mass, first moment and inertia about that place */
 } work;
@@ -46,7 +45,7 @@ static lw_status keep_nodes(work *w, int chain, const lw_elastic_places *at, lw_
 {
     lw_elastic_axis *a = &w->axis[chain], *full = &w->full[chain];
     const lw_elastic *p = w->x->chain[chain].elastic;
-    int n = a->n_node, pieces = p->pieces*(w->modes ? 1 : 1 + p->modes/6);
+    int n = a->n_node, pieces = p->pieces;
     *full = *a;
     a->node = calloc((size_t)n, sizeof *a->node);
     if (!a->node)
@@ -77,7 +76,7 @@ static lw_status too_many_modes(const work *w, const lw_elastic_chain *c, int in
                         "a finer mesh", w->m->body[c->link].name, c->elastic->modes, inner, 6*inner);
 }
 
-/* The nodes of a link with its own matrices: all; or those on which something acts, two at least, and for modes one per six. */
+/* The nodes of a link with its own matrices: all; or, with modes, those on which something acts, two at least, and one per six modes. */
 static lw_status plan_matrices(work *w, int chain, lw_error *e)
 {
     lw_elastic_chain *c = &w->x->chain[chain];
@@ -93,7 +92,7 @@ static lw_status plan_matrices(work *w, int chain, lw_error *e)
         n += !kept[best];
         kept[best] = true;
     }
-    int bound = n > 2 ? n : 2, wanted = !more ? p->n_node : w->modes ? bound : bound + more;
+    int bound = n > 2 ? n : 2, wanted = more ? bound : p->n_node;
     if (s == LW_OK && more && bound + more > p->n_node)
         s = too_many_modes(w, c, p->n_node - bound, e);
     for (; s == LW_OK && n < wanted; n++) {      /* the one farthest from those that are kept */
@@ -112,7 +111,7 @@ static lw_status plan_matrices(work *w, int chain, lw_error *e)
         if (kept[i])
             keep[c->n_node++] = i;
     c->n_bound = c->n_node;
-    c->n_node += s == LW_OK && w->modes ? more : 0;
+    c->n_node += s == LW_OK ? more : 0;
     free(kept), free(at.at);
     c->node = s == LW_OK ? calloc((size_t)c->n_node, sizeof *c->node) : NULL;
     return s != LW_OK || c->node ? s : lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -135,7 +134,7 @@ static lw_status plan_chain(work *w, int chain, lw_error *e)
     if (s != LW_OK || (s = lw_elastic_chain_take(c, a, e)) != LW_OK)
         return s;
     c->n_bound = c->n_node;
-    if (w->modes && c->elastic->modes) {
+    if (c->elastic->modes) {
         c->n_node += (c->n_node - 1)*c->elastic->modes/6;
         int *node = realloc(c->node, (size_t)c->n_node*sizeof *node);
         if (!node)
@@ -303,16 +302,17 @@ static lw_status fill_chain(work *w, int chain, lw_error *e)
     return LW_OK;
 }
 
-/* A superelement between the nodes link of the model; takes the matrices over, of which the mass loses the lumps at the nodes. */
-static lw_status add_superelement(work *w, int n, const int *link, double damping, double *stiffness, double *mass, lw_error *e)
+/* A superelement between the nodes link of the model; takes the matrices over: stiffness, mass, from which the masses of the nodes and the
+ * weight come, rate and turn. */
+static lw_status add_superelement(work *w, int n, int n_bound, const int *link, double damping, double *const matrix[4], lw_error *e)
 {
-    static const int entry[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
     lw_spatial *to = &w->x->model;
     lw_superelement *p = &to->super[to->n_super++];
-    double total, rigid[6], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
+    double total, rigid[6], *mass = matrix[1], *lump = calloc((size_t)n, sizeof *lump), *inertia = calloc(6*(size_t)n, sizeof *inertia);
     lw_vec3 centre;
-    *p = (lw_superelement){ n, calloc((size_t)n, sizeof *p->link), calloc((size_t)n, sizeof *p->at), stiffness, mass,
-                            calloc(18*(size_t)n, sizeof *p->first), lump, inertia, damping, { { { { 0, 0, 0 } } } }, { 0, 0, 0 } };
+    *p = (lw_superelement){ .n = n, .n_bound = n_bound, .link = calloc((size_t)n, sizeof *p->link), .at = calloc((size_t)n, sizeof *p->at),
+                            .stiffness = matrix[0], .rate = matrix[2], .turn = matrix[3],
+                            .first = calloc(18*(size_t)n, sizeof *p->first), .lump = lump, .turning = inertia, .damping = damping };
     lw_status s = lump && inertia && p->link && p->at && p->first ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; s == LW_OK && i < n; i++)
         p->link[i] = link[i], p->at[i] = to->body[link[i]].centre;
@@ -335,24 +335,18 @@ static lw_status add_superelement(work *w, int n, const int *link, double dampin
     for (int i = 0; s == LW_OK && i < n; i++) {
         lw_spatial_body *b = &to->body[link[i]];
         b->mass += lump[i];
-        for (int k = 0; k < 6; k++) {
-            int x = 6*i + 3 + entry[k][0], y = 6*i + 3 + entry[k][1];
+        for (int k = 0; k < 6; k++)
             b->inertia[k] += inertia[6*i + k];
-            mass[x*6*n + y] -= inertia[6*i + k];
-            if (x != y)
-                mass[y*6*n + x] -= inertia[6*i + k];
-        }
-        for (int k = 0; k < 3; k++)
-            mass[(6*i + k)*(6*n + 1)] -= lump[i];
     }
+    free(mass);
     return s;
 }
 
 /* Matrices of the elements first .. last of a chain, whose nodes are links 0, 1, ... of m, condensed to its two ends and modes. */
-static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, int modes, double **stiffness, double **mass)
+static lw_status condense(const lw_spatial *m, int first, int last, bool consistent, int modes, double *matrix[4])
 {
-    int nodes = last - first + 1, rows = 6*nodes, keep[12];
-    double *k = *stiffness = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = *mass = calloc((size_t)rows*(size_t)rows, sizeof *a);
+    int nodes = last - first + 1, rows = 6*nodes;
+    double *k = matrix[0] = calloc((size_t)rows*(size_t)rows, sizeof *k), *a = matrix[1] = calloc((size_t)rows*(size_t)rows, sizeof *a);
     if (!k || !a)
         return LW_E_MEMORY;
     for (int i = first; i < last; i++) {
@@ -381,12 +375,8 @@ static lw_status condense(const lw_spatial *m, int first, int last, bool consist
                         a[at] += row[0][c]*more[x/3*3 + c][y/3*3 + d]*row[1][d];
             }
     }
-    for (int i = 0; i < 12; i++)
-        keep[i] = i < 6 ? i : rows - 12 + i;
-    lw_status s = lw_super_condense(rows, k, a, 12, keep, modes);
-    if (s == LW_OK)
-        lw_super_modal_nodes(2, modes/6, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre }, k, a);
-    return s;
+    return lw_super_reduce(rows, k, a, 2, (const int[]){ 0, nodes - 1 }, (const lw_vec3[]){ m->body[first].centre, m->body[last].centre }, modes,
+                           &matrix[2], &matrix[3]);
 }
 
 /* A bar of elements condensed to superelements between its nodes that are kept. */
@@ -395,7 +385,7 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain], all = *c;
     const lw_elastic_axis *full = &w->full[chain], *kept = &w->axis[chain];
     size_t n = (size_t)full->n_node + 1;
-    int modes = w->modes ? c->elastic->modes : 0, link[LW_SUPER_NODES];
+    int modes = c->elastic->modes, link[LW_SUPER_NODES];
     lw_spatial named = { .body = &((lw_spatial *)(uintptr_t)w->m)->body[c->link] };
     lw_spatial_expansion mesh = { .model = { .n_link = 1, .body = calloc(n, sizeof *mesh.model.body), .beam = calloc(n, sizeof *mesh.model.beam) },
                                   .chain = &all };
@@ -407,20 +397,21 @@ static lw_status fill_pieces(work *w, int chain, lw_error *e)
     c->first_beam = w->x->model.n_super;
     for (int i = 0, first = 0; s == LW_OK && i + 1 < kept->n_node; i++) {
         int last = first + 1;
-        double *stiffness, *mass;
+        double *matrix[4] = { 0 };
         while (full->node[last] < kept->node[i + 1])
             last++;
         if (6*(last - first - 1) < modes) {
             s = too_many_modes(w, c, last - first - 1, e);
             break;
         }
-        s = condense(&mesh.model, first, last, c->elastic->consistent, modes, &stiffness, &mass);
+        s = condense(&mesh.model, first, last, c->elastic->consistent, modes, matrix);
         for (int k = 0; k < 2 + modes/6; k++)
             link[k] = c->node[k < 2 ? i + k : c->n_bound + i*(modes/6) + k - 2];
         if (s == LW_OK)
-            s = add_superelement(w, 2 + modes/6, link, c->elastic->damping, stiffness, mass, e);
+            s = add_superelement(w, 2 + modes/6, 2, link, c->elastic->damping, matrix, e);
         else {
-            free(stiffness), free(mass);
+            for (int k = 0; k < 4; k++)
+                free(matrix[k]);
             lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed", named.body->name);
         }
         if (s == LW_OK)
@@ -438,26 +429,23 @@ static lw_status fill_matrices(work *w, int chain, lw_error *e)
     lw_elastic_chain *c = &w->x->chain[chain];
     const lw_elastic *p = c->elastic;
     size_t size = 36*(size_t)p->n_node*(size_t)p->n_node*sizeof(double);
-    int modes = w->modes ? p->modes : 0, *keep = calloc(6*(size_t)c->n_bound, sizeof *keep);
     lw_vec3 centre, *at = calloc((size_t)c->n_bound, sizeof *at);
-    double *stiffness = malloc(size), *mass = malloc(size), rigid[6];
-    lw_status s = stiffness && mass && keep && at ? fill_nodes(w, c, NULL, w->keep[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    double *stiffness = malloc(size), *mass = malloc(size), *rate = NULL, *turn = NULL, rigid[6];
+    lw_status s = stiffness && mass && at ? fill_nodes(w, c, NULL, w->keep[chain], e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK) {
         memcpy(stiffness, p->stiffness, size);
         memcpy(mass, p->mass, size);
         lw_super_rigid_mass(p->n_node, p->node, mass, &c->mass, &centre, rigid);
     }
-    for (int i = 0; s == LW_OK && i < 6*c->n_bound; i++)
-        keep[i] = 6*w->keep[chain][i/6] + i%6, at[i/6] = p->node[w->keep[chain][i/6]];
-    if (s == LW_OK && p->modes && (s = lw_super_condense(6*p->n_node, stiffness, mass, 6*c->n_bound, keep, modes)) != LW_OK)
+    for (int i = 0; s == LW_OK && i < c->n_bound; i++)
+        at[i] = p->node[w->keep[chain][i]];
+    if (s == LW_OK && (s = lw_super_reduce(6*p->n_node, stiffness, mass, c->n_bound, w->keep[chain], at, p->modes, &rate, &turn)) != LW_OK)
         lw_error_set(e, s, "the elastic link \"%s\" cannot be condensed: its stiffness does not hold the inner nodes, or their mass is not "
                      "positive definite", w->m->body[c->link].name);
+    free(at);
     if (s == LW_OK)
-        lw_super_modal_nodes(c->n_bound, modes/6, at, stiffness, mass);
-    free(keep), free(at);
-    if (s == LW_OK)
-        return add_superelement(w, c->n_node, c->node, p->damping, stiffness, mass, e);
-    free(stiffness), free(mass);
+        return add_superelement(w, c->n_node, c->n_bound, c->node, p->damping, (double *[]){ stiffness, mass, rate, turn }, e);
+    free(stiffness), free(mass), free(rate), free(turn);
     return s;
 }
 
@@ -525,11 +513,11 @@ static lw_status spread_force(work *w, int *i, lw_error *e)
     return s;
 }
 
-lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansion *x, lw_error *e)
+lw_status lw_spatial_expand(const lw_spatial *m, lw_spatial_expansion *x, lw_error *e)
 {
     size_t n = (size_t)m->n_elastic + 1;
     *x = (lw_spatial_expansion){ .chain = calloc(n, sizeof *x->chain) };
-    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), modes, { 0, 0, 0 }, { .mass = 0 } };
+    work w = { m, x, calloc(n, sizeof *w.axis), calloc(n, sizeof *w.full), calloc(n, sizeof *w.keep), { 0, 0, 0 }, { .mass = 0 } };
     int more = 0;
     lw_status s = x->chain && w.axis && w.full && w.keep ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int l = 0; s == LW_OK && l < m->n_link; l++) {
@@ -547,7 +535,7 @@ lw_status lw_spatial_expand(const lw_spatial *m, bool modes, lw_spatial_expansio
         w.from = x->chain[k].elastic->n_node > 0 ? x->chain[k].elastic->node[0] : lw_elastic_axis_point(&w.axis[k], 0);
         s = x->chain[k].elastic->n_node > 0 ? fill_matrices(&w, k, e) : x->chain[k].condensed ? fill_pieces(&w, k, e)
           : fill_chain(&w, k, e);
-        if (s == LW_OK)
+        if (s == LW_OK && !x->chain[k].condensed)
             x->chain[k].too_much = too_much_inertia(&w, &x->chain[k]);
     }
     for (int i = 0; s == LW_OK && i < m->n_force; i++)
@@ -566,7 +554,7 @@ void lw_spatial_expansion_free(lw_spatial_expansion *x)
         free(x->chain[k].node);
     for (int k = 0; k < x->model.n_super; k++) {
         lw_superelement *p = &x->model.super[k];
-        free(p->link), free(p->at), free(p->stiffness), free(p->mass), free(p->first), free(p->lump), free(p->turning);
+        free(p->link), free(p->at), free(p->stiffness), free(p->rate), free(p->turn), free(p->first), free(p->lump), free(p->turning);
     }
     void *const own[] = { x->chain, x->model.super, x->model.body, x->model.joint, x->model.tracer, x->model.spring, x->model.force,
                           x->model.beam, x->model.states.rotor };
@@ -610,7 +598,7 @@ lw_status lw_spatial_rigid(const lw_spatial *m, lw_spatial *rigid, lw_error *e)
     bars.elastic = copy(m->elastic, m->n_link, 0, sizeof *m->elastic);
     for (int i = 0; bars.elastic && i < m->n_link; i++)
         bars.elastic[i].pieces = bars.elastic[i].modes = 0;
-    lw_status s = bars.elastic ? lw_spatial_expand(&bars, false, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = bars.elastic ? lw_spatial_expand(&bars, &x, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int k = 0; s == LW_OK && k < x.n_chain; k++)
         join(&x, &x.chain[k], &rigid->body[x.chain[k].link]);
     lw_spatial_expansion_free(&x);

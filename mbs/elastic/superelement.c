@@ -29,8 +29,9 @@ static void put(double *to, lw_vec3 a) { to[0] = a.x, to[1] = a.y, to[2] = a.z; 
 lw_status lw_super_make(const lw_superelement *p, const lw_mat3 *turn, lw_vec3 gravity, lw_super *s)
 {
     size_t n = 6*(size_t)p->n;
-    *s = (lw_super){ .p = p, .gravity = gravity, .axes = calloc((size_t)p->n, sizeof *s->axes), .work = calloc(2*n*n + 7*n, sizeof *s->work) };
-    if (!s->axes || !s->work)
+    *s = (lw_super){ .p = p, .gravity = gravity, .axes = calloc((size_t)p->n, sizeof *s->axes), .work = calloc(2*n*n + 9*n, sizeof *s->work),
+                     .still = calloc((size_t)p->n, sizeof *s->still), .rate = calloc(2*(size_t)p->n, sizeof *s->rate) };
+    if (!s->axes || !s->work || !s->still || !s->rate)
         return LW_E_MEMORY;
     for (int i = 0; i < p->n; i++) {
         double away = lw_v3_norm(lw_v3_sub(p->at[i], p->at[0]));
@@ -43,7 +44,7 @@ lw_status lw_super_make(const lw_superelement *p, const lw_mat3 *turn, lw_vec3 g
 
 void lw_super_free(lw_super *s)
 {
-    free(s->axes), free(s->work);
+    free(s->axes), free(s->work), free(s->still), free(s->rate);
     memset(s, 0, sizeof *s);
 }
 
@@ -88,11 +89,31 @@ static double total_mass(const lw_super *s)
     return m;
 }
 
+/* The gradient (6n), in ground axes, of an energy whose derivatives by e are in out, by turns of the frame c, and by the place of node a
+ * -pull. */
+static void spread(const lw_super *s, const lw_mid_frame *z, const lw_beam_node *node, lw_vec3 c, lw_vec3 pull, double *out)
+{
+    for (int i = 0; i < s->p->n; i++) {
+        lw_vec3 p, g, n = vec(out + 6*i);
+        place(s, z, node, i, &p, &g);
+        lw_vec3 h = log_rate(g, vec(out + 6*i + 3), 1);
+        pull = lw_v3_add(pull, n);
+        c = lw_v3_add(c, lw_v3_sub(lw_v3_cross(n, p), h));
+        put(out + 6*i + 3, h);
+    }
+    lw_vec3 half = lw_v3_scale(c, 0.5), turn = lw_v3_scale(lw_v3_cross(c, z->g), z->q);
+    put(out + 6*s->a, lw_v3_sub(vec(out + 6*s->a), pull));
+    put(out + 6*s->a + 3, lw_v3_add(vec(out + 6*s->a + 3), lw_v3_add(half, turn)));
+    put(out + 6*s->b + 3, lw_v3_add(vec(out + 6*s->b + 3), lw_v3_sub(half, turn)));
+    for (int i = 0; i < 2*s->p->n; i++)
+        put(out + 3*i, lw_m3_apply(&z->turn, vec(out + 3*i)));
+}
+
 /* The gradient (6n), in ground axes, of the energy for a stress, and of the weight. */
 static void gradient(const lw_super *s, const lw_beam_node *node, const double *stress, double *out)
 {
     lw_mid_frame z = frame_of(s, node);
-    lw_vec3 all = { 0, 0, 0 }, c = { 0, 0, 0 }, down = lw_m3_unapply(&z.turn, s->gravity);
+    lw_vec3 down = lw_m3_unapply(&z.turn, s->gravity);
     double w[3] = { s->p->beside.x, s->p->beside.y, s->p->beside.z };
     for (int i = 0; i < s->p->n; i++) {
         lw_vec3 p, g, n = vec(stress + 6*i), m = vec(stress + 6*i + 3);
@@ -103,19 +124,9 @@ static void gradient(const lw_super *s, const lw_beam_node *node, const double *
             n = lw_v3_sub(n, lw_v3_scale(vec(row), part));
             m = lw_v3_sub(m, lw_v3_scale(vec(row + 3), part));
         }
-        lw_vec3 h = log_rate(g, m, 1);
-        all = lw_v3_add(all, n);
-        c = lw_v3_add(c, lw_v3_sub(lw_v3_cross(n, p), h));
-        put(out + 6*i, n), put(out + 6*i + 3, h);
+        put(out + 6*i, n), put(out + 6*i + 3, m);
     }
-    c = lw_v3_sub(c, lw_v3_cross(lw_v3(w[0], w[1], w[2]), down));
-    all = lw_v3_add(all, lw_v3_scale(down, total_mass(s)));
-    lw_vec3 half = lw_v3_scale(c, 0.5), turn = lw_v3_scale(lw_v3_cross(c, z.g), z.q);
-    put(out + 6*s->a, lw_v3_sub(vec(out + 6*s->a), all));
-    put(out + 6*s->a + 3, lw_v3_add(vec(out + 6*s->a + 3), lw_v3_add(half, turn)));
-    put(out + 6*s->b + 3, lw_v3_add(vec(out + 6*s->b + 3), lw_v3_sub(half, turn)));
-    for (int i = 0; i < 2*s->p->n; i++)
-        put(out + 3*i, lw_m3_apply(&z.turn, vec(out + 3*i)));
+    spread(s, &z, node, lw_v3_cross(down, lw_v3(w[0], w[1], w[2])), lw_v3_scale(down, total_mass(s)), out);
 }
 
 /* B (6n x 6n): change of e by motions of the nodes about ground axes. */
@@ -219,6 +230,171 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
     return energy;
 }
 
+/* ---- inertia ------------------------------------------------------------------------------------------------------
+ *
+ * A point of the whole mesh has the velocity, in the frame's axes, n + s x (X + w) + w', with s the frame's angular velocity and the
+ * displacement w = F e in the frame, F the shapes of the coordinates that are kept.  u are the velocities v_i and angular velocities t_i of
+ * the nodes in the frame's axes, and the rates e' of nodes that carry modes.  Since F u moves as a rigid body does where e = 0,
+ *
+ *     U = F u + sum of s_k Y_k e,      Y_k e = e_k x (F e) - F (e_k x e)      (places only, of nodes that carry no modes)
+ *     T = 1/2 u.M u + sum of s_k u.H_k e + 1/2 sum of s_k s_l e.G_kl e,       H_k = F^T M Y_k,   G_kl = Y_k^T M Y_l
+ *
+ * With p, c and f the derivatives of T by u, s and e, and virtual motions r_i, t_i of the nodes and o of the frame, all in its axes, for
+ * which  d v_i = r_i' + s x r_i - o x v_i,  d t_i = t_i' + (s - t_i) x t_i - o x t_i,  d s = o' + s x o,  the inertia is
+ *
+ *     p_i' + s x p_i  by r_i,   q_i' + (s - t_i) x q_i  by t_i,   p_m' - f  by e,   c' + s x c + sum of v_i x p_i + t_i x q_i  by o
+ *
+ * so that momentum, angular momentum and energy are kept, whatever e. */
+
+/* The change of L(g) x while g changes by dg. */
+static lw_vec3 log_rate_change(lw_vec3 g, lw_vec3 dg, lw_vec3 x)
+{
+    double f2 = lw_v3_dot(g, g), f = sqrt(f2), s = sin(0.5*f), h = f2 < 1e-3 ? 0 : 0.5*f*cos(0.5*f)/s;
+    double k = f2 < 1e-3 ? 1./12 + f2*(1./720 + f2*(1./30240 + f2/1209600)) : (1 - h)/f2;
+    double by = f2 < 1e-3 ? 1./720 + f2*(1./15120 + f2/403200) : (0.125/(s*s) - 0.5*h/f2)/f2 - (1 - h)/(f2*f2);
+    lw_vec3 across = lw_v3_cross(g, x), own = lw_v3_cross(dg, x);
+    lw_vec3 twice = lw_v3_add(lw_v3_cross(dg, across), lw_v3_cross(g, own));
+    return lw_v3_add(lw_v3_add(lw_v3_scale(own, -0.5), lw_v3_scale(twice, k)), lw_v3_scale(lw_v3_cross(g, across), 2*by*lw_v3_dot(g, dg)));
+}
+
+lw_vec3 lw_super_moment(const lw_super *s, const lw_beam_node *node)
+{
+    lw_mid_frame z = frame_of(s, node);
+    double w[3] = { s->p->beside.x, s->p->beside.y, s->p->beside.z };
+    for (int i = 0; i < s->p->n; i++) {
+        lw_vec3 p, g;
+        place(s, &z, node, i, &p, &g);
+        for (int k = 0; k < 3; k++)
+            w[k] += moment_part(s, k, i, p, g);
+    }
+    return lw_m3_apply(&z.turn, vec(w));
+}
+
+static void multiply(int rows, const double *a, double by, const double *x, double *out)
+{
+    for (int i = 0; by != 0 && i < rows; i++) {
+        double sum = 0;
+        for (int j = 0; j < rows; j++)
+            sum += a[i*rows + j]*x[j];
+        out[i] += by*sum;
+    }
+}
+
+static double dot(int rows, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < rows; i++)
+        sum += a[i]*b[i];
+    return sum;
+}
+
+double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, double *force, double *momentum)
+{
+    static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    const lw_superelement *own = s->p;
+    const int n = own->n, rows = 6*n, size = rows*rows;
+    double *u = s->work, *du = u + rows, *e = du + rows, *de = e + rows, *m = de + rows, *dm = m + rows, *by_e = dm + rows, *he = by_e + rows,
+           *hde = he + rows, turn[3] = { 0 }, dturn[3] = { 0 };
+    lw_mid_frame z = frame_of(s, node);
+    const lw_vec3 none = { 0, 0, 0 }, ta = lw_m3_unapply(&z.turn, node[s->a].omega), tb = lw_m3_unapply(&z.turn, node[s->b].omega);
+    const lw_vec3 w = lw_v3_sub(tb, ta), va = lw_m3_unapply(&z.turn, node[s->a].v);
+    lw_vec3 spin = lw_v3_sub(lw_v3_scale(lw_v3_add(ta, tb), 0.5), lw_v3_scale(lw_v3_cross(z.g, w), z.q)), dspin = none, dva = none;
+    if (rate) {
+        lw_vec3 dta = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*s->a + 1]), lw_v3_cross(spin, ta));
+        lw_vec3 dtb = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*s->b + 1]), lw_v3_cross(spin, tb));
+        lw_vec3 dg = lw_v3_add(lw_v3_scale(w, z.k), lw_v3_scale(z.g, z.n*lw_v3_dot(z.g, w)));
+        lw_vec3 qg = lw_v3_add(lw_v3_scale(z.g, 0.5*z.dq*lw_v3_dot(z.g, dg)), lw_v3_scale(dg, z.q));
+        dspin = lw_v3_sub(lw_v3_scale(lw_v3_add(dta, dtb), 0.5), lw_v3_cross(qg, w));
+        dspin = lw_v3_sub(dspin, lw_v3_scale(lw_v3_cross(z.g, lw_v3_sub(dtb, dta)), z.q));
+        dva = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*s->a]), lw_v3_cross(spin, va));
+    }
+    for (int i = 0; i < n; i++) {
+        lw_vec3 x, g, v = lw_m3_unapply(&z.turn, node[i].v), t = lw_m3_unapply(&z.turn, node[i].omega), dv = none, dt = none;
+        place(s, &z, node, i, &x, &g);
+        lw_vec3 against = lw_v3_sub(t, spin), dx = lw_v3_add(lw_v3_sub(v, va), lw_v3_cross(x, spin)), dg = log_rate(g, against, -1);
+        if (rate) {
+            dv = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*i]), lw_v3_cross(spin, v));
+            dt = lw_v3_sub(lw_m3_unapply(&z.turn, rate[2*i + 1]), lw_v3_cross(spin, t));
+        }
+        put(e + 6*i, lw_v3_sub(x, lw_v3_sub(own->at[i], own->at[s->a]))), put(e + 6*i + 3, g);
+        put(de + 6*i, dx), put(de + 6*i + 3, dg);
+        if (i >= own->n_bound) {
+            v = dx, t = dg;
+            dv = lw_v3_add(lw_v3_sub(dv, dva), lw_v3_add(lw_v3_cross(dx, spin), lw_v3_cross(x, dspin)));
+            dt = lw_v3_add(log_rate_change(g, dg, against), log_rate(g, lw_v3_sub(dt, dspin), -1));
+        }
+        put(u + 6*i, v), put(u + 6*i + 3, t);
+        put(du + 6*i, dv), put(du + 6*i + 3, dt);
+    }
+    memset(m, 0, 3*(size_t)rows*sizeof *m);      /* m, dm, by_e */
+    multiply(rows, own->rate, 1, u, m);
+    multiply(rows, own->rate, rate ? 1 : 0, du, dm);
+    double twice = dot(rows, u, m);
+    const double omega[3] = { spin.x, spin.y, spin.z }, domega[3] = { dspin.x, dspin.y, dspin.z };
+    for (int k = 0; own->turn && k < 3; k++) {
+        const double *h = own->turn + k*size;
+        memset(he, 0, 2*(size_t)rows*sizeof *he);
+        multiply(rows, h, 1, e, he);
+        multiply(rows, h, rate ? 1 : 0, de, hde);
+        for (int i = 0; i < rows; i++) {
+            m[i] += omega[k]*he[i];
+            dm[i] += domega[k]*he[i] + omega[k]*hde[i];
+            for (int j = 0; rate && j < rows; j++)
+                by_e[j] += omega[k]*h[i*rows + j]*u[i];
+        }
+        turn[k] += dot(rows, u, he);
+        dturn[k] += dot(rows, du, he) + dot(rows, u, hde);
+        twice += 2*omega[k]*dot(rows, u, he);
+    }
+    for (int k = 0; own->turn && k < 6; k++) {
+        const int a = pair[k][0], b = pair[k][1];
+        const double *g = own->turn + (3 + k)*size, both = a == b ? 1 : 2;
+        memset(he, 0, (size_t)rows*sizeof *he);
+        multiply(rows, g, 1, e, he);
+        double here = dot(rows, e, he), change = 2*dot(rows, de, he);
+        for (int i = 0; i < rows; i++)
+            by_e[i] += both*omega[a]*omega[b]*he[i];
+        twice += both*omega[a]*omega[b]*here;
+        for (int side = 0; side < (int)both; side++) {
+            turn[side ? b : a] += omega[side ? a : b]*here;
+            dturn[side ? b : a] += domega[side ? a : b]*here + omega[side ? a : b]*change;
+        }
+    }
+    for (int which = 0; which < 2; which++) {
+        double *out = which ? momentum : force;
+        lw_vec3 c = which ? vec(turn) : lw_v3_add(vec(dturn), lw_v3_cross(spin, vec(turn)));
+        if (!out)
+            continue;
+        for (int i = 0; i < rows; i++)
+            out[i] = (i/6 < own->n_bound ? 0 : which ? m[i] : dm[i]) - (which ? 0 : by_e[i]);
+        for (int i = 0; !which && i < 2*own->n_bound; i++)
+            c = lw_v3_add(c, lw_v3_cross(vec(u + 3*i), vec(m + 3*i)));
+        spread(s, &z, node, c, none, out);
+        for (int i = 0; i < 2*own->n_bound; i++) {
+            lw_vec3 here = vec((which ? m : dm) + 3*i), turns = i%2 ? lw_v3_sub(spin, vec(u + 3*i)) : spin;
+            if (!which)
+                here = lw_v3_add(here, lw_v3_cross(turns, vec(m + 3*i)));
+            put(out + 3*i, lw_v3_add(vec(out + 3*i), lw_m3_apply(&z.turn, here)));
+        }
+    }
+    return 0.5*twice;
+}
+
+void lw_super_mass(const lw_super *s, const lw_beam_node *node, double *out)
+{
+    int n = s->p->n, rows = 6*n;
+    lw_beam_node *still = s->still;
+    lw_vec3 *rate = s->rate;
+    for (int i = 0; i < n; i++)
+        still[i] = (lw_beam_node){ .at = node[i].at, .turn = node[i].turn };
+    memset(rate, 0, 2*(size_t)n*sizeof *rate);
+    for (int c = 0; c < rows; c++) {
+        rate[c/3] = lw_v3(c%3 == 0, c%3 == 1, c%3 == 2);
+        lw_super_inertia(s, still, rate, out + c*rows, NULL);
+        rate[c/3] = lw_v3(0, 0, 0);
+    }
+}
+
 /* ---- mass and condensation ---------------------------------------------------------------------------------------- */
 
 /* The lowest modes of the inner coordinates with those kept at rest: squared frequencies w, shapes x (inner x modes). */
@@ -237,7 +413,8 @@ static lw_status inner_modes(int n, const double *k, const double *mass, int inn
     return s;
 }
 
-lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep, int modes)
+/* Condense; shapes (n x (m + modes)): the motion of all coordinates with each that is kept. */
+static lw_status condense(int n, double *k, double *mass, int m, const int *keep, int modes, double *shapes)
 {
     int inner = n - m, *other = calloc((size_t)n + 1, sizeof *other), found = 0, rows = m + modes;
     size_t size = (size_t)inner + 1, both = (size_t)rows + 1;
@@ -284,11 +461,19 @@ lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *ke
         for (int i = 0; i < rows; i++)
             for (int j = 0; j < rows; j++)
                 (which ? mass : k)[i*rows + j] = 0.5*(out[which][i*rows + j] + out[which][j*rows + i]);
+    for (int j = 0; s == LW_OK && j < rows; j++) {
+        for (int i = 0; i < m; i++)
+            shapes[keep[i]*rows + j] = i == j;
+        for (int i = 0; i < inner; i++)
+            shapes[other[i]*rows + j] = shape[(size_t)j*(size_t)inner + (size_t)i];
+    }
     free(other), free(a), free(out[0]), free(out[1]);
     return s;
 }
 
-void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double *mass)
+/* Turn the 6 more modes that follow the coordinates of n nodes into the motions of `more` nodes, which lie at the first node and
+ * move with the frame of the superelement as long as no mode is excited; rate: mass by the rates of their strains, which are the modes. */
+static void modal_nodes(int n, int more, const lw_vec3 *at, double *k, double *mass, int all, double *rate, double *shapes)
 {
     int m = 6*n, rows = m + 6*more, b = 0;
     double total = 0, size = 0;
@@ -303,6 +488,10 @@ void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double 
         int c = r%6;
         double scale = sqrt((c < 3 ? total : 0.1*total*size*size)/mass[r*(rows + 1)]);
         const int from[2] = { c, 6*b + c };
+        for (int i = 0; i < all; i++)
+            shapes[i*rows + r] *= scale;
+        for (int i = 0; i < rows; i++)
+            rate[i*rows + r] *= scale, rate[r*rows + i] *= scale;
         for (int i = 0; i < rows; i++) {
             mass[i*rows + r] *= scale, k[i*rows + r] *= scale;
             for (int end = 0; end < (c < 3 ? 1 : 2); end++)
@@ -314,6 +503,67 @@ void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double 
                 mass[from[end]*rows + i] -= mass[r*rows + i]*(c < 3 ? 1 : 0.5);
         }
     }
+}
+
+/* H_k and G_kl (see "inertia") of a mass matrix (n x n) and shapes (n x rows); nodes: kept ones.  LW_E_MEMORY. */
+static lw_status turning(int n, const double *mass, int rows, int nodes, const double *shapes, double *out)
+{
+    static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    size_t part = (size_t)n*(size_t)rows;
+    double *y = calloc(6*part, sizeof *y), *my = y + 3*part;
+    if (!y)
+        return LW_E_MEMORY;
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < rows; j++)
+            for (int i = 0; i < n; i++) {
+                double *to = y + (size_t)k*part + i*rows + j;
+                if (i%6 < 3 && i%6 != k)         /* e_k x: from axis k + 1 to k + 2, from k + 2 to -(k + 1) */
+                    *to = i%6 == (k + 2)%3 ? shapes[(i - i%6 + (k + 1)%3)*rows + j] : -shapes[(i - i%6 + (k + 2)%3)*rows + j];
+                if (j < 6*nodes && j%6 < 3 && j%6 != k)
+                    *to -= j%6 == (k + 1)%3 ? shapes[i*rows + j - j%6 + (k + 2)%3] : -shapes[i*rows + j - j%6 + (k + 1)%3];
+            }
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < n; i++)
+            for (int l = 0; l < n; l++) {
+                double by = mass[i*n + l];
+                for (int j = 0; by != 0 && j < rows; j++)
+                    my[(size_t)k*part + i*rows + j] += by*y[(size_t)k*part + l*rows + j];
+            }
+    for (int which = 0; which < 9; which++)
+        for (int i = 0; i < rows; i++)
+            for (int j = 0; j < rows; j++) {
+                int a = which < 3 ? which : pair[which - 3][0], b = which < 3 ? which : pair[which - 3][1];
+                double sum = 0;
+                for (int l = 0; l < n; l++)
+                    sum += which < 3 ? shapes[l*rows + i]*my[(size_t)a*part + l*rows + j]
+                         : 0.5*(y[(size_t)a*part + l*rows + i]*my[(size_t)b*part + l*rows + j] + y[(size_t)b*part + l*rows + i]*my[(size_t)a*part + l*rows + j]);
+                out[(which*rows + i)*rows + j] = sum;
+            }
+    free(y);
+    return LW_OK;
+}
+
+lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *keep, const lw_vec3 *at, int modes, double **rate, double **turn)
+{
+    int rows = 6*nodes + modes, *kept = calloc(6*(size_t)nodes, sizeof *kept);
+    size_t all = (size_t)n*(size_t)n, square = (size_t)rows*(size_t)rows;
+    double *whole = malloc(all*sizeof *whole), *shapes = calloc((size_t)n*(size_t)rows, sizeof *shapes);
+    *rate = malloc(square*sizeof **rate);
+    *turn = rows > 0 && 6*nodes < n ? malloc(9*square*sizeof **turn) : NULL;
+    lw_status s = kept && whole && shapes && *rate && (*turn || 6*nodes == n) ? LW_OK : LW_E_MEMORY;
+    for (int i = 0; s == LW_OK && i < 6*nodes; i++)
+        kept[i] = 6*keep[i/6] + i%6;
+    if (s == LW_OK) {
+        memcpy(whole, mass, all*sizeof *whole);
+        s = condense(n, k, mass, 6*nodes, kept, modes, shapes);
+    }
+    if (s == LW_OK) {
+        memcpy(*rate, mass, square*sizeof **rate);
+        modal_nodes(nodes, modes/6, at, k, mass, n, *rate, shapes);
+        s = *turn ? turning(n, whole, rows, nodes, shapes, *turn) : LW_OK;
+    }
+    free(kept), free(whole), free(shapes);
+    return s;
 }
 
 void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6])

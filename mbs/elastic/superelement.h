@@ -1,7 +1,8 @@
 /* mbs/elastic/superelement.h - a body between n nodes in its own moving frame: strains e, the displacements and rotation vectors of
  * its nodes relative to the frame half-way between two of them, have the energy 1/2 e^T K e.  Rotations of the nodes against the
  * frame may have any angle below 180 degrees; K is that of small strains.  Its weight acts at the centre of mass, which follows from the
- * places of the nodes and the mass matrix, so that condensed bodies sag as the whole ones do. */
+ * places of the nodes and the mass matrix, so that condensed bodies sag as the whole ones do.  In time the whole mass matrix moves with
+ * the frame. */
 #ifndef LW_MBS_ELASTIC_SUPERELEMENT_H
 #define LW_MBS_ELASTIC_SUPERELEMENT_H
 
@@ -16,6 +17,8 @@ typedef struct lw_super {
     lw_vec3  gravity;                /* [m/s^2] */
     lw_mat3 *axes;                   /* (n) the frame's axes in those of each node */
     double  *work;                   /* e, stress, B (6n x 6n), K B, two gradients */
+    lw_beam_node *still;             /* (n), */
+    lw_vec3 *rate;                   /* (2n) scratch */
 } lw_super;
 
 /* turn: of each node's axes in the posture.  s needs lw_super_free, after LW_E_MEMORY too. */
@@ -29,14 +32,24 @@ double lw_super_at(const lw_super *s, lw_beam_node *node, double *force, double 
 /* The frame's axes. */
 lw_mat3 lw_super_frame(const lw_super *s, const lw_beam_node *node);
 
-/* Condensation of matrices (n x n) to the m coordinates `keep`, ascending, by Guyan (1965), and to the lowest `modes` of the others
- * with those at rest (Craig & Bampton 1968): k and mass become m + modes square, the modes last.  LW_E_NUMERIC: the other coordinates
- * are not held by the stiffness, or their mass is not positive definite. */
-lw_status lw_super_condense(int n, double *k, double *mass, int m, const int *keep, int modes);
+/* Inertia with which the superelement moves: force (6n): force and moment on each node that its motion takes, ground axes, for the
+ * accelerations and angular accelerations rate (2n), ground axes; momentum (6n): derivatives of the kinetic energy by velocities and
+ * angular velocities of the nodes.  Either may be NULL, and rate without force.  Returns the kinetic energy [J]. */
+double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, double *force, double *momentum);
 
-/* Turn the 6 more modes that follow the coordinates of n nodes into the motions of `more` nodes, which lie at the first node and
- * move with the frame of the superelement as long as no mode is excited.  The strains e of such a node are its modes. */
-void lw_super_modal_nodes(int n, int more, const lw_vec3 *at, double *k, double *mass);
+/* The mass matrix (6n x 6n) by velocities and angular velocities of the nodes, ground axes. */
+void lw_super_mass(const lw_super *s, const lw_beam_node *node, double *out);
+
+/* First moment of the mass against node a, in ground axes [kg m]. */
+lw_vec3 lw_super_moment(const lw_super *s, const lw_beam_node *node);
+
+/* Condensation of the matrices of a mesh (n x n, n/6 nodes) to the nodes `keep`, ascending, by Guyan (1965), and to the lowest `modes` of
+ * the others, a multiple of 6, with those at rest (Craig & Bampton 1968).  k and mass become 6 nodes + modes square.  Each six modes are
+ * the strains e of one more node, which lies at the first and moves with the frame as long as they are 0.  at: places of the nodes
+ * kept.  rate, turn: lw_superelement's; the caller frees them, after a failure too.  LW_E_NUMERIC: the other coordinates are not held
+ * by the stiffness, or their mass is not positive definite. */
+lw_status lw_super_reduce(int n, double *k, double *mass, int nodes, const int *keep, const lw_vec3 *at, int modes, double **rate,
+                          double **turn);
 
 /* Mass, centre [m] and inertia about it (as in lw_spatial_body) of a mass matrix when the body moves as a rigid one. */
 void lw_super_rigid_mass(int n, const lw_vec3 *at, const double *mass, double *total, lw_vec3 *centre, double inertia[6]);

@@ -10,7 +10,7 @@
  *     equations_space.c     a body has two blocks: velocity of its centre, and angular velocity in its principal axes; it has
  *                           7 coordinates, centre and quaternion, so n_q is not n_v
  *
- * M is constant and diagonal in both.  A measure is a number that a posture has, such as the turn of a joint; how
+ * M is constant and diagonal in both, but for superelements (more_inertia).  A measure is a number that a posture has, such as the turn of a joint; how
  * measures are numbered is the filler's.
  *
  * place comes first; what has no q of its own holds at the q placed last, what has no z at the z placed last. */
@@ -83,8 +83,11 @@ typedef struct lw_equations {
                           const lw_force_sink *sink);
     void   (*pattern)(void *context, const lw_force_sink *sink);
     /* Entries of the mass matrix besides its diagonal at q, to by_q of a sink (consistent masses of elements, which only
-     * modes and equilibrium know).  NULL: there are none. */
+     * modes and equilibrium know, and of superelements).  NULL: there are none. */
     void   (*more_mass)(void *context, const double *q, const lw_force_sink *sink);
+    /* The mass matrix depends on q.  Add to out (n_v) what it, less its diagonal, adds to the left-hand side for accelerations a.  Where the
+     * strains of superelements are 0 its derivatives by a are more_mass.  NULL: M is `mass`. */
+    void   (*more_inertia)(void *context, const double *q, const double *v, const double *a, double *out);
     /* Damper k as a coefficient [SI] and the gradient g (n_v, zeroed) of its measure in SI units, at (q, v). */
     double (*damper)(void *context, int k, const double *q, const double *v, double *g);
     /* Show the expressions of forces, motions and states (timed.h).  NULL: there are none. */

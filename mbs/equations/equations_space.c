@@ -294,6 +294,13 @@ static void more_mass(void *context, const double *q, const lw_force_sink *sink)
     lw_space_more_mass(&c->f, c->frame, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
 }
 
+static void more_inertia(void *context, const double *q, const double *v, const double *a, double *out)
+{
+    const lw_spatial_scene *c = context;
+    lw_space_place(&c->s, q, c->frame);
+    lw_space_more_inertia(&c->f, c->frame, v, a, out);
+}
+
 static void pattern(void *context, const lw_force_sink *sink)
 {
     lw_space_forces_pattern(&((const lw_spatial_scene *)context)->f, &(lw_space_sink){ sink->context, sink->add, sink->add_state });
@@ -438,7 +445,11 @@ static void state_start(void *context, double t, const double *q, const double *
 
 static double state_scale(void *context, int i) { return ((const lw_spatial_scene *)context)->model->states.state[i].scale; }
 
-static double kinetic(void *context, const double *v) { return lw_space_kinetic(&((const lw_spatial_scene *)context)->s, v); }
+static double kinetic(void *context, const double *v)
+{
+    const lw_spatial_scene *c = context;
+    return lw_space_kinetic(&c->s, v) + lw_space_more_inertia(&c->f, c->frame, v, NULL, NULL);
+}
 
 static double potential(void *context, const double *q)
 {
@@ -553,6 +564,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
+                           .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
                            .state_start = state_start, .state_scale = state_scale,
                            .n_switch = count_switches(c), .switches = switches,

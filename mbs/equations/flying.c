@@ -28,7 +28,7 @@ static void join_links(const lw_spatial *m, int *parent)
     for (int i = 0; i < m->n_super; i++)
         for (int k = 1; k < m->super[i].n; k++)
             join(parent, m->super[i].link[0], m->super[i].link[k]);
-    for (int i = 0; i < m->n_super && lw_v3_norm(m->gravity) > 0; i++)
+    for (int i = 0; i < m->n_super; i++)     /* their mass is not only at the nodes */
         join(parent, m->super[i].link[0], m->ground);
     for (int i = 0; i < m->n_force; i++)
         join(parent, m->force[i].link, m->ground);

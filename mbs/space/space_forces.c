@@ -682,6 +682,14 @@ static void add_mass(const lw_space *s, const lw_space_frame *frame, const lw_ma
         }
 }
 
+/* The inertia j (as lw_spatial_body's) of a node by its angular velocity or acceleration w, ground axes. */
+static lw_vec3 node_spin(const lw_space *s, const lw_space_frame *frame, int b, const double *j, lw_vec3 w)
+{
+    const lw_mat3 inertia = { { { j[0], j[3], j[4] }, { j[3], j[1], j[5] }, { j[4], j[5], j[2] } } }, start = lw_quaternion_matrix(s->axes[b]);
+    lw_vec3 own = lw_m3_apply(&start, lw_m3_unapply(&frame[b + 1].turn, w));
+    return lw_m3_apply(&frame[b + 1].turn, lw_m3_unapply(&start, lw_m3_apply(&inertia, own)));
+}
+
 bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink)
 {
     const lw_space *s = f->s;
@@ -704,8 +712,21 @@ bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, c
         add_mass(s, frame, &z.frame, 2, p->link, &m[0][0], sink);
     }
     for (int i = 0; sink && i < model->n_super; i++) {
-        lw_mat3 axes = lw_super_frame(&f->super[i], super_nodes(f, frame, NULL, i));
-        add_mass(s, frame, &axes, model->super[i].n, model->super[i].link, model->super[i].mass, sink);
+        const lw_superelement *p = &model->super[i];
+        const lw_mat3 ground = lw_m3_columns(lw_v3(1, 0, 0), lw_v3(0, 1, 0), lw_v3(0, 0, 1));
+        int rows = 6*p->n;
+        double *m = f->super_work;
+        lw_super_mass(&f->super[i], super_nodes(f, frame, NULL, i), m);
+        for (int k = 0; k < p->n; k++) {         /* less what the nodes have */
+            int b = s->body_of[p->link[k]];
+            for (int c = 0; c < 3; c++) {
+                lw_vec3 spin = node_spin(s, frame, b, p->turning + 6*k, lw_v3(c == 0, c == 1, c == 2));
+                double *to = m + (6*k + 3 + c)*rows + 6*k + 3;
+                to[0] -= spin.x, to[1] -= spin.y, to[2] -= spin.z;
+                m[(6*k + c)*(rows + 1)] -= p->lump[k];
+            }
+        }
+        add_mass(s, frame, &ground, p->n, p->link, m, sink);
     }
     return any;
 }
@@ -726,6 +747,51 @@ const double *lw_space_super(const lw_space_forces *f, const lw_space_frame *fra
     double power;
     lw_super_at(&f->super[i], super_nodes(f, frame, v, i), f->super_work, NULL, NULL, &power);
     return f->super_work;
+}
+
+const double *lw_space_super_inertia(const lw_space_forces *f, const lw_space_frame *frame, const double *v, const double *a, int i)
+{
+    const lw_space *s = f->s;
+    const lw_superelement *p = &s->model->super[i];
+    lw_vec3 *rate = (lw_vec3 *)(void *)(f->super_work + 6*p->n);
+    const lw_beam_node *node = super_nodes(f, frame, v, i);
+    for (int k = 0; k < p->n; k++) {
+        int b = s->body_of[p->link[k]];
+        rate[2*k] = lw_v3_scale(lw_v3(a[6*b], a[6*b + 1], a[6*b + 2]), s->unit);
+        rate[2*k + 1] = lw_space_omega(frame, b, a);
+    }
+    lw_super_inertia(&f->super[i], node, rate, f->super_work, NULL);
+    return f->super_work;
+}
+
+double lw_space_more_inertia(const lw_space_forces *f, const lw_space_frame *frame, const double *v, const double *a, double *out)
+{
+    const lw_space *s = f->s;
+    double energy = 0;
+    for (int i = 0; i < s->model->n_super; i++) {
+        const lw_superelement *p = &s->model->super[i];
+        double *load = f->super_work;
+        if (a)
+            lw_space_super_inertia(f, frame, v, a, i);
+        else
+            energy += lw_super_inertia(&f->super[i], super_nodes(f, frame, v, i), NULL, NULL, load);
+        for (int k = 0; k < p->n; k++) {
+            int b = s->body_of[p->link[k]];
+            const double *x = a ? a : v, *by = load + 6*k, m = p->lump[k]*s->unit;
+            lw_vec3 omega = lw_space_omega(frame, b, v), spin = node_spin(s, frame, b, p->turning + 6*k, omega);
+            lw_vec3 turn = lw_v3_sub(lw_v3(by[3], by[4], by[5]), a ? lw_v3_cross(omega, spin) : spin);
+            if (a)
+                turn = lw_v3_sub(turn, node_spin(s, frame, b, p->turning + 6*k, lw_space_omega(frame, b, a)));
+            else
+                energy -= 0.5*(m*s->unit*(v[6*b]*v[6*b] + v[6*b + 1]*v[6*b + 1] + v[6*b + 2]*v[6*b + 2]) + lw_v3_dot(spin, omega));
+            turn = lw_m3_unapply(&frame[b + 1].turn, turn);
+            for (int c = 0; out && c < 3; c++)
+                out[6*b + c] += s->unit*(by[c] - m*x[6*b + c]);
+            if (out)
+                out[6*b + 3] += turn.x, out[6*b + 4] += turn.y, out[6*b + 5] += turn.z;
+        }
+    }
+    return energy;
 }
 
 static void push_super(sum *s, int i)
@@ -1026,9 +1092,10 @@ double lw_space_kinetic(const lw_space *s, const double *v)
     return all/2;
 }
 
-void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
+void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
                        lw_vec3 *angular)
 {
+    const lw_space *s = f->s;
     *linear = *angular = lw_v3(0, 0, 0);
     for (int b = 0; b < s->n_body; b++) {
         const double *m = s->mass + 6*b, *u = v + 6*b;
@@ -1036,5 +1103,17 @@ void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const dou
         lw_vec3 spin = lw_m3_apply(&frame[b + 1].turn, lw_v3(m[3]*u[3], m[4]*u[4], m[5]*u[5]));
         *linear = lw_v3_add(*linear, p);
         *angular = lw_v3_add(*angular, lw_v3_add(spin, lw_v3_cross(frame[b + 1].at, p)));
+    }
+    for (int i = 0; i < s->model->n_super; i++) {        /* in place of the masses of its nodes */
+        const lw_superelement *p = &s->model->super[i];
+        lw_super_inertia(&f->super[i], super_nodes(f, frame, v, i), NULL, NULL, f->super_work);
+        for (int k = 0; k < p->n; k++) {
+            int b = s->body_of[p->link[k]];
+            const double *m = f->super_work + 6*k, *u = v + 6*b;
+            lw_vec3 push = lw_v3_sub(lw_v3(m[0], m[1], m[2]), lw_v3_scale(lw_v3(u[0], u[1], u[2]), s->unit*p->lump[k]));
+            lw_vec3 turn = lw_v3_sub(lw_v3(m[3], m[4], m[5]), node_spin(s, frame, b, p->turning + 6*k, lw_space_omega(frame, b, v)));
+            *linear = lw_v3_add(*linear, push);
+            *angular = lw_v3_add(*angular, lw_v3_add(turn, lw_v3_cross(frame[b + 1].at, push)));
+        }
     }
 }

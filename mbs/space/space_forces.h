@@ -111,6 +111,13 @@ lw_vec3 lw_space_applied(const lw_space_forces *f, int i, double t, const lw_spa
 /* Force and moment of superelement i on each of its nodes at one moment, with its weight (6n; scratch of f), ground axes [N] [N m]. */
 const double *lw_space_super(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i);
 
+/* Force and moment that each node of superelement i takes for its motion, a (n_v): accelerations (6n; scratch of f), ground axes. */
+const double *lw_space_super_inertia(const lw_space_forces *f, const lw_space_frame *frame, const double *v, const double *a, int i);
+
+/* Inertia of all superelements beyond that of the masses at their nodes, added to out (n_v): M a with what velocities alone cause; a
+ * NULL: the derivatives of their kinetic energy by v, which is returned (0 with a).  out NULL: not wanted. */
+double lw_space_more_inertia(const lw_space_forces *f, const lw_space_frame *frame, const double *v, const double *a, double *out);
+
 /* Entries of the mass matrix besides its diagonal, of beam elements with consistent mass; true: there are any.  sink NULL:
  * only find out. */
 bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, const lw_space_sink *sink);
@@ -119,7 +126,7 @@ double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame)
 double lw_space_kinetic(const lw_space *s, const double *v);
 
 /* Linear momentum, and angular momentum about the origin (ground axes). */
-void lw_space_momentum(const lw_space *s, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
+void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
                        lw_vec3 *angular);
 
 #endif
