@@ -132,6 +132,56 @@ static lw_status check_rigid(const lw_json_node *n, const lw_elastic *p, lw_erro
     return LW_OK;
 }
 
+/* Cholesky's method on a + by b, both (n x n): the first row without a pivot above this part of its diagonal; n: it is positive definite. */
+static const double least_pivot = 1e-13;
+
+static lw_status find_indefinite(int n, const double *a, double by, const double *b, int *row)
+{
+    double *l = malloc((size_t)n*(size_t)n*sizeof *l);
+    if (!l)
+        return LW_E_MEMORY;
+    for (*row = 0; *row < n; ++*row) {
+        double *own = l + *row*n, diagonal = a[*row*(n + 1)] + by*b[*row*(n + 1)], left = diagonal;
+        for (int j = 0; j < *row; j++) {
+            double sum = a[*row*n + j] + by*b[*row*n + j];
+            for (int k = 0; k < j; k++)
+                sum -= own[k]*l[j*n + k];
+            own[j] = sum/l[j*(n + 1)];
+            left -= own[j]*own[j];
+        }
+        if (!(left > least_pivot*diagonal))
+            break;
+        own[*row] = sqrt(left);
+    }
+    free(l);
+    return LW_OK;
+}
+
+/* The mass of the whole body is the same in all directions; no motion has a negative energy. */
+static lw_status check_definite(const lw_json_node *n, const lw_elastic *p, lw_error *e)
+{
+    int rows = 6*p->n_node, row;
+    double total[9] = { 0 }, most = 0;
+    for (int i = 0; i < rows*rows; i++)
+        if (i/rows%6 < 3 && i%rows%6 < 3)
+            total[i/rows%6*3 + i%rows%6] += p->mass[i];
+    double mean = (total[0] + total[4] + total[8])/3;
+    for (int i = 0; i < 9; i++)
+        if (!(fabs(total[i] - (i%4 ? 0 : mean)) <= 1e-6*mean))
+            return lw_json_fault(n, e, "the mass of the whole body differs from one direction to the other: %.6g, %.6g, %.6g kg along x, y, z; are the "
+                                 "rows in the order of the nodes, x y z and turns of each?", total[0], total[4], total[8]);
+    lw_status s = find_indefinite(rows, p->mass, 0, p->mass, &row);
+    if (s == LW_OK && row < rows)
+        return lw_json_fault(n, e, "the mass matrix is not positive definite: a motion of its first %d rows has no mass", row + 1);
+    for (int i = 0; i < rows; i++)
+        most = fmax(most, p->stiffness[i*(rows + 1)]/p->mass[i*(rows + 1)]);
+    if (s == LW_OK)                          /* rigid motions have no stiffness, so a little mass is added */
+        s = find_indefinite(rows, p->stiffness, 1e-9*most, p->mass, &row);
+    if (s == LW_OK && (row < rows || !(most > 0)))
+        return lw_json_fault(n, e, "the stiffness has a displacement with negative energy, of its first %d rows", row + 1);
+    return s == LW_OK ? s : lw_error_set(e, s, "out of memory");
+}
+
 /* "modes": they are the coordinates of whole nodes. */
 static lw_status read_modes(const lw_json_node *n, lw_elastic *p, lw_error *e)
 {
@@ -169,6 +219,8 @@ static lw_status read_superelement(const lw_json_node *n, double metre, lw_elast
     for (int i = 0; s == LW_OK && i < 6*p->n_node; i++)
         if (!(p->mass[i*6*p->n_node + i] > 0))
             s = lw_json_fault(n, e, "the mass matrix has %.3g on its diagonal at row %d; it is to be above 0", p->mass[i*6*p->n_node + i], i + 1);
+    if (s == LW_OK)
+        s = check_definite(n, p, e);
     if (s == LW_OK && lw_json_member(n, "damping", &at))
         s = read_elastic_damping(&at, p, e);
     if (s == LW_OK)

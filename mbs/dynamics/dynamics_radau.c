@@ -618,7 +618,11 @@ static lw_status accept(stages *g, double t)
     lw_status s = lw_mbs_project_q(d, t, g->q, 0.1);
     if (d->eq.accept)
         d->eq.accept(d->eq.context, g->q);
-    return s == LW_OK ? lw_mbs_project_v(d, t, g->v) : s;
+    if (s == LW_OK)
+        s = lw_mbs_project_v(d, t, g->v);
+    if (s == LW_OK && d->eq.keep_momenta)
+        d->eq.keep_momenta(d->eq.context, t, g->q, g->v, d->hold);
+    return s;
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------------- */
@@ -922,7 +926,7 @@ static lw_status run_implicit(lw_run *run, bool alpha)
     else
         set_method(&g);
     g.may_leave = !alpha && d->o.formulation == LW_FORMULATION_AUTO && d->elastic && !d->n_friction && !d->eq.next_piece && !d->eq.n_z
-               && !lw_mbs_is_stiff(d);
+               && !d->eq.more_inertia && !lw_mbs_is_stiff(d);
     g.watched_t = g.t;
     g.dense = !alpha && !d->n_friction && !d->elastic && !d->space && !d->eq.next_piece;
     size_t s_n = (size_t)g.s*n, s_x = (size_t)g.s*x, s_c = (size_t)g.s*c, all = n + x + c;

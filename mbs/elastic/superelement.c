@@ -29,7 +29,7 @@ static void put(double *to, lw_vec3 a) { to[0] = a.x, to[1] = a.y, to[2] = a.z; 
 lw_status lw_super_make(const lw_superelement *p, const lw_mat3 *turn, lw_vec3 gravity, lw_super *s)
 {
     size_t n = 6*(size_t)p->n;
-    *s = (lw_super){ .p = p, .gravity = gravity, .axes = calloc((size_t)p->n, sizeof *s->axes), .work = calloc(2*n*n + 9*n, sizeof *s->work),
+    *s = (lw_super){ .p = p, .gravity = gravity, .axes = calloc((size_t)p->n, sizeof *s->axes), .work = calloc(2*n*n + 11*n + 6, sizeof *s->work),
                      .still = calloc((size_t)p->n, sizeof *s->still), .rate = calloc(2*(size_t)p->n, sizeof *s->rate) };
     if (!s->axes || !s->work || !s->still || !s->rate)
         return LW_E_MEMORY;
@@ -288,13 +288,14 @@ static double dot(int rows, const double *a, const double *b)
     return sum;
 }
 
-double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, double *force, double *momentum)
+/* lw_super_inertia; again: the nodes are where they were. */
+static double inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, bool again, double *force, double *momentum)
 {
     static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
     const lw_superelement *own = s->p;
     const int n = own->n, rows = 6*n, size = rows*rows;
-    double *u = s->work, *du = u + rows, *e = du + rows, *de = e + rows, *m = de + rows, *dm = m + rows, *by_e = dm + rows, *he = by_e + rows,
-           *hde = he + rows, turn[3] = { 0 }, dturn[3] = { 0 };
+    double *u = s->work, *du = u + rows, *e = du + rows, *de = e + rows, *m = de + rows, *dm = m + rows, *by_e = dm + rows, *hde = by_e + rows,
+           *all_he = hde + rows, *all_ege = all_he + 3*rows, turn[3] = { 0 }, dturn[3] = { 0 };
     lw_mid_frame z = frame_of(s, node);
     const lw_vec3 none = { 0, 0, 0 }, ta = lw_m3_unapply(&z.turn, node[s->a].omega), tb = lw_m3_unapply(&z.turn, node[s->b].omega);
     const lw_vec3 w = lw_v3_sub(tb, ta), va = lw_m3_unapply(&z.turn, node[s->a].v);
@@ -333,31 +334,40 @@ double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_ve
     const double omega[3] = { spin.x, spin.y, spin.z }, domega[3] = { dspin.x, dspin.y, dspin.z };
     for (int k = 0; own->turn && k < 3; k++) {
         const double *h = own->turn + k*size;
-        memset(he, 0, 2*(size_t)rows*sizeof *he);
-        multiply(rows, h, 1, e, he);
-        multiply(rows, h, rate ? 1 : 0, de, hde);
-        for (int i = 0; i < rows; i++) {
-            m[i] += omega[k]*he[i];
-            dm[i] += domega[k]*he[i] + omega[k]*hde[i];
-            for (int j = 0; rate && j < rows; j++)
-                by_e[j] += omega[k]*h[i*rows + j]*u[i];
+        double *he = all_he + k*rows, by = omega[k], side = 0;
+        if (!again) {
+            memset(he, 0, (size_t)rows*sizeof *he);
+            multiply(rows, h, 1, e, he);
         }
-        turn[k] += dot(rows, u, he);
-        dturn[k] += dot(rows, du, he) + dot(rows, u, hde);
-        twice += 2*omega[k]*dot(rows, u, he);
+        memset(hde, 0, (size_t)rows*sizeof *hde);
+        multiply(rows, h, rate ? by : 0, de, hde);       /* s_k H_k e' */
+        for (int i = 0; i < rows; i++) {
+            m[i] += by*he[i];
+            dm[i] += domega[k]*he[i] + hde[i];
+            side += u[i]*he[i];
+            for (int j = 0; rate && by != 0 && j < rows; j++)
+                by_e[j] += by*h[i*rows + j]*u[i];
+        }
+        turn[k] += side;
+        dturn[k] += dot(rows, du, he) + (by != 0 ? dot(rows, u, hde)/by : 0);
+        twice += 2*by*side;
     }
     for (int k = 0; own->turn && k < 6; k++) {
-        const int a = pair[k][0], b = pair[k][1];
-        const double *g = own->turn + (3 + k)*size, both = a == b ? 1 : 2;
-        memset(he, 0, (size_t)rows*sizeof *he);
-        multiply(rows, g, 1, e, he);
-        double here = dot(rows, e, he), change = 2*dot(rows, de, he);
-        for (int i = 0; i < rows; i++)
-            by_e[i] += both*omega[a]*omega[b]*he[i];
-        twice += both*omega[a]*omega[b]*here;
-        for (int side = 0; side < (int)both; side++) {
-            turn[side ? b : a] += omega[side ? a : b]*here;
-            dturn[side ? b : a] += domega[side ? a : b]*here + omega[side ? a : b]*change;
+        const int a = pair[k][0], b = pair[k][1], both = a == b ? 1 : 2;
+        const double *g = own->turn + (3 + k)*size, by = both*omega[a]*omega[b];
+        double change = 0;
+        if (!again || omega[a] != 0 || omega[b] != 0) {
+            memset(hde, 0, (size_t)rows*sizeof *hde);
+            multiply(rows, g, 1, e, hde);
+            all_ege[k] = dot(rows, e, hde);
+            change = 2*dot(rows, de, hde);
+        }
+        for (int i = 0; i < rows && by != 0; i++)
+            by_e[i] += by*hde[i];
+        twice += by*all_ege[k];
+        for (int side = 0; side < both; side++) {
+            turn[side ? b : a] += omega[side ? a : b]*all_ege[k];
+            dturn[side ? b : a] += domega[side ? a : b]*all_ege[k] + omega[side ? a : b]*change;
         }
     }
     for (int which = 0; which < 2; which++) {
@@ -380,6 +390,11 @@ double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_ve
     return 0.5*twice;
 }
 
+double lw_super_inertia(const lw_super *s, const lw_beam_node *node, const lw_vec3 *rate, double *force, double *momentum)
+{
+    return inertia(s, node, rate, false, force, momentum);
+}
+
 void lw_super_mass(const lw_super *s, const lw_beam_node *node, double *out)
 {
     int n = s->p->n, rows = 6*n;
@@ -390,7 +405,7 @@ void lw_super_mass(const lw_super *s, const lw_beam_node *node, double *out)
     memset(rate, 0, 2*(size_t)n*sizeof *rate);
     for (int c = 0; c < rows; c++) {
         rate[c/3] = lw_v3(c%3 == 0, c%3 == 1, c%3 == 2);
-        lw_super_inertia(s, still, rate, out + c*rows, NULL);
+        inertia(s, still, rate, c > 0, out + c*rows, NULL);
         rate[c/3] = lw_v3(0, 0, 0);
     }
 }

@@ -541,7 +541,7 @@ static void note_momenta(void *context, double t, const double *q, const double 
 {
     lw_spatial_scene *c = context;
     lw_space_place(&c->s, q, c->frame);
-    lw_flying_note(&c->s, c->frame, v, t, &c->flying);
+    lw_flying_note(&c->f, c->frame, v, t, &c->flying);
 }
 
 static void keep_momenta(void *context, double t, double *q, double *v, double *rigid)
@@ -551,7 +551,7 @@ static void keep_momenta(void *context, double t, double *q, double *v, double *
     if (c->f.held)                           /* the caller's loads change them */
         memset(rigid, 0, (size_t)c->s.n_v*sizeof *rigid);
     else
-        lw_flying_hold(&c->s, t, q, c->frame, v, rigid, &c->flying);
+        lw_flying_hold(&c->f, t, q, c->frame, v, rigid, &c->flying);
 }
 
 lw_equations lw_spatial_equations(lw_spatial_scene *c)

@@ -28,8 +28,6 @@ static void join_links(const lw_spatial *m, int *parent)
     for (int i = 0; i < m->n_super; i++)
         for (int k = 1; k < m->super[i].n; k++)
             join(parent, m->super[i].link[0], m->super[i].link[k]);
-    for (int i = 0; i < m->n_super; i++)     /* their mass is not only at the nodes */
-        join(parent, m->super[i].link[0], m->ground);
     for (int i = 0; i < m->n_force; i++)
         join(parent, m->force[i].link, m->ground);
     for (int i = 0; i < m->n_input; i++)
@@ -67,8 +65,10 @@ void lw_flying_free(lw_flying *f)
 }
 
 /* Masses, centres, inertias and momenta of all groups. */
-static void find(const lw_space *s, const lw_space_frame *frame, const double *v, const lw_flying *f, lw_flying_group *out)
+static void find(const lw_space_forces *forces, const lw_space_frame *frame, const double *v, const lw_flying *f, lw_flying_group *out)
 {
+    const lw_space *s = forces->s;
+    lw_super_whole w;
     memset(out, 0, (size_t)f->n*sizeof *out);
     for (int b = 0; b < s->n_body; b++)
         if (f->group[b] >= 0) {
@@ -79,6 +79,14 @@ static void find(const lw_space *s, const lw_space_frame *frame, const double *v
             g->linear = lw_v3_add(g->linear, lw_v3_scale(lw_v3(v[6*b], v[6*b + 1], v[6*b + 2]), s->unit*mass));
             g->bodies++, g->body = b;
         }
+    for (int i = 0; i < s->model->n_super; i++) {
+        int group = f->group[s->body_of[s->model->super[i].link[0]]];
+        if (group < 0)
+            continue;
+        lw_space_super_whole(forces, frame, v, i, lw_v3(0, 0, 0), &w);
+        out[group].centre = lw_v3_add(out[group].centre, w.first);
+        out[group].linear = lw_v3_add(out[group].linear, w.linear);
+    }
     for (int i = 0; i < f->n; i++)
         out[i].centre = lw_v3_scale(out[i].centre, 1/out[i].mass);
     for (int b = 0; b < s->n_body; b++)
@@ -97,11 +105,20 @@ static void find(const lw_space *s, const lw_space_frame *frame, const double *v
                 g->inertia[k] += mass*far[k] + r[0]*own[3]*c[0] + r[1]*own[4]*c[1] + r[2]*own[5]*c[2];
             }
         }
+    for (int i = 0; i < s->model->n_super; i++) {
+        int group = f->group[s->body_of[s->model->super[i].link[0]]];
+        if (group < 0)
+            continue;
+        lw_space_super_whole(forces, frame, v, i, out[group].centre, &w);
+        out[group].angular = lw_v3_add(out[group].angular, w.angular);
+        for (int k = 0; k < 6; k++)
+            out[group].inertia[k] += w.inertia[k];
+    }
 }
 
-void lw_flying_note(const lw_space *s, const lw_space_frame *frame, const double *v, double t, lw_flying *f)
+void lw_flying_note(const lw_space_forces *forces, const lw_space_frame *frame, const double *v, double t, lw_flying *f)
 {
-    find(s, frame, v, f, f->kept);
+    find(forces, frame, v, f, f->kept);
     f->since = t;
 }
 
@@ -135,15 +152,16 @@ static void turn_to_energy(const double *j, lw_vec3 angular, double twice, doubl
     }
 }
 
-void lw_flying_hold(const lw_space *s, double t, double *q, lw_space_frame *frame, double *v, double *rigid, lw_flying *f)
+void lw_flying_hold(const lw_space_forces *forces, double t, double *q, lw_space_frame *frame, double *v, double *rigid, lw_flying *f)
 {
-    find(s, frame, v, f, f->now);
+    const lw_space *s = forces->s;
+    find(forces, frame, v, f, f->now);
     for (int i = 0; i < f->n; i++)
         if (f->now[i].bodies == 1) {
             int b = f->now[i].body;
             turn_to_energy(s->mass + 6*b + 3, f->kept[i].angular, f->kept[i].spin, q + 7*b + 3, &frame[b + 1]);
         }
-    find(s, frame, v, f, f->now);
+    find(forces, frame, v, f, f->now);
     memset(rigid, 0, (size_t)s->n_v*sizeof *rigid);
     for (int i = 0; i < f->n; i++) {         /* `now` becomes velocities of the group: kept, and what they lack; centre stays */
         lw_flying_group *now = &f->now[i];

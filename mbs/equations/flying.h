@@ -23,10 +23,10 @@ lw_status lw_flying_make(const lw_space *s, lw_flying *f, lw_error *e);
 void      lw_flying_free(lw_flying *f);
 
 /* Note the momenta at time t. */
-void lw_flying_note(const lw_space *s, const lw_space_frame *frame, const double *v, double t, lw_flying *f);
+void lw_flying_note(const lw_space_forces *forces, const lw_space_frame *frame, const double *v, double t, lw_flying *f);
 
 /* Put v (n_v) on them, and turn bodies that fly alone (q, frame); rigid (n_v): the part of v by which groups move as rigid bodies, 0
  * for other bodies. */
-void lw_flying_hold(const lw_space *s, double t, double *q, lw_space_frame *frame, double *v, double *rigid, lw_flying *f);
+void lw_flying_hold(const lw_space_forces *forces, double t, double *q, lw_space_frame *frame, double *v, double *rigid, lw_flying *f);
 
 #endif

@@ -1092,6 +1092,40 @@ double lw_space_kinetic(const lw_space *s, const double *v)
     return all/2;
 }
 
+void lw_space_super_whole(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, lw_vec3 about, lw_super_whole *out)
+{
+    static const int row[6] = { 0, 1, 2, 0, 0, 1 }, column[6] = { 0, 1, 2, 1, 2, 2 };
+    const lw_space *s = f->s;
+    const lw_superelement *p = &s->model->super[i];
+    lw_beam_node *node = super_nodes(f, frame, v, i);
+    double total = 0, spin[3][3];
+    *out = (lw_super_whole){ .first = lw_super_moment(&f->super[i], node) };
+    for (int k = 0; k < p->n; k++) {
+        total += p->lump[k];
+        out->first = lw_v3_sub(out->first, lw_v3_scale(lw_v3_sub(node[k].at, about), p->lump[k]));
+    }
+    out->first = lw_v3_add(out->first, lw_v3_scale(lw_v3_sub(node[f->super[i].a].at, about), total));
+    for (int turn = -1; turn < 3; turn++) {      /* as it moves; as a rigid body that turns about an axis */
+        lw_vec3 axis = lw_v3(turn == 0, turn == 1, turn == 2), linear = { 0, 0, 0 }, angular = { 0, 0, 0 };
+        for (int k = 0; turn >= 0 && k < p->n; k++)
+            node[k].v = lw_v3_cross(axis, lw_v3_sub(node[k].at, about)), node[k].omega = axis;
+        lw_super_inertia(&f->super[i], node, NULL, NULL, f->super_work);
+        for (int k = 0; k < p->n; k++) {
+            const double *m = f->super_work + 6*k;
+            lw_vec3 push = lw_v3_sub(lw_v3(m[0], m[1], m[2]), lw_v3_scale(node[k].v, p->lump[k]));
+            lw_vec3 own = lw_v3_sub(lw_v3(m[3], m[4], m[5]), node_spin(s, frame, s->body_of[p->link[k]], p->turning + 6*k, node[k].omega));
+            linear = lw_v3_add(linear, push);
+            angular = lw_v3_add(angular, lw_v3_add(own, lw_v3_cross(lw_v3_sub(node[k].at, about), push)));
+        }
+        if (turn < 0)
+            out->linear = linear, out->angular = angular;
+        else
+            spin[turn][0] = angular.x, spin[turn][1] = angular.y, spin[turn][2] = angular.z;
+    }
+    for (int k = 0; k < 6; k++)
+        out->inertia[k] = spin[row[k]][column[k]];
+}
+
 void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
                        lw_vec3 *angular)
 {
@@ -1104,16 +1138,10 @@ void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, co
         *linear = lw_v3_add(*linear, p);
         *angular = lw_v3_add(*angular, lw_v3_add(spin, lw_v3_cross(frame[b + 1].at, p)));
     }
-    for (int i = 0; i < s->model->n_super; i++) {        /* in place of the masses of its nodes */
-        const lw_superelement *p = &s->model->super[i];
-        lw_super_inertia(&f->super[i], super_nodes(f, frame, v, i), NULL, NULL, f->super_work);
-        for (int k = 0; k < p->n; k++) {
-            int b = s->body_of[p->link[k]];
-            const double *m = f->super_work + 6*k, *u = v + 6*b;
-            lw_vec3 push = lw_v3_sub(lw_v3(m[0], m[1], m[2]), lw_v3_scale(lw_v3(u[0], u[1], u[2]), s->unit*p->lump[k]));
-            lw_vec3 turn = lw_v3_sub(lw_v3(m[3], m[4], m[5]), node_spin(s, frame, b, p->turning + 6*k, lw_space_omega(frame, b, v)));
-            *linear = lw_v3_add(*linear, push);
-            *angular = lw_v3_add(*angular, lw_v3_add(turn, lw_v3_cross(frame[b + 1].at, push)));
-        }
+    for (int i = 0; i < s->model->n_super; i++) {
+        lw_super_whole w;
+        lw_space_super_whole(f, frame, v, i, lw_v3(0, 0, 0), &w);
+        *linear = lw_v3_add(*linear, w.linear);
+        *angular = lw_v3_add(*angular, w.angular);
     }
 }

@@ -125,6 +125,11 @@ bool lw_space_more_mass(const lw_space_forces *f, const lw_space_frame *frame, c
 double lw_space_potential(const lw_space_forces *f, const lw_space_frame *frame);
 double lw_space_kinetic(const lw_space *s, const double *v);
 
+/* What superelement i has beyond the masses at its nodes: first moment, linear momentum, angular momentum and inertia (as
+ * lw_spatial_body's) about a place, ground axes. */
+typedef struct lw_super_whole { lw_vec3 first, linear, angular; double inertia[6]; } lw_super_whole;
+void lw_space_super_whole(const lw_space_forces *f, const lw_space_frame *frame, const double *v, int i, lw_vec3 about, lw_super_whole *out);
+
 /* Linear momentum, and angular momentum about the origin (ground axes). */
 void lw_space_momentum(const lw_space_forces *f, const lw_space_frame *frame, const double *v, lw_vec3 *linear,
                        lw_vec3 *angular);
