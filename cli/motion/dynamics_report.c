@@ -102,9 +102,8 @@ static void note_lumps(const cli_call *c, const lw_dynamics *d)
         return;
     const char *name = space ? lw_dynamics_space(d)->model->body[worst->link].name : plane->model.linkage.link_name[worst->link];
     cli_note(c, "the mass of elastic links is lumped at their nodes, and %d link%s too few of them: the %d nodes of \"%.*s\" have %.3g times its inertia "
-             "about its centre of mass, so that it moves too slowly; take more %s", links, links == 1 ? " has" : "s have", worst->n_node,
-             (int)strlen(name) - 2, name, 1 + worst->too_much,
-             worst->elastic->n_node > 0 ? "nodes" : worst->condensed ? "\"superelements\"" : "\"segments\"");
+             "about its centre of mass, so that it moves too slowly; take more \"segments\"", links, links == 1 ? " has" : "s have", worst->n_node,
+             (int)strlen(name) - 2, name, 1 + worst->too_much);
 }
 
 static void note_start(const cli_call *c, const lw_dynamics *d, const lw_dynamics_report *r)

@@ -47,12 +47,10 @@ static double greatest_speed(const lw_expression *motion, double from, double to
 
 static void explain_chain(const cli_call *call, const char *name, const lw_elastic_chain *k)
 {
-    if (k->condensed && k->elastic->modes)
-        cli_note(call, "elastic link \"%s\": %.4g kg; superelements with %d modes each at rest and in vibrations, with %d inner nodes each, "
-                 "whose masses are lumped, in time", name, k->mass, k->elastic->modes, k->elastic->modes/6);
-    else if (k->condensed)
-        cli_note(call, "elastic link \"%s\": %.4g kg; superelements between %d nodes, whose masses are lumped in time", name, k->mass,
-                 k->n_node);
+    if (k->condensed)
+        cli_note(call, "elastic link \"%s\": %.4g kg; superelements between %d nodes%s, which move with their whole mass matrix; tension does not "
+                 "stiffen a piece, so each is to turn slowly beside its first frequency", name, k->mass, k->n_bound,
+                 k->elastic->modes ? ", with modes" : "");
     else if (k->frequency > 0)
         cli_note(call, "elastic link \"%s\": %.4g m, %.4g kg; %d elements, for errors below 1 %% of frequencies up to %.4g Hz; "
                  "first bending frequency with hinged ends %.4g Hz", name, k->length, k->mass, k->n_node - 1, k->frequency, k->first);

@@ -34,7 +34,10 @@ static lw_status check_masses(lw_dynamics *d)
     lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, true);
-    return s == LW_OK ? lw_mbs_solve(d, d->o.from, d->start_q, d->start_v, d->a, d->l, NULL) : s;
+    if (s == LW_OK)
+        s = lw_mbs_solve(d, d->o.from, d->start_q, d->start_v, d->a, d->l, NULL);
+    return s != LW_OPEN || !d->eq.more_inertia ? s
+         : lw_error_set(d->e, LW_E_NUMERIC, "the accelerations of superelements at the start are not found; their mass matrix has motions of next to no mass");
 }
 
 /* The formulation asked for: its reason is that, or why it cannot do the model. */

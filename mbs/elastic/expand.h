@@ -21,7 +21,7 @@ typedef struct lw_elastic_chain {
     double frequency;                /* up to which elements chosen by themselves are good to 1 %; 0: their number was given [Hz] */
     double first;                    /* first bending frequency with hinged ends (Euler & Bernoulli) [Hz] */
     double too_much;                 /* how much the inertia of the lumped nodes exceeds that of the rigid link about its centre of mass, in
-                                        the direction where it does most, as a share of it: 2/n^2 of a straight bar of n elements */
+                                        the direction where it does most, as a share of it: 2/n^2 of a straight bar of n elements; 0 if condensed */
 } lw_elastic_chain;
 
 typedef struct lw_expression_list { int n; lw_expression **x; } lw_expression_list;
