@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
-# Run test programs, one more at a time than there are processors, since some wait, and add up their results.
+# Run test programs, two more at a time than there are processors, since some wait, and add up their results.
 #     tests/run.sh PROGRAM...
 # The last line of a program is "<name>: N passed, M failed".  A program counts as failed if it crashes, prints no such
 # line, leaves a file in its folder for temporary files, or runs for more than LW_TEST_SECONDS (an hour: only a program
-# that hangs runs so long).  LW_TEST_TIMES=FILE adds a line to FILE for each program: seconds of the user, of the system,
-# elapsed.  The other programs still run.  The very last line is the sum; the exit code is 0 if nothing
-# failed.
+# that hangs runs so long).  The other programs still run.  The very last line is the sum; the exit code is 0 if nothing
+# failed.  LW_TEST_TIMES=FILE adds a line to FILE for each program: seconds of the user, of the system, elapsed.
 set -u
 logs=$(mktemp -d) || exit 1
 trap 'rm -rf "$logs"' EXIT
@@ -31,7 +30,7 @@ run_one() {
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 export -f run_one
 
-printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(($(nproc) + 1))" bash -c 'run_one "$0" "$1"' "$logs"
+printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(($(nproc) + 2))" bash -c 'run_one "$0" "$1"' "$logs"
 cat "$logs"/*.sum 2>/dev/null | awk '
     { passed += $2; failed += $4 }
     END { printf "%d passed, %d failed\n", passed, failed; exit failed > 0 || passed == 0 }'

@@ -32,9 +32,9 @@ TEST(nearest)
 /* Curves of six links are drawn and found, do not depend on the number of threads, and start a fit. */
 TEST(six_links)
 {
-    expect("$P catalogue curves $D/s.db --links 6 --samples 4000 && $P catalogue curves $D/s2.db --links 6 --samples 4000 -j 1 -q && "
+    expect("$P catalogue curves $D/s.db --links 6 --samples 1500 && $P catalogue curves $D/s2.db --links 6 --samples 1500 -j 1 -q && "
            "$P catalogue nearest $D/s.db examples/walking-foot.csv --results 9 > $D/1 && $P catalogue nearest $D/s2.db "
-           "examples/walking-foot.csv --results 9 | cmp - $D/1 && cat $D/1", 0, ", point on link ", "4000 of 4000 samples");
+           "examples/walking-foot.csv --results 9 | cmp - $D/1 && cat $D/1", 0, ", point on link ", "1500 of 1500 samples");
     expect("$P catalogue nearest $D/s.db examples/letter-s.csv --json --results 3 > $D/six.json && "
            "$P draw $D/six.json --result 3 -o $D/six.svg && $P catalogue add $D/s.db $D/six.json && "
            "$P catalogue query $D/s.db links=6 --list linkages -f csv | wc -l", 0, "4\n", "3 added");
@@ -126,7 +126,7 @@ TEST(killed_adds)
 
 TEST(killed_curves)
 {
-    kill_at_random("y.db", "catalogue curves y.db --links 4 --samples 20000", 10, "sweep|");
+    kill_at_random("y.db", "catalogue curves y.db --links 4 --samples 8000", 10, "sweep|");
 }
 
 /* A full disk, and a damaged file. */

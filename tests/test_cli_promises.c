@@ -56,7 +56,7 @@ static const row rows[] = {
       "family optimise examples/families/loader.json --vary drop,pin_height --minimise peak\\(lift.drive\\) --to 2 "
       "--solver isres --max-evaluations 1e7", "examples/families/loader.json", false },
     { "family check examples/families/loader.json", NULL, "examples/families/loader.json", false },
-    { "drive simulate examples/drives/servo-axis.json -n 8", "drive simulate examples/drives/servo-axis.json --to 1e5",
+    { "drive simulate examples/drives/servo-axis.json -n 8 --to 0.05", "drive simulate examples/drives/servo-axis.json --to 1e5",
       "examples/drives/servo-axis.json", false },
     { "drive select examples/drives/lifting-arm.json --to 2.5 -n 100 --motors examples/drives/motors.csv --gears examples/drives/gears.csv",
       "drive select examples/drives/lifting-arm.json --motors $D/motors.csv --gears $D/gears.csv", "examples/drives/motors.csv", false },
@@ -96,7 +96,7 @@ static const row rows[] = {
     { "catalogue export $D/six.db links=6", NULL, "$D/six.db", false },
     { "catalogue nearest $D/curves.db examples/ellipse.csv", NULL, "examples/ellipse.csv", false },
     { "catalogue check $D/six.db", "catalogue check $D/builds.db", "$D/six.db", false },
-    { "fit examples/ellipse.csv --starts 20 --rounds 1 --json", "fit examples/walking-foot.csv --links 8",
+    { "fit examples/ellipse.csv --unlimited --starts 20 --rounds 1 --json", "fit examples/walking-foot.csv --links 8",
       "examples/ellipse.csv", true },
 };
 
@@ -335,7 +335,7 @@ TEST(bounded_memory)
 /* Streams that are closed, or that nobody reads, and names that are no plain text. */
 TEST(odd_streams_and_names)
 {
-    static const char *const commands[] = { "fit examples/ellipse.csv --starts 5 --rounds 1", "trace examples/jansen.json -n 4",
+    static const char *const commands[] = { "fit examples/ellipse.csv --unlimited --starts 5 --rounds 1", "trace examples/jansen.json -n 4",
         "family table examples/families/loader.json", "drive load examples/drives/lifting-arm.json -n 4" };
     char line[1000];
     for (size_t i = 0; i < sizeof commands/sizeof *commands; i++) {
@@ -384,8 +384,8 @@ TEST(inputs_that_are_read_once)
                  "timeout 60 %s; c=$?; kill $! 2> /dev/null; test $c = 3 -o $c = 1", name, r->input, r->input, piped, plain, piped);
         demand(line, r->small);
     }
-    expect("$P fit examples/ellipse.csv --starts 20 --rounds 1 --json -q > $D/start.json && for from in $D/start.json -; do $P fit examples/figure-eight.csv "
-           "--start-from $from --starts 5 --rounds 1 -q --json < $D/start.json | grep -v 'seconds\\|command' > $D/by$(basename $from); done; "
+    expect("$P fit examples/ellipse.csv --unlimited --starts 20 --rounds 1 --json -q > $D/start.json && for from in $D/start.json -; do $P fit "
+           "examples/figure-eight.csv --unlimited --links 4 --start-from $from --starts 5 --rounds 1 -q --json < $D/start.json | grep -v 'seconds\\|command' > $D/by$(basename $from); done; "
            "cmp $D/by- $D/bystart.json", 0, NULL, NULL);
 }
 
