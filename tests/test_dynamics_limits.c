@@ -1,4 +1,7 @@
 /* Hard scenes of dynamics against closed solutions: heavy on light, links without mass, long runs, dead points. */
+#include <complex.h>
+
+#include "base/rng.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -104,6 +107,169 @@ TEST(massless_loop)
         CHECK_NEAR(d.tracer[1].y, sin(angle), f == 1 ? 1e-10 : 1e-5, 0);
     }
     lw_model_free(&d.model);
+}
+
+/* Four-bars in their crank angle, with complex numbers: masses, inertias, and centres from the first pin of each link, along it. */
+typedef struct four_bar { double length[4], mass[3], inertia[3], side; double complex arm[3]; } four_bar;
+
+static const double complex pull = 2 - 9.81*I;
+
+static void angles_of(const four_bar *f, double crank, double angle[3])
+{
+    double complex pin = f->length[0]*cexp(I*crank), to = f->length[3] - pin;
+    double way = cabs(to), x = (f->length[1]*f->length[1] - f->length[2]*f->length[2] + way*way)/(2*way);
+    double complex end = pin + to/way*(x + I*f->side*sqrt(fmax(0, f->length[1]*f->length[1] - x*x)));
+    angle[0] = crank;
+    angle[1] = carg(end - pin);
+    angle[2] = carg(end - f->length[3]);
+}
+
+/* Rates of y = crank angle, its rate; returns the mass that moves with the angle. */
+static double four_bar_rates(const four_bar *f, const double *y, double *dy)
+{
+    double angle[3], mass = 0, half = 0, push = 0, w[3] = { 1 }, bend[3] = { 0 };        /* derivatives of the angles */
+    double complex turn[3], left;
+    angles_of(f, y[0], angle);
+    for (int i = 0; i < 3; i++)
+        turn[i] = cexp(I*angle[i]);
+    double across = sin(angle[1] - angle[2]);
+    w[1] = f->length[0]*sin(angle[2] - angle[0])/(f->length[1]*across);
+    w[2] = f->length[0]*sin(angle[1] - angle[0])/(f->length[2]*across);
+    left = -I*(f->length[0]*turn[0] + f->length[1]*w[1]*w[1]*turn[1] - f->length[2]*w[2]*w[2]*turn[2]);
+    bend[1] = cimag(left*conj(turn[2]))/(f->length[1]*across);
+    bend[2] = cimag(left*conj(turn[1]))/(f->length[2]*across);
+    for (int i = 0; i < 3; i++) {
+        double complex rate = I*w[i]*f->arm[i]*turn[i], second = (I*bend[i] - w[i]*w[i])*f->arm[i]*turn[i];
+        rate += i == 1 ? I*f->length[0]*turn[0] : 0;
+        second -= i == 1 ? f->length[0]*turn[0] : 0;
+        mass += f->mass[i]*creal(rate*conj(rate)) + f->inertia[i]*w[i]*w[i];
+        half += f->mass[i]*creal(second*conj(rate)) + f->inertia[i]*w[i]*bend[i];
+        push += f->mass[i]*creal(pull*conj(rate));
+    }
+    dy[0] = y[1];
+    dy[1] = (push - half*y[1]*y[1])/mass;
+    return mass;
+}
+
+static lw_status four_bar_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)t;
+    four_bar_rates(context, y, dy);
+    return LW_OK;
+}
+
+/* Draw one; false: it has no mass, or comes near a posture where coupler and rocker lie in line, or where hardly any mass moves.  y: the crank angle and rate at the start,
+ * then after half a second.  *growth: of errors on the way. */
+static bool draw_four_bar(lw_rng *rng, four_bar *f, double y[2], double *growth)
+{
+    static const double masses[] = { 0, 1e-8, 1, 1, 1e8 };
+    const lw_ode ode = { .n = 2, .context = f, .rate = four_bar_rate };
+    double most = 0, heaviest = 0, angle[3], nearest = 1, dy[2], moved[2] = { y[0] = lw_rng_range(rng, -3, 3), y[1] = lw_rng_range(rng, 1, 3) };
+    for (int i = 0; i < 4; i++)
+        f->length[i] = lw_rng_range(rng, 0.5, 2);
+    f->side = lw_rng_range(rng, -1, 1) < 0 ? -1 : 1;
+    for (int i = 0; i < 3; i++) {
+        f->mass[i] = masses[(int)lw_rng_range(rng, 0, 5)];
+        f->arm[i] = f->length[i]*(lw_rng_range(rng, 0, 1) + I*lw_rng_range(rng, -0.3, 0.3));
+        f->inertia[i] = f->mass[i]*(lw_rng_range(rng, 0, 1) < 0.3 ? 0 : lw_rng_range(rng, 0.02, 0.3));
+        most = fmax(most, f->mass[i]);
+    }
+    double way = cabs(f->length[3] - f->length[0]*cexp(I*y[0]));
+    if (most == 0 || way > f->length[1] + f->length[2] - 0.2 || way < fabs(f->length[1] - f->length[2]) + 0.2)
+        return false;
+    for (int i = 0; i < 100 && nearest > 0.3; i++) {
+        drun_exact(&ode, 0.005*i, moved, 0.005*(i + 1));
+        angles_of(f, moved[0], angle);
+        double mass = four_bar_rates(f, moved, dy);
+        heaviest = fmax(heaviest, mass);
+        nearest = fmin(nearest, fmin(fabs(sin(angle[1] - angle[2])), 30*mass/heaviest));
+    }
+    *growth = 1;
+    for (int i = 0; i < 2 && nearest > 0.3; i++) {
+        double other[2] = { y[0] + (i ? 0 : 1e-7), y[1] + (i ? 1e-7 : 0) };
+        drun_exact(&ode, 0, other, 0.5);
+        *growth = fmax(*growth, fabs(other[0] - moved[0])/1e-7);
+    }
+    return nearest > 0.3;
+}
+
+/* Links without mass, of a milligram, a kilogram and 1e5 tons in one loop, in all formulations.  limit: error over tolerance and growth of
+ * errors; the methods of low order are less exact. */
+TEST(masses_far_apart)
+{
+    static const struct { lw_formulation f; double limit; } each[] = {
+        { LW_FORMULATION_AUTO, 100 }, { LW_FORMULATION_QUADRATURE, 100 }, { LW_FORMULATION_REDUCED, 100 }, { LW_FORMULATION_INDEX1, 100 },
+        { LW_FORMULATION_RADAU, 1e4 }, { LW_FORMULATION_CVODE, 1e4 }, { LW_FORMULATION_GGL, 1e4 }, { LW_FORMULATION_ALPHA, 1e5 } };
+    int runs = 0, heavy = 0;
+    for (int k = 0; k < 60; k++) {
+        lw_rng rng;
+        four_bar f;
+        double y[2], growth, angle[3], start;
+        char text[2000];
+        lw_rng_seed(&rng, check_seed(), 500 + (uint64_t)k);
+        if (!draw_four_bar(&rng, &f, y, &growth))
+            continue;
+        angles_of(&f, start = y[0], angle);
+        double complex pin = f.length[0]*cexp(I*y[0]), end = pin + f.length[1]*cexp(I*angle[1]);
+        int used = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
+        for (int i = 0; i < 3; i++) {
+            double complex c = (i == 1 ? pin : i == 2 ? f.length[3] : 0) + f.arm[i]*cexp(I*angle[i]);
+            used += snprintf(text + used, sizeof text - (size_t)used, ", {'name': 'l%d', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}", i,
+                             f.mass[i], creal(c), cimag(c), f.inertia[i]);
+            heavy += f.mass[i] > 1;
+        }
+        snprintf(text + used, sizeof text - (size_t)used, "], 'joints': [{'name': 'A', 'links': ['ground', 'l0'], 'at': [0, 0]}, {'name': 'B', 'links': ['l0', 'l1'], "
+                 "'at': [%.17g, %.17g]}, {'name': 'C', 'links': ['l1', 'l2'], 'at': [%.17g, %.17g]}, {'name': 'D', 'links': ['l2', 'ground'], "
+                 "'at': [%.17g, 0]}], 'input': {'joint': 'A', 'speed': %.17g}, 'gravity': [2, -9.81]}", creal(pin), cimag(pin), creal(end), cimag(end),
+                 f.length[3], y[1]);
+        drun_exact(&(lw_ode){ .n = 2, .context = &f, .rate = four_bar_rate }, 0, y, 0.5);
+        drun_read_format(&d, text, 0, 0);
+        for (int e = 0; e < 8; e++) {
+            lw_status s = drun_to(&d, each[e].f, 1e-8, 0.5, 5);
+            CHECK(s == LW_OK || s == LW_E_KIND);
+            if (s == LW_OK)
+                CHECK_NEAR(d.q[2], y[0] - start, each[e].limit*1e-8*growth, 0);
+            runs += s == LW_OK;
+        }
+        lw_model_free(&d.model);
+    }
+    CHECK(runs > 50 && heavy > 5);
+}
+
+/* A crank and a coupler that hardly have mass turn a rocker without gravity: it turns evenly to and fro, and in its dead points, where only
+ * they move, they turn 1e4 times as fast.  Without any mass the run ends there. */
+TEST(light_crank)
+{
+    static const lw_formulation each[] = { LW_FORMULATION_AUTO, LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL };
+    const double last = acos(-0.3125), first = acos(0.6875), span = last - first;    /* 1 and 2 long, crank 0.5, rocker 1, ground 2 */
+    four_bar f = { .length = { 0.5, 2, 1, 2 }, .side = 1 };
+    double angle[3];
+    angles_of(&f, 1, angle);
+    double complex pin = 0.5*cexp(I), end = 2 + cexp(I*angle[2]);
+    double from = angle[2] - (LW_PI - last);
+    for (int k = 0; k < 2; k++) {
+        char text[1500];
+        double mass = k ? 0 : 1e-8;
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': %.17g, 'centre': [0, 0], 'inertia': %.17g}, {'name': 'b', 'mass': %.17g,"
+                 " 'centre': [%.17g, %.17g], 'inertia': %.17g}, {'name': 'c', 'mass': 1, 'centre': [2, 0], 'inertia': 1}], 'joints': ["
+                 "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
+                 "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [2, 0]}],"
+                 "'input': {'joint': 'D', 'speed': 1}}", mass, mass, mass, creal(pin), cimag(pin), mass, creal(pin), cimag(pin), creal(end), cimag(end));
+        drun_read_format(&d, text, 0, 0);
+        for (int e = 0; e < 5; e++) {
+            lw_status s = drun_to(&d, each[e], 1e-8, 3, 10);
+            double way = fmod(from + 3, 2*span);
+            if (k == 0) {
+                CHECK_INT(s, LW_OK);
+                CHECK_NEAR(d.q[8], (way < span ? way : 2*span - way) - from, 2e-6, 0);
+                CHECK_NEAR(d.v[8], way < span ? 1 : -1, 1e-6, 0);
+            } else {
+                CHECK_INT(s, LW_E_NUMERIC);
+                CHECK_NEAR(d.report.t, span - from, 1e-5, 0);
+            }
+        }
+        lw_model_free(&d.model);
+    }
 }
 
 /* ---- long runs -------------------------------------------------------------------------------------- */

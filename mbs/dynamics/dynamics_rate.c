@@ -15,8 +15,9 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     d->eq.place_states(d->eq.context, y + lw_run_states(run));
     if (s == LW_OK)
         s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
-    if (s == LW_E_NUMERIC && d->n_friction && !d->touch)
-        return LW_OPEN;                      /* friction has no solution there: a shorter step may end before that place */
+    /* friction has no solution there, or only links without mass move: a shorter step may end before that place */
+    if ((s == LW_E_NUMERIC && d->n_friction && !d->touch) || (s == LW_E_ARG && t > d->o.from))
+        return LW_OPEN;
     if (s != LW_OK)
         return s;
     d->eq.rates(d->eq.context, y, y + n, dy);

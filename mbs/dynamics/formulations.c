@@ -289,6 +289,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (others && !(run.last_shown = malloc((size_t)d->n_q*sizeof *run.last_shown)))
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_status s = run_one(&run);
+    if (s == LW_E_ARG && r->t > d->o.from && !run.refused)     /* on the way, where links without mass move alone */
+        s = LW_E_NUMERIC;
     run.shown = r->samples;
     if (s == LW_E_NUMERIC && others && !run.refused)
         s = run_others(&run, s);
