@@ -240,3 +240,40 @@ TEST(cantilever)
         CHECK_NEAR(off[1]/off[2], 4, 0, 0.04);
     }
 }
+
+/* ---- slides tied to each other on a link that turns -------------------------------------------------------------- */
+
+/* Turn p of the arm and slide s of the first weight, the second one slides 0.6 s: Lagrange's equations. */
+static lw_status tied_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    double p = y[0], s = y[1], dp = y[2], ds = y[3], r = 0.3 + s, l = 0.5 + 0.6*s;
+    double inertia = 0.12 + r*r + 0.01 + 0.7*l*l, cross = -0.1, mass = 1 + 0.7*0.36, change = 2*(r + 0.7*0.6*l);
+    double moment = -change*ds*dp - g*(cos(p)*r - sin(p)*0.1) - 0.7*g*sin(p)*l;
+    double force = 0.5*change*dp*dp - g*sin(p) + 0.7*g*0.6*cos(p) - 200*s, det = inertia*mass - cross*cross;
+    dy[0] = dp, dy[1] = ds;
+    dy[2] = (mass*moment - cross*force)/det;
+    dy[3] = (inertia*force - cross*moment)/det;
+    return LW_OK;
+}
+
+TEST(slides_tied_on_a_turning_link)
+{
+    static const lw_formulation way[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL, LW_FORMULATION_RADAU };
+    double y[4] = { 0 };
+    drun_exact(&(lw_ode){ .n = 4, .rate = tied_rate }, 0, y, 2);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 0.5, 'centre': [0, 0], 'inertia': 0.1}, {'name': 'b', 'mass': 1, "
+        "'centre': [0.3, 0.1], 'inertia': 0.01}, {'name': 'c', 'mass': 0.7, 'centre': [0, -0.5], 'inertia': 0.01}], 'joints': [{'name': 'A', 'links': "
+        "['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'kind': 't', 'links': ['a', 'b'], 'at': [0.3, 0.1], 'along': [1, 0]}, {'name': 'C', 'kind': 't', "
+        "'links': ['a', 'c'], 'at': [0, -0.5], 'along': [0, -1]}], 'gravity': [0, -9.81], 'springs': [{'joint': 'B', 'stiffness': 200}], 'inputs': "
+        "[{'joint': 'B'}, {'joint': 'C', 'ratio': 0.6}], 'tracers': [{'name': 'P', 'link': 'b', 'at': [0.3, 0.1]}]}", 0, 0);
+    for (size_t i = 0; i < sizeof way/sizeof *way; i++) {
+        double allowed = i == 0 || i == 3 ? 1e-7 : 1e-4, c = cos(y[0]), s = sin(y[0]);
+        CHECK_INT(drun_to(&d, way[i], 1e-9, 2, 1), LW_OK);
+        CHECK_NEAR(d.tracer[1].x, c*(0.3 + y[1]) - s*0.1, allowed, 0);
+        CHECK_NEAR(d.tracer[1].y, s*(0.3 + y[1]) + c*0.1, allowed, 0);
+        CHECK(d.report.steps < 20000);
+    }
+    lw_model_free(&d.model);
+    lw_system_free(&d.system);
+}

@@ -1254,6 +1254,39 @@ TEST(modes_of_a_hanging_body)
     lw_spatial_free(&m);
 }
 
+/* An input held along a slide that swings, or at the height of a tracer: the force that holds it brings back. */
+TEST(modes_with_inputs_held)
+{
+    static const char slide[] = "{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 0.5, "
+        "\"centre\": [0, 0, 0], \"inertia\": [0.1, 0.1, 0.1]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [0, 0, -2], \"inertia\": [0.01, 0.01, "
+        "0.01]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0, 0], \"axis\": [0, 1, 0]}, {\"name\": \"B\", \"kind\": "
+        "\"t\", \"links\": [\"a\", \"b\"], \"at\": [0, 0, -1], \"axis\": [0, 0, -1]}], \"input\": {\"joint\": \"B\"}}";
+    /* a plate that slides and turns in a plane, a point of it kept at its place: a pendulum */
+    static const char height[] = "{\"linkwright\": 1, \"gravity\": [0, 0, -9.81], \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 2, \"centre\": "
+        "[0, 0, -0.5], \"inertia\": [0.3, 0.4, 0.3]}], \"joints\": [{\"name\": \"E\", \"kind\": \"planar\", \"links\": [\"ground\", \"a\"], \"at\": "
+        "[0, 0, 0], \"axis\": [0, 1, 0]}], \"inputs\": [{\"tracer\": \"P\", \"coordinate\": \"z\"}, {\"tracer\": \"P\", \"coordinate\": \"x\"}], \"tracers\": "
+        "[{\"name\": \"P\", \"link\": \"a\", \"at\": [0, 0, 0]}]}";
+    for (int i = 0; i < 2; i++) {
+        lw_spatial m;
+        lw_dynamics *d;
+        lw_modes modes;
+        lw_error e = { 0 };
+        double q[14];
+        lw_dynamics_options o = lw_dynamics_options_default();
+        o.analysis = LW_ANALYSIS_STATIC;
+        o.hold_inputs = true;
+        read_spatial(i ? height : slide, strlen(i ? height : slide), "held", &m);
+        CHECK_INT(lw_dynamics_make_spatial(&m, &o, &d, &e), LW_OK);
+        CHECK_INT(lw_modes_find_large(d, &(lw_modes_options){ .rest = true }, 20, 0, q, &modes, &e), LW_OK);
+        CHECK_INT(modes.n_mode, 1);
+        double want = i ? sqrt(2*9.81*0.5/(0.4 + 0.5)) : sqrt(9.81*2/(0.1 + 0.01 + 4));
+        CHECK_NEAR(2*LW_PI*modes.mode[0].frequency, want, 1e-9, 0);
+        lw_modes_free(&modes);
+        lw_dynamics_free(d);
+        lw_spatial_free(&m);
+    }
+}
+
 /* Inertias far below mass times length squared: as many modes as freedoms, and those of even less inertia. */
 TEST(modes_of_points_of_mass)
 {

@@ -39,6 +39,13 @@ lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
     return s;
 }
 
+int lw_mbs_bends(const lw_dynamics *d, int row, lw_bend *out)
+{
+    int driven = row - d->n_row;
+    return driven < 0 ? d->eq.bends(d->eq.context, row, out)
+         : driven < d->n_driven ? d->eq.measure_bends(d->eq.context, d->driven_measure[driven], out) : 0;
+}
+
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
 {
     int row = d->n_row;

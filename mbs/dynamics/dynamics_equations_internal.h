@@ -127,6 +127,9 @@ lw_status lw_mbs_start_states(lw_dynamics *d, lw_error *e);
 /* Value, rate and second rate at t that the motion of driven input i prescribes for its row, scaled. */
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);
 
+/* Second derivatives of a row in force at the posture placed last, as in lw_equations; those of resting stops are left out. */
+int lw_mbs_bends(const lw_dynamics *d, int row, lw_bend *out);
+
 /* Rows and their derivatives at (t, q) into d->phi, d->jac, d->frames. */
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q);
 

@@ -212,7 +212,7 @@ static void add_row_derivatives(ggl *g, int k, const double *y, double *jac)
             put_moved(g, jac, first + k, i, x);
             put(g, jac, first + c + k, n + i, x);
         }
-    for (int e = (row < d->n_row ? d->eq.bends(d->eq.context, row, each) : 0) - 1; e >= 0; e--) {   /* driven pins have none */
+    for (int e = lw_mbs_bends(d, row, each) - 1; e >= 0; e--) {
         int a = each[e].a, b = each[e].b;
         put_moved(g, jac, a, b, m*each[e].h/mass_of(g, a));
         put_moved(g, jac, n + a, b, l*each[e].h);

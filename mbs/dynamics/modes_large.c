@@ -233,7 +233,7 @@ static bool reduce(lanczos *z, bool are_modes, double t, const double *l, lw_vib
         d->eq.derivatives(d->eq.context, t, z->q, still, d->force, &(lw_force_sink){ .context = &p, .add = multiply });
         for (int r = 0; r < z->tangent->c; r++) {
             lw_bend bend[LW_BEND_MAX];
-            int row = d->kept[r], count = row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0;
+            int row = d->kept[r], count = lw_mbs_bends(d, row, bend);
             for (int b = 0; b < count; b++)
                 k[bend[b].a] += l[r]*bend[b].h*x[bend[b].b];
         }

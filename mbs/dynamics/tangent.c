@@ -169,7 +169,7 @@ static void put_rows(lw_tangent *t, const double *l)
                 put(t, LW_BLOCK*d->row_block[row][b] + i, t->n + t->z + k, x, 0);
                 put(t, t->n + t->z + k, LW_BLOCK*d->row_block[row][b] + i, x, 0);
             }
-        for (int e = (l && row < d->n_row ? d->eq.bends(d->eq.context, row, bend) : 0) - 1; e >= 0; e--)
+        for (int e = (l ? lw_mbs_bends(d, row, bend) : 0) - 1; e >= 0; e--)
             put(t, bend[e].a, bend[e].b, l[k]*bend[e].h, 0);
     }
 }

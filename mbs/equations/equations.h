@@ -70,9 +70,10 @@ typedef struct lw_equations {
      * (n_row).  measure_bias: this part of the second rate of a measure. */
     void   (*bias)(void *context, const double *v, double *out);
     double (*measure_bias)(void *context, int measure, const double *v);
-    /* Second derivatives of a row, at most LW_BEND_MAX; returns how many.  For vibrations and implicit steps; none of gears
-     * and ties are given. */
+    /* Second derivatives of a row, or of a measure over its unit, at most LW_BEND_MAX; returns how many.  For vibrations and
+     * implicit steps. */
     int    (*bends)(void *context, int row, lw_bend *out);
+    int    (*measure_bends)(void *context, int measure, lw_bend *out);
     /* Motion prescribed for an input at t: value of its measure, rate and second rate, over the unit.  LW_E_NUMERIC: a number
      * that is not finite. */
     lw_status (*motion)(void *context, int input, double t, double out[3]);

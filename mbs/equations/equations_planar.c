@@ -93,6 +93,11 @@ static void bias(void *context, const double *v, double *out)
     const lw_planar *d = context;
     for (int j = 0; j < d->s->n_joint; j++)
         joint_bias(d, &d->s->joint[j], v, out);
+    for (int i = 0; i < d->s->n_tie; i++) {
+        const int *joint = d->s->input_joint;
+        double ratio = d->s->tie[i];
+        out[d->s->tie_row + i] -= (count_bias(d, joint[d->s->n_input + i], v) - ratio*count_bias(d, joint[0], v))/(1 + fabs(ratio));
+    }
 }
 
 static double measure_bias(void *context, int joint, const double *v) { return count_bias(context, joint, v); }
@@ -109,24 +114,11 @@ static int add_bend(lw_bend *out, int n, int body, int axis, int other, int othe
     return n;
 }
 
-/* Second derivatives of row r, w . d with w fixed or carried by link 0
- * (mbs/constraints/system_rows.c).  Rows of turns have none. */
-static int bends(void *context, int r, lw_bend *out)
+/* w . d with w carried by link 0, in its direction now. */
+static int line_bends(const lw_planar *d, const lw_system_joint *j, lw_vec2 w, lw_bend *out)
 {
-    const lw_planar *d = context;
-    const lw_system_joint *j = &d->s->joint[d->s->row[r].joint];
-    if (lw_joint_has_ratio(j->kind) || (d->s->n_tie && r >= d->s->tie_row))
-        return 0;
-    bool point = lw_joint_holds_point(j->kind);
-    int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
-    if (side >= (point ? 2 : 1))
-        return 0;
-    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames[b0 + 1].dir), r1 = lw_v2_turn(j->arm[1], d->frames[b1 + 1].dir);
-    if (point) {
-        n = add_bend(out, n, b0, 2, b0, 2, side ? r0.y : r0.x);
-        return add_bend(out, n, b1, 2, b1, 2, side ? -r1.y : -r1.x);
-    }
-    lw_vec2 w = lw_v2_perp(lw_v2_turn(j->along, d->frames[b0 + 1].dir)), dw = lw_v2_perp(w);
+    int b0 = j->body[0], b1 = j->body[1], n = 0;
+    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames[b0 + 1].dir), r1 = lw_v2_turn(j->arm[1], d->frames[b1 + 1].dir), dw = lw_v2_perp(w);
     lw_vec2 apart = lw_v2_sub(lw_v2_add(d->frames[b1 + 1].at, r1), lw_v2_add(d->frames[b0 + 1].at, r0));
     n = add_bend(out, n, b0, 2, b0, 2, -lw_v2_dot(w, r0) - lw_v2_dot(w, apart));
     n = add_bend(out, n, b1, 2, b1, 2, -lw_v2_dot(w, r1));
@@ -135,6 +127,45 @@ static int bends(void *context, int r, lw_bend *out)
     n = add_bend(out, n, b0, 2, b1, 1, dw.y);
     n = add_bend(out, n, b0, 2, b0, 0, -dw.x);
     return add_bend(out, n, b0, 2, b0, 1, -dw.y);
+}
+
+/* Of the measure of a joint times a factor; turns have none. */
+static int count_bends(const lw_planar *d, int joint, double by, lw_bend *out)
+{
+    const lw_system_joint *j = &d->s->joint[joint];
+    if (!lw_joint_slides(j->kind))
+        return 0;
+    return line_bends(d, j, lw_v2_scale(lw_v2_turn(j->along, d->frames[j->body[0] + 1].dir), by), out);
+}
+
+static int measure_bends(void *context, int joint, lw_bend *out) { return count_bends(context, joint, 1, out); }
+
+/* Row r (mbs/constraints/system_rows.c): w . d with w fixed or carried by link 0, or a sum of measures. */
+static int bends(void *context, int r, lw_bend *out)
+{
+    const lw_planar *d = context;
+    int n = 0;
+    if (d->s->n_tie && r >= d->s->tie_row) {
+        double ratio = d->s->tie[r - d->s->tie_row], by = 1/(1 + fabs(ratio));
+        n = count_bends(d, d->s->input_joint[d->s->n_input + r - d->s->tie_row], by, out);
+        return n + count_bends(d, d->s->input_joint[0], -ratio*by, out + n);
+    }
+    const lw_system_joint *j = &d->s->joint[d->s->row[r].joint];
+    for (int side = 0; side < 2 && lw_joint_has_ratio(j->kind); side++)
+        if (j->slider[side] >= 0)
+            n += count_bends(d, j->slider[side], lw_system_gear_factor(j, side)*j->slider_sign[side], out + n);
+    if (lw_joint_has_ratio(j->kind))
+        return n;
+    bool point = lw_joint_holds_point(j->kind);
+    int b0 = j->body[0], b1 = j->body[1], side = r - j->row;
+    if (side >= (point ? 2 : 1))
+        return 0;
+    if (point) {
+        lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames[b0 + 1].dir), r1 = lw_v2_turn(j->arm[1], d->frames[b1 + 1].dir);
+        n = add_bend(out, n, b0, 2, b0, 2, side ? r0.y : r0.x);
+        return add_bend(out, n, b1, 2, b1, 2, side ? -r1.y : -r1.x);
+    }
+    return line_bends(d, j, lw_v2_perp(lw_v2_turn(j->along, d->frames[b0 + 1].dir)), out);
 }
 
 /* ---- forces and energies ------------------------------------------------------------------------------------ */
@@ -370,7 +401,7 @@ lw_equations lw_planar_equations(lw_planar *p)
                            .mass = p->f->mass, .weight = p->f->weight, .unit = p->s->unit,
                            .conservative = p->f->conservative, .exact = lw_planar_exact(p), .context = p, .name = name,
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
-                           .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
+                           .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias, .measure_bends = measure_bends,
                            .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = consistent ? more_mass : NULL, .damper = damper,
                            .expressions = has_expressions(m) ? expressions : NULL,

@@ -270,6 +270,21 @@ static int bends(void *context, int row, lw_bend *out)
     return n;
 }
 
+static int measure_bends(void *context, int number, lw_bend *out)
+{
+    const lw_spatial_scene *c = context;
+    lw_spatial_measure of = lw_spatial_numbered(c, number);
+    double h[12][12];
+    int body[2], n = 0;
+    lw_space_bodies(&c->s, &(lw_space_extra){ .measure = of }, body);
+    lw_space_measure_bends(&c->s, c->frame, of, h);
+    for (int a = 0; a < 12; a++)
+        for (int b = 0; b < 12; b++)
+            if (h[a][b] != 0 && body[a/6] >= 0 && body[b/6] >= 0)
+                out[n++] = (lw_bend){ 6*body[a/6] + a%6, 6*body[b/6] + b%6, h[a][b] };
+    return n;
+}
+
 /* ---- forces and energies ------------------------------------------------------------------------------------- */
 
 static void forces(void *context, double t, const double *q, const double *v, double *force, double *power)
@@ -562,7 +577,7 @@ lw_equations lw_spatial_equations(lw_spatial_scene *c)
                            .conservative = c->f.conservative, .smooth = true, .exact = true, .context = c, .name = name,
                            .row_blocks = row_blocks, .measure_blocks = measure_blocks, .place = place, .rows = rows,
                            .measure = measure, .measure_unit = measure_unit, .bias = bias, .measure_bias = measure_bias,
-                           .bends = bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
+                           .bends = bends, .measure_bends = measure_bends, .motion = prescribed, .forces = forces, .derivatives = derivatives,
                            .pattern = pattern, .more_mass = lw_space_more_mass(&c->f, NULL, NULL) ? more_mass : NULL,
                            .more_inertia = c->model->n_super ? more_inertia : NULL,
                            .damper = damper, .n_z = c->model->states.n_state, .z = c->f.z, .place_states = place_states, .state_rates = state_rates,
